@@ -1,0 +1,51 @@
+# The roll-call: one C-linkage function per technique and scene file, called in alphabetical order from one generated source.
+# It survives static libraries, the order is fixed, and a wrong stem is a link error that names it.
+
+# gnomon_write_roll(OUT_VARIABLE NAME KIND FILES...): writes NAME, which defines `void FUNCTION(gnomon::Registry&)`.
+function(gnomon_write_roll path function techniques scenes)
+  set(declarations "")
+  set(calls "")
+  foreach(kind technique scene)
+    set(files "${${kind}s}")
+    list(SORT files)
+    foreach(file IN LISTS files)
+      get_filename_component(stem "${file}" NAME_WE)
+      string(APPEND declarations "extern \"C\" void gnomon_${kind}_${stem}(gnomon::Registry&);\n")
+      string(APPEND calls "  gnomon_${kind}_${stem}(registry);\n")
+    endforeach()
+  endforeach()
+  file(GENERATE OUTPUT "${path}" CONTENT
+"// Written by the build from the names of the files in techniques/ and scenes/.
+#include <gnomon/registry.h>
+${declarations}
+extern \"C\" const int gnomon_plugin_abi = gnomon::abi_version;
+extern \"C\" void ${function}([[maybe_unused]] gnomon::Registry& registry) {
+${calls}}
+")
+endfunction()
+
+# gnomon_add_program(NAME TECHNIQUES files... SCENES files...): the testbed with these techniques and scenes built in.
+function(gnomon_add_program name)
+  cmake_parse_arguments(arg "" "" "TECHNIQUES;SCENES" ${ARGN})
+  set(roll "${CMAKE_CURRENT_BINARY_DIR}/${name}_roll.cpp")
+  gnomon_write_roll("${roll}" gnomon_roll_call "${arg_TECHNIQUES}" "${arg_SCENES}")
+  add_library(${name}_content OBJECT "${roll}" ${arg_TECHNIQUES} ${arg_SCENES})
+  target_link_libraries(${name}_content PUBLIC gnomon::gnomon)
+  target_precompile_headers(${name}_content PRIVATE <fmt/format.h> <glm/glm.hpp> <algorithm> <string> <vector>)
+  add_executable(${name} "${GNOMON_MAIN}")
+  target_link_libraries(${name} PRIVATE ${name}_content gnomon::app)
+endfunction()
+
+# gnomon_add_plugin(NAME files...): the same files as a plugin for `gnomon --plugin ./NAME.so`. All are techniques.
+function(gnomon_add_plugin name)
+  set(files "")
+  foreach(file IN LISTS ARGN)
+    get_filename_component(absolute "${file}" ABSOLUTE)
+    list(APPEND files "${absolute}")
+  endforeach()
+  set(roll "${CMAKE_CURRENT_BINARY_DIR}/${name}_roll.cpp")
+  gnomon_write_roll("${roll}" gnomon_plugin_roll_call "${files}" "")
+  add_library(${name} MODULE "${roll}" ${files})
+  set_target_properties(${name} PROPERTIES PREFIX "")
+  target_link_libraries(${name} PRIVATE gnomon::gnomon)
+endfunction()

@@ -1,0 +1,151 @@
+#pragma once
+#include <gnomon/error.h>
+
+#include <initializer_list>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gnomon {
+
+/// What is paid when. A later stage repeats without the earlier ones.
+///   setup    once per process: shaders, allocations that depend on nothing
+///   build    the geometry changed
+///   relight  the light changed
+///   resolve  the camera changed
+enum class Stage { setup, build, relight, resolve };
+inline constexpr std::string_view stage_names[] = {"setup", "build", "relight", "resolve"};
+inline constexpr std::string_view name(Stage stage) { return stage_names[static_cast<int>(stage)]; }
+
+class Parametrized;
+
+/// One member is one row: name, default, range, unit, the stage it spoils and one sentence. From it follow the command-line
+/// setting, the sweep, the table column, the slider and the page. Values are text at this level; typed rows derive from it.
+class Parameter {
+ public:
+  Parameter(Parametrized* owner, std::string_view name, std::string_view unit, Stage spoils, std::string_view sentence);
+  Parameter(const Parameter&) = delete;
+  Parameter& operator=(const Parameter&) = delete;
+  virtual ~Parameter() = default;
+
+  std::string_view name() const { return name_; }
+  std::string_view unit() const { return unit_; }
+  std::string_view sentence() const { return sentence_; }
+  Stage spoils() const { return spoils_; }
+
+  virtual std::string text() const = 0;          ///< current value; `set(text())` changes nothing
+  virtual std::string default_text() const = 0;  ///< value of a fresh object
+  virtual std::string allowed() const = 0;       ///< "64 .. 8192 texel", "constant | slope", "true | false"
+  /// Both ends of the range, or every choice: what the conformance tests run.
+  virtual std::vector<std::string> probes() const = 0;
+  /// Throws Error "ID.NAME = VALUE is outside ALLOWED"; the old value then stays.
+  virtual void set(std::string_view value) = 0;
+
+ protected:
+  [[noreturn]] void refuse(std::string_view value) const;
+
+ private:
+  const Parametrized* owner_;
+  std::string_view name_, unit_, sentence_;
+  Stage spoils_;
+};
+
+/// Whatever has parameter rows: techniques and scene generators. Rows register themselves in order of declaration.
+class Parametrized {
+ public:
+  Parametrized() = default;
+  Parametrized(const Parametrized&) = delete;
+  Parametrized& operator=(const Parametrized&) = delete;
+  virtual ~Parametrized() = default;
+
+  const std::string& id() const { return id_; }
+  void set_id(std::string_view id) { id_ = id; }  ///< called once by the registry
+  std::span<Parameter* const> parameters() const { return parameters_; }
+  /// Throws Error with the nearest name and the list of names when `name` is unknown.
+  Parameter& parameter(std::string_view name) const;
+  /// "a=1,b=2": what differs from the defaults, in order of declaration; empty when nothing does.
+  std::string settings() const;
+  /// Sets from "a=1,b=2"; empty sets nothing. Throws Error on unknown names, bad values, repeated names.
+  void apply(std::string_view settings);
+
+ private:
+  friend class Parameter;
+  std::string id_;
+  std::vector<Parameter*> parameters_;
+};
+
+/// Range of a Number: both ends allowed. `log` is a hint for sweeps and sliders.
+template <class T>
+struct Range {
+  std::string_view unit = "";
+  T min;
+  T max;
+  bool log = false;
+};
+
+/// A number with a range; T is int or double.
+template <class T>
+class Number final : public Parameter {
+ public:
+  Number(Parametrized* owner, std::string_view name, T value, Range<T> range, Stage spoils, std::string_view sentence)
+      : Parameter(owner, name, range.unit, spoils, sentence), value_(value), default_(value), range_(range) {}
+  operator T() const { return value_; }
+  T value() const { return value_; }
+  const Range<T>& range() const { return range_; }
+  std::string text() const override { return fmt::format("{}", value_); }
+  std::string default_text() const override { return fmt::format("{}", default_); }
+  std::string allowed() const override {
+    return fmt::format("{} .. {}{}{}", range_.min, range_.max, unit().empty() ? "" : " ", unit());
+  }
+  std::vector<std::string> probes() const override {
+    return {fmt::format("{}", range_.min), fmt::format("{}", range_.max)};
+  }
+  void set(std::string_view value) override;
+
+ private:
+  T value_, default_;
+  Range<T> range_;
+};
+extern template void Number<int>::set(std::string_view);
+extern template void Number<double>::set(std::string_view);
+
+/// One of a few words.
+class Choice final : public Parameter {
+ public:
+  Choice(Parametrized* owner, std::string_view name, std::string_view value, std::initializer_list<std::string_view> choices,
+         Stage spoils, std::string_view sentence);
+  std::string_view value() const { return choices_[index_]; }
+  int index() const { return index_; }  ///< position in the list of choices
+  bool is(std::string_view choice) const { return value() == choice; }
+  std::string text() const override { return std::string(value()); }
+  std::string default_text() const override { return std::string(choices_[default_]); }
+  std::string allowed() const override { return fmt::format("{}", fmt::join(choices_, " | ")); }
+  std::vector<std::string> probes() const override { return {choices_.begin(), choices_.end()}; }
+  void set(std::string_view value) override;
+
+ private:
+  std::vector<std::string_view> choices_;
+  int index_ = 0, default_ = 0;
+};
+
+/// On or off: `true` or `false`.
+class Flag final : public Parameter {
+ public:
+  Flag(Parametrized* owner, std::string_view name, bool value, Stage spoils, std::string_view sentence)
+      : Parameter(owner, name, "", spoils, sentence), value_(value), default_(value) {}
+  operator bool() const { return value_; }
+  std::string text() const override { return value_ ? "true" : "false"; }
+  std::string default_text() const override { return default_ ? "true" : "false"; }
+  std::string allowed() const override { return "true | false"; }
+  std::vector<std::string> probes() const override { return {"false", "true"}; }
+  void set(std::string_view value) override;
+
+ private:
+  bool value_, default_;
+};
+
+/// The candidate with the smallest edit distance to `word`; empty when there is no candidate.
+std::string nearest_word(std::string_view word, std::span<const std::string> candidates);
+
+}  // namespace gnomon

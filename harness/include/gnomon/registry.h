@@ -1,0 +1,76 @@
+#pragma once
+#include <gnomon/technique.h>
+
+#include <functional>
+
+namespace gnomon {
+
+/// Version of the contract: a plugin built for another number is refused.
+inline constexpr int abi_version = 1;
+
+/// A scene made by a program instead of a file; one per file in scenes/. Gives lights `point` and `sun` and at least one view.
+class SceneGenerator : public Parametrized {
+ public:
+  virtual Scene make() const = 0;
+};
+
+struct SceneAbout {
+  std::string_view title;
+  std::string_view summary;  ///< one sentence: what it is and what it brings out
+};
+
+struct TechniqueEntry {
+  std::string id;
+  About about;
+  std::function<std::unique_ptr<Technique>()> make;  ///< fresh object, id set
+};
+struct SceneEntry {
+  std::string id;
+  SceneAbout about;
+  std::function<std::unique_ptr<SceneGenerator>()> make;
+};
+
+/// All that was called in the roll: techniques and generated scenes in alphabetical order of their ids.
+class Registry {
+ public:
+  void add(TechniqueEntry entry);  ///< throws Error on an id that is taken
+  void add(SceneEntry entry);
+  const std::vector<TechniqueEntry>& techniques() const { return techniques_; }
+  const std::vector<SceneEntry>& scenes() const { return scenes_; }
+  /// Throws Error with the nearest id and the list.
+  const TechniqueEntry& technique(std::string_view id) const;
+  const SceneEntry* find_scene(std::string_view id) const;
+
+ private:
+  std::vector<TechniqueEntry> techniques_;
+  std::vector<SceneEntry> scenes_;
+};
+
+/// The registry of this process.
+Registry& registry();
+
+/// Loads a plugin and calls its roll. Throws Error when it cannot be loaded or was built for another contract.
+void load_plugin(const std::string& path);
+
+template <class Class>
+auto maker(const char* id) {
+  return [id] {
+    auto object = std::make_unique<Class>();
+    object->set_id(id);
+    return object;
+  };
+}
+
+}  // namespace gnomon
+
+/// Registers the technique of this file. `id` is the file's stem; the build writes the roll that calls it.
+#define GNOMON_TECHNIQUE(id, Class, ...)                                                                     \
+  extern "C" void gnomon_technique_##id(gnomon::Registry& registry) {                                        \
+    registry.add(gnomon::TechniqueEntry{#id, gnomon::About __VA_ARGS__, gnomon::maker<Class>(#id)});         \
+  }
+
+/// Registers the generated scene of this file, the same way.
+#define GNOMON_SCENE(id, Class, ...)                                                                         \
+  extern "C" void gnomon_scene_##id(gnomon::Registry& registry) {                                            \
+    registry.add(gnomon::SceneEntry{#id, gnomon::SceneAbout __VA_ARGS__, gnomon::maker<Class>(#id)});        \
+  }

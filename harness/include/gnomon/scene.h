@@ -1,0 +1,116 @@
+#pragma once
+#include <gnomon/light.h>
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace gnomon {
+
+// World space everywhere: right-handed, +y up, meters. Geometry is float32, rounded once at load, so that every technique
+// sees the very same points. The loader never recenters.
+
+struct Sphere {
+  glm::vec3 center{0};
+  float radius = 1;
+};
+/// Solid cone: base disc and lateral surface; the peak is at base + height * axis.
+struct Cone {
+  glm::vec3 base{0};
+  glm::vec3 axis{0, 1, 0};  ///< any length but zero; used normalized
+  float radius = 1, height = 1;
+};
+struct Disc {
+  glm::vec3 center{0};
+  glm::vec3 normal{0, 1, 0};  ///< any length but zero; used normalized
+  float radius = 1;
+};
+struct Triangle {
+  glm::vec3 points[3];
+};
+/// Finite rectangle center +- half_u +- half_v.
+struct Plane {
+  glm::vec3 center{0}, half_u{1, 0, 0}, half_v{0, 0, 1};
+};
+struct Box {
+  glm::vec3 min{0}, max{1};
+};
+using Shape = std::variant<Sphere, Cone, Disc, Triangle, Plane, Box>;
+
+/// "sphere", "cone", "disc", "triangle", "plane", "box".
+std::string_view kind_name(const Shape& shape);
+
+/// Whether the tessellation differs from the shape. Flat shapes (triangle, plane, box) are their triangles exactly.
+bool is_curved(const Shape& shape);
+
+/// Measured at load on vertices welded by exact position.
+struct MeshFacts {
+  std::size_t boundary_edge_count = 0;     ///< edges with one triangle
+  std::size_t nonmanifold_edge_count = 0;  ///< edges with more than two
+  std::size_t misoriented_edge_count = 0;  ///< two-triangle edges whose two directions agree
+  std::size_t degenerate_count = 0;        ///< triangles dropped at load: zero area, or a repeated vertex
+  bool closed() const { return boundary_edge_count == 0 && nonmanifold_edge_count == 0 && misoriented_edge_count == 0; }
+};
+
+struct Mesh {
+  std::string name;
+  std::vector<glm::vec3> positions;
+  std::vector<glm::uvec3> triangles;  ///< counter-clockwise seen from outside, where the mesh has an outside
+  bool casts = true;
+  bool receives = true;
+  glm::vec3 albedo{0.7f};      ///< linear
+  std::optional<Shape> shape;  ///< exact shape beside the tessellation
+  MeshFacts facts;
+
+  /// Whether mesh truth and shape truth differ.
+  bool has_curved_shape() const { return shape && is_curved(*shape); }
+};
+
+/// Pinhole camera. The image plane is perpendicular to target - eye; `up` gives its upward side.
+struct View {
+  std::string name = "view";
+  glm::vec3 eye{0, 0, 5}, target{0}, up{0, 1, 0};
+  float fov_y_degrees = 45;
+};
+
+struct Bounds {
+  glm::vec3 min{INFINITY}, max{-INFINITY};
+  void add(const glm::vec3& p) {
+    min = glm::min(min, p);
+    max = glm::max(max, p);
+  }
+  bool empty() const { return min.x > max.x; }
+};
+
+struct Scene {
+  std::string name;
+  float ambient = 0.15f;  ///< constant ambient term of the shaded picture
+  std::vector<Mesh> meshes;
+  std::vector<Light> lights;  ///< at least one, names unique
+  std::vector<View> views;    ///< at least one, names unique
+  std::vector<std::string> notes;  ///< what the loader did on its own account: framing camera, dropped triangles, ...
+
+  std::size_t triangle_count() const;
+  /// Of all vertices, casters and receivers alike.
+  Bounds bounds() const;
+  bool has_curved_shapes() const;
+};
+
+/// Largest absolute coordinate of vertices, eye and finite light: the scale of float32 rounding in this scene.
+double extent(const Scene& scene, const Light& light, const View& view);
+
+/// Which geometry is true: the exact shapes where a mesh has one, or the triangles everywhere.
+enum class Truth { shape, mesh };
+inline constexpr std::string_view name(Truth truth) { return truth == Truth::shape ? "shape" : "mesh"; }
+
+/// Counts boundary, non-manifold and misoriented edges after welding by exact position.
+MeshFacts measure_facts(const std::vector<glm::vec3>& positions, const std::vector<glm::uvec3>& triangles);
+
+/// Drops triangles of zero area or with a repeated vertex position, then measures the facts. Exact: the cross product is
+/// evaluated so that only truly collinear float32 corners count as degenerate.
+void finish(Mesh& mesh);
+
+}  // namespace gnomon

@@ -1,0 +1,96 @@
+#pragma once
+#include <gnomon/gbuffer.h>
+#include <gnomon/param.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gnomon {
+
+/// Whether a technique can do a scene, light and view. No default: somebody must have thought about it.
+class Support {
+ public:
+  enum class Kind { full, approximate, unsupported };
+  static Support full() { return Support(Kind::full, ""); }
+  static Support approximate(std::string why) { return Support(Kind::approximate, std::move(why)); }
+  static Support unsupported(std::string why) { return Support(Kind::unsupported, std::move(why)); }
+  Kind kind() const { return kind_; }
+  const std::string& why() const { return why_; }
+  explicit operator bool() const { return kind_ != Kind::unsupported; }
+
+ private:
+  Support(Kind kind, std::string why) : kind_(kind), why_(std::move(why)) {}
+  Kind kind_;
+  std::string why_;
+};
+std::string_view name(Support::Kind kind);
+
+/// Machine-independent work and memory of the last stages: nodes, fragments, texels, rays, bytes.
+struct Count {
+  std::string name;  ///< "bytes" is everything the technique holds after resolve, GL objects included
+  double value = 0;
+  std::string unit;
+};
+using Counts = std::vector<Count>;
+
+/// One sample that took part in the decision about a pixel, as a ray from the light through the sample's center.
+struct Tap {
+  glm::dvec3 origin{0};     ///< the light, or a point of the near plane for a directional light
+  glm::dvec3 direction{0};  ///< unit, away from the light
+  double weight = 1;        ///< weights of a pixel sum to 1
+  double stored = 0;        ///< meters along `direction` to the stored surface; infinity when nothing is stored
+};
+
+/// Why a pixel got its answer. Techniques with light-space samples give taps; geometric ones the element that decided.
+struct Explanation {
+  bool covered = true;      ///< false: outside the light frustum, cascade, receiver set or caster set
+  std::vector<Tap> taps;
+  double bias = 0;          ///< total bias as meters along the light ray
+  double texel_width = 0;   ///< world width of a texel at the pixel's point, meters; 0 without taps
+  std::optional<glm::dvec3> shifted;     ///< the look-up point, when it is not the pixel's point
+  std::optional<std::uint64_t> element;  ///< fragment, volume or plane that decided
+};
+
+enum class Promise { exact, sampled };
+enum class Role { contender, baseline, reference };
+
+struct About {
+  std::string_view title;
+  std::string_view summary;  ///< one sentence
+  std::string_view source;   ///< short names of the glossary
+  std::string_view error;    ///< what goes wrong and by how much
+  std::string_view fails;    ///< the scene that breaks it
+  Promise promise = Promise::sampled;
+  Truth sees = Truth::mesh;  ///< geometry the technique works on; promises and conformance are judged by that truth
+  Role role = Role::contender;
+  bool needs_gl = false;  ///< called with a current OpenGL 4.5 core context
+};
+
+/// A shadow technique. Life: construct (no work), set parameters, then setup, build, relight, resolve in this order; each
+/// later stage may be repeated without the earlier ones, with other arguments. A parameter set afterwards is seen from the
+/// stage that it spoils on. Scene, light and G-buffer outlive the technique until the next build, relight, resolve.
+/// Every call does its whole work: it may reuse allocations, never answers. GL techniques find the GL state at its defaults,
+/// restore it, and drain the queue before a stage returns.
+class Technique : public Parametrized {
+ public:
+  /// Asked before anything runs, on a fresh object with its parameters set, without GL.
+  virtual Support supports(const Scene& scene, const Light& light, const View& view) const = 0;
+  /// Once per process. Ends with one draw per shader variant in the state of the timed stages.
+  virtual void setup() = 0;
+  virtual void build(const Scene& scene) = 0;
+  virtual void relight(const Light& light) = 0;
+  /// Writes every pixel of the mask and nothing else.
+  virtual void resolve(const GBuffer& gbuffer, VisibilityMask& mask) = 0;
+  virtual Counts counts() const = 0;
+  /// Why pixel `index` of the last resolve got its answer; nothing when the technique has no samples to show. Untimed.
+  virtual std::optional<Explanation> explain(std::size_t index) const;
+  /// Names of the debug layers of `draw_debug`; empty by default.
+  virtual std::vector<std::string> debug_layers() const { return {}; }
+  /// RGB picture, width * height * 3 floats, of one layer for the last resolve.
+  virtual std::vector<float> draw_debug(std::string_view layer) const;
+};
+
+}  // namespace gnomon

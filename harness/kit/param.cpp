@@ -1,0 +1,104 @@
+#include <gnomon/param.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numeric>
+
+namespace gnomon {
+
+Parameter::Parameter(Parametrized* owner, std::string_view name, std::string_view unit, Stage spoils, std::string_view sentence)
+    : owner_(owner), name_(name), unit_(unit), sentence_(sentence), spoils_(spoils) {
+  owner->parameters_.push_back(this);
+}
+
+void Parameter::refuse(std::string_view value) const {
+  throw Error("{}.{} = {} is outside {}", owner_->id(), name_, value.empty() ? "(nothing)" : value, allowed());
+}
+
+template <class T>
+void Number<T>::set(std::string_view value) {
+  T parsed{};
+  const auto [end, code] = std::from_chars(value.data(), value.data() + value.size(), parsed);
+  if (code != std::errc{} || end != value.data() + value.size()) refuse(value);
+  if (!(parsed >= range_.min && parsed <= range_.max)) refuse(value);
+  value_ = parsed;
+}
+template void Number<int>::set(std::string_view);
+template void Number<double>::set(std::string_view);
+
+Choice::Choice(Parametrized* owner, std::string_view name, std::string_view value,
+               std::initializer_list<std::string_view> choices, Stage spoils, std::string_view sentence)
+    : Parameter(owner, name, "", spoils, sentence), choices_(choices) {
+  const auto found = std::find(choices_.begin(), choices_.end(), value);
+  index_ = default_ = static_cast<int>(found - choices_.begin());
+}
+
+void Choice::set(std::string_view value) {
+  const auto found = std::find(choices_.begin(), choices_.end(), value);
+  if (found == choices_.end()) refuse(value);
+  index_ = static_cast<int>(found - choices_.begin());
+}
+
+void Flag::set(std::string_view value) {
+  if (value != "true" && value != "false") refuse(value);
+  value_ = value == "true";
+}
+
+Parameter& Parametrized::parameter(std::string_view name) const {
+  std::vector<std::string> names;
+  for (Parameter* row : parameters_) {
+    if (row->name() == name) return *row;
+    names.emplace_back(row->name());
+  }
+  if (names.empty()) throw Error("{} has no parameter {}; it has none at all", id_, name);
+  throw Error("{} has no parameter {}; did you mean {}? It has: {}", id_, name, nearest_word(name, names),
+              fmt::join(names, ", "));
+}
+
+std::string Parametrized::settings() const {
+  std::string text;
+  for (const Parameter* row : parameters_)
+    if (row->text() != row->default_text()) text += fmt::format("{}{}={}", text.empty() ? "" : ",", row->name(), row->text());
+  return text;
+}
+
+void Parametrized::apply(std::string_view settings) {
+  std::vector<std::string_view> seen;
+  while (!settings.empty()) {
+    const std::string_view item = settings.substr(0, settings.find(','));
+    settings.remove_prefix(std::min(settings.size(), item.size() + 1));
+    const std::size_t equals = item.find('=');
+    if (equals == std::string_view::npos) throw Error("{}: '{}' is not of the form parameter=value", id_, item);
+    const std::string_view key = item.substr(0, equals);
+    if (std::find(seen.begin(), seen.end(), key) != seen.end()) throw Error("{}.{} is given twice", id_, key);
+    seen.push_back(key);
+    parameter(key).set(item.substr(equals + 1));
+  }
+}
+
+std::string nearest_word(std::string_view word, std::span<const std::string> candidates) {
+  const auto distance = [](std::string_view a, std::string_view b) {
+    std::vector<std::size_t> row(b.size() + 1);
+    std::iota(row.begin(), row.end(), std::size_t{0});
+    for (std::size_t i = 1; i <= a.size(); ++i) {
+      std::size_t diagonal = std::exchange(row[0], i);
+      for (std::size_t j = 1; j <= b.size(); ++j) {
+        const std::size_t substitute = diagonal + (a[i - 1] != b[j - 1]);
+        diagonal = row[j];
+        row[j] = std::min({row[j] + 1, row[j - 1] + 1, substitute});
+      }
+    }
+    return row.back();
+  };
+  std::string best;
+  std::size_t least = SIZE_MAX;
+  for (const std::string& candidate : candidates)
+    if (const std::size_t d = distance(word, candidate); d < least) {
+      least = d;
+      best = candidate;
+    }
+  return best;
+}
+
+}  // namespace gnomon

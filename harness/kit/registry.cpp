@@ -1,0 +1,55 @@
+#include <dlfcn.h>
+#include <gnomon/registry.h>
+
+#include <algorithm>
+
+namespace gnomon {
+
+namespace {
+
+template <class Entry>
+void insert(std::vector<Entry>& entries, Entry entry, std::string_view what) {
+  const auto place = std::lower_bound(entries.begin(), entries.end(), entry.id,
+                                      [](const Entry& e, const std::string& id) { return e.id < id; });
+  if (place != entries.end() && place->id == entry.id) throw Error("{} {} is registered twice", what, entry.id);
+  entries.insert(place, std::move(entry));
+}
+
+template <class Entry>
+const Entry* find(const std::vector<Entry>& entries, std::string_view id) {
+  const auto found = std::find_if(entries.begin(), entries.end(), [&](const Entry& e) { return e.id == id; });
+  return found == entries.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+void Registry::add(TechniqueEntry entry) { insert(techniques_, std::move(entry), "technique"); }
+void Registry::add(SceneEntry entry) { insert(scenes_, std::move(entry), "scene"); }
+
+const TechniqueEntry& Registry::technique(std::string_view id) const {
+  if (const TechniqueEntry* entry = find(techniques_, id)) return *entry;
+  std::vector<std::string> ids;
+  for (const TechniqueEntry& entry : techniques_) ids.push_back(entry.id);
+  throw Error("there is no technique {}; did you mean {}? There are: {}", id, nearest_word(id, ids), fmt::join(ids, ", "));
+}
+
+const SceneEntry* Registry::find_scene(std::string_view id) const { return find(scenes_, id); }
+
+Registry& registry() {
+  static Registry the_registry;
+  return the_registry;
+}
+
+void load_plugin(const std::string& path) {
+  void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (!library) throw Error("plugin {} cannot be loaded: {}", path, dlerror());
+  const auto* abi = static_cast<const int*>(dlsym(library, "gnomon_plugin_abi"));
+  if (!abi) throw Error("plugin {} is not a Gnomon plugin: it has no symbol gnomon_plugin_abi", path);
+  if (*abi != abi_version)
+    throw Error("plugin {} was built for contract {}; this program speaks {}: build it again", path, *abi, abi_version);
+  const auto roll_call = reinterpret_cast<void (*)(Registry&)>(dlsym(library, "gnomon_plugin_roll_call"));
+  if (!roll_call) throw Error("plugin {} is not a Gnomon plugin: it has no symbol gnomon_plugin_roll_call", path);
+  roll_call(registry());
+}
+
+}  // namespace gnomon

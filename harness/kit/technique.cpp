@@ -1,0 +1,18 @@
+#include <gnomon/technique.h>
+
+namespace gnomon {
+
+std::string_view name(Support::Kind kind) {
+  static constexpr std::string_view names[] = {"full", "approximate", "unsupported"};
+  return names[static_cast<int>(kind)];
+}
+
+std::optional<Explanation> Technique::explain(std::size_t) const { return std::nullopt; }
+
+std::vector<float> Technique::draw_debug(std::string_view layer) const {
+  const std::vector<std::string> layers = debug_layers();
+  if (layers.empty()) throw Error("{} has no debug layer {}; it has none at all", id(), layer);
+  throw Error("{} has no debug layer {}; it has: {}", id(), layer, fmt::join(layers, ", "));
+}
+
+}  // namespace gnomon
