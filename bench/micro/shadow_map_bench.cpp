@@ -1,0 +1,172 @@
+// What shadow_map costs beside the least that its stages must do: a bare depth-only draw of the same triangles at the same
+// resolution and faces (relight), and one full-screen pass that fetches the same textures and writes the same target
+// (resolve). Contender and floor alternate inside one run; `ratio` is the ratio of their medians.
+// Wanted: relight at most 1.2, resolve at most 1.3, on llvmpipe, for the default setting.
+#include <benchmark/benchmark.h>
+#include <gnomon/kit/gl.h>
+#include <gnomon/kit/shapes.h>
+#include <gnomon/registry.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "device/context.h"
+#include "measure/gbuffer_maker.h"
+
+extern "C" void gnomon_technique_shadow_map(gnomon::Registry&);
+
+namespace {
+using namespace gnomon;
+
+constexpr int resolution = 1024;
+
+/// Spheres all around the origin in one mesh over a ground: the lights below see casters and receivers in their whole cone or
+/// in all six directions, so that every face is drawn and holds every triangle.
+Scene sphere_cloud(int spheres) {
+  Mesh cloud;
+  for (int i = 0; i < spheres; ++i) {
+    const float turn = 2.4f * static_cast<float>(i),
+                height = 2 * (static_cast<float>(i) + 0.5f) / static_cast<float>(spheres) - 1;
+    const float around = std::sqrt(1 - height * height);
+    const glm::vec3 center = 3.0f * glm::vec3(around * std::cos(turn), height, around * std::sin(turn));
+    const Mesh sphere = tessellate(Sphere{center, 0.4f}, 32, "sphere");
+    const auto first = static_cast<std::uint32_t>(cloud.positions.size());
+    cloud.positions.insert(cloud.positions.end(), sphere.positions.begin(), sphere.positions.end());
+    for (const glm::uvec3& t : sphere.triangles) cloud.triangles.push_back(t + first);
+  }
+  Scene scene;
+  scene.meshes = {cloud, tessellate(Plane{{0, -4, 0}, {0, 0, 8}, {8, 0, 0}}, 4, "ground")};
+  scene.views = {View{.eye = {0, 3, 14}, .target = {0, -1, 0}}};
+  scene.lights = {{.name = "spot", .kind = SpotLight{{0, 10, 0}, {0, -1, 0}, 15, 20}}, {.name = "point", .kind = PointLight{}}};
+  return scene;
+}
+
+struct Rig {
+  Scene scene = sphere_cloud(60);
+  std::unique_ptr<Technique> technique;
+  GBuffer gbuffer;
+
+  Rig(int width, int height) {
+    process_context();
+    Registry registry;
+    gnomon_technique_shadow_map(registry);
+    technique = registry.techniques()[0].make();
+    const RayScene everything(scene, Truth::mesh, RayScene::Which::all);
+    gbuffer = make_gbuffer(scene, everything, scene.views[0], width, height, Truth::mesh);
+    scene_buffers(scene);
+    gbuffer_textures(gbuffer, scene);
+    technique->setup();
+    technique->build(scene);
+  }
+};
+
+template <class Contender, class Floor>
+void alternate(benchmark::State& state, const Contender& contender, const Floor& floor) {
+  std::vector<double> contender_seconds, floor_seconds;
+  const auto timed = [](const auto& work, std::vector<double>& seconds) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  };
+  const auto median = [](std::vector<double>& values) {
+    std::ranges::nth_element(values, values.begin() + values.size() / 2);
+    return values[values.size() / 2];
+  };
+  for (int i = 0; i < 3; ++i) contender(), floor();
+  for (auto _ : state) {
+    timed(contender, contender_seconds);
+    timed(floor, floor_seconds);
+    state.SetIterationTime(contender_seconds.back());
+  }
+  state.counters["floor_ms"] = 1000 * median(floor_seconds);
+  state.counters["median_ms"] = 1000 * median(contender_seconds);
+  state.counters["ratio"] = median(contender_seconds) / median(floor_seconds);
+}
+
+void relight(benchmark::State& state) {
+  Rig rig(64, 36);
+  const Light& light = rig.scene.lights[state.range(0)];
+  std::vector<View> faces;
+  if (const auto* spot = std::get_if<SpotLight>(&light.kind))
+    faces = {{.eye = spot->position, .target = {0, 0, 0}, .up = {0, 0, 1}, .fov_y_degrees = 2 * spot->outer_degrees}};
+  else
+    for (const glm::vec3 axis : {glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), glm::vec3(0, 0, 1)})
+      for (const float sign : {1.0f, -1.0f})
+        faces.push_back({.eye = {0, 0, 0}, .target = sign * axis, .up = {axis.y, axis.z, axis.x}, .fov_y_degrees = 90});
+  const Program program("bare depth", std::string(position_snippet) + "void main() { gl_Position = place(vec4(position, 1)); }",
+                        "void main() {}");
+  const Texture depth(GL_DEPTH_COMPONENT32F, resolution, resolution, static_cast<int>(faces.size()));
+  const Framebuffer framebuffer = make_framebuffer();
+  const auto bare = [&] {
+    const SceneBuffers& buffers = scene_buffers(rig.scene);
+    const StateGuard guard;
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
+    glViewport(0, 0, resolution, resolution);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_GREATER);
+    glUseProgram(program.name());
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+      glNamedFramebufferTextureLayer(framebuffer.name(), GL_DEPTH_ATTACHMENT, depth.name(), 0, static_cast<GLint>(i));
+      const float infinitely_far = 0;
+      glClearNamedFramebufferfv(framebuffer.name(), GL_DEPTH, 0, &infinitely_far);
+      program.set("clip_from_world", glm::mat4(clip_from_world(faces[i], resolution, resolution)));
+      buffers.draw({0, 1});
+    }
+    glFinish();
+  };
+  alternate(
+      state, [&] { rig.technique->relight(light); }, bare);
+  state.SetLabel(light.name);
+}
+
+void resolve(benchmark::State& state) {
+  Rig rig(static_cast<int>(state.range(1)), static_cast<int>(state.range(2)));
+  const Light& light = rig.scene.lights[state.range(0)];
+  rig.technique->relight(light);
+  VisibilityMask mask(rig.gbuffer.width, rig.gbuffer.height), target(rig.gbuffer.width, rig.gbuffer.height);
+  const Program program("bare fetch", full_screen_vertex, R"(
+layout(binding = 0) uniform sampler2D position;
+layout(binding = 1) uniform sampler2D normal;
+layout(binding = 3) uniform sampler2DArray map;
+layout(location = 0) out float visibility;
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  vec4 p = texelFetch(position, pixel, 0), n = texelFetch(normal, pixel, 0);
+  float depth = texelFetch(map, ivec3(ivec2(p.xz * 50) & 1023, 0), 0).r;
+  visibility = dot(p, n) > depth ? 1 : 0;
+}
+)");
+  const Texture depth(GL_DEPTH_COMPONENT32F, resolution, resolution, 1);
+  const Framebuffer framebuffer = make_framebuffer();
+  const auto bare = [&] {
+    const StateGuard guard;
+    bind_gbuffer(gbuffer_textures(rig.gbuffer, rig.scene));
+    glBindTextureUnit(3, depth.name());
+    glNamedFramebufferTexture(framebuffer.name(), GL_COLOR_ATTACHMENT0, target.texture(), 0);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
+    glViewport(0, 0, target.width(), target.height());
+    glUseProgram(program.name());
+    draw_full_screen();
+    glFinish();
+  };
+  alternate(
+      state, [&] { rig.technique->resolve(rig.gbuffer, mask); }, bare);
+  state.SetLabel(light.name);
+}
+
+}  // namespace
+
+BENCHMARK(relight)
+    ->Name("shadow_map/relight")
+    ->ArgName("light")
+    ->Arg(0)
+    ->Arg(1)
+    ->UseManualTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(resolve)
+    ->Name("shadow_map/resolve")
+    ->ArgNames({"light", "width", "height"})
+    ->ArgsProduct({{0, 1}, {640}, {360}})
+    ->ArgsProduct({{0, 1}, {960}, {540}})
+    ->UseManualTime()
+    ->Unit(benchmark::kMillisecond);

@@ -1,0 +1,67 @@
+#include <embree3/rtcore_config.h>
+
+#include "app/app.h"
+#include "measure/certify.h"
+#include "measure/jobs.h"
+#include "measure/load.h"
+#include "measure/paths.h"
+#include "measure/frame.h"
+#include "measure/progress.h"
+
+namespace gnomon::app {
+
+namespace {
+
+struct Options {
+  std::string scene, size = "640x360";
+  std::vector<std::string> lights, views;
+  bool json = false;
+};
+
+int run_certify(const Options& options) {
+  const auto [width, height] = parse_size(options.size);
+  const Scene scene = load_scene(options.scene);
+  FrameStore frames(scene, cache_root() / "frames");
+  bool all_hold = true;
+  nlohmann::json list = nlohmann::json::array();
+  const auto wanted = [](const std::vector<std::string>& names, const std::string& name) {
+    return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
+  };
+  std::size_t done = 0;
+  for (const View& view : scene.views) {
+    // Without --view, the first: the one that suites use.
+    if (options.views.empty() ? &view != &scene.views.front() : !wanted(options.views, view.name)) continue;
+    for (const Light& light : scene.lights) {
+      if (!wanted(options.lights, light.name)) continue;
+      ++done;
+      // The oracle knows triangles: the certificate is of mesh truth.
+      const FrameKey key{view, width, height, Truth::mesh};
+      const Reference reference = frames.reference(key, light);
+      CertifyOptions certify_options;
+      certify_options.is_uncertain = [&](std::size_t i) { return reference.classes[i] == PixelClass::U; };
+      certify_options.reference = frames.casters(Truth::mesh).description();
+      const Certificate certificate = certify(scene, light, frames.gbuffer(key), reference.mask, certify_options);
+      all_hold = all_hold && certificate.holds();
+      if (options.json) list.push_back(certificate);
+      else fmt::print("{}\n", text(certificate));
+    }
+  }
+  if (done == 0) throw Error("scene {} has no light or view of these names", options.scene);
+  if (options.json) fmt::print("{}\n", list.dump(2));
+  return all_hold ? 0 : 1;
+}
+
+}  // namespace
+
+void add_certify(Program& program) {
+  CLI::App* command = program.cli.add_subcommand("certify", "How far the reference may be trusted: exact answers beside it");
+  auto options = std::make_shared<Options>();
+  command->add_option("--scene", options->scene, "Scene id, ID:param=value, or a scene or mesh file")->required();
+  command->add_option("--light", options->lights, "Light names; all by default")->delimiter(',');
+  command->add_option("--view", options->views, "View names; the first by default")->delimiter(',');
+  command->add_option("--size", options->size, "Picture size in pixels, WxH")->capture_default_str();
+  command->add_flag("--json", options->json, "As JSON");
+  command->callback([&program, options] { program.chosen = [options] { return run_certify(*options); }; });
+}
+
+}  // namespace gnomon::app

@@ -1,0 +1,31 @@
+#include "app/app.h"
+#include "measure/paths.h"
+#include "report/pages.h"
+
+namespace gnomon::app {
+
+void add_docs(Program& program) {
+  CLI::App* command = program.cli.add_subcommand("docs", "Write docs/techniques from the techniques themselves");
+  struct Options {
+    std::string out;
+    bool check = false;
+  };
+  auto options = std::make_shared<Options>();
+  command->add_flag("--check", options->check, "Write nothing; exit 1 when a page is stale");
+  command->add_option("--out", options->out, "Folder of the pages; docs/techniques by default");
+  command->callback([&program, options] {
+    program.chosen = [options] {
+      const std::filesystem::path dir = options->out.empty() ? data_root() / "docs/techniques" : std::filesystem::path(options->out);
+      if (options->check) {
+        const std::vector<std::string> stale = stale_pages(dir);
+        for (const std::string& page : stale) fmt::print("stale: {}\n", (dir / page).string());
+        return stale.empty() ? 0 : 1;
+      }
+      write_pages(dir);
+      fmt::print("{}\n", dir.string());
+      return 0;
+    };
+  });
+}
+
+}  // namespace gnomon::app

@@ -1,0 +1,129 @@
+#include <fmt/chrono.h>
+
+#include "app/app.h"
+#include "measure/blob.h"
+#include "measure/paths.h"
+#include "measure/run.h"
+#include "report/table.h"
+
+namespace gnomon::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string suite, size, truth, filter, shard;
+  std::vector<std::string> scenes, techniques, lights;
+  fs::path out;
+  int repetitions = 0, processes = 0, threads = 0;
+  double timeout = 0;
+  bool resume = false, dry_run = false, quiet = false;
+};
+
+Suite make_suite(const Options& options) {
+  Suite suite;
+  if (!options.suite.empty()) {
+    if (!options.scenes.empty() || !options.techniques.empty())
+      throw Error("run takes a suite or --scene and --technique, not both; --filter picks rows of a suite");
+    suite = read_suite(options.suite);
+  } else {
+    if (options.scenes.empty() || options.techniques.empty())
+      throw Error("run needs a suite ({}), or --scene and --technique", fmt::join(suite_names(), ", "));
+    suite.name = "adhoc";
+    SuiteGroup group{options.scenes, {}, {}, {}};
+    for (const std::string& technique : options.techniques)
+      for (Contender& contender : parse_contenders(technique)) group.contenders.push_back(std::move(contender));
+    suite.groups = {group};
+  }
+  for (SuiteGroup& group : suite.groups)
+    if (!options.lights.empty()) group.lights = options.lights;
+  if (!options.size.empty()) std::tie(suite.width, suite.height) = parse_size(options.size);
+  if (!options.truth.empty()) {
+    if (options.truth != "shape" && options.truth != "mesh") throw Error("--truth {} is neither shape nor mesh", options.truth);
+    suite.truth = options.truth == "mesh" ? Truth::mesh : Truth::shape;
+  }
+  if (options.repetitions) suite.repetitions = options.repetitions;
+  if (options.processes) suite.processes = options.processes;
+  if (options.timeout > 0) suite.timeout = options.timeout;
+  return suite;
+}
+
+/// "I/N" with 0 <= I < N.
+std::pair<int, int> parse_shard(const std::string& text) {
+  int index = 0, count = 0, used = 0;
+  if (std::sscanf(text.c_str(), "%d/%d%n", &index, &count, &used) != 2 || static_cast<std::size_t>(used) != text.size() ||
+      count < 1 || index < 0 || index >= count)
+    throw Error("--shard {} is not I/N with 0 <= I < N", text);
+  return {index, count};
+}
+
+void write_tables(const fs::path& out) {
+  const std::vector<Record> records = read_records(out);
+  for (const auto& [format, file] : {std::pair(Format::markdown, "table.md"), std::pair(Format::csv, "table.csv"),
+                                     std::pair(Format::latex, "table.tex"), std::pair(Format::json, "table.json")})
+    write_file(out / file, render_table(records, format));
+}
+
+int run(const Options& options, const Program& program) {
+  RunOptions run_options;
+  run_options.suite = make_suite(options);
+  run_options.filter = options.filter;
+  run_options.resume = options.resume;
+  run_options.worker = worker_options(program, options.threads);
+  if (!options.shard.empty()) std::tie(run_options.shard_index, run_options.shard_count) = parse_shard(options.shard);
+  run_options.out = options.out;
+  if (options.out.empty()) {
+    if (options.resume) throw Error("--resume needs --out: which folder to continue");
+    run_options.out = fs::path("runs") / fmt::format("{}-{:%Y%m%d-%H%M%S}", run_options.suite.name, fmt::localtime(std::time(nullptr)));
+  }
+  SceneLibrary library;
+  if (options.dry_run) {
+    const std::vector<Job> jobs = select_jobs(run_options, library);
+    for (const Job& job : jobs)
+      fmt::print("{}  {}{}\n", job.hash, job.title(), job.contender.label.empty() ? "" : "  (" + job.contender.label + ")");
+    fmt::print("{} rows, {} processes x {} repetitions each, {}x{} pixels\n", jobs.size(), run_options.suite.processes,
+               run_options.suite.repetitions, run_options.suite.width, run_options.suite.height);
+    return 0;
+  }
+  Progress progress(options.quiet);
+  const RunSummary summary = run_suite(run_options, library, progress);
+  write_tables(run_options.out);
+  fmt::print("{}\n", render_table(read_records(run_options.out), Format::terminal, {.width = terminal_width()}));
+  fmt::print("{} rows: {} ok, {} unsupported, {} failed", summary.ok + summary.unsupported + summary.failed, summary.ok,
+             summary.unsupported, summary.failed);
+  if (summary.done_before) fmt::print("; {} were done before", summary.done_before);
+  fmt::print("; {}\n\n", duration_text(summary.seconds));
+  const std::string out = run_options.out.string();
+  fmt::print("{0}/records.jsonl  every raw repetition and metric\n{0}/masks/         visibility masks, EXR\n"
+             "{0}/errors/        error pictures, PNG\n{0}/shaded/        shaded pictures, PNG\n"
+             "{0}/table.*        this table as md, csv, tex, json\n",
+             out);
+  return summary.failed ? 1 : 0;
+}
+
+}  // namespace
+
+void add_run(Program& program) {
+  CLI::App* command = program.cli.add_subcommand("run", "A suite, or any scenes and techniques: costs, errors, tables");
+  auto options = std::make_shared<Options>();
+  command->add_option("suite", options->suite, "Suite name, or a .toml file");
+  command->add_option("--scene", options->scenes, "Scene ids or files, instead of a suite");
+  command->add_option("--technique", options->techniques, "ID:param=value,...; {a,b} sweeps a value")->delimiter(';');
+  command->add_option("--light", options->lights, "Light names; the suite's, or all of each scene, by default")->delimiter(',');
+  command->add_option("--out", options->out, "Folder to write to; runs/NAME-TIME by default");
+  command->add_option("--filter", options->filter, "Only rows whose 'SCENE LIGHT TECHNIQUE' matches this expression");
+  command->add_option("--size", options->size, "Picture size in pixels, WxH");
+  command->add_option("--truth", options->truth, "What counts in the headline: shape | mesh");
+  command->add_option("--repetitions", options->repetitions, "Timed repetitions per process")->check(CLI::Range(1, 1000));
+  command->add_option("--processes", options->processes, "Fresh processes per contender")->check(CLI::Range(1, 1000));
+  command->add_option("--threads", options->threads, "Pin workers to this many cores; all by default");
+  command->add_option("--timeout", options->timeout, "Seconds that one step of a worker may take");
+  command->add_option("--shard", options->shard, "I/N: only every N-th row, from the I-th");
+  command->add_flag("--resume", options->resume, "Continue in --out; rows that are there are not run again");
+  command->add_flag("--dry-run", options->dry_run, "Print the rows and run nothing");
+  command->add_flag("--quiet", options->quiet, "No progress");
+  command->callback([&program, options] { program.chosen = [&program, options] { return run(*options, program); }; });
+}
+
+}  // namespace gnomon::app

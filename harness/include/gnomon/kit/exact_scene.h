@@ -1,0 +1,72 @@
+#pragma once
+#include <gnomon/gbuffer.h>
+#include <gnomon/kit/box_tree.h>
+
+namespace gnomon {
+
+/// A point that asks for its light, and the surface it lies on. Its coordinates are taken as exact, so the point is in general
+/// not on the plane of its own triangle: that triangle, and every caster exactly coplanar with it, never occludes it.
+struct ExactReceiver {
+  static constexpr std::uint32_t whole_mesh = 0xffffffffu;
+  glm::vec3 point{0};
+  std::uint32_t mesh = no_mesh;         ///< no_mesh: a point in space, everything may occlude it
+  std::uint32_t triangle = whole_mesh;  ///< whole_mesh: no triangle of the mesh occludes it
+};
+
+/// The receiver of a pixel. On an exact sphere, cone or disc there is no own triangle, and the whole own mesh is left out:
+/// these bodies are convex, so none shades a point of its own surface that faces the light.
+ExactReceiver exact_receiver(const Scene& scene, const GBuffer& gbuffer, std::size_t i);
+
+struct ExactAnswer {
+  bool blocked = false;
+  bool degenerate = false;  ///< blocked, but only by edges or vertices that the segment goes through exactly
+  bool operator==(const ExactAnswer&) const = default;
+};
+
+/// Work of exact queries.
+struct ExactTally {
+  std::uint64_t rays = 0, triangles = 0, degenerate = 0;
+  SignTally signs;
+  ExactTally& operator+=(const ExactTally& other);
+};
+
+/// How close a segment passes by edges that could change its answer; infinite when no edge is within the limit.
+struct EdgeMargin {
+  double clearance = INFINITY;  ///< smallest distance from the segment to an edge, meters
+  double carried = INFINITY;    ///< the same, each scaled from its edge's place to the receiver by |PL| / |Le|
+};
+
+/// All casting triangles of a scene as they are, without shapes, behind exact predicates. Shares no code with the ray tracer
+/// that it certifies. The scene must outlive it. Every query may run on many threads.
+class ExactScene {
+ public:
+  explicit ExactScene(const Scene& scene);
+
+  /// Whether a caster blocks the way to a homogeneous light. Triangles are closed: a way through an edge or a vertex is
+  /// blocked.
+  ExactAnswer occluded(const ExactReceiver& receiver, const glm::dvec4& light, ExactTally& tally) const;
+
+  /// The same for every pixel that faces the light, on all threads: 1 lit, 0 blocked, 1 where not facing.
+  ExactTally decide(const GBuffer& gbuffer, const Light& light, std::span<float> visibility) const;
+
+  /// Margin of a segment to the edges of the casters that can occlude the receiver, looking `limit` meters far. An edge between
+  /// the receiver's triangle and a neighbor out of its plane is among them: a receiver that rounding put below its plane may
+  /// be blocked by that neighbor. In double, so its own rounding is eight digits below that of the coordinates.
+  EdgeMargin edge_margin(const ExactReceiver& receiver, const glm::dvec4& light, double limit) const;
+
+  std::size_t bytes() const { return tree_.bytes() + casters_.capacity() * sizeof(Caster); }
+
+ private:
+  struct Caster {
+    Triangle corners;
+    std::uint32_t mesh, triangle;
+  };
+  /// Whether the caster is the receiver's own triangle, one coplanar with it, or of a mesh left out whole.
+  bool is_own(const Caster& caster, const ExactReceiver& receiver) const;
+
+  const Scene* scene_;
+  BoxTree tree_;
+  std::vector<Caster> casters_;  ///< in the order of the tree
+};
+
+}  // namespace gnomon

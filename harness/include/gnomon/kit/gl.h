@@ -1,0 +1,173 @@
+#pragma once
+#include <epoxy/gl.h>
+#include <gnomon/technique.h>
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace gnomon {
+
+// All of this needs a current OpenGL 4.5 core context in the house state: the defaults of OpenGL, but clip control upper left,
+// zero to one. Gnomon uses one context at a time, from one thread.
+
+// --- Objects: move-only owners of one GL name ------------------------------------------------------------------------------
+
+namespace gl_detail {
+void delete_program(GLuint name);
+void delete_buffer(GLuint name);
+void delete_texture(GLuint name);
+void delete_framebuffer(GLuint name);
+void delete_vertex_array(GLuint name);
+}  // namespace gl_detail
+
+template <void (*Delete)(GLuint)>
+class GlObject {
+ public:
+  GlObject() = default;
+  explicit GlObject(GLuint name) : name_(name) {}
+  GlObject(GlObject&& other) noexcept : name_(std::exchange(other.name_, 0)) {}
+  GlObject& operator=(GlObject&& other) noexcept {
+    std::swap(name_, other.name_);
+    return *this;
+  }
+  ~GlObject() {
+    if (name_) Delete(name_);
+  }
+  GLuint name() const { return name_; }
+  explicit operator bool() const { return name_ != 0; }
+
+ private:
+  GLuint name_ = 0;
+};
+
+using Framebuffer = GlObject<gl_detail::delete_framebuffer>;
+using VertexArray = GlObject<gl_detail::delete_vertex_array>;
+Framebuffer make_framebuffer();
+VertexArray make_vertex_array();
+
+/// Immutable storage of `bytes` bytes; `data` may be null. At least four bytes are allocated.
+struct Buffer : GlObject<gl_detail::delete_buffer> {
+  Buffer() = default;
+  Buffer(const void* data, std::size_t bytes, GLbitfield flags = 0);
+  std::size_t bytes = 0;
+};
+
+/// One level, nearest filtering, clamped to the edge; an array when it has layers. Throws Error when there is no memory for it.
+struct Texture : GlObject<gl_detail::delete_texture> {
+  Texture() = default;
+  Texture(GLenum format, int width, int height, int layers = 0);
+  int width = 0, height = 0, layers = 0;
+  std::size_t bytes = 0;
+};
+
+/// A linked program. Sources come without their version line. Throws Error with the log and the numbered source.
+class Program : public GlObject<gl_detail::delete_program> {
+ public:
+  Program() = default;
+  Program(std::string_view title, std::string_view vertex, std::string_view fragment);
+
+  /// Sets a uniform by name. Throws Error on a name that the program does not use.
+  void set(const char* uniform, int value) const;
+  void set(const char* uniform, float value) const;
+  void set(const char* uniform, const glm::vec2& value) const;
+  void set(const char* uniform, const glm::vec3& value) const;
+  void set(const char* uniform, const glm::vec4& value) const;
+  void set(const char* uniform, const glm::dvec4& value) const;
+  void set(const char* uniform, const glm::mat3& value) const;
+  void set(const char* uniform, const glm::mat4& value) const;
+
+ private:
+  GLint location(const char* uniform) const;
+  std::string title_;
+};
+
+/// Vertex shader of `draw_full_screen`.
+extern const std::string_view full_screen_vertex;
+/// One triangle that covers the viewport, with the program in use. Leaves no vertex array bound.
+void draw_full_screen();
+
+// --- Cameras ---------------------------------------------------------------------------------------------------------------
+
+/// Depth of every view is reversed: near_plane / distance along the axis, 1 at the near plane, 0 at infinity, where points
+/// with w = 0 lie exactly. Clear it to 0; nearer is greater. Float32 then resolves 2^-24 of the distance everywhere, so the
+/// near plane needs no fitting.
+inline constexpr float near_plane = 0x1p-10f;  ///< meters
+
+/// Texel (x,y) of a render target is pixel (x,y) of the G-buffer.
+glm::dmat4 clip_from_world(const View& view, int width, int height);
+
+/// Vertex shader code that every geometry pass uses, so that equal points get equal pixels and depths in all passes:
+/// attribute 0 `vec3 position`, `uniform mat4 clip_from_world`, `vec4 place(vec4 world)`, `invariant gl_Position`.
+extern const std::string_view position_snippet;
+
+/// Fragment shader code: textures 0, 1, 2 of `bind_gbuffer`, and `bool faces_light(vec4 position, vec4 normal)`, which means
+/// what gnomon::faces_light means, in double. Uniforms are set by `set_light`.
+extern const std::string_view faces_light_snippet;
+void set_light(const Program& program, const Light& light);
+
+// --- Inputs, owned here, uploaded outside the timed stages -----------------------------------------------------------------
+
+struct MeshRange {
+  std::uint32_t first_vertex = 0, first_triangle = 0, triangle_count = 0;
+  bool casts = true, receives = true;
+};
+
+/// All meshes one after the other. `triangles` holds three uint32 a triangle, counted over the whole scene (base vertex 0).
+struct SceneBuffers {
+  Buffer positions;          ///< tightly packed vec3 float, the very floats of the Scene
+  Buffer triangles;          ///< uint32
+  VertexArray vertex_array;  ///< attribute 0 = position, and the element buffer
+  std::vector<MeshRange> meshes;
+  std::size_t bytes = 0;
+  double upload_ms = 0;
+  /// Draws the triangles of these meshes, in order; neighbors are drawn as one. Leaves no vertex array bound.
+  void draw(const std::vector<std::uint32_t>& which) const;
+};
+
+struct GBufferTextures {
+  Texture position;  ///< RGBA32F; w = 1 where not background
+  Texture normal;    ///< RGBA32F; w = 1 where the mesh receives
+  Texture ids;       ///< RG32UI: mesh + 1 (0 background), triangle
+  std::size_t bytes = 0;
+  double upload_ms = 0;
+};
+
+/// Depth (read-only for techniques) and stencil (theirs; zero on entry) of the whole scene, drawn with `position_snippet`.
+struct DepthStencil {
+  Texture texture;  ///< D32F_S8
+  std::size_t bytes = 0;
+  double upload_ms = 0;
+};
+
+/// Uploaded at the first request, looked up after. The last few scenes and G-buffers are held: ask again in every stage and
+/// keep no reference from one to the next. The harness asks first, so that a technique's call costs a look-up.
+const SceneBuffers& scene_buffers(const Scene& scene);
+const GBufferTextures& gbuffer_textures(const GBuffer& gbuffer, const Scene& scene);
+const DepthStencil& depth_stencil(const Scene& scene, const GBuffer& gbuffer);
+/// Binds position, normal, ids to texture units 0, 1, 2.
+void bind_gbuffer(const GBufferTextures& textures);
+/// Frees what this part holds. Must be called before the context goes, or after a scene was edited in place.
+void release_inputs();
+
+/// What ends `setup` of a GL technique: build, relight and resolve on a tiny built-in scene. Drivers compile a shader at its
+/// first draw, in the very state of that draw, so only the stages themselves warm what the stages need.
+void warm_up(Technique& technique);
+
+// --- State -----------------------------------------------------------------------------------------------------------------
+
+/// What differs from the house state, one line each ("blend is on"); empty is right. The viewport is everybody's own.
+std::vector<std::string> state_differences();
+
+/// Puts back, when it goes, what a technique may change: bindings of program, vertex array, framebuffers, buffers, the first
+/// 16 texture and 8 image units; depth, stencil, blend, cull, clip, scissor, masks.
+class StateGuard {
+ public:
+  StateGuard() = default;
+  StateGuard(const StateGuard&) = delete;
+  StateGuard& operator=(const StateGuard&) = delete;
+  ~StateGuard();
+};
+
+}  // namespace gnomon

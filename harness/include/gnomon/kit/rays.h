@@ -1,0 +1,71 @@
+#pragma once
+#include <gnomon/gbuffer.h>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+struct RTCSceneTy;
+
+namespace gnomon {
+
+/// Sixteen shadow rays, struct of arrays, in the layout and alignment that Embree wants.
+struct alignas(64) ShadowPacket {
+  std::array<float, 16> ox, oy, oz, tnear, dx, dy, dz, time, tfar;
+  std::array<std::uint32_t, 16> mask, id, flags;
+};
+
+/// The receivers of a packet: a hit on a ray's own receiver is no hit.
+struct Receivers {
+  const std::uint32_t* mesh;      ///< 16 mesh indices
+  const std::uint32_t* triangle;  ///< 16 triangle indices; ignored on exact curved shapes, which are excluded whole
+};
+
+/// A scene in Embree, traced by the measured ray recipe (docs/method.md): robust mode; the receiver's own triangle is excluded
+/// by a filter; the origin is lifted by 8 * 2^-24 * max|P| along the normal. Exact curved shapes are traced exactly, in
+/// double; flat shapes are their triangles.
+class RayScene {
+ public:
+  enum class Which { all, casters };
+  RayScene(const Scene& scene, Truth truth, Which which);
+  RayScene(RayScene&&) noexcept;
+  RayScene& operator=(RayScene&&) noexcept;
+  ~RayScene();
+
+  struct Hit {
+    std::uint32_t mesh = no_mesh, triangle = 0;
+    glm::dvec3 normal{0};  ///< unit geometric normal as wound, or of the shape
+    double t = INFINITY;   ///< along the direction given; as Embree has it, in float32 precision on triangles
+  };
+  Hit closest(const glm::dvec3& origin, const glm::dvec3& direction) const;
+
+  /// Whether anything blocks each of the packet's rays; bit k of the result is ray k. Lanes off in `valid` answer 0.
+  std::uint32_t occluded(std::uint32_t valid, ShadowPacket& packet, const Receivers& receivers) const;
+
+  /// Bytes that Embree holds for this scene.
+  std::size_t bytes() const;
+  /// Library, instruction sets, flags and ray recipe, for certificates.
+  std::string description() const;
+  /// The Embree scene, for a bare loop beside which ours is measured.
+  RTCSceneTy* handle() const;
+
+ private:
+  struct Body;
+  std::unique_ptr<Body> body_;
+};
+
+/// Fills a packet with the shadow rays of pixels first .. first+15 (fewer at the end) toward a homogeneous light, by the ray
+/// recipe, and returns the lanes that face the light (see faces_light, which it equals in every lane).
+std::uint32_t fill_packet(const Scene& scene, const GBuffer& gbuffer, const Light& light, std::size_t first,
+                          ShadowPacket& packet);
+
+/// One shadow ray per pixel that faces the light, packets of 16 on all threads: 1 lit, 0 blocked, 1 where not facing.
+/// Returns the number of rays.
+std::size_t trace_shadows(const RayScene& casters, const Scene& scene, const GBuffer& gbuffer, const Light& light,
+                          std::span<float> visibility);
+
+/// How far a shadow ray starts off its surface: 8 * 2^-24 * the largest absolute coordinate of `point`, meters.
+double ray_offset(const glm::vec3& point);
+
+}  // namespace gnomon

@@ -1,0 +1,201 @@
+#include <gnomon/error.h>
+#include <gnomon/kit/camera.h>
+#include <gnomon/kit/gl.h>
+
+#include <algorithm>
+#include <glm/gtc/type_ptr.hpp>
+
+namespace gnomon {
+
+namespace gl_detail {
+void delete_program(GLuint name) { glDeleteProgram(name); }
+void delete_buffer(GLuint name) { glDeleteBuffers(1, &name); }
+void delete_texture(GLuint name) { glDeleteTextures(1, &name); }
+void delete_framebuffer(GLuint name) { glDeleteFramebuffers(1, &name); }
+void delete_vertex_array(GLuint name) { glDeleteVertexArrays(1, &name); }
+}  // namespace gl_detail
+
+namespace {
+
+GLuint created(void (*create)(GLsizei, GLuint*)) {
+  GLuint name = 0;
+  create(1, &name);
+  return name;
+}
+
+int texel_bytes(GLenum format) {
+  switch (format) {
+    case GL_R32F:
+    case GL_R32UI:
+    case GL_R32I:
+    case GL_DEPTH_COMPONENT32F:
+    case GL_DEPTH24_STENCIL8:
+      return 4;
+    case GL_RG32F:
+    case GL_RG32UI:
+    case GL_DEPTH32F_STENCIL8:
+      return 8;
+    case GL_RGBA32F:
+    case GL_RGBA32UI:
+      return 16;
+    case GL_R8UI:
+    case GL_R8:
+      return 1;
+  }
+  throw Error("Texture of format {:#x}: its size is not known", format);
+}
+
+std::string numbered(std::string_view source) {
+  std::string text;
+  for (int line = 1; !source.empty(); ++line) {
+    const std::size_t end = std::min(source.find('\n'), source.size());
+    text += fmt::format("{:4}  {}\n", line, source.substr(0, end));
+    source.remove_prefix(std::min(end + 1, source.size()));
+  }
+  return text;
+}
+
+/// A shader object, attached to `program`; it lives as long as the program.
+void attach(GLuint program, GLenum stage, std::string_view title, std::string_view body) {
+  const std::string source = "#version 450 core\n" + std::string(body);
+  const char* const text = source.c_str();
+  const GLuint shader = glCreateShader(stage);
+  glShaderSource(shader, 1, &text, nullptr);
+  glCompileShader(shader);
+  glAttachShader(program, shader);
+  glDeleteShader(shader);
+  GLint ok = 0, length = 0;
+  glGetShaderiv(shader, GL_COMPILE_STATUS, &ok);
+  if (ok) return;
+  glGetShaderiv(shader, GL_INFO_LOG_LENGTH, &length);
+  std::string log(std::max(length, 1), '\0');
+  glGetShaderInfoLog(shader, length, nullptr, log.data());
+  throw Error("shader {} ({}) does not compile:\n{}\n{}", title, stage == GL_VERTEX_SHADER ? "vertex" : "fragment", log.c_str(),
+              numbered(source));
+}
+
+}  // namespace
+
+Framebuffer make_framebuffer() { return Framebuffer(created(glCreateFramebuffers)); }
+VertexArray make_vertex_array() { return VertexArray(created(glCreateVertexArrays)); }
+
+Buffer::Buffer(const void* data, std::size_t bytes, GLbitfield flags) : GlObject(created(glCreateBuffers)), bytes(bytes) {
+  glNamedBufferStorage(name(), static_cast<GLsizeiptr>(std::max<std::size_t>(bytes, 4)), bytes ? data : nullptr, flags);
+}
+
+Texture::Texture(GLenum format, int width, int height, int layers)
+    : width(width),
+      height(height),
+      layers(layers),
+      bytes(std::size_t(width) * height * std::max(layers, 1) * texel_bytes(format)) {
+  GLuint texture = 0;
+  glCreateTextures(layers ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D, 1, &texture);
+  static_cast<GlObject&>(*this) = GlObject(texture);
+  if (layers)
+    glTextureStorage3D(texture, 1, format, width, height, layers);
+  else
+    glTextureStorage2D(texture, 1, format, width, height);
+  if (const GLenum error = glGetError())
+    throw Error("texture of {} x {} x {} texels, {} MiB: the OpenGL device refuses it (error {:#x})", width, height,
+                std::max(layers, 1), bytes >> 20, error);
+  glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  glTextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glTextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+}
+
+Program::Program(std::string_view title, std::string_view vertex, std::string_view fragment)
+    : GlObject(glCreateProgram()), title_(title) {
+  attach(name(), GL_VERTEX_SHADER, title, vertex);
+  attach(name(), GL_FRAGMENT_SHADER, title, fragment);
+  glLinkProgram(name());
+  GLint ok = 0, length = 0;
+  glGetProgramiv(name(), GL_LINK_STATUS, &ok);
+  if (ok) return;
+  glGetProgramiv(name(), GL_INFO_LOG_LENGTH, &length);
+  std::string log(std::max(length, 1), '\0');
+  glGetProgramInfoLog(name(), length, nullptr, log.data());
+  throw Error("program {} does not link:\n{}\nvertex:\n{}\nfragment:\n{}", title, log.c_str(), numbered(vertex),
+              numbered(fragment));
+}
+
+GLint Program::location(const char* uniform) const {
+  const GLint location = glGetUniformLocation(name(), uniform);
+  if (location < 0) throw Error("program {} uses no uniform {}", title_, uniform);
+  return location;
+}
+
+void Program::set(const char* uniform, int v) const { glProgramUniform1i(name(), location(uniform), v); }
+void Program::set(const char* uniform, float v) const { glProgramUniform1f(name(), location(uniform), v); }
+void Program::set(const char* uniform, const glm::vec2& v) const {
+  glProgramUniform2fv(name(), location(uniform), 1, glm::value_ptr(v));
+}
+void Program::set(const char* uniform, const glm::vec3& v) const {
+  glProgramUniform3fv(name(), location(uniform), 1, glm::value_ptr(v));
+}
+void Program::set(const char* uniform, const glm::vec4& v) const {
+  glProgramUniform4fv(name(), location(uniform), 1, glm::value_ptr(v));
+}
+void Program::set(const char* uniform, const glm::dvec4& v) const {
+  glProgramUniform4dv(name(), location(uniform), 1, glm::value_ptr(v));
+}
+void Program::set(const char* uniform, const glm::mat3& v) const {
+  glProgramUniformMatrix3fv(name(), location(uniform), 1, GL_FALSE, glm::value_ptr(v));
+}
+void Program::set(const char* uniform, const glm::mat4& v) const {
+  glProgramUniformMatrix4fv(name(), location(uniform), 1, GL_FALSE, glm::value_ptr(v));
+}
+
+glm::dmat4 clip_from_world(const View& view, int width, int height) {
+  const Camera camera(view, width, height);
+  const auto row = [&](const glm::dvec3& axis, double scale) { return glm::dvec4(axis, -glm::dot(axis, camera.eye)) / scale; };
+  // Rows x, y, z, w. z is near_plane for finite points and 0 for points at infinity: z/w is the reversed depth.
+  return glm::transpose(glm::dmat4(row(camera.right, camera.tan_y * width / height), row(camera.up, camera.tan_y),
+                                   glm::dvec4(0, 0, 0, near_plane), row(camera.forward, 1)));
+}
+
+// The products are summed in one order, and `precise` keeps compilers from fusing them differently in different passes.
+const std::string_view position_snippet = R"(
+layout(location = 0) in vec3 position;
+uniform mat4 clip_from_world;
+invariant gl_Position;
+vec4 place(vec4 world) {
+  precise vec4 clip = ((clip_from_world[0] * world.x + clip_from_world[1] * world.y) + clip_from_world[2] * world.z) +
+                      clip_from_world[3] * world.w;
+  return clip;
+}
+)";
+
+// Double and `precise` with the order of gnomon::faces_light: the sign is the same to the last bit but for the spot's cone,
+// whose square root and constants may differ in the last place.
+const std::string_view faces_light_snippet = R"(
+layout(binding = 0) uniform sampler2D gbuffer_position;
+layout(binding = 1) uniform sampler2D gbuffer_normal;
+layout(binding = 2) uniform usampler2D gbuffer_ids;
+uniform dvec4 light;  // homogeneous
+uniform dvec4 spot;   // unit axis and cosine of the outer half-angle; (0, 0, 0, -1) for lights without a cone
+double dot_in_order(dvec3 a, dvec3 b) {
+  precise double sum = (a.x * b.x + a.y * b.y) + a.z * b.z;
+  return sum;
+}
+bool faces_light(vec4 position, vec4 normal) {
+  if (position.w == 0 || normal.w == 0) return false;
+  precise dvec3 to_light = light.xyz - light.w * dvec3(position.xyz);
+  if (dot_in_order(dvec3(normal.xyz), to_light) <= 0) return false;
+  return spot.w == -1 || dot_in_order(-to_light, spot.xyz) > spot.w * sqrt(dot_in_order(to_light, to_light));
+}
+)";
+
+void set_light(const Program& program, const Light& light) {
+  program.set("light", homogeneous(light));
+  glm::dvec4 cone(0, 0, 0, -1);
+  if (const auto* spot = std::get_if<SpotLight>(&light.kind))
+    cone = {glm::normalize(glm::dvec3(spot->direction)), std::cos(glm::radians(double(spot->outer_degrees)))};
+  program.set("spot", cone);
+}
+
+const std::string_view full_screen_vertex = R"(
+void main() { gl_Position = vec4(gl_VertexID == 1 ? 3 : -1, gl_VertexID == 2 ? 3 : -1, 0.5, 1); }
+)";
+
+}  // namespace gnomon

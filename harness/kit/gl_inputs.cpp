@@ -1,0 +1,223 @@
+#include <gnomon/error.h>
+#include <gnomon/kit/gl.h>
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+
+namespace gnomon {
+
+namespace {
+
+/// Milliseconds of `work`, the queue drained before and after.
+template <class Work>
+double drained_ms(const Work& work) {
+  glFinish();
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  glFinish();
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Tells a new scene at an old address from the old one without reading all of it: addresses and sizes of its arrays, flags,
+/// and four vertices of each mesh. An edit in place of other vertices goes unseen: call release_inputs after such an edit.
+std::uint64_t stamp(const Scene& scene) {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  const auto mix = [&](std::uint64_t value) { hash = (hash ^ value) * 0x100000001b3u ^ hash >> 29; };
+  mix(std::bit_cast<std::uintptr_t>(&scene));
+  for (const Mesh& mesh : scene.meshes) {
+    mix(std::bit_cast<std::uintptr_t>(mesh.positions.data()));
+    mix(std::bit_cast<std::uintptr_t>(mesh.triangles.data()));
+    mix(mesh.positions.size());
+    mix(mesh.triangles.size());
+    mix(mesh.casts * 2 + mesh.receives);
+    if (mesh.positions.empty()) continue;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const glm::vec3& p = mesh.positions[(mesh.positions.size() - 1) * k / 3];
+      for (int i = 0; i < 3; ++i) mix(std::bit_cast<std::uint32_t>(p[i]));
+    }
+  }
+  return hash;
+}
+
+struct SceneSlot {
+  std::uint64_t stamp = 0;
+  SceneBuffers buffers;
+};
+
+/// A weak pointer keeps the control block of the G-buffer's storage, so that no later G-buffer can be taken for this one, and
+/// none of its memory. G-buffers on borrowed arrays (null storage) are told apart by address and size only.
+struct GBufferSlot {
+  std::weak_ptr<const void> storage;
+  const float* data = nullptr;
+  std::uint64_t scene_stamp = 0;
+  GBufferTextures textures;
+  DepthStencil depth;
+
+  bool holds(const GBuffer& g, std::uint64_t scene) const {
+    return scene_stamp == scene && data == g.px.data() && textures.position.width == g.width &&
+           textures.position.height == g.height && !storage.owner_before(g.storage) && !g.storage.owner_before(storage);
+  }
+};
+
+/// How many scenes and how many G-buffers are held; the least recently asked for goes first.
+constexpr std::size_t slot_count = 4;
+
+/// What is held for the one context; slots from most to least recently used.
+struct Inputs {
+  std::vector<std::unique_ptr<SceneSlot>> scenes;
+  std::vector<std::unique_ptr<GBufferSlot>> gbuffers;
+  Program depth_program;
+  VertexArray no_attributes;
+};
+
+// Not destroyed at exit: the context may be gone by then.
+Inputs& inputs() {
+  static Inputs* const inputs = new Inputs;
+  return *inputs;
+}
+
+/// The slot that `is_wanted`, moved to the front; else a new one that `make` fills.
+template <class Slot, class IsWanted, class Make>
+Slot& find_or_make(std::vector<std::unique_ptr<Slot>>& slots, const IsWanted& is_wanted, const Make& make) {
+  auto found = std::ranges::find_if(slots, [&](const auto& slot) { return is_wanted(*slot); });
+  if (found == slots.end()) {
+    if (slots.size() == slot_count) slots.pop_back();
+    slots.push_back(std::make_unique<Slot>(make()));
+    found = slots.end() - 1;
+  }
+  std::rotate(slots.begin(), found, found + 1);
+  return *slots.front();
+}
+
+SceneBuffers upload(const Scene& scene) {
+  SceneBuffers buffers;
+  std::vector<glm::vec3> positions;
+  std::vector<glm::uvec3> triangles;
+  for (const Mesh& mesh : scene.meshes) {
+    const auto first_vertex = static_cast<std::uint32_t>(positions.size());
+    buffers.meshes.push_back({first_vertex, static_cast<std::uint32_t>(triangles.size()),
+                              static_cast<std::uint32_t>(mesh.triangles.size()), mesh.casts, mesh.receives});
+    positions.insert(positions.end(), mesh.positions.begin(), mesh.positions.end());
+    for (const glm::uvec3& t : mesh.triangles) triangles.push_back(t + first_vertex);
+  }
+  buffers.upload_ms = drained_ms([&] {
+    buffers.positions = Buffer(positions.data(), positions.size() * sizeof(glm::vec3));
+    buffers.triangles = Buffer(triangles.data(), triangles.size() * sizeof(glm::uvec3));
+    buffers.vertex_array = make_vertex_array();
+    const GLuint vao = buffers.vertex_array.name();
+    glVertexArrayVertexBuffer(vao, 0, buffers.positions.name(), 0, sizeof(glm::vec3));
+    glVertexArrayAttribFormat(vao, 0, 3, GL_FLOAT, GL_FALSE, 0);
+    glVertexArrayAttribBinding(vao, 0, 0);
+    glEnableVertexArrayAttrib(vao, 0);
+    glVertexArrayElementBuffer(vao, buffers.triangles.name());
+  });
+  buffers.bytes = buffers.positions.bytes + buffers.triangles.bytes;
+  return buffers;
+}
+
+GBufferTextures upload(const GBuffer& g, const Scene& scene) {
+  std::vector<glm::vec4> positions(g.size()), normals(g.size());
+  std::vector<glm::uvec2> ids(g.size());
+  for (std::size_t i = 0; i < g.size(); ++i) {
+    if (g.is_background(i)) continue;
+    positions[i] = {g.position(i), 1};
+    normals[i] = {g.normal(i), scene.meshes[g.mesh[i]].receives ? 1 : 0};
+    ids[i] = {g.mesh[i] + 1, g.triangle[i]};
+  }
+  GBufferTextures textures;
+  textures.upload_ms = drained_ms([&] {
+    const auto fill = [&](GLenum format, GLenum components, GLenum type, const void* data) {
+      Texture texture(format, g.width, g.height);
+      glTextureSubImage2D(texture.name(), 0, 0, 0, g.width, g.height, components, type, data);
+      textures.bytes += texture.bytes;
+      return texture;
+    };
+    textures.position = fill(GL_RGBA32F, GL_RGBA, GL_FLOAT, positions.data());
+    textures.normal = fill(GL_RGBA32F, GL_RGBA, GL_FLOAT, normals.data());
+    textures.ids = fill(GL_RG32UI, GL_RG_INTEGER, GL_UNSIGNED_INT, ids.data());
+  });
+  return textures;
+}
+
+GBufferSlot& gbuffer_slot(const GBuffer& gbuffer, const Scene& scene) {
+  const std::uint64_t wanted = stamp(scene);
+  return find_or_make(
+      inputs().gbuffers, [&](const GBufferSlot& slot) { return slot.holds(gbuffer, wanted); },
+      [&] {
+        return GBufferSlot{gbuffer.storage, gbuffer.px.data(), wanted, upload(gbuffer, scene), {}};
+      });
+}
+
+}  // namespace
+
+const SceneBuffers& scene_buffers(const Scene& scene) {
+  const std::uint64_t wanted = stamp(scene);
+  return find_or_make(
+             inputs().scenes, [&](const SceneSlot& slot) { return slot.stamp == wanted; },
+             [&] {
+               return SceneSlot{wanted, upload(scene)};
+             })
+      .buffers;
+}
+
+const GBufferTextures& gbuffer_textures(const GBuffer& gbuffer, const Scene& scene) {
+  return gbuffer_slot(gbuffer, scene).textures;
+}
+
+const DepthStencil& depth_stencil(const Scene& scene, const GBuffer& gbuffer) {
+  DepthStencil& depth = gbuffer_slot(gbuffer, scene).depth;
+  if (depth.texture) return depth;
+  Program& program = inputs().depth_program;
+  const SceneBuffers& buffers = scene_buffers(scene);
+  if (!program)
+    program =
+        Program("depth of the view", std::string(position_snippet) + "void main() { gl_Position = place(vec4(position, 1)); }",
+                "void main() {}");
+  std::vector<std::uint32_t> all(scene.meshes.size());
+  for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = i;
+  depth.upload_ms = drained_ms([&] {
+    const StateGuard guard;
+    depth.texture = Texture(GL_DEPTH32F_STENCIL8, gbuffer.width, gbuffer.height);
+    const Framebuffer framebuffer = make_framebuffer();
+    glNamedFramebufferTexture(framebuffer.name(), GL_DEPTH_STENCIL_ATTACHMENT, depth.texture.name(), 0);
+    glClearNamedFramebufferfi(framebuffer.name(), GL_DEPTH_STENCIL, 0, 0.0f, 0);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
+    glViewport(0, 0, gbuffer.width, gbuffer.height);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_GREATER);
+    program.set("clip_from_world", glm::mat4(clip_from_world(gbuffer.view, gbuffer.width, gbuffer.height)));
+    glUseProgram(program.name());
+    buffers.draw(all);
+  });
+  depth.bytes = depth.texture.bytes;
+  return depth;
+}
+
+void release_inputs() { inputs() = {}; }
+
+void bind_gbuffer(const GBufferTextures& textures) {
+  const GLuint names[] = {textures.position.name(), textures.normal.name(), textures.ids.name()};
+  glBindTextures(0, 3, names);
+}
+
+void SceneBuffers::draw(const std::vector<std::uint32_t>& which) const {
+  glBindVertexArray(vertex_array.name());
+  for (std::size_t i = 0, j; i < which.size(); i = j) {
+    const std::uint32_t first = meshes[which[i]].first_triangle;
+    std::uint32_t end = first;
+    for (j = i; j < which.size() && meshes[which[j]].first_triangle == end; ++j) end += meshes[which[j]].triangle_count;
+    const auto* const offset = reinterpret_cast<const void*>(std::uintptr_t(first) * sizeof(glm::uvec3));
+    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * (end - first)), GL_UNSIGNED_INT, offset);
+  }
+  glBindVertexArray(0);
+}
+
+void draw_full_screen() {
+  if (!inputs().no_attributes) inputs().no_attributes = make_vertex_array();
+  glBindVertexArray(inputs().no_attributes.name());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glBindVertexArray(0);
+}
+
+}  // namespace gnomon

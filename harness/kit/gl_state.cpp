@@ -1,0 +1,184 @@
+#include <fmt/format.h>
+#include <gnomon/kit/gl.h>
+
+#include <iterator>
+
+namespace gnomon {
+
+namespace {
+
+// The two tables below are the whole definition of the house state.
+
+constexpr struct {
+  GLenum capability;
+  const char* name;
+  bool on;
+} switches[] = {{GL_BLEND, "blend", false},
+                {GL_COLOR_LOGIC_OP, "color logic op", false},
+                {GL_CULL_FACE, "cull face", false},
+                {GL_DEPTH_CLAMP, "depth clamp", false},
+                {GL_DEPTH_TEST, "depth test", false},
+                {GL_DITHER, "dither", true},
+                {GL_FRAMEBUFFER_SRGB, "framebuffer sRGB", false},
+                {GL_MULTISAMPLE, "multisample", true},
+                {GL_POLYGON_OFFSET_FILL, "polygon offset fill", false},
+                {GL_PRIMITIVE_RESTART, "primitive restart", false},
+                {GL_PROGRAM_POINT_SIZE, "program point size", false},
+                {GL_RASTERIZER_DISCARD, "rasterizer discard", false},
+                {GL_SAMPLE_ALPHA_TO_COVERAGE, "sample alpha to coverage", false},
+                {GL_SAMPLE_MASK, "sample mask", false},
+                {GL_SCISSOR_TEST, "scissor test", false},
+                {GL_STENCIL_TEST, "stencil test", false}};
+
+constexpr struct {
+  GLenum query;
+  const char* name;
+  GLint value;
+} integers[] = {{GL_CURRENT_PROGRAM, "current program", 0},
+                {GL_VERTEX_ARRAY_BINDING, "vertex array", 0},
+                {GL_DRAW_FRAMEBUFFER_BINDING, "draw framebuffer", 0},
+                {GL_READ_FRAMEBUFFER_BINDING, "read framebuffer", 0},
+                {GL_RENDERBUFFER_BINDING, "renderbuffer", 0},
+                {GL_ARRAY_BUFFER_BINDING, "array buffer", 0},
+                {GL_UNIFORM_BUFFER_BINDING, "uniform buffer", 0},
+                {GL_SHADER_STORAGE_BUFFER_BINDING, "shader storage buffer", 0},
+                {GL_ATOMIC_COUNTER_BUFFER_BINDING, "atomic counter buffer", 0},
+                {GL_DRAW_INDIRECT_BUFFER_BINDING, "draw indirect buffer", 0},
+                {GL_PIXEL_PACK_BUFFER_BINDING, "pixel pack buffer", 0},
+                {GL_PIXEL_UNPACK_BUFFER_BINDING, "pixel unpack buffer", 0},
+                {GL_ACTIVE_TEXTURE, "active texture", GL_TEXTURE0},
+                {GL_PACK_ALIGNMENT, "pack alignment", 4},
+                {GL_UNPACK_ALIGNMENT, "unpack alignment", 4},
+                {GL_DEPTH_FUNC, "depth function", GL_LESS},
+                {GL_DEPTH_WRITEMASK, "depth mask", GL_TRUE},
+                {GL_STENCIL_FUNC, "stencil function, front", GL_ALWAYS},
+                {GL_STENCIL_BACK_FUNC, "stencil function, back", GL_ALWAYS},
+                {GL_STENCIL_REF, "stencil reference, front", 0},
+                {GL_STENCIL_BACK_REF, "stencil reference, back", 0},
+                {GL_STENCIL_FAIL, "stencil fail, front", GL_KEEP},
+                {GL_STENCIL_BACK_FAIL, "stencil fail, back", GL_KEEP},
+                {GL_STENCIL_PASS_DEPTH_FAIL, "stencil depth fail, front", GL_KEEP},
+                {GL_STENCIL_BACK_PASS_DEPTH_FAIL, "stencil depth fail, back", GL_KEEP},
+                {GL_STENCIL_PASS_DEPTH_PASS, "stencil pass, front", GL_KEEP},
+                {GL_STENCIL_BACK_PASS_DEPTH_PASS, "stencil pass, back", GL_KEEP},
+                {GL_BLEND_SRC_RGB, "blend source", GL_ONE},
+                {GL_BLEND_DST_RGB, "blend destination", GL_ZERO},
+                {GL_BLEND_SRC_ALPHA, "blend source alpha", GL_ONE},
+                {GL_BLEND_DST_ALPHA, "blend destination alpha", GL_ZERO},
+                {GL_BLEND_EQUATION_RGB, "blend equation", GL_FUNC_ADD},
+                {GL_BLEND_EQUATION_ALPHA, "blend equation alpha", GL_FUNC_ADD},
+                {GL_CULL_FACE_MODE, "cull face mode", GL_BACK},
+                {GL_FRONT_FACE, "front face", GL_CCW},
+                {GL_POLYGON_MODE, "polygon mode", GL_FILL},
+                {GL_CLIP_ORIGIN, "clip origin", GL_UPPER_LEFT},
+                {GL_CLIP_DEPTH_MODE, "clip depth mode", GL_ZERO_TO_ONE}};
+
+constexpr struct {
+  GLenum query;
+  const char* name;
+} stencil_masks[] = {{GL_STENCIL_WRITEMASK, "stencil write mask, front"},
+                     {GL_STENCIL_BACK_WRITEMASK, "stencil write mask, back"},
+                     {GL_STENCIL_VALUE_MASK, "stencil value mask, front"},
+                     {GL_STENCIL_BACK_VALUE_MASK, "stencil value mask, back"}};
+
+constexpr struct {
+  GLenum query;
+  const char* name;
+} textures[] = {{GL_TEXTURE_BINDING_1D, "1D texture"},
+                {GL_TEXTURE_BINDING_2D, "2D texture"},
+                {GL_TEXTURE_BINDING_3D, "3D texture"},
+                {GL_TEXTURE_BINDING_2D_ARRAY, "2D array texture"},
+                {GL_TEXTURE_BINDING_CUBE_MAP, "cube texture"},
+                {GL_TEXTURE_BINDING_BUFFER, "buffer texture"},
+                {GL_TEXTURE_BINDING_2D_MULTISAMPLE, "multisample texture"},
+                {GL_SAMPLER_BINDING, "sampler"}};
+
+constexpr int clip_distance_count = 8, texture_unit_count = 16, image_unit_count = 8, buffer_unit_count = 8;
+
+}  // namespace
+
+std::vector<std::string> state_differences() {
+  std::vector<std::string> differences;
+  const auto compare = [&](const std::string& name, GLint value, GLint wanted) {
+    if (value != wanted) differences.push_back(fmt::format("{} is {:#x}, not {:#x}", name, value, wanted));
+  };
+  for (const auto& s : switches)
+    if (bool(glIsEnabled(s.capability)) != s.on) differences.push_back(fmt::format("{} is {}", s.name, s.on ? "off" : "on"));
+  for (int i = 0; i < clip_distance_count; ++i)
+    if (glIsEnabled(GL_CLIP_DISTANCE0 + i)) differences.push_back(fmt::format("clip distance {} is on", i));
+  for (const auto& [query, name, wanted] : integers) {
+    GLint value[4] = {};  // the polygon mode writes two
+    glGetIntegerv(query, value);
+    compare(name, value[0], wanted);
+  }
+  for (const auto& [query, name] : stencil_masks) {
+    GLint value = 0;
+    glGetIntegerv(query, &value);
+    compare(name, value & 0xff, 0xff);  // implementations return 8 or 32 bits of the default
+  }
+  GLboolean color[4];
+  glGetBooleanv(GL_COLOR_WRITEMASK, color);
+  for (int i = 0; i < 4; ++i) compare(fmt::format("color mask {}", "rgba"[i]), color[i], GL_TRUE);
+  GLfloat range[2];
+  glGetFloatv(GL_DEPTH_RANGE, range);
+  if (range[0] != 0 || range[1] != 1) differences.push_back(fmt::format("depth range is {} .. {}", range[0], range[1]));
+
+  GLint active = 0;
+  glGetIntegerv(GL_ACTIVE_TEXTURE, &active);
+  for (int unit = 0; unit < texture_unit_count; ++unit) {
+    glActiveTexture(GL_TEXTURE0 + unit);
+    for (const auto& [query, name] : textures) {
+      GLint value = 0;
+      glGetIntegerv(query, &value);
+      compare(fmt::format("{} of unit {}", name, unit), value, 0);
+    }
+  }
+  glActiveTexture(active);
+  const auto compare_indexed = [&](GLenum query, const char* name, int count) {
+    for (int i = 0; i < count; ++i) {
+      GLint value = 0;
+      glGetIntegeri_v(query, i, &value);
+      compare(fmt::format("{} {}", name, i), value, 0);
+    }
+  };
+  compare_indexed(GL_IMAGE_BINDING_NAME, "image unit", image_unit_count);
+  compare_indexed(GL_SHADER_STORAGE_BUFFER_BINDING, "shader storage binding", buffer_unit_count);
+  compare_indexed(GL_UNIFORM_BUFFER_BINDING, "uniform buffer binding", buffer_unit_count);
+  while (const GLenum error = glGetError()) differences.push_back(fmt::format("pending GL error {:#x}", error));
+  return differences;
+}
+
+StateGuard::~StateGuard() {
+  for (const auto& s : switches) (s.on ? glEnable : glDisable)(s.capability);
+  for (int i = 0; i < clip_distance_count; ++i) glDisable(GL_CLIP_DISTANCE0 + i);
+  glUseProgram(0);
+  glBindVertexArray(0);
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glBindRenderbuffer(GL_RENDERBUFFER, 0);
+  for (const GLenum target : {GL_ARRAY_BUFFER, GL_DRAW_INDIRECT_BUFFER, GL_PIXEL_PACK_BUFFER, GL_PIXEL_UNPACK_BUFFER})
+    glBindBuffer(target, 0);
+  glBindBuffersBase(GL_SHADER_STORAGE_BUFFER, 0, buffer_unit_count, nullptr);
+  glBindBuffersBase(GL_UNIFORM_BUFFER, 0, buffer_unit_count, nullptr);
+  for (const GLenum target : {GL_SHADER_STORAGE_BUFFER, GL_UNIFORM_BUFFER, GL_ATOMIC_COUNTER_BUFFER}) glBindBuffer(target, 0);
+  glBindTextures(0, texture_unit_count, nullptr);
+  glBindSamplers(0, texture_unit_count, nullptr);
+  glBindImageTextures(0, image_unit_count, nullptr);
+  glActiveTexture(GL_TEXTURE0);
+  glPixelStorei(GL_PACK_ALIGNMENT, 4);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  glDepthFunc(GL_LESS);
+  glDepthMask(GL_TRUE);
+  glDepthRange(0, 1);
+  glStencilFunc(GL_ALWAYS, 0, ~0u);
+  glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
+  glStencilMask(~0u);
+  glBlendFunc(GL_ONE, GL_ZERO);
+  glBlendEquation(GL_FUNC_ADD);
+  glCullFace(GL_BACK);
+  glFrontFace(GL_CCW);
+  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
+}
+
+}  // namespace gnomon

@@ -1,0 +1,45 @@
+#include <gnomon/kit/gl.h>
+
+#include <vector>
+
+namespace gnomon {
+
+namespace {
+
+/// A triangle over a floor, under a sun: every stage has something to do.
+struct TinyScene {
+  Scene scene;
+  std::vector<float> x, y, z, zero, one;
+  std::vector<std::uint32_t> mesh, triangle;
+  GBuffer gbuffer;
+
+  TinyScene() {
+    Mesh floor, caster;
+    floor.positions = {{-2, 0, -2}, {-2, 0, 2}, {2, 0, 2}, {2, 0, -2}};
+    floor.triangles = {{0, 1, 2}, {0, 2, 3}};
+    caster.positions = {{-1, 1, -1}, {-1, 1, 1}, {1, 1, 0}};
+    caster.triangles = {{0, 1, 2}};
+    finish(floor), finish(caster);
+    scene.meshes = {floor, caster};
+    scene.lights = {{.name = "sun", .kind = DirectionalLight{}}};
+    scene.views = {View{.eye = {0, 5, 5}}};
+    constexpr int side = 8;
+    for (int i = 0; i < side * side; ++i) {
+      x.push_back(i % side * 0.25f - 1), y.push_back(0), z.push_back(i / side * 0.25f - 1);
+      zero.push_back(0), one.push_back(1), mesh.push_back(0), triangle.push_back(0);
+    }
+    gbuffer = {scene.views[0], Truth::mesh, side, side, x, y, z, zero, one, zero, mesh, triangle, nullptr};
+  }
+};
+
+}  // namespace
+
+void warm_up(Technique& technique) {
+  static const TinyScene tiny;  // outlives the technique, as the contract asks
+  technique.build(tiny.scene);
+  technique.relight(tiny.scene.lights[0]);
+  VisibilityMask mask(tiny.gbuffer.width, tiny.gbuffer.height);
+  technique.resolve(tiny.gbuffer, mask);
+}
+
+}  // namespace gnomon

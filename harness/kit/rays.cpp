@@ -1,0 +1,202 @@
+#include <embree3/rtcore.h>
+#include <gnomon/error.h>
+#include <gnomon/kit/rays.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+#include <atomic>
+#include <bit>
+#include <cstring>
+
+#include "shape_rays.h"
+
+namespace gnomon {
+
+static_assert(sizeof(ShadowPacket) == sizeof(RTCRay16) && offsetof(ShadowPacket, tfar) == offsetof(RTCRay16, tfar) &&
+              offsetof(ShadowPacket, id) == offsetof(RTCRay16, id));
+
+namespace {
+
+/// What the filter and the shape callbacks see beside Embree's own context; ray ids are lane numbers.
+struct Context {
+  RTCIntersectContext embree;
+  Receivers receivers;
+};
+
+/// Embree's allocations are counted per device, so every RayScene has one of its own.
+struct Memory {
+  std::atomic<std::int64_t> bytes{0};
+};
+
+bool count_memory(void* memory, ssize_t bytes, bool) {
+  static_cast<Memory*>(memory)->bytes += bytes;
+  return true;
+}
+
+/// A geometry of Embree that stands for a mesh with an exact curved shape.
+struct ShapeGeometry {
+  Shape shape;
+  std::uint32_t mesh;
+};
+
+void exclude_receiver(const RTCFilterFunctionNArguments* args) {
+  const auto& receivers = reinterpret_cast<const Context*>(args->context)->receivers;
+  for (unsigned lane = 0; lane < args->N; ++lane) {
+    if (args->valid[lane] == 0) continue;
+    const unsigned id = RTCRayN_id(args->ray, args->N, lane);
+    if (RTCHitN_geomID(args->hit, args->N, lane) == receivers.mesh[id] &&
+        RTCHitN_primID(args->hit, args->N, lane) == receivers.triangle[id])
+      args->valid[lane] = 0;
+  }
+}
+
+void shape_bounds(const RTCBoundsFunctionArguments* args) {
+  const Bounds box = shape_bounds(static_cast<const ShapeGeometry*>(args->geometryUserPtr)->shape);
+  *args->bounds_o = {box.min.x, box.min.y, box.min.z, 0, box.max.x, box.max.y, box.max.z, 0};
+}
+
+struct LaneRay {
+  glm::dvec3 origin, direction;
+  double tnear, tfar;
+};
+
+LaneRay lane_ray(RTCRayN* rays, unsigned count, unsigned lane) {
+  return {{RTCRayN_org_x(rays, count, lane), RTCRayN_org_y(rays, count, lane), RTCRayN_org_z(rays, count, lane)},
+          {RTCRayN_dir_x(rays, count, lane), RTCRayN_dir_y(rays, count, lane), RTCRayN_dir_z(rays, count, lane)},
+          RTCRayN_tnear(rays, count, lane),
+          RTCRayN_tfar(rays, count, lane)};
+}
+
+void intersect_shape(const RTCIntersectFunctionNArguments* args) {
+  const auto& geometry = *static_cast<const ShapeGeometry*>(args->geometryUserPtr);
+  RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, args->N);
+  RTCHitN* hits = RTCRayHitN_HitN(args->rayhit, args->N);
+  for (unsigned lane = 0; lane < args->N; ++lane) {
+    if (args->valid[lane] == 0) continue;
+    const LaneRay ray = lane_ray(rays, args->N, lane);
+    const ShapeHit hit = first_hit(geometry.shape, ray.origin, ray.direction, ray.tnear, ray.tfar);
+    if (!hit.found) continue;
+    RTCRayN_tfar(rays, args->N, lane) = static_cast<float>(hit.t);
+    RTCHitN_Ng_x(hits, args->N, lane) = static_cast<float>(hit.normal.x);
+    RTCHitN_Ng_y(hits, args->N, lane) = static_cast<float>(hit.normal.y);
+    RTCHitN_Ng_z(hits, args->N, lane) = static_cast<float>(hit.normal.z);
+    RTCHitN_geomID(hits, args->N, lane) = args->geomID;
+    RTCHitN_primID(hits, args->N, lane) = 0;
+    RTCHitN_instID(hits, args->N, lane, 0) = RTC_INVALID_GEOMETRY_ID;
+  }
+}
+
+/// The receiver's own shape is excluded whole: sphere, cone and disc are convex, and a point of a convex body that faces the
+/// light is never in that body's own shadow.
+void occlude_shape(const RTCOccludedFunctionNArguments* args) {
+  const auto& geometry = *static_cast<const ShapeGeometry*>(args->geometryUserPtr);
+  const auto& receivers = reinterpret_cast<const Context*>(args->context)->receivers;
+  for (unsigned lane = 0; lane < args->N; ++lane) {
+    if (args->valid[lane] == 0 || receivers.mesh[RTCRayN_id(args->ray, args->N, lane)] == geometry.mesh) continue;
+    const LaneRay ray = lane_ray(args->ray, args->N, lane);
+    if (first_hit(geometry.shape, ray.origin, ray.direction, ray.tnear, ray.tfar).found)
+      RTCRayN_tfar(args->ray, args->N, lane) = -INFINITY;
+  }
+}
+
+}  // namespace
+
+struct RayScene::Body {
+  Memory memory;
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+  std::vector<std::unique_ptr<ShapeGeometry>> shapes;
+  ~Body() {
+    rtcReleaseScene(scene);
+    rtcReleaseDevice(device);
+  }
+};
+
+RayScene::RayScene(const Scene& scene, Truth truth, Which which) : body_(std::make_unique<Body>()) {
+  body_->device = rtcNewDevice("verbose=0");
+  if (!body_->device) throw Error("Embree cannot start: error {}", static_cast<int>(rtcGetDeviceError(nullptr)));
+  rtcSetDeviceMemoryMonitorFunction(body_->device, count_memory, &body_->memory);
+  body_->scene = rtcNewScene(body_->device);
+  rtcSetSceneFlags(body_->scene,
+                   static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
+  for (std::uint32_t index = 0; index < scene.meshes.size(); ++index) {
+    const Mesh& mesh = scene.meshes[index];
+    if (which == Which::casters && !mesh.casts) continue;
+    RTCGeometry geometry;
+    if (truth == Truth::shape && mesh.has_curved_shape()) {
+      body_->shapes.push_back(std::make_unique<ShapeGeometry>(ShapeGeometry{*mesh.shape, index}));
+      geometry = rtcNewGeometry(body_->device, RTC_GEOMETRY_TYPE_USER);
+      rtcSetGeometryUserPrimitiveCount(geometry, 1);
+      rtcSetGeometryUserData(geometry, body_->shapes.back().get());
+      rtcSetGeometryBoundsFunction(geometry, shape_bounds, nullptr);
+      rtcSetGeometryIntersectFunction(geometry, intersect_shape);
+      rtcSetGeometryOccludedFunction(geometry, occlude_shape);
+    } else {
+      if (mesh.triangles.empty()) continue;
+      geometry = rtcNewGeometry(body_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+      // Embree reads 16 bytes per vertex, so positions are copied into a buffer that it pads.
+      void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3),
+                                               mesh.positions.size());
+      std::memcpy(vertices, mesh.positions.data(), mesh.positions.size() * sizeof(glm::vec3));
+      rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
+                                 sizeof(glm::uvec3), mesh.triangles.size());
+    }
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(body_->scene, geometry, index);
+    rtcReleaseGeometry(geometry);
+  }
+  rtcCommitScene(body_->scene);
+  if (const RTCError code = rtcGetDeviceError(body_->device); code != RTC_ERROR_NONE)
+    throw Error("Embree cannot build the scene {}: error {}", scene.name, static_cast<int>(code));
+}
+
+RayScene::RayScene(RayScene&&) noexcept = default;
+RayScene& RayScene::operator=(RayScene&&) noexcept = default;
+RayScene::~RayScene() = default;
+
+RayScene::Hit RayScene::closest(const glm::dvec3& origin, const glm::dvec3& direction) const {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRayHit query{};
+  query.ray.org_x = static_cast<float>(origin.x);
+  query.ray.org_y = static_cast<float>(origin.y);
+  query.ray.org_z = static_cast<float>(origin.z);
+  query.ray.dir_x = static_cast<float>(direction.x);
+  query.ray.dir_y = static_cast<float>(direction.y);
+  query.ray.dir_z = static_cast<float>(direction.z);
+  query.ray.tfar = INFINITY;
+  query.ray.mask = 0xffffffffu;
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(body_->scene, &context, &query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+  return {query.hit.geomID, query.hit.primID, glm::normalize(glm::dvec3(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z)),
+          query.ray.tfar};
+}
+
+std::uint32_t RayScene::occluded(std::uint32_t valid, ShadowPacket& packet, const Receivers& receivers) const {
+  Context context;
+  rtcInitIntersectContext(&context.embree);
+  context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  context.embree.filter = exclude_receiver;
+  context.receivers = receivers;
+  alignas(64) int lanes[16];
+  for (int lane = 0; lane < 16; ++lane) lanes[lane] = -static_cast<int>(valid >> lane & 1);
+  rtcOccluded16(lanes, body_->scene, &context.embree, reinterpret_cast<RTCRay16*>(&packet));
+  std::uint32_t blocked = 0;
+  for (int lane = 0; lane < 16; ++lane) blocked |= static_cast<std::uint32_t>(packet.tfar[lane] < 0) << lane;
+  return blocked & valid;
+}
+
+std::size_t RayScene::bytes() const { return static_cast<std::size_t>(body_->memory.bytes.load()); }
+std::string RayScene::description() const {
+  const bool avx512 = __builtin_cpu_supports("avx512f"), avx2 = __builtin_cpu_supports("avx2");
+  return fmt::format("Embree {}, {}, robust, packets of 16; receiver's triangle excluded, origin lifted by 8 * 2^-24 * max|P|",
+                     RTC_VERSION_STRING, avx512 ? "avx512" : avx2 ? "avx2" : "sse");
+}
+RTCSceneTy* RayScene::handle() const { return body_->scene; }
+
+double ray_offset(const glm::vec3& p) {
+  return 8 * 0x1p-24 * std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+}
+
+}  // namespace gnomon

@@ -1,0 +1,127 @@
+#include <gnomon/kit/rays.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+// The ray set-up is a tenth of the whole cost when vectorized and a third when not: 16 lanes at a time, compiled twice.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
+#define GNOMON_VECTORIZED __attribute__((target_clones("arch=x86-64-v3", "default"), optimize("O3")))
+#else
+#define GNOMON_VECTORIZED
+#endif
+
+namespace gnomon {
+
+namespace {
+
+constexpr int lanes = 16;
+
+/// Sixteen pixels of a G-buffer.
+struct Pixels {
+  const float *px, *py, *pz, *nx, *ny, *nz;
+};
+
+/// Ray set-up of a full group. `facing` gets -1 where N.to_light > 0, evaluated in double as faces_light does.
+GNOMON_VECTORIZED void set_up(const Pixels& g, const double* light, ShadowPacket& packet, std::int64_t* facing) {
+  const double lx = light[0], ly = light[1], lz = light[2], lw = light[3];
+  for (int k = 0; k < lanes; ++k) {
+    const double x = g.px[k], y = g.py[k], z = g.pz[k];
+    const double nx = g.nx[k], ny = g.ny[k], nz = g.nz[k];
+    facing[k] = nx * (lx - lw * x) + ny * (ly - lw * y) + nz * (lz - lw * z) > 0 ? -1 : 0;
+  }
+  const float tfar = lw != 0 ? 1.0f : INFINITY;
+  const float fx = static_cast<float>(lx), fy = static_cast<float>(ly), fz = static_cast<float>(lz);
+  const float fw = static_cast<float>(lw);
+  for (int k = 0; k < lanes; ++k) {
+    const float x = g.px[k], y = g.py[k], z = g.pz[k];
+    const float ax = std::fabs(x), ay = std::fabs(y), az = std::fabs(z);
+    const float axy = ax > ay ? ax : ay;
+    const float offset = 8 * 0x1p-24f * (axy > az ? axy : az);
+    const float ox = x + offset * g.nx[k], oy = y + offset * g.ny[k], oz = z + offset * g.nz[k];
+    packet.ox[k] = ox;
+    packet.oy[k] = oy;
+    packet.oz[k] = oz;
+    packet.dx[k] = fx - fw * ox;
+    packet.dy[k] = fy - fw * oy;
+    packet.dz[k] = fz - fw * oz;
+    packet.tnear[k] = 0;
+    packet.time[k] = 0;
+    packet.tfar[k] = tfar;
+    packet.mask[k] = 0xffffffffu;
+    packet.id[k] = static_cast<std::uint32_t>(k);
+    packet.flags[k] = 0;
+  }
+}
+
+/// Everything about a scene and light that is the same for all pixels.
+struct Question {
+  const Scene& scene;
+  const GBuffer& gbuffer;
+  const Light& light;
+  glm::dvec4 l = homogeneous(light);
+  bool all_receive = std::all_of(scene.meshes.begin(), scene.meshes.end(), [](const Mesh& m) { return m.receives; });
+  bool is_spot = std::holds_alternative<SpotLight>(light.kind);
+
+  std::uint32_t fill(std::size_t first, ShadowPacket& packet) const {
+    const int count = static_cast<int>(std::min<std::size_t>(lanes, gbuffer.size() - first));
+    Pixels pixels{&gbuffer.px[first], &gbuffer.py[first], &gbuffer.pz[first],
+                  &gbuffer.nx[first], &gbuffer.ny[first], &gbuffer.nz[first]};
+    float tail[6][lanes] = {};
+    if (count < lanes) {
+      const float** sources[] = {&pixels.px, &pixels.py, &pixels.pz, &pixels.nx, &pixels.ny, &pixels.nz};
+      for (int s = 0; s < 6; ++s) *sources[s] = std::copy_n(*sources[s], count, tail[s]) - count;
+    }
+    alignas(64) std::int64_t facing[lanes];
+    set_up(pixels, &l.x, packet, facing);
+    std::uint32_t valid = 0;
+    for (int k = 0; k < count; ++k) {
+      const std::uint32_t mesh = gbuffer.mesh[first + k];
+      bool on = facing[k] != 0 && mesh != no_mesh;
+      if (on && !all_receive) on = scene.meshes[mesh].receives;
+      if (on && is_spot) on = in_spot_cone(light, gbuffer.position(first + k));
+      valid |= static_cast<std::uint32_t>(on) << k;
+    }
+    return valid;
+  }
+};
+
+}  // namespace
+
+std::uint32_t fill_packet(const Scene& scene, const GBuffer& gbuffer, const Light& light, std::size_t first,
+                          ShadowPacket& packet) {
+  return Question{scene, gbuffer, light}.fill(first, packet);
+}
+
+std::size_t trace_shadows(const RayScene& casters, const Scene& scene, const GBuffer& gbuffer, const Light& light,
+                          std::span<float> visibility) {
+  const Question question{scene, gbuffer, light};
+  const std::size_t group_count = (gbuffer.size() + lanes - 1) / lanes;
+  const auto trace = [&](const tbb::blocked_range<std::size_t>& groups, std::size_t rays) {
+    ShadowPacket packet;
+    std::uint32_t ids[2][lanes] = {};
+    for (std::size_t group = groups.begin(); group < groups.end(); ++group) {
+      const std::size_t first = group * lanes;
+      const std::size_t count = std::min<std::size_t>(lanes, gbuffer.size() - first);
+      const std::uint32_t valid = question.fill(first, packet);
+      std::uint32_t blocked = 0;
+      if (valid) {
+        Receivers receivers{&gbuffer.mesh[first], &gbuffer.triangle[first]};
+        if (count < lanes) {
+          std::copy_n(receivers.mesh, count, ids[0]);
+          std::copy_n(receivers.triangle, count, ids[1]);
+          receivers = {ids[0], ids[1]};
+        }
+        blocked = casters.occluded(valid, packet, receivers);
+      }
+      for (std::size_t k = 0; k < count; ++k) visibility[first + k] = blocked >> k & 1 ? 0.0f : 1.0f;
+      rays += std::popcount(valid);
+    }
+    return rays;
+  };
+  return tbb::parallel_reduce(tbb::blocked_range<std::size_t>(0, group_count, 16), std::size_t{0}, trace, std::plus<>());
+}
+
+}  // namespace gnomon

@@ -1,0 +1,39 @@
+#pragma once
+#include <gnomon/scene.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace gnomon {
+
+/// 128-bit content hash as 32 hex digits.
+std::string content_hash(std::span<const std::byte> bytes);
+std::string content_hash(const std::string& text);
+
+/// A scene as bytes, with everything that a technique or the scoring can see; equal scenes give equal bytes.
+std::vector<std::byte> scene_bytes(const Scene& scene);
+/// The inverse. Throws Error on bytes of another layout.
+Scene scene_from_bytes(std::span<const std::byte> bytes);
+
+/// A file mapped read-only; its address is aligned to a page.
+class MappedFile {
+ public:
+  /// Throws Error when the file cannot be mapped.
+  static std::shared_ptr<const MappedFile> open(const std::filesystem::path& path);
+  ~MappedFile();
+  std::span<const std::byte> bytes() const { return bytes_; }
+
+ private:
+  std::span<const std::byte> bytes_;
+};
+
+/// Writes a whole file under a temporary name, then renames it: nobody ever sees half of it. Makes the parent folders.
+/// Throws Error that says what, where and why (a full disk, an unwritable folder); nothing is left behind then.
+void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
+void write_file(const std::filesystem::path& path, const std::string& text);
+
+}  // namespace gnomon

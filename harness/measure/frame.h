@@ -1,0 +1,55 @@
+#pragma once
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "measure/blob.h"
+#include "measure/classify.h"
+#include "measure/gbuffer_maker.h"
+
+namespace gnomon {
+
+/// The answer that counts, for one light and G-buffer: the reference mask and the class of every pixel.
+struct Reference {
+  std::span<const float> mask;
+  std::span<const PixelClass> classes;
+  std::shared_ptr<const void> storage;
+};
+
+/// What a G-buffer is made from.
+struct FrameKey {
+  View view;
+  int width = 0, height = 0;
+  Truth truth = Truth::shape;
+};
+
+/// G-buffers and references of one scene: made once, kept in a content-hashed folder, mapped by every process that needs
+/// them. A file appears there whole or not at all.
+class FrameStore {
+ public:
+  FrameStore(const Scene& scene, std::filesystem::path folder);
+
+  const std::string& scene_hash() const { return scene_hash_; }
+  /// The scene's bytes as a file, for other processes.
+  std::filesystem::path scene_file() const;
+  std::filesystem::path gbuffer_file(const FrameKey& key);
+  GBuffer gbuffer(const FrameKey& key);
+  Reference reference(const FrameKey& key, const Light& light);
+  /// All casters under a truth; built on first use.
+  const RayScene& casters(Truth truth);
+
+ private:
+  std::string hash(const FrameKey& key, const Light* light) const;
+
+  const Scene& scene_;
+  std::filesystem::path folder_;
+  std::vector<std::byte> scene_bytes_;
+  std::string scene_hash_;
+  std::map<Truth, RayScene> casters_;
+};
+
+/// A G-buffer that another process wrote.
+GBuffer map_gbuffer(const std::filesystem::path& file, const FrameKey& key);
+
+}  // namespace gnomon

@@ -1,0 +1,76 @@
+#include "measure/jobs.h"
+
+#include <gnomon/param.h>
+
+#include <algorithm>
+#include <set>
+
+#include "measure/blob.h"
+#include "measure/load.h"
+
+namespace gnomon {
+
+const SceneLibrary::Entry& SceneLibrary::get(const std::string& reference) {
+  std::unique_ptr<Entry>& entry = entries_[reference];
+  if (!entry) {
+    auto fresh = std::make_unique<Entry>();
+    try {
+      fresh->scene = load_scene(reference);
+    } catch (const SceneNotFetched& missing) {
+      fresh->missing = missing.what();
+    }
+    entry = std::move(fresh);
+  }
+  return *entry;
+}
+
+namespace {
+
+template <class Item>
+std::vector<std::string> names_of(const std::vector<Item>& items) {
+  std::vector<std::string> names;
+  for (const Item& item : items) names.push_back(item.name);
+  return names;
+}
+
+void require(const std::vector<std::string>& wanted, const std::vector<std::string>& there, const char* what,
+             const std::string& scene) {
+  for (const std::string& name : wanted)
+    if (std::find(there.begin(), there.end(), name) == there.end())
+      throw Error("scene {} has no {} {}; did you mean {}? It has: {}", scene, what, name, nearest_word(name, there),
+                  fmt::join(there, ", "));
+}
+
+}  // namespace
+
+std::vector<Job> expand_jobs(const Suite& suite, SceneLibrary& library) {
+  std::vector<Job> jobs;
+  std::set<std::string> seen;
+  for (const SuiteGroup& group : suite.groups)
+    for (const std::string& reference : group.scenes) {
+      const SceneLibrary::Entry& entry = library.get(reference);
+      std::vector<std::string> lights = group.lights, views = group.views;
+      if (entry.scene) {
+        if (lights.empty()) lights = names_of(entry.scene->lights);
+        if (views.empty()) views = {entry.scene->views.front().name};
+        require(lights, names_of(entry.scene->lights), "light", reference);
+        require(views, names_of(entry.scene->views), "view", reference);
+      } else {
+        // Not fetched, so nobody knows its lights: one row per technique says so.
+        if (lights.empty()) lights = {"-"};
+        if (views.empty()) views = {"-"};
+      }
+      for (const std::string& light : lights)
+        for (const std::string& view : views)
+          for (const Contender& contender : group.contenders) {
+            Job job{"", reference, light, view, contender};
+            job.hash = content_hash(fmt::format("{}|{}|{}|{}|{}x{}|{}", reference, light, view, contender.name(), suite.width,
+                                                suite.height, name(suite.truth)))
+                           .substr(0, 16);
+            if (seen.insert(job.hash).second) jobs.push_back(std::move(job));
+          }
+    }
+  return jobs;
+}
+
+}  // namespace gnomon

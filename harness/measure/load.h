@@ -1,0 +1,58 @@
+#pragma once
+#include <gnomon/error.h>
+#include <gnomon/scene.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace gnomon {
+
+/// The scene exists but its files are not here yet: a row that says so, not a failure of the run.
+class SceneNotFetched : public Error {
+  using Error::Error;
+};
+
+/// Loads what `--scene` names: the id of a generated scene with optional settings (`sphere_field:count=1000`), the id of a
+/// described scene (stem of a file in scenes/*.toml), or the path of a .toml or mesh file. Lights and views are there
+/// afterwards: the scene's own, else the framing default, stated in `notes`. Throws Error on bad input, SceneNotFetched.
+Scene load_scene(const std::string& reference);
+
+/// One scene as `gnomon list scenes` shows it.
+struct SceneListing {
+  std::string id, title, summary;
+  bool generated = false;
+  bool available = true;  ///< false: described, but its files are not fetched
+};
+std::vector<SceneListing> list_scenes();
+
+/// Imports a mesh file in a child process, untrusted: see import.cpp. Positions are as in the file, rounded to float32 by
+/// `placement` only. Throws Error with file, mesh and vertex or face index.
+struct Placement {
+  glm::dvec3 scale{1}, rotate_degrees{0}, translate{0};  ///< applied in this order; rotation about x, then y, then z
+  glm::dvec3 apply(const glm::dvec3& p) const;
+};
+/// Appends the file's meshes (and its cameras and punctual lights, for glTF) to the scene.
+void import_file(const std::filesystem::path& file, const Placement& placement, Scene& scene);
+
+/// Whether the importer reads files of this name: what makes `--scene NAME` a mesh file.
+bool is_mesh_file_name(const std::filesystem::path& file);
+
+/// Reads a scene description (DESIGN: scene TOML). Unknown keys are errors with the nearest known one, file and line.
+Scene read_scene_toml(const std::filesystem::path& file);
+
+/// A light and a view that show the whole scene, for scenes that bring none; adds a note for each.
+void add_framing(Scene& scene);
+
+/// Whether a name is of [a-z0-9_] and not empty, as names of lights and views are.
+bool is_plain_name(std::string_view name);
+/// Throw Error, ending in `where`, on a light without direction or area, a cone outside 0 .. 90 degrees, an eye that equals its
+/// target, an `up` along the line of sight, anything that is not finite.
+void check(const Light& light, const std::string& where);
+void check(const View& view, const std::string& where);
+
+/// What every loader ends with: drops degenerate triangles, measures facts, checks that coordinates are finite, that names
+/// are unique, that no eye equals its target; throws Error when nothing is left to see. `where` opens the error's text.
+void finish_scene(Scene& scene, const std::string& where);
+
+}  // namespace gnomon

@@ -1,0 +1,37 @@
+#include "measure/paths.h"
+
+#include <gnomon/error.h>
+#include <unistd.h>
+
+#include <cstdlib>
+
+namespace gnomon {
+
+namespace fs = std::filesystem;
+
+fs::path program_path() { return fs::read_symlink("/proc/self/exe"); }
+
+fs::path data_root() {
+  const auto complete = [](const fs::path& p) { return fs::is_directory(p / "scenes") && fs::is_directory(p / "bench/suites"); };
+  if (const char* root = std::getenv("GNOMON_ROOT")) {
+    if (complete(root)) return root;
+    throw Error("GNOMON_ROOT = {} has no scenes/ and bench/suites/", root);
+  }
+  for (fs::path p = program_path().parent_path();; p = p.parent_path()) {
+    if (complete(p)) return p;
+    if (complete(p / "share/gnomon")) return p / "share/gnomon";
+    if (p == p.root_path()) break;
+  }
+  throw Error("no folder above {} holds scenes/ and bench/suites/; set GNOMON_ROOT", program_path().string());
+}
+
+fs::path cache_root() {
+  if (const char* cache = std::getenv("GNOMON_CACHE")) return cache;
+  const fs::path root = data_root();
+  if (access(root.c_str(), W_OK) == 0) return root / "cache";
+  if (const char* xdg = std::getenv("XDG_CACHE_HOME")) return fs::path(xdg) / "gnomon";
+  if (const char* home = std::getenv("HOME")) return fs::path(home) / ".cache/gnomon";
+  throw Error("nowhere to keep the cache: {} cannot be written and HOME is not set; set GNOMON_CACHE", root.string());
+}
+
+}  // namespace gnomon

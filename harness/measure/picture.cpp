@@ -1,0 +1,183 @@
+#include "measure/picture.h"
+
+#include <OpenImageIO/imagebufalgo.h>
+#include <OpenImageIO/imageio.h>
+#include <gnomon/error.h>
+#include <unistd.h>
+
+#include <cmath>
+
+#include "measure/blob.h"
+
+namespace gnomon {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Color = std::array<std::uint8_t, 3>;
+
+std::uint8_t srgb(double linear) {
+  const double x = std::clamp(linear, 0.0, 1.0);
+  return static_cast<std::uint8_t>(std::lround(255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055)));
+}
+
+/// sRGB of 4096 steps of linear light: a table, because a power per channel and pixel costs more than the shading.
+std::uint8_t srgb_fast(double linear) {
+  static const auto table = [] {
+    std::array<std::uint8_t, 4097> steps;
+    for (int i = 0; i <= 4096; ++i) steps[i] = srgb(i / 4096.0);
+    return steps;
+  }();
+  return table[static_cast<std::size_t>(std::clamp(linear, 0.0, 1.0) * 4096)];
+}
+
+constexpr Color background{24, 26, 30};
+
+/// Colors that stay apart for color-blind readers (Okabe and Ito 2008).
+struct Kind {
+  Verdict verdict;
+  Color color;
+  const char* label;
+};
+constexpr Kind kinds[] = {{Verdict::false_dark, {213, 94, 0}, "false dark"},
+                          {Verdict::false_lit, {86, 180, 233}, "false lit"},
+                          {Verdict::beyond_coverage, {204, 121, 167}, "beyond coverage"}};
+
+/// An image file under a temporary name that becomes the real one only when it is whole.
+void write_image(const fs::path& path, OIIO::ImageSpec spec, OIIO::TypeDesc type, const void* pixels) {
+  std::error_code code;
+  if (path.has_parent_path()) fs::create_directories(path.parent_path(), code);
+  if (code) throw Error("folder {} cannot be made: {}", path.parent_path().string(), code.message());
+  const fs::path temporary = path.parent_path() / fmt::format(".{}.part{}", getpid(), path.extension().string());
+  const auto output = OIIO::ImageOutput::create(temporary.string());
+  if (!output) throw Error("{} cannot be written: {}", path.string(), OIIO::geterror());
+  const bool whole = output->open(temporary.string(), spec) && output->write_image(type, pixels) && output->close();
+  if (!whole) {
+    const std::string why = output->geterror();
+    fs::remove(temporary, code);
+    throw Error("{} cannot be written: {}", path.string(), why);
+  }
+  fs::rename(temporary, path, code);
+  if (code) throw Error("{} cannot be written: {}", path.string(), code.message());
+}
+
+std::string percent(double share) {
+  if (share == 0) return "0 %";
+  return fmt::format("{:.{}f} %", 100 * share, share < 0.001 ? 4 : share < 0.1 ? 2 : 1);
+}
+
+}  // namespace
+
+Picture shade(const Scene& scene, const GBuffer& gbuffer, const Light& light, std::span<const float> visibility) {
+  Picture picture{gbuffer.width, gbuffer.height, std::vector<std::uint8_t>(gbuffer.size() * 3)};
+  const glm::dvec4 l = homogeneous(light);
+  for (std::size_t i = 0; i < gbuffer.size(); ++i) {
+    std::uint8_t* rgb = &picture.rgb[3 * i];
+    if (gbuffer.is_background(i)) {
+      std::copy(background.begin(), background.end(), rgb);
+      continue;
+    }
+    const glm::dvec3 point = gbuffer.position(i), to = to_light(l, point);
+    double received = 0;
+    if (in_spot_cone(light, point))
+      received = std::max(0.0, glm::dot(glm::dvec3(gbuffer.normal(i)), to) / std::max(glm::length(to), 1e-300));
+    const double shade = scene.ambient + light.intensity * received * visibility[i];
+    for (int c = 0; c < 3; ++c) rgb[c] = srgb_fast(scene.meshes[gbuffer.mesh[i]].albedo[c] * shade);
+  }
+  return picture;
+}
+
+Picture draw_errors(const Scene& scene, const GBuffer& gbuffer, const Light& light, std::span<const Verdict> verdicts,
+                    const Tally& tally, const std::string& title) {
+  const std::vector<float> lit(gbuffer.size(), 1.0f);
+  const Picture shaded = shade(scene, gbuffer, light, lit);
+  constexpr int legend_height = 30;
+  Picture picture{gbuffer.width, gbuffer.height + legend_height, {}};
+  picture.rgb.resize(static_cast<std::size_t>(picture.width) * picture.height * 3, 255);
+  for (std::size_t i = 0; i < gbuffer.size(); ++i) {
+    const std::uint8_t* s = &shaded.rgb[3 * i];
+    const int gray = (2 * s[0] + 5 * s[1] + s[2]) / 8;
+    // Right pixels keep their shading in light gray, untested ones sink to dark gray.
+    const int dimmed = verdicts[i] == Verdict::untested ? 20 + gray / 5 : 70 + gray * 2 / 5;
+    Color color{static_cast<std::uint8_t>(dimmed), static_cast<std::uint8_t>(dimmed), static_cast<std::uint8_t>(dimmed)};
+    for (const Kind& kind : kinds)
+      if (kind.verdict == verdicts[i]) color = kind.color;
+    std::copy(color.begin(), color.end(), &picture.rgb[3 * i]);
+  }
+
+  OIIO::ImageBuf canvas(OIIO::ImageSpec(picture.width, picture.height, 3, OIIO::TypeDesc::UINT8), picture.rgb.data());
+  const double shares[] = {static_cast<double>(tally.false_dark), static_cast<double>(tally.false_lit - tally.beyond_coverage),
+                           static_cast<double>(tally.beyond_coverage)};
+  const float ink[] = {0.1f, 0.1f, 0.1f};
+  const int top = gbuffer.height, baseline = top + 20;
+  const auto text = [&](int x, const std::string& words) {
+    OIIO::ImageBufAlgo::render_text(canvas, x, baseline, words, 13, "DejaVuSans", ink);
+    return OIIO::ImageBufAlgo::text_size(words, 13, "DejaVuSans").xend;
+  };
+  int x = 8;
+  for (int k = 0; k < 3; ++k) {
+    if (k == 2 && tally.beyond_coverage == 0) continue;
+    for (int row = top + 9; row < top + 21; ++row)
+      for (int column = x; column < std::min(x + 12, picture.width); ++column)
+        std::copy(kinds[k].color.begin(), kinds[k].color.end(),
+                  &picture.rgb[3 * (static_cast<std::size_t>(row) * picture.width + column)]);
+    x += 18;
+    x += text(x, fmt::format("{} {}", kinds[k].label, percent(tally.tested ? shares[k] / tally.tested : 0))) + 16;
+  }
+  const int title_width = OIIO::ImageBufAlgo::text_size(title, 13, "DejaVuSans").xend;
+  if (x + title_width + 8 < picture.width) text(picture.width - title_width - 8, title);
+  return picture;
+}
+
+Picture draw_mask(std::span<const float> visibility, int width, int height) {
+  Picture picture{width, height, std::vector<std::uint8_t>(visibility.size() * 3)};
+  for (std::size_t i = 0; i < visibility.size(); ++i)
+    for (int c = 0; c < 3; ++c) picture.rgb[3 * i + c] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(visibility[i], 0.0f, 1.0f)));
+  return picture;
+}
+
+Picture draw_layer(const fs::path& raw, int width, int height) {
+  const auto file = MappedFile::open(raw);
+  Picture picture{width, height, std::vector<std::uint8_t>(static_cast<std::size_t>(width) * height * 3)};
+  if (file->bytes().size() != picture.rgb.size() * sizeof(float))
+    throw Error("debug layer has {} bytes; {} are wanted", file->bytes().size(), picture.rgb.size() * sizeof(float));
+  const auto* linear = reinterpret_cast<const float*>(file->bytes().data());
+  for (std::size_t k = 0; k < picture.rgb.size(); ++k) picture.rgb[k] = srgb_fast(linear[k]);
+  return picture;
+}
+
+void write_png(const fs::path& path, const Picture& picture) {
+  OIIO::ImageSpec spec(picture.width, picture.height, 3, OIIO::TypeDesc::UINT8);
+  spec.attribute("oiio:ColorSpace", "sRGB");
+  spec.attribute("png:compressionLevel", 3);
+  write_image(path, spec, OIIO::TypeDesc::UINT8, picture.rgb.data());
+}
+
+void write_exr(const fs::path& path, int width, int height, std::span<const std::string> names,
+               std::span<const std::span<const float>> channels) {
+  const std::size_t n = static_cast<std::size_t>(width) * height, count = channels.size();
+  std::vector<float> interleaved(n * count);
+  for (std::size_t c = 0; c < count; ++c)
+    for (std::size_t i = 0; i < n; ++i) interleaved[i * count + c] = channels[c][i];
+  OIIO::ImageSpec spec(width, height, static_cast<int>(count), OIIO::TypeDesc::FLOAT);
+  spec.channelnames.assign(names.begin(), names.end());
+  spec.attribute("compression", "zips");
+  write_image(path, spec, OIIO::TypeDesc::FLOAT, interleaved.data());
+}
+
+std::vector<float> read_exr(const fs::path& path, const std::string& channel, int width, int height) {
+  const auto input = OIIO::ImageInput::open(path.string());
+  if (!input) throw Error("{} cannot be read: {}", path.string(), OIIO::geterror());
+  const OIIO::ImageSpec& spec = input->spec();
+  if (spec.width != width || spec.height != height)
+    throw Error("{} is {}x{}; {}x{} is wanted", path.string(), spec.width, spec.height, width, height);
+  const int index = spec.channelindex(channel);
+  if (index < 0) throw Error("{} has no channel {}; it has: {}", path.string(), channel, fmt::join(spec.channelnames, ", "));
+  std::vector<float> pixels(static_cast<std::size_t>(width) * height);
+  if (!input->read_image(0, 0, index, index + 1, OIIO::TypeDesc::FLOAT, pixels.data()))
+    throw Error("{} cannot be read: {}", path.string(), input->geterror());
+  return pixels;
+}
+
+}  // namespace gnomon

@@ -1,0 +1,40 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace gnomon {
+
+/// Milliseconds of one stage: per fresh process, per repetition within it.
+using ProcessTimes = std::vector<std::vector<double>>;
+
+/// The q-quantile of the values, 0 <= q <= 1, interpolated linearly between order statistics: quantile 0 is the smallest,
+/// 1 the largest, 1/2 the median. The values may not be empty.
+double quantile(std::span<const double> values, double q);
+double median(std::span<const double> values);
+/// Median of the distances to the median, not scaled.
+double median_absolute_deviation(std::span<const double> values);
+
+/// A value and its 95 % interval.
+struct Estimate {
+  double value = 0, low = 0, high = 0;
+  bool operator==(const Estimate&) const = default;
+};
+
+/// Resamples of every bootstrap.
+inline constexpr int resample_count = 1000;
+
+/// The median of the process medians; nothing when no process has a time.
+std::optional<double> median_of_medians(const ProcessTimes& times);
+
+/// The same with its 95 % interval from a hierarchical bootstrap: processes are drawn with replacement, then the repetitions
+/// within each. The process is the unit, so nothing is returned below two processes: repetitions of one process say
+/// nothing about the next. n processes can cover at most 1 - 2^(1-n): 94 % for 5, but 75 % for 3. Same times, same interval.
+std::optional<Estimate> bootstrap(const ProcessTimes& times);
+
+/// contender / base of the medians of process medians, with the interval from resampling both independently; nothing below
+/// two processes on either side, or when a base time is not positive.
+std::optional<Estimate> bootstrap_ratio(const ProcessTimes& contender, const ProcessTimes& base);
+
+}  // namespace gnomon

@@ -1,0 +1,46 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gnomon/scene.h>
+
+namespace gnomon {
+
+/// One technique with its settings, as a suite or the command line names it.
+struct Contender {
+  std::string technique;  ///< id
+  std::string settings;   ///< canonical "a=1,b=2" of what differs from the defaults
+  std::string label;      ///< short name for tables; may be empty
+  std::string name() const { return settings.empty() ? technique : technique + ":" + settings; }
+};
+
+/// Reads `id:param=value,...`; a comma list in braces is a sweep: `shadow_map:resolution={256,1024}` gives two contenders,
+/// two braces their product. Throws Error on unknown techniques and parameters and on values out of range.
+std::vector<Contender> parse_contenders(const std::string& text, const std::string& label = "");
+
+/// Rows that share scenes, lights, views and contenders: their cross product.
+struct SuiteGroup {
+  std::vector<std::string> scenes;
+  std::vector<std::string> lights;  ///< names; empty: all lights of each scene
+  std::vector<std::string> views;   ///< names; empty: the first view of each scene
+  std::vector<Contender> contenders;
+};
+
+/// What to run and how often; data, not code. docs/suites.md describes the file.
+struct Suite {
+  std::string name, title;
+  int width = 640, height = 360;
+  Truth truth = Truth::shape;
+  int processes = 5;    ///< fresh worker processes per contender: the unit of statistics
+  int repetitions = 3;  ///< timed repetitions of each stage in each process
+  int warmups = 3;
+  double timeout = 60;  ///< seconds that one step of a worker may take
+  std::vector<SuiteGroup> groups;
+};
+
+/// Suite by name (bench/suites/NAME.toml) or by path ending in .toml. Throws Error with file and line.
+Suite read_suite(const std::string& name_or_path);
+std::vector<std::string> suite_names();
+
+}  // namespace gnomon

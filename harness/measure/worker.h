@@ -1,0 +1,60 @@
+#pragma once
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace gnomon {
+
+using Json = nlohmann::ordered_json;
+
+/// A worker that crashed, hung, threw or ran out of memory. It costs its own row only; the text is the row's reason.
+class WorkerFailure : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+struct WorkerOptions {
+  int threads = 0;  ///< pins the worker to this many cores and tells llvmpipe, Embree and TBB before any starts; 0: all
+  std::vector<std::string> plugins;
+};
+
+/// A fresh process of this program that holds one technique and does what it is asked, one request at a time. Requests and
+/// answers are single lines of JSON over a socket; worker_main documents them. Dies with its owner.
+class Worker {
+ public:
+  explicit Worker(const WorkerOptions& options);
+  ~Worker();
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+
+  void send(const Json& request);
+  /// Waits for the answer to the last request. Throws WorkerFailure; the worker is dead then.
+  Json receive(double timeout_seconds);
+  Json ask(const Json& request, double timeout_seconds) {
+    send(request);
+    return receive(timeout_seconds);
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& how);
+  std::string last_words() const;
+
+  int process_ = -1, socket_ = -1, errors_ = -1;
+  std::string pending_, doing_;
+};
+
+/// The worker's own side: answers requests on `socket` until it closes. Requests:
+///   {"do": "open", "scene": FILE, "technique": ID, "settings": "a=1"}       -> {"gl": {...} or null}
+///   {"do": "frame", "gbuffer": FILE, "view": K, "width", "height", "truth", "light": K} -> {"support", "why", "upload_ms", ...}
+///   {"do": "setup"}                                                         -> {"ms": t}
+///   {"do": "time", "stage": NAME}                                           -> {"ms": t}   earlier stages brought up untimed
+///   {"do": "answer", "mask": FILE}                                          -> {"counts": [...], "peak_bytes": n}
+///   {"do": "coverage", "pixels": FILE, "out": FILE}                         -> {"explained": bool}
+///   {"do": "debug", "layer": NAME, "out": FILE}                             -> {}
+/// An exception is answered as {"error": text}.
+int worker_main(int socket, int threads);
+
+}  // namespace gnomon

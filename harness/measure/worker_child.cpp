@@ -1,0 +1,188 @@
+#include <gnomon/kit/gl.h>
+#include <gnomon/registry.h>
+#include <tbb/global_control.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "device/context.h"
+#include "measure/frame.h"
+#include "measure/worker.h"
+
+namespace gnomon {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Largest resident memory of this process in bytes. Not from getrusage: that figure survives exec, and would be the parent's.
+double peak_bytes() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("VmHWM:")) return 1024.0 * std::stod(line.substr(6));
+  return 0;
+}
+
+/// One technique with its scene and frame, and how far its stages are up to date.
+class Seat {
+ public:
+  Json handle(const Json& request) {
+    const std::string what = request.at("do");
+    if (what == "open") return open(request);
+    if (what == "frame") return frame(request);
+    if (what == "setup") return {{"ms", time(Stage::setup)}};
+    if (what == "time") return time_stage(request.at("stage"));
+    if (what == "answer") return answer(request.at("mask"));
+    if (what == "coverage") return coverage(request.at("pixels"), request.at("out"));
+    if (what == "debug") return debug(request.at("layer"), request.at("out"));
+    throw Error("a worker cannot {}", what);
+  }
+
+ private:
+  Json open(const Json& request) {
+    scene_ = scene_from_bytes(MappedFile::open(request.at("scene").get<std::string>())->bytes());
+    const TechniqueEntry& entry = registry().technique(request.at("technique").get<std::string>());
+    technique_ = entry.make();
+    technique_->apply(request.at("settings").get<std::string>());
+    uses_gl_ = entry.about.needs_gl;
+    if (!uses_gl_) return {{"gl", nullptr}};
+    const GlInfo& info = process_context().info();
+    return {{"gl", {{"vendor", info.vendor}, {"renderer", info.renderer}, {"version", info.version}, {"software", info.is_software}}}};
+  }
+
+  Json frame(const Json& request) {
+    FrameKey key;
+    key.view = scene_.views.at(request.at("view").get<std::size_t>());
+    key.width = request.at("width");
+    key.height = request.at("height");
+    key.truth = request.at("truth") == "mesh" ? Truth::mesh : Truth::shape;
+    gbuffer_ = map_gbuffer(request.at("gbuffer").get<std::string>(), key);
+    const std::size_t light = request.at("light");
+    fresh_ = std::min(fresh_, static_cast<int>(light != light_ ? Stage::build : Stage::relight));
+    light_ = light;
+    mask_.emplace(key.width, key.height);
+    const Support support = technique_->supports(scene_, scene_.lights.at(light_), key.view);
+    Json result{{"support", name(support.kind())}, {"why", support.why()}};
+    if (uses_gl_ && support) {
+      const SceneBuffers& buffers = scene_buffers(scene_);
+      const GBufferTextures& textures = gbuffer_textures(gbuffer_, scene_);
+      result["input_bytes"] = buffers.bytes + textures.bytes;
+      result["upload_ms"] = buffers.upload_ms + textures.upload_ms;
+    }
+    return result;
+  }
+
+  Json time_stage(const std::string& name) {
+    for (int s = 0; s < 4; ++s)
+      if (stage_names[s] == name) {
+        bring_up(s - 1);
+        return {{"ms", time(static_cast<Stage>(s))}};
+      }
+    throw Error("there is no stage {}", name);
+  }
+
+  void bring_up(int stage) {
+    for (int s = fresh_ + 1; s <= stage; ++s) time(static_cast<Stage>(s));
+  }
+
+  /// Does one stage and returns its milliseconds; what follows it is out of date then.
+  double time(Stage stage) {
+    if (uses_gl_) glFinish();
+    const auto start = Clock::now();
+    switch (stage) {
+      case Stage::setup: technique_->setup(); break;
+      case Stage::build: technique_->build(scene_); break;
+      case Stage::relight: technique_->relight(scene_.lights.at(light_)); break;
+      case Stage::resolve: technique_->resolve(gbuffer_, *mask_); break;
+    }
+    if (uses_gl_) glFinish();
+    const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    fresh_ = static_cast<int>(stage);
+    return ms;
+  }
+
+  Json answer(const std::string& path) {
+    bring_up(static_cast<int>(Stage::resolve));
+    write_file(path, std::as_bytes(mask_->read()));
+    Json counts = Json::array();
+    for (const Count& c : technique_->counts()) counts.push_back({{"name", c.name}, {"value", c.value}, {"unit", c.unit}});
+    return {{"counts", counts}, {"peak_bytes", peak_bytes()}};
+  }
+
+  /// Asks the technique about the listed pixels (uint32 indices) and writes one byte each: 1 where it does not cover.
+  Json coverage(const std::string& pixels, const std::string& out) {
+    const auto file = MappedFile::open(pixels);
+    const std::size_t count = file->bytes().size() / sizeof(std::uint32_t);
+    const auto* index = reinterpret_cast<const std::uint32_t*>(file->bytes().data());
+    std::vector<std::uint8_t> uncovered(count);
+    bool explained = false;
+    for (std::size_t k = 0; k < count; ++k) {
+      const auto explanation = technique_->explain(index[k]);
+      if (!explanation) continue;
+      explained = true;
+      uncovered[k] = !explanation->covered;
+    }
+    write_file(out, std::as_bytes(std::span(uncovered)));
+    return {{"explained", explained}};
+  }
+
+  Json debug(const std::string& layer, const std::string& out) {
+    bring_up(static_cast<int>(Stage::resolve));
+    const std::vector<float> rgb = technique_->draw_debug(layer);
+    write_file(out, std::as_bytes(std::span(rgb)));
+    return Json::object();
+  }
+
+  Scene scene_;
+  std::unique_ptr<Technique> technique_;
+  bool uses_gl_ = false;
+  std::size_t light_ = static_cast<std::size_t>(-1);
+  GBuffer gbuffer_;
+  std::optional<VisibilityMask> mask_;
+  int fresh_ = -1;  ///< last stage that is up to date
+};
+
+bool write_line(int socket, const std::string& line) {
+  for (std::size_t sent = 0; sent < line.size();) {
+    const ssize_t n = write(socket, line.data() + sent, line.size() - sent);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return false;
+    sent += static_cast<std::size_t>(n);
+  }
+  return true;
+}
+
+}  // namespace
+
+int worker_main(int socket, int threads) {
+  std::optional<tbb::global_control> limit;
+  if (threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+  // Leaked on purpose: the process ends by being killed, and a technique's destructor is no part of a measurement.
+  Seat& seat = *new Seat;
+  std::string pending;
+  for (;;) {
+    const std::size_t end = pending.find('\n');
+    if (end == std::string::npos) {
+      char chunk[4096];
+      const ssize_t n = read(socket, chunk, sizeof chunk);
+      if (n < 0 && errno == EINTR) continue;
+      if (n <= 0) _exit(0);
+      pending.append(chunk, static_cast<std::size_t>(n));
+      continue;
+    }
+    Json answer;
+    try {
+      answer = seat.handle(Json::parse(pending.substr(0, end)));
+    } catch (const std::bad_alloc&) {
+      answer = {{"error", "out of memory"}};
+    } catch (const std::exception& error) {
+      answer = {{"error", error.what()}};
+    } catch (...) {
+      answer = {{"error", "an exception that is no std::exception"}};
+    }
+    pending.erase(0, end + 1);
+    if (!write_line(socket, answer.dump() + "\n")) _exit(0);
+  }
+}
+
+}  // namespace gnomon

@@ -1,0 +1,100 @@
+#include "report/listing.h"
+
+#include "report/pages.h"
+#include "report/text_table.h"
+
+namespace gnomon {
+
+namespace {
+
+Json about_json(const TechniqueEntry& entry) {
+  const About& about = entry.about;
+  return {
+      {"id", entry.id},           {"title", about.title},       {"role", name(about.role)}, {"promise", name(about.promise)},
+      {"sees", name(about.sees)}, {"needs_gl", about.needs_gl}, {"summary", about.summary}};
+}
+
+/// Choices and flags give no unit; a metric without one is a share of 1.
+std::string unit_of(const MetricInfo& metric) { return metric.unit.empty() ? "share" : std::string(metric.unit); }
+
+}  // namespace
+
+std::string list_text(std::span<const TechniqueEntry> entries, std::size_t width) {
+  TextTable table({{"id", ""}, {"title", ""}, {"role", ""}, {"promise", ""}, {"sees", ""}, {"summary", ""}});
+  for (const TechniqueEntry& entry : entries) {
+    const About& about = entry.about;
+    table.add_row({entry.id, std::string(about.title), std::string(name(about.role)), std::string(name(about.promise)),
+                   std::string(name(about.sees)), std::string(about.summary)});
+  }
+  return table.text(width);
+}
+
+Json list_json(std::span<const TechniqueEntry> entries) {
+  Json list = Json::array();
+  for (const TechniqueEntry& entry : entries) list.push_back(about_json(entry));
+  return list;
+}
+
+std::string list_text(std::span<const MetricInfo> metrics, std::size_t width) {
+  TextTable table({{"metric", ""}, {"unit", ""}, {"better", ""}, {"meaning", ""}});
+  for (const MetricInfo& metric : metrics)
+    table.add_row({std::string(metric.name), unit_of(metric), metric.better.empty() ? "-" : std::string(metric.better),
+                   std::string(metric.sentence)});
+  return table.text(width);
+}
+
+Json list_json(std::span<const MetricInfo> metrics) {
+  Json list = Json::array();
+  for (const MetricInfo& metric : metrics)
+    list.push_back({{"name", metric.name}, {"unit", metric.unit}, {"better", metric.better}, {"sentence", metric.sentence}});
+  return list;
+}
+
+std::string parameters_text(const Parametrized& object, std::size_t width) {
+  if (object.parameters().empty()) return "no parameters\n";
+  TextTable table({{"parameter", ""}, {"default", ""}, {"range", ""}, {"spoils", ""}, {"meaning", ""}});
+  for (const Parameter* parameter : object.parameters())
+    table.add_row({std::string(parameter->name()), parameter->default_text(), parameter->allowed(),
+                   std::string(name(parameter->spoils())), std::string(parameter->sentence())});
+  return table.text(width);
+}
+
+Json parameters_json(const Parametrized& object) {
+  Json list = Json::array();
+  for (const Parameter* parameter : object.parameters())
+    list.push_back({{"name", parameter->name()},
+                    {"default", parameter->default_text()},
+                    {"allowed", parameter->allowed()},
+                    {"unit", parameter->unit()},
+                    {"spoils", name(parameter->spoils())},
+                    {"sentence", parameter->sentence()}});
+  return list;
+}
+
+std::string describe_text(const TechniqueEntry& entry, std::size_t width) {
+  const About& about = entry.about;
+  TextTable facts({{entry.id, ""}, {std::string(about.title), ""}});
+  const auto add = [&facts](std::string_view topic, std::string_view text) {
+    facts.add_row({std::string(topic), text.empty() ? "-" : std::string(text)});
+  };
+  add("summary", about.summary);
+  add("source", about.source);
+  add("error", about.error);
+  add("fails", about.fails);
+  add("promise", name(about.promise));
+  add("sees", name(about.sees));
+  add("role", name(about.role));
+  add("needs OpenGL", about.needs_gl ? "yes" : "no");
+  return facts.text(width) + '\n' + parameters_text(*entry.make(), width);
+}
+
+Json describe_json(const TechniqueEntry& entry) {
+  Json json = about_json(entry);
+  json["source"] = entry.about.source;
+  json["error"] = entry.about.error;
+  json["fails"] = entry.about.fails;
+  json["parameters"] = parameters_json(*entry.make());
+  return json;
+}
+
+}  // namespace gnomon

@@ -1,0 +1,27 @@
+#pragma once
+#include <gnomon/registry.h>
+
+#include <span>
+#include <string>
+
+#include "measure/metrics.h"
+#include "measure/record.h"
+
+namespace gnomon {
+
+// What `gnomon list` and `gnomon describe` print: text for a terminal `width` columns wide (0: no limit), or JSON.
+
+std::string list_text(std::span<const TechniqueEntry> entries, std::size_t width = 0);
+Json list_json(std::span<const TechniqueEntry> entries);
+
+std::string list_text(std::span<const MetricInfo> metrics, std::size_t width = 0);
+Json list_json(std::span<const MetricInfo> metrics);
+
+std::string describe_text(const TechniqueEntry& entry, std::size_t width = 0);
+Json describe_json(const TechniqueEntry& entry);
+
+/// Parameter rows of anything that has them: techniques and scene generators.
+std::string parameters_text(const Parametrized& object, std::size_t width = 0);
+Json parameters_json(const Parametrized& object);
+
+}  // namespace gnomon

@@ -1,0 +1,49 @@
+#pragma once
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gnomon {
+
+enum class Align { left, right };
+
+/// Columns that UTF-8 text takes on a terminal. Every code point counts as one, combining marks as none: enough for the
+/// signs and European names that our text holds.
+std::size_t display_width(std::string_view text);
+
+/// `text` broken into lines of at most `width` columns, at blanks and after commas and colons; a longer word is cut.
+std::vector<std::string> wrap(std::string_view text, std::size_t width);
+
+/// Aligned text for the terminal: the one writer behind every list and table that is printed there.
+class TextTable {
+ public:
+  struct Column {
+    std::string heading;
+    std::string unit;  ///< printed below the heading; no line of units when none has one
+    Align align = Align::left;
+  };
+  explicit TextTable(std::vector<Column> columns) : columns_(std::move(columns)) {}
+
+  /// One cell per column. With fewer, `rest` runs on behind the last of them over the columns that are left.
+  void add_row(std::vector<std::string> cells, std::string rest = "");
+  /// A line of its own above the rows that follow, with a blank line before it.
+  void add_heading(std::string text);
+
+  /// Lines end in newlines and have no blanks before them. Unless `width` is 0, left-aligned columns are wrapped, the widest
+  /// first, until lines fit or words would be cut; numbers never are.
+  std::string text(std::size_t width = 0) const;
+
+ private:
+  struct Row {
+    bool is_heading = false;
+    std::vector<std::string> cells;
+    std::string rest;
+  };
+  std::vector<std::size_t> widths(std::size_t width) const;
+
+  std::vector<Column> columns_;
+  std::vector<Row> rows_;
+};
+
+}  // namespace gnomon

@@ -1,0 +1,52 @@
+// Many exact spheres above a ground, on a jittered grid that always fills the same square: more spheres are smaller ones.
+// Every third rests on the ground, the others float; none touch one another.
+#include <gnomon/kit/random.h>
+#include <gnomon/kit/shapes.h>
+#include <gnomon/registry.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace {
+
+using namespace gnomon;
+
+class SphereField final : public SceneGenerator {
+  Number<int> count{this, "count", 100, {.min = 1, .max = 10000, .log = true}, Stage::build, "Number of spheres."};
+  Number<int> seed{this, "seed", 1, {.min = 0, .max = 1000000}, Stage::build, "Chooses places, sizes and colors."};
+  Number<int> segments{this, "segments", 32, {.min = 4, .max = 256, .log = true}, Stage::build, "Edges around each equator."};
+
+ public:
+  Scene make() const override {
+    Scene scene;
+    scene.name = id();
+    scene.meshes.push_back(painted(tessellate(ground_plane(9), default_segments, "ground"), {0.68f, 0.68f, 0.64f}));
+
+    // The grid has `side` cells in a row, at most 4 m wide; a sphere stays inside its own cell seen from above.
+    const int side = static_cast<int>(std::ceil(std::sqrt(count.value())));
+    const double cell = std::min(4.0, 16.0 / side);
+    Random random(static_cast<std::uint64_t>(seed));
+    for (int i = 0; i < count; ++i) {
+      const double radius = cell * random.uniform(0.2, 0.38), slack = cell / 2 - radius;
+      const double x = cell * (i % side + 0.5 - 0.5 * side) + random.uniform(-slack, slack);
+      const double z = cell * (i / side + 0.5 - 0.5 * side) + random.uniform(-slack, slack);
+      const double clearance = i % 3 == 0 ? 0 : cell * random.uniform(0.05, 0.6);
+      const glm::vec3 albedo = random.uniform({0.15, 0.15, 0.15}, {0.75, 0.6, 0.7});
+      // Rounding the radius first keeps a resting sphere exactly at rest.
+      const auto rounded = static_cast<float>(radius);
+      const Sphere sphere{.center = {x, rounded + clearance, z}, .radius = rounded};
+      scene.meshes.push_back(painted(tessellate(sphere, segments, fmt::format("sphere_{}", i)), albedo));
+    }
+    scene.lights = {{.name = "point", .kind = PointLight{{-6, 9, 3}}},
+                    {.name = "sun", .kind = DirectionalLight{{1, -0.9f, -0.35f}}}};
+    scene.views = {{.name = "view", .eye = {1, 5.5f, 11.5f}, .target = {0.3f, 0, 0.5f}, .fov_y_degrees = 36},
+                   {.name = "low", .eye = {-5, 0.8f, 9.5f}, .target = {0, 0.6f, 0}, .fov_y_degrees = 45}};
+    return scene;
+  }
+};
+
+}  // namespace
+
+GNOMON_SCENE(sphere_field, SphereField,
+             {.title = "Sphere field",
+              .summary = "Many exact spheres above a ground; brings out how cost grows with curved casters."})

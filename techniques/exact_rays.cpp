@@ -1,0 +1,51 @@
+// Exact rays: one segment from every visible point to the light, against every triangle near it, by exact signs of
+// determinants. Source: none to cite for the whole; the filter is of the kind of Shewchuk 1997, derived in kit/exact.cpp.
+// Error: none on the points it is given, which are float32. A point may so lie below its own triangle by a rounding; then a
+//   neighbor across an edge, closer than that rounding, blocks it by right. Edges and vertices count as blocking.
+// Fails: nothing it supports; it is slow. It sees triangles: against exact spheres, cones and discs it errs by the
+// tessellation. It is the independent witness for the ray tracer: no offset, no epsilon, no code in common with it.
+#include <gnomon/kit/exact_scene.h>
+#include <gnomon/registry.h>
+
+namespace gnomon {
+
+class ExactRays final : public Technique {
+ public:
+  Support supports(const Scene&, const Light& light, const View&) const override {
+    if (has_area(light)) return Support::unsupported("one exact segment per pixel cannot see part of an area light");
+    return Support::full();
+  }
+  void setup() override {}
+  void build(const Scene& scene) override { casters_.emplace(scene); }
+  void relight(const Light& light) override { light_ = light; }
+  void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
+    tally_ = casters_->decide(gbuffer, light_, mask.pixels());
+  }
+  Counts counts() const override {
+    const auto count = [](const char* name, std::uint64_t value) { return Count{name, static_cast<double>(value), ""}; };
+    return {count("rays", tally_.rays),
+            count("triangle_tests", tally_.triangles),
+            count("degenerate_rays", tally_.degenerate),
+            count("signs_by_int128", tally_.signs.lattice),
+            count("signs_by_gmp", tally_.signs.big),
+            {"bytes", static_cast<double>(casters_ ? casters_->bytes() : 0), "B"}};
+  }
+
+ private:
+  std::optional<ExactScene> casters_;
+  Light light_;
+  ExactTally tally_;
+};
+
+}  // namespace gnomon
+
+GNOMON_TECHNIQUE(
+    exact_rays, gnomon::ExactRays,
+    {.title = "Exact rays",
+     .summary = "One segment per visible point against the triangles near it, decided without rounding or epsilon.",
+     .source = "Shewchuk 1997",
+     .error = "None on the float32 points it is given; tessellation on curved shapes.",
+     .fails = "Nothing it supports; it is slow.",
+     .promise = gnomon::Promise::exact,
+     .sees = gnomon::Truth::mesh,
+     .role = gnomon::Role::contender})

@@ -1,0 +1,325 @@
+// Shadow map: one depth image from the light (six around a point light), compared once or a few times per visible point.
+//
+// Source: Williams 1978; Reeves, Salesin and Cook 1987 (pcf); Wang and Molnar 1994 (second depth).
+// Error:  stair steps of one texel diagonal along every shadow edge; acne where the bias is less than the depth spread of a
+//         texel, peter-panning where an occluder is nearer than the bias. `receiver_plane` has no acne on flat receivers at
+//         depth_bias 0.
+// Fails:  a long shadow at a grazing angle, a fine mesh of wires, and every large scene: texels are spread over all of it.
+//
+// The bias is a length along the light ray. Its parameters are in texels because acne is: a texel's world width at the point,
+// times the parameter, gives meters.
+#include <gnomon/kit/gl.h>
+#include <gnomon/registry.h>
+
+#include "shadow_map/light_faces.h"
+#include "shadow_map/shaders.h"
+
+namespace {
+using namespace gnomon;
+using shadow_map::Face;
+
+class ShadowMap final : public Technique {
+  Number<int> resolution{this,           "resolution",
+                         1024,           {.unit = "texel", .min = 64, .max = 8192, .log = true},
+                         Stage::relight, "Side of the square depth image (of each cube face for point lights)."};
+  Choice bias{this,
+              "bias",
+              "receiver_plane",
+              {"constant", "slope", "normal_offset", "receiver_plane"},
+              Stage::relight,
+              "What is added to depth_bias: nothing, a slope-scaled bias, a normal offset, or the receiver's own plane."};
+  Number<double> depth_bias{this,
+                            "depth_bias",
+                            1,
+                            {.unit = "texel", .min = 0, .max = 64},
+                            Stage::resolve,
+                            "Constant depth bias, in every mode, in world widths of a texel at the point."};
+  Number<double> slope_bias{this,
+                            "slope_bias",
+                            3,
+                            {.unit = "half texel diagonal", .min = 0, .max = 16},
+                            Stage::resolve,
+                            "Slope-scaled bias, times the tangent of the angle between normal and light; for bias=slope."};
+  Number<double> normal_offset{this,
+                               "normal_offset",
+                               1.5,
+                               {.unit = "texel", .min = 0, .max = 16},
+                               Stage::relight,
+                               "How far the look-up point is moved along the normal; for bias=normal_offset."};
+  Choice filter{
+      this,           "filter",
+      "nearest",      {"nearest", "pcf"},
+      Stage::relight, "One comparison, or the mean of (2 filter_radius + 1)^2 comparisons (percentage-closer filtering)."};
+  Number<int> filter_radius{this,
+                            "filter_radius",
+                            1,
+                            {.unit = "texel", .min = 1, .max = 8},
+                            Stage::relight,
+                            "Half the side of the filter beside its middle texel; for filter=pcf."};
+  Flag second_depth{this, "second_depth", false, Stage::relight,
+                    "Stores the second surface seen from the light instead of the first; the far plane where there is none."};
+
+ public:
+  Support supports(const Scene&, const Light& light, const View&) const override {
+    if (has_area(light)) return Support::unsupported("a shadow map has one center: lights with area have none");
+    return Support::full();
+  }
+  void setup() override;
+  void build(const Scene& scene) override;
+  void relight(const Light& light) override;
+  void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
+  Counts counts() const override;
+  std::optional<Explanation> explain(std::size_t index) const override;
+  std::vector<std::string> debug_layers() const override { return {"map"}; }
+  std::vector<float> draw_debug(std::string_view layer) const override;
+
+ private:
+  int radius() const { return filter.is("pcf") ? filter_radius : 0; }
+  /// Texels that a look-up may leave the fitted window by: the filter, the normal offset, and one for rounding.
+  int margin() const { return radius() + 1 + (bias.is("normal_offset") ? static_cast<int>(std::ceil(normal_offset)) : 0); }
+  const Texture& map() const { return second_depth ? second_ : first_; }
+  int face_of(const glm::dvec3& from_light) const;
+  double stored(int face, const glm::ivec2& texel) const;
+  const std::vector<float>& depths() const;
+
+  Program depth_program_, second_program_, resolve_program_;
+  Framebuffer framebuffer_;
+  const Scene* scene_ = nullptr;
+  std::vector<shadow_map::MeshBox> boxes_;
+  double extent_ = 0;    // largest coordinate of the scene
+  double rounding_ = 0;  // float32 error of a depth, meters
+  Light light_;
+  std::vector<Face> faces_;
+  std::vector<int> layers_;  // of each face; -1 when it is not drawn
+  Texture first_, second_;   // arrays with one layer per drawn face
+  int drawn_faces_ = 0;
+  std::size_t drawn_triangles_ = 0;
+  const GBuffer* gbuffer_ = nullptr;
+  mutable std::vector<float> depths_;  // of all layers, read back at the first question after a relight
+};
+
+/// Makes room for `layers` depth images; keeps a texture that is large enough.
+void make_room(Texture& texture, int side, int layers) {
+  if (texture.width == side && texture.layers >= layers) return;
+  texture = {};  // the old one goes before the new one comes
+  texture = Texture(GL_DEPTH_COMPONENT32F, side, side, layers);
+}
+
+void ShadowMap::setup() {
+  depth_program_ = Program("shadow_map depth", shadow_map::depth_vertex, shadow_map::depth_fragment);
+  second_program_ = Program("shadow_map second depth", shadow_map::depth_vertex, shadow_map::second_fragment);
+  resolve_program_ = Program("shadow_map resolve", full_screen_vertex, shadow_map::resolve_fragment);
+  framebuffer_ = make_framebuffer();
+  warm_up(*this);
+}
+
+void ShadowMap::build(const Scene& scene) {
+  scene_ = &scene;
+  scene_buffers(scene);
+  extent_ = 0;
+  for (const Mesh& mesh : scene.meshes)
+    for (const glm::vec3& p : mesh.positions)
+      extent_ = std::max<double>({extent_, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  boxes_.clear();
+  for (const Mesh& mesh : scene.meshes) {
+    shadow_map::MeshBox box{.bounds = {}, .casts = mesh.casts, .receives = mesh.receives};
+    for (const glm::vec3& p : mesh.positions) box.bounds.add(p);
+    // A flat mesh gets a box with an inside, and rounding cannot push a vertex out of it.
+    const glm::vec3 slack(static_cast<float>(extent_ * 0x1p-20));
+    box.bounds.min -= slack, box.bounds.max += slack;
+    boxes_.push_back(box);
+  }
+}
+
+void ShadowMap::relight(const Light& light) {
+  const StateGuard guard;
+  light_ = light;
+  depths_.clear();
+  faces_ = shadow_map::fit_faces(light, boxes_, resolution, margin());
+  layers_.clear();
+  drawn_faces_ = 0;
+  for (const Face& face : faces_) layers_.push_back(face.casters.empty() ? -1 : drawn_faces_++);
+  make_room(first_, resolution, std::max(drawn_faces_, 1));
+  if (second_depth) make_room(second_, resolution, std::max(drawn_faces_, 1));
+
+  const SceneBuffers& buffers = scene_buffers(*scene_);
+  drawn_triangles_ = 0;
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
+  glViewport(0, 0, resolution, resolution);
+  glEnable(GL_DEPTH_TEST);
+  glEnable(GL_DEPTH_CLAMP);
+  glDepthFunc(GL_GREATER);
+  glBindTextureUnit(0, first_.name());
+  glNamedFramebufferTexture(framebuffer_.name(), GL_COLOR_ATTACHMENT0, 0, 0);  // the mask of the last resolve
+  const auto draw = [&](const Program& program, const Texture& target, std::size_t face) {
+    glNamedFramebufferTextureLayer(framebuffer_.name(), GL_DEPTH_ATTACHMENT, target.name(), 0, layers_[face]);
+    const float infinitely_far = 0;
+    glClearNamedFramebufferfv(framebuffer_.name(), GL_DEPTH, 0, &infinitely_far);
+    program.set("clip_from_world", glm::mat4(faces_[face].clip_from_world(resolution)));
+    glUseProgram(program.name());
+    buffers.draw(faces_[face].casters);
+    for (const std::uint32_t mesh : faces_[face].casters) drawn_triangles_ += buffers.meshes[mesh].triangle_count;
+  };
+  for (std::size_t i = 0; i < faces_.size(); ++i) {
+    if (layers_[i] < 0) continue;
+    draw(depth_program_, first_, i);
+    if (!second_depth) continue;
+    second_program_.set("layer", layers_[i]);
+    draw(second_program_, second_, i);
+  }
+  glNamedFramebufferTexture(framebuffer_.name(), GL_DEPTH_ATTACHMENT, 0, 0);
+
+  const Program& p = resolve_program_;
+  set_light(p, light);
+  const glm::dvec3 light_position(homogeneous(light) * homogeneous(light).w);
+  for (std::size_t i = 0; i < 6; ++i) {
+    const bool drawn = i < faces_.size() && layers_[i] >= 0;
+    const Face face = drawn ? faces_[i] : Face{};
+    const auto set = [&](const char* member, const auto& value) {
+      p.set(fmt::format("faces[{}].{}", i, member).c_str(), value);
+    };
+    set("frame", glm::mat3(face.frame));
+    set("scale", glm::vec2(face.scale));
+    set("offset", glm::vec2(face.offset));
+    set("near", static_cast<float>(face.near));
+    set("far", static_cast<float>(face.far));
+    set("layer", drawn ? layers_[i] : -1);
+  }
+  p.set("origin", glm::vec3(faces_[0].origin));
+  p.set("is_cube", faces_.size() == 6);
+  p.set("is_perspective", faces_[0].perspective);
+  p.set("resolution", resolution);
+  // Sixteen half units in the last place of the largest coordinate: the three of the rounded point and vertices (sqrt 3 each),
+  // and four products and three sums of the transforms in float32, twice.
+  const double extent = std::max({extent_, std::abs(light_position.x), std::abs(light_position.y), std::abs(light_position.z)});
+  rounding_ = 16 * 0x1p-24 * extent;
+  p.set("rounding", static_cast<float>(rounding_));
+  glFinish();
+}
+
+void ShadowMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
+  const StateGuard guard;
+  gbuffer_ = &gbuffer;
+  const Program& p = resolve_program_;
+  p.set("bias_mode", bias.index());
+  p.set("radius", radius());
+  p.set("depth_bias", static_cast<float>(depth_bias));
+  p.set("slope_bias", static_cast<float>(slope_bias));
+  p.set("normal_offset", static_cast<float>(normal_offset));
+  bind_gbuffer(gbuffer_textures(gbuffer, *scene_));
+  glBindTextureUnit(3, map().name());
+  glNamedFramebufferTexture(framebuffer_.name(), GL_COLOR_ATTACHMENT0, mask.texture(), 0);
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
+  glViewport(0, 0, gbuffer.width, gbuffer.height);
+  glUseProgram(p.name());
+  draw_full_screen();
+  glFinish();
+}
+
+Counts ShadowMap::counts() const {
+  const double texels = double(resolution) * resolution * drawn_faces_ * (second_depth ? 2 : 1);
+  const double bytes = double(first_.bytes + second_.bytes + boxes_.size() * sizeof(boxes_[0]));
+  return {{"texels", texels, "texel"},
+          {"faces", double(drawn_faces_), ""},
+          {"triangles", double(drawn_triangles_), ""},
+          {"bytes", bytes, "byte"}};
+}
+
+int ShadowMap::face_of(const glm::dvec3& from_light) const {
+  if (faces_.size() == 1) return 0;
+  const glm::dvec3 a = glm::abs(from_light);
+  const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
+  return 2 * axis + (from_light[axis] < 0);
+}
+
+const std::vector<float>& ShadowMap::depths() const {
+  if (!depths_.empty()) return depths_;
+  depths_.resize(map().bytes / sizeof(float));
+  glGetTextureImage(map().name(), 0, GL_DEPTH_COMPONENT, GL_FLOAT, static_cast<GLsizei>(map().bytes), depths_.data());
+  return depths_;
+}
+
+/// Axis distance of the stored surface; infinity when nothing is stored or the texel is off the image.
+double ShadowMap::stored(int face, const glm::ivec2& texel) const {
+  if (glm::any(glm::lessThan(texel, glm::ivec2(0))) || glm::any(glm::greaterThanEqual(texel, glm::ivec2(resolution))))
+    return INFINITY;
+  const Face& f = faces_[face];
+  const double depth = depths()[(std::size_t(layers_[face]) * resolution + texel.y) * resolution + texel.x];
+  if (depth == 0) return INFINITY;
+  return f.perspective ? f.near / depth : f.far - depth * (f.far - f.near);
+}
+
+// The shader's arithmetic in double: they may differ where stored and expected depth agree to float32 rounding.
+std::optional<Explanation> ShadowMap::explain(std::size_t index) const {
+  Explanation why;
+  if (!faces_light(*scene_, *gbuffer_, light_, index)) return why;
+  const glm::dvec3 point = gbuffer_->position(index), normal = gbuffer_->normal(index);
+  const int which = face_of(point - faces_[0].origin);
+  const Face& face = faces_[which];
+  if (layers_[which] < 0) return why;  // nothing casts there
+  glm::dvec3 q = face.to_light_space(point);
+  const glm::dvec3 n = face.frame * normal;
+  const glm::dvec3 ray = face.perspective ? q / q.z : glm::dvec3(0, 0, 1);
+  const double cosine = -glm::dot(n, ray) / glm::length(ray), tangent = std::sqrt(std::max(1 - cosine * cosine, 0.0)) / cosine;
+  const glm::dvec2 width = face.texel_width(q.z);
+  const double half_diagonal = glm::length(width) / 2;
+  why.texel_width = std::max(width.x, width.y);
+  why.bias = depth_bias * why.texel_width;
+  if (bias.is("slope")) why.bias += slope_bias * half_diagonal * tangent;
+  if (bias.is("receiver_plane"))
+    why.bias +=
+        rounding_ * (face.perspective ? 1 + q.z * q.z / (face.near * face.far) : 1) / cosine + half_diagonal * tangent / 128;
+  if (bias.is("normal_offset")) {
+    q += n * (normal_offset * why.texel_width);
+    why.shifted = face.to_world(q);
+  }
+  const glm::ivec2 center(glm::floor(face.texel(q)));
+  const int r = radius();
+  for (int y = -r; y <= r; ++y)
+    for (int x = -r; x <= r; ++x) {
+      const glm::ivec2 texel = center + glm::ivec2(x, y);
+      const glm::dvec2 window = (glm::dvec2(texel) + 0.5 - face.offset) / face.scale;
+      const double z = stored(which, texel);
+      Tap tap{.weight = 1.0 / ((2 * r + 1) * (2 * r + 1))};
+      if (face.perspective) {
+        const glm::dvec3 through(window, 1);
+        tap = {face.origin, glm::normalize(through * face.frame), tap.weight, z * glm::length(through)};
+      } else {
+        tap = {face.to_world({window, face.near}), glm::dvec3(0, 0, 1) * face.frame, tap.weight, z - face.near};
+      }
+      why.taps.push_back(tap);
+    }
+  return why;
+}
+
+/// The depth images of all faces as a 3 x 2 sheet (one image alone fills the picture): black at the near plane, light gray at
+/// the far one, white where nothing is stored.
+std::vector<float> ShadowMap::draw_debug(std::string_view layer) const {
+  if (layer != "map") return Technique::draw_debug(layer);
+  const int columns = faces_.size() == 1 ? 1 : 3, rows = faces_.size() == 1 ? 1 : 2;
+  const int width = gbuffer_->width, height = gbuffer_->height;
+  std::vector<float> picture(std::size_t(width) * height * 3, 1.0f);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const glm::dvec2 sheet((x + 0.5) / width * columns, (y + 0.5) / height * rows);
+      const glm::ivec2 cell(sheet);
+      const int which = cell.y * columns + cell.x;
+      if (layers_[which] < 0) continue;
+      const Face& face = faces_[which];
+      const double z = stored(which, glm::ivec2((sheet - glm::dvec2(cell)) * double(resolution)));
+      if (z == INFINITY) continue;
+      const auto gray = static_cast<float>(0.8 * std::clamp((z - face.near) / (face.far - face.near), 0.0, 1.0));
+      std::fill_n(picture.begin() + 3 * (std::size_t(y) * width + x), 3, gray);
+    }
+  return picture;
+}
+
+}  // namespace
+
+GNOMON_TECHNIQUE(shadow_map, ShadowMap,
+                 {.title = "Shadow map",
+                  .summary = "One depth image from the light, compared once per visible point.",
+                  .source = "Williams 1978; Reeves, Salesin and Cook 1987",
+                  .error = "Stair steps of one texel diagonal; acne or peter-panning with the wrong bias.",
+                  .fails = "Long shadows at grazing angles, wires thinner than a texel, large scenes.",
+                  .needs_gl = true})

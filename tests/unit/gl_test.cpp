@@ -1,0 +1,208 @@
+#include <gnomon/kit/gl.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "device/context.h"
+#include "small_world.h"
+
+namespace {
+using namespace gnomon;
+
+class Gl : public testing::Test {
+ protected:
+  Gl() { process_context(); }
+  void TearDown() override { EXPECT_EQ(state_differences(), std::vector<std::string>{}); }
+};
+
+Scene box_on_ground() {
+  Scene scene;
+  scene.meshes = {small_world::ground(3), small_world::box({-1, 0, -1}, {1, 1.5f, 0.5f})};
+  scene.meshes[0].receives = true;
+  return scene;
+}
+
+const View view{.eye = {3, 4, 5}, .target = {0, 0.5f, 0}};
+
+template <class T>
+std::vector<T> read(const Texture& texture, GLenum format, GLenum type) {
+  std::vector<T> texels(std::size_t(texture.width) * texture.height);
+  glGetTextureImage(texture.name(), 0, format, type, static_cast<GLsizei>(texels.size() * sizeof(T)), texels.data());
+  return texels;
+}
+
+TEST_F(Gl, context_says_what_draws) {
+  const GlInfo& info = process_context().info();
+  EXPECT_FALSE(info.renderer.empty());
+  EXPECT_NE(info.version.find("4."), std::string::npos);
+  EXPECT_EQ(info.is_software, info.renderer.find("llvmpipe") != std::string::npos);
+}
+
+TEST_F(Gl, unknown_choice_of_device_is_an_error_that_names_the_choices) {
+  const char* old = std::getenv("GNOMON_GL");
+  const std::string kept = old ? old : "";
+  setenv("GNOMON_GL", "fast", 1);
+  try {
+    gl_choice_from_environment();
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "GNOMON_GL = fast is none of auto | software | hardware");
+  }
+  old ? setenv("GNOMON_GL", kept.c_str(), 1) : unsetenv("GNOMON_GL");
+}
+
+TEST_F(Gl, state_differences_names_what_was_left_and_the_guard_puts_it_back) {
+  const Texture texture(GL_R32F, 1, 1);
+  {
+    const StateGuard guard;
+    glEnable(GL_BLEND);
+    glDepthFunc(GL_GREATER);
+    glStencilMask(1);
+    glEnable(GL_CLIP_DISTANCE3);
+    glBindTextureUnit(5, texture.name());
+    glColorMask(GL_TRUE, GL_FALSE, GL_TRUE, GL_TRUE);
+    EXPECT_EQ(state_differences().size(), 7u);  // the stencil mask counts front and back
+  }
+  EXPECT_TRUE(state_differences().empty());
+}
+
+TEST_F(Gl, a_shader_error_shows_the_log_and_the_numbered_line) {
+  try {
+    Program("broken", full_screen_vertex, "void main() {\n  nonsense;\n}\n");
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("shader broken (fragment)"), std::string::npos) << text;
+    EXPECT_NE(text.find("   3    nonsense;"), std::string::npos) << text;
+  }
+}
+
+TEST_F(Gl, setting_a_uniform_that_does_not_exist_is_an_error) {
+  const Program program("plain", full_screen_vertex, "void main() {}");
+  EXPECT_THROW(program.set("missing", 1), Error);
+}
+
+// The ray through the center of pixel (x,y) goes to window position (x + 0.5, y + 0.5), at any distance; a point at infinity
+// has depth 0, one at distance z along the axis has near_plane / z.
+TEST_F(Gl, clip_from_world_sends_pixel_rays_to_their_pixel_centers) {
+  const int width = 37, height = 23;
+  const glm::dmat4 clip = clip_from_world(view, width, height);
+  const Scene scene = box_on_ground();
+  const GBuffer g = small_world::make_gbuffer(scene, view, width, height);
+  const glm::dvec3 forward = glm::normalize(glm::dvec3(view.target) - glm::dvec3(view.eye));
+  for (std::size_t i = 0; i < g.size(); ++i) {
+    if (g.is_background(i)) continue;
+    const glm::dvec4 p = clip * glm::dvec4(glm::dvec3(g.position(i)), 1);
+    EXPECT_NEAR((p.x / p.w + 1) / 2 * width, i % width + 0.5, 1e-4);
+    EXPECT_NEAR((1 - p.y / p.w) / 2 * height, i / width + 0.5, 1e-4);
+    EXPECT_NEAR(p.z / p.w, near_plane / glm::dot(forward, glm::dvec3(g.position(i) - view.eye)), 1e-9);
+  }
+  EXPECT_EQ((clip * glm::dvec4(1, 2, 3, 0)).z, 0);
+}
+
+TEST_F(Gl, inputs_are_uploaded_once_and_found_again) {
+  Scene scene = box_on_ground();
+  const SceneBuffers* first = &scene_buffers(scene);
+  EXPECT_EQ(first, &scene_buffers(scene));
+  EXPECT_EQ(first->bytes, (4 + 8) * 12u + (2 + 12) * 12u);
+  EXPECT_EQ(first->meshes[1].first_vertex, 4u);
+  EXPECT_EQ(first->meshes[1].first_triangle, 2u);
+  const GLuint name = first->positions.name();
+  scene.meshes[1].positions[0].x += 1;  // the stamp reads the first vertex
+  EXPECT_NE(scene_buffers(scene).positions.name(), name);
+  release_inputs();
+}
+
+TEST_F(Gl, gbuffer_textures_hold_the_gbuffer) {
+  Scene scene = box_on_ground();
+  scene.meshes[1].receives = false;
+  const GBuffer g = small_world::make_gbuffer(scene, view, 31, 17);
+  const GBufferTextures& textures = gbuffer_textures(g, scene);
+  const auto positions = read<glm::vec4>(textures.position, GL_RGBA, GL_FLOAT);
+  const auto normals = read<glm::vec4>(textures.normal, GL_RGBA, GL_FLOAT);
+  const auto ids = read<glm::uvec2>(textures.ids, GL_RG_INTEGER, GL_UNSIGNED_INT);
+  for (std::size_t i = 0; i < g.size(); ++i) {
+    const bool background = g.is_background(i);
+    EXPECT_EQ(positions[i], glm::vec4(g.position(i), background ? 0 : 1));
+    EXPECT_EQ(normals[i], glm::vec4(g.normal(i), !background && g.mesh[i] == 0 ? 1 : 0));
+    EXPECT_EQ(ids[i], background ? glm::uvec2(0) : glm::uvec2(g.mesh[i] + 1, g.triangle[i]));
+  }
+  EXPECT_EQ(textures.bytes, g.size() * 40);
+}
+
+// Two G-buffers made one after the other may lie at one address: the look-up must tell them apart.
+TEST_F(Gl, a_new_gbuffer_at_an_old_address_is_uploaded_again) {
+  const Scene scene = box_on_ground();
+  for (int turn = 0; turn < 8; ++turn) {
+    View turned = view;
+    turned.eye.x += static_cast<float>(turn) * 0.1f;
+    const GBuffer g = small_world::make_gbuffer(scene, turned, 16, 16);
+    const auto positions = read<glm::vec4>(gbuffer_textures(g, scene).position, GL_RGBA, GL_FLOAT);
+    for (std::size_t i = 0; i < g.size(); ++i) ASSERT_EQ(glm::vec3(positions[i]), g.position(i));
+  }
+}
+
+// On a surface at axis distance z the depth is near_plane / z; the background keeps 0. Pixels whose 3 x 3 neighborhood shows
+// more than one triangle are left out: there the rasterizer's snapping may choose another surface than the ray.
+TEST_F(Gl, depth_of_the_view_agrees_with_the_gbuffer) {
+  const Scene scene = box_on_ground();
+  const GBuffer g = small_world::make_gbuffer(scene, view, 64, 48);
+  const auto texels = read<glm::vec2>(depth_stencil(scene, g).texture, GL_DEPTH_COMPONENT, GL_FLOAT);
+  const float* depth = &texels[0].x;
+  const glm::dvec3 forward = glm::normalize(glm::dvec3(view.target) - glm::dvec3(view.eye));
+  int compared = 0;
+  for (int y = 1; y + 1 < g.height; ++y)
+    for (int x = 1; x + 1 < g.width; ++x) {
+      const std::size_t i = std::size_t(y) * g.width + x;
+      bool alone = true;
+      for (int k = 0; k < 9; ++k) {
+        const std::size_t j = i + (k / 3 - 1) * g.width + (k % 3 - 1);
+        alone = alone && g.mesh[j] == g.mesh[i] && g.triangle[j] == g.triangle[i];
+      }
+      if (!alone) continue;
+      ++compared;
+      const double z = glm::dot(forward, glm::dvec3(g.position(i) - view.eye));
+      const double expected = g.is_background(i) ? 0 : near_plane / z;
+      EXPECT_NEAR(depth[i], expected, expected * 1e-4);
+    }
+  EXPECT_GT(compared, 1000);
+}
+
+// The sign decisions of the shader are those of the C++ function, for each kind of light, also where the light lies in the
+// plane of the ground (height 0), where everything hangs on the exact zero.
+TEST_F(Gl, faces_light_in_glsl_is_faces_light) {
+  Scene scene = box_on_ground();
+  scene.meshes.push_back(small_world::box({1.5f, 0, 1}, {2, 0.7f, 2}));
+  scene.meshes[2].receives = false;
+  const GBuffer g = small_world::make_gbuffer(scene, view, 64, 48);
+  const Program program("facing", full_screen_vertex, std::string(faces_light_snippet) + R"(
+layout(location = 0) out float visibility;
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  visibility = faces_light(texelFetch(gbuffer_position, pixel, 0), texelFetch(gbuffer_normal, pixel, 0)) ? 1 : 0;
+})");
+  const Light lights[] = {{.name = "point", .kind = PointLight{{2, 3, 1}}},
+                          {.name = "low", .kind = PointLight{{2, 0, 1}}},
+                          {.name = "sun", .kind = DirectionalLight{{1, -2, 0}}},
+                          {.name = "level", .kind = DirectionalLight{{1, 0, 0.3f}}},
+                          {.name = "spot", .kind = SpotLight{{0, 4, 0}, {0.1f, -1, 0.2f}, 10, 25}}};
+  for (const Light& light : lights) {
+    VisibilityMask mask(g.width, g.height);
+    {
+      const StateGuard guard;
+      const Framebuffer framebuffer = make_framebuffer();
+      glNamedFramebufferTexture(framebuffer.name(), GL_COLOR_ATTACHMENT0, mask.texture(), 0);
+      glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
+      glViewport(0, 0, g.width, g.height);
+      bind_gbuffer(gbuffer_textures(g, scene));
+      set_light(program, light);
+      glUseProgram(program.name());
+      draw_full_screen();
+    }
+    const auto pixels = mask.read();
+    for (std::size_t i = 0; i < g.size(); ++i)
+      EXPECT_EQ(pixels[i] == 1, faces_light(scene, g, light, i)) << light.name << " pixel " << i;
+  }
+}
+
+}  // namespace

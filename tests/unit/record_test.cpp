@@ -1,0 +1,266 @@
+#include "measure/record.h"
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <fstream>
+#include <sstream>
+
+namespace {
+
+using namespace gnomon;
+namespace fs = std::filesystem;
+
+/// A folder of its own for each test, gone afterwards.
+class RecordFileTest : public testing::Test {
+ protected:
+  RecordFileTest() {
+    std::string pattern = (fs::temp_directory_path() / "gnomon_record_XXXXXX").string();
+    dir = mkdtemp(pattern.data());
+  }
+  ~RecordFileTest() override { fs::remove_all(dir); }
+
+  void write(const std::string& text) const { std::ofstream(records_file(dir), std::ios::binary) << text; }
+  std::string text() const {
+    std::ostringstream all;
+    all << std::ifstream(records_file(dir), std::ios::binary).rdbuf();
+    return all.str();
+  }
+
+  fs::path dir;
+};
+
+Record example(const std::string& job = "00ff") {
+  Record r;
+  r.job = job;
+  r.suite = "quick";
+  r.scene = "soup:ground=false";
+  r.light = "point";
+  r.light_kind = "point";
+  r.view = "main";
+  r.technique = "shadow_map";
+  r.settings = "resolution=256";
+  r.label = "small map";
+  r.parameters = {{"resolution", 256}, {"filter", "nearest"}};
+  r.width = 640;
+  r.height = 480;
+  r.truth = Truth::mesh;
+  r.status = Status::ok;
+  r.support = Support::Kind::approximate;
+  r.reason = "one face of the cube";
+  r.times(Stage::setup) = {{12.5}, {13}};
+  r.times(Stage::resolve) = {{0.1, 0.2, 0.30000000000000004}, {1e-3, 2, 3}};
+  r.counts = {{"texels", 65536, "texel"}};
+  r.bytes = 262144;
+  r.peak_bytes = 8589934592;  // beyond 32 bits
+  r.gl = Record::GlInputs{.input_bytes = 1000, .upload_ms = 0.25};
+  r.classes = {{"B", 10}, {"T", 307190}};
+  r.metrics[Truth::mesh] = {{"wrong_rate", 1.0 / 3}, {"displacement_mean", std::nullopt}};
+  r.metrics[Truth::shape] = {{"wrong_rate", 0.0}};
+  r.mask = "masks/00ff.exr";
+  r.scene_facts = Record::SceneFacts{.meshes = 2, .triangles = 12, .closed = true};
+  r.notes = {"framing camera"};
+  r.context = {{"processor", "an abacus"}, {"threads", 2}};
+  r.seconds = 1.5;
+  return r;
+}
+
+Record read(const std::string& line) { return Json::parse(line).get<Record>(); }
+
+TEST(record, every_field_survives_writing_and_reading) {
+  const std::string line = record_line(example());
+  const Record back = read(line);
+  EXPECT_EQ(record_line(back), line);  // every member is written, so equal lines are equal records
+  EXPECT_EQ(back.label, "small map");
+  EXPECT_EQ(back.truth, Truth::mesh);
+  EXPECT_EQ(back.support, Support::Kind::approximate);
+  EXPECT_EQ(back.times(Stage::resolve), example().times(Stage::resolve));  // to the last bit
+  EXPECT_TRUE(back.times(Stage::build).empty());
+  EXPECT_EQ(back.peak_bytes, 8589934592u);
+  EXPECT_EQ(back.metric("wrong_rate"), 1.0 / 3);
+  EXPECT_EQ(back.metric(Truth::shape, "wrong_rate"), 0);
+  EXPECT_EQ(back.gl->upload_ms, 0.25);
+  EXPECT_EQ(back.scene_facts->triangles, 12u);
+  EXPECT_TRUE(back.unknown.empty());
+}
+
+RC_GTEST_PROP(record, any_text_and_number_survives_on_one_line, ()) {
+  Record r = example();
+  r.scene = *rc::gen::string<std::string>();
+  r.reason = *rc::gen::string<std::string>();
+  const auto value = *rc::gen::arbitrary<double>();
+  r.metrics[Truth::mesh]["wrong_rate"] = value;
+  r.times(Stage::build) = {{std::abs(value)}};
+  const std::string line = record_line(r);
+  RC_ASSERT(std::count(line.begin(), line.end(), '\n') == 1);
+  const Record back = read(line);
+  RC_ASSERT(back.metric("wrong_rate") == (std::isfinite(value) ? std::optional(value) : std::nullopt));
+  RC_ASSERT(record_line(read(record_line(back))) == record_line(back));
+}
+
+TEST(record, missing_values_are_written_as_null_and_read_as_nothing) {
+  Record r;
+  r.scene = "soup";
+  r.technique = "none";
+  const Json json = r;
+  for (const char* field : {"label", "support", "bytes", "peak_bytes", "gl", "mask", "error_picture", "scene_facts", "seconds"})
+    EXPECT_TRUE(json.at(field).is_null()) << field;
+  const Record back = json.get<Record>();
+  EXPECT_FALSE(back.label || back.support || back.bytes || back.gl || back.mask || back.scene_facts || back.seconds);
+  EXPECT_EQ(back.metric("wrong_rate"), std::nullopt);
+}
+
+TEST(record, infinite_and_undefined_metrics_become_null) {
+  Record r = example();
+  r.metrics[Truth::mesh] = {{"a", std::nan("")}, {"b", INFINITY}};
+  const Record back = read(record_line(r));
+  EXPECT_EQ(back.metrics.at(Truth::mesh).size(), 2u);
+  EXPECT_EQ(back.metric("a"), std::nullopt);
+  EXPECT_EQ(back.metric("b"), std::nullopt);
+}
+
+TEST(record, text_that_is_not_utf8_does_not_lose_the_row) {
+  Record r = example();
+  r.reason = "bad byte \xff here";
+  EXPECT_EQ(read(record_line(r)).reason, "bad byte \xEF\xBF\xBD here");
+}
+
+TEST(record, unknown_fields_are_kept) {
+  Json json = example();
+  json["mood"] = "fine";
+  const Record back = json.get<Record>();
+  EXPECT_EQ(back.technique, "shadow_map");
+  EXPECT_EQ(Json(back), json);
+}
+
+TEST(record, wrong_field_is_named_with_its_value_and_what_is_allowed) {
+  const auto message = [](const char* field, Json value) -> std::string {
+    Json json = example();
+    json[field] = std::move(value);
+    try {
+      json.get<Record>();
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  EXPECT_EQ(message("width", "wide"), "width = \"wide\" is not a whole number, 0 or more");
+  EXPECT_EQ(message("width", 1.5), "width = 1.5 is not a whole number, 0 or more");
+  EXPECT_EQ(message("status", "fine"), "status = \"fine\" is not one of ok, unsupported, failed");
+  EXPECT_EQ(message("technique", nullptr), "technique is missing");
+  EXPECT_EQ(message("schema", 99), "schema = 99 is outside 1 .. 1");
+  EXPECT_EQ(message("stages", {{"build", {{"x"}}}}), "stages.build = \"x\" is not a number");
+  EXPECT_EQ(message("gl", {{"upload_ms", true}}), "gl.upload_ms = true is not a number");
+}
+
+TEST_F(RecordFileTest, what_was_appended_is_read_in_order) {
+  RecordWriter writer(dir);
+  for (const char* job : {"1", "2", "3"}) writer.append(example(job));
+  writer.close();
+  const std::vector<Record> records = read_records(dir);
+  ASSERT_EQ(records.size(), 3u);
+  EXPECT_EQ(records[0].job + records[1].job + records[2].job, "123");
+}
+
+TEST_F(RecordFileTest, job_that_ran_again_counts_once_by_its_last_line) {
+  Record first = example("1"), again = example("1");
+  first.status = Status::failed;
+  write(record_line(first) + record_line(example("2")) + record_line(again));
+  const std::vector<Record> records = read_records(dir);
+  ASSERT_EQ(records.size(), 2u);
+  EXPECT_EQ(records[0].job, "1");
+  EXPECT_EQ(records[0].status, Status::ok);
+}
+
+TEST_F(RecordFileTest, unfinished_last_line_is_left_out_with_a_note_wherever_it_was_cut) {
+  const std::string whole = record_line(example("1")), cut = record_line(example("2"));
+  for (const std::size_t length : {std::size_t{1}, cut.size() / 2, cut.size() - 2}) {
+    write(whole + cut.substr(0, length));
+    const RecordFile file = read_record_file(records_file(dir));
+    EXPECT_EQ(file.records.size(), 1u);
+    ASSERT_EQ(file.notes.size(), 1u);
+    EXPECT_NE(file.notes[0].find("records.jsonl:2: the last line is unfinished"), std::string::npos);
+  }
+  write(whole + cut.substr(0, cut.size() - 1));  // only the newline is missing
+  EXPECT_EQ(read_record_file(records_file(dir)).records.size(), 2u);
+}
+
+TEST_F(RecordFileTest, torn_line_in_the_middle_is_an_error_with_file_and_line) {
+  const std::string line = record_line(example());
+  write(line + line.substr(0, 40) + "\n" + line);
+  try {
+    read_records(dir);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("records.jsonl:2: not a record"), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(RecordFileTest, folder_without_records_is_an_error_and_an_empty_file_is_not) {
+  EXPECT_THROW(read_records(dir), Error);
+  write("");
+  EXPECT_TRUE(read_records(dir).empty());
+}
+
+TEST_F(RecordFileTest, writer_mends_the_line_of_a_killed_run_before_it_appends) {
+  const std::string whole = record_line(example("1")), cut = record_line(example("2")), next = record_line(example("3"));
+  write(whole + cut.substr(0, cut.size() / 2));
+  RecordWriter(dir).append(example("3"));
+  EXPECT_EQ(text(), whole + next);
+  write(whole + cut.substr(0, cut.size() - 1));
+  RecordWriter(dir).append(example("3"));
+  EXPECT_EQ(text(), whole + cut + next);
+}
+
+TEST_F(RecordFileTest, unfinished_line_longer_than_a_block_is_found_whole) {
+  Record large = example("2");
+  large.reason = std::string(20000, 'x');
+  const std::string whole = record_line(example("1")), cut = record_line(large);
+  write(whole + cut.substr(0, 15000));
+  RecordWriter{dir};
+  EXPECT_EQ(text(), whole);
+}
+
+TEST_F(RecordFileTest, second_writer_on_the_same_folder_is_refused) {
+  RecordWriter first(dir);
+  EXPECT_THROW(RecordWriter{dir}, Error);
+  first.close();
+  EXPECT_NO_THROW(RecordWriter{dir});
+}
+
+TEST_F(RecordFileTest, full_device_is_an_error_that_names_the_record) {
+  fs::create_symlink("/dev/full", records_file(dir));
+  RecordWriter writer(dir);
+  try {
+    writer.append(example());
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("the record of shadow_map 00ff could not be written: No space left"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+TEST_F(RecordFileTest, write_that_fits_only_in_part_is_taken_back) {
+  RecordWriter writer(dir);
+  writer.append(example("1"));
+  const std::string before = text();
+  rlimit old{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &old), 0);
+  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit tight{before.size() + 50, old.rlim_max};  // the next line is longer than 50 bytes
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &tight), 0);
+  EXPECT_THROW(writer.append(example("2")), Error);
+  setrlimit(RLIMIT_FSIZE, &old);
+  std::signal(SIGXFSZ, old_handler);
+  EXPECT_EQ(text(), before);
+  EXPECT_NO_THROW(writer.append(example("2")));
+  EXPECT_EQ(read_records(dir).size(), 2u);
+}
+
+}  // namespace

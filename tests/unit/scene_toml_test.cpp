@@ -1,0 +1,219 @@
+// Described scenes: defaults, exact values, and a file and line for every mistake.
+#include <gnomon/kit/shapes.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+
+#include "measure/load.h"
+#include "measure/paths.h"
+
+namespace {
+
+using namespace gnomon;
+namespace fs = std::filesystem;
+
+/// Reads `text` as a scene file named test.toml.
+Scene read(const std::string& text) {
+  std::string folder = (fs::temp_directory_path() / "gnomon_toml_XXXXXX").string();
+  const fs::path path = mkdtemp(folder.data());
+  std::ofstream(path / "test.toml") << text;
+  struct Remove {
+    fs::path path;
+    ~Remove() { fs::remove_all(path); }
+  } remove{path};
+  return read_scene_toml(path / "test.toml");
+}
+
+std::string error_of(const std::string& text) {
+  try {
+    read(text);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+void expect_words(const std::string& text, std::initializer_list<std::string> words) {
+  for (const std::string& word : words) EXPECT_NE(text.find(word), std::string::npos) << "'" << word << "' is not in: " << text;
+}
+
+const std::string sphere = "[[shape]]\nkind = \"sphere\"\ncenter = [0, 1, 0]\nradius = 1\n";
+
+TEST(SceneToml, defaults_are_those_of_the_contract) {
+  const Scene scene =
+      read(sphere + "[[light]]\nkind = \"point\"\nposition = [1, 2, 3]\n[[view]]\neye = [0, 0, 9]\ntarget = [0, 0, 0]\n");
+  EXPECT_EQ(scene.name, "test");
+  EXPECT_EQ(scene.ambient, 0.15f);
+  const Mesh& mesh = scene.meshes.at(0);
+  EXPECT_TRUE(mesh.casts && mesh.receives);
+  EXPECT_EQ(mesh.albedo, glm::vec3(0.7f));
+  EXPECT_EQ(mesh.triangles.size(), tessellate(*mesh.shape, 64, "").triangles.size());
+  EXPECT_EQ(scene.lights.at(0).intensity, 1);
+  EXPECT_EQ(scene.views.at(0).up, glm::vec3(0, 1, 0));
+  EXPECT_EQ(scene.views.at(0).fov_y_degrees, 45);
+}
+
+TEST(SceneToml, reads_every_kind_of_shape_and_light) {
+  const Scene scene = read(R"(
+name = "all"
+ambient = 0.2
+[[shape]]
+kind = "cone"
+base = [0, 0, 0]
+axis = [0, 2, 0]
+radius = 1
+height = 3
+segments = 12
+[[shape]]
+kind = "disc"
+center = [0, 0, 0]
+normal = [0, 1, 0]
+radius = 2
+casts = false
+[[shape]]
+kind = "triangle"
+points = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+receives = false
+[[shape]]
+kind = "box"
+min = [0, 0, 0]
+max = [1, 2, 3]
+albedo = [1, 0, 0.5]
+[[light]]
+name = "a"
+kind = "spot"
+position = [0, 5, 0]
+direction = [0, -1, 0]
+inner_degrees = 10
+outer_degrees = 20
+[[light]]
+name = "b"
+kind = "rect"
+center = [0, 5, 0]
+half_u = [1, 0, 0]
+half_v = [0, 0, 2]
+[[light]]
+name = "c"
+kind = "disc"
+center = [0, 5, 0]
+normal = [0, -1, 0]
+radius = 0.5
+[[light]]
+name = "d"
+kind = "sphere"
+center = [0, 5, 0]
+radius = 0.25
+intensity = 2
+[[light]]
+name = "e"
+kind = "directional"
+direction = [0, -7, 0]
+[[path]]
+moves = "camera"
+positions = [[0, 0, 1], [0, 0, 2]]
+frames = 30
+)");
+  EXPECT_EQ(scene.name, "all");
+  EXPECT_EQ(scene.meshes.size(), 4u);
+  EXPECT_FALSE(scene.meshes[1].casts);
+  EXPECT_FALSE(scene.meshes[2].receives);
+  EXPECT_EQ(std::get<Box>(*scene.meshes[3].shape).max, glm::vec3(1, 2, 3));
+  ASSERT_EQ(scene.lights.size(), 5u);
+  EXPECT_EQ(std::get<SpotLight>(scene.lights[0].kind).outer_degrees, 20);
+  EXPECT_EQ(std::get<RectLight>(scene.lights[1].kind).half_v, glm::vec3(0, 0, 2));
+  EXPECT_EQ(scene.lights[3].intensity, 2);
+  EXPECT_EQ(std::get<DirectionalLight>(scene.lights[4].kind).direction, glm::vec3(0, -7, 0));
+}
+
+TEST(SceneToml, plane_faces_its_normal_and_turns_about_it) {
+  const auto plane_of = [](const std::string& normal, const std::string& more) {
+    const Scene scene =
+        read("[[shape]]\nkind = \"plane\"\ncenter = [1, 2, 3]\nnormal = " + normal + "\nsize = [4, 6]\n" + more);
+    return std::get<Plane>(*scene.meshes.at(0).shape);
+  };
+  // A floor: width along x, depth along z, cross(u, v) = +y.
+  const Plane floor = plane_of("[0, 5, 0]", "");
+  EXPECT_EQ(floor.half_u, glm::vec3(2, 0, 0));
+  EXPECT_EQ(floor.half_v, glm::vec3(0, 0, -3));
+  for (const char* normal : {"[0, 5, 0]", "[1, 0, 0]", "[0, 0, -1]", "[1, -2, 3]"})
+    for (const char* turn : {"", "rotate_degrees = 30\n", "rotate_degrees = 90\n"}) {
+      const Plane plane = plane_of(normal, turn);
+      glm::vec3 n;
+      std::sscanf(normal, "[%f, %f, %f]", &n.x, &n.y, &n.z);
+      const glm::vec3 across = glm::cross(plane.half_u, plane.half_v);
+      EXPECT_NEAR(glm::dot(glm::normalize(across), glm::normalize(n)), 1, 1e-6) << normal << turn;
+      EXPECT_NEAR(glm::length(plane.half_u), 2, 1e-6);
+      EXPECT_NEAR(glm::length(plane.half_v), 3, 1e-6);
+    }
+}
+
+TEST(SceneToml, mesh_files_are_relative_to_the_description) {
+  const fs::path folder = fs::absolute(data_root() / "tests/data");
+  const Scene scene = read("[[mesh]]\nfile = \"" + (folder / "tetrahedron.obj").string() +
+                           "\"\nscale = [1, 2, 3]\ntranslate = [0, 0, 1]\nalbedo = [0.1, 0.2, 0.3]\ncasts = false\n");
+  EXPECT_EQ(scene.bounds().max, glm::vec3(1, 2, 4));
+  EXPECT_EQ(scene.meshes.at(0).albedo, glm::vec3(0.1f, 0.2f, 0.3f)) << "a given albedo overrides the material's";
+  EXPECT_FALSE(scene.meshes[0].casts);
+  expect_words(error_of("\n[[mesh]]\nfile = \"none.obj\"\n"), {"none.obj", "does not exist", "test.toml:3"});
+}
+
+TEST(SceneToml, a_scene_that_is_not_fetched_says_how_to_fetch_it) {
+  try {
+    read("[[mesh]]\nfile = \"cache:no_such_scene/x.obj\"\n");
+    FAIL();
+  } catch (const SceneNotFetched& error) {
+    EXPECT_STREQ(error.what(), "scene no_such_scene is not fetched: run scripts/fetch_scenes no_such_scene");
+  }
+}
+
+TEST(SceneToml, mistakes_have_a_file_and_a_line) {
+  const std::string light = "[[light]]\nname = \"a\"\nkind = \"point\"\nposition = [0, 0, 0]\n";
+  expect_words(error_of("nmae = \"x\"\n"), {"'nmae'", "'name'", "test.toml:1"});
+  expect_words(error_of("[[shape]]\nkind = \"sphere\"\ncenter = [0, 0, 0]\nraduis = 1\n"),
+               {"'raduis'", "'radius'", "test.toml:4"});
+  expect_words(error_of("[[shape]]\nkind = \"spere\"\n"), {"'spere'", "sphere", "test.toml:2"});
+  expect_words(error_of("[[shape]]\nkind = \"sphere\"\nradius = 1\n"), {"lacks", "'center'", "test.toml:1"});
+  expect_words(error_of(sphere + "segments = 2\n"), {"segments = 2", "3 .. 4096", "test.toml:5"});
+  expect_words(error_of(sphere + "segments = 12.5\n"), {"segments", "whole number", "test.toml:5"});
+  expect_words(error_of(sphere + "casts = 1\n"), {"casts", "true or false", "test.toml:5"});
+  expect_words(error_of(sphere + "albedo = [2, 0, 0]\n"), {"albedo = [2, 0, 0]", "0 .. 1", "test.toml:5"});
+  expect_words(error_of("ambient = 2\n"), {"ambient = 2", "0 .. 1", "test.toml:1"});
+  expect_words(error_of("[[shape]]\nkind = \"sphere\"\ncenter = [0, 0]\nradius = 1\n"), {"center", "[x, y, z]", "test.toml:3"});
+  expect_words(error_of("[[shape]]\nkind = \"sphere\"\ncenter = [0, nan, 0]\nradius = 1\n"), {"center", "nan", "test.toml:3"});
+  expect_words(error_of("[[shape]]\nkind = \"sphere\"\ncenter = [0, 0, 0]\nradius = 0\n"), {"radius = 0", "test.toml:4"});
+  expect_words(error_of("[[shape]]\nkind = \"box\"\nmin = [0, 0, 0]\nmax = [0, 1, 1]\n"), {"box", "test.toml:1"});
+  expect_words(error_of("[[shape]]\nkind = \"triangle\"\npoints = [[0,0,0],[1,1,1],[2,2,2]]\n"), {"triangle", "test.toml:1"});
+  expect_words(error_of(light + light), {"'a'", "unique", "test.toml:6"});
+  expect_words(error_of("[[light]]\nname = \"A b\"\nkind = \"point\"\nposition = [0, 0, 0]\n"), {"'A b'", "test.toml:2"});
+  expect_words(
+      error_of("[[light]]\nname = \"a\"\nkind = \"rect\"\ncenter = [0, 0, 0]\nhalf_u = [1, 0, 0]\nhalf_v = [2, 0, 0]\n"),
+      {"no area", "test.toml:1"});
+  expect_words(
+      error_of("[[light]]\nname = \"a\"\nkind = \"spot\"\nposition = [0,0,0]\ndirection = [0,1,0]\nouter_degrees = 90\n"),
+      {"outer_degrees = 90", "test.toml:1"});
+  expect_words(error_of("\n[[view]]\nname = \"v\"\neye = [1, 1, 1]\ntarget = [1, 1, 1]\n"), {"eye = target", "test.toml:2"});
+  expect_words(error_of("[view]\neye = [1, 1, 1]\n"), {"[[view]]", "test.toml:1"});
+  expect_words(error_of("[[path]]\nmoves = \"mesh\"\npositions = [[0,0,0],[1,0,0]]\nframes = 3\n"),
+               {"'mesh'", "camera or light"});
+  expect_words(error_of("[[path]]\nmoves = \"light\"\npositions = [[0,0,0]]\nframes = 3\n"), {"positions", "2 or more"});
+  expect_words(error_of("name = \n"), {"test.toml:1"});
+}
+
+TEST(SceneToml, described_scenes_of_the_house_are_sound_or_not_fetched) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(data_root() / "scenes")) {
+    if (entry.path().extension() != ".toml" || fs::file_size(entry.path()) == 0) continue;
+    try {
+      const Scene scene = load_scene(entry.path().string());
+      EXPECT_EQ(scene.name, entry.path().stem().string());
+      EXPECT_EQ(scene.lights.at(0).name, "point");
+      EXPECT_EQ(scene.lights.at(1).name, "sun");
+      EXPECT_EQ(scene.views.at(0).name, "view");
+    } catch (const SceneNotFetched&) {
+    }
+  }
+}
+
+}  // namespace

@@ -1,0 +1,267 @@
+#include <gnomon/kit/random.h>
+#include <gnomon/registry.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace gnomon;
+
+Scene make(std::string_view id, std::string_view settings = "") {
+  const SceneEntry* entry = registry().find_scene(id);
+  if (!entry) throw Error("there is no generated scene {}", id);
+  const auto generator = entry->make();
+  generator->apply(settings);
+  return generator->make();
+}
+
+/// The defaults, and both ends of each range with all else at its default; but `count` and `segments` multiply, so of these two
+/// the one that is not tried stays at its low end.
+std::vector<std::string> settings_to_try(const SceneEntry& entry) {
+  const auto generator = entry.make();
+  std::vector<std::string> settings{""};
+  for (const Parameter* row : generator->parameters())
+    for (const std::string& probe : row->probes()) {
+      settings.push_back(fmt::format("{}={}", row->name(), probe));
+      for (const Parameter* other : generator->parameters())
+        if (other != row && (other->name() == "count" || other->name() == "segments"))
+          settings.back() += fmt::format(",{}={}", other->name(), other->probes().front());
+    }
+  return settings;
+}
+
+/// Calls `test` with every generated scene under all settings to try.
+template <class Test>
+void for_each_scene(Test test) {
+  ASSERT_FALSE(registry().scenes().empty());
+  for (const SceneEntry& entry : registry().scenes())
+    for (const std::string& settings : settings_to_try(entry)) {
+      SCOPED_TRACE(entry.id + ":" + settings);
+      const auto generator = entry.make();
+      generator->apply(settings);
+      test(generator->make());
+    }
+}
+
+const Mesh& mesh(const Scene& scene, std::string_view name) {
+  const auto found = std::find_if(scene.meshes.begin(), scene.meshes.end(), [&](const Mesh& m) { return m.name == name; });
+  if (found == scene.meshes.end()) throw Error("scene {} has no mesh {}", scene.name, name);
+  return *found;
+}
+
+template <class Kind>
+const Kind& shape(const Scene& scene, std::string_view name) {
+  return std::get<Kind>(mesh(scene, name).shape.value());
+}
+
+template <class Kind>
+std::vector<Kind> shapes(const Scene& scene) {
+  std::vector<Kind> all;
+  for (const Mesh& mesh : scene.meshes)
+    if (mesh.shape && std::holds_alternative<Kind>(*mesh.shape)) all.push_back(std::get<Kind>(*mesh.shape));
+  return all;
+}
+
+bool is_finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+glm::vec3 point_light(const Scene& scene) { return std::get<PointLight>(scene.lights.at(0).kind).position; }
+glm::vec3 sun(const Scene& scene) { return std::get<DirectionalLight>(scene.lights.at(1).kind).direction; }
+
+TEST(Scenes, every_scene_has_a_point_light_a_sun_and_a_view) {
+  for_each_scene([](const Scene& scene) {
+    ASSERT_GE(scene.lights.size(), 2u);
+    EXPECT_EQ(scene.lights[0].name, "point");
+    EXPECT_EQ(kind_name(scene.lights[0]), "point");
+    EXPECT_EQ(scene.lights[1].name, "sun");
+    EXPECT_EQ(kind_name(scene.lights[1]), "directional");
+    EXPECT_LT(sun(scene).y, 0) << "the sun must shine downward";
+    ASSERT_FALSE(scene.views.empty());
+    EXPECT_EQ(scene.views[0].name, "view");
+    for (const View& view : scene.views) EXPECT_GT(view.eye.y, 0) << view.name;
+  });
+}
+
+TEST(Scenes, every_scene_carries_its_id_and_names_no_two_things_alike) {
+  for (const SceneEntry& entry : registry().scenes()) EXPECT_EQ(entry.make()->make().name, entry.id);
+  for_each_scene([](const Scene& scene) {
+    std::set<std::string> meshes, lights, views;
+    for (const Mesh& mesh : scene.meshes) EXPECT_TRUE(meshes.insert(mesh.name).second) << mesh.name;
+    for (const Light& light : scene.lights) EXPECT_TRUE(lights.insert(light.name).second) << light.name;
+    for (const View& view : scene.views) EXPECT_TRUE(views.insert(view.name).second) << view.name;
+  });
+}
+
+TEST(Scenes, every_mesh_is_finite_indexed_in_range_and_without_degenerate_triangles) {
+  for_each_scene([](const Scene& scene) {
+    EXPECT_LE(scene.triangle_count(), 200000u);
+    for (const Mesh& mesh : scene.meshes) {
+      EXPECT_FALSE(mesh.triangles.empty()) << mesh.name;
+      EXPECT_EQ(mesh.facts.degenerate_count, 0u) << mesh.name;
+      EXPECT_TRUE(std::all_of(mesh.positions.begin(), mesh.positions.end(), is_finite)) << mesh.name;
+      for (const glm::uvec3& t : mesh.triangles) ASSERT_LT(std::max({t.x, t.y, t.z}), mesh.positions.size()) << mesh.name;
+      EXPECT_GE(std::min({mesh.albedo.r, mesh.albedo.g, mesh.albedo.b}), 0) << mesh.name;
+      EXPECT_LE(std::max({mesh.albedo.r, mesh.albedo.g, mesh.albedo.b}), 1) << mesh.name;
+    }
+  });
+}
+
+TEST(Scenes, every_solid_is_closed) {
+  // All that is neither a sheet by its shape nor the soup has an inside.
+  for_each_scene([](const Scene& scene) {
+    for (const Mesh& mesh : scene.meshes) {
+      const std::string_view kind = mesh.shape ? kind_name(*mesh.shape) : "solid";
+      if (kind == "plane" || kind == "triangle" || kind == "disc" || mesh.name == "soup") continue;
+      EXPECT_TRUE(mesh.facts.closed()) << mesh.name;
+    }
+  });
+}
+
+TEST(Scenes, point_light_stands_outside_every_exact_solid) {
+  for_each_scene([](const Scene& scene) {
+    const glm::dvec3 light(point_light(scene));
+    for (const Sphere& s : shapes<Sphere>(scene)) EXPECT_GT(glm::distance(light, glm::dvec3(s.center)), s.radius);
+    for (const Box& box : shapes<Box>(scene)) {
+      const glm::dvec3 nearest = glm::clamp(light, glm::dvec3(box.min), glm::dvec3(box.max));
+      EXPECT_NE(nearest, light) << "inside a box";
+    }
+  });
+}
+
+TEST(Scenes, same_settings_make_the_same_scene) {
+  for (const SceneEntry& entry : registry().scenes()) {
+    SCOPED_TRACE(entry.id);
+    const Scene a = make(entry.id), b = make(entry.id);
+    ASSERT_EQ(a.meshes.size(), b.meshes.size());
+    for (std::size_t i = 0; i < a.meshes.size(); ++i) {
+      EXPECT_EQ(a.meshes[i].name, b.meshes[i].name);
+      EXPECT_EQ(a.meshes[i].positions, b.meshes[i].positions);
+      EXPECT_EQ(a.meshes[i].triangles, b.meshes[i].triangles);
+      EXPECT_EQ(a.meshes[i].albedo, b.meshes[i].albedo);
+    }
+  }
+}
+
+TEST(Scenes, another_seed_makes_another_scene) {
+  for (const char* id : {"box_city", "soup", "sphere_field"})
+    EXPECT_NE(make(id, "seed=1").meshes.back().positions, make(id, "seed=2").meshes.back().positions) << id;
+}
+
+TEST(Scenes, random_numbers_are_those_published_for_pcg32) {
+  // The first six of the demonstration program of O'Neill's PCG library: seed 42, stream 54.
+  Random random(42, 54);
+  for (const std::uint32_t expected : {0xa15c02b7u, 0x7b47f409u, 0xba1d3330u, 0x83d2f293u, 0xbfa4784bu, 0xcbed606eu})
+    EXPECT_EQ(random.next(), expected);
+}
+
+TEST(Scenes, box_city_boxes_stand_on_the_ground_and_keep_apart) {
+  for (const char* settings : {"", "count=1000", "count=1", "seed=77"}) {
+    const std::vector<Box> boxes = shapes<Box>(make("box_city", settings));
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+      EXPECT_EQ(boxes[i].min.y, 0);
+      for (std::size_t j = 0; j < i; ++j) {
+        const Box &a = boxes[i], &b = boxes[j];
+        const float gap_x = std::max(a.min.x - b.max.x, b.min.x - a.max.x);
+        const float gap_z = std::max(a.min.z - b.max.z, b.min.z - a.max.z);
+        ASSERT_GT(std::max(gap_x, gap_z), 0) << settings << ": boxes " << j << " and " << i;
+      }
+    }
+  }
+  EXPECT_EQ(shapes<Box>(make("box_city", "count=137")).size(), 137u);
+}
+
+TEST(Scenes, sphere_field_spheres_keep_apart_and_above_the_ground) {
+  for (const char* settings : {"segments=4", "segments=4,count=1000", "segments=4,seed=77"}) {
+    const std::vector<Sphere> spheres = shapes<Sphere>(make("sphere_field", settings));
+    for (std::size_t i = 0; i < spheres.size(); ++i) {
+      EXPECT_GE(spheres[i].center.y, spheres[i].radius);
+      if (i % 3 == 0) {
+        EXPECT_EQ(spheres[i].center.y, spheres[i].radius) << "every third rests on the ground";
+      }
+      for (std::size_t j = 0; j < i; ++j)
+        ASSERT_GT(glm::distance(glm::dvec3(spheres[i].center), glm::dvec3(spheres[j].center)),
+                  double{spheres[i].radius} + spheres[j].radius)
+            << settings << ": spheres " << j << " and " << i;
+    }
+  }
+}
+
+TEST(Scenes, soup_fills_its_box_and_the_ground_is_a_matter_of_choice) {
+  for (const char* settings : {"", "size=2.5", "count=5000,seed=3"}) {
+    const Scene scene = make("soup", settings);
+    EXPECT_EQ(scene.meshes.size(), 2u);
+    for (const glm::vec3& p : mesh(scene, "soup").positions) {
+      ASSERT_LE(std::max(std::abs(p.x), std::abs(p.z)), 8);
+      ASSERT_GE(p.y, 0.2f);
+      ASSERT_LE(p.y, 3.2f);
+    }
+  }
+  const Scene bare = make("soup", "ground=false");
+  ASSERT_EQ(bare.meshes.size(), 1u);
+  EXPECT_EQ(bare.meshes[0].triangles.size(), 1000u);
+}
+
+TEST(Scenes, soup_edges_are_as_long_as_the_size_says) {
+  // The mean over 3000 edges; slivers drawn again lengthen it a little.
+  double total = 0;
+  const Scene scene = make("soup");
+  const Mesh& soup = mesh(scene, "soup");
+  for (const glm::uvec3& t : soup.triangles)
+    for (int k = 0; k < 3; ++k) total += glm::distance(soup.positions[t[k]], soup.positions[t[(k + 1) % 3]]);
+  EXPECT_NEAR(total / 3000, 0.45, 0.05);
+}
+
+TEST(Scenes, single_triangle_shadows_are_those_on_paper) {
+  const Scene scene = make("single_triangle");
+  const Triangle& triangle = shape<Triangle>(scene, "triangle");
+  const glm::vec3 by_point[] = {{-2, 0, 1}, {4, 0, 3}, {2, 0, -5}}, by_sun[] = {{-1, 0, 0.5f}, {2, 0, 1.5f}, {1, 0, -2.5f}};
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_EQ(2.0f * triangle.points[k] - point_light(scene), by_point[k]);
+    EXPECT_EQ(triangle.points[k] + sun(scene), by_sun[k]);
+  }
+}
+
+TEST(Scenes, sphere_over_plane_rests_exactly_when_its_height_is_zero) {
+  for (const char* settings : {"height=0", "height=0,radius=0.3", "height=0,radius=2"}) {
+    const Scene scene = make("sphere_over_plane", settings);
+    EXPECT_EQ(shape<Sphere>(scene, "sphere").center.y, shape<Sphere>(scene, "sphere").radius);
+  }
+}
+
+TEST(Scenes, contact_things_touch_exactly_where_they_should) {
+  const Scene scene = make("contact");
+  const Sphere& ball = shape<Sphere>(scene, "ball");
+  const Box& lower = shape<Box>(scene, "box_lower");
+  EXPECT_EQ(ball.center.y - ball.radius, 0);
+  EXPECT_EQ(ball.center.x + ball.radius, lower.min.x);
+  EXPECT_EQ(shape<Box>(scene, "slab_lying").min.y, 0);
+  EXPECT_EQ(shape<Box>(scene, "slab_lying").max.y, 0.005f);
+  EXPECT_EQ(shape<Box>(scene, "slab_hovering").min.y, 0.002f);
+  float upper_bottom = INFINITY, card_bottom = INFINITY, card_back = INFINITY;
+  for (const glm::vec3& p : mesh(scene, "box_upper").positions) upper_bottom = std::min(upper_bottom, p.y);
+  for (const glm::vec3& p : mesh(scene, "card").positions) {
+    card_bottom = std::min(card_bottom, p.y);
+    card_back = std::min(card_back, p.z);
+  }
+  EXPECT_EQ(upper_bottom, lower.max.y);
+  EXPECT_EQ(card_bottom, 0);
+  EXPECT_EQ(card_back, shape<Box>(scene, "wall").max.z);
+}
+
+TEST(Scenes, fence_has_as_many_pickets_as_fit_eight_meters) {
+  // n pickets and n - 1 gaps fit when n (width + spacing) - spacing <= 8. A picket has 10 vertices.
+  EXPECT_EQ(mesh(make("fence"), "pickets").positions.size() / 10, 40u);
+  EXPECT_EQ(mesh(make("fence", "width=0.5,spacing=0.5"), "pickets").positions.size() / 10, 8u);
+}
+
+TEST(Scenes, colonnade_has_two_rows_of_columns) {
+  // A shaft of s segments has 2 s vertices.
+  EXPECT_EQ(mesh(make("colonnade"), "shafts").positions.size(), 2 * 8 * 2 * 32u);
+  EXPECT_EQ(mesh(make("colonnade", "columns=3,segments=8"), "shafts").positions.size(), 2 * 3 * 2 * 8u);
+}
+
+}  // namespace

@@ -1,0 +1,123 @@
+#include "measure/statistics.h"
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace {
+
+using namespace gnomon;
+
+TEST(statistics, median_of_an_even_count_is_the_middle_of_the_two_central_values) {
+  EXPECT_EQ(median(std::vector{3.0}), 3);
+  EXPECT_EQ(median(std::vector{9.0, 1.0, 5.0}), 5);
+  EXPECT_EQ(median(std::vector{9.0, 1.0, 5.0, 2.0}), 3.5);
+}
+
+TEST(statistics, quantile_interpolates_between_order_statistics) {
+  // Four values stand at 0, 1/3, 2/3 and 1. q = 1/4 is three quarters of the way from the first to the second.
+  const std::vector<double> values{40, 10, 30, 20};
+  EXPECT_EQ(quantile(values, 0), 10);
+  EXPECT_EQ(quantile(values, 1), 40);
+  EXPECT_DOUBLE_EQ(quantile(values, 0.25), 17.5);
+  EXPECT_DOUBLE_EQ(quantile(values, 0.95), 38.5);
+}
+
+TEST(statistics, median_absolute_deviation_ignores_one_wild_value) {
+  // Median 3; distances 2 1 0 1 97; their median 1.
+  EXPECT_EQ(median_absolute_deviation(std::vector<double>{1, 2, 3, 4, 100}), 1);
+}
+
+RC_GTEST_PROP(statistics, quantiles_rise_with_q_and_stay_within_the_values, ()) {
+  const auto values = *rc::gen::nonEmpty(
+      rc::gen::container<std::vector<double>>(rc::gen::map(rc::gen::inRange(-1000, 1000), [](int i) { return i / 7.0; })));
+  const double low = *rc::gen::inRange(0, 100) / 100.0, high = *rc::gen::inRange(0, 100) / 100.0;
+  const double q = std::min(low, high), p = std::max(low, high);
+  RC_ASSERT(quantile(values, q) <= quantile(values, p));
+  RC_ASSERT(quantile(values, 0) == *std::min_element(values.begin(), values.end()));
+  RC_ASSERT(quantile(values, 1) == *std::max_element(values.begin(), values.end()));
+}
+
+TEST(statistics, process_is_the_unit_of_the_median) {
+  // Process medians 2, 10, 11: median 10. The pooled median would be 3, because the first process repeated more often.
+  const ProcessTimes times{{1, 2, 3, 2, 1, 3, 2}, {10}, {}, {11, 11}};
+  EXPECT_EQ(median_of_medians(times), 10);
+  EXPECT_EQ(median_of_medians({{}, {}}), std::nullopt);
+}
+
+TEST(bootstrap, one_process_gives_no_interval) {
+  EXPECT_EQ(bootstrap({{1, 2, 3}}), std::nullopt);
+  EXPECT_EQ(bootstrap({{1, 2, 3}, {}}), std::nullopt);
+  EXPECT_EQ(bootstrap({}), std::nullopt);
+}
+
+TEST(bootstrap, equal_times_give_an_interval_of_no_width) {
+  const double time = 0.1;  // not representable: the quantile may not smear it
+  EXPECT_EQ(bootstrap({{time, time}, {time}, {time, time, time}}), (Estimate{time, time, time}));
+}
+
+TEST(bootstrap, interval_of_five_quiet_processes_runs_from_the_least_to_the_greatest) {
+  // The resampled median is the least value when at least 3 of 5 draws hit it: 10/125 * 16/25 + 5/625 * 4/5 + 1/3125 =
+  // 5.8 %, above 2.5 %; the greatest by symmetry.
+  EXPECT_EQ(bootstrap({{4}, {2}, {1}, {16}, {8}}), (Estimate{4, 1, 16}));
+}
+
+TEST(bootstrap, same_times_give_the_same_interval) {
+  const ProcessTimes times{{1.0, 1.1}, {1.3, 1.2}, {0.9, 1.05}, {1.6, 1.5}};
+  EXPECT_EQ(bootstrap(times), bootstrap(times));
+}
+
+/// Share of simulated runs whose interval holds the true median 10, for `processes` x `repetitions`.
+double coverage(int processes, int repetitions, double process_spread, double repetition_spread, int runs) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal;
+  int covered = 0;
+  for (int run = 0; run < runs; ++run) {
+    ProcessTimes times(processes);
+    for (std::vector<double>& process : times) {
+      const double center = 10 + process_spread * normal(random);
+      for (int i = 0; i < repetitions; ++i) process.push_back(center + repetition_spread * normal(random));
+    }
+    const Estimate estimate = *bootstrap(times);
+    covered += estimate.low <= 10 && 10 <= estimate.high;
+  }
+  return static_cast<double>(covered) / runs;
+}
+
+TEST(bootstrap, coverage_is_that_of_the_order_statistics_it_picks) {
+  // 5 processes: the interval is [least, greatest], see above. It misses when all 5 fall on one side: 2 / 2^5, so it covers
+  // 93.75 %. 11 processes: the resampled median is at or below the 2nd value with Binomial(11, 2/11) >= 6, 0.7 %, and the
+  // 3rd with 4.7 %, so the interval is [3rd, 9th]; it misses with Binomial(11, 1/2) <= 2 twice: 134 / 2048, so it covers
+  // 93.46 %. Tolerance: 4 standard deviations of a share of 500 runs, 4 sqrt(0.94 * 0.06 / 500) = 4.2 %.
+  EXPECT_NEAR(coverage(5, 1, 1, 0, 500), 0.9375, 0.042);
+  EXPECT_NEAR(coverage(11, 1, 1, 0, 500), 0.9346, 0.042);
+}
+
+TEST(bootstrap, repetitions_do_not_narrow_the_interval_below_the_spread_of_processes) {
+  // Process medians are independent and symmetric about 10 whatever the repetitions, so [least, greatest] of 5 covers
+  // 93.75 % again, and resampling repetitions moves the ends by less than their noise. A bootstrap that pools the 25 times
+  // would take them for independent and cover far less. Tolerance as above.
+  EXPECT_NEAR(coverage(5, 5, 1, 0.1, 500), 0.9375, 0.042);
+}
+
+TEST(bootstrap, ratio_is_that_of_the_medians_and_scales_with_either_side) {
+  const ProcessTimes base{{2}, {2.2}, {1.8}, {2.1}, {1.9}}, slow{{6}, {6.6}, {5.4}, {6.3}, {5.7}};
+  const Estimate ratio = *bootstrap_ratio(slow, base);
+  EXPECT_DOUBLE_EQ(ratio.value, 3);
+  // Each side lies in [min, max], so the ratio lies in [5.4 / 2.2, 6.6 / 1.8]; 3 must be inside.
+  EXPECT_GE(ratio.low, 5.4 / 2.2);
+  EXPECT_LE(ratio.high, 6.6 / 1.8);
+  EXPECT_LT(ratio.low, 3);
+  EXPECT_GT(ratio.high, 3);
+}
+
+TEST(bootstrap, ratio_without_its_interval_is_not_given) {
+  EXPECT_EQ(bootstrap_ratio({{1, 2}}, {{1}, {2}}), std::nullopt);
+  EXPECT_EQ(bootstrap_ratio({{1}, {2}}, {{1}}), std::nullopt);
+  EXPECT_EQ(bootstrap_ratio({{1}, {2}}, {{1}, {0}}), std::nullopt);
+}
+
+}  // namespace

@@ -1,0 +1,240 @@
+#include "report/table.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include "report/layout.h"
+
+namespace {
+
+using namespace gnomon;
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+/// The line that holds `part`; empty when none does.
+std::string line_with(const std::string& text, const std::string& part) {
+  for (const std::string& line : lines_of(text))
+    if (has(line, part)) return line;
+  return "";
+}
+
+Record row(const std::string& technique, double resolve, double wrong_rate, const std::string& scene = "soup") {
+  Record r;
+  r.job = technique + scene;
+  r.scene = scene;
+  r.light = "point";
+  r.light_kind = "point";
+  r.view = "main";
+  r.technique = technique;
+  r.width = 640;
+  r.height = 480;
+  r.status = Status::ok;
+  r.support = Support::Kind::full;
+  r.times(Stage::setup) = {{100}, {101}, {102}, {103}, {104}};
+  r.times(Stage::resolve) = {{resolve}, {resolve * 2}, {resolve}, {resolve}, {resolve / 2}};
+  r.bytes = 3u << 20;
+  r.metrics[Truth::shape] = {{"wrong_rate", wrong_rate}, {"tested_share", 0.95}, {"displacement_mean", std::nullopt}};
+  r.metrics[Truth::mesh] = {{"wrong_rate", wrong_rate / 2}};
+  r.context = {{"gl_renderer", "a renderer"}, {"processor", "an abacus"}, {"threads", 2}, {"commit", "abc123"}};
+  return r;
+}
+
+Record refusal(const std::string& technique, Status status, const std::string& reason) {
+  Record r = row(technique, 1, 0);
+  r.status = status;
+  r.support = status == Status::failed ? std::nullopt : std::optional(Support::Kind::unsupported);
+  r.reason = reason;
+  r.stages = {};
+  r.bytes.reset();
+  r.metrics.clear();
+  return r;
+}
+
+// --- terminal ---------------------------------------------------------------------------------------------------------
+
+TEST(table, terminal_rows_of_all_groups_have_their_columns_at_the_same_place) {
+  Record named = row("shadow_map", 1, 0.1, "other");
+  named.label = "map ± bias";
+  const std::vector<Record> records{row("shadow_map", 1.5, 0.25), row("planar", 12, 0.01), named};
+  const std::string text = render_table(records, Format::terminal, {.columns = {"technique", "resolve_ms", "wrong_rate"}});
+  // Digits end at the same column; the mark of the best stands behind them.
+  EXPECT_EQ(text.substr(0, text.find("\n\n*")),
+            "technique   resolve  wrong\n"
+            "                 ms      %\n"
+            "--------------------------\n"
+            "\n"
+            "scene soup, light point, view main, 640 x 480, shape truth\n"
+            "shadow_map    1.50*  25.0\n"
+            "planar        12.0   1.00*\n"
+            "\n"
+            "scene other, light point, view main, 640 x 480, shape truth\n"
+            "map ± bias    1.00   10.0");
+}
+
+TEST(table, refused_and_failed_rows_are_shown_with_their_reason) {
+  const std::vector<Record> records{row("shadow_map", 1, 0.1), refusal("crow", Status::unsupported, "the mesh is open"),
+                                    refusal("planar", Status::failed, "signal 11")};
+  const std::string text = render_table(records, Format::terminal);
+  EXPECT_TRUE(has(line_with(text, "crow"), "no       the mesh is open")) << text;
+  EXPECT_TRUE(has(line_with(text, "planar"), "failed   signal 11")) << text;
+  for (const Format format : {Format::markdown, Format::latex, Format::csv, Format::json}) {
+    EXPECT_TRUE(has(render_table(records, format), "the mesh is open"));
+    EXPECT_TRUE(has(render_table(records, format), "signal 11"));
+  }
+}
+
+TEST(table, reason_of_an_approximate_row_is_a_note) {
+  std::vector<Record> records{row("disc", 1, 0.1)};
+  records[0].support = Support::Kind::approximate;
+  records[0].reason = "cones only";
+  const std::string text = render_table(records, Format::terminal);
+  EXPECT_TRUE(has(line_with(text, "disc"), "approx. [1]")) << text;
+  EXPECT_TRUE(has(text, "\n[1] cones only\n")) << text;
+}
+
+TEST(table, best_is_a_contender_that_is_better_than_another) {
+  Record reference = row("rays", 0.1, 0), baseline = row("none", 0.01, 0.5);
+  reference.role = Role::reference;
+  baseline.role = Role::baseline;
+  const std::vector<Record> records{reference, baseline, row("slow", 9, 0.1), row("fast", 3, 0.1)};
+  const std::string text = render_table(records, Format::markdown, {.columns = {"technique", "resolve_ms", "wrong_rate"}});
+  EXPECT_TRUE(has(text, "| fast | **3.00** | 10.0 |")) << text;  // equal rates: neither is best
+  EXPECT_TRUE(has(text, "| slow | 9.00 | 10.0 |")) << text;
+  EXPECT_TRUE(has(text, "| rays | 0.100 | 0 |")) << text;
+}
+
+TEST(table, share_below_ninety_percent_is_flagged_and_explained) {
+  std::vector<Record> records{row("shadow_map", 1, 0.1)};
+  const TableOptions options{.columns = {"technique", "tested_share"}};
+  EXPECT_FALSE(has(render_table(records, Format::terminal, options), "!"));
+  records[0].metrics[Truth::shape]["tested_share"] = 0.899;
+  const std::string text = render_table(records, Format::terminal, options);
+  EXPECT_TRUE(has(text, "89.9!\n")) << text;
+  EXPECT_TRUE(has(text, "!: less than 90 % of the pixels facing the light")) << text;
+}
+
+TEST(table, null_is_a_dash_for_people_and_empty_or_null_for_programs) {
+  const std::vector<Record> records{row("shadow_map", 1, 0.1)};
+  const TableOptions options{.columns = {"technique", "displacement_mean", "build_ms"}};
+  EXPECT_TRUE(has(render_table(records, Format::markdown, options), "| shadow\\_map | - | - |"));
+  EXPECT_TRUE(has(render_table(records, Format::latex, options), "shadow\\_map & -- & -- \\\\"));
+  EXPECT_TRUE(has(render_table(records, Format::csv, options), "shadow_map,,\r\n"));
+  const Json json = Json::parse(render_table(records, Format::json, options));
+  EXPECT_TRUE(json["rows"][0]["build_ms"].is_null());
+}
+
+TEST(table, provenance_comes_from_the_records) {
+  std::vector<Record> records{row("shadow_map", 1, 0.1), row("planar", 1, 0.1)};
+  records[1].context["threads"] = 1;
+  const std::string text = render_table(records, Format::terminal);
+  EXPECT_TRUE(has(text, "\nrenderer: a renderer\n")) << text;
+  EXPECT_TRUE(has(text, "\nprocessor: an abacus\n"));
+  EXPECT_TRUE(has(text, "\nthreads: 2; 1\n"));
+  EXPECT_TRUE(has(text, "\ncommit: abc123\n"));
+  EXPECT_TRUE(has(text, "\nversion: -\n"));
+  EXPECT_TRUE(has(text, "\nprocesses x repetitions: 5 x 1\n"));
+}
+
+TEST(table, unknown_column_is_an_error_with_the_nearest_one) {
+  const std::vector<Record> records{row("shadow_map", 1, 0.1)};
+  try {
+    render_table(records, Format::csv, {.columns = {"wrong_rat"}});
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_TRUE(has(error.what(), "there is no column wrong_rat; did you mean wrong_rate?")) << error.what();
+  }
+}
+
+TEST(table, no_records_make_a_table_without_rows) {
+  for (const Format format : {Format::terminal, Format::markdown, Format::csv, Format::latex, Format::json})
+    EXPECT_FALSE(render_table({}, format).empty());
+}
+
+// --- CSV, JSON --------------------------------------------------------------------------------------------------------
+
+TEST(csv, fields_are_quoted_as_rfc_4180_and_python_csv_do) {
+  EXPECT_EQ(csv_field("plain text"), "plain text");
+  EXPECT_EQ(csv_field("a=1,b=2"), "\"a=1,b=2\"");
+  EXPECT_EQ(csv_field("say \"no\""), "\"say \"\"no\"\"\"");
+  EXPECT_EQ(csv_field("two\nlines"), "\"two\nlines\"");
+  EXPECT_EQ(csv_field("carriage\rreturn"), "\"carriage\rreturn\"");
+  EXPECT_EQ(csv_field(""), "");
+}
+
+TEST(csv, every_record_is_one_row_with_full_precision_interval_and_both_truths) {
+  std::vector<Record> records{row("shadow_map", 0.1, 1.0 / 3)};
+  records[0].settings = "resolution=256,filter=pcf";
+  records[0].parameters = {{"resolution", 256}, {"filter", "pcf"}};
+  const TableOptions options{.columns = {"technique", "settings", "resolve_ms", "resolve_ms_low", "resolve_ms_high",
+                                         "wrong_rate", "shape.wrong_rate", "mesh.wrong_rate", "parameter.resolution", "bytes"}};
+  // Five processes: the interval runs from the least median to the greatest (statistics_test derives it).
+  EXPECT_EQ(render_table(records, Format::csv, options),
+            "technique,settings,resolve_ms,resolve_ms_low,resolve_ms_high,wrong_rate,shape.wrong_rate,mesh.wrong_rate,"
+            "parameter.resolution,bytes\r\n"
+            "shadow_map,\"resolution=256,filter=pcf\",0.1,0.05,0.2,0.3333333333333333,0.3333333333333333,0.16666666666666666,"
+            "256,3145728\r\n");
+}
+
+TEST(csv, default_holds_every_column_of_the_records) {
+  std::vector<Record> records{row("shadow_map", 0.1, 0.1)};
+  records[0].counts = {{"texels", 65536, "texel"}};
+  const std::string header = lines_of(render_table(records, Format::csv))[0];
+  EXPECT_TRUE(header.starts_with("job,suite,scene,light,"));
+  EXPECT_TRUE(has(header, ",count.texels\r"));
+  EXPECT_EQ(std::count(header.begin(), header.end(), ',') + 1, static_cast<long>(column_names(records).size()));
+}
+
+TEST(json_table, values_stand_under_the_names_and_units_of_their_columns) {
+  const std::vector<Record> records{row("shadow_map", 0.1, 0.25)};
+  const Json json =
+      Json::parse(render_table(records, Format::json, {.columns = {"technique", "resolve_ms", "wrong_rate", "bytes"}}));
+  EXPECT_EQ(json["schema"], "gnomon-table-1");
+  EXPECT_EQ(json["columns"][1]["unit"], "ms");
+  EXPECT_EQ(json["columns"][2]["better"], "lower");
+  EXPECT_EQ(json["columns"][3]["unit"], "byte");
+  EXPECT_EQ(json["rows"][0],
+            (Json{{"technique", "shadow_map"}, {"resolve_ms", 0.1}, {"wrong_rate", 0.25}, {"bytes", 3145728}}));
+}
+
+// --- LaTeX, Markdown --------------------------------------------------------------------------------------------------
+
+TEST(latex, commands_in_text_are_made_harmless) {
+  EXPECT_EQ(latex_text("_ % & # $ { }"), "\\_ \\% \\& \\# \\$ \\{ \\}");
+  EXPECT_EQ(latex_text("~^\\"), "\\textasciitilde{}\\textasciicircum{}\\textbackslash{}");
+  EXPECT_EQ(latex_text("a -> b"), "a $\\rightarrow$ b");
+  EXPECT_EQ(latex_text("a<b, c>d, 1 ± 2"), "a$<$b, c$>$d, 1 $\\pm$ 2");
+  EXPECT_EQ(latex_text("plain - text"), "plain - text");
+}
+
+TEST(latex, table_needs_booktabs_only_and_every_row_has_all_its_cells) {
+  const std::vector<Record> records{row("shadow_map", 1, 0.1), row("planar", 2, 0.2), row("planar", 2, 0.2, "other")};
+  const TableOptions options{.columns = {"scene", "technique", "resolve_ms"}, .caption = "50 % more", .label = "tab:a_b"};
+  const std::string text = render_table(records, Format::latex, options);
+  EXPECT_TRUE(has(text, "\\begin{tabular}{llr}"));
+  EXPECT_TRUE(has(text, "\\caption{50 \\% more}"));
+  EXPECT_TRUE(has(text, "\\label{tab:a_b}"));  // a name, not text
+  EXPECT_TRUE(has(text, "soup & shadow\\_map & \\textbf{1.00} \\\\"));
+  for (const std::string& line : lines_of(text)) {
+    if (!line.ends_with("\\\\")) continue;
+    EXPECT_EQ(std::count(line.begin(), line.end(), '&'), 2) << line;
+  }
+  int rules = 0;
+  for (std::size_t at = text.find("\\midrule"); at != text.npos; at = text.find("\\midrule", at + 1)) ++rules;
+  EXPECT_EQ(rules, 2);  // one above each group
+}
+
+TEST(markdown, text_stays_in_its_cell) {
+  EXPECT_EQ(markdown_text("a|b"), "a\\|b");
+  EXPECT_EQ(markdown_text("two\nlines <b>"), "two lines \\<b\\>");
+}
+
+}  // namespace
