@@ -6,8 +6,8 @@
 //         depth_bias 0.
 // Fails:  a long shadow at a grazing angle, a fine mesh of wires, and every large scene: texels are spread over all of it.
 //
-// The bias is a length along the light ray. Its parameters are in texels because acne is: a texel's world width at the point,
-// times the parameter, gives meters.
+// The bias is a length along the axis of the image. Its parameters are in texels because acne is: a texel's world width at the
+// point, times the parameter, gives meters.
 #include <gnomon/kit/gl.h>
 #include <gnomon/registry.h>
 
@@ -28,12 +28,13 @@ class ShadowMap final : public Technique {
               {"constant", "slope", "normal_offset", "receiver_plane"},
               Stage::relight,
               "What is added to depth_bias: nothing, a slope-scaled bias, a normal offset, or the receiver's own plane."};
-  Number<double> depth_bias{this,
-                            "depth_bias",
-                            1,
-                            {.unit = "texel", .min = 0, .max = 64},
-                            Stage::resolve,
-                            "Constant depth bias, in every mode, in world widths of a texel at the point."};
+  Number<double> depth_bias{
+      this,
+      "depth_bias",
+      1,
+      {.unit = "texel", .min = 0, .max = 64},
+      Stage::resolve,
+      "Constant depth bias along the image's axis, in every mode, in world widths of a texel at the point."};
   Number<double> slope_bias{this,
                             "slope_bias",
                             3,
@@ -47,9 +48,9 @@ class ShadowMap final : public Technique {
                                Stage::relight,
                                "How far the look-up point is moved along the normal; for bias=normal_offset."};
   Choice filter{
-      this,           "filter",
-      "nearest",      {"nearest", "pcf"},
-      Stage::relight, "One comparison, or the mean of (2 filter_radius + 1)^2 comparisons (percentage-closer filtering)."};
+      this,         "filter",
+      "nearest",    {"nearest", "pcf"},
+      Stage::setup, "One comparison, or the mean of (2 filter_radius + 1)^2 comparisons (percentage-closer filtering)."};
   Number<int> filter_radius{this,
                             "filter_radius",
                             1,
@@ -82,7 +83,14 @@ class ShadowMap final : public Technique {
   double stored(int face, const glm::ivec2& texel) const;
   const std::vector<float>& depths() const;
 
-  Program depth_program_, second_program_, resolve_program_;
+  const Program& resolve_program() const {
+    return resolve_programs_[faces_.size() == 6      ? shadow_map::cube
+                             : faces_[0].perspective ? shadow_map::perspective
+                                                     : shadow_map::orthographic];
+  }
+
+  Program depth_program_, second_program_;
+  std::array<Program, shadow_map::projection_count> resolve_programs_;  // of the present bias and filter
   Framebuffer framebuffer_;
   const Scene* scene_ = nullptr;
   std::vector<shadow_map::MeshBox> boxes_;
@@ -108,7 +116,11 @@ void make_room(Texture& texture, int side, int layers) {
 void ShadowMap::setup() {
   depth_program_ = Program("shadow_map depth", shadow_map::depth_vertex, shadow_map::depth_fragment);
   second_program_ = Program("shadow_map second depth", shadow_map::depth_vertex, shadow_map::second_fragment);
-  resolve_program_ = Program("shadow_map resolve", full_screen_vertex, shadow_map::resolve_fragment);
+  for (int i = 0; i < shadow_map::projection_count; ++i) {
+    const std::string head =
+        fmt::format("#define PROJECTION {}\n#define BIAS {}\n#define PCF {}\n", i, bias.index(), filter.index());
+    resolve_programs_[i] = Program("shadow_map resolve", full_screen_vertex, head + shadow_map::resolve_fragment);
+  }
   framebuffer_ = make_framebuffer();
   warm_up(*this);
 }
@@ -169,43 +181,36 @@ void ShadowMap::relight(const Light& light) {
   }
   glNamedFramebufferTexture(framebuffer_.name(), GL_DEPTH_ATTACHMENT, 0, 0);
 
-  const Program& p = resolve_program_;
-  set_light(p, light);
-  const glm::dvec3 light_position(homogeneous(light) * homogeneous(light).w);
-  for (std::size_t i = 0; i < 6; ++i) {
-    const bool drawn = i < faces_.size() && layers_[i] >= 0;
-    const Face face = drawn ? faces_[i] : Face{};
-    const auto set = [&](const char* member, const auto& value) {
-      p.set(fmt::format("faces[{}].{}", i, member).c_str(), value);
-    };
-    set("frame", glm::mat3(face.frame));
-    set("scale", glm::vec2(face.scale));
-    set("offset", glm::vec2(face.offset));
-    set("near", static_cast<float>(face.near));
-    set("far", static_cast<float>(face.far));
-    set("layer", drawn ? layers_[i] : -1);
-  }
-  p.set("origin", glm::vec3(faces_[0].origin));
-  p.set("is_cube", faces_.size() == 6);
-  p.set("is_perspective", faces_[0].perspective);
-  p.set("resolution", resolution);
   // Sixteen half units in the last place of the largest coordinate: the three of the rounded point and vertices (sqrt 3 each),
   // and four products and three sums of the transforms in float32, twice.
+  const glm::dvec3 light_position(homogeneous(light) * homogeneous(light).w);
   const double extent = std::max({extent_, std::abs(light_position.x), std::abs(light_position.y), std::abs(light_position.z)});
   rounding_ = 16 * 0x1p-24 * extent;
-  p.set("rounding", static_cast<float>(rounding_));
   glFinish();
 }
 
 void ShadowMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   const StateGuard guard;
   gbuffer_ = &gbuffer;
-  const Program& p = resolve_program_;
-  p.set("bias_mode", bias.index());
-  p.set("radius", radius());
+  const Program& p = resolve_program();
+  set_light(p, light_);
+  for (std::size_t i = 0; i < faces_.size(); ++i) {
+    const Face& face = faces_[i];
+    // The window of a face without casters lies off the image.
+    const bool drawn = layers_[i] >= 0;
+    p.set(fmt::format("window[{}]", i).c_str(), drawn ? glm::vec4(face.scale, face.offset) : glm::vec4(0, 0, -1, -1));
+    const glm::dvec2 texel = 1.0 / face.scale;
+    p.set(fmt::format("range[{}]", i).c_str(),
+          glm::vec4(face.near, face.far, std::max(layers_[i], 0), std::max(texel.x, texel.y)));
+  }
+  if (faces_.size() == 1) p.set("frame", glm::mat3(faces_[0].frame));
+  p.set("origin", glm::vec3(faces_[0].origin));
+  p.set("resolution", resolution);
   p.set("depth_bias", static_cast<float>(depth_bias));
-  p.set("slope_bias", static_cast<float>(slope_bias));
-  p.set("normal_offset", static_cast<float>(normal_offset));
+  if (filter.is("pcf")) p.set("radius", radius());
+  if (bias.is("slope")) p.set("slope_bias", static_cast<float>(slope_bias));
+  if (bias.is("normal_offset")) p.set("normal_offset", static_cast<float>(normal_offset));
+  if (bias.is("receiver_plane")) p.set("rounding", static_cast<float>(rounding_));
   bind_gbuffer(gbuffer_textures(gbuffer, *scene_));
   glBindTextureUnit(3, map().name());
   glNamedFramebufferTexture(framebuffer_.name(), GL_COLOR_ATTACHMENT0, mask.texture(), 0);
@@ -260,15 +265,17 @@ std::optional<Explanation> ShadowMap::explain(std::size_t index) const {
   glm::dvec3 q = face.to_light_space(point);
   const glm::dvec3 n = face.frame * normal;
   const glm::dvec3 ray = face.perspective ? q / q.z : glm::dvec3(0, 0, 1);
-  const double cosine = -glm::dot(n, ray) / glm::length(ray), tangent = std::sqrt(std::max(1 - cosine * cosine, 0.0)) / cosine;
+  const double facing = -glm::dot(n, ray);
   const glm::dvec2 width = face.texel_width(q.z);
-  const double half_diagonal = glm::length(width) / 2;
   why.texel_width = std::max(width.x, width.y);
-  why.bias = depth_bias * why.texel_width;
-  if (bias.is("slope")) why.bias += slope_bias * half_diagonal * tangent;
-  if (bias.is("receiver_plane"))
-    why.bias +=
-        rounding_ * (face.perspective ? 1 + q.z * q.z / (face.near * face.far) : 1) / cosine + half_diagonal * tangent / 128;
+  double axis_bias = depth_bias * why.texel_width;
+  if (bias.is("slope"))
+    axis_bias += slope_bias * glm::length(width) / 2 * glm::length(glm::cross(n, ray)) / (facing * glm::length(ray));
+  if (bias.is("receiver_plane")) {
+    const double error = rounding_ * (face.perspective ? 1 + q.z * q.z / (face.near * face.far) : 1);
+    axis_bias += (error + why.texel_width / 128) / facing;
+  }
+  why.bias = axis_bias * glm::length(ray);
   if (bias.is("normal_offset")) {
     q += n * (normal_offset * why.texel_width);
     why.shifted = face.to_world(q);

@@ -136,9 +136,6 @@ void Program::set(const char* uniform, const glm::vec3& v) const {
 void Program::set(const char* uniform, const glm::vec4& v) const {
   glProgramUniform4fv(name(), location(uniform), 1, glm::value_ptr(v));
 }
-void Program::set(const char* uniform, const glm::dvec4& v) const {
-  glProgramUniform4dv(name(), location(uniform), 1, glm::value_ptr(v));
-}
 void Program::set(const char* uniform, const glm::mat3& v) const {
   glProgramUniformMatrix3fv(name(), location(uniform), 1, GL_FALSE, glm::value_ptr(v));
 }
@@ -166,32 +163,30 @@ vec4 place(vec4 world) {
 }
 )";
 
-// Double and `precise` with the order of gnomon::faces_light: the sign is the same to the last bit but for the spot's cone,
-// whose square root and constants may differ in the last place.
+// With t = to_light and unit N, N.t in float32 is off by less than 4 * 2^-24 |t| (one rounding of t, three products, two sums),
+// and so are both sides of the cone's comparison; 2^-21 |t| leaves room for the rounding of N. Squared, for the sake of speed.
 const std::string_view faces_light_snippet = R"(
 layout(binding = 0) uniform sampler2D gbuffer_position;
 layout(binding = 1) uniform sampler2D gbuffer_normal;
 layout(binding = 2) uniform usampler2D gbuffer_ids;
-uniform dvec4 light;  // homogeneous
-uniform dvec4 spot;   // unit axis and cosine of the outer half-angle; (0, 0, 0, -1) for lights without a cone
-double dot_in_order(dvec3 a, dvec3 b) {
-  precise double sum = (a.x * b.x + a.y * b.y) + a.z * b.z;
-  return sum;
-}
+uniform vec4 light;  // homogeneous
+uniform vec4 spot;   // unit axis and squared cosine of the outer half-angle, rounded up; zero for lights without a cone
 bool faces_light(vec4 position, vec4 normal) {
-  if (position.w == 0 || normal.w == 0) return false;
-  precise dvec3 to_light = light.xyz - light.w * dvec3(position.xyz);
-  if (dot_in_order(dvec3(normal.xyz), to_light) <= 0) return false;
-  return spot.w == -1 || dot_in_order(-to_light, spot.xyz) > spot.w * sqrt(dot_in_order(to_light, to_light));
+  vec3 to_light = light.xyz - light.w * position.xyz;
+  float squared = dot(to_light, to_light), height = dot(normal.xyz, to_light), along = -dot(to_light, spot.xyz);
+  return position.w * normal.w * height > 0 && height * height > squared * 2.2737368e-13 && along >= 0 &&
+         along * along >= spot.w * squared;
 }
 )";
 
 void set_light(const Program& program, const Light& light) {
-  program.set("light", homogeneous(light));
-  glm::dvec4 cone(0, 0, 0, -1);
-  if (const auto* spot = std::get_if<SpotLight>(&light.kind))
-    cone = {glm::normalize(glm::dvec3(spot->direction)), std::cos(glm::radians(double(spot->outer_degrees)))};
-  program.set("spot", cone);
+  program.set("light", glm::vec4(homogeneous(light)));
+  glm::dvec4 cone(0);
+  if (const auto* spot = std::get_if<SpotLight>(&light.kind)) {
+    const double cosine = std::cos(glm::radians(double(spot->outer_degrees)));
+    cone = {glm::normalize(glm::dvec3(spot->direction)), cosine * cosine + 0x1p-20};
+  }
+  program.set("spot", glm::vec4(cone));
 }
 
 const std::string_view full_screen_vertex = R"(

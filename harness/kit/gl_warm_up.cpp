@@ -6,7 +6,7 @@ namespace gnomon {
 
 namespace {
 
-/// A triangle over a floor, under a sun: every stage has something to do.
+/// A triangle over a floor, under a light of each kind without area: every stage has something to do.
 struct TinyScene {
   Scene scene;
   std::vector<float> x, y, z, zero, one;
@@ -21,7 +21,9 @@ struct TinyScene {
     caster.triangles = {{0, 1, 2}};
     finish(floor), finish(caster);
     scene.meshes = {floor, caster};
-    scene.lights = {{.name = "sun", .kind = DirectionalLight{}}};
+    scene.lights = {{.name = "sun", .kind = DirectionalLight{}},
+                    {.name = "spot", .kind = SpotLight{.position = {0, 5, 0}}},
+                    {.name = "point", .kind = PointLight{{0, 5, 0}}}};
     scene.views = {View{.eye = {0, 5, 5}}};
     constexpr int side = 8;
     for (int i = 0; i < side * side; ++i) {
@@ -37,9 +39,12 @@ struct TinyScene {
 void warm_up(Technique& technique) {
   static const TinyScene tiny;  // outlives the technique, as the contract asks
   technique.build(tiny.scene);
-  technique.relight(tiny.scene.lights[0]);
   VisibilityMask mask(tiny.gbuffer.width, tiny.gbuffer.height);
-  technique.resolve(tiny.gbuffer, mask);
+  for (const Light& light : tiny.scene.lights) {
+    if (!technique.supports(tiny.scene, light, tiny.scene.views[0])) continue;
+    technique.relight(light);
+    technique.resolve(tiny.gbuffer, mask);
+  }
 }
 
 }  // namespace gnomon

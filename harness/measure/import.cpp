@@ -2,11 +2,13 @@
 // nothing it is told, and places, rounds and triangulates itself.
 #include "measure/import.h"
 
+#include <algorithm>
 #include <assimp/Importer.hpp>
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <iterator>
 #include <numbers>
 #include <unordered_map>
 
@@ -258,7 +260,7 @@ void import_file(const fs::path& file, const Placement& placement, Scene& scene)
   note(tally.transparent, "triangles are of transparent material and stop light all the same");
 
   // Only glTF says what its cameras and lights mean; other importers fill these fields by their own conventions.
-  if (const std::string extension = file.extension().string(); extension != ".gltf" && extension != ".glb") return;
+  if (const std::string extension = lower_extension(file); extension != ".gltf" && extension != ".glb") return;
   for (const RawCamera& camera : raw.cameras) add_camera(file, camera, placement, bounds, scene);
   for (const RawLight& light : raw.lights) add_light(file, light, placement, scene);
 }

@@ -103,6 +103,9 @@ std::vector<std::byte> output_of_fork(const std::string& what, const std::functi
 std::vector<std::byte> output_of_program(const std::string& what, const std::filesystem::path& program,
                                          const std::filesystem::path& file);
 
+/// ".ply" of "A.PLY".
+std::string lower_extension(const std::filesystem::path& file);
+
 /// What the head of a file promises; empty where the format promises nothing.
 struct Declared {
   std::optional<std::size_t> vertex_count, face_count;

@@ -238,9 +238,14 @@ void check_glb(const fs::path& file) {
 
 }  // namespace
 
-Declared read_declared(const fs::path& file) {
+std::string lower_extension(const fs::path& file) {
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  return extension;
+}
+
+Declared read_declared(const fs::path& file) {
+  const std::string extension = lower_extension(file);
   if (extension == ".ply") return read_ply(file);
   if (extension == ".off") return read_off(file);
   if (extension == ".stl") return read_stl(file);

@@ -26,7 +26,7 @@ struct Face {
   glm::dmat3 frame{1};
   bool perspective = true;
   glm::dvec2 scale{1}, offset{0};
-  double near = 0, far = 0;            ///< along the axis, meters; casters outside are clamped to it
+  double near = 0, far = 0;              ///< along the axis, meters; casters outside are clamped to it
   std::vector<std::uint32_t> casters{};  ///< indices of the meshes to draw; none: nothing to draw and nothing to look up
 
   glm::dvec3 to_light_space(const glm::dvec3& world) const { return frame * (world - origin); }
@@ -161,7 +161,7 @@ inline void fit(Face& face, const std::vector<MeshBox>& boxes, double tangent, i
   face.near = face.perspective ? std::max(casters.near, face.far * 0x1p-10) : casters.near;
 }
 
-/// Rows right, down, axis. For the axes of a cube: the next two axes of the world.
+/// Rows right, down, axis.
 inline glm::dmat3 frame_along(const glm::dvec3& axis) {
   const glm::dvec3 a = glm::abs(axis);
   const glm::dvec3 helper = a.x >= a.y && a.x >= a.z ? glm::dvec3(0, 1, 0)
@@ -174,7 +174,7 @@ inline glm::dmat3 frame_along(const glm::dvec3& axis) {
 /// Widest half-angle of a spot light that one image serves.
 inline constexpr float widest_spot_degrees = 60;
 
-/// One face, or six in the order +x -x +y -y +z -z.
+/// One face, or six in the order +x -x +y -y +z -z; a cube's frames only exchange axes, so that half of them are mirrored.
 inline std::vector<Face> fit_faces(const Light& light, const std::vector<MeshBox>& boxes, int resolution, int margin) {
   std::vector<Face> faces;
   const glm::dvec4 l = homogeneous(light);
@@ -190,9 +190,11 @@ inline std::vector<Face> fit_faces(const Light& light, const std::vector<MeshBox
     fit(faces[0], boxes, std::tan(glm::radians(double(spot->outer_degrees))), resolution, margin);
   } else {
     for (int i = 0; i < 6; ++i) {
-      glm::dvec3 axis(0);
-      axis[i / 2] = i % 2 ? -1 : 1;
-      faces.push_back({.origin = glm::dvec3(l), .frame = frame_along(axis)});
+      glm::dmat3 rows(0);
+      const int axis = i / 2;
+      rows[0][(axis + 1) % 3] = rows[1][(axis + 2) % 3] = 1;
+      rows[2][axis] = i % 2 ? -1 : 1;
+      faces.push_back({.origin = glm::dvec3(l), .frame = glm::transpose(rows)});
       fit(faces.back(), boxes, 1, resolution, margin);
     }
   }

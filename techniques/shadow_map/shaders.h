@@ -17,83 +17,107 @@ void main() {
 }
 )";
 
-/// Mirrors shadow_map::Face and ShadowMap::explain; see there for the meaning of each quantity.
-inline const std::string resolve_fragment = std::string(gnomon::faces_light_snippet) + R"(
-const int constant_bias = 0, slope = 1, normal_offset_bias = 2, receiver_plane = 3;  // order of the parameter's choices
+/// What the light is: one image with parallel rays, one with a center, or the six faces of a cube.
+enum Projection { orthographic, perspective, cube };
+inline constexpr int projection_count = 3;
 
-struct Face {
-  mat3 frame;
-  vec2 scale, offset;
-  float near, far;
-  int layer;  // -1: nothing casts here
-};
+/// Mirrors shadow_map::Face and ShadowMap::explain; see there for the meaning of each quantity. The head defines PROJECTION,
+/// BIAS and PCF: a branch on a uniform would be paid in full on llvmpipe, which executes both sides of every branch.
+inline const std::string resolve_fragment = std::string(gnomon::faces_light_snippet) + R"(
 layout(binding = 3) uniform sampler2DArray map;
-uniform Face faces[6];
+uniform mat3 frame;      // not for a cube: there it only exchanges axes
 uniform vec3 origin;
-uniform int is_cube, is_perspective, resolution, bias_mode, radius;
+uniform vec4 window[6];  // scale and offset of each face
+uniform vec4 range[6];   // near, far, layer of each face, its texel's larger width in window coordinates
+uniform int resolution, radius;
 uniform float depth_bias, slope_bias, normal_offset, rounding;
 layout(location = 0) out float visibility;
 
-const float infinity = uintBitsToFloat(0x7f800000u);
-
-/// Axis distance of the stored surface; infinity when nothing is stored or the texel is off the image.
-float stored(Face face, ivec2 texel) {
-  if (any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, ivec2(resolution)))) return infinity;
-  float depth = texelFetch(map, ivec3(texel, face.layer), 0).r;
-  if (depth == 0) return infinity;
-  return is_perspective != 0 ? face.near / depth : face.far - depth * (face.far - face.near);
-}
-
-int face_of(vec3 from_light) {
-  if (is_cube == 0) return 0;
-  vec3 a = abs(from_light);
-  if (a.x >= a.y && a.x >= a.z) return from_light.x < 0 ? 1 : 0;
-  if (a.y >= a.z) return from_light.y < 0 ? 3 : 2;
-  return from_light.z < 0 ? 5 : 4;
-}
-
 float lookup(vec3 point, vec3 normal) {
-  Face face = faces[face_of(point - origin)];
-  if (face.layer < 0) return 1;
-  vec3 q = face.frame * (point - origin), n = face.frame * normal;
-  bool perspective = is_perspective != 0;
+  vec3 v = point - origin;
+#if PROJECTION == 2  // the face is the major axis; its neighbors in cyclic order span it
+  vec3 a = abs(v);
+  bool is_x = a.x >= a.y && a.x >= a.z, is_y = !is_x && a.y >= a.z;
+  vec3 q = is_x ? v.yzx : is_y ? v.zxy : v, n = is_x ? normal.yzx : is_y ? normal.zxy : normal;
+  bool negative = q.z < 0;
+  int which = (is_x ? 0 : is_y ? 2 : 4) + int(negative);
+  vec4 w = window[which], r = range[which];
+  n.z = negative ? -n.z : n.z;
+  q.z = abs(q.z);
+#else
+  vec3 q = frame * v, n = frame * normal;
+  vec4 w = window[0], r = range[0];
+#endif
+  vec2 scale = w.xy, offset = w.zw;
+  float near = r.x, far = r.y;
 
-  // The light ray at the point, its cosine to the axis and to the normal, and the texel's size.
-  vec3 ray = perspective ? vec3(q.xy / q.z, 1) : vec3(0, 0, 1);
-  float ray_cosine = inversesqrt(dot(ray, ray));
-  float n_ray = dot(n, ray);
-  float cosine = -n_ray * ray_cosine, tangent = sqrt(max(1 - cosine * cosine, 0)) / cosine;
-  vec2 texel_width = (perspective ? q.z : 1) / face.scale;
-  float width = max(texel_width.x, texel_width.y), half_diagonal = 0.5 * length(texel_width);
+  // Facing: how fast the light ray, per unit of the axis, sinks into the receiver's plane.
+#if PROJECTION == 0
+  float texel_width = r.w, facing = -n.z;
+#else
+  float texel_width = q.z * r.w, facing = -dot(n.xy, q.xy) / q.z - n.z;
+#endif
 
-  float bias = depth_bias * width;
-  vec2 gradient = vec2(0);  // of the relative depth of the receiver's plane, per texel
-  if (bias_mode == slope) bias += slope_bias * half_diagonal * tangent;
-  if (bias_mode == normal_offset_bias) q += n * (normal_offset * width);
-  if (bias_mode == receiver_plane) {
-    float error = rounding * (perspective ? 1 + q.z * q.z / (face.near * face.far) : 1);
-    bias += error / cosine + half_diagonal * tangent / 128;
-    gradient = n.xy / (n_ray * face.scale);
-  }
-  float axis_bias = bias * ray_cosine;
+  // Along the axis.
+  float bias = depth_bias * texel_width;
+  vec2 gradient = vec2(0);  // of the receiver plane's depth, per texel
+#if BIAS == 1
+  vec3 ray = PROJECTION == 0 ? vec3(0, 0, 1) : vec3(q.xy / q.z, 1);
+  vec2 sides = (PROJECTION == 0 ? 1 : q.z) / scale;
+  bias += slope_bias * 0.5 * length(sides) * length(cross(n, ray)) / (facing * length(ray));
+#elif BIAS == 2
+  q += n * (normal_offset * texel_width);
+#elif BIAS == 3
+  float per_facing = 1 / facing;
+  gradient = -n.xy / scale * per_facing;
+  float error = rounding + texel_width / 128;
+#if PROJECTION != 0
+  error += rounding * q.z * q.z / (near * far);
+#endif
+  bias += error * per_facing;
+#endif
 
-  vec2 position = (perspective ? q.xy / q.z : q.xy) * face.scale + face.offset;
-  ivec2 center = ivec2(floor(position));
+#if PROJECTION == 0
+  vec2 position = q.xy * scale + offset;
+#else
+  vec2 position = q.xy / q.z * scale + offset;
+#endif
+  vec2 center = floor(position);
+
+#if PCF
   float lit = 0;
   for (int y = -radius; y <= radius; ++y)
     for (int x = -radius; x <= radius; ++x) {
-      ivec2 texel = center + ivec2(x, y);
-      float k = dot(gradient, vec2(texel) + 0.5 - position);
-      float expected = !perspective ? q.z - k : k > -1 ? q.z / (1 + k) : infinity;
-      lit += stored(face, texel) < expected - axis_bias ? 0 : 1;
+      vec2 tap = center + vec2(x, y);
+#else
+      vec2 tap = center;
+#endif
+      ivec2 at = ivec2(tap);
+      bool inside = all(lessThan(uvec2(at), uvec2(resolution)));
+      float d = inside ? texelFetch(map, ivec3(at, int(r.z)), 0).r : 0;
+      float k = dot(gradient, tap + 0.5 - position);
+      // Dark: something is stored, and before the receiver by more than the bias. No quotient of depths is formed: with a
+      // center, near / d < q.z / m - bias; where m <= 0 the texel's ray meets the receiver's plane at infinity.
+#if PROJECTION == 0
+      bool dark = d > 0 && d * (far - near) > far - (q.z - k - bias);
+#else
+      float m = max(1 + k, 0);
+      bool dark = near * m < (q.z - bias * m) * d;
+#endif
+#if PCF
+      lit += dark ? 0 : 1;
     }
   return lit / float((2 * radius + 1) * (2 * radius + 1));
+#else
+  return dark ? 0 : 1;
+#endif
 }
 
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   vec4 position = texelFetch(gbuffer_position, pixel, 0), normal = texelFetch(gbuffer_normal, pixel, 0);
-  visibility = faces_light(position, normal) ? lookup(position.xyz, normal.xyz) : 1;
+  visibility = 1;
+  if (faces_light(position, normal)) visibility = lookup(position.xyz, normal.xyz);
 }
 )";
 

@@ -168,8 +168,8 @@ TEST_F(Gl, depth_of_the_view_agrees_with_the_gbuffer) {
   EXPECT_GT(compared, 1000);
 }
 
-// The sign decisions of the shader are those of the C++ function, for each kind of light, also where the light lies in the
-// plane of the ground (height 0), where everything hangs on the exact zero.
+// The shader decides as the C++ function does, for each kind of light, but within 2^-21 of the horizon and of the cone's edge
+// it may say no. The light in the plane of the ground is the hard case: there everything hangs on the last bits of the point.
 TEST_F(Gl, faces_light_in_glsl_is_faces_light) {
   Scene scene = box_on_ground();
   scene.meshes.push_back(small_world::box({1.5f, 0, 1}, {2, 0.7f, 2}));
@@ -200,8 +200,14 @@ void main() {
       draw_full_screen();
     }
     const auto pixels = mask.read();
-    for (std::size_t i = 0; i < g.size(); ++i)
-      EXPECT_EQ(pixels[i] == 1, faces_light(scene, g, light, i)) << light.name << " pixel " << i;
+    int wrong = 0;
+    for (std::size_t i = 0; i < g.size(); ++i) {
+      const bool here = pixels[i] == 1, there = faces_light(scene, g, light, i);
+      const glm::dvec3 to = to_light(homogeneous(light), g.position(i));
+      const bool at_horizon = glm::dot(glm::dvec3(g.normal(i)), to) < 0x1p-20 * glm::length(to);
+      wrong += here != there && (here || !at_horizon);
+    }
+    EXPECT_EQ(wrong, 0) << light.name;
   }
 }
 

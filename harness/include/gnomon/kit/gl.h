@@ -74,7 +74,6 @@ class Program : public GlObject<gl_detail::delete_program> {
   void set(const char* uniform, const glm::vec2& value) const;
   void set(const char* uniform, const glm::vec3& value) const;
   void set(const char* uniform, const glm::vec4& value) const;
-  void set(const char* uniform, const glm::dvec4& value) const;
   void set(const char* uniform, const glm::mat3& value) const;
   void set(const char* uniform, const glm::mat4& value) const;
 
@@ -103,7 +102,8 @@ glm::dmat4 clip_from_world(const View& view, int width, int height);
 extern const std::string_view position_snippet;
 
 /// Fragment shader code: textures 0, 1, 2 of `bind_gbuffer`, and `bool faces_light(vec4 position, vec4 normal)`, which means
-/// what gnomon::faces_light means, in double. Uniforms are set by `set_light`.
+/// what gnomon::faces_light means, in float32: within rounding (2^-21) of the horizon and of the cone's edge it says false, so
+/// that no pixel of class F is ever taken for one to decide. Uniforms are set by `set_light`.
 extern const std::string_view faces_light_snippet;
 void set_light(const Program& program, const Light& light);
 
@@ -151,7 +151,7 @@ void bind_gbuffer(const GBufferTextures& textures);
 /// Frees what this part holds. Must be called before the context goes, or after a scene was edited in place.
 void release_inputs();
 
-/// What ends `setup` of a GL technique: build, relight and resolve on a tiny built-in scene. Drivers compile a shader at its
+/// What ends `setup` of a GL technique: its stages on a tiny built-in scene, under each kind of light it supports. Drivers compile a shader at its
 /// first draw, in the very state of that draw, so only the stages themselves warm what the stages need.
 void warm_up(Technique& technique);
 

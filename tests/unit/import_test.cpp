@@ -1,0 +1,83 @@
+// The importer's parts that need no file: the pipe's receiver and the triangulation of polygons.
+#include "measure/import.h"
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace {
+
+using namespace gnomon;
+
+TEST(Receiver, believes_no_count_that_the_answer_cannot_hold) {
+  const std::uint64_t count = std::uint64_t{1} << 60;
+  importing::Receiver receiver(std::as_bytes(std::span(&count, 1)), "file.obj");
+  std::vector<glm::vec3> positions;
+  EXPECT_THROW(receiver(positions), Error);
+}
+
+// A star-shaped polygon with random radii is simple; its triangles must cover its area, which the shoelace formula gives.
+RC_GTEST_PROP(Triangulate, covers_a_simple_polygon, ()) {
+  const auto radii = *rc::gen::suchThat(rc::gen::container<std::vector<int>>(rc::gen::inRange(1, 100)),
+                                        [](const auto& r) { return r.size() >= 3; });
+  const std::size_t n = radii.size();
+  std::vector<glm::vec3> points;
+  std::vector<std::uint32_t> corners;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double angle = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(n);
+    points.emplace_back(radii[i] * std::cos(angle), 3, -radii[i] * std::sin(angle));  // counter-clockwise from +y
+    corners.push_back(static_cast<std::uint32_t>(i));
+  }
+  std::vector<glm::uvec3> triangles;
+  RC_ASSERT(importing::triangulate(points, corners, triangles));
+  RC_ASSERT(triangles.size() == n - 2);
+  double shoelace = 0, covered = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const glm::dvec3 a(points[i]), b(points[(i + 1) % n]);
+    shoelace += (a.z * b.x - a.x * b.z) / 2;
+  }
+  for (const glm::uvec3& t : triangles) {
+    const glm::dvec3 a(points[t.x]), b(points[t.y]), c(points[t.z]);
+    const double up = glm::cross(b - a, c - a).y / 2;
+    RC_ASSERT(up > -1e-6);
+    covered += up;
+  }
+  RC_ASSERT(std::abs(covered - shoelace) < 1e-6 * (1 + shoelace));
+}
+
+TEST(Triangulate, leaves_no_polygon_out_that_is_not_simple) {
+  // A bow tie: its edges cross. It is split as a fan, and the answer says so.
+  const std::vector<glm::vec3> points = {{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 2, 0}};
+  const std::vector<std::uint32_t> corners = {0, 1, 2, 3};
+  std::vector<glm::uvec3> triangles;
+  importing::triangulate(points, corners, triangles);
+  EXPECT_EQ(triangles.size(), 2u);
+}
+
+TEST(Triangulate, takes_polygons_of_thousands_of_corners) {
+  // A saw of 2000 slanted teeth on a bar; the shoelace formula gives its area.
+  std::vector<glm::vec3> points = {{0, 0, 0}, {4000, 0, 0}};
+  for (int x = 4000; x > 0; x -= 2) {
+    points.emplace_back(x, 2, 0);
+    points.emplace_back(x - 1, 1, 0);
+  }
+  points.emplace_back(0, 1, 0);
+  std::vector<std::uint32_t> corners(points.size());
+  for (std::uint32_t i = 0; i < corners.size(); ++i) corners[i] = i;
+  std::vector<glm::uvec3> triangles;
+  EXPECT_TRUE(importing::triangulate(points, corners, triangles));
+  double covered = 0, shoelace = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const glm::dvec3 a(points[i]), b(points[(i + 1) % points.size()]);
+    shoelace += (a.x * b.y - a.y * b.x) / 2;
+  }
+  for (const glm::uvec3& t : triangles) {
+    const glm::dvec3 a(points[t.x]), b(points[t.y]), c(points[t.z]);
+    covered += glm::cross(b - a, c - a).z / 2;
+  }
+  EXPECT_EQ(covered, shoelace) << "halves of small whole numbers: exact";
+}
+
+}  // namespace
