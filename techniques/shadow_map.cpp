@@ -6,6 +6,9 @@
 //         depth_bias 0.
 // Fails:  a long shadow at a grazing angle, a fine mesh of wires, and every large scene: texels are spread over all of it.
 //
+// The faces of a cube are layers of one array, drawn one by one: only faces with casters and receivers are allocated, each is
+// fitted and culls meshes for itself, and a 3 x 2 atlas of the largest faces would exceed the largest texture (16384).
+//
 // The bias is a length along the axis of the image. Its parameters are in texels because acne is: a texel's world width at the
 // point, times the parameter, gives meters.
 #include <gnomon/kit/gl.h>
@@ -26,7 +29,7 @@ class ShadowMap final : public Technique {
               "bias",
               "receiver_plane",
               {"constant", "slope", "normal_offset", "receiver_plane"},
-              Stage::relight,
+              Stage::setup,
               "What is added to depth_bias: nothing, a slope-scaled bias, a normal offset, or the receiver's own plane."};
   Number<double> depth_bias{
       this,
@@ -194,23 +197,33 @@ void ShadowMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   gbuffer_ = &gbuffer;
   const Program& p = resolve_program();
   set_light(p, light_);
+  // Which uniforms a variant uses is the compiler's affair.
+  const auto set = [&](const std::string& uniform, const auto& value) {
+    if (p.uses(uniform.c_str())) p.set(uniform.c_str(), value);
+  };
   for (std::size_t i = 0; i < faces_.size(); ++i) {
-    const Face& face = faces_[i];
-    // The window of a face without casters lies off the image.
-    const bool drawn = layers_[i] >= 0;
-    p.set(fmt::format("window[{}]", i).c_str(), drawn ? glm::vec4(face.scale, face.offset) : glm::vec4(0, 0, -1, -1));
-    const glm::dvec2 texel = 1.0 / face.scale;
-    p.set(fmt::format("range[{}]", i).c_str(),
-          glm::vec4(face.near, face.far, std::max(layers_[i], 0), std::max(texel.x, texel.y)));
+    Face face = faces_[i];
+    // Where nothing casts, every look-up falls off the image.
+    if (layers_[i] < 0) face.scale = glm::dvec2(0), face.offset = glm::dvec2(-1), face.near = face.far = 1;
+    const double texel_width = 1 / std::min(face.scale.x, face.scale.y);
+    const double far_or_error = face.perspective ? rounding_ / (face.near * face.far) : face.far;
+    set(fmt::format("window[{}]", i), glm::vec4(face.scale, face.offset));
+    set(fmt::format("range[{}]", i), glm::vec4(face.near, far_or_error, std::max(layers_[i], 0), texel_width));
+    if (faces_.size() == 6) continue;
+    const glm::dmat3 axes = glm::transpose(face.frame);  // right, down, axis
+    const glm::dvec2 along_axis = face.perspective ? face.offset : glm::dvec2(0);
+    const glm::dmat3 rows(axes[0] * face.scale.x + axes[2] * along_axis.x, axes[1] * face.scale.y + axes[2] * along_axis.y,
+                          axes[2]);
+    set("texel_from_light", glm::mat3(glm::transpose(rows)));
+    set("texel_steps", glm::mat3(axes[0] / face.scale.x, axes[1] / face.scale.y, axes[2]));
   }
-  if (faces_.size() == 1) p.set("frame", glm::mat3(faces_[0].frame));
-  p.set("origin", glm::vec3(faces_[0].origin));
-  p.set("resolution", resolution);
-  p.set("depth_bias", static_cast<float>(depth_bias));
-  if (filter.is("pcf")) p.set("radius", radius());
-  if (bias.is("slope")) p.set("slope_bias", static_cast<float>(slope_bias));
-  if (bias.is("normal_offset")) p.set("normal_offset", static_cast<float>(normal_offset));
-  if (bias.is("receiver_plane")) p.set("rounding", static_cast<float>(rounding_));
+  set("origin", glm::vec3(faces_[0].origin));
+  set("resolution", resolution.value());
+  set("radius", radius());
+  set("depth_bias", static_cast<float>(depth_bias));
+  set("slope_bias", static_cast<float>(slope_bias));
+  set("normal_offset", static_cast<float>(normal_offset));
+  set("rounding", static_cast<float>(rounding_));
   bind_gbuffer(gbuffer_textures(gbuffer, *scene_));
   glBindTextureUnit(3, map().name());
   glNamedFramebufferTexture(framebuffer_.name(), GL_COLOR_ATTACHMENT0, mask.texture(), 0);

@@ -5,29 +5,49 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cstdio>
+#include <filesystem>
+#include <system_error>
 #include <thread>
 
 namespace gnomon::app {
 
 namespace {
 
-/// CLI11 reports an unknown command as an unexpected argument; ours says what there is, as everywhere. Empty when the first
-/// word is a command.
-std::string unknown_command(const CLI::App& cli, int argc, char** argv) {
+/// What is wrong with the words of the command line. CLI11 only says that an argument was not expected; ours says what there
+/// is instead, as everywhere.
+std::string usage_error(const CLI::App& cli, const CLI::ParseError& error, int argc, char** argv) {
   std::vector<std::string> names;
   for (const CLI::App* command : cli.get_subcommands({}))
-    if (!command->get_name().empty() && !command->get_group().empty()) names.push_back(command->get_name());
-  for (int k = 1; k < argc; ++k) {
+    if (!command->get_group().empty()) names.push_back(command->get_name());
+  const CLI::App* command = nullptr;
+  for (int k = 1; k < argc && !command; ++k) {
     const std::string word = argv[k];
     if (word == "--plugin") ++k;
-    if (word.starts_with("-") || word == "--plugin") continue;
-    if (std::find(names.begin(), names.end(), word) != names.end()) break;
-    return fmt::format("there is no command {}; did you mean {}? There are: {}", word, nearest_word(word, names),
-                       fmt::join(names, ", "));
+    if (word.starts_with("-")) continue;
+    const auto found = cli.get_subcommands([&](const CLI::App* app) { return app->get_name() == word; });
+    if (!found.empty())
+      command = found.front();
+    else
+      return fmt::format("there is no command {}; did you mean {}? There are: {}", word, nearest_word(word, names),
+                         fmt::join(names, ", "));
   }
-  return "";
+  const CLI::App& asked = command ? *command : cli;
+  const std::string who = command ? "gnomon " + command->get_name() : "gnomon";
+  const std::vector<std::string> extra = cli.remaining(true);
+  if (!extra.empty() && extra.front().starts_with("-")) {
+    std::vector<std::string> options;
+    for (const CLI::Option* option : asked.get_options())
+      for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
+    return fmt::format("{} has no option {}; did you mean {}? It has: {}", who, extra.front(),
+                       nearest_word(extra.front(), options), fmt::join(options, ", "));
+  }
+  if (!extra.empty())
+    return fmt::format("{} does not know what to do with '{}'; {} --help says what it takes", who, extra.front(), who);
+  if (!command) return fmt::format("a command is wanted; there are: {}", fmt::join(names, ", "));
+  return fmt::format("{}; {} --help says what is allowed", error.what(), who);
 }
 
 }  // namespace
@@ -47,18 +67,24 @@ int run_program(int argc, char** argv) {
       program.cli.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
       if (error.get_exit_code() == 0) return program.cli.exit(error);
-      const std::string unknown = unknown_command(program.cli, argc, argv);
-      fmt::print(stderr, "gnomon: {}\n", unknown.empty() ? error.what() : unknown);
-      if (unknown.empty()) fmt::print(stderr, "gnomon --help and gnomon COMMAND --help say what is allowed\n");
+      fmt::print(stderr, "gnomon: {}\n", usage_error(program.cli, error, argc, argv));
       return 2;
     }
-    return program.chosen();
+    const int status = program.chosen();
+    if (std::fflush(stdout) != 0) throw std::system_error(errno, std::generic_category());
+    return status;
   } catch (const Error& error) {
     fmt::print(stderr, "gnomon: {}\n", error.what());
     return 2;
   } catch (const WorkerFailure& failure) {
     fmt::print(stderr, "gnomon: {}\n", failure.what());
     return 1;
+  } catch (const std::filesystem::filesystem_error& error) {
+    fmt::print(stderr, "gnomon: {}: {}\n", error.path1().string(), error.code().message());
+    return 2;
+  } catch (const std::system_error& error) {
+    fmt::print(stderr, "gnomon: standard output cannot be written: {}\n", error.code().message());
+    return 2;
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "gnomon: out of memory\n");
     return 1;
@@ -77,6 +103,21 @@ std::pair<int, int> parse_size(const std::string& text) {
   }
   if (at != end) refuse();
   return {size[0], size[1]};
+}
+
+Truth parse_truth(const std::string& text) {
+  if (text != "shape" && text != "mesh") throw Error("--truth {} is neither shape nor mesh", text);
+  return text == "mesh" ? Truth::mesh : Truth::shape;
+}
+
+CLI::Validator seconds() {
+  const auto check = [](const std::string& text) -> std::string {
+    double value = 0;
+    const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool is_good = code == std::errc{} && end == text.data() + text.size() && value > 0 && value <= 86400;
+    return is_good ? "" : fmt::format("{} is not a number of seconds above 0, at most 86400", text);
+  };
+  return CLI::Validator(check, "SECONDS");
 }
 
 std::size_t terminal_width() {

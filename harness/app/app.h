@@ -1,4 +1,6 @@
 #pragma once
+#include <gnomon/scene.h>
+
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <memory>
@@ -32,6 +34,12 @@ int run_program(int argc, char** argv);
 
 /// "640x360" into two sizes of 1 .. 16384. Throws Error.
 std::pair<int, int> parse_size(const std::string& text);
+
+/// "shape" or "mesh", the value of --truth. Throws Error.
+Truth parse_truth(const std::string& text);
+
+/// Checks the value of --timeout: above 0, at most a day.
+CLI::Validator seconds();
 
 /// Columns of the terminal on stdout; 0, no limit, when there is none.
 std::size_t terminal_width();

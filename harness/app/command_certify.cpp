@@ -2,10 +2,10 @@
 
 #include "app/app.h"
 #include "measure/certify.h"
+#include "measure/frame.h"
 #include "measure/jobs.h"
 #include "measure/load.h"
 #include "measure/paths.h"
-#include "measure/frame.h"
 #include "measure/progress.h"
 
 namespace gnomon::app {
@@ -21,19 +21,18 @@ struct Options {
 int run_certify(const Options& options) {
   const auto [width, height] = parse_size(options.size);
   const Scene scene = load_scene(options.scene);
+  require_names(options.scene, scene, options.lights, options.views);
   FrameStore frames(scene, cache_root() / "frames");
   bool all_hold = true;
   nlohmann::json list = nlohmann::json::array();
   const auto wanted = [](const std::vector<std::string>& names, const std::string& name) {
     return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
   };
-  std::size_t done = 0;
   for (const View& view : scene.views) {
     // Without --view, the first: the one that suites use.
     if (options.views.empty() ? &view != &scene.views.front() : !wanted(options.views, view.name)) continue;
     for (const Light& light : scene.lights) {
       if (!wanted(options.lights, light.name)) continue;
-      ++done;
       // The oracle knows triangles: the certificate is of mesh truth.
       const FrameKey key{view, width, height, Truth::mesh};
       const Reference reference = frames.reference(key, light);
@@ -42,11 +41,12 @@ int run_certify(const Options& options) {
       certify_options.reference = frames.casters(Truth::mesh).description();
       const Certificate certificate = certify(scene, light, frames.gbuffer(key), reference.mask, certify_options);
       all_hold = all_hold && certificate.holds();
-      if (options.json) list.push_back(certificate);
-      else fmt::print("{}\n", text(certificate));
+      if (options.json)
+        list.push_back(certificate);
+      else
+        fmt::print("{}\n", text(certificate));
     }
   }
-  if (done == 0) throw Error("scene {} has no light or view of these names", options.scene);
   if (options.json) fmt::print("{}\n", list.dump(2));
   return all_hold ? 0 : 1;
 }

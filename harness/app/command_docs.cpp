@@ -15,7 +15,8 @@ void add_docs(Program& program) {
   command->add_option("--out", options->out, "Folder of the pages; docs/techniques by default");
   command->callback([&program, options] {
     program.chosen = [options] {
-      const std::filesystem::path dir = options->out.empty() ? data_root() / "docs/techniques" : std::filesystem::path(options->out);
+      const std::filesystem::path dir =
+          options->out.empty() ? data_root() / "docs/techniques" : std::filesystem::path(options->out);
       if (options->check) {
         const std::vector<std::string> stale = stale_pages(dir);
         for (const std::string& page : stale) fmt::print("stale: {}\n", (dir / page).string());

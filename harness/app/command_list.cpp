@@ -17,7 +17,10 @@ void print_scenes(bool as_json) {
   Json list = Json::array();
   TextTable table({{"scene", ""}, {"kind", ""}, {"what it is", ""}});
   for (const SceneListing& scene : list_scenes()) {
-    list.push_back({{"id", scene.id}, {"title", scene.title}, {"summary", scene.summary}, {"generated", scene.generated},
+    list.push_back({{"id", scene.id},
+                    {"title", scene.title},
+                    {"summary", scene.summary},
+                    {"generated", scene.generated},
                     {"available", scene.available}});
     const std::string kind = scene.generated ? "generated" : scene.available ? "described" : "not fetched";
     table.add_row({scene.id, kind, scene.summary.empty() ? scene.title : scene.summary});
@@ -32,7 +35,8 @@ void print_suites(bool as_json) {
     const Suite suite = read_suite(id);
     std::size_t rows = 0;
     for (const SuiteGroup& g : suite.groups)
-      rows += g.scenes.size() * g.contenders.size() * std::max<std::size_t>(1, g.lights.size()) * std::max<std::size_t>(1, g.views.size());
+      rows += g.scenes.size() * g.contenders.size() * std::max<std::size_t>(1, g.lights.size()) *
+              std::max<std::size_t>(1, g.views.size());
     list.push_back({{"id", id}, {"title", suite.title}, {"rows", rows}});
     table.add_row({id, std::to_string(rows), suite.title});
   }
@@ -53,11 +57,19 @@ void add_list(Program& program) {
   command->callback([&program, options] {
     program.chosen = [options] {
       const auto techniques = std::span(registry().techniques());
-      if (options->what == "techniques") print(list_text(techniques, terminal_width()), list_json(techniques), options->json);
-      else if (options->what == "metrics") print(list_text(metric_infos(), terminal_width()), list_json(metric_infos()), options->json);
-      else if (options->what == "scenes") print_scenes(options->json);
-      else if (options->what == "suites") print_suites(options->json);
-      else throw Error("list {} is not one of: techniques, scenes, suites, metrics", options->what);
+      if (options->what == "techniques")
+        print(list_text(techniques, terminal_width()), list_json(techniques), options->json);
+      else if (options->what == "metrics")
+        print(list_text(metric_infos(), terminal_width()), list_json(metric_infos()), options->json);
+      else if (options->what == "scenes")
+        print_scenes(options->json);
+      else if (options->what == "suites")
+        print_suites(options->json);
+      else {
+        const std::vector<std::string> lists = {"techniques", "scenes", "suites", "metrics"};
+        throw Error("there is no list {}; did you mean {}? There are: {}", options->what, nearest_word(options->what, lists),
+                    fmt::join(lists, ", "));
+      }
       return 0;
     };
   });

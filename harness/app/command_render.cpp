@@ -33,6 +33,7 @@ class StagedFolder {
     fs::create_directories(parent, code);
     path = parent / fmt::format(".{}.{}.part", out_.filename().string(), getpid());
     if (!code) fs::create_directories(path, code);
+    if (!code && fs::exists(out_) && !fs::is_directory(out_)) code = std::make_error_code(std::errc::not_a_directory);
     if (code) throw Error("output folder {} cannot be made: {}", out_.string(), code.message());
   }
   ~StagedFolder() {
@@ -52,14 +53,27 @@ class StagedFolder {
   fs::path out_;
 };
 
+/// Refuses a debug layer that the technique does not have before anything runs.
+void check_layer(const Contender& contender, const std::string& layer) {
+  if (layer.empty()) return;
+  const auto technique = registry().technique(contender.technique).make();
+  technique->apply(contender.settings);
+  const std::vector<std::string> layers = technique->debug_layers();
+  if (layers.empty()) throw Error("{} has no debug layer {}; it has none at all", contender.technique, layer);
+  if (std::find(layers.begin(), layers.end(), layer) == layers.end())
+    throw Error("{} has no debug layer {}; did you mean {}? It has: {}", contender.technique, layer,
+                nearest_word(layer, layers), fmt::join(layers, ", "));
+}
+
 int render(const RenderOptions& options, const WorkerOptions& worker) {
   const std::vector<Contender> contenders = parse_contenders(options.technique);
-  if (contenders.size() != 1) throw Error("--technique {} is a sweep of {}; render takes one", options.technique, contenders.size());
+  if (contenders.size() != 1)
+    throw Error("--technique {} is a sweep of {}; render takes one", options.technique, contenders.size());
+  check_layer(contenders[0], options.debug);
   Suite suite;
   suite.name = "render";
   std::tie(suite.width, suite.height) = parse_size(options.size);
-  if (options.truth != "shape" && options.truth != "mesh") throw Error("--truth {} is neither shape nor mesh", options.truth);
-  suite.truth = options.truth == "mesh" ? Truth::mesh : Truth::shape;
+  suite.truth = parse_truth(options.truth);
   suite.timeout = options.timeout;
   suite.groups = {{{options.scene}, options.lights, {}, contenders}};
   if (!options.view.empty()) suite.groups[0].views = {options.view};
@@ -79,7 +93,7 @@ int render(const RenderOptions& options, const WorkerOptions& worker) {
 
   std::vector<std::string> names;
   std::vector<std::vector<float>> masks;
-  std::string lines;
+  Json records = Json::array();
   for (const Job& job : jobs) {
     const Support support = seat.go(run.light_index(job.light), run.view_index(job.view), suite.truth);
     if (!support) throw Error("{} does not support {} {}: {}", job.contender.name(), job.scene, job.light, support.why());
@@ -113,13 +127,13 @@ int render(const RenderOptions& options, const WorkerOptions& worker) {
     record.shaded_picture = "shaded" + tail + ".png";
     names.push_back(job.light + ".V");
     masks.push_back(answer.mask);
-    lines += record_line(record);
+    records.push_back(record);
     fmt::print("{:<12} wrong {:.4f} % of {} tested pixels, false dark {}, false lit {}\n", job.light,
                counts.tested ? 100.0 * counts.wrong / counts.tested : 0.0, counts.tested, counts.false_dark, counts.false_lit);
   }
   const std::vector<std::span<const float>> channels(masks.begin(), masks.end());
   write_exr(folder.path / "mask.exr", suite.width, suite.height, names, channels);
-  write_file(folder.path / "record.json", lines);
+  write_file(folder.path / "record.json", records.dump(2) + "\n");
   folder.publish();
   fmt::print("{}\n", (options.out / "mask.exr").string());
   return 0;
@@ -128,17 +142,19 @@ int render(const RenderOptions& options, const WorkerOptions& worker) {
 }  // namespace
 
 void add_render(Program& program) {
-  CLI::App* command = program.cli.add_subcommand("render", "One technique on one scene: mask, shaded and error pictures, record");
+  CLI::App* command =
+      program.cli.add_subcommand("render", "One technique on one scene: mask, shaded and error pictures, record");
   auto options = std::make_shared<RenderOptions>();
   command->add_option("--scene", options->scene, "Scene id, ID:param=value, or a scene or mesh file")->required();
   command->add_option("--technique", options->technique, "Technique id, or ID:param=value,...")->required();
   command->add_option("--light", options->lights, "Light names; all of the scene by default")->delimiter(',');
   command->add_option("--view", options->view, "View name; the first by default");
   command->add_option("--size", options->size, "Picture size in pixels, WxH")->capture_default_str();
-  command->add_option("--truth", options->truth, "What counts: exact shapes or the meshes; shape | mesh")->capture_default_str();
+  command->add_option("--truth", options->truth, "What counts: exact shapes or the meshes; shape | mesh")
+      ->capture_default_str();
   command->add_option("--debug", options->debug, "Also draw this debug layer of the technique");
   command->add_option("--threads", options->threads, "Cores to use; all by default");
-  command->add_option("--timeout", options->timeout, "Seconds that one step may take")->capture_default_str();
+  command->add_option("--timeout", options->timeout, "Seconds that one step may take")->check(seconds())->capture_default_str();
   command->add_option("--out", options->out, "Folder to write to")->required();
   command->callback([&program, options] {
     program.chosen = [&program, options] { return render(*options, worker_options(program, options->threads)); };

@@ -17,7 +17,7 @@ struct Options {
   std::vector<std::string> scenes, techniques, lights;
   fs::path out;
   int repetitions = 0, processes = 0, threads = 0;
-  double timeout = 0;
+  std::optional<double> timeout;
   bool resume = false, dry_run = false, quiet = false;
 };
 
@@ -39,13 +39,10 @@ Suite make_suite(const Options& options) {
   for (SuiteGroup& group : suite.groups)
     if (!options.lights.empty()) group.lights = options.lights;
   if (!options.size.empty()) std::tie(suite.width, suite.height) = parse_size(options.size);
-  if (!options.truth.empty()) {
-    if (options.truth != "shape" && options.truth != "mesh") throw Error("--truth {} is neither shape nor mesh", options.truth);
-    suite.truth = options.truth == "mesh" ? Truth::mesh : Truth::shape;
-  }
+  if (!options.truth.empty()) suite.truth = parse_truth(options.truth);
   if (options.repetitions) suite.repetitions = options.repetitions;
   if (options.processes) suite.processes = options.processes;
-  if (options.timeout > 0) suite.timeout = options.timeout;
+  if (options.timeout) suite.timeout = *options.timeout;
   return suite;
 }
 
@@ -75,13 +72,17 @@ int run(const Options& options, const Program& program) {
   run_options.out = options.out;
   if (options.out.empty()) {
     if (options.resume) throw Error("--resume needs --out: which folder to continue");
-    run_options.out = fs::path("runs") / fmt::format("{}-{:%Y%m%d-%H%M%S}", run_options.suite.name, fmt::localtime(std::time(nullptr)));
+    run_options.out =
+        fs::path("runs") / fmt::format("{}-{:%Y%m%d-%H%M%S}", run_options.suite.name, fmt::localtime(std::time(nullptr)));
   }
   SceneLibrary library;
   if (options.dry_run) {
     const std::vector<Job> jobs = select_jobs(run_options, library);
-    for (const Job& job : jobs)
-      fmt::print("{}  {}{}\n", job.hash, job.title(), job.contender.label.empty() ? "" : "  (" + job.contender.label + ")");
+    for (const Job& job : jobs) {
+      const std::string& missing = library.get(job.scene).missing;
+      fmt::print("{}  {}{}{}\n", job.hash, job.title(), job.contender.label.empty() ? "" : "  (" + job.contender.label + ")",
+                 missing.empty() ? "" : "  unsupported: " + missing);
+    }
     fmt::print("{} rows, {} processes x {} repetitions each, {}x{} pixels\n", jobs.size(), run_options.suite.processes,
                run_options.suite.repetitions, run_options.suite.width, run_options.suite.height);
     return 0;
@@ -95,10 +96,11 @@ int run(const Options& options, const Program& program) {
   if (summary.done_before) fmt::print("; {} were done before", summary.done_before);
   fmt::print("; {}\n\n", duration_text(summary.seconds));
   const std::string out = run_options.out.string();
-  fmt::print("{0}/records.jsonl  every raw repetition and metric\n{0}/masks/         visibility masks, EXR\n"
-             "{0}/errors/        error pictures, PNG\n{0}/shaded/        shaded pictures, PNG\n"
-             "{0}/table.*        this table as md, csv, tex, json\n",
-             out);
+  fmt::print(
+      "{0}/records.jsonl  every raw repetition and metric\n{0}/masks/         visibility masks, EXR\n"
+      "{0}/errors/        error pictures, PNG\n{0}/shaded/        shaded pictures, PNG\n"
+      "{0}/table.*        this table as md, csv, tex, json\n",
+      out);
   return summary.failed ? 1 : 0;
 }
 
@@ -118,7 +120,7 @@ void add_run(Program& program) {
   command->add_option("--repetitions", options->repetitions, "Timed repetitions per process")->check(CLI::Range(1, 1000));
   command->add_option("--processes", options->processes, "Fresh processes per contender")->check(CLI::Range(1, 1000));
   command->add_option("--threads", options->threads, "Pin workers to this many cores; all by default");
-  command->add_option("--timeout", options->timeout, "Seconds that one step of a worker may take");
+  command->add_option("--timeout", options->timeout, "Seconds that one step of a worker may take")->check(seconds());
   command->add_option("--shard", options->shard, "I/N: only every N-th row, from the I-th");
   command->add_flag("--resume", options->resume, "Continue in --out; rows that are there are not run again");
   command->add_flag("--dry-run", options->dry_run, "Print the rows and run nothing");

@@ -12,7 +12,8 @@ void add_table(Program& program) {
   auto options = std::make_shared<Options>();
   command->add_option("dir", options->dir, "Folder of the run")->required();
   command->add_option("--format", options->format, "terminal, md, csv, tex or json")->capture_default_str();
-  command->add_option("--columns", options->table.columns, "Names of columns in their order; 'list' prints them all")->delimiter(',');
+  command->add_option("--columns", options->table.columns, "Names of columns in their order; 'list' prints them all")
+      ->delimiter(',');
   command->add_option("--caption", options->table.caption, "Caption of the LaTeX table");
   command->callback([&program, options] {
     program.chosen = [options] {

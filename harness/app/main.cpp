@@ -1,6 +1,9 @@
 #include <gnomon/registry.h>
 
-#include "app/app.h"
+// Installed as source, to be linked with other techniques: it declares what it calls and needs no header but the contract's.
+namespace gnomon::app {
+int run_program(int argc, char** argv);
+}
 
 /// Written by the build from the names of the files in techniques/ and scenes/.
 extern "C" void gnomon_roll_call(gnomon::Registry& registry);

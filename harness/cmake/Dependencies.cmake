@@ -1,16 +1,17 @@
-# Every library that Gnomon needs, found once, with one clear message that names all that is missing.
+# Every library that Gnomon needs, found once; installed, so that find_package(gnomon) finds the same ones. What is missing
+# goes into GNOMON_MISSING as one clear message that names all of it.
 include(FindPkgConfig)
-set(missing "")
+set(GNOMON_MISSING "")
 macro(gnomon_need package debian)
   find_package(${package} ${ARGN} QUIET)
   if(NOT ${package}_FOUND)
-    list(APPEND missing "${debian}")
+    list(APPEND GNOMON_MISSING "${debian}")
   endif()
 endmacro()
 macro(gnomon_need_pkg target module debian)
   pkg_check_modules(${target} QUIET IMPORTED_TARGET ${module})
   if(NOT ${target}_FOUND)
-    list(APPEND missing "${debian}")
+    list(APPEND GNOMON_MISSING "${debian}")
   endif()
 endmacro()
 
@@ -34,7 +35,7 @@ if(GNOMON_TESTS)
   gnomon_need(rapidcheck librapidcheck-dev)
 endif()
 
-if(missing)
-  list(JOIN missing " " packages)
-  message(FATAL_ERROR "Gnomon needs these Debian packages: ${packages}\nInstall them with scripts/setup.")
+if(GNOMON_MISSING)
+  list(JOIN GNOMON_MISSING " " GNOMON_MISSING)
+  string(PREPEND GNOMON_MISSING "Gnomon needs these Debian packages: ")
 endif()

@@ -1,7 +1,8 @@
 # The roll-call: one C-linkage function per technique and scene file, called in alphabetical order from one generated source.
 # It survives static libraries, the order is fixed, and a wrong stem is a link error that names it.
 
-# gnomon_write_roll(OUT_VARIABLE NAME KIND FILES...): writes NAME, which defines `void FUNCTION(gnomon::Registry&)`.
+# gnomon_write_roll(PATH FUNCTION TECHNIQUES SCENES): writes PATH, which defines `void FUNCTION(gnomon::Registry&)`; the last two
+# are lists of files.
 function(gnomon_write_roll path function techniques scenes)
   set(declarations "")
   set(calls "")
@@ -34,6 +35,16 @@ function(gnomon_add_program name)
   target_precompile_headers(${name}_content PRIVATE <fmt/format.h> <glm/glm.hpp> <algorithm> <string> <vector>)
   add_executable(${name} "${GNOMON_MAIN}")
   target_link_libraries(${name} PRIVATE ${name}_content gnomon::app)
+endfunction()
+
+# gnomon_add_program_from(NAME TECHNIQUES_FOLDER SCENES_FOLDER): all .cpp files of the two folders. A file that comes or goes is
+# seen at the next build: nothing else is edited.
+function(gnomon_add_program_from name techniques scenes)
+  get_filename_component(techniques "${techniques}" ABSOLUTE)
+  get_filename_component(scenes "${scenes}" ABSOLUTE)
+  file(GLOB technique_files CONFIGURE_DEPENDS "${techniques}/*.cpp")
+  file(GLOB scene_files CONFIGURE_DEPENDS "${scenes}/*.cpp")
+  gnomon_add_program(${name} TECHNIQUES ${technique_files} SCENES ${scene_files})
 endfunction()
 
 # gnomon_add_plugin(NAME files...): the same files as a plugin for `gnomon --plugin ./NAME.so`. All are techniques.

@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "shape_rays.h"
+#include "vectorized.h"
 
 namespace gnomon {
 
@@ -55,6 +56,18 @@ void shape_bounds(const RTCBoundsFunctionArguments* args) {
   *args->bounds_o = {box.min.x, box.min.y, box.min.z, 0, box.max.x, box.max.y, box.max.z, 0};
 }
 
+/// Lanes as Embree takes them: -1 is on.
+GNOMON_VECTORIZED void lanes_from_bits(std::uint32_t valid, int* lanes) {
+  for (int lane = 0; lane < 16; ++lane) lanes[lane] = valid & 1u << lane ? -1 : 0;
+}
+
+/// Embree sets tfar to minus infinity where something blocks.
+GNOMON_VECTORIZED std::uint32_t blocked_bits(const float* tfar) {
+  std::uint32_t blocked = 0;
+  for (int lane = 0; lane < 16; ++lane) blocked |= tfar[lane] < 0 ? 1u << lane : 0;
+  return blocked;
+}
+
 struct LaneRay {
   glm::dvec3 origin, direction;
   double tnear, tfar;
@@ -86,14 +99,17 @@ void intersect_shape(const RTCIntersectFunctionNArguments* args) {
   }
 }
 
-/// The receiver's own shape is excluded whole: sphere, cone and disc are convex, and a point of a convex body that faces the
-/// light is never in that body's own shadow.
+/// A point of a convex body is never in that body's own shadow when its outward normal faces the light; when the eye, hence
+/// the normal, is inside, the body blocks where the ray leaves it. The ray offset decides: it is some times what rounding the
+/// point may move it, so the origin lies inside the receiver's own body exactly when the normal points inward.
 void occlude_shape(const RTCOccludedFunctionNArguments* args) {
   const auto& geometry = *static_cast<const ShapeGeometry*>(args->geometryUserPtr);
   const auto& receivers = reinterpret_cast<const Context*>(args->context)->receivers;
   for (unsigned lane = 0; lane < args->N; ++lane) {
-    if (args->valid[lane] == 0 || receivers.mesh[RTCRayN_id(args->ray, args->N, lane)] == geometry.mesh) continue;
+    if (args->valid[lane] == 0) continue;
     const LaneRay ray = lane_ray(args->ray, args->N, lane);
+    const bool is_own = receivers.mesh[RTCRayN_id(args->ray, args->N, lane)] == geometry.mesh;
+    if (is_own && !contains(geometry.shape, ray.origin)) continue;
     if (first_hit(geometry.shape, ray.origin, ray.direction, ray.tnear, ray.tfar).found)
       RTCRayN_tfar(args->ray, args->N, lane) = -INFINITY;
   }
@@ -117,8 +133,7 @@ RayScene::RayScene(const Scene& scene, Truth truth, Which which) : body_(std::ma
   if (!body_->device) throw Error("Embree cannot start: error {}", static_cast<int>(rtcGetDeviceError(nullptr)));
   rtcSetDeviceMemoryMonitorFunction(body_->device, count_memory, &body_->memory);
   body_->scene = rtcNewScene(body_->device);
-  rtcSetSceneFlags(body_->scene,
-                   static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
+  rtcSetSceneFlags(body_->scene, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
   for (std::uint32_t index = 0; index < scene.meshes.size(); ++index) {
     const Mesh& mesh = scene.meshes[index];
     if (which == Which::casters && !mesh.casts) continue;
@@ -180,23 +195,22 @@ std::uint32_t RayScene::occluded(std::uint32_t valid, ShadowPacket& packet, cons
   context.embree.filter = exclude_receiver;
   context.receivers = receivers;
   alignas(64) int lanes[16];
-  for (int lane = 0; lane < 16; ++lane) lanes[lane] = -static_cast<int>(valid >> lane & 1);
+  lanes_from_bits(valid, lanes);
   rtcOccluded16(lanes, body_->scene, &context.embree, reinterpret_cast<RTCRay16*>(&packet));
-  std::uint32_t blocked = 0;
-  for (int lane = 0; lane < 16; ++lane) blocked |= static_cast<std::uint32_t>(packet.tfar[lane] < 0) << lane;
-  return blocked & valid;
+  return blocked_bits(packet.tfar.data()) & valid;
 }
 
 std::size_t RayScene::bytes() const { return static_cast<std::size_t>(body_->memory.bytes.load()); }
 std::string RayScene::description() const {
   const bool avx512 = __builtin_cpu_supports("avx512f"), avx2 = __builtin_cpu_supports("avx2");
   return fmt::format("Embree {}, {}, robust, packets of 16; receiver's triangle excluded, origin lifted by 8 * 2^-24 * max|P|",
-                     RTC_VERSION_STRING, avx512 ? "avx512" : avx2 ? "avx2" : "sse");
+                     RTC_VERSION_STRING,
+                     avx512 ? "avx512"
+                     : avx2 ? "avx2"
+                            : "sse");
 }
 RTCSceneTy* RayScene::handle() const { return body_->scene; }
 
-double ray_offset(const glm::vec3& p) {
-  return 8 * 0x1p-24 * std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-}
+double ray_offset(const glm::vec3& p) { return 8 * 0x1p-24 * std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}); }
 
 }  // namespace gnomon

@@ -6,12 +6,7 @@
 #include <bit>
 #include <cmath>
 
-// The ray set-up is a tenth of the whole cost when vectorized and a third when not: 16 lanes at a time, compiled twice.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
-#define GNOMON_VECTORIZED __attribute__((target_clones("arch=x86-64-v3", "default"), optimize("O3")))
-#else
-#define GNOMON_VECTORIZED
-#endif
+#include "vectorized.h"
 
 namespace gnomon {
 
@@ -22,15 +17,19 @@ constexpr int lanes = 16;
 /// Sixteen pixels of a G-buffer.
 struct Pixels {
   const float *px, *py, *pz, *nx, *ny, *nz;
+  const std::uint32_t* mesh;
 };
 
-/// Ray set-up of a full group. `facing` gets -1 where N.to_light > 0, evaluated in double as faces_light does.
-GNOMON_VECTORIZED void set_up(const Pixels& g, const double* light, ShadowPacket& packet, std::int64_t* facing) {
+/// Ray set-up of a full group. Bit k of the result: pixel k is no background and N.to_light > 0, evaluated in double as
+/// faces_light does.
+GNOMON_VECTORIZED std::uint32_t set_up(const Pixels& g, const double* light, ShadowPacket& __restrict packet) {
   const double lx = light[0], ly = light[1], lz = light[2], lw = light[3];
+  std::uint32_t facing = 0;
   for (int k = 0; k < lanes; ++k) {
     const double x = g.px[k], y = g.py[k], z = g.pz[k];
     const double nx = g.nx[k], ny = g.ny[k], nz = g.nz[k];
-    facing[k] = nx * (lx - lw * x) + ny * (ly - lw * y) + nz * (lz - lw * z) > 0 ? -1 : 0;
+    const bool on = nx * (lx - lw * x) + ny * (ly - lw * y) + nz * (lz - lw * z) > 0;
+    facing |= on & (g.mesh[k] != no_mesh) ? 1u << k : 0;
   }
   const float tfar = lw != 0 ? 1.0f : INFINITY;
   const float fx = static_cast<float>(lx), fy = static_cast<float>(ly), fz = static_cast<float>(lz);
@@ -54,6 +53,12 @@ GNOMON_VECTORIZED void set_up(const Pixels& g, const double* light, ShadowPacket
     packet.id[k] = static_cast<std::uint32_t>(k);
     packet.flags[k] = 0;
   }
+  return facing;
+}
+
+/// A mask from bits: 0 where blocked, else 1.
+GNOMON_VECTORIZED void unpack(std::uint32_t blocked, float* visibility) {
+  for (int k = 0; k < lanes; ++k) visibility[k] = blocked & 1u << k ? 0.0f : 1.0f;
 }
 
 /// Everything about a scene and light that is the same for all pixels.
@@ -67,22 +72,22 @@ struct Question {
 
   std::uint32_t fill(std::size_t first, ShadowPacket& packet) const {
     const int count = static_cast<int>(std::min<std::size_t>(lanes, gbuffer.size() - first));
-    Pixels pixels{&gbuffer.px[first], &gbuffer.py[first], &gbuffer.pz[first],
-                  &gbuffer.nx[first], &gbuffer.ny[first], &gbuffer.nz[first]};
+    Pixels pixels{&gbuffer.px[first], &gbuffer.py[first], &gbuffer.pz[first],  &gbuffer.nx[first],
+                  &gbuffer.ny[first], &gbuffer.nz[first], &gbuffer.mesh[first]};
     float tail[6][lanes] = {};
+    std::uint32_t tail_mesh[lanes];
     if (count < lanes) {
       const float** sources[] = {&pixels.px, &pixels.py, &pixels.pz, &pixels.nx, &pixels.ny, &pixels.nz};
       for (int s = 0; s < 6; ++s) *sources[s] = std::copy_n(*sources[s], count, tail[s]) - count;
+      std::fill_n(std::copy_n(pixels.mesh, count, tail_mesh), lanes - count, no_mesh);
+      pixels.mesh = tail_mesh;
     }
-    alignas(64) std::int64_t facing[lanes];
-    set_up(pixels, &l.x, packet, facing);
-    std::uint32_t valid = 0;
-    for (int k = 0; k < count; ++k) {
-      const std::uint32_t mesh = gbuffer.mesh[first + k];
-      bool on = facing[k] != 0 && mesh != no_mesh;
-      if (on && !all_receive) on = scene.meshes[mesh].receives;
-      if (on && is_spot) on = in_spot_cone(light, gbuffer.position(first + k));
-      valid |= static_cast<std::uint32_t>(on) << k;
+    std::uint32_t valid = set_up(pixels, &l.x, packet);
+    if (all_receive && !is_spot) return valid;
+    for (std::uint32_t left = valid; left; left &= left - 1) {
+      const int k = std::countr_zero(left);
+      const bool on = scene.meshes[pixels.mesh[k]].receives && in_spot_cone(light, gbuffer.position(first + k));
+      if (!on) valid &= ~(1u << k);
     }
     return valid;
   }
@@ -102,6 +107,7 @@ std::size_t trace_shadows(const RayScene& casters, const Scene& scene, const GBu
   const auto trace = [&](const tbb::blocked_range<std::size_t>& groups, std::size_t rays) {
     ShadowPacket packet;
     std::uint32_t ids[2][lanes] = {};
+    float answer[lanes];
     for (std::size_t group = groups.begin(); group < groups.end(); ++group) {
       const std::size_t first = group * lanes;
       const std::size_t count = std::min<std::size_t>(lanes, gbuffer.size() - first);
@@ -116,7 +122,8 @@ std::size_t trace_shadows(const RayScene& casters, const Scene& scene, const GBu
         }
         blocked = casters.occluded(valid, packet, receivers);
       }
-      for (std::size_t k = 0; k < count; ++k) visibility[first + k] = blocked >> k & 1 ? 0.0f : 1.0f;
+      unpack(blocked, answer);
+      std::copy_n(answer, count, &visibility[first]);
       rays += std::popcount(valid);
     }
     return rays;

@@ -19,9 +19,20 @@ void append(std::vector<std::byte>& bytes, std::span<const T> items) {
   bytes.insert(bytes.end(), view.begin(), view.end());
 }
 
+/// Bytes of a pixel in the cache: six floats and two ids; a float and a class.
+constexpr std::size_t gbuffer_pixel = 32, reference_pixel = 5;
+
+/// Whether a file of the cache is whole. One that is not (a disk that filled up, a power cut) is made again.
+bool is_whole(const fs::path& file, std::size_t size) {
+  std::error_code code;
+  return fs::file_size(file, code) == size && !code;
+}
+
+std::size_t pixel_count(const FrameKey& key) { return static_cast<std::size_t>(key.width) * key.height; }
+
 template <class T>
 std::span<const T> slice(const MappedFile& file, std::size_t& offset, std::size_t count) {
-  if (offset + count * sizeof(T) > file.bytes().size()) throw Error("a file of the frame cache is too short; empty the cache");
+  if (offset + count * sizeof(T) > file.bytes().size()) throw Error("a file of the frame cache is too short");
   const auto* begin = reinterpret_cast<const T*>(file.bytes().data() + offset);
   offset += count * sizeof(T);
   return {begin, count};
@@ -34,7 +45,7 @@ FrameStore::FrameStore(const Scene& scene, fs::path folder)
 
 fs::path FrameStore::scene_file() const {
   const fs::path file = folder_ / (scene_hash_ + ".scene");
-  if (!fs::exists(file)) write_file(file, scene_bytes_);
+  if (!is_whole(file, scene_bytes_.size())) write_file(file, scene_bytes_);
   return file;
 }
 
@@ -48,11 +59,11 @@ std::string FrameStore::hash(const FrameKey& key, const Light* light) const {
 
 fs::path FrameStore::gbuffer_file(const FrameKey& key) {
   const fs::path file = folder_ / (hash(key, nullptr) + ".gbuffer");
-  if (fs::exists(file)) return file;
+  if (is_whole(file, pixel_count(key) * gbuffer_pixel)) return file;
   const RayScene everything(scene_, key.truth, RayScene::Which::all);
   const GBuffer g = make_gbuffer(scene_, everything, key.view, key.width, key.height, key.truth);
   std::vector<std::byte> bytes;
-  bytes.reserve(g.size() * 32);
+  bytes.reserve(g.size() * gbuffer_pixel);
   for (const auto& floats : {g.px, g.py, g.pz, g.nx, g.ny, g.nz}) append(bytes, floats);
   for (const auto& ids : {g.mesh, g.triangle}) append(bytes, ids);
   write_file(file, bytes);
@@ -63,7 +74,7 @@ GBuffer FrameStore::gbuffer(const FrameKey& key) { return map_gbuffer(gbuffer_fi
 
 GBuffer map_gbuffer(const fs::path& path, const FrameKey& key) {
   const auto file = MappedFile::open(path);
-  const std::size_t n = static_cast<std::size_t>(key.width) * key.height;
+  const std::size_t n = pixel_count(key);
   std::size_t offset = 0;
   GBuffer g{key.view, key.truth, key.width, key.height, {}, {}, {}, {}, {}, {}, {}, {}, file};
   for (auto* floats : {&g.px, &g.py, &g.pz, &g.nx, &g.ny, &g.nz}) *floats = slice<float>(*file, offset, n);
@@ -74,14 +85,13 @@ GBuffer map_gbuffer(const fs::path& path, const FrameKey& key) {
 const RayScene& FrameStore::casters(Truth truth) {
   if (!scene_.has_curved_shapes()) truth = Truth::mesh;
   auto found = casters_.find(truth);
-  if (found == casters_.end())
-    found = casters_.emplace(truth, RayScene(scene_, truth, RayScene::Which::casters)).first;
+  if (found == casters_.end()) found = casters_.emplace(truth, RayScene(scene_, truth, RayScene::Which::casters)).first;
   return found->second;
 }
 
 Reference FrameStore::reference(const FrameKey& key, const Light& light) {
   const fs::path path = folder_ / (hash(key, &light) + ".reference");
-  if (!fs::exists(path)) {
+  if (!is_whole(path, pixel_count(key) * reference_pixel)) {
     const GBuffer g = gbuffer(key);
     std::vector<float> mask(g.size());
     trace_shadows(casters(key.truth), scene_, g, light, mask);
@@ -92,7 +102,7 @@ Reference FrameStore::reference(const FrameKey& key, const Light& light) {
     write_file(path, bytes);
   }
   const auto file = MappedFile::open(path);
-  const std::size_t n = static_cast<std::size_t>(key.width) * key.height;
+  const std::size_t n = pixel_count(key);
   std::size_t offset = 0;
   Reference reference;
   reference.mask = slice<float>(*file, offset, n);

@@ -43,6 +43,12 @@ void require(const std::vector<std::string>& wanted, const std::vector<std::stri
 
 }  // namespace
 
+void require_names(const std::string& reference, const Scene& scene, const std::vector<std::string>& lights,
+                   const std::vector<std::string>& views) {
+  require(lights, names_of(scene.lights), "light", reference);
+  require(views, names_of(scene.views), "view", reference);
+}
+
 std::vector<Job> expand_jobs(const Suite& suite, SceneLibrary& library) {
   std::vector<Job> jobs;
   std::set<std::string> seen;
@@ -53,8 +59,7 @@ std::vector<Job> expand_jobs(const Suite& suite, SceneLibrary& library) {
       if (entry.scene) {
         if (lights.empty()) lights = names_of(entry.scene->lights);
         if (views.empty()) views = {entry.scene->views.front().name};
-        require(lights, names_of(entry.scene->lights), "light", reference);
-        require(views, names_of(entry.scene->views), "view", reference);
+        require_names(reference, *entry.scene, lights, views);
       } else {
         // Not fetched, so nobody knows its lights: one row per technique says so.
         if (lights.empty()) lights = {"-"};

@@ -31,6 +31,10 @@ class SceneLibrary {
   std::map<std::string, std::unique_ptr<Entry>> entries_;
 };
 
+/// Throws Error with the nearest name when the scene lacks one of these lights or views.
+void require_names(const std::string& reference, const Scene& scene, const std::vector<std::string>& lights,
+                   const std::vector<std::string>& views);
+
 /// All jobs of a suite in order, each once. Throws Error when a scene lacks a named light or view.
 std::vector<Job> expand_jobs(const Suite& suite, SceneLibrary& library);
 

@@ -33,15 +33,16 @@ constexpr MetricInfo rows[] = {
      [](const Tally& t) { return share(t.tested, t.facing); }},
 };
 
-/// One-dimensional squared distance transform by the lower envelope of parabolas (Felzenszwalb and Huttenlocher 2012).
-void transform_line(const float* f, float* d, int n, std::vector<int>& v, std::vector<float>& z) {
+/// One-dimensional squared distance transform by the lower envelope of parabolas (Felzenszwalb and Huttenlocher 2012). In
+/// double: squares of pixel coordinates above 4096 are no float32 numbers any more.
+void transform_line(const double* f, double* d, int n, std::vector<int>& v, std::vector<double>& z) {
   int k = -1;
   for (int q = 0; q < n; ++q) {
     if (std::isinf(f[q])) continue;
-    float s = -INFINITY;
+    double s = -INFINITY;
     while (k >= 0) {
       const int p = v[k];
-      s = ((f[q] + static_cast<float>(q) * q) - (f[p] + static_cast<float>(p) * p)) / (2.0f * (q - p));
+      s = ((f[q] + static_cast<double>(q) * q) - (f[p] + static_cast<double>(p) * p)) / (2.0 * (q - p));
       if (s > z[k]) break;
       --k;
     }
@@ -56,7 +57,7 @@ void transform_line(const float* f, float* d, int n, std::vector<int>& v, std::v
   }
   for (int q = 0, j = 0; q < n; ++q) {
     while (z[j + 1] < q) ++j;
-    d[q] = f[v[j]] + static_cast<float>(q - v[j]) * (q - v[j]);
+    d[q] = f[v[j]] + static_cast<double>(q - v[j]) * (q - v[j]);
   }
 }
 
@@ -108,17 +109,22 @@ std::vector<Verdict> verdicts(const Evidence& e) {
   std::vector<Verdict> result(e.mask.size(), Verdict::untested);
   for (std::size_t i = 0; i < result.size(); ++i) {
     if (e.classes[i] != PixelClass::T) continue;
-    if (!e.is_wrong(i)) result[i] = Verdict::right;
-    else if (!e.uncovered.empty() && e.uncovered[i]) result[i] = Verdict::beyond_coverage;
-    else result[i] = e.mask[i] < e.reference[i] ? Verdict::false_dark : Verdict::false_lit;
+    if (!e.is_wrong(i))
+      result[i] = Verdict::right;
+    else if (!e.uncovered.empty() && e.uncovered[i])
+      result[i] = Verdict::beyond_coverage;
+    else
+      result[i] = e.mask[i] < e.reference[i] ? Verdict::false_dark : Verdict::false_lit;
   }
   return result;
 }
 
-std::vector<std::uint8_t> shadow_boundary(std::span<const float> mask, std::span<const PixelClass> classes, int width, int height) {
+std::vector<std::uint8_t> shadow_boundary(std::span<const float> mask, std::span<const PixelClass> classes, int width,
+                                          int height) {
   std::vector<std::uint8_t> marked(mask.size(), 0);
   const auto mark = [&](std::size_t i, std::size_t j) {
-    if (classes[i] > PixelClass::F && classes[j] > PixelClass::F && (mask[i] > 0.5f) != (mask[j] > 0.5f)) marked[i] = marked[j] = 1;
+    if (classes[i] > PixelClass::F && classes[j] > PixelClass::F && (mask[i] > 0.5f) != (mask[j] > 0.5f))
+      marked[i] = marked[j] = 1;
   };
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
@@ -130,22 +136,23 @@ std::vector<std::uint8_t> shadow_boundary(std::span<const float> mask, std::span
 }
 
 std::vector<float> distance_transform(std::span<const std::uint8_t> marked, int width, int height) {
-  std::vector<float> squared(marked.size());
+  std::vector<double> squared(marked.size());
   const int longest = std::max(width, height);
-  std::vector<float> in(longest), out(longest), z(longest + 1);
+  std::vector<double> in(longest), out(longest), z(longest + 1);
   std::vector<int> v(longest);
   for (int x = 0; x < width; ++x) {
-    for (int y = 0; y < height; ++y) in[y] = marked[static_cast<std::size_t>(y) * width + x] ? 0.0f : INFINITY;
+    for (int y = 0; y < height; ++y) in[y] = marked[static_cast<std::size_t>(y) * width + x] ? 0.0 : INFINITY;
     transform_line(in.data(), out.data(), height, v, z);
     for (int y = 0; y < height; ++y) squared[static_cast<std::size_t>(y) * width + x] = out[y];
   }
   for (int y = 0; y < height; ++y) {
-    float* row = &squared[static_cast<std::size_t>(y) * width];
+    double* row = &squared[static_cast<std::size_t>(y) * width];
     std::copy_n(row, width, in.data());
     transform_line(in.data(), row, width, v, z);
   }
-  for (float& d : squared) d = std::sqrt(d);
-  return squared;
+  std::vector<float> distances(squared.size());
+  std::ranges::transform(squared, distances.begin(), [](double d) { return static_cast<float>(std::sqrt(d)); });
+  return distances;
 }
 
 }  // namespace gnomon

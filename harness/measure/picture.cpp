@@ -59,7 +59,11 @@ void write_image(const fs::path& path, OIIO::ImageSpec spec, OIIO::TypeDesc type
     throw Error("{} cannot be written: {}", path.string(), why);
   }
   fs::rename(temporary, path, code);
-  if (code) throw Error("{} cannot be written: {}", path.string(), code.message());
+  if (code) {
+    const std::string why = code.message();
+    fs::remove(temporary, code);
+    throw Error("{} cannot be written: {}", path.string(), why);
+  }
 }
 
 std::string percent(double share) {
@@ -107,8 +111,6 @@ Picture draw_errors(const Scene& scene, const GBuffer& gbuffer, const Light& lig
   }
 
   OIIO::ImageBuf canvas(OIIO::ImageSpec(picture.width, picture.height, 3, OIIO::TypeDesc::UINT8), picture.rgb.data());
-  const double shares[] = {static_cast<double>(tally.false_dark), static_cast<double>(tally.false_lit - tally.beyond_coverage),
-                           static_cast<double>(tally.beyond_coverage)};
   const float ink[] = {0.1f, 0.1f, 0.1f};
   const int top = gbuffer.height, baseline = top + 20;
   const auto text = [&](int x, const std::string& words) {
@@ -117,13 +119,14 @@ Picture draw_errors(const Scene& scene, const GBuffer& gbuffer, const Light& lig
   };
   int x = 8;
   for (int k = 0; k < 3; ++k) {
-    if (k == 2 && tally.beyond_coverage == 0) continue;
+    const auto count = static_cast<double>(std::ranges::count(verdicts, kinds[k].verdict));
+    if (kinds[k].verdict == Verdict::beyond_coverage && count == 0) continue;
     for (int row = top + 9; row < top + 21; ++row)
       for (int column = x; column < std::min(x + 12, picture.width); ++column)
         std::copy(kinds[k].color.begin(), kinds[k].color.end(),
                   &picture.rgb[3 * (static_cast<std::size_t>(row) * picture.width + column)]);
     x += 18;
-    x += text(x, fmt::format("{} {}", kinds[k].label, percent(tally.tested ? shares[k] / tally.tested : 0))) + 16;
+    x += text(x, fmt::format("{} {}", kinds[k].label, percent(tally.tested ? count / tally.tested : 0))) + 16;
   }
   const int title_width = OIIO::ImageBufAlgo::text_size(title, 13, "DejaVuSans").xend;
   if (x + title_width + 8 < picture.width) text(picture.width - title_width - 8, title);
@@ -133,7 +136,8 @@ Picture draw_errors(const Scene& scene, const GBuffer& gbuffer, const Light& lig
 Picture draw_mask(std::span<const float> visibility, int width, int height) {
   Picture picture{width, height, std::vector<std::uint8_t>(visibility.size() * 3)};
   for (std::size_t i = 0; i < visibility.size(); ++i)
-    for (int c = 0; c < 3; ++c) picture.rgb[3 * i + c] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(visibility[i], 0.0f, 1.0f)));
+    for (int c = 0; c < 3; ++c)
+      picture.rgb[3 * i + c] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(visibility[i], 0.0f, 1.0f)));
   return picture;
 }
 

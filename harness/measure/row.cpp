@@ -58,7 +58,10 @@ void Seat::open_begin() {
                 {"settings", contender_.settings}});
 }
 
-void Seat::open_end() { gl_ = worker_.receive(run_.suite.timeout)["gl"]; }
+void Seat::open_end() {
+  // Starting a process, loading the scene and finding a device is the harness's own work: a short timeout is not meant for it.
+  gl_ = worker_.receive(std::max(run_.suite.timeout, 60.0))["gl"];
+}
 
 Support Seat::go(std::size_t light, std::size_t view, Truth truth) {
   light_ = light;
@@ -83,9 +86,7 @@ double Seat::setup_ms() {
   return *setup_ms_;
 }
 
-double Seat::time(Stage stage) {
-  return worker_.ask({{"do", "time"}, {"stage", name(stage)}}, run_.suite.timeout)["ms"];
-}
+double Seat::time(Stage stage) { return worker_.ask({{"do", "time"}, {"stage", name(stage)}}, run_.suite.timeout)["ms"]; }
 
 Answer Seat::answer(Record* record) {
   const fs::path mask_file = run_.scratch / "mask.raw";
@@ -165,9 +166,9 @@ void score(Record& record, const SceneRun& run, const Answer& answer, const fs::
   record.error_picture = "errors/" + stem + ".png";
   record.shaded_picture = "shaded/" + stem + ".png";
   write_exr(out / *record.mask, record.width, record.height, names, channels);
-  const std::string title = record.label.value_or(record.settings.empty() ? record.technique : record.technique + ":" + record.settings);
-  write_png(out / *record.error_picture,
-            draw_errors(run.scene, answer.gbuffer, light, verdicts(evidence), counts, title));
+  const std::string title =
+      record.label.value_or(record.settings.empty() ? record.technique : record.technique + ":" + record.settings);
+  write_png(out / *record.error_picture, draw_errors(run.scene, answer.gbuffer, light, verdicts(evidence), counts, title));
   write_png(out / *record.shaded_picture, shade(run.scene, answer.gbuffer, light, answer.mask));
 }
 

@@ -36,7 +36,8 @@ class SceneBatch {
       : run_(run), options_(options), rows_(rows), progress_(progress) {
     for (Row& row : rows_) {
       const auto same = [&](const Contender& c) { return c.name() == row.job.contender.name(); };
-      row.contender = static_cast<std::size_t>(std::find_if(contenders_.begin(), contenders_.end(), same) - contenders_.begin());
+      row.contender =
+          static_cast<std::size_t>(std::find_if(contenders_.begin(), contenders_.end(), same) - contenders_.begin());
       if (row.contender == contenders_.size()) contenders_.push_back(row.job.contender);
     }
   }
@@ -247,6 +248,15 @@ void prepare_folder(const RunOptions& options) {
                 options.out.string());
 }
 
+/// A run that was killed may have left half a picture under a temporary name. Only the owner of the folder may clean it.
+void remove_leftovers(const fs::path& out) {
+  std::error_code ignored;
+  for (const char* kind : {"masks", "errors", "shaded"})
+    if (const fs::path folder = out / kind; fs::is_directory(folder))
+      for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+        if (entry.path().filename().string().starts_with(".")) fs::remove(entry.path(), ignored);
+}
+
 }  // namespace
 
 std::vector<Job> select_jobs(const RunOptions& options, SceneLibrary& library) {
@@ -258,7 +268,9 @@ std::vector<Job> select_jobs(const RunOptions& options, SceneLibrary& library) {
     } catch (const std::regex_error& error) {
       throw Error("--filter {} is no regular expression: {}", options.filter, error.what());
     }
+    const std::string first = jobs.front().title();
     std::erase_if(jobs, [&](const Job& job) { return !std::regex_search(job.title(), expression); });
+    if (jobs.empty()) throw Error("--filter {} matches no row; the first row reads '{}'", options.filter, first);
   }
   std::vector<Job> mine;
   for (std::size_t k = 0; k < jobs.size(); ++k)
@@ -271,6 +283,7 @@ RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress&
   const std::vector<Job> jobs = select_jobs(options, library);
   prepare_folder(options);
   RecordWriter writer(options.out);
+  remove_leftovers(options.out);
   RunSummary summary;
   std::set<std::string> done;
   if (options.resume && fs::exists(records_file(options.out)))
@@ -306,7 +319,9 @@ RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress&
     }
     for (const Row& row : batch) {
       writer.append(row.record);
-      ++(row.record.status == Status::ok ? summary.ok : row.record.status == Status::failed ? summary.failed : summary.unsupported);
+      ++(row.record.status == Status::ok       ? summary.ok
+         : row.record.status == Status::failed ? summary.failed
+                                               : summary.unsupported);
     }
     library.forget(scene);
   }

@@ -42,8 +42,9 @@ struct Launch {
   }
 };
 
-void enter_worker(int threads, int errors) {
+void enter_worker(int owner, int threads, int errors) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != owner) _exit(0);  // the owner died before it could be watched
   const int nothing = open("/dev/null", O_RDWR);
   dup2(nothing, STDIN_FILENO);
   dup2(nothing, STDOUT_FILENO);
@@ -75,9 +76,10 @@ Worker::Worker(const WorkerOptions& options) {
   socket_ = sockets[0];
   errors_ = memfd_create("worker-stderr", MFD_CLOEXEC);
   Launch launch(options, sockets[1]);
+  const int owner = getpid();
   process_ = fork();
   if (process_ == 0) {
-    enter_worker(options.threads, errors_);
+    enter_worker(owner, options.threads, errors_);
     fcntl(sockets[1], F_SETFD, 0);
     execve(launch.program.c_str(), launch.argv.data(), launch.envp.data());
     _exit(127);

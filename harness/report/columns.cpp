@@ -238,7 +238,7 @@ std::string shown(const Column& column, const Cell& cell) {
   if (const double* value = cell.number()) {
     const double scaled = *value * column.shown_scale;
     if (column.is_exact) return exact(scaled);
-    return column.unit == "ms" ? rounded(scaled, 3) : measured(scaled);
+    return column.unit == "ms" ? milliseconds(scaled) : measured(scaled);
   }
   const auto* text = std::get_if<std::string>(&cell.value);
   return text ? *text : "-";

@@ -23,6 +23,8 @@ std::string rounded(double value, int significant) {
 
 std::string measured(double value) { return rounded(value, std::abs(value) < 1 ? 2 : 3); }
 
+std::string milliseconds(double value) { return value > 0 && value < 0.001 ? "<0.001" : rounded(value, 3); }
+
 std::string exact(double value) {
   char text[32];
   const bool is_whole = std::abs(value) < 0x1p53 && value == std::trunc(value);

@@ -10,7 +10,8 @@ Format format_named(std::string_view name) {
   if (name == "csv") return Format::csv;
   if (name == "tex") return Format::latex;
   if (name == "json") return Format::json;
-  throw Error("format = {} is not one of terminal, md, csv, tex, json", name);
+  const std::vector<std::string> names = {"terminal", "md", "csv", "tex", "json"};
+  throw Error("there is no format {}; did you mean {}? There are: {}", name, nearest_word(name, names), fmt::join(names, ", "));
 }
 
 std::vector<std::string> column_names(std::span<const Record> records) {

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "report/layout.h"
 
 namespace gnomon {
@@ -26,7 +28,7 @@ std::string terminal_table(const Layout& layout, std::size_t width) {
         has_mark[i] = has_mark[i] || row.entries[i].is_best || row.entries[i].is_flagged;
 
   TextTable table(std::move(columns));
-  std::vector<bool> is_noted(layout.notes.size(), false);
+  std::vector<std::size_t> noted;  // notes that did not fit into their row, numbered by first use
   for (const Layout::Group& group : layout.groups) {
     table.add_heading(group.heading);
     for (const Layout::Row& row : group.rows) {
@@ -44,17 +46,18 @@ std::string terminal_table(const Layout& layout, std::size_t width) {
         continue;
       }
       if (row.note > 0) {
-        is_noted[row.note - 1] = true;
+        const auto place = std::find(noted.begin(), noted.end(), row.note);
+        const auto number = place - noted.begin() + 1;
+        if (place == noted.end()) noted.push_back(row.note);
         for (std::size_t i = 0; i < cells.size(); ++i)
-          if (layout.columns[i].name == "support") cells[i] += fmt::format(" [{}]", row.note);
+          if (layout.columns[i].name == "support") cells[i] += fmt::format(" [{}]", number);
       }
       table.add_row(std::move(cells));
     }
   }
 
   std::string text = table.text(width) + '\n';
-  for (std::size_t i = 0; i < layout.notes.size(); ++i)
-    if (is_noted[i]) text += fmt::format("[{}] {}\n", i + 1, layout.notes[i]);
+  for (std::size_t i = 0; i < noted.size(); ++i) text += fmt::format("[{}] {}\n", i + 1, layout.notes[noted[i] - 1]);
   for (const auto& [mark, meaning] : legend(layout, "*", "!")) text += fmt::format("{}: {}\n", mark, meaning);
   for (const auto& [topic, what] : layout.provenance) text += fmt::format("{}: {}\n", topic, what);
   return text;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <vector>
 
 // The light's depth images: six faces of a cube around a point light (or a wide spot), one image for a narrow spot or a

@@ -25,10 +25,12 @@ inline constexpr int projection_count = 3;
 /// BIAS and PCF: a branch on a uniform would be paid in full on llvmpipe, which executes both sides of every branch.
 inline const std::string resolve_fragment = std::string(gnomon::faces_light_snippet) + R"(
 layout(binding = 3) uniform sampler2DArray map;
-uniform mat3 frame;      // not for a cube: there it only exchanges axes
 uniform vec3 origin;
 uniform vec4 window[6];  // scale and offset of each face
-uniform vec4 range[6];   // near, far, layer of each face, its texel's larger width in window coordinates
+// Of each face: near; far (orthographic) or rounding error of the depth per squared axis distance; layer; the texel's larger
+// width in window coordinates.
+uniform vec4 range[6];
+uniform mat3 texel_from_light, texel_steps;  // of the one image; a cube has none, its faces only exchange axes
 uniform int resolution, radius;
 uniform float depth_bias, slope_bias, normal_offset, rounding;
 layout(location = 0) out float visibility;
@@ -38,49 +40,50 @@ float lookup(vec3 point, vec3 normal) {
 #if PROJECTION == 2  // the face is the major axis; its neighbors in cyclic order span it
   vec3 a = abs(v);
   bool is_x = a.x >= a.y && a.x >= a.z, is_y = !is_x && a.y >= a.z;
-  vec3 q = is_x ? v.yzx : is_y ? v.zxy : v, n = is_x ? normal.yzx : is_y ? normal.zxy : normal;
-  bool negative = q.z < 0;
-  int which = (is_x ? 0 : is_y ? 2 : 4) + int(negative);
+  int which = is_x ? int(v.x < 0) : is_y ? 2 + int(v.y < 0) : 4 + int(v.z < 0);
   vec4 w = window[which], r = range[which];
-  n.z = negative ? -n.z : n.z;
-  q.z = abs(q.z);
-#else
-  vec3 q = frame * v, n = frame * normal;
-  vec4 w = window[0], r = range[0];
+#if BIAS == 2
+  v += normal * (normal_offset * r.w * max(max(a.x, a.y), a.z));
 #endif
-  vec2 scale = w.xy, offset = w.zw;
-  float near = r.x, far = r.y;
-
-  // Facing: how fast the light ray, per unit of the axis, sinks into the receiver's plane.
-#if PROJECTION == 0
-  float texel_width = r.w, facing = -n.z;
+  vec3 q = is_x ? v.yzx : is_y ? v.zxy : v;
+  vec3 h = vec3(q.xy * w.xy, abs(q.z));
+  h.xy += h.z * w.zw;
+  vec2 step_height = (is_x ? normal.yz : is_y ? normal.zx : normal.xy) / w.xy;
 #else
-  float texel_width = q.z * r.w, facing = -dot(n.xy, q.xy) / q.z - n.z;
+  vec4 w = window[0], r = range[0];
+#if BIAS == 2
+  v += normal * (normal_offset * r.w * (PROJECTION == 0 ? 1 : (texel_from_light * v).z));
+#endif
+  vec3 h = texel_from_light * v;
+  vec2 step_height = vec2(dot(normal, texel_steps[0]), dot(normal, texel_steps[1]));
+#endif
+  float near = r.x;
+
+  // Texel coordinates; the axis distance; how fast the light ray, per unit of the axis, sinks into the receiver's plane.
+#if PROJECTION == 0
+  vec2 position = h.xy + w.zw;
+  float q_z = h.z, texel_width = r.w, facing = -dot(normal, texel_steps[2]);
+#else
+  float q_z = h.z, per_z = 1 / q_z;
+  vec2 position = h.xy * per_z;
+  float texel_width = q_z * r.w, facing = dot(normal, origin - point) * per_z;
 #endif
 
   // Along the axis.
   float bias = depth_bias * texel_width;
   vec2 gradient = vec2(0);  // of the receiver plane's depth, per texel
 #if BIAS == 1
-  vec3 ray = PROJECTION == 0 ? vec3(0, 0, 1) : vec3(q.xy / q.z, 1);
-  vec2 sides = (PROJECTION == 0 ? 1 : q.z) / scale;
-  bias += slope_bias * 0.5 * length(sides) * length(cross(n, ray)) / (facing * length(ray));
-#elif BIAS == 2
-  q += n * (normal_offset * texel_width);
+  float ray_squared = PROJECTION == 0 ? 1 : dot(v, v) / (q_z * q_z);
+  vec2 sides = (PROJECTION == 0 ? 1 : q_z) / w.xy;
+  bias += slope_bias * 0.5 * length(sides) * sqrt(max(ray_squared - facing * facing, 0) / ray_squared) / facing;
 #elif BIAS == 3
   float per_facing = 1 / facing;
-  gradient = -n.xy / scale * per_facing;
-  float error = rounding + texel_width / 128;
+  gradient = -step_height * per_facing;
+  float error = rounding + texel_width * 0.0078125;
 #if PROJECTION != 0
-  error += rounding * q.z * q.z / (near * far);
+  error += r.y * q_z * q_z;
 #endif
   bias += error * per_facing;
-#endif
-
-#if PROJECTION == 0
-  vec2 position = q.xy * scale + offset;
-#else
-  vec2 position = q.xy / q.z * scale + offset;
 #endif
   vec2 center = floor(position);
 
@@ -97,12 +100,12 @@ float lookup(vec3 point, vec3 normal) {
       float d = inside ? texelFetch(map, ivec3(at, int(r.z)), 0).r : 0;
       float k = dot(gradient, tap + 0.5 - position);
       // Dark: something is stored, and before the receiver by more than the bias. No quotient of depths is formed: with a
-      // center, near / d < q.z / m - bias; where m <= 0 the texel's ray meets the receiver's plane at infinity.
+      // center, near / d < q_z / m - bias; where m <= 0 the texel's ray meets the receiver's plane at infinity.
 #if PROJECTION == 0
-      bool dark = d > 0 && d * (far - near) > far - (q.z - k - bias);
+      bool dark = d > 0 && d * (r.y - near) > r.y - (q_z - k - bias);
 #else
       float m = max(1 + k, 0);
-      bool dark = near * m < (q.z - bias * m) * d;
+      bool dark = near * m < (q_z - bias * m) * d;
 #endif
 #if PCF
       lit += dark ? 0 : 1;

@@ -220,6 +220,41 @@ TEST_F(ShadowMap, explain_reproduces_the_mask_from_its_taps) {
       }
 }
 
+// The same for the modes that compare along the axis of the image: the tap is dark when the stored surface's axis distance is
+// less than that of the look-up point by more than the bias.
+TEST_F(ShadowMap, explain_reproduces_the_mask_in_every_bias_mode) {
+  const Scene scene = soup_over_ground(7);
+  const GBuffer g = small_world::make_gbuffer(scene, view, 96, 72);
+  for (const Light& light : {all_kinds[2], all_kinds[6]})
+    for (const std::string bias : {"constant", "slope", "normal_offset"}) {
+      const auto shadow_map = run("resolution=256,filter=pcf,bias=" + bias, scene, light, g);
+      const auto* spot = std::get_if<SpotLight>(&light.kind);
+      const glm::dvec3 axis =
+          spot ? glm::normalize(glm::dvec3(spot->direction)) : -glm::normalize(glm::dvec3(homogeneous(light)));
+      int compared = 0, different = 0;
+      for (std::size_t i = 0; i < g.size(); ++i) {
+        if (!faces_light(scene, g, light, i)) continue;
+        const auto why = *shadow_map.technique->explain(i);
+        EXPECT_EQ(why.shifted.has_value(), bias == "normal_offset");
+        const glm::dvec3 point = g.position(i), looked_up = why.shifted.value_or(point);
+        const double axis_bias = why.bias * -glm::dot(glm::normalize(to_light(homogeneous(light), point)), axis);
+        double lit = 0;
+        bool decided = true;
+        for (const Tap& tap : why.taps) {
+          const double expected = glm::dot(looked_up - tap.origin, axis) - axis_bias;
+          const double stored = tap.stored * glm::dot(tap.direction, axis);
+          if (std::abs(stored - expected) < 0.02 * axis_bias + 1e-5) decided = false;
+          lit += stored < expected ? 0 : tap.weight;
+        }
+        if (!decided) continue;
+        ++compared;
+        different += std::abs(lit - shadow_map.mask[i]) > 1e-5;
+      }
+      EXPECT_GT(compared, 1000);
+      EXPECT_EQ(different, 0) << bias << " " << light.name;
+    }
+}
+
 // A closed box on a ground: the first surface it shows the light is its top, the second its bottom, which lies on the ground.
 // Without any bias the top then has no acne, since it is compared with the bottom; the ground beside it keeps the far plane.
 TEST_F(ShadowMap, second_depth_needs_no_bias_on_closed_casters) {
@@ -249,6 +284,27 @@ TEST_F(ShadowMap, light_with_area_is_unsupported_with_a_reason) {
   const Support support = technique->supports({}, {.kind = SphereLight{}}, {});
   EXPECT_EQ(support.kind(), Support::Kind::unsupported);
   EXPECT_FALSE(support.why().empty());
+}
+
+// A parameter set on a live object is seen from the stage that it spoils on, and then the mask is that of a fresh object.
+TEST_F(ShadowMap, parameter_set_later_gives_the_mask_of_a_fresh_object) {
+  const Scene scene = soup_over_ground(5);
+  const GBuffer g = small_world::make_gbuffer(scene, view, 64, 48);
+  const Light& light = all_kinds[0];
+  const auto live = run("resolution=128", scene, light, g);
+  for (const std::string settings : {"bias=slope", "filter=pcf", "filter_radius=4", "bias=normal_offset", "normal_offset=7",
+                                     "second_depth=true", "depth_bias=5", "resolution=64", "bias=constant"}) {
+    live.technique->apply(settings);
+    const Stage from = live.technique->parameter(settings.substr(0, settings.find('='))).spoils();
+    if (from <= Stage::setup) live.technique->setup();
+    if (from <= Stage::build) live.technique->build(scene);
+    if (from <= Stage::relight) live.technique->relight(light);
+    VisibilityMask mask(g.width, g.height);
+    live.technique->resolve(g, mask);
+    const auto pixels = mask.read();
+    const std::vector<float> now(pixels.begin(), pixels.end());
+    EXPECT_EQ(now, run(live.technique->settings(), scene, light, g).mask) << settings;
+  }
 }
 
 TEST_F(ShadowMap, only_fitted_faces_are_drawn) {

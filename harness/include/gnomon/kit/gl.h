@@ -68,6 +68,7 @@ class Program : public GlObject<gl_detail::delete_program> {
   Program() = default;
   Program(std::string_view title, std::string_view vertex, std::string_view fragment);
 
+  bool uses(const char* uniform) const { return glGetUniformLocation(name(), uniform) >= 0; }
   /// Sets a uniform by name. Throws Error on a name that the program does not use.
   void set(const char* uniform, int value) const;
   void set(const char* uniform, float value) const;
@@ -151,8 +152,8 @@ void bind_gbuffer(const GBufferTextures& textures);
 /// Frees what this part holds. Must be called before the context goes, or after a scene was edited in place.
 void release_inputs();
 
-/// What ends `setup` of a GL technique: its stages on a tiny built-in scene, under each kind of light it supports. Drivers compile a shader at its
-/// first draw, in the very state of that draw, so only the stages themselves warm what the stages need.
+/// What ends `setup` of a GL technique: its stages on a tiny built-in scene, under each kind of light it supports. Drivers
+/// compile a shader at its first draw, in the very state of that draw, so only the stages themselves warm what the stages need.
 void warm_up(Technique& technique);
 
 // --- State -----------------------------------------------------------------------------------------------------------------

@@ -1,0 +1,85 @@
+#!/usr/bin/python3 -IB
+"""What the program says about itself: lists, descriptions, help, the pages of the documentation."""
+
+import json
+import re
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from program import ProgramTest  # noqa: E402
+
+COMMANDS = ["list", "describe", "render", "run", "table", "certify", "docs"]
+
+
+class Lists(ProgramTest):
+    def test_every_list_names_what_there_is_as_text_and_as_json(self):
+        for what, key, some in [("techniques", "id", "shadow_map"), ("scenes", "id", "single_triangle"), ("suites", "id", "quick"),
+                                ("metrics", "name", "wrong_rate")]:
+            with self.subTest(what):
+                self.assertRegex(self.succeed("list", what), rf"(?m)^{some} ")
+                entries = json.loads(self.succeed("list", what, "--json"))
+                self.assertIn(some, [entry[key] for entry in entries])
+
+    def test_techniques_are_the_default(self):
+        self.assertEqual(self.succeed("list"), self.succeed("list", "techniques"))
+
+    def test_scenes_whose_files_are_not_fetched_are_listed_as_such(self):
+        scenes = {entry["id"]: entry for entry in json.loads(self.succeed("list", "scenes", "--json"))}
+        self.assertTrue(scenes["soup"]["available"])
+        self.assertFalse(scenes["bunny"]["available"])  # the cache of this test is empty
+        self.assertRegex(self.succeed("list", "scenes"), r"(?m)^bunny +not fetched ")
+
+
+class Descriptions(ProgramTest):
+    def test_a_technique_shows_its_source_and_every_parameter(self):
+        text = self.succeed("describe", "shadow_map")
+        parameters = json.loads(self.succeed("describe", "shadow_map", "--json"))["parameters"]
+        self.assertIn("Williams 1978", text)
+        self.assertGreaterEqual(len(parameters), 5)
+        for parameter in parameters:
+            self.assertIn(parameter["name"], text)
+
+    def test_a_scene_shows_triangles_lights_views_parameters_and_facts(self):
+        text = self.succeed("describe", "soup:count=50")
+        self.assertIn("52 triangles", text)  # 50 and a ground of 2
+        for word in ("point (point)", "sun (directional)", "seed", "boundary"):
+            self.assertIn(word, text)
+
+
+class Help(ProgramTest):
+    def test_version_is_a_number(self):
+        self.assertRegex(self.succeed("--version"), r"^\d+\.\d+\.\d+\n$")
+
+    def test_every_command_explains_itself(self):
+        text = self.succeed("--help")
+        for command in COMMANDS:
+            with self.subTest(command):
+                self.assertRegex(text, rf"(?m)^  {command} +\S")
+                self.assertIn(f"gnomon {command}", self.succeed(command, "--help"))
+
+    def test_hidden_commands_stay_hidden(self):
+        commands = re.findall(r"(?m)^  ([a-z-]+) ", self.succeed("--help").split("Subcommands:")[1])
+        self.assertEqual([c for c in commands if "worker" in c or "import" in c], [])
+        self.assertGreaterEqual(set(commands), set(COMMANDS))
+
+
+class Pages(ProgramTest):
+    def test_docs_writes_a_page_for_each_technique_and_an_index(self):
+        self.succeed("docs", "--out", "pages")
+        pages = self.names(self.dir / "pages")
+        ids = [entry["id"] for entry in json.loads(self.succeed("list", "--json"))]
+        self.assertEqual([f"{i}.md" for i in ids], [p for p in pages if p[:-3] in ids])
+        self.assertEqual(len(pages), len(ids) + 1)
+        self.assertIn("## Example", (self.dir / "pages/shadow_map.md").read_text())
+
+    def test_check_names_a_stale_page_and_exits_with_1(self):
+        self.succeed("docs", "--out", "pages")
+        self.assertEqual(self.succeed("docs", "--check", "--out", "pages"), "")
+        self.write("pages/shadow_map.md", "old")
+        self.assertEqual(self.succeed("docs", "--check", "--out", "pages", status=1), "stale: pages/shadow_map.md\n")
+
+
+if __name__ == "__main__":
+    unittest.main()

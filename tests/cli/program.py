@@ -1,0 +1,107 @@
+"""What the tests of the program share: running it, reading what it wrote, and small files for it to choke on."""
+
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAM = os.environ.get("GNOMON_PROGRAM", str(ROOT / "build/release/gnomon"))
+FAULTS = os.environ.get("GNOMON_FAULTS", str(ROOT / "build/release/gnomon_faults.so"))
+DATA = ROOT / "tests/data"
+
+# Enough to see that it works: one process, one repetition, few pixels.
+SMALL = ["--processes", "1", "--repetitions", "1", "--size", "160x90"]
+
+
+class ProgramTest(unittest.TestCase):
+    """Each class has a folder of its own, with a cache in it; each test a folder below."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.home = Path(tempfile.mkdtemp(prefix="gnomon-cli-"))
+        cls.environment = dict(os.environ, GNOMON_CACHE=str(cls.home / "cache"))
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.home)
+
+    def setUp(self):
+        self.dir = self.home / self.id().rsplit(".", 1)[-1]
+        self.dir.mkdir()
+
+    def command(self, *arguments):
+        return [PROGRAM, *map(str, arguments)]
+
+    def gnomon(self, *arguments, **options):
+        """Runs the program to its end. Its folder is the test's."""
+        return subprocess.run(self.command(*arguments), cwd=self.dir, env=self.environment, text=True, capture_output=True,
+                              timeout=240, **options)
+
+    def start(self, *arguments, **options):
+        """Starts the program and does not wait for it."""
+        return subprocess.Popen(self.command(*arguments), cwd=self.dir, env=self.environment, text=True,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options)
+
+    def succeed(self, *arguments, status=0):
+        """Its standard output, after it has exited with `status`."""
+        done = self.gnomon(*arguments)
+        self.assertEqual(done.returncode, status, f"{' '.join(map(str, arguments))}\n{done.stdout}\n{done.stderr}")
+        return done.stdout
+
+    def refuse(self, *arguments, says, **options):
+        """It exits with 2, says one line that holds every text of `says`, and prints nothing else."""
+        done = self.gnomon(*arguments, **options)
+        call = f"{' '.join(map(str, arguments))}\n{done.stdout}\n{done.stderr}"
+        self.assertEqual(done.returncode, 2, call)
+        self.assertEqual(done.stdout, "", call)
+        self.assertTrue(done.stderr.startswith("gnomon: ") and done.stderr.count("\n") == 1, call)
+        for text in says:
+            self.assertIn(text, done.stderr)
+
+    def write(self, name, text):
+        file = self.dir / name
+        file.write_bytes(text) if isinstance(text, bytes) else file.write_text(text)
+        return file
+
+    def names(self, folder):
+        """All files below a folder, hidden ones too."""
+        return sorted(str(p.relative_to(folder)) for p in folder.rglob("*") if p.is_file())
+
+
+def records(folder):
+    return [json.loads(line) for line in (folder / "records.jsonl").read_text().splitlines()]
+
+
+def what(record):
+    """What a record is about; the same in every run of the same rows."""
+    return tuple(record[key] for key in ("job", "scene", "light", "view", "technique", "settings"))
+
+
+def measured(record):
+    """What must come out the same in every run of the same row: no times, no loads."""
+    return {key: record[key] for key in ("status", "support", "reason", "classes", "metrics")}
+
+
+def workers(marker):
+    """Processes that live now and have `marker` in their environment or command line."""
+    found = []
+    for folder in Path("/proc").iterdir():
+        if not folder.name.isdigit() or int(folder.name) == os.getpid():
+            continue
+        try:
+            text = (folder / "environ").read_bytes() + (folder / "cmdline").read_bytes()
+            is_dead = (folder / "stat").read_text().rsplit(")", 1)[1].split()[0] in "ZX"
+        except OSError:
+            continue
+        if str(marker).encode() in text and not is_dead:
+            found.append(int(folder.name))
+    return found
+
+
+def scene_toml(light="", view="", mesh='[[shape]]\nkind = "plane"\ncenter = [0, 0, 0]\nnormal = [0, 1, 0]\nsize = [8, 8]\n'):
+    """A described scene: a floor at y = 0 unless told otherwise."""
+    return "\n".join([mesh, light, view])

@@ -1,0 +1,97 @@
+#!/usr/bin/python3 -IB
+"""render and certify: one technique on one scene, and how far the reference may be trusted."""
+
+import json
+import re
+import struct
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from program import SMALL, ProgramTest, records  # noqa: E402
+
+SIZE = SMALL[-2:]
+
+
+def png_size(file):
+    head = file.read_bytes()[:24]
+    assert head[:8] == b"\x89PNG\r\n\x1a\n" and head[12:16] == b"IHDR", file
+    return struct.unpack(">II", head[16:24])
+
+
+def exr_header(file):
+    """The bytes before the first scan line: magic number, then attributes."""
+    data = file.read_bytes()
+    assert data[:4] == b"\x76\x2f\x31\x01", file
+    return data[:1000]
+
+
+class Render(ProgramTest):
+    def test_render_writes_mask_pictures_and_record(self):
+        out = self.dir / "deep/er/out"
+        text = self.succeed("render", "--scene", "soup:count=50", "--technique", "shadow_map:resolution=256", *SIZE, "--out", out)
+        self.assertEqual(self.names(out), ["error.png", "error_sun.png", "mask.exr", "mask.png", "mask_sun.png", "record.json",
+                                           "shaded.png", "shaded_sun.png"])
+        for name in ("mask", "mask_sun", "shaded", "shaded_sun"):
+            self.assertEqual(png_size(out / f"{name}.png"), (160, 90))
+        self.assertEqual(png_size(out / "error.png")[0], 160)
+        self.assertGreater(png_size(out / "error.png")[1], 90)  # a legend stands below the picture
+        self.assertIn("mask.exr", text)
+        point, sun = json.loads((out / "record.json").read_text())
+        self.assertEqual((point["light"], sun["light"]), ("point", "sun"))
+        for record in (point, sun):
+            self.assertEqual((record["status"], record["settings"], record["width"]), ("ok", "resolution=256", 160))
+            self.assertEqual([len(record["stages"][s]) for s in ("setup", "build", "relight", "resolve")], [1, 1, 1, 1])
+            self.assertTrue((out / record["mask"]).is_file() and (out / record["error_picture"]).is_file())
+
+    def test_the_mask_has_one_channel_for_each_light(self):
+        self.succeed("render", "--scene", "single_triangle", "--technique", "embree_rays", *SIZE, "--out", "both")
+        header = exr_header(self.dir / "both/mask.exr")
+        self.assertIn(b"point.V\0", header)
+        self.assertIn(b"sun.V\0", header)
+        self.succeed("render", "--scene", "single_triangle", "--technique", "embree_rays", "--light", "sun", *SIZE, "--out", "one")
+        header = exr_header(self.dir / "one/mask.exr")
+        self.assertNotIn(b"point.V\0", header)
+        self.assertIn(b"sun.V\0", header)
+        self.assertEqual([r["light"] for r in json.loads((self.dir / "one/record.json").read_text())], ["sun"])
+
+    def test_the_reference_is_never_wrong(self):
+        self.succeed("render", "--scene", "sphere_over_plane", "--technique", "embree_rays", *SIZE, "--out", "out")
+        for record in json.loads((self.dir / "out/record.json").read_text()):
+            self.assertEqual(record["metrics"]["shape"]["wrong_rate"], 0)
+            self.assertGreater(record["classes"]["T"], 1000)
+
+    def test_a_second_render_replaces_the_first(self):
+        arguments = ["render", "--scene", "single_triangle", "--light", "sun", *SIZE, "--out", "out", "--technique"]
+        self.succeed(*arguments, "unshadowed")
+        first = (self.dir / "out/mask.png").read_bytes()
+        self.succeed(*arguments, "embree_rays")
+        self.assertNotEqual((self.dir / "out/mask.png").read_bytes(), first)
+        self.assertEqual([p.name for p in self.dir.iterdir()], ["out"])
+
+    def test_a_record_is_the_same_as_that_of_run(self):
+        self.succeed("render", "--scene", "single_triangle", "--technique", "shadow_map", "--light", "sun", *SIZE, "--out", "a")
+        self.succeed("run", "--scene", "single_triangle", "--technique", "shadow_map", "--light", "sun", *SMALL, "--out", "b")
+        rendered = json.loads((self.dir / "a/record.json").read_text())[0]
+        ran = records(self.dir / "b")[0]
+        self.assertEqual(rendered.keys(), ran.keys())
+        for key in ("job", "classes", "parameters", "counts"):
+            self.assertEqual(rendered[key], ran[key])
+        self.assertEqual(rendered["metrics"]["shape"], ran["metrics"]["shape"])
+
+
+class Certify(ProgramTest):
+    def test_no_answer_of_the_reference_differs_from_the_exact_one(self):
+        text = self.succeed("certify", "--scene", "soup:count=50", *SIZE)
+        self.assertEqual(len(re.findall(r"(?m)^soup:count=50 / (?:point|sun) / view: certified$", text)), 2, text)
+        asked = re.findall(r"outside U +(\d+) queries, 0 disagreements", text)
+        self.assertEqual([int(count) > 100 for count in asked], [True, True], text)
+
+    def test_one_light_as_json(self):
+        certificates = json.loads(self.succeed("certify", "--scene", "single_triangle", "--light", "sun", *SIZE, "--json"))
+        self.assertEqual(len(certificates), 1)
+
+
+if __name__ == "__main__":
+    unittest.main()

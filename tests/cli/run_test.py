@@ -1,0 +1,151 @@
+#!/usr/bin/python3 -IB
+"""run and table: suites, sweeps, filters, shards, and the comparison table in every format."""
+
+import csv
+import io
+import json
+import re
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from program import SMALL, ProgramTest, measured, records, what  # noqa: E402
+
+SUITE = """
+title = "Two scenes, three rows each"
+width = 160
+height = 90
+processes = 1
+repetitions = 2
+
+[[group]]
+scenes = ["single_triangle", "soup:count=50"]
+lights = ["point"]
+techniques = ["unshadowed", "embree_rays", { use = "shadow_map:resolution=256", label = "coarse" }]
+"""
+SWEEP = ["--scene", "single_triangle", "--technique", "shadow_map:resolution={256,512}", "--technique", "unshadowed"]
+
+
+class Run(ProgramTest):
+    def test_a_suite_file_gives_one_record_for_each_row(self):
+        text = self.succeed("run", self.write("mine.toml", SUITE), "--out", "out")
+        rows = records(self.dir / "out")
+        self.assertEqual([(r["scene"], r["technique"]) for r in rows],
+                         [(s, t) for s in ("single_triangle", "soup:count=50") for t in ("unshadowed", "embree_rays", "shadow_map")])
+        for row in rows:
+            self.assertEqual((row["suite"], row["status"], row["light"], row["width"]), ("mine", "ok", "point", 160))
+            self.assertEqual([len(process) for process in row["stages"]["resolve"]], [2])
+            for key in ("mask", "error_picture", "shaded_picture"):
+                self.assertTrue((self.dir / "out" / row[key]).is_file())
+        self.assertEqual({r["label"] for r in rows}, {None, "coarse"})
+        self.assertRegex(text, r"(?m)^6 rows: 6 ok, 0 unsupported, 0 failed;")
+        self.assertLessEqual({"table.md", "table.csv", "table.tex", "table.json", "records.jsonl"}, set(self.names(self.dir / "out")))
+        self.assertFalse((self.dir / "out/.scratch").exists())
+
+    def test_braces_sweep_a_parameter(self):
+        self.succeed("run", *SWEEP, *SMALL, "--out", "out")
+        self.assertEqual([(r["light"], r["technique"], r["settings"]) for r in records(self.dir / "out")],
+                         [(light, *technique) for light in ("point", "sun")
+                          for technique in (("shadow_map", "resolution=256"), ("shadow_map", "resolution=512"), ("unshadowed", ""))])
+
+    def test_filter_picks_rows(self):
+        self.succeed("run", *SWEEP, *SMALL, "--filter", "sun shadow_map:.*=512$", "--out", "out")
+        self.assertEqual([(r["light"], r["settings"]) for r in records(self.dir / "out")], [("sun", "resolution=512")])
+
+    def test_dry_run_prints_rows_and_leaves_nothing(self):
+        text = self.succeed("run", *SWEEP, "--dry-run", "--out", "out")
+        self.assertEqual(len(re.findall(r"(?m)^[0-9a-f]{16}  single_triangle (point|sun) ", text)), 6)
+        self.assertRegex(text, r"(?m)^6 rows, ")
+        self.succeed("run", *SWEEP, "--dry-run")
+        self.assertEqual(list(self.dir.iterdir()), [])
+
+    def test_shards_together_are_the_whole_row_for_row(self):
+        self.succeed("run", *SWEEP, *SMALL, "--out", "whole")
+        for shard in ("0", "1"):
+            self.succeed("run", *SWEEP, *SMALL, "--shard", f"{shard}/2", "--out", f"part{shard}")
+        parts = [records(self.dir / f"part{shard}") for shard in (0, 1)]
+        whole = records(self.dir / "whole")
+        merged = [parts[k % 2][k // 2] for k in range(len(whole))]
+        self.assertEqual([len(p) for p in parts], [3, 3])
+        self.assertEqual([what(r) for r in merged], [what(r) for r in whole])
+        self.assertEqual([measured(r) for r in merged], [measured(r) for r in whole])
+
+    def test_several_processes_are_fresh_ones(self):
+        self.succeed("run", "--scene", "single_triangle", "--technique", "shadow_map", "--light", "sun", "--size", "160x90",
+                     "--processes", "3", "--repetitions", "2", "--out", "out")
+        stages = records(self.dir / "out")[0]["stages"]
+        self.assertEqual([len(p) for p in stages["setup"]], [1, 1, 1])
+        self.assertEqual([len(p) for p in stages["relight"]], [2, 2, 2])
+
+    def test_threads_reach_the_record(self):
+        self.succeed("run", "--scene", "single_triangle", "--technique", "unshadowed", "--light", "sun", *SMALL, "--threads", "1",
+                     "--out", "out")
+        self.assertEqual(records(self.dir / "out")[0]["context"]["threads"], 1)
+
+    def test_without_out_the_folder_is_named_after_suite_and_time(self):
+        self.succeed("run", "--scene", "single_triangle", "--technique", "unshadowed", *SMALL)
+        self.assertRegex(" ".join(p.name for p in (self.dir / "runs").iterdir()), r"^adhoc-\d{8}-\d{6}$")
+
+
+class Table(ProgramTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.dir = cls.home
+        cls.succeed(cls(), "run", *SWEEP, *SMALL, "--out", "out")
+
+    def table(self, *arguments):
+        return self.succeed("table", self.home / "out", *arguments)
+
+    def test_csv_has_one_line_for_each_row(self):
+        rows = list(csv.DictReader(io.StringIO(self.table("--format", "csv"), newline="")))
+        self.assertEqual([r["job"] for r in rows], [r["job"] for r in records(self.home / "out")])
+        for row, record in zip(rows, records(self.home / "out")):
+            self.assertEqual(float(row["wrong_rate"]), record["metrics"]["shape"]["wrong_rate"])
+            self.assertEqual(float(row["resolve_ms"]), record["stages"]["resolve"][0][0])
+
+    def test_json_names_the_same_values(self):
+        table = json.loads(self.table("--format", "json"))
+        self.assertEqual(table["schema"], "gnomon-table-1")
+        self.assertEqual([r["job"] for r in table["rows"]], [r["job"] for r in records(self.home / "out")])
+
+    def test_latex_needs_nothing_but_booktabs(self):
+        text = self.table("--format", "tex", "--caption", "Shadows & costs")
+        self.assertLessEqual({"toprule", "midrule", "bottomrule"}, set(re.findall(r"\\([A-Za-z]+)", text)))
+        plain = {"begin", "end", "caption", "centering", "label", "textbf", "multicolumn", "smallskip", "footnotesize", "small",
+                 "toprule", "midrule", "bottomrule", "cmidrule", "addlinespace", "emph", "texttt", "setlength", "tabcolsep",
+                 "mathrm", "times", "scriptsize", "par", "newline", "textwidth", "resizebox", "textasciitilde", "raggedright",
+                 "medskip", "noindent", "textsuperscript"}
+        self.assertEqual(set(re.findall(r"\\([A-Za-z]+)", re.sub(r"(?m)^%.*", "", text))) - plain, set())
+        self.assertIn(r"Shadows \& costs", text)
+        self.assertEqual(text.count(r"\begin{"), text.count(r"\end{"))
+
+    def test_markdown_rows_have_equal_cells(self):
+        rows = [line for line in self.table("--format", "md").splitlines() if line.startswith("|")]
+        self.assertGreaterEqual(len(rows), 6)
+        self.assertIn("shadow_map:resolution=256", " ".join(rows).replace("\\_", "_"))
+        blocks = {line.count("|") for line in rows}
+        self.assertEqual(len(blocks), 1, rows)
+
+    def test_the_terminal_is_the_default(self):
+        self.assertEqual(self.table(), self.table("--format", "terminal"))
+
+    def test_columns_are_chosen_and_ordered(self):
+        self.assertEqual(self.table("--format", "csv", "--columns", "technique,wrong_rate,light").splitlines()[0],
+                         "technique,wrong_rate,light")
+        self.assertIn("parameter.resolution", self.table("--columns", "list").splitlines())
+
+    def test_the_folder_of_the_run_holds_the_same_tables(self):
+        for name in ("md", "csv", "tex", "json"):
+            self.assertEqual((self.home / f"out/table.{name}").read_bytes().decode(), self.raw("--format", name))
+
+    def raw(self, *arguments):
+        """Standard output without Python's translation of line ends."""
+        return subprocess.run(self.command("table", self.home / "out", *arguments), capture_output=True, check=True,
+                              env=self.environment).stdout.decode()
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,1 @@
+extern "C" const int something_else = 1;

@@ -1,0 +1,1 @@
+extern "C" const int gnomon_plugin_abi = 999;
