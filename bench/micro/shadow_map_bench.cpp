@@ -1,7 +1,7 @@
 // What shadow_map costs beside the least that its stages must do: a bare depth-only draw of the same triangles at the same
 // resolution and faces (relight), and one full-screen pass that fetches the same textures and writes the same target
 // (resolve). Contender and floor alternate inside one run; `ratio` is the ratio of their medians.
-// Wanted on llvmpipe, for the default setting: relight at most 1.2, resolve at most 1.3. Measured: relight 0.9 .. 1.05; resolve
+// Wanted on llvmpipe, for the default setting: relight at most 1.2, resolve at most 1.3. Measured: see docs/method.md, "Floors".
 // 1.9 .. 2.8, not met: the fetches are the floor's, the rest is the arithmetic of facing, projection and receiver plane.
 #include <benchmark/benchmark.h>
 #include <gnomon/kit/gl.h>
@@ -13,6 +13,7 @@
 
 #include "device/context.h"
 #include "measure/gbuffer_maker.h"
+#include "techniques/shadow_map/light_faces.h"
 
 extern "C" void gnomon_technique_shadow_map(gnomon::Registry&);
 
@@ -84,39 +85,71 @@ void alternate(benchmark::State& state, const Contender& contender, const Floor&
   state.counters["ratio"] = median(contender_seconds) / median(floor_seconds);
 }
 
-void relight(benchmark::State& state) {
-  Rig rig(64, 36);
-  const Light& light = rig.scene.lights[state.range(0)];
-  std::vector<View> faces;
-  if (const auto* spot = std::get_if<SpotLight>(&light.kind))
-    faces = {{.eye = spot->position, .target = {0, 0, 0}, .up = {0, 0, 1}, .fov_y_degrees = 2 * spot->outer_degrees}};
-  else
-    for (const glm::vec3 axis : {glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), glm::vec3(0, 0, 1)})
-      for (const float sign : {1.0f, -1.0f})
-        faces.push_back({.eye = {0, 0, 0}, .target = sign * axis, .up = {axis.y, axis.z, axis.x}, .fov_y_degrees = 90});
-  const Program program("bare depth", std::string(position_snippet) + "void main() { gl_Position = place(vec4(position, 1)); }",
-                        "void main() {}");
-  const Texture depth(GL_DEPTH_COMPONENT32F, resolution, resolution, static_cast<int>(faces.size()));
-  const Framebuffer framebuffer = make_framebuffer();
-  const auto bare = [&] {
-    const SceneBuffers& buffers = scene_buffers(rig.scene);
+/// The least that a shadow map must do with the very faces that shadow_map fits: depth-only draws, and the texels that the
+/// pixels look up, known beforehand.
+class BareMap {
+ public:
+  BareMap(const Scene& scene, const Light& light) : scene_(scene) {
+    std::vector<shadow_map::MeshBox> boxes;
+    for (const Mesh& mesh : scene.meshes) {
+      boxes.push_back({.bounds = {}, .casts = mesh.casts, .receives = mesh.receives});
+      for (const glm::vec3& p : mesh.positions) boxes.back().bounds.add(p);
+    }
+    faces_ = shadow_map::fit_faces(light, boxes, resolution, 1);
+    depth_ = Texture(GL_DEPTH_COMPONENT32F, resolution, resolution, static_cast<int>(faces_.size()));
+  }
+
+  void draw() const {
+    const SceneBuffers& buffers = scene_buffers(scene_);
     const StateGuard guard;
-    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
     glViewport(0, 0, resolution, resolution);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
-    glUseProgram(program.name());
-    for (std::size_t i = 0; i < faces.size(); ++i) {
-      glNamedFramebufferTextureLayer(framebuffer.name(), GL_DEPTH_ATTACHMENT, depth.name(), 0, static_cast<GLint>(i));
+    glUseProgram(program_.name());
+    for (std::size_t i = 0; i < faces_.size(); ++i) {
+      if (faces_[i].casters.empty()) continue;
+      glNamedFramebufferTextureLayer(framebuffer_.name(), GL_DEPTH_ATTACHMENT, depth_.name(), 0, static_cast<GLint>(i));
       const float infinitely_far = 0;
-      glClearNamedFramebufferfv(framebuffer.name(), GL_DEPTH, 0, &infinitely_far);
-      program.set("clip_from_world", glm::mat4(clip_from_world(faces[i], resolution, resolution)));
-      buffers.draw({0, 1});
+      glClearNamedFramebufferfv(framebuffer_.name(), GL_DEPTH, 0, &infinitely_far);
+      program_.set("clip_from_world", glm::mat4(faces_[i].clip_from_world(resolution)));
+      buffers.draw(faces_[i].casters);
     }
     glFinish();
-  };
+  }
+
+  /// Column, row and layer of the texel that each pixel looks up; layer -1 on the background.
+  Texture texels(const GBuffer& gbuffer) const {
+    std::vector<glm::vec4> at(gbuffer.size(), glm::vec4(0, 0, -1, 1));
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      if (gbuffer.is_background(i)) continue;
+      const glm::dvec3 point = gbuffer.position(i), v = point - faces_[0].origin, a = glm::abs(v);
+      const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
+      const std::size_t face = faces_.size() == 1 ? 0 : static_cast<std::size_t>(2 * axis + (v[axis] < 0));
+      at[i] = {glm::floor(faces_[face].texel(faces_[face].to_light_space(point))), face, 1};
+    }
+    Texture texture(GL_RGBA32F, gbuffer.width, gbuffer.height);
+    glTextureSubImage2D(texture.name(), 0, 0, 0, gbuffer.width, gbuffer.height, GL_RGBA, GL_FLOAT, at.data());
+    return texture;
+  }
+
+  const Texture& depth() const { return depth_; }
+
+ private:
+  const Scene& scene_;
+  std::vector<shadow_map::Face> faces_;
+  Texture depth_;
+  Framebuffer framebuffer_ = make_framebuffer();
+  Program program_{"bare depth", std::string(position_snippet) + "void main() { gl_Position = place(vec4(position, 1)); }",
+                   "void main() {}"};
+};
+
+void relight(benchmark::State& state) {
+  Rig rig(64, 36);
+  const Light& light = rig.scene.lights[state.range(0)];
+  const BareMap bare(rig.scene, light);
   alternate(
-      state, [&] { rig.technique->relight(light); }, bare);
+      state, [&] { rig.technique->relight(light); }, [&] { bare.draw(); });
   state.SetLabel(light.name);
 }
 
@@ -126,28 +159,26 @@ void resolve(benchmark::State& state) {
   rig.technique->relight(light);
   VisibilityMask mask(rig.gbuffer.width, rig.gbuffer.height), target(rig.gbuffer.width, rig.gbuffer.height);
   const Program program("bare fetch", full_screen_vertex, R"(
-layout(binding = 0) uniform sampler2D position;
+layout(binding = 0) uniform sampler2D texels;  // stands in for the position: same format, same size
 layout(binding = 1) uniform sampler2D normal;
 layout(binding = 3) uniform sampler2DArray map;
 layout(location = 0) out float visibility;
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
-  vec4 p = texelFetch(position, pixel, 0), n = texelFetch(normal, pixel, 0);
-  float depth = texelFetch(map, ivec3(ivec2(p.xz * 100) & 1023, 0), 0).r;
-  visibility = dot(p, n) > depth ? 1 : 0;
+  vec4 at = texelFetch(texels, pixel, 0), n = texelFetch(normal, pixel, 0);
+  float depth = texelFetch(map, ivec3(at.xyz), 0).r;
+  visibility = n.x + n.y + n.z + n.w > depth ? 1 : 0;
 }
 )");
-  const Texture depth(GL_DEPTH_COMPONENT32F, resolution, resolution, 1);
+  BareMap bare(rig.scene, light);
+  bare.draw();
+  const Texture texels = bare.texels(rig.gbuffer);
   const Framebuffer framebuffer = make_framebuffer();
-  // Memory that was never written is one page of zeros, always in the cache: the floor's map must be a real one.
-  glNamedFramebufferTextureLayer(framebuffer.name(), GL_DEPTH_ATTACHMENT, depth.name(), 0, 0);
-  const float half = 0.5f;
-  glClearNamedFramebufferfv(framebuffer.name(), GL_DEPTH, 0, &half);
-  glNamedFramebufferTexture(framebuffer.name(), GL_DEPTH_ATTACHMENT, 0, 0);
-  const auto bare = [&] {
+  const auto floor = [&] {
     const StateGuard guard;
     bind_gbuffer(gbuffer_textures(rig.gbuffer, rig.scene));
-    glBindTextureUnit(3, depth.name());
+    glBindTextureUnit(0, texels.name());
+    glBindTextureUnit(3, bare.depth().name());
     glNamedFramebufferTexture(framebuffer.name(), GL_COLOR_ATTACHMENT0, target.texture(), 0);
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
     glViewport(0, 0, target.width(), target.height());
@@ -156,7 +187,7 @@ void main() {
     glFinish();
   };
   alternate(
-      state, [&] { rig.technique->resolve(rig.gbuffer, mask); }, bare);
+      state, [&] { rig.technique->resolve(rig.gbuffer, mask); }, floor);
   state.SetLabel(light.name);
 }
 

@@ -31,9 +31,9 @@ class StagedFolder {
     std::error_code code;
     const fs::path parent = fs::absolute(out_).parent_path();
     fs::create_directories(parent, code);
+    if (!code && fs::exists(out_) && !fs::is_directory(out_)) code = std::make_error_code(std::errc::not_a_directory);
     path = parent / fmt::format(".{}.{}.part", out_.filename().string(), getpid());
     if (!code) fs::create_directories(path, code);
-    if (!code && fs::exists(out_) && !fs::is_directory(out_)) code = std::make_error_code(std::errc::not_a_directory);
     if (code) throw Error("output folder {} cannot be made: {}", out_.string(), code.message());
   }
   ~StagedFolder() {

@@ -87,8 +87,10 @@ int run(const Options& options, const Program& program) {
                run_options.suite.repetitions, run_options.suite.width, run_options.suite.height);
     return 0;
   }
-  Progress progress(options.quiet);
-  const RunSummary summary = run_suite(run_options, library, progress);
+  const RunSummary summary = [&] {
+    Progress progress(options.quiet);  // gone from the terminal before the table comes
+    return run_suite(run_options, library, progress);
+  }();
   write_tables(run_options.out);
   fmt::print("{}\n", render_table(read_records(run_options.out), Format::terminal, {.width = terminal_width()}));
   fmt::print("{} rows: {} ok, {} unsupported, {} failed", summary.ok + summary.unsupported + summary.failed, summary.ok,

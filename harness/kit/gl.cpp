@@ -180,13 +180,13 @@ bool faces_light(vec4 position, vec4 normal) {
 )";
 
 void set_light(const Program& program, const Light& light) {
-  program.set("light", glm::vec4(homogeneous(light)));
+  if (program.uses("light")) program.set("light", glm::vec4(homogeneous(light)));
   glm::dvec4 cone(0);
   if (const auto* spot = std::get_if<SpotLight>(&light.kind)) {
     const double cosine = std::cos(glm::radians(double(spot->outer_degrees)));
     cone = {glm::normalize(glm::dvec3(spot->direction)), cosine * cosine + 0x1p-20};
   }
-  program.set("spot", glm::vec4(cone));
+  if (program.uses("spot")) program.set("spot", glm::vec4(cone));
 }
 
 const std::string_view full_screen_vertex = R"(

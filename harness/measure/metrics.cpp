@@ -61,9 +61,15 @@ void transform_line(const double* f, double* d, int n, std::vector<int>& v, std:
   }
 }
 
+/// The dark side of the boundary alone: with both sides marked, an edge displaced by k pixels would be found k - 1/2 away.
+std::vector<std::uint8_t> shadow_rim(const Evidence& e, std::span<const float> mask) {
+  std::vector<std::uint8_t> marked = shadow_boundary(mask, e.classes, e.width, e.height);
+  for (std::size_t i = 0; i < marked.size(); ++i) marked[i] &= mask[i] <= 0.5f;
+  return marked;
+}
+
 void measure_displacement(const Evidence& e, Tally& t) {
-  const auto ours = shadow_boundary(e.mask, e.classes, e.width, e.height);
-  const auto theirs = shadow_boundary(e.reference, e.classes, e.width, e.height);
+  const auto ours = shadow_rim(e, e.mask), theirs = shadow_rim(e, e.reference);
   const bool have_ours = std::find(ours.begin(), ours.end(), 1) != ours.end();
   const bool have_theirs = std::find(theirs.begin(), theirs.end(), 1) != theirs.end();
   if (!have_ours && !have_theirs) t.displacement_mean = t.displacement_p95 = 0;

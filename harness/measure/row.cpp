@@ -89,6 +89,9 @@ double Seat::setup_ms() {
 double Seat::time(Stage stage) { return worker_.ask({{"do", "time"}, {"stage", name(stage)}}, run_.suite.timeout)["ms"]; }
 
 Answer Seat::answer(Record* record) {
+  // One request for each stage, so that a failure names the stage that it happened in.
+  for (const Stage stage : {Stage::setup, Stage::build, Stage::relight, Stage::resolve})
+    worker_.ask({{"do", "bring_up"}, {"stage", name(stage)}}, run_.suite.timeout);
   const fs::path mask_file = run_.scratch / "mask.raw";
   const Json reply = worker_.ask({{"do", "answer"}, {"mask", mask_file.string()}}, run_.suite.timeout);
   FrameStore& frames = run_.frames;

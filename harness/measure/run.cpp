@@ -243,7 +243,8 @@ void prepare_folder(const RunOptions& options) {
   std::error_code code;
   fs::create_directories(options.out, code);
   if (code) throw Error("output folder {} cannot be made: {}", options.out.string(), code.message());
-  if (!options.resume && fs::exists(records_file(options.out)))
+  const fs::path records = records_file(options.out);
+  if (!options.resume && fs::exists(records) && !fs::is_empty(records))
     throw Error("output folder {} holds records already: continue them with --resume, or name another --out",
                 options.out.string());
 }

@@ -121,7 +121,7 @@ Json Worker::receive(double timeout_seconds) {
     pollfd wait{socket_, POLLIN, 0};
     const int ready = left > 0 ? poll(&wait, 1, static_cast<int>(left * 1000) + 1) : 0;
     if (ready < 0 && errno == EINTR) continue;
-    if (ready == 0) fail(fmt::format("hung: no answer to {} within {:g} s", doing_, timeout_seconds));
+    if (ready == 0) fail(fmt::format("hung in {}: no answer within {:g} s", doing_, timeout_seconds));
     char chunk[65536];
     const ssize_t n = read(socket_, chunk, sizeof chunk);
     if (n < 0 && errno == EINTR) continue;

@@ -32,6 +32,7 @@ class Seat {
     if (what == "frame") return frame(request);
     if (what == "setup") return {{"ms", time(Stage::setup)}};
     if (what == "time") return time_stage(request.at("stage"));
+    if (what == "bring_up") return bring_up_to(request.at("stage"));
     if (what == "answer") return answer(request.at("mask"));
     if (what == "coverage") return coverage(request.at("pixels"), request.at("out"));
     if (what == "debug") return debug(request.at("layer"), request.at("out"));
@@ -47,7 +48,9 @@ class Seat {
     uses_gl_ = entry.about.needs_gl;
     if (!uses_gl_) return {{"gl", nullptr}};
     const GlInfo& info = process_context().info();
-    return {{"gl", {{"vendor", info.vendor}, {"renderer", info.renderer}, {"version", info.version}, {"software", info.is_software}}}};
+    return {
+        {"gl",
+         {{"vendor", info.vendor}, {"renderer", info.renderer}, {"version", info.version}, {"software", info.is_software}}}};
   }
 
   Json frame(const Json& request) {
@@ -72,13 +75,21 @@ class Seat {
     return result;
   }
 
-  Json time_stage(const std::string& name) {
+  static int stage_named(const std::string& name) {
     for (int s = 0; s < 4; ++s)
-      if (stage_names[s] == name) {
-        bring_up(s - 1);
-        return {{"ms", time(static_cast<Stage>(s))}};
-      }
+      if (stage_names[s] == name) return s;
     throw Error("there is no stage {}", name);
+  }
+
+  Json time_stage(const std::string& name) {
+    const int stage = stage_named(name);
+    bring_up(stage - 1);
+    return {{"ms", time(static_cast<Stage>(stage))}};
+  }
+
+  Json bring_up_to(const std::string& name) {
+    bring_up(stage_named(name));
+    return Json::object();
   }
 
   void bring_up(int stage) {
@@ -90,10 +101,18 @@ class Seat {
     if (uses_gl_) glFinish();
     const auto start = Clock::now();
     switch (stage) {
-      case Stage::setup: technique_->setup(); break;
-      case Stage::build: technique_->build(scene_); break;
-      case Stage::relight: technique_->relight(scene_.lights.at(light_)); break;
-      case Stage::resolve: technique_->resolve(gbuffer_, *mask_); break;
+      case Stage::setup:
+        technique_->setup();
+        break;
+      case Stage::build:
+        technique_->build(scene_);
+        break;
+      case Stage::relight:
+        technique_->relight(scene_.lights.at(light_));
+        break;
+      case Stage::resolve:
+        technique_->resolve(gbuffer_, *mask_);
+        break;
     }
     if (uses_gl_) glFinish();
     const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();

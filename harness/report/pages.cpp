@@ -1,12 +1,11 @@
 #include "report/pages.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <map>
 #include <sstream>
 
+#include "measure/blob.h"
 #include "report/layout.h"
 
 namespace gnomon {
@@ -124,11 +123,7 @@ std::string technique_index(std::span<const TechniqueEntry> entries) {
 void write_pages(const fs::path& dir, std::span<const TechniqueEntry> entries) {
   const std::map<std::string, std::string> wanted = pages(entries);
   fs::create_directories(dir);
-  for (const auto& [file_name, text] : wanted) {
-    std::ofstream file(dir / file_name, std::ios::binary);
-    file << text << std::flush;
-    if (!file) throw Error("{} cannot be written: {}", (dir / file_name).string(), std::strerror(errno));
-  }
+  for (const auto& [file_name, text] : wanted) write_file(dir / file_name, text);
   for (const std::string& file_name : abandoned(dir, wanted)) fs::remove(dir / file_name);
 }
 

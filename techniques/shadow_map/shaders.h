@@ -27,64 +27,88 @@ inline const std::string resolve_fragment = std::string(gnomon::faces_light_snip
 layout(binding = 3) uniform sampler2DArray map;
 uniform vec3 origin;
 uniform vec4 window[6];  // scale and offset of each face
-// Of each face: near; far (orthographic) or rounding error of the depth per squared axis distance; layer; the texel's larger
-// width in window coordinates.
-uniform vec4 range[6];
+uniform vec2 texel[6];  // of each face: layer; the texel's larger width in window coordinates
+uniform float near;     // of all faces
+uniform float far;      // orthographic; else the rounding error of the depth per squared axis distance
 uniform mat3 texel_from_light, texel_steps;  // of the one image; a cube has none, its faces only exchange axes
 uniform int resolution, radius;
 uniform float depth_bias, slope_bias, normal_offset, rounding;
 layout(location = 0) out float visibility;
 
-float lookup(vec3 point, vec3 normal) {
-  vec3 v = point - origin;
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  vec4 surface = texelFetch(gbuffer_position, pixel, 0), facet = texelFetch(gbuffer_normal, pixel, 0);
+  vec3 v = surface.xyz - origin, normal = facet.xyz;
+
+  // What faces_light says, from the products that the look-up needs anyway.
+#if PROJECTION == 0
+  float height = -dot(normal, texel_steps[2]), squared = 1;
+#else
+  float height = -dot(normal, v), squared = dot(v, v);
+#endif
+  bool faces = surface.w * facet.w * height > 0 && height * height > squared * 2.2737368e-13;
+
 #if PROJECTION == 2  // the face is the major axis; its neighbors in cyclic order span it
+  float along = dot(v, spot.xyz);
   vec3 a = abs(v);
   bool is_x = a.x >= a.y && a.x >= a.z, is_y = !is_x && a.y >= a.z;
   int which = is_x ? int(v.x < 0) : is_y ? 2 + int(v.y < 0) : 4 + int(v.z < 0);
-  vec4 w = window[which], r = range[which];
+  vec4 w = window[which];
+  vec2 t = texel[which];
 #if BIAS == 2
-  v += normal * (normal_offset * r.w * max(max(a.x, a.y), a.z));
+  v += normal * (normal_offset * t.y * max(max(a.x, a.y), a.z));
 #endif
   vec3 q = is_x ? v.yzx : is_y ? v.zxy : v;
   vec3 h = vec3(q.xy * w.xy, abs(q.z));
   h.xy += h.z * w.zw;
   vec2 step_height = (is_x ? normal.yz : is_y ? normal.zx : normal.xy) / w.xy;
 #else
-  vec4 w = window[0], r = range[0];
+  vec4 w = window[0];
+  vec2 t = texel[0];
 #if BIAS == 2
-  v += normal * (normal_offset * r.w * (PROJECTION == 0 ? 1 : (texel_from_light * v).z));
-#endif
+  float along = (texel_from_light * v).z;
+  v += normal * (normal_offset * t.y * (PROJECTION == 0 ? 1 : along));
   vec3 h = texel_from_light * v;
+#else
+  vec3 h = texel_from_light * v;
+  float along = h.z;
+#endif
   vec2 step_height = vec2(dot(normal, texel_steps[0]), dot(normal, texel_steps[1]));
 #endif
-  float near = r.x;
+#if PROJECTION != 0
+  faces = faces && along >= 0 && along * along >= spot.w * squared;
+#endif
 
   // Texel coordinates; the axis distance; how fast the light ray, per unit of the axis, sinks into the receiver's plane.
+  float q_z = h.z;
 #if PROJECTION == 0
   vec2 position = h.xy + w.zw;
-  float q_z = h.z, texel_width = r.w, facing = -dot(normal, texel_steps[2]);
+  float texel_width = t.y, facing = height;
 #else
-  float q_z = h.z, per_z = 1 / q_z;
+  float per_z = 1 / q_z;
   vec2 position = h.xy * per_z;
-  float texel_width = q_z * r.w, facing = dot(normal, origin - point) * per_z;
+  float texel_width = q_z * t.y, facing = height * per_z;
 #endif
 
-  // Along the axis.
-  float bias = depth_bias * texel_width;
-  vec2 gradient = vec2(0);  // of the receiver plane's depth, per texel
+  // All comparisons are multiplied by `scale`: the facing where a quotient by it would be needed, else 1.
+  float scale = 1, bias = depth_bias * texel_width, error = 0;
 #if BIAS == 1
-  float ray_squared = PROJECTION == 0 ? 1 : dot(v, v) / (q_z * q_z);
-  vec2 sides = (PROJECTION == 0 ? 1 : q_z) / w.xy;
+#if PROJECTION == 0
+  float ray_squared = 1;
+  vec2 sides = 1 / w.xy;
+#else
+  float ray_squared = squared * per_z * per_z;
+  vec2 sides = q_z / w.xy;
+#endif
   bias += slope_bias * 0.5 * length(sides) * sqrt(max(ray_squared - facing * facing, 0) / ray_squared) / facing;
 #elif BIAS == 3
-  float per_facing = 1 / facing;
-  gradient = -step_height * per_facing;
-  float error = rounding + texel_width * 0.0078125;
+  scale = facing;
+  error = rounding + texel_width * 0.0078125;
 #if PROJECTION != 0
-  error += r.y * q_z * q_z;
+  error += far * q_z * q_z;
 #endif
-  bias += error * per_facing;
 #endif
+  float depth = q_z * scale - error;
   vec2 center = floor(position);
 
 #if PCF
@@ -97,30 +121,24 @@ float lookup(vec3 point, vec3 normal) {
 #endif
       ivec2 at = ivec2(tap);
       bool inside = all(lessThan(uvec2(at), uvec2(resolution)));
-      float d = inside ? texelFetch(map, ivec3(at, int(r.z)), 0).r : 0;
-      float k = dot(gradient, tap + 0.5 - position);
+      float d = inside ? texelFetch(map, ivec3(at, int(t.x)), 0).r : 0;
+      // How much the receiver's plane rises toward the light between the point and the texel's center.
+      float rise = BIAS == 3 ? dot(step_height, tap + 0.5 - position) : 0;
       // Dark: something is stored, and before the receiver by more than the bias. No quotient of depths is formed: with a
       // center, near / d < q_z / m - bias; where m <= 0 the texel's ray meets the receiver's plane at infinity.
 #if PROJECTION == 0
-      bool dark = d > 0 && d * (r.y - near) > r.y - (q_z - k - bias);
+      bool dark = d > 0 && d * (far - near) * scale > far * scale - depth - rise + bias * scale;
 #else
-      float m = max(1 + k, 0);
-      bool dark = near * m < (q_z - bias * m) * d;
+      float m = max(scale - rise, 0);
+      bool dark = near * m < (depth - bias * m) * d;
 #endif
 #if PCF
       lit += dark ? 0 : 1;
     }
-  return lit / float((2 * radius + 1) * (2 * radius + 1));
+  visibility = faces ? lit / float((2 * radius + 1) * (2 * radius + 1)) : 1;
 #else
-  return dark ? 0 : 1;
+  visibility = faces && dark ? 0 : 1;
 #endif
-}
-
-void main() {
-  ivec2 pixel = ivec2(gl_FragCoord.xy);
-  vec4 position = texelFetch(gbuffer_position, pixel, 0), normal = texelFetch(gbuffer_normal, pixel, 0);
-  visibility = 1;
-  if (faces_light(position, normal)) visibility = lookup(position.xyz, normal.xyz);
 }
 )";
 

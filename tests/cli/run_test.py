@@ -4,6 +4,7 @@
 import csv
 import io
 import json
+import os
 import re
 import subprocess
 import sys
@@ -80,9 +81,10 @@ class Run(ProgramTest):
         self.assertEqual([len(p) for p in stages["relight"]], [2, 2, 2])
 
     def test_threads_reach_the_record(self):
-        self.succeed("run", "--scene", "single_triangle", "--technique", "unshadowed", "--light", "sun", *SMALL, "--threads", "1",
-                     "--out", "out")
-        self.assertEqual(records(self.dir / "out")[0]["context"]["threads"], 1)
+        for threads, used in (("1", 1), ("0", len(os.sched_getaffinity(0)))):  # 0: all
+            self.succeed("run", "--scene", "single_triangle", "--technique", "unshadowed", "--light", "sun", *SMALL,
+                         "--threads", threads, "--out", f"out{threads}")
+            self.assertEqual(records(self.dir / f"out{threads}")[0]["context"]["threads"], used)
 
     def test_without_out_the_folder_is_named_after_suite_and_time(self):
         self.succeed("run", "--scene", "single_triangle", "--technique", "unshadowed", *SMALL)

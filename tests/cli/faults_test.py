@@ -1,0 +1,73 @@
+#!/usr/bin/python3 -IB
+"""Techniques that crash, hang, throw, eat memory, lie or leave: each costs its own rows and no other."""
+
+import json
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from program import FAULTS, SMALL, ProgramTest, records, workers  # noqa: E402
+
+REASONS = {
+    "crashes": r"^crashed in resolve: Segmentation fault \(signal 11\)",
+    "eats_memory": r"^threw in resolve: out of memory",
+    "exits": r"^crashed in resolve: exit status 3",
+    "hangs": r"^hung in relight: no answer within 2 s",
+    "returns_nan": r"^mask value -?nan at pixel 7 is outside 0 \.\. 1",
+    "throws": r"^threw in build: the tree has no root",
+}
+SOUND = ["unshadowed", "embree_rays"]
+SCENES = ["single_triangle", "soup:count=50"]
+
+
+class Faults(ProgramTest):
+    def test_each_fault_costs_its_own_rows_and_says_what_happened(self):
+        self.environment["GNOMON_TEST"] = str(self.dir)
+        # Sound and faulty ones take turns, so that a fault could hit a neighbor.
+        techniques = [name for pair in zip(REASONS, SOUND * 3) for name in dict.fromkeys(pair)]
+        techniques = list(dict.fromkeys(techniques))
+        arguments = [word for name in techniques for word in ("--technique", name)]
+        arguments += [word for scene in SCENES for word in ("--scene", scene)]
+        text = self.succeed("--plugin", FAULTS, "run", *arguments, "--light", "point", *SMALL, "--timeout", "2", "--out", "out", status=1)
+        rows = {(r["scene"], r["technique"]): r for r in records(self.dir / "out")}
+        self.assertEqual(set(rows), {(scene, name) for scene in SCENES for name in [*REASONS, *SOUND]})
+        for (scene, name), row in rows.items():
+            with self.subTest(f"{scene} {name}"):
+                if name in REASONS:
+                    self.assertEqual(row["status"], "failed")
+                    self.assertRegex(row["reason"], REASONS[name])
+                    self.assertIsNone(row["mask"])
+                else:
+                    self.assertEqual((row["status"], row["reason"]), ("ok", ""))
+                    self.assertEqual([len(p) for p in row["stages"]["resolve"]], [1])
+        self.assertRegex(text, r"(?m)^16 rows: 4 ok, 0 unsupported, 12 failed;")
+        for name in REASONS:
+            self.assertRegex(text, rf"(?m)^{name} +failed \[\d\]")
+        self.assertEqual(workers(self.dir), [])
+        self.assertFalse((self.dir / "out/.scratch").exists())
+
+    def test_a_fault_in_a_later_process_costs_the_row_only(self):
+        # Every process of a technique that throws is a new one; the others keep all three of theirs.
+        self.succeed("--plugin", FAULTS, "run", "--scene", "single_triangle", "--technique", "crashes", "--technique", "unshadowed",
+                     "--processes", "3", "--repetitions", "1", "--size", "160x90", "--out", "out", status=1)
+        rows = records(self.dir / "out")
+        self.assertEqual([(r["technique"], r["status"]) for r in rows], [("crashes", "failed"), ("unshadowed", "ok")] * 2)
+        self.assertEqual([len(r["stages"].get("resolve", [])) for r in rows], [0, 3, 0, 3])
+
+    def test_render_of_a_fault_exits_with_1_and_writes_nothing(self):
+        done = self.gnomon("--plugin", FAULTS, "render", "--scene", "single_triangle", "--technique", "crashes", "--size", "64x64",
+                           "--out", "out")
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stderr, r"^gnomon: crashed in \w+: Segmentation fault \(signal 11\)\n$")
+        self.assertEqual(list(self.dir.iterdir()), [])
+
+    def test_a_plugin_is_listed_and_described_like_what_is_built_in(self):
+        ids = [entry["id"] for entry in json.loads(self.succeed("--plugin", FAULTS, "list", "--json"))]
+        self.assertEqual([i for i in ids if i in REASONS], sorted(REASONS))
+        self.assertIn("Never comes back from relight.", self.succeed("--plugin", FAULTS, "describe", "hangs"))
+        self.refuse("--plugin", FAULTS, "--plugin", FAULTS, "list", says=["crashes", "registered twice"])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,49 @@
+#!/usr/bin/python3 -IB
+"""Scenes from files: meshes as they come, and descriptions that name them."""
+
+import shutil
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from program import DATA, SMALL, ProgramTest, records, scene_toml  # noqa: E402
+
+
+class Imports(ProgramTest):
+    def test_every_format_gives_the_same_tetrahedron(self):
+        for ending in ("obj", "ply", "stl", "off", "gltf", "glb"):
+            with self.subTest(ending):
+                text = self.succeed("describe", DATA / f"tetrahedron.{ending}")
+                self.assertRegex(text, r"(?m): 1 meshes, 4 triangles$")
+                self.assertRegex(text, r"(?m)^bounds  0 0 0 \.\. 1 1 1 m$")
+                self.assertRegex(text, r"(?m)^\S+ +4 +- +yes +0 +0 +0 +0$")  # closed: no edge is open, shared or turned
+
+    def test_a_mesh_runs_under_the_framing_default_and_says_so(self):
+        text = self.succeed("run", "--scene", DATA / "tetrahedron.obj", "--technique", "unshadowed", *SMALL, "--out", "out")
+        self.assertRegex(text, r"note: .*tetrahedron\.obj: no view given: view 'view' frames the whole scene")
+        self.assertRegex(text, r"note: .*tetrahedron\.obj: no light given: ")
+        rows = records(self.dir / "out")
+        self.assertEqual([(r["light"], r["view"], r["status"]) for r in rows], [("point", "view", "ok"), ("sun", "view", "ok")])
+        for row in rows:
+            self.assertEqual(len(row["notes"]), 2)
+            self.assertGreater(row["classes"]["T"], 1000)  # it fills the picture
+
+    def test_a_description_finds_files_beside_itself(self):
+        (self.dir / "deep/models").mkdir(parents=True)
+        shutil.copy(DATA / "tetrahedron.ply", self.dir / "deep/models/t.ply")
+        mesh = scene_toml() + '\n[[mesh]]\nfile = "models/t.ply"\nscale = 2\ntranslate = [0, 1, 0]\n'
+        self.write("deep/scene.toml", mesh)
+        text = self.succeed("describe", "deep/scene.toml")  # from another folder than the file's
+        self.assertRegex(text, r"(?m): 2 meshes, 6 triangles$")
+        self.assertRegex(text, r"(?m)^bounds  -4 0 -4 \.\. 4 3 4 m$")
+        self.succeed("run", "--scene", "deep/scene.toml", "--technique", "embree_rays", *SMALL, "--out", "out")
+        self.assertEqual([r["scene"] for r in records(self.dir / "out")], ["deep/scene.toml"] * 2)
+
+    def test_an_import_leaves_no_process_and_no_file(self):
+        self.succeed("describe", DATA / "tetrahedron.stl")
+        self.assertEqual(list(self.dir.iterdir()), [])
+
+
+if __name__ == "__main__":
+    unittest.main()

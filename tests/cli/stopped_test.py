@@ -1,0 +1,96 @@
+#!/usr/bin/python3 -IB
+"""Runs that are stopped: what was finished stays, --resume does the rest, and nobody is left behind."""
+
+import os
+import signal
+import sys
+import time
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from program import ProgramTest, measured, records, what, workers  # noqa: E402
+
+SCENES = ["single_triangle", "soup:count=50", "sphere_over_plane"]
+RUN = ["run", *[word for scene in SCENES for word in ("--scene", scene)], "--technique", "unshadowed", "--technique", "shadow_map",
+       "--processes", "3", "--repetitions", "2", "--size", "160x90", "--out", "out"]
+ROWS = 4 * len(SCENES)  # two lights, two techniques
+
+
+class Stopped(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        # Processes of this test are known by it, whoever their parent is.
+        self.environment["GNOMON_TEST"] = str(self.dir)
+        self.file = self.dir / "out/records.jsonl"
+
+    def wait(self, condition, seconds=60):
+        end = time.monotonic() + seconds
+        while not condition():
+            self.assertLess(time.monotonic(), end, "waited too long")
+            time.sleep(0.01)
+
+    def lines(self):
+        return self.file.read_bytes().splitlines(keepends=True) if self.file.exists() else []
+
+    def stop(self, with_signal, after):
+        """Starts the run, stops it when `after` records are there, and sees that its workers go with it."""
+        run = self.start(*RUN, start_new_session=True)
+        self.wait(lambda: len(self.lines()) >= after and len(workers(self.dir)) > 1)
+        stopped = time.monotonic()
+        if with_signal == signal.SIGINT:
+            os.killpg(run.pid, signal.SIGINT)  # a terminal sends it to the workers too
+        else:
+            os.kill(run.pid, with_signal)
+        run.communicate(timeout=10)
+        self.assertLess(time.monotonic() - stopped, 5)
+        self.wait(lambda: workers(self.dir) == [], 5)
+        return run.returncode
+
+    def assert_whole(self):
+        rows = records(self.dir / "out")
+        self.assertEqual(len(rows), ROWS)
+        self.assertEqual(len({row["job"] for row in rows}), ROWS)
+        self.assertEqual({row["status"] for row in rows}, {"ok"})
+        for row in rows:
+            self.assertEqual(len(row["stages"]["resolve"]), 3)
+            self.assertTrue((self.dir / "out" / row["mask"]).is_file())
+        self.assertFalse((self.dir / "out/.scratch").exists())
+        self.assertEqual([name for name in self.names(self.dir / "out") if "/." in name or name.startswith(".")], [])
+
+    def test_a_killed_run_is_resumed_without_loss_or_repetition(self):
+        self.assertEqual(self.stop(signal.SIGKILL, after=4), -signal.SIGKILL)
+        before = self.lines()
+        self.assertIn(len(before), (4, 8))
+        half = self.dir / "out/masks/.1.part.exr"  # as if it had been killed in the middle of a picture
+        half.write_bytes(b"half")
+        self.refuse(*RUN, says=["--resume"])
+        text = self.succeed(*RUN, "--resume")
+        self.assertEqual(self.lines()[:len(before)], before)
+        self.assertIn(f"{len(before)} were done before", text)
+        self.assert_whole()
+        whole = self.lines()
+        self.succeed(*RUN, "--resume")  # nothing is left to do
+        self.assertEqual(self.lines(), whole)
+
+    def test_a_torn_last_line_is_mended_and_its_row_done_again(self):
+        self.succeed(*RUN)
+        whole, rows = self.lines(), records(self.dir / "out")
+        self.file.write_bytes(b"".join(whole)[:-len(whole[-1]) // 2])
+        done = self.gnomon("table", "out", "--format", "csv")  # readers leave it out and say so
+        self.assertEqual((done.returncode, done.stdout.count("\n")), (0, ROWS))  # a heading, and all rows but the torn one
+        self.assertIn("unfinished", done.stderr)
+        self.succeed(*RUN, "--resume")
+        self.assertEqual(self.lines()[:-1], whole[:-1])
+        self.assert_whole()
+        self.assertEqual([what(row) for row in records(self.dir / "out")], [what(row) for row in rows])
+        self.assertEqual([measured(row) for row in records(self.dir / "out")], [measured(row) for row in rows])
+
+    def test_control_c_stops_at_once_and_the_run_can_go_on(self):
+        self.assertIn(self.stop(signal.SIGINT, after=4), (-signal.SIGINT, 130, 1))
+        self.succeed(*RUN, "--resume")
+        self.assert_whole()
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,87 @@
+#!/usr/bin/python3 -IB
+"""The suites that come with the program: what they cover, and that they show each way of being wrong."""
+
+import re
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from program import ProgramTest, records  # noqa: E402
+
+ROW = re.compile(r"^[0-9a-f]{16}  (\S+) (\S+) (\S+)", re.MULTILINE)
+
+
+class Suites(ProgramTest):
+    def rows(self, suite):
+        text = self.succeed("run", suite, "--dry-run")
+        return text, ROW.findall(text)
+
+    def test_quick_is_five_scenes_two_lights_eight_settings(self):
+        text, rows = self.rows("quick")
+        scenes = {scene for scene, _, _ in rows}
+        self.assertGreaterEqual(len(scenes), 5)
+        for scene in scenes:
+            for light in ("point", "sun"):
+                self.assertGreaterEqual(len({t for s, l, t in rows if (s, l) == (scene, light)}), 8, (scene, light))
+        self.assertRegex(text, r"(?m)^\d+ rows, 5 processes x 3 repetitions each, 640x360 pixels$")
+
+    def test_standard_has_every_technique_and_more_scenes(self):
+        _, rows = self.rows("standard")
+        listed = {line.split()[0] for line in self.succeed("list").splitlines()[2:] if line}
+        self.assertLessEqual(listed, {t.split(":")[0] for _, _, t in rows})
+        self.assertGreater({s for s, _, _ in rows}, {s for s, _, _ in self.rows("quick")[1]})
+
+    def test_rows_of_scenes_that_are_not_fetched_say_so(self):
+        text = self.succeed("run", "quick", "--dry-run")  # the cache of this test is empty
+        self.assertRegex(text, r"(?m)^\S+  bunny sun .*unsupported: scene bunny is not fetched: run scripts/fetch_scenes bunny$")
+        self.succeed("run", "quick", "--filter", "^bunny sun (unshadowed|shadow_map)$", "--out", "out")
+        for row in records(self.dir / "out"):
+            self.assertEqual(row["status"], "unsupported")
+            self.assertIn("scripts/fetch_scenes bunny", row["reason"])
+
+    def show_failures(self, suite):
+        """Runs the rows of a suite that are there to be wrong, and their neighbors with the default bias, at the suite's size.
+
+        Acne: no bias at all, so that surfaces shadow themselves; more than 1 % false dark and ten times the default's.
+        Peter-panning: a bias so large that contact shadows come off; false lit well above the default's, false dark not above.
+        """
+        bias = r"shadow_map(:bias=constant,depth_bias=\d+)?"
+        self.succeed("run", suite, "--filter", rf"^(contact|soup:ground=false) (point|sun) ({bias}|planar_projected)$",
+                     "--processes", "1", "--repetitions", "1", "--out", "out")
+        rows = records(self.dir / "out")
+        self.assertEqual({(r["width"], r["height"]) for r in rows}, {(640, 360)})
+        acne, panning, unsupported = [], [], []
+        for row in rows:
+            if row["status"] == "unsupported":
+                unsupported.append(row)
+                continue
+            place = (row["scene"], row["light"])
+            default = next(r for r in rows if (r["scene"], r["light"]) == place and (r["technique"], r["settings"]) == ("shadow_map", ""))
+            error, usual = row["metrics"]["shape"], default["metrics"]["shape"]
+            texels = re.search(r"depth_bias=(\d+)", row["settings"])
+            if texels and texels[1] == "0":
+                if error["false_dark_rate"] > max(0.01, 10 * usual["false_dark_rate"]):
+                    acne.append(row)
+            elif texels and error["false_lit_rate"] > max(0.002, 2 * usual["false_lit_rate"]):
+                if error["false_dark_rate"] <= usual["false_dark_rate"]:
+                    panning.append(row)
+        rates = [(r["scene"], r["light"], r["settings"], r["metrics"]["shape"]["false_dark_rate"], r["metrics"]["shape"]["false_lit_rate"])
+                 for r in rows if r["status"] == "ok"]
+        self.assertTrue(acne, rates)
+        self.assertTrue(panning, rates)
+        self.assertTrue(unsupported, rates)
+        for row in unsupported:
+            self.assertNotIn("not fetched", row["reason"])
+            self.assertGreater(len(row["reason"]), 10)
+            self.assertIsNone(row["mask"])
+
+    def test_quick_shows_acne_peter_panning_and_unsupported(self):
+        self.show_failures("quick")
+
+    def test_standard_shows_acne_peter_panning_and_unsupported(self):
+        self.show_failures("standard")
+
+
+if __name__ == "__main__":
+    unittest.main()

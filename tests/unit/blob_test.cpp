@@ -1,0 +1,146 @@
+#include "measure/blob.h"
+
+#include <gnomon/error.h>
+#include <gnomon/kit/shapes.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+
+namespace {
+
+using namespace gnomon;
+namespace fs = std::filesystem;
+
+struct Folder {
+  fs::path path = fs::temp_directory_path() / fmt::format("gnomon_blob_{}", getpid());
+  Folder() { fs::create_directories(path); }
+  ~Folder() { fs::remove_all(path); }
+  std::size_t file_count() const {
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(path), fs::directory_iterator()));
+  }
+};
+
+/// Something in every field, every kind of shape and light.
+Scene full_scene() {
+  Scene scene;
+  scene.name = "full";
+  scene.ambient = 0.25f;
+  const Shape shapes[] = {Sphere{{1, 2, 3}, 4},
+                          Cone{{0, 1, 0}, {0, 2, 0}, 1, 2},
+                          Disc{{0, 0, 1}, {1, 1, 0}, 2},
+                          Triangle{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}},
+                          Plane{},
+                          Box{}};
+  for (const Shape& shape : shapes)
+    scene.meshes.push_back(painted(tessellate(shape, 5, std::string(kind_name(shape))), {0.1f, 0.2f, 0.3f}));
+  scene.meshes[1].casts = false;
+  scene.meshes[2].receives = false;
+  scene.meshes[3].shape.reset();
+  scene.lights = {{"a", PointLight{{1, 2, 3}}, 2},
+                  {"b", SpotLight{{1, 2, 3}, {0, -2, 0}, 10, 25}},
+                  {"c", DirectionalLight{{3, -1, 0}}},
+                  {"d", RectLight{{1, 1, 1}, {2, 0, 0}, {0, 0, 3}}},
+                  {"e", DiscLight{{0, 9, 0}, {0, -1, 0}, 2}},
+                  {"f", SphereLight{{0, 9, 0}, 2}}};
+  scene.views = {{"v", {1, 2, 3}, {4, 5, 6}, {0, 0, 1}, 33}, {}};
+  scene.notes = {"one", ""};
+  return scene;
+}
+
+TEST(blob, a_scene_comes_back_as_it_was) {
+  const Scene scene = full_scene(), back = scene_from_bytes(scene_bytes(scene));
+  EXPECT_EQ(back.name, "full");
+  EXPECT_EQ(back.ambient, 0.25f);
+  ASSERT_EQ(back.meshes.size(), 6u);
+  for (std::size_t m = 0; m < 6; ++m) {
+    const Mesh &a = scene.meshes[m], &b = back.meshes[m];
+    EXPECT_EQ(a.name, b.name);
+    EXPECT_EQ(a.positions, b.positions);
+    EXPECT_EQ(a.triangles, b.triangles);
+    EXPECT_EQ(a.casts, b.casts);
+    EXPECT_EQ(a.receives, b.receives);
+    EXPECT_EQ(a.albedo, b.albedo);
+    EXPECT_EQ(a.facts.boundary_edge_count, b.facts.boundary_edge_count);
+    ASSERT_EQ(a.shape.has_value(), b.shape.has_value());
+    EXPECT_EQ(a.shape ? a.shape->index() : 99, b.shape ? b.shape->index() : 99);
+  }
+  EXPECT_EQ(std::get<Sphere>(*back.meshes[0].shape).radius, 4);
+  ASSERT_EQ(back.lights.size(), 6u);
+  for (std::size_t l = 0; l < 6; ++l) {
+    EXPECT_EQ(scene.lights[l].name, back.lights[l].name);
+    EXPECT_EQ(kind_name(scene.lights[l]), kind_name(back.lights[l]));
+    EXPECT_EQ(homogeneous(scene.lights[l]), homogeneous(back.lights[l]));
+  }
+  EXPECT_EQ(std::get<SpotLight>(back.lights[1].kind).outer_degrees, 25);
+  EXPECT_EQ(back.views.at(0).up, glm::vec3(0, 0, 1));
+  EXPECT_EQ(back.notes, scene.notes);
+  // Whatever is not compared above would show here.
+  EXPECT_EQ(scene_bytes(back), scene_bytes(scene));
+}
+
+TEST(blob, every_change_that_a_technique_can_see_changes_the_bytes) {
+  const std::string hash = content_hash(scene_bytes(full_scene()));
+  const auto changed = [&](auto change) {
+    Scene scene = full_scene();
+    change(scene);
+    return content_hash(scene_bytes(scene)) != hash;
+  };
+  EXPECT_FALSE(changed([](Scene&) {}));
+  EXPECT_TRUE(changed([](Scene& s) { s.meshes[0].positions[0].x = std::nextafter(s.meshes[0].positions[0].x, 9.0f); }));
+  EXPECT_TRUE(changed([](Scene& s) { s.meshes[0].casts = false; }));
+  EXPECT_TRUE(changed([](Scene& s) { s.meshes[0].receives = false; }));
+  EXPECT_TRUE(changed([](Scene& s) { s.meshes[0].shape.reset(); }));
+  EXPECT_TRUE(changed([](Scene& s) { std::get<Sphere>(*s.meshes[0].shape).radius = 5; }));
+  EXPECT_TRUE(changed([](Scene& s) { std::swap(s.meshes[0], s.meshes[1]); }));
+  EXPECT_TRUE(changed([](Scene& s) { s.lights[1].intensity = 3; }));
+  EXPECT_TRUE(changed([](Scene& s) { s.views[0].fov_y_degrees = 34; }));
+}
+
+TEST(blob, bytes_that_end_early_or_have_another_layout_are_errors) {
+  std::vector<std::byte> bytes = scene_bytes(full_scene());
+  for (std::size_t size = 0; size < bytes.size(); ++size)
+    EXPECT_THROW(scene_from_bytes(std::span(bytes).first(size)), Error) << size;
+  bytes[0] ^= std::byte{0x40};
+  EXPECT_THROW(scene_from_bytes(bytes), Error);
+}
+
+TEST(blob, content_hash_is_32_hex_digits) {
+  const std::string hash = content_hash(std::string("gnomon"));
+  EXPECT_EQ(hash.size(), 32u);
+  EXPECT_EQ(hash.find_first_not_of("0123456789abcdef"), std::string::npos);
+  EXPECT_NE(hash, content_hash(std::string("gnomom")));
+}
+
+TEST(blob, a_file_is_written_whole_into_folders_made_for_it) {
+  const Folder folder;
+  const fs::path file = folder.path / "a/b/file";
+  write_file(file, std::string("old and longer"));
+  write_file(file, std::string("new"));
+  const auto mapped = MappedFile::open(file);
+  EXPECT_EQ(std::string(reinterpret_cast<const char*>(mapped->bytes().data()), mapped->bytes().size()), "new");
+  EXPECT_EQ(std::distance(fs::directory_iterator(file.parent_path()), fs::directory_iterator()), 1);
+  write_file(file, std::string());
+  EXPECT_TRUE(MappedFile::open(file)->bytes().empty());
+}
+
+TEST(blob, a_reader_keeps_the_file_that_it_opened) {
+  const Folder folder;
+  write_file(folder.path / "file", std::string("before"));
+  const auto mapped = MappedFile::open(folder.path / "file");
+  write_file(folder.path / "file", std::string("x"));
+  EXPECT_EQ(std::string(reinterpret_cast<const char*>(mapped->bytes().data()), mapped->bytes().size()), "before");
+}
+
+TEST(blob, what_cannot_be_written_is_an_error_that_leaves_nothing) {
+  const Folder folder;
+  std::ofstream(folder.path / "plain") << "a file, not a folder";
+  EXPECT_THROW(write_file(folder.path / "plain/file", std::string("x")), Error);
+  fs::create_directories(folder.path / "taken/inside");
+  EXPECT_THROW(write_file(folder.path / "taken", std::string("x")), Error);
+  EXPECT_EQ(folder.file_count(), 2u);
+  EXPECT_THROW(write_file("/dev/full/x", std::string("x")), Error);
+  EXPECT_THROW(MappedFile::open(folder.path / "nothing"), Error);
+}
+
+}  // namespace

@@ -1,0 +1,189 @@
+// One pixel class after the other from points made by hand, each a scene that has exactly that.
+#include "measure/classify.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "hand_made.h"
+
+namespace {
+
+using namespace gnomon;
+using hand_made::Picture;
+
+std::string letters(const Scene& scene, const Picture& picture, const Light& light) {
+  const RayScene casters(scene, Truth::mesh, RayScene::Which::casters);
+  std::vector<float> reference(picture.gbuffer.size());
+  trace_shadows(casters, scene, picture.gbuffer, light, reference);
+  std::string text;
+  for (const PixelClass c : classify(scene, casters, picture.gbuffer, light, reference)) text += class_names.at(std::size_t(c));
+  return text;
+}
+
+/// Ground from -4 to 4 at height 0 (extent 4 with the eye at (0, 4, 0)), second mesh the same: to be another mesh.
+Scene two_grounds() {
+  Scene scene;
+  scene.meshes = {hand_made::square(4, 0), hand_made::square(4, 0)};
+  return scene;
+}
+
+TEST(classify, background_and_lit_ground) {
+  Picture picture(3, 3);
+  picture.gbuffer.view.eye = {0, 4, 0};
+  EXPECT_EQ(letters(two_grounds(), picture, hand_made::sun({0, -1, 0})), "BBBBBBBBB");
+  for (int i = 0; i < 9; ++i) picture.set(i, {0.1f * i, 0, 0}, {0, 1, 0}, 0, 0);
+  EXPECT_EQ(letters(two_grounds(), picture, hand_made::sun({0, -1, 0})), "TTTTTTTTT");
+}
+
+TEST(classify, faces_away_outside_the_cone_or_on_a_mesh_that_does_not_receive) {
+  Picture picture(3, 1);
+  picture.gbuffer.view.eye = {0, 4, 0};
+  for (int i = 0; i < 3; ++i) picture.set(i, {static_cast<float>(i), 0, 0}, {0, 1, 0}, 0, 0);
+  EXPECT_EQ(letters(two_grounds(), picture, hand_made::sun({0, 1, 0})), "FFF");
+  EXPECT_EQ(letters(two_grounds(), picture, hand_made::sun({1, 0, 0})), "FFF") << "N.L = 0 does not face";
+  EXPECT_EQ(letters(two_grounds(), picture, hand_made::point_light({0, -1, 0})), "FFF");
+  // From (0, 2, 0) straight down the points are seen under 0, 26.6 and 45 degrees.
+  const Light spot{.name = "spot", .kind = SpotLight{{0, 2, 0}, {0, -1, 0}, 10, 30}};
+  EXPECT_EQ(letters(two_grounds(), picture, spot), "TTF");
+  // The middle point on a mesh of its own, as far from the eye as its neighbors, which so are no silhouette.
+  Scene scene = two_grounds();
+  scene.meshes[1].receives = false;
+  for (int i = 0; i < 3; ++i) picture.set(i, {0, 0, 0}, {0, 1, 0}, i == 1 ? 1 : 0, 0);
+  EXPECT_EQ(letters(scene, picture, hand_made::sun({0, -1, 0})), "TFT");
+}
+
+TEST(classify, grazing_below_0_035) {
+  // N.L is the sine of the light's height above the horizon: 0.034 and 0.036.
+  Picture picture(1, 1);
+  picture.gbuffer.view.eye = {0, 4, 0};
+  picture.set(0, {1, 0, 0}, {0, 1, 0}, 0, 0);
+  const auto sun_at = [](double sine) {
+    return hand_made::sun({static_cast<float>(7 * std::sqrt(1 - sine * sine)), static_cast<float>(-7 * sine), 0});
+  };
+  EXPECT_EQ(letters(two_grounds(), picture, sun_at(0.034)), "G");
+  EXPECT_EQ(letters(two_grounds(), picture, sun_at(0.036)), "T");
+  EXPECT_EQ(letters(two_grounds(), picture, hand_made::point_light({-99, 3.4f, 0})), "G") << "3.4 / 100.06 = 0.03398";
+  EXPECT_EQ(letters(two_grounds(), picture, hand_made::point_light({-99, 3.6f, 0})), "T") << "3.6 / 100.06 = 0.03598";
+}
+
+TEST(classify, silhouette_where_a_neighbor_is_background_or_another_mesh_off_by_2_percent) {
+  // 5 x 3, all 4 m below the eye; the center pixel (2,1) differs. All eight neighbors count, pixels two away do not.
+  Picture picture(5, 3);
+  picture.gbuffer.view.eye = {0, 4, 0};
+  const auto reset = [&] {
+    for (int i = 0; i < 15; ++i) picture.set(i, {0, 0, 0}, {0, 1, 0}, 0, 0);
+  };
+  const Light above = hand_made::sun({0, -1, 0});
+  reset();
+  picture.mesh[7] = no_mesh;
+  EXPECT_EQ(letters(two_grounds(), picture, above), "TSSSTTSBSTTSSST");
+  reset();
+  picture.set(7, {0, 0.04f, 0}, {0, 1, 0}, 1, 0);  // 3.96 m: 1 % nearer
+  EXPECT_EQ(letters(two_grounds(), picture, above), "TTTTTTTTTTTTTTT");
+  picture.set(7, {0, 0.12f, 0}, {0, 1, 0}, 1, 0);  // 3 % nearer: a step seen from both sides
+  EXPECT_EQ(letters(two_grounds(), picture, above), "TSSSTTSSSTTSSST");
+  picture.set(7, {0, -0.12f, 0}, {0, 1, 0}, 1,
+              0);  // farther likewise; under the ground, so in its shadow, which changes nothing
+  EXPECT_EQ(letters(two_grounds(), picture, above), "TSSSTTSSSTTSSST");
+  picture.set(7, {0, 2, 0}, {0, 1, 0}, 0, 0);  // far, but the same mesh
+  EXPECT_EQ(letters(two_grounds(), picture, above), "TTTTTTTTTTTTTTT");
+}
+
+/// Ground from -4 to 4 that casts nothing, and one triangle over it.
+Scene one_caster(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+  Scene scene;
+  scene.meshes = {hand_made::square(4, 0), hand_made::mesh_of({a, b, c}, {{0, 1, 2}})};
+  scene.meshes[0].casts = false;
+  return scene;
+}
+
+TEST(classify, uncertain_within_rho_of_a_shadow_edge) {
+  // The shadow of a vertical sun ends at x = 0. rho = 16 * 2^-24 * 4, the extent. The ground is at height 0 and N is the ray,
+  // so the ray offset moves nothing sideways; the sun's turn by 2^-20 radian moves the edge at height 1 by rho / 4 only.
+  const Scene scene = one_caster({0, 1, -3}, {0, 1, 3}, {-3, 1, 0});
+  const float rho = 16 * 0x1p-24f * 4;
+  Picture picture(9, 1);
+  picture.gbuffer.view.eye = {0, 4, 0};
+  const float steps[] = {-100, -2, -1.1f, -0.9f, 0.01f, 0.9f, 1.1f, 2, 100};
+  for (int i = 0; i < 9; ++i) picture.set(i, {steps[i] * rho, 0, 0.5f}, {0, 1, 0}, 0, 0);
+  EXPECT_EQ(letters(scene, picture, hand_made::sun({0, -1, 0})), "TTTUUUTTT");
+}
+
+TEST(classify, uncertain_pixels_lie_within_rounding_of_the_shadow_edge) {
+  // Random triangle, random light, a point on one of its edges, projected on the ground, moved off the shadow's edge by d.
+  // The ray offset shifts the edge by 8 * 2^-24 * 4 * tan: up to rho / 2 * 1.2. Shifts of the point and the light reach 0.7 to
+  // 1.3 rho from there (the tangents may lie askew to the edge; a light 5 m up moves a shadow of what is 1 m up by rho / 4).
+  // So |d| < 0.1 rho must be U, and |d| > 3 rho must not; the side decides nothing.
+  std::mt19937 random(4);
+  const auto number = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+  int near = 0, far = 0;
+  for (int round = 0; round < 300; ++round) {
+    glm::dvec3 corner[3];
+    for (glm::dvec3& c : corner) c = glm::vec3(number(-1, 1), number(0.5, 1), number(-1, 1));
+    if (glm::length(glm::cross(corner[1] - corner[0], corner[2] - corner[0])) < 0.3) continue;
+    const Scene scene = one_caster(corner[0], corner[1], corner[2]);
+    const glm::dvec3 light = glm::vec3(number(-1, 1), 5, number(-1, 1));
+    const auto project = [&](const glm::dvec3& p) { return light + (p - light) * (light.y / (light.y - p.y)); };
+    const glm::dvec3 a = project(corner[0]), b = project(corner[1]), c = project(corner[2]);
+    const glm::dvec3 across = glm::normalize(glm::cross(b - a, glm::dvec3(0, 1, 0)));
+    // Seen edge-on the triangle has a thin shadow, with two edges near the point.
+    if (std::abs(glm::dot(across, c - a)) < 0.05) continue;
+    const double rho = 16 * 0x1p-24 * 5;
+    const glm::dvec3 edge = glm::mix(a, b, number(0.2, 0.8));
+    Picture picture(4, 1);
+    picture.gbuffer.view.eye = {0, 4, 0};
+    const double off[] = {number(-0.1, 0.1), number(-0.1, 0.1), number(3, 30), number(-30, -3)};
+    for (int i = 0; i < 4; ++i) picture.set(i, glm::vec3(edge + off[i] * rho * across), {0, 1, 0}, 0, 0);
+    EXPECT_EQ(letters(scene, picture, hand_made::point_light(light)), "UUTT") << round;
+    near += 2;
+    far += 2;
+  }
+  EXPECT_GT(near + far, 400);
+}
+
+TEST(classify, first_match_decides) {
+  // One row; the light is vertical and its shadow edge runs through every point (x = 0), so all are uncertain at least.
+  const Scene scene = one_caster({0, 1, -3}, {0, 1, 3}, {-3, 1, 0});
+  const Light sun = hand_made::sun({0, -1, 0});
+  Picture picture(1, 2);
+  picture.gbuffer.view.eye = {0, 4, 0};
+  const auto upper = [&](const glm::vec3& normal, std::uint32_t below) {
+    picture.set(0, {0, 0, 0}, normal, 0, 0);
+    picture.set(1, {0, 0, 0.5f}, {0, 1, 0}, below, 0);
+    return letters(scene, picture, sun)[0];
+  };
+  const glm::vec3 grazing(std::sqrt(1 - 0.03f * 0.03f), 0.03f, 0);
+  EXPECT_EQ(upper({0, 1, 0}, 0), 'U');
+  EXPECT_EQ(upper({0, 1, 0}, no_mesh), 'S') << "silhouette before uncertain";
+  EXPECT_EQ(upper(grazing, no_mesh), 'G') << "grazing before silhouette";
+  EXPECT_EQ(upper({0, -1, 0}, no_mesh), 'F') << "facing away before silhouette";
+  picture.mesh[0] = no_mesh;
+  EXPECT_EQ(letters(scene, picture, sun)[0], 'B');
+}
+
+TEST(classify, a_reference_that_is_wrong_makes_uncertain_and_nothing_else) {
+  const Scene scene = one_caster({0, 1, -3}, {0, 1, 3}, {-3, 1, 0});
+  Picture picture(20, 2);
+  picture.gbuffer.view.eye = {0, 4, 0};
+  for (int i = 0; i < 40; ++i) {
+    picture.set(i, {-2.05f + 0.1f * i, 0, 0}, {0, i % 7 ? 1.0f : -1.0f, 0}, 0, 0);
+    if (i == 17) picture.mesh[i] = no_mesh;
+  }
+  const Light sun = hand_made::sun({0, -1, 0});
+  const RayScene casters(scene, Truth::mesh, RayScene::Which::casters);
+  std::vector<float> reference(40);
+  trace_shadows(casters, scene, picture.gbuffer, sun, reference);
+  const auto right = classify(scene, casters, picture.gbuffer, sun, reference);
+  for (float& v : reference) v = 1 - v;
+  const auto inverted = classify(scene, casters, picture.gbuffer, sun, reference);
+  for (std::size_t i = 0; i < right.size(); ++i)
+    EXPECT_EQ(inverted[i], right[i] == PixelClass::T ? PixelClass::U : right[i]) << i;
+  const auto counts = count_classes(right);
+  EXPECT_EQ(counts[std::size_t(PixelClass::B)], 1u);
+  EXPECT_EQ(counts[0] + counts[1] + counts[2] + counts[3] + counts[4] + counts[5], 40u);
+  EXPECT_GT(counts[std::size_t(PixelClass::T)], 20u);
+}
+
+}  // namespace

@@ -1,0 +1,171 @@
+#include "measure/frame.h"
+
+#include <gnomon/kit/shapes.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <set>
+
+#include "measure/load.h"
+
+namespace {
+
+using namespace gnomon;
+namespace fs = std::filesystem;
+
+struct Folder {
+  fs::path path = fs::temp_directory_path() / fmt::format("gnomon_frame_{}", getpid());
+  Folder() { fs::create_directories(path); }
+  ~Folder() { fs::remove_all(path); }
+};
+
+std::set<std::string> file_names(const fs::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename());
+  return names;
+}
+
+std::string content(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+Scene ball_over_ground() {
+  Scene scene;
+  scene.name = "ball";
+  scene.meshes = {tessellate(ground_plane(4), 4, "ground"), tessellate(Sphere{{0, 1.5f, 0}, 1}, 12, "ball")};
+  scene.lights = {{.name = "point", .kind = PointLight{{2, 6, 1}}}, {.name = "sun", .kind = DirectionalLight{{1, -2, 0}}}};
+  scene.views = {View{.eye = {1, 4, 7}}, View{.name = "other", .eye = {1, 4, 7.5f}}};
+  return scene;
+}
+
+template <class T>
+bool same(std::span<const T> a, std::span<const T> b) {
+  return std::ranges::equal(a, b);
+}
+bool same(const GBuffer& a, const GBuffer& b) {
+  return same(a.px, b.px) && same(a.py, b.py) && same(a.pz, b.pz) && same(a.nx, b.nx) && same(a.ny, b.ny) && same(a.nz, b.nz) &&
+         same(a.mesh, b.mesh) && same(a.triangle, b.triangle) && a.width == b.width && a.height == b.height &&
+         a.truth == b.truth && a.view.eye == b.view.eye;
+}
+
+TEST(frame, what_the_cache_holds_is_what_is_computed) {
+  const Folder folder;
+  const Scene scene = ball_over_ground();
+  for (const Truth truth : {Truth::shape, Truth::mesh}) {
+    const RayScene everything(scene, truth, RayScene::Which::all), casters(scene, truth, RayScene::Which::casters);
+    const GBuffer fresh = make_gbuffer(scene, everything, scene.views[0], 50, 30, truth);
+    // The first round makes the files, the second finds them.
+    for (int round = 0; round < 2; ++round) {
+      FrameStore frames(scene, folder.path);
+      const FrameKey key{scene.views[0], 50, 30, truth};
+      EXPECT_TRUE(same(frames.gbuffer(key), fresh));
+      EXPECT_TRUE(same(map_gbuffer(frames.gbuffer_file(key), key), fresh));
+      for (const Light& light : scene.lights) {
+        std::vector<float> mask(fresh.size());
+        trace_shadows(casters, scene, fresh, light, mask);
+        const std::vector<PixelClass> classes = classify(scene, casters, fresh, light, mask);
+        const Reference reference = frames.reference(key, light);
+        EXPECT_TRUE(std::ranges::equal(reference.mask, mask));
+        EXPECT_TRUE(std::ranges::equal(reference.classes, classes));
+        EXPECT_GT(std::ranges::count(mask, 0.0f), 20);
+      }
+    }
+  }
+  EXPECT_EQ(file_names(folder.path).size(), 6u) << "a G-buffer and two references for each truth";
+}
+
+TEST(frame, whatever_changes_the_answer_has_a_file_of_its_own) {
+  const Folder folder;
+  Scene scene = ball_over_ground();
+  const FrameKey key{scene.views[0], 20, 10, Truth::shape};
+  std::set<fs::path> files;
+  const auto is_new = [&](const Scene& s, const FrameKey& k) {
+    return files.insert(FrameStore(s, folder.path).gbuffer_file(k)).second;
+  };
+  EXPECT_TRUE(is_new(scene, key));
+  EXPECT_FALSE(is_new(scene, key));
+  EXPECT_FALSE(is_new(ball_over_ground(), key)) << "an equal scene has an equal file";
+  EXPECT_TRUE(is_new(scene, {scene.views[1], 20, 10, Truth::shape}));
+  EXPECT_TRUE(is_new(scene, {scene.views[0], 10, 20, Truth::shape}));
+  EXPECT_TRUE(is_new(scene, {scene.views[0], 20, 10, Truth::mesh}));
+  scene.meshes[1].positions[0].x += 0.001f;
+  EXPECT_TRUE(is_new(scene, key));
+  // References: one file a light.
+  FrameStore frames(scene, folder.path);
+  const auto count = [&] { return file_names(folder.path).size(); };
+  const std::size_t before = count();
+  Light light = scene.lights[0];
+  frames.reference(key, light);
+  frames.reference(key, light);
+  EXPECT_EQ(count(), before + 1);
+  std::get<PointLight>(light.kind).position.x += 1;
+  frames.reference(key, light);
+  frames.reference({scene.views[0], 20, 10, Truth::mesh}, light);
+  EXPECT_EQ(count(), before + 4) << "the last also needs its G-buffer";
+}
+
+TEST(frame, a_file_of_the_wrong_size_is_made_again) {
+  const Folder folder;
+  const Scene scene = ball_over_ground();
+  const FrameKey key{scene.views[0], 20, 10, Truth::shape};
+  FrameStore frames(scene, folder.path);
+  frames.reference(key, scene.lights[0]);
+  frames.scene_file();
+  const std::set<std::string> names = file_names(folder.path);
+  ASSERT_EQ(names.size(), 3u);
+  std::map<std::string, std::string> whole;
+  for (const std::string& name : names) whole[name] = content(folder.path / name);
+  for (const std::size_t left : {0, 1, 799, 100000}) {
+    for (const std::string& name : names) fs::resize_file(folder.path / name, left);
+    FrameStore again(scene, folder.path);
+    again.gbuffer(key);
+    again.reference(key, scene.lights[0]);
+    again.scene_file();
+    EXPECT_EQ(file_names(folder.path), names);
+    for (const std::string& name : names) EXPECT_TRUE(content(folder.path / name) == whole[name]) << name << ' ' << left;
+  }
+}
+
+TEST(frame, a_gbuffer_file_that_is_too_short_is_an_error_for_who_only_maps_it) {
+  const Folder folder;
+  std::ofstream(folder.path / "short") << "1234";
+  EXPECT_THROW(map_gbuffer(folder.path / "short", {View{}, 20, 10, Truth::shape}), Error);
+}
+
+TEST(frame, processes_that_make_the_same_frames_at_once_do_not_disturb_each_other) {
+  const char* program = std::getenv("GNOMON_PROGRAM");
+  if (!program) GTEST_SKIP() << "GNOMON_PROGRAM names no program; ctest sets it";
+  const Folder folder;
+  const fs::path cache = folder.path / "cache";
+  std::vector<FILE*> running;
+  for (int k = 0; k < 4; ++k) {
+    const std::string command =
+        fmt::format("GNOMON_CACHE='{}' '{}' render --scene contact --technique unshadowed --size 64x36 --out '{}' 2>&1",
+                    cache.string(), program, (folder.path / fmt::format("out_{}", k)).string());
+    running.push_back(popen(command.c_str(), "r"));
+    ASSERT_TRUE(running.back());
+  }
+  for (FILE* pipe : running) {
+    std::string said;
+    for (int c; (c = std::fgetc(pipe)) != EOF;) said += static_cast<char>(c);
+    EXPECT_EQ(pclose(pipe), 0) << said;
+  }
+  // What they left is what one process makes alone, with no temporary file beside it.
+  const Scene scene = load_scene("contact");
+  FrameStore alone(scene, folder.path / "alone");
+  const FrameKey key{scene.views[0], 64, 36, Truth::shape};
+  for (const Light& light : scene.lights) alone.reference(key, light);
+  alone.scene_file();
+  const std::set<std::string> made = file_names(cache / "frames");
+  for (const std::string& name : file_names(folder.path / "alone")) {
+    EXPECT_TRUE(made.contains(name)) << name;
+    EXPECT_TRUE(content(cache / "frames" / name) == content(folder.path / "alone" / name)) << name;
+  }
+  for (const std::string& name : made) EXPECT_FALSE(name.ends_with(".part")) << name;
+}
+
+}  // namespace

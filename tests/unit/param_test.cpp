@@ -1,0 +1,132 @@
+#include <gnomon/param.h>
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <cmath>
+
+namespace {
+
+using namespace gnomon;
+
+struct Rows : Parametrized {
+  Number<int> size{this, "size", 8, {.unit = "texel", .min = 2, .max = 64, .log = true}, Stage::relight, "Side."};
+  Number<double> bias{this, "bias", 0.5, {.unit = "m", .min = -1, .max = 1e6}, Stage::resolve, "Bias."};
+  Choice mode{this, "mode", "slope", {"constant", "slope", "none"}, Stage::resolve, "Kind of bias."};
+  Flag fast{this, "fast", false, Stage::setup, "Whether to hurry."};
+  Rows() { set_id("rows"); }
+};
+
+/// The text of the Error that `work` throws; empty when it throws none.
+template <class Work>
+std::string complaint(Work work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+std::string refused(std::string_view settings) {
+  Rows rows;
+  return complaint([&] { rows.apply(settings); });
+}
+
+TEST(param, rows_register_themselves_in_order_of_declaration) {
+  const Rows rows;
+  std::vector<std::string> names, allowed;
+  for (const Parameter* row : rows.parameters()) {
+    names.emplace_back(row->name());
+    allowed.push_back(row->allowed());
+    EXPECT_EQ(row->text(), row->default_text()) << row->name();
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"size", "bias", "mode", "fast"}));
+  EXPECT_EQ(allowed, (std::vector<std::string>{"2 .. 64 texel", "-1 .. 1000000 m", "constant | slope | none", "true | false"}));
+  EXPECT_EQ(rows.parameter("fast").spoils(), Stage::setup);
+}
+
+TEST(param, values_outside_their_range_are_refused_with_what_value_and_range) {
+  EXPECT_EQ(refused("size=1"), "rows.size = 1 is outside 2 .. 64 texel");
+  EXPECT_EQ(refused("size=65"), "rows.size = 65 is outside 2 .. 64 texel");
+  EXPECT_EQ(refused("bias=-1.001"), "rows.bias = -1.001 is outside -1 .. 1000000 m");
+  EXPECT_EQ(refused("mode=slop"), "rows.mode = slop is outside constant | slope | none");
+  EXPECT_EQ(refused("fast=1"), "rows.fast = 1 is outside true | false");
+  EXPECT_EQ(refused("size="), "rows.size = (nothing) is outside 2 .. 64 texel");
+}
+
+TEST(param, what_is_no_number_is_refused_whole) {
+  for (const char* text : {"8.0", "8x", " 8", "8 ", "+8", "0x10", "99999999999999999999", "eight", "-"})
+    EXPECT_EQ(refused(std::string("size=") + text), fmt::format("rows.size = {} is outside 2 .. 64 texel", text));
+  for (const char* text : {"nan", "inf", "1e400", "0.5m", "0,5"}) EXPECT_NE(refused(std::string("bias=") + text), "") << text;
+}
+
+TEST(param, both_ends_of_a_range_are_allowed_and_are_the_probes) {
+  Rows rows;
+  for (Parameter* row : rows.parameters())
+    for (const std::string& probe : row->probes()) {
+      row->set(probe);
+      EXPECT_EQ(row->text(), probe) << row->name();
+    }
+  EXPECT_EQ(rows.parameter("size").probes(), (std::vector<std::string>{"2", "64"}));
+  EXPECT_EQ(rows.parameter("mode").probes().size(), 3u);
+}
+
+TEST(param, a_refused_value_leaves_the_old_one) {
+  Rows rows;
+  rows.apply("size=16,bias=0.25,mode=none,fast=true");
+  for (const char* bad : {"size=1", "bias=nan", "mode=x", "fast=maybe"}) EXPECT_THROW(rows.apply(bad), Error) << bad;
+  EXPECT_EQ(rows.settings(), "size=16,bias=0.25,mode=none,fast=true");
+}
+
+TEST(param, unknown_repeated_and_shapeless_settings_are_errors) {
+  EXPECT_EQ(refused("sise=4"), "rows has no parameter sise; did you mean size? It has: size, bias, mode, fast");
+  EXPECT_EQ(refused("size=4,size=4"), "rows.size is given twice");
+  EXPECT_EQ(refused("size"), "rows: 'size' is not of the form parameter=value");
+  EXPECT_EQ(refused("size=4,,fast=true"), "rows: '' is not of the form parameter=value");
+  Parametrized bare;
+  bare.set_id("bare");
+  EXPECT_EQ(complaint([&] { bare.apply("size=4"); }), "bare has no parameter size; it has none at all");
+}
+
+TEST(param, settings_are_canonical) {
+  // Only what differs from the defaults, in order of declaration, each number in its shortest form.
+  Rows rows;
+  EXPECT_EQ(rows.settings(), "");
+  rows.apply("");
+  EXPECT_EQ(rows.settings(), "");
+  rows.apply("fast=true,mode=slope,bias=1.50,size=8");
+  EXPECT_EQ(rows.settings(), "bias=1.5,fast=true");
+  rows.apply("bias=0.500,fast=false");
+  EXPECT_EQ(rows.settings(), "");
+}
+
+RC_GTEST_PROP(param, settings_applied_to_a_fresh_object_give_the_same_object, ()) {
+  Rows rows, fresh;
+  rows.size.set(std::to_string(*rc::gen::inRange(2, 65)));
+  rows.bias.set(fmt::format("{}", *rc::gen::inRange(-1000, 1000000000) / 1000.0));
+  rows.mode.set(*rc::gen::elementOf(rows.mode.probes()));
+  rows.fast.set(*rc::gen::elementOf(rows.fast.probes()));
+  fresh.apply(rows.settings());
+  RC_ASSERT(fresh.settings() == rows.settings());
+  RC_ASSERT(fresh.bias.value() == rows.bias.value());
+  RC_ASSERT(fresh.size.value() == rows.size.value());
+  RC_ASSERT(fresh.mode.index() == rows.mode.index());
+  RC_ASSERT(bool(fresh.fast) == bool(rows.fast));
+}
+
+TEST(param, nearest_word_counts_insertions_deletions_and_substitutions) {
+  const std::vector<std::string> words{"resolution", "depth_bias", "filter"};
+  EXPECT_EQ(nearest_word("resolutoin", words), "resolution");
+  EXPECT_EQ(nearest_word("depthbias", words), "depth_bias");
+  EXPECT_EQ(nearest_word("filtre", words), "filter");
+  EXPECT_EQ(nearest_word("anything", {}), "");
+  EXPECT_EQ(nearest_word("ab", std::vector<std::string>{"cb", "ac"}), "cb");  // a tie goes to the first
+}
+
+RC_GTEST_PROP(param, a_word_of_the_list_is_nearest_to_itself, ()) {
+  const auto letters = rc::gen::container<std::string>(rc::gen::inRange('a', 'd'));
+  const auto words = *rc::gen::nonEmpty(rc::gen::container<std::vector<std::string>>(letters));
+  const std::string word = *rc::gen::elementOf(words);
+  RC_ASSERT(nearest_word(word, words) == word);
+}
+
+}  // namespace

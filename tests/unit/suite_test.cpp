@@ -1,0 +1,156 @@
+#include "measure/suite.h"
+
+#include <gnomon/error.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "measure/jobs.h"
+
+namespace {
+
+using namespace gnomon;
+
+std::vector<std::string> names(const std::string& text) {
+  std::vector<std::string> result;
+  for (const Contender& contender : parse_contenders(text)) result.push_back(contender.name());
+  return result;
+}
+
+template <class Work>
+std::string complaint(Work work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+std::string refused(const std::string& text) {
+  return complaint([&] { parse_contenders(text); });
+}
+
+/// A suite file that is there as long as the object.
+struct File {
+  std::filesystem::path path = std::filesystem::temp_directory_path() / fmt::format("gnomon_suite_{}.toml", getpid());
+  explicit File(const std::string& text) { std::ofstream(path) << text; }
+  ~File() { std::filesystem::remove(path); }
+};
+/// The error of reading a suite of this text, with FILE for its path.
+std::string trouble(const std::string& text) {
+  const File file(text);
+  std::string what = complaint([&] { read_suite(file.path); });
+  for (std::size_t at; (at = what.find(file.path.string())) != std::string::npos;)
+    what.replace(at, file.path.string().size(), "FILE");
+  return what;
+}
+const std::string group = "[[group]]\nscenes = [\"contact\"]\ntechniques = [\"unshadowed\"]\n";
+
+TEST(contenders, settings_come_out_canonical) {
+  EXPECT_EQ(names("unshadowed"), std::vector<std::string>{"unshadowed"});
+  EXPECT_EQ(names("shadow_map:resolution=0512"), std::vector<std::string>{"shadow_map:resolution=512"});
+  EXPECT_EQ(names("shadow_map:filter=pcf,resolution=512"), names("shadow_map:resolution=512,filter=pcf"));
+  EXPECT_EQ(names("shadow_map:resolution=1024"), std::vector<std::string>{"shadow_map"}) << "1024 is the default";
+}
+
+TEST(contenders, a_brace_list_is_a_sweep_and_two_are_their_product) {
+  EXPECT_EQ(names("shadow_map:resolution={256,512,2048}"),
+            (std::vector<std::string>{"shadow_map:resolution=256", "shadow_map:resolution=512", "shadow_map:resolution=2048"}));
+  EXPECT_EQ(names("shadow_map:resolution={256,512},filter={pcf}"),
+            (std::vector<std::string>{"shadow_map:resolution=256,filter=pcf", "shadow_map:resolution=512,filter=pcf"}));
+  EXPECT_EQ(names("shadow_map:resolution={256,512},depth_bias={0,1,2}").size(), 6u);
+  EXPECT_EQ(names("{unshadowed,embree_rays}"), (std::vector<std::string>{"unshadowed", "embree_rays"}));
+}
+
+TEST(contenders, a_label_belongs_to_one_contender_not_to_a_sweep) {
+  EXPECT_EQ(parse_contenders("shadow_map:resolution=256", "coarse")[0].label, "coarse");
+  for (const Contender& contender : parse_contenders("shadow_map:resolution={256,512}", "coarse"))
+    EXPECT_EQ(contender.label, "");
+}
+
+TEST(contenders, what_cannot_be_is_refused) {
+  EXPECT_EQ(refused("shadow_map:resolution={256"), "'shadow_map:resolution={256' opens a brace that it does not close");
+  EXPECT_EQ(refused("shadow_map:resolution=256}"), "'shadow_map:resolution=256}' closes a brace that it does not open");
+  EXPECT_EQ(refused("shadow_map:resolution={256,1}"), "shadow_map.resolution = 1 is outside 64 .. 8192 texel");
+  EXPECT_EQ(refused("shadow_map:resolution={}"), "shadow_map.resolution = (nothing) is outside 64 .. 8192 texel");
+  EXPECT_NE(refused("shadow_mop").find("did you mean shadow_map?"), std::string::npos) << refused("shadow_mop");
+  EXPECT_NE(refused("").find("There are: "), std::string::npos) << refused("");
+}
+
+TEST(suite, a_file_without_extras_has_the_documented_defaults) {
+  const File file(group);
+  const Suite suite = read_suite(file.path);
+  EXPECT_EQ(suite.name, file.path.stem().string());
+  EXPECT_EQ(suite.width, 640);
+  EXPECT_EQ(suite.height, 360);
+  EXPECT_EQ(suite.truth, Truth::shape);
+  EXPECT_EQ(suite.processes, 5);
+  EXPECT_EQ(suite.repetitions, 3);
+  EXPECT_EQ(suite.warmups, 3);
+  EXPECT_EQ(suite.timeout, 60);
+  ASSERT_EQ(suite.groups.size(), 1u);
+  EXPECT_TRUE(suite.groups[0].lights.empty() && suite.groups[0].views.empty());
+}
+
+TEST(suite, every_key_is_read) {
+  const File file(
+      "title = 'T'\nwidth = 32\nheight = 16\ntruth = 'mesh'\nprocesses = 2\nrepetitions = 4\nwarmups = 1\ntimeout = 1.5\n"
+      "[[group]]\nscenes = ['contact', 'fence']\nlights = 'sun'\nviews = ['view']\n"
+      "techniques = ['unshadowed', { use = 'shadow_map:filter=pcf', label = 'soft' }, 'shadow_map:resolution={256,512}']\n");
+  const Suite suite = read_suite(file.path);
+  EXPECT_EQ(suite.title, "T");
+  EXPECT_EQ(std::pair(suite.width, suite.height), std::pair(32, 16));
+  EXPECT_EQ(suite.truth, Truth::mesh);
+  EXPECT_EQ(std::tuple(suite.processes, suite.repetitions, suite.warmups, suite.timeout), std::tuple(2, 4, 1, 1.5));
+  const SuiteGroup& read = suite.groups.at(0);
+  EXPECT_EQ(read.lights, std::vector<std::string>{"sun"});
+  ASSERT_EQ(read.contenders.size(), 4u);
+  EXPECT_EQ(read.contenders[1].label, "soft");
+  // Two scenes, one light, one view, four contenders.
+  SceneLibrary library;
+  EXPECT_EQ(expand_jobs(suite, library).size(), 8u);
+}
+
+TEST(suite, errors_say_what_and_end_in_file_and_line) {
+  EXPECT_EQ(trouble("title = 'T'\nwidht = 3\n" + group).substr(0, 51), "suite has no key 'widht'; did you mean 'width'? It ");
+  const auto ends_in = [](const std::string& text, const std::string& tail) {
+    const std::string what = trouble(text);
+    EXPECT_TRUE(what.ends_with(tail)) << what;
+  };
+  ends_in("title = 'T'\nwidht = 3\n" + group, "(FILE:2)");
+  ends_in("width = 0\n" + group, "suite.width = 0 is not within 1 .. 16384 (FILE:1)");
+  ends_in("\nheight = 1.5\n" + group, "suite.height = a number is not a whole number of 1 .. 16384 (FILE:2)");
+  ends_in("truth = 'sphere'\n" + group, "suite.truth = sphere is not shape or mesh (FILE:1)");
+  ends_in("timeout = 0\n" + group, "suite.timeout = 0 is not a number above 0 (FILE:1)");
+  ends_in("group = 3\n", "suite.group = a number is not an array of tables: write [[group]] (FILE:1)");
+  ends_in(group + "scene = 3\n", "(FILE:4)");
+  ends_in("[[group]]\nscenes = []\ntechniques = ['unshadowed']\n", "group.scenes is empty (FILE:1)");
+  ends_in("[[group]]\nscenes = ['contact', 3]\ntechniques = ['unshadowed']\n", "a text or an array of texts (FILE:2)");
+  ends_in("[[group]]\nscenes = 'contact'\n", "group.techniques is not an array with something in it (FILE:1)");
+  ends_in("[[group]]\nscenes = 'contact'\ntechniques = [\n'unshadowed',\n'shadow_map:resolution=1']\n",
+          "shadow_map.resolution = 1 is outside 64 .. 8192 texel (FILE:5)");
+  ends_in("[[group]]\nscenes = 'contact'\ntechniques = [{ use = 'unshadowed', lable = 'x' }]\n", "(FILE:3)");
+  ends_in("width = 3\n", "suite FILE has no [[group]]");
+  EXPECT_EQ(trouble("width = 3\nheight = \n" + group).substr(0, 7), "FILE:2:");
+}
+
+TEST(suite, an_unknown_name_shows_what_there_is) {
+  const std::string what = complaint([] { read_suite("quik"); });
+  EXPECT_NE(what.find("did you mean quick?"), std::string::npos) << what;
+  EXPECT_EQ(complaint([] { read_suite("/nowhere/at_all.toml"); }), "suite /nowhere/at_all.toml is not a file");
+}
+
+TEST(suite, the_suites_that_ship_can_be_read) {
+  EXPECT_FALSE(suite_names().empty());
+  for (const std::string& name : suite_names()) EXPECT_NO_THROW(read_suite(name)) << name;
+}
+
+TEST(suite, a_light_that_the_scene_lacks_is_an_error) {
+  const File file("[[group]]\nscenes = 'contact'\nlights = 'sum'\ntechniques = ['unshadowed']\n");
+  SceneLibrary library;
+  EXPECT_EQ(complaint([&] { expand_jobs(read_suite(file.path), library); }),
+            "scene contact has no light sum; did you mean sun? It has: point, sun");
+}
+
+}  // namespace
