@@ -46,8 +46,9 @@ class Shaker {
       triangle[k] = gbuffer_.triangle[indices[k]];
     }
     const std::uint32_t all = (1u << count) - 1;
-    // Eight shifts: the point along its two tangents and the light across the ray, both ways.
-    for (int shift = 0; shift < 8 && changed != all; ++shift) {
+    // Nine shifts: the point along its two tangents and the light across the ray, both ways; and the point without the lift
+    // of the ray recipe, because its rounding may have put it below a neighbor of its own triangle.
+    for (int shift = 0; shift < 9 && changed != all; ++shift) {
       ShadowPacket packet;
       for (int k = 0; k < 16; ++k) aim(packet, k, indices[std::min(k, count - 1)], shift);
       changed |= casters_.occluded(all, packet, {mesh, triangle}) ^ (all & ~lit);
@@ -58,13 +59,13 @@ class Shaker {
  private:
   void aim(ShadowPacket& packet, int k, std::size_t i, int shift) const {
     const glm::dvec3 p = gbuffer_.position(i), n = gbuffer_.normal(i);
-    glm::dvec3 origin = p + ray_offset(gbuffer_.position(i)) * n;
+    glm::dvec3 origin = shift == 8 ? p : p + ray_offset(gbuffer_.position(i)) * n;
     glm::dvec3 light(light_);
     const double largest = light_.w != 0 ? std::max({std::abs(light.x), std::abs(light.y), std::abs(light.z), extent_}) : extent_;
     const double rho = 16 * 0x1p-24 * largest, sign = shift & 1 ? 1 : -1;
     if (shift < 4) {
       origin += sign * rho * tangents(n)[shift / 2];
-    } else {
+    } else if (shift < 8) {
       // A directional light turns by rho / extent radians.
       const glm::dvec3 toward = to_light(light_, p);
       const double step = light_.w != 0 ? rho : rho / extent_ * glm::length(toward);

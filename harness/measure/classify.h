@@ -14,7 +14,8 @@ enum class PixelClass : std::uint8_t {
   F,  ///< faces away from the light, outside the spot cone, or on a mesh that does not receive
   G,  ///< grazing: 0 < N.l < 0.035 (2 degrees)
   S,  ///< primary silhouette: an 8-neighbor is background or another mesh more than 2 % of the distance nearer or farther
-  U,  ///< uncertain: the reference changes when the point or the light moves by 16 * 2^-24 * max(|P|, |L|, extent)
+  U,  ///< uncertain: the reference changes when the point or the light moves by 16 * 2^-24 * max(|P|, |L|, extent), or when
+      ///< the ray starts at the point itself instead of a ray offset above it
   T,  ///< tested
 };
 inline constexpr std::array<std::string_view, 6> class_names = {"B", "F", "G", "S", "U", "T"};

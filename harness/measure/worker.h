@@ -48,8 +48,7 @@ class Worker {
 
 /// The worker's own side: answers requests on `socket` until it closes. Requests:
 ///   {"do": "open", "scene": FILE, "technique": ID, "settings": "a=1"}       -> {"gl": {...} or null}
-///   {"do": "frame", "gbuffer": FILE, "view": K, "width", "height", "truth", "light": K} -> {"support", "why", "upload_ms",
-///   ...}
+///   {"do": "frame", "gbuffer": FILE, "view": K, "width", "height", "truth", "light": K} -> {"support", "why", ...}
 ///   {"do": "setup"}                                                         -> {"ms": t}
 ///   {"do": "time", "stage": NAME}                                           -> {"ms": t}   earlier stages brought up untimed
 ///   {"do": "bring_up", "stage": NAME}                                       -> {}          all stages up to this one, once

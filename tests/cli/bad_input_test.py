@@ -33,7 +33,8 @@ class Words(ProgramTest):
         ]:
             with self.subTest(" ".join(arguments)):
                 self.refuse(*arguments, says=says)
-        self.refuse_run("--scene", "single_triangl", "--technique", "unshadowed", says=["single_triangl ", "did you mean single_triangle?"])
+        self.refuse_run("--scene", "single_triangl", "--technique", "unshadowed",
+                        says=["single_triangl ", "did you mean single_triangle?"])
         self.refuse_run("--scene", "soup:cout=5", "--technique", "unshadowed", says=["cout", "did you mean count?", "seed"])
         self.refuse_run("--scene", "soup", "--technique", "shadow_mop", says=["shadow_mop", "did you mean shadow_map?"])
         self.refuse_run("--scene", "soup", "--technique", "shadow_map:filtr=pcf", says=["filtr", "did you mean filter?"])
@@ -58,8 +59,8 @@ class Words(ProgramTest):
         for size in ("0x0", "100000x100000", "12", "axb", "12x", "-4x4", "4x4x4"):
             self.refuse_run(*ANY, "--size", size, says=[f"--size {size}", "1 .. 16384"])
         for command in ("render", "certify"):
-            self.refuse(command, *(ANY if command == "render" else ANY[:2]), "--size", "0x5", *(["--out", "out"] if command == "render" else []),
-                        says=["--size 0x5", "1 .. 16384"])
+            rest = [*ANY[2:], "--out", "out"] if command == "render" else []
+            self.refuse(command, *ANY[:2], *rest, "--size", "0x5", says=["--size 0x5", "1 .. 16384"])
 
     def test_numbers_of_threads_repetitions_shards_and_seconds(self):
         self.refuse_run(*ANY, "--threads", "10000", says=["--threads 10000", "cores"])
@@ -147,9 +148,11 @@ class Files(ProgramTest):
     def test_descriptions_name_file_line_and_the_nearest_key(self):
         light, view = '[[light]]\nname = "l"\n', '[[view]]\nname = "v"\n'  # lines 8, 9 and on: the floor takes 1 .. 5
         for name, text, says in [
-            ("key.toml", scene_toml(light + 'kind = "point"\npositon = [0, 1, 0]\n'), ["positon", "did you mean 'position'?", "key.toml:10"]),
+            ("key.toml", scene_toml(light + 'kind = "point"\npositon = [0, 1, 0]\n'),
+             ["positon", "did you mean 'position'?", "key.toml:10"]),
             ("kind.toml", scene_toml(light + 'kind = "pint"\n'), ["pint", "did you mean point?", "kind.toml:9"]),
-            ("zero.toml", scene_toml(light + 'kind = "disc"\ncenter = [0, 1, 0]\nnormal = [0, 1, 0]\nradius = 0\n'), ["radius = 0", "zero.toml:12"]),
+            ("zero.toml", scene_toml(light + 'kind = "disc"\ncenter = [0, 1, 0]\nnormal = [0, 1, 0]\nradius = 0\n'),
+             ["radius = 0", "zero.toml:12"]),
             ("area.toml", scene_toml(light + 'kind = "rect"\ncenter = [0, 1, 0]\nhalf_u = [1, 0, 0]\nhalf_v = [2, 0, 0]\n'),
              ["half_u and half_v", "area.toml:7"]),
             ("eye.toml", scene_toml("", view + "eye = [1, 1, 0]\ntarget = [1, 1, 0]\n"), ["eye = target = (1, 1, 0)", "eye.toml:8"]),

@@ -35,7 +35,8 @@ class Defined(ProgramTest):
         return {(r["light"], r["technique"]): r for r in rows}
 
     def test_lights_inside_geometry_on_a_receiver_and_on_a_vertex(self):
-        lights = point("inside", [0, 1, 0]) + point("on_floor", [3, 0, 2]) + point("on_vertex", [1, 1.5, 1]) + point("below", [0, -2, 0])
+        lights = (point("inside", [0, 1, 0]) + point("on_floor", [3, 0, 2]) + point("on_vertex", [1, 1.5, 1])
+                  + point("below", [0, -2, 0]))
         rows = self.run_all("lights", scene_toml(lights, VIEW, FLOOR + BOX))
         for light in ("inside", "on_floor", "on_vertex", "below"):
             # Wherever the light is, the reference and the exact oracle agree about the pixels that can be decided.

@@ -25,11 +25,11 @@ class Faults(ProgramTest):
     def test_each_fault_costs_its_own_rows_and_says_what_happened(self):
         self.environment["GNOMON_TEST"] = str(self.dir)
         # Sound and faulty ones take turns, so that a fault could hit a neighbor.
-        techniques = [name for pair in zip(REASONS, SOUND * 3) for name in dict.fromkeys(pair)]
-        techniques = list(dict.fromkeys(techniques))
+        techniques = list(dict.fromkeys(name for pair in zip(REASONS, SOUND * 3) for name in pair))
         arguments = [word for name in techniques for word in ("--technique", name)]
         arguments += [word for scene in SCENES for word in ("--scene", scene)]
-        text = self.succeed("--plugin", FAULTS, "run", *arguments, "--light", "point", *SMALL, "--timeout", "2", "--out", "out", status=1)
+        text = self.succeed("--plugin", FAULTS, "run", *arguments, "--light", "point", *SMALL, "--timeout", "2", "--out", "out",
+                            status=1)
         rows = {(r["scene"], r["technique"]): r for r in records(self.dir / "out")}
         self.assertEqual(set(rows), {(scene, name) for scene in SCENES for name in [*REASONS, *SOUND]})
         for (scene, name), row in rows.items():

@@ -57,7 +57,7 @@ class Suites(ProgramTest):
                 unsupported.append(row)
                 continue
             place = (row["scene"], row["light"])
-            default = next(r for r in rows if (r["scene"], r["light"]) == place and (r["technique"], r["settings"]) == ("shadow_map", ""))
+            default = next(r for r in rows if (r["scene"], r["light"], r["technique"], r["settings"]) == (*place, "shadow_map", ""))
             error, usual = row["metrics"]["shape"], default["metrics"]["shape"]
             texels = re.search(r"depth_bias=(\d+)", row["settings"])
             if texels and texels[1] == "0":
@@ -66,7 +66,7 @@ class Suites(ProgramTest):
             elif texels and error["false_lit_rate"] > max(0.002, 2 * usual["false_lit_rate"]):
                 if error["false_dark_rate"] <= usual["false_dark_rate"]:
                     panning.append(row)
-        rates = [(r["scene"], r["light"], r["settings"], r["metrics"]["shape"]["false_dark_rate"], r["metrics"]["shape"]["false_lit_rate"])
+        rates = [(r["scene"], r["light"], r["settings"], *(r["metrics"]["shape"][f"false_{kind}_rate"] for kind in ("dark", "lit")))
                  for r in rows if r["status"] == "ok"]
         self.assertTrue(acne, rates)
         self.assertTrue(panning, rates)

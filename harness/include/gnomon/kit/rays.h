@@ -18,8 +18,9 @@ struct alignas(64) ShadowPacket {
 
 /// The receivers of a packet: a hit on a ray's own receiver is no hit.
 struct Receivers {
-  const std::uint32_t* mesh;      ///< 16 mesh indices
-  const std::uint32_t* triangle;  ///< 16 triangle indices; ignored on exact curved shapes, which are excluded whole
+  const std::uint32_t* mesh;  ///< 16 mesh indices
+  const std::uint32_t*
+      triangle;  ///< 16 triangle indices; ignored on exact curved shapes, excluded whole unless the ray starts inside
 };
 
 /// A scene in Embree, traced by the measured ray recipe (docs/method.md): robust mode; the receiver's own triangle is excluded
