@@ -179,16 +179,20 @@ ReceiverPlanes find_receiver_planes(const Scene& scene, double min_share) {
   const double least_area = min_share * result.receiving_area;
   double sliver_area = 0;
   for (const Face& face : faces) {
-    if (is_sliver(face)) sliver_area += face.area;
-    else sieve.add(face.plane, face.area);
+    if (is_sliver(face))
+      sliver_area += face.area;
+    else
+      sieve.add(face.plane, face.area);
   }
   sieve.sift(least_area, sliver_area);
   std::erase_if(faces, [&](const Face& face) { return !is_sliver(face) && !sieve.keeps(face.plane); });
   std::ranges::stable_sort(faces, [](const Face& a, const Face& b) { return a.area > b.area; });
   std::vector<std::uint32_t> slivers;
   for (std::uint32_t i = 0; i < faces.size(); ++i) {
-    if (is_sliver(faces[i])) slivers.push_back(i);
-    else cells.add(faces[i].plane, i);
+    if (is_sliver(faces[i]))
+      slivers.push_back(i);
+    else
+      cells.add(faces[i].plane, i);
   }
 
   std::vector<bool> taken(faces.size()), near(faces.size());

@@ -192,8 +192,10 @@ void write_file(const std::filesystem::path& path, std::span<const std::byte> by
   int failure = 0;
   while (!bytes.empty() && failure == 0) {
     const ssize_t written = ::write(file, bytes.data(), bytes.size());
-    if (written >= 0) bytes = bytes.subspan(static_cast<std::size_t>(written));
-    else if (errno != EINTR) failure = errno;
+    if (written >= 0)
+      bytes = bytes.subspan(static_cast<std::size_t>(written));
+    else if (errno != EINTR)
+      failure = errno;
   }
   if (close(file) != 0 && failure == 0) failure = errno;
   if (failure == 0 && std::rename(temporary.c_str(), path.c_str()) != 0) failure = errno;

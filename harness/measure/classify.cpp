@@ -61,7 +61,8 @@ class Shaker {
     const glm::dvec3 p = gbuffer_.position(i), n = gbuffer_.normal(i);
     glm::dvec3 origin = shift == 8 ? p : p + ray_offset(gbuffer_.position(i)) * n;
     glm::dvec3 light(light_);
-    const double largest = light_.w != 0 ? std::max({std::abs(light.x), std::abs(light.y), std::abs(light.z), extent_}) : extent_;
+    const double largest =
+        light_.w != 0 ? std::max({std::abs(light.x), std::abs(light.y), std::abs(light.z), extent_}) : extent_;
     const double rho = 16 * 0x1p-24 * largest, sign = shift & 1 ? 1 : -1;
     if (shift < 4) {
       origin += sign * rho * tangents(n)[shift / 2];

@@ -10,8 +10,7 @@ namespace {
 struct Arrays {
   std::vector<float> px, py, pz, nx, ny, nz;
   std::vector<std::uint32_t> mesh, triangle;
-  explicit Arrays(std::size_t n)
-      : px(n), py(n), pz(n), nx(n), ny(n), nz(n), mesh(n, no_mesh), triangle(n) {}
+  explicit Arrays(std::size_t n) : px(n), py(n), pz(n), nx(n), ny(n), nz(n), mesh(n, no_mesh), triangle(n) {}
 };
 
 /// The surface where the pixel's ray meets it: position and unit normal, either way round.

@@ -26,11 +26,11 @@ struct Evidence {
 
 /// Pixels of one mask counted once, for all metrics.
 struct Tally {
-  std::size_t tested = 0, facing = 0;                ///< |T|, |T+G+S+U|
-  std::size_t wrong = 0, wrong_facing = 0;           ///< wrong in T, wrong in T+G+S+U
-  std::size_t false_dark = 0, false_lit = 0;         ///< of the wrong in T
-  std::size_t beyond_coverage = 0;                   ///< of the wrong in T, not covered by the technique
-  double error_sum = 0;                              ///< sum over T of |mask - reference|
+  std::size_t tested = 0, facing = 0;                         ///< |T|, |T+G+S+U|
+  std::size_t wrong = 0, wrong_facing = 0;                    ///< wrong in T, wrong in T+G+S+U
+  std::size_t false_dark = 0, false_lit = 0;                  ///< of the wrong in T
+  std::size_t beyond_coverage = 0;                            ///< of the wrong in T, not covered by the technique
+  double error_sum = 0;                                       ///< sum over T of |mask - reference|
   std::optional<double> displacement_mean, displacement_p95;  ///< pixels; none when a boundary is missing on one side
 };
 Tally tally(const Evidence& evidence);
@@ -51,6 +51,7 @@ std::vector<Verdict> verdicts(const Evidence& evidence);
 std::vector<float> distance_transform(std::span<const std::uint8_t> marked, int width, int height);
 
 /// Marks the pixels facing the light that have a 4-neighbor facing the light on the other side of one half.
-std::vector<std::uint8_t> shadow_boundary(std::span<const float> mask, std::span<const PixelClass> classes, int width, int height);
+std::vector<std::uint8_t> shadow_boundary(std::span<const float> mask, std::span<const PixelClass> classes, int width,
+                                          int height);
 
 }  // namespace gnomon

@@ -12,7 +12,9 @@ namespace fs = std::filesystem;
 fs::path program_path() { return fs::read_symlink("/proc/self/exe"); }
 
 fs::path data_root() {
-  const auto complete = [](const fs::path& p) { return fs::is_directory(p / "scenes") && fs::is_directory(p / "bench/suites"); };
+  const auto complete = [](const fs::path& p) {
+    return fs::is_directory(p / "scenes") && fs::is_directory(p / "bench/suites");
+  };
   if (const char* root = std::getenv("GNOMON_ROOT")) {
     if (complete(root)) return root;
     throw Error("GNOMON_ROOT = {} has no scenes/ and bench/suites/", root);

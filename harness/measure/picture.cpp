@@ -1,13 +1,13 @@
 #include "measure/picture.h"
 
-#include <OpenImageIO/imagebufalgo.h>
-#include <OpenImageIO/imageio.h>
 #include <gnomon/error.h>
-#include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "measure/blob.h"
+#include "measure/image_files.h"
 
 namespace gnomon {
 
@@ -43,28 +43,6 @@ struct Kind {
 constexpr Kind kinds[] = {{Verdict::false_dark, {213, 94, 0}, "false dark"},
                           {Verdict::false_lit, {86, 180, 233}, "false lit"},
                           {Verdict::beyond_coverage, {204, 121, 167}, "beyond coverage"}};
-
-/// An image file under a temporary name that becomes the real one only when it is whole.
-void write_image(const fs::path& path, OIIO::ImageSpec spec, OIIO::TypeDesc type, const void* pixels) {
-  std::error_code code;
-  if (path.has_parent_path()) fs::create_directories(path.parent_path(), code);
-  if (code) throw Error("folder {} cannot be made: {}", path.parent_path().string(), code.message());
-  const fs::path temporary = path.parent_path() / fmt::format(".{}.part{}", getpid(), path.extension().string());
-  const auto output = OIIO::ImageOutput::create(temporary.string());
-  if (!output) throw Error("{} cannot be written: {}", path.string(), OIIO::geterror());
-  const bool whole = output->open(temporary.string(), spec) && output->write_image(type, pixels) && output->close();
-  if (!whole) {
-    const std::string why = output->geterror();
-    fs::remove(temporary, code);
-    throw Error("{} cannot be written: {}", path.string(), why);
-  }
-  fs::rename(temporary, path, code);
-  if (code) {
-    const std::string why = code.message();
-    fs::remove(temporary, code);
-    throw Error("{} cannot be written: {}", path.string(), why);
-  }
-}
 
 std::string percent(double share) {
   if (share == 0) return "0 %";
@@ -110,12 +88,9 @@ Picture draw_errors(const Scene& scene, const GBuffer& gbuffer, const Light& lig
     std::copy(color.begin(), color.end(), &picture.rgb[3 * i]);
   }
 
-  OIIO::ImageBuf canvas(OIIO::ImageSpec(picture.width, picture.height, 3, OIIO::TypeDesc::UINT8), picture.rgb.data());
-  const float ink[] = {0.1f, 0.1f, 0.1f};
-  const int top = gbuffer.height, baseline = top + 20;
+  const int top = gbuffer.height;
   const auto text = [&](int x, const std::string& words) {
-    OIIO::ImageBufAlgo::render_text(canvas, x, baseline, words, 13, "DejaVuSans", ink);
-    return OIIO::ImageBufAlgo::text_size(words, 13, "DejaVuSans").xend;
+    return image_files().draw_text(picture.rgb, picture.width, picture.height, x, top + 20, words);
   };
   int x = 8;
   for (int k = 0; k < 3; ++k) {
@@ -128,7 +103,7 @@ Picture draw_errors(const Scene& scene, const GBuffer& gbuffer, const Light& lig
     x += 18;
     x += text(x, fmt::format("{} {}", kinds[k].label, percent(tally.tested ? count / tally.tested : 0))) + 16;
   }
-  const int title_width = OIIO::ImageBufAlgo::text_size(title, 13, "DejaVuSans").xend;
+  const int title_width = image_files().draw_text({}, 0, 0, 0, 0, title);
   if (x + title_width + 8 < picture.width) text(picture.width - title_width - 8, title);
   return picture;
 }
@@ -152,36 +127,16 @@ Picture draw_layer(const fs::path& raw, int width, int height) {
 }
 
 void write_png(const fs::path& path, const Picture& picture) {
-  OIIO::ImageSpec spec(picture.width, picture.height, 3, OIIO::TypeDesc::UINT8);
-  spec.attribute("oiio:ColorSpace", "sRGB");
-  spec.attribute("png:compressionLevel", 3);
-  write_image(path, spec, OIIO::TypeDesc::UINT8, picture.rgb.data());
+  image_files().write_png(path, picture.width, picture.height, picture.rgb);
 }
 
 void write_exr(const fs::path& path, int width, int height, std::span<const std::string> names,
                std::span<const std::span<const float>> channels) {
-  const std::size_t n = static_cast<std::size_t>(width) * height, count = channels.size();
-  std::vector<float> interleaved(n * count);
-  for (std::size_t c = 0; c < count; ++c)
-    for (std::size_t i = 0; i < n; ++i) interleaved[i * count + c] = channels[c][i];
-  OIIO::ImageSpec spec(width, height, static_cast<int>(count), OIIO::TypeDesc::FLOAT);
-  spec.channelnames.assign(names.begin(), names.end());
-  spec.attribute("compression", "zips");
-  write_image(path, spec, OIIO::TypeDesc::FLOAT, interleaved.data());
+  image_files().write_exr(path, width, height, names, channels);
 }
 
 std::vector<float> read_exr(const fs::path& path, const std::string& channel, int width, int height) {
-  const auto input = OIIO::ImageInput::open(path.string());
-  if (!input) throw Error("{} cannot be read: {}", path.string(), OIIO::geterror());
-  const OIIO::ImageSpec& spec = input->spec();
-  if (spec.width != width || spec.height != height)
-    throw Error("{} is {}x{}; {}x{} is wanted", path.string(), spec.width, spec.height, width, height);
-  const int index = spec.channelindex(channel);
-  if (index < 0) throw Error("{} has no channel {}; it has: {}", path.string(), channel, fmt::join(spec.channelnames, ", "));
-  std::vector<float> pixels(static_cast<std::size_t>(width) * height);
-  if (!input->read_image(0, 0, index, index + 1, OIIO::TypeDesc::FLOAT, pixels.data()))
-    throw Error("{} cannot be read: {}", path.string(), input->geterror());
-  return pixels;
+  return image_files().read_exr(path, channel, width, height);
 }
 
 }  // namespace gnomon

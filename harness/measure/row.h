@@ -19,8 +19,11 @@ struct SceneRun {
 
   SceneRun(std::string scene_reference, Scene the_scene, const Suite& the_suite, const std::filesystem::path& cache,
            std::filesystem::path scratch_folder)
-      : reference(std::move(scene_reference)), scene(std::move(the_scene)), frames(scene, cache),
-        scratch(std::move(scratch_folder)), suite(the_suite) {}
+      : reference(std::move(scene_reference)),
+        scene(std::move(the_scene)),
+        frames(scene, cache),
+        scratch(std::move(scratch_folder)),
+        suite(the_suite) {}
 
   std::size_t light_index(const std::string& name) const;
   std::size_t view_index(const std::string& name) const;

@@ -48,7 +48,8 @@ std::vector<std::string> words(const Table& table, const toml::table& raw, std::
 
 std::vector<Contender> read_contenders(const Table& group, const toml::table& raw, const fs::path& path) {
   const toml::array* array = group.has("techniques") ? raw.get("techniques")->as_array() : nullptr;
-  if (!array || array->empty()) throw Error("group.techniques is not an array with something in it ({})", group.where("techniques"));
+  if (!array || array->empty())
+    throw Error("group.techniques is not an array with something in it ({})", group.where("techniques"));
   std::vector<Contender> contenders;
   for (const toml::node& item : *array) {
     std::string use, label;

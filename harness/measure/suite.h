@@ -1,9 +1,9 @@
 #pragma once
+#include <gnomon/scene.h>
+
 #include <filesystem>
 #include <string>
 #include <vector>
-
-#include <gnomon/scene.h>
 
 namespace gnomon {
 

@@ -22,10 +22,12 @@ std::string letters(const Scene& scene, const Picture& picture, const Light& lig
   return text;
 }
 
-/// Ground from -4 to 4 at height 0 (extent 4 with the eye at (0, 4, 0)), second mesh the same: to be another mesh.
+/// Ground from -4 to 4 at height 0 (extent 4 with the eye at (0, 4, 0)), second mesh the same: to be another mesh. Neither
+/// casts, so nothing is uncertain.
 Scene two_grounds() {
   Scene scene;
   scene.meshes = {hand_made::square(4, 0), hand_made::square(4, 0)};
+  for (Mesh& mesh : scene.meshes) mesh.casts = false;
   return scene;
 }
 
@@ -85,7 +87,7 @@ TEST(classify, silhouette_where_a_neighbor_is_background_or_another_mesh_off_by_
   picture.set(7, {0, 0.12f, 0}, {0, 1, 0}, 1, 0);  // 3 % nearer: a step seen from both sides
   EXPECT_EQ(letters(two_grounds(), picture, above), "TSSSTTSSSTTSSST");
   picture.set(7, {0, -0.12f, 0}, {0, 1, 0}, 1,
-              0);  // farther likewise; under the ground, so in its shadow, which changes nothing
+              0);  // 3 % farther
   EXPECT_EQ(letters(two_grounds(), picture, above), "TSSSTTSSSTTSSST");
   picture.set(7, {0, 2, 0}, {0, 1, 0}, 0, 0);  // far, but the same mesh
   EXPECT_EQ(letters(two_grounds(), picture, above), "TTTTTTTTTTTTTTT");
@@ -109,6 +111,18 @@ TEST(classify, uncertain_within_rho_of_a_shadow_edge) {
   const float steps[] = {-100, -2, -1.1f, -0.9f, 0.01f, 0.9f, 1.1f, 2, 100};
   for (int i = 0; i < 9; ++i) picture.set(i, {steps[i] * rho, 0, 0.5f}, {0, 1, 0}, 0, 0);
   EXPECT_EQ(letters(scene, picture, hand_made::sun({0, -1, 0})), "TTTUUUTTT");
+}
+
+TEST(classify, uncertain_where_only_the_ray_offset_keeps_the_point_lit) {
+  // A caster 2^-24 above the point: 8 * 2^-24 * max|P| = 2^-21 lifts the ray past it, without the lift it blocks. At height
+  // 2^-10 it blocks both, and below the point neither.
+  for (const auto& [height, letter] : {std::pair(0x1p-24f, "U"), std::pair(0x1p-10f, "T"), std::pair(-0x1p-22f, "T")}) {
+    const Scene scene = one_caster({0, height, -3}, {0, height, 3}, {3, height, 0});
+    Picture picture(1, 1);
+    picture.gbuffer.view.eye = {0, 4, 0};
+    picture.set(0, {1, 0, 0}, {0, 1, 0}, 0, 0);
+    EXPECT_EQ(letters(scene, picture, hand_made::sun({0, -1, 0})), letter) << height;
+  }
 }
 
 TEST(classify, uncertain_pixels_lie_within_rounding_of_the_shadow_edge) {

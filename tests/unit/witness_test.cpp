@@ -20,7 +20,7 @@ constexpr double allowed_share = 2e-5;
 constexpr float allowed_distance = 1.5f;
 
 std::vector<std::uint8_t> read_witness(const std::string& file) {
-  const auto input = OIIO::ImageInput::open(std::string(GNOMON_SOURCE_DIR) + "/tests/witness/" + file);
+  const auto input = OIIO::ImageInput::open(fmt::format("{}/tests/witness/{}", GNOMON_SOURCE_DIR, file));
   if (!input || input->spec().width != width || input->spec().height != height) return {};
   std::vector<std::uint8_t> pixels(width * height);
   const bool whole = input->read_image(0, 0, 0, 1, OIIO::TypeDesc::UINT8, pixels.data());
