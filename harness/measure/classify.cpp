@@ -33,8 +33,8 @@ std::array<glm::dvec3, 2> tangents(const glm::dvec3& normal) {
 /// Asks the ray tracer again with the point or the light moved by rho, sixteen pixels at a time.
 class Shaker {
  public:
-  Shaker(const RayScene& casters, const GBuffer& gbuffer, const glm::dvec4& light, double extent)
-      : casters_(casters), gbuffer_(gbuffer), light_(light), extent_(extent) {}
+  Shaker(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const glm::dvec4& light, double extent)
+      : scene_(scene), casters_(casters), gbuffer_(gbuffer), light_(light), extent_(extent) {}
 
   /// Bit k: the answer of pixel indices[k] changes under some shift.
   std::uint32_t unstable(const std::size_t* indices, int count, std::span<const float> reference) const {
@@ -59,7 +59,9 @@ class Shaker {
  private:
   void aim(ShadowPacket& packet, int k, std::size_t i, int shift) const {
     const glm::dvec3 p = gbuffer_.position(i), n = gbuffer_.normal(i);
-    glm::dvec3 origin = shift == 8 ? p : p + ray_offset(gbuffer_.position(i)) * n;
+    // An exact shape has no neighbors, and a point rounded into it would only see it from inside.
+    const bool on_shape = gbuffer_.truth == Truth::shape && scene_.meshes[gbuffer_.mesh[i]].has_curved_shape();
+    glm::dvec3 origin = shift == 8 && !on_shape ? p : p + ray_offset(gbuffer_.position(i)) * n;
     glm::dvec3 light(light_);
     const double largest =
         light_.w != 0 ? std::max({std::abs(light.x), std::abs(light.y), std::abs(light.z), extent_}) : extent_;
@@ -86,6 +88,7 @@ class Shaker {
     packet.flags[k] = 0;
   }
 
+  const Scene& scene_;
   const RayScene& casters_;
   const GBuffer& gbuffer_;
   glm::dvec4 light_;
@@ -97,7 +100,7 @@ class Shaker {
 std::vector<PixelClass> classify(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const Light& light,
                                  std::span<const float> reference) {
   const glm::dvec4 l = homogeneous(light);
-  const Shaker shaker(casters, gbuffer, l, extent(scene, light, gbuffer.view));
+  const Shaker shaker(scene, casters, gbuffer, l, extent(scene, light, gbuffer.view));
   std::vector<PixelClass> classes(gbuffer.size(), PixelClass::T);
   tbb::parallel_for(0, gbuffer.height, [&](int y) {
     std::size_t pending[16];

@@ -11,7 +11,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Raised when a G-buffer, a reference or a class comes out differently for the same scene.
-constexpr int algorithm_version = 3;
+constexpr int algorithm_version = 4;
 
 template <class T>
 void append(std::vector<std::byte>& bytes, std::span<const T> items) {

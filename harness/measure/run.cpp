@@ -28,7 +28,7 @@ struct Row {
   bool over = false;          ///< unsupported or failed: nothing more to do
 };
 
-/// All rows of one scene. Every process of every contender serves all its lights and views, so that setup and build are paid
+/// Rows of one scene. Every process of every contender serves all its lights and views, so that setup and build are paid
 /// once per process; a contender that fails gets a new worker for its next row.
 class SceneBatch {
  public:
@@ -229,6 +229,22 @@ class SceneBatch {
   std::vector<std::unique_ptr<Seat>> seats_;
 };
 
+/// A scene's rows in batches of at most so many contenders: all workers of a batch live at once and each holds the scene, so a
+/// long sweep takes turns. Contenders of one batch are interleaved.
+std::vector<std::vector<Row>> split(std::vector<Row> rows) {
+  constexpr std::size_t contenders_at_once = 12;
+  std::vector<std::string> names;
+  std::vector<std::vector<Row>> batches;
+  for (Row& row : rows) {
+    const std::string name = row.job.contender.name();
+    const auto place = static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+    if (place == names.size()) names.push_back(name);
+    batches.resize(std::max(batches.size(), place / contenders_at_once + 1));
+    batches[place / contenders_at_once].push_back(std::move(row));
+  }
+  return batches;
+}
+
 /// A folder that goes away with its owner.
 struct ScratchFolder {
   fs::path path;
@@ -304,25 +320,27 @@ RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress&
   progress.expect(static_cast<double>(jobs.size() - summary.done_before) * options.suite.processes);
   const ScratchFolder scratch(options.out / ".scratch");
   for (const std::string& scene : scenes) {
-    std::vector<Row>& batch = rows[scene];
     const SceneLibrary::Entry& entry = library.get(scene);
-    for (Row& row : batch) row.record = start_record(row.job, options.suite, entry.scene ? &*entry.scene : nullptr, context);
-    if (entry.scene) {
-      SceneRun run(scene, *entry.scene, options.suite, cache_root() / "frames", scratch.path);
-      for (Row& row : batch) row.record.context["scene_hash"] = run.frames.scene_hash();
-      SceneBatch(run, options, batch, progress).execute();
-    } else {
+    std::optional<SceneRun> run;
+    if (entry.scene) run.emplace(scene, *entry.scene, options.suite, cache_root() / "frames", scratch.path);
+    for (std::vector<Row>& batch : split(std::move(rows[scene]))) {
       for (Row& row : batch) {
-        row.record.status = Status::unsupported;
-        row.record.reason = entry.missing;
-        progress.advance(options.suite.processes);
+        row.record = start_record(row.job, options.suite, entry.scene ? &*entry.scene : nullptr, context);
+        if (run) {
+          row.record.context["scene_hash"] = run->frames.scene_hash();
+        } else {
+          row.record.status = Status::unsupported;
+          row.record.reason = entry.missing;
+          progress.advance(options.suite.processes);
+        }
       }
-    }
-    for (const Row& row : batch) {
-      writer.append(row.record);
-      ++(row.record.status == Status::ok       ? summary.ok
-         : row.record.status == Status::failed ? summary.failed
-                                               : summary.unsupported);
+      if (run) SceneBatch(*run, options, batch, progress).execute();
+      for (const Row& row : batch) {
+        writer.append(row.record);
+        ++(row.record.status == Status::ok       ? summary.ok
+           : row.record.status == Status::failed ? summary.failed
+                                                 : summary.unsupported);
+      }
     }
     library.forget(scene);
   }
