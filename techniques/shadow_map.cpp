@@ -97,9 +97,8 @@ class ShadowMap final : public Technique {
   Framebuffer framebuffer_;
   const Scene* scene_ = nullptr;
   std::vector<shadow_map::MeshBox> boxes_;
-  double extent_ = 0;            // largest coordinate of the scene
-  double rounding_ = 0;          // float32 error of a depth, meters
-  double error_per_square_ = 0;  // perspective: what the stored depth's own rounding adds, per squared axis distance
+  double extent_ = 0;    // largest coordinate of the scene
+  double rounding_ = 0;  // float32 error of a depth, meters
   Light light_;
   std::vector<Face> faces_;
   std::vector<int> layers_;  // of each face; -1 when it is not drawn
@@ -190,10 +189,6 @@ void ShadowMap::relight(const Light& light) {
   const glm::dvec3 light_position(homogeneous(light) * homogeneous(light).w);
   const double extent = std::max({extent_, std::abs(light_position.x), std::abs(light_position.y), std::abs(light_position.z)});
   rounding_ = 16 * 0x1p-24 * extent;
-  error_per_square_ = 0;
-  for (std::size_t i = 0; i < faces_.size(); ++i)
-    if (faces_[i].perspective && layers_[i] >= 0)
-      error_per_square_ = std::max(error_per_square_, rounding_ / (faces_[i].near * faces_[i].far));
   glFinish();
 }
 
@@ -209,10 +204,11 @@ void ShadowMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   for (std::size_t i = 0; i < faces_.size(); ++i) {
     Face face = faces_[i];
     // Where nothing casts, every look-up falls off the image.
-    if (layers_[i] < 0) face.scale = glm::dvec2(0), face.offset = glm::dvec2(-1);
+    if (layers_[i] < 0) face.scale = glm::dvec2(0), face.offset = glm::dvec2(-1), face.near = face.far = 1;
     const double texel_width = 1 / std::min(face.scale.x, face.scale.y);
     set(fmt::format("window[{}]", i), glm::vec4(face.scale, face.offset));
-    set(fmt::format("texel[{}]", i), glm::vec2(std::max(layers_[i], 0), texel_width));
+    const double far_or_error = face.perspective ? rounding_ / (face.near * face.far) : face.far;
+    set(fmt::format("texel[{}]", i), glm::vec4(std::max(layers_[i], 0), texel_width, face.near, far_or_error));
     if (faces_.size() == 6) continue;
     const glm::dmat3 axes = glm::transpose(face.frame);  // right, down, axis
     const glm::dvec2 along_axis = face.perspective ? face.offset : glm::dvec2(0);
@@ -221,8 +217,6 @@ void ShadowMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
     set("texel_from_light", glm::mat3(glm::transpose(rows)));
     set("texel_steps", glm::mat3(axes[0] / face.scale.x, axes[1] / face.scale.y, axes[2]));
   }
-  set("near", static_cast<float>(faces_[0].near));
-  set("far", static_cast<float>(faces_[0].perspective ? error_per_square_ : faces_[0].far));
   set("origin", glm::vec3(faces_[0].origin));
   set("resolution", resolution.value());
   set("radius", radius());
@@ -291,7 +285,7 @@ std::optional<Explanation> ShadowMap::explain(std::size_t index) const {
   if (bias.is("slope"))
     axis_bias += slope_bias * glm::length(width) / 2 * glm::length(glm::cross(n, ray)) / (facing * glm::length(ray));
   if (bias.is("receiver_plane")) {
-    const double error = rounding_ + (face.perspective ? error_per_square_ * q.z * q.z : 0);
+    const double error = rounding_ * (face.perspective ? 1 + q.z * q.z / (face.near * face.far) : 1);
     axis_bias += (error + why.texel_width / 128) / facing;
   }
   why.bias = axis_bias * glm::length(ray);

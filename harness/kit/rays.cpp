@@ -202,12 +202,12 @@ std::uint32_t RayScene::occluded(std::uint32_t valid, ShadowPacket& packet, cons
 
 std::size_t RayScene::bytes() const { return static_cast<std::size_t>(body_->memory.bytes.load()); }
 std::string RayScene::description() const {
-  const bool avx512 = __builtin_cpu_supports("avx512f"), avx2 = __builtin_cpu_supports("avx2");
-  return fmt::format("Embree {}, {}, robust, packets of 16; receiver's triangle excluded, origin lifted by 8 * 2^-24 * max|P|",
-                     RTC_VERSION_STRING,
-                     avx512 ? "avx512"
-                     : avx2 ? "avx2"
-                            : "sse");
+  // The widest packet that Embree traces at once tells the instruction set it chose: 16 AVX-512, 8 AVX or AVX2, 4 SSE.
+  int width = 4;
+  if (rtcGetDeviceProperty(body_->device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED)) width = 8;
+  if (rtcGetDeviceProperty(body_->device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) width = 16;
+  return fmt::format("Embree {}, {} rays at once, robust; receiver's triangle excluded, origin lifted by 8 * 2^-24 * max|P|",
+                     RTC_VERSION_STRING, width);
 }
 RTCSceneTy* RayScene::handle() const { return body_->scene; }
 

@@ -196,11 +196,6 @@ inline std::vector<Face> fit_faces(const Light& light, const std::vector<MeshBox
       faces.push_back({.origin = glm::dvec3(l), .frame = glm::transpose(rows)});
       fit(faces.back(), boxes, 1, resolution, margin);
     }
-    // All faces that are drawn share one near plane, the nearest: a look-up then needs not choose among six.
-    double near = INFINITY;
-    for (const Face& face : faces)
-      if (!face.casters.empty()) near = std::min(near, face.near);
-    for (Face& face : faces) face.near = near == INFINITY ? 1 : near;
   }
   return faces;
 }

@@ -27,9 +27,9 @@ inline const std::string resolve_fragment = std::string(gnomon::faces_light_snip
 layout(binding = 3) uniform sampler2DArray map;
 uniform vec3 origin;
 uniform vec4 window[6];  // scale and offset of each face
-uniform vec2 texel[6];  // of each face: layer; the texel's larger width in window coordinates
-uniform float near;     // of all faces
-uniform float far;      // orthographic; else the rounding error of the depth per squared axis distance
+// Of each face: layer; the texel's larger width in window coordinates; near; far (orthographic) or rounding error of the depth
+// per squared axis distance.
+uniform vec4 texel[6];
 uniform mat3 texel_from_light, texel_steps;  // of the one image; a cube has none, its faces only exchange axes
 uniform int resolution, radius;
 uniform float depth_bias, slope_bias, normal_offset, rounding;
@@ -54,7 +54,7 @@ void main() {
   bool is_x = a.x >= a.y && a.x >= a.z, is_y = !is_x && a.y >= a.z;
   int which = is_x ? int(v.x < 0) : is_y ? 2 + int(v.y < 0) : 4 + int(v.z < 0);
   vec4 w = window[which];
-  vec2 t = texel[which];
+  vec4 t = texel[which];
 #if BIAS == 2
   v += normal * (normal_offset * t.y * max(max(a.x, a.y), a.z));
 #endif
@@ -64,7 +64,7 @@ void main() {
   vec2 step_height = (is_x ? normal.yz : is_y ? normal.zx : normal.xy) / w.xy;
 #else
   vec4 w = window[0];
-  vec2 t = texel[0];
+  vec4 t = texel[0];
 #if BIAS == 2
   float along = (texel_from_light * v).z;
   v += normal * (normal_offset * t.y * (PROJECTION == 0 ? 1 : along));
@@ -80,7 +80,7 @@ void main() {
 #endif
 
   // Texel coordinates; the axis distance; how fast the light ray, per unit of the axis, sinks into the receiver's plane.
-  float q_z = h.z;
+  float q_z = h.z, near = t.z, far = t.w;
 #if PROJECTION == 0
   vec2 position = h.xy + w.zw;
   float texel_width = t.y, facing = height;
