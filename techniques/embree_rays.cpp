@@ -18,25 +18,20 @@ class EmbreeRays final : public Technique {
     scene_ = &scene;
     casters_.emplace(scene, Truth::shape, RayScene::Which::casters);
     mesh_casters_.reset();
+    // Which truth the G-buffer will have is not known here, and resolve must not build.
+    if (scene.has_curved_shapes()) mesh_casters_.emplace(scene, Truth::mesh, RayScene::Which::casters);
   }
   void relight(const Light& light) override { light_ = light; }
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
-    // On a mesh G-buffer the meshes are true: their own scene is built at the first one, hence never in a timed resolve,
-    // which the harness warms up.
-    const RayScene& casters = casters_for(gbuffer.truth);
+    const RayScene& casters = gbuffer.truth == Truth::mesh && mesh_casters_ ? *mesh_casters_ : *casters_;
     ray_count_ = trace_shadows(casters, *scene_, gbuffer, light_, mask.pixels());
   }
   Counts counts() const override {
     return {{"rays", static_cast<double>(ray_count_), ""},
-            {"bytes", static_cast<double>(casters_->bytes() + (mesh_casters_ ? mesh_casters_->bytes() : 0)), "B"}};
+            {"bytes", static_cast<double>(casters_->bytes() + (mesh_casters_ ? mesh_casters_->bytes() : 0)), "byte"}};
   }
 
  private:
-  const RayScene& casters_for(Truth truth) {
-    if (truth == Truth::shape || !scene_->has_curved_shapes()) return *casters_;
-    if (!mesh_casters_) mesh_casters_.emplace(*scene_, Truth::mesh, RayScene::Which::casters);
-    return *mesh_casters_;
-  }
   const Scene* scene_ = nullptr;
   Light light_;
   std::optional<RayScene> casters_, mesh_casters_;

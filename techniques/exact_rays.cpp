@@ -28,7 +28,7 @@ class ExactRays final : public Technique {
             count("degenerate_rays", tally_.degenerate),
             count("signs_by_int128", tally_.signs.lattice),
             count("signs_by_gmp", tally_.signs.big),
-            {"bytes", static_cast<double>(casters_ ? casters_->bytes() : 0), "B"}};
+            {"bytes", static_cast<double>(casters_ ? casters_->bytes() : 0), "byte"}};
   }
 
  private:

@@ -109,9 +109,9 @@ class ShadowMap final : public Technique {
   mutable std::vector<float> depths_;  // of all layers, read back at the first question after a relight
 };
 
-/// Makes room for `layers` depth images; keeps a texture that is large enough.
+/// Makes room for `layers` depth images; keeps a texture that has it.
 void make_room(Texture& texture, int side, int layers) {
-  if (texture.width == side && texture.layers >= layers) return;
+  if (texture.width == side && texture.layers == layers) return;
   texture = {};  // the old one goes before the new one comes
   texture = Texture(GL_DEPTH_COMPONENT32F, side, side, layers);
 }

@@ -88,6 +88,9 @@ int run_program(int argc, char** argv) {
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "gnomon: out of memory\n");
     return 1;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "gnomon: {}\n", error.what());
+    return 1;
   }
 }
 

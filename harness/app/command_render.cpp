@@ -101,21 +101,20 @@ int render(const RenderOptions& options, const WorkerOptions& worker) {
     Record record = start_record(job, suite, &*entry.scene, context);
     record.support = support.kind();
     record.reason = support.why();
-    record.status = Status::ok;
+    record.context["scene_hash"] = run.frames.scene_hash();
     record.times(Stage::setup) = {{seat.setup_ms()}};
+    const Measured measured = measure(record, run, seat);
+    const Answer& answer = measured.answer;
+    const Tally& counts = measured.tally;
+    // One warm call each: `gnomon run` is for timing.
     for (const Stage stage : {Stage::build, Stage::relight, Stage::resolve}) record.times(stage) = {{seat.time(stage)}};
-    const Answer answer = seat.answer(&record);
-    const Evidence evidence = answer.evidence();
-    const Tally counts = tally(evidence);
-    record.metrics[suite.truth] = measure_metrics(counts);
-    record.classes = class_counts(answer.reference.classes);
     // The first light's pictures have plain names; every further light's are marked with it.
     const std::string tail = masks.empty() ? "" : "_" + job.light;
     const Light& light = run.scene.lights[run.light_index(job.light)];
     write_png(folder.path / ("mask" + tail + ".png"), draw_mask(answer.mask, suite.width, suite.height));
     write_png(folder.path / ("shaded" + tail + ".png"), shade(run.scene, answer.gbuffer, light, answer.mask));
     write_png(folder.path / ("error" + tail + ".png"),
-              draw_errors(run.scene, answer.gbuffer, light, verdicts(evidence), counts, job.contender.name()));
+              draw_errors(run.scene, answer.gbuffer, light, verdicts(answer.evidence()), counts, job.contender.name()));
     if (!options.debug.empty()) {
       const fs::path raw = run.scratch / "layer.raw";
       seat.worker().ask({{"do", "debug"}, {"layer", options.debug}, {"out", raw.string()}}, suite.timeout);

@@ -1,5 +1,7 @@
 #include <fmt/chrono.h>
 
+#include <algorithm>
+
 #include "app/app.h"
 #include "measure/blob.h"
 #include "measure/paths.h"
@@ -91,8 +93,13 @@ int run(const Options& options, const Program& program) {
     Progress progress(options.quiet);  // gone from the terminal before the table comes
     return run_suite(run_options, library, progress);
   }();
+  const std::vector<Record> records = read_records(run_options.out);
+  if (records.empty()) {
+    fmt::print("this shard has no rows\n");
+    return 0;
+  }
   write_tables(run_options.out);
-  fmt::print("{}\n", render_table(read_records(run_options.out), Format::terminal, {.width = terminal_width()}));
+  fmt::print("{}\n", render_table(records, Format::terminal, {.width = terminal_width()}));
   fmt::print("{} rows: {} ok, {} unsupported, {} failed", summary.ok + summary.unsupported + summary.failed, summary.ok,
              summary.unsupported, summary.failed);
   if (summary.done_before) fmt::print("; {} were done before", summary.done_before);
@@ -103,7 +110,8 @@ int run(const Options& options, const Program& program) {
       "{0}/errors/        error pictures, PNG\n{0}/shaded/        shaded pictures, PNG\n"
       "{0}/table.*        this table as md, csv, tex, json\n",
       out);
-  return summary.failed ? 1 : 0;
+  // Failed rows of an earlier, resumed run count too.
+  return std::any_of(records.begin(), records.end(), [](const Record& r) { return r.status == Status::failed; }) ? 1 : 0;
 }
 
 }  // namespace

@@ -63,9 +63,7 @@ class Shaker {
     const bool on_shape = gbuffer_.truth == Truth::shape && scene_.meshes[gbuffer_.mesh[i]].has_curved_shape();
     glm::dvec3 origin = shift == 8 && !on_shape ? p : p + ray_offset(gbuffer_.position(i)) * n;
     glm::dvec3 light(light_);
-    const double largest =
-        light_.w != 0 ? std::max({std::abs(light.x), std::abs(light.y), std::abs(light.z), extent_}) : extent_;
-    const double rho = 16 * 0x1p-24 * largest, sign = shift & 1 ? 1 : -1;
+    const double rho = 16 * 0x1p-24 * extent_, sign = shift & 1 ? 1 : -1;
     if (shift < 4) {
       origin += sign * rho * tangents(n)[shift / 2];
     } else if (shift < 8) {

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+
+#include "measure/statistics.h"
 
 namespace gnomon {
 
@@ -75,17 +78,13 @@ void measure_displacement(const Evidence& e, Tally& t) {
   if (!have_ours && !have_theirs) t.displacement_mean = t.displacement_p95 = 0;
   if (!have_ours || !have_theirs) return;
   const auto to_ours = distance_transform(ours, e.width, e.height), to_theirs = distance_transform(theirs, e.width, e.height);
-  std::vector<float> distances;
+  std::vector<double> distances;
   for (std::size_t i = 0; i < ours.size(); ++i) {
     if (ours[i]) distances.push_back(to_theirs[i]);
     if (theirs[i]) distances.push_back(to_ours[i]);
   }
-  double sum = 0;
-  for (const float d : distances) sum += d;
-  t.displacement_mean = sum / distances.size();
-  const auto p95 = distances.begin() + static_cast<std::ptrdiff_t>(0.95 * (distances.size() - 1));
-  std::nth_element(distances.begin(), p95, distances.end());
-  t.displacement_p95 = *p95;
+  t.displacement_mean = std::accumulate(distances.begin(), distances.end(), 0.0) / static_cast<double>(distances.size());
+  t.displacement_p95 = quantile(distances, 0.95);
 }
 
 }  // namespace

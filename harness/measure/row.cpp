@@ -156,11 +156,32 @@ Record start_record(const Job& job, const Suite& suite, const Scene* scene, cons
   return record;
 }
 
-void score(Record& record, const SceneRun& run, const Answer& answer, const fs::path& out) {
-  const Evidence evidence = answer.evidence();
-  const Tally counts = tally(evidence);
-  record.metrics[record.truth] = measure_metrics(counts);
-  record.classes = class_counts(answer.reference.classes);
+Measured measure(Record& record, SceneRun& run, Seat& seat) {
+  if (!seat.gl().is_null()) {
+    record.context["gl_renderer"] = seat.gl()["renderer"];
+    record.context["gl_version"] = seat.gl()["version"];
+    const Json& reply = seat.frame_reply();
+    if (reply.contains("input_bytes")) record.gl = {reply["input_bytes"], reply["upload_ms"]};
+  }
+  Measured headline{seat.answer(&record), {}};
+  headline.tally = tally(headline.answer.evidence());
+  record.metrics[record.truth] = measure_metrics(headline.tally);
+  record.classes = class_counts(headline.answer.reference.classes);
+  const Truth other = record.truth == Truth::shape ? Truth::mesh : Truth::shape;
+  if (run.scene.has_curved_shapes()) {
+    const std::size_t light = run.light_index(record.light), view = run.view_index(record.view);
+    seat.go(light, view, other);
+    record.metrics[other] = measure_metrics(tally(seat.answer(nullptr).evidence()));
+    seat.go(light, view, record.truth);
+  } else {
+    record.metrics[other] = record.metrics[record.truth];
+  }
+  record.status = Status::ok;
+  return headline;
+}
+
+void write_pictures(Record& record, const SceneRun& run, const Measured& measured, const fs::path& out) {
+  const Answer& answer = measured.answer;
   const std::string stem = file_stem(record);
   const Light& light = run.scene.lights[run.light_index(record.light)];
   const std::string names[] = {record.light + ".V"};
@@ -171,7 +192,8 @@ void score(Record& record, const SceneRun& run, const Answer& answer, const fs::
   write_exr(out / *record.mask, record.width, record.height, names, channels);
   const std::string title =
       record.label.value_or(record.settings.empty() ? record.technique : record.technique + ":" + record.settings);
-  write_png(out / *record.error_picture, draw_errors(run.scene, answer.gbuffer, light, verdicts(evidence), counts, title));
+  write_png(out / *record.error_picture,
+            draw_errors(run.scene, answer.gbuffer, light, verdicts(answer.evidence()), measured.tally, title));
   write_png(out / *record.shaded_picture, shade(run.scene, answer.gbuffer, light, answer.mask));
 }
 

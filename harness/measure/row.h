@@ -65,7 +65,17 @@ class Seat {
 /// A record with all that is known before anything runs.
 Record start_record(const Job& job, const Suite& suite, const Scene* scene, const Json& context);
 
-/// Scores the headline answer into the record and writes its mask, error and shaded pictures below `out`.
-void score(Record& record, const SceneRun& run, const Answer& answer, const std::filesystem::path& out);
+/// An answer with its score.
+struct Measured {
+  Answer answer;
+  Tally tally;
+};
+
+/// All of a row but its times, at the light and view where the seat stands: counts, memory, classes, metrics against both
+/// truths, what GL it ran on. The seat ends where it began.
+Measured measure(Record& record, SceneRun& run, Seat& seat);
+
+/// Writes mask, error and shaded picture below `out` and names them in the record.
+void write_pictures(Record& record, const SceneRun& run, const Measured& measured, const std::filesystem::path& out);
 
 }  // namespace gnomon

@@ -43,14 +43,14 @@ class SceneBatch {
   }
 
   void execute() {
-    for (int process = 0; process < options_.suite.processes; ++process) {
+    for (process_ = 0; process_ < options_.suite.processes; ++process_) {
       open_seats();
-      std::set<std::size_t> built;  // contenders whose setup and build are timed in this process
+      build_ms_.clear();
       for (const auto& [light, view] : places()) {
         std::vector<Row*> group;
         for (Row& row : rows_)
           if (!row.over && row.job.light == light && row.job.view == view) group.push_back(&row);
-        time_group(group, process, built);
+        time_group(group);
       }
       seats_.clear();
     }
@@ -69,6 +69,7 @@ class SceneBatch {
 
   void fail(Row& row, const std::string& reason) {
     row.over = true;
+    progress_.advance(options_.suite.processes - process_);
     row.record.status = Status::failed;
     row.record.reason = reason;
     seats_[row.contender].reset();
@@ -83,18 +84,26 @@ class SceneBatch {
     seats_.resize(contenders_.size());
     for (std::size_t c = 0; c < contenders_.size(); ++c)
       if (needed(c)) {
-        seats_[c] = std::make_unique<Seat>(run_, contenders_[c], options_.worker);
-        seats_[c]->open_begin();
+        try {
+          seats_[c] = std::make_unique<Seat>(run_, contenders_[c], options_.worker);
+          seats_[c]->open_begin();
+        } catch (const std::exception& failure) {
+          fail_all(c, failure.what());
+        }
       }
     for (std::size_t c = 0; c < contenders_.size(); ++c) {
       if (!seats_[c]) continue;
       try {
         seats_[c]->open_end();
-      } catch (const WorkerFailure& failure) {
-        for (Row& row : rows_)
-          if (row.contender == c && !row.over) fail(row, failure.what());
+      } catch (const std::exception& failure) {
+        fail_all(c, failure.what());
       }
     }
+  }
+
+  void fail_all(std::size_t contender, const std::string& reason) {
+    for (Row& row : rows_)
+      if (row.contender == contender && !row.over) fail(row, reason);
   }
 
   /// The seat of a row; a new one when the last one failed in an earlier row.
@@ -108,81 +117,58 @@ class SceneBatch {
     return *seat;
   }
 
-  void time_group(const std::vector<Row*>& group, int process, std::set<std::size_t>& built) {
+  void time_group(const std::vector<Row*>& group) {
     for (Row* row : group) {
-      progress_.step(fmt::format("{} (process {}/{})", row->job.title(), process + 1, options_.suite.processes));
+      progress_.step(fmt::format("{} (process {}/{})", row->job.title(), process_ + 1, options_.suite.processes));
       const auto start = Clock::now();
       try {
-        prepare(*row, process);
-      } catch (const WorkerFailure& failure) {
+        prepare(*row);
+      } catch (const std::exception& failure) {
         fail(*row, failure.what());
-      } catch (const Error& error) {
-        fail(*row, error.what());
       }
       const double spent = std::chrono::duration<double>(Clock::now() - start).count();
       row->record.seconds = row->record.seconds.value_or(0) + spent;
-      if (row->over) progress_.advance(options_.suite.processes - process);
     }
-    for (const Stage stage : {Stage::build, Stage::relight, Stage::resolve}) time_stage(group, stage, built);
+    for (const Stage stage : {Stage::build, Stage::relight, Stage::resolve}) time_stage(group, stage);
     for (Row* row : group)
-      if (!row->over) {
-        built.insert(row->contender);
-        progress_.advance(1);
-      }
+      if (!row->over) progress_.advance(1);
   }
 
   /// Goes to the row's frame; in the first process also asks for support, takes the answer and scores it.
-  void prepare(Row& row, int process) {
+  void prepare(Row& row) {
     Seat& seat = seat_of(row);
     const std::size_t light = run_.light_index(row.job.light), view = run_.view_index(row.job.view);
     const Support support = seat.go(light, view, options_.suite.truth);
-    if (process == 0) {
+    if (process_ == 0) {
       row.record.support = support.kind();
       row.record.reason = support.why();
-      note_gl(row.record, seat);
     }
     if (!support) {
       row.record.status = Status::unsupported;
       row.over = true;
+      progress_.advance(options_.suite.processes - process_);
       return;
     }
     row.record.times(Stage::setup).push_back({seat.setup_ms()});
-    if (process > 0) return;
-    score(row.record, run_, seat.answer(&row.record), options_.out);
-    const Truth other = options_.suite.truth == Truth::shape ? Truth::mesh : Truth::shape;
-    if (run_.scene.has_curved_shapes()) {
-      seat.go(light, view, other);
-      row.record.metrics[other] = measure_metrics(tally(seat.answer(nullptr).evidence()));
-      seat.go(light, view, options_.suite.truth);
-    } else {
-      row.record.metrics[other] = row.record.metrics[options_.suite.truth];
-    }
-    row.record.status = Status::ok;
-  }
-
-  static void note_gl(Record& record, const Seat& seat) {
-    if (seat.gl().is_null()) return;
-    record.context["gl_renderer"] = seat.gl()["renderer"];
-    record.context["gl_version"] = seat.gl()["version"];
-    const Json& reply = seat.frame_reply();
-    if (reply.contains("input_bytes")) record.gl = {reply["input_bytes"], reply["upload_ms"]};
+    if (process_ > 0) return;
+    write_pictures(row.record, run_, measure(row.record, run_, seat), options_.out);
   }
 
   /// Warms one stage of every row up, then times all of them interleaved.
-  void time_stage(const std::vector<Row*>& group, Stage stage, const std::set<std::size_t>& built) {
+  void time_stage(const std::vector<Row*>& group, Stage stage) {
     std::vector<TimingTask> tasks;
     std::vector<Row*> owners;
     for (Row* row : group) {
       if (row->over) continue;
-      if (stage == Stage::build && built.contains(row->contender)) {
-        copy_build(*row);
+      if (stage == Stage::build && build_ms_.contains(row->contender)) {
+        row->record.times(Stage::build).push_back(build_ms_[row->contender]);
         continue;
       }
       const auto start = Clock::now();
       try {
         tasks.push_back(warm_up(*row, stage));
         owners.push_back(row);
-      } catch (const WorkerFailure& failure) {
+      } catch (const std::exception& failure) {
         fail(*row, failure.what());
       }
       *row->record.seconds += std::chrono::duration<double>(Clock::now() - start).count();
@@ -196,17 +182,9 @@ class SceneBatch {
       double spent = 0;
       for (const double ms : tasks[k].samples) spent += ms / 1000 * tasks[k].iterations;
       *owners[k]->record.seconds += spent;
+      if (stage == Stage::build) build_ms_[owners[k]->contender] = tasks[k].samples;
       owners[k]->record.times(stage).push_back(std::move(tasks[k].samples));
     }
-  }
-
-  /// The build of this process was timed at the contender's first light: it does not depend on the light.
-  void copy_build(Row& row) {
-    for (const Row& other : rows_)
-      if (&other != &row && other.contender == row.contender && !other.record.times(Stage::build).empty()) {
-        row.record.times(Stage::build).push_back(other.record.times(Stage::build).back());
-        return;
-      }
   }
 
   /// Warm-ups, fewer when they take long; they also say how often to repeat. Stages over 0.5 s are timed once per process.
@@ -227,20 +205,24 @@ class SceneBatch {
   Progress& progress_;
   std::vector<Contender> contenders_;
   std::vector<std::unique_ptr<Seat>> seats_;
+  int process_ = 0;
+  /// By contender: build as timed in this process at its first light, which it does not depend on.
+  std::map<std::size_t, std::vector<double>> build_ms_;
 };
 
-/// A scene's rows in batches of at most so many contenders: all workers of a batch live at once and each holds the scene, so a
-/// long sweep takes turns. Contenders of one batch are interleaved.
+/// A scene's rows in batches of about equally many contenders: all workers of a batch live at once and each holds the scene, so
+/// a long sweep takes turns. Contenders of one batch are interleaved.
 std::vector<std::vector<Row>> split(std::vector<Row> rows) {
-  constexpr std::size_t contenders_at_once = 12;
+  constexpr std::size_t most_contenders = 16;
   std::vector<std::string> names;
-  std::vector<std::vector<Row>> batches;
+  for (const Row& row : rows)
+    if (const std::string name = row.job.contender.name(); std::find(names.begin(), names.end(), name) == names.end())
+      names.push_back(name);
+  std::vector<std::vector<Row>> batches((names.size() + most_contenders - 1) / most_contenders);
   for (Row& row : rows) {
-    const std::string name = row.job.contender.name();
-    const auto place = static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
-    if (place == names.size()) names.push_back(name);
-    batches.resize(std::max(batches.size(), place / contenders_at_once + 1));
-    batches[place / contenders_at_once].push_back(std::move(row));
+    const auto place =
+        static_cast<std::size_t>(std::find(names.begin(), names.end(), row.job.contender.name()) - names.begin());
+    batches[place * batches.size() / names.size()].push_back(std::move(row));
   }
   return batches;
 }
@@ -263,6 +245,29 @@ void prepare_folder(const RunOptions& options) {
   if (!options.resume && fs::exists(records) && !fs::is_empty(records))
     throw Error("output folder {} holds records already: continue them with --resume, or name another --out",
                 options.out.string());
+}
+
+/// The jobs that a resumed folder has records of. A scene that was not fetched then and is now is run, and its old row goes; a
+/// scene that has changed since is an Error, because its old and new rows must not stand in one table.
+std::set<std::string> jobs_done(const fs::path& out, SceneLibrary& library) {
+  std::set<std::string> done;
+  if (!fs::exists(records_file(out))) return done;
+  std::string kept;
+  bool dropped = false;
+  for (const Record& record : read_records(out)) {
+    const SceneLibrary::Entry& entry = library.get(record.scene);
+    const std::string then = record.context.value("scene_hash", "");
+    if (entry.scene && then.empty()) {
+      dropped = true;
+      continue;
+    }
+    if (entry.scene && then != content_hash(scene_bytes(*entry.scene)))
+      throw Error("scene {} has changed since {} was run: run it into another --out", record.scene, out.string());
+    done.insert(record.job);
+    kept += record_line(record);
+  }
+  if (dropped) write_file(records_file(out), kept);
+  return done;
 }
 
 /// A run that was killed may have left half a picture under a temporary name. Only the owner of the folder may clean it.
@@ -299,12 +304,10 @@ RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress&
   const auto start = Clock::now();
   const std::vector<Job> jobs = select_jobs(options, library);
   prepare_folder(options);
+  const std::set<std::string> done = options.resume ? jobs_done(options.out, library) : std::set<std::string>{};
   RecordWriter writer(options.out);
   remove_leftovers(options.out);
   RunSummary summary;
-  std::set<std::string> done;
-  if (options.resume && fs::exists(records_file(options.out)))
-    for (const Record& record : read_records(options.out)) done.insert(record.job);
 
   std::vector<std::string> scenes;
   std::map<std::string, std::vector<Row>> rows;
@@ -316,7 +319,6 @@ RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress&
     if (!rows.contains(job.scene)) scenes.push_back(job.scene);
     rows[job.scene].push_back({job, {}, 0, false});
   }
-  const Json context = machine_context(options.worker.threads);
   progress.expect(static_cast<double>(jobs.size() - summary.done_before) * options.suite.processes);
   const ScratchFolder scratch(options.out / ".scratch");
   for (const std::string& scene : scenes) {
@@ -324,6 +326,7 @@ RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress&
     std::optional<SceneRun> run;
     if (entry.scene) run.emplace(scene, *entry.scene, options.suite, cache_root() / "frames", scratch.path);
     for (std::vector<Row>& batch : split(std::move(rows[scene]))) {
+      const Json context = machine_context(options.worker.threads);
       for (Row& row : batch) {
         row.record = start_record(row.job, options.suite, entry.scene ? &*entry.scene : nullptr, context);
         if (run) {

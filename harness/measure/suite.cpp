@@ -76,13 +76,14 @@ std::vector<Contender> read_contenders(const Table& group, const toml::table& ra
 std::vector<Contender> parse_contenders(const std::string& text, const std::string& label) {
   std::vector<std::string> plain;
   expand_braces(text, plain);
+  if (plain.size() > 1 && !label.empty()) throw Error("label {} would name {} rows of the sweep {}", label, plain.size(), text);
   std::vector<Contender> contenders;
   for (const std::string& one : plain) {
     const std::size_t colon = one.find(':');
     const std::string id = one.substr(0, colon);
     const auto technique = registry().technique(id).make();
     if (colon != std::string::npos) technique->apply(one.substr(colon + 1));
-    contenders.push_back({id, technique->settings(), plain.size() == 1 ? label : ""});
+    contenders.push_back({id, technique->settings(), label});
   }
   return contenders;
 }

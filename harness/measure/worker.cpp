@@ -33,7 +33,7 @@ struct Launch {
     for (const std::string& plugin : options.plugins) arguments.insert(arguments.end(), {"--plugin", plugin});
     arguments.insert(arguments.end(), {"worker", std::to_string(socket), std::to_string(options.threads)});
     for (char** entry = environ; *entry; ++entry)
-      if (options.threads == 0 || std::strncmp(*entry, "LP_NUM_THREADS=", 15) != 0) environment.emplace_back(*entry);
+      if (std::strncmp(*entry, "LP_NUM_THREADS=", 15) != 0) environment.emplace_back(*entry);
     if (options.threads > 0) environment.push_back(fmt::format("LP_NUM_THREADS={}", options.threads));
     for (std::string& a : arguments) argv.push_back(a.data());
     for (std::string& e : environment) envp.push_back(e.data());
@@ -43,6 +43,7 @@ struct Launch {
 };
 
 void enter_worker(int owner, int threads, int errors) {
+  setsid();  // a group of its own, so that what a technique starts dies with the worker
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != owner) _exit(0);  // the owner died before it could be watched
   const int nothing = open("/dev/null", O_RDWR);
@@ -50,10 +51,18 @@ void enter_worker(int owner, int threads, int errors) {
   dup2(nothing, STDOUT_FILENO);
   dup2(errors, STDERR_FILENO);
   if (threads > 0) {
-    cpu_set_t cores;
+    // The first cores of those that this process may use: a shard or a batch system may have given it a few only.
+    cpu_set_t allowed, cores;
     CPU_ZERO(&cores);
-    for (int k = 0; k < threads; ++k) CPU_SET(k, &cores);
-    sched_setaffinity(0, sizeof cores, &cores);
+    bool pinned = sched_getaffinity(0, sizeof allowed, &allowed) == 0;
+    int left = threads;
+    for (int k = 0; k < CPU_SETSIZE && pinned && left > 0; ++k)
+      if (CPU_ISSET(k, &allowed)) CPU_SET(k, &cores), --left;
+    pinned = pinned && left == 0 && sched_setaffinity(0, sizeof cores, &cores) == 0;
+    if (!pinned) {
+      dprintf(STDERR_FILENO, "this process may not use %d cores\n", threads);
+      _exit(126);
+    }
   }
 #ifndef __SANITIZE_ADDRESS__
   // A technique that eats all memory gets an exception in its own process instead of taking the machine down.
@@ -90,7 +99,8 @@ Worker::Worker(const WorkerOptions& options) {
 
 Worker::~Worker() {
   if (process_ > 0) {
-    kill(process_, SIGKILL);
+    kill(-process_, SIGKILL);
+    kill(process_, SIGKILL);  // before it had a group of its own
     waitpid(process_, nullptr, 0);
   }
   close(socket_);
@@ -99,7 +109,7 @@ Worker::~Worker() {
 
 void Worker::send(const Json& request) {
   doing_ = request.value("stage", request.value("do", "?"));
-  const std::string line = request.dump() + "\n";
+  const std::string line = request.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
   for (std::size_t sent = 0; sent < line.size();) {
     const ssize_t n = ::send(socket_, line.data() + sent, line.size() - sent, MSG_NOSIGNAL);
     if (n < 0 && errno == EINTR) continue;
@@ -126,8 +136,15 @@ Json Worker::receive(double timeout_seconds) {
     const ssize_t n = read(socket_, chunk, sizeof chunk);
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) {
+      // The socket is closed, so the worker is gone or soon will be; one that lingers is put down.
       int status = 0;
-      waitpid(process_, &status, 0);
+      bool ended = false;
+      for (int wait = 0; wait < 100 && !ended; ++wait) {
+        ended = waitpid(process_, &status, WNOHANG) == process_;
+        if (!ended) usleep(10000);
+      }
+      if (!ended) fail(fmt::format("crashed in {}: it closed its connection and went on", doing_));
+      kill(-process_, SIGKILL);
       process_ = -1;
       if (WIFSIGNALED(status))
         fail(fmt::format("crashed in {}: {} (signal {})", doing_, strsignal(WTERMSIG(status)), WTERMSIG(status)));
@@ -139,7 +156,8 @@ Json Worker::receive(double timeout_seconds) {
 
 void Worker::fail(const std::string& how) {
   if (process_ > 0) {
-    kill(process_, SIGKILL);
+    kill(-process_, SIGKILL);
+    kill(process_, SIGKILL);  // before it had a group of its own
     waitpid(process_, nullptr, 0);
     process_ = -1;
   }

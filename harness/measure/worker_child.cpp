@@ -3,7 +3,9 @@
 #include <tbb/global_control.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <fstream>
+#include <map>
 
 #include "device/context.h"
 #include "measure/frame.h"
@@ -24,7 +26,7 @@ double peak_bytes() {
 }
 
 /// One technique with its scene and frame, and how far its stages are up to date.
-class Seat {
+class Post {
  public:
   Json handle(const Json& request) {
     const std::string what = request.at("do");
@@ -42,10 +44,10 @@ class Seat {
  private:
   Json open(const Json& request) {
     scene_ = scene_from_bytes(MappedFile::open(request.at("scene").get<std::string>())->bytes());
-    const TechniqueEntry& entry = registry().technique(request.at("technique").get<std::string>());
-    technique_ = entry.make();
-    technique_->apply(request.at("settings").get<std::string>());
-    uses_gl_ = entry.about.needs_gl;
+    entry_ = &registry().technique(request.at("technique").get<std::string>());
+    settings_ = request.at("settings").get<std::string>();
+    technique_ = fresh_technique();
+    uses_gl_ = entry_->about.needs_gl;
     if (!uses_gl_) return {{"gl", nullptr}};
     const GlInfo& info = process_context().info();
     return {
@@ -59,12 +61,15 @@ class Seat {
     key.width = request.at("width");
     key.height = request.at("height");
     key.truth = request.at("truth") == "mesh" ? Truth::mesh : Truth::shape;
-    gbuffer_ = map_gbuffer(request.at("gbuffer").get<std::string>(), key);
+    const std::string file = request.at("gbuffer");
+    // The same G-buffer under another light stays mapped, and uploaded.
+    if (!gbuffers_.contains(file)) gbuffers_[file] = map_gbuffer(file, key);
+    gbuffer_ = gbuffers_[file];
     const std::size_t light = request.at("light");
     fresh_ = std::min(fresh_, static_cast<int>(light != light_ ? Stage::build : Stage::relight));
     light_ = light;
     mask_.emplace(key.width, key.height);
-    const Support support = technique_->supports(scene_, scene_.lights.at(light_), key.view);
+    const Support support = fresh_technique()->supports(scene_, scene_.lights.at(light_), key.view);
     Json result{{"support", name(support.kind())}, {"why", support.why()}};
     if (uses_gl_ && support) {
       const SceneBuffers& buffers = scene_buffers(scene_);
@@ -116,6 +121,8 @@ class Seat {
     }
     if (uses_gl_) glFinish();
     const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    if (uses_gl_)
+      if (const GLenum code = glGetError(); code != GL_NO_ERROR) throw Error("OpenGL error {:#x}", code);
     fresh_ = static_cast<int>(stage);
     return ms;
   }
@@ -124,7 +131,10 @@ class Seat {
     bring_up(static_cast<int>(Stage::resolve));
     write_file(path, std::as_bytes(mask_->read()));
     Json counts = Json::array();
-    for (const Count& c : technique_->counts()) counts.push_back({{"name", c.name}, {"value", c.value}, {"unit", c.unit}});
+    for (const Count& c : technique_->counts()) {
+      if (!std::isfinite(c.value)) throw Error("count {} is {}", c.name, c.value);
+      counts.push_back({{"name", c.name}, {"value", c.value}, {"unit", c.unit}});
+    }
     return {{"counts", counts}, {"peak_bytes", peak_bytes()}};
   }
 
@@ -152,10 +162,19 @@ class Seat {
     return Json::object();
   }
 
+  std::unique_ptr<Technique> fresh_technique() const {
+    auto technique = entry_->make();
+    technique->apply(settings_);
+    return technique;
+  }
+
   Scene scene_;
+  const TechniqueEntry* entry_ = nullptr;
+  std::string settings_;
   std::unique_ptr<Technique> technique_;
   bool uses_gl_ = false;
   std::size_t light_ = static_cast<std::size_t>(-1);
+  std::map<std::string, GBuffer> gbuffers_;  ///< by file: one for each view and truth
   GBuffer gbuffer_;
   std::optional<VisibilityMask> mask_;
   int fresh_ = -1;  ///< last stage that is up to date
@@ -177,7 +196,7 @@ int worker_main(int socket, int threads) {
   std::optional<tbb::global_control> limit;
   if (threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
   // Leaked on purpose: the process ends by being killed, and a technique's destructor is no part of a measurement.
-  Seat& seat = *new Seat;
+  Post& post = *new Post;
   std::string pending;
   for (;;) {
     const std::size_t end = pending.find('\n');
@@ -191,7 +210,7 @@ int worker_main(int socket, int threads) {
     }
     Json answer;
     try {
-      answer = seat.handle(Json::parse(pending.substr(0, end)));
+      answer = post.handle(Json::parse(pending.substr(0, end)));
     } catch (const std::bad_alloc&) {
       answer = {{"error", "out of memory"}};
     } catch (const std::exception& error) {

@@ -26,7 +26,7 @@ class HalfShadow final : public Technique {
     trace_shadows(*casters_, *scene_, gbuffer, light_, mask.pixels());
     for (float& pixel : mask.pixels()) pixel += (1 - pixel) * static_cast<float>(share);
   }
-  Counts counts() const override { return {{"bytes", static_cast<double>(casters_->bytes()), "B"}}; }
+  Counts counts() const override { return {{"bytes", static_cast<double>(casters_->bytes()), "byte"}}; }
 
  private:
   const Scene* scene_ = nullptr;

@@ -22,7 +22,7 @@ class EveryNth final : public Technique {
       dark_ += dark;
     }
   }
-  Counts counts() const override { return {{"dark_pixels", static_cast<double>(dark_), "px"}, {"bytes", 0, "B"}}; }
+  Counts counts() const override { return {{"dark_pixels", static_cast<double>(dark_), "px"}, {"bytes", 0, "byte"}}; }
 
  private:
   const Scene* scene_ = nullptr;
