@@ -1,8 +1,15 @@
-// Calls the roll before main, so that tests find every technique and scene registered.
+// Calls the roll before main, so that tests find every technique and scene registered, and says where tree and program are.
 #include <gnomon/registry.h>
+
+#include <cstdlib>
 
 extern "C" void gnomon_roll_call(gnomon::Registry& registry);
 
 namespace {
-[[maybe_unused]] const bool called = (gnomon_roll_call(gnomon::registry()), true);
-}
+[[maybe_unused]] const bool called = [] {
+  setenv("GNOMON_ROOT", GNOMON_SOURCE_DIR, 0);
+  setenv("GNOMON_PROGRAM", GNOMON_TEST_PROGRAM, 0);
+  gnomon_roll_call(gnomon::registry());
+  return true;
+}();
+}  // namespace
