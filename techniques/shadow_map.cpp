@@ -204,8 +204,10 @@ void ShadowMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
     if (layers_[i] < 0) face.scale = glm::dvec2(0), face.offset = glm::dvec2(-1), face.near = face.far = 1;
     const double texel_width = 1 / std::min(face.scale.x, face.scale.y);
     set(fmt::format("window[{}]", i), glm::vec4(face.scale, face.offset));
-    const double far_or_error = face.perspective ? rounding_ / (face.near * face.far) : face.far;
-    set(fmt::format("texel[{}]", i), glm::vec4(std::max(layers_[i], 0), texel_width, face.near, far_or_error));
+    const double diagonal = glm::length(1.0 / face.scale);
+    const double fourth = !face.perspective ? face.far : bias.is("slope") ? diagonal : rounding_ / (face.near * face.far);
+    set("diagonal", static_cast<float>(diagonal));
+    set(fmt::format("texel[{}]", i), glm::vec4(std::max(layers_[i], 0), texel_width, face.near, fourth));
     if (faces_.size() == 6) continue;
     const glm::dmat3 axes = glm::transpose(face.frame);  // right, down, axis
     const glm::dvec2 along_axis = face.perspective ? face.offset : glm::dvec2(0);

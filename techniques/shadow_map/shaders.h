@@ -27,9 +27,10 @@ inline const std::string resolve_fragment = std::string(gnomon::faces_light_snip
 layout(binding = 3) uniform sampler2DArray map;
 uniform vec3 origin;
 uniform vec4 window[6];  // scale and offset of each face
-// Of each face: layer; the texel's larger width in window coordinates; near; far (orthographic) or rounding error of the depth
-// per squared axis distance.
+// Of each face: layer; the texel's larger width in window coordinates; near; far (orthographic), the texel's diagonal in window
+// coordinates (slope bias) or the rounding error of the depth per squared axis distance (receiver plane).
 uniform vec4 texel[6];
+uniform float diagonal;  // of a texel in window coordinates, orthographic
 uniform mat3 texel_from_light, texel_steps;  // of the one image; a cube has none, its faces only exchange axes
 uniform int resolution, radius;
 uniform float depth_bias, slope_bias, normal_offset, rounding;
@@ -93,14 +94,13 @@ void main() {
   // All comparisons are multiplied by `scale`: the facing where a quotient by it would be needed, else 1.
   float scale = 1, bias = depth_bias * texel_width, error = 0;
 #if BIAS == 1
+  // Half the diagonal times the tangent of the angle between normal and ray, times the facing: its sine over the axis.
 #if PROJECTION == 0
-  float ray_squared = 1;
-  vec2 sides = 1 / w.xy;
+  error = slope_bias * 0.5 * diagonal * sqrt(max(1 - height * height, 0));
 #else
-  float ray_squared = squared * per_z * per_z;
-  vec2 sides = q_z / w.xy;
+  error = slope_bias * 0.5 * far * q_z * sqrt(max(1 - height * height / squared, 0));
 #endif
-  bias += slope_bias * 0.5 * length(sides) * sqrt(max(ray_squared - facing * facing, 0) / ray_squared) / facing;
+  scale = facing;
 #elif BIAS == 3
   scale = facing;
   error = rounding + texel_width * 0.0078125;
