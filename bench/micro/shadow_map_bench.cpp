@@ -1,8 +1,6 @@
 // What shadow_map costs beside the least that its stages must do: a bare depth-only draw of the same triangles at the same
 // resolution and faces (relight), and one full-screen pass that fetches the same textures and writes the same target
 // (resolve). Contender and floor alternate inside one run; `ratio` is the ratio of their medians.
-// Wanted on llvmpipe, for the default setting: relight at most 1.2, resolve at most 1.3. Measured: see docs/method.md, "Floors".
-// 1.9 .. 2.8, not met: the fetches are the floor's, the rest is the arithmetic of facing, projection and receiver plane.
 #include <benchmark/benchmark.h>
 #include <gnomon/kit/gl.h>
 #include <gnomon/kit/shapes.h>
