@@ -233,9 +233,11 @@ void import_file(const fs::path& file, const Placement& placement, Scene& scene)
   check_file(file);
   const Declared declared = read_declared(file);
   const RawFile raw = receive(file);
+  const auto is_about_range = [](const std::string& words) { return words.find("range") != std::string::npos; };
+  if (is_about_range(raw.failure) || std::ranges::any_of(raw.complaints, is_about_range)) blame_index(file);
   if (!raw.failure.empty()) throw Error("{}: cannot be read: {}", file.string(), raw.failure);
   for (const std::string& complaint : raw.complaints)
-    if (complaint.find("range") != std::string::npos) throw Error("{}: {}", file.string(), complaint);
+    if (is_about_range(complaint)) throw Error("{}: {}", file.string(), complaint);
   check_counts(file, raw, declared);
 
   Tally tally;

@@ -113,6 +113,10 @@ struct Declared {
 /// Reads the head (PLY, OFF, STL, glTF, GLB, 3DS, IFC) and throws Error when the file is shorter than it says.
 Declared read_declared(const std::filesystem::path& file);
 
+/// For a file that the importer refused because of an index out of range, without saying which: throws Error with line, index
+/// and what is allowed, where the format is text and the index is found (OBJ, OFF); else does nothing.
+void blame_index(const std::filesystem::path& file);
+
 /// Appends the triangles of a polygon: a fan where it is convex, ear clipping where it is not. Returns false, and appends a
 /// fan, where the polygon is not simple. `corners` index `positions`, in range; fewer than three distinct ones give nothing.
 bool triangulate(std::span<const glm::vec3> positions, std::span<const std::uint32_t> corners,

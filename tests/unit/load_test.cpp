@@ -200,8 +200,10 @@ TEST(ImportErrors, indices_out_of_range_are_refused) {
   const Folder folder;
   expect_words(import_error(folder.write("bad.ply", std::string(ply_head) + "0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n")),
                {"bad.ply", "face 0", "vertex index 7", "0 .. 2"});
-  expect_words(import_error(folder.write("bad.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n")), {"bad.off", "range"});
-  expect_words(import_error(folder.write("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n")), {"bad.obj"});
+  expect_words(import_error(folder.write("bad.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n")),
+               {"bad.off:6", "face 0", "vertex 7", "0 .. 2"});
+  expect_words(import_error(folder.write("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n")),
+               {"bad.obj:4", "vertex 9", "1 .. 3"});
 }
 
 TEST(ImportErrors, truncated_files_are_refused_wherever_they_are_cut) {
@@ -221,7 +223,8 @@ TEST(ImportErrors, a_binary_ply_cut_anywhere_is_refused) {
   const std::string head =
       "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
       "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
-  const std::string body = std::string(36, '\0') + '\3' + std::string(12, '\0');
+  std::string body(36 + 1 + 12, '\0');
+  body[36] = 3;
   for (std::size_t size = 0; size < body.size(); ++size)
     expect_words(import_error(folder.write("cut.ply", head + body.substr(0, size))), {"cut.ply", "truncated"});
 }
