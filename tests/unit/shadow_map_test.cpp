@@ -132,7 +132,8 @@ TEST_F(ShadowMap, receiver_plane_bias_alone_leaves_no_acne_on_flat_receivers) {
       if (auto* l = std::get_if<PointLight>(&light.kind)) l->position += shift;
       if (auto* l = std::get_if<SpotLight>(&light.kind)) l->position += shift;
       for (const int radius : {0, 3}) {
-        const std::string settings = "resolution=256,bias=receiver_plane,depth_bias=0" + (radius ? ",filter=pcf,filter_radius=3" : std::string());
+        const std::string settings =
+            "resolution=256,bias=receiver_plane,depth_bias=0" + (radius ? ",filter=pcf,filter_radius=3" : std::string());
         const auto shadow_map = run(settings, moved, light, g);
         int acne = 0, dark = 0;
         for (std::size_t i = 0; i < g.size(); ++i) {
@@ -196,7 +197,8 @@ TEST_F(ShadowMap, explain_reproduces_the_mask_from_its_taps) {
   for (const std::string filter : {"nearest", "pcf,filter_radius=2"})
     for (const std::string depth : {"false", "true"})
       for (const Light& light : {all_kinds[0], all_kinds[1], all_kinds[2], all_kinds[6]}) {
-        const auto shadow_map = run("resolution=256,bias=receiver_plane,second_depth=" + depth + ",filter=" + filter, scene, light, g);
+        const auto shadow_map =
+            run("resolution=256,bias=receiver_plane,second_depth=" + depth + ",filter=" + filter, scene, light, g);
         int compared = 0, different = 0;
         for (std::size_t i = 0; i < g.size(); ++i) {
           if (!faces_light(scene, g, light, i)) continue;

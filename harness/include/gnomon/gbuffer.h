@@ -16,10 +16,10 @@ struct GBuffer {
   View view;
   Truth truth = Truth::shape;
   int width = 0, height = 0;
-  std::span<const float> px, py, pz;            ///< position, meters
-  std::span<const float> nx, ny, nz;            ///< normal
-  std::span<const std::uint32_t> mesh;          ///< index into Scene::meshes, or no_mesh
-  std::span<const std::uint32_t> triangle;      ///< index into Mesh::triangles; 0 on an exact curved shape
+  std::span<const float> px, py, pz;        ///< position, meters
+  std::span<const float> nx, ny, nz;        ///< normal
+  std::span<const std::uint32_t> mesh;      ///< index into Scene::meshes, or no_mesh
+  std::span<const std::uint32_t> triangle;  ///< index into Mesh::triangles; 0 on an exact curved shape
   std::shared_ptr<const void> storage;
 
   std::size_t size() const { return static_cast<std::size_t>(width) * height; }

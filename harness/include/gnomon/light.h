@@ -1,6 +1,5 @@
 #pragma once
 #include <glm/glm.hpp>
-
 #include <string>
 #include <string_view>
 #include <variant>
@@ -46,8 +45,8 @@ std::string_view kind_name(const Light& light);
 /// Whether the light has an area, hence penumbrae.
 bool has_area(const Light& light);
 
-/// The homogeneous light: (position, 1), or (-direction, 0) where direction is the way light travels. Area lights: their center.
-/// Exact: the floats of the light, widened. Nothing else converts a light to a point or direction.
+/// The homogeneous light: (position, 1), or (-direction, 0) where direction is the way light travels. Area lights: their
+/// center. Exact: the floats of the light, widened. Nothing else converts a light to a point or direction.
 glm::dvec4 homogeneous(const Light& light);
 
 /// From `point` to the light, not normalized: position - point, or -direction.

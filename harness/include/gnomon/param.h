@@ -98,9 +98,7 @@ class Number final : public Parameter {
   std::string allowed() const override {
     return fmt::format("{} .. {}{}{}", range_.min, range_.max, unit().empty() ? "" : " ", unit());
   }
-  std::vector<std::string> probes() const override {
-    return {fmt::format("{}", range_.min), fmt::format("{}", range_.max)};
-  }
+  std::vector<std::string> probes() const override { return {fmt::format("{}", range_.min), fmt::format("{}", range_.max)}; }
   void set(std::string_view value) override;
 
  private:

@@ -89,8 +89,8 @@ struct Scene {
   std::string name;
   float ambient = 0.15f;  ///< constant ambient term of the shaded picture
   std::vector<Mesh> meshes;
-  std::vector<Light> lights;  ///< at least one, names unique
-  std::vector<View> views;    ///< at least one, names unique
+  std::vector<Light> lights;       ///< at least one, names unique
+  std::vector<View> views;         ///< at least one, names unique
   std::vector<std::string> notes;  ///< what the loader did on its own account: framing camera, dropped triangles, ...
 
   std::size_t triangle_count() const;

@@ -46,10 +46,10 @@ struct Tap {
 
 /// Why a pixel got its answer. Techniques with light-space samples give taps; geometric ones the element that decided.
 struct Explanation {
-  bool covered = true;      ///< false: outside the light frustum, cascade, receiver set or caster set
+  bool covered = true;  ///< false: outside the light frustum, cascade, receiver set or caster set
   std::vector<Tap> taps;
-  double bias = 0;          ///< total bias as meters along the light ray
-  double texel_width = 0;   ///< world width of a texel at the pixel's point, meters; 0 without taps
+  double bias = 0;                       ///< total bias as meters along the light ray
+  double texel_width = 0;                ///< world width of a texel at the pixel's point, meters; 0 without taps
   std::optional<glm::dvec3> shifted;     ///< the look-up point, when it is not the pixel's point
   std::optional<std::uint64_t> element;  ///< fragment, volume or plane that decided
 };

@@ -12,7 +12,9 @@ struct Camera {
   int width, height;
 
   Camera(const View& view, int image_width, int image_height)
-      : eye(view.eye), tan_y(std::tan(glm::radians(static_cast<double>(view.fov_y_degrees)) / 2)), width(image_width),
+      : eye(view.eye),
+        tan_y(std::tan(glm::radians(static_cast<double>(view.fov_y_degrees)) / 2)),
+        width(image_width),
         height(image_height) {
     forward = glm::normalize(glm::dvec3(view.target) - eye);
     glm::dvec3 side = glm::cross(forward, glm::dvec3(view.up));
