@@ -31,8 +31,8 @@ void check_obj(std::ifstream& in, const std::string& name) {
     std::istringstream words(line.substr(2));
     while (words >> word)
       if (const auto index = leading_index(word); index && (*index == 0 || *index > total || -*index > so_far))
-        throw Error("{}:{}: face names vertex {}; allowed are 1 .. {}, or -1 .. -{} counted back", name, number, *index, total,
-                    so_far);
+        throw Error("{}:{}: face names vertex {}, out of range: allowed are 1 .. {}, or -1 .. -{} counted back", name, number,
+                    *index, total, so_far);
   }
 }
 
@@ -59,7 +59,7 @@ void check_off(std::ifstream& in, const std::string& name) {
     words >> corners;
     for (long c = 0; c < corners && words >> index; ++c)
       if (index < 0 || index >= vertices)
-        throw Error("{}:{}: face {} names vertex {}; allowed are 0 .. {}", name, number, f, index, vertices - 1);
+        throw Error("{}:{}: face {} names vertex {}, out of range: allowed are 0 .. {}", name, number, f, index, vertices - 1);
   }
 }
 
