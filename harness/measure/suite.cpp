@@ -74,6 +74,12 @@ std::vector<Contender> read_contenders(const Table& group, const toml::table& ra
 }  // namespace
 
 std::vector<Contender> parse_contenders(const std::string& text, const std::string& label) {
+  if (text == "*") {
+    if (!label.empty()) throw Error("label {} would name every technique", label);
+    std::vector<Contender> all;
+    for (const TechniqueEntry& entry : registry().techniques()) all.push_back({entry.id, "", ""});
+    return all;
+  }
   std::vector<std::string> plain;
   expand_braces(text, plain);
   if (plain.size() > 1 && !label.empty()) throw Error("label {} would name {} rows of the sweep {}", label, plain.size(), text);

@@ -16,7 +16,8 @@ struct Contender {
 };
 
 /// Reads `id:param=value,...`; a comma list in braces is a sweep: `shadow_map:resolution={256,1024}` gives two contenders,
-/// two braces their product. Throws Error on unknown techniques and parameters and on values out of range.
+/// two braces their product; `*` alone is every registered technique. Throws Error on unknown techniques and parameters and on
+/// values out of range.
 std::vector<Contender> parse_contenders(const std::string& text, const std::string& label = "");
 
 /// Rows that share scenes, lights, views and contenders: their cross product.

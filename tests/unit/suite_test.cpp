@@ -1,6 +1,7 @@
 #include "measure/suite.h"
 
 #include <gnomon/error.h>
+#include <gnomon/registry.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -66,6 +67,13 @@ TEST(contenders, a_brace_list_is_a_sweep_and_two_are_their_product) {
 TEST(contenders, a_label_belongs_to_one_contender_not_to_a_sweep) {
   EXPECT_EQ(parse_contenders("shadow_map:resolution=256", "coarse")[0].label, "coarse");
   EXPECT_THROW(parse_contenders("shadow_map:resolution={256,512}", "coarse"), Error);
+}
+
+TEST(contenders, a_star_is_every_registered_technique) {
+  const std::vector<Contender> all = parse_contenders("*");
+  ASSERT_EQ(all.size(), registry().techniques().size());
+  for (std::size_t k = 0; k < all.size(); ++k) EXPECT_EQ(all[k].name(), registry().techniques()[k].id);
+  EXPECT_THROW(parse_contenders("*", "all"), Error);
 }
 
 TEST(contenders, what_cannot_be_is_refused) {
