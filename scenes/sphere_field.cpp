@@ -15,6 +15,12 @@ class SphereField final : public SceneGenerator {
   Number<int> count{this, "count", 100, {.min = 1, .max = 10000, .log = true}, Stage::build, "Number of spheres."};
   Number<int> seed{this, "seed", 1, {.min = 0, .max = 1000000}, Stage::build, "Chooses places, sizes and colors."};
   Number<int> segments{this, "segments", 32, {.min = 4, .max = 256, .log = true}, Stage::build, "Edges around each equator."};
+  Number<int> lights{this,
+                     "lights",
+                     0,
+                     {.min = 0, .max = 64},
+                     Stage::build,
+                     "Number of further point lights, ring_1 and on, in a circle above the field."};
 
  public:
   Scene make() const override {
@@ -39,6 +45,12 @@ class SphereField final : public SceneGenerator {
     }
     scene.lights = {{.name = "point", .kind = PointLight{{-6, 9, 3}}},
                     {.name = "sun", .kind = DirectionalLight{{1, -0.9f, -0.35f}}}};
+    for (int k = 0; k < lights; ++k) {
+      const double angle = 2 * M_PI * k / lights;
+      scene.lights.push_back({.name = fmt::format("ring_{}", k + 1),
+                              .kind = PointLight{{10 * std::cos(angle), 9, 10 * std::sin(angle)}},
+                              .intensity = 1.0f / static_cast<float>(lights)});
+    }
     scene.views = {{.name = "view", .eye = {1, 5.5f, 11.5f}, .target = {0.3f, 0, 0.5f}, .fov_y_degrees = 36},
                    {.name = "low", .eye = {-5, 0.8f, 9.5f}, .target = {0, 0.6f, 0}, .fov_y_degrees = 45}};
     return scene;

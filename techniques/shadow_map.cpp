@@ -16,6 +16,8 @@
 #include <gnomon/kit/gl.h>
 #include <gnomon/registry.h>
 
+#include <optional>
+
 #include "shadow_map/light_faces.h"
 #include "shadow_map/shaders.h"
 
@@ -82,11 +84,16 @@ class ShadowMap final : public Technique {
   int face_of(const glm::dvec3& from_light) const;
   double stored(int face, const glm::ivec2& texel) const;
   const std::vector<float>& depths() const;
+  const std::vector<glm::vec2>& looked_up() const;
+  /// Runs a program of resolve over all pixels, into a texture.
+  void look_up(const Program& program, unsigned target) const;
+  /// What the head of the resolve shader says for a projection.
+  std::string head(int projection) const {
+    return fmt::format("#define PROJECTION {}\n#define BIAS {}\n#define PCF {}\n", projection, bias.index(), filter.index());
+  }
 
-  const Program& resolve_program() const {
-    return resolve_programs_[faces_.size() == 6      ? shadow_map::cube
-                             : faces_[0].perspective ? shadow_map::perspective
-                                                     : shadow_map::orthographic];
+  int projection() const {
+    return faces_.size() == 6 ? shadow_map::cube : faces_[0].perspective ? shadow_map::perspective : shadow_map::orthographic;
   }
 
   Program depth_program_, second_program_;
@@ -103,7 +110,9 @@ class ShadowMap final : public Technique {
   int drawn_faces_ = 0;
   std::size_t drawn_triangles_ = 0;
   const GBuffer* gbuffer_ = nullptr;
-  mutable std::vector<float> depths_;  // of all layers, read back at the first question after a relight
+  mutable std::vector<float> depths_;         // of all layers, read back at the first question after a relight
+  mutable std::vector<glm::vec2> looked_up_;  // by pixel, asked for at the first question after a resolve
+  mutable std::array<std::optional<Program>, shadow_map::projection_count> explain_programs_;
 };
 
 /// Makes room for `layers` depth images; keeps a texture that has it.
@@ -117,9 +126,8 @@ void ShadowMap::setup() {
   depth_program_ = Program("shadow_map depth", shadow_map::depth_vertex, shadow_map::depth_fragment);
   second_program_ = Program("shadow_map second depth", shadow_map::depth_vertex, shadow_map::second_fragment);
   for (int i = 0; i < shadow_map::projection_count; ++i) {
-    const std::string head =
-        fmt::format("#define PROJECTION {}\n#define BIAS {}\n#define PCF {}\n", i, bias.index(), filter.index());
-    resolve_programs_[i] = Program("shadow_map resolve", full_screen_vertex, head + shadow_map::resolve_fragment);
+    resolve_programs_[i] = Program("shadow_map resolve", full_screen_vertex, head(i) + shadow_map::resolve_fragment);
+    explain_programs_[i].reset();
   }
   framebuffer_ = make_framebuffer();
   warm_up(*this);
@@ -192,7 +200,12 @@ void ShadowMap::relight(const Light& light) {
 void ShadowMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   const StateGuard guard;
   gbuffer_ = &gbuffer;
-  const Program& p = resolve_program();
+  looked_up_.clear();
+  look_up(resolve_programs_[projection()], mask.texture());
+  glFinish();
+}
+
+void ShadowMap::look_up(const Program& p, unsigned target) const {
   set_light(p, light_);
   // Which uniforms a variant uses is the compiler's affair.
   const auto set = [&](const std::string& uniform, const auto& value) {
@@ -223,14 +236,13 @@ void ShadowMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   set("slope_bias", static_cast<float>(slope_bias));
   set("normal_offset", static_cast<float>(normal_offset));
   set("rounding", static_cast<float>(rounding_));
-  bind_gbuffer(gbuffer_textures(gbuffer, *scene_));
+  bind_gbuffer(gbuffer_textures(*gbuffer_, *scene_));
   glBindTextureUnit(3, map().name());
-  glNamedFramebufferTexture(framebuffer_.name(), GL_COLOR_ATTACHMENT0, mask.texture(), 0);
+  glNamedFramebufferTexture(framebuffer_.name(), GL_COLOR_ATTACHMENT0, target, 0);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
-  glViewport(0, 0, gbuffer.width, gbuffer.height);
+  glViewport(0, 0, gbuffer_->width, gbuffer_->height);
   glUseProgram(p.name());
   draw_full_screen();
-  glFinish();
 }
 
 Counts ShadowMap::counts() const {
@@ -256,6 +268,23 @@ const std::vector<float>& ShadowMap::depths() const {
   return depths_;
 }
 
+/// The texel that each pixel looked up in the last resolve, by the very shader: next to a border of texels, float32 decides.
+const std::vector<glm::vec2>& ShadowMap::looked_up() const {
+  if (!looked_up_.empty()) return looked_up_;
+  const StateGuard guard;
+  auto& program = explain_programs_[projection()];
+  if (!program)
+    program.emplace("shadow_map explain", full_screen_vertex,
+                    "#define EXPLAIN\n" + head(projection()) + shadow_map::resolve_fragment);
+  const Texture texels(GL_RG32F, gbuffer_->width, gbuffer_->height);
+  look_up(*program, texels.name());
+  looked_up_.resize(gbuffer_->size());
+  glGetTextureImage(texels.name(), 0, GL_RG, GL_FLOAT, static_cast<GLsizei>(looked_up_.size() * sizeof(glm::vec2)),
+                    looked_up_.data());
+  glNamedFramebufferTexture(framebuffer_.name(), GL_COLOR_ATTACHMENT0, 0, 0);
+  return looked_up_;
+}
+
 /// Axis distance of the stored surface; infinity when nothing is stored or the texel is off the image.
 double ShadowMap::stored(int face, const glm::ivec2& texel) const {
   if (glm::any(glm::lessThan(texel, glm::ivec2(0))) || glm::any(glm::greaterThanEqual(texel, glm::ivec2(resolution))))
@@ -266,7 +295,8 @@ double ShadowMap::stored(int face, const glm::ivec2& texel) const {
   return f.perspective ? f.near / depth : f.far - depth * (f.far - f.near);
 }
 
-// The shader's arithmetic in double: they may differ where stored and expected depth agree to float32 rounding.
+// The shader's arithmetic in double, but for the texel: they may differ where stored and expected depth agree to float32
+// rounding.
 std::optional<Explanation> ShadowMap::explain(std::size_t index) const {
   Explanation why;
   if (!faces_light(*scene_, *gbuffer_, light_, index)) return why;
@@ -287,12 +317,17 @@ std::optional<Explanation> ShadowMap::explain(std::size_t index) const {
     const double error = rounding_ * (face.perspective ? 1 + q.z * q.z / (face.near * face.far) : 1);
     axis_bias += (error + why.texel_width / 128) / facing;
   }
-  why.bias = axis_bias * glm::length(ray);
   if (bias.is("normal_offset")) {
+    const double z = q.z;
     q += n * (normal_offset * why.texel_width);
     why.shifted = face.to_world(q);
+    axis_bias += z - q.z;  // what the look-up point is nearer to the light by
   }
-  const glm::ivec2 center(glm::floor(face.texel(q)));
+  why.bias = axis_bias * glm::length(ray);
+  const glm::ivec2 center(looked_up()[index]);
+  // A point that nothing shadows may be looked up beside the image; where something does, its shadow is not in there.
+  why.covered =
+      glm::all(glm::greaterThanEqual(center, glm::ivec2(0))) && glm::all(glm::lessThan(center, glm::ivec2(resolution)));
   const int r = radius();
   for (int y = -r; y <= r; ++y)
     for (int x = -r; x <= r; ++x) {

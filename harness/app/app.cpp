@@ -62,7 +62,9 @@ int run_program(int argc, char** argv) {
         ->expected(1)
         ->trigger_on_parse()
         ->each([](const std::string& path) { load_plugin(path); });
-    for (auto* add : {add_list, add_describe, add_render, add_run, add_table, add_certify, add_docs, add_worker}) add(program);
+    for (auto* add : {add_list, add_describe, add_render, add_run, add_table, add_compare, add_merge, add_report, add_analyze,
+                      add_figure, add_certify, add_docs, add_worker})
+      add(program);
     try {
       program.cli.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
@@ -92,20 +94,6 @@ int run_program(int argc, char** argv) {
     fmt::print(stderr, "gnomon: {}\n", error.what());
     return 1;
   }
-}
-
-std::pair<int, int> parse_size(const std::string& text) {
-  const auto refuse = [&] { throw Error("--size {} is not WxH with W and H of 1 .. 16384 pixels", text); };
-  int size[2] = {};
-  const char *at = text.data(), *end = text.data() + text.size();
-  for (int k = 0; k < 2; ++k) {
-    const auto [next, code] = std::from_chars(at, end, size[k]);
-    if (code != std::errc{} || size[k] < 1 || size[k] > 16384) refuse();
-    at = next;
-    if (k == 0 && (at == end || *at++ != 'x')) refuse();
-  }
-  if (at != end) refuse();
-  return {size[0], size[1]};
 }
 
 Truth parse_truth(const std::string& text) {

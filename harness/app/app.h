@@ -25,15 +25,17 @@ void add_describe(Program& program);
 void add_render(Program& program);
 void add_run(Program& program);
 void add_table(Program& program);
+void add_compare(Program& program);
+void add_merge(Program& program);
+void add_report(Program& program);
+void add_analyze(Program& program);
+void add_figure(Program& program);
 void add_certify(Program& program);
 void add_docs(Program& program);
 void add_worker(Program& program);  ///< hidden: the processes that `run` and the importer start
 
 /// The whole program. Exit status: 0 done (unsupported rows included), 1 done but something failed, 2 bad usage or input.
 int run_program(int argc, char** argv);
-
-/// "640x360" into two sizes of 1 .. 16384. Throws Error.
-std::pair<int, int> parse_size(const std::string& text);
 
 /// "shape" or "mesh", the value of --truth. Throws Error.
 Truth parse_truth(const std::string& text);

@@ -19,7 +19,7 @@ struct Options {
 };
 
 int run_certify(const Options& options) {
-  const auto [width, height] = parse_size(options.size);
+  const auto [width, height] = parse_size(options.size, "--size");
   const Scene scene = load_scene(options.scene);
   require_names(options.scene, scene, options.lights, options.views);
   FrameStore frames(scene, cache_root() / "frames");

@@ -51,8 +51,8 @@ void add_list(Program& program) {
     bool json = false;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = program.cli.add_subcommand("list", "What there is: techniques, scenes, suites or metrics");
-  command->add_option("what", options->what, "techniques, scenes, suites or metrics")->capture_default_str();
+  CLI::App* command = program.cli.add_subcommand("list", "What there is: techniques, scenes, suites, metrics or causes");
+  command->add_option("what", options->what, "techniques, scenes, suites, metrics or causes")->capture_default_str();
   command->add_flag("--json", options->json, "As JSON");
   command->callback([&program, options] {
     program.chosen = [options] {
@@ -61,12 +61,14 @@ void add_list(Program& program) {
         print(list_text(techniques, terminal_width()), list_json(techniques), options->json);
       else if (options->what == "metrics")
         print(list_text(metric_infos(), terminal_width()), list_json(metric_infos()), options->json);
+      else if (options->what == "causes")
+        print(list_text(cause_infos(), terminal_width()), list_json(cause_infos()), options->json);
       else if (options->what == "scenes")
         print_scenes(options->json);
       else if (options->what == "suites")
         print_suites(options->json);
       else {
-        const std::vector<std::string> lists = {"techniques", "scenes", "suites", "metrics"};
+        const std::vector<std::string> lists = {"techniques", "scenes", "suites", "metrics", "causes"};
         throw Error("there is no list {}; did you mean {}? There are: {}", options->what, nearest_word(options->what, lists),
                     fmt::join(lists, ", "));
       }

@@ -72,7 +72,7 @@ int render(const RenderOptions& options, const WorkerOptions& worker) {
   check_layer(contenders[0], options.debug);
   Suite suite;
   suite.name = "render";
-  std::tie(suite.width, suite.height) = parse_size(options.size);
+  std::tie(suite.width, suite.height) = parse_size(options.size, "--size");
   suite.truth = parse_truth(options.truth);
   suite.timeout = options.timeout;
   suite.groups = {{{options.scene}, options.lights, {}, contenders}};
@@ -95,7 +95,8 @@ int render(const RenderOptions& options, const WorkerOptions& worker) {
   std::vector<std::vector<float>> masks;
   Json records = Json::array();
   for (const Job& job : jobs) {
-    const Support support = seat.go(run.light_index(job.light), run.view_index(job.view), suite.truth);
+    const Place place = run.place(job);
+    const Support support = seat.go(place, suite.truth);
     if (!support) throw Error("{} does not support {} {}: {}", job.contender.name(), job.scene, job.light, support.why());
     if (support.kind() == Support::Kind::approximate) fmt::print(stderr, "note: {}: {}\n", job.light, support.why());
     Record record = start_record(job, suite, &*entry.scene, context);
@@ -103,18 +104,17 @@ int render(const RenderOptions& options, const WorkerOptions& worker) {
     record.reason = support.why();
     record.context["scene_hash"] = run.frames.scene_hash();
     record.times(Stage::setup) = {{seat.setup_ms()}};
-    const Measured measured = measure(record, run, seat);
+    const Measured measured = measure(record, run, seat, place);
     const Answer& answer = measured.answer;
     const Tally& counts = measured.tally;
     // One warm call each: `gnomon run` is for timing.
     for (const Stage stage : {Stage::build, Stage::relight, Stage::resolve}) record.times(stage) = {{seat.time(stage)}};
     // The first light's pictures have plain names; every further light's are marked with it.
     const std::string tail = masks.empty() ? "" : "_" + job.light;
-    const Light& light = run.scene.lights[run.light_index(job.light)];
     write_png(folder.path / ("mask" + tail + ".png"), draw_mask(answer.mask, suite.width, suite.height));
-    write_png(folder.path / ("shaded" + tail + ".png"), shade(run.scene, answer.gbuffer, light, answer.mask));
+    write_png(folder.path / ("shaded" + tail + ".png"), shade(run.scene, answer.gbuffer, measured.light, answer.mask));
     write_png(folder.path / ("error" + tail + ".png"),
-              draw_errors(run.scene, answer.gbuffer, light, verdicts(answer.evidence()), counts, job.contender.name()));
+              draw_errors(answer.evidence(run.scene, measured.light), job.contender.name()));
     if (!options.debug.empty()) {
       const fs::path raw = run.scratch / "layer.raw";
       seat.worker().ask({{"do", "debug"}, {"layer", options.debug}, {"out", raw.string()}}, suite.timeout);

@@ -3,8 +3,9 @@
 #include <algorithm>
 
 #include "app/app.h"
-#include "measure/blob.h"
-#include "measure/paths.h"
+#include "app/run_tables.h"
+#include "measure/context.h"
+#include "measure/estimate.h"
 #include "measure/run.h"
 #include "report/table.h"
 
@@ -19,8 +20,8 @@ struct Options {
   std::vector<std::string> scenes, techniques, lights;
   fs::path out;
   int repetitions = 0, processes = 0, threads = 0;
-  std::optional<double> timeout;
-  bool resume = false, dry_run = false, quiet = false;
+  std::optional<double> timeout, interval, budget;
+  bool resume = false, retry_failed = false, dry_run = false, quiet = false;
 };
 
 Suite make_suite(const Options& options) {
@@ -40,11 +41,13 @@ Suite make_suite(const Options& options) {
   }
   for (SuiteGroup& group : suite.groups)
     if (!options.lights.empty()) group.lights = options.lights;
-  if (!options.size.empty()) std::tie(suite.width, suite.height) = parse_size(options.size);
+  if (!options.size.empty()) std::tie(suite.width, suite.height) = parse_size(options.size, "--size");
   if (!options.truth.empty()) suite.truth = parse_truth(options.truth);
   if (options.repetitions) suite.repetitions = options.repetitions;
   if (options.processes) suite.processes = options.processes;
   if (options.timeout) suite.timeout = *options.timeout;
+  if (options.interval) suite.interval = *options.interval;
+  if (options.budget) suite.budget = *options.budget;
   return suite;
 }
 
@@ -57,11 +60,24 @@ std::pair<int, int> parse_shard(const std::string& text) {
   return {index, count};
 }
 
-void write_tables(const fs::path& out) {
-  const std::vector<Record> records = read_records(out);
-  for (const auto& [format, file] : {std::pair(Format::markdown, "table.md"), std::pair(Format::csv, "table.csv"),
-                                     std::pair(Format::latex, "table.tex"), std::pair(Format::json, "table.json")})
-    write_file(out / file, render_table(records, format));
+/// The rows that would be run, and how long they would take by what is known of earlier ones.
+void print_rows(const RunOptions& options, SceneLibrary& library) {
+  std::vector<Job> jobs = select_jobs(options, library);
+  for (const Job& job : jobs) {
+    const std::string& missing = library.get(job.scene).missing;
+    fmt::print("{}  {}{}{}\n", job.hash, job.title(), job.contender.label.empty() ? "" : "  (" + job.contender.label + ")",
+               missing.empty() ? "" : "  unsupported: " + missing);
+  }
+  const Suite& suite = options.suite;
+  fmt::print("{} rows, {} processes x {} repetitions each, {}x{} pixels\n", jobs.size(), suite.processes, suite.repetitions,
+             suite.width, suite.height);
+  std::erase_if(jobs, [&](const Job& job) { return !library.get(job.scene).missing.empty(); });
+  if (jobs.empty()) return;
+  std::vector<Cost> costs = own_history().read();
+  for (Cost& cost : shipped_costs()) costs.push_back(std::move(cost));
+  const Estimator estimate(std::move(costs), machine_name(machine_context(options.worker.threads)));
+  fmt::print("{}\n", text(estimate(jobs, {suite.processes, suite.warmups, suite.repetitions})));
+  if (suite.interval > 0) fmt::print("and up to {} more for narrow intervals\n", duration_text(suite.budget));
 }
 
 int run(const Options& options, const Program& program) {
@@ -69,6 +85,7 @@ int run(const Options& options, const Program& program) {
   run_options.suite = make_suite(options);
   run_options.filter = options.filter;
   run_options.resume = options.resume;
+  run_options.retry_failed = options.retry_failed;
   run_options.worker = worker_options(program, options.threads);
   if (!options.shard.empty()) std::tie(run_options.shard_index, run_options.shard_count) = parse_shard(options.shard);
   run_options.out = options.out;
@@ -79,14 +96,7 @@ int run(const Options& options, const Program& program) {
   }
   SceneLibrary library;
   if (options.dry_run) {
-    const std::vector<Job> jobs = select_jobs(run_options, library);
-    for (const Job& job : jobs) {
-      const std::string& missing = library.get(job.scene).missing;
-      fmt::print("{}  {}{}{}\n", job.hash, job.title(), job.contender.label.empty() ? "" : "  (" + job.contender.label + ")",
-                 missing.empty() ? "" : "  unsupported: " + missing);
-    }
-    fmt::print("{} rows, {} processes x {} repetitions each, {}x{} pixels\n", jobs.size(), run_options.suite.processes,
-               run_options.suite.repetitions, run_options.suite.width, run_options.suite.height);
+    print_rows(run_options, library);
     return 0;
   }
   const RunSummary summary = [&] {
@@ -95,21 +105,16 @@ int run(const Options& options, const Program& program) {
   }();
   const std::vector<Record> records = read_records(run_options.out);
   if (records.empty()) {
-    fmt::print("this shard has no rows\n");
+    fmt::print("shard {}/{} has no rows\n", run_options.shard_index, run_options.shard_count);
     return 0;
   }
-  write_tables(run_options.out);
+  write_tables(run_options.out, records);
   fmt::print("{}\n", render_table(records, Format::terminal, {.width = terminal_width()}));
   fmt::print("{} rows: {} ok, {} unsupported, {} failed", summary.ok + summary.unsupported + summary.failed, summary.ok,
              summary.unsupported, summary.failed);
   if (summary.done_before) fmt::print("; {} were done before", summary.done_before);
   fmt::print("; {}\n\n", duration_text(summary.seconds));
-  const std::string out = run_options.out.string();
-  fmt::print(
-      "{0}/records.jsonl  every raw repetition and metric\n{0}/masks/         visibility masks, EXR\n"
-      "{0}/errors/        error pictures, PNG\n{0}/shaded/        shaded pictures, PNG\n"
-      "{0}/table.*        this table as md, csv, tex, json\n",
-      out);
+  print_contents(run_options.out);
   // Failed rows of an earlier, resumed run count too.
   return std::any_of(records.begin(), records.end(), [](const Record& r) { return r.status == Status::failed; }) ? 1 : 0;
 }
@@ -130,10 +135,15 @@ void add_run(Program& program) {
   command->add_option("--repetitions", options->repetitions, "Timed repetitions per process")->check(CLI::Range(1, 1000));
   command->add_option("--processes", options->processes, "Fresh processes per contender")->check(CLI::Range(1, 1000));
   command->add_option("--threads", options->threads, "Pin workers to this many cores; all by default");
+  command->add_option("--interval", options->interval, "More processes until intervals are this share of the time wide")
+      ->check(CLI::Range(0.001, 10.0));
+  command->add_option("--budget", options->budget, "Seconds that those processes may take")->check(seconds());
   command->add_option("--timeout", options->timeout, "Seconds that one step of a worker may take")->check(seconds());
-  command->add_option("--shard", options->shard, "I/N: only every N-th row, from the I-th");
-  command->add_flag("--resume", options->resume, "Continue in --out; rows that are there are not run again");
-  command->add_flag("--dry-run", options->dry_run, "Print the rows and run nothing");
+  command->add_option("--shard", options->shard, "I/N: part I of N of the rows, 0 <= I < N; gnomon merge joins them");
+  CLI::Option* resume =
+      command->add_flag("--resume", options->resume, "Continue in --out; rows that are there are not run again");
+  command->add_flag("--retry-failed", options->retry_failed, "With --resume: rows that failed are run again")->needs(resume);
+  command->add_flag("--dry-run", options->dry_run, "Print the rows and how long they may take; run nothing");
   command->add_flag("--quiet", options->quiet, "No progress");
   command->callback([&program, options] { program.chosen = [&program, options] { return run(*options, program); }; });
 }

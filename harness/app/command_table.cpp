@@ -1,24 +1,55 @@
 #include "app/app.h"
+#include "measure/rescore.h"
 #include "report/table.h"
 
 namespace gnomon::app {
 
+namespace {
+
+struct TableCommand {
+  std::string dir, format = "terminal";
+  bool is_rescored = false, is_saved = false;
+  TableOptions table;
+
+  std::vector<Record> records() const {
+    if (is_saved && !is_rescored) throw Error("--save keeps what --rescore finds; give both");
+    if (!is_rescored) return read_records(dir);
+    // Nobody else may write between reading and replacing.
+    std::optional<RecordWriter> writer;
+    if (is_saved) {
+      if (!std::filesystem::exists(records_file(dir))) read_records(dir);  // says so
+      writer.emplace(dir);
+    }
+    std::vector<Record> records = read_records(dir);
+    Rescored result;
+    {
+      Progress progress;
+      result = rescore(records, dir, progress);
+    }
+    for (const std::string& note : result.notes) fmt::print(stderr, "{}\n", note);
+    if (writer) replace_records(dir, records, *writer);
+    fmt::print(stderr, "{} row{} rescored{}\n", result.rows, result.rows == 1 ? "" : "s",
+               writer ? fmt::format(", {} rewritten", records_file(dir).string()) : "");
+    return records;
+  }
+};
+
+}  // namespace
+
 void add_table(Program& program) {
-  struct Options {
-    std::string dir, format = "terminal";
-    TableOptions table;
-  };
   CLI::App* command = program.cli.add_subcommand("table", "The comparison table of a run, in any format, on stdout");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TableCommand>();
   command->add_option("dir", options->dir, "Folder of the run")->required();
   command->add_option("--format", options->format, "terminal, md, csv, tex or json")->capture_default_str();
   command->add_option("--columns", options->table.columns, "Names of columns in their order; 'list' prints them all")
       ->delimiter(',');
   command->add_option("--caption", options->table.caption, "Caption of the LaTeX table");
+  command->add_flag("--rescore", options->is_rescored, "Compute today's metrics from the masks of the run; nothing runs again");
+  command->add_flag("--save", options->is_saved, "With --rescore: keep the new metrics in the run's records");
   command->callback([&program, options] {
     program.chosen = [options] {
       const Format format = format_named(options->format);
-      const std::vector<Record> records = read_records(options->dir);
+      const std::vector<Record> records = options->records();
       if (options->table.columns == std::vector<std::string>{"list"}) {
         for (const std::string& name : column_names(records)) fmt::print("{}\n", name);
         return 0;

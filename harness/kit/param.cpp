@@ -17,6 +17,15 @@ void Parameter::refuse(std::string_view value) const {
 }
 
 template <class T>
+void Number<T>::check() const {
+  // The owner's id is not known yet: its registry gives it after construction.
+  if (!(default_ >= range_.min && default_ <= range_.max))
+    throw Error("parameter {}: default {} is outside {}", name(), default_, allowed());
+}
+template void Number<int>::check() const;
+template void Number<double>::check() const;
+
+template <class T>
 void Number<T>::set(std::string_view value) {
   T parsed{};
   const auto [end, code] = std::from_chars(value.data(), value.data() + value.size(), parsed);
@@ -31,6 +40,7 @@ Choice::Choice(Parametrized* owner, std::string_view name, std::string_view valu
                std::initializer_list<std::string_view> choices, Stage spoils, std::string_view sentence)
     : Parameter(owner, name, "", spoils, sentence), choices_(choices) {
   const auto found = std::find(choices_.begin(), choices_.end(), value);
+  if (found == choices_.end()) throw Error("parameter {}: default {} is outside {}", name, value, allowed());
   index_ = default_ = static_cast<int>(found - choices_.begin());
 }
 
@@ -64,16 +74,29 @@ std::string Parametrized::settings() const {
 }
 
 void Parametrized::apply(std::string_view settings) {
-  std::vector<std::string_view> seen;
-  while (!settings.empty()) {
-    const std::string_view item = settings.substr(0, settings.find(','));
-    settings.remove_prefix(std::min(settings.size(), item.size() + 1));
+  if (settings.empty()) return;
+  std::vector<std::pair<Parameter*, std::string_view>> items;
+  for (std::size_t start = 0; start != settings.npos;) {
+    const std::size_t comma = settings.find(',', start);
+    const std::string_view item = settings.substr(start, comma - start);
+    start = comma == settings.npos ? comma : comma + 1;
     const std::size_t equals = item.find('=');
     if (equals == std::string_view::npos) throw Error("{}: '{}' is not of the form parameter=value", id_, item);
-    const std::string_view key = item.substr(0, equals);
-    if (std::find(seen.begin(), seen.end(), key) != seen.end()) throw Error("{}.{} is given twice", id_, key);
-    seen.push_back(key);
-    parameter(key).set(item.substr(equals + 1));
+    Parameter& row = parameter(item.substr(0, equals));
+    if (std::any_of(items.begin(), items.end(), [&](const auto& other) { return other.first == &row; }))
+      throw Error("{}.{} is given twice", id_, row.name());
+    items.emplace_back(&row, item.substr(equals + 1));
+  }
+  // All or nothing: what a refused value comes after goes back to what it was.
+  std::vector<std::string> before;
+  try {
+    for (const auto& [row, value] : items) {
+      before.push_back(row->text());
+      row->set(value);
+    }
+  } catch (const Error&) {
+    for (std::size_t k = 0; k < before.size(); ++k) items[k].first->set(before[k]);
+    throw;
   }
 }
 

@@ -37,6 +37,10 @@ class Writer {
     plain(static_cast<std::uint64_t>(items.size()));
     for (const T& item : items) visit(*this, item);
   }
+  template <class T>
+  bool has_more(const std::vector<T>& items) const {
+    return !items.empty();
+  }
   template <class Variant>
   void variant(const Variant& value) {
     plain(static_cast<std::uint32_t>(value.index()));
@@ -67,6 +71,10 @@ class Reader {
     if (count > bytes.size()) throw Error("scene bytes end too early");
     items.resize(count);
     for (T& item : items) visit(*this, item);
+  }
+  template <class T>
+  bool has_more(const std::vector<T>&) const {
+    return !bytes.empty();
   }
   template <class Variant>
   void variant(Variant& value) {
@@ -120,6 +128,13 @@ void visit_view(auto& io, auto& view) {
   io.plain(view.fov_y_degrees);
 }
 
+void visit_path(auto& io, auto& path) {
+  io.array(path.name);
+  io.plain(path.moves);
+  io.array(path.positions);
+  io.plain(path.frame_count);
+}
+
 void visit_scene(auto& io, auto& scene) {
   io.array(scene.name);
   io.plain(scene.ambient);
@@ -127,6 +142,8 @@ void visit_scene(auto& io, auto& scene) {
   io.list(scene.lights, [](auto& sub, auto& item) { visit_light(sub, item); });
   io.list(scene.views, [](auto& sub, auto& item) { visit_view(sub, item); });
   io.list(scene.notes, [](auto& sub, auto& item) { sub.array(item); });
+  // Paths came later: a scene without any keeps the bytes, and so the hash, that older records know it by.
+  if (io.has_more(scene.paths)) io.list(scene.paths, [](auto& sub, auto& item) { visit_path(sub, item); });
 }
 
 std::string hash_hex(const void* data, std::size_t size) {

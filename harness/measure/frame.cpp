@@ -4,6 +4,8 @@
 
 #include <cstring>
 
+#include "measure/light_rays.h"
+
 namespace gnomon {
 
 namespace fs = std::filesystem;
@@ -11,7 +13,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Raised when a G-buffer, a reference or a class comes out differently for the same scene.
-constexpr int algorithm_version = 4;
+constexpr int algorithm_version = 5;
 
 template <class T>
 void append(std::vector<std::byte>& bytes, std::span<const T> items) {
@@ -19,8 +21,8 @@ void append(std::vector<std::byte>& bytes, std::span<const T> items) {
   bytes.insert(bytes.end(), view.begin(), view.end());
 }
 
-/// Bytes of a pixel in the cache: six floats and two ids; a float and a class.
-constexpr std::size_t gbuffer_pixel = 32, reference_pixel = 5;
+/// Bytes of a pixel in the cache: six floats and two ids; a float, a mesh and a class.
+constexpr std::size_t gbuffer_pixel = 32, reference_pixel = 9;
 
 /// Whether a file of the cache is whole. One that is not (a disk that filled up, a power cut) is made again.
 bool is_whole(const fs::path& file, std::size_t size) {
@@ -98,6 +100,7 @@ Reference FrameStore::reference(const FrameKey& key, const Light& light) {
     const std::vector<PixelClass> classes = classify(scene_, casters(key.truth), g, light, mask);
     std::vector<std::byte> bytes;
     append(bytes, std::span<const float>(mask));
+    append(bytes, std::span<const std::uint32_t>(find_occluders(scene_, casters(key.truth), g, light, mask)));
     append(bytes, std::span<const PixelClass>(classes));
     write_file(path, bytes);
   }
@@ -106,6 +109,7 @@ Reference FrameStore::reference(const FrameKey& key, const Light& light) {
   std::size_t offset = 0;
   Reference reference;
   reference.mask = slice<float>(*file, offset, n);
+  reference.occluder = slice<std::uint32_t>(*file, offset, n);
   reference.classes = slice<PixelClass>(*file, offset, n);
   reference.storage = file;
   return reference;

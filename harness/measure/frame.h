@@ -10,10 +10,12 @@
 
 namespace gnomon {
 
-/// The answer that counts, for one light and G-buffer: the reference mask and the class of every pixel.
+/// The answer that counts, for one light and G-buffer: the reference mask, the class of every pixel, and what blocks it.
 struct Reference {
   std::span<const float> mask;
   std::span<const PixelClass> classes;
+  /// Mesh of the occluder nearest to the pixel's point on its way to the light; no_mesh where the pixel is lit or has none.
+  std::span<const std::uint32_t> occluder;
   std::shared_ptr<const void> storage;
 };
 

@@ -14,6 +14,8 @@ struct ImageFiles {
   void (*write_exr)(const std::filesystem::path& path, int width, int height, std::span<const std::string> names,
                     std::span<const std::span<const float>> channels);
   std::vector<float> (*read_exr)(const std::filesystem::path& path, const std::string& channel, int width, int height);
+  /// Names of the channels of an EXR. Throws Error.
+  std::vector<std::string> (*exr_channels)(const std::filesystem::path& path);
   /// Draws a line of dark text with its baseline at (x, y) and returns its width in pixels; on an empty picture, only that.
   int (*draw_text)(std::span<std::uint8_t> rgb, int width, int height, int x, int y, const std::string& words);
 };

@@ -7,6 +7,7 @@
 
 #include "measure/blob.h"
 #include "measure/load.h"
+#include "measure/motion.h"
 
 namespace gnomon {
 
@@ -65,15 +66,23 @@ std::vector<Job> expand_jobs(const Suite& suite, SceneLibrary& library) {
         if (lights.empty()) lights = {"-"};
         if (views.empty()) views = {"-"};
       }
+      const std::vector<std::string> paths = group.paths.empty() ? std::vector<std::string>{""} : group.paths;
+      const auto sizes = group.sizes.empty() ? std::vector{std::pair(suite.width, suite.height)} : group.sizes;
+      if (entry.scene)
+        for (const std::string& path : group.paths)
+          find_path(*entry.scene, path, entry.scene->lights.front(), entry.scene->views.front());
       for (const std::string& light : lights)
         for (const std::string& view : views)
-          for (const Contender& contender : group.contenders) {
-            Job job{"", reference, light, view, contender};
-            job.hash = content_hash(fmt::format("{}|{}|{}|{}|{}x{}|{}", reference, light, view, contender.name(), suite.width,
-                                                suite.height, name(suite.truth)))
-                           .substr(0, 16);
-            if (seen.insert(job.hash).second) jobs.push_back(std::move(job));
-          }
+          for (const std::string& path : paths)
+            for (const auto& [width, height] : sizes)
+              for (const Contender& contender : group.contenders) {
+                Job job{"", reference, light, view, contender, width, height, path, jobs.size()};
+                // A job that stands still has the hash that it had before there were paths.
+                const std::string asked = fmt::format("{}|{}|{}|{}|{}x{}|{}{}", reference, light, view, contender.name(), width,
+                                                      height, name(suite.truth), path.empty() ? "" : "|" + path);
+                job.hash = content_hash(asked).substr(0, 16);
+                if (seen.insert(job.hash).second) jobs.push_back(std::move(job));
+              }
     }
   return jobs;
 }

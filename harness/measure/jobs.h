@@ -14,7 +14,10 @@ struct Job {
   std::string hash;  ///< of what is asked: the same job has the same hash in every run and shard
   std::string scene, light, view;
   Contender contender;
-  std::string title() const { return scene + " " + light + " " + contender.name(); }
+  int width = 0, height = 0;
+  std::string path;       ///< that it follows; empty: it stands still
+  std::size_t place = 0;  ///< position in the expanded suite
+  std::string title() const { return scene + " " + light + (path.empty() ? "" : " " + path) + " " + contender.name(); }
 };
 
 /// Scenes loaded once per run. A scene that is not fetched is kept with its reason.

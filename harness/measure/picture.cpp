@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "measure/blob.h"
 #include "measure/image_files.h"
@@ -34,20 +35,82 @@ std::uint8_t srgb_fast(double linear) {
 
 constexpr Color background{24, 26, 30};
 
-/// Colors that stay apart for color-blind readers (Okabe and Ito 2008).
+/// A kind of error in the picture and its legend.
 struct Kind {
-  Verdict verdict;
   Color color;
-  const char* label;
+  std::string label;
+  std::size_t count = 0;  ///< of tested pixels
 };
-constexpr Kind kinds[] = {{Verdict::false_dark, {213, 94, 0}, "false dark"},
-                          {Verdict::false_lit, {86, 180, 233}, "false lit"},
-                          {Verdict::beyond_coverage, {204, 121, 167}, "beyond coverage"}};
 
-std::string percent(double share) {
-  if (share == 0) return "0 %";
-  return fmt::format("{:.{}f} %", 100 * share, share < 0.001 ? 4 : share < 0.1 ? 2 : 1);
+/// The kinds of error, and which of them each pixel is; -1 where it is none. Where nobody asked for causes: false dark and
+/// false lit, in the colors of acne and of peter-panning.
+struct Kinds {
+  std::vector<Kind> kinds;
+  std::vector<int> of;
+};
+
+Kinds find_kinds(const Evidence& e) {
+  Kinds found;
+  if (e.causes.empty()) {
+    const auto color = [](Cause cause) { return cause_infos()[static_cast<std::size_t>(cause) - 1].color; };
+    found.kinds = {{color(Cause::acne), "false dark"}, {color(Cause::peter_panning), "false lit"}};
+  } else {
+    for (const CauseInfo& info : cause_infos()) {
+      std::string label(info.name);
+      std::ranges::replace(label, '_', ' ');
+      found.kinds.push_back({info.color, label});
+    }
+  }
+  found.of.assign(e.mask.size(), -1);
+  for (std::size_t i = 0; i < e.mask.size(); ++i) {
+    if (e.classes[i] != PixelClass::T || !e.is_wrong(i)) continue;
+    if (e.causes.empty())
+      found.of[i] = e.mask[i] < e.reference[i] ? 0 : 1;
+    else if (e.causes[i] != Cause::none)
+      found.of[i] = static_cast<int>(e.causes[i]) - 1;
+    if (found.of[i] >= 0) ++found.kinds[found.of[i]].count;
+  }
+  return found;
 }
+
+std::string percent(double share) { return fmt::format("{:.{}f} %", 100 * share, share < 0.001 ? 4 : share < 0.1 ? 2 : 1); }
+
+/// Words and swatches below a picture, in lines as full as the width allows.
+class Legend {
+ public:
+  explicit Legend(int width) : width_(width) {}
+  /// An entry of a swatch (none for plain words) and words.
+  void add(std::optional<Color> swatch, const std::string& words) {
+    const int wide = (swatch ? swatch_width + 6 : 0) + image_files().draw_text({}, 0, 0, 0, 0, words);
+    if (x_ > margin && x_ + wide + margin > width_) x_ = margin, ++line_;
+    entries_.push_back({swatch, words, x_, line_});
+    x_ += wide + 16;
+  }
+  int height() const { return 10 + line_height * (line_ + 1); }
+  void draw(Picture& picture, int top) const {
+    for (const Entry& entry : entries_) {
+      const int y = top + 9 + line_height * entry.line;
+      int x = entry.x;
+      if (entry.swatch) {
+        for (int row = y; row < y + swatch_width; ++row)
+          for (int column = x; column < std::min(x + swatch_width, picture.width); ++column)
+            std::ranges::copy(*entry.swatch, &picture.rgb[3 * (static_cast<std::size_t>(row) * picture.width + column)]);
+        x += swatch_width + 6;
+      }
+      image_files().draw_text(picture.rgb, picture.width, picture.height, x, y + 11, entry.words);
+    }
+  }
+
+ private:
+  static constexpr int margin = 8, line_height = 20, swatch_width = 12;
+  struct Entry {
+    std::optional<Color> swatch;
+    std::string words;
+    int x, line;
+  };
+  int width_, x_ = margin, line_ = 0;
+  std::vector<Entry> entries_;
+};
 
 }  // namespace
 
@@ -70,41 +133,30 @@ Picture shade(const Scene& scene, const GBuffer& gbuffer, const Light& light, st
   return picture;
 }
 
-Picture draw_errors(const Scene& scene, const GBuffer& gbuffer, const Light& light, std::span<const Verdict> verdicts,
-                    const Tally& tally, const std::string& title) {
+Picture draw_errors(const Evidence& evidence, const std::string& title) {
+  const GBuffer& gbuffer = *evidence.gbuffer;
+  const Kinds found = find_kinds(evidence);
+  const auto tested = static_cast<double>(std::ranges::count(evidence.classes, PixelClass::T));
+  Legend legend(gbuffer.width);
+  if (!title.empty()) legend.add(std::nullopt, title);
+  for (const Kind& kind : found.kinds)
+    if (kind.count > 0) legend.add(kind.color, kind.label + " " + percent(static_cast<double>(kind.count) / tested));
+  if (std::ranges::all_of(found.of, [](int kind) { return kind < 0; })) legend.add(std::nullopt, "no tested pixel is wrong");
+
   const std::vector<float> lit(gbuffer.size(), 1.0f);
-  const Picture shaded = shade(scene, gbuffer, light, lit);
-  constexpr int legend_height = 30;
-  Picture picture{gbuffer.width, gbuffer.height + legend_height, {}};
+  const Picture shaded = shade(*evidence.scene, gbuffer, *evidence.light, lit);
+  Picture picture{gbuffer.width, gbuffer.height + legend.height(), {}};
   picture.rgb.resize(static_cast<std::size_t>(picture.width) * picture.height * 3, 255);
   for (std::size_t i = 0; i < gbuffer.size(); ++i) {
     const std::uint8_t* s = &shaded.rgb[3 * i];
     const int gray = (2 * s[0] + 5 * s[1] + s[2]) / 8;
     // Right pixels keep their shading in light gray, untested ones sink to dark gray.
-    const int dimmed = verdicts[i] == Verdict::untested ? 20 + gray / 5 : 70 + gray * 2 / 5;
-    Color color{static_cast<std::uint8_t>(dimmed), static_cast<std::uint8_t>(dimmed), static_cast<std::uint8_t>(dimmed)};
-    for (const Kind& kind : kinds)
-      if (kind.verdict == verdicts[i]) color = kind.color;
-    std::copy(color.begin(), color.end(), &picture.rgb[3 * i]);
+    const int dimmed = evidence.classes[i] != PixelClass::T ? 20 + gray / 5 : 70 + gray * 2 / 5;
+    const auto level = static_cast<std::uint8_t>(dimmed);
+    const Color color = found.of[i] >= 0 ? found.kinds[found.of[i]].color : Color{level, level, level};
+    std::ranges::copy(color, &picture.rgb[3 * i]);
   }
-
-  const int top = gbuffer.height;
-  const auto text = [&](int x, const std::string& words) {
-    return image_files().draw_text(picture.rgb, picture.width, picture.height, x, top + 20, words);
-  };
-  int x = 8;
-  for (int k = 0; k < 3; ++k) {
-    const auto count = static_cast<double>(std::ranges::count(verdicts, kinds[k].verdict));
-    if (kinds[k].verdict == Verdict::beyond_coverage && count == 0) continue;
-    for (int row = top + 9; row < top + 21; ++row)
-      for (int column = x; column < std::min(x + 12, picture.width); ++column)
-        std::copy(kinds[k].color.begin(), kinds[k].color.end(),
-                  &picture.rgb[3 * (static_cast<std::size_t>(row) * picture.width + column)]);
-    x += 18;
-    x += text(x, fmt::format("{} {}", kinds[k].label, percent(tally.tested ? count / tally.tested : 0))) + 16;
-  }
-  const int title_width = image_files().draw_text({}, 0, 0, 0, 0, title);
-  if (x + title_width + 8 < picture.width) text(picture.width - title_width - 8, title);
+  legend.draw(picture, gbuffer.height);
   return picture;
 }
 

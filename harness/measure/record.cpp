@@ -85,6 +85,8 @@ void read(std::string_view field, const Json& value, Support::Kind& into) {
   read_word(field, value, into, {full, approximate, unsupported});
 }
 
+template <class Value, class... Rest>
+void read(std::string_view field, const Json& value, std::map<std::string, Value, Rest...>& into);
 void read(std::string_view field, const Json& value, Count& into);
 void read(std::string_view field, const Json& value, Record::GlInputs& into);
 void read(std::string_view field, const Json& value, Record::SceneFacts& into);
@@ -101,6 +103,13 @@ void read(std::string_view field, const Json& value, std::vector<T>& into) {
   into.clear();
   for (const Json& element : value)
     if (!element.is_null()) read(field, element, into.emplace_back());
+}
+/// Null elements stay: a value that is not defined at its place.
+template <class T>
+void read(std::string_view field, const Json& value, std::vector<std::optional<T>>& into) {
+  if (!value.is_array()) refuse(field, value, "an array");
+  into.clear();
+  for (const Json& element : value) read(field, element, into.emplace_back());
 }
 template <class Value, class... Rest>
 void read(std::string_view field, const Json& value, std::map<std::string, Value, Rest...>& into) {
@@ -184,6 +193,8 @@ void to_json(Json& json, const Record& r) {
   json["width"] = r.width;
   json["height"] = r.height;
   json["truth"] = name(r.truth);
+  json["path"] = r.path;
+  json["place"] = r.place;
   json["status"] = name(r.status);
   json["support"] = r.support ? Json(name(*r.support)) : Json(nullptr);
   json["reason"] = r.reason;
@@ -193,6 +204,8 @@ void to_json(Json& json, const Record& r) {
     if (r.stages[stage].empty()) continue;
     stages[std::string(stage_names[stage])] = r.stages[stage];
   }
+  json["iterations"] = r.iterations;
+  json["stop"] = r.stop;
   Json& counts = json["counts"] = Json::array();
   for (const Count& count : r.counts)
     counts.push_back({{"name", count.name}, {"value", number(count.value)}, {"unit", count.unit}});
@@ -205,6 +218,12 @@ void to_json(Json& json, const Record& r) {
   for (const auto& [truth, values] : r.metrics) {
     Json& against = metrics[std::string(name(truth))] = Json::object();
     for (const auto& [metric, value] : values) against[metric] = value ? number(*value) : Json(nullptr);
+  }
+  json["causes"] = or_null(r.causes);
+  Json& frames = json["frames"] = Json::object();
+  for (const auto& [metric, values] : r.frames) {
+    Json& series = frames[metric] = Json::array();
+    for (const auto& value : values) series.push_back(value ? number(*value) : Json(nullptr));
   }
   json["mask"] = or_null(r.mask);
   json["error_picture"] = or_null(r.error_picture);
@@ -245,6 +264,8 @@ void from_json(const Json& json, Record& record) {
   fields.take("width", r.width);
   fields.take("height", r.height);
   fields.take("truth", r.truth);
+  fields.take("path", r.path);
+  fields.take("place", r.place);
   fields.require("status", r.status);
   fields.take("support", r.support);
   fields.take("reason", r.reason);
@@ -252,6 +273,8 @@ void from_json(const Json& json, Record& record) {
   std::map<std::string, ProcessTimes> stages;
   fields.take("stages", stages);
   for (std::size_t stage = 0; stage < r.stages.size(); ++stage) r.stages[stage] = stages[std::string(stage_names[stage])];
+  fields.take("iterations", r.iterations);
+  fields.take("stop", r.stop);
   fields.take("counts", r.counts);
   fields.take("bytes", r.bytes);
   fields.take("peak_bytes", r.peak_bytes);
@@ -261,6 +284,8 @@ void from_json(const Json& json, Record& record) {
   fields.take("metrics", metrics);
   for (const Truth truth : {Truth::shape, Truth::mesh})
     if (const auto found = metrics.find(std::string(name(truth))); found != metrics.end()) r.metrics[truth] = found->second;
+  fields.take("causes", r.causes);
+  fields.take("frames", r.frames);
   fields.take("mask", r.mask);
   fields.take("error_picture", r.error_picture);
   fields.take("shaded_picture", r.shaded_picture);

@@ -17,7 +17,7 @@ namespace gnomon {
 using Json = nlohmann::ordered_json;
 
 /// Version of the record's fields. A reader refuses a newer one; an older one is never written again.
-inline constexpr int record_schema = 1;
+inline constexpr int record_schema = 2;
 
 enum class Status { ok, unsupported, failed };
 std::string_view name(Status status);
@@ -40,12 +40,16 @@ struct Record {
   Json parameters = Json::object();  ///< every parameter of the technique with its value, number or text
   int width = 0, height = 0;
   Truth truth = Truth::shape;  ///< the truth that headline metrics use
+  std::string path;            ///< camera or light path that the row follows; empty: it stands still
+  std::uint64_t place = 0;     ///< position in the expanded suite: the order of rows, also of merged shards
 
   Status status = Status::failed;
   std::optional<Support::Kind> support;  ///< nothing when the technique could not be asked
   std::string reason;                    ///< why approximate, unsupported or failed
 
   std::array<ProcessTimes, std::size(stage_names)> stages;  ///< by Stage; setup has one repetition per process
+  std::map<std::string, std::uint64_t> iterations;          ///< by stage: calls whose mean is one repetition
+  std::string stop;  ///< why there are no more processes: "fixed", "target" (interval narrow enough) or "budget"
   Counts counts;
   std::optional<std::uint64_t> bytes;       ///< what the technique says it holds
   std::optional<std::uint64_t> peak_bytes;  ///< largest resident memory of a worker
@@ -56,7 +60,11 @@ struct Record {
   std::optional<GlInputs> gl;  ///< scene and G-buffer on the GL side, outside every timed stage
 
   std::map<std::string, std::uint64_t> classes;  ///< pixels of class "B", "F", "G", "S", "U", "T"
-  std::map<Truth, Metrics> metrics;
+  std::map<Truth, Metrics> metrics;              ///< on a path: means over its frames
+  /// Wrong pixels of T by cause, headline truth, on a path summed over its frames; nothing when nobody asked.
+  std::optional<std::map<std::string, std::uint64_t>> causes;
+  /// On a path: by metric, its value at every frame, headline truth.
+  std::map<std::string, std::vector<std::optional<double>>> frames;
   std::optional<std::string> mask, error_picture, shaded_picture;  ///< paths relative to the run's folder
 
   struct SceneFacts {
@@ -98,7 +106,10 @@ struct RecordFile {
 /// not a record throws Error with file and line.
 RecordFile read_record_file(const std::filesystem::path& file);
 
-/// The records of a run's folder; notes go to stderr. Throws Error when there is no records.jsonl.
+/// Suites in order of first appearance, within one by place; records without a place stay in their order.
+void sort_by_place(std::vector<Record>& records);
+
+/// The records of a run's folder, sorted by place; notes go to stderr. Throws Error when there is no records.jsonl.
 std::vector<Record> read_records(const std::filesystem::path& dir);
 
 /// Appends records to DIR/records.jsonl, one line by one write, on the disk when `append` returns. Opening mends the line

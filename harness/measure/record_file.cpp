@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -77,11 +78,20 @@ RecordFile read_record_file(const fs::path& file) {
   return result;
 }
 
+void sort_by_place(std::vector<Record>& records) {
+  std::unordered_map<std::string, std::size_t> suites;
+  for (const Record& record : records) suites.try_emplace(record.suite, suites.size());
+  std::stable_sort(records.begin(), records.end(), [&](const Record& a, const Record& b) {
+    return std::pair(suites[a.suite], a.place) < std::pair(suites[b.suite], b.place);
+  });
+}
+
 std::vector<Record> read_records(const fs::path& dir) {
   const fs::path file = records_file(dir);
   if (!fs::exists(file)) throw Error("{} is not the folder of a run: it has no {}", dir.string(), file.filename().string());
   RecordFile contents = read_record_file(file);
   for (const std::string& note : contents.notes) fmt::print(stderr, "{}\n", note);
+  sort_by_place(contents.records);
   return std::move(contents.records);
 }
 
@@ -93,6 +103,11 @@ RecordWriter::RecordWriter(const fs::path& dir) : file_(records_file(dir)) {
     throw Error("{} {}", file_.string(), why);
   };
   if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) refuse("is being written by another run");
+  // Rescoring puts a new file in its place; what was opened just before is nobody's any more.
+  struct stat held {};
+  struct stat there {};
+  const bool is_there = fstat(descriptor_, &held) == 0 && stat(file_.c_str(), &there) == 0;
+  if (!is_there || held.st_ino != there.st_ino || held.st_dev != there.st_dev) refuse("was just replaced; try again");
 
   // A tail that is a whole record only lacks its newline; any other tail was cut off and its job runs again.
   const off_t size = size_of(descriptor_);

@@ -9,6 +9,16 @@
 
 namespace gnomon {
 
+/// Where a row stands: all that its mask depends on but the technique and its settings.
+struct Place {
+  std::size_t light = 0, view = 0;  ///< indices in the scene
+  int width = 0, height = 0;
+  std::optional<Path> path;
+  int frame = 0;  ///< on the path
+
+  int frame_count() const { return path ? path->frame_count : 1; }
+};
+
 /// Everything about one scene that its rows share.
 struct SceneRun {
   std::string reference;
@@ -27,9 +37,9 @@ struct SceneRun {
 
   std::size_t light_index(const std::string& name) const;
   std::size_t view_index(const std::string& name) const;
-  FrameKey key(std::size_t view, Truth truth) const {
-    return {scene.views[view], suite.width, suite.height, scene.has_curved_shapes() ? truth : Truth::shape};
-  }
+  Place place(const Job& job) const;
+  Light light(const Place& place) const;
+  FrameKey key(const Place& place, Truth truth) const;
 };
 
 /// A contender's seat in one process: its worker and the frame it stands at.
@@ -40,14 +50,16 @@ class Seat {
   /// The worker loads scene and technique; split in two so that all seats can do it at once.
   void open_begin();
   void open_end();
-  /// Goes to a light and view under a truth. Answers the support.
-  Support go(std::size_t light, std::size_t view, Truth truth);
+  /// Goes to a place under a truth. Answers the support.
+  Support go(const Place& place, Truth truth);
   /// What setup took in this process; does it at the first call.
   double setup_ms();
   /// Does build, relight or resolve once more.
   double time(Stage stage);
-  /// Mask and coverage of the frame it stands at; counts and memory go to `record` when it is not null.
+  /// Mask of the frame it stands at, its causes left out; counts and memory go to `record` when it is not null.
   Answer answer(Record* record);
+  /// What the technique says of these pixels of its last answer; nothing where it says nothing.
+  std::vector<std::optional<Explanation>> explain(std::span<const std::uint32_t> pixels);
   const Json& gl() const { return gl_; }
   const Json& frame_reply() const { return frame_reply_; }
   Worker& worker() { return worker_; }
@@ -57,7 +69,7 @@ class Seat {
   Contender contender_;
   Worker worker_;
   Json gl_, frame_reply_;
-  std::size_t light_ = 0, view_ = 0;
+  Place place_;
   Truth truth_ = Truth::shape;
   std::optional<double> setup_ms_;
 };
@@ -67,13 +79,16 @@ Record start_record(const Job& job, const Suite& suite, const Scene* scene, cons
 
 /// An answer with its score.
 struct Measured {
+  Light light;  ///< that counts, which on a path is not the scene's
   Answer answer;
   Tally tally;
+  std::optional<std::vector<float>> other_mask;  ///< under the other truth, where there are two
 };
 
-/// All of a row but its times, at the light and view where the seat stands: counts, memory, classes, metrics against both
-/// truths, what GL it ran on. The seat ends where it began.
-Measured measure(Record& record, SceneRun& run, Seat& seat);
+/// All of a row but its times, at the place where the seat stands: counts, memory, classes, causes, metrics against both
+/// truths, what GL it ran on. A row on a path is measured at every frame: metrics are means, classes and causes sums over its
+/// frames, and the answer is that of the last one. The seat ends at the first frame under the headline truth.
+Measured measure(Record& record, SceneRun& run, Seat& seat, const Place& place);
 
 /// Writes mask, error and shaded picture below `out` and names them in the record.
 void write_pictures(Record& record, const SceneRun& run, const Measured& measured, const std::filesystem::path& out);

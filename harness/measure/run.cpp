@@ -4,11 +4,13 @@
 #include <gnomon/registry.h>
 
 #include <algorithm>
+#include <charconv>
 #include <regex>
 #include <set>
 
 #include "measure/batch.h"
 #include "measure/context.h"
+#include "measure/estimate.h"
 #include "measure/paths.h"
 
 namespace gnomon {
@@ -39,9 +41,12 @@ void prepare_folder(const RunOptions& options) {
                 options.out.string());
 }
 
-/// The jobs that a resumed folder has records of. A scene that was not fetched then and is now is run, and its old row goes; a
-/// scene that has changed since is an Error, because its old and new rows must not stand in one table.
-std::set<std::string> jobs_done(const fs::path& out, SceneLibrary& library) {
+/// The jobs that a resumed folder has records of. A scene that was not fetched then and is now is run, and its old row goes; so
+/// does a failed row of `jobs` that is to be tried again. A scene that has changed since is an Error, because its old and new
+/// rows must not stand in one table.
+std::set<std::string> jobs_done(const fs::path& out, SceneLibrary& library, const std::vector<Job>& jobs, bool retry_failed) {
+  std::set<std::string> wanted;
+  for (const Job& job : jobs) wanted.insert(job.hash);
   std::set<std::string> done;
   if (!fs::exists(records_file(out))) return done;
   std::string kept;
@@ -49,7 +54,8 @@ std::set<std::string> jobs_done(const fs::path& out, SceneLibrary& library) {
   for (const Record& record : read_records(out)) {
     const SceneLibrary::Entry& entry = library.get(record.scene);
     const std::string then = record.context.value("scene_hash", "");
-    if (entry.scene && then.empty()) {
+    const bool is_retried = retry_failed && record.status == Status::failed && wanted.contains(record.job);
+    if ((entry.scene && then.empty()) || is_retried) {
       dropped = true;
       continue;
     }
@@ -71,7 +77,29 @@ void remove_leftovers(const fs::path& out) {
         if (entry.path().filename().string().starts_with(".")) fs::remove(entry.path(), ignored);
 }
 
+/// What the batch took beside its rows (opening workers, loading the scene) belongs to them: shared out by processes, so that
+/// the seconds of all rows are those of the run. Answers the share of one process.
+double share_overhead(std::vector<Row>& batch, double seconds) {
+  double processes = 0;
+  const auto count = [](const Row& row) {
+    return std::max<double>(1, static_cast<double>(row.record.times(Stage::resolve).size()));
+  };
+  for (const Row& row : batch) {
+    seconds -= row.record.seconds.value_or(0);
+    processes += count(row);
+  }
+  const double share = std::max(0.0, seconds) / processes;
+  for (Row& row : batch) row.record.seconds = row.record.seconds.value_or(0) + share * count(row);
+  return share;
+}
+
 }  // namespace
+
+int shard_of(const Job& job, int count) {
+  std::uint32_t number = 0;
+  std::from_chars(job.hash.data(), job.hash.data() + 8, number, 16);
+  return static_cast<int>(number % static_cast<std::uint32_t>(count));
+}
 
 std::vector<Job> select_jobs(const RunOptions& options, SceneLibrary& library) {
   std::vector<Job> jobs = expand_jobs(options.suite, library);
@@ -86,17 +114,16 @@ std::vector<Job> select_jobs(const RunOptions& options, SceneLibrary& library) {
     std::erase_if(jobs, [&](const Job& job) { return !std::regex_search(job.title(), expression); });
     if (jobs.empty()) throw Error("--filter {} matches no row; the first row reads '{}'", options.filter, first);
   }
-  std::vector<Job> mine;
-  for (std::size_t k = 0; k < jobs.size(); ++k)
-    if (static_cast<int>(k % static_cast<std::size_t>(options.shard_count)) == options.shard_index) mine.push_back(jobs[k]);
-  return mine;
+  std::erase_if(jobs, [&](const Job& job) { return shard_of(job, options.shard_count) != options.shard_index; });
+  return jobs;
 }
 
 RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress& progress) {
   const auto start = Clock::now();
   const std::vector<Job> jobs = select_jobs(options, library);
   prepare_folder(options);
-  const std::set<std::string> done = options.resume ? jobs_done(options.out, library) : std::set<std::string>{};
+  const std::set<std::string> done =
+      options.resume ? jobs_done(options.out, library, jobs, options.retry_failed) : std::set<std::string>{};
   RecordWriter writer(options.out);
   remove_leftovers(options.out);
   RunSummary summary;
@@ -113,10 +140,14 @@ RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress&
   }
   progress.expect(static_cast<double>(jobs.size() - summary.done_before) * options.suite.processes);
   const ScratchFolder scratch(options.out / ".scratch");
+  const Side side{options.worker, options.out};
+  double budget = options.suite.budget;  // for processes beyond the fixed ones; every batch may spend its share of what is left
+  std::size_t rows_left = jobs.size() - summary.done_before;
   for (const std::string& scene : scenes) {
     const SceneLibrary::Entry& entry = library.get(scene);
     std::optional<SceneRun> run;
     if (entry.scene) run.emplace(scene, *entry.scene, options.suite, cache_root() / "frames", scratch.path);
+    std::vector<Cost> costs;
     for (std::vector<Row>& batch : split(std::move(rows[scene]))) {
       const Json context = machine_context(options.worker.threads);
       for (Row& row : batch) {
@@ -129,13 +160,26 @@ RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress&
           progress.advance(options.suite.processes);
         }
       }
-      if (run) run_batch(*run, options.worker, options.out, batch, progress);
+      double opening = 0;
+      if (run) {
+        const auto opened = Clock::now();
+        const double allowance = budget * static_cast<double>(batch.size()) / static_cast<double>(rows_left);
+        budget -= run_batch(*run, {&side, 1}, batch, progress, allowance);
+        opening = share_overhead(batch, std::chrono::duration<double>(Clock::now() - opened).count());
+      }
+      rows_left -= batch.size();
       for (const Row& row : batch) {
         writer.append(row.record);
+        if (run) costs.push_back(cost_of(row.record, options.suite.warmups, opening));
         ++(row.record.status == Status::ok       ? summary.ok
            : row.record.status == Status::failed ? summary.failed
                                                  : summary.unsupported);
       }
+    }
+    try {
+      own_history().add(costs);
+    } catch (const Error& error) {  // estimates get worse, results do not
+      progress.say(error.what());
     }
     library.forget(scene);
   }

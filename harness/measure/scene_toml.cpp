@@ -154,16 +154,20 @@ void read_view(const toml::table& toml, const fs::path& file, Scene& scene) {
   scene.views.push_back(view);
 }
 
-/// A motion for tools that animate: checked here, and no part of the scene at rest.
+/// Named after what it moves unless it says otherwise.
 void read_path(const toml::table& toml, const fs::path& file, Scene& scene) {
-  const Table table(toml, file, "path", {"moves", "positions", "frames"});
+  const Table table(toml, file, "path", {"name", "moves", "positions", "frames"});
   const std::string moves = table.text("moves");
   if (moves != "camera" && moves != "light") table.refuse("moves", '\'' + moves + '\'', "camera or light");
-  const std::size_t key_count = table.vectors("positions", 0, 2).size();
+  Path path{.name = moves, .moves = moves == "camera" ? Path::Moves::camera : Path::Moves::light, .positions = {}};
+  if (table.has("name")) path.name = table.text("name");
+  if (!is_plain_name(path.name)) table.refuse("name", '\'' + path.name + '\'', "a name of a..z, 0..9 and _");
+  for (const Path& other : scene.paths)
+    if (other.name == path.name) table.refuse("name", '\'' + path.name + '\'', "unique");
+  for (const glm::dvec3& position : table.vectors("positions", 0, 2)) path.positions.emplace_back(position);
   if (!table.has("frames")) table.refuse("frames", "(nothing)", "a whole number of 2 .. 100000");
-  const int frame_count = table.integer("frames", 0, 2, 100'000);
-  scene.notes.push_back(fmt::format("{}: path of the {} with {} key positions and {} frames; a still run does not follow it",
-                                    table.where(), moves, key_count, frame_count));
+  path.frame_count = table.integer("frames", 0, 2, 100'000);
+  scene.paths.push_back(std::move(path));
 }
 
 }  // namespace

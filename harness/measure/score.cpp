@@ -6,9 +6,9 @@
 
 namespace gnomon {
 
-Metrics measure_metrics(const Tally& tally) {
+Metrics measure_metrics(const Scoring& scoring) {
   Metrics metrics;
-  for (const MetricInfo& info : metric_infos()) metrics[std::string(info.name)] = info.value(tally);
+  for (const MetricInfo& info : metric_infos()) metrics[std::string(info.name)] = info.value(scoring);
   return metrics;
 }
 

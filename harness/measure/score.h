@@ -10,13 +10,16 @@ struct Answer {
   GBuffer gbuffer;
   Reference reference;
   std::vector<float> mask;
-  std::vector<std::uint8_t> uncovered;  ///< empty, or 1 where the technique does not cover the pixel
+  std::vector<Cause> causes;  ///< empty until somebody asked
 
-  Evidence evidence() const { return {gbuffer.width, gbuffer.height, reference.classes, reference.mask, mask, uncovered}; }
+  /// Scene and light must outlive it, as this must.
+  Evidence evidence(const Scene& scene, const Light& light) const {
+    return {gbuffer.width, gbuffer.height, reference.classes, reference.mask, mask, causes, &scene, &gbuffer, &light, nullptr};
+  }
 };
 
-/// All metrics of a tally.
-Metrics measure_metrics(const Tally& tally);
+/// All metrics.
+Metrics measure_metrics(const Scoring& scoring);
 
 /// "B": n, ...
 std::map<std::string, std::uint64_t> class_counts(std::span<const PixelClass> classes);

@@ -3,6 +3,7 @@
 #include <gnomon/registry.h>
 
 #include <algorithm>
+#include <charconv>
 
 #include "measure/paths.h"
 #include "measure/toml_table.h"
@@ -14,7 +15,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Replaces the first brace list by each of its items in turn, until no brace is left.
-void expand_braces(const std::string& text, std::vector<std::string>& out) {
+void expand_into(const std::string& text, std::vector<std::string>& out) {
   const std::size_t open = text.find('{');
   if (open == std::string::npos) {
     if (text.find('}') != std::string::npos) throw Error("'{}' closes a brace that it does not open", text);
@@ -26,7 +27,7 @@ void expand_braces(const std::string& text, std::vector<std::string>& out) {
   std::string_view list(text.data() + open + 1, close - open - 1);
   for (;;) {
     const std::size_t comma = list.find(',');
-    expand_braces(text.substr(0, open) + std::string(list.substr(0, comma)) + text.substr(close + 1), out);
+    expand_into(text.substr(0, open) + std::string(list.substr(0, comma)) + text.substr(close + 1), out);
     if (comma == std::string_view::npos) break;
     list.remove_prefix(comma + 1);
   }
@@ -73,6 +74,26 @@ std::vector<Contender> read_contenders(const Table& group, const toml::table& ra
 
 }  // namespace
 
+std::vector<std::string> expand_braces(const std::string& text) {
+  std::vector<std::string> out;
+  expand_into(text, out);
+  return out;
+}
+
+std::pair<int, int> parse_size(const std::string& text, const std::string& what) {
+  const auto refuse = [&] { throw Error("{} {} is not WxH with W and H of 1 .. 16384 pixels", what, text); };
+  int size[2] = {};
+  const char *at = text.data(), *end = text.data() + text.size();
+  for (int k = 0; k < 2; ++k) {
+    const auto [next, code] = std::from_chars(at, end, size[k]);
+    if (code != std::errc{} || size[k] < 1 || size[k] > 16384) refuse();
+    at = next;
+    if (k == 0 && (at == end || *at++ != 'x')) refuse();
+  }
+  if (at != end) refuse();
+  return {size[0], size[1]};
+}
+
 std::vector<Contender> parse_contenders(const std::string& text, const std::string& label) {
   if (text == "*") {
     if (!label.empty()) throw Error("label {} would name every technique", label);
@@ -80,8 +101,7 @@ std::vector<Contender> parse_contenders(const std::string& text, const std::stri
     for (const TechniqueEntry& entry : registry().techniques()) all.push_back({entry.id, "", ""});
     return all;
   }
-  std::vector<std::string> plain;
-  expand_braces(text, plain);
+  const std::vector<std::string> plain = expand_braces(text);
   if (plain.size() > 1 && !label.empty()) throw Error("label {} would name {} rows of the sweep {}", label, plain.size(), text);
   std::vector<Contender> contenders;
   for (const std::string& one : plain) {
@@ -119,8 +139,9 @@ Suite read_suite(const std::string& name_or_path) {
   } catch (const toml::parse_error& error) {
     throw Error("{}:{}: {}", path.string(), error.source().begin.line, error.description());
   }
-  const Table top(table, path, "suite",
-                  {"title", "width", "height", "truth", "processes", "repetitions", "warmups", "timeout", "group"});
+  const Table top(
+      table, path, "suite",
+      {"title", "width", "height", "truth", "processes", "repetitions", "warmups", "timeout", "interval", "budget", "group"});
   Suite suite;
   suite.name = path.stem();
   if (top.has("title")) suite.title = top.text("title");
@@ -134,10 +155,23 @@ Suite read_suite(const std::string& name_or_path) {
   suite.repetitions = top.integer("repetitions", suite.repetitions, 1, 1000);
   suite.warmups = top.integer("warmups", suite.warmups, 1, 100);
   if (top.has("timeout")) suite.timeout = top.positive("timeout");
+  if (top.has("interval")) suite.interval = top.positive("interval");
+  if (top.has("budget")) suite.budget = top.positive("budget");
   for (const toml::table* raw : top.tables("group")) {
-    const Table reader(*raw, path, "group", {"scenes", "lights", "views", "techniques"});
-    SuiteGroup group{words(reader, *raw, "scenes"), words(reader, *raw, "lights"), words(reader, *raw, "views"),
-                     read_contenders(reader, *raw, path)};
+    const Table reader(*raw, path, "group", {"scenes", "lights", "views", "techniques", "paths", "sizes"});
+    SuiteGroup group{{},
+                     words(reader, *raw, "lights"),
+                     words(reader, *raw, "views"),
+                     read_contenders(reader, *raw, path),
+                     words(reader, *raw, "paths")};
+    const std::vector<std::string> scenes = words(reader, *raw, "scenes"), sizes = words(reader, *raw, "sizes");
+    try {
+      for (const std::string& scene : scenes)
+        for (std::string& plain : expand_braces(scene)) group.scenes.push_back(std::move(plain));
+      for (const std::string& size : sizes) group.sizes.push_back(parse_size(size, "group.sizes"));
+    } catch (const Error& error) {
+      throw Error("{} ({})", error.what(), reader.where());
+    }
     if (group.scenes.empty()) throw Error("group.scenes is empty ({})", reader.where());
     suite.groups.push_back(std::move(group));
   }

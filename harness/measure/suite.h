@@ -15,6 +15,12 @@ struct Contender {
   std::string name() const { return settings.empty() ? technique : technique + ":" + settings; }
 };
 
+/// `a{b,c}d` gives `abd` and `acd`; two braces give their product. Throws Error on a brace without its partner.
+std::vector<std::string> expand_braces(const std::string& text);
+
+/// "640x360" into width and height of 1 .. 16384 pixels. Throws Error that starts with `what`.
+std::pair<int, int> parse_size(const std::string& text, const std::string& what);
+
 /// Reads `id:param=value,...`; a comma list in braces is a sweep: `shadow_map:resolution={256,1024}` gives two contenders,
 /// two braces their product; `*` alone is every registered technique. Throws Error on unknown techniques and parameters and on
 /// values out of range.
@@ -26,6 +32,8 @@ struct SuiteGroup {
   std::vector<std::string> lights;  ///< names; empty: all lights of each scene
   std::vector<std::string> views;   ///< names; empty: the first view of each scene
   std::vector<Contender> contenders;
+  std::vector<std::string> paths = {};          ///< names, see motion.h; empty: the rows stand still
+  std::vector<std::pair<int, int>> sizes = {};  ///< width and height in pixels; empty: the suite's
 };
 
 /// What to run and how often; data, not code. docs/suites.md describes the file.
@@ -37,6 +45,10 @@ struct Suite {
   int repetitions = 3;  ///< timed repetitions of each stage in each process
   int warmups = 3;
   double timeout = 60;  ///< seconds that one step of a worker may take
+  /// After `processes`, rows whose 95 % interval of relight or resolve is wider than this share of the time get more processes;
+  /// 0: none do.
+  double interval = 0;
+  double budget = 600;  ///< seconds that those further processes may take in all
   std::vector<SuiteGroup> groups;
 };
 

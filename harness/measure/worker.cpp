@@ -24,11 +24,12 @@ using Clock = std::chrono::steady_clock;
 
 /// Environment and arguments are prepared before the fork: between fork and exec only plain system calls are safe.
 struct Launch {
-  std::string program = program_path().string();
+  std::string program;
   std::vector<std::string> arguments, environment;
   std::vector<char*> argv, envp;
 
-  Launch(const WorkerOptions& options, int socket) {
+  Launch(const WorkerOptions& options, int socket)
+      : program(options.program.empty() ? program_path().string() : options.program) {
     arguments = {program};
     for (const std::string& plugin : options.plugins) arguments.insert(arguments.end(), {"--plugin", plugin});
     arguments.insert(arguments.end(), {"worker", std::to_string(socket), std::to_string(options.threads)});
@@ -175,6 +176,26 @@ std::string Worker::last_words() const {
   while (!words.empty() && std::isspace(static_cast<unsigned char>(words.back()))) words.pop_back();
   if (const std::size_t start = words.rfind('\n'); start != std::string::npos) words.erase(0, start + 1);
   return words;
+}
+
+Json ask_program(const WorkerOptions& options) {
+  if (access(options.program.c_str(), X_OK) != 0)
+    throw Error("program {} cannot be started: {}", options.program, std::strerror(errno));
+  constexpr double patience = 20;  // seconds to start; a program that is no gnomon may wait for ever
+  Json answer;
+  try {
+    answer = Worker(options).ask({{"do", "protocol"}}, patience);
+  } catch (const WorkerFailure& failure) {
+    throw Error("program {} cannot work for this one, it is no gnomon or one of another version: it {}", options.program,
+                failure.what());
+  } catch (const Json::exception&) {
+    throw Error("program {} cannot work for this one, it is no gnomon: it answered something else than JSON", options.program);
+  }
+  const Json protocol = answer.is_object() ? answer.value("protocol", Json()) : Json();
+  if (protocol != worker_protocol)
+    throw Error("program {} speaks worker protocol {}, this one {}: build both from versions that agree", options.program,
+                protocol.dump(), worker_protocol);
+  return answer.value("context", Json::object());
 }
 
 }  // namespace gnomon

@@ -19,9 +19,18 @@ class WorkerFailure : public std::runtime_error {
 struct WorkerOptions {
   int threads = 0;  ///< pins the worker to this many cores and tells llvmpipe, Embree and TBB before any starts; 0: all
   std::vector<std::string> plugins;
+  std::string program = {};  ///< that workers are processes of; empty: this one
 };
 
-/// A fresh process of this program that holds one technique and does what it is asked, one request at a time. Requests and
+/// Version of what is said between a program and its workers, and of the files that pass between them. One more with every
+/// change that an older worker would misunderstand.
+inline constexpr int worker_protocol = 2;
+
+/// What a program says of itself before it may work for this one: the context of its build (context.h). Throws Error when it
+/// cannot be started, is no gnomon, or speaks another protocol.
+Json ask_program(const WorkerOptions& options);
+
+/// A fresh process of a program that holds one technique and does what it is asked, one request at a time. Requests and
 /// answers are single lines of JSON over a socket; worker_main documents them. Dies with its owner.
 class Worker {
  public:
@@ -47,14 +56,16 @@ class Worker {
 };
 
 /// The worker's own side: answers requests on `socket` until it closes. Requests:
+///   {"do": "protocol"}                                                      -> {"protocol": n, "context": {...}}
 ///   {"do": "open", "scene": FILE, "technique": ID, "settings": "a=1"}       -> {"gl": {...} or null}
 ///   {"do": "frame", "gbuffer": FILE, "view": K, "width", "height", "truth", "light": K} -> {"support", "why", ...}
 ///   {"do": "setup"}                                                         -> {"ms": t}
 ///   {"do": "time", "stage": NAME}                                           -> {"ms": t}   earlier stages brought up untimed
 ///   {"do": "bring_up", "stage": NAME}                                       -> {}          all stages up to this one, once
 ///   {"do": "answer", "mask": FILE}                                          -> {"counts": [...], "peak_bytes": n}
-///   {"do": "coverage", "pixels": FILE, "out": FILE}                         -> {"explained": bool}
+///   {"do": "explain", "pixels": FILE, "out": FILE}                          -> {"explained": bool}
 ///   {"do": "debug", "layer": NAME, "out": FILE}                             -> {}
+/// `pixels` holds uint32 indices of the mask last answered; `out` gets the explanation_bytes of them, in their order.
 /// An exception is answered as {"error": text}.
 int worker_main(int socket, int threads);
 

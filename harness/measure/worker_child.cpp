@@ -3,12 +3,15 @@
 #include <tbb/global_control.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <map>
 
 #include "device/context.h"
-#include "measure/frame.h"
+#include "measure/causes.h"
+#include "measure/context.h"
+#include "measure/motion.h"
 #include "measure/worker.h"
 
 namespace gnomon {
@@ -30,13 +33,14 @@ class Post {
  public:
   Json handle(const Json& request) {
     const std::string what = request.at("do");
+    if (what == "protocol") return {{"protocol", worker_protocol}, {"context", machine_context(0)}};
     if (what == "open") return open(request);
     if (what == "frame") return frame(request);
     if (what == "setup") return {{"ms", time(Stage::setup)}};
     if (what == "time") return time_stage(request.at("stage"));
     if (what == "bring_up") return bring_up_to(request.at("stage"));
     if (what == "answer") return answer(request.at("mask"));
-    if (what == "coverage") return coverage(request.at("pixels"), request.at("out"));
+    if (what == "explain") return explain(request.at("pixels"), request.at("out"));
     if (what == "debug") return debug(request.at("layer"), request.at("out"));
     throw Error("a worker cannot {}", what);
   }
@@ -61,15 +65,24 @@ class Post {
     key.width = request.at("width");
     key.height = request.at("height");
     key.truth = request.at("truth") == "mesh" ? Truth::mesh : Truth::shape;
+    Light light = scene_.lights.at(request.at("light").get<std::size_t>());
+    std::string lit_by = light.name;
+    if (const std::string name = request.value("path", ""); !name.empty()) {
+      const Path path = find_path(scene_, name, light, key.view);
+      const int frame = request.at("frame");
+      light = light_at(path, light, frame);
+      key.view = view_at(path, key.view, frame);
+      if (path.moves == Path::Moves::light) lit_by += fmt::format(" {} {}", name, frame);
+    }
+    fresh_ = std::min(fresh_, static_cast<int>(lit_by == lit_by_ ? Stage::relight : Stage::build));
+    if (lit_by != lit_by_) light_ = std::make_unique<Light>(light);
+    lit_by_ = lit_by;
     const std::string file = request.at("gbuffer");
     // The same G-buffer under another light stays mapped, and uploaded.
     if (!gbuffers_.contains(file)) gbuffers_[file] = map_gbuffer(file, key);
     gbuffer_ = gbuffers_[file];
-    const std::size_t light = request.at("light");
-    fresh_ = std::min(fresh_, static_cast<int>(light != light_ ? Stage::build : Stage::relight));
-    light_ = light;
     mask_.emplace(key.width, key.height);
-    const Support support = fresh_technique()->supports(scene_, scene_.lights.at(light_), key.view);
+    const Support support = fresh_technique()->supports(scene_, *light_, key.view);
     Json result{{"support", name(support.kind())}, {"why", support.why()}};
     if (uses_gl_ && support) {
       const SceneBuffers& buffers = scene_buffers(scene_);
@@ -113,7 +126,7 @@ class Post {
         technique_->build(scene_);
         break;
       case Stage::relight:
-        technique_->relight(scene_.lights.at(light_));
+        technique_->relight(*light_);
         break;
       case Stage::resolve:
         technique_->resolve(gbuffer_, *mask_);
@@ -138,21 +151,20 @@ class Post {
     return {{"counts", counts}, {"peak_bytes", peak_bytes()}};
   }
 
-  /// Asks the technique about the listed pixels (uint32 indices) and writes one byte each: 1 where it does not cover.
-  Json coverage(const std::string& pixels, const std::string& out) {
+  /// Asks the technique about the listed pixels (uint32 indices) and writes its explanations.
+  Json explain(const std::string& pixels, const std::string& out) {
+    bring_up(static_cast<int>(Stage::resolve));
     const auto file = MappedFile::open(pixels);
     const std::size_t count = file->bytes().size() / sizeof(std::uint32_t);
     const auto* index = reinterpret_cast<const std::uint32_t*>(file->bytes().data());
-    std::vector<std::uint8_t> uncovered(count);
-    bool explained = false;
+    std::vector<std::optional<Explanation>> explanations;
+    explanations.reserve(count);
     for (std::size_t k = 0; k < count; ++k) {
-      const auto explanation = technique_->explain(index[k]);
-      if (!explanation) continue;
-      explained = true;
-      uncovered[k] = !explanation->covered;
+      if (index[k] >= gbuffer_.size()) throw Error("there is no pixel {}: the picture has {}", index[k], gbuffer_.size());
+      explanations.push_back(technique_->explain(index[k]));
     }
-    write_file(out, std::as_bytes(std::span(uncovered)));
-    return {{"explained", explained}};
+    write_file(out, explanation_bytes(explanations));
+    return {{"explained", std::ranges::any_of(explanations, [](const auto& why) { return why.has_value(); })}};
   }
 
   Json debug(const std::string& layer, const std::string& out) {
@@ -173,7 +185,8 @@ class Post {
   std::string settings_;
   std::unique_ptr<Technique> technique_;
   bool uses_gl_ = false;
-  std::size_t light_ = static_cast<std::size_t>(-1);
+  std::string lit_by_;                       ///< name, path and frame of the light
+  std::unique_ptr<Light> light_;             ///< the one that the technique was given last
   std::map<std::string, GBuffer> gbuffers_;  ///< by file: one for each view and truth
   GBuffer gbuffer_;
   std::optional<VisibilityMask> mask_;

@@ -2,7 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <memory>
+#include <regex>
 
+#include "measure/analysis.h"
+#include "measure/causes.h"
 #include "measure/metrics.h"
 #include "report/digits.h"
 
@@ -73,6 +78,12 @@ void add_identity(std::vector<Column>& columns) {
   columns.push_back(text_column("light", "light", [](const Record& r) { return text(r.light); }));
   columns.push_back(text_column("light_kind", "light kind", [](const Record& r) { return text(r.light_kind); }));
   columns.push_back(text_column("view", "view", [](const Record& r) { return text(r.view); }));
+  columns.push_back(text_column("path", "path", [](const Record& r) { return text(r.path); }));
+  columns.push_back(whole_column("frames", "", "frames", [](const Record& r) {
+    std::size_t most = 0;
+    for (const auto& [metric, values] : r.frames) most = std::max(most, values.size());
+    return most > 0 ? Cell{.value = static_cast<double>(most)} : Cell{};
+  }));
   columns.push_back(text_column("technique", "technique", technique_cell));
   columns.push_back(text_column("settings", "settings", [](const Record& r) { return text(r.settings); }));
   columns.push_back(text_column("label", "label", [](const Record& r) { return text(r.label.value_or("")); }));
@@ -83,6 +94,36 @@ void add_identity(std::vector<Column>& columns) {
   columns.push_back(text_column("status", "status", [](const Record& r) { return text(std::string(name(r.status))); }));
   columns.push_back(text_column("support", "support", support_cell));
   columns.push_back(text_column("reason", "reason", [](const Record& r) { return text(r.reason); }));
+}
+
+/// Intervals of one stage, made once for each record that is asked about: both ends and the best mark want the same one.
+class Intervals {
+ public:
+  explicit Intervals(Stage stage) : stage_(stage) {}
+  std::optional<Estimate> of(const Record& record) {
+    const ProcessTimes& times = record.times(stage_);
+    Known& known = known_[&record];
+    // Another record may stand where one stood before.
+    if (!known.is_made || known.times != times) known = {true, times, bootstrap(times)};
+    return known.interval;
+  }
+
+ private:
+  struct Known {
+    bool is_made = false;
+    ProcessTimes times = {};
+    std::optional<Estimate> interval = {};
+  };
+  Stage stage_;
+  std::map<const Record*, Known> known_;
+};
+
+/// Median absolute deviation of the process medians: how far one process is from another.
+std::optional<double> spread(const ProcessTimes& times) {
+  std::vector<double> medians;
+  for (const std::vector<double>& process : times)
+    if (!process.empty()) medians.push_back(median(process));
+  return medians.size() < 2 ? std::nullopt : std::optional(median_absolute_deviation(medians));
 }
 
 void add_times(std::vector<Column>& columns) {
@@ -96,15 +137,18 @@ void add_times(std::vector<Column>& columns) {
                          .better = better,
                          .cell = std::move(cell)});
     };
+    const auto intervals = std::make_shared<Intervals>(stage);
     add("", "", "lower", [stage](const Record& r) { return number(median_of_medians(r.times(stage))); });
-    add("_low", " low", "", [stage](const Record& r) {
-      const std::optional<Estimate> estimate = bootstrap(r.times(stage));
+    columns.back().interval = [intervals](const Record& r) { return intervals->of(r); };
+    add("_low", " low", "", [intervals](const Record& r) {
+      const std::optional<Estimate> estimate = intervals->of(r);
       return estimate ? Cell{.value = estimate->low} : Cell{};
     });
-    add("_high", " high", "", [stage](const Record& r) {
-      const std::optional<Estimate> estimate = bootstrap(r.times(stage));
+    add("_high", " high", "", [intervals](const Record& r) {
+      const std::optional<Estimate> estimate = intervals->of(r);
       return estimate ? Cell{.value = estimate->high} : Cell{};
     });
+    add("_mad", " MAD", "", [stage](const Record& r) { return number(spread(r.times(stage))); });
   }
   columns.push_back(whole_column("processes", "", "processes", [](const Record& r) {
     const std::size_t count = r.times(Stage::resolve).size();
@@ -115,6 +159,7 @@ void add_times(std::vector<Column>& columns) {
     for (const std::vector<double>& process : r.times(Stage::resolve)) most = std::max(most, process.size());
     return most > 0 ? Cell{.value = static_cast<double>(most)} : Cell{};
   }));
+  columns.push_back(text_column("stop", "stopped by", [](const Record& r) { return text(r.stop); }));
 }
 
 void add_memory(std::vector<Column>& columns) {
@@ -134,6 +179,8 @@ std::string heading_of(std::string metric) {
   if (metric.ends_with("_rate")) metric.resize(metric.size() - 5);
   if (const std::size_t rate = metric.find("_rate_"); rate != metric.npos) metric.erase(rate, 5);
   if (metric.starts_with("displacement")) metric.replace(0, 12, "displ.");
+  // "wrong_rate_edge_0_1" -> "wrong edge 0..1".
+  metric = std::regex_replace(metric, std::regex("_([0-9]+)_([0-9]+|up)$"), " $1..$2");
   std::replace(metric.begin(), metric.end(), '_', ' ');
   return metric;
 }
@@ -165,6 +212,29 @@ void add_metrics(std::vector<Column>& columns) {
       column.heading += fmt::format(" ({})", name(truth));
       columns.push_back(std::move(column));
     }
+}
+
+/// "edge_resolution" -> "edge resolution".
+std::string words_of(std::string_view cause) {
+  std::string words(cause);
+  std::replace(words.begin(), words.end(), '_', ' ');
+  return words;
+}
+
+void add_causes(std::vector<Column>& columns) {
+  columns.push_back(text_column("causes", "causes", [](const Record& r) { return text(top_causes(r)); }));
+  columns.back().sentence = "The most frequent causes of the wrong pixels, with their shares of them.";
+  for (const CauseInfo& info : cause_infos()) {
+    const std::string quantity_name = fmt::format("cause.{}", info.name);
+    columns.push_back({.name = quantity_name,
+                       .unit = "",
+                       .heading = words_of(info.name),
+                       .shown_unit = "%",
+                       .shown_scale = 100,
+                       .better = "lower",
+                       .sentence = std::string(info.sentence),
+                       .cell = [quantity_name](const Record& r) { return number(quantity(r, quantity_name)); }});
+  }
 }
 
 void add_facts(std::vector<Column>& columns) {
@@ -227,10 +297,29 @@ std::vector<Column> all_columns(std::span<const Record> records) {
   add_times(columns);
   add_memory(columns);
   add_metrics(columns);
+  add_causes(columns);
   add_facts(columns);
   add_parameters(columns, records);
   add_counts(columns, records);
   return columns;
+}
+
+std::string top_causes(const Record& record, std::size_t most) {
+  if (!record.causes) return "";
+  std::uint64_t wrong = 0;
+  std::vector<std::pair<std::uint64_t, std::string>> counted;
+  for (const auto& [cause, pixels] : *record.causes) {
+    wrong += pixels;
+    if (pixels > 0) counted.emplace_back(pixels, words_of(cause));
+  }
+  std::stable_sort(counted.begin(), counted.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<std::string> parts;
+  for (const auto& [pixels, cause] : counted) {
+    const double percent = 100 * static_cast<double>(pixels) / static_cast<double>(wrong);
+    if (parts.size() == most || percent < 0.5) break;
+    parts.push_back(fmt::format("{} {:.0f} %", cause, percent));
+  }
+  return fmt::format("{}", fmt::join(parts, ", "));
 }
 
 std::string shown(const Column& column, const Cell& cell) {
@@ -238,6 +327,8 @@ std::string shown(const Column& column, const Cell& cell) {
   if (const double* value = cell.number()) {
     const double scaled = *value * column.shown_scale;
     if (column.is_exact) return exact(scaled);
+    // Indices are read by their distance to 0 or 1.
+    if (column.unit == "index") return fmt::format("{:.4f}", scaled);
     return column.unit == "ms" ? milliseconds(scaled) : measured(scaled);
   }
   const auto* text = std::get_if<std::string>(&cell.value);

@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <variant>
@@ -32,15 +33,22 @@ struct Column {
   std::string better = "";  ///< "lower", "higher", or "" when neither is
   std::string sentence = "";
   std::function<Cell(const Record&)> cell;
+  /// The 95 % interval of the cell's value, in the column's unit; empty function where the column has none.
+  std::function<std::optional<Estimate>(const Record&)> interval = {};
 };
 
 /// Every column that the records can fill: identity, times with their intervals, memory, metrics against the headline truth
-/// (`wrong_rate`) and against each (`shape.wrong_rate`, `mesh.wrong_rate`), pixel classes (`class.T`), and one for each
-/// parameter (`parameter.resolution`) and count (`count.texels`) that occurs.
+/// (`wrong_rate`) and against each (`shape.wrong_rate`, `mesh.wrong_rate`), causes of wrong pixels (`cause.acne`), pixel
+/// classes
+/// (`class.T`), and one for each parameter (`parameter.resolution`) and count (`count.texels`) that occurs.
 std::vector<Column> all_columns(std::span<const Record> records);
 
 /// Below this share of tested pixels a wrong rate speaks for too small a part of the picture; such cells are flagged.
 inline constexpr double least_tested_share = 0.90;
+
+/// The most frequent causes of the wrong pixels with their shares of them: "acne 78 %, crack 22 %"; empty when no wrong pixel
+/// has a cause. What rounds to nothing is left out.
+std::string top_causes(const Record& record, std::size_t most = 2);
 
 /// The cell for people: rounded as it deserves, "-" for null.
 std::string shown(const Column& column, const Cell& cell);

@@ -11,7 +11,7 @@ namespace gnomon {
 namespace {
 
 /// What makes rows comparable: everything but the technique.
-auto group_key(const Record& r) { return std::tie(r.scene, r.light, r.view, r.width, r.height, r.truth); }
+auto group_key(const Record& r) { return std::tie(r.scene, r.light, r.view, r.path, r.width, r.height, r.truth); }
 
 std::string group_heading(const Record& r) {
   std::string text = fmt::format("scene {}", r.scene);
@@ -19,27 +19,34 @@ std::string group_heading(const Record& r) {
   if (!r.light.empty()) text += fmt::format(", light {}", r.light);
   if (!r.light_kind.empty() && r.light_kind != r.light) text += fmt::format(" ({})", r.light_kind);
   if (!r.view.empty()) text += fmt::format(", view {}", r.view);
+  if (!r.path.empty()) text += fmt::format(", path {}", r.path);
   if (r.width > 0) text += fmt::format(", {} x {}", r.width, r.height);
   return text + fmt::format(", {} truth", name(r.truth));
 }
 
-/// Marks the best contenders of one column in one group; nothing when there is no choice or no difference.
+/// Marks the best contenders of one column in one group; nothing when there is no choice or no difference. Where the column
+/// has intervals, whoever's overlaps that of the best is marked too: the data does not tell them apart.
 void mark_best(const Column& column, std::size_t index, const std::vector<std::vector<Cell>>& cells, Layout::Group& group) {
   if (column.better.empty()) return;
-  const auto value_of = [&](std::size_t row) -> const double* {
-    const Record& record = *group.rows[row].record;
-    const bool competes = record.status == Status::ok && record.role == Role::contender;
-    return competes ? cells[row][index].number() : nullptr;
+  struct Competitor {
+    std::size_t row;
+    Estimate estimate;
   };
-  std::vector<double> values;
-  for (std::size_t row = 0; row < group.rows.size(); ++row)
-    if (const double* value = value_of(row)) values.push_back(*value);
-  if (values.empty()) return;
-  const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
-  if (*least == *greatest) return;
-  const double best = column.better == "lower" ? *least : *greatest;
-  for (std::size_t row = 0; row < group.rows.size(); ++row)
-    if (const double* value = value_of(row)) group.rows[row].entries[index].is_best = *value == best;
+  std::vector<Competitor> competitors;
+  for (std::size_t row = 0; row < group.rows.size(); ++row) {
+    const Record& record = *group.rows[row].record;
+    const double* value = cells[row][index].number();
+    if (!value || record.status != Status::ok || record.role != Role::contender) continue;
+    const std::optional<Estimate> interval = column.interval ? column.interval(record) : std::nullopt;
+    competitors.push_back({row, interval.value_or(Estimate{*value, *value, *value})});
+  }
+  if (competitors.empty()) return;
+  const auto by_value = [](const Competitor& a, const Competitor& b) { return a.estimate.value < b.estimate.value; };
+  const auto [least, greatest] = std::minmax_element(competitors.begin(), competitors.end(), by_value);
+  const Estimate best = column.better == "lower" ? least->estimate : greatest->estimate;
+  const auto is_best = [&](const Competitor& c) { return c.estimate.low <= best.high && c.estimate.high >= best.low; };
+  if (std::all_of(competitors.begin(), competitors.end(), is_best)) return;
+  for (const Competitor& c : competitors) group.rows[c.row].entries[index].is_best = is_best(c);
 }
 
 std::string text_of(const Json& value) { return value.is_string() ? value.get<std::string>() : value.dump(); }
@@ -73,11 +80,12 @@ std::string repetition_plan(std::span<const Record> records) {
 }  // namespace
 
 std::vector<std::string> headline_columns(std::span<const Record> records, bool with_group) {
-  std::set<std::string> views;
+  std::set<std::string> views, paths;
   std::set<std::pair<int, int>> sizes;
   std::set<Truth> truths;
   for (const Record& r : records) {
     views.insert(r.view);
+    paths.insert(r.path);
     sizes.insert({r.width, r.height});
     truths.insert(r.truth);
   }
@@ -85,13 +93,21 @@ std::vector<std::string> headline_columns(std::span<const Record> records, bool 
   if (with_group) {
     names = {"scene", "light"};
     if (views.size() > 1) names.emplace_back("view");
+    if (paths.size() > 1 || (!paths.empty() && !paths.begin()->empty())) names.emplace_back("path");
     if (sizes.size() > 1) names.insert(names.end(), {"width", "height"});
     if (truths.size() > 1) names.emplace_back("truth");
   }
   names.insert(names.end(), {"technique", "support", "setup_ms", "build_ms", "relight_ms", "resolve_ms", "bytes", "peak_bytes",
-                             "wrong_rate", "wrong_rate_all", "false_dark_rate", "false_lit_rate", "displacement_mean",
-                             "displacement_p95", "tested_share"});
+                             "wrong_rate", "wrong_rate_all", "false_dark_rate", "false_lit_rate"});
+  if (std::any_of(records.begin(), records.end(), [](const Record& r) { return !top_causes(r).empty(); }))
+    names.emplace_back("causes");
+  names.insert(names.end(), {"displacement_mean", "displacement_p95", "tested_share"});
   return names;
+}
+
+std::vector<std::string> paper_columns() {
+  return {"technique",  "support",         "build_ms",       "relight_ms",        "resolve_ms",  "bytes",
+          "wrong_rate", "false_dark_rate", "false_lit_rate", "displacement_mean", "tested_share"};
 }
 
 std::vector<std::pair<std::string, std::string>> provenance(std::span<const Record> records) {
@@ -129,7 +145,12 @@ std::vector<std::pair<std::string, std::string>> legend(const Layout& layout, st
     return std::any_of(layout.columns.begin(), layout.columns.end(), [&](const Column& c) { return c.unit == unit; });
   };
   std::vector<std::pair<std::string, std::string>> lines;
-  if (has_best) lines.emplace_back(best, "best contender of its group");
+  const bool has_intervals =
+      std::any_of(layout.columns.begin(), layout.columns.end(), [](const Column& c) { return c.interval != nullptr; });
+  if (has_best)
+    lines.emplace_back(best, has_intervals
+                                 ? "best contender of its group; of times, all whose 95 % interval overlaps the best one's"
+                                 : "best contender of its group");
   if (has_flag)
     lines.emplace_back(flag,
                        fmt::format("less than {} % of the pixels facing the light are tested: read the wrong rate with care",

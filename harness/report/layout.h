@@ -34,6 +34,9 @@ struct Layout {
 /// where they vary; without, the group's heading says them.
 std::vector<std::string> headline_columns(std::span<const Record> records, bool with_group);
 
+/// Those of a table on paper, where a line above each group says scene, light and view: what fits across a page.
+std::vector<std::string> paper_columns();
+
 /// Groups and rows keep the order of the records. `columns` by name.
 Layout lay_out(std::span<const Record> records, std::span<const std::string> columns);
 
@@ -48,6 +51,29 @@ std::string markdown_table(const Layout& layout);
 std::string latex_table(const Layout& layout, const TableOptions& options);
 std::string csv_table(std::span<const Record> records, std::span<const Column> columns);
 std::string json_table(std::span<const Record> records, std::span<const Column> columns);
+
+/// A column and a value in the JSON of tables.
+Json column_json(const Column& column);
+Json cell_json(const Cell& cell);
+
+/// Rows on their way into LaTeX floats.
+struct LatexRows {
+  struct Entry {
+    std::string text;  ///< plain
+    bool is_best = false;
+    std::string mark;  ///< LaTeX, behind the text
+  };
+  struct Group {
+    std::string heading;  ///< plain; a line of its own above the rows
+    std::vector<std::vector<Entry>> rows;
+  };
+  std::vector<Column> columns;
+  std::vector<Group> groups;
+  std::vector<std::string> notes;  ///< LaTeX, below the last float
+};
+/// As many `table` floats as the rows need on pages in landscape, each with booktabs only; a group is cut between two of them
+/// only when it is longer than a page. Long texts wrap into further lines.
+std::string latex_floats(const LatexRows& rows, const std::string& caption, const std::string& label);
 
 /// A field of RFC 4180: quoted when it holds a comma, a quote or a line break, quotes doubled.
 std::string csv_field(std::string_view text);

@@ -50,6 +50,21 @@ Json list_json(std::span<const MetricInfo> metrics) {
   return list;
 }
 
+std::string list_text(std::span<const CauseInfo> causes, std::size_t width) {
+  TextTable table({{"cause", ""}, {"meaning", ""}});
+  for (const CauseInfo& cause : causes) table.add_row({std::string(cause.name), std::string(cause.sentence)});
+  return table.text(width);
+}
+
+Json list_json(std::span<const CauseInfo> causes) {
+  Json list = Json::array();
+  for (const CauseInfo& cause : causes)
+    list.push_back({{"name", cause.name},
+                    {"sentence", cause.sentence},
+                    {"color", fmt::format("#{:02x}{:02x}{:02x}", cause.color[0], cause.color[1], cause.color[2])}});
+  return list;
+}
+
 std::string parameters_text(const Parametrized& object, std::size_t width) {
   if (object.parameters().empty()) return "no parameters\n";
   TextTable table({{"parameter", ""}, {"default", ""}, {"range", ""}, {"spoils", ""}, {"meaning", ""}});

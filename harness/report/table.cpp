@@ -23,8 +23,8 @@ std::vector<std::string> column_names(std::span<const Record> records) {
 namespace {
 
 /// Headline columns that a narrow terminal can do without, the least missed first.
-constexpr std::string_view dispensable[] = {"displacement_p95", "displacement_mean", "wrong_rate_all", "peak_bytes",
-                                            "setup_ms",         "build_ms",          "bytes"};
+constexpr std::string_view dispensable[] = {"displacement_p95", "displacement_mean", "wrong_rate_all", "peak_bytes", "setup_ms",
+                                            "causes",           "build_ms",          "bytes"};
 
 /// Width of a terminal table: that of the rule below its headings.
 std::size_t width_of(const std::string& text) {
@@ -55,7 +55,8 @@ std::string render_table(std::span<const Record> records, Format format, const T
     return format == Format::csv ? csv_table(records, columns) : json_table(records, columns);
   }
   if (format == Format::terminal && options.columns.empty()) return fitted_table(records, options.width);
-  const std::vector<std::string> names = options.columns.empty() ? headline_columns(records, true) : options.columns;
+  std::vector<std::string> names = options.columns;
+  if (names.empty()) names = format == Format::latex ? paper_columns() : headline_columns(records, true);
   const Layout layout = lay_out(records, names);
   if (format == Format::terminal) return terminal_table(layout, options.width);
   return format == Format::markdown ? markdown_table(layout) : latex_table(layout, options);

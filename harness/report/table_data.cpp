@@ -16,6 +16,20 @@ Json as_number(double value) {
 
 }  // namespace
 
+Json column_json(const Column& column) {
+  return {{"name", column.name},
+          {"unit", column.unit},
+          {"heading", column.heading},
+          {"better", column.better},
+          {"sentence", column.sentence}};
+}
+
+Json cell_json(const Cell& cell) {
+  if (const double* number = cell.number()) return std::isfinite(*number) ? as_number(*number) : Json(nullptr);
+  if (const auto* words = std::get_if<std::string>(&cell.value)) return *words;
+  return nullptr;
+}
+
 std::string csv_field(std::string_view text) {
   if (text.find_first_of(",\"\r\n") == text.npos) return std::string(text);
   std::string quoted = "\"";
@@ -50,21 +64,11 @@ std::string json_table(std::span<const Record> records, std::span<const Column> 
   Json table;
   table["schema"] = table_schema;
   Json& heads = table["columns"] = Json::array();
-  for (const Column& column : columns)
-    heads.push_back({{"name", column.name},
-                     {"unit", column.unit},
-                     {"heading", column.heading},
-                     {"better", column.better},
-                     {"sentence", column.sentence}});
+  for (const Column& column : columns) heads.push_back(column_json(column));
   Json& rows = table["rows"] = Json::array();
   for (const Record& record : records) {
     Json& row = rows.emplace_back(Json::object());
-    for (const Column& column : columns) {
-      const Cell cell = column.cell(record);
-      Json& value = row[column.name] = nullptr;
-      if (const double* number = cell.number()) value = as_number(*number);
-      if (const auto* words = std::get_if<std::string>(&cell.value)) value = *words;
-    }
+    for (const Column& column : columns) row[column.name] = cell_json(column.cell(record));
   }
   Json& made = table["provenance"] = Json::array();
   for (const auto& [topic, what] : provenance(records)) made.push_back({{"topic", topic}, {"text", what}});

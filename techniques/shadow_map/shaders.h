@@ -22,7 +22,8 @@ enum Projection { orthographic, perspective, cube };
 inline constexpr int projection_count = 3;
 
 /// Mirrors shadow_map::Face and ShadowMap::explain; see there for the meaning of each quantity. The head defines PROJECTION,
-/// BIAS and PCF: a branch on a uniform would be paid in full on llvmpipe, which executes both sides of every branch.
+/// BIAS and PCF: a branch on a uniform would be paid in full on llvmpipe, which executes both sides of every branch. With EXPLAIN
+/// it writes the texel that it would look up instead of the visibility.
 inline const std::string resolve_fragment = std::string(gnomon::faces_light_snippet) + R"(
 layout(binding = 3) uniform sampler2DArray map;
 uniform vec3 origin;
@@ -34,7 +35,11 @@ uniform float diagonal;  // of a texel in window coordinates, orthographic
 uniform mat3 texel_from_light, texel_steps;  // of the one image; a cube has none, its faces only exchange axes
 uniform int resolution, radius;
 uniform float depth_bias, slope_bias, normal_offset, rounding;
+#ifdef EXPLAIN
+layout(location = 0) out vec2 looked_up;
+#else
 layout(location = 0) out float visibility;
+#endif
 
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
@@ -111,6 +116,9 @@ void main() {
   float depth = q_z * scale - error;
   vec2 center = floor(position);
 
+#ifdef EXPLAIN
+  looked_up = center;
+#else
 #if PCF
   float lit = 0;
   for (int y = -radius; y <= radius; ++y)
@@ -138,6 +146,7 @@ void main() {
   visibility = faces ? lit / float((2 * radius + 1) * (2 * radius + 1)) : 1;
 #else
   visibility = faces && dark ? 0 : 1;
+#endif
 #endif
 }
 )";

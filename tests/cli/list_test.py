@@ -16,7 +16,7 @@ COMMANDS = ["list", "describe", "render", "run", "table", "certify", "docs"]
 class Lists(ProgramTest):
     def test_every_list_names_what_there_is_as_text_and_as_json(self):
         for what, key, some in [("techniques", "id", "shadow_map"), ("scenes", "id", "single_triangle"), ("suites", "id", "quick"),
-                                ("metrics", "name", "wrong_rate")]:
+                                ("metrics", "name", "wrong_rate"), ("causes", "name", "acne")]:
             with self.subTest(what):
                 self.assertRegex(self.succeed("list", what), rf"(?m)^{some} ")
                 entries = json.loads(self.succeed("list", what, "--json"))

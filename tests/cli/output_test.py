@@ -53,7 +53,7 @@ class Output(ProgramTest):
     def test_a_file_that_cannot_grow_fails_the_row_and_leaves_no_half_picture(self):
         # 160 x 90 floats are 57,600 bytes, a G-buffer is eight times that and comes from the cache.
         self.succeed("run", *ANY, *SMALL, "--out", "first")
-        done = self.gnomon("run", *ANY, *SMALL, "--out", "out", preexec_fn=limit_files(20_000))
+        done = self.gnomon("run", *ANY, *SMALL, "--out", "out", preexec_fn=limit_files(50_000))
         self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
         row = records(self.dir / "out")[0]
         self.assertEqual(row["status"], "failed")

@@ -62,17 +62,6 @@ class Run(ProgramTest):
         self.succeed("run", *SWEEP, "--dry-run")
         self.assertEqual(list(self.dir.iterdir()), [])
 
-    def test_shards_together_are_the_whole_row_for_row(self):
-        self.succeed("run", *SWEEP, *SMALL, "--out", "whole")
-        for shard in ("0", "1"):
-            self.succeed("run", *SWEEP, *SMALL, "--shard", f"{shard}/2", "--out", f"part{shard}")
-        parts = [records(self.dir / f"part{shard}") for shard in (0, 1)]
-        whole = records(self.dir / "whole")
-        merged = [parts[k % 2][k // 2] for k in range(len(whole))]
-        self.assertEqual([len(p) for p in parts], [3, 3])
-        self.assertEqual([what(r) for r in merged], [what(r) for r in whole])
-        self.assertEqual([measured(r) for r in merged], [measured(r) for r in whole])
-
     def test_several_processes_are_fresh_ones(self):
         self.succeed("run", "--scene", "single_triangle", "--technique", "shadow_map", "--light", "sun", "--size", "160x90",
                      "--processes", "3", "--repetitions", "2", "--out", "out")

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <set>
 
+#include "measure/light_rays.h"
 #include "measure/load.h"
 
 namespace {
@@ -71,11 +72,56 @@ TEST(frame, what_the_cache_holds_is_what_is_computed) {
         const Reference reference = frames.reference(key, light);
         EXPECT_TRUE(std::ranges::equal(reference.mask, mask));
         EXPECT_TRUE(std::ranges::equal(reference.classes, classes));
+        EXPECT_TRUE(std::ranges::equal(reference.occluder, find_occluders(scene, casters, fresh, light, mask)));
         EXPECT_GT(std::ranges::count(mask, 0.0f), 20);
       }
     }
   }
   EXPECT_EQ(file_names(folder.path).size(), 6u) << "a G-buffer and two references for each truth";
+}
+
+TEST(frame, dark_pixels_know_their_nearest_occluder) {
+  // Two plates over the ground, the lower one smaller: under both, the lower one is nearer. A ball lies beside them.
+  const Folder folder;
+  Scene scene;
+  scene.name = "plates";
+  scene.meshes = {tessellate(ground_plane(4), 4, "ground"), tessellate(Plane{{-3, 3, 0}, {1, 0, 0}, {0, 0, 1}}, 4, "high"),
+                  tessellate(Plane{{-1.5f, 1.5f, 0}, {0.5f, 0, 0}, {0, 0, 0.5f}}, 4, "low"),
+                  tessellate(Sphere{{2.5f, 0.5f, 0}, 0.5f}, 32, "ball")};
+  scene.lights = {{.name = "sun", .kind = DirectionalLight{{1, -1, 0}}}, {.name = "point", .kind = PointLight{{-60, 60, 0}}}};
+  scene.views = {View{.eye = {0, 12, 0.1f}, .up = {0, 0, -1}}};
+  for (const Truth truth : {Truth::shape, Truth::mesh}) {
+    FrameStore frames(scene, folder.path);
+    const FrameKey key{scene.views[0], 128, 128, truth};
+    const GBuffer g = frames.gbuffer(key);
+    for (const Light& light : scene.lights) {
+      const Reference reference = frames.reference(key, light);
+      ASSERT_EQ(reference.occluder.size(), g.size());
+      int under_both = 0, under_high = 0, of_ball = 0;
+      for (std::size_t i = 0; i < g.size(); ++i) {
+        const bool is_dark = reference.mask[i] <= 0.5f && reference.classes[i] > PixelClass::F;
+        if (!is_dark || reference.classes[i] != PixelClass::T) {
+          EXPECT_TRUE(is_dark || reference.occluder[i] == no_mesh);
+          continue;
+        }
+        if (g.mesh[i] != 0) continue;
+        // The shadows on the ground: of the high plate |x|, |z| < 1 around 0, of the low one |x|, |z| < 0.5, of the ball around
+        // x = 3. The point light at 60 meters moves them by a few centimeters.
+        const glm::vec3 p = g.position(i);
+        const float across = std::max(std::abs(p.x), std::abs(p.z));
+        const std::uint32_t occluder = reference.occluder[i];
+        under_both += across < 0.4f && occluder == 2;
+        under_high += across > 0.6f && p.x < 1.3f && occluder == 1;
+        of_ball += p.x > 2 && occluder == 3;
+        EXPECT_TRUE(across >= 0.4f || occluder == 2) << p.x << ' ' << p.z;
+        EXPECT_TRUE(across <= 0.6f || p.x >= 1.3f || occluder == 1) << p.x << ' ' << p.z;
+        EXPECT_TRUE(p.x <= 2 || occluder == 3) << p.x << ' ' << p.z;
+      }
+      EXPECT_GT(under_both, 50);
+      EXPECT_GT(under_high, 200);
+      EXPECT_GT(of_ball, 50);
+    }
+  }
 }
 
 TEST(frame, whatever_changes_the_answer_has_a_file_of_its_own) {

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <numbers>
 #include <set>
 
 #include "measure/score.h"
@@ -14,7 +15,7 @@ namespace {
 
 using namespace gnomon;
 
-/// A picture drawn with one letter a pixel: classes B F G S U T; `.` lit and `#` dark; `x` not covered.
+/// A picture drawn with one letter a pixel: classes B F G S U T; `.` lit and `#` dark; `x` marked.
 std::vector<PixelClass> classes_of(std::string_view drawing) {
   std::vector<PixelClass> classes;
   for (const char c : drawing) classes.push_back(static_cast<PixelClass>(std::string_view("BFGSUT").find(c)));
@@ -31,68 +32,63 @@ std::vector<std::uint8_t> marks_of(std::string_view drawing) {
   return marks;
 }
 
-std::optional<double> metric(const Tally& tally, std::string_view name) {
+Evidence evidence(int width, int height, std::span<const PixelClass> classes, std::span<const float> reference,
+                  std::span<const float> mask) {
+  return {.width = width, .height = height, .classes = classes, .reference = reference, .mask = mask, .causes = {}};
+}
+
+std::optional<double> metric(const Scoring& scoring, std::string_view name) {
   for (const MetricInfo& info : metric_infos())
-    if (info.name == name) return info.value(tally);
+    if (info.name == name) return info.value(scoring);
   ADD_FAILURE() << "no metric " << name;
   return std::nullopt;
 }
+std::optional<double> metric(const Evidence& e, std::string_view name) { return metric(Scoring(e), name); }
 
-// Rows of five. Wrong pixels: (1,1) is T, dark for lit: false dark. (3,1) is T, lit for dark: false lit, and not covered.
+// Rows of five. Wrong pixels: (1,1) is T, dark for lit: false dark. (3,1) is T, lit for dark: false lit.
 // (2,2) is U, (1,3) is S, (3,3) is G: wrong, but not tested. (0,0) is B and (4,0) is F: whatever they hold counts nowhere.
 const std::vector<PixelClass> classes = classes_of("BTTTFTTTTTTTUTTTSTGTTTTTT");
 const std::vector<float> reference = mask_of("........#................");
 const std::vector<float> mask = mask_of("#...#.#.....#...#.#......");
-const std::vector<std::uint8_t> uncovered = marks_of(".......xx................");
 
 TEST(metrics, tally_counts_tested_and_facing_pixels_apart) {
-  const Tally t = tally({5, 5, classes, reference, mask, uncovered});
+  const Evidence e = evidence(5, 5, classes, reference, mask);
+  const Scoring s(e);
+  const Tally t = s.tally();
   EXPECT_EQ(t.facing, 23u);  // 25 less one B and one F
   EXPECT_EQ(t.tested, 20u);  // less U, S and G
   EXPECT_EQ(t.wrong, 2u);
   EXPECT_EQ(t.wrong_facing, 5u);
   EXPECT_EQ(t.false_dark, 1u);
   EXPECT_EQ(t.false_lit, 1u);
-  EXPECT_EQ(t.beyond_coverage, 1u);  // the right pixel that is not covered either is no error
   EXPECT_EQ(t.error_sum, 2);
-  EXPECT_DOUBLE_EQ(*metric(t, "wrong_rate"), 2.0 / 20);
-  EXPECT_DOUBLE_EQ(*metric(t, "wrong_rate_all"), 5.0 / 23);
-  EXPECT_DOUBLE_EQ(*metric(t, "false_dark_rate"), 1.0 / 20);
-  EXPECT_DOUBLE_EQ(*metric(t, "false_lit_rate"), 1.0 / 20);
-  EXPECT_DOUBLE_EQ(*metric(t, "beyond_coverage"), 1.0 / 20);
-  EXPECT_DOUBLE_EQ(*metric(t, "error_mean"), 2.0 / 20);
-  EXPECT_DOUBLE_EQ(*metric(t, "tested_share"), 20.0 / 23);
-}
-
-TEST(metrics, verdicts_name_every_tested_pixel_and_only_those) {
-  const std::vector<Verdict> v = verdicts({5, 5, classes, reference, mask, uncovered});
-  for (std::size_t i = 0; i < v.size(); ++i) {
-    const Verdict due = i == 6                        ? Verdict::false_dark
-                        : i == 8                      ? Verdict::beyond_coverage
-                        : classes[i] == PixelClass::T ? Verdict::right
-                                                      : Verdict::untested;
-    EXPECT_EQ(v[i], due) << i;
-  }
-  EXPECT_EQ(verdicts({5, 5, classes, reference, mask, {}})[8], Verdict::false_lit) << "covers all";
+  EXPECT_DOUBLE_EQ(*metric(s, "wrong_rate"), 2.0 / 20);
+  EXPECT_DOUBLE_EQ(*metric(s, "wrong_rate_all"), 5.0 / 23);
+  EXPECT_DOUBLE_EQ(*metric(s, "false_dark_rate"), 1.0 / 20);
+  EXPECT_DOUBLE_EQ(*metric(s, "false_lit_rate"), 1.0 / 20);
+  EXPECT_DOUBLE_EQ(*metric(s, "error_mean"), 2.0 / 20);
+  EXPECT_DOUBLE_EQ(*metric(s, "tested_share"), 20.0 / 23);
 }
 
 TEST(metrics, wrong_is_off_by_more_than_one_half) {
   const std::vector<PixelClass> all(4, PixelClass::T);
   const std::vector<float> truth{1, 1, 0, 0}, answer{0.5f, 0.49f, 0.5f, 0.51f};
-  const Tally t = tally({4, 1, all, truth, answer, {}});
+  const Evidence e = evidence(4, 1, all, truth, answer);
+  const Tally t = Scoring(e).tally();
   EXPECT_EQ(t.wrong, 2u);
   EXPECT_EQ(t.false_dark, 1u);
   EXPECT_EQ(t.false_lit, 1u);
-  EXPECT_NEAR(*metric(t, "error_mean"), (0.5 + 0.51 + 0.5 + 0.51) / 4, 1e-7);
+  EXPECT_NEAR(*metric(e, "error_mean"), (0.5 + 0.51 + 0.5 + 0.51) / 4, 1e-7);
 }
 
 TEST(metrics, nothing_tested_leaves_rates_undefined) {
   const std::vector<PixelClass> background(4, PixelClass::B);
   const std::vector<float> lit(4, 1.0f);
-  const Tally t = tally({2, 2, background, lit, lit, {}});
-  for (const char* name : {"wrong_rate", "wrong_rate_all", "false_dark_rate", "error_mean", "tested_share"})
-    EXPECT_EQ(metric(t, name), std::nullopt) << name;
-  EXPECT_EQ(metric(t, "displacement_mean"), 0) << "no boundary on either side: nothing is displaced";
+  const Evidence e = evidence(2, 2, background, lit, lit);
+  for (const char* name : {"wrong_rate", "wrong_rate_all", "false_dark_rate", "error_mean", "tested_share",
+                           "wrong_rate_edge_0_1", "wrong_rate_edge_8_up", "penumbra_error_mean"})
+    EXPECT_EQ(metric(e, name), std::nullopt) << name;
+  EXPECT_EQ(metric(e, "displacement_mean"), 0) << "no boundary on either side: nothing is displaced";
 }
 
 TEST(metrics, rows_have_unique_names_a_direction_and_a_sentence) {
@@ -105,7 +101,7 @@ TEST(metrics, rows_have_unique_names_a_direction_and_a_sentence) {
     EXPECT_TRUE(info.better == "lower" || info.better == "higher" || info.better.empty()) << info.name;
     EXPECT_TRUE(info.value != nullptr);
   }
-  EXPECT_EQ(measure_metrics(Tally{}).size(), names.size());
+  EXPECT_EQ(measure_metrics(Scoring(Evidence{})).size(), names.size());
 }
 
 /// Lit left of `edge`, dark from it on.
@@ -115,23 +111,91 @@ std::vector<float> half_plane(int width, int height, int edge) {
   return lit_left;
 }
 
+TEST(metrics, wrong_rates_by_distance_look_at_their_own_pixels_only) {
+  // 40 columns, the shadow begins at column 20: 19 and 20 are beside the boundary, at distance 0, and column 20 + d is at d.
+  // Columns by distance: 0 .. 1 four, 2 two, 3 and 4 four, 5 .. 8 eight, beyond 8 twenty-two. One column of each is wrong: the
+  // last one that belongs to it, and the first one beyond 8.
+  constexpr int w = 40, h = 10;
+  const std::vector<PixelClass> all(w * h, PixelClass::T);
+  const auto truth = half_plane(w, h, 20);
+  auto answer = truth;
+  for (int y = 0; y < h; ++y)
+    for (const int d : {1, 2, 4, 8, 9}) answer[y * w + 20 + d] = 1;
+  const Evidence e = evidence(w, h, all, truth, answer);
+  EXPECT_EQ(metric(e, "wrong_rate_edge_0_1"), 1.0 / 4);
+  EXPECT_EQ(metric(e, "wrong_rate_edge_1_2"), 1.0 / 2);
+  EXPECT_EQ(metric(e, "wrong_rate_edge_2_4"), 1.0 / 4);
+  EXPECT_EQ(metric(e, "wrong_rate_edge_4_8"), 1.0 / 8);
+  EXPECT_EQ(metric(e, "wrong_rate_edge_8_up"), 1.0 / 22);
+  // Without a boundary everything is beyond.
+  const std::vector<float> lit(w * h, 1.0f);
+  const Evidence open = evidence(w, h, all, lit, answer);
+  EXPECT_EQ(metric(open, "wrong_rate_edge_0_1"), std::nullopt);
+  EXPECT_EQ(metric(open, "wrong_rate_edge_8_up"), metric(open, "wrong_rate"));
+}
+
+/// A floor at y = 0 with arrays of its own, seen from above: pixel x is the point (x, 0, 0).
+struct Floor {
+  std::vector<float> px, zero, ny;
+  std::vector<std::uint32_t> mesh;
+  GBuffer gbuffer;
+  explicit Floor(int n) : zero(n, 0.0f), ny(n, 1.0f), mesh(n, 0) {
+    for (int x = 0; x < n; ++x) px.push_back(static_cast<float>(x));
+    gbuffer.width = n, gbuffer.height = 1;
+    gbuffer.px = px, gbuffer.py = zero, gbuffer.pz = zero;
+    gbuffer.nx = zero, gbuffer.ny = ny, gbuffer.nz = zero;
+    gbuffer.mesh = gbuffer.triangle = mesh;
+  }
+};
+
+TEST(metrics, wrong_rates_by_angle_follow_the_elevation_of_the_light) {
+  // The light is 1 above the floor at x = 0, so that it meets pixel x at atan(1 / x): 90 degrees at 0, 45 at 1, 26.6 at 2,
+  // 11.3 at 5, 9.46 at 6. Pixels 0 | 1 | 2 .. 5 | 6 .. 9 fill the bins from above; 1, 3 and 9 are wrong.
+  const Floor floor(10);
+  const Light light{.name = "point", .kind = PointLight{{0, 1, 0}}};
+  const std::vector<PixelClass> all(10, PixelClass::T);
+  const auto truth = mask_of(".........."), answer = mask_of(".#.#.....#");
+  Evidence e = evidence(10, 1, all, truth, answer);
+  EXPECT_EQ(metric(e, "wrong_rate_angle_60_90"), std::nullopt) << "no G-buffer, no angle";
+  e.gbuffer = &floor.gbuffer;
+  e.light = &light;
+  EXPECT_EQ(metric(e, "wrong_rate_angle_60_90"), 0);
+  EXPECT_EQ(metric(e, "wrong_rate_angle_30_60"), 1);
+  EXPECT_EQ(metric(e, "wrong_rate_angle_10_30"), 0.25);
+  EXPECT_EQ(metric(e, "wrong_rate_angle_2_10"), 0.25);
+}
+
+TEST(metrics, instability_counts_what_changes_in_the_technique_alone) {
+  // Eight pixels, the last of class U in the first frame: seven count. The reference's edge moves from 4 to 5; so pixel 4
+  // changes in both. Pixel 1 changes in the technique alone: unstable. Pixel 6 is wrong in both frames: no change. Pixel 2
+  // stays where the reference changes nothing.
+  const auto then_classes = classes_of("TTTTTTTU"), now_classes = classes_of("TTTTTTTT");
+  const auto then_truth = mask_of("....####"), then = mask_of("....##.#");
+  const auto now_truth = mask_of(".....###"), now = mask_of(".#...#..");
+  const Evidence before = evidence(8, 1, then_classes, then_truth, then);
+  Evidence e = evidence(8, 1, now_classes, now_truth, now);
+  EXPECT_EQ(metric(e, "instability"), std::nullopt) << "nothing before";
+  e.previous = &before;
+  EXPECT_EQ(metric(e, "instability"), 1.0 / 7);
+}
+
 TEST(displacement, an_edge_moved_by_k_pixels_is_displaced_by_k) {
   // The dark rims are the columns 20 and 20 + k: every pixel of either is k from the other, so mean and percentile are k.
   constexpr int w = 40, h = 7;
   const std::vector<PixelClass> all(w * h, PixelClass::T);
   for (const int k : {-9, -1, 0, 1, 2, 15}) {
     const auto truth = half_plane(w, h, 20), moved = half_plane(w, h, 20 + k);
-    const Tally t = tally({w, h, all, truth, moved, {}});
-    EXPECT_DOUBLE_EQ(t.displacement_mean.value(), std::abs(k));
-    EXPECT_DOUBLE_EQ(t.displacement_p95.value(), std::abs(k));
+    const Displacement d = measure_displacement(evidence(w, h, all, truth, moved));
+    EXPECT_DOUBLE_EQ(d.mean.value(), std::abs(k));
+    EXPECT_DOUBLE_EQ(d.p95.value(), std::abs(k));
   }
 }
 
 TEST(displacement, a_missing_shadow_has_no_displacement) {
   const std::vector<PixelClass> all(100, PixelClass::T);
   const auto shadow = half_plane(10, 10, 5), none = half_plane(10, 10, 10);
-  EXPECT_EQ(tally({10, 10, all, shadow, none, {}}).displacement_mean, std::nullopt);
-  EXPECT_EQ(tally({10, 10, all, none, shadow, {}}).displacement_p95, std::nullopt);
+  EXPECT_EQ(measure_displacement(evidence(10, 10, all, shadow, none)).mean, std::nullopt);
+  EXPECT_EQ(measure_displacement(evidence(10, 10, all, none, shadow)).p95, std::nullopt);
 }
 
 TEST(displacement, the_95th_percentile_tells_a_small_far_shadow_from_a_shifted_edge) {
@@ -142,9 +206,98 @@ TEST(displacement, the_95th_percentile_tells_a_small_far_shadow_from_a_shifted_e
   const auto truth = half_plane(w, h, 20);
   auto speckled = truth;
   speckled[50 * w + 10] = 0;
-  const Tally t = tally({w, h, all, truth, speckled, {}});
-  EXPECT_DOUBLE_EQ(t.displacement_mean.value(), 10.0 / 201);
-  EXPECT_EQ(t.displacement_p95, 0);
+  const Displacement d = measure_displacement(evidence(w, h, all, truth, speckled));
+  EXPECT_DOUBLE_EQ(d.mean.value(), 10.0 / 201);
+  EXPECT_EQ(d.p95, 0);
+}
+
+// --- soft shadows: a penumbra along x, from lit to dark over `width` pixels around `middle` ------------------------------
+
+constexpr int soft_width = 80, soft_height = 30;
+const std::vector<PixelClass> soft_classes(soft_width* soft_height, PixelClass::T);
+
+std::vector<float> ramp(double middle, double width, double degrees = 0) {
+  const double c = std::cos(degrees * std::numbers::pi / 180), s = std::sin(degrees * std::numbers::pi / 180);
+  std::vector<float> v;
+  for (int y = 0; y < soft_height; ++y)
+    for (int x = 0; x < soft_width; ++x)
+      v.push_back(static_cast<float>(std::clamp(0.5 - ((x - middle) * c + (y - soft_height / 2) * s) / width, 0.0, 1.0)));
+  return v;
+}
+
+Evidence soft(const std::vector<float>& truth, const std::vector<float>& answer) {
+  return evidence(soft_width, soft_height, soft_classes, truth, answer);
+}
+
+TEST(soft_shadows, are_measured_only_where_the_reference_is_soft) {
+  const auto truth = half_plane(soft_width, soft_height, 40), answer = ramp(40, 10);
+  for (const MetricInfo& info : metric_infos())
+    if (info.name.starts_with("penumbra") || info.name.starts_with("outside") || info.name.starts_with("umbra")) {
+      EXPECT_EQ(info.value(Scoring(soft(truth, answer))), std::nullopt) << info.name;
+      EXPECT_TRUE(metric(soft(answer, truth), "penumbra_error_mean").has_value());
+    }
+}
+
+TEST(soft_shadows, an_equal_mask_has_no_error_and_every_ratio_is_one) {
+  const auto truth = ramp(40.3, 10, 20);
+  const Evidence e = soft(truth, truth);
+  for (const char* name : {"penumbra_error_mean", "penumbra_error_rms", "outside_error_mean", "outside_error_rms"})
+    EXPECT_EQ(metric(e, name), 0) << name;
+  for (const char* name : {"umbra_area_ratio", "penumbra_area_ratio", "penumbra_width_ratio"})
+    EXPECT_EQ(metric(e, name), 1) << name;
+  EXPECT_EQ(metric(e, "penumbra_shift"), 0);
+}
+
+TEST(soft_shadows, width_ratio_is_the_ratio_of_the_ramps) {
+  // Both ramps are straight where V is in 0.1 .. 0.9: slopes 1 / 10 and 1 / width in every direction.
+  for (const double width : {6.0, 10.0, 15.0, 20.0})
+    for (const double degrees : {0.0, 30.0, 77.0, 180.0})
+      EXPECT_NEAR(*metric(soft(ramp(40, 10, degrees), ramp(40, width, degrees)), "penumbra_width_ratio"), width / 10, 1e-5)
+          << width << ' ' << degrees;
+}
+
+TEST(soft_shadows, shift_is_signed_and_measured_across_the_line) {
+  // The shadow lies at greater x (degrees 0): moving its middle to the left by k enlarges it: + k. At an angle a, moving it by
+  // k along x moves its line by k cos a across itself.
+  for (const double k : {-3.25, -0.5, 0.25, 2.0, 7.5})
+    for (const double degrees : {0.0, 35.0, 60.0})
+      EXPECT_NEAR(*metric(soft(ramp(40, 10, degrees), ramp(40 - k, 10, degrees)), "penumbra_shift"),
+                  k * std::cos(degrees * std::numbers::pi / 180), 1e-3)
+          << k << ' ' << degrees;
+  // A shadow that lies on the other side: moving right enlarges it.
+  EXPECT_NEAR(*metric(soft(ramp(40, 10, 180), ramp(42, 10, 180)), "penumbra_shift"), 2, 1e-3);
+}
+
+TEST(soft_shadows, areas_and_errors_of_ramps_are_those_on_paper) {
+  // Middle 39.5, width 10: V(x) = 0.5 - (x - 39.5) / 10 at the columns 35 .. 44 is 0.95, 0.85 ... 0.05: ten columns of
+  // penumbra, 45 and on dark. Width 20: columns 30 .. 49: 0.975 ... 0.025: twenty; umbra from 50: 30 columns to the
+  // reference's 35.
+  const auto truth = ramp(39.5, 10), answer = ramp(39.5, 20);
+  const Evidence e = soft(truth, answer);
+  EXPECT_DOUBLE_EQ(*metric(e, "penumbra_area_ratio"), 2);
+  EXPECT_DOUBLE_EQ(*metric(e, "umbra_area_ratio"), 30.0 / 35);
+  // |difference| at distance u = 0.5, 1.5 ... from the middle: u/20 up to u = 4.5, then 0.5 - u/20 up to 9.5, on both sides.
+  // The band holds columns 33 .. 46, u up to 6.5.
+  double sum = 0, squares = 0, out = 0;
+  for (double u = 0.5; u < 7; ++u) {
+    const double d = u < 5 ? u / 20 : 0.5 - u / 20;
+    sum += d, squares += d * d;
+  }
+  for (double u = 7.5; u < 10; ++u) out += 0.5 - u / 20;
+  EXPECT_NEAR(*metric(e, "penumbra_error_mean"), sum / 7, 1e-6);
+  EXPECT_NEAR(*metric(e, "penumbra_error_rms"), std::sqrt(squares / 7), 1e-6);
+  EXPECT_NEAR(*metric(e, "outside_error_mean"), 2 * out / (soft_width - 14), 1e-6);
+}
+
+TEST(soft_shadows, noise_is_what_a_median_removes) {
+  // A straight ramp is its own median. One pixel in nine off by 0.1 is always outvoted: of the pixels whose window is inside,
+  // a ninth leave 0.1 and the rest what the median of 25 values moves by the outliers, less than one step of the ramp (0.02).
+  const auto truth = ramp(40, 50);
+  EXPECT_NEAR(*metric(soft(truth, truth), "penumbra_noise"), 0, 1e-6);
+  auto noisy = truth;
+  for (int y = 0; y < soft_height; y += 3)
+    for (int x = 0; x < soft_width; x += 3) noisy[y * soft_width + x] = std::max(0.0f, noisy[y * soft_width + x] - 0.1f);
+  EXPECT_NEAR(*metric(soft(truth, noisy), "penumbra_noise"), 0.1 / 3, 0.01);
 }
 
 TEST(boundary, both_sides_are_marked_and_only_pixels_that_face_the_light) {
@@ -193,6 +346,20 @@ TEST(distance_transform, is_exact_in_pictures_whose_squares_exceed_float32) {
   const std::vector<float> distance = distance_transform(marked, w, 1);
   for (int x = 16000; x < w - 3; ++x) EXPECT_EQ(distance[x], (x - 16000) % 3 == 0 ? 0 : 1) << x;
   EXPECT_EQ(distance[0], 16000);
+}
+
+RC_GTEST_PROP(nearest_marked, names_a_marked_pixel_at_the_least_distance, ()) {
+  const int w = *rc::gen::inRange(1, 24), h = *rc::gen::inRange(1, 24), one_in = *rc::gen::inRange(1, 60);
+  const auto marked = *rc::gen::container<std::vector<std::uint8_t>>(
+      w * h, rc::gen::map(rc::gen::inRange(0, one_in), [](int draw) { return static_cast<std::uint8_t>(draw == 0); }));
+  const std::vector<float> distance = distance_transform(marked, w, h);
+  const std::vector<std::int32_t> nearest = nearest_marked(marked, w, h);
+  for (int i = 0; i < w * h; ++i) {
+    RC_ASSERT((nearest[i] < 0) == std::isinf(distance[i]));
+    if (nearest[i] < 0) continue;
+    RC_ASSERT(marked[nearest[i]] == 1);
+    RC_ASSERT(static_cast<float>(std::hypot(i % w - nearest[i] % w, i / w - nearest[i] / w)) == distance[i]);
+  }
 }
 
 TEST(score, class_counts_name_every_class) {

@@ -87,6 +87,56 @@ TEST(param, unknown_repeated_and_shapeless_settings_are_errors) {
   EXPECT_EQ(complaint([&] { bare.apply("size=4"); }), "bare has no parameter size; it has none at all");
 }
 
+TEST(param, an_empty_item_is_no_setting_wherever_it_stands) {
+  for (const char* text : {"size=4,", ",size=4", "size=4,,fast=true", ",", "size=4,fast=true,"})
+    EXPECT_EQ(refused(text), "rows: '' is not of the form parameter=value") << text;
+}
+
+TEST(param, settings_are_applied_all_or_none) {
+  // The good ones come first, and more than one: each would be set if settings were applied one by one.
+  for (const char* bad : {"size=4,bias=7,fast=true,mode=x", "size=4,bias=7,size=5", "size=4,bias=7,", "size=4,bias=7,sise=1",
+                          "size=4,bias=7,fast"}) {
+    Rows rows;
+    rows.apply("size=16,bias=0.1");
+    EXPECT_THROW(rows.apply(bad), Error) << bad;
+    EXPECT_EQ(rows.settings(), "size=16,bias=0.1") << bad;
+  }
+}
+
+RC_GTEST_PROP(param, a_list_with_one_bad_setting_changes_nothing, ()) {
+  std::vector<std::string> items;
+  for (const auto& item : {fmt::format("size={}", *rc::gen::inRange(2, 65)),
+                           fmt::format("bias={}", *rc::gen::inRange(-1000, 1000000000) / 1000.0), std::string("mode=none")})
+    if (*rc::gen::arbitrary<bool>()) items.push_back(item);
+  const std::string good = fmt::format("{}", fmt::join(items, ","));
+  const auto bad = *rc::gen::element<std::string>("", "fast", "fast=maybe", "fats=true", "fast=");
+  items.insert(items.begin() + *rc::gen::inRange<long>(0, static_cast<long>(items.size()) + 1), bad);
+  if (items.size() == 1 && bad.empty()) return;  // nothing at all is no setting, and no error
+  Rows rows, fresh;
+  RC_ASSERT_THROWS_AS(rows.apply(fmt::format("{}", fmt::join(items, ","))), Error);
+  RC_ASSERT(rows.settings().empty());
+  fresh.apply(good);
+}
+
+TEST(param, a_default_outside_its_own_range_cannot_be_constructed) {
+  Parametrized owner;  // it is not asked for its rows: they are gone at once
+  const auto number = [&](double value, double min, double max) {
+    return complaint(
+        [&] { Number<double>{&owner, "bias", value, {.unit = "m", .min = min, .max = max}, Stage::build, "Bias."}; });
+  };
+  EXPECT_EQ(number(3, 0, 2), "parameter bias: default 3 is outside 0 .. 2 m");
+  EXPECT_EQ(number(std::nan(""), 0, 2), "parameter bias: default nan is outside 0 .. 2 m");
+  EXPECT_EQ(number(1, 2, 0), "parameter bias: default 1 is outside 2 .. 0 m");
+  EXPECT_EQ(number(0, 0, 2), "");
+  EXPECT_EQ(number(2, 0, 2), "");
+  EXPECT_EQ(complaint([&] { Number<int>{&owner, "size", 0, {.unit = "", .min = 1, .max = 2}, Stage::build, "Side."}; }),
+            "parameter size: default 0 is outside 1 .. 2");
+  EXPECT_EQ(complaint([&] {
+              Choice{&owner, "mode", "fats", {"slow", "fast"}, Stage::build, "Speed."};
+            }),
+            "parameter mode: default fats is outside slow | fast");
+}
+
 TEST(param, settings_are_canonical) {
   // Only what differs from the defaults, in order of declaration, each number in its shortest form.
   Rows rows;

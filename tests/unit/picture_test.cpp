@@ -80,8 +80,6 @@ TEST(picture, a_mask_is_gray_and_black_in_shadow) {
   EXPECT_EQ(pixel(picture, 1, 1), (Rgb{51, 51, 51}));
 }
 
-const Rgb dark_color{213, 94, 0}, lit_color{86, 180, 233}, beyond_color{204, 121, 167};
-
 /// Counts the pixels of a color in the rows from `first` up to `last`.
 int count(const Picture& picture, const Rgb& color, int first, int last) {
   int found = 0;
@@ -90,75 +88,125 @@ int count(const Picture& picture, const Rgb& color, int first, int last) {
   return found;
 }
 
-TEST(error_picture, exactly_the_wrong_pixels_have_the_color_of_their_kind) {
+Rgb color_of(Cause cause) {
+  const auto& rgb = cause_infos()[static_cast<std::size_t>(cause) - 1].color;
+  return {rgb[0], rgb[1], rgb[2]};
+}
+
+/// A scored mask over the flat square under a vertical sun; all is tested, lit and right until told otherwise.
+struct Scored : Flat {
+  std::vector<PixelClass> classes;
+  std::vector<float> reference, mask;
+  std::vector<Cause> causes;
+  Light light = hand_made::sun({0, -1, 0});
+  Scored(int width, int height)
+      : Flat(width, height),
+        classes(picture.mesh.size(), PixelClass::T),
+        reference(picture.mesh.size(), 1.0f),
+        mask(reference),
+        causes(picture.mesh.size(), Cause::none) {}
+  void err(std::size_t i, Cause cause) {
+    mask[i] = 1 - reference[i];
+    causes[i] = cause;
+  }
+  Picture draw(const std::string& title = "") const {
+    const GBuffer& g = picture.gbuffer;
+    return draw_errors({g.width, g.height, classes, reference, mask, causes, &scene, &g, &light, nullptr}, title);
+  }
+};
+
+TEST(error_picture, exactly_the_wrong_tested_pixels_have_the_color_of_their_cause) {
   constexpr int w = 420, h = 40;
-  Flat flat(w, h);
+  Scored scored(w, h);
   std::mt19937 random(1);
-  std::vector<Verdict> verdicts(w * h);
-  for (Verdict& v : verdicts) v = static_cast<Verdict>(random() % 5);
-  Tally tally;
-  tally.tested = w * h;
-  const Picture picture = draw_errors(flat.scene, flat.picture.gbuffer, hand_made::sun({0, -1, 0}), verdicts, tally, "title");
+  for (std::size_t i = 0; i < scored.mask.size(); ++i) {
+    scored.classes[i] = random() % 3 == 0 ? PixelClass::U : PixelClass::T;
+    scored.reference[i] = scored.mask[i] = static_cast<float>(random() % 2);
+    if (random() % 2 == 0)
+      scored.err(i, scored.classes[i] == PixelClass::T ? static_cast<Cause>(1 + random() % 15) : Cause::none);
+  }
+  const Picture picture = scored.draw("title");
   EXPECT_EQ(picture.width, w);
   ASSERT_GT(picture.height, h) << "a legend below";
   Rgb untested{-1, -1, -1}, right{-1, -1, -1};
   for (int i = 0; i < w * h; ++i) {
     const Rgb color = pixel(picture, i % w, i / w);
-    if (verdicts[i] == Verdict::false_dark) {
-      ASSERT_EQ(color, dark_color);
+    if (scored.causes[i] != Cause::none) {
+      ASSERT_EQ(color, color_of(scored.causes[i]));
+      continue;
     }
-    if (verdicts[i] == Verdict::false_lit) {
-      ASSERT_EQ(color, lit_color);
-    }
-    if (verdicts[i] == Verdict::beyond_coverage) {
-      ASSERT_EQ(color, beyond_color);
-    }
-    if (verdicts[i] == Verdict::untested) untested = color;
-    if (verdicts[i] == Verdict::right) right = color;
     // The rest is gray, so that no error hides in it.
-    if (verdicts[i] < Verdict::false_dark) {
-      ASSERT_TRUE(color[0] == color[1] && color[1] == color[2]);
-    }
+    ASSERT_TRUE(color[0] == color[1] && color[1] == color[2]);
+    (scored.classes[i] == PixelClass::T ? right : untested) = color;
   }
   EXPECT_LT(untested[0], right[0]) << "untested pixels are darker";
-  // The legend has one swatch of each kind, and something written in dark ink.
-  EXPECT_GT(count(picture, dark_color, h, picture.height), 100);
-  EXPECT_GT(count(picture, lit_color, h, picture.height), 100);
-  EXPECT_GT(count(picture, beyond_color, h, picture.height), 100);
+  for (const CauseInfo& info : cause_infos()) {
+    if (info.cause == Cause::unexplained) continue;  // white, as the paper of the legend
+    EXPECT_EQ(count(picture, color_of(info.cause), h, picture.height), 12 * 12) << info.name << ": one swatch";
+  }
 }
 
-TEST(error_picture, a_kind_that_does_not_occur_shows_0_and_beyond_coverage_no_swatch) {
-  constexpr int w = 420, h = 8;
-  Flat flat(w, h);
-  std::vector<Verdict> verdicts(w * h, Verdict::right);
-  Tally tally;
-  tally.tested = w * h;
-  const auto draw = [&] {
-    return draw_errors(flat.scene, flat.picture.gbuffer, hand_made::sun({0, -1, 0}), verdicts, tally, "");
+TEST(error_picture, the_legend_names_the_causes_that_occur_and_breaks_into_lines) {
+  constexpr int h = 8;
+  const auto drawn = [&](int width, int cause_count) {
+    Scored scored(width, h);
+    for (int k = 0; k < cause_count; ++k) scored.err(k, static_cast<Cause>(1 + k));
+    return scored.draw("a title");
   };
-  const Picture none = draw();
-  EXPECT_EQ(count(none, beyond_color, 0, none.height), 0);
-  EXPECT_GT(count(none, dark_color, h, none.height), 100);
-  // Dark and not covered: it is no false lit pixel, so that share stays 0 and its words stay the same. The swatches of the
-  // first two kinds and what is written beside them lie in the same columns as before.
-  verdicts[0] = Verdict::beyond_coverage;
-  tally.wrong = tally.false_dark = tally.beyond_coverage = 1;
-  const Picture one = draw();
-  int third = w;
-  for (int x = w - 1; x >= 0; --x)
-    if (pixel(one, x, h + 12) == beyond_color) third = x;
-  ASSERT_LT(third, w);
-  for (int y = h; y < one.height; ++y)
-    for (int x = 0; x < third; ++x) ASSERT_EQ(pixel(one, x, y), pixel(none, x, y)) << x << ' ' << y;
+  for (int present = 0; present < 15; ++present) {
+    const Picture picture = drawn(640, present);
+    for (int k = 0; k < 14; ++k)
+      EXPECT_EQ(count(picture, color_of(static_cast<Cause>(1 + k)), h, picture.height), k < present ? 144 : 0)
+          << present << ' ' << k;
+  }
+  // Wide enough, all fits one line; narrower, the picture grows by a line height at a time, and no swatch is lost at the edge.
+  const int one_line = drawn(4000, 14).height;
+  EXPECT_EQ(drawn(640, 0).height, one_line);
+  EXPECT_EQ(drawn(640, 2).height, one_line);
+  int last = one_line;
+  for (const int width : {2000, 1000, 640, 420, 250}) {
+    const Picture picture = drawn(width, 14);
+    EXPECT_GE(picture.height, last);
+    EXPECT_EQ((picture.height - one_line) % 20, 0);
+    last = picture.height;
+    for (int k = 0; k < 14; ++k)
+      EXPECT_EQ(count(picture, color_of(static_cast<Cause>(1 + k)), h, picture.height), 144) << width << ' ' << k;
+  }
+  EXPECT_GE(last, one_line + 6 * 20);
+}
+
+TEST(error_picture, shares_are_those_of_the_tested_pixels) {
+  // 3 of 96 tested pixels are 3.12 %; the four untested ones count neither as wrong nor as tested. The same words are drawn for
+  // another picture with that share, and other words for another share.
+  const auto legend = [](int tested, int wrong) {
+    Scored scored(400, 1);
+    for (int i = tested; i < 400; ++i) scored.classes[i] = PixelClass::S;
+    for (int i = 0; i < wrong; ++i) scored.err(i, Cause::acne);
+    scored.err(399, Cause::none);
+    const Picture picture = scored.draw();
+    return std::vector(picture.rgb.begin() + 3 * 400, picture.rgb.end());
+  };
+  EXPECT_EQ(legend(96, 3), legend(192, 6));
+  EXPECT_NE(legend(96, 3), legend(100, 3));
+}
+
+TEST(error_picture, without_causes_false_dark_and_false_lit_are_told_apart) {
+  Scored scored(420, 8);
+  scored.reference[5] = scored.reference[6] = scored.mask[6] = 0;
+  scored.err(3, Cause::none);
+  scored.err(5, Cause::none);
+  scored.causes.clear();
+  const Picture picture = scored.draw();
+  EXPECT_EQ(pixel(picture, 3, 0), color_of(Cause::acne));
+  EXPECT_EQ(pixel(picture, 5, 0), color_of(Cause::peter_panning));
+  EXPECT_EQ(count(picture, color_of(Cause::acne), 0, 8) + count(picture, color_of(Cause::peter_panning), 0, 8), 2);
 }
 
 TEST(error_picture, a_picture_narrower_than_its_legend_is_drawn) {
-  Flat flat(3, 2);
-  const std::vector<Verdict> verdicts(6, Verdict::false_lit);
-  Tally tally;
-  tally.tested = tally.wrong = tally.false_lit = 6;
-  const Picture picture = draw_errors(flat.scene, flat.picture.gbuffer, hand_made::sun({0, -1, 0}), verdicts, tally, "a title");
-  EXPECT_EQ(count(picture, lit_color, 0, 2), 6);
+  Scored scored(3, 2);
+  for (int i = 0; i < 6; ++i) scored.err(i, Cause::crack);
+  const Picture picture = scored.draw("a title");
+  EXPECT_EQ(count(picture, color_of(Cause::crack), 0, 2), 6);
   EXPECT_EQ(picture.rgb.size(), static_cast<std::size_t>(3 * 3 * picture.height));
 }
 

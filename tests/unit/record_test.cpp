@@ -50,11 +50,15 @@ Record example(const std::string& job = "00ff") {
   r.width = 640;
   r.height = 480;
   r.truth = Truth::mesh;
+  r.path = "camera_slide";
+  r.place = 17;
   r.status = Status::ok;
   r.support = Support::Kind::approximate;
   r.reason = "one face of the cube";
   r.times(Stage::setup) = {{12.5}, {13}};
   r.times(Stage::resolve) = {{0.1, 0.2, 0.30000000000000004}, {1e-3, 2, 3}};
+  r.iterations = {{"resolve", 7}};
+  r.stop = "target";
   r.counts = {{"texels", 65536, "texel"}};
   r.bytes = 262144;
   r.peak_bytes = 8589934592;  // beyond 32 bits
@@ -62,6 +66,8 @@ Record example(const std::string& job = "00ff") {
   r.classes = {{"B", 10}, {"T", 307190}};
   r.metrics[Truth::mesh] = {{"wrong_rate", 1.0 / 3}, {"displacement_mean", std::nullopt}};
   r.metrics[Truth::shape] = {{"wrong_rate", 0.0}};
+  r.causes = {{"acne", 3}, {"crack", 0}};
+  r.frames = {{"wrong_rate", {0.5, std::nullopt, 1.0 / 3}}};
   r.mask = "masks/00ff.exr";
   r.scene_facts = Record::SceneFacts{.meshes = 2, .triangles = 12, .closed = true};
   r.notes = {"framing camera"};
@@ -86,6 +92,12 @@ TEST(record, every_field_survives_writing_and_reading) {
   EXPECT_EQ(back.metric(Truth::shape, "wrong_rate"), 0);
   EXPECT_EQ(back.gl->upload_ms, 0.25);
   EXPECT_EQ(back.scene_facts->triangles, 12u);
+  EXPECT_EQ(back.path, "camera_slide");
+  EXPECT_EQ(back.place, 17u);
+  EXPECT_EQ(back.iterations.at("resolve"), 7u);
+  EXPECT_EQ(back.stop, "target");
+  EXPECT_EQ(back.causes, example().causes);
+  EXPECT_EQ(back.frames, example().frames);  // a frame without a value keeps its place
   EXPECT_TRUE(back.unknown.empty());
 }
 
@@ -108,7 +120,8 @@ TEST(record, missing_values_are_written_as_null_and_read_as_nothing) {
   r.scene = "soup";
   r.technique = "none";
   const Json json = r;
-  for (const char* field : {"label", "support", "bytes", "peak_bytes", "gl", "mask", "error_picture", "scene_facts", "seconds"})
+  for (const char* field :
+       {"label", "support", "bytes", "peak_bytes", "gl", "mask", "error_picture", "scene_facts", "seconds", "causes"})
     EXPECT_TRUE(json.at(field).is_null()) << field;
   const Record back = json.get<Record>();
   EXPECT_FALSE(back.label || back.support || back.bytes || back.gl || back.mask || back.scene_facts || back.seconds);
@@ -138,6 +151,20 @@ TEST(record, unknown_fields_are_kept) {
   EXPECT_EQ(Json(back), json);
 }
 
+TEST(record, rows_are_sorted_by_place_within_their_suite) {
+  std::vector<Record> records;
+  for (const auto& [suite, place, job] : {std::tuple("b", 2, "1"), std::tuple("a", 1, "2"), std::tuple("b", 0, "3"),
+                                          std::tuple("a", 0, "4"), std::tuple("a", 1, "5")}) {
+    records.push_back(example(job));
+    records.back().suite = suite;
+    records.back().place = static_cast<std::uint64_t>(place);
+  }
+  sort_by_place(records);
+  std::string jobs;
+  for (const Record& record : records) jobs += record.job;
+  EXPECT_EQ(jobs, "31425");  // suite b was there first; 2 and 5 share a place and keep their order
+}
+
 TEST(record, wrong_field_is_named_with_its_value_and_what_is_allowed) {
   const auto message = [](const char* field, Json value) -> std::string {
     Json json = example();
@@ -153,9 +180,22 @@ TEST(record, wrong_field_is_named_with_its_value_and_what_is_allowed) {
   EXPECT_EQ(message("width", 1.5), "width = 1.5 is not a whole number, 0 or more");
   EXPECT_EQ(message("status", "fine"), "status = \"fine\" is not one of ok, unsupported, failed");
   EXPECT_EQ(message("technique", nullptr), "technique is missing");
-  EXPECT_EQ(message("schema", 99), "schema = 99 is outside 1 .. 1");
+  EXPECT_EQ(message("schema", 99), "schema = 99 is outside 1 .. 2");
   EXPECT_EQ(message("stages", {{"build", {{"x"}}}}), "stages.build = \"x\" is not a number");
   EXPECT_EQ(message("gl", {{"upload_ms", true}}), "gl.upload_ms = true is not a number");
+}
+
+TEST_F(RecordFileTest, a_newer_schema_is_refused_with_file_and_line) {
+  Json newer = example();
+  newer["schema"] = record_schema + 1;
+  write(record_line(example("1")) + newer.dump() + "\n");
+  try {
+    read_records(dir);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("records.jsonl:2: schema = 3 is outside 1 .. 2"), std::string::npos)
+        << error.what();
+  }
 }
 
 TEST_F(RecordFileTest, what_was_appended_is_read_in_order) {

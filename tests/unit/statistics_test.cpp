@@ -120,4 +120,42 @@ TEST(bootstrap, ratio_without_its_interval_is_not_given) {
   EXPECT_EQ(bootstrap_ratio({{1}, {2}}, {{1}, {0}}), std::nullopt);
 }
 
+TEST(student, tails_are_those_of_the_tables) {
+  // One degree of freedom is Cauchy's distribution: 1/2 - atan(t) / pi. Two: 1/2 - t / (2 sqrt(2 + t^2)).
+  for (const double t : {-3.0, -0.5, 0.0, 0.1, 1.0, 7.0, 1000.0}) {
+    EXPECT_NEAR(student_tail(t, 1), 0.5 - std::atan(t) / std::acos(-1), 1e-13);
+    EXPECT_NEAR(student_tail(t, 2), 0.5 - t / (2 * std::sqrt(2 + t * t)), 1e-13);
+  }
+  // With many it is the normal distribution, 1/2 erfc(t / sqrt(2)).
+  EXPECT_NEAR(student_tail(1.5, 1e7), 0.5 * std::erfc(1.5 / std::sqrt(2.0)), 1e-7);
+  EXPECT_EQ(student_tail(INFINITY, 4), 0);
+  // Printed tables: 2.776 leaves 2.5 % at 4, 2.306 at 8, 3.355 leaves 0.5 % at 8.
+  EXPECT_NEAR(student_quantile(0.025, 4), 2.776, 5e-4);
+  EXPECT_NEAR(student_quantile(0.025, 8), 2.306, 5e-4);
+  EXPECT_NEAR(student_quantile(0.005, 8), 3.355, 5e-4);
+}
+
+RC_GTEST_PROP(student, quantile_inverts_tail, ()) {
+  const double tail = *rc::gen::inRange(1, 1000) / 1000.0, freedom = *rc::gen::inRange(2, 200) / 2.0;
+  RC_ASSERT(std::abs(student_tail(student_quantile(tail, freedom), freedom) - tail) < 1e-12);
+}
+
+TEST(false_discovery, rates_are_those_of_benjamini_and_hochberg) {
+  // Sorted 0.01 0.02 0.03 0.5: times 4 / rank 0.04 0.04 0.04 0.5.
+  EXPECT_EQ(false_discovery_rates(std::vector{0.5, 0.02, 0.01, 0.03}), (std::vector{0.5, 0.04, 0.04, 0.04}));
+  EXPECT_EQ(false_discovery_rates(std::vector{1.0, 0.9}), (std::vector{1.0, 1.0}));
+  EXPECT_TRUE(false_discovery_rates({}).empty());
+}
+
+RC_GTEST_PROP(false_discovery, rates_lie_between_p_and_bonferroni_and_keep_their_order, ()) {
+  const auto p =
+      *rc::gen::container<std::vector<double>>(rc::gen::map(rc::gen::inRange(0, 1001), [](int i) { return i / 1e3; }));
+  const std::vector<double> rates = false_discovery_rates(p);
+  for (std::size_t a = 0; a < p.size(); ++a) {
+    RC_ASSERT(p[a] <= rates[a] + 1e-15);
+    RC_ASSERT(rates[a] <= std::min(1.0, p[a] * static_cast<double>(p.size())) + 1e-15);
+    for (std::size_t b = 0; b < p.size(); ++b) RC_ASSERT(p[a] > p[b] || rates[a] <= rates[b]);
+  }
+}
+
 }  // namespace

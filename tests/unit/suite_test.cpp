@@ -7,6 +7,7 @@
 
 #include <fstream>
 
+#include "measure/blob.h"
 #include "measure/jobs.h"
 
 namespace {
@@ -53,6 +54,38 @@ TEST(contenders, settings_come_out_canonical) {
   EXPECT_EQ(names("shadow_map:resolution=0512"), std::vector<std::string>{"shadow_map:resolution=512"});
   EXPECT_EQ(names("shadow_map:filter=pcf,resolution=512"), names("shadow_map:resolution=512,filter=pcf"));
   EXPECT_EQ(names("shadow_map:resolution=1024"), std::vector<std::string>{"shadow_map"}) << "1024 is the default";
+}
+
+TEST(suite, scenes_take_braces_and_groups_take_sizes_and_paths) {
+  const File file(
+      "[[group]]\nscenes = [\"sphere_field:count={4,9}\"]\nlights = [\"sun\"]\npaths = [\"camera_slide\"]\n"
+      "sizes = [\"64x36\", \"32x18\"]\ntechniques = [\"unshadowed\"]\n");
+  SceneLibrary library;
+  const std::vector<Job> jobs = expand_jobs(read_suite(file.path), library);
+  ASSERT_EQ(jobs.size(), 4u);
+  EXPECT_EQ(jobs[0].title(), "sphere_field:count=4 sun camera_slide unshadowed");
+  EXPECT_EQ(jobs[1].width, 32);
+  EXPECT_EQ(jobs[1].height, 18);
+  EXPECT_EQ(jobs[2].scene, "sphere_field:count=9");
+  for (std::size_t k = 0; k < jobs.size(); ++k) EXPECT_EQ(jobs[k].place, k);
+}
+
+TEST(suite, what_is_wrong_with_sizes_and_paths_is_said) {
+  const std::string head = "[[group]]\nscenes = [\"contact\"]\ntechniques = [\"unshadowed\"]\n";
+  EXPECT_EQ(trouble(head + "sizes = [\"64x\"]\n"), "group.sizes 64x is not WxH with W and H of 1 .. 16384 pixels (FILE:1)");
+  const File file(head + "paths = [\"camera_slid\"]\n");
+  SceneLibrary library;
+  EXPECT_EQ(complaint([&] { expand_jobs(read_suite(file.path), library); }),
+            "scene contact has no path camera_slid; did you mean camera_slide? It has: camera_slide, light_slide");
+}
+
+// The hash is a promise: records of earlier versions are found again.
+TEST(jobs, a_job_that_stands_still_keeps_its_hash) {
+  const File file("width = 640\nheight = 360\n" + group);
+  SceneLibrary library;
+  const Suite suite = read_suite(file.path);
+  for (const Job& job : expand_jobs(suite, library))
+    EXPECT_EQ(job.hash, content_hash(fmt::format("contact|{}|{}|unshadowed|640x360|shape", job.light, job.view)).substr(0, 16));
 }
 
 TEST(contenders, a_brace_list_is_a_sweep_and_two_are_their_product) {

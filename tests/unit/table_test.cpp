@@ -105,11 +105,63 @@ TEST(table, best_is_a_contender_that_is_better_than_another) {
   Record reference = row("rays", 0.1, 0), baseline = row("none", 0.01, 0.5);
   reference.role = Role::reference;
   baseline.role = Role::baseline;
-  const std::vector<Record> records{reference, baseline, row("slow", 9, 0.1), row("fast", 3, 0.1)};
+  const std::vector<Record> records{reference, baseline, row("slow", 90, 0.1), row("fast", 3, 0.1)};
   const std::string text = render_table(records, Format::markdown, {.columns = {"technique", "resolve_ms", "wrong_rate"}});
   EXPECT_TRUE(has(text, "| fast | **3.00** | 10.0 |")) << text;  // equal rates: neither is best
-  EXPECT_TRUE(has(text, "| slow | 9.00 | 10.0 |")) << text;
+  EXPECT_TRUE(has(text, "| slow | 90.0 | 10.0 |")) << text;
   EXPECT_TRUE(has(text, "| rays | 0.100 | 0 |")) << text;
+}
+
+TEST(table, contenders_that_the_times_do_not_tell_apart_are_all_marked) {
+  // Intervals by `row`: resolve / 2 .. resolve * 2. 3 has 1.5 .. 6, 5 has 2.5 .. 10, 20 has 10 .. 40: only the last is worse.
+  const std::vector<Record> records{row("a", 3, 0.1), row("b", 5, 0.2), row("c", 20, 0.3)};
+  const std::string text = render_table(records, Format::markdown, {.columns = {"technique", "resolve_ms", "wrong_rate"}});
+  EXPECT_TRUE(has(text, "| a | **3.00** | **10.0** |")) << text;
+  EXPECT_TRUE(has(text, "| b | **5.00** | 20.0 |")) << text;
+  EXPECT_TRUE(has(text, "| c | 20.0 | 30.0 |")) << text;
+  EXPECT_TRUE(
+      has(text, "- **bold**: best contender of its group; of times, all whose 95 % interval overlaps the best one's\n"));
+}
+
+TEST(table, where_no_time_is_better_than_another_none_is_marked) {
+  const std::vector<Record> records{row("a", 3, 0.1), row("b", 5, 0.1)};
+  EXPECT_FALSE(has(render_table(records, Format::markdown, {.columns = {"technique", "resolve_ms"}}), "**"));
+}
+
+TEST(table, rows_on_a_path_stand_apart_from_rows_that_stand_still) {
+  std::vector<Record> records{row("a", 3, 0.1), row("a", 3, 0.2)};
+  records[1].path = "camera_slide";
+  const std::string text = render_table(records, Format::terminal);
+  EXPECT_TRUE(has(text, "view main, path camera_slide, 640 x 480")) << text;
+  EXPECT_FALSE(has(text, "*")) << text;
+  EXPECT_TRUE(has(lines_of(render_table(records, Format::markdown))[0], "| path |"));
+}
+
+TEST(table, causes_are_shares_of_wrong_pixels_for_people_and_of_tested_ones_in_their_columns) {
+  std::vector<Record> records{row("a", 3, 0.1)};
+  EXPECT_FALSE(has(render_table(records, Format::terminal), "causes"));  // nobody asked
+  records[0].classes["T"] = 1000;
+  records[0].causes = {{"acne", 78}, {"crack", 2}, {"edge_resolution", 20}, {"penumbra", 0}};
+  EXPECT_EQ(top_causes(records[0]), "acne 78 %, edge resolution 20 %");
+  EXPECT_EQ(top_causes(records[0], 5), "acne 78 %, edge resolution 20 %, crack 2 %");
+  EXPECT_TRUE(has(line_with(render_table(records, Format::terminal), "full"), "  acne 78 %, edge resolution 20 %"));
+  const std::string csv =
+      render_table(records, Format::csv, {.columns = {"cause.acne", "cause.penumbra", "cause.missing_caster"}});
+  EXPECT_EQ(csv, "cause.acne,cause.penumbra,cause.missing_caster\r\n0.078,0,\r\n");
+}
+
+TEST(table, spread_of_times_is_the_median_absolute_deviation_of_the_processes) {
+  // Process medians 4, 8, 4, 4, 2 have the median 4 and the distances 0, 4, 0, 0, 2: their median is 0. With 1 in place of a 4:
+  // 2, 8, 4, 1, 4 has median 4, distances 2, 4, 0, 3, 0: 2.
+  std::vector<Record> records{row("a", 4, 0.1), row("b", 4, 0.1)};
+  records[1].times(Stage::resolve) = {{2, 2, 9}, {8}, {4}, {1}, {4}};
+  EXPECT_EQ(render_table(records, Format::csv, {.columns = {"resolve_ms_mad"}}), "resolve_ms_mad\r\n0\r\n2\r\n");
+}
+
+TEST(table, indices_keep_the_digits_that_tell_them_from_one) {
+  std::vector<Record> records{row("a", 1, 0.1)};
+  records[0].metrics[Truth::shape]["ssim"] = 0.99437;
+  EXPECT_TRUE(has(render_table(records, Format::markdown, {.columns = {"technique", "ssim"}}), "| a | 0.9944 |"));
 }
 
 TEST(table, share_below_ninety_percent_is_flagged_and_explained) {
@@ -216,10 +268,10 @@ TEST(latex, commands_in_text_are_made_harmless) {
 }
 
 TEST(latex, table_needs_booktabs_only_and_every_row_has_all_its_cells) {
-  const std::vector<Record> records{row("shadow_map", 1, 0.1), row("planar", 2, 0.2), row("planar", 2, 0.2, "other")};
+  const std::vector<Record> records{row("shadow_map", 1, 0.1), row("planar", 20, 0.2), row("planar", 2, 0.2, "other")};
   const TableOptions options{.columns = {"scene", "technique", "resolve_ms"}, .caption = "50 % more", .label = "tab:a_b"};
   const std::string text = render_table(records, Format::latex, options);
-  EXPECT_TRUE(has(text, "\\begin{tabular}{llr}"));
+  EXPECT_TRUE(has(text, "\\begin{tabular}{@{}llr@{}}"));
   EXPECT_TRUE(has(text, "\\caption{50 \\% more}"));
   EXPECT_TRUE(has(text, "\\label{tab:a_b}"));  // a name, not text
   EXPECT_TRUE(has(text, "soup & shadow\\_map & \\textbf{1.00} \\\\"));
@@ -230,6 +282,39 @@ TEST(latex, table_needs_booktabs_only_and_every_row_has_all_its_cells) {
   int rules = 0;
   for (std::size_t at = text.find("\\midrule"); at != text.npos; at = text.find("\\midrule", at + 1)) ++rules;
   EXPECT_EQ(rules, 2);  // one above each group
+}
+
+TEST(latex, long_tables_become_several_floats_and_no_row_is_lost) {
+  std::vector<Record> records;
+  for (int scene = 0; scene < 12; ++scene)
+    for (int k = 0; k < 9; ++k) records.push_back(row(fmt::format("t{}", k), 1 + k, 0.1, fmt::format("scene_{}", scene)));
+  const std::string text = render_table(records, Format::latex);
+  const auto count = [&](const std::string& part) {
+    int found = 0;
+    for (std::size_t at = text.find(part); at != text.npos; at = text.find(part, at + 1)) ++found;
+    return found;
+  };
+  EXPECT_EQ(count("\\begin{table}"), 4);  // 10 lines a group, 34 lines a page: three groups each
+  EXPECT_EQ(count("\\caption{"), 4);
+  EXPECT_EQ(count("\\label{"), 1);
+  EXPECT_EQ(count(" (3 of 4)}"), 1);
+  EXPECT_EQ(count("& full &"), 12 * 9);
+  EXPECT_EQ(count("renderer: "), 1);  // notes stand below the last one
+}
+
+TEST(latex, words_too_long_for_the_page_wrap_into_further_lines) {
+  std::vector<Record> records{row("shadow_map", 1, 0.1)};
+  records[0].settings =
+      "resolution=4096,bias=receiver_plane,depth_bias=1.5,slope_bias=3,normal_offset=1.5,filter=pcf,filter_radius=4";
+  records[0].reason =
+      "one two three four five six seven eight nine ten eleven twelve thirteen fourteen fifteen sixteen seventeen";
+  const std::string text = render_table(records, Format::latex, {.columns = {"technique", "reason", "resolve_ms"}});
+  EXPECT_TRUE(has(text, "resolution=4096,")) << text;
+  for (const std::string& line : lines_of(text)) {
+    if (line.ends_with("\\\\")) {
+      EXPECT_LE(line.size(), 175u) << line;
+    }
+  }
 }
 
 TEST(markdown, text_stays_in_its_cell) {

@@ -66,7 +66,8 @@ class Parametrized {
   Parameter& parameter(std::string_view name) const;
   /// "a=1,b=2": what differs from the defaults, in order of declaration; empty when nothing does.
   std::string settings() const;
-  /// Sets from "a=1,b=2"; empty sets nothing. Throws Error on unknown names, bad values, repeated names.
+  /// Sets from "a=1,b=2"; empty sets nothing. Throws Error on unknown names, bad values, repeated names
+  /// and empty items; nothing is set then.
   void apply(std::string_view settings);
 
  private:
@@ -84,12 +85,14 @@ struct Range {
   bool log = false;
 };
 
-/// A number with a range; T is int or double.
+/// A number with a range; T is int or double. The constructor throws Error on a default outside the range.
 template <class T>
 class Number final : public Parameter {
  public:
   Number(Parametrized* owner, std::string_view name, T value, Range<T> range, Stage spoils, std::string_view sentence)
-      : Parameter(owner, name, range.unit, spoils, sentence), value_(value), default_(value), range_(range) {}
+      : Parameter(owner, name, range.unit, spoils, sentence), value_(value), default_(value), range_(range) {
+    check();
+  }
   operator T() const { return value_; }
   T value() const { return value_; }
   const Range<T>& range() const { return range_; }
@@ -102,13 +105,16 @@ class Number final : public Parameter {
   void set(std::string_view value) override;
 
  private:
+  void check() const;  ///< throws Error when the default is outside the range
   T value_, default_;
   Range<T> range_;
 };
+extern template void Number<int>::check() const;
+extern template void Number<double>::check() const;
 extern template void Number<int>::set(std::string_view);
 extern template void Number<double>::set(std::string_view);
 
-/// One of a few words.
+/// One of a few words. The constructor throws Error on a default that is none of them.
 class Choice final : public Parameter {
  public:
   Choice(Parametrized* owner, std::string_view name, std::string_view value, std::initializer_list<std::string_view> choices,

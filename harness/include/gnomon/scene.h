@@ -76,6 +76,15 @@ struct View {
   float fov_y_degrees = 45;
 };
 
+/// A motion of the camera's eye or of one light through key positions, as a row of still frames.
+struct Path {
+  enum class Moves { camera, light };
+  std::string name;
+  Moves moves = Moves::camera;
+  std::vector<glm::vec3> positions;  ///< two or more, passed at equal steps of time
+  int frame_count = 2;
+};
+
 struct Bounds {
   glm::vec3 min{INFINITY}, max{-INFINITY};
   void add(const glm::vec3& p) {
@@ -91,6 +100,7 @@ struct Scene {
   std::vector<Mesh> meshes;
   std::vector<Light> lights;       ///< at least one, names unique
   std::vector<View> views;         ///< at least one, names unique
+  std::vector<Path> paths;         ///< motions for suites that ask for them; names unique
   std::vector<std::string> notes;  ///< what the loader did on its own account: framing camera, dropped triangles, ...
 
   std::size_t triangle_count() const;

@@ -64,6 +64,12 @@ std::vector<float> read_exr(const fs::path& path, const std::string& channel, in
   return pixels;
 }
 
+std::vector<std::string> exr_channels(const fs::path& path) {
+  const auto input = OIIO::ImageInput::open(path.string());
+  if (!input) throw Error("{} cannot be read: {}", path.string(), OIIO::geterror());
+  return input->spec().channelnames;
+}
+
 int draw_text(std::span<std::uint8_t> rgb, int width, int height, int x, int y, const std::string& words) {
   constexpr int size = 13;
   constexpr const char* font = "DejaVuSans";
@@ -80,4 +86,5 @@ int draw_text(std::span<std::uint8_t> rgb, int width, int height, int x, int y, 
 }  // namespace gnomon
 
 extern "C" const gnomon::ImageFiles gnomon_image_files;
-const gnomon::ImageFiles gnomon_image_files{gnomon::write_png, gnomon::write_exr, gnomon::read_exr, gnomon::draw_text};
+const gnomon::ImageFiles gnomon_image_files{gnomon::write_png, gnomon::write_exr, gnomon::read_exr, gnomon::exr_channels,
+                                            gnomon::draw_text};

@@ -1,0 +1,142 @@
+#include <fmt/chrono.h>
+
+#include "app/app.h"
+#include "measure/compare.h"
+#include "measure/live.h"
+#include "report/compare_table.h"
+
+namespace gnomon::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string base, contender, format = "terminal";
+  CompareOptions compare;
+  bool all = false, quiet = false;
+  // Of --live:
+  std::string other, suite, size, filter;
+  std::vector<std::string> scenes, techniques, lights;
+  fs::path out;
+  int repetitions = 0, processes = 0, threads = 0;
+  std::optional<double> timeout, interval, budget;
+};
+
+/// The suite of --live: `quick` unless told otherwise.
+Suite make_suite(const Options& options) {
+  Suite suite;
+  if (options.scenes.empty() != options.techniques.empty() || (!options.suite.empty() && !options.scenes.empty()))
+    throw Error("compare --live takes --suite, or --scene and --technique");
+  if (options.scenes.empty()) {
+    suite = read_suite(options.suite.empty() ? "quick" : options.suite);
+  } else {
+    suite.name = "adhoc";
+    SuiteGroup group{options.scenes, {}, {}, {}};
+    for (const std::string& technique : options.techniques)
+      for (Contender& contender : parse_contenders(technique)) group.contenders.push_back(std::move(contender));
+    suite.groups = {group};
+  }
+  for (SuiteGroup& group : suite.groups)
+    if (!options.lights.empty()) group.lights = options.lights;
+  if (!options.size.empty()) {
+    std::tie(suite.width, suite.height) = parse_size(options.size, "--size");
+    for (SuiteGroup& group : suite.groups) group.sizes.clear();
+  }
+  if (options.repetitions) suite.repetitions = options.repetitions;
+  if (options.processes) suite.processes = options.processes;
+  if (options.timeout) suite.timeout = *options.timeout;
+  if (options.interval) suite.interval = *options.interval;
+  if (options.budget) suite.budget = *options.budget;
+  return suite;
+}
+
+/// Times both programs side by side; answers the folders of base and contender.
+std::pair<fs::path, fs::path> run_both(const Options& options, const Program& program) {
+  if (!options.base.empty())
+    throw Error("compare takes two folders, or --live and a program, not both: {} is one folder too many", options.base);
+  LiveOptions live;
+  live.suite = make_suite(options);
+  live.filter = options.filter;
+  live.worker = worker_options(program, options.threads);
+  live.base_program = options.other;
+  live.out = options.out;
+  if (live.out.empty()) live.out = fs::path("runs") / fmt::format("live-{:%Y%m%d-%H%M%S}", fmt::localtime(std::time(nullptr)));
+  SceneLibrary library;
+  Progress progress(options.quiet);
+  run_live(live, library, progress);
+  return {live.out / "base", live.out / "contender"};
+}
+
+int run(Options options, const Program& program) {
+  const Format format = format_named(options.format);
+  if (format == Format::latex) throw Error("--format tex is none of a comparison's: terminal, md, csv, json");
+  if (!options.other.empty()) {
+    const auto [base, contender] = run_both(options, program);
+    options.base = base.string();
+    options.contender = contender.string();
+  } else if (options.base.empty() || options.contender.empty()) {
+    throw Error("compare needs two folders of runs, BASE and CONTENDER, or --live and a program");
+  }
+  const std::vector<Record> base = read_records(options.base), contender = read_records(options.contender);
+  const Comparison comparison = compare(base, contender, options.compare);
+  fmt::print("{}", render_comparison(comparison, format, {options.base, options.contender, options.all, terminal_width()}));
+  return comparison.counts().regressions > 0 ? 1 : 0;
+}
+
+}  // namespace
+
+void add_compare(Program& program) {
+  CLI::App* command = program.cli.add_subcommand("compare", "Two runs row by row: what became slower, faster, wrong or right");
+  auto options = std::make_shared<Options>();
+  CompareOptions& compare = options->compare;
+  command->add_option("base", options->base, "Folder of the run to compare with");
+  command->add_option("contender", options->contender, "Folder of the run that is judged");
+  command->add_option("--floor", compare.floor, "Share that a time must differ by to be called different")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 10.0));
+  command->add_option("--fdr", compare.fdr, "Rate of false discoveries among all times called different")
+      ->capture_default_str()
+      ->check(CLI::Range(1e-9, 0.5));
+  command->add_option("--threshold", compare.threshold, "A time called slower is a regression above this ratio")
+      ->capture_default_str()
+      ->check(CLI::Range(1.0, 1e6));
+  command->add_option("--error-threshold", compare.error_threshold, "A wrong rate that rises by more is a regression")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1.0));
+  command->add_option("--format", options->format, "terminal, md, csv or json")->capture_default_str();
+  command->add_flag("--all", options->all, "Also what does not differ");
+  command->add_flag("--force", compare.force, "Judge times of different processors, too");
+  CLI::Option* live =
+      command
+          ->add_option("--live", options->other, "Another gnomon: runs both side by side and compares, this one the contender")
+          ->type_name("PROGRAM");
+  command->add_option("--suite", options->suite, "With --live: suite name or .toml file; quick by default")->needs(live);
+  command->add_option("--scene", options->scenes, "With --live: scene ids or files, instead of a suite")->needs(live);
+  command->add_option("--technique", options->techniques, "With --live: ID:param=value,...; {a,b} sweeps a value")
+      ->delimiter(';')
+      ->needs(live);
+  command->add_option("--light", options->lights, "With --live: light names")->delimiter(',')->needs(live);
+  command->add_option("--filter", options->filter, "With --live: only rows whose 'SCENE LIGHT TECHNIQUE' matches")->needs(live);
+  command->add_option("--size", options->size, "With --live: picture size in pixels, WxH")->needs(live);
+  command->add_option("--processes", options->processes, "With --live: fresh processes per contender and program")
+      ->check(CLI::Range(1, 1000))
+      ->needs(live);
+  command->add_option("--repetitions", options->repetitions, "With --live: timed repetitions per process")
+      ->check(CLI::Range(1, 1000))
+      ->needs(live);
+  command->add_option("--interval", options->interval, "With --live: more processes until intervals are this share of the time")
+      ->check(CLI::Range(0.001, 10.0))
+      ->needs(live);
+  command->add_option("--budget", options->budget, "With --live: seconds that those may take")->check(seconds())->needs(live);
+  command->add_option("--threads", options->threads, "With --live: pin workers to this many cores; all by default")
+      ->needs(live);
+  command->add_option("--timeout", options->timeout, "With --live: seconds that one step of a worker may take")
+      ->check(seconds())
+      ->needs(live);
+  command->add_option("--out", options->out, "With --live: folder for the two runs; runs/live-TIME by default")->needs(live);
+  command->add_flag("--quiet", options->quiet, "No progress");
+  command->callback([&program, options] { program.chosen = [&program, options] { return run(*options, program); }; });
+}
+
+}  // namespace gnomon::app

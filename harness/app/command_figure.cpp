@@ -1,0 +1,50 @@
+#include <filesystem>
+
+#include "app/analysis_options.h"
+#include "report/figure.h"
+
+namespace gnomon::app {
+
+void add_figure(Program& program) {
+  struct Options {
+    std::vector<std::string> words;
+    std::string filter, cost = "light", out;
+    bool script = false;
+    FigureOptions figure;
+  };
+  CLI::App* command = program.cli.add_subcommand(
+      "figure", "A figure of a run, by gnuplot: DIR... front|growth|stages|map|causes|motion --out FILE.svg|.pdf|.png");
+  auto options = std::make_shared<Options>();
+  command->add_option("words", options->words, "Folders of runs, then the kind: front, growth, stages, map, causes or motion")
+      ->required()
+      ->type_name("DIR... KIND");
+  command->add_option("--out", options->out, "File to write; .svg, .pdf or .png");
+  command->add_flag("--script", options->script, "Print the gnuplot program instead of running it");
+  command->add_option("--filter", options->filter, "Only rows whose 'SCENE LIGHT TECHNIQUE:SETTINGS' matches this expression");
+  command->add_option("--title", options->figure.title, "Title above the figure; none by default: papers have captions");
+  command->add_option("--width", options->figure.width_cm, "Width in cm; the height follows")
+      ->check(CLI::Range(5.0, 100.0))
+      ->capture_default_str();
+  add_analysis_options(command, options->figure.analysis, options->cost);
+  command->callback([&program, options] {
+    program.chosen = [options] {
+      const std::string kind = options->words.back();
+      options->words.pop_back();
+      if (options->words.empty())
+        throw Error("figure takes a run's folder and a kind; kinds are: {}", fmt::join(figure_kinds(), ", "));
+      if (options->out.empty() && !options->script) throw Error("figure needs --out FILE.svg, .pdf or .png, or --script");
+      const std::filesystem::path out = options->out.empty() ? "figure.svg" : options->out;
+      options->figure.analysis.cost = cost_named(options->cost);
+      const std::vector<Record> records = read_runs(options->words, options->filter);
+      const std::string program_text = figure_script(records, kind, options->figure, out);
+      if (options->script) {
+        fmt::print("{}", program_text);
+      } else {
+        run_gnuplot(program_text, out);
+      }
+      return 0;
+    };
+  });
+}
+
+}  // namespace gnomon::app

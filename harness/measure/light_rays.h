@@ -1,0 +1,73 @@
+#pragma once
+#include <gnomon/kit/rays.h>
+
+#include <span>
+#include <vector>
+
+namespace gnomon {
+
+/// Questions about what lies between points and one light, asked for the causes of errors. Rays follow the ray recipe, except
+/// that the nearest and the farthest occluder come from closest-hit rays.
+class LightRays {
+ public:
+  LightRays(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const Light& light);
+
+  const glm::dvec4& light() const { return light_; }
+  /// Unit, from `point` toward the light.
+  glm::dvec3 toward_light(const glm::dvec3& point) const { return glm::normalize(to_light(light_, point)); }
+  /// No caster is farther than this from `point`.
+  double beyond_everything(const glm::dvec3& point) const;
+  /// How far float32 may move a point of this picture: 16 * 2^-24 * extent, as in class U.
+  double rounding() const { return rounding_; }
+
+  struct Occluder {
+    std::uint32_t mesh = no_mesh;
+    double distance = INFINITY;  ///< meters from the pixel's point
+  };
+  /// The occluder of pixel i that is nearest to its point; no_mesh and infinity when there is none.
+  Occluder nearest(std::size_t i) const;
+  /// Meters from the point of pixel i to its occluder nearest to the light; infinity when there is none.
+  double farthest(std::size_t i) const;
+
+  /// A point on the tangent plane of pixel `pixel` whose ray to the light ignores hits closer than `ignored` meters.
+  struct Start {
+    std::size_t pixel;
+    glm::dvec3 point;
+    double ignored;
+  };
+  /// 1 where nothing blocks, else 0.
+  std::vector<std::uint8_t> lit(std::span<const Start> starts) const;
+
+  /// Whether the triangles of the scene leave the way from `start` to the light free where its exact shapes block it. Only the
+  /// shapes on the way are asked for their triangles.
+  bool triangles_let_through(const Start& start) const;
+
+  struct Surface {
+    std::uint32_t mesh = no_mesh;
+    double off = INFINITY;  ///< meters from the point along the line
+    bool is_shape = false;  ///< an exact curved shape
+  };
+  /// The surface of a caster nearest to `point` on the line through it along the unit vector `direction`, both ways. The
+  /// triangles of an exact shape may lie off the surface found.
+  Surface surface_at(const glm::dvec3& point, const glm::dvec3& direction) const;
+
+  /// The surface nearest to the light on the line from `point` along the unit vector `to_light`; meters from `point`, negative
+  /// behind it, minus infinity when the line meets nothing.
+  double farthest_along(const glm::dvec3& point, const glm::dvec3& to_light) const;
+
+ private:
+  bool is_own(std::size_t i, const RayScene::Hit& hit, const glm::dvec3& direction) const;
+
+  const Scene& scene_;
+  const RayScene& casters_;
+  const GBuffer& gbuffer_;
+  glm::dvec4 light_;
+  glm::dvec3 center_;
+  double radius_, rounding_;
+};
+
+/// Mesh of the nearest occluder of every pixel that faces the light and is dark in `reference`; no_mesh elsewhere.
+std::vector<std::uint32_t> find_occluders(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer,
+                                          const Light& light, std::span<const float> reference);
+
+}  // namespace gnomon

@@ -1,0 +1,24 @@
+#pragma once
+#include <gnomon/scene.h>
+
+#include <string>
+#include <vector>
+
+namespace gnomon {
+
+/// The path of this name: one of the scene's own, or a slide that every scene has, made for this light and view:
+/// `camera_slide` moves the eye sideways by 1 % of its distance to the target, `light_slide` the light sideways by 1 % of its
+/// distance to the middle of the scene (a directional light turns by 0.01 radians); 16 frames, so that a step is below a pixel.
+/// Throws Error with the nearest name.
+Path find_path(const Scene& scene, const std::string& name, const Light& light, const View& view);
+
+/// Every name that find_path takes.
+std::vector<std::string> path_names(const Scene& scene);
+
+/// The light or view at a frame, 0 .. frame_count - 1; the same as given when the path moves the other. Keys are passed at
+/// equal steps of time, in straight lines between them. A light with area moves its center; key positions of a directional
+/// light are the directions in which it travels.
+Light light_at(const Path& path, const Light& light, int frame);
+View view_at(const Path& path, const View& view, int frame);
+
+}  // namespace gnomon

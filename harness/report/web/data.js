@@ -1,0 +1,59 @@
+// What the program told the page. Rows keep the order of the run; values are raw, texts are for people.
+
+export const data = JSON.parse(document.getElementById("data").textContent);
+
+data.columns.forEach((column, index) => (column.index = index));
+data.rows.forEach((row, index) => {
+  row.index = index;
+  row.best = new Set(row.best);
+  row.flagged = new Set(row.flagged);
+});
+
+const columns = new Map(data.columns.map((column) => [column.name, column]));
+
+/** The column of that name, or undefined. */
+export const columnNamed = (name) => columns.get(name);
+
+/** Number, text or null. */
+export const valueOf = (row, name) => (columns.has(name) ? row.values[columns.get(name).index] : null);
+
+/** What the table shows in a column's cell. */
+export const textOf = (row, column) => row.texts[column.index] ?? row.values[column.index] ?? "-";
+
+export const isOk = (row) => row.status === "ok";
+
+/** Different values in order of appearance. */
+export const distinct = (items) => [...new Set(items)];
+
+/** What tells a group from the others: parts that are the same everywhere are left out. */
+const namesOfGroups = (() => {
+  // A scene that is a file goes by the file's name, where that says which.
+  const scenes = distinct(data.groups.map((group) => group.scene));
+  const short = (scene) => scene.replace(/^[^:]*\//, "");
+  const sceneName = (scene) => (scenes.filter((other) => short(other) === short(scene)).length > 1 ? scene : short(scene));
+  const varies = (key) => distinct(data.groups.map((group) => group[key])).length > 1;
+  const size = (group) => `${group.width} x ${group.height}`;
+  const sizes = distinct(data.groups.map(size)).length > 1;
+  return data.groups.map((group) =>
+    [
+      sceneName(group.scene),
+      group.light,
+      varies("view") && group.view,
+      group.path && `path ${group.path}`,
+      sizes && size(group),
+      varies("truth") && `${group.truth} truth`,
+    ]
+      .filter(Boolean)
+      .join(" \u00b7 "),
+  );
+})();
+
+export const groupName = (index) => namesOfGroups[index];
+
+/** Wrong pixels of a row as a share of the tested ones, by cause in the order of data.causes; null when nobody asked. */
+export function causeShares(row) {
+  return row.causes && row.tested > 0 ? row.causes.map((count) => count / row.tested) : null;
+}
+
+/** Techniques in order of appearance: what colors and symbols go by, in every plot and under every filter. */
+export const techniques = distinct(data.rows.map((row) => row.technique));

@@ -1,0 +1,141 @@
+// How a cost or an error grows with triangles, pixels or a parameter.
+
+import { dot, line, plot, ruleX, ruleY, tip, pointer } from "@observablehq/plot";
+
+import { between, frame, logAxis, seriesOf } from "./axes.js";
+import { data, distinct, isOk, valueOf } from "./data.js";
+import { chooser } from "./dom.js";
+import { filteredRows } from "./filter.js";
+import { events, memory, metrics, named, optionsOf, stages } from "./quantities.js";
+
+const baseOf = (scene) => scene.split(":")[0];
+
+/** What may grow: name, text, of(row) -> number or null, and whether rows that differ only in it are of one scene reference. */
+function growing() {
+  const parameters = distinct(data.rows.flatMap((row) => Object.keys(row.parameters)));
+  const all = [
+    { name: "triangles", text: "triangles", of: (row) => valueOf(row, "triangles"), sweepsScene: true },
+    { name: "pixels", text: "pixels", of: (row) => data.groups[row.group].width * data.groups[row.group].height || null },
+    ...parameters.map((name) => ({
+      name: `parameter.${name}`,
+      text: name,
+      parameter: name,
+      of: (row) => (typeof row.parameters[name] === "number" ? row.parameters[name] : null),
+    })),
+  ];
+  return all.filter(
+    ({ of }) =>
+      distinct(
+        data.rows
+          .filter(isOk)
+          .map(of)
+          .filter((value) => value !== null),
+      ).length > 1,
+  );
+}
+
+/** Rows of one line: all is equal but what grows. */
+function lineOf(row, x) {
+  const parameters = Object.entries(row.parameters).filter(([name]) => name !== x.parameter);
+  const { view, path, width, height, truth } = data.groups[row.group];
+  const size = x.name === "pixels" ? "" : `${width}x${height}`;
+  return JSON.stringify([
+    row.technique,
+    parameters,
+    x.sweepsScene ? baseOf(row.scene) : row.scene,
+    row.light,
+    view,
+    path,
+    size,
+    truth,
+  ]);
+}
+
+export function scalingCard(redraw) {
+  const xs = growing();
+  const ys = [...stages, ...events.filter((event) => event.name !== "resolve"), ...memory, ...metrics];
+  if (xs.length === 0 || ys.length === 0) return null;
+  const lights = distinct(data.rows.filter(isOk).map((row) => row.light));
+  const x_list = chooser("along", optionsOf(xs), redraw, { name: "along" });
+  const y_list = chooser("what", optionsOf(ys), redraw, { name: "what" });
+  const light = chooser("light", [{ value: "", text: "all" }, ...lights.map((value) => ({ value, text: value }))], redraw, {
+    name: "light",
+  });
+  // A parameter that was swept says more than triangle counts of scenes that have nothing in common.
+  const swept = xs.find(
+    (x) =>
+      x.parameter &&
+      distinct(data.rows.map((row) => row.technique)).some(
+        (id) => distinct(data.rows.filter((row) => row.technique === id).map(x.of)).length > 2,
+      ),
+  );
+  x_list.value = (swept ?? xs[0]).name;
+  y_list.value = ys.some(({ name }) => name === "resolve") ? "resolve" : ys[0].name;
+
+  function draw(width) {
+    const x = xs.find(({ name }) => name === x_list.value),
+      y = named(ys, y_list.value);
+    const points = filteredRows()
+      .filter((row) => isOk(row) && (!light.value || row.light === light.value))
+      .map((row) => ({
+        row,
+        technique: row.technique,
+        scene: row.scene,
+        x: x.of(row),
+        estimate: y.of(row),
+        line: lineOf(row, x),
+      }))
+      .filter((point) => point.x !== null && point.estimate)
+      .sort((p, q) => p.x - q.x);
+    if (points.length === 0) return { empty: "No row here has both." };
+    const ends = points.flatMap(({ estimate }) =>
+      [estimate.value, estimate.low, estimate.high].filter((value) => value !== null),
+    );
+    const across = logAxis(points.map((point) => point.x)),
+      up = logAxis(ends);
+    const at = { x: (point) => across.at(point.x), y: (point) => up.at(point.estimate.value) };
+    const by = seriesOf(points);
+    const says = ({ row, x: value, estimate }) =>
+      [
+        `${row.title}`,
+        `${row.scene}, ${row.light}`,
+        `${x.text}: ${value.toLocaleString("en")}`,
+        `${y.text}: ${y.shown(estimate.value)}${between(estimate, y.shown)} ${y.unit}`,
+      ].join("\n");
+    return {
+      plot: plot({
+        ...frame(width),
+        height: Math.max(300, Math.min(440, width * 0.58)),
+        x: { ...across.options, label: `${x.text} \u2192`, labelAnchor: "right", labelArrow: "none", grid: true },
+        y: { ...up.options, label: `\u2191 ${y.label}`, labelArrow: "none", grid: true },
+        color: by.color,
+        symbol: { ...by.symbol, legend: true },
+        marks: [
+          up.zero !== null && ruleY([up.zero], { stroke: "var(--muted)", strokeDasharray: "2 4" }),
+          line(points, { ...at, z: "line", stroke: by.name, strokeOpacity: 0.65, strokeWidth: 1.5 }),
+          ruleX(
+            points.filter(({ estimate }) => estimate.low !== null),
+            {
+              x: at.x,
+              y1: ({ estimate }) => up.at(estimate.low),
+              y2: ({ estimate }) => up.at(estimate.high),
+              stroke: by.name,
+              strokeWidth: 1.5,
+              strokeOpacity: 0.7,
+            },
+          ),
+          dot(points, { ...at, stroke: by.name, fill: by.name, fillOpacity: 0.6, symbol: by.name, r: 3.5 }),
+          tip(points, pointer({ ...at, title: says, fontSize: 12 })),
+        ].filter(Boolean),
+      }),
+      caption: `${across.isLog && up.isLog ? "Both axes are logarithmic. " : across.isLog ? "The horizontal axis is logarithmic. " : ""}A line joins rows that differ in ${x.text} alone.${points.some(({ estimate }) => estimate.low !== null) ? " Bars are 95 % intervals." : ""}`,
+    };
+  }
+  return {
+    name: "scaling",
+    title: "Scaling",
+    lead: "How cost and error grow.",
+    controls: [x_list.element, y_list.element, light.element],
+    draw,
+  };
+}

@@ -1,0 +1,39 @@
+// What a plot can put on an axis: costs with their intervals, memory, metrics.
+
+import { columnNamed, data } from "./data.js";
+import { measured, milliseconds } from "./digits.js";
+
+const stageNames = ["setup", "build", "relight", "resolve"];
+
+/** A quantity: name, text for the list, label of the axis, of(row) -> {value, low, high} in the axis' unit or null, shown(value). */
+function ofTimes(name, text, times) {
+  const of = (row) => {
+    const estimate = times(row);
+    return estimate && { value: estimate[0], low: estimate[1] ?? null, high: estimate[2] ?? null };
+  };
+  return { name, text, label: `${text} (ms)`, unit: "ms", shown: milliseconds, of, isTime: true };
+}
+
+function ofColumn(column) {
+  const label = column.heading + (column.shown_unit ? ` (${column.shown_unit})` : "");
+  const of = (row) => {
+    const value = row.values[column.index];
+    return typeof value === "number" ? { value: value * column.scale, low: null, high: null } : null;
+  };
+  return { name: column.name, text: column.heading, label, unit: column.shown_unit, shown: measured, of, column };
+}
+
+const occurs = (quantity) => data.rows.some((row) => quantity.of(row));
+
+/** Times of events. */
+export const events = data.costs.map((cost) => ofTimes(cost.name, cost.heading, (row) => row.costs[cost.name])).filter(occurs);
+export const stages = stageNames.map((name) => ofTimes(name, name, (row) => row.stages[name])).filter(occurs);
+export const memory = ["bytes", "peak_bytes"].map(columnNamed).filter(Boolean).map(ofColumn).filter(occurs);
+/** Metrics that have a better side. */
+export const metrics = data.metrics
+  .filter((metric) => metric.better && columnNamed(metric.name))
+  .map((metric) => ({ ...ofColumn(columnNamed(metric.name)), better: metric.better, sentence: metric.sentence }))
+  .filter(occurs);
+
+export const optionsOf = (quantities) => quantities.map(({ name, text }) => ({ value: name, text }));
+export const named = (quantities, name) => quantities.find((quantity) => quantity.name === name) ?? quantities[0];

@@ -1,0 +1,134 @@
+#!/usr/bin/python3 -IB
+"""`gnomon analyze`: growth, fronts, budgets, maps and motion, from real runs and from runs made by hand."""
+
+import csv
+import io
+import json
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from program import ROOT, SMALL, ProgramTest  # noqa: E402
+
+SHIPPED = ROOT / "results/quick"
+
+
+def record(technique="shadow_map", scene="soup", settings="", cost=1.0, wrong=0.1, **more):
+    """A line of records.jsonl made by hand: three processes, each cost the same."""
+    parameters = dict(pair.split("=") for pair in settings.split(",") if pair)
+    row = {
+        "schema": 2, "job": "0", "scene": scene, "light": "point", "technique": technique, "settings": settings,
+        "parameters": {key: json.loads(value) for key, value in parameters.items()}, "width": 640, "height": 360,
+        "status": "ok", "role": "contender", "bytes": 1 << 20, "classes": {"T": 1000},
+        "stages": {stage: [[cost], [cost], [cost]] for stage in ("setup", "build", "relight", "resolve")},
+        "metrics": {"shape": {"wrong_rate": wrong}},
+    }
+    row.update(more)
+    return row
+
+
+class Analyze(ProgramTest):
+    def run_of(self, *rows, name="run"):
+        """A run's folder with these rows; every one is a job of its own."""
+        (self.dir / name).mkdir()
+        lines = [json.dumps({**row, "job": f"{k:016x}"}) for k, row in enumerate(rows)]
+        self.write(f"{name}/records.jsonl", "".join(line + "\n" for line in lines))
+        return name
+
+    def rows(self, *arguments):
+        return list(csv.DictReader(io.StringIO(self.succeed("analyze", *arguments, "--format", "csv"))))
+
+    def test_growth_finds_the_exponent_that_was_planted(self):
+        run = self.run_of(*(record(scene=f"soup:count={n}", cost=n**1.5 / 100, scene_facts={"triangles": n})
+                            for n in (10, 100, 1000, 10000)))
+        for axis in ("triangles", "count"):
+            rows = [row for row in self.rows(run, "growth", "--x", axis) if row["stage"] == "resolve"]
+            self.assertEqual(len(rows), 1)
+            self.assertEqual((rows[0]["scene"], rows[0]["points"]), ("soup:count=*", "4"))
+            for column in ("exponent", "exponent_low", "exponent_high"):
+                self.assertAlmostEqual(float(rows[0][column]), 1.5, places=9)
+        text = self.succeed("analyze", run, "growth")
+        self.assertRegex(text, r"(?m)^shadow_map +resolve +1\.50 +1\.50 \.\. 1\.50 +1\.000 +4 ")
+
+    def test_two_points_are_said_to_be_too_few(self):
+        run = self.run_of(*(record(scene=f"soup:count={n}", scene_facts={"triangles": n}) for n in (10, 100)))
+        self.assertRegex(self.succeed("analyze", run, "growth"), r"(?m)^shadow_map +build +too few points +-")
+        row = self.rows(run, "growth")[0]
+        self.assertEqual((row["exponent"], row["why_not"]), ("", "too few points"))
+
+    def test_several_runs_are_analyzed_together(self):
+        runs = [self.run_of(record(width=w, height=w, cost=w * w / 1000), name=f"run{w}") for w in (100, 200, 400)]
+        rows = [row for row in self.rows(*runs, "growth", "--x", "pixels") if row["stage"] == "resolve"]
+        self.assertAlmostEqual(float(rows[0]["exponent"]), 1, places=9)
+
+    def test_front_of_a_run_made_by_hand(self):
+        run = self.run_of(record("fast", cost=1, wrong=0.3), record("slow", cost=4, wrong=0.1),
+                          record("bad", cost=5, wrong=0.2), record("truth", cost=1, wrong=0, role="reference"))
+        found = {row["setting"]: (row["standing"], row["beaten_by"]) for row in self.rows(run, "front")}
+        self.assertEqual(found, {"fast": ("front", ""), "slow": ("front", ""), "bad": ("beaten", "slow"),
+                                 "truth": ("aside", "")})
+        text = self.succeed("analyze", run, "front")
+        self.assertNotRegex(text, "(?m)^bad ")
+        self.assertIn("1 beaten settings are not shown", text)
+        self.assertRegex(self.succeed("analyze", run, "front", "--all"), r"(?m)^bad +20\.0 +10\.0 .*beaten \(slow\)")
+        memory = {row["setting"]: row["standing"] for row in self.rows(run, "front", "--cost", "bytes")}
+        self.assertEqual(memory, {"fast": "beaten", "slow": "front", "bad": "beaten", "truth": "aside"})
+
+    def test_budgets_are_given_in_the_units_that_tables_show(self):
+        run = self.run_of(record("fast", cost=1, wrong=0.3), record("slow", cost=4, wrong=0.1))
+        rows = self.rows(run, "best", "--times", "2,8", "--errors", "10,30")
+        self.assertEqual([(row["limited"], float(row["budget"]), row["setting"]) for row in rows],
+                         [("time", 2, "fast"), ("time", 8, "slow"), ("error", 0.1, "slow"), ("error", 0.3, "fast")])
+        self.assertRegex(self.succeed("analyze", run, "best", "--errors", "5"), r"(?m)^wrong ≤ 5 % +none +-")
+
+    def test_a_map_is_a_pivot_for_people_and_tidy_for_programs(self):
+        run = self.run_of(*(record(settings=f"bias={bias},resolution={size}", wrong=(abs(bias - 1) + 100 / size) / 10)
+                            for bias in (0, 1, 2) for size in (256, 1024)))
+        rows = self.rows(run, "map")
+        self.assertEqual(len(rows), 6)
+        self.assertEqual([(row["parameter.bias"], row["parameter.resolution"]) for row in rows if row["best"] == "true"],
+                         [("1", "1024")])
+        self.assertRegex(self.succeed("analyze", run, "map"), r"(?m)^1024 +11\.0 +0\.98\* +11\.0")
+        self.assertRegex(self.succeed("analyze", run, "map", "--x", "resolution", "--facet", "bias"), "bias=2")
+
+    def test_motion_takes_rows_on_paths(self):
+        run = self.run_of(record(path="slide", frames={"wrong_rate": [0.1, 0.3], "instability": [None, 0.02]}), record())
+        rows = self.rows(run, "motion")
+        self.assertEqual(len(rows), 1)
+        columns = ("frames", "instability_max", "wrong_rate_max", "wrong_rate_frame")
+        self.assertEqual(tuple(rows[0][column] for column in columns), ("2", "0.02", "0.3", "1"))
+
+    def test_bad_words_are_named(self):
+        run = self.run_of(record())
+        self.refuse("analyze", run, "fornt", says=["there is no analysis fornt; did you mean front?"])
+        self.refuse("analyze", run, "front", "--error", "wrong", says=["there is no wrong; did you mean wrong_rate?"])
+        self.refuse("analyze", run, "front", "--cost", "money", says=["money", "resolve, light, geometry, bytes"])
+        self.refuse("analyze", run, "growth", "--x", "triangels", says=["triangels", "triangles, pixels, lights"])
+        self.refuse("analyze", run, "motion", says=["no row of these records follows a path"])
+        self.refuse("analyze", run, "front", "--filter", "no such row", says=["holds no record that matches no such row"])
+        self.refuse("analyze", run, "front", "--filter", "(", says=["--filter ( is not a regular expression"])
+        self.refuse("analyze", "front", says=["a run's folder and a kind", "growth, front, best, map, motion"])
+        self.refuse("analyze", "nowhere", "front", says=["nowhere"])
+
+    def test_the_shipped_run_has_a_front_over_all_its_scenes(self):
+        rows = self.rows(SHIPPED, "front")
+        overall = [row for row in rows if not row["scene"]]
+        self.assertGreaterEqual(sum(row["standing"] == "front" for row in overall), 1)
+        self.assertEqual([row["setting"] for row in overall if row["role"] == "reference"], ["embree_rays"])
+
+    def test_what_runs_is_analyzed(self):
+        self.succeed("run", "--scene", "sphere_field:count=5", "--scene", "sphere_field:count=20",
+                     "--scene", "sphere_field:count=80", "--technique", "shadow_map:resolution={256,1024}", "--technique",
+                     "unshadowed", "--light", "sun", *SMALL, "--out", "out")
+        growth = [row for row in self.rows("out", "growth") if row["stage"] == "relight" and "shadow_map" in row["setting"]]
+        self.assertEqual([row["points"] for row in growth], ["3", "3"])
+        best = [row["parameter.resolution"] for row in self.rows("out", "map") if row["best"] == "true"]
+        self.assertEqual(best, ["1024"])
+        for kind in ("growth", "front", "best", "map"):
+            for form in ("terminal", "md", "tex", "json"):
+                self.assertTrue(self.succeed("analyze", "out", kind, "--format", form))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,184 @@
+#!/usr/bin/python3 -IB
+"""compare: two runs of one program, planted changes, other machines, and two programs side by side."""
+
+import csv
+import io
+import json
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from program import FAULTS, PROGRAM, ProgramTest, records  # noqa: E402
+
+ROWS = ["--scene", "single_triangle", "--scene", "contact", "--light", "point", "--technique",
+        "shadow_map:resolution={512,1024};unshadowed;embree_rays", "--size", "96x54", "--quiet"]
+
+
+class Compare(ProgramTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.run_dir = cls.home / "run"
+        done = subprocess.run([PROGRAM, "run", *ROWS, "--processes", "3", "--repetitions", "2", "--out", str(cls.run_dir)],
+                              env=cls.environment, text=True, capture_output=True, timeout=240)
+        assert done.returncode == 0, done.stderr
+
+    def copy(self, name, change):
+        """The run again, each record changed."""
+        folder = self.dir / name
+        folder.mkdir()
+        rows = records(self.run_dir)
+        for row in rows:
+            change(row)
+        (folder / "records.jsonl").write_text("".join(json.dumps(row) + "\n" for row in rows))
+        return folder
+
+    def test_a_run_and_itself_do_not_differ(self):
+        text = self.succeed("compare", self.run_dir, self.run_dir)
+        self.assertRegex(text, r"(?m)^8 rows matched; \d+ times judged: 0 slower, 0 faster; 0 rows with other errors; .*no regression$")
+        for word in ("shadow_map", " slower$"):
+            self.assertNotRegex(text, word)
+        self.assertRegex(self.succeed("compare", self.run_dir, self.run_dir, "--all"), "shadow_map")
+
+    def test_a_slowdown_of_everything_is_a_regression(self):
+        def slow(row):
+            for stage, processes in row["stages"].items():
+                row["stages"][stage] = [[2 * ms for ms in process] for process in processes]
+        slower = self.copy("slower", slow)
+        found = json.loads(self.succeed("compare", self.run_dir, slower, "--format", "json", status=1))
+        self.assertEqual(found["schema"], "gnomon-compare-1")
+        together = {t["stage"]: t for t in found["over_all_scenes"] if t["contender"] is None}
+        self.assertEqual(together["resolve"]["verdict"], "slower")
+        # Times that the clock hardly resolves count as 0.005 ms, so the mean is below 2.
+        self.assertTrue(1.3 < together["resolve"]["ratio"] < 2.001, together["resolve"])
+        self.succeed("compare", slower, self.run_dir)  # the other way round it is good news
+        self.succeed("compare", self.run_dir, slower, "--threshold", "3")
+        self.succeed("compare", self.run_dir, slower, "--floor", "4")
+
+    def test_changed_errors_are_listed_and_more_wrong_pixels_are_a_regression(self):
+        def worse(row):
+            if row["technique"] == "unshadowed":
+                row["metrics"]["shape"]["wrong_rate"] += 0.01
+        def slightly(row):
+            row["metrics"]["shape"]["wrong_rate"] += 0.00001
+        text = self.succeed("compare", self.run_dir, self.copy("worse", worse), status=1)
+        self.assertEqual(text.count("changed !"), 2, text)
+        self.assertRegex(text, r"unshadowed +wrong_rate .* % +\+1.0 % +changed !")
+        text = self.succeed("compare", self.run_dir, self.copy("slightly", slightly))
+        self.assertEqual(text.count("wrong_rate"), 8, text)
+        self.succeed("compare", self.run_dir, self.dir / "slightly", "--error-threshold", "0.000001", status=1)
+
+    def test_a_row_that_breaks_is_a_regression_and_a_missing_one_is_said(self):
+        def broken(row):
+            if row["technique"] == "embree_rays":
+                row.update(status="failed", reason="crashed in relight: killed")
+        text = self.succeed("compare", self.run_dir, self.copy("broken", broken), status=1)
+        self.assertEqual(text.count("! ok -> failed: crashed in relight: killed"), 2, text)
+        folder = self.copy("fewer", lambda row: None)
+        lines = (folder / "records.jsonl").read_text().splitlines(True)
+        (folder / "records.jsonl").write_text("".join(lines[1:]))
+        self.assertIn("7 rows matched, 1 missing;", self.succeed("compare", self.run_dir, folder))
+        self.assertIn("7 rows matched, 1 new;", self.succeed("compare", folder, self.run_dir))
+
+    def test_other_processors_are_not_judged_unless_forced(self):
+        other = self.copy("other", lambda row: row["context"].update(processor="Another 9000", commit="feedc0de"))
+        text = self.succeed("compare", self.run_dir, other)
+        self.assertRegex(text, r"(?m)^processor: .* -> Another 9000$")
+        self.assertRegex(text, r"(?m)^commit: .* -> feedc0de$")
+        self.assertIn("; 0 times judged", text)
+        self.assertNotIn("; 0 times judged", self.succeed("compare", self.run_dir, other, "--force"))
+
+    def test_every_format_is_read_by_its_reader(self):
+        rows = list(csv.DictReader(io.StringIO(self.succeed("compare", self.run_dir, self.run_dir, "--format", "csv"))))
+        self.assertEqual([r["name"] for r in rows if r["kind"] == "row"], ["status"] * 8)
+        self.assertTrue(all(float(r["ratio"]) == 1 for r in rows if r["kind"] == "time"))
+        self.assertEqual({r["kind"] for r in rows}, {"row", "time", "together"})
+        text = self.succeed("compare", self.run_dir, self.run_dir, "--format", "md", "--all")
+        table = [line for line in text.splitlines() if line.startswith("|")]
+        self.assertEqual({line.replace("\\|", "").count("|") for line in table}, {9})
+        self.refuse("compare", self.run_dir, self.run_dir, "--format", "tex", says=["tex", "md", "csv", "json"])
+
+    def test_bad_input_is_refused(self):
+        self.refuse("compare", self.run_dir, says=["two folders"])
+        self.refuse("compare", self.run_dir, self.dir / "nothing", says=["nothing", "records.jsonl"])
+        self.refuse("compare", self.run_dir, self.run_dir, "--suite", "quick", says=["--suite", "--live"])
+        self.refuse("compare", self.run_dir, self.run_dir, "--fdr", "2", says=["--fdr"])
+        self.refuse("compare", self.run_dir, "--live", PROGRAM, says=["one folder too many"])
+
+
+class Live(ProgramTest):
+    def test_the_same_program_side_by_side_does_not_differ(self):
+        # 8 rows, about 20 times: one false call among them is more than the rate of 5 % allows on average, two are a fault.
+        twin = self.dir / "twin"
+        twin.symlink_to(PROGRAM)
+        out = self.dir / "out"
+        found = json.loads(self.gnomon("compare", "--live", twin, *ROWS, "--processes", "5", "--format", "json", "--out", out).stdout)
+        self.assertTrue(found["side_by_side"])
+        counts = found["counts"]
+        self.assertEqual((counts["matched"], counts["changed_metrics"], counts["missing"]), (8, 0, 0))
+        self.assertGreater(counts["times_judged"], 8)
+        self.assertLessEqual(counts["slower"] + counts["faster"], 1)
+        base, contender = records(out / "base"), records(out / "contender")
+        for ours, theirs in zip(base, contender):
+            self.assertEqual(ours["job"], theirs["job"])
+            self.assertEqual([len(p) for p in ours["stages"]["resolve"]], [3] * 5)
+            self.assertEqual(ours["context"]["side_by_side"], theirs["context"]["side_by_side"])
+            self.assertTrue((out / "base" / ours["mask"]).is_file() and (out / "contender" / theirs["mask"]).is_file())
+        # The folders are runs like any other.
+        again = json.loads(self.gnomon("compare", out / "base", out / "contender", "--format", "json").stdout)
+        self.assertEqual(again["counts"], counts)
+        self.refuse("compare", "--live", twin, *ROWS, "--out", out, says=["holds records already"])
+
+    def test_a_slower_program_is_found_out(self):
+        # The base sleeps 6 ms in relight and 2 ms in resolve, this program 9 and 2: a ratio of 1.5, and one of 1.
+        base = self.write("base", f"#!/bin/bash\nGNOMON_TEST_RELIGHT_MS=6 exec {PROGRAM} \"$@\"\n")
+        base.chmod(0o755)
+        call = self.command("--plugin", FAULTS, "compare", "--live", base, "--scene", "single_triangle", "--scene", "contact",
+                            "--light", "point", "--technique", "sleeps;unshadowed", "--size", "64x36", "--processes", "5",
+                            "--repetitions", "3", "--format", "json", "--quiet", "--out", "out")
+        done = subprocess.run(call, cwd=self.dir, env=dict(self.environment, GNOMON_TEST_RELIGHT_MS="9"), text=True,
+                              capture_output=True, timeout=240)
+        self.assertEqual(done.returncode, 1, done.stderr)
+        times = {(row["scene"], time["stage"]): time for row in json.loads(done.stdout)["rows"] if row["technique"] == "sleeps"
+                 for time in row["times"]}
+        for scene in ("single_triangle", "contact"):
+            slower = times[scene, "relight"]
+            self.assertEqual((slower["verdict"], slower["regression"]), ("slower", True), slower)
+            self.assertTrue(slower["low"] < 1.5 < slower["high"] * 1.1, slower)
+            self.assertNotEqual(times[scene, "resolve"]["verdict"], "slower", times[scene, "resolve"])
+
+    def test_what_is_no_gnomon_is_refused(self):
+        for name, text in {"talks": "echo hello", "fails": "exit 3", "answers": "printf 'hello\\n' >&$2"}.items():
+            file = self.write(name, f"#!/bin/bash\n{text}\n")
+            file.chmod(0o755)
+            self.refuse("compare", "--live", file, *ROWS, "--out", "out", says=[str(file), "cannot work for this one"])
+        self.refuse("compare", "--live", self.dir / "absent", *ROWS, says=["absent", "No such file"])
+        self.refuse("compare", "--live", self.write("plain", "text"), *ROWS, says=["plain", "Permission denied"])
+        old = self.write("old", "#!/bin/bash\nread line <&$2; printf '{\"protocol\": 1}\\n' >&$2; sleep 5\n")
+        old.chmod(0o755)
+        self.refuse("compare", "--live", old, *ROWS, says=["protocol 1", "this one 2"])
+        self.assertFalse((self.dir / "out").exists())
+
+
+class Adaptive(ProgramTest):
+    def test_rows_get_processes_until_they_are_narrow_or_the_limit_is_reached(self):
+        rows = ["--scene", "single_triangle", "--light", "point", "--technique", "shadow_map;unshadowed", "--size", "96x54",
+                "--processes", "2", "--repetitions", "2", "--quiet"]
+        self.succeed("run", *rows, "--out", "fixed")
+        self.succeed("run", *rows, "--interval", "0.001", "--budget", "600", "--out", "limit")
+        self.succeed("run", *rows, "--interval", "10", "--out", "target")
+        self.succeed("run", *rows, "--interval", "0.001", "--budget", "0.001", "--out", "budget")
+        for name, stop, processes in (("fixed", "fixed", 2), ("limit", "budget", 8), ("target", "target", 2)):
+            row = records(self.dir / name)[0]
+            self.assertEqual((row["technique"], row["stop"], len(row["stages"]["resolve"])), ("shadow_map", stop, processes))
+            self.assertEqual(set(row["iterations"]), {"setup", "build", "relight", "resolve"})
+            self.assertEqual({len(p) for p in row["stages"].values()}, {processes})
+        row = records(self.dir / "budget")[0]
+        self.assertEqual(row["stop"], "budget")
+        self.assertLessEqual(len(row["stages"]["resolve"]), 3)
+
+
+if __name__ == "__main__":
+    unittest.main()

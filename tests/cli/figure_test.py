@@ -1,0 +1,62 @@
+#!/usr/bin/python3 -IB
+"""`gnomon figure`: gnuplot draws what a run measured; its program can be had without it."""
+
+import os
+import shutil
+import subprocess
+import sys
+import unittest
+import xml.etree.ElementTree
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from program import ROOT, ProgramTest  # noqa: E402
+
+SHIPPED = ROOT / "results/quick"
+HAS_GNUPLOT = shutil.which("gnuplot") is not None
+
+
+class Figure(ProgramTest):
+    @unittest.skipUnless(HAS_GNUPLOT, "there is no gnuplot")
+    def test_figures_of_the_shipped_run(self):
+        heads = {"svg": b"<?xml", "pdf": b"%PDF", "png": b"\x89PNG"}
+        for kind in ("front", "stages", "map"):
+            for ending, head in heads.items():
+                with self.subTest(f"{kind}.{ending}"):
+                    out = f"figures/{kind}.{ending}"
+                    self.assertEqual(self.succeed("figure", SHIPPED, kind, "--filter", "bunny", "--out", out), "")
+                    self.assertTrue((self.dir / out).read_bytes().startswith(head))
+        self.assertEqual(len(self.names(self.dir)), 9)
+        texts = " ".join(xml.etree.ElementTree.parse(self.dir / "figures/front.svg").getroot().itertext())
+        for text in ("relight + resolve (ms)", "wrong (%)", "shadow_map pcf", "planar_projected", "embree_rays (reference)"):
+            self.assertIn(text, texts)
+        self.assertNotIn("unshadowed", texts)
+
+    @unittest.skipUnless(HAS_GNUPLOT, "there is no gnuplot")
+    def test_the_printed_program_draws_the_same_figure(self):
+        self.succeed("figure", SHIPPED, "stages", "--out", "figure.svg")
+        script = self.succeed("figure", SHIPPED, "stages", "--out", "again.svg", "--script")
+        self.assertEqual(self.names(self.dir), ["figure.svg"])
+        subprocess.run(["gnuplot"], input=script, text=True, cwd=self.dir, check=True, timeout=60)
+        self.assertEqual((self.dir / "figure.svg").read_bytes(), (self.dir / "again.svg").read_bytes())
+
+    def test_without_gnuplot_the_package_is_named(self):
+        (self.dir / "bin").mkdir()
+        for tool in ("sh",):
+            os.symlink(shutil.which(tool), self.dir / "bin" / tool)
+        self.environment = dict(self.environment, PATH=str(self.dir / "bin"))
+        self.refuse("figure", SHIPPED, "stages", "--out", "figure.svg", says=["gnuplot-nox", "--script"])
+        self.assertEqual(self.names(self.dir), ["bin/sh"])
+        self.assertIn("plot ", self.succeed("figure", SHIPPED, "stages", "--script"))
+
+    def test_bad_words_are_named(self):
+        self.refuse("figure", SHIPPED, "fornt", "--out", "f.svg", says=["there is no figure fornt; did you mean front?"])
+        self.refuse("figure", SHIPPED, "front", "--out", "f.jpg", says=["f.jpg", ".svg, .pdf nor .png"])
+        self.refuse("figure", SHIPPED, "front", says=["--out", "--script"])
+        self.refuse("figure", SHIPPED, "causes", "--out", "f.svg", says=["nothing to draw", "causes"])
+        self.refuse("figure", SHIPPED, "growth", "--out", "f.svg", says=["nothing to draw", "triangles"])
+        self.assertEqual(self.names(self.dir), [])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,85 @@
+#!/usr/bin/python3 -I
+"""Rows on a path: measured at every frame, and the reference never flickers against itself."""
+
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from program import ProgramTest, records
+
+SUITE = """
+width = 160
+height = 90
+processes = 1
+repetitions = 1
+[[group]]
+scenes = ["contact"]
+lights = ["point"]
+paths = ["camera_slide", "light_slide"]
+techniques = ["embree_rays", "shadow_map:resolution=64"]
+[[group]]
+scenes = ["contact"]
+lights = ["point"]
+techniques = ["embree_rays", "shadow_map:resolution=64"]
+"""
+
+SCENE = """
+[[mesh]]
+file = "box.obj"
+[[light]]
+name = "lamp"
+kind = "point"
+position = [2, 4, 1]
+[[view]]
+name = "front"
+eye = [0, 2, 6]
+target = [0, 0, 0]
+[[path]]
+name = "orbit"
+moves = "light"
+positions = [[2, 4, 1], [0, 4, 2], [-2, 4, 1]]
+frames = 5
+"""
+
+BOX = "v -3 0 -3\nv -3 0 3\nv 3 0 3\nv 3 0 -3\nv -1 1 0\nv 1 1 0\nv 0 1 1\nf 1 2 3 4\nf 5 6 7\n"
+
+
+class Motion(ProgramTest):
+    def test_metrics_are_means_over_the_frames_and_the_reference_never_flickers(self):
+        suite = self.write("small.toml", SUITE)
+        self.succeed("run", suite, "--out", "out", "--quiet")
+        rows = {(r["path"], r["technique"]): r for r in records(self.dir / "out")}
+        self.assertEqual(len(rows), 6)
+        for path in ("camera_slide", "light_slide"):
+            reference, shadow_map = rows[path, "embree_rays"], rows[path, "shadow_map"]
+            self.assertEqual(reference["frames"]["instability"][0], None)
+            self.assertEqual(set(reference["frames"]["instability"][1:]), {0})
+            self.assertEqual(reference["metrics"]["shape"]["instability"], 0)
+            rates = shadow_map["frames"]["wrong_rate"]
+            self.assertEqual(len(rates), 16)
+            self.assertAlmostEqual(sum(rates) / 16, shadow_map["metrics"]["shape"]["wrong_rate"], places=12)
+            still = rows["", "shadow_map"]
+            # The first frame is the still picture, and class counts are sums over frames of the same size.
+            self.assertEqual(rates[0], still["metrics"]["shape"]["wrong_rate"])
+            self.assertEqual(sum(shadow_map["classes"].values()), 16 * sum(still["classes"].values()))
+        # The map is fitted to scene and light, not to the view: what the light does makes it flicker.
+        self.assertGreater(rows["light_slide", "shadow_map"]["metrics"]["shape"]["instability"], 0)
+
+    def test_a_path_of_the_scene_is_followed(self):
+        self.write("box.obj", BOX)
+        self.write("scene.toml", SCENE)
+        self.write("suite.toml", '[[group]]\nscenes = ["scene.toml"]\npaths = ["orbit"]\ntechniques = ["unshadowed"]\n')
+        self.succeed("run", "suite.toml", "--out", "out", "--processes", "1", "--repetitions", "1", "--size", "96x54", "--quiet")
+        (row,) = records(self.dir / "out")
+        rates = row["frames"]["wrong_rate"]
+        self.assertEqual(len(rates), 5)
+        self.assertEqual(len(set(rates)), 5, "the shadow moves, so its size in pixels changes")
+
+    def test_a_path_that_is_not_there_is_refused(self):
+        self.write("suite.toml", '[[group]]\nscenes = ["contact"]\npaths = ["orbit"]\ntechniques = ["unshadowed"]\n')
+        self.refuse("run", "suite.toml", "--out", "out", says=["scene contact has no path orbit", "camera_slide, light_slide"])
+
+
+if __name__ == "__main__":
+    unittest.main()

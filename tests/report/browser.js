@@ -1,0 +1,126 @@
+// What the tests of the page share: running the program, opening a page in the browser, looking at it.
+
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, rmSync } from "node:fs";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { dirname, join } from "node:path";
+import { fileURLToPath } from "node:url";
+
+export const here = dirname(fileURLToPath(import.meta.url));
+const root = join(here, "../..");
+const program = process.env.GNOMON_PROGRAM ?? join(root, "build/release/gnomon");
+export const faults = process.env.GNOMON_FAULTS ?? join(root, "build/release/gnomon_faults.so");
+const modules = process.env.GNOMON_NODE_MODULES ?? join(root, "build/release/report_page/node_modules");
+const screenshots = process.env.GNOMON_SCREENSHOTS ?? tmpdir();
+const chromium = process.env.GNOMON_CHROMIUM ?? "/usr/bin/chromium";
+const require = createRequire(join(modules, "anything.js"));
+
+if (!chromium || chromium.endsWith("NOTFOUND")) {
+  console.log("skipped: no Chromium here; scripts/setup --check installs it");
+  process.exit(77);
+}
+const { chromium: browsers } = require("playwright-core");
+const axe = require("axe-core").source;
+
+/** A folder that goes with the test. */
+export const home = mkdtempSync(join(tmpdir(), "gnomon-report-"));
+
+/** Runs the program to its end and returns what it printed; {status, stdout, stderr} when `status` is wanted. */
+export function gnomon(args, { status = 0 } = {}) {
+  const environment = { ...process.env, GNOMON_CACHE: join(home, "cache") };
+  try {
+    const stdout = execFileSync(program, args, {
+      cwd: home,
+      env: environment,
+      encoding: "utf8",
+      stdio: ["ignore", "pipe", "pipe"],
+      maxBuffer: 1 << 28,
+    });
+    if (status !== 0) throw new Error(`gnomon ${args.join(" ")} exits 0, not ${status}`);
+    return stdout;
+  } catch (error) {
+    if (error.status !== status || status === 0)
+      throw new Error(`gnomon ${args.join(" ")}: ${error.status}\n${error.stdout}\n${error.stderr}`);
+    return { status: error.status, stdout: error.stdout, stderr: error.stderr };
+  }
+}
+
+let browser = null;
+
+export async function openBrowser() {
+  browser = await browsers.launch({ executablePath: chromium, args: ["--no-sandbox", "--disable-gpu", "--disable-quic"] });
+}
+
+export async function closeBrowser() {
+  await browser?.close();
+  rmSync(home, { recursive: true, force: true });
+}
+
+/**
+ * Opens a report. `page.troubles` collects what must not happen: requests that leave the file, messages on the console, errors.
+ * Options are those of a browser context.
+ */
+export async function open(file, options = {}) {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, reducedMotion: "reduce", ...options });
+  const page = await context.newPage();
+  page.troubles = [];
+  page.on("request", (request) => /^(file|data|blob):/.test(request.url()) || page.troubles.push(`request ${request.url()}`));
+  page.on("console", (message) => page.troubles.push(`console: ${message.text()}`));
+  page.on("pageerror", (error) => page.troubles.push(`error: ${error.message}`));
+  await page.goto(`file://${file}`, { waitUntil: "load" });
+  return page;
+}
+
+/** Where pictures for people go. */
+export const saved = (name) => join(screenshots, name);
+
+export const screenshot = (page, name, options = {}) => page.screenshot({ path: saved(`${name}.png`), ...options });
+
+/** What axe finds wrong, one line each. */
+export async function accessFindings(page) {
+  await page.evaluate(axe);
+  const { violations } = await page.evaluate(() =>
+    window.axe.run(document, { runOnly: ["wcag2a", "wcag2aa", "wcag21aa", "best-practice"] }),
+  );
+  return violations.map(
+    ({ id, help, nodes }) =>
+      `${id}: ${help}: ${nodes
+        .slice(0, 3)
+        .map((node) => node.target.join(" "))
+        .join(", ")}`,
+  );
+}
+
+/** Indices of the rows that the table shows, in its order. */
+export const shownRows = (page) =>
+  page.locator("tbody tr[data-row]").evaluateAll((rows) => rows.map((row) => Number(row.dataset.row)));
+
+/** The page's own data. */
+export const dataOf = (page) => page.evaluate(() => JSON.parse(document.getElementById("data").textContent));
+
+/** Color [r, g, b] of the canvas where the picture's pixel lies, the whole picture being fit. */
+export async function colorAt(page, x, y) {
+  await page.waitForTimeout(120);
+  return page.evaluate(
+    ([x, y]) => {
+      const canvas = document.querySelector(".viewport canvas");
+      const [width, height] = canvas.style.aspectRatio.split("/").map(Number);
+      const scale = Math.min(canvas.width / width, canvas.height / height);
+      const left = (canvas.width - scale * width) / 2,
+        top = (canvas.height - scale * height) / 2;
+      const copy = new OffscreenCanvas(1, 1).getContext("2d", { willReadFrequently: true });
+      copy.drawImage(canvas, -Math.floor(left + (x + 0.5) * scale), -Math.floor(top + (y + 0.5) * scale));
+      return [...copy.getImageData(0, 0, 1, 1).data].slice(0, 3);
+    },
+    [x, y],
+  );
+}
+
+/** What the read-out says, by name. */
+export const readOut = (page) =>
+  page
+    .locator(".readout > div")
+    .evaluateAll((items) =>
+      Object.fromEntries(items.map((item) => [item.children[0].textContent, item.children[1].textContent])),
+    );

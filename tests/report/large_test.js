@@ -1,0 +1,88 @@
+// A report of 200 rows with pictures of 640 x 360: below 30 MB, open in less than 3 s.
+
+import assert from "node:assert/strict";
+import { copyFileSync, mkdirSync, readFileSync, statSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+
+import { closeBrowser, dataOf, gnomon, home, open, openBrowser, screenshot, shownRows } from "./browser.js";
+
+const wanted_rows = 200;
+const run = join(home, "measured"),
+  large = join(home, "large");
+const suite = `
+width = 640
+height = 360
+processes = 2
+repetitions = 1
+[[group]]
+scenes = ["fence", "contact", "box_city", "colonnade", "soup"]
+lights = ["point", "sun"]
+techniques = ["unshadowed", "embree_rays", "planar_projected", "shadow_map", "shadow_map:resolution=256"]
+`;
+
+before(async () => {
+  writeFileSync(join(home, "measured.toml"), suite);
+  gnomon(["run", join(home, "measured.toml"), "--out", run, "--quiet"]);
+  multiply();
+  await openBrowser();
+});
+after(closeBrowser);
+
+/** The rows of the run again and again under other names, each with a mask of its own, until there are enough. */
+function multiply() {
+  mkdirSync(join(large, "masks"), { recursive: true });
+  const measured = readFileSync(join(run, "records.jsonl"), "utf8")
+    .trim()
+    .split("\n")
+    .map((line) => JSON.parse(line));
+  const rows = [];
+  for (let k = 0; k < wanted_rows; ++k) {
+    const source = measured[k % measured.length],
+      copy = Math.floor(k / measured.length);
+    const row = {
+      ...source,
+      place: k,
+      job: k.toString(16).padStart(16, "0"),
+      label: copy ? `${source.label ?? source.technique} ${copy}` : source.label,
+    };
+    if (row.mask) {
+      row.mask = `masks/${k}.exr`;
+      copyFileSync(join(run, source.mask), join(large, row.mask));
+    }
+    rows.push(row);
+  }
+  writeFileSync(join(large, "records.jsonl"), rows.map((row) => JSON.stringify(row) + "\n").join(""));
+}
+
+test("200 rows with pictures: small and quick", async () => {
+  const start = Date.now();
+  const file = gnomon(["report", large]).trim();
+  const made = Date.now() - start,
+    size = statSync(file).size;
+
+  const opened = Date.now();
+  const page = await open(file);
+  assert.equal((await shownRows(page)).length, wanted_rows);
+  const ready = Date.now() - opened;
+  const loaded = await page.evaluate(() => performance.getEntriesByType("navigation")[0].loadEventEnd);
+  console.log(
+    `# ${(size / 1e6).toFixed(1)} MB, made in ${made} ms, loaded in ${loaded.toFixed(0)} ms, table there after ${ready} ms`,
+  );
+  assert.ok(size < 30e6, `${size} bytes`);
+  assert.ok(ready < 3000, `${ready} ms`);
+
+  const { rows } = await dataOf(page);
+  assert.ok(rows.filter((row) => row.pictures).length > 0.8 * wanted_rows);
+  const sorting = Date.now();
+  await page.locator('th[data-column="resolve_ms"] button').click();
+  assert.ok(Date.now() - sorting < 1500, "sorting is quick");
+  const last = rows.findLastIndex((row) => row.pictures);
+  const picture = Date.now();
+  await page.locator(`tr[data-row="${last}"] .picture`).click();
+  await page.waitForFunction((name) => document.querySelector(".labels")?.textContent.includes(name), rows[last].title);
+  assert.ok(Date.now() - picture < 2000, "a picture is there quickly");
+  assert.deepEqual(page.troubles, []);
+  await screenshot(page, "large");
+  await page.context().close();
+});

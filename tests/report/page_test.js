@@ -1,0 +1,154 @@
+// The page of a small run as a whole: what it may do, where it can be read, what it says when something is not there.
+
+import assert from "node:assert/strict";
+import { cpSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+
+import {
+  accessFindings,
+  closeBrowser,
+  dataOf,
+  gnomon,
+  home,
+  open,
+  openBrowser,
+  saved,
+  screenshot,
+  shownRows,
+} from "./browser.js";
+import { makeRun, report, run } from "./small_run.js";
+
+before(async () => {
+  assert.equal(makeRun().trim(), report);
+  await openBrowser();
+});
+after(closeBrowser);
+
+test("loads without requests, messages or errors and shows every row", async () => {
+  const page = await open(report);
+  const { rows } = await dataOf(page);
+  assert.equal(rows.length, readFileSync(join(run, "records.jsonl"), "utf8").trim().split("\n").length);
+  assert.deepEqual(
+    await shownRows(page),
+    rows.map((_, index) => index),
+  );
+  for (const id of ["plots", "pictures", "about"]) {
+    await page.locator(`#${id}`).scrollIntoViewIfNeeded();
+    await page.waitForTimeout(300);
+  }
+  assert.deepEqual(page.troubles, []);
+  await screenshot(page, "whole", { fullPage: true });
+  await page.context().close();
+});
+
+test("readable in light and dark, for people and for machines that read to them", async () => {
+  const shade = {};
+  for (const colorScheme of ["light", "dark"]) {
+    const page = await open(report, { colorScheme });
+    for (const id of ["plots", "pictures", "about"]) {
+      await page.locator(`#${id}`).scrollIntoViewIfNeeded();
+      await page.waitForTimeout(200);
+    }
+    await page.locator("#about details").evaluateAll((all) => all.forEach((details) => (details.open = true)));
+    shade[colorScheme] = await page.evaluate(() =>
+      getComputedStyle(document.body)
+        .backgroundColor.match(/\d+/g)
+        .slice(0, 3)
+        .reduce((sum, c) => sum + Number(c), 0),
+    );
+    assert.deepEqual(await accessFindings(page), []);
+    await page.evaluate(() => scrollTo(0, 0));
+    await screenshot(page, colorScheme, { fullPage: true });
+    await page.context().close();
+  }
+  assert.ok(shade.light > 650 && shade.dark < 120, JSON.stringify(shade));
+});
+
+test("on a phone nothing hangs over the side", async () => {
+  const page = await open(report, {
+    viewport: { width: 360, height: 740 },
+    deviceScaleFactor: 2,
+    hasTouch: true,
+    isMobile: true,
+  });
+  for (const id of ["table", "plots", "pictures", "about"]) {
+    await page.locator(`#${id}`).scrollIntoViewIfNeeded();
+    await page.waitForTimeout(200);
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 360, id);
+  }
+  await page.evaluate(() => scrollTo(0, 0));
+  await screenshot(page, "phone", { fullPage: true });
+  await page.context().close();
+});
+
+test("on paper: light, whole tables, nothing to click", async () => {
+  const page = await open(report, { colorScheme: "dark" });
+  await page.emulateMedia({ media: "print", colorScheme: "dark" });
+  assert.equal(await page.evaluate(() => getComputedStyle(document.body).backgroundColor), "rgb(255, 255, 255)");
+  for (const selector of ["nav", ".filters", ".columns"])
+    assert.ok(!(await page.locator(selector).first().isVisible()), selector);
+  assert.equal(await page.locator(".scroll").evaluate((box) => getComputedStyle(box).overflow), "visible");
+  const paper = await page.pdf({ path: saved("paper.pdf"), preferCSSPageSize: true });
+  assert.ok(paper.length > 10000);
+  await page.context().close();
+});
+
+/** A copy of the run whose records went through `change`. */
+function changedRun(name, change) {
+  const dir = join(home, name);
+  mkdirSync(dir);
+  cpSync(join(run, "masks"), join(dir, "masks"), { recursive: true });
+  const lines = readFileSync(join(run, "records.jsonl"), "utf8").trim().split("\n");
+  writeFileSync(join(dir, "records.jsonl"), lines.map((line) => JSON.stringify(change(JSON.parse(line))) + "\n").join(""));
+  return dir;
+}
+
+test("text of records stays text", async () => {
+  const evil = '</script><script>window.broken = 1</script><img src=x onerror="window.broken = 2">';
+  const dir = changedRun("evil", (record) => ({ ...record, label: evil, suite: evil, reason: record.reason && evil }));
+  gnomon(["report", dir, "--no-pictures"]);
+  const page = await open(join(dir, "report.html"));
+  assert.equal(await page.evaluate(() => window.broken), undefined);
+  assert.equal(await page.locator("h1").textContent(), evil);
+  assert.equal(await page.locator("tbody .id").first().textContent(), evil);
+  assert.deepEqual(page.troubles, []);
+  await page.context().close();
+});
+
+test("pictures of another scene than the one measured are left out, and the page says so", async () => {
+  const dir = changedRun("other", (record) =>
+    record.scene === "fence" ? { ...record, context: { ...record.context, scene_hash: "0" } } : record,
+  );
+  gnomon(["report", dir]);
+  const page = await open(join(dir, "report.html"));
+  const { groups, notes } = await dataOf(page);
+  assert.deepEqual(
+    groups.map((group) => group.pictures !== null),
+    groups.map((group) => group.scene !== "fence"),
+  );
+  assert.equal(notes.length, 1);
+  assert.match(notes[0], /fence: the scene is not the one that was measured/);
+  assert.match(await page.locator("#about").textContent(), /not the one that was measured/);
+  await page.context().close();
+});
+
+test("without pictures the page is small and says so", async () => {
+  const out = join(home, "small.html");
+  gnomon(["report", run, "--no-pictures", "--out", out]);
+  const size = readFileSync(out).length;
+  assert.ok(size < readFileSync(report).length && size < 1e6, String(size));
+  const page = await open(out);
+  assert.match(await page.locator("#pictures").textContent(), /no pictures to compare/);
+  assert.equal(await page.locator(".picture").count(), 0);
+  assert.deepEqual(page.troubles, []);
+  await page.context().close();
+});
+
+test("bad calls are refused", () => {
+  assert.match(gnomon(["report", join(home, "nowhere")], { status: 2 }).stderr, /nowhere/);
+  assert.match(gnomon(["report", run, "--out", home], { status: 2 }).stderr, /is a folder/);
+  mkdirSync(join(home, "empty"));
+  writeFileSync(join(home, "empty", "records.jsonl"), "");
+  assert.match(gnomon(["report", join(home, "empty")], { status: 2 }).stderr, /no records/);
+});

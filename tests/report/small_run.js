@@ -1,0 +1,33 @@
+// A small run with rows of every kind: right, wrong, approximate, failed, on a path.
+
+import { copyFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+
+import { faults, gnomon, here, home } from "./browser.js";
+
+export const run = join(home, "run");
+export const report = join(run, "report.html");
+
+const suite = `
+width = 160
+height = 90
+processes = 2
+repetitions = 1
+timeout = 20
+[[group]]
+scenes = ["${join(home, "slope.toml")}", "fence"]
+techniques = ["embree_rays", "unshadowed", "planar_projected", "throws", "shadow_map:resolution={64,256,1024}"]
+[[group]]
+scenes = ["fence"]
+lights = ["point"]
+paths = ["camera_slide"]
+techniques = ["shadow_map"]
+`;
+
+/** Makes the run and returns what `gnomon report` says of it. */
+export function makeRun() {
+  copyFileSync(join(here, "slope.toml"), join(home, "slope.toml"));
+  writeFileSync(join(home, "small.toml"), suite);
+  gnomon(["--plugin", faults, "run", join(home, "small.toml"), "--out", run, "--quiet"], { status: 1 });
+  return gnomon(["report", run]);
+}

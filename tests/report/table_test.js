@@ -1,0 +1,145 @@
+// The table and the plots of a small run, used as a person uses them.
+
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+
+import { closeBrowser, dataOf, open, openBrowser, saved, shownRows } from "./browser.js";
+import { makeRun, report, run } from "./small_run.js";
+
+before(async () => {
+  assert.equal(makeRun().trim(), report);
+  await openBrowser();
+});
+after(closeBrowser);
+
+test("rows that were not measured say why", async () => {
+  const page = await open(report);
+  const failed = page.locator("tbody tr.failed").first();
+  assert.match(await failed.locator(".reason").textContent(), /threw in build: the tree has no root/);
+  const { rows } = await dataOf(page);
+  const approximate = rows.findIndex((row) => row.support === "approximate");
+  assert.ok(approximate >= 0);
+  await page.locator(`tr[data-row="${approximate}"] .why summary`).click();
+  assert.equal(await page.locator(`tr[data-row="${approximate}"] .why p`).textContent(), rows[approximate].reason);
+  assert.ok(await page.locator(`tr[data-row="${approximate}"] .why p`).isVisible());
+  await page.context().close();
+});
+
+test("sorts by a column: up, down, and back to the order of the run", async () => {
+  const page = await open(report);
+  const { rows, columns } = await dataOf(page);
+  const index = columns.findIndex((column) => column.name === "wrong_rate");
+  const header = page.locator('th[data-column="wrong_rate"]');
+  const values = async () => (await shownRows(page)).map((row) => rows[row].values[index]);
+  const unsorted = await shownRows(page);
+
+  await header.locator("button").click();
+  const up = await values(),
+    known = up.filter((value) => value !== null);
+  assert.equal(await header.getAttribute("aria-sort"), "ascending");
+  assert.ok(known.length > 3 && new Set(known).size > 3);
+  assert.deepEqual(
+    known,
+    [...known].sort((a, b) => a - b),
+  );
+  assert.ok(
+    up.slice(known.length).every((value) => value === null),
+    "rows without a value stand at the end",
+  );
+
+  await page.keyboard.press("Enter"); // the header keeps the focus
+  const down = await values();
+  assert.equal(await header.getAttribute("aria-sort"), "descending");
+  assert.deepEqual(down.slice(0, known.length), [...known].reverse());
+  assert.ok(down.slice(known.length).every((value) => value === null));
+
+  await page.keyboard.press("Enter");
+  assert.deepEqual(await shownRows(page), unsorted);
+  await page.context().close();
+});
+
+test("filters by words and by lists, and the plots follow", async () => {
+  const page = await open(report);
+  const { rows } = await dataOf(page);
+  await page.locator("#plots").scrollIntoViewIfNeeded();
+  const bars = page.locator(".card.cost svg g[data-mark=bar] rect");
+  await bars.first().waitFor();
+  const before = await bars.count();
+
+  await page.locator("input[type=search]").fill("fence 256");
+  const wanted = rows.map((row, index) => [row, index]).filter(([row]) => row.scene === "fence" && row.title.includes("256"));
+  assert.ok(wanted.length > 0);
+  assert.deepEqual(
+    await shownRows(page),
+    wanted.map(([, index]) => index),
+  );
+  assert.match(await page.locator(".filters .count").textContent(), new RegExp(`^${wanted.length} of ${rows.length} rows`));
+
+  await page.locator("button", { hasText: "Reset" }).click();
+  assert.equal((await shownRows(page)).length, rows.length);
+  for (const [key, value] of [
+    ["scene", "fence"],
+    ["light", "sun"],
+    ["technique", "shadow_map"],
+  ])
+    await page.locator(`.filters select[name=${key}]`).selectOption(value);
+  const matching = rows.filter((row) => row.scene === "fence" && row.light === "sun" && row.technique === "shadow_map");
+  assert.equal((await shownRows(page)).length, matching.length);
+  await page.locator("button", { hasText: "Reset" }).click();
+  await page.locator(".filters select[name=technique]").selectOption("shadow_map");
+  await page.waitForTimeout(100);
+  assert.ok((await bars.count()) < before, "the cost plot shows fewer bars");
+
+  await page.locator(".filters select[name=scene]").selectOption("fence");
+  await page.waitForTimeout(100);
+  const places = await page.locator(".card.cost select[name=where] option").allTextContents();
+  assert.ok(places.length > 0 && places.every((place) => place.startsWith("fence")), String(places));
+
+  await page.locator("input[type=search]").fill("no such row");
+  assert.match(await page.locator("tbody").textContent(), /No row passes/);
+  await page.context().close();
+});
+
+test("columns can be chosen", async () => {
+  const page = await open(report);
+  assert.equal(await page.locator('th[data-column="class.T"]').count(), 0);
+  await page.locator(".columns summary").click();
+  await page.locator('.columns input[name="class.T"]').check();
+  assert.equal(await page.locator('th[data-column="class.T"]').count(), 1);
+  await page.locator('.columns input[name="technique"]').uncheck();
+  assert.equal(await page.locator('th[data-column="technique"]').count(), 0);
+  await page.context().close();
+});
+
+test("plots: a front that nothing beats, times by stage, growth, frames of the path", async () => {
+  const page = await open(report);
+  await page.locator("#plots").scrollIntoViewIfNeeded();
+  for (const name of ["front", "cost", "scaling", "frames"]) await page.locator(`.card.${name} figure svg[role=img]`).waitFor();
+  const front = page.locator(".card.front");
+  const { rows, columns, groups } = await dataOf(page);
+  const fence = groups.findIndex((group) => group.scene === "fence" && group.light === "point" && !group.path);
+  await front.locator("select[name=where]").selectOption(String(fence));
+  const measured = rows.filter((row) => row.group === fence && row.status === "ok" && row.costs.light);
+  await page.waitForTimeout(150);
+  assert.equal(await front.locator("svg g[data-mark=dot] path, svg g[data-mark=dot] circle").count(), measured.length);
+  // The front's line has a corner for every contender that no other beats in both, and one more between each two.
+  const wrong = columns.findIndex((column) => column.name === "wrong_rate");
+  const points = measured
+    .filter((row) => row.role === "contender")
+    .map((row) => ({ x: row.costs.light[0], y: row.values[wrong] }));
+  const best = points.filter((p) => !points.some((q) => q !== p && q.x <= p.x && q.y <= p.y));
+  const line = await front.locator("svg g[data-mark=line] path").getAttribute("d");
+  assert.equal(line.split(/[MLHV]/).length - 2, 2 * (best.length - 1), line);
+
+  const frames = rows.find((row) => row.path === "camera_slide" && row.status === "ok");
+  const count = frames.frames.wrong_rate.length;
+  await page.locator(".card.frames select[name=metric]").selectOption("wrong_rate");
+  await page.waitForTimeout(150);
+  assert.equal(
+    await page.locator(".card.frames svg g[data-mark=dot] path, .card.frames svg g[data-mark=dot] circle").count(),
+    count,
+  );
+  assert.deepEqual(page.troubles, []);
+  await page.locator("#plots").screenshot({ path: saved("plots.png") });
+  await page.context().close();
+});

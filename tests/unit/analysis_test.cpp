@@ -1,0 +1,465 @@
+#include "measure/analysis.h"
+
+#include <gnomon/registry.h>
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <cmath>
+
+#include "measure/analysis_front.h"
+#include "measure/analysis_growth.h"
+#include "measure/analysis_map.h"
+#include "measure/analysis_motion.h"
+#include "report/analysis_table.h"
+
+namespace {
+
+using namespace gnomon;
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+Record row(const std::string& setting, double relight, double resolve, double wrong_rate, const std::string& scene = "soup") {
+  Record r;
+  r.scene = scene;
+  r.light = "point";
+  r.view = "main";
+  const std::size_t colon = setting.find(':');
+  r.technique = setting.substr(0, colon);
+  if (colon != setting.npos) r.settings = setting.substr(colon + 1);
+  for (const auto& [key, value] : split_settings(r.settings)) r.parameters[key] = Json::parse(value);
+  r.width = 640;
+  r.height = 360;
+  r.status = Status::ok;
+  r.times(Stage::build) = {{1}, {1}, {1}};
+  r.times(Stage::relight) = {{relight}, {relight}, {relight}};
+  r.times(Stage::resolve) = {{resolve}, {resolve}, {resolve}};
+  r.bytes = 1u << 20;
+  r.metrics[Truth::shape] = {{"wrong_rate", wrong_rate}};
+  r.classes["T"] = 1000;
+  return r;
+}
+
+// --- samples ----------------------------------------------------------------------------------------------------------
+
+TEST(sample, value_is_the_sum_of_the_medians_of_process_medians) {
+  // Medians 2, 5, 3 have the median 3; 10, 30, 20 have 20.
+  const Sample sample({{{1, 2, 9}, {5}, {3, 3}}, {{10}, {30}, {20}}});
+  EXPECT_TRUE(sample.has_processes());
+  EXPECT_EQ(sample.value(), 23);
+}
+
+TEST(sample, stages_of_the_same_processes_are_drawn_together) {
+  // A process is slow in both stages or in none: medians are 2 or 20, sums 4 or 40. Independent draws would give 22 too.
+  const Sample sample({{{2}, {20}, {2}}, {{2}, {20}, {2}}});
+  Random random(7);
+  for (int k = 0; k < 200; ++k) {
+    const double drawn = sample.draw(random);
+    EXPECT_TRUE(drawn == 4 || drawn == 40) << drawn;
+  }
+}
+
+TEST(sample, one_process_has_no_interval_and_no_time_is_no_sample) {
+  const Sample alone({{{1, 2, 3}}});
+  const Measured measured = bootstrap({&alone, 1}, [](std::span<const double> values) { return values[0]; });
+  EXPECT_EQ(measured.value, 2);
+  EXPECT_FALSE(measured.has_interval);
+  EXPECT_FALSE(Sample({{{1}}, {}}).is_timed());
+}
+
+RC_GTEST_PROP(sample, draws_lie_between_the_least_and_the_greatest_time, ()) {
+  ProcessTimes times;
+  double least = INFINITY, greatest = 0;
+  for (int process = 0; process < *rc::gen::inRange(2, 6); ++process) {
+    times.emplace_back();
+    for (int k = 0; k < *rc::gen::inRange(1, 5); ++k) {
+      times.back().push_back(*rc::gen::inRange(1, 1000) / 7.0);
+      least = std::min(least, times.back().back());
+      greatest = std::max(greatest, times.back().back());
+    }
+  }
+  const Sample sample({times});
+  const Measured m = bootstrap({&sample, 1}, [](std::span<const double> values) { return values[0]; });
+  RC_ASSERT(least <= m.low && m.low <= m.high && m.high <= greatest);
+  RC_ASSERT(m.low <= m.value && m.value <= m.high);
+}
+
+// --- references and quantities ----------------------------------------------------------------------------------------
+
+TEST(analysis, a_scene_parameter_is_read_from_the_reference_or_from_the_generator) {
+  EXPECT_EQ(split_reference("soup:count=5,seed=2"), std::pair(std::string("soup"), std::string("count=5,seed=2")));
+  EXPECT_EQ(split_reference("models/tree.toml"), std::pair(std::string("models/tree.toml"), std::string()));
+  EXPECT_EQ(scene_parameter("sphere_field:count=40", "count"), 40);
+  EXPECT_EQ(scene_parameter("sphere_field:seed=2", "count"), 100);  // its default
+  EXPECT_EQ(scene_parameter("sphere_field", "no_such"), std::nullopt);
+  EXPECT_EQ(scene_parameter("elsewhere", "count"), std::nullopt);
+}
+
+TEST(analysis, causes_are_shares_of_the_tested_pixels) {
+  Record r = row("a", 1, 1, 0.1);
+  EXPECT_EQ(quantity(r, "cause.acne"), std::nullopt);
+  r.causes = {{"acne", 25}};
+  EXPECT_EQ(quantity(r, "cause.acne"), 0.025);
+  EXPECT_EQ(quantity(r, "resolve_ms"), 1);
+  EXPECT_EQ(quantity(r, "bytes"), 1048576);
+}
+
+TEST(analysis, unknown_quantities_are_errors_with_the_nearest_name) {
+  const std::vector<Record> records{row("a", 1, 1, 0.1)};
+  try {
+    find_fields(records, {.error = "wrong_rat"});
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_TRUE(has(error.what(), "there is no wrong_rat; did you mean wrong_rate?")) << error.what();
+  }
+}
+
+TEST(analysis, filter_sees_scene_light_setting_and_label) {
+  std::vector<Record> records{row("a", 1, 1, 0.1), row("b:k=2", 1, 1, 0.1, "fence")};
+  records[0].label = "short name";
+  EXPECT_EQ(matching(records, "^soup point a$").size(), 1u);
+  EXPECT_EQ(matching(records, "short").size(), 1u);
+  EXPECT_EQ(matching(records, "k=2").front().scene, "fence");
+  records[1].parameters["bias"] = "slope";  // its default: not in the settings
+  EXPECT_EQ(matching(records, "bias=slope").size(), 1u);
+  EXPECT_EQ(matching(records, "").size(), 2u);
+  EXPECT_THROW(matching(records, "("), Error);
+}
+
+// --- growth -----------------------------------------------------------------------------------------------------------
+
+RC_GTEST_PROP(growth, the_exponent_of_a_power_law_is_found, ()) {
+  const double exponent = *rc::gen::inRange(-300, 301) / 100.0, coefficient = *rc::gen::inRange(1, 1000) / 10.0;
+  std::vector<double> x, y;
+  for (int k = 0; k < *rc::gen::inRange(3, 9); ++k) {
+    x.push_back(std::pow(2, k) * 3);
+    y.push_back(coefficient * std::pow(x.back(), exponent));
+  }
+  const PowerLaw law = fit_power_law(x, y);
+  RC_ASSERT(std::abs(law.exponent - exponent) < 1e-9);
+  RC_ASSERT(std::abs(law.coefficient / coefficient - 1) < 1e-8);
+  RC_ASSERT(law.r2 > 1 - 1e-9);
+}
+
+TEST(growth, least_squares_by_hand) {
+  // ln x = 0, 1, 2 and ln y = 0, 1, 0: slope 0, mean 1/3, so R^2 is 0.
+  const std::vector<double> x{1, std::exp(1), std::exp(2)}, y{1, std::exp(1), 1};
+  const PowerLaw law = fit_power_law(x, y);
+  EXPECT_NEAR(law.exponent, 0, 1e-12);
+  EXPECT_NEAR(law.coefficient, std::exp(1.0 / 3), 1e-12);
+  EXPECT_NEAR(law.r2, 0, 1e-12);
+}
+
+std::vector<Record> family(std::initializer_list<int> counts, double exponent) {
+  std::vector<Record> records;
+  for (const int count : counts) {
+    Record r = row("a", 3, 2 * std::pow(count, exponent), 0.1, fmt::format("soup:count={},seed=7", count));
+    r.scene_facts = Record::SceneFacts{.meshes = 1, .triangles = static_cast<std::uint64_t>(count)};
+    records.push_back(r);
+  }
+  return records;
+}
+
+Growth stage_of(const Growths& growths, const std::string& stage) {
+  for (const Growth& growth : growths.rows)
+    if (growth.stage == stage) return growth;
+  throw Error("there is no stage {}", stage);
+}
+
+TEST(growth, scenes_of_one_family_are_one_series) {
+  const Growths growths = find_growth(family({10, 100, 1000}, 1.5), "triangles");
+  ASSERT_EQ(growths.rows.size(), 3u);  // build, relight, resolve
+  const Growth resolve = stage_of(growths, "resolve");
+  EXPECT_EQ(resolve.place.scene, "soup:seed=7,count=*");
+  ASSERT_TRUE(resolve.exponent);
+  EXPECT_NEAR(resolve.exponent->value, 1.5, 1e-9);
+  EXPECT_NEAR(resolve.coefficient, 2, 1e-6);
+  EXPECT_TRUE(resolve.exponent->has_interval);
+  EXPECT_NEAR(stage_of(growths, "relight").exponent->value, 0, 1e-9);
+  // The same by the scene's parameter, which only the reference knows.
+  EXPECT_NEAR(stage_of(find_growth(family({10, 100, 1000}, 1.5), "count"), "resolve").exponent->value, 1.5, 1e-9);
+}
+
+TEST(growth, what_does_not_change_the_triangles_does_not_join_scenes) {
+  // Two seeds at every count: seed 8 has the same triangles as 7, so the two are series of their own.
+  std::vector<Record> records = family({10, 100, 1000}, 1);
+  for (Record r : family({10, 100, 1000}, 2)) {
+    r.scene.replace(r.scene.find("seed=7"), 6, "seed=8");
+    records.push_back(r);
+  }
+  std::set<std::string> scenes;
+  for (const Growth& growth : find_growth(records, "triangles").rows) {
+    scenes.insert(growth.place.scene);
+    EXPECT_EQ(growth.points.size(), 3u);
+  }
+  EXPECT_EQ(scenes, (std::set<std::string>{"soup:seed=7,count=*", "soup:seed=8,count=*"}));
+}
+
+TEST(growth, two_points_are_too_few_and_one_is_no_series) {
+  const Growths two = find_growth(family({10, 100}, 1), "triangles");
+  EXPECT_FALSE(stage_of(two, "resolve").exponent);
+  EXPECT_EQ(stage_of(two, "resolve").why_not, "too few points");
+  const Growths one = find_growth(family({10}, 1), "triangles");
+  EXPECT_TRUE(one.rows.empty());
+  EXPECT_EQ(one.single, 1u);
+}
+
+TEST(growth, times_that_the_clock_does_not_see_make_no_exponent) {
+  std::vector<Record> records = family({10, 100, 1000}, 1);
+  for (Record& r : records) r.times(Stage::relight) = {{4e-5}, {5e-5}, {4e-5}};
+  EXPECT_EQ(stage_of(find_growth(records, "triangles"), "relight").why_not, "below the clock");
+}
+
+TEST(growth, the_interval_holds_the_noise_of_the_processes) {
+  // Exponent 1, every process off by up to 20 %: the interval must contain 1 and exclude 0.5 and 1.5.
+  std::vector<Record> records = family({10, 100, 1000, 10000}, 1);
+  Random random(3);
+  for (Record& r : records)
+    for (auto& process : r.times(Stage::resolve)) process[0] *= random.uniform(0.8, 1.2);
+  const Growth growth = stage_of(find_growth(records, "triangles"), "resolve");
+  EXPECT_LT(growth.exponent->low, growth.exponent->high);
+  EXPECT_LE(growth.exponent->low, 1.05);
+  EXPECT_GE(growth.exponent->high, 0.95);
+  EXPECT_GT(growth.exponent->low, 0.5);
+  EXPECT_LT(growth.exponent->high, 1.5);
+}
+
+TEST(growth, lights_are_summed_in_their_order_after_one_build) {
+  std::vector<Record> records;
+  for (const char* light : {"a", "b", "c"}) {
+    records.push_back(row("t", 2, 3, 0.1));
+    records.back().light = light;
+  }
+  const Growth total = stage_of(find_growth(records, "lights"), "total");
+  ASSERT_EQ(total.points.size(), 3u);
+  // Build 1, then 5 for every light.
+  EXPECT_EQ(total.points[0].ms.value, 6);
+  EXPECT_EQ(total.points[1].ms.value, 11);
+  EXPECT_EQ(total.points[2].ms.value, 16);
+  EXPECT_EQ(total.points[2].x, 3);
+  EXPECT_NEAR(stage_of(find_growth(records, "lights"), "resolve").exponent->value, 1, 1e-9);
+}
+
+TEST(growth, a_parameter_of_the_technique_is_an_axis_and_leaves_the_name) {
+  std::vector<Record> records;
+  for (const int resolution : {256, 512, 1024, 2048}) {
+    records.push_back(row(fmt::format("map:bias=2,resolution={}", resolution), resolution * resolution * 1e-4, 1, 0.1));
+    if (resolution == 1024) records.back().label = "usual";  // a label of one point does not split the series
+  }
+  const Growths growths = find_growth(records, "resolution");
+  const Growth relight = stage_of(growths, "relight");
+  EXPECT_EQ(relight.setting, "map:bias=2");
+  EXPECT_EQ(relight.points.size(), 4u);
+  EXPECT_NEAR(relight.exponent->value, 2, 1e-9);
+  EXPECT_THROW(find_growth(records, "resolutoin"), Error);
+}
+
+TEST(growth, picture_sizes_are_an_axis) {
+  std::vector<Record> records;
+  for (const int scale : {1, 2, 4}) {
+    records.push_back(row("t", 1, 0.5 * scale * scale, 0.1));
+    records.back().width = 160 * scale;
+    records.back().height = 90 * scale;
+  }
+  EXPECT_NEAR(stage_of(find_growth(records, "pixels"), "resolve").exponent->value, 1, 1e-9);
+}
+
+// --- front ------------------------------------------------------------------------------------------------------------
+
+TEST(front, those_that_nobody_beats_in_both_are_on_it) {
+  Record reference = row("rays", 0, 1, 0);
+  reference.role = Role::reference;
+  // Cost relight + resolve: fast 2, middle 4, slow 8, bad 5.
+  const std::vector<Record> records{row("fast", 1, 1, 0.3), row("middle", 2, 2, 0.2), row("slow", 4, 4, 0.1),
+                                    row("bad", 2, 3, 0.25), reference};
+  const std::vector<Field> fields = find_fields(records, {});
+  ASSERT_EQ(fields.size(), 1u);  // one place: nothing to sum up
+  const std::vector<Stand> stands = find_front(fields[0], "lower");
+  EXPECT_EQ(stands[0].standing, Standing::front);
+  EXPECT_EQ(stands[1].standing, Standing::front);
+  EXPECT_EQ(stands[2].standing, Standing::front);
+  EXPECT_EQ(stands[3].standing, Standing::beaten);
+  EXPECT_EQ(stands[3].beaten_by, "middle");
+  EXPECT_EQ(stands[4].standing, Standing::aside);
+  EXPECT_EQ(fields[0].candidates[2].relative_cost.value, 4);
+  // Where more is better, the order of errors turns round: bad is dearer than fast and worse, middle and slow too.
+  const std::vector<Stand> turned = find_front(fields[0], "higher");
+  EXPECT_EQ(turned[0].standing, Standing::front);
+  for (const std::size_t other : {1u, 2u, 3u}) EXPECT_EQ(turned[other].standing, Standing::beaten);
+}
+
+TEST(front, noise_that_hides_who_is_cheaper_is_said) {
+  Record a = row("a", 0.5, 1, 0.1), b = row("b", 0.5, 1, 0.2);
+  a.times(Stage::resolve) = {{1.0}, {1.4}, {1.2}};
+  b.times(Stage::resolve) = {{1.1}, {1.5}, {1.3}};  // dearer and worse, but 0.1 ms is less than the noise
+  const std::vector<Stand> stands = find_front(find_fields(std::vector{a, b}, {})[0], "lower");
+  EXPECT_EQ(stands[1].standing, Standing::unclear);
+  EXPECT_EQ(stands[1].beaten_by, "a");
+}
+
+TEST(front, over_all_places_means_are_of_the_same_scenes) {
+  // "partial" finished one scene only; a mean over its easy scene would flatter it, so both are compared there.
+  const std::vector<Record> records{row("a", 1, 1, 0.1, "easy"), row("a", 8, 8, 0.5, "hard"), row("b", 2, 2, 0.3, "easy"),
+                                    row("b", 1, 1, 0.1, "hard")};
+  std::vector<Field> fields = find_fields(records, {});
+  ASSERT_EQ(fields.size(), 3u);
+  EXPECT_FALSE(fields[2].place);
+  EXPECT_EQ(fields[2].places, 2u);
+  EXPECT_NEAR(fields[2].candidates[0].error, 0.3, 1e-12);
+  EXPECT_NEAR(fields[2].candidates[0].cost->value, std::sqrt(2.0 * 16), 1e-9);  // geometric mean of 2 and 16
+  std::vector<Record> more = records;
+  more.push_back(row("partial", 1, 1, 0.01, "easy"));
+  fields = find_fields(more, {});
+  EXPECT_EQ(fields[2].places, 1u);
+  EXPECT_NEAR(fields[2].candidates[0].error, 0.1, 1e-12);
+  // Who shares no place with the others is left out, and said.
+  more.back().scene = "elsewhere";
+  fields = find_fields(more, {});
+  EXPECT_EQ(fields.back().places, 2u);
+  EXPECT_EQ(fields.back().candidates.size(), 2u);
+  ASSERT_EQ(fields.back().notes.size(), 1u);
+  EXPECT_EQ(fields.back().notes[0], "left out: partial, which finished only 1 of the scenes and lights");
+}
+
+RC_GTEST_PROP(front, nobody_on_it_is_beaten_and_everybody_else_is, ()) {
+  Field field;
+  for (int k = 0; k < *rc::gen::inRange(1, 12); ++k) {
+    Candidate c;
+    c.setting = fmt::format("s{}", k);
+    c.error = *rc::gen::inRange(0, 6);
+    c.cost = Measured(*rc::gen::inRange(1, 6));
+    field.candidates.push_back(c);
+  }
+  const std::vector<Stand> stands = find_front(field, "lower");
+  bool has_front = false;
+  for (std::size_t i = 0; i < stands.size(); ++i) {
+    bool is_beaten = false;
+    for (const Candidate& other : field.candidates) {
+      const Candidate& mine = field.candidates[i];
+      const bool is_no_worse = other.error <= mine.error && other.cost->value <= mine.cost->value;
+      is_beaten = is_beaten || (is_no_worse && (other.error < mine.error || other.cost->value < mine.cost->value));
+    }
+    RC_ASSERT((stands[i].standing == Standing::front) == !is_beaten);
+    has_front = has_front || !is_beaten;
+  }
+  RC_ASSERT(has_front);
+}
+
+// --- best -------------------------------------------------------------------------------------------------------------
+
+TEST(best, budgets_choose_by_what_they_leave_free) {
+  std::vector<Record> records{row("fast", 1, 1, 0.3), row("middle", 2, 2, 0.2), row("slow", 4, 4, 0.1)};
+  records[0].bytes = 1 << 20, records[1].bytes = 8 << 20, records[2].bytes = 2 << 20;
+  const Field field = find_fields(records, {})[0];
+  const auto winner = [&](const Budgets& budgets) {
+    const std::vector<Best> best = find_best(field, budgets, "lower");
+    return best[0].winner ? field.candidates[*best[0].winner].setting : "none";
+  };
+  EXPECT_EQ(winner({.times = {1.9}, .memories = {}, .errors = {}}), "none");
+  EXPECT_EQ(winner({.times = {2}, .memories = {}, .errors = {}}), "fast");
+  EXPECT_EQ(winner({.times = {5}, .memories = {}, .errors = {}}), "middle");
+  EXPECT_EQ(winner({.times = {100}, .memories = {}, .errors = {}}), "slow");
+  EXPECT_EQ(winner({.times = {}, .memories = {1 << 20}, .errors = {}}), "fast");
+  EXPECT_EQ(winner({.times = {}, .memories = {100 << 20}, .errors = {}}), "slow");
+  EXPECT_EQ(winner({.times = {}, .memories = {}, .errors = {0.05}}), "none");
+  EXPECT_EQ(winner({.times = {}, .memories = {}, .errors = {0.1}}), "slow");
+  EXPECT_EQ(winner({.times = {}, .memories = {}, .errors = {0.25}}), "middle");
+}
+
+TEST(best, round_budgets_run_from_somebody_to_everybody) {
+  const std::vector<Record> records{row("fast", 1, 1.3, 0.3), row("slow", 20, 20, 0.01)};
+  const Budgets budgets = round_budgets(find_fields(records, {}), 10);
+  EXPECT_EQ(budgets.times, (std::vector<double>{5, 10, 20, 50}));  // times 2.3 and 40
+  EXPECT_EQ(budgets.errors, (std::vector<double>{0.01, 0.02, 0.05, 0.1, 0.2, 0.5}));
+  EXPECT_EQ(budgets.memories, (std::vector<double>{1 << 20}));
+  EXPECT_LE(round_budgets(find_fields(records, {}), 3).errors.size(), 3u);
+  EXPECT_EQ(round_budgets(find_fields(records, {}), 3).errors.back(), 0.5);
+}
+
+// --- map --------------------------------------------------------------------------------------------------------------
+
+TEST(map, cells_are_means_over_the_scenes_and_the_best_is_marked) {
+  std::vector<Record> records;
+  for (const char* scene : {"one", "two"})
+    for (const double bias : {0.5, 1.0, 10.0})
+      for (const int size : {256, 1024}) {
+        const double wrong = (std::string(scene) == "one" ? 0.1 : 0.3) + std::abs(bias - 1) / 10 + 10.0 / size;
+        records.push_back(row(fmt::format("map:bias={},size={}", bias, size), 1, 1, wrong, scene));
+      }
+  const std::vector<Map> maps = make_maps(records, {});
+  ASSERT_EQ(maps.size(), 1u);
+  EXPECT_EQ(maps[0].x, "bias");  // three values against two
+  EXPECT_EQ(maps[0].y, "size");
+  EXPECT_EQ(maps[0].xs, (std::vector<std::string>{"0.5", "1", "10"}));  // by size, not as words
+  EXPECT_EQ(maps[0].places, 2u);
+  EXPECT_NEAR(*maps[0].at(1, 1).value, 0.2 + 10.0 / 1024, 1e-12);
+  for (std::size_t y = 0; y < 2; ++y)
+    for (std::size_t x = 0; x < 3; ++x) EXPECT_EQ(maps[0].at(x, y).is_best, x == 1 && y == 1);
+}
+
+TEST(map, what_else_varies_becomes_a_facet) {
+  std::vector<Record> records;
+  for (const int mode : {1, 2})
+    for (const int bias : {1, 2})
+      for (const int size : {256, 512, 1024})
+        records.push_back(row(fmt::format("map:bias={},size={},mode={}", bias, size, mode), 1, 1, 0.1 * mode));
+  const std::vector<Map> maps = make_maps(records, {.x = "size", .y = "bias"});
+  ASSERT_EQ(maps.size(), 2u);
+  EXPECT_EQ(maps[1].facet, (std::vector<std::pair<std::string, std::string>>{{"mode", "2"}}));
+  EXPECT_TRUE(maps[0].at(0, 0).is_best);
+  EXPECT_FALSE(maps[1].at(0, 0).is_best);  // best of all maps, not of each
+  EXPECT_EQ(make_maps(records, {.x = "size"}).size(), 4u);
+}
+
+TEST(map, nothing_to_map_is_an_error) {
+  EXPECT_THROW(make_maps(std::vector{row("a", 1, 1, 0.1)}, {}), Error);
+  const std::vector<Record> records{row("a:k=1", 1, 1, 0.1), row("a:k=2", 1, 1, 0.1)};
+  EXPECT_THROW(make_maps(records, {.x = "kk"}), Error);
+}
+
+// --- motion -----------------------------------------------------------------------------------------------------------
+
+TEST(motion, ranges_are_over_the_frames_where_the_metric_is_defined) {
+  Record r = row("a", 1, 1, 0.2);
+  r.path = "camera_slide";
+  r.frames = {{"instability", {std::nullopt, 0.1, 0.3}}, {"wrong_rate", {0.2, 0.1, 0.3}}};
+  const std::vector<Motion> motions = find_motion(std::vector{r, row("still", 1, 1, 0.1)});
+  ASSERT_EQ(motions.size(), 1u);
+  EXPECT_EQ(motions[0].frames, 3u);
+  EXPECT_DOUBLE_EQ(motions[0].instability->mean, 0.2);
+  EXPECT_EQ(motions[0].instability->greatest, 0.3);
+  EXPECT_EQ(motions[0].instability->worst, 2u);
+  EXPECT_DOUBLE_EQ(motions[0].error->mean, 0.2);
+  EXPECT_EQ(motions[0].error->least, 0.1);
+  EXPECT_THROW(find_motion(std::vector{row("still", 1, 1, 0.1)}), Error);
+  EXPECT_THROW(find_motion(std::vector{r}, "wrong_rat"), Error);
+}
+
+// --- tables of them ---------------------------------------------------------------------------------------------------
+
+TEST(analyze, every_kind_speaks_every_format) {
+  std::vector<Record> records = family({10, 100, 1000}, 1);
+  for (const int size : {256, 512}) records.push_back(row(fmt::format("map:size={}", size), 1, 1, 0.1));
+  records.push_back(row("a", 1, 1, 0.2));
+  records.back().path = "slide";
+  records.back().frames = {{"wrong_rate", {0.2, 0.1}}};
+  for (const std::string& kind : analysis_kinds()) {
+    for (const Format format : {Format::terminal, Format::markdown, Format::latex})
+      EXPECT_GT(analyze(records, kind, {}, format).size(), 100u) << kind;
+    const std::string csv = analyze(records, kind, {}, Format::csv);
+    const auto fields = std::count(csv.begin(), csv.begin() + static_cast<long>(csv.find('\r')), ',');
+    std::size_t lines = 0;
+    for (std::size_t at = 0; at < csv.size(); at = csv.find('\n', at) + 1, ++lines) {
+      const std::string line = csv.substr(at, csv.find('\r', at) - at);
+      if (!has(line, "\"")) {
+        EXPECT_EQ(std::count(line.begin(), line.end(), ','), fields) << line;
+      }
+    }
+    const Json json = Json::parse(analyze(records, kind, {}, Format::json));
+    EXPECT_EQ(json["schema"], "gnomon-table-1");
+    EXPECT_EQ(json["rows"].size() + 1, lines) << kind;  // one header
+    for (const Json& one : json["rows"]) EXPECT_EQ(one.size(), json["columns"].size());
+  }
+  EXPECT_THROW(analyze(records, "grwoth", {}, Format::csv), Error);
+}
+
+}  // namespace

@@ -1,0 +1,163 @@
+#include "measure/causes.h"
+
+#include <gnomon/error.h>
+#include <gtest/gtest.h>
+
+#include "cause_world.h"
+
+namespace {
+
+using namespace gnomon;
+using namespace gnomon::cause_world;
+
+TEST(causes, tessellation_is_right_on_the_mesh_and_comes_first) {
+  World world(on_ground({}));
+  world.right_on_mesh.assign(world.mask.size(), 0);
+  world.mask[100] = world.mask[200] = 0;
+  world.right_on_mesh[100] = 1;
+  world.right_on_mesh[300] = 1;  // right on both: no error at all
+  const auto not_covered = [](std::uint32_t) {
+    Explanation why;
+    why.covered = false;
+    return why;
+  };
+  EXPECT_EQ(world.causes(not_covered), (Causes{{"tessellation", 1}, {"beyond_coverage", 1}}));
+}
+
+TEST(causes, beyond_coverage_is_what_the_technique_says_and_comes_before_missing_casters) {
+  World world(on_ground({plate(-3, -1, -1, 1, 2)}), slanted);
+  world.mask.assign(world.mask.size(), 1);  // the whole shadow is missing
+  const auto not_covered = [](std::uint32_t) {
+    Explanation why;
+    why.covered = false;
+    return why;
+  };
+  EXPECT_GT(world.wrong(), 100u);
+  EXPECT_EQ(world.causes(not_covered), (Causes{{"beyond_coverage", world.wrong()}}));
+}
+
+TEST(causes, a_shadow_that_is_lit_is_a_missing_caster) {
+  World world(on_ground({plate(-3, -1, -1, 1, 2)}), slanted);
+  const std::vector<float> truth = world.truth;
+  world.mask.assign(world.mask.size(), 1);
+  const std::uint64_t all = world.wrong();
+  EXPECT_GT(all, 100u);
+  EXPECT_EQ(world.causes(), (Causes{{"missing_caster", all}}));
+  // False dark elsewhere is none of it.
+  World dark(on_ground({plate(-3, -1, -1, 1, 2)}), slanted);
+  dark.mask.assign(dark.mask.size(), 1);
+  dark.mask[dark.pixel(3, 2)] = 0;
+  EXPECT_EQ(dark.causes(), (Causes{{"missing_caster", all}, {"crack", 1}}));
+  // With a tenth of it dark, the caster is there.
+  std::uint64_t left = (static_cast<std::uint64_t>(std::ranges::count(truth, 0.0f)) + 9) / 10;
+  for (std::size_t i = 0; i < truth.size() && left > 0; ++i)
+    if (truth[i] == 0) world.mask[i] = 0, --left;
+  EXPECT_FALSE(world.causes().contains("missing_caster"));
+}
+
+TEST(causes, a_shadow_of_seven_pixels_or_beside_another_object_s_is_judged_alone) {
+  // Plates of one pixel's width, 0.129 m on the ground, seven and nine pixels long; the sun shifts their shadows aside.
+  const auto strip = [](float z, int pixels) {
+    const float pixel = 8.284f / 64;
+    return plate(-3, -3 + pixel * static_cast<float>(pixels), z, z + pixel, 2);
+  };
+  for (const int length : {6, 7, 8, 9}) {
+    World world(on_ground({strip(0.02f, length)}), slanted);
+    const auto size = static_cast<std::uint64_t>(std::ranges::count_if(world.occluder, [](std::uint32_t m) { return m == 1; }));
+    ASSERT_NEAR(double(size), length, 1);
+    world.mask.assign(world.mask.size(), 1);
+    EXPECT_EQ(world.causes().contains("missing_caster"), size >= 8) << size;
+  }
+  // Two plates whose shadows touch: one is drawn, the other is not.
+  World pair(on_ground({plate(-3, -2, -1, 0, 2), plate(-3, -2, 0, 1, 2)}), slanted);
+  std::uint64_t second = 0;
+  for (std::size_t i = 0; i < pair.mask.size(); ++i)
+    if (pair.occluder[i] == 2) pair.mask[i] = 1, second += pair.classes[i] == PixelClass::T;
+  EXPECT_GT(second, 30u);
+  EXPECT_EQ(pair.causes(), (Causes{{"missing_caster", second}}));
+}
+
+TEST(causes, without_taps_size_and_distance_to_the_edge_decide) {
+  World world = behind_a_screen();
+  const auto flip = [&](std::uint32_t i, int columns, int rows) {
+    for (int y = 0; y < rows; ++y)
+      for (int x = 0; x < columns; ++x) {
+        ASSERT_EQ(world.classes[i + y * 64 + x], PixelClass::T);
+        world.mask[i + y * 64 + x] = 1 - world.truth[i + y * 64 + x];
+      }
+  };
+  // The shadow's far edge: its first lit column at x = 3. Both columns beside it are the boundary itself; the next one is 1
+  // pixel away, the one after that 2.
+  std::uint32_t edge = world.pixel(2.8, 0);
+  while (world.truth[edge] == 0) ++edge;
+  const std::vector<float> right = world.mask;
+  flip(edge + 1, 1, 9);
+  EXPECT_EQ(world.causes(), (Causes{{"edge_raster", 9}}));
+  world.mask = right;
+  flip(edge + 2, 2, 2);
+  EXPECT_EQ(world.causes(), (Causes{{"crack", 4}}));
+  world.mask = right;
+  flip(edge + 2, 5, 1);
+  EXPECT_EQ(world.causes(), (Causes{{"region", 5}}));
+  // What touches an edge counts its far pixels only; diagonal neighbors are connected.
+  world.mask = right;
+  flip(edge, 4, 1);
+  EXPECT_EQ(world.causes(), (Causes{{"edge_raster", 2}, {"crack", 2}}));
+  world.mask = right;
+  for (int k = 0; k < 5; ++k) flip(edge + 3 + k * 65, 1, 1);
+  EXPECT_EQ(world.causes(), (Causes{{"region", 5}}));
+  // An account without taps, of the element that decided, changes nothing.
+  EXPECT_EQ(world.causes([](std::uint32_t) {
+    Explanation why;
+    why.element = 7;
+    return why;
+  }),
+            (Causes{{"region", 5}}));
+}
+
+TEST(causes, an_edge_of_a_shadow_thinner_than_a_pixel_is_an_edge_where_the_raster_may_reach_it) {
+  // A strip whose shadow, 1 cm wide, begins 0.3 mm or 3 mm beside a pixel's point, where a pixel is 129 mm: 1/430 and 1/43
+  // pixel. No pixel is in it, so the picture of the reference has no edge; snapping to 1/256 pixel explains the first.
+  const World ground(on_ground({}), slanted);
+  const glm::dvec3 p = ground.point(ground.pixel(1, 0.2));
+  for (const double gap : {0.0003, 0.003}) {
+    const auto begin = static_cast<float>(p.x + gap - 2);
+    World world(on_ground({plate(begin, begin + 0.01f, -1, 1, 2)}), slanted);
+    const std::uint32_t i = world.pixel(1, 0.2);
+    ASSERT_EQ(world.classes[i], PixelClass::T);
+    ASSERT_EQ(std::ranges::count(world.truth, 0.0f), 0);
+    world.mask[i] = 0;
+    EXPECT_EQ(world.causes(), (Causes{{gap < 0.001 ? "edge_raster" : "crack", 1}}));
+  }
+}
+
+TEST(causes, a_partly_lit_point_without_another_cause_is_penumbra) {
+  World world(on_ground({}), slanted);
+  const std::uint32_t i = world.pixel(2, 1), j = world.pixel(-2, 1);
+  world.truth[i] = 0.2f, world.truth[j] = 0.7f;  // as an area light would say
+  world.mask[i] = 0.8f, world.mask[j] = 0.1f;
+  EXPECT_EQ(world.causes(), (Causes{{"penumbra", 2}}));
+  // With taps: places in full light (nothing stored) cannot explain the dark one; the lit one is on their side.
+  EXPECT_EQ(world.causes([&](std::uint32_t k) { return tapped(through(world.point(k).x, 1, -INFINITY), 0.1); }),
+            (Causes{{"penumbra", 1}, {"edge_resolution", 1}}));
+}
+
+TEST(causes, dark_where_nothing_is_stored_is_unexplained) {
+  World world(on_ground({}), slanted);
+  const std::uint32_t i = world.pixel(2, 1);
+  world.mask[i] = 0;
+  EXPECT_EQ(world.causes([&](std::uint32_t) { return tapped(through(2, 1, -INFINITY), 0.1); }), (Causes{{"unexplained", 1}}));
+}
+
+TEST(causes, a_technique_that_explains_another_number_of_pixels_is_an_error) {
+  World world(on_ground({}));
+  world.mask[100] = 0;
+  const Reference r = world.reference();
+  const auto none = [](std::span<const std::uint32_t>) { return std::vector<std::optional<Explanation>>(); };
+  EXPECT_THROW(find_causes({world.scene, world.casters, world.gbuffer, world.light, r, world.mask, {}, none}), Error);
+  // Nobody to ask is no error: then it is a technique without an account.
+  EXPECT_EQ(count_causes(find_causes({world.scene, world.casters, world.gbuffer, world.light, r, world.mask, {}, {}}))["crack"],
+            1u);
+}
+
+}  // namespace

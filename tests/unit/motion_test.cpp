@@ -1,0 +1,76 @@
+#include "measure/motion.h"
+
+#include <gnomon/error.h>
+#include <gtest/gtest.h>
+
+namespace {
+
+using namespace gnomon;
+
+const Path bent{"bent", Path::Moves::camera, {{0, 0, 0}, {2, 0, 0}, {2, 4, 0}}, 5};
+
+TEST(motion, keys_are_passed_at_equal_steps_in_straight_lines) {
+  // Five frames over two pieces: 0, 1/2, 1, 3/2, 2 keys along.
+  const View view{.name = "view", .eye = {9, 9, 9}, .target = {0, 0, -5}};
+  const glm::vec3 due[] = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 2, 0}, {2, 4, 0}};
+  for (int frame = 0; frame < 5; ++frame) {
+    const View moved = view_at(bent, view, frame);
+    EXPECT_EQ(moved.eye, due[frame]) << frame;
+    EXPECT_EQ(moved.target, view.target);
+  }
+}
+
+TEST(motion, a_path_moves_the_camera_or_the_light_and_leaves_the_other) {
+  Path path = bent;
+  const Light point{.name = "point", .kind = PointLight{{1, 2, 3}}};
+  EXPECT_EQ(std::get<PointLight>(light_at(path, point, 3).kind).position, glm::vec3(1, 2, 3));
+  path.moves = Path::Moves::light;
+  EXPECT_EQ(std::get<PointLight>(light_at(path, point, 3).kind).position, glm::vec3(2, 2, 0));
+  const View view{.name = "view", .eye = {9, 9, 9}};
+  EXPECT_EQ(view_at(path, view, 3).eye, view.eye);
+  const Light rect{.name = "rect", .kind = RectLight{{0, 5, 0}, {1, 0, 0}, {0, 0, 1}}};
+  EXPECT_EQ(std::get<RectLight>(light_at(path, rect, 1).kind).center, glm::vec3(1, 0, 0));
+}
+
+TEST(motion, every_scene_has_slides_of_one_percent) {
+  Scene scene;
+  Mesh mesh;
+  mesh.positions = {{-1, 0, -1}, {1, 0, -1}, {0, 2, 1}};
+  scene.meshes = {mesh};
+  const Light point{.name = "point", .kind = PointLight{{0, 11, 0}}};
+  const Light sun{.name = "sun", .kind = DirectionalLight{{0, -3, 4}}};
+  const View view{.name = "view", .eye = {0, 0, 8}, .target = {0, 0, -2}};
+
+  const Path camera = find_path(scene, "camera_slide", point, view);
+  const glm::vec3 end = view_at(camera, view, camera.frame_count - 1).eye;
+  EXPECT_EQ(view_at(camera, view, 0).eye, view.eye);
+  EXPECT_NEAR(end.x, 0.1, 1e-6) << "1 % of 10 m to the target, to the right";
+  EXPECT_NEAR(end.z, 8, 1e-6);
+
+  const Path light = find_path(scene, "light_slide", point, view);
+  const glm::vec3 moved = std::get<PointLight>(light_at(light, point, light.frame_count - 1).kind).position;
+  EXPECT_NEAR(glm::distance(moved, glm::vec3(0, 11, 0)), 0.1, 1e-6) << "1 % of 10 m to the middle (0, 1, 0)";
+
+  const Path turn = find_path(scene, "light_slide", sun, view);
+  const auto direction = glm::normalize(std::get<DirectionalLight>(light_at(turn, sun, turn.frame_count - 1).kind).direction);
+  EXPECT_NEAR(std::acos(glm::dot(direction, glm::normalize(glm::vec3(0, -3, 4)))), 0.01, 1e-4);
+}
+
+TEST(motion, the_scenes_own_paths_come_first_and_a_wrong_name_is_said) {
+  Scene scene;
+  scene.name = "little";
+  Path own = bent;
+  own.name = "camera_slide";
+  scene.paths = {own};
+  const Light light{.name = "point", .kind = PointLight{}};
+  EXPECT_EQ(find_path(scene, "camera_slide", light, View{}).frame_count, 5);
+  try {
+    find_path(scene, "camera_slid", light, View{});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("scene little has no path camera_slid; did you mean camera_slide?"),
+              std::string::npos);
+  }
+}
+
+}  // namespace
