@@ -95,7 +95,7 @@ int render(const RenderOptions& options, const WorkerOptions& worker) {
   std::vector<std::vector<float>> masks;
   Json records = Json::array();
   for (const Job& job : jobs) {
-    const Place place = run.place(job);
+    const Standpoint place = run.place(job);
     const Support support = seat.go(place, suite.truth);
     if (!support) throw Error("{} does not support {} {}: {}", job.contender.name(), job.scene, job.light, support.why());
     if (support.kind() == Support::Kind::approximate) fmt::print(stderr, "note: {}: {}\n", job.light, support.why());
@@ -104,7 +104,7 @@ int render(const RenderOptions& options, const WorkerOptions& worker) {
     record.reason = support.why();
     record.context["scene_hash"] = run.frames.scene_hash();
     record.times(Stage::setup) = {{seat.setup_ms()}};
-    const Measured measured = measure(record, run, seat, place);
+    const MeasuredRow measured = measure(record, run, seat, place);
     const Answer& answer = measured.answer;
     const Tally& counts = measured.tally;
     // One warm call each: `gnomon run` is for timing.

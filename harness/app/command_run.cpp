@@ -73,8 +73,8 @@ void print_rows(const RunOptions& options, SceneLibrary& library) {
              suite.width, suite.height);
   std::erase_if(jobs, [&](const Job& job) { return !library.get(job.scene).missing.empty(); });
   if (jobs.empty()) return;
-  std::vector<Cost> costs = own_history().read();
-  for (Cost& cost : shipped_costs()) costs.push_back(std::move(cost));
+  std::vector<RowCost> costs = own_history().read();
+  for (RowCost& cost : shipped_costs()) costs.push_back(std::move(cost));
   const Estimator estimate(std::move(costs), machine_name(machine_context(options.worker.threads)));
   fmt::print("{}\n", text(estimate(jobs, {suite.processes, suite.warmups, suite.repetitions})));
   if (suite.interval > 0) fmt::print("and up to {} more for narrow intervals\n", duration_text(suite.budget));

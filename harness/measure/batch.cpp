@@ -172,7 +172,7 @@ class Batch {
   /// Goes to the row's frame; in the first process also asks for support, takes the answer and scores it.
   void prepare(Row& row) {
     Seat& seat = seat_of(row);
-    const Place place = run_.place(row.job);
+    const Standpoint place = run_.place(row.job);
     const Support support = seat.go(place, run_.suite.truth);
     if (process_ == 0) {
       row.record.support = support.kind();

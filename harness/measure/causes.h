@@ -64,8 +64,8 @@ std::vector<Cause> find_causes(const Attribution& attribution);
 /// By name, every cause; zeros too.
 std::map<std::string, std::uint64_t> count_causes(std::span<const Cause> causes);
 
-/// Explanations as bytes, between a worker and its owner. Throws Error on an explanation that cannot be traced: a number that is
-/// not finite (but a stored distance may be infinite), or a tap's direction that has not length 1.
+/// Explanations as bytes, between a worker and its owner. Throws Error on an explanation that cannot be traced: a number that
+/// is not finite (but a stored distance may be infinite), or a tap's direction that has not length 1.
 std::vector<std::byte> explanation_bytes(std::span<const std::optional<Explanation>> explanations);
 /// The inverse. Throws Error on bytes of another layout.
 std::vector<std::optional<Explanation>> explanations_from_bytes(std::span<const std::byte> bytes);

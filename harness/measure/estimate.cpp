@@ -40,13 +40,13 @@ double timed_seconds(const std::array<double, 3>& stages, const Effort& effort) 
   return sum;
 }
 
-Json to_line(const Cost& cost) {
+Json to_line(const RowCost& cost) {
   return {{"job", cost.job},   {"scene", cost.scene},     {"technique", cost.technique}, {"settings", cost.settings},
           {"path", cost.path}, {"width", cost.width},     {"height", cost.height},       {"machine", cost.machine},
           {"once", cost.once}, {"process", cost.process}, {"stages", cost.stages},       {"measured", cost.is_measured}};
 }
 
-Cost from_line(const Json& json) {
+RowCost from_line(const Json& json) {
   return {.job = json.at("job"),
           .scene = json.at("scene"),
           .technique = json.at("technique"),
@@ -64,7 +64,7 @@ Cost from_line(const Json& json) {
 double pixels(int width, int height) { return static_cast<double>(width) * height; }
 
 /// The cost of a row as it would be in another picture size: what is done for each pixel scales, the rest stays.
-Cost scaled_to(Cost cost, int width, int height) {
+RowCost scaled_to(RowCost cost, int width, int height) {
   const double ratio = pixels(width, height) / std::max(1.0, pixels(cost.width, cost.height));
   cost.once *= ratio;
   cost.stages[2] *= ratio;
@@ -97,7 +97,7 @@ class WriterLock {
 
 }  // namespace
 
-double Cost::seconds(const Effort& effort) const {
+double RowCost::seconds(const Effort& effort) const {
   // An unsupported row asks once and is over.
   return is_measured ? once + effort.processes * (process + timed_seconds(stages, effort)) : once;
 }
@@ -107,8 +107,8 @@ std::string machine_name(const Json& context) {
   return fmt::format("{} cores {} threads {}", text("processor"), text("cores"), text("threads"));
 }
 
-Cost cost_of(const Record& record, int warmups, double opening) {
-  Cost cost{.job = record.job,
+RowCost cost_of(const Record& record, int warmups, double opening) {
+  RowCost cost{.job = record.job,
             .scene = record.scene,
             .technique = record.technique,
             .settings = record.settings,
@@ -137,8 +137,8 @@ Cost cost_of(const Record& record, int warmups, double opening) {
   return cost;
 }
 
-std::vector<Cost> History::read() const {
-  std::vector<Cost> costs;
+std::vector<RowCost> History::read() const {
+  std::vector<RowCost> costs;
   std::ifstream stream(file_, std::ios::binary);
   for (std::string line; std::getline(stream, line);) try {
       costs.push_back(from_line(Json::parse(line)));
@@ -147,24 +147,24 @@ std::vector<Cost> History::read() const {
   return costs;
 }
 
-void History::add(std::span<const Cost> costs) const {
+void History::add(std::span<const RowCost> costs) const {
   if (costs.empty()) return;
   const WriterLock lock(fs::path(file_) += ".lock");
-  std::vector<Cost> all = read();
+  std::vector<RowCost> all = read();
   std::set<std::pair<std::string, std::string>> fresh;
-  for (const Cost& cost : costs) fresh.emplace(cost.job, cost.machine);
-  std::erase_if(all, [&](const Cost& cost) { return fresh.contains({cost.job, cost.machine}); });
+  for (const RowCost& cost : costs) fresh.emplace(cost.job, cost.machine);
+  std::erase_if(all, [&](const RowCost& cost) { return fresh.contains({cost.job, cost.machine}); });
   all.insert(all.end(), costs.begin(), costs.end());
   if (all.size() > most_rows) all.erase(all.begin(), all.end() - static_cast<std::ptrdiff_t>(most_rows));
   std::string text;
-  for (const Cost& cost : all) text += to_line(cost).dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
+  for (const RowCost& cost : all) text += to_line(cost).dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
   write_file(file_, text);
 }
 
 History own_history() { return History(cache_root() / "history.jsonl"); }
 
-std::vector<Cost> shipped_costs() {
-  std::vector<Cost> costs;
+std::vector<RowCost> shipped_costs() {
+  std::vector<RowCost> costs;
   const fs::path folder = data_root() / "results";
   std::error_code none;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, none)) try {
@@ -179,17 +179,17 @@ std::vector<Cost> shipped_costs() {
   return costs;
 }
 
-Estimator::Estimator(std::vector<Cost> costs, std::string machine) {
+Estimator::Estimator(std::vector<RowCost> costs, std::string machine) {
   std::map<std::string, std::vector<double>> ratios;
   std::map<std::string, double> own_seconds;
-  for (const Cost& cost : costs)
+  for (const RowCost& cost : costs)
     if (cost.machine == machine && cost.is_measured) own_seconds[cost.job] = cost.seconds({});
-  for (const Cost& cost : costs) {
+  for (const RowCost& cost : costs) {
     if (cost.machine == machine || !cost.is_measured) continue;
     const auto own = own_seconds.find(cost.job);
     if (own != own_seconds.end() && cost.seconds({}) > 0) ratios[cost.machine].push_back(own->second / cost.seconds({}));
   }
-  for (Cost& cost : costs) {
+  for (RowCost& cost : costs) {
     if (cost.machine == machine) {
       here_.push_back(std::move(cost));
       continue;
@@ -204,26 +204,26 @@ Estimator::Estimator(std::vector<Cost> costs, std::string machine) {
 }
 
 TimeEstimate Estimator::operator()(std::span<const Job> jobs, const Effort& effort) const {
-  using Near = bool (*)(const Cost&, const Job&);
-  static constexpr auto technique = [](const Cost& c, const Job& j) { return c.technique == j.contender.technique; };
-  static constexpr auto contender = [](const Cost& c, const Job& j) {
+  using Near = bool (*)(const RowCost&, const Job&);
+  static constexpr auto technique = [](const RowCost& c, const Job& j) { return c.technique == j.contender.technique; };
+  static constexpr auto contender = [](const RowCost& c, const Job& j) {
     return technique(c, j) && c.settings == j.contender.settings;
   };
-  static constexpr auto scene = [](const Cost& c, const Job& j) { return c.scene == j.scene && c.path == j.path; };
+  static constexpr auto scene = [](const RowCost& c, const Job& j) { return c.scene == j.scene && c.path == j.path; };
   static constexpr Near levels[] = {
-      [](const Cost& c, const Job& j) { return c.job == j.hash; },
-      [](const Cost& c, const Job& j) { return scene(c, j) && contender(c, j) && c.width == j.width && c.height == j.height; },
-      [](const Cost& c, const Job& j) { return scene(c, j) && contender(c, j); },
-      [](const Cost& c, const Job& j) { return scene(c, j) && technique(c, j); },
-      [](const Cost& c, const Job& j) { return contender(c, j); },
-      [](const Cost& c, const Job& j) { return technique(c, j); },
-      [](const Cost&, const Job&) { return true; },
+      [](const RowCost& c, const Job& j) { return c.job == j.hash; },
+      [](const RowCost& c, const Job& j) { return scene(c, j) && contender(c, j) && c.width == j.width && c.height == j.height; },
+      [](const RowCost& c, const Job& j) { return scene(c, j) && contender(c, j); },
+      [](const RowCost& c, const Job& j) { return scene(c, j) && technique(c, j); },
+      [](const RowCost& c, const Job& j) { return contender(c, j); },
+      [](const RowCost& c, const Job& j) { return technique(c, j); },
+      [](const RowCost&, const Job&) { return true; },
   };
   TimeEstimate result;
   for (const Job& job : jobs) {
     std::vector<double> found;
-    const auto look = [&](const std::vector<Cost>& costs, std::size_t level) {
-      for (const Cost& cost : costs)
+    const auto look = [&](const std::vector<RowCost>& costs, std::size_t level) {
+      for (const RowCost& cost : costs)
         if ((level == 0 || cost.is_measured) && levels[level](cost, job))
           found.push_back(scaled_to(cost, job.width, job.height).seconds(effort));
       return !found.empty();

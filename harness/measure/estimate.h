@@ -16,7 +16,7 @@ struct Effort {
 };
 
 /// What a row of an earlier run took, split by what it grows with.
-struct Cost {
+struct RowCost {
   std::string job, scene, technique, settings, path;
   int width = 0, height = 0;
   std::string machine;           ///< machine_name() of where it ran
@@ -32,7 +32,7 @@ struct Cost {
 inline constexpr double usual_opening = 0.04;
 
 /// The cost that a record tells of, when its row was run with so many warm-ups and `opening` seconds for each process.
-Cost cost_of(const Record& record, int warmups = 3, double opening = usual_opening);
+RowCost cost_of(const Record& record, int warmups = 3, double opening = usual_opening);
 
 /// Processor, cores and threads: what a time depends on first.
 std::string machine_name(const Json& context);
@@ -43,10 +43,10 @@ class History {
  public:
   static constexpr std::size_t most_rows = 4000;
   explicit History(std::filesystem::path file) : file_(std::move(file)) {}
-  std::vector<Cost> read() const;
+  std::vector<RowCost> read() const;
   /// Replaces what is known of these jobs on their machine, and forgets the oldest rows beyond `most_rows`. One writer at a
   /// time: others wait. Throws Error when the file cannot be written.
-  void add(std::span<const Cost> costs) const;
+  void add(std::span<const RowCost> costs) const;
 
  private:
   std::filesystem::path file_;
@@ -56,7 +56,7 @@ History own_history();
 
 /// Costs of all results/*/records.jsonl that come with the program: what a fresh clone knows. Files that are no records are
 /// left out.
-std::vector<Cost> shipped_costs();
+std::vector<RowCost> shipped_costs();
 
 struct TimeEstimate {
   double seconds = 0;
@@ -69,11 +69,11 @@ struct TimeEstimate {
 /// before those of others, whose times are scaled by the median ratio over the jobs that both have run (from five on).
 class Estimator {
  public:
-  Estimator(std::vector<Cost> costs, std::string machine);
+  Estimator(std::vector<RowCost> costs, std::string machine);
   TimeEstimate operator()(std::span<const Job> jobs, const Effort& effort) const;
 
  private:
-  std::vector<Cost> here_, elsewhere_;  ///< the latter scaled to this machine
+  std::vector<RowCost> here_, elsewhere_;  ///< the latter scaled to this machine
 };
 
 /// "estimated time: 4 min 10 s (from 140 rows measured on this machine, 18 guessed from similar rows)".

@@ -50,18 +50,18 @@ Record::SceneFacts facts_of(const Scene& scene) {
 std::size_t SceneRun::light_index(const std::string& name) const { return index_of(scene.lights, name); }
 std::size_t SceneRun::view_index(const std::string& name) const { return index_of(scene.views, name); }
 
-Place SceneRun::place(const Job& job) const {
-  Place place{light_index(job.light), view_index(job.view), job.width, job.height, std::nullopt, 0};
+Standpoint SceneRun::place(const Job& job) const {
+  Standpoint place{light_index(job.light), view_index(job.view), job.width, job.height, std::nullopt, 0};
   if (!job.path.empty()) place.path = find_path(scene, job.path, scene.lights[place.light], scene.views[place.view]);
   return place;
 }
 
-Light SceneRun::light(const Place& place) const {
+Light SceneRun::light(const Standpoint& place) const {
   const Light& still = scene.lights[place.light];
   return place.path ? light_at(*place.path, still, place.frame) : still;
 }
 
-FrameKey SceneRun::key(const Place& place, Truth truth) const {
+FrameKey SceneRun::key(const Standpoint& place, Truth truth) const {
   const View& still = scene.views[place.view];
   return {place.path ? view_at(*place.path, still, place.frame) : still, place.width, place.height,
           scene.has_curved_shapes() ? truth : Truth::shape};
@@ -82,7 +82,7 @@ void Seat::open_end() {
   gl_ = worker_.receive(std::max(run_.suite.timeout, 60.0))["gl"];
 }
 
-Support Seat::go(const Place& place, Truth truth) {
+Support Seat::go(const Standpoint& place, Truth truth) {
   place_ = place;
   truth_ = truth;
   const FrameKey key = run_.key(place, truth);
@@ -211,7 +211,7 @@ std::vector<std::uint8_t> right_pixels(const Evidence& evidence) {
 
 }  // namespace
 
-Measured measure(Record& record, SceneRun& run, Seat& seat, const Place& first) {
+MeasuredRow measure(Record& record, SceneRun& run, Seat& seat, const Standpoint& first) {
   if (!seat.gl().is_null()) {
     record.context["gl_renderer"] = seat.gl()["renderer"];
     record.context["gl_version"] = seat.gl()["version"];
@@ -224,10 +224,10 @@ Measured measure(Record& record, SceneRun& run, Seat& seat, const Place& first) 
   record.classes.clear();
   record.causes.emplace();
   record.frames.clear();
-  Measured now, before;
-  for (Place place = first; place.frame < first.frame_count(); ++place.frame) {
+  MeasuredRow now, before;
+  for (Standpoint place = first; place.frame < first.frame_count(); ++place.frame) {
     before = std::move(now);
-    now = Measured{.light = run.light(place), .answer = {}, .tally = {}, .other_mask = {}};
+    now = MeasuredRow{.light = run.light(place), .answer = {}, .tally = {}, .other_mask = {}};
     std::vector<std::uint8_t> right_on_mesh;
     if (has_two_truths) {
       seat.go(place, other);
@@ -263,7 +263,7 @@ Measured measure(Record& record, SceneRun& run, Seat& seat, const Place& first) 
   return now;
 }
 
-void write_pictures(Record& record, const SceneRun& run, const Measured& measured, const fs::path& out) {
+void write_pictures(Record& record, const SceneRun& run, const MeasuredRow& measured, const fs::path& out) {
   const Answer& answer = measured.answer;
   const std::string stem = file_stem(record);
   // What `--rescore` and the report need: the mask, the cause of each pixel, and the mask under the other truth.

@@ -10,7 +10,7 @@
 namespace gnomon {
 
 /// Where a row stands: all that its mask depends on but the technique and its settings.
-struct Place {
+struct Standpoint {
   std::size_t light = 0, view = 0;  ///< indices in the scene
   int width = 0, height = 0;
   std::optional<Path> path;
@@ -37,9 +37,9 @@ struct SceneRun {
 
   std::size_t light_index(const std::string& name) const;
   std::size_t view_index(const std::string& name) const;
-  Place place(const Job& job) const;
-  Light light(const Place& place) const;
-  FrameKey key(const Place& place, Truth truth) const;
+  Standpoint place(const Job& job) const;
+  Light light(const Standpoint& place) const;
+  FrameKey key(const Standpoint& place, Truth truth) const;
 };
 
 /// A contender's seat in one process: its worker and the frame it stands at.
@@ -51,7 +51,7 @@ class Seat {
   void open_begin();
   void open_end();
   /// Goes to a place under a truth. Answers the support.
-  Support go(const Place& place, Truth truth);
+  Support go(const Standpoint& place, Truth truth);
   /// What setup took in this process; does it at the first call.
   double setup_ms();
   /// Does build, relight or resolve once more.
@@ -69,7 +69,7 @@ class Seat {
   Contender contender_;
   Worker worker_;
   Json gl_, frame_reply_;
-  Place place_;
+  Standpoint place_;
   Truth truth_ = Truth::shape;
   std::optional<double> setup_ms_;
 };
@@ -78,7 +78,7 @@ class Seat {
 Record start_record(const Job& job, const Suite& suite, const Scene* scene, const Json& context);
 
 /// An answer with its score.
-struct Measured {
+struct MeasuredRow {
   Light light;  ///< that counts, which on a path is not the scene's
   Answer answer;
   Tally tally;
@@ -88,9 +88,9 @@ struct Measured {
 /// All of a row but its times, at the place where the seat stands: counts, memory, classes, causes, metrics against both
 /// truths, what GL it ran on. A row on a path is measured at every frame: metrics are means, classes and causes sums over its
 /// frames, and the answer is that of the last one. The seat ends at the first frame under the headline truth.
-Measured measure(Record& record, SceneRun& run, Seat& seat, const Place& place);
+MeasuredRow measure(Record& record, SceneRun& run, Seat& seat, const Standpoint& place);
 
 /// Writes mask, error and shaded picture below `out` and names them in the record.
-void write_pictures(Record& record, const SceneRun& run, const Measured& measured, const std::filesystem::path& out);
+void write_pictures(Record& record, const SceneRun& run, const MeasuredRow& measured, const std::filesystem::path& out);
 
 }  // namespace gnomon

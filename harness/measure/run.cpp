@@ -147,7 +147,7 @@ RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress&
     const SceneLibrary::Entry& entry = library.get(scene);
     std::optional<SceneRun> run;
     if (entry.scene) run.emplace(scene, *entry.scene, options.suite, cache_root() / "frames", scratch.path);
-    std::vector<Cost> costs;
+    std::vector<RowCost> costs;
     for (std::vector<Row>& batch : split(std::move(rows[scene]))) {
       const Json context = machine_context(options.worker.threads);
       for (Row& row : batch) {

@@ -180,7 +180,8 @@ std::string heading_of(std::string metric) {
   if (const std::size_t rate = metric.find("_rate_"); rate != metric.npos) metric.erase(rate, 5);
   if (metric.starts_with("displacement")) metric.replace(0, 12, "displ.");
   // "wrong_rate_edge_0_1" -> "wrong edge 0..1".
-  metric = std::regex_replace(metric, std::regex("_([0-9]+)_([0-9]+|up)$"), " $1..$2");
+  static const std::regex bounds("_([0-9]+)_([0-9]+|up)$");
+  metric = std::regex_replace(metric, bounds, " $1..$2");
   std::replace(metric.begin(), metric.end(), '_', ' ');
   return metric;
 }

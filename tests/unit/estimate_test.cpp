@@ -11,7 +11,7 @@ namespace {
 using namespace gnomon;
 namespace fs = std::filesystem;
 
-Cost cost(const std::string& job, const std::string& technique = "shadow_map", const std::string& scene = "soup") {
+RowCost cost(const std::string& job, const std::string& technique = "shadow_map", const std::string& scene = "soup") {
   return {.job = job,
           .scene = scene,
           .technique = technique,
@@ -30,12 +30,12 @@ Job job(const std::string& hash, const std::string& technique = "shadow_map", co
   return {hash, scene, "sun", "main", {technique, "", ""}, 100, 100, "", 0};
 }
 
-TimeEstimate estimate(std::vector<Cost> costs, const Job& of, const Effort& effort = {1, 0, 1}) {
+TimeEstimate estimate(std::vector<RowCost> costs, const Job& of, const Effort& effort = {1, 0, 1}) {
   return Estimator(std::move(costs), "here")(std::span(&of, 1), effort);
 }
 
 TEST(estimate, seconds_grow_with_processes_warm_ups_and_repetitions_as_a_batch_spends_them) {
-  Cost slow = cost("1");
+  RowCost slow = cost("1");
   slow.stages = {0, 0, 100};  // 100 ms: one call is one sample
   // once 0.5 + 5 x (0.1 + (3 + 3) x 0.1)
   EXPECT_NEAR(slow.seconds({5, 3, 3}), 0.5 + 5 * (0.1 + 0.6), 1e-3);
@@ -70,7 +70,7 @@ TEST(estimate, build_that_another_light_paid_is_not_paid_twice) {
   r.times(Stage::build) = {{200, 200, 200}};
   r.times(Stage::resolve) = {{1, 1, 1}};
   r.seconds = 0.25;  // less than six builds: they were timed at the first light
-  const Cost cost = cost_of(r);
+  const RowCost cost = cost_of(r);
   EXPECT_EQ(cost.stages[0], 0);
   EXPECT_NEAR(cost.seconds({1, 3, 3}), 0.25, 1e-9);
   r.seconds = 2;
@@ -81,9 +81,9 @@ TEST(estimate, the_nearest_row_counts) {
   // From far to near; each new row is nearer than all before it and takes over.
   Job wanted = job("1");
   wanted.contender.settings = "resolution=64";
-  std::vector<Cost> costs;
+  std::vector<RowCost> costs;
   const auto add = [&](double seconds, auto change) {
-    Cost c = cost("9");
+    RowCost c = cost("9");
     c.once = seconds;
     c.process = 0;
     change(c);
@@ -91,22 +91,22 @@ TEST(estimate, the_nearest_row_counts) {
     return estimate(costs, wanted);
   };
   EXPECT_EQ(estimate({}, wanted).unknown, 1u);
-  EXPECT_EQ(add(1, [](Cost& c) { c.technique = "other", c.scene = "box"; }).seconds, 1);
-  EXPECT_EQ(add(2, [](Cost& c) { c.scene = "box"; }).seconds, 2);
-  EXPECT_EQ(add(3, [](Cost& c) { c.scene = "hut", c.settings = "resolution=64"; }).seconds, 3);
-  EXPECT_EQ(add(4, [](Cost&) {}).seconds, 4);
+  EXPECT_EQ(add(1, [](RowCost& c) { c.technique = "other", c.scene = "box"; }).seconds, 1);
+  EXPECT_EQ(add(2, [](RowCost& c) { c.scene = "box"; }).seconds, 2);
+  EXPECT_EQ(add(3, [](RowCost& c) { c.scene = "hut", c.settings = "resolution=64"; }).seconds, 3);
+  EXPECT_EQ(add(4, [](RowCost&) {}).seconds, 4);
   // The same row at twice the height: half of what is paid for each pixel.
-  EXPECT_EQ(add(10, [](Cost& c) { c.settings = "resolution=64", c.height = 200; }).seconds, 5);
-  const TimeEstimate similar = add(6, [](Cost& c) { c.settings = "resolution=64"; });
+  EXPECT_EQ(add(10, [](RowCost& c) { c.settings = "resolution=64", c.height = 200; }).seconds, 5);
+  const TimeEstimate similar = add(6, [](RowCost& c) { c.settings = "resolution=64"; });
   EXPECT_EQ(similar.seconds, 6);
   EXPECT_EQ(similar.similar, 1u);
-  const TimeEstimate exact = add(7, [](Cost& c) { c.settings = "resolution=64", c.job = "1"; });
+  const TimeEstimate exact = add(7, [](RowCost& c) { c.settings = "resolution=64", c.job = "1"; });
   EXPECT_EQ(exact.seconds, 7);
   EXPECT_EQ(exact.here, 1u);
 }
 
 TEST(estimate, equally_near_rows_give_their_median) {
-  std::vector<Cost> costs;
+  std::vector<RowCost> costs;
   for (const double seconds : {1.0, 2.0, 100.0}) {
     costs.push_back(cost("9"));
     costs.back().once = seconds;
@@ -116,7 +116,7 @@ TEST(estimate, equally_near_rows_give_their_median) {
 }
 
 TEST(estimate, unsupported_rows_say_nothing_of_other_rows) {
-  Cost refused = cost("1");
+  RowCost refused = cost("1");
   refused.is_measured = false;
   refused.once = 0.01;
   EXPECT_EQ(estimate({refused}, job("1")).seconds, 0.01);
@@ -124,16 +124,16 @@ TEST(estimate, unsupported_rows_say_nothing_of_other_rows) {
 }
 
 TEST(estimate, another_machine_is_scaled_by_the_jobs_that_both_have_run) {
-  std::vector<Cost> costs;
+  std::vector<RowCost> costs;
   for (int k = 0; k < 5; ++k) {
     costs.push_back(cost(std::to_string(k)));
-    Cost slow = cost(std::to_string(k));
+    RowCost slow = cost(std::to_string(k));
     slow.machine = "there";
     slow.once *= 4;
     slow.process *= 4;
     costs.push_back(slow);
   }
-  Cost only_there = cost("there");
+  RowCost only_there = cost("there");
   only_there.machine = "there";
   costs.push_back(only_there);
   const TimeEstimate scaled = estimate(costs, job("there"));
@@ -163,7 +163,7 @@ class HistoryTest : public testing::Test {
 TEST_F(HistoryTest, remembers_the_last_cost_of_a_job_and_skips_what_it_cannot_read) {
   const History history(dir / "deep/history.jsonl");
   EXPECT_TRUE(history.read().empty());
-  Cost first = cost("1"), again = cost("1"), elsewhere = cost("1");
+  RowCost first = cost("1"), again = cost("1"), elsewhere = cost("1");
   first.stages = {0.1, 1.0 / 3, 7};
   again.once = 2;
   elsewhere.machine = "there";
@@ -173,7 +173,7 @@ TEST_F(HistoryTest, remembers_the_last_cost_of_a_job_and_skips_what_it_cannot_re
   EXPECT_EQ(history.read()[0].seconds({}), first.seconds({}));
   std::ofstream(dir / "deep/history.jsonl", std::ios::app) << "{\"job\": \"3\"}\nnot json\n";
   history.add(std::vector{again});
-  const std::vector<Cost> costs = history.read();
+  const std::vector<RowCost> costs = history.read();
   ASSERT_EQ(costs.size(), 3u);
   EXPECT_EQ(costs[0].job, "2");
   EXPECT_EQ(costs[1].machine, "there");
@@ -182,11 +182,11 @@ TEST_F(HistoryTest, remembers_the_last_cost_of_a_job_and_skips_what_it_cannot_re
 
 TEST_F(HistoryTest, forgets_the_oldest_rows_beyond_its_bound) {
   const History history(dir / "history.jsonl");
-  std::vector<Cost> many;
+  std::vector<RowCost> many;
   for (std::size_t k = 0; k < History::most_rows; ++k) many.push_back(cost(std::to_string(k)));
   history.add(many);
   history.add(std::vector{cost("new"), cost("0")});
-  const std::vector<Cost> costs = history.read();
+  const std::vector<RowCost> costs = history.read();
   EXPECT_EQ(costs.size(), History::most_rows);
   EXPECT_EQ(costs.front().job, "2");  // "0" is young again, "1" was the oldest
   EXPECT_EQ(costs.back().job, "0");
