@@ -18,8 +18,8 @@
 #include <bit>
 #include <chrono>
 
-#include "measure/gbuffer_maker.h"
-#include "measure/load.h"
+#include "measure/frame/gbuffer_maker.h"
+#include "measure/scene/load.h"
 
 namespace {
 using namespace gnomon;

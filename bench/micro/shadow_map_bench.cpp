@@ -10,7 +10,7 @@
 #include <chrono>
 
 #include "device/context.h"
-#include "measure/gbuffer_maker.h"
+#include "measure/frame/gbuffer_maker.h"
 #include "techniques/shadow_map/light_faces.h"
 
 extern "C" void gnomon_technique_shadow_map(gnomon::Registry&);

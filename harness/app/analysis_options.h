@@ -1,6 +1,6 @@
 #pragma once
 #include "app/app.h"
-#include "report/analysis_table.h"
+#include "report/analysis/analysis_table.h"
 
 namespace gnomon::app {
 

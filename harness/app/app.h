@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "measure/worker.h"
+#include "measure/run/worker.h"
 
 namespace gnomon::app {
 

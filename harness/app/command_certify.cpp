@@ -1,12 +1,12 @@
 #include <embree3/rtcore_config.h>
 
 #include "app/app.h"
-#include "measure/certify.h"
-#include "measure/frame.h"
-#include "measure/jobs.h"
-#include "measure/load.h"
+#include "measure/frame/certify.h"
+#include "measure/frame/frame.h"
 #include "measure/paths.h"
-#include "measure/progress.h"
+#include "measure/run/jobs.h"
+#include "measure/run/progress.h"
+#include "measure/scene/load.h"
 
 namespace gnomon::app {
 

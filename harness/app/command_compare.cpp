@@ -1,9 +1,9 @@
 #include <fmt/chrono.h>
 
 #include "app/app.h"
-#include "measure/compare.h"
-#include "measure/live.h"
-#include "report/compare_table.h"
+#include "measure/analysis/compare.h"
+#include "measure/run/live.h"
+#include "report/analysis/compare_table.h"
 
 namespace gnomon::app {
 

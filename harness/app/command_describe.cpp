@@ -1,9 +1,9 @@
 #include <gnomon/registry.h>
 
 #include "app/app.h"
-#include "measure/load.h"
+#include "measure/scene/load.h"
 #include "report/listing.h"
-#include "report/text_table.h"
+#include "report/table/text_table.h"
 
 namespace gnomon::app {
 

@@ -1,7 +1,7 @@
 #include <filesystem>
 
 #include "app/analysis_options.h"
-#include "report/figure.h"
+#include "report/figure/figure.h"
 
 namespace gnomon::app {
 

@@ -1,11 +1,11 @@
 #include <gnomon/registry.h>
 
 #include "app/app.h"
-#include "measure/load.h"
-#include "measure/metrics.h"
-#include "measure/suite.h"
+#include "measure/run/suite.h"
+#include "measure/scene/load.h"
+#include "measure/score/metrics.h"
 #include "report/listing.h"
-#include "report/text_table.h"
+#include "report/table/text_table.h"
 
 namespace gnomon::app {
 

@@ -2,8 +2,8 @@
 
 #include "app/app.h"
 #include "app/run_tables.h"
-#include "measure/merge.h"
-#include "report/table.h"
+#include "measure/record/merge.h"
+#include "report/table/table.h"
 
 namespace gnomon::app {
 

@@ -4,11 +4,11 @@
 #include <fstream>
 
 #include "app/app.h"
-#include "measure/context.h"
-#include "measure/load.h"
 #include "measure/paths.h"
-#include "measure/picture.h"
-#include "measure/row.h"
+#include "measure/picture/picture.h"
+#include "measure/run/context.h"
+#include "measure/run/row.h"
+#include "measure/scene/load.h"
 
 namespace gnomon::app {
 

@@ -1,6 +1,6 @@
 #include "app/app.h"
-#include "measure/blob.h"
-#include "report/html.h"
+#include "measure/scene/blob.h"
+#include "report/html/html.h"
 
 namespace gnomon::app {
 

@@ -4,10 +4,10 @@
 
 #include "app/app.h"
 #include "app/run_tables.h"
-#include "measure/context.h"
-#include "measure/estimate.h"
-#include "measure/run.h"
-#include "report/table.h"
+#include "measure/run/context.h"
+#include "measure/run/estimate.h"
+#include "measure/run/run.h"
+#include "report/table/table.h"
 
 namespace gnomon::app {
 

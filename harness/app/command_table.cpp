@@ -1,6 +1,6 @@
 #include "app/app.h"
-#include "measure/rescore.h"
-#include "report/table.h"
+#include "measure/score/rescore.h"
+#include "report/table/table.h"
 
 namespace gnomon::app {
 

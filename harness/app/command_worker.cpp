@@ -1,5 +1,5 @@
 #include "app/app.h"
-#include "measure/import.h"
+#include "measure/scene/import.h"
 
 namespace gnomon::app {
 

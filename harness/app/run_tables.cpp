@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "measure/blob.h"
-#include "report/table.h"
+#include "measure/scene/blob.h"
+#include "report/table/table.h"
 
 namespace gnomon::app {
 

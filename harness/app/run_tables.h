@@ -2,7 +2,7 @@
 #include <filesystem>
 #include <span>
 
-#include "measure/record.h"
+#include "measure/record/record.h"
 
 namespace gnomon::app {
 

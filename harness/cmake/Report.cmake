@@ -1,7 +1,7 @@
-# The page that `gnomon report` fills: report/web bundled into one template, which becomes a source file of gnomon_report.
+# The page that `gnomon report` fills: report/html/web bundled into one template, which becomes a source file of gnomon_report.
 option(GNOMON_REPORT "Build the page of `gnomon report`; needs npm, and the network once" ON)
 
-set(web ${CMAKE_CURRENT_SOURCE_DIR}/report/web)
+set(web ${CMAKE_CURRENT_SOURCE_DIR}/report/html/web)
 set(page_dir ${PROJECT_BINARY_DIR}/report_page)
 set(instead "configure with -DGNOMON_REPORT=OFF to build the program without it: all but `gnomon report` works then")
 

@@ -1,7 +1,7 @@
 #include "report/listing.h"
 
 #include "report/pages.h"
-#include "report/text_table.h"
+#include "report/table/text_table.h"
 
 namespace gnomon {
 

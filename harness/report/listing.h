@@ -4,8 +4,8 @@
 #include <span>
 #include <string>
 
-#include "measure/metrics.h"
-#include "measure/record.h"
+#include "measure/record/record.h"
+#include "measure/score/metrics.h"
 
 namespace gnomon {
 

@@ -5,8 +5,8 @@
 #include <map>
 #include <sstream>
 
-#include "measure/blob.h"
-#include "report/layout.h"
+#include "measure/scene/blob.h"
+#include "report/table/layout.h"
 
 namespace gnomon {
 

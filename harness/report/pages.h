@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "measure/record.h"
+#include "measure/record/record.h"
 
 namespace gnomon {
 

@@ -22,8 +22,8 @@ enum Projection { orthographic, perspective, cube };
 inline constexpr int projection_count = 3;
 
 /// Mirrors shadow_map::Face and ShadowMap::explain; see there for the meaning of each quantity. The head defines PROJECTION,
-/// BIAS and PCF: a branch on a uniform would be paid in full on llvmpipe, which executes both sides of every branch. With EXPLAIN
-/// it writes the texel that it would look up instead of the visibility.
+/// BIAS and PCF: a branch on a uniform would be paid in full on llvmpipe, which executes both sides of every branch. With
+/// EXPLAIN it writes the texel that it would look up instead of the visibility.
 inline const std::string resolve_fragment = std::string(gnomon::faces_light_snippet) + R"(
 layout(binding = 3) uniform sampler2DArray map;
 uniform vec3 origin;

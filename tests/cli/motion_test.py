@@ -38,7 +38,7 @@ target = [0, 0, 0]
 [[path]]
 name = "orbit"
 moves = "light"
-positions = [[2, 4, 1], [0, 4, 2], [-2, 4, 1]]
+positions = [[2, 4, 1], [1, 4, 2], [-1, 5, 1]]
 frames = 5
 """
 

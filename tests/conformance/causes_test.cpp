@@ -1,11 +1,11 @@
 // Whether a technique's own account of a pixel explains every error that it makes.
-#include "measure/causes.h"
+#include "measure/cause/causes.h"
 
 #include <unistd.h>
 
 #include <filesystem>
 
-#include "measure/frame.h"
+#include "measure/frame/frame.h"
 #include "stage.h"
 
 namespace conformance {

@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "device/context.h"
-#include "measure/classify.h"
-#include "measure/gbuffer_maker.h"
-#include "measure/load.h"
+#include "measure/frame/classify.h"
+#include "measure/frame/gbuffer_maker.h"
+#include "measure/scene/load.h"
 
 // What every registered technique is asked. A test of `Every` runs once for each of them, under its id.
 namespace conformance {

@@ -1,4 +1,4 @@
-#include "measure/analysis.h"
+#include "measure/analysis/analysis.h"
 
 #include <gnomon/registry.h>
 #include <gtest/gtest.h>
@@ -6,11 +6,11 @@
 
 #include <cmath>
 
-#include "measure/analysis_front.h"
-#include "measure/analysis_growth.h"
-#include "measure/analysis_map.h"
-#include "measure/analysis_motion.h"
-#include "report/analysis_table.h"
+#include "measure/analysis/analysis_front.h"
+#include "measure/analysis/analysis_growth.h"
+#include "measure/analysis/analysis_map.h"
+#include "measure/analysis/analysis_motion.h"
+#include "report/analysis/analysis_table.h"
 
 namespace {
 

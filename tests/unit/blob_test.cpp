@@ -1,4 +1,4 @@
-#include "measure/blob.h"
+#include "measure/scene/blob.h"
 
 #include <gnomon/error.h>
 #include <gnomon/kit/shapes.h>

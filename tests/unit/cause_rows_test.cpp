@@ -3,7 +3,7 @@
 #include <cmath>
 #include <set>
 
-#include "measure/causes.h"
+#include "measure/cause/causes.h"
 
 namespace {
 

@@ -8,9 +8,9 @@
 #include <map>
 
 #include "hand_made.h"
-#include "measure/causes.h"
-#include "measure/gbuffer_maker.h"
-#include "measure/light_rays.h"
+#include "measure/cause/causes.h"
+#include "measure/cause/light_rays.h"
+#include "measure/frame/gbuffer_maker.h"
 #include "test_map.h"
 
 namespace gnomon::cause_world {

@@ -1,4 +1,4 @@
-#include "measure/causes_taps.h"
+#include "measure/cause/causes_taps.h"
 
 #include <gnomon/kit/shapes.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "measure/causes.h"
+#include "measure/cause/causes.h"
 
 #include <gnomon/error.h>
 #include <gtest/gtest.h>

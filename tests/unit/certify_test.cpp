@@ -1,5 +1,5 @@
 // The certificate of a reference mask, on a floor under a square.
-#include "measure/certify.h"
+#include "measure/frame/certify.h"
 
 #include <gnomon/error.h>
 #include <gnomon/kit/shapes.h>

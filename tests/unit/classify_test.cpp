@@ -1,5 +1,5 @@
 // One pixel class after the other from points made by hand, each a scene that has exactly that.
-#include "measure/classify.h"
+#include "measure/frame/classify.h"
 
 #include <gtest/gtest.h>
 

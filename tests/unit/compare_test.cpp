@@ -1,13 +1,13 @@
-#include "measure/compare.h"
+#include "measure/analysis/compare.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "measure/enough.h"
-#include "measure/metrics.h"
-#include "report/compare_table.h"
+#include "measure/run/enough.h"
+#include "measure/score/metrics.h"
+#include "report/analysis/compare_table.h"
 
 namespace {
 

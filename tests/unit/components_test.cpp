@@ -1,4 +1,4 @@
-#include "measure/components.h"
+#include "measure/cause/components.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

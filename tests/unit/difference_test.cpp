@@ -1,4 +1,4 @@
-#include "measure/difference.h"
+#include "measure/analysis/difference.h"
 
 #include <gtest/gtest.h>
 

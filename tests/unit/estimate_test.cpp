@@ -1,4 +1,4 @@
-#include "measure/estimate.h"
+#include "measure/run/estimate.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

@@ -5,7 +5,7 @@
 #include <functional>
 #include <random>
 
-#include "measure/causes.h"
+#include "measure/cause/causes.h"
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "report/figure.h"
+#include "report/figure/figure.h"
 
 #include <gtest/gtest.h>
 #include <stdlib.h>
@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "report/figure_script.h"
+#include "report/figure/figure_script.h"
 
 namespace {
 

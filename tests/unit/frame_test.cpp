@@ -1,4 +1,4 @@
-#include "measure/frame.h"
+#include "measure/frame/frame.h"
 
 #include <gnomon/kit/shapes.h>
 #include <gtest/gtest.h>
@@ -9,8 +9,8 @@
 #include <fstream>
 #include <set>
 
-#include "measure/light_rays.h"
-#include "measure/load.h"
+#include "measure/cause/light_rays.h"
+#include "measure/scene/load.h"
 
 namespace {
 

@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "measure/gbuffer_maker.h"
+#include "measure/frame/gbuffer_maker.h"
 #include "small_world.h"
 
 namespace {

@@ -1,5 +1,5 @@
 // The importer's parts that need no file: the pipe's receiver and the triangulation of polygons.
-#include "measure/import.h"
+#include "measure/scene/import.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

@@ -1,5 +1,5 @@
 // Imports of good and damaged mesh files, placement, framing, and what --scene may say.
-#include "measure/load.h"
+#include "measure/scene/load.h"
 
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -13,8 +13,8 @@
 #include <set>
 #include <tuple>
 
-#include "measure/import.h"
 #include "measure/paths.h"
+#include "measure/scene/import.h"
 
 namespace {
 

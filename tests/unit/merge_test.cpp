@@ -1,4 +1,4 @@
-#include "measure/merge.h"
+#include "measure/record/merge.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

@@ -1,4 +1,4 @@
-#include "measure/metrics.h"
+#include "measure/score/metrics.h"
 
 #include <gnomon/error.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <numbers>
 #include <set>
 
-#include "measure/score.h"
+#include "measure/score/score.h"
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "measure/motion.h"
+#include "measure/scene/motion.h"
 
 #include <gnomon/error.h>
 #include <gtest/gtest.h>

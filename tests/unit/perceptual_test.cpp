@@ -1,4 +1,4 @@
-#include "measure/perceptual.h"
+#include "measure/score/perceptual.h"
 
 #include <gnomon/error.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <fstream>
 #include <functional>
 
-#include "measure/record.h"
+#include "measure/record/record.h"
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "measure/picture.h"
+#include "measure/picture/picture.h"
 
 #include <OpenImageIO/imageio.h>
 #include <gnomon/error.h>
@@ -9,7 +9,7 @@
 #include <random>
 
 #include "hand_made.h"
-#include "measure/blob.h"
+#include "measure/scene/blob.h"
 
 namespace {
 

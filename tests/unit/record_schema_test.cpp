@@ -3,7 +3,7 @@
 
 #include <fstream>
 
-#include "measure/record.h"
+#include "measure/record/record.h"
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "measure/record.h"
+#include "measure/record/record.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

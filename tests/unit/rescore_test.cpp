@@ -1,4 +1,4 @@
-#include "measure/rescore.h"
+#include "measure/score/rescore.h"
 
 #include <gnomon/error.h>
 #include <gtest/gtest.h>
@@ -6,10 +6,10 @@
 
 #include <fstream>
 
-#include "measure/load.h"
 #include "measure/paths.h"
-#include "measure/picture.h"
-#include "measure/score.h"
+#include "measure/picture/picture.h"
+#include "measure/scene/load.h"
+#include "measure/score/score.h"
 
 namespace {
 

@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "measure/load.h"
 #include "measure/paths.h"
+#include "measure/scene/load.h"
 
 namespace {
 

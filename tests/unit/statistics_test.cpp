@@ -1,4 +1,4 @@
-#include "measure/statistics.h"
+#include "measure/analysis/statistics.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

@@ -1,4 +1,4 @@
-#include "measure/suite.h"
+#include "measure/run/suite.h"
 
 #include <gnomon/error.h>
 #include <gnomon/registry.h>
@@ -7,8 +7,8 @@
 
 #include <fstream>
 
-#include "measure/blob.h"
-#include "measure/jobs.h"
+#include "measure/run/jobs.h"
+#include "measure/scene/blob.h"
 
 namespace {
 

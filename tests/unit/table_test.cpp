@@ -1,11 +1,11 @@
-#include "report/table.h"
+#include "report/table/table.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <sstream>
 
-#include "report/layout.h"
+#include "report/table/layout.h"
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "report/text_table.h"
+#include "report/table/text_table.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "report/digits.h"
+#include "report/table/digits.h"
 
 namespace {
 

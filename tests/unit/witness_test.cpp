@@ -5,9 +5,9 @@
 #include <cmath>
 #include <iostream>
 
-#include "measure/gbuffer_maker.h"
-#include "measure/load.h"
-#include "measure/metrics.h"
+#include "measure/frame/gbuffer_maker.h"
+#include "measure/scene/load.h"
+#include "measure/score/metrics.h"
 
 namespace {
 

@@ -48,7 +48,7 @@ struct Tap {
 struct Explanation {
   bool covered = true;  ///< false: outside the light frustum, cascade, receiver set or caster set
   std::vector<Tap> taps;
-  double bias = 0;                       ///< total bias as meters along the light ray
+  double bias = 0;  ///< total bias as meters along the light ray; also what a shifted look-up point is nearer to the light by
   double texel_width = 0;                ///< world width of a texel at the pixel's point, meters; 0 without taps
   std::optional<glm::dvec3> shifted;     ///< the look-up point, when it is not the pixel's point
   std::optional<std::uint64_t> element;  ///< fragment, volume or plane that decided

@@ -1,0 +1,257 @@
+#include "measure/analysis/analysis.h"
+
+#include <gnomon/registry.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <regex>
+
+#include "measure/cause/causes.h"
+#include "measure/score/metrics.h"
+
+namespace gnomon {
+
+namespace {
+
+constexpr std::string_view cost_names[] = {"resolve", "light", "geometry", "bytes"};
+
+/// Reorders the values.
+double median_in_place(std::span<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  return (*middle + *std::max_element(values.begin(), middle)) / 2;
+}
+
+std::optional<double> number_from(std::string_view text) {
+  double value = 0;
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return code == std::errc{} && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
+}
+
+}  // namespace
+
+Sample::Sample(std::vector<ProcessTimes> stages) : stages_(std::move(stages)) {
+  for (ProcessTimes& stage : stages_) std::erase_if(stage, [](const std::vector<double>& process) { return process.empty(); });
+}
+
+bool Sample::is_timed() const {
+  return !stages_.empty() && std::none_of(stages_.begin(), stages_.end(), [](const auto& stage) { return stage.empty(); });
+}
+
+bool Sample::has_processes() const {
+  return is_timed() && std::all_of(stages_.begin(), stages_.end(), [](const auto& stage) { return stage.size() >= 2; });
+}
+
+double Sample::value() const {
+  double sum = 0;
+  for (const ProcessTimes& stage : stages_) sum += median_of_medians(stage).value_or(0);
+  return sum;
+}
+
+double Sample::draw(Random& random) const {
+  std::size_t most = 0;
+  for (const ProcessTimes& stage : stages_) most = std::max(most, stage.size());
+  // One stream of draws for all stages: with equal numbers of processes these are the same processes.
+  static thread_local std::vector<std::uint32_t> drawn;
+  static thread_local std::vector<double> medians, repetitions;
+  drawn.resize(most);
+  for (std::uint32_t& one : drawn) one = random.next();
+  double sum = 0;
+  for (const ProcessTimes& stage : stages_) {
+    medians.resize(stage.size());
+    for (std::size_t k = 0; k < stage.size(); ++k) {
+      const std::vector<double>& process = stage[static_cast<std::size_t>(std::uint64_t{drawn[k]} * stage.size() >> 32)];
+      repetitions.resize(process.size());
+      for (double& one : repetitions) one = process[random.below(static_cast<std::uint32_t>(process.size()))];
+      medians[k] = median_in_place(repetitions);
+    }
+    sum += median_in_place(medians);
+  }
+  return sum;
+}
+
+Measured bootstrap(std::span<const Sample> samples, const std::function<double(std::span<const double>)>& statistic) {
+  std::vector<double> values;
+  for (const Sample& sample : samples) values.push_back(sample.value());
+  const double value = statistic(values);
+  const bool has_interval = std::all_of(samples.begin(), samples.end(), [](const Sample& s) { return s.has_processes(); });
+  if (!has_interval || samples.empty()) return Measured(value);
+  Random random(1);
+  std::vector<double> resamples(resample_count);
+  for (double& resample : resamples) {
+    for (std::size_t i = 0; i < samples.size(); ++i) values[i] = samples[i].draw(random);
+    resample = statistic(values);
+  }
+  return {value, quantile(resamples, 0.025), quantile(resamples, 0.975)};
+}
+
+std::string_view name(Cost cost) { return cost_names[static_cast<int>(cost)]; }
+
+std::string_view unit(Cost cost) { return cost == Cost::bytes ? "byte" : "ms"; }
+
+std::string_view sentence(Cost cost) {
+  static constexpr std::string_view sentences[] = {"resolve", "relight + resolve", "build + relight + resolve", "memory"};
+  return sentences[static_cast<int>(cost)];
+}
+
+Cost cost_named(std::string_view wanted) {
+  for (const Cost cost : {Cost::resolve, Cost::light, Cost::geometry, Cost::bytes})
+    if (name(cost) == wanted) return cost;
+  throw Error("there is no cost {}; there are: {}", wanted, fmt::join(cost_names, ", "));
+}
+
+std::vector<Stage> stages_of(Cost cost) {
+  switch (cost) {
+    case Cost::resolve:
+      return {Stage::resolve};
+    case Cost::light:
+      return {Stage::relight, Stage::resolve};
+    case Cost::geometry:
+      return {Stage::build, Stage::relight, Stage::resolve};
+    case Cost::bytes:
+      break;
+  }
+  return {};
+}
+
+Sample sample_of(const Record& record, std::span<const Stage> stages) {
+  std::vector<ProcessTimes> times;
+  for (const Stage stage : stages) times.push_back(record.times(stage));
+  return Sample(std::move(times));
+}
+
+std::optional<Measured> cost_of(const Record& record, Cost cost) {
+  if (cost == Cost::bytes) return record.bytes ? std::optional(Measured(static_cast<double>(*record.bytes))) : std::nullopt;
+  const Sample sample = sample_of(record, stages_of(cost));
+  if (!sample.is_timed()) return std::nullopt;
+  return bootstrap({&sample, 1}, [](std::span<const double> values) { return values[0]; });
+}
+
+Place place_of(const Record& r) { return {r.scene, r.light, r.view, r.path, r.width, r.height, r.truth}; }
+
+std::vector<Place> places_of(std::span<const Record> records) {
+  std::vector<Place> places;
+  std::set<Place> seen;
+  for (const Record& record : records)
+    if (seen.insert(place_of(record)).second) places.push_back(place_of(record));
+  return places;
+}
+
+std::string title(const Place& place, std::span<const Place> all) {
+  const auto varies = [&](auto member) {
+    return std::any_of(all.begin(), all.end(), [&](const Place& other) { return other.*member != place.*member; });
+  };
+  std::string text = place.scene;
+  if (!place.light.empty()) text += ", " + place.light;
+  if (!place.view.empty() && varies(&Place::view)) text += ", view " + place.view;
+  if (!place.path.empty()) text += ", path " + place.path;
+  if (varies(&Place::width) || varies(&Place::height)) text += fmt::format(", {} x {}", place.width, place.height);
+  if (varies(&Place::truth)) text += fmt::format(", {} truth", name(place.truth));
+  return text;
+}
+
+std::string setting_key(const Record& r) { return r.technique + (r.settings.empty() ? "" : ":" + r.settings); }
+
+std::string setting_name(const Record& r) { return r.label ? *r.label : setting_key(r); }
+
+std::vector<std::pair<std::string, std::string>> split_settings(std::string_view settings) {
+  std::vector<std::pair<std::string, std::string>> pairs;
+  while (!settings.empty()) {
+    const std::size_t comma = settings.find(',');
+    const std::string_view one = settings.substr(0, comma);
+    const std::size_t equals = one.find('=');
+    if (equals != one.npos) pairs.emplace_back(one.substr(0, equals), one.substr(equals + 1));
+    settings.remove_prefix(comma == settings.npos ? settings.size() : comma + 1);
+  }
+  return pairs;
+}
+
+std::pair<std::string, std::string> split_reference(const std::string& scene) {
+  const std::size_t colon = scene.find(':');
+  if (colon == scene.npos || scene.find('=', colon) == scene.npos) return {scene, ""};
+  return {scene.substr(0, colon), scene.substr(colon + 1)};
+}
+
+std::optional<double> scene_parameter(const std::string& scene, std::string_view parameter) {
+  const auto [id, settings] = split_reference(scene);
+  for (const auto& [key, value] : split_settings(settings))
+    if (key == parameter) return number_from(value);
+  const SceneEntry* entry = registry().find_scene(id);
+  if (!entry) return std::nullopt;
+  const auto generator = entry->make();
+  for (const Parameter* one : generator->parameters())
+    if (one->name() == parameter) return number_from(one->default_text());
+  return std::nullopt;
+}
+
+std::optional<double> quantity(const Record& r, std::string_view wanted) {
+  if (wanted.starts_with("cause.")) {
+    const auto tested = r.classes.find("T");
+    if (!r.causes || tested == r.classes.end() || tested->second == 0) return std::nullopt;
+    const auto found = r.causes->find(std::string(wanted.substr(6)));
+    if (found == r.causes->end()) return std::nullopt;
+    // On a path both are sums over its frames.
+    return static_cast<double>(found->second) / static_cast<double>(tested->second);
+  }
+  for (const Stage stage : {Stage::setup, Stage::build, Stage::relight, Stage::resolve})
+    if (wanted == fmt::format("{}_ms", name(stage))) return median_of_medians(r.times(stage));
+  if (wanted == "bytes" && r.bytes) return static_cast<double>(*r.bytes);
+  if (wanted == "peak_bytes" && r.peak_bytes) return static_cast<double>(*r.peak_bytes);
+  return r.metric(wanted);
+}
+
+std::vector<std::string> quantity_names(std::span<const Record> records) {
+  std::vector<std::string> names;
+  std::set<std::string> seen;
+  const auto add = [&](std::string one) {
+    if (seen.insert(one).second) names.push_back(std::move(one));
+  };
+  for (const Record& r : records) {
+    if (const auto found = r.metrics.find(r.truth); found != r.metrics.end())
+      for (const auto& [metric, value] : found->second) add(metric);
+    for (const Stage stage : {Stage::setup, Stage::build, Stage::relight, Stage::resolve})
+      if (!r.times(stage).empty()) add(fmt::format("{}_ms", name(stage)));
+    if (r.bytes) add("bytes");
+    if (r.peak_bytes) add("peak_bytes");
+    if (r.causes)
+      for (const auto& [cause, pixels] : *r.causes) add("cause." + cause);
+  }
+  return names;
+}
+
+void require_quantity(std::span<const Record> records, std::string_view wanted) {
+  const std::vector<std::string> names = quantity_names(records);
+  if (std::find(names.begin(), names.end(), wanted) != names.end()) return;
+  if (names.empty()) throw Error("there is no {}: no row of these records was measured", wanted);
+  throw Error("there is no {}; did you mean {}? There are: {}", wanted, nearest_word(wanted, names), fmt::join(names, ", "));
+}
+
+std::string_view better(std::string_view wanted) {
+  for (const MetricInfo& info : metric_infos())
+    if (info.name == wanted) return info.better;
+  return "lower";
+}
+
+std::vector<Record> matching(std::vector<Record> records, const std::string& expression) {
+  if (expression.empty()) return records;
+  std::regex pattern;
+  try {
+    pattern = std::regex(expression);
+  } catch (const std::regex_error& error) {
+    throw Error("--filter {} is not a regular expression: {}", expression, error.what());
+  }
+  std::erase_if(records, [&](const Record& r) {
+    const std::string where = fmt::format("{} {} ", r.scene, r.light);
+    // All parameters too: what is at its default does not stand in the settings.
+    std::string full = where + r.technique + ":";
+    for (const auto& [parameter, value] : r.parameters.items())
+      full += fmt::format("{}={},", parameter, value.is_string() ? value.get<std::string>() : value.dump());
+    return !std::regex_search(where + setting_key(r), pattern) && !std::regex_search(where + setting_name(r), pattern) &&
+           !std::regex_search(full, pattern);
+  });
+  return records;
+}
+
+}  // namespace gnomon

@@ -1,0 +1,104 @@
+#pragma once
+#include <gnomon/kit/random.h>
+
+#include <compare>
+#include <functional>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "measure/record/record.h"
+
+namespace gnomon {
+
+// What every analysis of a run starts from. All of it reads records and runs nothing.
+
+/// A number with the ends of its 95 % interval; both ends are the value where there is none.
+struct Measured {
+  double value = 0, low = 0, high = 0;
+  bool has_interval = false;
+  Measured() = default;
+  explicit Measured(double only) : value(only), low(only), high(only) {}
+  Measured(double value, double low, double high) : value(value), low(low), high(high), has_interval(true) {}
+};
+
+/// Times that the bootstrap draws together, because the same processes took them: stages of one row. Their value is the sum of
+/// the stages' medians of process medians.
+class Sample {
+ public:
+  explicit Sample(std::vector<ProcessTimes> stages);
+  bool is_timed() const;       ///< every stage has a time
+  bool has_processes() const;  ///< every stage has at least two processes: there is an interval
+  double value() const;
+  /// Processes are drawn with replacement, the same ones for all stages; then the repetitions within each.
+  double draw(Random& random) const;
+
+ private:
+  std::vector<ProcessTimes> stages_;
+};
+
+/// The statistic of the samples' values with its 95 % percentile interval over `resample_count` draws of them all; no interval
+/// where a sample has too few processes. The statistic takes one value per sample, in their order. Same samples, same interval.
+Measured bootstrap(std::span<const Sample> samples, const std::function<double(std::span<const double>)>& statistic);
+
+/// What a row costs: milliseconds of stages, or bytes.
+enum class Cost {
+  resolve,   ///< the camera moved: resolve
+  light,     ///< the light moved: relight, resolve
+  geometry,  ///< the geometry changed: build, relight, resolve
+  bytes,     ///< what the technique says it holds
+};
+std::string_view name(Cost cost);
+std::string_view unit(Cost cost);      ///< "ms", "byte"
+std::string_view sentence(Cost cost);  ///< "relight + resolve"
+/// Throws Error with the list.
+Cost cost_named(std::string_view name);
+std::vector<Stage> stages_of(Cost cost);
+/// The stages of a row, to be drawn together.
+Sample sample_of(const Record& record, std::span<const Stage> stages);
+/// Nothing where the row did not measure it.
+std::optional<Measured> cost_of(const Record& record, Cost cost);
+
+/// What makes rows comparable: everything but the technique.
+struct Place {
+  std::string scene, light, view, path;
+  int width = 0, height = 0;
+  Truth truth = Truth::shape;
+  auto operator<=>(const Place&) const = default;
+};
+Place place_of(const Record& record);
+/// All places in order of their first record.
+std::vector<Place> places_of(std::span<const Record> records);
+/// "bunny, point", and of view, path, size and truth what varies among `all`.
+std::string title(const Place& place, std::span<const Place> all);
+
+/// Name of the technique with its settings: the label that the suite gave, else "id:a=1,b=2".
+std::string setting_name(const Record& record);
+/// What makes it the same setting in another place: id and settings, whatever its label.
+std::string setting_key(const Record& record);
+
+/// "a=1,b=2" into pairs.
+std::vector<std::pair<std::string, std::string>> split_settings(std::string_view settings);
+/// "soup:count=5,seed=2" is "soup" and "count=5,seed=2"; a file's path has no settings.
+std::pair<std::string, std::string> split_reference(const std::string& scene);
+/// The value of a scene's parameter: as its reference writes it, else the default of the registered scene of that id; nothing
+/// when it has no such parameter or its value is no number.
+std::optional<double> scene_parameter(const std::string& scene, std::string_view parameter);
+
+/// Anything in a record that has one number: a metric (headline truth), `cause.NAME` (share of T), STAGE_ms, bytes, peak_bytes.
+std::optional<double> quantity(const Record& record, std::string_view name);
+/// The names that `quantity` knows for these records.
+std::vector<std::string> quantity_names(std::span<const Record> records);
+/// Throws Error with the nearest name when no record has it.
+void require_quantity(std::span<const Record> records, std::string_view name);
+/// "lower" or "higher"; "lower" for times, sizes and causes, "" where a metric has no direction.
+std::string_view better(std::string_view quantity);
+
+/// The records whose "SCENE LIGHT TECHNIQUE:SETTINGS" matches the expression, which may be empty; the label may stand for
+/// technique and settings, and all parameters for those that differ from their defaults. Throws Error.
+std::vector<Record> matching(std::vector<Record> records, const std::string& expression);
+
+}  // namespace gnomon

@@ -1,0 +1,230 @@
+#include "measure/analysis/analysis_front.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace gnomon {
+
+namespace {
+
+double geometric_mean(std::span<const double> values) {
+  double sum = 0;
+  for (const double value : values) sum += std::log(std::max(value, 1e-9));
+  return std::exp(sum / static_cast<double>(values.size()));
+}
+
+/// The least cost of a contender becomes 1.
+void add_relative_costs(Field& field) {
+  std::optional<double> least;
+  for (const Candidate& c : field.candidates)
+    if (c.role == Role::contender && c.cost && (!least || c.cost->value < *least)) least = c.cost->value;
+  if (!least || *least <= 0) return;
+  for (Candidate& c : field.candidates) {
+    if (!c.cost) continue;
+    c.relative_cost = *c.cost;
+    for (double* end : {&c.relative_cost.value, &c.relative_cost.low, &c.relative_cost.high}) *end /= *least;
+  }
+}
+
+Candidate candidate_of(const Record& r, const FieldOptions& options) {
+  Candidate candidate{.setting = setting_name(r), .technique = r.technique, .role = r.role};
+  candidate.error = *quantity(r, options.error);
+  candidate.cost = cost_of(r, options.cost);
+  candidate.time = options.cost == Cost::bytes ? cost_of(r, Cost::light) : candidate.cost;
+  if (r.bytes) candidate.bytes = static_cast<double>(*r.bytes);
+  return candidate;
+}
+
+using Rows = std::map<Place, const Record*>;
+
+/// Over all places: means of what the rows of one setting measured.
+Candidate mean_of(const std::vector<const Record*>& rows, const FieldOptions& options) {
+  const Record& first = *rows.front();
+  Candidate candidate{.setting = setting_name(first), .technique = first.technique, .role = first.role};
+  const auto geometric_cost = [&](Cost cost) -> std::optional<Measured> {
+    std::vector<double> sizes;
+    std::vector<Sample> samples;
+    for (const Record* row : rows) {
+      if (cost == Cost::bytes) {
+        if (!row->bytes) return std::nullopt;
+        sizes.push_back(static_cast<double>(*row->bytes));
+        continue;
+      }
+      samples.push_back(sample_of(*row, stages_of(cost)));
+      if (!samples.back().is_timed()) return std::nullopt;
+    }
+    if (cost != Cost::bytes) return bootstrap(samples, geometric_mean);
+    // Nothing held is nothing, wherever else something is.
+    const bool is_nothing = std::any_of(sizes.begin(), sizes.end(), [](double size) { return size <= 0; });
+    return Measured(is_nothing ? 0 : geometric_mean(sizes));
+  };
+  for (const Record* row : rows) candidate.error += *quantity(*row, options.error) / static_cast<double>(rows.size());
+  candidate.cost = geometric_cost(options.cost);
+  candidate.time = options.cost == Cost::bytes ? geometric_cost(Cost::light) : candidate.cost;
+  if (const auto bytes = geometric_cost(Cost::bytes)) candidate.bytes = bytes->value;
+  return candidate;
+}
+
+/// The field over all places, from the rows of each setting in order of appearance.
+Field overall(std::vector<std::pair<std::string, Rows>> settings, const FieldOptions& options) {
+  Field field;
+  std::set<Place> common;
+  while (!settings.empty()) {
+    common.clear();
+    for (const auto& [place, row] : settings.front().second) common.insert(place);
+    for (const auto& [key, rows] : settings)
+      std::erase_if(common, [&, &rows = rows](const Place& place) { return !rows.contains(place); });
+    if (!common.empty()) break;
+    const auto fewest = std::min_element(settings.begin(), settings.end(),
+                                         [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
+    field.notes.push_back(fmt::format("left out: {}, which finished only {} of the scenes and lights",
+                                      setting_name(*fewest->second.begin()->second), fewest->second.size()));
+    settings.erase(fewest);
+  }
+  field.places = common.size();
+  for (const auto& [key, rows] : settings) {
+    std::vector<const Record*> compared;
+    for (const auto& [place, row] : rows)
+      if (common.contains(place)) compared.push_back(row);
+    field.candidates.push_back(mean_of(compared, options));
+  }
+  add_relative_costs(field);
+  return field;
+}
+
+/// 1, 2, 5, 10, ... x 10^k within a factor of 2.5 of both ends, so that the first budget shuts somebody out and the last
+/// nobody.
+std::vector<double> round_numbers(double least, double greatest, std::size_t most) {
+  std::vector<double> numbers;
+  if (!(least > 0) || !std::isfinite(greatest)) return numbers;
+  for (int k = static_cast<int>(std::floor(std::log10(least))); std::pow(10, k) <= greatest * 10; ++k)
+    for (const double digit : {1.0, 2.0, 5.0}) {
+      // Exact powers of ten, also below 1: 2 x 10^-1 is 2 / 10, which is the double that 0.2 reads as.
+      const double number = k < 0 ? digit / std::pow(10, -k) : digit * std::pow(10, k);
+      const bool covers_all = !numbers.empty() && numbers.back() >= greatest;
+      if (number >= least && !covers_all) numbers.push_back(number);
+    }
+  while (numbers.size() > most) {
+    // Every other one goes, the last stays.
+    std::vector<double> kept;
+    for (std::size_t i = (numbers.size() - 1) % 2; i < numbers.size(); i += 2) kept.push_back(numbers[i]);
+    numbers = std::move(kept);
+  }
+  return numbers;
+}
+
+}  // namespace
+
+bool is_better(std::string_view direction, double a, double b) { return direction == "higher" ? a > b : a < b; }
+
+std::vector<Field> find_fields(std::span<const Record> records, const FieldOptions& options) {
+  require_quantity(records, options.error);
+  std::vector<Field> fields;
+  std::map<Place, std::size_t> places;
+  std::vector<std::pair<std::string, Rows>> settings;
+  for (const Record& r : records) {
+    if (r.status != Status::ok || !quantity(r, options.error)) continue;
+    const auto [found, is_new] = places.try_emplace(place_of(r), fields.size());
+    if (is_new) fields.push_back({.place = place_of(r), .places = 1, .candidates = {}, .notes = {}});
+    fields[found->second].candidates.push_back(candidate_of(r, options));
+    const auto known = std::find_if(settings.begin(), settings.end(), [&](const auto& s) { return s.first == setting_key(r); });
+    Rows& rows = known == settings.end() ? settings.emplace_back(setting_key(r), Rows()).second : known->second;
+    rows.try_emplace(place_of(r), &r);
+  }
+  for (Field& field : fields) add_relative_costs(field);
+  if (fields.size() > 1) fields.push_back(overall(std::move(settings), options));
+  return fields;
+}
+
+std::string_view name(Standing standing) {
+  static constexpr std::string_view names[] = {"front", "unclear", "beaten", "aside"};
+  return names[static_cast<int>(standing)];
+}
+
+std::vector<Stand> find_front(const Field& field, std::string_view direction) {
+  const auto competes = [](const Candidate& c) { return c.role == Role::contender && c.cost; };
+  std::vector<Stand> stands;
+  for (const Candidate& mine : field.candidates) {
+    Stand stand;
+    if (!competes(mine)) {
+      stands.push_back(stand);
+      continue;
+    }
+    stand.standing = Standing::front;
+    const Candidate* beater = nullptr;
+    for (const Candidate& other : field.candidates) {
+      if (!competes(other) || is_better(direction, mine.error, other.error) || mine.cost->value < other.cost->value) continue;
+      const bool is_strict = is_better(direction, other.error, mine.error) || other.cost->value < mine.cost->value;
+      if (!is_strict) continue;
+      // Equal costs without noise, bytes for instance, are no overlap of intervals.
+      const bool is_noisy = mine.cost->has_interval && other.cost->has_interval;
+      const bool is_sure = !is_noisy || other.cost->high < mine.cost->low;
+      if (is_sure)
+        stand.standing = Standing::beaten;
+      else if (stand.standing == Standing::front)
+        stand.standing = Standing::unclear;
+      if (!beater || other.cost->value < beater->cost->value) beater = &other;
+    }
+    if (beater) stand.beaten_by = beater->setting;
+    stands.push_back(stand);
+  }
+  return stands;
+}
+
+Budgets round_budgets(std::span<const Field> fields, std::size_t most) {
+  struct Range {
+    double least = INFINITY, greatest = 0;
+    void add(double value) {
+      if (value <= 0) return;
+      least = std::min(least, value);
+      greatest = std::max(greatest, value);
+    }
+  };
+  Range times, memories, errors;
+  for (const Field& field : fields)
+    for (const Candidate& c : field.candidates) {
+      if (c.role != Role::contender) continue;
+      if (c.time) times.add(c.time->value);
+      if (c.bytes) memories.add(*c.bytes / (1024 * 1024));
+      errors.add(c.error);
+    }
+  Budgets budgets{round_numbers(times.least, times.greatest, most), round_numbers(memories.least, memories.greatest, most),
+                  round_numbers(errors.least, errors.greatest, most)};
+  for (double& memory : budgets.memories) memory *= 1024 * 1024;
+  return budgets;
+}
+
+std::vector<Best> find_best(const Field& field, const Budgets& budgets, std::string_view direction) {
+  std::vector<Best> rows;
+  const std::vector<Candidate>& all = field.candidates;
+  // The winner among those that `keeps` allows, by `beats`; `ties` says who is as good.
+  const auto choose = [&](std::string what, double budget, auto keeps, auto beats, auto ties) {
+    Best best{.what = std::move(what), .budget = budget, .winner = {}, .also = {}};
+    const auto competes = [&](const Candidate& c) { return c.role == Role::contender && keeps(c); };
+    for (std::size_t i = 0; i < all.size(); ++i)
+      if (competes(all[i]) && (!best.winner || beats(all[i], all[*best.winner]))) best.winner = i;
+    for (std::size_t i = 0; best.winner && i < all.size(); ++i)
+      if (i != *best.winner && competes(all[i]) && ties(all[i], all[*best.winner])) best.also.push_back(i);
+    rows.push_back(std::move(best));
+  };
+  const auto time_of = [](const Candidate& c) { return c.time ? c.time->value : INFINITY; };
+  const auto lower_error = [&](const Candidate& a, const Candidate& b) {
+    return a.error != b.error ? is_better(direction, a.error, b.error) : time_of(a) < time_of(b);
+  };
+  const auto same_error = [](const Candidate& a, const Candidate& b) { return a.error == b.error; };
+  for (const double budget : budgets.times)
+    choose(
+        "time", budget, [&](const Candidate& c) { return time_of(c) <= budget; }, lower_error, same_error);
+  for (const double budget : budgets.memories)
+    choose(
+        "memory", budget, [&](const Candidate& c) { return c.bytes && *c.bytes <= budget; }, lower_error, same_error);
+  for (const double budget : budgets.errors)
+    choose(
+        "error", budget, [&](const Candidate& c) { return c.time && !is_better(direction, budget, c.error); },
+        [&](const Candidate& a, const Candidate& b) { return time_of(a) < time_of(b); },
+        [](const Candidate& a, const Candidate& b) { return a.time->low <= b.time->high; });
+  return rows;
+}
+
+}  // namespace gnomon

@@ -1,0 +1,72 @@
+#pragma once
+#include "measure/analysis/analysis.h"
+
+namespace gnomon {
+
+/// One setting in one place, or over all places: what fronts and budgets choose among.
+struct Candidate {
+  std::string setting = {}, technique = {};
+  Role role = Role::contender;
+  double error = 0;                   ///< over all places: the mean
+  std::optional<Measured> cost = {};  ///< over all places: the geometric mean
+  std::optional<Measured> time = {};  ///< the same, in milliseconds also where the cost is memory
+  std::optional<double> bytes = {};   ///< over all places: the geometric mean
+  Measured relative_cost = {};        ///< to the cheapest contender of the field
+};
+
+/// Candidates that may be compared with one another.
+struct Field {
+  std::optional<Place> place;  ///< nothing: over all places
+  std::size_t places = 1;      ///< how many it covers
+  std::vector<Candidate> candidates;
+  std::vector<std::string> notes;  ///< who is left out, and why
+};
+
+struct FieldOptions {
+  std::string error = "wrong_rate";  ///< a quantity
+  Cost cost = Cost::light;
+};
+
+/// One field for each place, and the last over all of them when there is more than one: over the places that every setting
+/// finished, so that means compare the same scenes. Settings that share no place with the others are left out, the one with the
+/// fewest places first, and noted. Throws Error when no record has the error.
+std::vector<Field> find_fields(std::span<const Record> records, const FieldOptions& options);
+
+/// Whether a is better than b in a quantity of this direction.
+bool is_better(std::string_view direction, double a, double b);
+
+/// Where a candidate stands among the contenders of its field.
+enum class Standing {
+  front,    ///< no contender is at least as good in both and better in one
+  unclear,  ///< beaten by value, but the costs' intervals overlap with those of all who beat it
+  beaten,
+  aside,  ///< reference, baseline, or without a cost: competes with nobody
+};
+std::string_view name(Standing standing);
+
+struct Stand {
+  Standing standing = Standing::aside;
+  std::string beaten_by;  ///< the cheapest contender that beats it
+};
+/// One for each candidate.
+std::vector<Stand> find_front(const Field& field, std::string_view direction);
+
+/// The best contender that a budget allows.
+struct Best {
+  std::string what;                   ///< "time", "memory", "error": what is limited
+  double budget = 0;                  ///< milliseconds, bytes, or the error's unit
+  std::optional<std::size_t> winner;  ///< of the field's candidates; nothing when none keeps the budget
+  std::vector<std::size_t> also;      ///< as good as it by value or within the intervals
+};
+
+struct Budgets {
+  std::vector<double> times, memories, errors;
+};
+/// Round numbers 1, 2, 5 x 10^k from the least to the greatest value of any contender, at most `most` each, evenly picked.
+Budgets round_budgets(std::span<const Field> fields, std::size_t most = 5);
+
+/// Equal time and equal memory: the lowest error, ties by cost. Equal error: the lowest time. Of quantities whose direction is
+/// "higher" an error budget is the least that will do.
+std::vector<Best> find_best(const Field& field, const Budgets& budgets, std::string_view direction);
+
+}  // namespace gnomon

@@ -1,0 +1,25 @@
+#pragma once
+#include "measure/analysis/analysis.h"
+
+namespace gnomon {
+
+/// What one row did along its path.
+struct Motion {
+  const Record* record = nullptr;
+  std::size_t frames = 0;
+  struct Range {
+    double mean = 0, least = 0, greatest = 0;
+    std::size_t worst = 0;  ///< frame of the worst value, from 0
+  };
+  std::optional<Range> instability;  ///< between a frame and the one before; nothing when never defined
+  std::optional<Range> error;        ///< of the metric asked for
+};
+
+/// Over the frames where it is defined; nothing when it never is. `direction` says which end is the worst.
+std::optional<Motion::Range> range_of(std::span<const std::optional<double>> values, std::string_view direction = "lower");
+
+/// The rows that follow a path, in their order, with the range of `error` over the frames. Throws Error when there is none, or
+/// when none has this metric.
+std::vector<Motion> find_motion(std::span<const Record> records, const std::string& error = "wrong_rate");
+
+}  // namespace gnomon

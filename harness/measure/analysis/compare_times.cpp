@@ -1,0 +1,165 @@
+// The times of a comparison: which are judged, and how they come out.
+#include <gnomon/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <tuple>
+
+#include "measure/analysis/compare.h"
+#include "measure/analysis/difference.h"
+
+namespace gnomon {
+
+namespace {
+
+std::string context_text(const Record& record, const char* key) {
+  const auto found = record.context.find(key);
+  return found != record.context.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
+std::vector<StageChange> list_stages(const RowChange& row) {
+  std::vector<StageChange> stages;
+  for (const Stage stage : {Stage::setup, Stage::build, Stage::relight, Stage::resolve}) {
+    StageChange change;
+    change.stage = stage;
+    change.base_ms = median_of_medians(row.base->times(stage));
+    change.contender_ms = median_of_medians(row.contender->times(stage));
+    if (!change.base_ms && !change.contender_ms) continue;
+    if (change.base_ms && change.contender_ms) {
+      const double ratio = std::max(*change.contender_ms, least_time) / std::max(*change.base_ms, least_time);
+      change.ratio = Estimate{ratio, ratio, ratio};
+    }
+    stages.push_back(std::move(change));
+  }
+  return stages;
+}
+
+/// Build does not depend on the light, so all rows of a contender on a scene carry the same times: judged once.
+class SameTimes {
+ public:
+  bool operator()(const RowChange& row, Stage stage) {
+    const Record &base = *row.base, &contender = *row.contender;
+    return stage == Stage::build &&
+           !seen_.insert({base.scene + '|' + base.technique + '|' + base.settings, base.times(stage), contender.times(stage)})
+                .second;
+  }
+
+ private:
+  std::set<std::tuple<std::string, ProcessTimes, ProcessTimes>> seen_;
+};
+
+/// What the load of the machine explains of a row's times.
+double slack(const Record& base, const Record& contender) {
+  const auto number = [](const Record& record, const char* key, double fallback) {
+    const auto found = record.context.find(key);
+    return found != record.context.end() && found->is_number() ? found->get<double>() : fallback;
+  };
+  const double cores = std::min(number(base, "cores", 1), number(contender, "cores", 1));
+  return load_slack(number(base, "load_average", 0), number(contender, "load_average", 0), std::max(cores, 1.0));
+}
+
+/// What all rows, and all rows of each contender, have in common. `owners` are the contenders of the differences.
+void judge_contenders(Comparison& result, const std::vector<LogDifference>& differences,
+                      const std::vector<std::string>& owners) {
+  std::vector<TogetherChange> changes;
+  std::vector<int> groups;
+  std::vector<LogDifference> members;
+  const auto enter = [&](std::size_t k, const std::string& contender) {
+    const auto stage = static_cast<Stage>(differences[k].kind);
+    const auto same = [&](const TogetherChange& c) { return c.contender == contender && c.stage == stage; };
+    const auto found = std::find_if(changes.begin(), changes.end(), same);
+    groups.push_back(static_cast<int>(found - changes.begin()));
+    members.push_back(differences[k]);
+    if (found == changes.end()) {
+      changes.emplace_back();
+      changes.back().contender = contender;
+      changes.back().stage = stage;
+    }
+    ++changes[static_cast<std::size_t>(groups.back())].times;
+  };
+  for (const Stage stage : {Stage::build, Stage::relight, Stage::resolve})
+    for (std::size_t k = 0; k < differences.size(); ++k)
+      if (differences[k].kind == static_cast<int>(stage)) enter(k, "");
+  for (std::size_t k = 0; k < differences.size(); ++k) enter(k, owners[k]);
+
+  const double floor = std::log1p(result.options.floor);
+  const auto all = judge_together(members, groups, static_cast<int>(changes.size()), floor, result.side_by_side);
+  for (std::size_t g = 0; g < changes.size(); ++g) {
+    if (!all[g]) continue;
+    TogetherChange& change = changes[g];
+    const Judgement& judgement = all[g]->judgement;
+    change.ratio = {std::exp(all[g]->value), std::exp(judgement.low), std::exp(judgement.high)};
+    change.p = judgement.p;
+    change.false_discovery = judgement.false_discovery;
+    if (judgement.false_discovery <= result.options.fdr && std::abs(all[g]->value) > floor)
+      change.verdict = all[g]->value > 0 ? Verdict::slower : Verdict::faster;
+    change.is_regression = change.verdict == Verdict::slower && change.ratio.value > result.options.threshold;
+    result.together.push_back(change);
+  }
+}
+
+}  // namespace
+
+void judge_times(Comparison& result) {
+  std::vector<StageChange*> judged;
+  std::vector<LogDifference> differences;
+  std::vector<std::string> owners;  // contenders
+  SameTimes is_known;
+  std::map<std::string, int> scenes;
+  for (RowChange& row : result.rows) {
+    if (!row.base || !row.contender || row.base->status != Status::ok || row.contender->status != Status::ok) continue;
+    row.stages = list_stages(row);
+    for (StageChange& change : row.stages) {
+      const ProcessTimes &base = row.base->times(change.stage), &contender = row.contender->times(change.stage);
+      std::optional<LogDifference> difference =
+          result.side_by_side ? paired_difference(base, contender, least_time) : log_difference(base, contender, least_time);
+      if (context_text(*row.base, "scene_hash") != context_text(*row.contender, "scene_hash"))
+        change.why = "the scene has changed";
+      else if (change.stage == Stage::setup)
+        change.why = "setup is listed only";
+      else if (!change.ratio)
+        change.why = "timed in one run only";
+      else if (*change.base_ms < least_time && *change.contender_ms < least_time)
+        change.why = fmt::format("below {} ms in both runs", least_time);
+      else if (!difference)
+        change.why = "needs two processes in each run";
+      else if (is_known(row, change.stage))
+        change.why = "the same times as under another light";
+      else if (!result.refusal.empty())
+        change.why = result.refusal;
+      if (!change.why.empty()) continue;
+      difference->kind = static_cast<int>(change.stage);
+      difference->batch = scenes.try_emplace(row.base->scene, static_cast<int>(scenes.size())).first->second;
+      difference->slack = slack(*row.base, *row.contender);
+      differences.push_back(*difference);
+      judged.push_back(&change);
+      owners.push_back(contender_title(*row.contender));
+    }
+  }
+
+  const double floor = std::log1p(result.options.floor);
+  const Judged all = judge(differences, floor, result.side_by_side);
+  result.between = all.between;
+  result.inflation = all.inflation;
+  for (std::size_t k = 0; k < judged.size(); ++k) {
+    StageChange& change = *judged[k];
+    const Judgement& judgement = all.each[k];
+    const double value = differences[k].value, ratio = change.ratio->value;
+    change.p = judgement.p;
+    change.false_discovery = judgement.false_discovery;
+    change.ratio->low = ratio * std::exp(judgement.low - value);
+    change.ratio->high = ratio * std::exp(judgement.high - value);
+    change.verdict = Verdict::similar;
+    // The mean of the logarithms is tested and the ratio of medians is shown: they must agree.
+    if (judgement.false_discovery <= result.options.fdr && std::abs(std::log(ratio)) > floor && std::log(ratio) * value > 0)
+      change.verdict = ratio > 1 ? Verdict::slower : Verdict::faster;
+    change.is_regression = change.verdict == Verdict::slower && ratio > result.options.threshold;
+    if (change.verdict == Verdict::similar && differences[k].slack * value > 0 && std::abs(value) > floor)
+      change.why = fmt::format("the load of the machine explains up to {:.2f}", std::exp(differences[k].slack));
+  }
+  judge_contenders(result, differences, owners);
+}
+
+}  // namespace gnomon

@@ -1,0 +1,219 @@
+#include "measure/analysis/difference.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace gnomon {
+
+namespace {
+
+/// Weight of the typical variance, in degrees of freedom. Two times five processes have eight of their own.
+constexpr double typical_freedom = 4;
+/// The share of the differences, the smallest ones, from whose spread the drift between runs is read. The others may be as
+/// far away as they like: a fifth of the rows may really have changed.
+constexpr double steady_share = 0.8;
+/// What runs at different times differ by when there are no rows to tell, and for how many rows it counts.
+constexpr double usual_drift = 0.1, usual_weight = 5;
+
+/// Mean of values and the variance of that mean, 0 for one value.
+struct Mean {
+  double value = 0, variance = 0;
+};
+Mean mean_of(std::span<const double> values) {
+  const auto n = static_cast<double>(values.size());
+  Mean mean;
+  for (const double v : values) mean.value += v / n;
+  if (values.size() < 2) return mean;
+  for (const double v : values) mean.variance += (v - mean.value) * (v - mean.value) / (n - 1) / n;
+  return mean;
+}
+
+/// Logarithm of every process median; a process without times has none.
+std::vector<std::optional<double>> log_medians(const ProcessTimes& times, double least) {
+  std::vector<std::optional<double>> logs;
+  for (const std::vector<double>& process : times)
+    logs.push_back(process.empty() ? std::optional<double>() : std::log(std::max(median(process), least)));
+  return logs;
+}
+
+std::vector<double> present(const std::vector<std::optional<double>>& values) {
+  std::vector<double> there;
+  for (const auto& value : values)
+    if (value) there.push_back(*value);
+  return there;
+}
+
+/// Median of the differences by kind, or by kind and batch.
+std::map<std::pair<int, int>, double> centers(std::span<const LogDifference> differences, bool by_batch) {
+  std::map<std::pair<int, int>, std::vector<double>> groups;
+  for (const LogDifference& d : differences) groups[{d.kind, by_batch ? d.batch : 0}].push_back(d.value);
+  std::map<std::pair<int, int>, double> result;
+  for (const auto& [group, values] : groups) result[group] = median(values);
+  return result;
+}
+
+/// Distance of every difference from the median of its kind.
+std::vector<double> distances(std::span<const LogDifference> differences) {
+  const auto middle = centers(differences, false);
+  std::vector<double> result;
+  for (const LogDifference& d : differences) result.push_back(std::abs(d.value - middle.at({d.kind, 0})));
+  return result;
+}
+
+/// Variance of the batches' medians about those of their kinds; 0 where each kind has one batch only. A neighbor of the machine
+/// that comes while one scene is timed moves all rows of it, which the steady share may not see.
+double batch_variance(std::span<const LogDifference> differences) {
+  const auto middle = centers(differences, false), batches = centers(differences, true);
+  double sum = 0;
+  for (const auto& [group, value] : batches) sum += std::pow(value - middle.at({group.first, 0}), 2);
+  const auto freedom = static_cast<double>(batches.size() - middle.size());
+  return freedom > 0 ? sum / freedom : 0;
+}
+
+/// The variance to be added to all others so that the steady share of the distances is as wide as theory wants it.
+double excess_variance(std::span<const double> distances, std::span<const double> variances, double freedom) {
+  const double wanted = student_quantile((1 - steady_share) / 2, freedom);
+  const auto width = [&](double excess) {
+    std::vector<double> scaled;
+    for (std::size_t k = 0; k < distances.size(); ++k)
+      scaled.push_back(distances[k] == 0 ? 0 : distances[k] / std::sqrt(variances[k] + excess));
+    return quantile(scaled, steady_share);
+  };
+  if (width(0) <= wanted) return 0;
+  double low = 0, high = 1;
+  while (width(high) > wanted) high *= 2;
+  for (int k = 0; k < 60; ++k) {
+    const double middle = (low + high) / 2;
+    (width(middle) > wanted ? low : high) = middle;
+  }
+  return high;
+}
+
+/// The test of one value against the floor. No difference is what lies between -floor and floor, widened on one side by the
+/// slack.
+Judgement judge_one(double value, double slack, double variance, double freedom, double floor) {
+  const double width = floor + std::abs(slack) / 2, far = std::abs(value - slack / 2), deviation = std::sqrt(variance);
+  Judgement judgement;
+  if (deviation > 0)
+    judgement.p =
+        std::min(1.0, student_tail((far - width) / deviation, freedom) + student_tail((far + width) / deviation, freedom));
+  else
+    judgement.p = far > width ? 0 : 1;
+  const double half = student_quantile(0.025, freedom) * deviation;
+  judgement.low = value - half;
+  judgement.high = value + half;
+  return judgement;
+}
+
+}  // namespace
+
+std::optional<LogDifference> log_difference(const ProcessTimes& base, const ProcessTimes& contender, double least) {
+  const std::vector<double> b = present(log_medians(base, least)), c = present(log_medians(contender, least));
+  if (b.size() < 2 || c.size() < 2) return std::nullopt;
+  const Mean base_mean = mean_of(b), contender_mean = mean_of(c);
+  const double variance = base_mean.variance + contender_mean.variance;
+  // Welch and Satterthwaite: between the smaller sample's own and the sum of both.
+  const auto own = [](double v, std::size_t n) { return v * v / static_cast<double>(n - 1); };
+  const double parts = own(base_mean.variance, b.size()) + own(contender_mean.variance, c.size());
+  const double freedom = parts > 0 ? variance * variance / parts : static_cast<double>(b.size() + c.size() - 2);
+  return LogDifference{contender_mean.value - base_mean.value, variance, freedom};
+}
+
+std::optional<LogDifference> paired_difference(const ProcessTimes& base, const ProcessTimes& contender, double least) {
+  const auto b = log_medians(base, least), c = log_medians(contender, least);
+  std::vector<double> differences;
+  for (std::size_t k = 0; k < std::min(b.size(), c.size()); ++k)
+    if (b[k] && c[k]) differences.push_back(*c[k] - *b[k]);
+  if (differences.size() < 2) return std::nullopt;
+  const Mean mean = mean_of(differences);
+  return LogDifference{mean.value, mean.variance, static_cast<double>(differences.size() - 1)};
+}
+
+double load_slack(double base_load, double contender_load, double cores) {
+  constexpr double own_load = 1;
+  const double least = std::min(base_load, contender_load);
+  const double more = std::max(0.0, std::abs(contender_load - base_load) - own_load);
+  const double slack = std::log((cores + least + more) / (cores + least));
+  return contender_load > base_load ? slack : -slack;
+}
+
+Judged judge(std::span<const LogDifference> differences, double floor, bool side_by_side) {
+  Judged judged;
+  if (differences.empty()) return judged;
+
+  // Few processes give a poor variance: draw each toward the typical one.
+  std::vector<double> raw, variances;
+  for (const LogDifference& d : differences) raw.push_back(d.variance);
+  const double typical = median(raw);
+  std::vector<double> freedoms;
+  for (const LogDifference& d : differences) {
+    variances.push_back((typical_freedom * typical + d.freedom * d.variance) / (typical_freedom + d.freedom));
+    freedoms.push_back(typical_freedom + d.freedom);
+  }
+
+  // What a run adds on its own. A median of a kind is fitted to its differences: that many do not count.
+  const double excess =
+      std::max(excess_variance(distances(differences), variances, median(freedoms)), batch_variance(differences));
+  std::map<int, int> kinds;
+  for (const LogDifference& d : differences) ++kinds[d.kind];
+  const double seen = static_cast<double>(differences.size() - kinds.size());
+  const double weight = side_by_side ? 0 : usual_weight;
+  const double drift = seen + weight > 0 ? (seen * excess + weight * usual_drift * usual_drift) / (seen + weight) : 0;
+  // Rows of one batch drift together, so the spread is known less well than their number says.
+  const double drift_freedom = std::max(4.0, (seen + weight) / 6);
+  judged.between = std::sqrt(drift);
+
+  std::vector<double> p_values, growth;
+  for (std::size_t k = 0; k < differences.size(); ++k) {
+    const double variance = variances[k] + drift, value = differences[k].value;
+    const double freedom =
+        variance > 0 ? variance * variance / (variances[k] * variances[k] / freedoms[k] + drift * drift / drift_freedom)
+                     : freedoms[k];
+    const Judgement judgement = judge_one(value, differences[k].slack, variance, freedom, floor);
+    p_values.push_back(judgement.p);
+    if (variances[k] > 0) growth.push_back(std::sqrt(variance / variances[k]));
+    judged.each.push_back(judgement);
+  }
+  const std::vector<double> rates = false_discovery_rates(p_values);
+  for (std::size_t k = 0; k < rates.size(); ++k) judged.each[k].false_discovery = rates[k];
+  if (!growth.empty()) judged.inflation = median(growth);
+  return judged;
+}
+
+std::vector<std::optional<Together>> judge_together(std::span<const LogDifference> differences, std::span<const int> groups,
+                                                    int group_count, double floor, bool side_by_side) {
+  // What batches differ by when they do not tell, and for how many of them it counts.
+  constexpr double batch_drift = 0.05, weight = 2;
+  struct Group {
+    std::map<int, std::vector<double>> batches;
+    std::vector<double> slacks;
+  };
+  std::vector<Group> members(static_cast<std::size_t>(group_count));
+  for (std::size_t k = 0; k < differences.size(); ++k) {
+    Group& group = members[static_cast<std::size_t>(groups[k])];
+    group.batches[differences[k].batch].push_back(differences[k].value);
+    group.slacks.push_back(differences[k].slack);
+  }
+  std::vector<std::optional<Together>> result(members.size());
+  std::vector<double> p_values;
+  for (std::size_t g = 0; g < members.size(); ++g) {
+    std::vector<double> means;
+    for (const auto& [batch, values] : members[g].batches) means.push_back(mean_of(values).value);
+    if (means.size() < 2) continue;
+    const auto count = static_cast<double>(means.size());
+    const double value = mean_of(means).value, freedom = count - 1 + weight;
+    double squares = weight * batch_drift * batch_drift;
+    for (const double mean : means) squares += (mean - value) * (mean - value);
+    const double variance = squares / freedom * (1 / count + (side_by_side ? 0 : 1));
+    result[g] = Together{value, judge_one(value, median(members[g].slacks), variance, freedom, floor)};
+    p_values.push_back(result[g]->judgement.p);
+  }
+  const std::vector<double> rates = false_discovery_rates(p_values);
+  std::size_t next = 0;
+  for (auto& together : result)
+    if (together) together->judgement.false_discovery = rates[next++];
+  return result;
+}
+
+}  // namespace gnomon

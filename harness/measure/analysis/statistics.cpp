@@ -1,0 +1,185 @@
+#include "measure/analysis/statistics.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numeric>
+
+namespace gnomon {
+
+namespace {
+
+/// PCG32 (O'Neill 2014, XSH RR): the same stream on every machine and library, unlike the distributions of <random>.
+class Pcg32 {
+ public:
+  std::uint32_t next() {
+    const std::uint64_t old = state_;
+    state_ = old * 6364136223846793005u + 1442695040888963407u;
+    const auto shifted = static_cast<std::uint32_t>(((old >> 18) ^ old) >> 27);
+    const auto turn = static_cast<int>(old >> 59);
+    return (shifted >> turn) | (shifted << (-turn & 31));
+  }
+  /// Below `count`, by the high half of a product; the bias is below count / 2^32.
+  std::size_t below(std::size_t count) { return (static_cast<std::uint64_t>(next()) * count) >> 32; }
+
+ private:
+  std::uint64_t state_ = 0x853c49e6748fea9bu;
+};
+
+/// Sorts in place.
+double sorted_quantile(std::span<double> values, double q) {
+  assert(!values.empty() && q >= 0 && q <= 1);
+  std::sort(values.begin(), values.end());
+  const double place = q * static_cast<double>(values.size() - 1);
+  const auto below = static_cast<std::size_t>(place);
+  const std::size_t above = std::min(below + 1, values.size() - 1);
+  // Equal neighbours are returned as they are: a sum of two products may miss them by a rounding.
+  if (values[below] == values[above]) return values[below];
+  return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
+}
+
+ProcessTimes without_empty(const ProcessTimes& times) {
+  ProcessTimes kept;
+  for (const std::vector<double>& process : times)
+    if (!process.empty()) kept.push_back(process);
+  return kept;
+}
+
+/// One resample of the statistic. Its buffers are kept from call to call.
+class Resampler {
+ public:
+  explicit Resampler(ProcessTimes times) : times_(std::move(times)), medians_(times_.size()) {}
+
+  double draw(Pcg32& random) {
+    for (double& process_median : medians_) {
+      const std::vector<double>& process = times_[random.below(times_.size())];
+      repetitions_.resize(process.size());
+      for (double& repetition : repetitions_) repetition = process[random.below(process.size())];
+      process_median = sorted_quantile(repetitions_, 0.5);
+    }
+    return sorted_quantile(medians_, 0.5);
+  }
+
+ private:
+  ProcessTimes times_;
+  std::vector<double> medians_, repetitions_;
+};
+
+/// The percentile interval of `resample_count` values of `draw`.
+template <class Draw>
+Estimate estimate(double value, Draw draw) {
+  std::vector<double> resamples(resample_count);
+  for (double& resample : resamples) resample = draw();
+  return {value, sorted_quantile(resamples, 0.025), sorted_quantile(resamples, 0.975)};
+}
+
+/// The continued fraction of the incomplete beta function (Abramowitz and Stegun 26.5.8), evaluated by Lentz's method. It
+/// converges fast for x < (a + 1) / (a + b + 2).
+double beta_fraction(double a, double b, double x) {
+  constexpr double tiny = 1e-300, enough = 1e-14;
+  const auto away_from_zero = [](double value) { return std::abs(value) < tiny ? tiny : value; };
+  double c = 1, d = 1 / away_from_zero(1 - (a + b) * x / (a + 1)), fraction = d;
+  for (int m = 1; m < 1000; ++m) {
+    const double terms[] = {m * (b - m) * x / ((a + 2 * m - 1) * (a + 2 * m)),
+                            -(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1))};
+    double step = 1;
+    for (const double term : terms) {
+      d = 1 / away_from_zero(1 + term * d);
+      c = away_from_zero(1 + term / c);
+      fraction *= step = c * d;
+    }
+    if (std::abs(step - 1) < enough) break;
+  }
+  return fraction;
+}
+
+/// Regularized incomplete beta function I_x(a, b).
+double incomplete_beta(double a, double b, double x) {
+  if (x <= 0) return 0;
+  if (x >= 1) return 1;
+  const double front = std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) + a * std::log(x) + b * std::log1p(-x));
+  return x < (a + 1) / (a + b + 2) ? front * beta_fraction(a, b, x) / a : 1 - front * beta_fraction(b, a, 1 - x) / b;
+}
+
+}  // namespace
+
+double quantile(std::span<const double> values, double q) {
+  std::vector<double> copy(values.begin(), values.end());
+  return sorted_quantile(copy, q);
+}
+
+double median(std::span<const double> values) { return quantile(values, 0.5); }
+
+double median_absolute_deviation(std::span<const double> values) {
+  const double center = median(values);
+  std::vector<double> distances;
+  for (const double value : values) distances.push_back(std::abs(value - center));
+  return median(distances);
+}
+
+std::optional<double> median_of_medians(const ProcessTimes& times) {
+  std::vector<double> medians;
+  for (const std::vector<double>& process : times)
+    if (!process.empty()) medians.push_back(median(process));
+  if (medians.empty()) return std::nullopt;
+  return median(medians);
+}
+
+std::optional<Estimate> bootstrap(const ProcessTimes& times) {
+  const ProcessTimes kept = without_empty(times);
+  if (kept.size() < 2) return std::nullopt;
+  Pcg32 random;
+  Resampler resampler(kept);
+  return estimate(*median_of_medians(kept), [&] { return resampler.draw(random); });
+}
+
+std::optional<Estimate> bootstrap_ratio(const ProcessTimes& contender, const ProcessTimes& base) {
+  const ProcessTimes top = without_empty(contender), bottom = without_empty(base);
+  if (top.size() < 2 || bottom.size() < 2) return std::nullopt;
+  for (const std::vector<double>& process : bottom)
+    for (const double time : process)
+      if (!(time > 0)) return std::nullopt;
+  Pcg32 random;
+  Resampler top_resampler(top), bottom_resampler(bottom);
+  return estimate(*median_of_medians(top) / *median_of_medians(bottom), [&] {
+    const double numerator = top_resampler.draw(random);
+    return numerator / bottom_resampler.draw(random);
+  });
+}
+
+double student_tail(double t, double freedom) {
+  assert(freedom > 0);
+  if (std::isnan(t)) return t;
+  // Abramowitz and Stegun 26.7.1: both tails together are I_x(n / 2, 1 / 2) at x = n / (n + t^2).
+  const double tail = std::isinf(t) ? 0 : 0.5 * incomplete_beta(freedom / 2, 0.5, freedom / (freedom + t * t));
+  return t > 0 ? tail : 1 - tail;
+}
+
+double student_quantile(double tail, double freedom) {
+  assert(tail > 0 && tail < 1);
+  if (tail > 0.5) return -student_quantile(1 - tail, freedom);
+  double low = 0, high = 1;
+  while (student_tail(high, freedom) > tail && high < 1e150) high *= 2;
+  for (int k = 0; k < 200 && low < high; ++k) {
+    const double middle = (low + high) / 2;
+    if (middle == low || middle == high) break;
+    (student_tail(middle, freedom) > tail ? low : high) = middle;
+  }
+  return (low + high) / 2;
+}
+
+std::vector<double> false_discovery_rates(std::span<const double> p_values) {
+  std::vector<std::size_t> order(p_values.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return p_values[a] < p_values[b]; });
+  std::vector<double> rates(p_values.size());
+  // From the largest p down: the rank-th smallest would be called at p * count / rank, or with any larger one.
+  double least = 1;
+  for (std::size_t rank = order.size(); rank > 0; --rank) {
+    least = std::min(least, p_values[order[rank - 1]] * static_cast<double>(order.size()) / static_cast<double>(rank));
+    rates[order[rank - 1]] = least;
+  }
+  return rates;
+}
+
+}  // namespace gnomon

@@ -1,0 +1,189 @@
+#include "measure/cause/causes.h"
+
+#include <gnomon/error.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "measure/cause/causes_taps.h"
+#include "measure/cause/components.h"
+#include "measure/score/metrics.h"
+
+namespace gnomon {
+
+namespace {
+
+// False dark in warm colors, false lit in cool ones, the rest between. Any two differ by 19 in CIE Lab, also for people without
+// one kind of cone, and each from every gray of the picture below.
+constexpr CauseInfo rows[] = {
+    {Cause::tessellation,
+     "tessellation",
+     "Right against the triangles, wrong against the exact shape that they stand for.",
+     {189, 230, 0}},
+    {Cause::beyond_coverage, "beyond_coverage", "The technique says that it does not cover this point.", {56, 0, 72}},
+    {Cause::missing_caster,
+     "missing_caster",
+     "Lit in a shadow that the technique hardly has: less than a tenth of it is dark.",
+     {32, 84, 148}},
+    {Cause::edge_resolution, "edge_resolution", "A perfect map of the same texels would be wrong here too.", {239, 220, 113}},
+    {Cause::lookup_shift, "lookup_shift", "The moved look-up point fell on the other side of a shadow edge.", {155, 230, 164}},
+    {Cause::acne, "acne", "The receiver's own surface, stored at a texel, shadows it: too little bias.", {224, 120, 0}},
+    {Cause::over_dark,
+     "over_dark",
+     "Another object's surface, stored at a texel, shadows a point that it does not.",
+     {194, 21, 0}},
+    {Cause::peter_panning,
+     "peter_panning",
+     "All that shadows the point is nearer than the bias: too much of it.",
+     {46, 145, 183}},
+    {Cause::leak_layered,
+     "leak_layered",
+     "The bias skips what is near, and what is farther does not cover the texel.",
+     {61, 1, 246}},
+    {Cause::leak_representation,
+     "leak_representation",
+     "The texels are in shadow, yet what they store says light.",
+     {85, 218, 255}},
+    {Cause::crack, "crack", "At most four pixels together, away from every shadow edge: a numerical crack.", {248, 0, 255}},
+    {Cause::edge_raster,
+     "edge_raster",
+     "Within 1.5 pixels of a shadow edge of the reference, or on an edge that no pixel shows.",
+     {173, 136, 89}},
+    {Cause::region,
+     "region",
+     "A whole region is wrong: a geometric technique has a bug, or its input breaks its hypothesis.",
+     {107, 17, 4}},
+    {Cause::penumbra, "penumbra", "In a penumbra, of the wrong width or in the wrong place.", {72, 3, 156}},
+    {Cause::unexplained, "unexplained", "None of the others; meant to be 0.", {255, 255, 255}},
+};
+
+constexpr float edge_width = 1.5f;        ///< pixels
+constexpr std::uint32_t crack_size = 4;   ///< pixels
+constexpr std::uint32_t caster_size = 8;  ///< pixels
+/// Pixels explained at a time: hundreds of taps each are held in memory.
+constexpr std::size_t chunk = 4096;
+
+bool is_wrong(const Attribution& a, std::size_t i) {
+  return a.reference.classes[i] == PixelClass::T && std::abs(a.mask[i] - a.reference.mask[i]) > 0.5f;
+}
+
+/// 1 in the reference's shadows of one object, 8 pixels or more, of which the technique has less than a tenth.
+std::vector<std::uint8_t> missing_shadows(const Attribution& a) {
+  const Components shadows = connect(a.reference.occluder, no_mesh, a.gbuffer.width, a.gbuffer.height);
+  std::vector<std::uint32_t> dark(shadows.size.size(), 0);
+  for (std::size_t i = 0; i < a.mask.size(); ++i)
+    if (shadows.of[i] != no_component && a.mask[i] <= 0.5f) ++dark[shadows.of[i]];
+  std::vector<std::uint8_t> missing(a.mask.size(), 0);
+  for (std::size_t i = 0; i < missing.size(); ++i) {
+    if (shadows.of[i] == no_component) continue;
+    const std::uint32_t size = shadows.size[shadows.of[i]];
+    missing[i] = size >= caster_size && 10 * dark[shadows.of[i]] < size;
+  }
+  return missing;
+}
+
+/// 1 where the reference answers otherwise within the raster's snapping of the pixel's center, though no other pixel shows it:
+/// a shadow thinner than a pixel. Snapping to 1/256 pixel moves an edge by at most 1/512 pixel in each coordinate, and four
+/// shifts of twice that meet every half-plane that such a move can.
+std::vector<std::uint8_t> is_on_thin_edge(const Attribution& a, const LightRays& rays, std::span<const std::uint32_t> pixels) {
+  const glm::dvec3 eye = a.gbuffer.view.eye;
+  const double per_meter = 2 * std::tan(glm::radians(double(a.gbuffer.view.fov_y_degrees)) / 2) / a.gbuffer.height;
+  std::vector<LightRays::Start> starts;
+  for (const std::uint32_t i : pixels) {
+    const glm::dvec3 point = a.gbuffer.position(i), n = a.gbuffer.normal(i), from_eye = point - eye;
+    const glm::dvec3 v = glm::normalize(from_eye), other = std::abs(v.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+    const double step = glm::length(from_eye) * per_meter / 256 + rays.rounding(), down = -glm::dot(n, v);
+    const glm::dvec3 u = step * glm::normalize(glm::cross(v, other)), w = glm::cross(v, u);
+    for (const glm::dvec3& move : {u, -u, w, -w})
+      starts.push_back({i, point + move + (down > 1e-3 ? glm::dot(n, move) / down * v : glm::dvec3(0)), 0});
+  }
+  const std::vector<std::uint8_t> lit = rays.lit(starts);
+  std::vector<std::uint8_t> thin(pixels.size(), 0);
+  for (std::size_t s = 0; s < starts.size(); ++s) thin[s / 4] |= (lit[s] != 0) != (a.reference.mask[starts[s].pixel] > 0.5f);
+  return thin;
+}
+
+/// Causes of a technique without taps: by distance to the reference's edge and by size.
+void find_regions(const Attribution& a, const LightRays& rays, std::span<const std::uint32_t> pixels, std::span<Cause> causes) {
+  const int width = a.gbuffer.width, height = a.gbuffer.height;
+  const std::vector<float> to_edge =
+      distance_transform(shadow_boundary(a.reference.mask, a.reference.classes, width, height), width, height);
+  std::vector<std::uint32_t> candidates, far_away(a.mask.size(), 0);
+  for (const std::uint32_t i : pixels) {
+    if (a.reference.mask[i] > 0 && a.reference.mask[i] < 1)
+      causes[i] = Cause::penumbra;
+    else if (to_edge[i] <= edge_width)
+      causes[i] = Cause::edge_raster;
+    else
+      candidates.push_back(i);
+  }
+  const std::vector<std::uint8_t> thin = is_on_thin_edge(a, rays, candidates);
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    if (thin[k])
+      causes[candidates[k]] = Cause::edge_raster;
+    else
+      far_away[candidates[k]] = 1;
+  }
+  const Components regions = connect(far_away, 0, width, height);
+  for (const std::uint32_t i : candidates)
+    if (far_away[i]) causes[i] = regions.size[regions.of[i]] <= crack_size ? Cause::crack : Cause::region;
+}
+
+}  // namespace
+
+std::span<const CauseInfo> cause_infos() { return rows; }
+
+std::string_view name(Cause cause) { return cause == Cause::none ? "none" : rows[static_cast<std::size_t>(cause) - 1].name; }
+
+std::vector<Cause> find_causes(const Attribution& a) {
+  assert(a.mask.size() == a.gbuffer.size() && a.reference.mask.size() == a.mask.size());
+  assert(a.reference.classes.size() == a.mask.size() && a.reference.occluder.size() == a.mask.size());
+  std::vector<Cause> causes(a.mask.size(), Cause::none);
+  std::vector<std::uint32_t> open, geometric;
+  for (std::uint32_t i = 0; i < causes.size(); ++i) {
+    if (!is_wrong(a, i)) continue;
+    if (!a.right_on_mesh.empty() && a.right_on_mesh[i])
+      causes[i] = Cause::tessellation;
+    else
+      open.push_back(i);
+  }
+  if (open.empty()) return causes;
+
+  const std::vector<std::uint8_t> missing = missing_shadows(a);
+  const LightRays rays(a.scene, a.casters, a.gbuffer, a.light);
+  for (std::size_t first = 0; first < open.size(); first += chunk) {
+    const auto pixels = std::span(open).subspan(first, std::min(chunk, open.size() - first));
+    const auto explanations = a.explain ? a.explain(pixels) : std::vector<std::optional<Explanation>>(pixels.size());
+    if (explanations.size() != pixels.size())
+      throw Error("{} explanations were given for {} pixels", explanations.size(), pixels.size());
+    std::vector<TapCase> cases;
+    for (std::size_t k = 0; k < pixels.size(); ++k) {
+      const std::uint32_t i = pixels[k];
+      const auto& why = explanations[k];
+      if (why && !why->covered)
+        causes[i] = Cause::beyond_coverage;
+      else if (a.mask[i] > a.reference.mask[i] && missing[i])
+        causes[i] = Cause::missing_caster;
+      else if (why && !why->taps.empty())
+        cases.push_back({i, &*why});
+      else
+        geometric.push_back(i);
+    }
+    const std::vector<Cause> found = find_tap_causes(a, rays, cases);
+    for (std::size_t k = 0; k < cases.size(); ++k) causes[cases[k].pixel] = found[k];
+  }
+  if (!geometric.empty()) find_regions(a, rays, geometric, causes);
+  return causes;
+}
+
+std::map<std::string, std::uint64_t> count_causes(std::span<const Cause> causes) {
+  std::map<std::string, std::uint64_t> counts;
+  for (const CauseInfo& info : rows) counts[std::string(info.name)] = 0;
+  std::array<std::uint64_t, std::size(rows) + 1> by_cause{};
+  for (const Cause cause : causes) ++by_cause[static_cast<std::size_t>(cause)];
+  for (const CauseInfo& info : rows) counts[std::string(info.name)] = by_cause[static_cast<std::size_t>(info.cause)];
+  return counts;
+}
+
+}  // namespace gnomon

@@ -1,0 +1,73 @@
+#pragma once
+#include <gnomon/kit/rays.h>
+#include <gnomon/technique.h>
+
+#include <array>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "measure/frame/frame.h"
+
+namespace gnomon {
+
+/// Why a pixel is wrong: ordered, exhaustive, first match decides. `unexplained` is meant to be 0. docs/causes.md derives each.
+enum class Cause : std::uint8_t {
+  none,  ///< right, or not tested
+  tessellation,
+  beyond_coverage,
+  missing_caster,
+  edge_resolution,
+  lookup_shift,
+  acne,
+  over_dark,
+  peter_panning,
+  leak_layered,
+  leak_representation,
+  crack,
+  edge_raster,
+  region,
+  penumbra,
+  unexplained,
+};
+
+/// One cause is one row; the order is the order of matching.
+struct CauseInfo {
+  Cause cause;
+  std::string_view name;                ///< "acne"
+  std::string_view sentence;            ///< what it means, for people
+  std::array<std::uint8_t, 3> color{};  ///< sRGB, in every picture
+};
+/// All but `none`, in order.
+std::span<const CauseInfo> cause_infos();
+std::string_view name(Cause cause);
+
+/// What is asked about one mask.
+struct Attribution {
+  const Scene& scene;
+  const RayScene& casters;  ///< under the truth of the G-buffer
+  const GBuffer& gbuffer;
+  const Light& light;
+  const Reference& reference;
+  std::span<const float> mask;
+  /// 1 where the same technique is right on the mesh G-buffer against mesh truth; empty where there is no second truth.
+  std::span<const std::uint8_t> right_on_mesh;
+  /// The technique's own account of each of these pixels of this mask, in their order; nothing where it has none.
+  std::function<std::vector<std::optional<Explanation>>(std::span<const std::uint32_t> pixels)> explain;
+};
+
+/// The cause of every wrong pixel of class T, `none` elsewhere; width * height.
+std::vector<Cause> find_causes(const Attribution& attribution);
+
+/// By name, every cause; zeros too.
+std::map<std::string, std::uint64_t> count_causes(std::span<const Cause> causes);
+
+/// Explanations as bytes, between a worker and its owner. Throws Error on an explanation that cannot be traced: a number that
+/// is not finite (but a stored distance may be infinite), or a tap's direction that has not length 1.
+std::vector<std::byte> explanation_bytes(std::span<const std::optional<Explanation>> explanations);
+/// The inverse. Throws Error on bytes of another layout.
+std::vector<std::optional<Explanation>> explanations_from_bytes(std::span<const std::byte> bytes);
+
+}  // namespace gnomon

@@ -1,0 +1,240 @@
+#include "measure/cause/causes_taps.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace gnomon {
+
+namespace {
+
+/// One wrong pixel on its way through the steps.
+struct Question {
+  std::uint32_t pixel;
+  const Explanation* why;
+  bool is_dark;  ///< false dark; else false lit
+  double visibility, reference;
+  glm::dvec3 point, normal, to_light;  ///< to_light is unit
+  double reach;                        ///< two texel diagonals, meters
+  glm::dvec3 shift{0};                 ///< from the point to where the shifted look-up's ray cuts the tangent plane
+  std::size_t first_tap = 0;           ///< in the block's flat list
+
+  bool is_on_technique_side(double v) const { return is_dark ? v < 0.5 : v > 0.5; }
+  std::size_t tap_count() const { return why->taps.size(); }
+};
+
+/// A few pixels at once, so that their rays fill packets.
+class Block {
+ public:
+  Block(const Attribution& a, const LightRays& rays, std::span<const TapCase> cases, std::span<Cause> causes)
+      : rays_(rays), causes_(causes) {
+    for (const TapCase& c : cases) {
+      Question q{.pixel = c.pixel,
+                 .why = c.why,
+                 .is_dark = a.mask[c.pixel] < a.reference.mask[c.pixel],
+                 .visibility = a.mask[c.pixel],
+                 .reference = a.reference.mask[c.pixel],
+                 .point = a.gbuffer.position(c.pixel),
+                 .normal = a.gbuffer.normal(c.pixel),
+                 .to_light = {},
+                 .reach = 2 * std::numbers::sqrt2 * c.why->texel_width};
+      q.to_light = rays.toward_light(q.point);
+      if (c.why->shifted) q.shift = on_plane(q, *c.why->shifted, -rays.toward_light(*c.why->shifted)) - q.point;
+      q.first_tap = places_.size();
+      for (const Tap& tap : c.why->taps) places_.push_back(on_plane(q, tap.origin, tap.direction));
+      mesh_.push_back(a.gbuffer.mesh[c.pixel]);
+      questions_.push_back(q);
+    }
+  }
+
+  void answer() {
+    // What a perfect map sees through the taps, at the shifted look-up and where the point itself is.
+    seen_ = rays_.lit(all_starts(false));
+    std::vector<std::uint8_t> unshifted = seen_;
+    if (std::ranges::any_of(questions_, [](const Question& q) { return q.why->shifted.has_value(); }))
+      unshifted = rays_.lit(all_starts(true));
+    for (std::size_t k = 0; k < questions_.size(); ++k) {
+      const Question& q = questions_[k];
+      const bool is_shifted = q.why->shifted.has_value();
+      if (can_err(q, unshifted, is_shifted))
+        causes_[k] = Cause::edge_resolution;
+      else if (is_shifted && can_err(q, seen_, false))
+        causes_[k] = Cause::lookup_shift;
+      else
+        causes_[k] = q.is_dark ? of_false_dark(q, mesh_[k]) : of_false_lit(q);
+      if (causes_[k] == Cause::unexplained && q.reference > 0 && q.reference < 1) causes_[k] = Cause::penumbra;
+    }
+  }
+
+ private:
+  /// Where the line from `origin` along the unit `direction` cuts the pixel's tangent plane on the lit side. A ray that does
+  /// not come down to the plane meets it beyond everything.
+  glm::dvec3 on_plane(const Question& q, const glm::dvec3& origin, const glm::dvec3& direction) const {
+    const double down = -glm::dot(q.normal, direction), farthest = rays_.beyond_everything(origin);
+    const double t = down > 0 ? glm::dot(q.normal, origin - q.point) / down : INFINITY;
+    return origin + std::clamp(t, -farthest, farthest) * direction;
+  }
+
+  std::vector<LightRays::Start> all_starts(bool unshifted) const {
+    std::vector<LightRays::Start> starts;
+    starts.reserve(places_.size());
+    for (const Question& q : questions_)
+      for (std::size_t j = 0; j < q.tap_count(); ++j)
+        starts.push_back({q.pixel, places_[q.first_tap + j] - (unshifted ? q.shift : glm::dvec3(0)), q.reach});
+    return starts;
+  }
+
+  /// Whether a perfect map with these taps would be on the technique's side too. Where it would not be, taps within the
+  /// raster's tolerance of an edge may count for the other side: snapping vertices to 1/256 texel moves an edge by at most
+  /// 1/512 texel in each coordinate, and four shifts of twice that across the ray meet every half-plane that such a move can.
+  bool can_err(const Question& q, std::span<const std::uint8_t> lit, bool unshifted) const {
+    const auto mean = [&](auto&& is_lit) {
+      double v = 0;
+      for (std::size_t j = 0; j < q.tap_count(); ++j)
+        if (is_lit(j)) v += q.why->taps[j].weight;
+      return v;
+    };
+    const auto plain = [&](std::size_t j) { return lit[q.first_tap + j] != 0; };
+    if (q.is_on_technique_side(mean(plain))) return true;
+    const glm::dvec3 back = unshifted ? q.shift : glm::dvec3(0);
+    const auto start_of = [&](std::size_t j) { return LightRays::Start{q.pixel, places_[q.first_tap + j] - back, q.reach}; };
+    std::vector<LightRays::Start> starts;
+    std::vector<std::size_t> tap;
+    for (std::size_t j = 0; j < q.tap_count(); ++j) {
+      if (plain(j) != q.is_dark) continue;
+      for (const glm::dvec3& moved : shaken(q, j)) {
+        starts.push_back({q.pixel, moved - back, q.reach});
+        tap.push_back(j);
+      }
+    }
+    const std::vector<std::uint8_t> answers = rays_.lit(starts);
+    std::vector<std::uint8_t> flips(q.tap_count(), 0);
+    for (std::size_t s = 0; s < starts.size(); ++s) flips[tap[s]] |= (answers[s] != 0) != q.is_dark;
+    // A map is drawn from triangles: with those, a tap may be lit behind the rim of an exact shape.
+    for (std::size_t s = 0; s < starts.size(); s += 4)
+      if (!q.is_dark && !flips[tap[s]])
+        flips[tap[s]] =
+            rays_.triangles_let_through(start_of(tap[s])) ||
+            std::any_of(&starts[s], &starts[s] + 4, [&](const auto& start) { return rays_.triangles_let_through(start); });
+    return q.is_on_technique_side(mean([&](std::size_t j) { return plain(j) != (flips[j] != 0); }));
+  }
+
+  /// The tap's place on the tangent plane with its ray moved by 1/256 texel and float32 rounding, four ways.
+  std::array<glm::dvec3, 4> shaken(const Question& q, std::size_t j) const {
+    const glm::dvec3 d = q.why->taps[j].direction, place = places_[q.first_tap + j];
+    const double step = q.why->texel_width / 256 + rays_.rounding(), down = -glm::dot(q.normal, d);
+    const glm::dvec3 other = std::abs(d.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+    const glm::dvec3 u = step * glm::normalize(glm::cross(d, other)), v = glm::cross(d, u);
+    std::array<glm::dvec3, 4> moved;
+    for (int k = 0; k < 4; ++k) {
+      const glm::dvec3 w = (k % 2 ? -1.0 : 1.0) * (k / 2 ? v : u);
+      // Slides along the ray back onto the plane; a ray that hardly comes down does not.
+      moved[k] = place + w + (down > 1e-3 ? glm::dot(q.normal, w) / down * d : glm::dvec3(0));
+    }
+    return moved;
+  }
+
+  /// The taps that made the pixel dark (or lit): those whose stored surface stands farthest before (or least before) the point,
+  /// by weight until the mask's value is reached. Taps that the reference agrees with are no part of the error.
+  std::vector<std::size_t> guilty(const Question& q) const {
+    std::vector<std::pair<double, std::size_t>> by_margin;
+    for (std::size_t j = 0; j < q.tap_count(); ++j) {
+      const Tap& tap = q.why->taps[j];
+      const double margin = tap.stored - glm::dot(q.point - tap.origin, tap.direction);
+      by_margin.emplace_back(q.is_dark ? margin : -margin, j);
+    }
+    std::ranges::sort(by_margin);
+    double weight = q.is_dark ? 1 - q.visibility : q.visibility;
+    std::vector<std::size_t> all, result;
+    for (const auto& [margin, j] : by_margin) {
+      if (weight <= 1e-6) break;  // masks are float32, and a pixel may have hundreds of taps
+      weight -= q.why->taps[j].weight;
+      all.push_back(j);
+      if ((seen_[q.first_tap + j] != 0) == q.is_dark) result.push_back(j);
+    }
+    return result.empty() ? all : result;
+  }
+
+  /// The object that a tap's stored depth was drawn from: a surface within two diagonals of it on the tap's ray, or on a shaken
+  /// one; no_mesh where there is none.
+  std::uint32_t stored_mesh(const Question& q, std::size_t j) const {
+    const Tap& tap = q.why->taps[j];
+    const glm::dvec3 stored = tap.origin + tap.stored * tap.direction;
+    LightRays::Surface best = rays_.surface_at(stored, tap.direction);
+    if (best.off > q.reach)
+      for (const glm::dvec3& moved : shaken(q, j)) {
+        const glm::dvec3 aside = moved - places_[q.first_tap + j];
+        const LightRays::Surface other =
+            rays_.surface_at(stored + aside - glm::dot(aside, tap.direction) * tap.direction, tap.direction);
+        if (other.off < best.off) best = other;
+      }
+    return best.off <= q.reach || best.is_shape ? best.mesh : no_mesh;
+  }
+
+  /// A perfect map would be lit here: what is stored is at fault.
+  Cause of_false_dark(const Question& q, std::uint32_t own) const {
+    bool is_over_dark = false;
+    for (const std::size_t j : guilty(q)) {
+      const Tap& tap = q.why->taps[j];
+      if (!std::isfinite(tap.stored)) continue;
+      const std::uint32_t mesh = stored_mesh(q, j);
+      if (mesh == no_mesh) continue;
+      if (mesh != own) {
+        is_over_dark = true;
+        continue;
+      }
+      // The tap's place is at most as far from the point as half the filter's diagonal, stretched by the slope; a surface that
+      // the reference does not count is within two diagonals of it.
+      const double k = filter_radius(q), facing = std::max(glm::dot(q.normal, q.to_light), 1e-3);
+      const double reach =
+          std::max((k + 1) * q.reach / facing, (k + 0.5) * std::numbers::sqrt2 * q.why->texel_width / facing + q.reach);
+      const glm::dvec3 stored = tap.origin + tap.stored * tap.direction;
+      if (glm::distance(stored, q.point + q.shift) <= reach + rays_.rounding()) return Cause::acne;
+    }
+    return is_over_dark ? Cause::over_dark : Cause::unexplained;
+  }
+
+  /// A perfect map would be dark here: the occluders were skipped, or the technique did not believe them.
+  Cause of_false_lit(const Question& q) const {
+    const double reach = q.why->bias + q.reach;
+    const double near = rays_.nearest(q.pixel).distance, far = rays_.farthest(q.pixel);
+    if (near == INFINITY && far == INFINITY) return Cause::unexplained;
+    if (far <= reach) return Cause::peter_panning;
+    if (near <= reach) return Cause::leak_layered;
+    // The same seen through the taps: all that covers one of them is inside the reach of the bias there, which a sloping
+    // receiver makes longer by what its plane falls from the point to the tap's place.
+    for (const std::size_t j : guilty(q)) {
+      const glm::dvec3 place = places_[q.first_tap + j], to_light = rays_.toward_light(place);
+      const double fall = std::max(0.0, glm::dot(q.point - place, to_light));
+      if (rays_.farthest_along(place, to_light) <= reach + fall) return Cause::leak_layered;
+    }
+    return Cause::leak_representation;
+  }
+
+  /// Half the side of a square of as many texels, less one half: 0 for one tap.
+  static double filter_radius(const Question& q) { return (std::ceil(std::sqrt(double(q.tap_count()))) - 1) / 2; }
+
+  const LightRays& rays_;
+  std::span<Cause> causes_;
+  std::vector<Question> questions_;
+  std::vector<std::uint32_t> mesh_;  ///< of each question's receiver
+  std::vector<glm::dvec3> places_;   ///< of all taps of all questions, on their tangent planes
+  std::vector<std::uint8_t> seen_;   ///< 1 where the reference sees the light from there
+};
+
+}  // namespace
+
+std::vector<Cause> find_tap_causes(const Attribution& attribution, const LightRays& rays, std::span<const TapCase> cases) {
+  std::vector<Cause> causes(cases.size(), Cause::unexplained);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cases.size(), 64), [&](const auto& range) {
+    Block(attribution, rays, cases.subspan(range.begin(), range.size()), std::span(causes).subspan(range.begin(), range.size()))
+        .answer();
+  });
+  return causes;
+}
+
+}  // namespace gnomon

@@ -1,0 +1,19 @@
+#pragma once
+#include <span>
+
+#include "measure/cause/causes.h"
+#include "measure/cause/light_rays.h"
+
+namespace gnomon {
+
+/// A wrong pixel of a technique that decides by taps.
+struct TapCase {
+  std::uint32_t pixel;
+  const Explanation* why;  ///< with taps
+};
+
+/// The causes that taps tell apart (edge_resolution to leak_representation, then penumbra and unexplained), in the order of the
+/// cases; docs/causes.md derives each step. Runs on all threads.
+std::vector<Cause> find_tap_causes(const Attribution& attribution, const LightRays& rays, std::span<const TapCase> cases);
+
+}  // namespace gnomon

@@ -1,0 +1,150 @@
+#include "measure/cause/light_rays.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace gnomon {
+
+LightRays::LightRays(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const Light& light)
+    : scene_(scene), casters_(casters), gbuffer_(gbuffer), light_(homogeneous(light)) {
+  const Bounds box = scene.bounds();
+  center_ = (glm::dvec3(box.min) + glm::dvec3(box.max)) / 2.0;
+  // Twice the half diagonal: an exact shape may bulge out of the box of its tessellation.
+  radius_ = glm::distance(glm::dvec3(box.min), glm::dvec3(box.max));
+  rounding_ = 16 * 0x1p-24 * extent(scene, light, gbuffer.view);
+}
+
+double LightRays::beyond_everything(const glm::dvec3& point) const { return glm::distance(point, center_) + radius_; }
+
+/// What the ray recipe does not count as an occluder: the pixel's own triangle; its own curved shape, unless the ray leaves it
+/// from inside.
+bool LightRays::is_own(std::size_t i, const RayScene::Hit& hit, const glm::dvec3& direction) const {
+  if (hit.mesh != gbuffer_.mesh[i]) return false;
+  const Mesh& mesh = scene_.meshes[hit.mesh];
+  if (gbuffer_.truth == Truth::shape && mesh.has_curved_shape())
+    return std::holds_alternative<Disc>(*mesh.shape) || glm::dot(hit.normal, direction) <= 0;
+  return hit.triangle == gbuffer_.triangle[i];
+}
+
+LightRays::Occluder LightRays::nearest(std::size_t i) const {
+  const glm::dvec3 lifted =
+      glm::dvec3(gbuffer_.position(i)) + ray_offset(gbuffer_.position(i)) * glm::dvec3(gbuffer_.normal(i));
+  const glm::dvec3 to = to_light(light_, lifted);
+  const double length = glm::length(to), end = light_.w != 0 ? length : INFINITY;
+  const glm::dvec3 direction = to / length;
+  // A closest-hit ray has no filter: it goes on behind what does not count. A line meets a triangle or shape at most twice.
+  double start = 0;
+  for (int step = 0; step < 4; ++step) {
+    const RayScene::Hit hit = casters_.closest(lifted + start * direction, direction);
+    const double distance = start + hit.t;
+    if (hit.mesh == no_mesh || distance >= end) return {};
+    if (!is_own(i, hit, direction)) return {hit.mesh, distance};
+    start = distance + rounding_;
+  }
+  return {};
+}
+
+double LightRays::farthest(std::size_t i) const {
+  const glm::dvec3 point = gbuffer_.position(i), direction = toward_light(point);
+  const double distance = farthest_along(point, direction);
+  // The point's own surface, met within float32 rounding; along the ray of a pixel of class T that is at most 1 / 0.035 as
+  // much.
+  return distance <= rounding_ / 0.035 ? nearest(i).distance : distance;
+}
+
+double LightRays::farthest_along(const glm::dvec3& point, const glm::dvec3& direction) const {
+  const double length = light_.w != 0 ? glm::distance(glm::dvec3(light_), point) : beyond_everything(point);
+  return length - casters_.closest(point + length * direction, -direction).t;
+}
+
+LightRays::Surface LightRays::surface_at(const glm::dvec3& point, const glm::dvec3& direction) const {
+  // Starting a little before the point, so that the surface that goes through it is met by the forward ray.
+  const glm::dvec3 start = point - rounding_ * direction;
+  const RayScene::Hit forward = casters_.closest(start, direction), backward = casters_.closest(start, -direction);
+  const double ahead = std::abs(forward.t - rounding_), behind = backward.t + rounding_;
+  const std::uint32_t mesh = ahead <= behind ? forward.mesh : backward.mesh;
+  const bool is_shape = mesh != no_mesh && gbuffer_.truth == Truth::shape && scene_.meshes[mesh].has_curved_shape();
+  return {mesh, std::min(ahead, behind), is_shape};
+}
+
+namespace {
+
+/// Whether the line from `origin` along `direction` meets a triangle of the mesh at parameters in `from` .. `to` (Moeller and
+/// Trumbore 1997, in double).
+bool meets_triangles(const Mesh& mesh, const glm::dvec3& origin, const glm::dvec3& direction, double from, double to) {
+  return std::ranges::any_of(mesh.triangles, [&](const glm::uvec3& corners) {
+    const glm::dvec3 a = mesh.positions[corners.x], b = mesh.positions[corners.y], c = mesh.positions[corners.z];
+    const glm::dvec3 e1 = b - a, e2 = c - a, p = glm::cross(direction, e2), s = origin - a, q = glm::cross(s, e1);
+    const double determinant = glm::dot(e1, p);
+    const double u = glm::dot(s, p) / determinant, v = glm::dot(direction, q) / determinant, t = glm::dot(e2, q) / determinant;
+    return determinant != 0 && u >= 0 && v >= 0 && u + v <= 1 && t >= from && t <= to;
+  });
+}
+
+}  // namespace
+
+bool LightRays::triangles_let_through(const Start& start) const {
+  if (gbuffer_.truth != Truth::shape) return false;
+  const glm::dvec3 to = to_light(light_, start.point);
+  const double length = glm::length(to), end = light_.w != 0 ? length : INFINITY;
+  const glm::dvec3 direction = to / length;
+  std::vector<std::uint32_t> missed;
+  for (double from = start.ignored;;) {
+    const RayScene::Hit hit = casters_.closest(start.point + from * direction, direction);
+    if (hit.mesh == no_mesh || from + hit.t >= end) return !missed.empty();
+    const Mesh& mesh = scene_.meshes[hit.mesh];
+    if (!mesh.has_curved_shape()) return false;
+    if (std::ranges::find(missed, hit.mesh) == missed.end()) {
+      if (meets_triangles(mesh, start.point, direction, start.ignored, end)) return false;
+      missed.push_back(hit.mesh);
+    }
+    from += hit.t + rounding_;
+  }
+}
+
+std::vector<std::uint8_t> LightRays::lit(std::span<const Start> starts) const {
+  std::vector<std::uint8_t> answer(starts.size());
+  for (std::size_t first = 0; first < starts.size(); first += 16) {
+    const std::size_t count = std::min<std::size_t>(16, starts.size() - first);
+    ShadowPacket packet;
+    std::uint32_t mesh[16] = {}, triangle[16] = {};
+    for (std::size_t k = 0; k < 16; ++k) {
+      const Start& start = starts[first + std::min(k, count - 1)];
+      const glm::dvec3 origin = start.point + ray_offset(start.point) * glm::dvec3(gbuffer_.normal(start.pixel));
+      const glm::dvec3 to = to_light(light_, origin);
+      mesh[k] = gbuffer_.mesh[start.pixel];
+      triangle[k] = gbuffer_.triangle[start.pixel];
+      packet.ox[k] = static_cast<float>(origin.x);
+      packet.oy[k] = static_cast<float>(origin.y);
+      packet.oz[k] = static_cast<float>(origin.z);
+      packet.dx[k] = static_cast<float>(to.x);
+      packet.dy[k] = static_cast<float>(to.y);
+      packet.dz[k] = static_cast<float>(to.z);
+      packet.tnear[k] = static_cast<float>(start.ignored / glm::length(to));
+      packet.tfar[k] = light_.w != 0 ? 1.0f : INFINITY;
+      packet.time[k] = 0;
+      packet.mask[k] = 0xffffffffu;
+      packet.id[k] = static_cast<std::uint32_t>(k);
+      packet.flags[k] = 0;
+    }
+    const auto valid = static_cast<std::uint32_t>((1u << count) - 1);
+    const std::uint32_t blocked = casters_.occluded(valid, packet, {mesh, triangle});
+    for (std::size_t k = 0; k < count; ++k) answer[first + k] = !(blocked >> k & 1);
+  }
+  return answer;
+}
+
+std::vector<std::uint32_t> find_occluders(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer,
+                                          const Light& light, std::span<const float> reference) {
+  const LightRays rays(scene, casters, gbuffer, light);
+  std::vector<std::uint32_t> occluder(gbuffer.size(), no_mesh);
+  tbb::parallel_for(0, gbuffer.height, [&](int y) {
+    for (std::size_t i = static_cast<std::size_t>(y) * gbuffer.width, end = i + gbuffer.width; i < end; ++i)
+      if (reference[i] <= 0.5f && faces_light(scene, gbuffer, light, i)) occluder[i] = rays.nearest(i).mesh;
+  });
+  return occluder;
+}
+
+}  // namespace gnomon

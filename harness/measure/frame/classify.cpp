@@ -1,0 +1,139 @@
+#include "measure/frame/classify.h"
+
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+
+namespace gnomon {
+
+namespace {
+
+bool is_silhouette(const GBuffer& gbuffer, int x, int y) {
+  const std::size_t i = static_cast<std::size_t>(y) * gbuffer.width + x;
+  const glm::vec3 eye = gbuffer.view.eye;
+  const float distance = glm::distance(gbuffer.position(i), eye);
+  for (int ny = std::max(0, y - 1); ny <= std::min(gbuffer.height - 1, y + 1); ++ny)
+    for (int nx = std::max(0, x - 1); nx <= std::min(gbuffer.width - 1, x + 1); ++nx) {
+      const std::size_t j = static_cast<std::size_t>(ny) * gbuffer.width + nx;
+      if (gbuffer.is_background(j)) return true;
+      if (gbuffer.mesh[j] != gbuffer.mesh[i] && std::abs(glm::distance(gbuffer.position(j), eye) - distance) > 0.02f * distance)
+        return true;
+    }
+  return false;
+}
+
+/// A pair of unit tangents across a direction.
+std::array<glm::dvec3, 2> tangents(const glm::dvec3& normal) {
+  const glm::dvec3 n = glm::normalize(normal);
+  const glm::dvec3 other = std::abs(n.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+  const glm::dvec3 u = glm::normalize(glm::cross(n, other));
+  return {u, glm::cross(n, u)};
+}
+
+/// Asks the ray tracer again with the point or the light moved by rho, sixteen pixels at a time.
+class Shaker {
+ public:
+  Shaker(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const glm::dvec4& light, double extent)
+      : scene_(scene), casters_(casters), gbuffer_(gbuffer), light_(light), extent_(extent) {}
+
+  /// Bit k: the answer of pixel indices[k] changes under some shift.
+  std::uint32_t unstable(const std::size_t* indices, int count, std::span<const float> reference) const {
+    std::uint32_t lit = 0, changed = 0;
+    std::uint32_t mesh[16] = {}, triangle[16] = {};
+    for (int k = 0; k < count; ++k) {
+      lit |= static_cast<std::uint32_t>(reference[indices[k]] > 0.5f) << k;
+      mesh[k] = gbuffer_.mesh[indices[k]];
+      triangle[k] = gbuffer_.triangle[indices[k]];
+    }
+    const std::uint32_t all = (1u << count) - 1;
+    // Nine shifts: the point along its two tangents and the light across the ray, both ways; and the point without the lift
+    // of the ray recipe, because its rounding may have put it below a neighbor of its own triangle.
+    for (int shift = 0; shift < 9 && changed != all; ++shift) {
+      ShadowPacket packet;
+      for (int k = 0; k < 16; ++k) aim(packet, k, indices[std::min(k, count - 1)], shift);
+      changed |= casters_.occluded(all, packet, {mesh, triangle}) ^ (all & ~lit);
+    }
+    return changed;
+  }
+
+ private:
+  void aim(ShadowPacket& packet, int k, std::size_t i, int shift) const {
+    const glm::dvec3 p = gbuffer_.position(i), n = gbuffer_.normal(i);
+    // An exact shape has no neighbors, and a point rounded into it would only see it from inside.
+    const bool on_shape = gbuffer_.truth == Truth::shape && scene_.meshes[gbuffer_.mesh[i]].has_curved_shape();
+    glm::dvec3 origin = shift == 8 && !on_shape ? p : p + ray_offset(gbuffer_.position(i)) * n;
+    glm::dvec3 light(light_);
+    const double rho = 16 * 0x1p-24 * extent_, sign = shift & 1 ? 1 : -1;
+    if (shift < 4) {
+      origin += sign * rho * tangents(n)[shift / 2];
+    } else if (shift < 8) {
+      // A directional light turns by rho / extent radians.
+      const glm::dvec3 toward = to_light(light_, p);
+      const double step = light_.w != 0 ? rho : rho / extent_ * glm::length(toward);
+      light += sign * step * tangents(toward)[shift / 2 - 2];
+    }
+    const glm::dvec3 direction = light_.w != 0 ? light - origin : light;
+    packet.ox[k] = static_cast<float>(origin.x);
+    packet.oy[k] = static_cast<float>(origin.y);
+    packet.oz[k] = static_cast<float>(origin.z);
+    packet.dx[k] = static_cast<float>(direction.x);
+    packet.dy[k] = static_cast<float>(direction.y);
+    packet.dz[k] = static_cast<float>(direction.z);
+    packet.tnear[k] = packet.time[k] = 0;
+    packet.tfar[k] = light_.w != 0 ? 1.0f : INFINITY;
+    packet.mask[k] = 0xffffffffu;
+    packet.id[k] = static_cast<std::uint32_t>(k);
+    packet.flags[k] = 0;
+  }
+
+  const Scene& scene_;
+  const RayScene& casters_;
+  const GBuffer& gbuffer_;
+  glm::dvec4 light_;
+  double extent_;
+};
+
+}  // namespace
+
+std::vector<PixelClass> classify(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const Light& light,
+                                 std::span<const float> reference) {
+  const glm::dvec4 l = homogeneous(light);
+  const Shaker shaker(scene, casters, gbuffer, l, extent(scene, light, gbuffer.view));
+  std::vector<PixelClass> classes(gbuffer.size(), PixelClass::T);
+  tbb::parallel_for(0, gbuffer.height, [&](int y) {
+    std::size_t pending[16];
+    int count = 0;
+    const auto flush = [&] {
+      const std::uint32_t unstable = count ? shaker.unstable(pending, count, reference) : 0;
+      for (int k = 0; k < count; ++k)
+        if (unstable >> k & 1) classes[pending[k]] = PixelClass::U;
+      count = 0;
+    };
+    for (int x = 0; x < gbuffer.width; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * gbuffer.width + x;
+      if (gbuffer.is_background(i)) {
+        classes[i] = PixelClass::B;
+      } else if (!faces_light(scene, gbuffer, light, i)) {
+        classes[i] = PixelClass::F;
+      } else if (const glm::dvec3 to = to_light(l, gbuffer.position(i));
+                 glm::dot(glm::dvec3(gbuffer.normal(i)), to) < 0.035 * glm::length(to)) {
+        classes[i] = PixelClass::G;
+      } else if (is_silhouette(gbuffer, x, y)) {
+        classes[i] = PixelClass::S;
+      } else {
+        pending[count++] = i;
+        if (count == 16) flush();
+      }
+    }
+    flush();
+  });
+  return classes;
+}
+
+std::array<std::size_t, 6> count_classes(std::span<const PixelClass> classes) {
+  std::array<std::size_t, 6> counts{};
+  for (const PixelClass c : classes) ++counts[static_cast<std::size_t>(c)];
+  return counts;
+}
+
+}  // namespace gnomon

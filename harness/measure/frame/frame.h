@@ -1,0 +1,57 @@
+#pragma once
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "measure/frame/classify.h"
+#include "measure/frame/gbuffer_maker.h"
+#include "measure/scene/blob.h"
+
+namespace gnomon {
+
+/// The answer that counts, for one light and G-buffer: the reference mask, the class of every pixel, and what blocks it.
+struct Reference {
+  std::span<const float> mask;
+  std::span<const PixelClass> classes;
+  /// Mesh of the occluder nearest to the pixel's point on its way to the light; no_mesh where the pixel is lit or has none.
+  std::span<const std::uint32_t> occluder;
+  std::shared_ptr<const void> storage;
+};
+
+/// What a G-buffer is made from.
+struct FrameKey {
+  View view;
+  int width = 0, height = 0;
+  Truth truth = Truth::shape;
+};
+
+/// G-buffers and references of one scene: made once, kept in a content-hashed folder, mapped by every process that needs
+/// them. A file appears there whole or not at all.
+class FrameStore {
+ public:
+  FrameStore(const Scene& scene, std::filesystem::path folder);
+
+  const std::string& scene_hash() const { return scene_hash_; }
+  /// The scene's bytes as a file, for other processes.
+  std::filesystem::path scene_file() const;
+  std::filesystem::path gbuffer_file(const FrameKey& key);
+  GBuffer gbuffer(const FrameKey& key);
+  Reference reference(const FrameKey& key, const Light& light);
+  /// All casters under a truth; built on first use.
+  const RayScene& casters(Truth truth);
+
+ private:
+  std::string hash(const FrameKey& key, const Light* light) const;
+
+  const Scene& scene_;
+  std::filesystem::path folder_;
+  std::vector<std::byte> scene_bytes_;
+  std::string scene_hash_;
+  std::map<Truth, RayScene> casters_;
+};
+
+/// A G-buffer that another process wrote.
+GBuffer map_gbuffer(const std::filesystem::path& file, const FrameKey& key);
+
+}  // namespace gnomon

@@ -1,0 +1,90 @@
+// The image module: the only file that knows OpenImageIO. See image_files.h.
+#include <OpenImageIO/imagebufalgo.h>
+#include <OpenImageIO/imageio.h>
+#include <gnomon/error.h>
+#include <unistd.h>
+
+#include "measure/picture/image_files.h"
+
+namespace gnomon {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// An image file under a temporary name that becomes the real one only when it is whole.
+void write_image(const fs::path& path, const OIIO::ImageSpec& spec, OIIO::TypeDesc type, const void* pixels) {
+  std::error_code code;
+  if (path.has_parent_path()) fs::create_directories(path.parent_path(), code);
+  if (code) throw Error("folder {} cannot be made: {}", path.parent_path().string(), code.message());
+  const fs::path temporary = path.parent_path() / fmt::format(".{}.part{}", getpid(), path.extension().string());
+  const auto output = OIIO::ImageOutput::create(temporary.string());
+  if (!output) throw Error("{} cannot be written: {}", path.string(), OIIO::geterror());
+  const bool whole = output->open(temporary.string(), spec) && output->write_image(type, pixels) && output->close();
+  std::string why = whole ? "" : output->geterror();
+  if (whole) {
+    fs::rename(temporary, path, code);
+    if (!code) return;
+    why = code.message();
+  }
+  fs::remove(temporary, code);
+  throw Error("{} cannot be written: {}", path.string(), why);
+}
+
+void write_png(const fs::path& path, int width, int height, std::span<const std::uint8_t> rgb) {
+  OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT8);
+  spec.attribute("oiio:ColorSpace", "sRGB");
+  spec.attribute("png:compressionLevel", 3);
+  write_image(path, spec, OIIO::TypeDesc::UINT8, rgb.data());
+}
+
+void write_exr(const fs::path& path, int width, int height, std::span<const std::string> names,
+               std::span<const std::span<const float>> channels) {
+  const std::size_t n = static_cast<std::size_t>(width) * height, count = channels.size();
+  std::vector<float> interleaved(n * count);
+  for (std::size_t c = 0; c < count; ++c)
+    for (std::size_t i = 0; i < n; ++i) interleaved[i * count + c] = channels[c][i];
+  OIIO::ImageSpec spec(width, height, static_cast<int>(count), OIIO::TypeDesc::FLOAT);
+  spec.channelnames.assign(names.begin(), names.end());
+  spec.attribute("compression", "zips");
+  write_image(path, spec, OIIO::TypeDesc::FLOAT, interleaved.data());
+}
+
+std::vector<float> read_exr(const fs::path& path, const std::string& channel, int width, int height) {
+  const auto input = OIIO::ImageInput::open(path.string());
+  if (!input) throw Error("{} cannot be read: {}", path.string(), OIIO::geterror());
+  const OIIO::ImageSpec& spec = input->spec();
+  if (spec.width != width || spec.height != height)
+    throw Error("{} is {}x{}; {}x{} is wanted", path.string(), spec.width, spec.height, width, height);
+  const int index = spec.channelindex(channel);
+  if (index < 0) throw Error("{} has no channel {}; it has: {}", path.string(), channel, fmt::join(spec.channelnames, ", "));
+  std::vector<float> pixels(static_cast<std::size_t>(width) * height);
+  if (!input->read_image(0, 0, index, index + 1, OIIO::TypeDesc::FLOAT, pixels.data()))
+    throw Error("{} cannot be read: {}", path.string(), input->geterror());
+  return pixels;
+}
+
+std::vector<std::string> exr_channels(const fs::path& path) {
+  const auto input = OIIO::ImageInput::open(path.string());
+  if (!input) throw Error("{} cannot be read: {}", path.string(), OIIO::geterror());
+  return input->spec().channelnames;
+}
+
+int draw_text(std::span<std::uint8_t> rgb, int width, int height, int x, int y, const std::string& words) {
+  constexpr int size = 13;
+  constexpr const char* font = "DejaVuSans";
+  if (!rgb.empty()) {
+    OIIO::ImageBuf canvas(OIIO::ImageSpec(width, height, 3, OIIO::TypeDesc::UINT8), rgb.data());
+    const float ink[] = {0.1f, 0.1f, 0.1f};
+    OIIO::ImageBufAlgo::render_text(canvas, x, y, words, size, font, ink);
+  }
+  return OIIO::ImageBufAlgo::text_size(words, size, font).xend;
+}
+
+}  // namespace
+
+}  // namespace gnomon
+
+extern "C" const gnomon::ImageFiles gnomon_image_files;
+const gnomon::ImageFiles gnomon_image_files{gnomon::write_png, gnomon::write_exr, gnomon::read_exr, gnomon::exr_channels,
+                                            gnomon::draw_text};

@@ -1,0 +1,38 @@
+#pragma once
+#include <filesystem>
+#include <string>
+
+#include "measure/score/metrics.h"
+
+namespace gnomon {
+
+/// 8-bit sRGB picture, row-major from the top left.
+struct Picture {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> rgb;
+};
+
+/// Lambert with constant ambient: albedo * (ambient + intensity * max(0, N.l) * visibility), sRGB. No falloff with distance.
+Picture shade(const Scene& scene, const GBuffer& gbuffer, const Light& light, std::span<const float> visibility);
+
+/// The scene in dim gray, wrong tested pixels in the color of their cause over it (of false dark and false lit where the
+/// evidence has no causes), and below it a legend with the share of each in T. The evidence has scene, G-buffer and light.
+Picture draw_errors(const Evidence& evidence, const std::string& title);
+
+/// Visibility as gray, black in shadow.
+Picture draw_mask(std::span<const float> visibility, int width, int height);
+
+/// A technique's debug layer: width * height * 3 linear floats in a raw file. Throws Error when the size is wrong.
+Picture draw_layer(const std::filesystem::path& raw, int width, int height);
+
+/// PNG. Throws Error when it cannot be written; nothing half-written stays.
+void write_png(const std::filesystem::path& path, const Picture& picture);
+
+/// One float channel per mask, named `names[k]`; zip-compressed half would round visibilities, so float it is.
+void write_exr(const std::filesystem::path& path, int width, int height, std::span<const std::string> names,
+               std::span<const std::span<const float>> channels);
+
+/// Reads one channel of an EXR. Throws Error.
+std::vector<float> read_exr(const std::filesystem::path& path, const std::string& channel, int width, int height);
+
+}  // namespace gnomon

@@ -1,0 +1,222 @@
+#include "measure/record/merge.h"
+
+#include <gnomon/error.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <unordered_map>
+
+#include "measure/scene/blob.h"
+
+namespace gnomon {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string title_of(const Record& r) {
+  return fmt::format("{} {}{}{} {}{}{}", r.scene, r.light, r.path.empty() ? "" : " ", r.path, r.technique,
+                     r.settings.empty() ? "" : ":", r.settings);
+}
+
+std::string context_text(const Record& record, const char* key) {
+  const auto found = record.context.find(key);
+  return found == record.context.end() ? "" : found->is_string() ? found->get<std::string>() : found->dump();
+}
+
+/// What must be the same whenever the job is run, as a flat list of paths and values. A failed row's reason may name a process
+/// or a time, so it is left out.
+Json content(const Record& record) {
+  const Json all = record;
+  Json part = Json::object();
+  for (const char* key :
+       {"status", "support", "parameters", "width", "height", "truth", "path", "classes", "metrics", "causes", "frames"})
+    part[key] = all[key];
+  if (record.status != Status::failed) part["reason"] = record.reason;
+  for (const char* key : {"scene_hash", "commit"}) part["context"][key] = context_text(record, key);
+  return part.flatten();
+}
+
+/// "/metrics/shape/wrong_rate" as people write it.
+std::string dotted(std::string path) {
+  path.erase(0, 1);
+  std::replace(path.begin(), path.end(), '/', '.');
+  return path;
+}
+
+/// A path in a record may not lead out of its folder.
+void require_inside(const fs::path& path, const MergedRow& row) {
+  const bool is_inside =
+      path.is_relative() && !path.empty() && std::find(path.begin(), path.end(), fs::path("..")) == path.end();
+  if (!is_inside)
+    throw Error("picture {} is not a path below the run's folder ({}, job {})", path.string(), row.folder.string(),
+                row.record.job);
+}
+
+std::vector<std::string> pictures(const Record& record) {
+  std::vector<std::string> names;
+  for (const auto& name : {record.mask, record.error_picture, record.shaded_picture})
+    if (name) names.push_back(*name);
+  return names;
+}
+
+/// A note for each fact that should be one for all rows and is not.
+void note_mixture(Merge& merge) {
+  struct Fact {
+    const char *name, *consequence;
+    std::function<std::string(const Record&)> of;
+  };
+  const auto in_context = [](const char* key) { return [key](const Record& r) { return context_text(r, key); }; };
+  const char *times = "their times are not comparable", *rows = "their rows may not be comparable";
+  const Fact facts[] = {
+      {"suites", "the table holds all of them", [](const Record& r) { return r.suite; }},
+      {"versions", rows, in_context("version")},
+      {"commits", rows, in_context("commit")},
+      {"build types", times, in_context("build_type")},
+      {"processors", times, in_context("processor")},
+      {"numbers of threads", times, in_context("threads")},
+      {"OpenGL renderers", times, in_context("gl_renderer")},
+  };
+  for (const Fact& fact : facts) {
+    std::map<std::string, std::size_t> counts;
+    for (const MergedRow& row : merge.rows)
+      if (const std::string value = fact.of(row.record); !value.empty()) ++counts[value];
+    if (counts.size() < 2) continue;
+    std::string values;
+    for (const auto& [value, count] : counts)
+      values += fmt::format("{}{} ({} row{})", values.empty() ? "" : ", ", value, count, count == 1 ? "" : "s");
+    merge.notes.push_back(fmt::format("different {}: {}; {}", fact.name, values, fact.consequence));
+  }
+}
+
+/// A scene that one machine had not fetched has a row without a scene there, and its real rows of that shard are nowhere.
+void note_missing_scenes(Merge& merge) {
+  std::set<std::string> there;
+  std::map<std::string, std::set<std::string>> missing;
+  for (const MergedRow& row : merge.rows) {
+    if (context_text(row.record, "scene_hash").empty())
+      missing[row.record.scene].insert(row.folder.string());
+    else
+      there.insert(row.record.scene);
+  }
+  for (const auto& [scene, folders] : missing)
+    if (there.contains(scene))
+      merge.notes.push_back(fmt::format("scene {} was there for some rows and not for {}: fetch it there and --resume that run",
+                                        scene, fmt::join(folders, ", ")));
+}
+
+/// A hole in the numbering of a suite's rows. Rows after the last one that is there cannot be known to be missing.
+void note_holes(Merge& merge) {
+  std::map<std::string, std::set<std::uint64_t>> places;
+  for (const MergedRow& row : merge.rows) places[row.record.suite].insert(row.record.place);
+  for (const auto& [suite, there] : places)
+    if (const std::uint64_t expected = *there.rbegin() + 1; there.size() < expected)
+      merge.notes.push_back(fmt::format(
+          "{} of the first {} rows of suite {} are not there: a shard is missing or unfinished, or the run was filtered",
+          expected - there.size(), expected, suite));
+}
+
+void note_scene_hashes(Merge& merge) {
+  std::map<std::string, std::set<std::string>> hashes;
+  for (const MergedRow& row : merge.rows)
+    if (const std::string hash = context_text(row.record, "scene_hash"); !hash.empty()) hashes[row.record.scene].insert(hash);
+  for (const auto& [scene, all] : hashes)
+    if (all.size() > 1)
+      merge.notes.push_back(fmt::format("scene {} has {} contents: its rows are not comparable", scene, all.size()));
+}
+
+}  // namespace
+
+std::vector<std::string> differences(const Record& a, const Record& b) {
+  const Json left = content(a), right = content(b);
+  std::vector<std::string> result;
+  const auto text = [](const Json& json, const std::string& key) {
+    return json.contains(key) ? json[key].dump(-1, ' ', false, Json::error_handler_t::replace) : "nothing";
+  };
+  for (const auto& [key, value] : left.items())
+    if (!right.contains(key) || right[key] != value)
+      result.push_back(fmt::format("{}: {}, {}", dotted(key), text(left, key), text(right, key)));
+  for (const auto& [key, value] : right.items())
+    if (!left.contains(key)) result.push_back(fmt::format("{}: nothing, {}", dotted(key), text(right, key)));
+  return result;
+}
+
+Merge merge_records(std::span<const std::pair<fs::path, std::vector<Record>>> runs, bool prefer_last) {
+  Merge merge;
+  std::unordered_map<std::string, std::size_t> place_of_job;
+  std::map<std::string, std::size_t> suites;
+  for (const auto& [folder, records] : runs)
+    for (const Record& record : records) {
+      suites.try_emplace(record.suite, suites.size());
+      const auto [found, is_new] = place_of_job.try_emplace(record.job, merge.rows.size());
+      if (is_new || record.job.empty()) {
+        merge.rows.push_back({record, folder});
+        continue;
+      }
+      MergedRow& kept = merge.rows[found->second];
+      std::vector<std::string> different = differences(kept.record, record);
+      if (different.empty())
+        ++merge.duplicate_count;
+      else
+        merge.conflicts.push_back({record.job, title_of(record), kept.folder, folder, std::move(different)});
+      if (prefer_last) kept = {record, folder};
+    }
+  std::stable_sort(merge.rows.begin(), merge.rows.end(), [&](const MergedRow& a, const MergedRow& b) {
+    return std::pair(suites[a.record.suite], a.record.place) < std::pair(suites[b.record.suite], b.record.place);
+  });
+  note_mixture(merge);
+  note_scene_hashes(merge);
+  note_missing_scenes(merge);
+  note_holes(merge);
+  return merge;
+}
+
+void require_free(const fs::path& out) {
+  if (!fs::exists(fs::symlink_status(out))) return;
+  if (!fs::is_directory(out)) throw Error("--out {} is a file; name a folder that is not there yet", out.string());
+  if (fs::exists(records_file(out))) throw Error("output folder {} holds records already: name another --out", out.string());
+  if (!fs::is_empty(out)) throw Error("output folder {} is not empty: name another --out", out.string());
+}
+
+std::size_t write_merge(const Merge& merge, const fs::path& out, const std::function<void(const fs::path&)>& finish) {
+  fs::path target = out.lexically_normal();
+  if (!target.has_filename()) target = target.parent_path();
+  require_free(target);
+  const fs::path parent = target.has_parent_path() ? target.parent_path() : fs::path(".");
+  std::error_code code;
+  fs::create_directories(parent, code);
+  if (code) throw Error("output folder {} cannot be made: {}", parent.string(), code.message());
+  const fs::path staged = parent / fmt::format(".{}.{}.part", target.filename().string(), getpid());
+  try {
+    fs::create_directory(staged);
+    std::string lines;
+    std::map<std::string, const MergedRow*> owners;
+    std::size_t missing = 0;
+    for (const MergedRow& row : merge.rows) {
+      lines += record_line(row.record);
+      for (const std::string& name : pictures(row.record)) {
+        require_inside(name, row);
+        if (const auto [owner, is_new] = owners.try_emplace(name, &row); !is_new)
+          throw Error("picture {} is named by two rows: job {} of {} and job {} of {}", name, owner->second->record.job,
+                      owner->second->folder.string(), row.record.job, row.folder.string());
+        if (!fs::is_regular_file(row.folder / name)) {
+          ++missing;
+          continue;
+        }
+        fs::create_directories((staged / name).parent_path());
+        fs::copy_file(row.folder / name, staged / name);
+      }
+    }
+    write_file(records_file(staged), lines);
+    finish(staged);
+    fs::rename(staged, target);
+    return missing;
+  } catch (...) {
+    fs::remove_all(staged, code);
+    throw;
+  }
+}
+
+}  // namespace gnomon

@@ -1,0 +1,134 @@
+#pragma once
+#include <gnomon/technique.h>
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "measure/analysis/statistics.h"
+
+namespace gnomon {
+
+using Json = nlohmann::ordered_json;
+
+/// Version of the record's fields. A reader refuses a newer one; an older one is never written again.
+inline constexpr int record_schema = 2;
+
+enum class Status { ok, unsupported, failed };
+std::string_view name(Status status);
+std::string_view name(Role role);
+
+/// By name of the metric; nothing where it could not be measured. Rates and shares are fractions of 1.
+using Metrics = std::map<std::string, std::optional<double>, std::less<>>;
+
+/// One row: what one technique did with one scene, light and view. Raw first: every repetition of every stage, so that a new
+/// statistic or metric reads old runs. Missing is null. docs/records.md describes every field for readers of the file.
+struct Record {
+  std::string job;  ///< hash of what was asked, hexadecimal: the same job has the same hash in every run
+  std::string suite;
+  std::string scene;  ///< reference as written, "soup:ground=false"
+  std::string light, light_kind, view;
+  std::string technique;             ///< id
+  std::string settings;              ///< "a=1,b=2": what differs from the defaults
+  std::optional<std::string> label;  ///< short name that the suite gives the row
+  Role role = Role::contender;
+  Json parameters = Json::object();  ///< every parameter of the technique with its value, number or text
+  int width = 0, height = 0;
+  Truth truth = Truth::shape;  ///< the truth that headline metrics use
+  std::string path;            ///< camera or light path that the row follows; empty: it stands still
+  std::uint64_t place = 0;     ///< position in the expanded suite: the order of rows, also of merged shards
+
+  Status status = Status::failed;
+  std::optional<Support::Kind> support;  ///< nothing when the technique could not be asked
+  std::string reason;                    ///< why approximate, unsupported or failed
+
+  std::array<ProcessTimes, std::size(stage_names)> stages;  ///< by Stage; setup has one repetition per process
+  std::map<std::string, std::uint64_t> iterations;          ///< by stage: calls whose mean is one repetition
+  std::string stop;  ///< why there are no more processes: "fixed", "target" (interval narrow enough) or "budget"
+  Counts counts;
+  std::optional<std::uint64_t> bytes;       ///< what the technique says it holds
+  std::optional<std::uint64_t> peak_bytes;  ///< largest resident memory of a worker
+  struct GlInputs {
+    std::uint64_t input_bytes = 0;
+    double upload_ms = 0;
+  };
+  std::optional<GlInputs> gl;  ///< scene and G-buffer on the GL side, outside every timed stage
+
+  std::map<std::string, std::uint64_t> classes;  ///< pixels of class "B", "F", "G", "S", "U", "T"
+  std::map<Truth, Metrics> metrics;              ///< on a path: means over its frames
+  /// Wrong pixels of T by cause, headline truth, on a path summed over its frames; nothing when nobody asked.
+  std::optional<std::map<std::string, std::uint64_t>> causes;
+  /// On a path: by metric, its value at every frame, headline truth.
+  std::map<std::string, std::vector<std::optional<double>>> frames;
+  std::optional<std::string> mask, error_picture, shaded_picture;  ///< paths relative to the run's folder
+
+  struct SceneFacts {
+    std::uint64_t meshes = 0, triangles = 0;
+    bool closed = false;
+    std::uint64_t boundary_edges = 0, nonmanifold_edges = 0, misoriented_edges = 0, degenerate = 0;
+  };
+  std::optional<SceneFacts> scene_facts;  ///< sums over the meshes; closed when every mesh is
+  std::vector<std::string> notes;
+  /// Free, but these keys have a meaning: version, commit, build_type, compiler, flags, processor, cores, threads,
+  /// load_average, started, gl_renderer, gl_version, libraries (object: name -> version).
+  Json context = Json::object();
+  std::optional<double> seconds;  ///< wall time that the row took
+  Json unknown = Json::object();  ///< fields that this program does not know, kept as read
+
+  const ProcessTimes& times(Stage stage) const { return stages[static_cast<std::size_t>(stage)]; }
+  ProcessTimes& times(Stage stage) { return stages[static_cast<std::size_t>(stage)]; }
+  /// The metric against one truth, or against the headline truth; nothing when it is missing or null.
+  std::optional<double> metric(Truth of, std::string_view name) const;
+  std::optional<double> metric(std::string_view name) const { return metric(truth, name); }
+};
+
+/// `Json(record)` and `json.get<Record>()`. Reading throws Error with the field, its value and what is allowed; fields that
+/// are absent or null keep their defaults, except schema, scene, technique and status, which must be there.
+void to_json(Json& json, const Record& record);
+void from_json(const Json& json, Record& record);
+
+/// The line of records.jsonl, newline included.
+std::string record_line(const Record& record);
+
+/// DIR/records.jsonl.
+std::filesystem::path records_file(const std::filesystem::path& dir);
+
+struct RecordFile {
+  std::vector<Record> records;     ///< in order of the file; a job that was run again counts once, by its last line
+  std::vector<std::string> notes;  ///< what was left out and why
+};
+/// Reads a file of records. A last line that a killed run left unfinished is left out with a note; any other line that is
+/// not a record throws Error with file and line.
+RecordFile read_record_file(const std::filesystem::path& file);
+
+/// Suites in order of first appearance, within one by place; records without a place stay in their order.
+void sort_by_place(std::vector<Record>& records);
+
+/// The records of a run's folder, sorted by place; notes go to stderr. Throws Error when there is no records.jsonl.
+std::vector<Record> read_records(const std::filesystem::path& dir);
+
+/// Appends records to DIR/records.jsonl, one line by one write, on the disk when `append` returns. Opening mends the line
+/// that a killed run left unfinished. One writer at a time: a second one on the same folder is an Error.
+class RecordWriter {
+ public:
+  explicit RecordWriter(const std::filesystem::path& dir);
+  RecordWriter(const RecordWriter&) = delete;
+  RecordWriter& operator=(const RecordWriter&) = delete;
+  ~RecordWriter();
+  /// Throws Error when the disk is full or broken; the file then holds the earlier lines, whole. A failed `append` may be tried
+  /// again.
+  void append(const Record& record);
+  /// Says whether everything arrived; the destructor can only close.
+  void close();
+
+ private:
+  std::filesystem::path file_;
+  int descriptor_ = -1;
+};
+
+}  // namespace gnomon

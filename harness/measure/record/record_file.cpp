@@ -1,0 +1,146 @@
+// DIR/records.jsonl: reading what is there, appending so that what was written stays whole.
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+#include <unordered_map>
+
+#include "measure/record/record.h"
+
+namespace gnomon {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+bool is_json(std::string_view text) { return Json::accept(text); }
+
+/// The end of the file after its last newline. Empty for an empty file or one that is no regular file.
+std::string unfinished_tail(int descriptor, off_t size) {
+  std::string tail;
+  char block[4096];
+  while (size > 0) {
+    const off_t start = std::max<off_t>(0, size - static_cast<off_t>(sizeof block));
+    const ssize_t got = pread(descriptor, block, static_cast<std::size_t>(size - start), start);
+    if (got != size - start) break;  // the write that follows says what is wrong with the disk
+    const std::string_view text(block, static_cast<std::size_t>(got));
+    const std::size_t newline = text.rfind('\n');
+    tail.insert(0, text.substr(newline == text.npos ? 0 : newline + 1));
+    if (newline != text.npos) break;
+    size = start;
+  }
+  return tail;
+}
+
+off_t size_of(int descriptor) {
+  struct stat facts {};
+  return fstat(descriptor, &facts) == 0 && S_ISREG(facts.st_mode) ? facts.st_size : 0;
+}
+
+}  // namespace
+
+fs::path records_file(const fs::path& dir) { return dir / "records.jsonl"; }
+
+RecordFile read_record_file(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw Error("{} cannot be read: {}", file.string(), std::strerror(errno));
+
+  RecordFile result;
+  std::unordered_map<std::string, std::size_t> place_of_job;
+  std::string line;
+  for (int number = 1; std::getline(stream, line); ++number) {
+    const bool is_finished = !stream.eof();
+    if (!is_finished && !is_json(line)) {
+      result.notes.push_back(fmt::format("{}:{}: the last line is unfinished, the run was stopped while writing it; left out",
+                                         file.string(), number));
+      break;
+    }
+    try {
+      Record record = Json::parse(line).get<Record>();
+      const auto [place, is_new] = place_of_job.try_emplace(record.job, result.records.size());
+      if (is_new || record.job.empty())
+        result.records.push_back(std::move(record));
+      else
+        result.records[place->second] = std::move(record);
+    } catch (const Json::exception& problem) {
+      throw Error("{}:{}: not a record: {}", file.string(), number, problem.what());
+    } catch (const Error& problem) {
+      throw Error("{}:{}: {}", file.string(), number, problem.what());
+    }
+  }
+  if (stream.bad()) throw Error("{} cannot be read to its end: {}", file.string(), std::strerror(errno));
+  return result;
+}
+
+void sort_by_place(std::vector<Record>& records) {
+  std::unordered_map<std::string, std::size_t> suites;
+  for (const Record& record : records) suites.try_emplace(record.suite, suites.size());
+  std::stable_sort(records.begin(), records.end(), [&](const Record& a, const Record& b) {
+    return std::pair(suites[a.suite], a.place) < std::pair(suites[b.suite], b.place);
+  });
+}
+
+std::vector<Record> read_records(const fs::path& dir) {
+  const fs::path file = records_file(dir);
+  if (!fs::exists(file)) throw Error("{} is not the folder of a run: it has no {}", dir.string(), file.filename().string());
+  RecordFile contents = read_record_file(file);
+  for (const std::string& note : contents.notes) fmt::print(stderr, "{}\n", note);
+  sort_by_place(contents.records);
+  return std::move(contents.records);
+}
+
+RecordWriter::RecordWriter(const fs::path& dir) : file_(records_file(dir)) {
+  descriptor_ = open(file_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  if (descriptor_ < 0) throw Error("{} cannot be opened for writing: {}", file_.string(), std::strerror(errno));
+  const auto refuse = [this](const std::string& why) {
+    ::close(std::exchange(descriptor_, -1));
+    throw Error("{} {}", file_.string(), why);
+  };
+  if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) refuse("is being written by another run");
+  // Rescoring puts a new file in its place; what was opened just before is nobody's any more.
+  struct stat held {};
+  struct stat there {};
+  const bool is_there = fstat(descriptor_, &held) == 0 && stat(file_.c_str(), &there) == 0;
+  if (!is_there || held.st_ino != there.st_ino || held.st_dev != there.st_dev) refuse("was just replaced; try again");
+
+  // A tail that is a whole record only lacks its newline; any other tail was cut off and its job runs again.
+  const off_t size = size_of(descriptor_);
+  const std::string tail = unfinished_tail(descriptor_, size);
+  if (tail.empty()) return;
+  const bool is_mended =
+      is_json(tail) ? write(descriptor_, "\n", 1) == 1 : ftruncate(descriptor_, size - static_cast<off_t>(tail.size())) == 0;
+  if (!is_mended) refuse(fmt::format("ends in an unfinished line that cannot be mended: {}", std::strerror(errno)));
+}
+
+RecordWriter::~RecordWriter() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+void RecordWriter::append(const Record& record) {
+  const std::string line = record_line(record);
+  const off_t end = size_of(descriptor_);
+  const ssize_t written = write(descriptor_, line.data(), line.size());
+  if (written == static_cast<ssize_t>(line.size()) && fsync(descriptor_) == 0) return;
+
+  // A short write means a full disk or a limit; nothing is gained by trying the rest.
+  const std::string why = written >= 0 && written < static_cast<ssize_t>(line.size())
+                              ? fmt::format("only {} of {} bytes fit", written, line.size())
+                              : std::strerror(errno);
+  const bool is_whole = written <= 0 || ftruncate(descriptor_, end) == 0;
+  throw Error("the record of {} {} could not be written: {}; in {}{}", record.technique, record.job, why, file_.string(),
+              is_whole ? "" : ", which now ends in an unfinished line");
+}
+
+void RecordWriter::close() {
+  if (descriptor_ < 0) return;
+  if (::close(std::exchange(descriptor_, -1)) != 0)
+    throw Error("the last records may be missing: closing {} failed: {}", file_.string(), std::strerror(errno));
+}
+
+}  // namespace gnomon

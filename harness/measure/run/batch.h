@@ -1,0 +1,33 @@
+#pragma once
+#include <vector>
+
+#include "measure/run/progress.h"
+#include "measure/run/row.h"
+
+namespace gnomon {
+
+/// A program that serves rows, and the folder for their pictures. Usually there is one; two are timed side by side.
+struct Side {
+  WorkerOptions worker;
+  std::filesystem::path out;
+};
+
+/// One row on its way: its record, and the seat that works for it.
+struct Row {
+  Job job;
+  Record record;
+  std::size_t contender = 0;  ///< index into the contenders of its batch
+  bool over = false;          ///< unsupported or failed: nothing more to do
+  std::size_t side = 0;       ///< index into the sides of its batch
+  bool is_wanted = true;      ///< takes part in the process that runs now
+};
+
+/// A scene's rows in batches of about equally many contenders: all workers of a batch live at once and each holds the scene, so
+/// a long sweep takes turns. Contenders of one batch are interleaved. A job's rows of both sides stay together.
+std::vector<std::vector<Row>> split(std::vector<Row> rows);
+
+/// Runs the rows of one batch: each comes back with its record complete, or failed with the reason. When the suite asks for an
+/// interval, rows that need it get more processes, of at most `budget` seconds in all. Answers the seconds that those took.
+double run_batch(SceneRun& run, std::span<const Side> sides, std::vector<Row>& rows, Progress& progress, double budget);
+
+}  // namespace gnomon

@@ -1,0 +1,50 @@
+#include "measure/run/context.h"
+
+#include <OpenImageIO/oiioversion.h>
+#include <assimp/version.h>
+#include <embree3/rtcore_config.h>
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <tbb/version.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <thread>
+
+#include "gnomon_commit.h"
+
+namespace gnomon {
+
+namespace {
+
+std::string processor() {
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);)
+    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
+  return "unknown";
+}
+
+}  // namespace
+
+nlohmann::ordered_json machine_context(int threads) {
+  const int cores = static_cast<int>(std::thread::hardware_concurrency());
+  double load[3] = {};
+  getloadavg(load, 3);
+  return {{"version", GNOMON_VERSION},
+          {"commit", GNOMON_COMMIT},
+          {"build_type", GNOMON_BUILD_TYPE},
+          {"compiler", fmt::format("g++ {}", __VERSION__)},
+          {"flags", GNOMON_FLAGS},
+          {"processor", processor()},
+          {"cores", cores},
+          {"threads", threads > 0 ? threads : cores},
+          {"load_average", load[0]},
+          {"started", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))},
+          {"libraries",
+           {{"embree", RTC_VERSION_STRING},
+            {"openimageio", OIIO_VERSION_STRING},
+            {"assimp", fmt::format("{}.{}.{}", aiGetVersionMajor(), aiGetVersionMinor(), aiGetVersionPatch())},
+            {"tbb", fmt::format("{}.{}", TBB_VERSION_MAJOR, TBB_VERSION_MINOR)}}}};
+}
+
+}  // namespace gnomon

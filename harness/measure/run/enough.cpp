@@ -1,0 +1,20 @@
+#include "measure/run/enough.h"
+
+#include "measure/analysis/compare.h"
+
+namespace gnomon {
+
+bool is_narrow(const Record& record, double interval) {
+  for (const Stage stage : {Stage::relight, Stage::resolve}) {
+    const ProcessTimes& times = record.times(stage);
+    const auto time = median_of_medians(times);
+    if (!time || *time < least_time) continue;
+    const auto estimate = bootstrap(times);
+    if (!estimate || estimate->high - estimate->low > interval * estimate->value) return false;
+  }
+  return true;
+}
+
+int most_processes(const Suite& suite) { return 4 * suite.processes; }
+
+}  // namespace gnomon

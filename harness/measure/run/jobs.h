@@ -1,0 +1,44 @@
+#pragma once
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "measure/run/suite.h"
+
+namespace gnomon {
+
+/// One row to be: a technique with settings on one scene, light and view.
+struct Job {
+  std::string hash;  ///< of what is asked: the same job has the same hash in every run and shard
+  std::string scene, light, view;
+  Contender contender;
+  int width = 0, height = 0;
+  std::string path;       ///< that it follows; empty: it stands still
+  std::size_t place = 0;  ///< position in the expanded suite
+  std::string title() const { return scene + " " + light + (path.empty() ? "" : " " + path) + " " + contender.name(); }
+};
+
+/// Scenes loaded once per run. A scene that is not fetched is kept with its reason.
+class SceneLibrary {
+ public:
+  struct Entry {
+    std::optional<Scene> scene;
+    std::string missing;  ///< why there is no scene: it is not fetched
+  };
+  const Entry& get(const std::string& reference);
+  void forget(const std::string& reference) { entries_.erase(reference); }
+
+ private:
+  std::map<std::string, std::unique_ptr<Entry>> entries_;
+};
+
+/// Throws Error with the nearest name when the scene lacks one of these lights or views.
+void require_names(const std::string& reference, const Scene& scene, const std::vector<std::string>& lights,
+                   const std::vector<std::string>& views);
+
+/// All jobs of a suite in order, each once. Throws Error when a scene lacks a named light or view.
+std::vector<Job> expand_jobs(const Suite& suite, SceneLibrary& library);
+
+}  // namespace gnomon

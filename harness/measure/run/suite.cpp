@@ -1,0 +1,182 @@
+#include "measure/run/suite.h"
+
+#include <gnomon/registry.h>
+
+#include <algorithm>
+#include <charconv>
+
+#include "measure/paths.h"
+#include "measure/scene/toml_table.h"
+
+namespace gnomon {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Replaces the first brace list by each of its items in turn, until no brace is left.
+void expand_into(const std::string& text, std::vector<std::string>& out) {
+  const std::size_t open = text.find('{');
+  if (open == std::string::npos) {
+    if (text.find('}') != std::string::npos) throw Error("'{}' closes a brace that it does not open", text);
+    out.push_back(text);
+    return;
+  }
+  const std::size_t close = text.find('}', open);
+  if (close == std::string::npos) throw Error("'{}' opens a brace that it does not close", text);
+  std::string_view list(text.data() + open + 1, close - open - 1);
+  for (;;) {
+    const std::size_t comma = list.find(',');
+    expand_into(text.substr(0, open) + std::string(list.substr(0, comma)) + text.substr(close + 1), out);
+    if (comma == std::string_view::npos) break;
+    list.remove_prefix(comma + 1);
+  }
+}
+
+/// A text or an array of texts; empty without the key.
+std::vector<std::string> words(const Table& table, const toml::table& raw, std::string_view key) {
+  if (!table.has(key)) return {};
+  const toml::array* array = raw.get(key)->as_array();
+  if (!array) return {table.text(key)};
+  std::vector<std::string> result;
+  for (const toml::node& item : *array) {
+    const auto word = item.value_exact<std::string>();
+    if (!word) table.refuse(key, "a list with something else", "a text or an array of texts");
+    result.push_back(*word);
+  }
+  return result;
+}
+
+std::vector<Contender> read_contenders(const Table& group, const toml::table& raw, const fs::path& path) {
+  const toml::array* array = group.has("techniques") ? raw.get("techniques")->as_array() : nullptr;
+  if (!array || array->empty())
+    throw Error("group.techniques is not an array with something in it ({})", group.where("techniques"));
+  std::vector<Contender> contenders;
+  for (const toml::node& item : *array) {
+    std::string use, label;
+    if (const toml::table* entry = item.as_table()) {
+      const Table table(*entry, path, "technique", {"use", "label"});
+      use = table.text("use");
+      if (table.has("label")) label = table.text("label");
+    } else if (const auto word = item.value_exact<std::string>()) {
+      use = *word;
+    } else {
+      group.refuse("techniques", "a list with something else", "texts or tables { use = ..., label = ... }");
+    }
+    try {
+      for (Contender& c : parse_contenders(use, label)) contenders.push_back(std::move(c));
+    } catch (const Error& error) {
+      throw Error("{} ({}:{})", error.what(), path.string(), item.source().begin.line);
+    }
+  }
+  return contenders;
+}
+
+}  // namespace
+
+std::vector<std::string> expand_braces(const std::string& text) {
+  std::vector<std::string> out;
+  expand_into(text, out);
+  return out;
+}
+
+std::pair<int, int> parse_size(const std::string& text, const std::string& what) {
+  const auto refuse = [&] { throw Error("{} {} is not WxH with W and H of 1 .. 16384 pixels", what, text); };
+  int size[2] = {};
+  const char *at = text.data(), *end = text.data() + text.size();
+  for (int k = 0; k < 2; ++k) {
+    const auto [next, code] = std::from_chars(at, end, size[k]);
+    if (code != std::errc{} || size[k] < 1 || size[k] > 16384) refuse();
+    at = next;
+    if (k == 0 && (at == end || *at++ != 'x')) refuse();
+  }
+  if (at != end) refuse();
+  return {size[0], size[1]};
+}
+
+std::vector<Contender> parse_contenders(const std::string& text, const std::string& label) {
+  if (text == "*") {
+    if (!label.empty()) throw Error("label {} would name every technique", label);
+    std::vector<Contender> all;
+    for (const TechniqueEntry& entry : registry().techniques()) all.push_back({entry.id, "", ""});
+    return all;
+  }
+  const std::vector<std::string> plain = expand_braces(text);
+  if (plain.size() > 1 && !label.empty()) throw Error("label {} would name {} rows of the sweep {}", label, plain.size(), text);
+  std::vector<Contender> contenders;
+  for (const std::string& one : plain) {
+    const std::size_t colon = one.find(':');
+    const std::string id = one.substr(0, colon);
+    const auto technique = registry().technique(id).make();
+    if (colon != std::string::npos) technique->apply(one.substr(colon + 1));
+    contenders.push_back({id, technique->settings(), label});
+  }
+  return contenders;
+}
+
+std::vector<std::string> suite_names() {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(data_root() / "bench/suites"))
+    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+Suite read_suite(const std::string& name_or_path) {
+  fs::path path = name_or_path;
+  if (path.extension() != ".toml") {
+    const std::vector<std::string> names = suite_names();
+    if (std::find(names.begin(), names.end(), name_or_path) == names.end())
+      throw Error("there is no suite {}; did you mean {}? There are: {}", name_or_path, nearest_word(name_or_path, names),
+                  fmt::join(names, ", "));
+    path = data_root() / "bench/suites" / (name_or_path + ".toml");
+  }
+  if (!fs::is_regular_file(path)) throw Error("suite {} is not a file", path.string());
+
+  toml::table table;
+  try {
+    table = toml::parse_file(path.string());
+  } catch (const toml::parse_error& error) {
+    throw Error("{}:{}: {}", path.string(), error.source().begin.line, error.description());
+  }
+  const Table top(
+      table, path, "suite",
+      {"title", "width", "height", "truth", "processes", "repetitions", "warmups", "timeout", "interval", "budget", "group"});
+  Suite suite;
+  suite.name = path.stem();
+  if (top.has("title")) suite.title = top.text("title");
+  suite.width = top.integer("width", suite.width, 1, 16384);
+  suite.height = top.integer("height", suite.height, 1, 16384);
+  if (top.has("truth")) {
+    if (top.text("truth") != "shape" && top.text("truth") != "mesh") top.refuse("truth", top.text("truth"), "shape or mesh");
+    suite.truth = top.text("truth") == "mesh" ? Truth::mesh : Truth::shape;
+  }
+  suite.processes = top.integer("processes", suite.processes, 1, 1000);
+  suite.repetitions = top.integer("repetitions", suite.repetitions, 1, 1000);
+  suite.warmups = top.integer("warmups", suite.warmups, 1, 100);
+  if (top.has("timeout")) suite.timeout = top.positive("timeout");
+  if (top.has("interval")) suite.interval = top.positive("interval");
+  if (top.has("budget")) suite.budget = top.positive("budget");
+  for (const toml::table* raw : top.tables("group")) {
+    const Table reader(*raw, path, "group", {"scenes", "lights", "views", "techniques", "paths", "sizes"});
+    SuiteGroup group{{},
+                     words(reader, *raw, "lights"),
+                     words(reader, *raw, "views"),
+                     read_contenders(reader, *raw, path),
+                     words(reader, *raw, "paths")};
+    const std::vector<std::string> scenes = words(reader, *raw, "scenes"), sizes = words(reader, *raw, "sizes");
+    try {
+      for (const std::string& scene : scenes)
+        for (std::string& plain : expand_braces(scene)) group.scenes.push_back(std::move(plain));
+      for (const std::string& size : sizes) group.sizes.push_back(parse_size(size, "group.sizes"));
+    } catch (const Error& error) {
+      throw Error("{} ({})", error.what(), reader.where());
+    }
+    if (group.scenes.empty()) throw Error("group.scenes is empty ({})", reader.where());
+    suite.groups.push_back(std::move(group));
+  }
+  if (suite.groups.empty()) throw Error("suite {} has no [[group]]", path.string());
+  return suite;
+}
+
+}  // namespace gnomon

@@ -1,0 +1,71 @@
+#include "measure/run/timing.h"
+
+#include <benchmark/benchmark.h>
+
+namespace gnomon {
+
+namespace {
+
+/// Collects raw repetitions; benchmark names are indices of tasks.
+class RawReporter final : public benchmark::BenchmarkReporter {
+ public:
+  explicit RawReporter(std::vector<TimingTask>& tasks) : tasks_(tasks) {}
+  bool ReportContext(const Context&) override { return true; }
+  void ReportRuns(const std::vector<Run>& runs) override {
+    for (const Run& run : runs) {
+      TimingTask& task = tasks_.at(std::stoul(run.run_name.function_name));
+      if (run.error_occurred)
+        task.failure = run.error_message;
+      else if (run.run_type == Run::RT_Iteration)
+        task.samples.push_back(run.GetAdjustedRealTime());
+    }
+  }
+
+ private:
+  std::vector<TimingTask>& tasks_;
+};
+
+void run_task(benchmark::State& state, TimingTask& task) {
+  for (auto _ : state) {
+    if (!task.failure.empty()) {
+      state.SkipWithError(task.failure.c_str());
+      break;
+    }
+    try {
+      state.SetIterationTime(task.milliseconds() / 1000);
+    } catch (const std::exception& error) {
+      task.failure = error.what();
+      state.SkipWithError(error.what());
+      break;
+    }
+  }
+}
+
+void initialize_engine() {
+  static const bool once = [] {
+    char program[] = "gnomon", interleave[] = "--benchmark_enable_random_interleaving=true";
+    char* argv[] = {program, interleave, nullptr};
+    int argc = 2;
+    benchmark::Initialize(&argc, argv);
+    return true;
+  }();
+  static_cast<void>(once);
+}
+
+}  // namespace
+
+void time_interleaved(std::vector<TimingTask>& tasks) {
+  initialize_engine();
+  benchmark::ClearRegisteredBenchmarks();
+  for (std::size_t k = 0; k < tasks.size(); ++k)
+    benchmark::RegisterBenchmark(std::to_string(k).c_str(), [&tasks, k](benchmark::State& state) { run_task(state, tasks[k]); })
+        ->UseManualTime()
+        ->Unit(benchmark::kMillisecond)
+        ->Iterations(tasks[k].iterations)
+        ->Repetitions(tasks[k].repetitions);
+  RawReporter reporter(tasks);
+  if (!tasks.empty()) benchmark::RunSpecifiedBenchmarks(&reporter, ".*");
+  benchmark::ClearRegisteredBenchmarks();
+}
+
+}  // namespace gnomon

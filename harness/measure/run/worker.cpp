@@ -1,0 +1,201 @@
+#include "measure/run/worker.h"
+
+#include <fcntl.h>
+#include <gnomon/error.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/sysinfo.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstring>
+
+#include "measure/paths.h"
+
+namespace gnomon {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Environment and arguments are prepared before the fork: between fork and exec only plain system calls are safe.
+struct Launch {
+  std::string program;
+  std::vector<std::string> arguments, environment;
+  std::vector<char*> argv, envp;
+
+  Launch(const WorkerOptions& options, int socket)
+      : program(options.program.empty() ? program_path().string() : options.program) {
+    arguments = {program};
+    for (const std::string& plugin : options.plugins) arguments.insert(arguments.end(), {"--plugin", plugin});
+    arguments.insert(arguments.end(), {"worker", std::to_string(socket), std::to_string(options.threads)});
+    for (char** entry = environ; *entry; ++entry)
+      if (std::strncmp(*entry, "LP_NUM_THREADS=", 15) != 0) environment.emplace_back(*entry);
+    if (options.threads > 0) environment.push_back(fmt::format("LP_NUM_THREADS={}", options.threads));
+    for (std::string& a : arguments) argv.push_back(a.data());
+    for (std::string& e : environment) envp.push_back(e.data());
+    argv.push_back(nullptr);
+    envp.push_back(nullptr);
+  }
+};
+
+void enter_worker(int owner, int threads, int errors) {
+  setsid();  // a group of its own, so that what a technique starts dies with the worker
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != owner) _exit(0);  // the owner died before it could be watched
+  const int nothing = open("/dev/null", O_RDWR);
+  dup2(nothing, STDIN_FILENO);
+  dup2(nothing, STDOUT_FILENO);
+  dup2(errors, STDERR_FILENO);
+  if (threads > 0) {
+    // The first cores of those that this process may use: a shard or a batch system may have given it a few only.
+    cpu_set_t allowed, cores;
+    CPU_ZERO(&cores);
+    bool pinned = sched_getaffinity(0, sizeof allowed, &allowed) == 0;
+    int left = threads;
+    for (int k = 0; k < CPU_SETSIZE && pinned && left > 0; ++k)
+      if (CPU_ISSET(k, &allowed)) CPU_SET(k, &cores), --left;
+    pinned = pinned && left == 0 && sched_setaffinity(0, sizeof cores, &cores) == 0;
+    if (!pinned) {
+      dprintf(STDERR_FILENO, "this process may not use %d cores\n", threads);
+      _exit(126);
+    }
+  }
+#ifndef __SANITIZE_ADDRESS__
+  // A technique that eats all memory gets an exception in its own process instead of taking the machine down.
+  struct sysinfo memory {};
+  sysinfo(&memory);
+  const rlim_t most = static_cast<rlim_t>(memory.totalram) * memory.mem_unit / 10 * 9;
+  const rlimit limit{most, most};
+  setrlimit(RLIMIT_AS, &limit);
+#endif
+  const rlimit no_core{0, 0};
+  setrlimit(RLIMIT_CORE, &no_core);
+}
+
+}  // namespace
+
+Worker::Worker(const WorkerOptions& options) {
+  int sockets[2];
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, sockets) != 0)
+    throw Error("no socket for a worker: {}", std::strerror(errno));
+  socket_ = sockets[0];
+  errors_ = memfd_create("worker-stderr", MFD_CLOEXEC);
+  Launch launch(options, sockets[1]);
+  const int owner = getpid();
+  process_ = fork();
+  if (process_ == 0) {
+    enter_worker(owner, options.threads, errors_);
+    fcntl(sockets[1], F_SETFD, 0);
+    execve(launch.program.c_str(), launch.argv.data(), launch.envp.data());
+    _exit(127);
+  }
+  close(sockets[1]);
+  if (process_ < 0) throw Error("no process for a worker: {}", std::strerror(errno));
+}
+
+Worker::~Worker() {
+  if (process_ > 0) {
+    kill(-process_, SIGKILL);
+    kill(process_, SIGKILL);  // before it had a group of its own
+    waitpid(process_, nullptr, 0);
+  }
+  close(socket_);
+  close(errors_);
+}
+
+void Worker::send(const Json& request) {
+  doing_ = request.value("stage", request.value("do", "?"));
+  const std::string line = request.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  for (std::size_t sent = 0; sent < line.size();) {
+    const ssize_t n = ::send(socket_, line.data() + sent, line.size() - sent, MSG_NOSIGNAL);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return;  // the worker is gone; receive() says how
+    sent += static_cast<std::size_t>(n);
+  }
+}
+
+Json Worker::receive(double timeout_seconds) {
+  const auto deadline = Clock::now() + std::chrono::duration<double>(timeout_seconds);
+  for (;;) {
+    if (const std::size_t end = pending_.find('\n'); end != std::string::npos) {
+      const Json answer = Json::parse(pending_.substr(0, end));
+      pending_.erase(0, end + 1);
+      if (answer.contains("error")) fail(fmt::format("threw in {}: {}", doing_, answer["error"].get<std::string>()));
+      return answer;
+    }
+    const double left = std::chrono::duration<double>(deadline - Clock::now()).count();
+    pollfd wait{socket_, POLLIN, 0};
+    const int ready = left > 0 ? poll(&wait, 1, static_cast<int>(left * 1000) + 1) : 0;
+    if (ready < 0 && errno == EINTR) continue;
+    if (ready == 0) fail(fmt::format("hung in {}: no answer within {:g} s", doing_, timeout_seconds));
+    char chunk[65536];
+    const ssize_t n = read(socket_, chunk, sizeof chunk);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) {
+      // The socket is closed, so the worker is gone or soon will be; one that lingers is put down.
+      int status = 0;
+      bool ended = false;
+      for (int wait = 0; wait < 100 && !ended; ++wait) {
+        ended = waitpid(process_, &status, WNOHANG) == process_;
+        if (!ended) usleep(10000);
+      }
+      if (!ended) fail(fmt::format("crashed in {}: it closed its connection and went on", doing_));
+      kill(-process_, SIGKILL);
+      process_ = -1;
+      if (WIFSIGNALED(status))
+        fail(fmt::format("crashed in {}: {} (signal {})", doing_, strsignal(WTERMSIG(status)), WTERMSIG(status)));
+      fail(fmt::format("crashed in {}: exit status {}", doing_, WEXITSTATUS(status)));
+    }
+    pending_.append(chunk, static_cast<std::size_t>(n));
+  }
+}
+
+void Worker::fail(const std::string& how) {
+  if (process_ > 0) {
+    kill(-process_, SIGKILL);
+    kill(process_, SIGKILL);  // before it had a group of its own
+    waitpid(process_, nullptr, 0);
+    process_ = -1;
+  }
+  const std::string words = last_words();
+  throw WorkerFailure(words.empty() ? how : how + "; it said: " + words);
+}
+
+/// The last line that the worker wrote to its stderr, shortened.
+std::string Worker::last_words() const {
+  char text[400];
+  const off_t size = lseek(errors_, 0, SEEK_END);
+  const off_t from = std::max<off_t>(0, size - static_cast<off_t>(sizeof text));
+  const ssize_t n = pread(errors_, text, sizeof text, from);
+  std::string words(text, n > 0 ? static_cast<std::size_t>(n) : 0);
+  while (!words.empty() && std::isspace(static_cast<unsigned char>(words.back()))) words.pop_back();
+  if (const std::size_t start = words.rfind('\n'); start != std::string::npos) words.erase(0, start + 1);
+  return words;
+}
+
+Json ask_program(const WorkerOptions& options) {
+  if (access(options.program.c_str(), X_OK) != 0)
+    throw Error("program {} cannot be started: {}", options.program, std::strerror(errno));
+  constexpr double patience = 20;  // seconds to start; a program that is no gnomon may wait for ever
+  Json answer;
+  try {
+    answer = Worker(options).ask({{"do", "protocol"}}, patience);
+  } catch (const WorkerFailure& failure) {
+    throw Error("program {} cannot work for this one, it is no gnomon or one of another version: it {}", options.program,
+                failure.what());
+  } catch (const Json::exception&) {
+    throw Error("program {} cannot work for this one, it is no gnomon: it answered something else than JSON", options.program);
+  }
+  const Json protocol = answer.is_object() ? answer.value("protocol", Json()) : Json();
+  if (protocol != worker_protocol)
+    throw Error("program {} speaks worker protocol {}, this one {}: build both from versions that agree", options.program,
+                protocol.dump(), worker_protocol);
+  return answer.value("context", Json::object());
+}
+
+}  // namespace gnomon

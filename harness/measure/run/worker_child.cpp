@@ -1,0 +1,239 @@
+#include <gnomon/kit/gl.h>
+#include <gnomon/registry.h>
+#include <tbb/global_control.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <map>
+
+#include "device/context.h"
+#include "measure/cause/causes.h"
+#include "measure/run/context.h"
+#include "measure/run/worker.h"
+#include "measure/scene/motion.h"
+
+namespace gnomon {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Largest resident memory of this process in bytes. Not from getrusage: that figure survives exec, and would be the parent's.
+double peak_bytes() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("VmHWM:")) return 1024.0 * std::stod(line.substr(6));
+  return 0;
+}
+
+/// One technique with its scene and frame, and how far its stages are up to date.
+class Post {
+ public:
+  Json handle(const Json& request) {
+    const std::string what = request.at("do");
+    if (what == "protocol") return {{"protocol", worker_protocol}, {"context", machine_context(0)}};
+    if (what == "open") return open(request);
+    if (what == "frame") return frame(request);
+    if (what == "setup") return {{"ms", time(Stage::setup)}};
+    if (what == "time") return time_stage(request.at("stage"));
+    if (what == "bring_up") return bring_up_to(request.at("stage"));
+    if (what == "answer") return answer(request.at("mask"));
+    if (what == "explain") return explain(request.at("pixels"), request.at("out"));
+    if (what == "debug") return debug(request.at("layer"), request.at("out"));
+    throw Error("a worker cannot {}", what);
+  }
+
+ private:
+  Json open(const Json& request) {
+    scene_ = scene_from_bytes(MappedFile::open(request.at("scene").get<std::string>())->bytes());
+    entry_ = &registry().technique(request.at("technique").get<std::string>());
+    settings_ = request.at("settings").get<std::string>();
+    technique_ = fresh_technique();
+    uses_gl_ = entry_->about.needs_gl;
+    if (!uses_gl_) return {{"gl", nullptr}};
+    const GlInfo& info = process_context().info();
+    return {
+        {"gl",
+         {{"vendor", info.vendor}, {"renderer", info.renderer}, {"version", info.version}, {"software", info.is_software}}}};
+  }
+
+  Json frame(const Json& request) {
+    FrameKey key;
+    key.view = scene_.views.at(request.at("view").get<std::size_t>());
+    key.width = request.at("width");
+    key.height = request.at("height");
+    key.truth = request.at("truth") == "mesh" ? Truth::mesh : Truth::shape;
+    Light light = scene_.lights.at(request.at("light").get<std::size_t>());
+    std::string lit_by = light.name;
+    if (const std::string name = request.value("path", ""); !name.empty()) {
+      const Path path = find_path(scene_, name, light, key.view);
+      const int frame = request.at("frame");
+      light = light_at(path, light, frame);
+      key.view = view_at(path, key.view, frame);
+      if (path.moves == Path::Moves::light) lit_by += fmt::format(" {} {}", name, frame);
+    }
+    fresh_ = std::min(fresh_, static_cast<int>(lit_by == lit_by_ ? Stage::relight : Stage::build));
+    if (lit_by != lit_by_) light_ = std::make_unique<Light>(light);
+    lit_by_ = lit_by;
+    const std::string file = request.at("gbuffer");
+    // The same G-buffer under another light stays mapped, and uploaded.
+    if (!gbuffers_.contains(file)) gbuffers_[file] = map_gbuffer(file, key);
+    gbuffer_ = gbuffers_[file];
+    mask_.emplace(key.width, key.height);
+    const Support support = fresh_technique()->supports(scene_, *light_, key.view);
+    Json result{{"support", name(support.kind())}, {"why", support.why()}};
+    if (uses_gl_ && support) {
+      const SceneBuffers& buffers = scene_buffers(scene_);
+      const GBufferTextures& textures = gbuffer_textures(gbuffer_, scene_);
+      result["input_bytes"] = buffers.bytes + textures.bytes;
+      result["upload_ms"] = buffers.upload_ms + textures.upload_ms;
+    }
+    return result;
+  }
+
+  static int stage_named(const std::string& name) {
+    for (int s = 0; s < 4; ++s)
+      if (stage_names[s] == name) return s;
+    throw Error("there is no stage {}", name);
+  }
+
+  Json time_stage(const std::string& name) {
+    const int stage = stage_named(name);
+    bring_up(stage - 1);
+    return {{"ms", time(static_cast<Stage>(stage))}};
+  }
+
+  Json bring_up_to(const std::string& name) {
+    bring_up(stage_named(name));
+    return Json::object();
+  }
+
+  void bring_up(int stage) {
+    for (int s = fresh_ + 1; s <= stage; ++s) time(static_cast<Stage>(s));
+  }
+
+  /// Does one stage and returns its milliseconds; what follows it is out of date then.
+  double time(Stage stage) {
+    if (uses_gl_) glFinish();
+    const auto start = Clock::now();
+    switch (stage) {
+      case Stage::setup:
+        technique_->setup();
+        break;
+      case Stage::build:
+        technique_->build(scene_);
+        break;
+      case Stage::relight:
+        technique_->relight(*light_);
+        break;
+      case Stage::resolve:
+        technique_->resolve(gbuffer_, *mask_);
+        break;
+    }
+    if (uses_gl_) glFinish();
+    const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    if (uses_gl_)
+      if (const GLenum code = glGetError(); code != GL_NO_ERROR) throw Error("OpenGL error {:#x}", code);
+    fresh_ = static_cast<int>(stage);
+    return ms;
+  }
+
+  Json answer(const std::string& path) {
+    bring_up(static_cast<int>(Stage::resolve));
+    write_file(path, std::as_bytes(mask_->read()));
+    Json counts = Json::array();
+    for (const Count& c : technique_->counts()) {
+      if (!std::isfinite(c.value)) throw Error("count {} is {}", c.name, c.value);
+      counts.push_back({{"name", c.name}, {"value", c.value}, {"unit", c.unit}});
+    }
+    return {{"counts", counts}, {"peak_bytes", peak_bytes()}};
+  }
+
+  /// Asks the technique about the listed pixels (uint32 indices) and writes its explanations.
+  Json explain(const std::string& pixels, const std::string& out) {
+    bring_up(static_cast<int>(Stage::resolve));
+    const auto file = MappedFile::open(pixels);
+    const std::size_t count = file->bytes().size() / sizeof(std::uint32_t);
+    const auto* index = reinterpret_cast<const std::uint32_t*>(file->bytes().data());
+    std::vector<std::optional<Explanation>> explanations;
+    explanations.reserve(count);
+    for (std::size_t k = 0; k < count; ++k) {
+      if (index[k] >= gbuffer_.size()) throw Error("there is no pixel {}: the picture has {}", index[k], gbuffer_.size());
+      explanations.push_back(technique_->explain(index[k]));
+    }
+    write_file(out, explanation_bytes(explanations));
+    return {{"explained", std::ranges::any_of(explanations, [](const auto& why) { return why.has_value(); })}};
+  }
+
+  Json debug(const std::string& layer, const std::string& out) {
+    bring_up(static_cast<int>(Stage::resolve));
+    const std::vector<float> rgb = technique_->draw_debug(layer);
+    write_file(out, std::as_bytes(std::span(rgb)));
+    return Json::object();
+  }
+
+  std::unique_ptr<Technique> fresh_technique() const {
+    auto technique = entry_->make();
+    technique->apply(settings_);
+    return technique;
+  }
+
+  Scene scene_;
+  const TechniqueEntry* entry_ = nullptr;
+  std::string settings_;
+  std::unique_ptr<Technique> technique_;
+  bool uses_gl_ = false;
+  std::string lit_by_;                       ///< name, path and frame of the light
+  std::unique_ptr<Light> light_;             ///< the one that the technique was given last
+  std::map<std::string, GBuffer> gbuffers_;  ///< by file: one for each view and truth
+  GBuffer gbuffer_;
+  std::optional<VisibilityMask> mask_;
+  int fresh_ = -1;  ///< last stage that is up to date
+};
+
+bool write_line(int socket, const std::string& line) {
+  for (std::size_t sent = 0; sent < line.size();) {
+    const ssize_t n = write(socket, line.data() + sent, line.size() - sent);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return false;
+    sent += static_cast<std::size_t>(n);
+  }
+  return true;
+}
+
+}  // namespace
+
+int worker_main(int socket, int threads) {
+  std::optional<tbb::global_control> limit;
+  if (threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+  // Leaked on purpose: the process ends by being killed, and a technique's destructor is no part of a measurement.
+  Post& post = *new Post;
+  std::string pending;
+  for (;;) {
+    const std::size_t end = pending.find('\n');
+    if (end == std::string::npos) {
+      char chunk[4096];
+      const ssize_t n = read(socket, chunk, sizeof chunk);
+      if (n < 0 && errno == EINTR) continue;
+      if (n <= 0) _exit(0);
+      pending.append(chunk, static_cast<std::size_t>(n));
+      continue;
+    }
+    Json answer;
+    try {
+      answer = post.handle(Json::parse(pending.substr(0, end)));
+    } catch (const std::bad_alloc&) {
+      answer = {{"error", "out of memory"}};
+    } catch (const std::exception& error) {
+      answer = {{"error", error.what()}};
+    } catch (...) {
+      answer = {{"error", "an exception that is no std::exception"}};
+    }
+    pending.erase(0, end + 1);
+    if (!write_line(socket, answer.dump() + "\n")) _exit(0);
+  }
+}
+
+}  // namespace gnomon

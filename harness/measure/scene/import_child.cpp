@@ -1,0 +1,203 @@
+// The child's side of an import: assimp reads the file, the nodes are walked in double, records go down the pipe. Whatever
+// goes wrong here, corrupted memory included, stays here.
+#include <assimp/config.h>
+#include <assimp/scene.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <assimp/DefaultLogger.hpp>
+#include <assimp/Importer.hpp>
+#include <assimp/LogStream.hpp>
+#include <cerrno>
+#include <new>
+
+#include "measure/scene/import.h"
+
+namespace gnomon {
+namespace {
+
+using namespace importing;
+
+constexpr unsigned time_limit_seconds = 120;
+
+/// A runaway import ends here, before it takes the machine with it: seconds by alarm, memory at three quarters of what there
+/// is.
+void limit_self() {
+  alarm(time_limit_seconds);
+#ifndef __SANITIZE_ADDRESS__  // its shadow memory alone would be over any limit
+  const rlim_t bytes = static_cast<rlim_t>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGESIZE) / 4 * 3;
+  const rlimit limit{bytes, bytes};
+  setrlimit(RLIMIT_DATA, &limit);
+#endif
+}
+
+/// Puts fields into the pipe; a parent that is gone ends the child by SIGPIPE.
+class Sender {
+ public:
+  explicit Sender(int fd) : fd_(fd) {}
+  ~Sender() { flush(); }
+  template <class T>
+  Sender& operator()(const T& value) {
+    if constexpr (requires { value.data(); }) {
+      (*this)(static_cast<std::uint64_t>(value.size()));
+      put(value.data(), value.size() * sizeof(value[0]));
+    } else {
+      static_assert(std::is_trivially_copyable_v<T>);
+      put(&value, sizeof(T));
+    }
+    return *this;
+  }
+  template <class Record>
+  void send(Tag tag, const Record& record) {
+    (*this)(tag);
+    transfer(*this, record);
+  }
+  void end() {
+    (*this)(Tag::end);
+    flush();
+  }
+
+ private:
+  void put(const void* data, std::size_t size) {
+    const auto* bytes = static_cast<const char*>(data);
+    buffer_.insert(buffer_.end(), bytes, bytes + size);
+    if (buffer_.size() >= (std::size_t{1} << 20)) flush();
+  }
+  void flush() {
+    for (std::size_t sent = 0; sent < buffer_.size();) {
+      const ssize_t count = write(fd_, buffer_.data() + sent, buffer_.size() - sent);
+      if (count < 0 && errno == EINTR) continue;
+      if (count <= 0) _exit(3);
+      sent += static_cast<std::size_t>(count);
+    }
+    buffer_.clear();
+  }
+  int fd_;
+  std::vector<char> buffer_;
+};
+
+/// Assimp repairs some damage without a word but for its log (an OFF index out of range is replaced): keep those words.
+class Complaints : public Assimp::LogStream {
+ public:
+  explicit Complaints(Sender& sender) : sender_(sender) {}
+  void write(const char* message) override { sender_.send(Tag::complaint, std::string(message)); }
+
+ private:
+  Sender& sender_;
+};
+
+glm::dmat4 widened(const aiMatrix4x4& m) {
+  glm::dmat4 wide;
+  for (unsigned row = 0; row < 4; ++row)
+    for (unsigned column = 0; column < 4; ++column) wide[column][row] = m[row][column];
+  return wide;
+}
+
+glm::dmat4 world_from_node(const aiNode* node) {
+  glm::dmat4 matrix(1);
+  for (; node; node = node->mParent) matrix = widened(node->mTransformation) * matrix;
+  return matrix;
+}
+
+void read_material(const aiScene& scene, unsigned index, RawMesh& raw) {
+  if (index >= scene.mNumMaterials) return;
+  const aiMaterial& material = *scene.mMaterials[index];
+  aiString name;
+  aiColor4D color;
+  // What importers make up for files without materials has this name, or none.
+  const bool invented = material.Get(AI_MATKEY_NAME, name) != AI_SUCCESS || name == aiString(AI_DEFAULT_MATERIAL_NAME);
+  raw.has_color = !invented && aiGetMaterialColor(&material, AI_MATKEY_COLOR_DIFFUSE, &color) == AI_SUCCESS;
+  if (raw.has_color) raw.color = {color.r, color.g, color.b};
+  float opacity = 1;
+  raw.is_transparent = material.Get(AI_MATKEY_OPACITY, opacity) == AI_SUCCESS && opacity < 1;
+  raw.has_texture = material.GetTextureCount(aiTextureType_DIFFUSE) + material.GetTextureCount(aiTextureType_OPACITY) > 0;
+}
+
+void send_meshes(const aiScene& scene, const aiNode& node, const glm::dmat4& world_from_parent, Sender& sender) {
+  const glm::dmat4 world_from_mesh = world_from_parent * widened(node.mTransformation);
+  for (unsigned i = 0; i < node.mNumMeshes; ++i) {
+    const aiMesh& mesh = *scene.mMeshes[node.mMeshes[i]];
+    RawMesh raw;
+    raw.name = mesh.mName.length > 0 ? mesh.mName.C_Str() : node.mName.C_Str();
+    raw.world_from_mesh = world_from_mesh;
+    read_material(scene, mesh.mMaterialIndex, raw);
+    raw.positions.reserve(mesh.mNumVertices);
+    for (unsigned v = 0; v < mesh.mNumVertices; ++v)
+      raw.positions.emplace_back(mesh.mVertices[v].x, mesh.mVertices[v].y, mesh.mVertices[v].z);
+    raw.corner_counts.reserve(mesh.mNumFaces);
+    raw.corners.reserve(std::size_t{3} * mesh.mNumFaces);
+    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+      const aiFace& face = mesh.mFaces[f];
+      raw.corner_counts.push_back(face.mNumIndices);
+      raw.corners.insert(raw.corners.end(), face.mIndices, face.mIndices + face.mNumIndices);
+    }
+    sender.send(Tag::mesh, raw);
+  }
+  for (unsigned i = 0; i < node.mNumChildren; ++i) send_meshes(scene, *node.mChildren[i], world_from_mesh, sender);
+}
+
+// Cameras and lights are sent as glTF means them, the only format whose ones are used: at the origin of their node, along its
+// -z, half-angles for cones. Assimp's own position and direction are no help: it adds the node's translation to the camera a
+// second time.
+constexpr glm::dvec3 forward_node{0, 0, -1}, up_node{0, 1, 0};
+
+void send_camera(const aiScene& scene, const aiCamera& camera, Sender& sender) {
+  const glm::dmat4 matrix = world_from_node(scene.mRootNode->FindNode(camera.mName));
+  // Assimp 5.2 keeps yfov times the aspect ratio under the name of a horizontal angle; yfov itself where no ratio is given.
+  const double aspect = camera.mAspect > 0 ? camera.mAspect : 1;
+  sender.send(Tag::camera, RawCamera{.name = camera.mName.C_Str(),
+                                     .eye = glm::dvec3(matrix[3]),
+                                     .forward = glm::dmat3(matrix) * forward_node,
+                                     .up = glm::dmat3(matrix) * up_node,
+                                     .fov_y = camera.mHorizontalFOV / aspect});
+}
+
+void send_light(const aiScene& scene, const aiLight& light, Sender& sender) {
+  const auto kind = [&] {
+    switch (light.mType) {
+      case aiLightSource_POINT:
+        return RawKind::point;
+      case aiLightSource_SPOT:
+        return RawKind::spot;
+      case aiLightSource_DIRECTIONAL:
+        return RawKind::directional;
+      default:
+        return RawKind::other;
+    }
+  }();
+  const glm::dmat4 matrix = world_from_node(scene.mRootNode->FindNode(light.mName));
+  sender.send(Tag::light, RawLight{.name = light.mName.C_Str(),
+                                   .kind = kind,
+                                   .position = glm::dvec3(matrix[3]),
+                                   .direction = glm::dmat3(matrix) * forward_node,
+                                   .inner = light.mAngleInnerCone,
+                                   .outer = light.mAngleOuterCone});
+}
+
+}  // namespace
+
+int import_child_main(const std::string& file, int out_fd) {
+  limit_self();
+  Sender sender(out_fd);
+  try {
+    Assimp::DefaultLogger::create("", Assimp::Logger::NORMAL, 0);
+    Assimp::DefaultLogger::get()->attachStream(new Complaints(sender), Assimp::Logger::Err);
+    Assimp::Importer importer;
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
+    // No post-processing: some of its steps abort on truncated files, and the parent checks and splits faces itself.
+    const aiScene* scene = importer.ReadFile(file, 0);
+    if (!scene || !scene->mRootNode) {
+      sender.send(Tag::failure, std::string(importer.GetErrorString()));
+    } else {
+      send_meshes(*scene, *scene->mRootNode, glm::dmat4(1), sender);
+      for (unsigned i = 0; i < scene->mNumCameras; ++i) send_camera(*scene, *scene->mCameras[i], sender);
+      for (unsigned i = 0; i < scene->mNumLights; ++i) send_light(*scene, *scene->mLights[i], sender);
+    }
+  } catch (const std::bad_alloc&) {
+    sender.send(Tag::failure, std::string("it needs more memory than three quarters of this machine's"));
+  }
+  sender.end();
+  return 0;
+}
+
+}  // namespace gnomon

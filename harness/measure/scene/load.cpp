@@ -1,0 +1,204 @@
+// From what `--scene` says to a scene that every technique can take: find it, load it, frame it, check it.
+#include "measure/scene/load.h"
+
+#include <gnomon/registry.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <set>
+
+#include "measure/paths.h"
+
+namespace gnomon {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr float largest_coordinate = 1e30f;
+
+bool is_sound(const glm::vec3& p) {
+  for (int k = 0; k < 3; ++k)
+    if (!(std::abs(p[k]) <= largest_coordinate)) return false;
+  return true;
+}
+
+/// Files of described scenes, in the order of their ids.
+std::vector<fs::path> described_scenes() {
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(data_root() / "scenes"))
+    if (entry.path().extension() == ".toml") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// The first line of a described scene is `# Title: summary`. It is fetched when no `cache:` file of it is missing.
+SceneListing describe(const fs::path& file) {
+  SceneListing listing{.id = file.stem().string(), .title = file.stem().string(), .summary = ""};
+  std::ifstream in(file);
+  std::string line;
+  std::getline(in, line);
+  if (line.starts_with("# ")) {
+    const std::size_t colon = line.find(": ");
+    listing.title = line.substr(2, colon == std::string::npos ? colon : colon - 2);
+    if (colon != std::string::npos) listing.summary = line.substr(colon + 2);
+  }
+  for (; std::getline(in, line);)
+    if (const std::size_t start = line.find("\"cache:"); start != std::string::npos && line.starts_with("file")) {
+      const std::size_t begin = start + 7;
+      const std::string path = line.substr(begin, line.find('"', begin) - begin);
+      listing.available = listing.available && fs::exists(cache_root() / "scenes" / path);
+    }
+  return listing;
+}
+
+Scene load_by_id(const std::string& reference) {
+  const std::size_t colon = reference.find(':');
+  const std::string id = reference.substr(0, colon);
+  const std::string settings = colon == std::string::npos ? "" : reference.substr(colon + 1);
+  if (const SceneEntry* entry = registry().find_scene(id)) {
+    const auto generator = entry->make();
+    generator->apply(settings);
+    Scene scene = generator->make();
+    scene.name = generator->settings().empty() ? id : fmt::format("{}:{}", id, generator->settings());
+    return scene;
+  }
+  std::vector<std::string> ids;
+  for (const SceneEntry& entry : registry().scenes()) ids.push_back(entry.id);
+  for (const fs::path& file : described_scenes()) {
+    ids.push_back(file.stem().string());
+    if (ids.back() != id) continue;
+    if (colon != std::string::npos) throw Error("scene {} has no parameters: it is described in {}", id, file.string());
+    return read_scene_toml(file);
+  }
+  std::sort(ids.begin(), ids.end());
+  throw Error("scene {} does not exist; did you mean {}? There are: {}; or give a .toml or mesh file", id,
+              nearest_word(id, ids), fmt::join(ids, ", "));
+}
+
+Scene load_mesh_file(const fs::path& file) {
+  Scene scene;
+  scene.name = file.stem().string();
+  import_file(file, {}, scene);
+  return scene;
+}
+
+template <class Named>
+void check_names(const std::vector<Named>& items, std::string_view what, const std::string& where) {
+  std::set<std::string_view> seen;
+  for (const Named& item : items) {
+    if (!is_plain_name(item.name)) throw Error("{}: name '{}' is not of a..z, 0..9 and _ ({})", what, item.name, where);
+    if (!seen.insert(item.name).second) throw Error("{}: name '{}' is given twice ({})", what, item.name, where);
+    check(item, where);
+  }
+}
+
+void check_vertices(const Mesh& mesh, const std::string& where) {
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+    if (const glm::vec3& p = mesh.positions[i]; !is_sound(p))
+      throw Error("mesh '{}', vertex {}: position = ({}, {}, {}) is outside -1e30 .. 1e30 ({})", mesh.name, i, p.x, p.y, p.z,
+                  where);
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+    for (int k = 0; k < 3; ++k)
+      if (mesh.triangles[i][k] >= mesh.positions.size())
+        throw Error("mesh '{}', triangle {}: vertex index {} is outside 0 .. {} ({})", mesh.name, i, mesh.triangles[i][k],
+                    static_cast<std::int64_t>(mesh.positions.size()) - 1, where);
+}
+
+}  // namespace
+
+bool is_plain_name(std::string_view name) {
+  return !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == std::string_view::npos;
+}
+
+void check(const Light& light, const std::string& where) {
+  const auto need = [&](bool is_good, std::string_view what) {
+    if (!is_good) throw Error("light '{}' ({}): {} ({})", light.name, kind_name(light), what, where);
+  };
+  const auto need_direction = [&](const glm::vec3& v, const char* what) {
+    need(is_sound(v) && v != glm::vec3(0), fmt::format("{} = ({}, {}, {}) is not a direction", what, v.x, v.y, v.z));
+  };
+  const auto need_position = [&](const glm::vec3& v, const char* what) {
+    need(is_sound(v), fmt::format("{} = ({}, {}, {}) is outside -1e30 .. 1e30", what, v.x, v.y, v.z));
+  };
+  const auto need_radius = [&](float radius) {
+    need(radius > 0 && radius <= largest_coordinate, fmt::format("radius = {} is not above 0", radius));
+  };
+  need(light.intensity > 0 && std::isfinite(light.intensity), fmt::format("intensity = {} is not above 0", light.intensity));
+  if (const auto* l = std::get_if<PointLight>(&light.kind)) need_position(l->position, "position");
+  if (const auto* l = std::get_if<DirectionalLight>(&light.kind)) need_direction(l->direction, "direction");
+  if (const auto* l = std::get_if<SpotLight>(&light.kind)) {
+    need_position(l->position, "position");
+    need_direction(l->direction, "direction");
+    need(l->outer_degrees > 0 && l->outer_degrees < 90,
+         fmt::format("outer_degrees = {} is outside 0 .. 90, both excluded", l->outer_degrees));
+    need(l->inner_degrees >= 0 && l->inner_degrees <= l->outer_degrees,
+         fmt::format("inner_degrees = {} is outside 0 .. outer_degrees = {}", l->inner_degrees, l->outer_degrees));
+  }
+  if (const auto* l = std::get_if<RectLight>(&light.kind)) {
+    need_position(l->center, "center");
+    need_direction(l->half_u, "half_u");
+    need_direction(l->half_v, "half_v");
+    need(glm::cross(glm::dvec3(l->half_u), glm::dvec3(l->half_v)) != glm::dvec3(0), "half_u and half_v span no area");
+  }
+  if (const auto* l = std::get_if<DiscLight>(&light.kind)) {
+    need_position(l->center, "center");
+    need_direction(l->normal, "normal");
+    need_radius(l->radius);
+  }
+  if (const auto* l = std::get_if<SphereLight>(&light.kind)) {
+    need_position(l->center, "center");
+    need_radius(l->radius);
+  }
+}
+
+void check(const View& view, const std::string& where) {
+  const auto need = [&](bool is_good, std::string_view what) {
+    if (!is_good) throw Error("view '{}': {} ({})", view.name, what, where);
+  };
+  need(is_sound(view.eye) && is_sound(view.target) && is_sound(view.up), "eye, target or up is outside -1e30 .. 1e30");
+  need(view.eye != view.target, fmt::format("eye = target = ({}, {}, {})", view.eye.x, view.eye.y, view.eye.z));
+  need(glm::cross(glm::dvec3(view.target) - glm::dvec3(view.eye), glm::dvec3(view.up)) != glm::dvec3(0),
+       fmt::format("up = ({}, {}, {}) lies along the line of sight", view.up.x, view.up.y, view.up.z));
+  need(view.fov_y_degrees > 0 && view.fov_y_degrees < 180,
+       fmt::format("fov_y_degrees = {} is outside 0 .. 180, both excluded", view.fov_y_degrees));
+}
+
+void finish_scene(Scene& scene, const std::string& where) {
+  check_names(scene.lights, "light", where);
+  check_names(scene.views, "view", where);
+  std::size_t dropped = 0;
+  for (Mesh& mesh : scene.meshes) {
+    check_vertices(mesh, where);
+    finish(mesh);
+    dropped += mesh.facts.degenerate_count;
+  }
+  if (dropped > 0) scene.notes.push_back(fmt::format("{} triangles without area are dropped", dropped));
+  std::erase_if(scene.meshes, [](const Mesh& mesh) { return mesh.triangles.empty(); });
+  if (scene.meshes.empty()) throw Error("scene '{}' has no geometry ({})", scene.name, where);
+}
+
+Scene load_scene(const std::string& reference) {
+  const fs::path path = reference;
+  const bool is_toml = path.extension() == ".toml";
+  const bool is_file = is_toml || reference.find('/') != std::string::npos || is_mesh_file_name(path);
+  Scene scene = !is_file ? load_by_id(reference) : is_toml ? read_scene_toml(path) : load_mesh_file(path);
+  finish_scene(scene, reference);
+  add_framing(scene);
+  return scene;
+}
+
+std::vector<SceneListing> list_scenes() {
+  std::vector<SceneListing> listings;
+  for (const SceneEntry& entry : registry().scenes())
+    listings.push_back({.id = entry.id,
+                        .title = std::string(entry.about.title),
+                        .summary = std::string(entry.about.summary),
+                        .generated = true});
+  for (const fs::path& file : described_scenes()) listings.push_back(describe(file));
+  std::sort(listings.begin(), listings.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  return listings;
+}
+
+}  // namespace gnomon

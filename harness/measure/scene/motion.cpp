@@ -1,0 +1,92 @@
+#include "measure/scene/motion.h"
+
+#include <gnomon/error.h>
+#include <gnomon/param.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace gnomon {
+
+namespace {
+
+constexpr int slide_frames = 16;
+constexpr double slide_share = 0.01;
+
+glm::dvec3 sideways(const glm::dvec3& along, const glm::dvec3& up) {
+  const glm::dvec3 a = glm::normalize(along);
+  glm::dvec3 side = glm::cross(a, up);
+  if (glm::dot(side, side) < 1e-12) side = glm::cross(a, std::abs(a.x) < 0.9 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 0, 1));
+  return glm::normalize(side);
+}
+
+Path camera_slide(const View& view) {
+  const glm::dvec3 eye = view.eye, along = glm::dvec3(view.target) - eye;
+  const glm::dvec3 end = eye + sideways(along, view.up) * (slide_share * glm::length(along));
+  return {"camera_slide", Path::Moves::camera, {view.eye, glm::vec3(end)}, slide_frames};
+}
+
+/// Where the light is, or the way it travels.
+glm::vec3& place_of(Light& light) {
+  struct Visitor {
+    glm::vec3& operator()(PointLight& l) { return l.position; }
+    glm::vec3& operator()(SpotLight& l) { return l.position; }
+    glm::vec3& operator()(DirectionalLight& l) { return l.direction; }
+    glm::vec3& operator()(RectLight& l) { return l.center; }
+    glm::vec3& operator()(DiscLight& l) { return l.center; }
+    glm::vec3& operator()(SphereLight& l) { return l.center; }
+  };
+  return std::visit(Visitor{}, light.kind);
+}
+
+Path light_slide(const Scene& scene, Light light) {
+  const glm::vec3 start = place_of(light);
+  const Bounds bounds = scene.bounds();
+  const glm::dvec3 middle = (glm::dvec3(bounds.min) + glm::dvec3(bounds.max)) / 2.0;
+  const bool is_directional = std::holds_alternative<DirectionalLight>(light.kind);
+  glm::dvec3 along = is_directional ? glm::dvec3(start) : middle - glm::dvec3(start);
+  if (glm::length(along) == 0) along = glm::dvec3(0, -glm::length(glm::dvec3(bounds.max) - middle), 0);
+  const glm::dvec3 end = glm::dvec3(start) + sideways(along, {0, 1, 0}) * (slide_share * glm::length(along));
+  return {"light_slide", Path::Moves::light, {start, glm::vec3(end)}, slide_frames};
+}
+
+glm::vec3 position_at(const Path& path, int frame) {
+  assert(path.positions.size() >= 2 && frame >= 0 && frame < path.frame_count);
+  const auto last = static_cast<double>(path.positions.size() - 1);
+  const double at = path.frame_count > 1 ? last * frame / (path.frame_count - 1) : 0;
+  const auto key = std::min(static_cast<std::size_t>(at), path.positions.size() - 2);
+  return glm::vec3(glm::mix(glm::dvec3(path.positions[key]), glm::dvec3(path.positions[key + 1]), at - double(key)));
+}
+
+}  // namespace
+
+std::vector<std::string> path_names(const Scene& scene) {
+  std::vector<std::string> names = {"camera_slide", "light_slide"};
+  for (const Path& path : scene.paths) names.push_back(path.name);
+  return names;
+}
+
+Path find_path(const Scene& scene, const std::string& name, const Light& light, const View& view) {
+  for (const Path& path : scene.paths)
+    if (path.name == name) return path;
+  if (name == "camera_slide") return camera_slide(view);
+  if (name == "light_slide") return light_slide(scene, light);
+  const std::vector<std::string> names = path_names(scene);
+  throw Error("scene {} has no path {}; did you mean {}? It has: {}", scene.name, name, nearest_word(name, names),
+              fmt::join(names, ", "));
+}
+
+Light light_at(const Path& path, const Light& light, int frame) {
+  Light moved = light;
+  if (path.moves == Path::Moves::light) place_of(moved) = position_at(path, frame);
+  return moved;
+}
+
+View view_at(const Path& path, const View& view, int frame) {
+  View moved = view;
+  if (path.moves == Path::Moves::camera) moved.eye = position_at(path, frame);
+  return moved;
+}
+
+}  // namespace gnomon

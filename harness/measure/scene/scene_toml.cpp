@@ -1,0 +1,198 @@
+// Reads a described scene. Every key is known by name, every value has a type and a range, every complaint a file and a line.
+#include <gnomon/kit/shapes.h>
+
+#include <fstream>
+#include <set>
+
+#include "measure/paths.h"
+#include "measure/scene/load.h"
+#include "measure/scene/toml_table.h"
+
+namespace gnomon {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// `kind` first: it decides which keys are known.
+std::string kind_of(const toml::table& table, const fs::path& file, const std::string& what,
+                    const std::vector<std::string>& kinds) {
+  const auto line = table.source().begin.line;
+  if (!table.contains("kind")) throw Error("{} lacks the key 'kind' ({}:{})", what, file.string(), line);
+  const std::string kind = table["kind"].value_or(std::string());
+  if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
+    throw Error("{}.kind = '{}' is not one of {}; did you mean {}? ({}:{})", what, kind, fmt::join(kinds, ", "),
+                nearest_word(kind, kinds), file.string(), table.get("kind")->source().begin.line);
+  return kind;
+}
+
+/// `file` is relative to the description; `cache:` opens a path of a fetched scene, whose first folder is the scene's id.
+fs::path mesh_path(const Table& table, const fs::path& description) {
+  const std::string name = table.text("file");
+  constexpr std::string_view prefix = "cache:";
+  if (!name.starts_with(prefix)) return description.parent_path() / name;
+  const fs::path inside = name.substr(prefix.size());
+  const fs::path file = cache_root() / "scenes" / inside;
+  const std::string id = inside.empty() ? "" : inside.begin()->string();
+  if (!fs::exists(file)) throw SceneNotFetched("scene {0} is not fetched: run scripts/fetch_scenes {0}", id);
+  return file;
+}
+
+void read_mesh(const toml::table& toml, const fs::path& file, Scene& scene) {
+  const Table table(toml, file, "mesh", {"file", "scale", "rotate_degrees", "translate", "casts", "receives", "albedo"});
+  const Placement placement{.scale = table.scale("scale"),
+                            .rotate_degrees = table.vector("rotate_degrees", glm::dvec3(0)),
+                            .translate = table.vector("translate", glm::dvec3(0))};
+  const bool casts = table.flag("casts", true), receives = table.flag("receives", true);
+  const glm::vec3 albedo = table.albedo();
+  const fs::path path = mesh_path(table, file);
+  const std::size_t first = scene.meshes.size();
+  try {
+    import_file(path, placement, scene);
+  } catch (const Error& error) {
+    throw Error("{} (named in {})", error.what(), table.where("file"));
+  }
+  for (std::size_t i = first; i < scene.meshes.size(); ++i) {
+    scene.meshes[i].casts = casts;
+    scene.meshes[i].receives = receives;
+    if (table.has("albedo")) scene.meshes[i].albedo = albedo;
+  }
+}
+
+/// The rectangle's frame: u points along +x turned into the plane (along +z where the normal is x), v completes
+/// cross(u, v) = normal; then both turn about the normal.
+Plane read_plane(const Table& table) {
+  const glm::dvec3 normal = glm::normalize(table.direction("normal"));
+  const glm::dvec2 size = table.pair("size");
+  if (!(size.x > 0 && size.y > 0)) table.refuse("size", fmt::format("[{}, {}]", size.x, size.y), "two numbers above 0");
+  const glm::dvec3 x = std::abs(normal.x) < 0.9 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 0, 1);
+  const glm::dvec3 u = glm::normalize(x - glm::dot(x, normal) * normal), v = glm::cross(normal, u);
+  const double angle = glm::radians(table.number("rotate_degrees", 0));
+  const double c = std::cos(angle), s = std::sin(angle);
+  return {table.vector("center"), 0.5 * size.x * (c * u + s * v), 0.5 * size.y * (c * v - s * u)};
+}
+
+Shape read_geometry(const std::string& kind, const toml::table& toml, const fs::path& file) {
+  const auto open = [&](std::initializer_list<std::string_view> own) {
+    return Table(toml, file, kind, own, {"kind", "segments", "casts", "receives", "albedo"});
+  };
+  if (kind == "sphere") {
+    const Table table = open({"center", "radius"});
+    return Sphere{table.vector("center"), table.positive("radius")};
+  }
+  if (kind == "cone") {
+    const Table table = open({"base", "axis", "radius", "height"});
+    return Cone{table.vector("base"), table.direction("axis"), table.positive("radius"), table.positive("height")};
+  }
+  if (kind == "disc") {
+    const Table table = open({"center", "normal", "radius"});
+    return Disc{table.vector("center"), table.direction("normal"), table.positive("radius")};
+  }
+  if (kind == "triangle") {
+    const std::vector<glm::dvec3> p = open({"points"}).vectors("points", 3, 3);
+    return Triangle{{p[0], p[1], p[2]}};
+  }
+  if (kind == "plane") return read_plane(open({"center", "normal", "size", "rotate_degrees"}));
+  const Table table = open({"min", "max"});
+  return Box{table.vector("min"), table.vector("max")};
+}
+
+void read_shape(const toml::table& toml, const fs::path& file, Scene& scene) {
+  static const std::vector<std::string> kinds = {"sphere", "cone", "disc", "triangle", "plane", "box"};
+  const std::string kind = kind_of(toml, file, "shape", kinds);
+  const Shape shape = read_geometry(kind, toml, file);
+  const Table table(toml, file, kind);
+  check(shape, fmt::format("{} ({})", kind, table.where()));
+  Mesh mesh = tessellate(shape, table.integer("segments", 64, 3, 4096), fmt::format("{}_{}", kind, scene.meshes.size()));
+  mesh.casts = table.flag("casts", true);
+  mesh.receives = table.flag("receives", true);
+  mesh.albedo = table.albedo();
+  scene.meshes.push_back(std::move(mesh));
+}
+
+void read_light(const toml::table& toml, const fs::path& file, Scene& scene) {
+  static const std::vector<std::string> kinds = {"point", "directional", "spot", "rect", "disc", "sphere"};
+  const std::string kind = kind_of(toml, file, "light", kinds);
+  const auto open = [&](std::initializer_list<std::string_view> own) {
+    return Table(toml, file, kind + " light", own, {"name", "kind", "intensity"});
+  };
+  Light light;
+  if (kind == "point") {
+    light.kind = PointLight{open({"position"}).vector("position")};
+  } else if (kind == "directional") {
+    light.kind = DirectionalLight{open({"direction"}).direction("direction")};
+  } else if (kind == "spot") {
+    const Table table = open({"position", "direction", "inner_degrees", "outer_degrees"});
+    light.kind = SpotLight{table.vector("position"), table.direction("direction"),
+                           static_cast<float>(table.number("inner_degrees", SpotLight{}.inner_degrees)),
+                           static_cast<float>(table.number("outer_degrees", SpotLight{}.outer_degrees))};
+  } else if (kind == "rect") {
+    const Table table = open({"center", "half_u", "half_v"});
+    light.kind = RectLight{table.vector("center"), table.direction("half_u"), table.direction("half_v")};
+  } else if (kind == "disc") {
+    const Table table = open({"center", "normal", "radius"});
+    light.kind = DiscLight{table.vector("center"), table.direction("normal"), table.positive("radius")};
+  } else {
+    const Table table = open({"center", "radius"});
+    light.kind = SphereLight{table.vector("center"), table.positive("radius")};
+  }
+  const Table table(toml, file, kind + " light");
+  light.name = table.name("name", scene.lights);
+  light.intensity = table.has("intensity") ? table.positive("intensity") : light.intensity;
+  check(light, table.where());
+  scene.lights.push_back(light);
+}
+
+void read_view(const toml::table& toml, const fs::path& file, Scene& scene) {
+  const Table table(toml, file, "view", {"name", "eye", "target", "up", "fov_y_degrees"});
+  const View fallback;
+  const View view{.name = table.name("name", scene.views),
+                  .eye = table.vector("eye"),
+                  .target = table.vector("target"),
+                  .up = table.has("up") ? table.direction("up") : glm::dvec3(fallback.up),
+                  .fov_y_degrees = static_cast<float>(table.number("fov_y_degrees", fallback.fov_y_degrees))};
+  check(view, table.where());
+  scene.views.push_back(view);
+}
+
+/// Named after what it moves unless it says otherwise.
+void read_path(const toml::table& toml, const fs::path& file, Scene& scene) {
+  const Table table(toml, file, "path", {"name", "moves", "positions", "frames"});
+  const std::string moves = table.text("moves");
+  if (moves != "camera" && moves != "light") table.refuse("moves", '\'' + moves + '\'', "camera or light");
+  Path path{.name = moves, .moves = moves == "camera" ? Path::Moves::camera : Path::Moves::light, .positions = {}};
+  if (table.has("name")) path.name = table.text("name");
+  if (!is_plain_name(path.name)) table.refuse("name", '\'' + path.name + '\'', "a name of a..z, 0..9 and _");
+  for (const Path& other : scene.paths)
+    if (other.name == path.name) table.refuse("name", '\'' + path.name + '\'', "unique");
+  for (const glm::dvec3& position : table.vectors("positions", 0, 2)) path.positions.emplace_back(position);
+  if (!table.has("frames")) table.refuse("frames", "(nothing)", "a whole number of 2 .. 100000");
+  path.frame_count = table.integer("frames", 0, 2, 100'000);
+  scene.paths.push_back(std::move(path));
+}
+
+}  // namespace
+
+Scene read_scene_toml(const fs::path& file) {
+  std::ifstream in(file);
+  if (!in || fs::is_directory(file)) throw Error("{}: does not exist or cannot be read", file.string());
+  toml::table document;
+  try {
+    document = toml::parse(in, file.string());
+  } catch (const toml::parse_error& error) {
+    throw Error("{} ({}:{})", error.description(), file.string(), error.source().begin.line);
+  }
+  const Table top(document, file, "scene", {"name", "ambient", "mesh", "shape", "light", "view", "path"});
+  Scene scene;
+  scene.name = top.has("name") ? top.text("name") : file.stem().string();
+  const double ambient = top.number("ambient", scene.ambient);
+  if (ambient < 0 || ambient > 1) top.refuse("ambient", ambient, "within 0 .. 1");
+  scene.ambient = static_cast<float>(ambient);
+  using Reader = void (*)(const toml::table&, const fs::path&, Scene&);
+  static constexpr std::pair<const char*, Reader> readers[] = {
+      {"light", read_light}, {"view", read_view}, {"path", read_path}, {"shape", read_shape}, {"mesh", read_mesh}};
+  for (const auto& [key, read] : readers)
+    for (const toml::table* table : top.tables(key)) read(*table, file, scene);
+  return scene;
+}
+
+}  // namespace gnomon

@@ -1,0 +1,172 @@
+#pragma once
+// Private to the reader of described scenes: a TOML table that checks keys, types and ranges.
+#include <gnomon/error.h>
+#include <gnomon/param.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <glm/glm.hpp>
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+#include "measure/scene/load.h"
+
+namespace gnomon {
+
+inline constexpr double largest_coordinate = 1e30;
+
+/// One TOML table whose keys are all known: anything else is refused when it is opened.
+class Table {
+ public:
+  Table(const toml::table& table, const std::filesystem::path& file, std::string what,
+        std::initializer_list<std::string_view> keys, std::initializer_list<std::string_view> more_keys = {})
+      : table_(table), file_(file), what_(std::move(what)) {
+    std::vector<std::string> known(keys.begin(), keys.end());
+    known.insert(known.end(), more_keys.begin(), more_keys.end());
+    for (const auto& [key, value] : table)
+      if (std::find(known.begin(), known.end(), key.str()) == known.end())
+        throw Error("{} has no key '{}'; did you mean '{}'? It has: {} ({}:{})", what_, key.str(),
+                    nearest_word(key.str(), known), fmt::join(known, ", "), file.string(), key.source().begin.line);
+  }
+
+  /// A table whose keys were checked before.
+  Table(const toml::table& table, const std::filesystem::path& file, std::string what)
+      : table_(table), file_(file), what_(std::move(what)) {}
+
+  bool has(std::string_view key) const { return table_.contains(key); }
+  /// "FILE:LINE" of a key, or of the table when the key is not there.
+  std::string where(std::string_view key = {}) const {
+    const toml::node* node = key.empty() ? nullptr : table_.get(key);
+    return fmt::format("{}:{}", file_.string(), (node ? node->source() : table_.source()).begin.line);
+  }
+  template <class Value>
+  [[noreturn]] void refuse(std::string_view key, const Value& value, std::string_view allowed) const {
+    throw Error("{}.{} = {} is not {} ({})", what_, key, value, allowed, where(key));
+  }
+
+  std::string text(std::string_view key) const {
+    const auto value = need(key).value_exact<std::string>();
+    if (!value) refuse(key, kind(key), "a text");
+    return *value;
+  }
+  bool flag(std::string_view key, bool fallback) const {
+    if (!has(key)) return fallback;
+    const auto value = need(key).value_exact<bool>();
+    if (!value) refuse(key, kind(key), "true or false");
+    return *value;
+  }
+  double number(std::string_view key) const { return number_of(key, need(key)); }
+  double number(std::string_view key, double fallback) const { return has(key) ? number(key) : fallback; }
+  int integer(std::string_view key, int fallback, int least, int most) const {
+    if (!has(key)) return fallback;
+    const auto value = need(key).value_exact<std::int64_t>();
+    if (!value) refuse(key, kind(key), fmt::format("a whole number of {} .. {}", least, most));
+    if (*value < least || *value > most) refuse(key, *value, fmt::format("within {} .. {}", least, most));
+    return static_cast<int>(*value);
+  }
+  /// Above 0 as a float32 too.
+  float positive(std::string_view key) const {
+    const double value = number(key);
+    if (!(static_cast<float>(value) > 0)) refuse(key, value, "a number above 0");
+    return static_cast<float>(value);
+  }
+  glm::dvec3 vector(std::string_view key) const { return three(key, need(key)); }
+  glm::dvec3 vector(std::string_view key, const glm::dvec3& fallback) const { return has(key) ? vector(key) : fallback; }
+  /// A direction of any length but zero.
+  glm::dvec3 direction(std::string_view key) const {
+    const glm::dvec3 value = vector(key);
+    if (glm::vec3(value) == glm::vec3(0)) refuse(key, "[0, 0, 0]", "a direction");
+    return value;
+  }
+  /// `count` vectors; any number of at least `least` where `count` is 0.
+  std::vector<glm::dvec3> vectors(std::string_view key, std::size_t count, std::size_t least) const {
+    const toml::array* array = need(key).as_array();
+    if (!array || (count > 0 && array->size() != count) || array->size() < least)
+      refuse(key, kind(key), count > 0 ? fmt::format("{} vectors", count) : fmt::format("{} or more vectors", least));
+    std::vector<glm::dvec3> result;
+    for (const toml::node& item : *array) result.push_back(three(key, item));
+    return result;
+  }
+  glm::dvec2 pair(std::string_view key) const {
+    const toml::array* array = need(key).as_array();
+    if (!array || array->size() != 2) refuse(key, kind(key), "[width, depth]");
+    return {number_of(key, (*array)[0]), number_of(key, (*array)[1])};
+  }
+  /// One number for all three axes, or one each; none of them 0.
+  glm::dvec3 scale(std::string_view key) const {
+    if (!has(key)) return glm::dvec3(1);
+    const glm::dvec3 value = need(key).is_array() ? vector(key) : glm::dvec3(number(key));
+    if (value.x == 0 || value.y == 0 || value.z == 0) refuse(key, 0, "a scale: it may not be 0");
+    return value;
+  }
+  /// A name of [a-z0-9_] that no `other` has; without the key, the name of a fresh object.
+  template <class Named>
+  std::string name(std::string_view key, const std::vector<Named>& others) const {
+    const std::string value = has(key) ? text(key) : Named{}.name;
+    if (!is_plain_name(value)) refuse(key, '\'' + value + '\'', "a name of a..z, 0..9 and _");
+    for (const Named& other : others)
+      if (other.name == value) refuse(key, '\'' + value + '\'', "unique");
+    return value;
+  }
+  glm::vec3 albedo() const {
+    const glm::vec3 value(vector("albedo", glm::dvec3(0.7)));
+    if (std::min({value.x, value.y, value.z}) < 0 || std::max({value.x, value.y, value.z}) > 1)
+      refuse("albedo", fmt::format("[{}, {}, {}]", value.x, value.y, value.z), "three shares of 0 .. 1");
+    return value;
+  }
+  /// The tables of `[[key]]`, none when there is none.
+  std::vector<const toml::table*> tables(std::string_view key) const {
+    std::vector<const toml::table*> result;
+    if (!has(key)) return result;
+    const toml::array* array = need(key).as_array();
+    if (!array) refuse(key, kind(key), fmt::format("an array of tables: write [[{}]]", key));
+    for (const toml::node& item : *array) {
+      if (!item.is_table()) refuse(key, "an array of values", fmt::format("an array of tables: write [[{}]]", key));
+      result.push_back(item.as_table());
+    }
+    return result;
+  }
+
+ private:
+  const toml::node& need(std::string_view key) const {
+    const toml::node* node = table_.get(key);
+    if (!node) throw Error("{} lacks the key '{}' ({})", what_, key, where());
+    return *node;
+  }
+  std::string kind(std::string_view key) const {
+    switch (need(key).type()) {
+      case toml::node_type::string:
+        return "a text";
+      case toml::node_type::array:
+        return fmt::format("an array of {}", need(key).as_array()->size());
+      case toml::node_type::table:
+        return "a table";
+      case toml::node_type::boolean:
+        return "a truth value";
+      case toml::node_type::integer:
+      case toml::node_type::floating_point:
+        return "a number";
+      default:
+        return "a date";
+    }
+  }
+  double number_of(std::string_view key, const toml::node& node) const {
+    if (!node.is_number()) refuse(key, &node == &need(key) ? kind(key) : "a list with something else", "a number or numbers");
+    const double value = *node.value<double>();
+    if (!std::isfinite(value) || std::abs(value) > largest_coordinate) refuse(key, value, "within -1e30 .. 1e30");
+    return value;
+  }
+  glm::dvec3 three(std::string_view key, const toml::node& node) const {
+    const toml::array* array = node.as_array();
+    if (!array || array->size() != 3) refuse(key, kind(key), "a vector [x, y, z]");
+    return {number_of(key, (*array)[0]), number_of(key, (*array)[1]), number_of(key, (*array)[2])};
+  }
+  const toml::table& table_;
+  const std::filesystem::path& file_;
+  std::string what_;
+};
+
+}  // namespace gnomon

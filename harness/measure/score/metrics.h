@@ -1,0 +1,94 @@
+#pragma once
+#include <gnomon/gbuffer.h>
+
+#include <cmath>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "measure/cause/causes.h"
+#include "measure/score/metrics_boundary.h"
+
+namespace gnomon {
+
+/// Everything that scoring one mask may look at. Arrays are width * height, row-major.
+struct Evidence {
+  int width = 0, height = 0;
+  std::span<const PixelClass> classes;
+  std::span<const float> reference, mask;
+  std::span<const Cause> causes;  ///< of wrong pixels of T, `none` elsewhere; empty when nobody asked
+  /// What the pixels show; null where a test has none. Metrics that need it are then not defined.
+  const Scene* scene = nullptr;
+  const GBuffer* gbuffer = nullptr;
+  const Light* light = nullptr;
+  const Evidence* previous = nullptr;  ///< the frame before, on a path
+
+  bool faces_light(std::size_t i) const { return classes[i] > PixelClass::F; }
+  bool is_wrong(std::size_t i) const { return std::abs(mask[i] - reference[i]) > 0.5f; }
+};
+
+/// Pixels of one mask counted once.
+struct Tally {
+  std::size_t tested = 0, facing = 0;         ///< |T|, |T+G+S+U|
+  std::size_t wrong = 0, wrong_facing = 0;    ///< wrong in T, wrong in T+G+S+U
+  std::size_t false_dark = 0, false_lit = 0;  ///< of the wrong in T
+  double error_sum = 0;                       ///< sum over T of |mask - reference|
+};
+
+/// Pixels of T that lie in one bin, and the wrong ones among them.
+struct BinCount {
+  std::size_t tested = 0, wrong = 0;
+};
+
+/// What is asked where the reference has penumbra: 0.02 < V < 0.98 at a pixel of T. The band is all within 2 px of such pixels.
+struct Softness {
+  std::optional<double> band_mean, band_rms;        ///< of |mask - reference| over T in the band
+  std::optional<double> outside_mean, outside_rms;  ///< over the rest of T
+  std::optional<double> umbra_ratio, penumbra_ratio, width_ratio, shift, noise;
+};
+
+/// How different the shaded pictures of mask and reference look.
+struct Likeness {
+  std::optional<double> ssim, flip;
+};
+
+/// What several metrics share, each made at the first question. The evidence must outlive it. Not for two threads at once.
+class Scoring {
+ public:
+  explicit Scoring(const Evidence& evidence) : evidence_(evidence) {}
+  const Evidence& evidence() const { return evidence_; }
+  const Tally& tally() const;
+  const Displacement& displacement() const;
+  /// Distance in pixels of every pixel to the reference's shadow boundary; infinity when it has none.
+  const std::vector<float>& edge_distance() const;
+  /// Bins of the distance to the reference's boundary, and of the angle of light to surface; empty without a G-buffer.
+  const std::vector<BinCount>& edge_bins() const;
+  const std::vector<BinCount>& angle_bins() const;
+  const Softness& softness() const;
+  const Likeness& likeness() const;
+
+ private:
+  const Evidence& evidence_;
+  mutable std::optional<Tally> tally_;
+  mutable std::optional<Displacement> displacement_;
+  mutable std::optional<std::vector<float>> edge_distance_;
+  mutable std::optional<std::vector<BinCount>> edge_bins_, angle_bins_;
+  mutable std::optional<Softness> softness_;
+  mutable std::optional<Likeness> likeness_;
+};
+
+/// One metric is one row. A value is nothing where it is not defined, and shown so.
+struct MetricInfo {
+  std::string_view name, unit;
+  std::string_view better;  ///< "lower", "higher" or ""
+  std::string_view sentence;
+  std::optional<double> (*value)(const Scoring&);
+};
+std::span<const MetricInfo> metric_infos();
+
+// The bodies of what a Scoring makes, where they fill a file of their own.
+Softness measure_softness(const Evidence& evidence);
+Likeness measure_likeness(const Evidence& evidence);
+
+}  // namespace gnomon

@@ -1,0 +1,29 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "measure/frame/classify.h"
+
+namespace gnomon {
+
+/// Marks the pixels facing the light that have a 4-neighbor facing the light on the other side of one half.
+std::vector<std::uint8_t> shadow_boundary(std::span<const float> mask, std::span<const PixelClass> classes, int width,
+                                          int height);
+
+/// Euclidean distance in pixels from every pixel to the nearest marked one; infinity when none is marked.
+std::vector<float> distance_transform(std::span<const std::uint8_t> marked, int width, int height);
+
+/// Index of the marked pixel nearest to each pixel, -1 everywhere when none is marked. Of several as near, any; always the
+/// same.
+std::vector<std::int32_t> nearest_marked(std::span<const std::uint8_t> marked, int width, int height);
+
+/// Distances in pixels between the shadow boundaries of technique and reference, both ways; none when one side has none.
+struct Displacement {
+  std::optional<double> mean, p95;
+};
+struct Evidence;
+Displacement measure_displacement(const Evidence& evidence);
+
+}  // namespace gnomon

@@ -1,0 +1,175 @@
+#include "measure/score/rescore.h"
+
+#include <gnomon/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+
+#include "measure/paths.h"
+#include "measure/picture/image_files.h"
+#include "measure/picture/picture.h"
+#include "measure/scene/load.h"
+#include "measure/score/score.h"
+
+namespace gnomon {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A scene of today, or why there is none.
+struct SceneToday {
+  std::optional<Scene> scene;
+  std::unique_ptr<FrameStore> frames;
+  std::string missing;
+
+  explicit SceneToday(const std::string& reference) {
+    try {
+      scene = load_scene(reference);
+      frames = std::make_unique<FrameStore>(*scene, cache_root() / "frames");
+    } catch (const Error& problem) {
+      // A scene that is not fetched, or whose file moved since, costs its own rows only.
+      missing = problem.what();
+    }
+  }
+};
+
+template <class Item>
+const Item* find_named(const std::vector<Item>& items, const std::string& name) {
+  const auto found = std::ranges::find(items, name, &Item::name);
+  return found == items.end() ? nullptr : &*found;
+}
+
+std::string title(const Record& record) {
+  return fmt::format("{} {} {}{}{} ({})", record.scene, record.light, record.technique, record.settings.empty() ? "" : ":",
+                     record.settings, record.job);
+}
+
+/// Rewrites what one record says of its mask.
+class Row {
+ public:
+  Row(Record& record, const fs::path& dir, SceneToday& today) : record_(record), today_(today) {
+    if (!record.mask) throw Error("the row has no mask");
+    file_ = dir / *record.mask;
+    if (!fs::exists(file_)) throw Error("its mask {} is not there", file_.string());
+    channels_ = image_files().exr_channels(file_);
+  }
+
+  /// Why the row keeps what it has; empty when it can be measured anew.
+  std::string obstacle() {
+    if (!today_.scene) return today_.missing;
+    const bool has_hash = record_.context.contains("scene_hash");
+    if (has_hash && record_.context["scene_hash"] != today_.frames->scene_hash())
+      return "the scene is not the one that was measured";
+    light_ = find_named(today_.scene->lights, record_.light);
+    view_ = find_named(today_.scene->views, record_.view);
+    if (!light_) return fmt::format("the scene has no light {} any more", record_.light);
+    if (!view_) return fmt::format("the scene has no view {} any more", record_.view);
+    // Without a hash the classes vouch for the scene: they depend on scene, light, view and truth alone.
+    if (!has_hash && !record_.classes.empty() && class_counts(reference(record_.truth).classes) != record_.classes)
+      return "the scene is not the one that was measured: its pixel classes differ";
+    return {};
+  }
+
+  void measure() {
+    const Truth truth = record_.truth, other = truth == Truth::shape ? Truth::mesh : Truth::shape;
+    std::vector<Cause> causes;
+    if (const std::string channel = record_.light + ".cause"; has(channel)) causes = read_causes(channel);
+    score(truth, record_.light + ".V", causes);
+    record_.classes = class_counts(reference(truth).classes);
+    if (!causes.empty()) record_.causes = count_causes(causes);
+    if (!today_.scene->has_curved_shapes())
+      record_.metrics[other] = record_.metrics[truth];
+    else if (const std::string channel = fmt::format("{}.{}", record_.light, name(other)); has(channel))
+      score(other, channel, {});
+  }
+
+ private:
+  bool has(const std::string& channel) const { return std::ranges::find(channels_, channel) != channels_.end(); }
+
+  FrameKey key(Truth truth) const {
+    return {*view_, record_.width, record_.height, today_.scene->has_curved_shapes() ? truth : Truth::shape};
+  }
+  Reference reference(Truth truth) { return today_.frames->reference(key(truth), *light_); }
+
+  std::vector<float> read(const std::string& channel) const { return read_exr(file_, channel, record_.width, record_.height); }
+
+  void score(Truth truth, const std::string& channel, std::vector<Cause> causes) {
+    const Answer answer{today_.frames->gbuffer(key(truth)), reference(truth), read(channel), std::move(causes)};
+    const auto is_wild = [](float v) { return !(v >= 0 && v <= 1); };
+    if (const auto wild = std::ranges::find_if(answer.mask, is_wild); wild != answer.mask.end())
+      throw Error("{}: {} at pixel {} is {}; a visibility is 0 .. 1", file_.string(), channel, wild - answer.mask.begin(),
+                  *wild);
+    record_.metrics[truth] = measure_metrics(Scoring(answer.evidence(*today_.scene, *light_)));
+  }
+
+  std::vector<Cause> read_causes(const std::string& channel) const {
+    std::vector<Cause> causes;
+    for (const float number : read(channel)) {
+      constexpr auto last = static_cast<float>(Cause::unexplained);
+      if (!(number >= 0 && number <= last && number == std::floor(number)))
+        throw Error("{}: {} holds {}; a cause is a whole number, 0 .. {}", file_.string(), channel, number, last);
+      causes.push_back(static_cast<Cause>(number));
+    }
+    return causes;
+  }
+
+  Record& record_;
+  SceneToday& today_;
+  fs::path file_;
+  std::vector<std::string> channels_;
+  const Light* light_ = nullptr;
+  const View* view_ = nullptr;
+};
+
+}  // namespace
+
+Rescored rescore(std::vector<Record>& records, const fs::path& dir, Progress& progress) {
+  Rescored result;
+  std::map<std::string, std::vector<Record*>> scenes;
+  std::size_t count = 0, on_path = 0;
+  for (Record& record : records) {
+    if (record.status != Status::ok) continue;
+    if (!record.path.empty()) {
+      ++on_path;
+      continue;
+    }
+    scenes[record.scene].push_back(&record);
+    ++count;
+  }
+  const auto rows = [](std::size_t n) { return fmt::format("{} row{}", n, n == 1 ? " keeps its" : "s keep their"); };
+  if (on_path) result.notes.push_back(rows(on_path) + " metrics: on a path, only the mask of the last frame is kept");
+
+  progress.expect(static_cast<double>(count));
+  for (auto& [scene, scene_records] : scenes) {
+    SceneToday today(scene);
+    std::map<std::string, std::size_t> obstacles;
+    for (Record* record : scene_records) {
+      progress.step(title(*record));
+      try {
+        Row row(*record, dir, today);
+        if (const std::string obstacle = row.obstacle(); !obstacle.empty()) {
+          ++obstacles[obstacle];
+        } else {
+          row.measure();
+          ++result.rows;
+        }
+      } catch (const Error& problem) {
+        throw Error("{} cannot be rescored: {}", title(*record), problem.what());
+      }
+      progress.advance(1);
+    }
+    for (const auto& [why, n] : obstacles) result.notes.push_back(fmt::format("{}: {} metrics: {}", scene, rows(n), why));
+  }
+  return result;
+}
+
+void replace_records(const fs::path& dir, const std::vector<Record>& records, const RecordWriter&) {
+  std::string lines;
+  for (const Record& record : records) lines += record_line(record);
+  write_file(records_file(dir), lines);
+}
+
+}  // namespace gnomon

@@ -1,0 +1,30 @@
+#pragma once
+#include "measure/frame/frame.h"
+#include "measure/record/record.h"
+#include "measure/score/metrics.h"
+
+namespace gnomon {
+
+/// What one technique answered for one frame and light, and what counts.
+struct Answer {
+  GBuffer gbuffer;
+  Reference reference;
+  std::vector<float> mask;
+  std::vector<Cause> causes;  ///< empty until somebody asked
+
+  /// Scene and light must outlive it, as this must.
+  Evidence evidence(const Scene& scene, const Light& light) const {
+    return {gbuffer.width, gbuffer.height, reference.classes, reference.mask, mask, causes, &scene, &gbuffer, &light, nullptr};
+  }
+};
+
+/// All metrics.
+Metrics measure_metrics(const Scoring& scoring);
+
+/// "B": n, ...
+std::map<std::string, std::uint64_t> class_counts(std::span<const PixelClass> classes);
+
+/// Raw floats that a worker wrote; throws Error when the size is wrong or a value is not in 0 .. 1.
+std::vector<float> read_mask_file(const std::filesystem::path& file, std::size_t size);
+
+}  // namespace gnomon

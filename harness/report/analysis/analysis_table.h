@@ -1,0 +1,31 @@
+#pragma once
+#include "measure/analysis/analysis_front.h"
+#include "measure/analysis/analysis_growth.h"
+#include "measure/analysis/analysis_map.h"
+#include "measure/analysis/analysis_motion.h"
+#include "report/table/columns.h"
+#include "report/table/table.h"
+
+namespace gnomon {
+
+/// What `gnomon analyze` and `gnomon figure` may be told beside the kind.
+struct AnalysisOptions {
+  std::string x = {}, y = {}, facet = {};  ///< growth: the axis, `triangles` by default; map: parameters
+  std::string metric = "wrong_rate";       ///< a quantity, see analysis.h
+  Cost cost = Cost::light;
+  /// Budgets of `best` in the units that tables show: ms, MiB, and % or the metric's unit. All empty: round numbers.
+  std::vector<double> times = {}, memories = {}, errors = {};
+  bool all = false;  ///< people too see rows that are beaten
+};
+
+/// The kinds of analysis, for messages.
+std::vector<std::string> analysis_kinds();
+
+/// The analysis of this kind in this format. Throws Error on an unknown kind, quantity or parameter.
+std::string analyze(std::span<const Record> records, const std::string& kind, const AnalysisOptions& options, Format format,
+                    const TableOptions& table = {});
+
+/// The column that shows a quantity: its heading, unit and scale.
+Column quantity_column(const std::string& quantity);
+
+}  // namespace gnomon

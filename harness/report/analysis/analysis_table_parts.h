@@ -1,0 +1,44 @@
+#pragma once
+#include <optional>
+
+#include "report/analysis/analysis_table.h"
+#include "report/analysis/grid.h"
+
+namespace gnomon::analysis {
+
+// What the tables of analyses are made of: heads, cells, and the place of a row.
+
+using Audience = Grid::Audience;
+using Row = std::vector<Grid::Entry>;
+
+Grid::Head words(std::string name, std::string heading, Audience audience = Audience::all);
+Grid::Head number(std::string name, std::string unit, std::string heading, Audience audience = Audience::all,
+                  bool is_exact = false);
+/// The column of a quantity, its name and heading lengthened.
+Grid::Head of_quantity(const std::string& quantity, const std::string& suffix = "", const std::string& heading = "");
+
+Cell text(const std::string& value);
+Cell shown_text(const std::string& value, std::string shown);
+/// One end of an interval; null where there is none.
+Cell end(const Measured& measured, double Measured::*which);
+/// "4.1 .. 4.9" in the digits of the column.
+std::string interval_text(const Column& column, const Measured& measured);
+/// "wrong in %".
+std::string with_unit(const std::string& quantity);
+
+/// Scene, light, view, path, size and truth: for programs, people read them above the rows.
+void add_place_heads(Grid& grid);
+/// Their cells; nulls for a row over all places.
+void add_place(Row& row, const std::optional<Place>& place);
+
+inline constexpr const char* interval_note = "interval: 95 %, hierarchical bootstrap over processes";
+
+// One per kind.
+Grid growth_grid(std::span<const Record> records, const AnalysisOptions& options);
+Grid front_grid(std::span<const Record> records, const AnalysisOptions& options);
+Grid best_grid(std::span<const Record> records, const AnalysisOptions& options);
+Grid motion_grid(std::span<const Record> records, const AnalysisOptions& options);
+/// People get a table for every map.
+std::string map_text(std::span<const Record> records, const AnalysisOptions& options, Format format, const TableOptions& table);
+
+}  // namespace gnomon::analysis

@@ -1,0 +1,203 @@
+#include "report/analysis/compare_table.h"
+
+#include <gnomon/error.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "measure/score/metrics.h"
+#include "report/table/digits.h"
+#include "report/table/layout.h"
+#include "report/table/text_table.h"
+
+namespace gnomon {
+
+namespace {
+
+/// "1.30 [1.21, 1.40]".
+std::string interval_text(const Estimate& ratio) {
+  return fmt::format("{} [{}, {}]", rounded(ratio.value, 3), rounded(ratio.low, 3), rounded(ratio.high, 3));
+}
+
+std::string ratio_text(const StageChange& stage) {
+  if (!stage.ratio) return "-";
+  return stage.verdict == Verdict::not_judged ? rounded(stage.ratio->value, 3) : interval_text(*stage.ratio);
+}
+
+/// Base, contender and their difference, with as many digits as it takes to tell them apart.
+std::array<std::string, 3> metric_texts(const MetricChange& change) {
+  const auto infos = metric_infos();
+  const auto info = std::find_if(infos.begin(), infos.end(), [&](const MetricInfo& m) { return m.name == change.metric; });
+  const bool is_share = info != infos.end() && info->unit.empty();
+  const double scale = is_share ? 100 : 1;
+  const std::string unit = is_share ? " %" : "";
+  const auto text = [&](std::optional<double> value, auto round) { return value ? round(scale * *value) + unit : "-"; };
+  std::string base = text(change.base, measured), contender = text(change.contender, measured);
+  if (base == contender) base = text(change.base, exact), contender = text(change.contender, exact);
+  std::string difference = "-";
+  if (change.base && change.contender) {
+    const double step = *change.contender - *change.base;
+    difference = fmt::format("{}{}{}", step > 0 ? "+" : "", rounded(scale * step, 2), unit);
+  }
+  return {base, contender, difference};
+}
+
+/// One line for people: what was compared and how it came out.
+struct Line {
+  std::string scene = "", light = "", size = "";  ///< empty: over all scenes
+  std::string technique = "", what = "";
+  std::array<std::string, 3> values = {};  ///< base, contender, change
+  std::string verdict = "";
+  std::string note = "";  ///< instead of `what` and what follows
+
+  std::string heading() const {
+    return scene.empty() ? "over all scenes" : fmt::format("{}, light {}, {}", scene, light, size);
+  }
+};
+
+std::string presence(const RowChange& row) {
+  const Record& record = row.record();
+  const std::string why = record.reason.empty() ? "" : ": " + record.reason;
+  if (!row.base) return fmt::format("new in the contender, {}{}", name(record.status), why);
+  if (!row.contender) return fmt::format("missing in the contender; it was {}{}", name(record.status), why);
+  return "";
+}
+
+bool is_called(Verdict verdict) { return verdict == Verdict::faster || verdict == Verdict::slower; }
+
+std::string with_mark(std::string text, bool is_regression) { return is_regression ? text + " !" : text; }
+
+void add_row(std::vector<Line>& lines, const RowChange& row, bool all) {
+  const Record& record = row.record();
+  const Line start{record.scene, record.path.empty() ? record.light : record.light + " on " + record.path,
+                   fmt::format("{}x{}", record.width, record.height), contender_title(record)};
+  const std::size_t before = lines.size();
+  const auto add = [&](Line line) {
+    line.scene = start.scene, line.light = start.light, line.size = start.size, line.technique = start.technique;
+    lines.push_back(std::move(line));
+  };
+  if (const std::string text = presence(row); !text.empty()) add({.note = text});
+  for (const std::string& note : row.notes) add({.note = row.is_regression ? "! " + note : note});
+  for (const StageChange& stage : row.stages) {
+    if (!is_called(stage.verdict) && !all) continue;
+    const auto time = [](std::optional<double> ms) { return ms ? milliseconds(*ms) : "-"; };
+    std::string verdict = with_mark(std::string(name(stage.verdict)), stage.is_regression);
+    if (!stage.why.empty()) verdict += ": " + stage.why;
+    add({.what = fmt::format("{} ms", gnomon::name(stage.stage)),
+         .values = {time(stage.base_ms), time(stage.contender_ms), ratio_text(stage)},
+         .verdict = verdict});
+  }
+  for (const MetricChange& change : row.metrics)
+    add({.what = change.truth == record.truth ? change.metric : fmt::format("{}.{}", name(change.truth), change.metric),
+         .values = metric_texts(change),
+         .verdict = with_mark("changed", change.is_regression)});
+  if (all && lines.size() == before) add({.note = fmt::format("{} in both runs", name(record.status))});
+}
+
+/// All rows together stand first and always; contenders and rows when they differ.
+std::vector<Line> lines_of(const Comparison& comparison, bool all) {
+  std::vector<Line> lines;
+  for (const TogetherChange& change : comparison.together)
+    if (all || change.contender.empty() || is_called(change.verdict))
+      lines.push_back({.technique = change.contender.empty() ? "all rows" : change.contender,
+                       .what = fmt::format("{} ms", name(change.stage)),
+                       .values = {"-", "-", interval_text(change.ratio)},
+                       .verdict = with_mark(std::string(name(change.verdict)), change.is_regression)});
+  for (const RowChange& row : comparison.rows) add_row(lines, row, all);
+  return lines;
+}
+
+/// What is said once about the whole comparison: topic and text.
+std::vector<std::pair<std::string, std::string>> remarks(const Comparison& comparison) {
+  std::vector<std::pair<std::string, std::string>> lines = comparison.differences;
+  if (!comparison.refusal.empty())
+    lines.emplace_back("times", fmt::format("not judged: {}; --force judges them all the same", comparison.refusal));
+  if (comparison.counts().judged == 0) return lines;
+  if (comparison.side_by_side) lines.emplace_back("times", "taken side by side, in pairs: what disturbs both cancels");
+  lines.emplace_back(
+      "drift", fmt::format("{} % {}, read off the spread of all times; intervals are {} times as wide for it",
+                           rounded(100 * std::expm1(comparison.between), 2),
+                           comparison.side_by_side ? "between the two" : "from run to run", rounded(comparison.inflation, 2)));
+  return lines;
+}
+
+constexpr std::string_view legend_text =
+    "change: contender / base of the times with its 95 % interval, contender - base of the errors; !: regression";
+
+std::string terminal_text(const Comparison& comparison, const CompareTableOptions& options) {
+  std::string text = fmt::format("base: {}\ncontender: {}\n", options.base, options.contender);
+  for (const auto& [topic, what] : remarks(comparison)) text += fmt::format("{}: {}\n", topic, what);
+  const std::vector<Line> lines = lines_of(comparison, options.all);
+  if (lines.empty()) return text + '\n';
+  TextTable table({{"technique", ""},
+                   {"what", ""},
+                   {"base", "", Align::right},
+                   {"contender", "", Align::right},
+                   {"change", "", Align::right},
+                   {"verdict", ""}});
+  std::string group;
+  for (const Line& line : lines) {
+    if (const std::string now = line.heading(); now != group) table.add_heading(group = now);
+    if (line.note.empty())
+      table.add_row({line.technique, line.what, line.values[0], line.values[1], line.values[2], line.verdict});
+    else
+      table.add_row({line.technique}, line.note);
+  }
+  return fmt::format("{}\n{}\n{}\n", text, table.text(options.width), legend_text);
+}
+
+std::string markdown(const Comparison& comparison, const CompareTableOptions& options) {
+  std::string text;
+  const std::vector<Line> lines = lines_of(comparison, options.all);
+  if (!lines.empty())
+    text =
+        "| scene | light | technique | what | base | contender | change | verdict |\n"
+        "| --- | --- | --- | --- | ---: | ---: | ---: | --- |\n";
+  for (const Line& line : lines) {
+    std::vector<std::string> cells{line.scene.empty() ? "all" : line.scene, line.light, line.technique, line.what};
+    cells.insert(cells.end(), line.values.begin(), line.values.end());
+    cells.push_back(line.note.empty() ? line.verdict : line.note);
+    for (const std::string& cell : cells) text += fmt::format("| {} ", markdown_text(cell));
+    text += "|\n";
+  }
+  if (!lines.empty()) text += '\n';
+  text += fmt::format("- base: {}\n- contender: {}\n", markdown_text(options.base), markdown_text(options.contender));
+  for (const auto& [topic, what] : remarks(comparison)) text += fmt::format("- {}: {}\n", topic, markdown_text(what));
+  if (!lines.empty()) text += fmt::format("- {}\n", legend_text);
+  return text + '\n';
+}
+
+}  // namespace
+
+std::string summary_line(const Comparison& comparison) {
+  const Comparison::Counts n = comparison.counts();
+  std::string text = fmt::format("{} rows matched", n.matched);
+  if (n.missing) text += fmt::format(", {} missing", n.missing);
+  if (n.added) text += fmt::format(", {} new", n.added);
+  if (n.status) text += fmt::format(", {} of another status", n.status);
+  text += fmt::format("; {} times judged: {} slower, {} faster; {} with other errors", n.judged, n.slower, n.faster,
+                      n.changed_rows == 1 ? "1 row" : fmt::format("{} rows", n.changed_rows));
+  if (n.together > 0) text += fmt::format("; over all scenes {} slower, {} faster", n.together_slower, n.together_faster);
+  return text + fmt::format("; {}", n.regressions == 0   ? "no regression"
+                                    : n.regressions == 1 ? "1 regression"
+                                                         : fmt::format("{} regressions", n.regressions));
+}
+
+std::string render_comparison(const Comparison& comparison, Format format, const CompareTableOptions& options) {
+  switch (format) {
+    case Format::terminal:
+      return terminal_text(comparison, options) + summary_line(comparison) + '\n';
+    case Format::markdown:
+      return markdown(comparison, options) + summary_line(comparison) + '\n';
+    case Format::csv:
+      return comparison_csv(comparison);
+    case Format::json:
+      return comparison_json(comparison, options);
+    case Format::latex:
+      break;
+  }
+  throw Error("a comparison has no format tex; there are: terminal, md, csv, json");
+}
+
+}  // namespace gnomon

@@ -1,0 +1,99 @@
+#include "report/figure/figure.h"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+#include "report/figure/figure_script.h"
+
+extern char** environ;
+
+namespace gnomon {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Kind {
+  std::string_view name;
+  void (*draw)(std::span<const Record>, const FigureOptions&, FigureScript&);
+};
+constexpr Kind kinds[] = {{"front", draw_front}, {"growth", draw_growth}, {"stages", draw_stages},
+                          {"map", draw_map},     {"causes", draw_causes}, {"motion", draw_motion}};
+
+/// A folder of its own, gone at the end of the scope.
+struct ScratchFolder {
+  fs::path path;
+  explicit ScratchFolder(const fs::path& beside) {
+    std::string name = (beside / ".gnomon-figure-XXXXXX").string();
+    if (!mkdtemp(name.data())) throw Error("{} cannot be written: {}", beside.string(), std::strerror(errno));
+    path = name;
+  }
+  ~ScratchFolder() {
+    std::error_code ignored;
+    fs::remove_all(path, ignored);
+  }
+};
+
+std::string contents(const fs::path& file) {
+  std::ifstream stream(file);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+}  // namespace
+
+std::vector<std::string> figure_kinds() {
+  std::vector<std::string> names;
+  for (const Kind& kind : kinds) names.emplace_back(kind.name);
+  return names;
+}
+
+std::string figure_script(std::span<const Record> records, const std::string& kind, const FigureOptions& options,
+                          const fs::path& out) {
+  const auto found = std::find_if(std::begin(kinds), std::end(kinds), [&](const Kind& k) { return k.name == kind; });
+  const std::vector<std::string> names = figure_kinds();
+  if (found == std::end(kinds))
+    throw Error("there is no figure {}; did you mean {}? There are: {}", kind, nearest_word(kind, names),
+                fmt::join(names, ", "));
+  FigureScript script;
+  found->draw(records, options, script);
+  return script.text(options, out);
+}
+
+void run_gnuplot(const std::string& script, const fs::path& out) {
+  const fs::path folder = out.has_parent_path() ? out.parent_path() : fs::path(".");
+  fs::create_directories(folder);
+  // gnuplot writes where the program says; it runs in a folder of its own, from which the finished file is moved.
+  const ScratchFolder scratch(folder);
+  const fs::path program = scratch.path / "figure.gp", said = scratch.path / "said";
+  std::ofstream(program) << script;
+  const std::string command =
+      fmt::format("cd {} && exec gnuplot figure.gp > said 2>&1 < /dev/null", FigureScript::quoted(scratch.path.string()));
+  if (scratch.path.string().find('\'') != std::string::npos)
+    throw Error("--out {} has a quote in its path, which is not allowed", out.string());
+  const char* const arguments[] = {"sh", "-c", command.c_str(), nullptr};
+  pid_t child = 0;
+  if (const int code = posix_spawn(&child, "/bin/sh", nullptr, nullptr, const_cast<char* const*>(arguments), environ);
+      code != 0)
+    throw Error("no process for gnuplot: {}", std::strerror(code));
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  const fs::path made = scratch.path / out.filename();
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
+    throw Error(
+        "there is no gnuplot, which draws the figures; the Debian package gnuplot-nox has it. --script prints the "
+        "program that it would run");
+  const std::string complaint = contents(said);
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || !fs::exists(made) || fs::file_size(made) == 0)
+    throw Error("gnuplot could not draw {}: {}", out.string(), complaint.empty() ? "it said nothing" : complaint);
+  fs::rename(made, out);
+}
+
+}  // namespace gnomon

@@ -1,0 +1,173 @@
+// Bars in pieces, one a setting: cost by stage, and wrong pixels by cause.
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "measure/cause/causes.h"
+#include "report/figure/figure_script.h"
+#include "report/table/digits.h"
+
+namespace gnomon {
+
+namespace {
+
+/// One setting with its rows in the places that all settings finished.
+struct Bar {
+  std::string name;
+  Role role = Role::contender;
+  std::vector<const Record*> rows;
+};
+
+/// The settings that have what `has` asks, over the places that all of them share, and how many these are.
+std::pair<std::vector<Bar>, std::size_t> bars_of(std::span<const Record> records, auto has) {
+  std::vector<std::pair<std::string, std::map<Place, const Record*>>> settings;
+  for (const Record& r : records) {
+    if (r.status != Status::ok || !has(r)) continue;
+    const auto known = std::find_if(settings.begin(), settings.end(), [&](const auto& s) { return s.first == setting_key(r); });
+    (known == settings.end() ? settings.emplace_back(setting_key(r), std::map<Place, const Record*>()) : *known)
+        .second.try_emplace(place_of(r), &r);
+  }
+  std::set<Place> common;
+  if (!settings.empty())
+    for (const auto& [place, row] : settings.front().second) common.insert(place);
+  for (const auto& [key, rows] : settings)
+    std::erase_if(common, [&, &rows = rows](const Place& place) { return !rows.contains(place); });
+  std::vector<Bar> bars;
+  for (const auto& [key, rows] : settings) {
+    Bar bar{setting_name(*rows.begin()->second), rows.begin()->second->role, {}};
+    for (const Place& place : common) bar.rows.push_back(rows.at(place));
+    bars.push_back(std::move(bar));
+  }
+  if (common.empty()) bars.clear();
+  return {bars, common.size()};
+}
+
+/// The frame of a figure of horizontal bars, the first on top.
+void open_bars(FigureScript& script, std::span<const Bar> bars, const Legend& legend, const FigureOptions& options) {
+  if (bars.size() > 60)
+    throw Error("{} settings are more than the 60 that one figure holds; --filter chooses among them", bars.size());
+  std::size_t longest = 0;
+  for (const Bar& bar : bars) longest = std::max(longest, display_width(bar.name));
+  const double legend_cm = legend.height_cm(options.width_cm), title_cm = options.title.empty() ? 0.2 : 0.9;
+  script.height_cm = static_cast<double>(bars.size()) * 0.55 + 1.5 + legend_cm + title_cm;
+  const double h = script.height_cm;
+  script.add("set multiplot{}", options.title.empty() ? "" : " title " + FigureScript::quoted(options.title));
+  script.add("set lmargin at screen {:.4f}; set rmargin at screen {:.4f}",
+             std::min(0.55, (static_cast<double>(longest) * 0.165 + 0.4) / options.width_cm), 1 - 0.9 / options.width_cm);
+  script.add("set bmargin at screen {:.4f}; set tmargin at screen {:.4f}", (legend_cm + 1.2) / h, 1 - title_cm / h);
+  script.add("unset key; set yrange [{}:0.4]; unset grid; set grid x back lt 1 lw 0.5 lc rgb '#e2e2e2'",
+             static_cast<double>(bars.size()) + 0.6);
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < bars.size(); ++i)
+    names.push_back(fmt::format("{} {}", FigureScript::quoted(bars[i].name), i + 1));
+  script.add("set ytics ({}) scale 0", fmt::join(names, ", "));
+  script.add("set style fill solid 1 noborder");
+}
+
+std::string box_line(double from, double to, std::size_t bar) {
+  const auto row = static_cast<double>(bar + 1);
+  return fmt::format("{}\t{}\t{}\t{}\t{}\t{}", (from + to) / 2, row, from, to, row - 0.32, row + 0.32);
+}
+
+std::string over_text(std::size_t places) { return places == 1 ? "" : fmt::format(", mean over {} scenes and lights", places); }
+
+}  // namespace
+
+void draw_stages(std::span<const Record> records, const FigureOptions& options, FigureScript& script) {
+  static constexpr std::array stages{Stage::build, Stage::relight, Stage::resolve};
+  static constexpr std::array colors{"#56b4e9", "#e69f00", "#009e73"};
+  auto [bars, places] = bars_of(records, [](const Record& r) { return sample_of(r, stages).is_timed(); });
+  std::erase_if(bars, [](const Bar& bar) { return bar.role == Role::baseline; });
+  if (bars.empty()) throw Error("there is nothing to draw: no place has build, relight and resolve of every setting");
+
+  Legend legend;
+  std::vector<std::vector<std::string>> boxes(stages.size());
+  std::vector<std::string> totals;
+  for (std::size_t k = 0; k < bars.size(); ++k) {
+    double from = 0;
+    for (std::size_t stage = 0; stage < stages.size(); ++stage) {
+      double mean = 0;
+      for (const Record* row : bars[k].rows)
+        mean += *median_of_medians(row->times(stages[stage])) / static_cast<double>(places);
+      boxes[stage].push_back(box_line(from, from + mean, k));
+      from += mean;
+    }
+    std::vector<Sample> samples;
+    for (const Record* row : bars[k].rows) samples.push_back(sample_of(*row, stages));
+    const Measured total = bootstrap(samples, [](std::span<const double> values) {
+      double sum = 0;
+      for (const double value : values) sum += value;
+      return sum / static_cast<double>(values.size());
+    });
+    totals.push_back(fmt::format("{}\t{}\t{}\t{}", total.value, k + 1, total.low, total.high));
+  }
+  std::string plot;
+  for (std::size_t stage = 0; stage < stages.size(); ++stage) {
+    plot += fmt::format("{}{} using 1:2:3:4:5:6 with boxxyerror lc rgb '{}' notitle", stage == 0 ? "" : ", ",
+                        script.data(boxes[stage]), colors[stage]);
+    legend.entries.push_back(
+        {fmt::format("with points pt 5 ps 1.15 lc rgb '{}'", colors[stage]), std::string(name(stages[stage]))});
+  }
+  plot += fmt::format(", {} using 1:2:3:4 with xerrorbars pt -1 lw 1.2 lc rgb '#222222' notitle", script.data(totals));
+  legend.entries.push_back({"with lines lw 1.2 lc rgb '#222222'", "95 % interval of the sum"});
+  open_bars(script, bars, legend, options);
+  script.add("set xrange [0:*]; set xlabel {}", FigureScript::quoted("time (ms)" + over_text(places)));
+  script.add("plot {}", plot);
+  close_panels(script, legend, options);
+}
+
+void draw_causes(std::span<const Record> records, const FigureOptions& options, FigureScript& script) {
+  auto [bars, places] = bars_of(records, [](const Record& r) { return r.causes && r.metric("wrong_rate"); });
+  struct Composition {
+    std::map<std::string, double, std::less<>> share;  ///< of the wrong pixels, each place counting by its wrong rate
+    double wrong = 0;                                  ///< mean wrong rate
+  };
+  std::vector<Composition> compositions;
+  std::erase_if(bars, [](const Bar& bar) { return bar.role != Role::contender; });
+  for (const Bar& bar : bars) {
+    Composition all;
+    for (const Record* row : bar.rows) {
+      all.wrong += *row->metric("wrong_rate") / static_cast<double>(places);
+      for (const CauseInfo& info : cause_infos())
+        all.share[std::string(info.name)] += quantity(*row, fmt::format("cause.{}", info.name)).value_or(0);
+    }
+    double sum = 0;
+    for (const auto& [cause, share] : all.share) sum += share;
+    if (sum > 0)
+      for (auto& [cause, share] : all.share) share /= sum;
+    compositions.push_back(std::move(all));
+  }
+  if (bars.empty()) throw Error("there is nothing to draw: no place has the causes of every setting");
+
+  Legend legend;
+  std::string plot;
+  std::vector<double> ends(bars.size(), 0);
+  for (const CauseInfo& info : cause_infos()) {
+    std::vector<std::string> lines;
+    for (std::size_t k = 0; k < bars.size(); ++k) {
+      const double share = compositions[k].share[std::string(info.name)] * 100;
+      if (share > 0) lines.push_back(box_line(ends[k], ends[k] + share, k));
+      ends[k] += share;
+    }
+    if (lines.empty()) continue;
+    const std::string color = fmt::format("#{:02x}{:02x}{:02x}", info.color[0], info.color[1], info.color[2]);
+    plot += fmt::format("{}{} using 1:2:3:4:5:6 with boxxyerror lc rgb '{}' notitle", plot.empty() ? "" : ", ",
+                        script.data(lines), color);
+    std::string words(info.name);
+    std::replace(words.begin(), words.end(), '_', ' ');
+    legend.entries.push_back({fmt::format("with points pt 5 ps 1.15 lc rgb '{}'", color), words});
+  }
+  if (plot.empty()) throw Error("there is nothing to draw: no setting has a wrong pixel with a cause");
+  open_bars(script, bars, legend, options);
+  script.add("set rmargin at screen {:.4f}", 1 - 2.2 / options.width_cm);
+  for (std::size_t k = 0; k < bars.size(); ++k)
+    script.add("set label {} at 101.5,{} left textcolor rgb '#222222'",
+               FigureScript::quoted(measured(100 * compositions[k].wrong) + " %"), k + 1);
+  script.add("set label 'wrong' at 101.5,0.2 left textcolor rgb '#666666'");
+  script.add("set yrange [{}:-0.2]", static_cast<double>(bars.size()) + 0.6);
+  script.add("set xrange [0:100]; set xlabel {}", FigureScript::quoted("share of the wrong pixels (%)" + over_text(places)));
+  script.add("plot {}", plot);
+  close_panels(script, legend, options);
+}
+
+}  // namespace gnomon

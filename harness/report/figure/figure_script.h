@@ -1,0 +1,77 @@
+#pragma once
+#include "report/figure/figure.h"
+
+namespace gnomon {
+
+/// A gnuplot program on its way: its text, and what every kind of figure shares.
+class FigureScript {
+ public:
+  /// Opens with style and fonts; the terminal comes when the height is known.
+  FigureScript() = default;
+
+  template <class... Args>
+  void add(fmt::format_string<Args...> format, Args&&... args) {
+    body_ += fmt::format(format, std::forward<Args>(args)...) + '\n';
+  }
+  /// A block of data, fields separated by tabs; returns its name, "$d3".
+  std::string data(const std::vector<std::string>& lines);
+  /// Text in single quotes, as gnuplot reads it.
+  static std::string quoted(std::string_view text);
+
+  double height_cm = 9;
+  /// The whole program.
+  std::string text(const FigureOptions& options, const std::filesystem::path& out) const;
+
+ private:
+  std::string body_;
+  std::size_t blocks_ = 0;
+};
+
+/// Colors that people with any color vision tell apart (Okabe and Ito 2008), "#0072b2", then again from the start.
+std::string series_color(std::size_t index);
+/// Shape of a series' marks: filled ones that differ, another one each time that the colors start again.
+int series_mark(std::size_t index);
+
+/// Rows of a shared legend below the panels of a multiplot.
+struct Legend {
+  struct Entry {
+    std::string style;  ///< "with points pt 7 lc rgb '#0072b2'"
+    std::string text;
+  };
+  std::vector<Entry> entries;
+  /// Centimeters that it takes in a figure so wide.
+  double height_cm(double width_cm) const;
+};
+
+/// Opens a multiplot of `panels` panels over the figure but for the legend's strip, each `panel_cm` high, and sets the height.
+/// Returns the number of columns.
+std::size_t open_panels(FigureScript& script, std::size_t panels, std::size_t most_columns, double panel_cm,
+                        const Legend& legend, const FigureOptions& options);
+/// Draws the legend into its strip and ends the multiplot.
+void close_panels(FigureScript& script, const Legend& legend, const FigureOptions& options);
+
+/// More panels than this are no figure but an atlas.
+inline constexpr std::size_t most_panels = 12;
+/// Throws Error on more, saying how to choose.
+void require_panels(std::size_t panels, std::string_view what);
+
+/// "250", "10k", "1.5M".
+std::string short_number(double value);
+/// Tics of a logarithmic axis over this range with at most `most` labels, unless powers of ten alone are more; the rest are
+/// small.
+std::string log_tics(double least, double greatest, std::size_t most);
+/// Tics at the values themselves; empty where two of them are nearer than this share of a logarithmic axis.
+std::string value_tics(std::vector<double> values, double share);
+
+/// "wrong (%)".
+std::string axis_label(const Column& column);
+
+// One function per kind.
+void draw_front(std::span<const Record> records, const FigureOptions& options, FigureScript& script);
+void draw_growth(std::span<const Record> records, const FigureOptions& options, FigureScript& script);
+void draw_stages(std::span<const Record> records, const FigureOptions& options, FigureScript& script);
+void draw_causes(std::span<const Record> records, const FigureOptions& options, FigureScript& script);
+void draw_map(std::span<const Record> records, const FigureOptions& options, FigureScript& script);
+void draw_motion(std::span<const Record> records, const FigureOptions& options, FigureScript& script);
+
+}  // namespace gnomon

@@ -1,0 +1,205 @@
+#include "report/html/html_data.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "measure/analysis/analysis.h"
+#include "measure/cause/causes.h"
+#include "measure/frame/classify.h"
+#include "measure/score/metrics.h"
+
+namespace gnomon {
+
+namespace {
+
+/// What must be done again before a new mask is there, by what has happened.
+struct Event {
+  Cost cost;
+  const char* heading;
+};
+constexpr Event events[] = {
+    {Cost::resolve, "camera moves"}, {Cost::light, "light moves"}, {Cost::geometry, "geometry changes"}};
+
+Json finite(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+
+/// [value, low, high] in milliseconds, [value] without an interval, null without a time.
+Json time_json(const Record& record, std::span<const Stage> stages) {
+  const Sample sample = sample_of(record, stages);
+  if (!sample.is_timed()) return {};
+  const Measured time = bootstrap(std::span(&sample, 1), [](std::span<const double> values) { return values[0]; });
+  if (!std::isfinite(time.value)) return {};
+  return time.has_interval ? Json::array({time.value, finite(time.low), finite(time.high)}) : Json::array({time.value});
+}
+
+Json column_json(const Column& column, bool is_headline) {
+  return {{"name", column.name},         {"unit", column.unit},
+          {"heading", column.heading},   {"shown_unit", column.shown_unit},
+          {"scale", column.shown_scale}, {"is_left", column.alignment == Align::left},
+          {"better", column.better},     {"sentence", column.sentence},
+          {"is_headline", is_headline}};
+}
+
+Json value_json(const Cell& cell) {
+  if (const double* number = cell.number()) return finite(*number);
+  if (const auto* text = std::get_if<std::string>(&cell.value)) return *text;
+  return {};
+}
+
+/// Wrong pixels by cause in the order of cause_infos(); null when nobody asked.
+Json causes_json(const Record& record) {
+  if (!record.causes) return {};
+  Json counts = Json::array();
+  for (const CauseInfo& info : cause_infos()) {
+    const auto found = record.causes->find(std::string(info.name));
+    counts.push_back(found == record.causes->end() ? 0 : found->second);
+  }
+  return counts;
+}
+
+Json row_json(const Layout& layout, const Layout::Row& row, std::size_t group) {
+  const Record& r = *row.record;
+  Json values = Json::array(), texts = Json::array(), best = Json::array(), flagged = Json::array();
+  for (std::size_t k = 0; k < layout.columns.size(); ++k) {
+    values.push_back(value_json(layout.columns[k].cell(r)));
+    // Text is sent once.
+    const bool is_same = values.back().is_string() && values.back() == row.entries[k].text;
+    texts.push_back(is_same ? Json() : Json(row.entries[k].text));
+    if (row.entries[k].is_best) best.push_back(k);
+    if (row.entries[k].is_flagged) flagged.push_back(k);
+  }
+  Json stages = Json::object(), costs = Json::object();
+  for (const Stage stage : {Stage::setup, Stage::build, Stage::relight, Stage::resolve})
+    stages[std::string(name(stage))] = time_json(r, std::span(&stage, 1));
+  for (const Event& event : events) costs[std::string(name(event.cost))] = time_json(r, stages_of(event.cost));
+  Json frames = Json::object();
+  for (const auto& [metric, series] : r.frames) {
+    Json& out = frames[metric] = Json::array();
+    for (const std::optional<double>& value : series) out.push_back(value ? finite(*value) : Json());
+  }
+  const auto tested = r.classes.find("T");
+  return {{"group", group},
+          {"title", setting_name(r)},
+          {"scene", r.scene},
+          {"light", r.light},
+          {"view", r.view},
+          {"path", r.path},
+          {"technique", r.technique},
+          {"settings", r.settings},
+          {"role", name(r.role)},
+          {"status", name(r.status)},
+          {"support", r.support ? Json(name(*r.support)) : Json()},
+          {"reason", r.reason},
+          {"parameters", r.parameters},
+          {"values", std::move(values)},
+          {"texts", std::move(texts)},
+          {"best", std::move(best)},
+          {"flagged", std::move(flagged)},
+          {"stages", std::move(stages)},
+          {"costs", std::move(costs)},
+          {"causes", causes_json(r)},
+          {"tested", tested == r.classes.end() ? Json() : Json(tested->second)},
+          {"frames", std::move(frames)}};
+}
+
+struct ClassInfo {
+  const char* name;
+  const char* word;
+  const char* sentence;
+  std::array<int, 3> color;
+};
+constexpr ClassInfo class_infos[] = {
+    {"B", "background", "nothing to decide", {24, 26, 30}},
+    {"F", "facing away", "facing away from the light, outside the spot cone, or not receiving", {92, 96, 105}},
+    {"G", "grazing", "within 2 degrees of edge-on to the light: any bias decides", {230, 159, 0}},
+    {"S", "silhouette", "next to background or to another mesh: primary visibility decides", {204, 121, 167}},
+    {"U", "uncertain", "float32 cannot decide the reference here", {240, 228, 66}},
+    {"T", "tested", "everything else: what the headline metrics count", {0, 158, 115}}};
+static_assert(std::size(class_infos) == class_names.size());
+
+Json causes_legend() {
+  Json legend = Json::array();
+  for (const CauseInfo& info : cause_infos())
+    legend.push_back({{"name", info.name}, {"sentence", info.sentence}, {"color", info.color}});
+  return legend;
+}
+
+Json classes_legend() {
+  Json legend = Json::array();
+  for (const ClassInfo& info : class_infos)
+    legend.push_back({{"name", info.name}, {"word", info.word}, {"sentence", info.sentence}, {"color", info.color}});
+  return legend;
+}
+
+Json pairs_json(std::span<const std::pair<std::string, std::string>> pairs) {
+  Json lines = Json::array();
+  for (const auto& [topic, text] : pairs) lines.push_back({topic, text});
+  return lines;
+}
+
+}  // namespace
+
+Json report_data(const Layout& layout, std::span<const Record> records) {
+  Json data = {{"schema", "gnomon-report-1"}};
+  const std::vector<std::string> names = headline_columns(records, true);
+  const std::set<std::string> headline(names.begin(), names.end());
+  for (const Column& column : layout.columns) data["columns"].push_back(column_json(column, headline.contains(column.name)));
+  data["groups"] = data["rows"] = Json::array();
+  for (std::size_t group = 0; group < layout.groups.size(); ++group) {
+    const Record& first = *layout.groups[group].rows.front().record;
+    data["groups"].push_back({{"heading", layout.groups[group].heading},
+                              {"scene", first.scene},
+                              {"light", first.light},
+                              {"view", first.view},
+                              {"path", first.path},
+                              {"width", first.width},
+                              {"height", first.height},
+                              {"truth", name(first.truth)}});
+    for (const Layout::Row& row : layout.groups[group].rows) data["rows"].push_back(row_json(layout, row, group));
+  }
+  for (const Event& event : events)
+    data["costs"].push_back(
+        {{"name", name(event.cost)}, {"heading", fmt::format("{}: {}", event.heading, sentence(event.cost))}});
+  data["causes"] = causes_legend();
+  data["classes"] = classes_legend();
+  data["legend"] = pairs_json(legend(layout, "best", "flag"));
+  data["provenance"] = pairs_json(provenance(records));
+  for (const MetricInfo& info : metric_infos())
+    data["metrics"].push_back({{"name", info.name}, {"unit", info.unit}, {"better", info.better}, {"sentence", info.sentence}});
+  return data;
+}
+
+std::string script_text(const Json& json) {
+  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string safe;
+  safe.reserve(text.size());
+  for (const char c : text)
+    if (c == '<')
+      safe += "\\u003c";
+    else
+      safe += c;
+  return safe;
+}
+
+std::string html_text(std::string_view text) {
+  std::string safe;
+  for (const char c : text) switch (c) {
+      case '<':
+        safe += "&lt;";
+        break;
+      case '>':
+        safe += "&gt;";
+        break;
+      case '&':
+        safe += "&amp;";
+        break;
+      case '"':
+        safe += "&quot;";
+        break;
+      default:
+        safe += c;
+    }
+  return safe;
+}
+
+}  // namespace gnomon

@@ -1,0 +1,199 @@
+#include "report/html/html_pictures.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "measure/frame/frame.h"
+#include "measure/paths.h"
+#include "measure/picture/picture.h"
+#include "measure/scene/load.h"
+#include "measure/scene/motion.h"
+
+namespace gnomon {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+std::string base64(std::span<const std::uint8_t> bytes) {
+  constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t left = std::min<std::size_t>(3, bytes.size() - i);
+    std::uint32_t three = 0;
+    for (std::size_t k = 0; k < 3; ++k) three = three << 8 | (k < left ? bytes[i + k] : 0u);
+    for (std::size_t k = 0; k < 4; ++k) text += k <= left ? digits[three >> (18 - 6 * k) & 63] : '=';
+  }
+  return text;
+}
+
+Bytes mask_bytes(std::span<const float> mask) {
+  Bytes bytes(mask.size());
+  for (std::size_t i = 0; i < mask.size(); ++i)
+    bytes[i] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(mask[i], 0.0f, 1.0f)));
+  return bytes;
+}
+
+/// Planes of differences deflate to a third of interleaved colors.
+Bytes color_planes(const Picture& picture) {
+  const std::size_t pixels = static_cast<std::size_t>(picture.width) * picture.height;
+  Bytes bytes(3 * pixels);
+  for (std::size_t channel = 0; channel < 3; ++channel) {
+    std::uint8_t left = 0;
+    for (std::size_t i = 0; i < pixels; ++i) {
+      const std::uint8_t value = picture.rgb[3 * i + channel];
+      bytes[channel * pixels + i] = static_cast<std::uint8_t>(value - left);
+      left = value;
+    }
+  }
+  return bytes;
+}
+
+template <class Item>
+const Item& named(const std::vector<Item>& items, const std::string& name, const char* what) {
+  const auto found = std::find_if(items.begin(), items.end(), [&](const Item& item) { return item.name == name; });
+  if (found == items.end()) throw Error("the scene has no {} {} any more", what, name);
+  return *found;
+}
+
+/// One scene at a time: groups of a scene stand together in most runs.
+class Frames {
+ public:
+  /// Throws Error when the scene cannot be had.
+  void open(const std::string& reference) {
+    if (scene_ && reference_ == reference) return;
+    store_.reset();
+    scene_.reset();
+    scene_ = std::make_unique<Scene>(load_scene(reference));
+    store_.emplace(*scene_, cache_root() / "frames");
+    reference_ = reference;
+  }
+  const Scene& scene() const { return *scene_; }
+  FrameStore& store() { return *store_; }
+
+ private:
+  std::string reference_;
+  std::unique_ptr<Scene> scene_;
+  std::optional<FrameStore> store_;
+};
+
+std::string scene_hash(const Record& record) {
+  const auto found = record.context.find("scene_hash");
+  return found != record.context.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+class Collector {
+ public:
+  Collector(const fs::path& dir, PictureSet& set) : dir_(dir), set_(set) {}
+
+  void add(const Layout::Group& group) {
+    Json base;
+    std::vector<Json> rows(group.rows.size());
+    const auto has_mask = [](const Layout::Row& row) { return row.record->status == Status::ok && row.record->mask; };
+    try {
+      if (std::any_of(group.rows.begin(), group.rows.end(), has_mask)) {
+        const Record& first = *group.rows.front().record;
+        frames_.open(first.scene);
+        for (std::size_t k = 0; k < group.rows.size(); ++k)
+          if (has_mask(group.rows[k])) rows[k] = row(*group.rows[k].record);
+        if (std::any_of(rows.begin(), rows.end(), [](const Json& json) { return !json.is_null(); })) base = frame(first);
+      }
+    } catch (const Error& error) {
+      note(group.heading, error.what());
+    }
+    for (Json& json : rows) set_.rows.push_back(base.is_null() ? Json() : std::move(json));
+    set_.groups.push_back(std::move(base));
+  }
+
+ private:
+  std::size_t keep(std::span<const std::uint8_t> bytes) {
+    set_.blobs.push_back(packed(bytes));
+    return set_.blobs.size() - 1;
+  }
+
+  void note(const std::string& what, const std::string& why) {
+    std::string text = fmt::format("no pictures of {}: {}", what, why);
+    if (std::find(set_.notes.begin(), set_.notes.end(), text) == set_.notes.end()) set_.notes.push_back(std::move(text));
+  }
+
+  /// What all rows of a group share. The mask of a row on a path is that of its last frame.
+  Json frame(const Record& r) {
+    const Scene& scene = frames_.scene();
+    Light light = named(scene.lights, r.light, "light");
+    FrameKey key{named(scene.views, r.view, "view"), r.width, r.height, scene.has_curved_shapes() ? r.truth : Truth::shape};
+    if (!r.path.empty()) {
+      const Path path = find_path(scene, r.path, light, key.view);
+      light = light_at(path, light, path.frame_count - 1);
+      key.view = view_at(path, key.view, path.frame_count - 1);
+    }
+    const GBuffer gbuffer = frames_.store().gbuffer(key);
+    const Reference reference = frames_.store().reference(key, light);
+    Bytes classes(reference.classes.size());
+    std::transform(reference.classes.begin(), reference.classes.end(), classes.begin(),
+                   [](PixelClass c) { return static_cast<std::uint8_t>(c); });
+    const std::vector<float> lit(gbuffer.size(), 1.0f), dark(gbuffer.size(), 0.0f);
+    Json json;
+    json["lit"] = keep(color_planes(shade(scene, gbuffer, light, lit)));
+    json["dark"] = keep(color_planes(shade(scene, gbuffer, light, dark)));
+    json["reference"] = keep(mask_bytes(reference.mask));
+    json["classes"] = keep(classes);
+    return json;
+  }
+
+  /// The mask of one row; null with a note when it does not belong to the scene as it is now, or cannot be read.
+  Json row(const Record& r) {
+    const std::string what = fmt::format("{}, light {}, {}", r.scene, r.light, r.label.value_or(r.technique));
+    const std::string hash = scene_hash(r);
+    if (hash != frames_.store().scene_hash()) {
+      note("scene " + r.scene, hash.empty() ? "its records do not say which scene was measured"
+                                            : "the scene is not the one that was measured: its content has changed");
+      return {};
+    }
+    try {
+      Json json;
+      json["mask"] = keep(mask_bytes(read_exr(dir_ / *r.mask, r.light + ".V", r.width, r.height)));
+      json["causes"] = nullptr;
+      if (r.causes) {
+        const std::vector<float> causes = read_exr(dir_ / *r.mask, r.light + ".cause", r.width, r.height);
+        Bytes bytes(causes.size());
+        std::transform(causes.begin(), causes.end(), bytes.begin(), [](float c) {
+          return static_cast<std::uint8_t>(std::clamp(c, 0.0f, static_cast<float>(Cause::unexplained)));
+        });
+        json["causes"] = keep(bytes);
+      }
+      return json;
+    } catch (const Error& error) {
+      note(what, error.what());
+      return {};
+    }
+  }
+
+  const fs::path& dir_;
+  PictureSet& set_;
+  Frames frames_;
+};
+
+}  // namespace
+
+std::string packed(std::span<const std::uint8_t> bytes) {
+  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
+  Bytes deflated(size);
+  if (compress2(deflated.data(), &size, bytes.data(), static_cast<uLong>(bytes.size()), Z_DEFAULT_COMPRESSION) != Z_OK)
+    throw Error("a picture of {} bytes cannot be deflated: out of memory", bytes.size());
+  return base64(std::span(deflated).first(size));
+}
+
+PictureSet collect_pictures(const fs::path& dir, const Layout& layout) {
+  PictureSet set;
+  Collector collector(dir, set);
+  for (const Layout::Group& group : layout.groups) collector.add(group);
+  return set;
+}
+
+}  // namespace gnomon

@@ -1,0 +1,59 @@
+#pragma once
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "measure/record/record.h"
+#include "report/table/text_table.h"
+
+namespace gnomon {
+
+/// What a column says of one record, in the column's unit; monostate is null: not measured, not defined, not reported.
+struct Cell {
+  std::variant<std::monostate, double, std::string> value = {};
+  std::string shown = {};   ///< for people, where that differs from the value
+  bool is_flagged = false;  ///< needs a second look; the legend says why
+
+  bool is_null() const { return value.index() == 0; }
+  const double* number() const { return std::get_if<double>(&value); }
+};
+
+/// One column of every format: programs get value and unit, people get value * shown_scale in shown_unit under the heading.
+struct Column {
+  std::string name;  ///< in CSV, JSON and --columns
+  std::string unit;  ///< "" for text, counts and shares of 1
+  std::string heading;
+  std::string shown_unit;
+  double shown_scale = 1;
+  Align alignment = Align::right;
+  bool is_exact = false;    ///< shown with all its digits: sizes, counts, parameters
+  std::string better = "";  ///< "lower", "higher", or "" when neither is
+  std::string sentence = "";
+  std::function<Cell(const Record&)> cell;
+  /// The 95 % interval of the cell's value, in the column's unit; empty function where the column has none.
+  std::function<std::optional<Estimate>(const Record&)> interval = {};
+};
+
+/// Every column that the records can fill: identity, times with their intervals, memory, metrics against the headline truth
+/// (`wrong_rate`) and against each (`shape.wrong_rate`, `mesh.wrong_rate`), causes of wrong pixels (`cause.acne`), pixel
+/// classes
+/// (`class.T`), and one for each parameter (`parameter.resolution`) and count (`count.texels`) that occurs.
+std::vector<Column> all_columns(std::span<const Record> records);
+
+/// Below this share of tested pixels a wrong rate speaks for too small a part of the picture; such cells are flagged.
+inline constexpr double least_tested_share = 0.90;
+
+/// The most frequent causes of the wrong pixels with their shares of them: "acne 78 %, crack 22 %"; empty when no wrong pixel
+/// has a cause. What rounds to nothing is left out.
+std::string top_causes(const Record& record, std::size_t most = 2);
+
+/// The cell for people: rounded as it deserves, "-" for null.
+std::string shown(const Column& column, const Cell& cell);
+
+/// The columns with these names, in this order. Throws Error with the nearest name.
+std::vector<Column> select(const std::vector<Column>& columns, std::span<const std::string> names);
+
+}  // namespace gnomon

@@ -1,0 +1,65 @@
+#include "report/table/table.h"
+
+#include "report/table/layout.h"
+
+namespace gnomon {
+
+Format format_named(std::string_view name) {
+  if (name == "terminal") return Format::terminal;
+  if (name == "md") return Format::markdown;
+  if (name == "csv") return Format::csv;
+  if (name == "tex") return Format::latex;
+  if (name == "json") return Format::json;
+  const std::vector<std::string> names = {"terminal", "md", "csv", "tex", "json"};
+  throw Error("there is no format {}; did you mean {}? There are: {}", name, nearest_word(name, names), fmt::join(names, ", "));
+}
+
+std::vector<std::string> column_names(std::span<const Record> records) {
+  std::vector<std::string> names;
+  for (const Column& column : all_columns(records)) names.push_back(column.name);
+  return names;
+}
+
+namespace {
+
+/// Headline columns that a narrow terminal can do without, the least missed first.
+constexpr std::string_view dispensable[] = {"displacement_p95", "displacement_mean", "wrong_rate_all", "peak_bytes", "setup_ms",
+                                            "causes",           "build_ms",          "bytes"};
+
+/// Width of a terminal table: that of the rule below its headings.
+std::size_t width_of(const std::string& text) {
+  const std::size_t rule = text.find("\n---");
+  return rule == std::string::npos ? 0 : text.find('\n', rule + 1) - rule - 1;
+}
+
+/// The headline table, without some columns where the terminal is too narrow for all; says which.
+std::string fitted_table(std::span<const Record> records, std::size_t width) {
+  std::vector<std::string> names = headline_columns(records, false), left_out;
+  std::string text = terminal_table(lay_out(records, names), width);
+  for (const std::string_view name : dispensable) {
+    if (width == 0 || width_of(text) <= width) break;
+    if (std::erase(names, name) == 0) continue;
+    left_out.emplace_back(name);
+    text = terminal_table(lay_out(records, names), width);
+  }
+  if (!left_out.empty()) text += fmt::format("left out for want of room: {}\n", fmt::join(left_out, ", "));
+  return text;
+}
+
+}  // namespace
+
+std::string render_table(std::span<const Record> records, Format format, const TableOptions& options) {
+  if (format == Format::csv || format == Format::json) {
+    std::vector<Column> columns = all_columns(records);
+    if (!options.columns.empty()) columns = select(columns, options.columns);
+    return format == Format::csv ? csv_table(records, columns) : json_table(records, columns);
+  }
+  if (format == Format::terminal && options.columns.empty()) return fitted_table(records, options.width);
+  std::vector<std::string> names = options.columns;
+  if (names.empty()) names = format == Format::latex ? paper_columns() : headline_columns(records, true);
+  const Layout layout = lay_out(records, names);
+  if (format == Format::terminal) return terminal_table(layout, options.width);
+  return format == Format::markdown ? markdown_table(layout) : latex_table(layout, options);
+}
+
+}  // namespace gnomon

@@ -1,0 +1,35 @@
+#pragma once
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "measure/record/record.h"
+
+namespace gnomon {
+
+enum class Format { terminal, markdown, csv, latex, json };
+
+/// "md", "csv", "tex", "json", "terminal"; throws Error with the list on anything else.
+Format format_named(std::string_view name);
+
+struct TableOptions {
+  /// Names of columns in their order. Empty: for people the headline columns, for programs (CSV, JSON) every column.
+  std::vector<std::string> columns = {};
+  std::size_t width = 0;     ///< columns of the terminal, where text may wrap; 0: no limit
+  std::string caption = {};  ///< of the LaTeX table; a sentence about the records when empty
+  std::string label = "tab:gnomon";
+};
+
+/// The comparison table of the records. Terminal, Markdown and LaTeX group rows by scene, light and view, mark the best
+/// contender of each group, show unsupported and failed rows with their reason, and say below the table where the numbers
+/// come from. CSV and JSON hold plain values, one record a row. Throws Error on an unknown column.
+std::string render_table(std::span<const Record> records, Format format, const TableOptions& options = {});
+
+/// Names and headings of the columns that these records can fill: what `columns` may hold.
+std::vector<std::string> column_names(std::span<const Record> records);
+
+/// Name of the JSON table's schema.
+inline constexpr std::string_view table_schema = "gnomon-table-1";
+
+}  // namespace gnomon

@@ -1,0 +1,182 @@
+#include "report/table/text_table.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace gnomon {
+
+namespace {
+
+constexpr std::size_t gap = 2;           // blanks between columns
+constexpr std::size_t least_width = 16;  // text is not wrapped narrower than this,
+constexpr std::size_t whole_width = 32;  // nor its pieces cut while they are no longer than this
+constexpr std::string_view breaks = " ,:";
+
+bool continues(unsigned char byte) { return (byte & 0xc0) == 0x80; }
+
+/// U+0300 .. U+036F, combining diacritical marks: CC 80 .. CD AF.
+bool is_combining(unsigned char lead, unsigned char next) { return lead == 0xcc || (lead == 0xcd && next < 0xb0); }
+
+/// Bytes of the longest start of `text` that fits into `width` columns; at least one code point.
+std::size_t fitting(std::string_view text, std::size_t width) {
+  std::size_t end = 0;
+  while (end < text.size()) {
+    std::size_t next = end + 1;
+    while (next < text.size() && continues(static_cast<unsigned char>(text[next]))) ++next;
+    if (end > 0 && display_width(text.substr(0, next)) > width) break;
+    end = next;
+  }
+  return end;
+}
+
+/// Width of the longest piece of `text` that `wrap` leaves whole.
+std::size_t longest_piece(std::string_view text) {
+  std::size_t longest = 0;
+  while (!text.empty()) {
+    const std::size_t end = text.find_first_of(breaks);
+    const std::size_t next = end == text.npos ? text.size() : end + 1;
+    const bool ends_in_blank = end != text.npos && text[end] == ' ';
+    longest = std::max(longest, display_width(text.substr(0, ends_in_blank ? end : next)));
+    text.remove_prefix(next);
+  }
+  return longest;
+}
+
+void pad_to(std::string& line, std::size_t width) {
+  const std::size_t now = display_width(line);
+  if (now < width) line.append(width - now, ' ');
+}
+
+void finish_line(std::string& all, std::string& line) {
+  line.erase(line.find_last_not_of(' ') + 1);
+  all += line + '\n';
+  line.clear();
+}
+
+}  // namespace
+
+std::size_t display_width(std::string_view text) {
+  std::size_t width = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    if (continues(byte)) continue;
+    width += i + 1 == text.size() || !is_combining(byte, static_cast<unsigned char>(text[i + 1]));
+  }
+  return width;
+}
+
+std::vector<std::string> wrap(std::string_view text, std::size_t width) {
+  std::vector<std::string> lines;
+  while (display_width(text) > width) {
+    const std::size_t fits = fitting(text, width);
+    // The last blank at or before the end of what fits, or the place behind the last comma or colon in it.
+    std::size_t end = text.rfind(' ', fits), next = end + 1;
+    if (const std::size_t sign = text.substr(0, fits).find_last_of(breaks);
+        sign != text.npos && (end == text.npos || sign > end))
+      end = next = sign + 1;
+    if (end == text.npos || end == 0) end = next = fits;
+    lines.emplace_back(text.substr(0, end));
+    text.remove_prefix(std::min(next, text.size()));
+    while (text.starts_with(' ')) text.remove_prefix(1);
+  }
+  if (!text.empty() || lines.empty()) lines.emplace_back(text);
+  return lines;
+}
+
+void TextTable::add_row(std::vector<std::string> cells, std::string rest) {
+  assert(cells.size() == columns_.size() || (cells.size() < columns_.size() && !rest.empty()));
+  rows_.push_back({false, std::move(cells), std::move(rest)});
+}
+
+void TextTable::add_heading(std::string text) { rows_.push_back({true, {}, std::move(text)}); }
+
+std::vector<std::size_t> TextTable::widths(std::size_t width) const {
+  std::vector<std::size_t> result;
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    result.push_back(std::max(longest_piece(columns_[i].heading), display_width(columns_[i].unit)));
+    for (const Row& row : rows_)
+      if (i < row.cells.size()) result[i] = std::max(result[i], display_width(row.cells[i]));
+  }
+  if (width == 0 || columns_.empty()) return result;
+
+  std::size_t total = gap * (columns_.size() - 1);
+  for (const std::size_t column : result) total += column;
+  // Take from the widest wrappable column until the line fits or nothing more can be taken.
+  std::vector<std::size_t> least(columns_.size(), least_width);
+  for (std::size_t i = 0; i < columns_.size(); ++i)
+    for (const Row& row : rows_)
+      if (i < row.cells.size()) least[i] = std::max(least[i], std::min(longest_piece(row.cells[i]), whole_width));
+  const auto can_shrink = [&](std::size_t i) { return columns_[i].align == Align::left && result[i] > least[i]; };
+  while (total > width) {
+    std::size_t widest = columns_.size();
+    for (std::size_t i = 0; i < columns_.size(); ++i)
+      if (can_shrink(i) && (widest == columns_.size() || result[i] > result[widest])) widest = i;
+    if (widest == columns_.size()) break;
+    --result[widest];
+    --total;
+  }
+  return result;
+}
+
+std::string TextTable::text(std::size_t width) const {
+  const std::vector<std::size_t> column_widths = widths(width);
+  std::vector<std::size_t> starts{0};
+  for (const std::size_t column : column_widths) starts.push_back(starts.back() + column + gap);
+
+  std::string all, line;
+  const auto write_row = [&](const std::vector<std::string>& cells, const std::string& rest) {
+    std::vector<std::vector<std::string>> blocks;
+    std::size_t height = 1;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      blocks.push_back(wrap(cells[i], std::max<std::size_t>(column_widths[i], 1)));
+      height = std::max(height, blocks.back().size());
+    }
+    if (!rest.empty()) {
+      const std::size_t start = starts[cells.size()];
+      const std::size_t room = width == 0 ? std::string::npos : std::max(width, start + least_width) - start;
+      blocks.push_back(wrap(rest, room));
+      height = std::max(height, blocks.back().size());
+    }
+    for (std::size_t l = 0; l < height; ++l) {
+      for (std::size_t i = 0; i < blocks.size(); ++i) {
+        if (l >= blocks[i].size()) continue;
+        const std::string& piece = blocks[i][l];
+        const bool is_right = i < cells.size() && columns_[i].align == Align::right;
+        pad_to(line, starts[i] + (is_right ? column_widths[i] - display_width(piece) : 0));
+        line += piece;
+      }
+      finish_line(all, line);
+    }
+  };
+
+  // Headings end on the line above the units.
+  std::vector<std::vector<std::string>> headings;
+  std::size_t heading_height = 0;
+  bool has_unit = false;
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    headings.push_back(wrap(columns_[i].heading, std::max<std::size_t>(column_widths[i], 1)));
+    if (!columns_[i].unit.empty()) headings.back().push_back(columns_[i].unit), has_unit = true;
+  }
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    if (has_unit && columns_[i].unit.empty()) headings[i].emplace_back();
+    heading_height = std::max(heading_height, headings[i].size());
+  }
+  for (std::size_t l = 0; l < heading_height; ++l) {
+    std::vector<std::string> cells;
+    for (const std::vector<std::string>& block : headings) {
+      const std::size_t above = heading_height - block.size();
+      cells.push_back(l < above ? "" : block[l - above]);
+    }
+    write_row(cells, "");
+  }
+  if (!columns_.empty()) all += std::string(starts.back() - gap, '-') + '\n';
+  for (const Row& row : rows_) {
+    if (row.is_heading)
+      all += '\n' + row.rest + '\n';
+    else
+      write_row(row.cells, row.rest);
+  }
+  return all;
+}
+
+}  // namespace gnomon
