@@ -14,8 +14,10 @@ take_arguments() {
   shift 2
   run=("$@")
   [[ $count =~ ^[1-9][0-9]{0,3}$ ]] || die "COUNT = $count is not a whole number of 1 .. 9999"
-  local word
+  # What the shards are of: all words but those that only say what to do with rows that are there.
+  local word rows=() arguments
   for word in "${run[@]}"; do
+    [[ $word == --retry-failed ]] || rows+=("$word")
     case "$word" in
       --shard | --shard=* | --out | --out=* | --resume | --dry-run) die "$word is for this script to say, not for you" ;;
     esac
@@ -24,12 +26,18 @@ take_arguments() {
   [[ -x $program ]] || die "$program is not there: build it first (scripts/run)"
   [[ ! -e $out ]] || die "output folder $out is there already: name another one"
   parts=$out.parts
-  "$program" run "${run[@]}" --dry-run | tail -n 2 >&2 || exit 2
+  "$program" run "${rows[@]}" --dry-run | tail -n 2 >&2 || exit 2
   mkdir -p "$parts"
   # Another number of shards would deal the rows out anew, and rows of both would be run twice.
   [[ ! -e $parts/count || $(<"$parts/count") == "$count" ]] ||
     die "$parts holds shards of a run in $(<"$parts/count") parts: continue with that COUNT, or remove it"
+  # Other arguments would run other rows, and what the shards hold of the first ones would be merged with them.
+  arguments=$(printf '%q ' "${rows[@]}")
+  arguments=${arguments% }
+  [[ ! -e $parts/arguments || $(<"$parts/arguments") == "$arguments" ]] ||
+    die "$parts holds shards of 'gnomon run $(<"$parts/arguments")': continue with these arguments, or remove it"
   echo "$count" >"$parts/count"
+  echo "$arguments" >"$parts/arguments"
   rm -f "$parts"/*.status
 }
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <system_error>
@@ -48,6 +49,17 @@ std::string usage_error(const CLI::App& cli, const CLI::ParseError& error, int a
     return fmt::format("{} does not know what to do with '{}'; {} --help says what it takes", who, extra.front(), who);
   if (!command) return fmt::format("a command is wanted; there are: {}", fmt::join(names, ", "));
   return fmt::format("{}; {} --help says what is allowed", error.what(), who);
+}
+
+/// The whole text is a finite number that is good; else the message says that it is not `what`.
+CLI::Validator number_that(std::function<bool(double)> is_good, const std::string& what, const std::string& name) {
+  const auto check = [=](const std::string& text) -> std::string {
+    double value = 0;
+    const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool is_number = code == std::errc{} && end == text.data() + text.size() && std::isfinite(value);
+    return is_number && is_good(value) ? "" : fmt::format("{} is not {}", text, what);
+  };
+  return CLI::Validator(check, name);
 }
 
 }  // namespace
@@ -102,13 +114,17 @@ Truth parse_truth(const std::string& text) {
 }
 
 CLI::Validator seconds() {
-  const auto check = [](const std::string& text) -> std::string {
-    double value = 0;
-    const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const bool is_good = code == std::errc{} && end == text.data() + text.size() && value > 0 && value <= 86400;
-    return is_good ? "" : fmt::format("{} is not a number of seconds above 0, at most 86400", text);
-  };
-  return CLI::Validator(check, "SECONDS");
+  const auto is_good = [](double value) { return value > 0 && value <= 86400; };
+  return number_that(is_good, "a number of seconds above 0, at most 86400", "SECONDS");
+}
+
+CLI::Validator number_in(double low, double high) {
+  const std::string range = fmt::format("{} .. {}", low, high);
+  return number_that([=](double value) { return low <= value && value <= high; }, "a number in " + range, range);
+}
+
+CLI::Validator above_zero() {
+  return number_that([](double value) { return value > 0; }, "a number above 0", "above 0");
 }
 
 std::size_t terminal_width() {

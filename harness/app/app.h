@@ -43,6 +43,10 @@ Truth parse_truth(const std::string& text);
 /// Checks the value of --timeout: above 0, at most a day.
 CLI::Validator seconds();
 
+/// Check a number; CLI::Range lets NaN pass. The whole text is a finite number from `low` to `high`, or above 0.
+CLI::Validator number_in(double low, double high);
+CLI::Validator above_zero();
+
 /// Columns of the terminal on stdout; 0, no limit, when there is none.
 std::size_t terminal_width();
 

@@ -1,6 +1,43 @@
+#include <map>
+#include <unordered_map>
+
 #include "app/analysis_options.h"
+#include "measure/record/merge.h"
 
 namespace gnomon::app {
+
+namespace {
+
+/// By kind of analysis or figure, the options that it takes beside those of every kind.
+const std::map<std::string, std::vector<std::string>> taken_options{
+    {"growth", {"--x"}},
+    {"front", {"--error", "--cost", "--all"}},
+    {"best", {"--error", "--cost", "--times", "--memories", "--errors"}},
+    {"map", {"--x", "--y", "--facet", "--error"}},
+    {"motion", {"--error"}},
+    {"stages", {}},
+    {"causes", {}},
+};
+
+bool takes(const std::string& kind, const std::string& option) {
+  const auto found = taken_options.find(kind);
+  return found != taken_options.end() && std::ranges::find(found->second, option) != found->second.end();
+}
+
+}  // namespace
+
+void require_taken(const CLI::App& command, const std::string& kind, const std::vector<std::string>& kinds) {
+  if (!taken_options.contains(kind)) return;  // who knows the kinds says which there are
+  for (const auto& [other, options] : taken_options)
+    for (const std::string& name : options) {
+      const CLI::Option* option = command.get_option_no_throw(name);
+      if (!option || option->count() == 0 || takes(kind, name)) continue;
+      std::vector<std::string> takers;
+      for (const std::string& one : kinds)
+        if (takes(one, name)) takers.push_back(one);
+      throw Error("{} is for {}; {} does not take it", name, fmt::join(takers, " and "), kind);
+    }
+}
 
 void add_analysis_options(CLI::App* command, AnalysisOptions& options, std::string& cost) {
   command->add_option("--x", options.x, "growth: triangles, pixels, lights or a numeric parameter; map: a parameter");
@@ -14,9 +51,27 @@ void add_analysis_options(CLI::App* command, AnalysisOptions& options, std::stri
 
 std::vector<Record> read_runs(const std::vector<std::string>& dirs, const std::string& filter) {
   std::vector<Record> all;
+  std::unordered_map<std::string, std::pair<std::size_t, std::string>> first;  // by job: which of `all`, and its folder
+  std::size_t twice = 0;
   for (const std::string& dir : dirs)
-    for (Record& record : read_records(dir)) all.push_back(std::move(record));
-  all = matching(std::move(all), filter);
+    for (Record& record : matching(read_records(dir), filter)) {
+      if (!record.job.empty()) {
+        const auto [known, is_new] = first.try_emplace(record.job, all.size(), dir);
+        if (!is_new) {
+          const auto& [index, folder] = known->second;
+          if (const std::vector<std::string> different = differences(all[index], record); !different.empty())
+            throw Error("{} and {} answer {} differently: {}{}; analyze one of them, or compare them", folder, dir,
+                        title(record), different.front(),
+                        different.size() > 1 ? fmt::format(" and {} more", different.size() - 1) : "");
+          ++twice;
+          continue;
+        }
+      }
+      all.push_back(std::move(record));
+    }
+  if (twice)
+    fmt::print(stderr, "note: {} row{} in more than one folder with the same answer; each counts once, by its first folder\n",
+               twice, twice == 1 ? " stands" : "s stand");
   if (all.empty())
     throw Error("{} hold{} no record{}", fmt::join(dirs, ", "), dirs.size() == 1 ? "s" : "",
                 filter.empty() ? "" : fmt::format(" that matches {}", filter));
@@ -37,20 +92,24 @@ void add_analyze(Program& program) {
       ->required()
       ->type_name("DIR... KIND");
   command->add_option("--format", options->format, "terminal, md, csv, tex or json")->capture_default_str();
-  command->add_option("--filter", options->filter, "Only rows whose 'SCENE LIGHT TECHNIQUE:SETTINGS' matches this expression");
+  command->add_option("--filter", options->filter,
+                      "Only rows whose 'SCENE LIGHT [PATH] TECHNIQUE:SETTINGS' matches this expression");
   add_analysis_options(command, options->analysis, options->cost);
-  command->add_option("--times", options->analysis.times, "best: budgets in ms")->delimiter(',');
-  command->add_option("--memories", options->analysis.memories, "best: budgets in MiB")->delimiter(',');
-  command->add_option("--errors", options->analysis.errors, "best: budgets in the unit that tables show")->delimiter(',');
+  command->add_option("--times", options->analysis.times, "best: budgets in ms")->delimiter(',')->check(above_zero());
+  command->add_option("--memories", options->analysis.memories, "best: budgets in MiB")->delimiter(',')->check(above_zero());
+  command->add_option("--errors", options->analysis.errors, "best: budgets in the unit that tables show")
+      ->delimiter(',')
+      ->check(above_zero());
   command->add_flag("--all", options->analysis.all, "front: beaten settings too");
   command->add_option("--caption", options->table.caption, "Caption of the LaTeX table");
-  command->callback([&program, options] {
-    program.chosen = [options] {
+  command->callback([&program, options, command] {
+    program.chosen = [options, command] {
       const Format format = format_named(options->format);
       const std::string kind = options->words.back();
       options->words.pop_back();
       if (options->words.empty())
         throw Error("analyze takes a run's folder and a kind; kinds are: {}", fmt::join(analysis_kinds(), ", "));
+      require_taken(*command, kind, analysis_kinds());
       options->analysis.cost = cost_named(options->cost);
       const std::vector<Record> records = read_runs(options->words, options->filter);
       options->table.width = terminal_width();

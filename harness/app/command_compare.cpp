@@ -1,6 +1,7 @@
 #include <fmt/chrono.h>
 
 #include "app/app.h"
+#include "app/suite_options.h"
 #include "measure/analysis/compare.h"
 #include "measure/run/live.h"
 #include "report/analysis/compare_table.h"
@@ -11,52 +12,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct Options : SuiteOptions {
   std::string base, contender, format = "terminal";
   CompareOptions compare;
   bool all = false, quiet = false;
-  // Of --live:
-  std::string other, suite, size, filter;
-  std::vector<std::string> scenes, techniques, lights;
+  // Of --live, like the suite's:
+  std::string other;
   fs::path out;
-  int repetitions = 0, processes = 0, threads = 0;
-  std::optional<double> timeout, interval, budget;
 };
 
-/// The suite of --live: `quick` unless told otherwise.
-Suite make_suite(const Options& options) {
-  Suite suite;
-  if (options.scenes.empty() != options.techniques.empty() || (!options.suite.empty() && !options.scenes.empty()))
-    throw Error("compare --live takes --suite, or --scene and --technique");
-  if (options.scenes.empty()) {
-    suite = read_suite(options.suite.empty() ? "quick" : options.suite);
-  } else {
-    suite.name = "adhoc";
-    SuiteGroup group{options.scenes, {}, {}, {}};
-    for (const std::string& technique : options.techniques)
-      for (Contender& contender : parse_contenders(technique)) group.contenders.push_back(std::move(contender));
-    suite.groups = {group};
-  }
-  for (SuiteGroup& group : suite.groups)
-    if (!options.lights.empty()) group.lights = options.lights;
-  if (!options.size.empty()) {
-    std::tie(suite.width, suite.height) = parse_size(options.size, "--size");
-    for (SuiteGroup& group : suite.groups) group.sizes.clear();
-  }
-  if (options.repetitions) suite.repetitions = options.repetitions;
-  if (options.processes) suite.processes = options.processes;
-  if (options.timeout) suite.timeout = *options.timeout;
-  if (options.interval) suite.interval = *options.interval;
-  if (options.budget) suite.budget = *options.budget;
-  return suite;
-}
-
 /// Times both programs side by side; answers the folders of base and contender.
-std::pair<fs::path, fs::path> run_both(const Options& options, const Program& program) {
+std::pair<fs::path, fs::path> run_both(Options options, const Program& program) {
   if (!options.base.empty())
     throw Error("compare takes two folders, or --live and a program, not both: {} is one folder too many", options.base);
   LiveOptions live;
-  live.suite = make_suite(options);
+  if (options.suite.empty() && options.scenes.empty() && options.techniques.empty()) options.suite = "quick";
+  live.suite = make_suite(options, "compare --live");
   live.filter = options.filter;
   live.worker = worker_options(program, options.threads);
   live.base_program = options.other;
@@ -80,6 +51,9 @@ int run(Options options, const Program& program) {
   }
   const std::vector<Record> base = read_records(options.base), contender = read_records(options.contender);
   const Comparison comparison = compare(base, contender, options.compare);
+  if (comparison.counts().matched == 0)
+    throw Error("{} and {} have no row in common: {} and {} rows of other scenes, settings, sizes or truths", options.base,
+                options.contender, base.size(), contender.size());
   fmt::print("{}", render_comparison(comparison, format, {options.base, options.contender, options.all, terminal_width()}));
   return comparison.counts().regressions > 0 ? 1 : 0;
 }
@@ -94,16 +68,16 @@ void add_compare(Program& program) {
   command->add_option("contender", options->contender, "Folder of the run that is judged");
   command->add_option("--floor", compare.floor, "Share that a time must differ by to be called different")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 10.0));
+      ->check(number_in(0.0, 10.0));
   command->add_option("--fdr", compare.fdr, "Rate of false discoveries among all times called different")
       ->capture_default_str()
-      ->check(CLI::Range(1e-9, 0.5));
+      ->check(number_in(1e-9, 0.5));
   command->add_option("--threshold", compare.threshold, "A time called slower is a regression above this ratio")
       ->capture_default_str()
-      ->check(CLI::Range(1.0, 1e6));
+      ->check(number_in(1.0, 1e6));
   command->add_option("--error-threshold", compare.error_threshold, "A wrong rate that rises by more is a regression")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 1.0));
+      ->check(number_in(0.0, 1.0));
   command->add_option("--format", options->format, "terminal, md, csv or json")->capture_default_str();
   command->add_flag("--all", options->all, "Also what does not differ");
   command->add_flag("--force", compare.force, "Judge times of different processors, too");
@@ -117,7 +91,9 @@ void add_compare(Program& program) {
       ->delimiter(';')
       ->needs(live);
   command->add_option("--light", options->lights, "With --live: light names")->delimiter(',')->needs(live);
-  command->add_option("--filter", options->filter, "With --live: only rows whose 'SCENE LIGHT TECHNIQUE' matches")->needs(live);
+  command
+      ->add_option("--filter", options->filter, "With --live: only rows whose 'SCENE LIGHT [PATH] TECHNIQUE:SETTINGS' matches")
+      ->needs(live);
   command->add_option("--size", options->size, "With --live: picture size in pixels, WxH")->needs(live);
   command->add_option("--processes", options->processes, "With --live: fresh processes per contender and program")
       ->check(CLI::Range(1, 1000))
@@ -126,7 +102,7 @@ void add_compare(Program& program) {
       ->check(CLI::Range(1, 1000))
       ->needs(live);
   command->add_option("--interval", options->interval, "With --live: more processes until intervals are this share of the time")
-      ->check(CLI::Range(0.001, 10.0))
+      ->check(number_in(0.001, 10.0))
       ->needs(live);
   command->add_option("--budget", options->budget, "With --live: seconds that those may take")->check(seconds())->needs(live);
   command->add_option("--threads", options->threads, "With --live: pin workers to this many cores; all by default")

@@ -20,18 +20,20 @@ void add_figure(Program& program) {
       ->type_name("DIR... KIND");
   command->add_option("--out", options->out, "File to write; .svg, .pdf or .png");
   command->add_flag("--script", options->script, "Print the gnuplot program instead of running it");
-  command->add_option("--filter", options->filter, "Only rows whose 'SCENE LIGHT TECHNIQUE:SETTINGS' matches this expression");
+  command->add_option("--filter", options->filter,
+                      "Only rows whose 'SCENE LIGHT [PATH] TECHNIQUE:SETTINGS' matches this expression");
   command->add_option("--title", options->figure.title, "Title above the figure; none by default: papers have captions");
   command->add_option("--width", options->figure.width_cm, "Width in cm; the height follows")
-      ->check(CLI::Range(5.0, 100.0))
+      ->check(number_in(5, 100))
       ->capture_default_str();
   add_analysis_options(command, options->figure.analysis, options->cost);
-  command->callback([&program, options] {
-    program.chosen = [options] {
+  command->callback([&program, options, command] {
+    program.chosen = [options, command] {
       const std::string kind = options->words.back();
       options->words.pop_back();
       if (options->words.empty())
         throw Error("figure takes a run's folder and a kind; kinds are: {}", fmt::join(figure_kinds(), ", "));
+      require_taken(*command, kind, figure_kinds());
       if (options->out.empty() && !options->script) throw Error("figure needs --out FILE.svg, .pdf or .png, or --script");
       const std::filesystem::path out = options->out.empty() ? "figure.svg" : options->out;
       options->figure.analysis.cost = cost_named(options->cost);

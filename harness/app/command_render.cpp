@@ -103,8 +103,11 @@ int render(const RenderOptions& options, const WorkerOptions& worker) {
     record.support = support.kind();
     record.reason = support.why();
     record.context["scene_hash"] = run.frames.scene_hash();
+    record.context["frames"] = frame_version();
     record.times(Stage::setup) = {{seat.setup_ms()}};
-    const MeasuredRow measured = measure(record, run, seat, place);
+    const auto result = measure(record, run, seat, place);
+    if (!result) throw Error("{} does not support {} {}: {}", job.contender.name(), job.scene, job.light, record.reason);
+    const MeasuredRow& measured = *result;
     const Answer& answer = measured.answer;
     const Tally& counts = measured.tally;
     // One warm call each: `gnomon run` is for timing.

@@ -4,8 +4,10 @@
 
 #include "app/app.h"
 #include "app/run_tables.h"
+#include "app/suite_options.h"
 #include "measure/run/context.h"
 #include "measure/run/estimate.h"
+#include "measure/run/resume.h"
 #include "measure/run/run.h"
 #include "report/table/table.h"
 
@@ -15,41 +17,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
-  std::string suite, size, truth, filter, shard;
-  std::vector<std::string> scenes, techniques, lights;
+struct Options : SuiteOptions {
+  std::string shard;
   fs::path out;
-  int repetitions = 0, processes = 0, threads = 0;
-  std::optional<double> timeout, interval, budget;
   bool resume = false, retry_failed = false, dry_run = false, quiet = false;
 };
-
-Suite make_suite(const Options& options) {
-  Suite suite;
-  if (!options.suite.empty()) {
-    if (!options.scenes.empty() || !options.techniques.empty())
-      throw Error("run takes a suite or --scene and --technique, not both; --filter picks rows of a suite");
-    suite = read_suite(options.suite);
-  } else {
-    if (options.scenes.empty() || options.techniques.empty())
-      throw Error("run needs a suite ({}), or --scene and --technique", fmt::join(suite_names(), ", "));
-    suite.name = "adhoc";
-    SuiteGroup group{options.scenes, {}, {}, {}};
-    for (const std::string& technique : options.techniques)
-      for (Contender& contender : parse_contenders(technique)) group.contenders.push_back(std::move(contender));
-    suite.groups = {group};
-  }
-  for (SuiteGroup& group : suite.groups)
-    if (!options.lights.empty()) group.lights = options.lights;
-  if (!options.size.empty()) std::tie(suite.width, suite.height) = parse_size(options.size, "--size");
-  if (!options.truth.empty()) suite.truth = parse_truth(options.truth);
-  if (options.repetitions) suite.repetitions = options.repetitions;
-  if (options.processes) suite.processes = options.processes;
-  if (options.timeout) suite.timeout = *options.timeout;
-  if (options.interval) suite.interval = *options.interval;
-  if (options.budget) suite.budget = *options.budget;
-  return suite;
-}
 
 /// "I/N" with 0 <= I < N.
 std::pair<int, int> parse_shard(const std::string& text) {
@@ -60,17 +32,26 @@ std::pair<int, int> parse_shard(const std::string& text) {
   return {index, count};
 }
 
-/// The rows that would be run, and how long they would take by what is known of earlier ones.
+/// The rows that would be run, without those that are done, and how long they would take by what is known of earlier ones.
 void print_rows(const RunOptions& options, SceneLibrary& library) {
-  std::vector<Job> jobs = select_jobs(options, library);
+  const std::vector<Job> suite_jobs = expand_jobs(options.suite, library);
+  std::vector<Job> jobs = select_jobs(options, suite_jobs);
+  const Earlier earlier = options.resume ? earlier_rows(options, library, suite_jobs, jobs) : Earlier{};
+  const std::size_t asked = jobs.size();
+  std::erase_if(jobs, [&](const Job& job) { return earlier.done.contains(job.hash); });
+  std::vector<std::string> sizes;
   for (const Job& job : jobs) {
+    if (std::string size = fmt::format("{}x{}", job.width, job.height);
+        std::find(sizes.begin(), sizes.end(), size) == sizes.end())
+      sizes.push_back(std::move(size));
     const std::string& missing = library.get(job.scene).missing;
     fmt::print("{}  {}{}{}\n", job.hash, job.title(), job.contender.label.empty() ? "" : "  (" + job.contender.label + ")",
                missing.empty() ? "" : "  unsupported: " + missing);
   }
   const Suite& suite = options.suite;
-  fmt::print("{} rows, {} processes x {} repetitions each, {}x{} pixels\n", jobs.size(), suite.processes, suite.repetitions,
-             suite.width, suite.height);
+  if (asked > jobs.size()) fmt::print("{} are done\n", asked - jobs.size());
+  fmt::print("{} rows, {} processes x {} repetitions each", jobs.size(), suite.processes, suite.repetitions);
+  fmt::print("{}\n", sizes.empty() ? "" : fmt::format(", {} pixels", fmt::join(sizes, ", ")));
   std::erase_if(jobs, [&](const Job& job) { return !library.get(job.scene).missing.empty(); });
   if (jobs.empty()) return;
   std::vector<RowCost> costs = own_history().read();
@@ -82,7 +63,7 @@ void print_rows(const RunOptions& options, SceneLibrary& library) {
 
 int run(const Options& options, const Program& program) {
   RunOptions run_options;
-  run_options.suite = make_suite(options);
+  run_options.suite = make_suite(options, "run");
   run_options.filter = options.filter;
   run_options.resume = options.resume;
   run_options.retry_failed = options.retry_failed;
@@ -129,14 +110,15 @@ void add_run(Program& program) {
   command->add_option("--technique", options->techniques, "ID:param=value,...; {a,b} sweeps a value")->delimiter(';');
   command->add_option("--light", options->lights, "Light names; the suite's, or all of each scene, by default")->delimiter(',');
   command->add_option("--out", options->out, "Folder to write to; runs/NAME-TIME by default");
-  command->add_option("--filter", options->filter, "Only rows whose 'SCENE LIGHT TECHNIQUE' matches this expression");
+  command->add_option("--filter", options->filter,
+                      "Only rows whose 'SCENE LIGHT [PATH] TECHNIQUE:SETTINGS' matches this expression");
   command->add_option("--size", options->size, "Picture size in pixels, WxH");
   command->add_option("--truth", options->truth, "What counts in the headline: shape | mesh");
   command->add_option("--repetitions", options->repetitions, "Timed repetitions per process")->check(CLI::Range(1, 1000));
   command->add_option("--processes", options->processes, "Fresh processes per contender")->check(CLI::Range(1, 1000));
   command->add_option("--threads", options->threads, "Pin workers to this many cores; all by default");
   command->add_option("--interval", options->interval, "More processes until intervals are this share of the time wide")
-      ->check(CLI::Range(0.001, 10.0));
+      ->check(number_in(0.001, 10.0));
   command->add_option("--budget", options->budget, "Seconds that those processes may take")->check(seconds());
   command->add_option("--timeout", options->timeout, "Seconds that one step of a worker may take")->check(seconds());
   command->add_option("--shard", options->shard, "I/N: part I of N of the rows, 0 <= I < N; gnomon merge joins them");

@@ -18,7 +18,7 @@ def record(technique="shadow_map", scene="soup", settings="", cost=1.0, wrong=0.
     """A line of records.jsonl made by hand: three processes, each cost the same."""
     parameters = dict(pair.split("=") for pair in settings.split(",") if pair)
     row = {
-        "schema": 2, "job": "0", "scene": scene, "light": "point", "technique": technique, "settings": settings,
+        "schema": 2, "job": "", "scene": scene, "light": "point", "technique": technique, "settings": settings,
         "parameters": {key: json.loads(value) for key, value in parameters.items()}, "width": 640, "height": 360,
         "status": "ok", "role": "contender", "bytes": 1 << 20, "classes": {"T": 1000},
         "stages": {stage: [[cost], [cost], [cost]] for stage in ("setup", "build", "relight", "resolve")},
@@ -30,9 +30,9 @@ def record(technique="shadow_map", scene="soup", settings="", cost=1.0, wrong=0.
 
 class Analyze(ProgramTest):
     def run_of(self, *rows, name="run"):
-        """A run's folder with these rows; every one is a job of its own."""
+        """A run's folder with these rows; every one that has no job is one of its own."""
         (self.dir / name).mkdir()
-        lines = [json.dumps({**row, "job": f"{k:016x}"}) for k, row in enumerate(rows)]
+        lines = [json.dumps({**row, "job": row["job"] or f"{name}{k}"}) for k, row in enumerate(rows)]
         self.write(f"{name}/records.jsonl", "".join(line + "\n" for line in lines))
         return name
 
@@ -61,6 +61,47 @@ class Analyze(ProgramTest):
         runs = [self.run_of(record(width=w, height=w, cost=w * w / 1000), name=f"run{w}") for w in (100, 200, 400)]
         rows = [row for row in self.rows(*runs, "growth", "--x", "pixels") if row["stage"] == "resolve"]
         self.assertAlmostEqual(float(rows[0]["exponent"]), 1, places=9)
+
+    def test_a_row_of_two_folders_counts_once_and_two_answers_are_refused(self):
+        both = record("fast", job="1"), record("slow", cost=4, wrong=0.05, job="2")
+        self.run_of(*both, name="one")
+        self.run_of(*both, record("other", job="3"), name="two")
+        done = self.gnomon("analyze", "one", "two", "front", "--format", "csv", "--all")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(sorted(row["setting"] for row in csv.DictReader(io.StringIO(done.stdout))), ["fast", "other", "slow"])
+        self.assertIn("2 rows stand in more than one folder", done.stderr)
+        self.run_of(record("fast", wrong=0.2, job="1"), name="three")
+        self.refuse("analyze", "one", "three", "front", says=["one and three answer soup point fast differently", "wrong_rate"])
+        self.succeed("analyze", "one", "three", "front", "--filter", "slow")
+
+    def test_a_path_is_part_of_what_the_filter_sees(self):
+        run = self.run_of(record("moves", path="slide", frames={"wrong_rate": [0.1]}), record("stands"))
+        rows = self.rows(run, "front", "--filter", "^soup point slide moves$")
+        self.assertEqual([row["setting"] for row in rows], ["moves"])
+
+    def test_an_option_that_a_kind_does_not_take_is_refused(self):
+        run = self.run_of(record(settings="a=1,b=1"), record(settings="a=2,b=1"), record(settings="a=1,b=2"))
+        self.refuse("analyze", run, "front", "--x", "a", says=["--x is for growth and map; front does not take it"])
+        self.refuse("analyze", run, "growth", "--error", "wrong_rate", says=["--error is for", "growth does not take it"])
+        self.refuse("analyze", run, "front", "--times", "1", says=["--times is for best"])
+        self.refuse("analyze", run, "best", "--cost", "bytes", says=["--cost bytes", "--memories"])
+        self.refuse("analyze", run, "map", "--x", "a", "--y", "a", says=["--x and --y are both a"])
+        self.refuse("figure", run, "stages", "--cost", "light", "--script", says=["--cost is for front; stages"])
+
+    def test_numbers_are_numbers(self):
+        run = self.run_of(record(), record("other", cost=2))
+        for value in ("nan", "inf", "-1", "0", "1x", "2,nan"):
+            self.refuse("analyze", run, "best", "--times", value, says=["--times", value.split(",")[-1], "a number above 0"])
+        self.refuse("figure", run, "front", "--script", "--width", "nan", says=["--width", "nan is not a number in 5 .. 100"])
+        self.refuse("compare", run, run, "--floor", "nan", says=["--floor", "nan is not a number in 0 .. 10"])
+        self.succeed("analyze", run, "best", "--times", "1,2.5e1")
+
+    def test_what_cannot_be_ranked_is_refused(self):
+        run = self.run_of(record(metrics={"shape": {"wrong_rate": 0.1, "penumbra_shift": 1}}))
+        for kind in ("front", "best"):
+            self.refuse("analyze", run, kind, "--error", "penumbra_shift", says=["penumbra_shift has no better side"])
+        only = self.run_of(record(role="reference"), name="only")
+        self.refuse("analyze", only, "front", says=["nothing to rank", "no contender"])
 
     def test_front_of_a_run_made_by_hand(self):
         run = self.run_of(record("fast", cost=1, wrong=0.3), record("slow", cost=4, wrong=0.1),

@@ -42,6 +42,12 @@ class Compare(ProgramTest):
             self.assertNotRegex(text, word)
         self.assertRegex(self.succeed("compare", self.run_dir, self.run_dir, "--all"), "shadow_map")
 
+    def test_runs_of_other_rows_are_refused(self):
+        def other(row):
+            row["job"] = "f" * 8 + row["job"][8:]
+        folder = self.copy("other", other)
+        self.refuse("compare", self.run_dir, folder, says=["have no row in common", "8 and 8 rows"])
+
     def test_a_slowdown_of_everything_is_a_regression(self):
         def slow(row):
             for stage, processes in row["stages"].items():
@@ -170,11 +176,12 @@ class Adaptive(ProgramTest):
         self.succeed("run", *rows, "--interval", "0.001", "--budget", "600", "--out", "limit")
         self.succeed("run", *rows, "--interval", "10", "--out", "target")
         self.succeed("run", *rows, "--interval", "0.001", "--budget", "0.001", "--out", "budget")
-        for name, stop, processes in (("fixed", "fixed", 2), ("limit", "budget", 8), ("target", "target", 2)):
+        for name, stop, processes in (("fixed", "fixed", 2), ("limit", "budget", 8), ("target", "target", 5)):
             row = records(self.dir / name)[0]
             self.assertEqual((row["technique"], row["stop"], len(row["stages"]["resolve"])), ("shadow_map", stop, processes))
             self.assertEqual(set(row["iterations"]), {"setup", "build", "relight", "resolve"})
             self.assertEqual({len(p) for p in row["stages"].values()}, {processes})
+        self.refuse("run", *rows, "--budget", "10", says=["--budget = 10", "--interval"])
         row = records(self.dir / "budget")[0]
         self.assertEqual(row["stop"], "budget")
         self.assertLessEqual(len(row["stages"]["resolve"]), 3)

@@ -43,7 +43,7 @@ class Faults(ProgramTest):
                     self.assertEqual([len(p) for p in row["stages"]["resolve"]], [1])
         self.assertRegex(text, r"(?m)^16 rows: 4 ok, 0 unsupported, 12 failed;")
         for name in REASONS:
-            self.assertRegex(text, rf"(?m)^{name} +failed \[\d\]")
+            self.assertRegex(text, rf"(?m)^{name} +failed +{REASONS[name][1:]}")
         self.assertEqual(workers(self.dir), [])
         self.assertFalse((self.dir / "out/.scratch").exists())
 
@@ -54,6 +54,20 @@ class Faults(ProgramTest):
         rows = records(self.dir / "out")
         self.assertEqual([(r["technique"], r["status"]) for r in rows], [("crashes", "failed"), ("unshadowed", "ok")] * 2)
         self.assertEqual([len(r["stages"].get("resolve", [])) for r in rows], [0, 3, 0, 3])
+
+    def test_a_row_that_fails_in_a_later_process_has_no_results(self):
+        self.environment["GNOMON_TEST_TIRED"] = str(self.dir / "tired")
+        self.succeed("--plugin", FAULTS, "run", "--scene", "single_triangle", "--light", "sun", "--technique", "tires", "--technique",
+                     "unshadowed", "--processes", "3", "--repetitions", "1", "--size", "160x90", "--out", "out", status=1)
+        tired, sound = records(self.dir / "out")
+        self.assertEqual((tired["technique"], tired["status"]), ("tires", "failed"))
+        self.assertRegex(tired["reason"], "enough for today")
+        for key in ("metrics", "frames", "classes", "iterations", "causes", "bytes", "mask", "error_picture", "shaded_picture", "stop",
+                    "counts"):
+            self.assertFalse(tired[key], key)
+            self.assertTrue(sound[key] or key in ("frames", "bytes", "counts"), key)
+        self.assertEqual([p for p in tired["stages"].values() if p], [])
+        self.assertEqual([name for name in self.names(self.dir / "out") if "tires" in name], [])
 
     def test_render_of_a_fault_exits_with_1_and_writes_nothing(self):
         done = self.gnomon("--plugin", FAULTS, "render", "--scene", "single_triangle", "--technique", "crashes", "--size", "64x64",

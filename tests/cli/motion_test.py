@@ -6,7 +6,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import ProgramTest, records
+from program import FAULTS, ProgramTest, records
 
 SUITE = """
 width = 160
@@ -75,6 +75,50 @@ class Motion(ProgramTest):
         rates = row["frames"]["wrong_rate"]
         self.assertEqual(len(rates), 5)
         self.assertGreater(len(set(rates)), 2, "the shadow moves, so its size in pixels changes")
+
+    def follow(self, moves, positions, *arguments, technique="unshadowed", frames=5):
+        """Arguments of a run on a path of the scene above."""
+        self.write("box.obj", BOX)
+        path = f'[[path]]\nname = "way"\nmoves = "{moves}"\npositions = {positions}\nframes = {frames}\n'
+        sun = '[[light]]\nname = "sun"\nkind = "directional"\ndirection = [0, -1, 0]\n'
+        self.write("scene.toml", SCENE + path + sun)
+        self.write("suite.toml", f'[[group]]\nscenes = ["scene.toml"]\npaths = ["way"]\ntechniques = ["{technique}"]\n')
+        return ["run", "suite.toml", "--out", "out", "--processes", "1", "--repetitions", "1", "--size", "96x54", "--quiet", *arguments]
+
+    def test_frames_that_cannot_be_drawn_are_refused_before_anything_runs(self):
+        for moves, positions, says in (
+                ("camera", [[0, 0, 6], [0, 0, -6]], ["view 'front': eye = (0, 0, 0) is at its target", "path way, frame 2"]),
+                # A third of the way from 0.2 to -0.4: rounding leaves a little of it.
+                ("camera", [[0, 0, 0.2], [0, 0, -0.4]], ["is at its target", "frame 2"]),
+                ("camera", [[-1, 4, 0], [1, 4, 0]], ["up = (0, 1, 0) lies along the line of sight", "frame 2"]),
+                ("light", [[0, -1, 0], [0, 3, 0]], ["light 'sun': direction = (0, 0, 0) is not a direction", "path way, frame 1"])):
+            call = self.follow(moves, positions, frames=7 if 0.2 in positions[0] else 5)
+            self.refuse(*call, says=["scene scene.toml", *says])
+            self.assertFalse((self.dir / "out").exists())
+        # What a path does to lights that are not asked for is nobody's business.
+        self.succeed(*self.follow("light", [[0, -1, 0], [0, 3, 0]], "--light", "lamp", "--dry-run"))
+
+    def test_a_mean_over_some_of_the_frames_is_none(self):
+        # The lamp sinks below the floor: there is no pixel to test in the last frame.
+        self.succeed(*self.follow("light", [[2, 4, 1], [2, -1, 1]], "--light", "lamp", frames=4))
+        (row,) = records(self.dir / "out")
+        rates = row["frames"]["wrong_rate"]
+        self.assertEqual([rate is None for rate in rates], [False, False, False, True])
+        self.assertIsNone(row["metrics"]["shape"]["wrong_rate"])
+
+    def test_support_is_asked_at_every_frame(self):
+        for positions, status, support, reason in (
+                ([[3, 4, 1], [-1, 4, 1]], "unsupported", "unsupported", "at frame 4: the light is at the left"),
+                ([[3, 4, 1], [0, 4, 1]], "ok", "approximate", "at frame 3: the light is near the middle"),
+                ([[3, 4, 1], [2, 4, 1]], "ok", "full", "")):
+            call = self.follow("light", positions, "--light", "lamp", "--out", f"out{positions[1][0]}", technique="picky")
+            call.remove("--out"), call.remove("out")
+            self.succeed("--plugin", FAULTS, *call)
+            (row,) = records(self.dir / f"out{positions[1][0]}")
+            self.assertEqual((row["status"], row["support"], row["reason"]), (status, support, reason))
+            self.assertEqual(bool(row["frames"]), status == "ok")
+            if status != "ok":
+                self.assertEqual((row["metrics"], row["mask"], row["causes"], row["stop"]), ({}, None, None, ""))
 
     def test_a_path_that_is_not_there_is_refused(self):
         self.write("suite.toml", '[[group]]\nscenes = ["contact"]\npaths = ["orbit"]\ntechniques = ["unshadowed"]\n')

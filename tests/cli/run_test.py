@@ -62,6 +62,12 @@ class Run(ProgramTest):
         self.succeed("run", *SWEEP, "--dry-run")
         self.assertEqual(list(self.dir.iterdir()), [])
 
+    def test_size_comes_before_the_sizes_of_groups(self):
+        suite = self.write("mine.toml", SUITE.replace("lights =", 'sizes = ["64x36", "32x18"]\nlights ='))
+        self.assertIn("\n12 rows, 1 processes x 2 repetitions each, 64x36, 32x18 pixels\n", self.succeed("run", suite, "--dry-run"))
+        self.assertIn("\n6 rows, 1 processes x 2 repetitions each, 48x27 pixels\n",
+                      self.succeed("run", suite, "--size", "48x27", "--dry-run"))
+
     def test_several_processes_are_fresh_ones(self):
         self.succeed("run", "--scene", "single_triangle", "--technique", "shadow_map", "--light", "sun", "--size", "160x90",
                      "--processes", "3", "--repetitions", "2", "--out", "out")

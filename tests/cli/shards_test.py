@@ -88,11 +88,32 @@ class Parallel(ProgramTest):
         done = self.script("2", self.dir / "merged", *ROWS, *SMALL)
         self.assertEqual(done.returncode, 2)
         self.assertIn("shards of a run in 3 parts", done.stderr)
+        (parts / "arguments").write_text("quick --light sun\n")
+        done = self.script("3", self.dir / "merged", *ROWS, *SMALL)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("merged.parts holds shards of 'gnomon run quick --light sun': continue with these arguments", done.stderr)
+        (parts / "arguments").unlink()
         done = self.script("--jobs", "2", "3", self.dir / "merged", *ROWS, *SMALL)
         self.assertEqual(done.returncode, 0, done.stderr)
         merged = (self.dir / "merged/records.jsonl").read_text().splitlines()
         self.assertEqual(len(merged), 6)
         self.assertLessEqual(set(before), set(merged))  # not measured again
+
+    def test_failed_rows_are_tried_again_when_a_call_is_continued(self):
+        call = ["2", self.dir / "merged", *ROWS, *SMALL]
+        parts = self.dir / "merged.parts"
+        parts.mkdir()
+        (parts / "1").write_text("a file where the folder of the shard should be")
+        self.assertEqual(self.script(*call).returncode, 1)
+        remembered = (parts / "arguments").read_text()
+        (parts / "1").unlink()
+        file = parts / "0/records.jsonl"
+        self.assertGreater(file.stat().st_size, 0)
+        file.write_text(file.read_text().replace('"status":"ok"', '"status":"failed"'))
+        done = self.script(*call, "--retry-failed")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual({r["status"] for r in records(self.dir / "merged")}, {"ok"})
+        self.assertNotIn("--retry-failed", remembered)
 
     def test_a_shard_that_cannot_run_stops_the_merge_and_keeps_the_others(self):
         parts = self.dir / "merged.parts"

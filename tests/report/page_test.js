@@ -133,6 +133,21 @@ test("pictures of another scene than the one measured are left out, and the page
   await page.context().close();
 });
 
+test("causes of other references than the one shown are left out, and the page says so", async () => {
+  const dir = changedRun("older", (record) =>
+    record.scene === "fence" ? { ...record, context: { ...record.context, frames: 1 } } : record,
+  );
+  gnomon(["report", dir]);
+  const page = await open(join(dir, "report.html"));
+  const { rows, notes } = await dataOf(page);
+  const explained = rows.filter((row) => row.pictures && row.causes);
+  assert.ok(explained.some((row) => row.scene === "fence") && explained.some((row) => row.scene !== "fence"));
+  for (const row of explained) assert.equal(row.pictures.causes === null, row.scene === "fence", row.title);
+  assert.equal(notes.length, 1, notes.join("\n"));
+  assert.match(notes[0], /no causes of scene fence: they were found on references of version 1/);
+  await page.context().close();
+});
+
 test("without pictures the page is small and says so", async () => {
   const out = join(home, "small.html");
   gnomon(["report", run, "--no-pictures", "--out", out]);

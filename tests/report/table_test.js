@@ -3,6 +3,7 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 
+import { tick } from "../../harness/report/html/web/digits.js";
 import { closeBrowser, dataOf, open, openBrowser, saved, shownRows } from "./browser.js";
 import { makeRun, report, run } from "./small_run.js";
 
@@ -109,6 +110,29 @@ test("columns can be chosen", async () => {
   await page.locator('.columns input[name="technique"]').uncheck();
   assert.equal(await page.locator('th[data-column="technique"]').count(), 0);
   await page.context().close();
+});
+
+test("no word breaks inside", async () => {
+  for (const width of [1300, 390]) {
+    const page = await open(report, { viewport: { width, height: 900 } });
+    const broken = await page.locator("tbody td.text:not(.reason), tbody .id").evaluateAll((cells) => {
+      const words = cells.flatMap((cell) => [...cell.childNodes].filter((node) => /^[^\s-]+$/.test(node.data ?? "")));
+      const lines = (node) => {
+        const range = document.createRange();
+        range.selectNodeContents(node);
+        return new Set([...range.getClientRects()].map((box) => Math.round(box.top))).size;
+      };
+      return [words.length, ...words.filter((node) => lines(node) > 1).map((node) => node.data)];
+    });
+    assert.ok(broken[0] > 20);
+    assert.deepEqual(broken.slice(1), [], `at ${width} pixels`);
+    await page.context().close();
+  }
+});
+
+test("ticks say what they stand for", () => {
+  const ticks = [0, 1.5e-7, 2e-7, 0.0015, 0.25, 12, 1.5e4, 2.5e6].map(tick);
+  assert.deepEqual(ticks, ["0", "1.5e-7", "2e-7", "0.0015", "0.25", "12", "15 k", "2.5 M"]);
 });
 
 test("plots: a front that nothing beats, times by stage, growth, frames of the path", async () => {

@@ -123,6 +123,12 @@ TEST(analysis, filter_sees_scene_light_setting_and_label) {
   EXPECT_EQ(matching(records, "bias=slope").size(), 1u);
   EXPECT_EQ(matching(records, "").size(), 2u);
   EXPECT_THROW(matching(records, "("), Error);
+  // A path stands where it stands in the title of the job.
+  records[0].path = "slide";
+  EXPECT_EQ(title(records[0]), "soup point slide a");
+  EXPECT_EQ(matching(records, "^soup point slide a$").size(), 1u);
+  EXPECT_EQ(matching(records, "^soup point slide short name$").size(), 1u);
+  EXPECT_EQ(matching(records, "point a").size(), 0u);
 }
 
 // --- growth -----------------------------------------------------------------------------------------------------------
@@ -192,6 +198,11 @@ TEST(growth, what_does_not_change_the_triangles_does_not_join_scenes) {
     EXPECT_EQ(growth.points.size(), 3u);
   }
   EXPECT_EQ(scenes, (std::set<std::string>{"soup:seed=7,count=*", "soup:seed=8,count=*"}));
+  records.push_back(row("a", 1, 1, 0.1, "bunny"));
+  const auto families = scene_families(records);
+  EXPECT_EQ(families.at("bunny"), "bunny");
+  EXPECT_EQ(families.at(records[0].scene), "soup:seed=7,count=*");
+  EXPECT_EQ(families.at(records[5].scene), "soup:seed=8,count=*");
 }
 
 TEST(growth, two_points_are_too_few_and_one_is_no_series) {
@@ -317,7 +328,23 @@ TEST(front, over_all_places_means_are_of_the_same_scenes) {
   EXPECT_EQ(fields.back().places, 2u);
   EXPECT_EQ(fields.back().candidates.size(), 2u);
   ASSERT_EQ(fields.back().notes.size(), 1u);
-  EXPECT_EQ(fields.back().notes[0], "left out: partial, which finished only 1 of the scenes and lights");
+  EXPECT_EQ(fields.back().notes[0], "left out: partial, which finished only 1 of the places");
+}
+
+TEST(front, what_cannot_be_ranked_is_an_error) {
+  const auto says = [](const std::vector<Record>& records, const char* metric, const char* words) {
+    try {
+      find_fields(records, {.error = metric});
+      FAIL() << "no error";
+    } catch (const Error& error) {
+      EXPECT_TRUE(has(error.what(), words)) << error.what();
+    }
+  };
+  std::vector<Record> records{row("a", 1, 1, 0.1), row("b", 1, 1, 0.2)};
+  for (Record& r : records) r.metrics[Truth::shape]["penumbra_shift"] = 1.0;
+  says(records, "penumbra_shift", "penumbra_shift has no better side: front and best cannot rank by it");
+  for (Record& r : records) r.role = Role::reference;
+  says(records, "wrong_rate", "no contender finished with a wrong_rate");
 }
 
 RC_GTEST_PROP(front, nobody_on_it_is_beaten_and_everybody_else_is, ()) {
@@ -414,6 +441,8 @@ TEST(map, nothing_to_map_is_an_error) {
   EXPECT_THROW(make_maps(std::vector{row("a", 1, 1, 0.1)}, {}), Error);
   const std::vector<Record> records{row("a:k=1", 1, 1, 0.1), row("a:k=2", 1, 1, 0.1)};
   EXPECT_THROW(make_maps(records, {.x = "kk"}), Error);
+  EXPECT_THROW(make_maps(records, {.x = "k", .y = "k"}), Error);
+  EXPECT_THROW(make_maps(records, {.x = "k", .facet = "k"}), Error);
 }
 
 // --- motion -----------------------------------------------------------------------------------------------------------

@@ -303,6 +303,18 @@ TEST(enough, interval_of_relight_and_resolve_decides) {
   EXPECT_TRUE(is_narrow(r, 0.06)) << "below the clock";
   r.times(Stage::relight) = {{1}};
   EXPECT_FALSE(is_narrow(r, 0.06)) << "one process has no interval";
+  r.times(Stage::relight) = {{1}, {1}, {1}, {1}};
+  EXPECT_FALSE(is_narrow(r, 0.06)) << "an interval from four processes is no 95 % interval";
+  r.times(Stage::relight).push_back({1});
+  EXPECT_TRUE(is_narrow(r, 0.06));
+}
+
+TEST(enough, five_processes_can_be_reached_from_one) {
+  Suite suite;
+  for (const auto& [fixed, most] : {std::pair(1, 8), std::pair(2, 8), std::pair(3, 12)}) {
+    suite.processes = fixed;
+    EXPECT_EQ(most_processes(suite), most);
+  }
 }
 
 }  // namespace

@@ -56,6 +56,34 @@ TEST(motion, every_scene_has_slides_of_one_percent) {
   EXPECT_NEAR(std::acos(glm::dot(direction, glm::normalize(glm::vec3(0, -3, 4)))), 0.01, 1e-4);
 }
 
+TEST(motion, a_frame_that_cannot_be_is_named) {
+  const auto trouble = [](const Path& path, const Light& light, const View& view) -> std::string {
+    try {
+      check_frames(path, light, view, "little");
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const Light point{.name = "point", .kind = PointLight{{1, 2, 3}}}, sun{.name = "sun", .kind = DirectionalLight{{0, -1, 0}}};
+  const View view{.name = "view", .eye = {0, 0, 8}, .target = {2, 1, 0}, .up = {0, 0, 1}};
+  // The middle piece of `bent` goes from (2, 0, 0) to (2, 4, 0); with nine frames, the sixth is at (2, 1, 0).
+  Path path = bent;
+  path.frame_count = 9;
+  EXPECT_EQ(trouble(path, point, view), "view 'view': eye = (2, 1, 0) is at its target (scene little, path bent, frame 5)");
+  path.frame_count = 5;
+  EXPECT_EQ(trouble(path, point, view), "") << "between the frames it may be anywhere";
+  path.moves = Path::Moves::light;
+  EXPECT_EQ(trouble(path, point, view), "") << "a point light may be anywhere";
+  EXPECT_EQ(trouble(path, sun, view),
+            "light 'sun': direction = (0, 0, 0) is not a direction (scene little, path bent, frame 0)");
+  // A thousandth of a meter off is a direction; rounding is none.
+  path.positions = {{-1, 0, 0}, {1, 0, 1e-3f}};
+  EXPECT_EQ(trouble(path, sun, view), "");
+  path.positions = {{-1, 0, 0}, {1, 0, 1e-9f}};
+  EXPECT_NE(trouble(path, sun, view), "");
+}
+
 TEST(motion, the_scenes_own_paths_come_first_and_a_wrong_name_is_said) {
   Scene scene;
   scene.name = "little";

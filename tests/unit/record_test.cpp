@@ -273,6 +273,19 @@ TEST_F(RecordFileTest, second_writer_on_the_same_folder_is_refused) {
   EXPECT_NO_THROW(RecordWriter{dir});
 }
 
+TEST_F(RecordFileTest, replaced_records_are_there_at_once_and_stay_the_writers) {
+  RecordWriter writer(dir);
+  for (const char* job : {"1", "2", "3"}) writer.append(example(job));
+  writer.replace(std::vector{example("2")});
+  EXPECT_EQ(text(), record_line(example("2")));
+  EXPECT_THROW(RecordWriter{dir}, Error) << "the new file is locked like the old one";
+  writer.append(example("4"));
+  EXPECT_EQ(text(), record_line(example("2")) + record_line(example("4")));
+  writer.close();
+  EXPECT_NO_THROW(RecordWriter{dir});
+  EXPECT_EQ(std::distance(fs::directory_iterator(dir), fs::directory_iterator()), 1) << "nothing else is left in the folder";
+}
+
 TEST_F(RecordFileTest, full_device_is_an_error_that_names_the_record) {
   fs::create_symlink("/dev/full", records_file(dir));
   RecordWriter writer(dir);

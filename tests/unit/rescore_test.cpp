@@ -39,6 +39,7 @@ class RescoreTest : public testing::Test {
     record.mask = "masks/mask.exr";
     FrameStore frames(scene_, cache_root() / "frames");
     record.context["scene_hash"] = frames.scene_hash();
+    record.context["frames"] = frame_version();
     return record;
   }
   Reference reference(Truth truth) {
@@ -108,6 +109,47 @@ TEST_F(RescoreTest, causes_are_counted_by_name) {
   EXPECT_EQ(record.causes->at("acne"), 2u);
   EXPECT_EQ(record.causes->at("unexplained"), 1u);
   EXPECT_EQ(record.causes->at("edge_resolution"), 0u);
+}
+
+TEST_F(RescoreTest, causes_of_other_frames_are_dropped_and_said) {
+  const auto lost = [](const Rescored& result) {
+    return result.notes.size() == 1 && result.notes[0].find("1 row loses its causes") != std::string::npos;
+  };
+  Record record = row("single_triangle");
+  // One tested pixel is wrong, and a cause tells why.
+  const Reference truth = reference(Truth::shape);
+  const auto tested = std::find(truth.classes.begin(), truth.classes.end(), PixelClass::T) - truth.classes.begin();
+  std::vector<float> mask = floats(truth.mask), causes(width * height, 0.0f);
+  mask[static_cast<std::size_t>(tested)] = 1 - mask[static_cast<std::size_t>(tested)];
+  causes[static_cast<std::size_t>(tested)] = static_cast<float>(Cause::acne);
+  write({{"V", mask}, {"cause", causes}});
+  EXPECT_TRUE(again(record).notes.empty());
+  ASSERT_TRUE(record.causes);
+  EXPECT_EQ(record.causes->at("acne"), 1u);
+
+  const std::map<std::string, std::uint64_t> counted = *record.causes;
+  record.context["frames"] = frame_version() - 1;
+  EXPECT_TRUE(lost(again(record)));
+  EXPECT_EQ(record.causes, std::nullopt);
+  EXPECT_EQ(record.context["frames"], frame_version() - 1) << "the mask in the folder is as old as before";
+
+  // Without a version they stay as long as they are those of the wrong pixels.
+  record.context.erase("frames");
+  EXPECT_TRUE(again(record).notes.empty());
+  EXPECT_EQ(record.causes, counted);
+  causes[static_cast<std::size_t>(tested)] = 0;
+  write({{"V", mask}, {"cause", causes}});
+  EXPECT_TRUE(lost(again(record)));
+  EXPECT_EQ(record.causes, std::nullopt);
+
+  // Counts that no channel repeats must add up at least.
+  write({{"V", mask}});
+  record.causes = counted;
+  EXPECT_TRUE(again(record).notes.empty());
+  EXPECT_EQ(record.causes, counted);
+  (*record.causes)["crack"] = 1;
+  EXPECT_TRUE(lost(again(record)));
+  EXPECT_EQ(record.causes, std::nullopt);
 }
 
 TEST_F(RescoreTest, each_truth_is_scored_against_its_own_mask_and_keeps_its_values_without_one) {

@@ -163,6 +163,8 @@ TEST(suite, errors_say_what_and_end_in_file_and_line) {
   ends_in("\nheight = 1.5\n" + group, "suite.height = a number is not a whole number of 1 .. 16384 (FILE:2)");
   ends_in("truth = 'sphere'\n" + group, "suite.truth = sphere is not shape or mesh (FILE:1)");
   ends_in("timeout = 0\n" + group, "suite.timeout = 0 is not a number above 0 (FILE:1)");
+  ends_in("budget = 30\n" + group,
+          "suite.budget = 30 is for the processes that suite.interval asks for, which is not there (FILE:1)");
   ends_in("group = 3\n", "suite.group = a number is not an array of tables: write [[group]] (FILE:1)");
   ends_in(group + "scene = 3\n", "(FILE:4)");
   ends_in("[[group]]\nscenes = []\ntechniques = ['unshadowed']\n", "group.scenes is empty (FILE:1)");

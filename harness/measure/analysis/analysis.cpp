@@ -129,32 +129,28 @@ std::optional<Measured> cost_of(const Record& record, Cost cost) {
   return bootstrap({&sample, 1}, [](std::span<const double> values) { return values[0]; });
 }
 
-Place place_of(const Record& r) { return {r.scene, r.light, r.view, r.path, r.width, r.height, r.truth}; }
+Where where_of(const Record& r) { return {r.scene, r.light, r.view, r.path, r.width, r.height, r.truth}; }
 
-std::vector<Place> places_of(std::span<const Record> records) {
-  std::vector<Place> places;
-  std::set<Place> seen;
+std::vector<Where> places_of(std::span<const Record> records) {
+  std::vector<Where> places;
+  std::set<Where> seen;
   for (const Record& record : records)
-    if (seen.insert(place_of(record)).second) places.push_back(place_of(record));
+    if (seen.insert(where_of(record)).second) places.push_back(where_of(record));
   return places;
 }
 
-std::string title(const Place& place, std::span<const Place> all) {
+std::string title(const Where& place, std::span<const Where> all) {
   const auto varies = [&](auto member) {
-    return std::any_of(all.begin(), all.end(), [&](const Place& other) { return other.*member != place.*member; });
+    return std::any_of(all.begin(), all.end(), [&](const Where& other) { return other.*member != place.*member; });
   };
   std::string text = place.scene;
   if (!place.light.empty()) text += ", " + place.light;
-  if (!place.view.empty() && varies(&Place::view)) text += ", view " + place.view;
+  if (!place.view.empty() && varies(&Where::view)) text += ", view " + place.view;
   if (!place.path.empty()) text += ", path " + place.path;
-  if (varies(&Place::width) || varies(&Place::height)) text += fmt::format(", {} x {}", place.width, place.height);
-  if (varies(&Place::truth)) text += fmt::format(", {} truth", name(place.truth));
+  if (varies(&Where::width) || varies(&Where::height)) text += fmt::format(", {} x {}", place.width, place.height);
+  if (varies(&Where::truth)) text += fmt::format(", {} truth", name(place.truth));
   return text;
 }
-
-std::string setting_key(const Record& r) { return r.technique + (r.settings.empty() ? "" : ":" + r.settings); }
-
-std::string setting_name(const Record& r) { return r.label ? *r.label : setting_key(r); }
 
 std::vector<std::pair<std::string, std::string>> split_settings(std::string_view settings) {
   std::vector<std::pair<std::string, std::string>> pairs;
@@ -243,12 +239,12 @@ std::vector<Record> matching(std::vector<Record> records, const std::string& exp
     throw Error("--filter {} is not a regular expression: {}", expression, error.what());
   }
   std::erase_if(records, [&](const Record& r) {
-    const std::string where = fmt::format("{} {} ", r.scene, r.light);
+    const std::string where = fmt::format("{} {}{}{} ", r.scene, r.light, r.path.empty() ? "" : " ", r.path);
     // All parameters too: what is at its default does not stand in the settings.
     std::string full = where + r.technique + ":";
     for (const auto& [parameter, value] : r.parameters.items())
       full += fmt::format("{}={},", parameter, value.is_string() ? value.get<std::string>() : value.dump());
-    return !std::regex_search(where + setting_key(r), pattern) && !std::regex_search(where + setting_name(r), pattern) &&
+    return !std::regex_search(title(r), pattern) && !std::regex_search(where + setting_name(r), pattern) &&
            !std::regex_search(full, pattern);
   });
   return records;

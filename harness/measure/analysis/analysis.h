@@ -62,23 +62,18 @@ Sample sample_of(const Record& record, std::span<const Stage> stages);
 /// Nothing where the row did not measure it.
 std::optional<Measured> cost_of(const Record& record, Cost cost);
 
-/// What makes rows comparable: everything but the technique.
-struct Place {
+/// Where a row was measured, all but the technique: what makes rows comparable.
+struct Where {
   std::string scene, light, view, path;
   int width = 0, height = 0;
   Truth truth = Truth::shape;
-  auto operator<=>(const Place&) const = default;
+  auto operator<=>(const Where&) const = default;
 };
-Place place_of(const Record& record);
-/// All places in order of their first record.
-std::vector<Place> places_of(std::span<const Record> records);
+Where where_of(const Record& record);
+/// Every Where once, in order of its first record.
+std::vector<Where> places_of(std::span<const Record> records);
 /// "bunny, point", and of view, path, size and truth what varies among `all`.
-std::string title(const Place& place, std::span<const Place> all);
-
-/// Name of the technique with its settings: the label that the suite gave, else "id:a=1,b=2".
-std::string setting_name(const Record& record);
-/// What makes it the same setting in another place: id and settings, whatever its label.
-std::string setting_key(const Record& record);
+std::string title(const Where& place, std::span<const Where> all);
 
 /// "a=1,b=2" into pairs.
 std::vector<std::pair<std::string, std::string>> split_settings(std::string_view settings);
@@ -97,8 +92,9 @@ void require_quantity(std::span<const Record> records, std::string_view name);
 /// "lower" or "higher"; "lower" for times, sizes and causes, "" where a metric has no direction.
 std::string_view better(std::string_view quantity);
 
-/// The records whose "SCENE LIGHT TECHNIQUE:SETTINGS" matches the expression, which may be empty; the label may stand for
-/// technique and settings, and all parameters for those that differ from their defaults. Throws Error.
+/// The records whose title, "SCENE LIGHT [PATH] TECHNIQUE:SETTINGS" as in `gnomon run`, matches the expression, which may be
+/// empty; the label may stand for technique and settings, and all parameters for those that differ from their defaults. Throws
+/// Error.
 std::vector<Record> matching(std::vector<Record> records, const std::string& expression);
 
 }  // namespace gnomon

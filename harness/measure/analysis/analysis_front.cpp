@@ -36,7 +36,7 @@ Candidate candidate_of(const Record& r, const FieldOptions& options) {
   return candidate;
 }
 
-using Rows = std::map<Place, const Record*>;
+using Rows = std::map<Where, const Record*>;
 
 /// Over all places: means of what the rows of one setting measured.
 Candidate mean_of(const std::vector<const Record*>& rows, const FieldOptions& options) {
@@ -69,16 +69,16 @@ Candidate mean_of(const std::vector<const Record*>& rows, const FieldOptions& op
 /// The field over all places, from the rows of each setting in order of appearance.
 Field overall(std::vector<std::pair<std::string, Rows>> settings, const FieldOptions& options) {
   Field field;
-  std::set<Place> common;
+  std::set<Where> common;
   while (!settings.empty()) {
     common.clear();
     for (const auto& [place, row] : settings.front().second) common.insert(place);
     for (const auto& [key, rows] : settings)
-      std::erase_if(common, [&, &rows = rows](const Place& place) { return !rows.contains(place); });
+      std::erase_if(common, [&, &rows = rows](const Where& place) { return !rows.contains(place); });
     if (!common.empty()) break;
     const auto fewest = std::min_element(settings.begin(), settings.end(),
                                          [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
-    field.notes.push_back(fmt::format("left out: {}, which finished only {} of the scenes and lights",
+    field.notes.push_back(fmt::format("left out: {}, which finished only {} of the places",
                                       setting_name(*fewest->second.begin()->second), fewest->second.size()));
     settings.erase(fewest);
   }
@@ -120,18 +120,22 @@ bool is_better(std::string_view direction, double a, double b) { return directio
 
 std::vector<Field> find_fields(std::span<const Record> records, const FieldOptions& options) {
   require_quantity(records, options.error);
+  if (better(options.error).empty()) throw Error("{} has no better side: front and best cannot rank by it", options.error);
   std::vector<Field> fields;
-  std::map<Place, std::size_t> places;
+  std::map<Where, std::size_t> places;
   std::vector<std::pair<std::string, Rows>> settings;
   for (const Record& r : records) {
     if (r.status != Status::ok || !quantity(r, options.error)) continue;
-    const auto [found, is_new] = places.try_emplace(place_of(r), fields.size());
-    if (is_new) fields.push_back({.place = place_of(r), .places = 1, .candidates = {}, .notes = {}});
+    const auto [found, is_new] = places.try_emplace(where_of(r), fields.size());
+    if (is_new) fields.push_back({.place = where_of(r), .places = 1, .candidates = {}, .notes = {}});
     fields[found->second].candidates.push_back(candidate_of(r, options));
     const auto known = std::find_if(settings.begin(), settings.end(), [&](const auto& s) { return s.first == setting_key(r); });
     Rows& rows = known == settings.end() ? settings.emplace_back(setting_key(r), Rows()).second : known->second;
-    rows.try_emplace(place_of(r), &r);
+    rows.try_emplace(where_of(r), &r);
   }
+  const auto competes = [](const Candidate& c) { return c.role == Role::contender; };
+  if (std::none_of(fields.begin(), fields.end(), [&](const Field& f) { return std::ranges::any_of(f.candidates, competes); }))
+    throw Error("there is nothing to rank: no contender finished with a {}", options.error);
   for (Field& field : fields) add_relative_costs(field);
   if (fields.size() > 1) fields.push_back(overall(std::move(settings), options));
   return fields;

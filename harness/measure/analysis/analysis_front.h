@@ -16,7 +16,7 @@ struct Candidate {
 
 /// Candidates that may be compared with one another.
 struct Field {
-  std::optional<Place> place;  ///< nothing: over all places
+  std::optional<Where> place;  ///< nothing: over all places
   std::size_t places = 1;      ///< how many it covers
   std::vector<Candidate> candidates;
   std::vector<std::string> notes;  ///< who is left out, and why
@@ -29,7 +29,8 @@ struct FieldOptions {
 
 /// One field for each place, and the last over all of them when there is more than one: over the places that every setting
 /// finished, so that means compare the same scenes. Settings that share no place with the others are left out, the one with the
-/// fewest places first, and noted. Throws Error when no record has the error.
+/// fewest places first, and noted. Throws Error when no record has the error, when it has no better
+/// side, and when no contender has it.
 std::vector<Field> find_fields(std::span<const Record> records, const FieldOptions& options);
 
 /// Whether a is better than b in a quantity of this direction.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <map>
 
 namespace gnomon {
 
@@ -55,7 +54,7 @@ std::map<std::string, std::set<std::string>> growing_parameters(std::span<const 
 /// One series before it is timed: which rows, at which x.
 struct Series {
   const Record* first = nullptr;
-  Place place;
+  Where place;
   std::string setting;
   std::vector<std::pair<double, const Record*>> rows;
 };
@@ -208,26 +207,34 @@ PowerLaw fit_power_law(std::span<const double> x, std::span<const double> y) {
   return {exponent, std::exp(mean_y - exponent * mean_x), is_constant ? 1 : xy * xy / (xx * yy)};
 }
 
+std::map<std::string, std::string> scene_families(std::span<const Record> records) {
+  const std::map<std::string, std::set<std::string>> growing = growing_parameters(records);
+  std::map<std::string, std::string> families;
+  for (const Record& r : records) {
+    const auto found = growing.find(split_reference(r.scene).first);
+    families[r.scene] = found == growing.end() ? r.scene : starred(r.scene, found->second);
+  }
+  return families;
+}
+
 Growths find_growth(std::span<const Record> records, const std::string& axis) {
   const std::vector<std::string> names = axis_names(records);
   if (std::find(names.begin(), names.end(), axis) == names.end())
     throw Error("there is no axis {}; did you mean {}? There are: {}", axis, nearest_word(axis, names), fmt::join(names, ", "));
   const bool is_of_technique =
       std::any_of(records.begin(), records.end(), [&](const Record& r) { return r.parameters.contains(axis); });
-  const std::map<std::string, std::set<std::string>> growing = growing_parameters(records);
+  const std::map<std::string, std::string> families = scene_families(records);
 
   std::vector<Series> all;
-  std::map<std::pair<Place, std::string>, std::size_t> places;  // series by what they are equal in
+  std::map<std::pair<Where, std::string>, std::size_t> places;  // series by what they are equal in
   for (const Record& r : records) {
     if (r.status != Status::ok) continue;
-    Place place = place_of(r);
+    Where place = where_of(r);
     std::string setting = setting_name(r), key = setting_key(r);
     std::optional<double> x;
     if (axis == "triangles") {
       if (r.scene_facts) x = static_cast<double>(r.scene_facts->triangles);
-      const std::string id = split_reference(r.scene).first;
-      const auto found = growing.find(id);
-      place.scene = found == growing.end() ? r.scene : starred(r.scene, found->second);
+      place.scene = families.at(r.scene);
     } else if (axis == "pixels") {
       x = static_cast<double>(r.width) * r.height;
       place.width = place.height = 0;

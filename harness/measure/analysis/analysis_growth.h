@@ -1,4 +1,6 @@
 #pragma once
+#include <map>
+
 #include "measure/analysis/analysis.h"
 
 namespace gnomon {
@@ -13,7 +15,7 @@ PowerLaw fit_power_law(std::span<const double> x, std::span<const double> y);
 
 /// How the time of one stage grows along one axis: rows of one setting that are equal in everything else.
 struct Growth {
-  Place place;          ///< scene: the family, "sphere_field:count=*"; what the axis varies is 0 or empty
+  Where place;          ///< scene: the family, "sphere_field:count=*"; what the axis varies is 0 or empty
   std::string setting;  ///< without the parameter that the axis varies
   Role role = Role::contender;
   std::string stage;  ///< "build", "relight", "resolve"; on the axis `lights` also "total"
@@ -39,6 +41,10 @@ struct Growths {
   std::vector<Growth> rows;
   std::size_t single = 0;  ///< series of one point, left out
 };
+
+/// By scene reference, the family that the axis `triangles` joins it to: the reference with the parameters starred that change
+/// how many triangles scenes of its id have, "sphere_field:count=*"; itself where there is none.
+std::map<std::string, std::string> scene_families(std::span<const Record> records);
 
 /// `axis` is "triangles", "pixels", "lights" (of one scene: build once, relight and resolve summed over the first, first two,
 /// ... in the order of the records), or a numeric parameter of techniques or of scenes. Throws Error with the nearest name when

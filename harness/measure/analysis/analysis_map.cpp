@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstring>
 #include <map>
 
 namespace gnomon {
@@ -27,7 +28,7 @@ std::string shown_value(const Json& value) {
 /// One setting of a technique: its parameters and what it measured where.
 struct Setting {
   Values values;
-  std::map<Place, double> measured;
+  std::map<Where, double> measured;
 };
 
 /// Values of one parameter in the order that people expect.
@@ -79,10 +80,10 @@ void make_technique_maps(const std::string& technique, const std::vector<Setting
   if (!varies(x)) return;  // this technique was not swept along this axis
   if (!varies(y)) y.clear();
 
-  std::set<Place> common;
+  std::set<Where> common;
   for (const auto& [place, value] : settings.front().measured) common.insert(place);
   for (const Setting& setting : settings)
-    std::erase_if(common, [&](const Place& place) { return !setting.measured.contains(place); });
+    std::erase_if(common, [&](const Where& place) { return !setting.measured.contains(place); });
   if (common.empty()) return;
 
   std::vector<std::string> facets;
@@ -116,7 +117,7 @@ void make_technique_maps(const std::string& technique, const std::vector<Setting
     map.cells.resize(map.xs.size() * map.ys.size());
     for (const Setting* member : members) {
       double sum = 0;
-      for (const Place& place : common) sum += member->measured.at(place);
+      for (const Where& place : common) sum += member->measured.at(place);
       const auto index = [](const std::vector<std::string>& values, const std::string& value) {
         return static_cast<std::size_t>(std::find(values.begin(), values.end(), value) - values.begin());
       };
@@ -141,6 +142,12 @@ void make_technique_maps(const std::string& technique, const std::vector<Setting
 
 std::vector<Map> make_maps(std::span<const Record> records, const MapOptions& options) {
   require_quantity(records, options.metric);
+  const std::pair<const char*, const std::string&> axes[] = {
+      {"--x", options.x}, {"--y", options.y}, {"--facet", options.facet}};
+  for (const auto& [first, parameter] : axes)
+    for (const auto& [second, again] : axes)
+      if (std::strcmp(first, second) != 0 && !parameter.empty() && parameter == again)
+        throw Error("{} and {} are both {}; each wants a parameter of its own", first, second, parameter);
   std::vector<std::string> techniques, known{"scene", "light"};
   std::map<std::string, std::vector<std::string>> declared;  // by technique, parameters in their order
   std::map<std::string, std::map<std::string, Setting>> settings;
@@ -161,7 +168,7 @@ std::vector<Map> make_maps(std::span<const Record> records, const MapOptions& op
       values[parameter] = shown_value(one);
     }
     // A scene or light that is an axis is no part of the mean.
-    Place place = place_of(r);
+    Where place = where_of(r);
     if (wanted.contains("scene")) declare("scene"), values["scene"] = std::exchange(place.scene, "");
     if (wanted.contains("light")) declare("light"), values["light"] = std::exchange(place.light, "");
     std::string key;

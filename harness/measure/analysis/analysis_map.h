@@ -10,8 +10,8 @@ struct MapOptions {
   std::string x = {}, y = {}, facet = {};
 };
 
-/// A quantity over two parameters of one technique, all others fixed: the mean over the scenes and lights that every setting of
-/// the technique finished.
+/// A quantity over two parameters of one technique, all others fixed: the mean over the places (scene, light, view, path, size)
+/// that every setting of the technique finished.
 struct Map {
   std::string technique;
   /// What is fixed here and differs between the maps of the technique: name and value.
@@ -29,8 +29,8 @@ struct Map {
 };
 
 /// Maps of every technique that has at least two settings. Parameters beside x, y and facet that vary become facets too, so
-/// that no cell hides a choice. Throws Error on a metric or parameter that no record has, and when no technique has two
-/// settings.
+/// that no cell hides a choice. Throws Error on a metric or parameter that no record has, on one that is
+/// named for two axes, and when no technique has two settings.
 std::vector<Map> make_maps(std::span<const Record> records, const MapOptions& options);
 
 }  // namespace gnomon

@@ -98,11 +98,6 @@ std::string key_of(const Record& record) {
                      record.width, record.height, name(record.truth), record.path);
 }
 
-std::string context_text(const Record& record, const char* key) {
-  const auto found = record.context.find(key);
-  return found != record.context.end() && found->is_string() ? found->get<std::string>() : "";
-}
-
 /// Both runs were one run of two programs: they carry the same mark.
 bool are_side_by_side(std::span<const Record> base, std::span<const Record> contender) {
   std::set<std::string> marks[2];
@@ -176,10 +171,6 @@ RowChange match(const Record& base, const Record& contender, const CompareOption
 }
 
 }  // namespace
-
-std::string contender_title(const Record& record) {
-  return record.label.value_or(record.settings.empty() ? record.technique : record.technique + ":" + record.settings);
-}
 
 Comparison compare(std::span<const Record> base, std::span<const Record> contender, const CompareOptions& options) {
   Comparison result;

@@ -96,9 +96,6 @@ struct Comparison {
 /// A part of compare: lists the stages of the matched rows and judges them.
 void judge_times(Comparison& comparison);
 
-/// Label, or id and settings.
-std::string contender_title(const Record& record);
-
 /// Compares two runs, rows matched by their job. The records must outlive the result.
 Comparison compare(std::span<const Record> base, std::span<const Record> contender, const CompareOptions& options = {});
 

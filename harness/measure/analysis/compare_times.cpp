@@ -14,11 +14,6 @@ namespace gnomon {
 
 namespace {
 
-std::string context_text(const Record& record, const char* key) {
-  const auto found = record.context.find(key);
-  return found != record.context.end() && found->is_string() ? found->get<std::string>() : "";
-}
-
 std::vector<StageChange> list_stages(const RowChange& row) {
   std::vector<StageChange> stages;
   for (const Stage stage : {Stage::setup, Stage::build, Stage::relight, Stage::resolve}) {
@@ -135,7 +130,7 @@ void judge_times(Comparison& result) {
       difference->slack = slack(*row.base, *row.contender);
       differences.push_back(*difference);
       judged.push_back(&change);
-      owners.push_back(contender_title(*row.contender));
+      owners.push_back(setting_name(*row.contender));
     }
   }
 

@@ -12,7 +12,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Raised when a G-buffer, a reference or a class comes out differently for the same scene.
 constexpr int algorithm_version = 5;
 
 template <class T>
@@ -41,6 +40,8 @@ std::span<const T> slice(const MappedFile& file, std::size_t& offset, std::size_
 }
 
 }  // namespace
+
+int frame_version() { return algorithm_version; }
 
 FrameStore::FrameStore(const Scene& scene, fs::path folder)
     : scene_(scene), folder_(std::move(folder)), scene_bytes_(scene_bytes(scene)), scene_hash_(content_hash(scene_bytes_)) {}

@@ -19,6 +19,10 @@ struct Reference {
   std::shared_ptr<const void> storage;
 };
 
+/// Raised when a G-buffer, a reference or a class comes out differently for the same scene. Records keep it as `frames` of
+/// their context: causes belong to the frames that they were found on.
+int frame_version();
+
 /// What a G-buffer is made from.
 struct FrameKey {
   View view;

@@ -16,16 +16,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string title_of(const Record& r) {
-  return fmt::format("{} {}{}{} {}{}{}", r.scene, r.light, r.path.empty() ? "" : " ", r.path, r.technique,
-                     r.settings.empty() ? "" : ":", r.settings);
-}
-
-std::string context_text(const Record& record, const char* key) {
-  const auto found = record.context.find(key);
-  return found == record.context.end() ? "" : found->is_string() ? found->get<std::string>() : found->dump();
-}
-
 /// What must be the same whenever the job is run, as a flat list of paths and values. A failed row's reason may name a process
 /// or a time, so it is left out.
 Json content(const Record& record) {
@@ -160,7 +150,7 @@ Merge merge_records(std::span<const std::pair<fs::path, std::vector<Record>>> ru
       if (different.empty())
         ++merge.duplicate_count;
       else
-        merge.conflicts.push_back({record.job, title_of(record), kept.folder, folder, std::move(different)});
+        merge.conflicts.push_back({record.job, title(record), kept.folder, folder, std::move(different)});
       if (prefer_last) kept = {record, folder};
     }
   std::stable_sort(merge.rows.begin(), merge.rows.end(), [&](const MergedRow& a, const MergedRow& b) {
@@ -209,9 +199,10 @@ std::size_t write_merge(const Merge& merge, const fs::path& out, const std::func
         fs::copy_file(row.folder / name, staged / name);
       }
     }
-    write_file(records_file(staged), lines);
+    write_file(records_file(staged), lines, Durable::yes);
     finish(staged);
     fs::rename(staged, target);
+    sync_folder_of(target);
     return missing;
   } catch (...) {
     fs::remove_all(staged, code);

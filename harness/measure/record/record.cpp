@@ -169,6 +169,20 @@ void read(std::string_view field, const Json& value, Record::SceneFacts& into) {
 
 }  // namespace
 
+std::string setting_key(const Record& r) { return r.technique + (r.settings.empty() ? "" : ":" + r.settings); }
+
+std::string setting_name(const Record& r) { return r.label ? *r.label : setting_key(r); }
+
+std::string title(const Record& r) {
+  return fmt::format("{} {}{}{} {}", r.scene, r.light, r.path.empty() ? "" : " ", r.path, setting_key(r));
+}
+
+std::string context_text(const Record& record, std::string_view key) {
+  const auto found = record.context.find(key);
+  if (found == record.context.end() || found->is_null()) return "";
+  return found->is_string() ? found->get<std::string>() : found->dump();
+}
+
 std::optional<double> Record::metric(Truth of, std::string_view name) const {
   const auto against = metrics.find(of);
   if (against == metrics.end()) return std::nullopt;

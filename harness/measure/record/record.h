@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -87,6 +88,15 @@ struct Record {
   std::optional<double> metric(std::string_view name) const { return metric(truth, name); }
 };
 
+/// Name of the technique with its settings: the label that the suite gave, else "id:a=1,b=2".
+std::string setting_name(const Record& record);
+/// What makes it the same setting on another scene: id and settings, whatever its label.
+std::string setting_key(const Record& record);
+/// "SCENE LIGHT [PATH] TECHNIQUE:SETTINGS", the title of its job.
+std::string title(const Record& record);
+/// A text of the context, "" when it is not there; what is no text, as JSON.
+std::string context_text(const Record& record, std::string_view key);
+
 /// `Json(record)` and `json.get<Record>()`. Reading throws Error with the field, its value and what is allowed; fields that
 /// are absent or null keep their defaults, except schema, scene, technique and status, which must be there.
 void to_json(Json& json, const Record& record);
@@ -123,6 +133,9 @@ class RecordWriter {
   /// Throws Error when the disk is full or broken; the file then holds the earlier lines, whole. A failed `append` may be tried
   /// again.
   void append(const Record& record);
+  /// Puts these records in place of all that the file holds, at once, and goes on behind them. The folder stays this writer's
+  /// all the while. Throws Error when they cannot be written; the file is as it was then.
+  void replace(std::span<const Record> records);
   /// Says whether everything arrived; the destructor can only close.
   void close();
 

@@ -12,6 +12,7 @@
 #include <unordered_map>
 
 #include "measure/record/record.h"
+#include "measure/scene/blob.h"
 
 namespace gnomon {
 
@@ -135,6 +136,24 @@ void RecordWriter::append(const Record& record) {
   const bool is_whole = written <= 0 || ftruncate(descriptor_, end) == 0;
   throw Error("the record of {} {} could not be written: {}; in {}{}", record.technique, record.job, why, file_.string(),
               is_whole ? "" : ", which now ends in an unfinished line");
+}
+
+void RecordWriter::replace(std::span<const Record> records) {
+  std::string lines;
+  for (const Record& record : records) lines += record_line(record);
+  // The new file is locked before anybody can open it by its name, and the old one is let go last: no other writer gets
+  // between.
+  const fs::path fresh = fmt::format("{}.{}.part", file_.string(), getpid());
+  write_file(fresh, lines, Durable::yes);
+  const int descriptor = open(fresh.c_str(), O_RDWR | O_APPEND | O_CLOEXEC);
+  if (descriptor < 0 || flock(descriptor, LOCK_EX | LOCK_NB) != 0 || std::rename(fresh.c_str(), file_.c_str()) != 0) {
+    const int why = errno;
+    if (descriptor >= 0) ::close(descriptor);
+    unlink(fresh.c_str());
+    throw Error("{} cannot be replaced: {}", file_.string(), std::strerror(why));
+  }
+  sync_folder_of(file_);
+  ::close(std::exchange(descriptor_, descriptor));
 }
 
 void RecordWriter::close() {

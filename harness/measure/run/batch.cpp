@@ -95,10 +95,17 @@ class Batch {
     return result;
   }
 
-  void fail(Row& row, const std::string& reason) {
+  /// Numbers of a row that is not ok would be taken for results: they go, and so do its pictures.
+  void give_up(Row& row, Status status) {
     row.over = true;
     progress_.advance(std::max(0, run_.suite.processes - process_));
-    row.record.status = Status::failed;
+    remove_pictures(row.record, sides_[row.side].out);
+    forget_results(row.record);
+    row.record.status = status;
+  }
+
+  void fail(Row& row, const std::string& reason) {
+    give_up(row, Status::failed);
     row.record.reason = reason;
     seats_[row.contender].reset();
   }
@@ -174,20 +181,18 @@ class Batch {
     Seat& seat = seat_of(row);
     const Standpoint place = run_.place(row.job);
     const Support support = seat.go(place, run_.suite.truth);
-    if (process_ == 0) {
+    if (process_ == 0 || !support) {
       row.record.support = support.kind();
       row.record.reason = support.why();
     }
-    if (!support) {
-      row.record.status = Status::unsupported;
-      row.over = true;
-      progress_.advance(run_.suite.processes - process_);
-      return;
-    }
+    if (!support) return give_up(row, Status::unsupported);
     row.record.times(Stage::setup).push_back({seat.setup_ms()});
     row.record.iterations["setup"] = 1;
     if (process_ > 0) return;
-    write_pictures(row.record, run_, measure(row.record, run_, seat, place), sides_[row.side].out);
+    if (const auto measured = measure(row.record, run_, seat, place))
+      write_pictures(row.record, run_, *measured, sides_[row.side].out);
+    else
+      give_up(row, Status::unsupported);
   }
 
   /// Warms one stage of every row up, then times all of them interleaved.
@@ -278,6 +283,20 @@ double run_batch(SceneRun& run, std::span<const Side> sides, std::vector<Row>& r
   Batch batch(run, sides, rows, progress);
   batch.execute();
   return run.suite.interval > 0 ? batch.refine(budget) : 0;
+}
+
+double share_overhead(std::vector<Row>& batch, double seconds) {
+  double processes = 0;
+  const auto count = [](const Row& row) {
+    return std::max<double>(1, static_cast<double>(row.record.times(Stage::resolve).size()));
+  };
+  for (const Row& row : batch) {
+    seconds -= row.record.seconds.value_or(0);
+    processes += count(row);
+  }
+  const double share = std::max(0.0, seconds) / processes;
+  for (Row& row : batch) row.record.seconds = row.record.seconds.value_or(0) + share * count(row);
+  return share;
 }
 
 }  // namespace gnomon

@@ -30,4 +30,8 @@ std::vector<std::vector<Row>> split(std::vector<Row> rows);
 /// interval, rows that need it get more processes, of at most `budget` seconds in all. Answers the seconds that those took.
 double run_batch(SceneRun& run, std::span<const Side> sides, std::vector<Row>& rows, Progress& progress, double budget);
 
+/// What the batch took beside its rows (opening workers, loading the scene) belongs to them: shared out by processes, so that
+/// the seconds of all rows are those of the run. Answers the share of one process.
+double share_overhead(std::vector<Row>& batch, double seconds);
+
 }  // namespace gnomon

@@ -1,5 +1,7 @@
 #include "measure/run/enough.h"
 
+#include <algorithm>
+
 #include "measure/analysis/compare.h"
 
 namespace gnomon {
@@ -9,12 +11,13 @@ bool is_narrow(const Record& record, double interval) {
     const ProcessTimes& times = record.times(stage);
     const auto time = median_of_medians(times);
     if (!time || *time < least_time) continue;
+    if (times.size() < least_processes) return false;
     const auto estimate = bootstrap(times);
     if (!estimate || estimate->high - estimate->low > interval * estimate->value) return false;
   }
   return true;
 }
 
-int most_processes(const Suite& suite) { return 4 * suite.processes; }
+int most_processes(const Suite& suite) { return std::max(4 * suite.processes, 8); }
 
 }  // namespace gnomon

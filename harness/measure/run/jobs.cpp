@@ -42,6 +42,28 @@ void require(const std::vector<std::string>& wanted, const std::vector<std::stri
                   fmt::join(there, ", "));
 }
 
+const auto& named(const auto& items, const std::string& name) {
+  return *std::find_if(items.begin(), items.end(), [&](const auto& item) { return item.name == name; });
+}
+
+/// Every frame of the path, for each of these lights and views, must be one that can be drawn: nothing runs before that.
+void check_path(const Scene& scene, const std::string& reference, const std::string& name,
+                const std::vector<std::string>& lights, const std::vector<std::string>& views) {
+  const Light& some_light = named(scene.lights, lights.front());
+  const View& some_view = named(scene.views, views.front());
+  // A path moves one of both and does not look at the other.
+  if (find_path(scene, name, some_light, some_view).moves == Path::Moves::camera)
+    for (const std::string& view_name : views) {
+      const View& view = named(scene.views, view_name);
+      check_frames(find_path(scene, name, some_light, view), some_light, view, reference);
+    }
+  else
+    for (const std::string& light_name : lights) {
+      const Light& light = named(scene.lights, light_name);
+      check_frames(find_path(scene, name, light, some_view), light, some_view, reference);
+    }
+}
+
 }  // namespace
 
 void require_names(const std::string& reference, const Scene& scene, const std::vector<std::string>& lights,
@@ -69,8 +91,7 @@ std::vector<Job> expand_jobs(const Suite& suite, SceneLibrary& library) {
       const std::vector<std::string> paths = group.paths.empty() ? std::vector<std::string>{""} : group.paths;
       const auto sizes = group.sizes.empty() ? std::vector{std::pair(suite.width, suite.height)} : group.sizes;
       if (entry.scene)
-        for (const std::string& path : group.paths)
-          find_path(*entry.scene, path, entry.scene->lights.front(), entry.scene->views.front());
+        for (const std::string& path : group.paths) check_path(*entry.scene, reference, path, lights, views);
       for (const std::string& light : lights)
         for (const std::string& view : views)
           for (const std::string& path : paths)

@@ -38,7 +38,8 @@ class SceneLibrary {
 void require_names(const std::string& reference, const Scene& scene, const std::vector<std::string>& lights,
                    const std::vector<std::string>& views);
 
-/// All jobs of a suite in order, each once. Throws Error when a scene lacks a named light or view.
+/// All jobs of a suite in order, each once. Throws Error when a scene lacks a named light, view or path, or a path has a frame
+/// that cannot be drawn.
 std::vector<Job> expand_jobs(const Suite& suite, SceneLibrary& library);
 
 }  // namespace gnomon

@@ -2,6 +2,10 @@
 
 #include <gnomon/error.h>
 
+#include <array>
+#include <chrono>
+#include <optional>
+
 #include "measure/paths.h"
 #include "measure/run/batch.h"
 #include "measure/run/context.h"
@@ -25,6 +29,7 @@ Json context_of(const Json& build, int threads) {
 /// A folder that goes away with its owner.
 struct Scratch {
   fs::path path;
+  explicit Scratch(fs::path p) : path(std::move(p)) { fs::create_directories(path); }
   ~Scratch() {
     std::error_code ignored;
     fs::remove_all(path, ignored);
@@ -46,10 +51,11 @@ void run_live(const LiveOptions& options, SceneLibrary& library, Progress& progr
   RunOptions selection;
   selection.suite = options.suite;
   selection.filter = options.filter;
-  const std::vector<Job> jobs = select_jobs(selection, library);
+  const std::vector<Job> jobs = select_jobs(selection, expand_jobs(selection.suite, library));
   for (const Side& side : sides) refuse_records(side.out);
   for (const Side& side : sides) fs::create_directories(side.out);
   std::array<RecordWriter, 2> writers{RecordWriter(sides[0].out), RecordWriter(sides[1].out)};
+  for (const Side& side : sides) refuse_records(side.out);  // of a run that ended just now
 
   std::vector<std::string> scenes;
   std::map<std::string, std::vector<Row>> rows;
@@ -65,14 +71,13 @@ void run_live(const LiveOptions& options, SceneLibrary& library, Progress& progr
   progress.expect(static_cast<double>(2 * jobs.size()) * options.suite.processes);
   const Json now = machine_context(options.worker.threads);
   const std::string mark = content_hash(fmt::format("{} {}", options.out.string(), now.dump())).substr(0, 16);
-  const Scratch scratch{options.out / ".scratch"};
-  fs::create_directories(scratch.path);
+  std::optional<Scratch> scratch(options.out / ".scratch");
   double budget = options.suite.budget;
   std::size_t rows_left = 2 * jobs.size();
   for (const std::string& scene : scenes) {
     const SceneLibrary::Entry& entry = library.get(scene);
     std::optional<SceneRun> run;
-    if (entry.scene) run.emplace(scene, *entry.scene, options.suite, cache_root() / "frames", scratch.path);
+    if (entry.scene) run.emplace(scene, *entry.scene, options.suite, cache_root() / "frames", scratch->path);
     for (std::vector<Row>& batch : split(std::move(rows[scene]))) {
       const Json contexts[] = {context_of(build, options.worker.threads), machine_context(options.worker.threads)};
       for (Row& row : batch) {
@@ -82,6 +87,7 @@ void run_live(const LiveOptions& options, SceneLibrary& library, Progress& progr
         row.record.context["side_by_side"] = mark;
         if (run) {
           row.record.context["scene_hash"] = run->frames.scene_hash();
+          row.record.context["frames"] = frame_version();
         } else {
           row.record.status = Status::unsupported;
           row.record.reason = entry.missing;
@@ -90,13 +96,16 @@ void run_live(const LiveOptions& options, SceneLibrary& library, Progress& progr
       }
       if (run) {
         const double allowance = budget * static_cast<double>(batch.size()) / static_cast<double>(rows_left);
+        const auto opened = std::chrono::steady_clock::now();
         budget -= run_batch(*run, sides, batch, progress, allowance);
+        share_overhead(batch, std::chrono::duration<double>(std::chrono::steady_clock::now() - opened).count());
       }
       rows_left -= batch.size();
       for (const Row& row : batch) writers[row.side].append(row.record);
     }
     library.forget(scene);
   }
+  scratch.reset();  // while both folders are ours
   for (RecordWriter& writer : writers) writer.close();
 }
 

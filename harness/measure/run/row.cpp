@@ -183,10 +183,12 @@ Record start_record(const Job& job, const Suite& suite, const Scene* scene, cons
 
 namespace {
 
-/// Means of metrics over the frames of a path.
+/// Means of metrics over the frames of a path. A mean over some of the frames would be another quantity in every row, so there
+/// is none unless all frames have a value.
 class FrameMeans {
  public:
   void add(const Metrics& metrics) {
+    ++frames_;
     for (const auto& [metric, value] : metrics) {
       auto& [sum, count] = sums_[metric];
       if (value) sum += *value, ++count;
@@ -194,13 +196,28 @@ class FrameMeans {
   }
   Metrics means() const {
     Metrics result;
-    for (const auto& [metric, sum] : sums_) result[metric] = sum.second ? std::optional(sum.first / sum.second) : std::nullopt;
+    for (const auto& [metric, total] : sums_) {
+      const auto& [sum, count] = total;
+      const int due = metric == between_frames && frames_ > 1 ? frames_ - 1 : frames_;
+      result[metric] = count == due ? std::optional(sum / count) : std::nullopt;
+    }
     return result;
   }
 
  private:
+  static constexpr std::string_view between_frames = "instability";  ///< has no value at the first frame
+  int frames_ = 0;
   std::map<std::string, std::pair<double, int>> sums_;
 };
+
+/// Adds what the technique says of a frame to the record's support; answers whether it takes the frame.
+bool take_support(Record& record, const Support& support, const Standpoint& place) {
+  if (support.kind() == Support::Kind::full) return true;
+  if (support && record.support == Support::Kind::approximate) return true;  // by an earlier frame, which said why
+  record.support = support.kind();
+  record.reason = place.path ? fmt::format("at frame {}: {}", place.frame, support.why()) : support.why();
+  return static_cast<bool>(support);
+}
 
 /// Pixels where the answer is not wrong.
 std::vector<std::uint8_t> right_pixels(const Evidence& evidence) {
@@ -211,7 +228,7 @@ std::vector<std::uint8_t> right_pixels(const Evidence& evidence) {
 
 }  // namespace
 
-MeasuredRow measure(Record& record, SceneRun& run, Seat& seat, const Standpoint& first) {
+std::optional<MeasuredRow> measure(Record& record, SceneRun& run, Seat& seat, const Standpoint& first) {
   if (!seat.gl().is_null()) {
     record.context["gl_renderer"] = seat.gl()["renderer"];
     record.context["gl_version"] = seat.gl()["version"];
@@ -230,14 +247,14 @@ MeasuredRow measure(Record& record, SceneRun& run, Seat& seat, const Standpoint&
     now = MeasuredRow{.light = run.light(place), .answer = {}, .tally = {}, .other_mask = {}};
     std::vector<std::uint8_t> right_on_mesh;
     if (has_two_truths) {
-      seat.go(place, other);
+      if (!take_support(record, seat.go(place, other), place)) return std::nullopt;
       Answer answer = seat.answer(nullptr);
       const Evidence evidence = answer.evidence(run.scene, now.light);
       means[other].add(measure_metrics(Scoring(evidence)));
       if (other == Truth::mesh) right_on_mesh = right_pixels(evidence);
       now.other_mask = std::move(answer.mask);
     }
-    seat.go(place, truth);
+    if (!take_support(record, seat.go(place, truth), place)) return std::nullopt;
     now.answer = seat.answer(&record);
     now.answer.causes =
         find_causes({run.scene, run.frames.casters(truth), now.answer.gbuffer, now.light, now.answer.reference, now.answer.mask,
@@ -261,6 +278,29 @@ MeasuredRow measure(Record& record, SceneRun& run, Seat& seat, const Standpoint&
   record.metrics[other] = has_two_truths ? means[other].means() : record.metrics[truth];
   record.status = Status::ok;
   return now;
+}
+
+void forget_results(Record& record) {
+  record.stages = {};
+  record.iterations.clear();
+  record.stop.clear();
+  record.counts.clear();
+  record.bytes.reset();
+  record.peak_bytes.reset();
+  record.gl.reset();
+  record.classes.clear();
+  record.metrics.clear();
+  record.causes.reset();
+  record.frames.clear();
+  record.mask.reset();
+  record.error_picture.reset();
+  record.shaded_picture.reset();
+}
+
+void remove_pictures(const Record& record, const fs::path& out) {
+  std::error_code ignored;
+  for (const auto& picture : {record.mask, record.error_picture, record.shaded_picture})
+    if (picture) fs::remove(out / *picture, ignored);
 }
 
 void write_pictures(Record& record, const SceneRun& run, const MeasuredRow& measured, const fs::path& out) {

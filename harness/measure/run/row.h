@@ -87,10 +87,17 @@ struct MeasuredRow {
 
 /// All of a row but its times, at the place where the seat stands: counts, memory, classes, causes, metrics against both
 /// truths, what GL it ran on. A row on a path is measured at every frame: metrics are means, classes and causes sums over its
-/// frames, and the answer is that of the last one. The seat ends at the first frame under the headline truth.
-MeasuredRow measure(Record& record, SceneRun& run, Seat& seat, const Standpoint& place);
+/// frames, and the answer is that of the last one; a mean is there where every frame has the metric (instability: every frame
+/// but the first). The seat ends at the first frame under the headline truth. What the technique says of its support counts at
+/// every frame: the record gets the worst of it, and there is no answer when one is unsupported.
+std::optional<MeasuredRow> measure(Record& record, SceneRun& run, Seat& seat, const Standpoint& place);
 
 /// Writes mask, error and shaded picture below `out` and names them in the record.
 void write_pictures(Record& record, const SceneRun& run, const MeasuredRow& measured, const std::filesystem::path& out);
+/// Removes those that the record names.
+void remove_pictures(const Record& record, const std::filesystem::path& out);
+
+/// Leaves what was asked, where, and what the technique said of its support: all that was measured goes.
+void forget_results(Record& record);
 
 }  // namespace gnomon

@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <charconv>
 #include <regex>
-#include <set>
 
 #include "measure/paths.h"
 #include "measure/run/batch.h"
 #include "measure/run/context.h"
 #include "measure/run/estimate.h"
+#include "measure/run/resume.h"
 
 namespace gnomon {
 
@@ -31,66 +31,30 @@ struct ScratchFolder {
   }
 };
 
-void prepare_folder(const RunOptions& options) {
+void make_folder(const fs::path& out) {
   std::error_code code;
-  fs::create_directories(options.out, code);
-  if (code) throw Error("output folder {} cannot be made: {}", options.out.string(), code.message());
+  fs::create_directories(out, code);
+  if (code) throw Error("output folder {} cannot be made: {}", out.string(), code.message());
+}
+
+void refuse_records(const RunOptions& options) {
   const fs::path records = records_file(options.out);
   if (!options.resume && fs::exists(records) && !fs::is_empty(records))
     throw Error("output folder {} holds records already: continue them with --resume, or name another --out",
                 options.out.string());
 }
 
-/// The jobs that a resumed folder has records of. A scene that was not fetched then and is now is run, and its old row goes; so
-/// does a failed row of `jobs` that is to be tried again. A scene that has changed since is an Error, because its old and new
-/// rows must not stand in one table.
-std::set<std::string> jobs_done(const fs::path& out, SceneLibrary& library, const std::vector<Job>& jobs, bool retry_failed) {
-  std::set<std::string> wanted;
-  for (const Job& job : jobs) wanted.insert(job.hash);
-  std::set<std::string> done;
-  if (!fs::exists(records_file(out))) return done;
-  std::string kept;
-  bool dropped = false;
-  for (const Record& record : read_records(out)) {
-    const SceneLibrary::Entry& entry = library.get(record.scene);
-    const std::string then = record.context.value("scene_hash", "");
-    const bool is_retried = retry_failed && record.status == Status::failed && wanted.contains(record.job);
-    if ((entry.scene && then.empty()) || is_retried) {
-      dropped = true;
-      continue;
-    }
-    if (entry.scene && then != content_hash(scene_bytes(*entry.scene)))
-      throw Error("scene {} has changed since {} was run: run it into another --out", record.scene, out.string());
-    done.insert(record.job);
-    kept += record_line(record);
-  }
-  if (dropped) write_file(records_file(out), kept);
-  return done;
-}
-
 /// A run that was killed may have left half a picture under a temporary name. Only the owner of the folder may clean it.
 void remove_leftovers(const fs::path& out) {
   std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(out))
+    if (const std::string name = entry.path().filename();
+        name.starts_with(records_file(out).filename().string() + ".") && name.ends_with(".part"))
+      fs::remove(entry.path(), ignored);
   for (const char* kind : {"masks", "errors", "shaded"})
     if (const fs::path folder = out / kind; fs::is_directory(folder))
       for (const fs::directory_entry& entry : fs::directory_iterator(folder))
         if (entry.path().filename().string().starts_with(".")) fs::remove(entry.path(), ignored);
-}
-
-/// What the batch took beside its rows (opening workers, loading the scene) belongs to them: shared out by processes, so that
-/// the seconds of all rows are those of the run. Answers the share of one process.
-double share_overhead(std::vector<Row>& batch, double seconds) {
-  double processes = 0;
-  const auto count = [](const Row& row) {
-    return std::max<double>(1, static_cast<double>(row.record.times(Stage::resolve).size()));
-  };
-  for (const Row& row : batch) {
-    seconds -= row.record.seconds.value_or(0);
-    processes += count(row);
-  }
-  const double share = std::max(0.0, seconds) / processes;
-  for (Row& row : batch) row.record.seconds = row.record.seconds.value_or(0) + share * count(row);
-  return share;
 }
 
 }  // namespace
@@ -101,8 +65,7 @@ int shard_of(const Job& job, int count) {
   return static_cast<int>(number % static_cast<std::uint32_t>(count));
 }
 
-std::vector<Job> select_jobs(const RunOptions& options, SceneLibrary& library) {
-  std::vector<Job> jobs = expand_jobs(options.suite, library);
+std::vector<Job> select_jobs(const RunOptions& options, std::vector<Job> jobs) {
   if (!options.filter.empty()) {
     std::regex expression;
     try {
@@ -120,18 +83,22 @@ std::vector<Job> select_jobs(const RunOptions& options, SceneLibrary& library) {
 
 RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress& progress) {
   const auto start = Clock::now();
-  const std::vector<Job> jobs = select_jobs(options, library);
-  prepare_folder(options);
-  const std::set<std::string> done =
-      options.resume ? jobs_done(options.out, library, jobs, options.retry_failed) : std::set<std::string>{};
+  const std::vector<Job> suite = expand_jobs(options.suite, library), jobs = select_jobs(options, suite);
+  make_folder(options.out);
+  refuse_records(options);
+  // From here on the folder is ours: nobody else reads what to do from it, or changes what it holds.
   RecordWriter writer(options.out);
+  refuse_records(options);  // of a run that ended just now
+  const Earlier earlier = options.resume ? earlier_rows(options, library, suite, jobs) : Earlier{};
+  for (const std::string& note : earlier.notes) progress.say(note);
+  if (earlier.is_changed) writer.replace(earlier.kept);
   remove_leftovers(options.out);
   RunSummary summary;
 
   std::vector<std::string> scenes;
   std::map<std::string, std::vector<Row>> rows;
   for (const Job& job : jobs) {
-    if (done.contains(job.hash)) {
+    if (earlier.done.contains(job.hash)) {
       ++summary.done_before;
       continue;
     }
@@ -139,14 +106,14 @@ RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress&
     rows[job.scene].push_back({job, {}, 0, false});
   }
   progress.expect(static_cast<double>(jobs.size() - summary.done_before) * options.suite.processes);
-  const ScratchFolder scratch(options.out / ".scratch");
+  std::optional<ScratchFolder> scratch(options.out / ".scratch");
   const Side side{options.worker, options.out};
   double budget = options.suite.budget;  // for processes beyond the fixed ones; every batch may spend its share of what is left
   std::size_t rows_left = jobs.size() - summary.done_before;
   for (const std::string& scene : scenes) {
     const SceneLibrary::Entry& entry = library.get(scene);
     std::optional<SceneRun> run;
-    if (entry.scene) run.emplace(scene, *entry.scene, options.suite, cache_root() / "frames", scratch.path);
+    if (entry.scene) run.emplace(scene, *entry.scene, options.suite, cache_root() / "frames", scratch->path);
     std::vector<RowCost> costs;
     for (std::vector<Row>& batch : split(std::move(rows[scene]))) {
       const Json context = machine_context(options.worker.threads);
@@ -154,6 +121,7 @@ RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress&
         row.record = start_record(row.job, options.suite, entry.scene ? &*entry.scene : nullptr, context);
         if (run) {
           row.record.context["scene_hash"] = run->frames.scene_hash();
+          row.record.context["frames"] = frame_version();
         } else {
           row.record.status = Status::unsupported;
           row.record.reason = entry.missing;
@@ -183,6 +151,7 @@ RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress&
     }
     library.forget(scene);
   }
+  scratch.reset();  // while it is ours
   writer.close();
   summary.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   return summary;

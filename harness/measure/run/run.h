@@ -11,7 +11,7 @@ namespace gnomon {
 struct RunOptions {
   Suite suite;
   std::filesystem::path out;
-  std::string filter;  ///< regular expression over "SCENE LIGHT TECHNIQUE:SETTINGS"; empty: all
+  std::string filter;  ///< regular expression over "SCENE LIGHT [PATH] TECHNIQUE:SETTINGS"; empty: all
   bool resume = false;
   bool retry_failed = false;             ///< with resume: rows that failed are run again
   int shard_index = 0, shard_count = 1;  ///< runs the jobs of which shard_of(job, shard_count) is shard_index
@@ -27,12 +27,13 @@ struct RunSummary {
 /// The shard of a job among `count`: by its hash, so that machines which have fetched other scenes deal the same jobs alike.
 int shard_of(const Job& job, int count);
 
-/// The jobs that the options select, in order. Throws Error on a bad expression.
-std::vector<Job> select_jobs(const RunOptions& options, SceneLibrary& library);
+/// Those of `jobs` (all of the suite) that the options select, in order. Throws Error on a bad expression.
+std::vector<Job> select_jobs(const RunOptions& options, std::vector<Job> jobs);
 
 /// Runs them: one record per job in OUT/records.jsonl, masks, error pictures and shaded pictures beside it. A worker that
-/// fails costs its own row. What the rows took is remembered for estimates (estimate.h). Throws Error on an output folder that
-/// holds records without `resume`, and on a full disk.
+/// fails costs its own row. What the rows took is remembered for estimates (estimate.h). The folder belongs to one run at a
+/// time. Throws Error on an output folder that another run writes, or that holds records without `resume` or such that cannot
+/// be continued (resume.h), and on a full disk.
 RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress& progress);
 
 }  // namespace gnomon

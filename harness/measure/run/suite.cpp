@@ -157,6 +157,9 @@ Suite read_suite(const std::string& name_or_path) {
   if (top.has("timeout")) suite.timeout = top.positive("timeout");
   if (top.has("interval")) suite.interval = top.positive("interval");
   if (top.has("budget")) suite.budget = top.positive("budget");
+  if (top.has("budget") && !top.has("interval"))
+    throw Error("suite.budget = {} is for the processes that suite.interval asks for, which is not there ({})", suite.budget,
+                top.where("budget"));
   for (const toml::table* raw : top.tables("group")) {
     const Table reader(*raw, path, "group", {"scenes", "lights", "views", "techniques", "paths", "sizes"});
     SuiteGroup group{{},

@@ -199,7 +199,7 @@ MappedFile::~MappedFile() {
   if (!bytes_.empty()) munmap(const_cast<std::byte*>(bytes_.data()), bytes_.size());
 }
 
-void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes, Durable durable) {
   std::error_code code;
   if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), code);
   if (code) throw Error("folder {} cannot be made: {}", path.parent_path().string(), code.message());
@@ -214,16 +214,26 @@ void write_file(const std::filesystem::path& path, std::span<const std::byte> by
     else if (errno != EINTR)
       failure = errno;
   }
+  if (failure == 0 && durable == Durable::yes && fsync(file) != 0) failure = errno;
   if (close(file) != 0 && failure == 0) failure = errno;
   if (failure == 0 && std::rename(temporary.c_str(), path.c_str()) != 0) failure = errno;
   if (failure != 0) {
     unlink(temporary.c_str());
     throw Error("{} cannot be written: {}", path.string(), std::strerror(failure));
   }
+  if (durable == Durable::yes) sync_folder_of(path);
 }
 
-void write_file(const std::filesystem::path& path, const std::string& text) {
-  write_file(path, std::as_bytes(std::span(text.data(), text.size())));
+void write_file(const std::filesystem::path& path, const std::string& text, Durable durable) {
+  write_file(path, std::as_bytes(std::span(text.data(), text.size())), durable);
+}
+
+void sync_folder_of(const std::filesystem::path& path) {
+  const std::string folder = path.has_parent_path() ? path.parent_path().string() : ".";
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  fsync(descriptor);
+  close(descriptor);
 }
 
 }  // namespace gnomon

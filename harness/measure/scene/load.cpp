@@ -159,7 +159,10 @@ void check(const View& view, const std::string& where) {
   };
   need(is_sound(view.eye) && is_sound(view.target) && is_sound(view.up), "eye, target or up is outside -1e30 .. 1e30");
   need(view.eye != view.target, fmt::format("eye = target = ({}, {}, {})", view.eye.x, view.eye.y, view.eye.z));
-  need(glm::cross(glm::dvec3(view.target) - glm::dvec3(view.eye), glm::dvec3(view.up)) != glm::dvec3(0),
+  // What is left of an `up` this near the line of sight is rounding: the picture would stand any way round.
+  constexpr double least_sine = 1e-6;
+  const glm::dvec3 sight = glm::dvec3(view.target) - glm::dvec3(view.eye), up = view.up;
+  need(glm::length(glm::cross(sight, up)) > least_sine * glm::length(sight) * glm::length(up),
        fmt::format("up = ({}, {}, {}) lies along the line of sight", view.up.x, view.up.y, view.up.z));
   need(view.fov_y_degrees > 0 && view.fov_y_degrees < 180,
        fmt::format("fov_y_degrees = {} is outside 0 .. 180, both excluded", view.fov_y_degrees));

@@ -7,6 +7,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "measure/scene/load.h"
+
 namespace gnomon {
 
 namespace {
@@ -87,6 +89,26 @@ View view_at(const Path& path, const View& view, int frame) {
   View moved = view;
   if (path.moves == Path::Moves::camera) moved.eye = position_at(path, frame);
   return moved;
+}
+
+void check_frames(const Path& path, const Light& light, const View& view, const std::string& scene) {
+  // Straight lines between rounded keys miss a point that they go through by some last digits, and what is left is no
+  // direction.
+  constexpr double least_share = 1e-6;
+  const bool moves_camera = path.moves == Path::Moves::camera;
+  const bool has_middle = moves_camera || std::holds_alternative<DirectionalLight>(light.kind);
+  const glm::dvec3 middle = moves_camera ? glm::dvec3(view.target) : glm::dvec3(0);
+  double farthest = 0;
+  for (const glm::vec3& key : path.positions) farthest = std::max(farthest, glm::distance(glm::dvec3(key), middle));
+  for (int frame = 0; frame < path.frame_count; ++frame) {
+    const glm::vec3 position = position_at(path, frame);
+    const auto where = [&] { return fmt::format("scene {}, path {}, frame {}", scene, path.name, frame); };
+    if (has_middle && glm::distance(glm::dvec3(position), middle) <= least_share * farthest)
+      throw Error("{} '{}': {} = ({}, {}, {}) is {} ({})", moves_camera ? "view" : "light",
+                  moves_camera ? view.name : light.name, moves_camera ? "eye" : "direction", position.x, position.y, position.z,
+                  moves_camera ? "at its target" : "not a direction", where());
+    moves_camera ? check(view_at(path, view, frame), where()) : check(light_at(path, light, frame), where());
+  }
 }
 
 }  // namespace gnomon

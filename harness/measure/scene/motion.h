@@ -21,4 +21,8 @@ std::vector<std::string> path_names(const Scene& scene);
 Light light_at(const Path& path, const Light& light, int frame);
 View view_at(const Path& path, const View& view, int frame);
 
+/// Throws Error with the number of the first frame, from 0, at which this light or view cannot be: an eye that passes through
+/// its target, an `up` along the line of sight, a direction of zero.
+void check_frames(const Path& path, const Light& light, const View& view, const std::string& scene);
+
 }  // namespace gnomon

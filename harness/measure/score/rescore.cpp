@@ -42,10 +42,7 @@ const Item* find_named(const std::vector<Item>& items, const std::string& name) 
   return found == items.end() ? nullptr : &*found;
 }
 
-std::string title(const Record& record) {
-  return fmt::format("{} {} {}{}{} ({})", record.scene, record.light, record.technique, record.settings.empty() ? "" : ":",
-                     record.settings, record.job);
-}
+std::string full_title(const Record& record) { return fmt::format("{} ({})", title(record), record.job); }
 
 /// Rewrites what one record says of its mask.
 class Row {
@@ -73,17 +70,18 @@ class Row {
     return {};
   }
 
-  void measure() {
+  /// Answers why the row lost its causes; empty when it did not.
+  std::string measure() {
     const Truth truth = record_.truth, other = truth == Truth::shape ? Truth::mesh : Truth::shape;
-    std::vector<Cause> causes;
-    if (const std::string channel = record_.light + ".cause"; has(channel)) causes = read_causes(channel);
-    score(truth, record_.light + ".V", causes);
-    record_.classes = class_counts(reference(truth).classes);
-    if (!causes.empty()) record_.causes = count_causes(causes);
+    Answer answer = read_answer(truth, record_.light + ".V");
+    const std::string lost = take_causes(answer);
+    score(truth, answer);
+    record_.classes = class_counts(answer.reference.classes);
     if (!today_.scene->has_curved_shapes())
       record_.metrics[other] = record_.metrics[truth];
     else if (const std::string channel = fmt::format("{}.{}", record_.light, name(other)); has(channel))
-      score(other, channel, {});
+      score(other, read_answer(other, channel));
+    return lost;
   }
 
  private:
@@ -92,17 +90,50 @@ class Row {
   FrameKey key(Truth truth) const {
     return {*view_, record_.width, record_.height, today_.scene->has_curved_shapes() ? truth : Truth::shape};
   }
-  Reference reference(Truth truth) { return today_.frames->reference(key(truth), *light_); }
+  Reference reference(Truth truth) const { return today_.frames->reference(key(truth), *light_); }
 
   std::vector<float> read(const std::string& channel) const { return read_exr(file_, channel, record_.width, record_.height); }
 
-  void score(Truth truth, const std::string& channel, std::vector<Cause> causes) {
-    const Answer answer{today_.frames->gbuffer(key(truth)), reference(truth), read(channel), std::move(causes)};
+  Answer read_answer(Truth truth, const std::string& channel) const {
+    Answer answer{today_.frames->gbuffer(key(truth)), reference(truth), read(channel), {}};
     const auto is_wild = [](float v) { return !(v >= 0 && v <= 1); };
     if (const auto wild = std::ranges::find_if(answer.mask, is_wild); wild != answer.mask.end())
       throw Error("{}: {} at pixel {} is {}; a visibility is 0 .. 1", file_.string(), channel, wild - answer.mask.begin(),
                   *wild);
+    return answer;
+  }
+
+  void score(Truth truth, const Answer& answer) {
     record_.metrics[truth] = measure_metrics(Scoring(answer.evidence(*today_.scene, *light_)));
+  }
+
+  /// The causes of the mask go into answer and record, unless they belong to other frames: then neither has any. Without a
+  /// channel the record's own counts stay if they can.
+  std::string take_causes(Answer& answer) {
+    const std::string channel = record_.light + ".cause";
+    std::vector<Cause> causes;
+    bool fit = true;
+    if (has(channel)) {
+      causes = read_causes(channel);
+      fit = causes_fit(answer, causes);
+    } else if (record_.causes) {
+      const Evidence evidence = answer.evidence(*today_.scene, *light_);
+      std::uint64_t wrong = 0, told = 0;
+      for (std::size_t i = 0; i < answer.mask.size(); ++i)
+        wrong += evidence.classes[i] == PixelClass::T && evidence.is_wrong(i);
+      for (const auto& [cause, pixels] : *record_.causes) told += pixels;
+      fit = wrong == told;
+    } else {
+      return {};
+    }
+    std::string obstacle = causes_obstacle(record_, fit);
+    if (!obstacle.empty()) {
+      record_.causes.reset();
+    } else if (!causes.empty()) {
+      record_.causes = count_causes(causes);
+      answer.causes = std::move(causes);
+    }
+    return obstacle;
   }
 
   std::vector<Cause> read_causes(const std::string& channel) const {
@@ -145,23 +176,25 @@ Rescored rescore(std::vector<Record>& records, const fs::path& dir, Progress& pr
   progress.expect(static_cast<double>(count));
   for (auto& [scene, scene_records] : scenes) {
     SceneToday today(scene);
-    std::map<std::string, std::size_t> obstacles;
+    std::map<std::string, std::size_t> obstacles, losses;
     for (Record* record : scene_records) {
-      progress.step(title(*record));
+      progress.step(full_title(*record));
       try {
         Row row(*record, dir, today);
         if (const std::string obstacle = row.obstacle(); !obstacle.empty()) {
           ++obstacles[obstacle];
         } else {
-          row.measure();
+          if (const std::string lost = row.measure(); !lost.empty()) ++losses[lost];
           ++result.rows;
         }
       } catch (const Error& problem) {
-        throw Error("{} cannot be rescored: {}", title(*record), problem.what());
+        throw Error("{} cannot be rescored: {}", full_title(*record), problem.what());
       }
       progress.advance(1);
     }
     for (const auto& [why, n] : obstacles) result.notes.push_back(fmt::format("{}: {} metrics: {}", scene, rows(n), why));
+    for (const auto& [why, n] : losses)
+      result.notes.push_back(fmt::format("{}: {} row{} causes: {}", scene, n, n == 1 ? " loses its" : "s lose their", why));
   }
   return result;
 }
@@ -169,7 +202,7 @@ Rescored rescore(std::vector<Record>& records, const fs::path& dir, Progress& pr
 void replace_records(const fs::path& dir, const std::vector<Record>& records, const RecordWriter&) {
   std::string lines;
   for (const Record& record : records) lines += record_line(record);
-  write_file(records_file(dir), lines);
+  write_file(records_file(dir), lines, Durable::yes);
 }
 
 }  // namespace gnomon

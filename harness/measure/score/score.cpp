@@ -2,9 +2,28 @@
 
 #include <gnomon/error.h>
 
+#include <cassert>
+#include <cmath>
 #include <cstring>
 
 namespace gnomon {
+
+bool causes_fit(const Answer& answer, std::span<const Cause> causes) {
+  assert(causes.size() == answer.mask.size());
+  for (std::size_t i = 0; i < causes.size(); ++i) {
+    const bool is_wrong = std::abs(answer.mask[i] - answer.reference.mask[i]) > 0.5f;
+    if ((causes[i] != Cause::none) != (is_wrong && answer.reference.classes[i] == PixelClass::T)) return false;
+  }
+  return true;
+}
+
+std::string causes_obstacle(const Record& record, bool fit) {
+  const std::string then = context_text(record, "frames"), now = fmt::format("{}", frame_version());
+  if (!then.empty() && then != now)
+    return fmt::format("they were found on references of version {}, today's are of version {}", then, now);
+  if (then.empty() && !fit) return "they are not those of the pixels that are wrong against today's reference";
+  return {};
+}
 
 Metrics measure_metrics(const Scoring& scoring) {
   Metrics metrics;

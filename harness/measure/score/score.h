@@ -18,6 +18,12 @@ struct Answer {
   }
 };
 
+/// Whether every wrong pixel of T has a cause and no other pixel has one.
+bool causes_fit(const Answer& answer, std::span<const Cause> causes);
+/// Why the causes that a record tells cannot stand beside today's frames: they were found on frames of another version, or
+/// where it says no version, `fit` is false. Empty when they can.
+std::string causes_obstacle(const Record& record, bool fit);
+
 /// All metrics.
 Metrics measure_metrics(const Scoring& scoring);
 

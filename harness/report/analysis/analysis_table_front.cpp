@@ -9,14 +9,13 @@ namespace gnomon::analysis {
 
 namespace {
 
-std::string field_heading(const Field& field, std::span<const Place> places) {
+std::string field_heading(const Field& field, std::span<const Where> places) {
   if (field.place) return title(*field.place, places);
-  return fmt::format("over all {} scenes and lights that these settings finished: mean error, geometric mean cost",
-                     field.places);
+  return fmt::format("over all {} places that these settings finished: mean error, geometric mean cost", field.places);
 }
 
-std::vector<Place> places_of(std::span<const Field> fields) {
-  std::vector<Place> places;
+std::vector<Where> places_of(std::span<const Field> fields) {
+  std::vector<Where> places;
   for (const Field& field : fields)
     if (field.place) places.push_back(*field.place);
   return places;
@@ -26,7 +25,7 @@ std::vector<Place> places_of(std::span<const Field> fields) {
 
 Grid front_grid(std::span<const Record> records, const AnalysisOptions& options) {
   const std::vector<Field> fields = find_fields(records, {.error = options.metric, .cost = options.cost});
-  const std::vector<Place> places = places_of(fields);
+  const std::vector<Where> places = places_of(fields);
   const Column cost_column = quantity_column(options.cost == Cost::bytes ? "bytes" : "resolve_ms");
   Grid grid;
   grid.title = fmt::format("Front of {} against {}", with_unit(options.metric), sentence(options.cost));
@@ -88,14 +87,18 @@ Grid front_grid(std::span<const Record> records, const AnalysisOptions& options)
 }
 
 Grid best_grid(std::span<const Record> records, const AnalysisOptions& options) {
-  const Cost cost = options.cost == Cost::bytes ? Cost::light : options.cost;
+  if (options.cost == Cost::bytes)
+    throw Error("--cost bytes is for front; best takes resolve, light or geometry, and budgets of memory by --memories");
+  const Cost cost = options.cost;
   const std::vector<Field> fields = find_fields(records, {.error = options.metric, .cost = cost});
-  const std::vector<Place> places = places_of(fields);
+  const std::vector<Where> places = places_of(fields);
   const Column error = quantity_column(options.metric), bytes = quantity_column("bytes"), time = quantity_column("resolve_ms");
   Budgets budgets{options.times, options.memories, options.errors};
   for (double& memory : budgets.memories) memory /= bytes.shown_scale;
   for (double& one : budgets.errors) one /= error.shown_scale;
   if (budgets.times.empty() && budgets.memories.empty() && budgets.errors.empty()) budgets = round_budgets(fields);
+  if (budgets.times.empty() && budgets.memories.empty() && budgets.errors.empty())
+    throw Error("there is nothing to rank: no contender has a time, a memory or a {} above 0", options.metric);
 
   Grid grid;
   grid.title = fmt::format("Best contender at equal time, equal memory and equal error: {} against {}",

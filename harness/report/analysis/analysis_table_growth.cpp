@@ -25,10 +25,10 @@ Grid growth_grid(std::span<const Record> records, const AnalysisOptions& options
   grid.heads.push_back(number("ms_to", "ms", "to"));
   grid.heads.push_back(words("why_not", "why not", Audience::programs));
 
-  std::vector<Place> places;
+  std::vector<Where> places;
   for (const Growth& growth : growths.rows)
     if (std::find(places.begin(), places.end(), growth.place) == places.end()) places.push_back(growth.place);
-  for (const Place& place : places) {
+  for (const Where& place : places) {
     Grid::Group group{.heading = title(place, places), .rows = {}};
     for (const Growth& growth : growths.rows) {
       if (growth.place != place) continue;

@@ -15,7 +15,7 @@ std::string map_heading(const Map& map) {
 }
 
 std::string map_title(const Map& map, const std::string& metric) {
-  return fmt::format("{}, mean over {} scenes and lights", with_unit(metric), map.places);
+  return fmt::format("{}, mean over {} place{}", with_unit(metric), map.places, map.places == 1 ? "" : "s");
 }
 
 /// For programs: one row a cell.
@@ -33,7 +33,7 @@ Grid map_rows(const std::vector<Map>& maps, const AnalysisOptions& options) {
   grid.heads.push_back(words("technique", "technique"));
   for (const std::string& parameter : parameters) grid.heads.push_back(words("parameter." + parameter, parameter));
   grid.heads.push_back(of_quantity(options.metric));
-  grid.heads.push_back(number("places", "", "scenes and lights"));
+  grid.heads.push_back(number("places", "", "places"));
   grid.heads.push_back(words("best", "best"));
   Grid::Group& group = grid.groups.emplace_back();
   for (const Map& map : maps)

@@ -42,8 +42,8 @@ Cell end(const Measured& measured, double Measured::*which) {
   return measured.has_interval ? Cell{.value = measured.*which} : Cell{};
 }
 
-void add_place(Row& row, const std::optional<Place>& place) {
-  const Place at = place.value_or(Place{});
+void add_place(Row& row, const std::optional<Where>& place) {
+  const Where at = place.value_or(Where{});
   for (const std::string& part : {at.scene, at.light, at.view, at.path}) row.push_back({text(part)});
   for (const int size : {at.width, at.height}) row.push_back({size > 0 ? Cell{.value = double(size)} : Cell{}});
   row.push_back({place ? text(std::string(name(at.truth))) : Cell{}});

@@ -29,7 +29,7 @@ std::string with_unit(const std::string& quantity);
 /// Scene, light, view, path, size and truth: for programs, people read them above the rows.
 void add_place_heads(Grid& grid);
 /// Their cells; nulls for a row over all places.
-void add_place(Row& row, const std::optional<Place>& place);
+void add_place(Row& row, const std::optional<Where>& place);
 
 inline constexpr const char* interval_note = "interval: 95 %, hierarchical bootstrap over processes";
 

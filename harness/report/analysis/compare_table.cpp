@@ -71,7 +71,7 @@ std::string with_mark(std::string text, bool is_regression) { return is_regressi
 void add_row(std::vector<Line>& lines, const RowChange& row, bool all) {
   const Record& record = row.record();
   const Line start{record.scene, record.path.empty() ? record.light : record.light + " on " + record.path,
-                   fmt::format("{}x{}", record.width, record.height), contender_title(record)};
+                   fmt::format("{}x{}", record.width, record.height), setting_name(record)};
   const std::size_t before = lines.size();
   const auto add = [&](Line line) {
     line.scene = start.scene, line.light = start.light, line.size = start.size, line.technique = start.technique;

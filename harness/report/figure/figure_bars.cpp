@@ -20,22 +20,22 @@ struct Bar {
 
 /// The settings that have what `has` asks, over the places that all of them share, and how many these are.
 std::pair<std::vector<Bar>, std::size_t> bars_of(std::span<const Record> records, auto has) {
-  std::vector<std::pair<std::string, std::map<Place, const Record*>>> settings;
+  std::vector<std::pair<std::string, std::map<Where, const Record*>>> settings;
   for (const Record& r : records) {
     if (r.status != Status::ok || !has(r)) continue;
     const auto known = std::find_if(settings.begin(), settings.end(), [&](const auto& s) { return s.first == setting_key(r); });
-    (known == settings.end() ? settings.emplace_back(setting_key(r), std::map<Place, const Record*>()) : *known)
-        .second.try_emplace(place_of(r), &r);
+    (known == settings.end() ? settings.emplace_back(setting_key(r), std::map<Where, const Record*>()) : *known)
+        .second.try_emplace(where_of(r), &r);
   }
-  std::set<Place> common;
+  std::set<Where> common;
   if (!settings.empty())
     for (const auto& [place, row] : settings.front().second) common.insert(place);
   for (const auto& [key, rows] : settings)
-    std::erase_if(common, [&, &rows = rows](const Place& place) { return !rows.contains(place); });
+    std::erase_if(common, [&, &rows = rows](const Where& place) { return !rows.contains(place); });
   std::vector<Bar> bars;
   for (const auto& [key, rows] : settings) {
     Bar bar{setting_name(*rows.begin()->second), rows.begin()->second->role, {}};
-    for (const Place& place : common) bar.rows.push_back(rows.at(place));
+    for (const Where& place : common) bar.rows.push_back(rows.at(place));
     bars.push_back(std::move(bar));
   }
   if (common.empty()) bars.clear();
@@ -69,13 +69,13 @@ std::string box_line(double from, double to, std::size_t bar) {
   return fmt::format("{}\t{}\t{}\t{}\t{}\t{}", (from + to) / 2, row, from, to, row - 0.32, row + 0.32);
 }
 
-std::string over_text(std::size_t places) { return places == 1 ? "" : fmt::format(", mean over {} scenes and lights", places); }
+std::string over_text(std::size_t places) { return places == 1 ? "" : fmt::format(", mean over {} places", places); }
 
 }  // namespace
 
 void draw_stages(std::span<const Record> records, const FigureOptions& options, FigureScript& script) {
   static constexpr std::array stages{Stage::build, Stage::relight, Stage::resolve};
-  static constexpr std::array colors{"#56b4e9", "#e69f00", "#009e73"};
+  static constexpr std::array colors{"#e69f00", "#56b4e9", "#009e73"};
   auto [bars, places] = bars_of(records, [](const Record& r) { return sample_of(r, stages).is_timed(); });
   std::erase_if(bars, [](const Bar& bar) { return bar.role == Role::baseline; });
   if (bars.empty()) throw Error("there is nothing to draw: no place has build, relight and resolve of every setting");

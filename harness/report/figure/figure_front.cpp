@@ -22,7 +22,6 @@ void draw_front(std::span<const Record> records, const FigureOptions& options, F
   const std::string& metric = options.analysis.metric;
   const Cost cost = options.analysis.cost;
   const std::vector<Field> fields = find_fields(records, {.error = metric, .cost = cost});
-  if (fields.empty()) throw Error("there is nothing to draw: no row finished");
   const Field& field = fields.back();  // over all places, or the only one
   const std::vector<Stand> stands = find_front(field, better(metric));
   const Column error = quantity_column(metric), size = quantity_column(cost == Cost::bytes ? "bytes" : "resolve_ms");
@@ -104,7 +103,7 @@ void draw_front(std::span<const Record> records, const FigureOptions& options, F
   }
 
   open_panels(script, 1, 1, options.width_cm * 0.55, legend, options);
-  const std::string over = field.place ? "" : fmt::format(", geometric mean over {} scenes and lights", field.places);
+  const std::string over = field.place ? "" : fmt::format(", geometric mean over {} places", field.places);
   script.add("set xlabel {}", FigureScript::quoted(fmt::format("{} ({}){}", sentence(cost), size.shown_unit, over)));
   script.add("set ylabel {}", FigureScript::quoted(axis_label(error) + (field.place ? "" : ", mean")));
   script.add("set logscale x; set xtics {}; set xrange [{}:{}]", log_tics(left, right, 8), left, right);

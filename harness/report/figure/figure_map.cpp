@@ -101,7 +101,7 @@ void draw_map(std::span<const Record> records, const FigureOptions& options, Fig
 
   Legend legend;
   legend.entries.push_back({"with points pt 4 ps 1.4 lw 2 lc rgb '#d55e00'",
-                            fmt::format("best; {}, mean over {} scenes and lights", axis_label(column), maps.front().places)});
+                            fmt::format("best; {}, mean over {} places", axis_label(column), maps.front().places)});
   const std::size_t columns = maps.size() == 1 ? 1 : most_cells > 6 ? 2 : 3;
   open_panels(script, maps.size(), columns, 2.6 + 0.75 * static_cast<double>(std::max<std::size_t>(most_rows, 2)), legend,
               options);

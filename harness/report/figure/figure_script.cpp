@@ -81,7 +81,6 @@ std::string FigureScript::text(const FigureOptions& options, const std::filesyst
       "set tics nomirror out scale 0.6 textcolor rgb '#222222'\n"
       "set grid back lt 1 lw 0.5 lc rgb '#e2e2e2'\n"
       "set errorbars small\n";
-  if (!options.title.empty()) text += fmt::format("set title {}\n", quoted(options.title));
   return text + body_;
 }
 

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
-#include "measure/analysis/analysis.h"
+#include "measure/analysis/analysis_growth.h"
 #include "measure/cause/causes.h"
 #include "measure/frame/classify.h"
 #include "measure/score/metrics.h"
@@ -57,7 +58,7 @@ Json causes_json(const Record& record) {
   return counts;
 }
 
-Json row_json(const Layout& layout, const Layout::Row& row, std::size_t group) {
+Json row_json(const Layout& layout, const Layout::Row& row, std::size_t group, const std::string& family) {
   const Record& r = *row.record;
   Json values = Json::array(), texts = Json::array(), best = Json::array(), flagged = Json::array();
   for (std::size_t k = 0; k < layout.columns.size(); ++k) {
@@ -81,6 +82,7 @@ Json row_json(const Layout& layout, const Layout::Row& row, std::size_t group) {
   return {{"group", group},
           {"title", setting_name(r)},
           {"scene", r.scene},
+          {"family", family},
           {"light", r.light},
           {"view", r.view},
           {"path", r.path},
@@ -145,6 +147,7 @@ Json report_data(const Layout& layout, std::span<const Record> records) {
   const std::set<std::string> headline(names.begin(), names.end());
   for (const Column& column : layout.columns) data["columns"].push_back(column_json(column, headline.contains(column.name)));
   data["groups"] = data["rows"] = Json::array();
+  const std::map<std::string, std::string> families = scene_families(records);
   for (std::size_t group = 0; group < layout.groups.size(); ++group) {
     const Record& first = *layout.groups[group].rows.front().record;
     data["groups"].push_back({{"heading", layout.groups[group].heading},
@@ -155,7 +158,8 @@ Json report_data(const Layout& layout, std::span<const Record> records) {
                               {"width", first.width},
                               {"height", first.height},
                               {"truth", name(first.truth)}});
-    for (const Layout::Row& row : layout.groups[group].rows) data["rows"].push_back(row_json(layout, row, group));
+    for (const Layout::Row& row : layout.groups[group].rows)
+      data["rows"].push_back(row_json(layout, row, group, families.at(row.record->scene)));
   }
   for (const Event& event : events)
     data["costs"].push_back(

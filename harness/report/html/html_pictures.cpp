@@ -11,6 +11,7 @@
 #include "measure/picture/picture.h"
 #include "measure/scene/load.h"
 #include "measure/scene/motion.h"
+#include "measure/score/score.h"
 
 namespace gnomon {
 
@@ -83,11 +84,6 @@ class Frames {
   std::optional<FrameStore> store_;
 };
 
-std::string scene_hash(const Record& record) {
-  const auto found = record.context.find("scene_hash");
-  return found != record.context.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
-
 class Collector {
  public:
   Collector(const fs::path& dir, PictureSet& set) : dir_(dir), set_(set) {}
@@ -117,13 +113,14 @@ class Collector {
     return set_.blobs.size() - 1;
   }
 
-  void note(const std::string& what, const std::string& why) {
-    std::string text = fmt::format("no pictures of {}: {}", what, why);
+  void note(const std::string& what, const std::string& why) { say(fmt::format("no pictures of {}: {}", what, why)); }
+
+  void say(std::string text) {
     if (std::find(set_.notes.begin(), set_.notes.end(), text) == set_.notes.end()) set_.notes.push_back(std::move(text));
   }
 
-  /// What all rows of a group share. The mask of a row on a path is that of its last frame.
-  Json frame(const Record& r) {
+  /// Frame and light of the row's mask; on a path those of its last frame.
+  std::pair<FrameKey, Light> place(const Record& r) {
     const Scene& scene = frames_.scene();
     Light light = named(scene.lights, r.light, "light");
     FrameKey key{named(scene.views, r.view, "view"), r.width, r.height, scene.has_curved_shapes() ? r.truth : Truth::shape};
@@ -132,6 +129,13 @@ class Collector {
       light = light_at(path, light, path.frame_count - 1);
       key.view = view_at(path, key.view, path.frame_count - 1);
     }
+    return {key, light};
+  }
+
+  /// What all rows of a group share.
+  Json frame(const Record& r) {
+    const Scene& scene = frames_.scene();
+    const auto [key, light] = place(r);
     const GBuffer gbuffer = frames_.store().gbuffer(key);
     const Reference reference = frames_.store().reference(key, light);
     Bytes classes(reference.classes.size());
@@ -149,7 +153,7 @@ class Collector {
   /// The mask of one row; null with a note when it does not belong to the scene as it is now, or cannot be read.
   Json row(const Record& r) {
     const std::string what = fmt::format("{}, light {}, {}", r.scene, r.light, r.label.value_or(r.technique));
-    const std::string hash = scene_hash(r);
+    const std::string hash = context_text(r, "scene_hash");
     if (hash != frames_.store().scene_hash()) {
       note("scene " + r.scene, hash.empty() ? "its records do not say which scene was measured"
                                             : "the scene is not the one that was measured: its content has changed");
@@ -157,21 +161,32 @@ class Collector {
     }
     try {
       Json json;
-      json["mask"] = keep(mask_bytes(read_exr(dir_ / *r.mask, r.light + ".V", r.width, r.height)));
-      json["causes"] = nullptr;
-      if (r.causes) {
-        const std::vector<float> causes = read_exr(dir_ / *r.mask, r.light + ".cause", r.width, r.height);
-        Bytes bytes(causes.size());
-        std::transform(causes.begin(), causes.end(), bytes.begin(), [](float c) {
-          return static_cast<std::uint8_t>(std::clamp(c, 0.0f, static_cast<float>(Cause::unexplained)));
-        });
-        json["causes"] = keep(bytes);
-      }
+      std::vector<float> mask = read_exr(dir_ / *r.mask, r.light + ".V", r.width, r.height);
+      json["mask"] = keep(mask_bytes(mask));
+      json["causes"] = r.causes ? causes(r, std::move(mask), what) : Json();
       return json;
     } catch (const Error& error) {
       note(what, error.what());
       return {};
     }
+  }
+
+  /// The causes of its mask; null with a note when they belong to another reference than the page shows.
+  Json causes(const Record& r, std::vector<float> mask, const std::string& what) {
+    const std::vector<float> numbers = read_exr(dir_ / *r.mask, r.light + ".cause", r.width, r.height);
+    std::vector<Cause> causes(numbers.size());
+    std::transform(numbers.begin(), numbers.end(), causes.begin(),
+                   [](float c) { return static_cast<Cause>(std::clamp(c, 0.0f, static_cast<float>(Cause::unexplained))); });
+    const auto [key, light] = place(r);
+    const Answer answer{frames_.store().gbuffer(key), frames_.store().reference(key, light), std::move(mask), {}};
+    if (const std::string obstacle = causes_obstacle(r, causes_fit(answer, causes)); !obstacle.empty()) {
+      // A version is that of the whole run: one note for each scene.
+      say(fmt::format("no causes of {}: {}", context_text(r, "frames").empty() ? what : "scene " + r.scene, obstacle));
+      return {};
+    }
+    Bytes bytes(causes.size());
+    std::transform(causes.begin(), causes.end(), bytes.begin(), [](Cause c) { return static_cast<std::uint8_t>(c); });
+    return keep(bytes);
   }
 
   const fs::path& dir_;

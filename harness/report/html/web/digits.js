@@ -25,7 +25,5 @@ export function tick(value) {
   if (size >= 1e9) return `${Number((value / 1e9).toPrecision(3))} G`;
   if (size >= 1e6) return `${Number((value / 1e6).toPrecision(3))} M`;
   if (size >= 1e4) return `${Number((value / 1e3).toPrecision(3))} k`;
-  return String(Number(value.toPrecision(3))).includes("e")
-    ? value.toExponential(0).replace("e", "e")
-    : String(Number(value.toPrecision(3)));
+  return String(Number(value.toPrecision(3)));
 }

@@ -12,6 +12,12 @@ export function h(tag, attributes = {}, ...children) {
   return element;
 }
 
+/** A name that may break after what joins its parts, and not inside a word: "shadow_map:" "resolution=256," "filter=pcf". */
+export function breakable(text) {
+  const parts = text.split(/(?<=[:,;/])/);
+  return parts.flatMap((part, index) => (index === 0 ? [part] : [h("wbr"), part]));
+}
+
 /** A labeled list to choose from. `options` are {value, text}; the choice is kept when the options change. */
 export function chooser(label, options, onchange, attributes = {}) {
   const select = h("select", { ...attributes, onchange: () => onchange(select.value) });

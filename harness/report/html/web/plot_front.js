@@ -171,7 +171,7 @@ export function frontCard(redraw) {
       }),
       caption: [
         where.isAll
-          ? `Mean error and geometric mean cost over ${plural(over.groups.length, "scene and light", "scenes and lights")} that every setting here finished. `
+          ? `Mean error and geometric mean cost over ${plural(over.groups.length, "place", "places")} that every setting here finished. `
           : "",
         "The line joins contenders that none beats in both. ",
         over.points.some((point) => point.low !== null) ? "Bars are 95 % intervals. " : "",

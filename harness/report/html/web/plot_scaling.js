@@ -8,9 +8,7 @@ import { chooser } from "./dom.js";
 import { filteredRows } from "./filter.js";
 import { events, memory, metrics, named, optionsOf, stages } from "./quantities.js";
 
-const baseOf = (scene) => scene.split(":")[0];
-
-/** What may grow: name, text, of(row) -> number or null, and whether rows that differ only in it are of one scene reference. */
+/** What may grow: name, text, of(row) -> number or null, and whether it grows with the scene. */
 function growing() {
   const parameters = distinct(data.rows.flatMap((row) => Object.keys(row.parameters)));
   const all = [
@@ -42,7 +40,7 @@ function lineOf(row, x) {
   return JSON.stringify([
     row.technique,
     parameters,
-    x.sweepsScene ? baseOf(row.scene) : row.scene,
+    x.sweepsScene ? row.family : row.scene,
     row.light,
     view,
     path,

@@ -2,7 +2,7 @@
 
 import { causeBar, causeLegend, occurringCauses, wrongShare } from "./causes.js";
 import { columnNamed, data, isOk, textOf } from "./data.js";
-import { h } from "./dom.js";
+import { breakable, h } from "./dom.js";
 import { filteredRows, filterBar, onFilter } from "./filter.js";
 
 const isInterval = (column) => /_(low|high)$/.test(column.name) && columnNamed(column.name.replace(/_(low|high)$/, ""));
@@ -66,7 +66,7 @@ function techniqueCell(row, text, openPictures) {
       "\u25d0",
     );
   const role = row.role === "contender" ? null : h("small", { class: "role" }, row.role);
-  return h("th", { scope: "row", class: "text technique" }, h("div", {}, h("span", { class: "id" }, text), role, button));
+  return h("th", { scope: "row", class: "text technique" }, h("div", {}, h("span", { class: "id" }, breakable(text)), role, button));
 }
 
 function supportCell(row, text) {
@@ -89,7 +89,7 @@ function cell(row, column, openPictures) {
     { class: [column.is_left && "text", is_best && "best", is_flagged && "flagged"].filter(Boolean).join(" ") || null },
     is_best &&
       h("span", { class: "mark", role: "img", "aria-label": "best of its group", title: "best of its group" }, "\u2605"),
-    text,
+    column.is_left ? breakable(text) : text,
     is_flagged &&
       h(
         "span",

@@ -1,0 +1,104 @@
+#include "measure/run/resume.h"
+
+#include <gnomon/error.h>
+
+#include <algorithm>
+#include <map>
+
+#include "measure/run/context.h"
+#include "measure/scene/blob.h"
+
+namespace gnomon {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+[[noreturn]] void refuse(const fs::path& out, const std::string& what) {
+  throw Error("{} cannot go on: {}; run it as before, or into another --out", out.string(), what);
+}
+
+/// Repetitions that the row was run with; nothing where it was never timed, or no stage is short: those are timed once.
+std::optional<int> repetitions_of(const Record& record) {
+  constexpr double surely_short = 100;  // milliseconds; stages over 500 are timed once per process
+  std::size_t most = 0;
+  bool has_short = false;
+  for (const Stage stage : {Stage::build, Stage::relight, Stage::resolve}) {
+    const ProcessTimes& times = record.times(stage);
+    for (const std::vector<double>& process : times) most = std::max(most, process.size());
+    has_short = has_short || median_of_medians(times).value_or(surely_short) < surely_short;
+  }
+  if (most < 2 && !has_short) return std::nullopt;
+  return static_cast<int>(most);
+}
+
+/// Throws Error when a row that counts as done was not done as the suite asks now.
+void require_effort(const fs::path& out, const Record& record, const Suite& suite) {
+  if (record.status != Status::ok) return;
+  const auto processes = static_cast<int>(record.times(Stage::resolve).size());
+  const bool has_more = record.stop == "target" || record.stop == "budget";  // than were fixed
+  if (has_more ? processes < suite.processes : processes != suite.processes)
+    refuse(out, fmt::format("{} was run with {} processes, not {}", title(record), processes, suite.processes));
+  if (const auto repetitions = repetitions_of(record); repetitions && *repetitions != suite.repetitions)
+    refuse(out, fmt::format("{} was run with {} repetitions, not {}", title(record), *repetitions, suite.repetitions));
+}
+
+/// A line for each fact of the machine that is not what it was.
+std::vector<std::string> changes(std::span<const Record> kept, const Record& now) {
+  std::vector<std::string> notes;
+  for (const auto& [key, what] : {std::pair("processor", "processor"), std::pair("threads", "number of threads")}) {
+    std::set<std::string> before;
+    for (const Record& record : kept)
+      if (std::string value = context_text(record, key); !value.empty() && value != context_text(now, key))
+        before.insert(std::move(value));
+    if (!before.empty())
+      notes.push_back(fmt::format("note: rows that are done had another {}: {}, now {}; their times are not comparable", what,
+                                  fmt::join(before, ", "), context_text(now, key)));
+  }
+  return notes;
+}
+
+}  // namespace
+
+Earlier earlier_rows(const RunOptions& options, SceneLibrary& library, std::span<const Job> suite, std::span<const Job> jobs) {
+  Earlier earlier;
+  if (!fs::exists(records_file(options.out))) return earlier;
+  std::map<std::string, std::size_t> places;
+  for (const Job& job : suite) places.emplace(job.hash, job.place);
+  std::set<std::string> wanted;
+  for (const Job& job : jobs) wanted.insert(job.hash);
+  Record now;
+  now.context = machine_context(options.worker.threads);
+  std::map<std::string, std::string> hashes;
+  for (Record& record : read_records(options.out)) {
+    const SceneLibrary::Entry& entry = library.get(record.scene);
+    const std::string then = context_text(record, "scene_hash");
+    const bool is_retried = options.retry_failed && record.status == Status::failed && wanted.contains(record.job);
+    if ((entry.scene && then.empty()) || is_retried) {
+      earlier.is_changed = true;
+      continue;
+    }
+    if (entry.scene) {
+      std::string& hash = hashes[record.scene];
+      if (hash.empty()) hash = content_hash(scene_bytes(*entry.scene));
+      if (then != hash)
+        throw Error("scene {} has changed since {} was run: run it into another --out", record.scene, options.out.string());
+    }
+    if (const std::string commit = context_text(record, "commit"); !commit.empty() && commit != context_text(now, "commit"))
+      throw Error("{} holds rows of commit {}, and this program is {}: continue them with that one, or name another --out",
+                  options.out.string(), commit, context_text(now, "commit"));
+    if (record.suite == options.suite.name && record.truth != options.suite.truth)
+      refuse(options.out, fmt::format("its rows have the truth {}, not {}", name(record.truth), name(options.suite.truth)));
+    if (wanted.contains(record.job)) require_effort(options.out, record, options.suite);
+    if (const auto place = places.find(record.job); record.suite == options.suite.name && place != places.end()) {
+      earlier.is_changed = earlier.is_changed || record.place != place->second;
+      record.place = place->second;
+    }
+    earlier.done.insert(record.job);
+    earlier.kept.push_back(std::move(record));
+  }
+  earlier.notes = changes(earlier.kept, now);
+  return earlier;
+}
+
+}  // namespace gnomon

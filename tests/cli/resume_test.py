@@ -1,0 +1,110 @@
+#!/usr/bin/python3 -IB
+"""--resume: one run at a time in a folder, and only rows that may stand in one table."""
+
+import json
+import re
+import sys
+import time
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from program import FAULTS, SMALL, ProgramTest, records  # noqa: E402
+
+ROWS = ["--scene", "single_triangle", "--technique", "unshadowed", "--technique", "shadow_map"]
+SUITE = """
+width = 160
+height = 90
+processes = 1
+repetitions = 1
+[[group]]
+scenes = {}
+lights = ["point"]
+techniques = ["unshadowed", "embree_rays"]
+"""
+
+
+class Resume(ProgramTest):
+    def change(self, edit):
+        """Every record of the folder `out`, changed."""
+        file = self.dir / "out/records.jsonl"
+        rows = records(file.parent)
+        for row in rows:
+            edit(row)
+        file.write_text("".join(json.dumps(row) + "\n" for row in rows))
+
+    def lines(self):
+        return (self.dir / "out/records.jsonl").read_bytes().splitlines()
+
+    def test_a_folder_that_is_being_written_is_left_alone(self):
+        slow = ["--plugin", FAULTS, "run", "--scene", "single_triangle", "--scene", "contact", "--technique", "sleeps", *SMALL, "--quiet",
+                "--out", "out"]
+        self.succeed(*slow)
+        self.change(lambda row: row.update(status="failed"))
+        self.environment["GNOMON_TEST_RESOLVE_MS"] = "300"
+        first = self.start(*slow, "--resume", "--retry-failed")
+        end = time.monotonic() + 60
+        while not (self.dir / "out/.scratch").exists() or len(self.lines()) > 0:  # its failed rows are gone, none is done again
+            self.assertLess(time.monotonic(), end)
+            self.assertIsNone(first.poll())
+            time.sleep(0.01)
+        for more in ([], ["--retry-failed"]):
+            self.refuse(*slow, "--resume", *more, says=["records.jsonl is being written by another run"])
+        self.assertTrue((self.dir / "out/.scratch").is_dir())
+        _, complaint = first.communicate(timeout=120)
+        self.assertEqual(first.returncode, 0, complaint)
+        rows = records(self.dir / "out")
+        self.assertEqual((len(rows), {row["status"] for row in rows}), (4, {"ok"}))
+        self.assertEqual([name for name in self.names(self.dir / "out") if ".part" in name], [])
+
+    def test_rows_that_are_not_like_the_new_ones_are_refused(self):
+        run = ["run", *ROWS, *SMALL, "--out", "out", "--resume"]
+        self.succeed(*run)
+        before = self.lines()
+        other = ["run", *ROWS, "--size", "160x90", "--out", "out", "--resume"]
+        self.refuse(*other, "--repetitions", "1", "--processes", "2",
+                    says=["single_triangle point unshadowed was run with 1 processes, not 2", "another --out"])
+        self.refuse(*other, "--processes", "1", "--repetitions", "3", says=["was run with 1 repetitions, not 3"])
+        self.refuse(*run, "--truth", "mesh", says=["its rows have the truth shape, not mesh"])
+        self.assertEqual(self.lines(), before)
+        self.change(lambda row: row["context"].update(commit="feedc0de"))
+        before = self.lines()
+        self.refuse(*run, says=["out holds rows of commit feedc0de", "another --out"])
+        self.assertEqual(self.lines(), before)
+
+    def test_another_machine_is_said(self):
+        run = ["run", *ROWS, *SMALL, "--out", "out", "--resume"]
+        self.succeed(*run)
+        self.assertNotIn("note:", self.gnomon(*run).stderr)
+        self.change(lambda row: row["context"].update(processor="Another 9000", threads=99))
+        done = self.gnomon(*run)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("rows that are done had another processor: Another 9000, now ", done.stderr)
+        self.assertIn("rows that are done had another number of threads: 99, now ", done.stderr)
+
+    def test_rows_that_are_kept_get_their_places_in_the_suite_of_today(self):
+        run = ["run", self.write("mine.toml", SUITE.format('["contact"]')), "--out", "out", "--resume"]
+        self.succeed(*run)
+        self.write("mine.toml", SUITE.format('["single_triangle", "contact"]'))
+        text = self.succeed(*run, "--filter", "unshadowed")  # also of rows that are not asked for now
+        self.assertIn("1 were done before", text)
+        rows = {(row["scene"], row["technique"]): row["place"] for row in records(self.dir / "out")}
+        self.assertEqual(rows, {("single_triangle", "unshadowed"): 0, ("contact", "unshadowed"): 2, ("contact", "embree_rays"): 3})
+        self.succeed(*run)
+        table = json.loads(self.succeed("table", "out", "--format", "json"))
+        self.assertEqual([row["scene"] for row in table["rows"]], ["single_triangle"] * 2 + ["contact"] * 2)
+
+    def test_a_dry_run_prints_what_is_left(self):
+        run = ["run", *ROWS, *SMALL, "--out", "out"]
+        self.succeed(*run, "--filter", "sun")
+        text = self.succeed(*run, "--resume", "--dry-run")
+        self.assertEqual(re.findall(r"(?m)^[0-9a-f]{16}  single_triangle (\w+) ", text), ["point", "point"])
+        self.assertIn("\n2 are done\n2 rows, 1 processes x 1 repetitions each, 160x90 pixels\n", text)
+        self.change(lambda row: row.update(status="failed"))
+        self.assertIn("\n4 rows, ", self.succeed(*run, "--resume", "--retry-failed", "--dry-run"))
+        self.assertEqual(len(self.lines()), 2)
+        self.succeed(*run, "--resume", "--retry-failed")
+        self.assertRegex(self.succeed(*run, "--resume", "--dry-run"), r"^4 are done\n0 rows, ")
+
+if __name__ == "__main__":
+    unittest.main()
