@@ -80,6 +80,7 @@ std::string FigureScript::text(const FigureOptions& options, const std::filesyst
       "set border 3 lw 0.8 lc rgb '#444444'\n"
       "set tics nomirror out scale 0.6 textcolor rgb '#222222'\n"
       "set grid back lt 1 lw 0.5 lc rgb '#e2e2e2'\n"
+      "set format '%g'\n"
       "set errorbars small\n";
   return text + body_;
 }

@@ -21,7 +21,11 @@ std::string rounded(double value, int significant) {
   return fmt::format("{:.{}f}", value, decimals);
 }
 
-std::string measured(double value) { return rounded(value, std::abs(value) < 1 ? 2 : 3); }
+std::string measured(double value) {
+  // What rounds to 1 from below looks like its neighbors above.
+  if (std::abs(value) >= 0.995 && std::abs(value) < 1) return value < 0 ? "-1.00" : "1.00";
+  return rounded(value, std::abs(value) < 1 ? 2 : 3);
+}
 
 std::string milliseconds(double value) { return value > 0 && value < 0.001 ? "<0.001" : rounded(value, 3); }
 

@@ -71,6 +71,12 @@ export function seriesOf(points) {
   return { name: "technique", color: usedBy(points, colorScale), symbol: usedBy(points, symbolScale) };
 }
 
+/** The same, but settings are told apart while there are colors for them. */
+export function settingsOf(points) {
+  const titles = [...new Set(points.map((point) => point.row.title))];
+  return titles.length > 16 ? seriesOf(points) : { name: "title", ...scalesOver(titles) };
+}
+
 /** The part of a scale that some points use. */
 export function usedBy(points, { domain, range }) {
   const used = new Set(points.map((point) => point.technique));

@@ -11,7 +11,11 @@ export function rounded(value, significant) {
   return value.toFixed(decimals);
 }
 
-export const measured = (value) => rounded(value, Math.abs(value) < 1 ? 2 : 3);
+export function measured(value) {
+  const size = Math.abs(value);
+  if (size >= 0.995 && size < 1) return value < 0 ? "-1.00" : "1.00";
+  return rounded(value, size < 1 ? 2 : 3);
+}
 
 export const milliseconds = (value) => (value > 0 && value < 0.001 ? "<0.001" : rounded(value, 3));
 

@@ -2,7 +2,7 @@
 
 import { dot, line, plot, tip, pointer } from "@observablehq/plot";
 
-import { colorScale, frame, symbolScale, usedBy } from "./axes.js";
+import { frame, settingsOf } from "./axes.js";
 import { columnNamed, data, distinct, isOk } from "./data.js";
 import { measured, tick } from "./digits.js";
 import { chooser } from "./dom.js";
@@ -34,12 +34,15 @@ export function framesCard(redraw) {
         row.frames[metric.value].map((value, index) => ({
           row,
           technique: row.technique,
+          scene: row.scene,
+          title: row.title,
           frame: index,
           value: value === null ? NaN : value * scale,
         })),
       );
     const there = points.filter((point) => !Number.isNaN(point.value));
     if (there.length === 0) return { empty: "No row here has frames of this metric." };
+    const by = settingsOf(there);
     return {
       plot: plot({
         ...frame(width),
@@ -58,11 +61,11 @@ export function framesCard(redraw) {
           nice: true,
           tickFormat: tick,
         },
-        color: usedBy(there, colorScale),
-        symbol: { ...usedBy(there, symbolScale), legend: true },
+        color: by.color,
+        symbol: { ...by.symbol, legend: true },
         marks: [
-          line(points, { x: "frame", y: "value", z: (point) => point.row.index, stroke: "technique", strokeWidth: 1.75 }),
-          dot(there, { x: "frame", y: "value", stroke: "technique", fill: "technique", symbol: "technique", r: 2.5 }),
+          line(points, { x: "frame", y: "value", z: (point) => point.row.index, stroke: by.name, strokeWidth: 1.75 }),
+          dot(there, { x: "frame", y: "value", stroke: by.name, fill: by.name, symbol: by.name, r: 2.5 }),
           tip(
             there,
             pointer({

@@ -21,15 +21,19 @@ function growing() {
       of: (row) => (typeof row.parameters[name] === "number" ? row.parameters[name] : null),
     })),
   ];
-  return all.filter(
-    ({ of }) =>
-      distinct(
-        data.rows
-          .filter(isOk)
-          .map(of)
-          .filter((value) => value !== null),
-      ).length > 1,
-  );
+  return all.filter((x) => lines(x, 2) > 0);
+}
+
+/** How many lines along x have at least so many places on it. */
+function lines(x, least) {
+  const places = new Map();
+  for (const row of data.rows.filter(isOk)) {
+    const value = x.of(row);
+    if (value === null) continue;
+    const key = lineOf(row, x);
+    places.set(key, (places.get(key) ?? new Set()).add(value));
+  }
+  return [...places.values()].filter((values) => values.size >= least).length;
 }
 
 /** Rows of one line: all is equal but what grows. */
@@ -59,21 +63,15 @@ export function scalingCard(redraw) {
   const light = chooser("light", [{ value: "", text: "all" }, ...lights.map((value) => ({ value, text: value }))], redraw, {
     name: "light",
   });
-  // A parameter that was swept says more than triangle counts of scenes that have nothing in common.
-  const swept = xs.find(
-    (x) =>
-      x.parameter &&
-      distinct(data.rows.map((row) => row.technique)).some(
-        (id) => distinct(data.rows.filter((row) => row.technique === id).map(x.of)).length > 2,
-      ),
-  );
-  x_list.value = (swept ?? xs[0]).name;
+  // What was swept most.
+  const most = (least) => xs.reduce((best, x) => (lines(x, least) > lines(best, least) ? x : best), xs[0]);
+  x_list.value = (lines(most(3), 3) > 0 ? most(3) : most(2)).name;
   y_list.value = ys.some(({ name }) => name === "resolve") ? "resolve" : ys[0].name;
 
   function draw(width) {
     const x = xs.find(({ name }) => name === x_list.value),
       y = named(ys, y_list.value);
-    const points = filteredRows()
+    const all = filteredRows()
       .filter((row) => isOk(row) && (!light.value || row.light === light.value))
       .map((row) => ({
         row,
@@ -85,6 +83,8 @@ export function scalingCard(redraw) {
       }))
       .filter((point) => point.x !== null && point.estimate)
       .sort((p, q) => p.x - q.x);
+    // A single point says nothing of growth.
+    const points = all.filter(({ line, x: value }) => all.some((other) => other.line === line && other.x !== value));
     if (points.length === 0) return { empty: "No row here has both." };
     const ends = points.flatMap(({ estimate }) =>
       [estimate.value, estimate.low, estimate.high].filter((value) => value !== null),
