@@ -53,7 +53,7 @@ class Figure(ProgramTest):
         self.refuse("figure", SHIPPED, "fornt", "--out", "f.svg", says=["there is no figure fornt; did you mean front?"])
         self.refuse("figure", SHIPPED, "front", "--out", "f.jpg", says=["f.jpg", ".svg, .pdf nor .png"])
         self.refuse("figure", SHIPPED, "front", says=["--out", "--script"])
-        self.refuse("figure", SHIPPED, "motion", "--out", "f.svg", says=["nothing to draw", "path"])
+        self.refuse("figure", SHIPPED, "motion", "--out", "f.svg", says=["no row of these records follows a path"])
         self.refuse("figure", SHIPPED, "growth", "--out", "f.svg", says=["nothing to draw", "triangles"])
         self.assertEqual(self.names(self.dir), [])
 
