@@ -6,38 +6,15 @@
 
 #include <cmath>
 
+#include "analysis_rows.h"
 #include "measure/analysis/analysis_front.h"
-#include "measure/analysis/analysis_growth.h"
 #include "measure/analysis/analysis_map.h"
 #include "measure/analysis/analysis_motion.h"
 #include "report/analysis/analysis_table.h"
 
 namespace {
 
-using namespace gnomon;
-
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
-Record row(const std::string& setting, double relight, double resolve, double wrong_rate, const std::string& scene = "soup") {
-  Record r;
-  r.scene = scene;
-  r.light = "point";
-  r.view = "main";
-  const std::size_t colon = setting.find(':');
-  r.technique = setting.substr(0, colon);
-  if (colon != setting.npos) r.settings = setting.substr(colon + 1);
-  for (const auto& [key, value] : split_settings(r.settings)) r.parameters[key] = Json::parse(value);
-  r.width = 640;
-  r.height = 360;
-  r.status = Status::ok;
-  r.times(Stage::build) = {{1}, {1}, {1}};
-  r.times(Stage::relight) = {{relight}, {relight}, {relight}};
-  r.times(Stage::resolve) = {{resolve}, {resolve}, {resolve}};
-  r.bytes = 1u << 20;
-  r.metrics[Truth::shape] = {{"wrong_rate", wrong_rate}};
-  r.classes["T"] = 1000;
-  return r;
-}
+using namespace analysis_rows;
 
 // --- samples ----------------------------------------------------------------------------------------------------------
 
@@ -129,149 +106,6 @@ TEST(analysis, filter_sees_scene_light_setting_and_label) {
   EXPECT_EQ(matching(records, "^soup point slide a$").size(), 1u);
   EXPECT_EQ(matching(records, "^soup point slide short name$").size(), 1u);
   EXPECT_EQ(matching(records, "point a").size(), 0u);
-}
-
-// --- growth -----------------------------------------------------------------------------------------------------------
-
-RC_GTEST_PROP(growth, the_exponent_of_a_power_law_is_found, ()) {
-  const double exponent = *rc::gen::inRange(-300, 301) / 100.0, coefficient = *rc::gen::inRange(1, 1000) / 10.0;
-  std::vector<double> x, y;
-  for (int k = 0; k < *rc::gen::inRange(3, 9); ++k) {
-    x.push_back(std::pow(2, k) * 3);
-    y.push_back(coefficient * std::pow(x.back(), exponent));
-  }
-  const PowerLaw law = fit_power_law(x, y);
-  RC_ASSERT(std::abs(law.exponent - exponent) < 1e-9);
-  RC_ASSERT(std::abs(law.coefficient / coefficient - 1) < 1e-8);
-  RC_ASSERT(law.r2 > 1 - 1e-9);
-}
-
-TEST(growth, least_squares_by_hand) {
-  // ln x = 0, 1, 2 and ln y = 0, 1, 0: slope 0, mean 1/3, so R^2 is 0.
-  const std::vector<double> x{1, std::exp(1), std::exp(2)}, y{1, std::exp(1), 1};
-  const PowerLaw law = fit_power_law(x, y);
-  EXPECT_NEAR(law.exponent, 0, 1e-12);
-  EXPECT_NEAR(law.coefficient, std::exp(1.0 / 3), 1e-12);
-  EXPECT_NEAR(law.r2, 0, 1e-12);
-}
-
-std::vector<Record> family(std::initializer_list<int> counts, double exponent) {
-  std::vector<Record> records;
-  for (const int count : counts) {
-    Record r = row("a", 3, 2 * std::pow(count, exponent), 0.1, fmt::format("soup:count={},seed=7", count));
-    r.scene_facts = Record::SceneFacts{.meshes = 1, .triangles = static_cast<std::uint64_t>(count)};
-    records.push_back(r);
-  }
-  return records;
-}
-
-Growth stage_of(const Growths& growths, const std::string& stage) {
-  for (const Growth& growth : growths.rows)
-    if (growth.stage == stage) return growth;
-  throw Error("there is no stage {}", stage);
-}
-
-TEST(growth, scenes_of_one_family_are_one_series) {
-  const Growths growths = find_growth(family({10, 100, 1000}, 1.5), "triangles");
-  ASSERT_EQ(growths.rows.size(), 3u);  // build, relight, resolve
-  const Growth resolve = stage_of(growths, "resolve");
-  EXPECT_EQ(resolve.place.scene, "soup:seed=7,count=*");
-  ASSERT_TRUE(resolve.exponent);
-  EXPECT_NEAR(resolve.exponent->value, 1.5, 1e-9);
-  EXPECT_NEAR(resolve.coefficient, 2, 1e-6);
-  EXPECT_TRUE(resolve.exponent->has_interval);
-  EXPECT_NEAR(stage_of(growths, "relight").exponent->value, 0, 1e-9);
-  // The same by the scene's parameter, which only the reference knows.
-  EXPECT_NEAR(stage_of(find_growth(family({10, 100, 1000}, 1.5), "count"), "resolve").exponent->value, 1.5, 1e-9);
-}
-
-TEST(growth, what_does_not_change_the_triangles_does_not_join_scenes) {
-  // Two seeds at every count: seed 8 has the same triangles as 7, so the two are series of their own.
-  std::vector<Record> records = family({10, 100, 1000}, 1);
-  for (Record r : family({10, 100, 1000}, 2)) {
-    r.scene.replace(r.scene.find("seed=7"), 6, "seed=8");
-    records.push_back(r);
-  }
-  std::set<std::string> scenes;
-  for (const Growth& growth : find_growth(records, "triangles").rows) {
-    scenes.insert(growth.place.scene);
-    EXPECT_EQ(growth.points.size(), 3u);
-  }
-  EXPECT_EQ(scenes, (std::set<std::string>{"soup:seed=7,count=*", "soup:seed=8,count=*"}));
-  records.push_back(row("a", 1, 1, 0.1, "bunny"));
-  const auto families = scene_families(records);
-  EXPECT_EQ(families.at("bunny"), "bunny");
-  EXPECT_EQ(families.at(records[0].scene), "soup:seed=7,count=*");
-  EXPECT_EQ(families.at(records[5].scene), "soup:seed=8,count=*");
-}
-
-TEST(growth, two_points_are_too_few_and_one_is_no_series) {
-  const Growths two = find_growth(family({10, 100}, 1), "triangles");
-  EXPECT_FALSE(stage_of(two, "resolve").exponent);
-  EXPECT_EQ(stage_of(two, "resolve").why_not, "too few points");
-  const Growths one = find_growth(family({10}, 1), "triangles");
-  EXPECT_TRUE(one.rows.empty());
-  EXPECT_EQ(one.single, 1u);
-}
-
-TEST(growth, times_that_the_clock_does_not_see_make_no_exponent) {
-  std::vector<Record> records = family({10, 100, 1000}, 1);
-  for (Record& r : records) r.times(Stage::relight) = {{4e-5}, {5e-5}, {4e-5}};
-  EXPECT_EQ(stage_of(find_growth(records, "triangles"), "relight").why_not, "below the clock");
-}
-
-TEST(growth, the_interval_holds_the_noise_of_the_processes) {
-  // Exponent 1, every process off by up to 20 %: the interval must contain 1 and exclude 0.5 and 1.5.
-  std::vector<Record> records = family({10, 100, 1000, 10000}, 1);
-  Random random(3);
-  for (Record& r : records)
-    for (auto& process : r.times(Stage::resolve)) process[0] *= random.uniform(0.8, 1.2);
-  const Growth growth = stage_of(find_growth(records, "triangles"), "resolve");
-  EXPECT_LT(growth.exponent->low, growth.exponent->high);
-  EXPECT_LE(growth.exponent->low, 1.05);
-  EXPECT_GE(growth.exponent->high, 0.95);
-  EXPECT_GT(growth.exponent->low, 0.5);
-  EXPECT_LT(growth.exponent->high, 1.5);
-}
-
-TEST(growth, lights_are_summed_in_their_order_after_one_build) {
-  std::vector<Record> records;
-  for (const char* light : {"a", "b", "c"}) {
-    records.push_back(row("t", 2, 3, 0.1));
-    records.back().light = light;
-  }
-  const Growth total = stage_of(find_growth(records, "lights"), "total");
-  ASSERT_EQ(total.points.size(), 3u);
-  // Build 1, then 5 for every light.
-  EXPECT_EQ(total.points[0].ms.value, 6);
-  EXPECT_EQ(total.points[1].ms.value, 11);
-  EXPECT_EQ(total.points[2].ms.value, 16);
-  EXPECT_EQ(total.points[2].x, 3);
-  EXPECT_NEAR(stage_of(find_growth(records, "lights"), "resolve").exponent->value, 1, 1e-9);
-}
-
-TEST(growth, a_parameter_of_the_technique_is_an_axis_and_leaves_the_name) {
-  std::vector<Record> records;
-  for (const int resolution : {256, 512, 1024, 2048}) {
-    records.push_back(row(fmt::format("map:bias=2,resolution={}", resolution), resolution * resolution * 1e-4, 1, 0.1));
-    if (resolution == 1024) records.back().label = "usual";  // a label of one point does not split the series
-  }
-  const Growths growths = find_growth(records, "resolution");
-  const Growth relight = stage_of(growths, "relight");
-  EXPECT_EQ(relight.setting, "map:bias=2");
-  EXPECT_EQ(relight.points.size(), 4u);
-  EXPECT_NEAR(relight.exponent->value, 2, 1e-9);
-  EXPECT_THROW(find_growth(records, "resolutoin"), Error);
-}
-
-TEST(growth, picture_sizes_are_an_axis) {
-  std::vector<Record> records;
-  for (const int scale : {1, 2, 4}) {
-    records.push_back(row("t", 1, 0.5 * scale * scale, 0.1));
-    records.back().width = 160 * scale;
-    records.back().height = 90 * scale;
-  }
-  EXPECT_NEAR(stage_of(find_growth(records, "pixels"), "resolve").exponent->value, 1, 1e-9);
 }
 
 // --- front ------------------------------------------------------------------------------------------------------------

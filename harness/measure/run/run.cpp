@@ -7,11 +7,10 @@
 #include <charconv>
 #include <regex>
 
-#include "measure/paths.h"
-#include "measure/run/batch.h"
 #include "measure/run/context.h"
 #include "measure/run/estimate.h"
 #include "measure/run/resume.h"
+#include "measure/run/rows.h"
 
 namespace gnomon {
 
@@ -20,16 +19,6 @@ namespace fs = std::filesystem;
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-/// A folder that goes away with its owner.
-struct ScratchFolder {
-  fs::path path;
-  explicit ScratchFolder(fs::path p) : path(std::move(p)) { fs::create_directories(path); }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-};
 
 void make_folder(const fs::path& out) {
   std::error_code code;
@@ -95,62 +84,38 @@ RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress&
   remove_leftovers(options.out);
   RunSummary summary;
 
-  std::vector<std::string> scenes;
-  std::map<std::string, std::vector<Row>> rows;
+  std::vector<Row> rows;
   for (const Job& job : jobs) {
-    if (earlier.done.contains(job.hash)) {
+    if (earlier.done.contains(job.hash))
       ++summary.done_before;
-      continue;
-    }
-    if (!rows.contains(job.scene)) scenes.push_back(job.scene);
-    rows[job.scene].push_back({job, {}, 0, false});
+    else
+      rows.push_back({job, {}, 0, false});
   }
-  progress.expect(static_cast<double>(jobs.size() - summary.done_before) * options.suite.processes);
   std::optional<ScratchFolder> scratch(options.out / ".scratch");
   const Side side{options.worker, options.out};
-  double budget = options.suite.budget;  // for processes beyond the fixed ones; every batch may spend its share of what is left
-  std::size_t rows_left = jobs.size() - summary.done_before;
-  for (const std::string& scene : scenes) {
-    const SceneLibrary::Entry& entry = library.get(scene);
-    std::optional<SceneRun> run;
-    if (entry.scene) run.emplace(scene, *entry.scene, options.suite, cache_root() / "frames", scratch->path);
+  const auto keep = [&](const BatchDone& batch) {
     std::vector<RowCost> costs;
-    for (std::vector<Row>& batch : split(std::move(rows[scene]))) {
-      const Json context = machine_context(options.worker.threads);
-      for (Row& row : batch) {
-        row.record = start_record(row.job, options.suite, entry.scene ? &*entry.scene : nullptr, context);
-        if (run) {
-          row.record.context["scene_hash"] = run->frames.scene_hash();
-          row.record.context["frames"] = frame_version();
-        } else {
-          row.record.status = Status::unsupported;
-          row.record.reason = entry.missing;
-          progress.advance(options.suite.processes);
-        }
-      }
-      double opening = 0;
-      if (run) {
-        const auto opened = Clock::now();
-        const double allowance = budget * static_cast<double>(batch.size()) / static_cast<double>(rows_left);
-        budget -= run_batch(*run, {&side, 1}, batch, progress, allowance);
-        opening = share_overhead(batch, std::chrono::duration<double>(Clock::now() - opened).count());
-      }
-      rows_left -= batch.size();
-      for (const Row& row : batch) {
-        writer.append(row.record);
-        if (run) costs.push_back(cost_of(row.record, options.suite.warmups, opening));
-        ++(row.record.status == Status::ok       ? summary.ok
-           : row.record.status == Status::failed ? summary.failed
-                                                 : summary.unsupported);
-      }
+    for (const Row& row : batch.rows) {
+      writer.append(row.record);
+      if (batch.was_run) costs.push_back(cost_of(row.record, options.suite.warmups, batch.opening));
+      ++(row.record.status == Status::ok       ? summary.ok
+         : row.record.status == Status::failed ? summary.failed
+                                               : summary.unsupported);
     }
     try {
       own_history().add(costs);
     } catch (const Error& error) {  // estimates get worse, results do not
       progress.say(error.what());
     }
-    library.forget(scene);
-  }
+  };
+  run_rows(std::move(rows),
+           {options.suite,
+            library,
+            {&side, 1},
+            scratch->path(),
+            [&] { return std::vector{machine_context(options.worker.threads)}; },
+            keep},
+           progress);
   scratch.reset();  // while it is ours
   writer.close();
   summary.seconds = std::chrono::duration<double>(Clock::now() - start).count();

@@ -1,0 +1,48 @@
+#pragma once
+#include <cmath>
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+#include "measure/analysis/analysis.h"
+
+// Records made by hand, for the tests of analyses.
+namespace analysis_rows {
+using namespace gnomon;
+
+inline bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+/// One place, three processes of one repetition each.
+inline Record row(const std::string& setting, double relight, double resolve, double wrong_rate,
+                  const std::string& scene = "soup") {
+  Record r;
+  r.scene = scene;
+  r.light = "point";
+  r.view = "main";
+  const std::size_t colon = setting.find(':');
+  r.technique = setting.substr(0, colon);
+  if (colon != setting.npos) r.settings = setting.substr(colon + 1);
+  for (const auto& [key, value] : split_settings(r.settings)) r.parameters[key] = Json::parse(value);
+  r.width = 640;
+  r.height = 360;
+  r.status = Status::ok;
+  r.times(Stage::build) = {{1}, {1}, {1}};
+  r.times(Stage::relight) = {{relight}, {relight}, {relight}};
+  r.times(Stage::resolve) = {{resolve}, {resolve}, {resolve}};
+  r.bytes = 1u << 20;
+  r.metrics[Truth::shape] = {{"wrong_rate", wrong_rate}};
+  r.classes["T"] = 1000;
+  return r;
+}
+
+inline std::vector<Record> family(std::initializer_list<int> counts, double exponent) {
+  std::vector<Record> records;
+  for (const int count : counts) {
+    Record r = row("a", 3, 2 * std::pow(count, exponent), 0.1, fmt::format("soup:count={},seed=7", count));
+    r.scene_facts = Record::SceneFacts{.meshes = 1, .triangles = static_cast<std::uint64_t>(count)};
+    records.push_back(r);
+  }
+  return records;
+}
+
+}  // namespace analysis_rows
