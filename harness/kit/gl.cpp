@@ -70,8 +70,11 @@ void attach(GLuint program, GLenum stage, std::string_view title, std::string_vi
   glGetShaderiv(shader, GL_INFO_LOG_LENGTH, &length);
   std::string log(std::max(length, 1), '\0');
   glGetShaderInfoLog(shader, length, nullptr, log.data());
-  throw Error("shader {} ({}) does not compile:\n{}\n{}", title, stage == GL_VERTEX_SHADER ? "vertex" : "fragment", log.c_str(),
-              numbered(source));
+  throw Error("shader {} ({}) does not compile:\n{}\n{}", title,
+              stage == GL_VERTEX_SHADER     ? "vertex"
+              : stage == GL_FRAGMENT_SHADER ? "fragment"
+                                            : "compute",
+              log.c_str(), numbered(source));
 }
 
 }  // namespace
@@ -108,6 +111,19 @@ Program::Program(std::string_view title, std::string_view vertex, std::string_vi
     : GlObject(glCreateProgram()), title_(title) {
   attach(name(), GL_VERTEX_SHADER, title, vertex);
   attach(name(), GL_FRAGMENT_SHADER, title, fragment);
+  link(title, fmt::format("vertex:\n{}\nfragment:\n{}", numbered(vertex), numbered(fragment)));
+}
+
+Program Program::compute(std::string_view title, std::string_view source) {
+  Program program;
+  static_cast<GlObject&>(program) = GlObject(glCreateProgram());
+  program.title_ = title;
+  attach(program.name(), GL_COMPUTE_SHADER, title, source);
+  program.link(title, numbered(source));
+  return program;
+}
+
+void Program::link(std::string_view title, std::string_view sources) {
   glLinkProgram(name());
   GLint ok = 0, length = 0;
   glGetProgramiv(name(), GL_LINK_STATUS, &ok);
@@ -115,8 +131,7 @@ Program::Program(std::string_view title, std::string_view vertex, std::string_vi
   glGetProgramiv(name(), GL_INFO_LOG_LENGTH, &length);
   std::string log(std::max(length, 1), '\0');
   glGetProgramInfoLog(name(), length, nullptr, log.data());
-  throw Error("program {} does not link:\n{}\nvertex:\n{}\nfragment:\n{}", title, log.c_str(), numbered(vertex),
-              numbered(fragment));
+  throw Error("program {} does not link:\n{}\n{}", title, log.c_str(), sources);
 }
 
 GLint Program::location(const char* uniform) const {

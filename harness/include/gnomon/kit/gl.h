@@ -67,6 +67,7 @@ class Program : public GlObject<gl_detail::delete_program> {
  public:
   Program() = default;
   Program(std::string_view title, std::string_view vertex, std::string_view fragment);
+  static Program compute(std::string_view title, std::string_view source);
 
   bool uses(const char* uniform) const { return glGetUniformLocation(name(), uniform) >= 0; }
   /// Sets a uniform by name. Throws Error on a name that the program does not use.
@@ -79,6 +80,7 @@ class Program : public GlObject<gl_detail::delete_program> {
   void set(const char* uniform, const glm::mat4& value) const;
 
  private:
+  void link(std::string_view title, std::string_view sources);
   GLint location(const char* uniform) const;
   std::string title_;
 };

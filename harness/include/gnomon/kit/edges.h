@@ -1,0 +1,118 @@
+#pragma once
+#include <gnomon/scene.h>
+
+#include <span>
+#include <vector>
+
+namespace gnomon {
+
+/// A homogeneous point's shadow at infinity: (L_w X - L_xyz, 0), the direction in which light that passes X goes on.
+inline glm::dvec4 extruded(const glm::dvec3& x, const glm::dvec4& light) { return {light.w * x - glm::dvec3(light), 0}; }
+
+/// Edge of the outline that a light sees of the casters: the surface ends or folds here, and a side quad starts. Ends are
+/// vertices of the scene, each the first one at its position, low < high. `count` is the sum over the triangles at the edge of
+/// the direction, +1 for low to high, in which they run along it when turned counter-clockwise seen from the light: never 0,
+/// and 2 where two layers of an open surface fold. The side quad for count > 0 is high, low, low at infinity, high at
+/// infinity, counter-clockwise seen from outside the volume (Lengyel's Table 10.1); for count < 0 the other way about.
+struct SilhouetteEdge {
+  std::uint32_t low, high;
+  std::int32_t count;
+  std::uint32_t part;
+};
+
+/// What a light sees of the casters: the surface whose shadow volume is the set of all points behind it, and its outline.
+struct Silhouette {
+  glm::dvec4 light{0};
+  /// Of each triangle of the scene: +1 counter-clockwise seen from the light, -1 clockwise; 0 where the triangle takes no part:
+  /// not casting, edge-on, or of the half of a closed body that the other half covers.
+  std::vector<std::int8_t> facing;
+  std::vector<SilhouetteEdge> edges;                ///< in a fixed order
+  std::vector<std::vector<SilhouetteEdge>> blocks;  ///< scratch
+};
+
+/// Which casting triangles of a scene share an edge; built once per scene. Vertices at equal positions are one, across meshes.
+/// Triangles and vertices are counted over the whole scene, mesh after mesh.
+class EdgeAdjacency {
+ public:
+  EdgeAdjacency() = default;
+  explicit EdgeAdjacency(const Scene& scene);
+
+  /// An edge of two triangles that run along it in opposite directions.
+  struct Edge {
+    std::uint32_t low, high;
+    std::uint32_t first, second;  ///< the triangle that runs from low to high, and the other
+  };
+  /// Any other edge: open, of three or more triangles, or of two wound against each other.
+  struct IrregularEdge {
+    std::uint32_t low, high;
+    std::uint32_t first_side, side_count;  ///< of `sides()`
+  };
+  /// A triangle at an irregular edge, times two, plus one where it runs from low to high.
+  using Side = std::uint32_t;
+
+  /// Triangles connected by edges.
+  struct Part {
+    Bounds bounds;
+    bool closed = true;  ///< every edge is regular
+    double volume = 0;   ///< signed, cubic meters; positive when wound counter-clockwise seen from outside; if closed
+  };
+  /// Which triangles of a part take part in its shadow volume: both, or those of one facing. Half of a closed body is enough
+  /// for a light outside its bounds: what blocks light there enters the body before it leaves it.
+  enum class Half : std::int8_t { clockwise = -1, both = 0, counter_clockwise = 1 };
+  Half half(const Part& part, const glm::dvec4& light) const;
+
+  /// On all threads. Every sign is exact; the outcome never depends on the number of threads. Reuses the memory of `out`.
+  void find_silhouette(const glm::dvec4& light, Silhouette& out) const;
+
+  struct Depth {
+    std::int64_t volumes = 0;  ///< shadow volumes around the point, that is, triangles taking part between it and the light
+    bool degenerate = false;   ///< the way to the light goes through an edge or vertex, or the point lies on a triangle
+  };
+  /// How deep in shadow a point of space lies. Exact; on all threads; time grows with the triangles of the meshes in the way.
+  Depth depth_at(const glm::vec3& point, const Silhouette& silhouette) const;
+
+  std::span<const glm::vec3> positions() const { return positions_; }
+  std::span<const glm::uvec3> triangles() const { return triangles_; }  ///< vertices as the meshes name them
+  std::span<const std::uint32_t> part_of() const { return part_of_; }   ///< of each triangle; no_part where it does not cast
+  std::span<const Part> parts() const { return parts_; }
+  std::span<const Edge> edges() const { return edges_; }
+  std::span<const IrregularEdge> irregular_edges() const { return irregular_; }
+  std::span<const Side> sides() const { return sides_; }
+  /// The first vertex at each vertex's position; a vertex itself where its mesh does not cast.
+  std::span<const std::uint32_t> first_at_position() const { return first_at_position_; }
+  std::size_t bytes() const;
+
+  static constexpr std::uint32_t no_part = 0xffffffffu;
+
+ private:
+  /// Plane of a triangle in double, with the share of the scale of coordinates that its value may err by.
+  struct TrianglePlane {
+    glm::dvec3 normal{0};
+    double offset = 0;
+    double error = 0;
+  };
+  struct MeshTriangles {
+    std::uint32_t first, count;
+    bool casts;
+    Bounds bounds;
+  };
+  void join_edges();
+  void find_parts();
+  /// Sign of the triangle's plane at a homogeneous point: +1 where it sees the triangle counter-clockwise.
+  int side(std::uint32_t triangle, const glm::dvec4& point, double scale) const;
+  double scale(const glm::dvec4& point) const;
+
+  std::vector<glm::vec3> positions_;
+  std::vector<glm::uvec3> triangles_;
+  std::vector<MeshTriangles> meshes_;
+  std::vector<std::uint32_t> first_at_position_;
+  std::vector<std::uint32_t> part_of_;
+  std::vector<Part> parts_;
+  std::vector<Edge> edges_;
+  std::vector<IrregularEdge> irregular_;
+  std::vector<Side> sides_;
+  std::vector<TrianglePlane> planes_;
+  double extent_ = 0;  // largest coordinate
+};
+
+}  // namespace gnomon

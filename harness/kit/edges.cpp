@@ -1,0 +1,308 @@
+#include <gnomon/kit/edges.h>
+#include <gnomon/kit/exact.h>
+#include <gnomon/kit/parallel.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numeric>
+
+namespace gnomon {
+
+namespace {
+
+constexpr std::size_t block_size = std::size_t{1} << 15;
+
+std::array<std::uint32_t, 3> bits(const glm::vec3& p) {
+  const glm::vec3 q = p + 0.0f;  // minus zero becomes zero
+  return {std::bit_cast<std::uint32_t>(q.x), std::bit_cast<std::uint32_t>(q.y), std::bit_cast<std::uint32_t>(q.z)};
+}
+
+/// For each vertex that `wanted`, the first wanted vertex at its position; for the rest, themselves. Open addressing.
+std::vector<std::uint32_t> weld(std::span<const glm::vec3> positions, std::span<const std::uint8_t> wanted) {
+  constexpr std::uint32_t empty = 0xffffffffu;
+  std::vector<std::uint32_t> first(positions.size());
+  std::vector<std::uint32_t> table(std::bit_ceil(2 * positions.size() + 1), empty);
+  for (std::uint32_t v = 0; v < positions.size(); ++v) {
+    first[v] = v;
+    if (!wanted[v]) continue;
+    const auto b = bits(positions[v]);
+    std::uint64_t hash = b[0] * 0x9e3779b97f4a7c15ull ^ b[1] * 0xc2b2ae3d27d4eb4full ^ b[2] * 0x165667b19e3779f9ull;
+    hash ^= hash >> 29, hash *= 0xbf58476d1ce4e5b9ull, hash ^= hash >> 32;
+    for (std::size_t place = hash & (table.size() - 1);; place = (place + 1) & (table.size() - 1)) {
+      if (table[place] == empty) {
+        table[place] = v;
+        break;
+      }
+      if (positions[table[place]] == positions[v]) {
+        first[v] = table[place];
+        break;
+      }
+    }
+  }
+  return first;
+}
+
+}  // namespace
+
+EdgeAdjacency::EdgeAdjacency(const Scene& scene) {
+  std::vector<std::uint8_t> casts;  // of each vertex
+  for (const Mesh& mesh : scene.meshes) {
+    const auto base = static_cast<std::uint32_t>(positions_.size());
+    meshes_.push_back(
+        {static_cast<std::uint32_t>(triangles_.size()), static_cast<std::uint32_t>(mesh.triangles.size()), mesh.casts, {}});
+    positions_.insert(positions_.end(), mesh.positions.begin(), mesh.positions.end());
+    casts.resize(positions_.size(), mesh.casts);
+    for (const glm::uvec3& t : mesh.triangles) triangles_.push_back(t + base);
+    for (const glm::vec3& p : mesh.positions) {
+      meshes_.back().bounds.add(p);
+      extent_ = std::max<double>({extent_, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+    }
+  }
+  first_at_position_ = weld(positions_, casts);
+  join_edges();
+  find_parts();
+
+  planes_.resize(triangles_.size());
+  for_blocks(triangles_.size(), block_size, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
+      const glm::dvec3 a = positions_[triangles_[t].x], u = glm::dvec3(positions_[triangles_[t].y]) - a,
+                       v = glm::dvec3(positions_[triangles_[t].z]) - a;
+      const glm::dvec3 normal = glm::cross(u, v), au = glm::abs(u), av = glm::abs(v);
+      const double permanent = au.y * av.z + au.z * av.y + au.z * av.x + au.x * av.z + au.x * av.y + au.y * av.x;
+      planes_[t] = {normal, -glm::dot(normal, a), permanent};
+    }
+  });
+}
+
+/// Half-edges fall into one bucket per lower end; a bucket is a few entries, sorted by the higher end and then by triangle, so
+/// that the outcome has one order.
+void EdgeAdjacency::join_edges() {
+  struct HalfEdge {
+    std::uint32_t high;
+    Side side;
+    bool operator<(const HalfEdge& other) const { return high != other.high ? high < other.high : side < other.side; }
+  };
+  const auto for_half_edges = [&](auto&& visit) {
+    for (const MeshTriangles& mesh : meshes_) {
+      if (!mesh.casts) continue;
+      for (std::uint32_t t = mesh.first; t < mesh.first + mesh.count; ++t)
+        for (int k = 0; k < 3; ++k) {
+          const std::uint32_t from = first_at_position_[triangles_[t][k]], to = first_at_position_[triangles_[t][(k + 1) % 3]];
+          visit(std::min(from, to), std::max(from, to), 2 * t + (from < to));
+        }
+    }
+  };
+  std::vector<std::uint32_t> begin(positions_.size() + 1, 0);
+  for_half_edges([&](std::uint32_t low, std::uint32_t, Side) { ++begin[low + 1]; });
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<HalfEdge> halves(begin.back());
+  std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
+  for_half_edges([&](std::uint32_t low, std::uint32_t high, Side side) { halves[next[low]++] = {high, side}; });
+
+  struct Found {
+    std::vector<Edge> edges;
+    std::vector<IrregularEdge> irregular;
+    std::vector<Side> sides;
+  };
+  std::vector<Found> found((positions_.size() + block_size - 1) / block_size);
+  for_blocks(positions_.size(), block_size, [&](std::size_t first, std::size_t last) {
+    Found& out = found[first / block_size];
+    out.edges.reserve((begin[last] - begin[first]) / 2);
+    for (std::size_t low = first; low < last; ++low) {
+      const std::span bucket(halves.begin() + begin[low], halves.begin() + begin[low + 1]);
+      std::sort(bucket.begin(), bucket.end());
+      for (std::size_t i = 0, j; i < bucket.size(); i = j) {
+        for (j = i + 1; j < bucket.size() && bucket[j].high == bucket[i].high;) ++j;
+        const auto ends = [&]<class E>(E edge) {
+          return edge.low = static_cast<std::uint32_t>(low), edge.high = bucket[i].high, edge;
+        };
+        if (j == i + 2 && (bucket[i].side & 1) != (bucket[i + 1].side & 1)) {
+          const bool in_order = bucket[i].side & 1;
+          out.edges.push_back(ends(Edge{.low = 0,
+                                        .high = 0,
+                                        .first = bucket[in_order ? i : i + 1].side / 2,
+                                        .second = bucket[in_order ? i + 1 : i].side / 2}));
+        } else {
+          out.irregular.push_back(ends(IrregularEdge{.low = 0,
+                                                     .high = 0,
+                                                     .first_side = static_cast<std::uint32_t>(out.sides.size()),
+                                                     .side_count = static_cast<std::uint32_t>(j - i)}));
+          for (std::size_t k = i; k < j; ++k) out.sides.push_back(bucket[k].side);
+        }
+      }
+    }
+  });
+  std::size_t edge_count = 0;
+  for (const Found& block : found) edge_count += block.edges.size();
+  edges_.reserve(edge_count);
+  for (const Found& block : found) {
+    edges_.insert(edges_.end(), block.edges.begin(), block.edges.end());
+    for (IrregularEdge edge : block.irregular) {
+      edge.first_side += static_cast<std::uint32_t>(sides_.size());
+      irregular_.push_back(edge);
+    }
+    sides_.insert(sides_.end(), block.sides.begin(), block.sides.end());
+  }
+}
+
+void EdgeAdjacency::find_parts() {
+  std::vector<std::uint32_t> leader(triangles_.size());
+  std::iota(leader.begin(), leader.end(), 0u);
+  const auto find = [&](std::uint32_t t) {
+    while (leader[t] != t) t = leader[t] = leader[leader[t]];
+    return t;
+  };
+  // The smaller number leads, so parts are numbered in the order of their first triangles.
+  const auto join = [&](std::uint32_t a, std::uint32_t b) {
+    a = find(a), b = find(b);
+    leader[std::max(a, b)] = std::min(a, b);
+  };
+  for (const Edge& edge : edges_) join(edge.first, edge.second);
+  for (const IrregularEdge& edge : irregular_)
+    for (std::uint32_t k = 1; k < edge.side_count; ++k) join(sides_[edge.first_side] / 2, sides_[edge.first_side + k] / 2);
+
+  part_of_.assign(triangles_.size(), no_part);
+  for (const MeshTriangles& mesh : meshes_) {
+    if (!mesh.casts) continue;
+    for (std::uint32_t t = mesh.first; t < mesh.first + mesh.count; ++t) {
+      const std::uint32_t first = find(t);
+      if (first == t) {
+        part_of_[t] = static_cast<std::uint32_t>(parts_.size());
+        parts_.emplace_back();
+      }
+      Part& part = parts_[part_of_[t] = part_of_[first]];
+      for (int k = 0; k < 3; ++k) part.bounds.add(positions_[triangles_[t][k]]);
+    }
+  }
+  for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+    if (part_of_[t] == no_part) continue;
+    Part& part = parts_[part_of_[t]];
+    const glm::dvec3 origin = part.bounds.min;
+    const auto corner = [&](int k) { return glm::dvec3(positions_[triangles_[t][k]]) - origin; };
+    part.volume += glm::dot(corner(0), glm::cross(corner(1), corner(2))) / 6;
+  }
+  for (const IrregularEdge& edge : irregular_) parts_[part_of_[sides_[edge.first_side] / 2]].closed = false;
+}
+
+EdgeAdjacency::Half EdgeAdjacency::half(const Part& part, const glm::dvec4& light) const {
+  if (!part.closed) return Half::both;
+  if (light.w != 0) {
+    const glm::dvec3 position = glm::dvec3(light) / light.w;
+    const bool inside = glm::all(glm::greaterThanEqual(position, glm::dvec3(part.bounds.min))) &&
+                        glm::all(glm::lessThanEqual(position, glm::dvec3(part.bounds.max)));
+    if (inside) return Half::both;
+  }
+  return part.volume < 0 ? Half::clockwise : Half::counter_clockwise;
+}
+
+double EdgeAdjacency::scale(const glm::dvec4& point) const {
+  return std::max({std::abs(point.x), std::abs(point.y), std::abs(point.z)}) + std::abs(point.w) * extent_;
+}
+
+// With e = 2^-53, u and v the edges from corner a, and m the permanent of u x v (the sum of its six products without signs):
+// each edge component rounds once (e), each product adds 3 e in all, each component of the normal 4 e of its share of m; the
+// products with the point's coordinates, their sum, and the offset, which is made the same way, add at most 5 e more. Every
+// term is at most m times the scale, the largest coordinate of the point plus w times that of the scene, so the sum errs by
+// less than 12 e m scale, and 16 e covers the rounding of m and of the scale.
+int EdgeAdjacency::side(std::uint32_t triangle, const glm::dvec4& point, double scale) const {
+  const TrianglePlane& plane = planes_[triangle];
+  const double value = glm::dot(plane.normal, glm::dvec3(point)) + plane.offset * point.w;
+  const double bound = 0x1p-49 * plane.error * scale;
+  if (value > bound) return 1;
+  if (value < -bound) return -1;
+  const glm::uvec3& t = triangles_[triangle];
+  return orient3d_sign(positions_[t.x], positions_[t.y], positions_[t.z], point);
+}
+
+void EdgeAdjacency::find_silhouette(const glm::dvec4& light, Silhouette& out) const {
+  out.light = light;
+  std::vector<Half> halves;
+  for (const Part& part : parts_) halves.push_back(half(part, light));
+  const double scale_of_light = scale(light);
+
+  out.facing.resize(triangles_.size());
+  for_blocks(triangles_.size(), block_size, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
+      out.facing[t] = 0;
+      if (part_of_[t] == no_part) continue;
+      const int facing = side(static_cast<std::uint32_t>(t), light, scale_of_light);
+      const Half wanted = halves[part_of_[t]];
+      if (wanted == Half::both || facing == static_cast<int>(wanted)) out.facing[t] = static_cast<std::int8_t>(facing);
+    }
+  });
+
+  out.blocks.resize((edges_.size() + block_size - 1) / block_size);
+  for_blocks(edges_.size(), block_size, [&](std::size_t begin, std::size_t end) {
+    std::vector<SilhouetteEdge>& block = out.blocks[begin / block_size];
+    block.clear();
+    for (std::size_t i = begin; i < end; ++i) {
+      const Edge& edge = edges_[i];
+      const int count = out.facing[edge.first] - out.facing[edge.second];
+      if (count != 0) block.push_back({edge.low, edge.high, count, part_of_[edge.first]});
+    }
+  });
+  out.edges.clear();
+  for (const std::vector<SilhouetteEdge>& block : out.blocks) out.edges.insert(out.edges.end(), block.begin(), block.end());
+  for (const IrregularEdge& edge : irregular_) {
+    int count = 0;
+    for (const Side side : std::span(sides_).subspan(edge.first_side, edge.side_count))
+      count += side & 1 ? out.facing[side / 2] : -out.facing[side / 2];
+    if (count != 0) out.edges.push_back({edge.low, edge.high, count, part_of_[sides_[edge.first_side] / 2]});
+  }
+}
+
+// The way from P to the light crosses triangle ABC iff P and L are on different sides of its plane and the three edges turn
+// the same way about it.
+EdgeAdjacency::Depth EdgeAdjacency::depth_at(const glm::vec3& point, const Silhouette& silhouette) const {
+  const glm::dvec4 p(point, 1), &light = silhouette.light;
+  const double scale_of_point = scale(p);
+  // A box that the way to the light clearly misses holds nothing that it crosses.
+  const auto misses = [&](const Bounds& box) {
+    const glm::dvec3 way = to_light(light, glm::dvec3(p));
+    const double reach = 0x1p-40 * std::max(extent_, scale_of_point), length = light.w != 0 ? 1 / light.w : INFINITY;
+    double near = 0, far = length;
+    for (int k = 0; k < 3; ++k) {
+      const double low = box.min[k] - reach - p[k], high = box.max[k] + reach - p[k];
+      if (way[k] == 0) {
+        if (low > 0 || high < 0) return true;
+        continue;
+      }
+      near = std::max(near, std::min(low / way[k], high / way[k]) * (1 - 0x1p-40));
+      far = std::min(far, std::max(low / way[k], high / way[k]) * (1 + 0x1p-40));
+    }
+    return near > far;
+  };
+  Depth sum;
+  std::vector<Depth> blocks;
+  for (const MeshTriangles& mesh : meshes_) {
+    if (!mesh.casts || misses(mesh.bounds)) continue;
+    blocks.assign((mesh.count + block_size - 1) / block_size, {});
+    for_blocks(mesh.count, block_size, [&](std::size_t begin, std::size_t end) {
+      Depth& block = blocks[begin / block_size];
+      for (std::size_t t = mesh.first + begin; t < mesh.first + end; ++t) {
+        const int facing = silhouette.facing[t];
+        if (facing == 0) continue;
+        const int of_point = side(static_cast<std::uint32_t>(t), p, scale_of_point);
+        if (of_point == facing) continue;
+        const glm::vec3 &a = positions_[triangles_[t].x], &b = positions_[triangles_[t].y], &c = positions_[triangles_[t].z];
+        const int turns[] = {orient3d_sign(point, a, b, light), orient3d_sign(point, b, c, light),
+                             orient3d_sign(point, c, a, light)};
+        const bool up = turns[0] >= 0 && turns[1] >= 0 && turns[2] >= 0, down = turns[0] <= 0 && turns[1] <= 0 && turns[2] <= 0;
+        if (!up && !down) continue;
+        block.degenerate |= of_point == 0 || turns[0] == 0 || turns[1] == 0 || turns[2] == 0;
+        block.volumes += of_point != 0;
+      }
+    });
+    for (const Depth& block : blocks) sum.volumes += block.volumes, sum.degenerate |= block.degenerate;
+  }
+  return sum;
+}
+
+std::size_t EdgeAdjacency::bytes() const {
+  const auto held = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
+  return held(positions_) + held(triangles_) + held(first_at_position_) + held(part_of_) + held(parts_) + held(edges_) +
+         held(irregular_) + held(sides_) + held(planes_);
+}
+
+}  // namespace gnomon
