@@ -19,6 +19,7 @@
 #include "stencil_volume/depth_bound.h"
 #include "stencil_volume/eye_place.h"
 #include "stencil_volume/faces.h"
+#include "stencil_volume/gpu_finder.h"
 #include "stencil_volume/shaders.h"
 
 namespace {
@@ -32,6 +33,9 @@ class StencilVolume final : public Technique {
   Choice extrusion{this,           "extrusion",
                    "silhouette",   {"silhouette", "per_triangle"},
                    Stage::relight, "One side quad for every edge of the outline, or for every edge of every triangle."};
+  Choice finder{this,         "finder",
+                "cpu",        {"cpu", "gpu"},
+                Stage::setup, "Who finds the outline and caps that a light sees: the processor's threads, or compute shaders."};
   Choice near_cap{this,
                   "near_cap",
                   "eye",
@@ -73,6 +77,7 @@ class StencilVolume final : public Technique {
   EdgeAdjacency adjacency_;
   Silhouette silhouette_;
   stencil_volume::Faces faces_;
+  stencil_volume::GpuFinder gpu_finder_;
   Commands commands_;
   Light light_;
   std::int64_t depth_bound_ = 0;
@@ -117,6 +122,7 @@ void StencilVolume::setup() {
   near_cap_program_ =
       VolumeProgram("stencil_volume near cap", std::string(position_snippet) + std::string(stencil_volume::near_cap_body));
   counter_.setup();
+  if (finder.is("gpu")) gpu_finder_.setup();
   vertex_array_ = make_vertex_array();
   glVertexArrayAttribFormat(vertex_array_.name(), 0, 3, GL_FLOAT, GL_FALSE, 0);
   glVertexArrayAttribBinding(vertex_array_.name(), 0, 0);
@@ -129,20 +135,25 @@ void StencilVolume::build(const Scene& scene) {
   tree_.reset();
   scene_buffers(scene);
   adjacency_ = EdgeAdjacency(scene);
+  if (finder.is("gpu")) gpu_finder_.build(adjacency_);
 }
 
 void StencilVolume::relight(const Light& light) {
   const StateGuard guard;
   light_ = light;
-  adjacency_.find_silhouette(homogeneous(light), silhouette_);
-  depth_bound_ = stencil_volume::DepthBound(adjacency_, silhouette_)();
-  wide_ = counter.is("wide") || depth_bound_ > 255;
+  const glm::dvec4 l = homogeneous(light);
   const bool behind = where() == CountWhere::behind_surface;
-  commands_ = write_faces(adjacency_, silhouette_,
-                          {.outline = extrusion.is("silhouette"),
-                           .light_caps = behind || near_rectangle(),
-                           .dark_caps = behind && silhouette_.light.w != 0},
-                          faces_);
+  const stencil_volume::Wanted wanted{
+      .outline = extrusion.is("silhouette"), .light_caps = behind || near_rectangle(), .dark_caps = behind && l.w != 0};
+  if (finder.is("gpu")) {
+    gpu_finder_.use_positions(scene_buffers(*scene_));
+    commands_ = gpu_finder_.find(adjacency_, l, wanted, faces_, silhouette_);
+  } else {
+    adjacency_.find_silhouette(l, silhouette_);
+    commands_ = write_faces(adjacency_, silhouette_, wanted, faces_);
+  }
+  depth_bound_ = stencil_volume::DepthBound(adjacency_, silhouette_)();
+  wide_ = counter.is("wide") || depth_bound_ > stencil_volume::DepthBound::stencil_limit;
   glFinish();
 }
 
@@ -245,10 +256,11 @@ Counts StencilVolume::counts() const {
                 {"silhouette_edges", double(silhouette_.edges.size()), ""},
                 {"triangles", corners / 3, ""},
                 {"depth_bound", double(depth_bound_), ""}};
-  counts.push_back({"bytes",
-                    double(adjacency_.bytes() + silhouette_.facing.capacity() +
-                           2 * silhouette_.edges.capacity() * sizeof(SilhouetteEdge) + faces_.bytes() + counter_.bytes()),
-                    "byte"});
+  counts.push_back(
+      {"bytes",
+       double(adjacency_.bytes() + silhouette_.facing.capacity() + 2 * silhouette_.edges.capacity() * sizeof(SilhouetteEdge) +
+              faces_.bytes() + gpu_finder_.bytes() + counter_.bytes()),
+       "byte"});
   if (!gbuffer_) return counts;
 
   // What the stencil cannot tell, by a pass in 32 bits that is thrown away.

@@ -1,5 +1,6 @@
 #pragma once
 #include <gnomon/kit/edges.h>
+#include <gnomon/kit/parallel.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,69 +9,142 @@
 
 namespace stencil_volume {
 
-/// Above every number of shadow volumes that overlap at any point of space: half of the outline's edges, by count, that any
-/// line of sight over the light's image crosses. Such a line is a half-plane about an axis through the light (point light), or
-/// a plane along its rays (directional): the number of volumes changes only where it crosses an edge, and from `start` it must
-/// come back to `end` volumes, so it never exceeds (start + end + crossed) / 2.
+/// Bounds from above how many shadow volumes overlap at any point of space: how often the outline that the light sees winds
+/// around it. The light's image is unrolled: around an axis through a light at a finite point, onto the four sides of the prism
+/// |u| + |v| = 1, which keep lines straight; along a directional light's rays, onto a plane. `across` runs around the axis,
+/// `up` along it. On every vertical line the number of volumes is known at the lower end, and changes at edges only.
 class DepthBound {
  public:
-  static constexpr int bin_count = 4096;
+  /// How many volumes 8 bits count.
+  static constexpr std::int64_t stencil_limit = 255;
 
   DepthBound(const gnomon::EdgeAdjacency& adjacency, const gnomon::Silhouette& silhouette)
-      : adjacency_(adjacency), silhouette_(silhouette), light_(silhouette.light) {}
-
-  std::int64_t operator()() {
+      : adjacency_(adjacency), silhouette_(silhouette), light_(silhouette.light) {
     choose_axes();
-    std::vector<std::int64_t> change(bin_count + 1, 0);
-    std::int64_t everywhere = 0;
-    const auto& positions = adjacency_.positions();
-    for (const gnomon::SilhouetteEdge& edge : silhouette_.edges) {
-      const std::int64_t count = std::abs(edge.count);
-      if (!add_range(positions[edge.low], positions[edge.high], count, change)) everywhere += count;
-    }
-    std::int64_t crossed = 0, most = 0;
-    for (int i = 0; i < bin_count; ++i) most = std::max(most, crossed += change[i]);
-    return (most + everywhere + at_ends_) / 2;
+  }
+
+  /// Quick: half of the edges that any vertical line crosses, since the number must come back to what it is at the upper end;
+  /// where that is over the limit, the finer bound.
+  std::int64_t operator()() const {
+    const std::int64_t quick = crossed();
+    return quick <= stencil_limit ? quick : std::min(quick, sorted());
+  }
+
+  /// In one pass over the edges.
+  std::int64_t crossed() const {
+    constexpr int columns = 4096;
+    std::vector<std::int64_t> change(columns + 1, 0);
+    for_pieces([&](const Piece& piece) {
+      change[column(piece.from.x, columns, -1)] += piece.count;
+      change[column(piece.to.x, columns, 1) + 1] -= piece.count;
+    });
+    std::int64_t now = 0, most = 0;
+    for (int i = 0; i < columns; ++i) most = std::max(most, now += change[i]);
+    return (most + at_ends_) / 2;
+  }
+
+  /// Line by line. The number at a point beside a column's middle line differs from that on the line at the same height by at
+  /// most the edges that pass this height inside the column.
+  std::int64_t sorted() const {
+    constexpr int columns = 512;
+    std::vector<std::uint32_t> first(columns + 2, 0);
+    const auto for_columns = [&](auto&& visit) {
+      for_pieces([&](const Piece& piece) {
+        const int last = column(piece.to.x, columns, 1);
+        for (int c = column(piece.from.x, columns, -1); c <= last; ++c) visit(c, piece);
+      });
+    };
+    for_columns([&](int c, const Piece&) { ++first[c + 2]; });
+    for (int c = 0; c < columns; ++c) first[c + 2] += first[c + 1];
+    std::vector<Piece> pieces(first[columns + 1]);
+    for_columns([&](int c, const Piece& piece) { pieces[first[c + 1]++] = piece; });
+    std::vector<std::int64_t> most(columns, 0);
+    gnomon::for_blocks(columns, 8, [&](std::size_t begin, std::size_t end) {
+      std::vector<Event> events;
+      for (std::size_t c = begin; c < end; ++c)
+        most[c] = most_in_column(std::span(pieces).subspan(first[c], first[c + 1] - first[c]), (c + 0.5) * width_ / columns,
+                                 width_ / columns, events);
+    });
+    return at_ends_ + *std::ranges::max_element(most);
   }
 
  private:
-  /// Axis of the half-planes: along an axis of the world that leads past all casters, where there is one.
+  /// A part of an edge that is straight in the unrolled image, from left to right. `turn` is `count` with the sign of its way.
+  struct Piece {
+    glm::dvec2 from, to;
+    std::int64_t count, turn;
+  };
+  struct Event {
+    double height;
+    std::int64_t turn, passing;
+  };
+
+  static std::int64_t most_in_column(std::span<const Piece> pieces, double middle, double width, std::vector<Event>& events) {
+    events.clear();
+    const double slack = width * 1e-6;
+    for (const Piece& piece : pieces) {
+      const double left = std::max(piece.from.x, middle - width / 2 - slack);
+      const double right = std::min(piece.to.x, middle + width / 2 + slack), span = piece.to.x - piece.from.x;
+      const auto height = [&](double x) {
+        const double share = span > 0 ? std::clamp((x - piece.from.x) / span, 0.0, 1.0) : 0.0;
+        return piece.from.y + share * (piece.to.y - piece.from.y);
+      };
+      double low = height(left), high = height(right);
+      if (!(span > slack)) low = piece.from.y, high = piece.to.y;  // steep: the whole of it
+      if (low > high) std::swap(low, high);
+      const double reach = 1e-9 * (std::abs(low) + std::abs(high)) + 1e-300;
+      events.push_back({low - reach, 0, piece.count});
+      events.push_back({high + reach, 0, -piece.count});
+      if (piece.from.x <= middle && middle < piece.to.x) events.push_back({height(middle), piece.turn, 0});
+    }
+    // What begins at a height is counted before what ends there.
+    std::ranges::sort(events, [](const Event& a, const Event& b) {
+      return a.height != b.height ? a.height < b.height : a.passing > b.passing;
+    });
+    std::int64_t winding = 0, passing = 0, most = 0;
+    for (const Event& event : events) {
+      winding += event.turn, passing += event.passing;
+      most = std::max(most, std::abs(winding) + passing);
+    }
+    return most;
+  }
+
+  /// The axis leads along an axis of the world past all casters, where there is one; then no volume lies at either end.
   void choose_axes() {
     gnomon::Bounds all;
     for (const gnomon::EdgeAdjacency::Part& part : adjacency_.parts())
       if (!part.bounds.empty()) all.add(part.bounds.min), all.add(part.bounds.max);
+    if (all.empty()) return;
     if (light_.w == 0) {
       const glm::dvec3 along = glm::normalize(glm::dvec3(light_)), a = glm::abs(along);
       const glm::dvec3 aside = a.x <= a.y && a.x <= a.z ? glm::dvec3(1, 0, 0)
                                : a.y <= a.z             ? glm::dvec3(0, 1, 0)
                                                         : glm::dvec3(0, 0, 1);
-      u_ = glm::normalize(glm::cross(along, aside));
-      if (all.empty()) return;
+      u_ = glm::normalize(glm::cross(along, aside)), axis_ = glm::cross(along, u_);
       const glm::dvec3 middle = (glm::dvec3(all.min) + glm::dvec3(all.max)) / 2.0, half = glm::dvec3(all.max) - middle;
       const double reach = glm::dot(glm::abs(u_), half) * (1 + 1e-9) + 1e-300;
-      low_ = glm::dot(u_, middle) - reach, per_bin_ = bin_count / (2 * reach);
+      left_ = glm::dot(u_, middle) - reach, width_ = 2 * reach;
       return;
     }
     light_ /= light_.w;
     const glm::dvec3 l(light_);
     int axis = 0;
-    bool past = all.empty();
+    bool past = false;
     for (int k = 0; k < 3 && !past; ++k)
       if (l[k] < all.min[k] || l[k] > all.max[k]) past = true, axis = (k + 1) % 3;
-    axis_ = axis, u_ = glm::dvec3(0), v_ = glm::dvec3(0);
-    u_[(axis + 1) % 3] = 1, v_[(axis + 2) % 3] = 1;
+    axis_[axis] = 1, u_[(axis + 1) % 3] = 1, v_[(axis + 2) % 3] = 1;
+    width_ = 4;
     if (!past) at_ends_ = near_axis();
   }
 
   /// At least as many triangles as the axis meets on both sides of the light.
   std::int64_t near_axis() const {
     std::int64_t count = 0;
-    const auto& positions = adjacency_.positions();
     for (std::size_t t = 0; t < silhouette_.facing.size(); ++t) {
       if (silhouette_.facing[t] == 0) continue;
       glm::dvec2 low(INFINITY), high(-INFINITY);
       for (int k = 0; k < 3; ++k) {
-        const glm::dvec3 p = glm::dvec3(positions[adjacency_.triangles()[t][k]]) - glm::dvec3(light_);
+        const glm::dvec3 p = from_light(adjacency_.triangles()[t][k]);
         const glm::dvec2 q(glm::dot(u_, p), glm::dot(v_, p));
         low = glm::min(low, q), high = glm::max(high, q);
       }
@@ -79,49 +153,58 @@ class DepthBound {
     return count;
   }
 
-  /// Position along the circle about the axis, 0 .. 4, growing with the angle.
-  static double turn(const glm::dvec2& q) {
-    const double r = q.y / (std::abs(q.x) + std::abs(q.y));
-    return q.x < 0 ? 2 - r : r < 0 ? 4 + r : r;
+  glm::dvec3 from_light(std::uint32_t vertex) const {
+    return glm::dvec3(adjacency_.positions()[vertex]) - (light_.w != 0 ? glm::dvec3(light_) : glm::dvec3(0));
   }
 
-  /// Adds to all bins that the edge may touch; false when it may pass through the axis.
-  bool add_range(const glm::dvec3& a, const glm::dvec3& b, std::int64_t count, std::vector<std::int64_t>& change) const {
-    if (light_.w == 0) {
-      const double s = (glm::dot(u_, a) - low_) * per_bin_, t = (glm::dot(u_, b) - low_) * per_bin_;
-      add_bins(static_cast<int>(std::min(s, t)), static_cast<int>(std::max(s, t)), count, change);
-      return true;
-    }
-    const glm::dvec3 p = a - glm::dvec3(light_), q = b - glm::dvec3(light_);
-    const glm::dvec2 from(glm::dot(u_, p), glm::dot(v_, p)), to(glm::dot(u_, q), glm::dot(v_, q));
-    const double cross = from.x * to.y - from.y * to.x, size = glm::length(from) * glm::length(to);
-    // Seen along the axis the edge passes within rounding of the light, or ends there.
-    if (!(std::abs(cross) > 1e-9 * size) && !(glm::dot(from, to) > 0.5 * size)) return false;
-    if (size == 0) return false;
-    const double s = turn(cross > 0 ? from : to), t = turn(cross > 0 ? to : from);
-    const int first = static_cast<int>(s * (bin_count / 4)), last = static_cast<int>(t * (bin_count / 4));
-    if (s <= t) {
-      add_bins(first, last, count, change);
-    } else {
-      add_bins(first, bin_count - 1, count, change), add_bins(0, last, count, change);
-    }
-    if (first == 0) add_bins(bin_count - 1, bin_count - 1, count, change);
-    if (last == bin_count - 1) add_bins(0, 0, count, change);
-    return true;
+  /// Column of a place, one more to the side for rounding.
+  int column(double across, int columns, int more) const {
+    return std::clamp(static_cast<int>(std::floor(across / width_ * columns)) + more, 0, columns - 1);
   }
 
-  /// One bin more on both sides, for rounding.
-  static void add_bins(int first, int last, std::int64_t count, std::vector<std::int64_t>& change) {
-    change[std::clamp(first - 1, 0, bin_count - 1)] += count;
-    change[std::clamp(last + 2, 1, bin_count)] -= count;
+  /// All pieces of the outline. An edge around a point light is cut where the prism has its edges: at u = 0 and v = 0.
+  template <class Visit>
+  void for_pieces(Visit&& visit) const {
+    const auto emit = [&](glm::dvec2 a, glm::dvec2 b, std::int64_t count) {
+      const bool rightward = a.x <= b.x;
+      if (!rightward) std::swap(a, b);
+      visit(Piece{a, b, std::abs(count), rightward ? count : -count});
+    };
+    for (const gnomon::SilhouetteEdge& edge : silhouette_.edges) {
+      const glm::dvec3 a = from_light(edge.low), b = from_light(edge.high);
+      if (light_.w == 0) {
+        emit({glm::dot(u_, a) - left_, glm::dot(axis_, a)}, {glm::dot(u_, b) - left_, glm::dot(axis_, b)}, edge.count);
+        continue;
+      }
+      const glm::dvec3 p(glm::dot(u_, a), glm::dot(v_, a), glm::dot(axis_, a));
+      const glm::dvec3 q(glm::dot(u_, b), glm::dot(v_, b), glm::dot(axis_, b));
+      double cuts[4] = {0, 1, 1, 1};
+      int cut_count = 1;
+      for (int k = 0; k < 2; ++k)
+        if ((p[k] < 0) != (q[k] < 0)) cuts[cut_count++] = p[k] / (p[k] - q[k]);
+      if (cut_count == 3 && cuts[1] > cuts[2]) std::swap(cuts[1], cuts[2]);
+      for (int i = 0; i < cut_count; ++i) {
+        const double end = i + 1 < cut_count ? cuts[i + 1] : 1;
+        const glm::dvec3 middle = p + (q - p) * ((cuts[i] + end) / 2);
+        emit(unrolled(p + (q - p) * cuts[i], middle), unrolled(p + (q - p) * end, middle), edge.count);
+      }
+    }
+  }
+
+  /// Place of a point in the image, on the side of the prism that `inside` lies on.
+  static glm::dvec2 unrolled(const glm::dvec3& p, const glm::dvec3& inside) {
+    const double su = inside.x < 0 ? -1 : 1, sv = inside.y < 0 ? -1 : 1;
+    const double u = std::max(su * p.x, 0.0), v = std::max(sv * p.y, 0.0), sum = std::max(u + v, 1e-300);
+    const double share = v / sum;  // 0 at the u axis, 1 at the v axis
+    const double across = su > 0 ? (sv > 0 ? share : 4 - share) : (sv > 0 ? 2 - share : 2 + share);
+    return {across, std::clamp(p.z / sum, -1e150, 1e150)};
   }
 
   const gnomon::EdgeAdjacency& adjacency_;
   const gnomon::Silhouette& silhouette_;
   glm::dvec4 light_;
-  glm::dvec3 u_{0}, v_{0};
-  int axis_ = 0;
-  double low_ = 0, per_bin_ = 0;
+  glm::dvec3 u_{0}, v_{0}, axis_{0};
+  double left_ = 0, width_ = 1;
   std::int64_t at_ends_ = 0;
 };
 
