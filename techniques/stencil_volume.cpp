@@ -84,7 +84,7 @@ class StencilVolume final : public Technique {
   bool wide_ = false;
   const GBuffer* gbuffer_ = nullptr;
   std::int64_t volumes_at_eye_ = 0;
-  mutable std::unique_ptr<BoxTree> tree_;  // for questions only
+  mutable std::unique_ptr<BoxTree> casters_;  // for questions only
 };
 
 Support StencilVolume::supports(const Scene& scene, const Light& light, const View& view) const {
@@ -132,7 +132,7 @@ void StencilVolume::setup() {
 
 void StencilVolume::build(const Scene& scene) {
   scene_ = &scene;
-  tree_.reset();
+  casters_.reset();
   scene_buffers(scene);
   adjacency_ = EdgeAdjacency(scene);
   if (finder.is("gpu")) gpu_finder_.build(adjacency_);
@@ -279,24 +279,44 @@ Counts StencilVolume::counts() const {
   return counts;
 }
 
-/// The caster that blocks the way, by exact signs: what the volumes around the point are made from.
+/// The element is the first triangle of the scene, by number, between the point and the light: its volume holds the point.
 std::optional<Explanation> StencilVolume::explain(std::size_t index) const {
   Explanation why;
   if (!faces_light(*scene_, *gbuffer_, light_, index)) return why;
+  const auto corners = [&](std::size_t t) {
+    const glm::uvec3& v = adjacency_.triangles()[t];
+    return Triangle{{adjacency_.positions()[v.x], adjacency_.positions()[v.y], adjacency_.positions()[v.z]}};
+  };
+  if (!casters_) {
+    std::vector<Bounds> bounds(adjacency_.triangles().size());
+    for (std::size_t t = 0; t < bounds.size(); ++t)
+      for (const glm::vec3& p : corners(t).points) bounds[t].add(p);
+    casters_ = std::make_unique<BoxTree>(bounds);
+  }
+  const Segment way{gbuffer_->position(index), homogeneous(light_)};
+  std::uint64_t first = adjacency_.triangles().size();
+  casters_->any(SegmentSlabs(way), 0, [&](std::uint32_t place) {
+    const std::uint32_t t = casters_->order()[place];
+    if (silhouette_.facing[t] != 0 && crosses(way, corners(t)) != Crossing::none) first = std::min<std::uint64_t>(first, t);
+    return false;
+  });
+  if (first < adjacency_.triangles().size()) why.element = first;
   return why;
 }
 
 std::vector<float> StencilVolume::draw_debug(std::string_view layer) const {
   if (layer != "volumes" && layer != "counts") return Technique::draw_debug(layer);
   const StateGuard guard;
-  draw(layer == "volumes" ? VolumeCounter::Pass::layer : VolumeCounter::Pass::wide);
-  std::vector<float> picture;
+  std::vector<float> counts, mask, picture;
+  draw(VolumeCounter::Pass::wide);
+  for (const VolumeCounter::WideCount& pixel : counter_.wide_counts()) counts.push_back(pixel.count);
   if (layer == "counts") {
-    std::vector<float> counts;
-    for (const VolumeCounter::WideCount& pixel : counter_.wide_counts()) counts.push_back(pixel.count);
     picture = heat_layer(*gbuffer_, counts);
   } else {
-    picture = shaded_layer(*scene_, *gbuffer_, light_, {});
+    for (std::size_t i = 0; i < counts.size(); ++i)
+      mask.push_back(counts[i] != 0 && faces_light(*scene_, *gbuffer_, light_, i) ? 0.0f : 1.0f);
+    picture = shaded_layer(*scene_, *gbuffer_, light_, mask);
+    draw(VolumeCounter::Pass::layer);
     paint_volumes(counter_.layer_faces(), picture);
   }
   if (!wide_) counter_.drop_pictures();

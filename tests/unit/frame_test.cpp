@@ -10,6 +10,7 @@
 #include <set>
 
 #include "measure/cause/light_rays.h"
+#include "measure/frame/snapping.h"
 #include "measure/scene/load.h"
 
 namespace {
@@ -73,11 +74,34 @@ TEST(frame, what_the_cache_holds_is_what_is_computed) {
         EXPECT_TRUE(std::ranges::equal(reference.mask, mask));
         EXPECT_TRUE(std::ranges::equal(reference.classes, classes));
         EXPECT_TRUE(std::ranges::equal(reference.occluder, find_occluders(scene, casters, fresh, light, mask)));
+        EXPECT_TRUE(
+            std::ranges::equal(reference.snapping, find_snapping(scene, everything, casters, fresh, light, mask, classes)));
         EXPECT_GT(std::ranges::count(mask, 0.0f), 20);
       }
     }
   }
   EXPECT_EQ(file_names(folder.path).size(), 6u) << "a G-buffer and two references for each truth";
+}
+
+TEST(frame, meshes_that_do_not_cast_are_seen_and_block_nothing) {
+  const Folder folder;
+  Scene scene = ball_over_ground();
+  scene.meshes.push_back(tessellate(Plane{{0, 2.6f, 0}, {3, 0, 0}, {0, 0, 3}}, 4, "pane"));
+  scene.meshes.back().casts = false;
+  const FrameKey key{scene.views[0], 50, 30, Truth::mesh};
+  const RayScene everything(scene, key.truth, RayScene::Which::all), casters(scene, key.truth, RayScene::Which::casters);
+  // In either order: the store must not take the rays of one question for those of the other.
+  for (const bool casters_first : {true, false}) {
+    FrameStore frames(scene, folder.path / (casters_first ? "a" : "b"));
+    if (casters_first) frames.casters(key.truth);
+    const GBuffer g = frames.gbuffer(key);
+    EXPECT_GT(std::ranges::count(g.mesh, 2u), 100);
+    const Reference reference = frames.reference(key, scene.lights[1]);
+    for (std::size_t i = 0; i < g.size(); ++i)
+      EXPECT_TRUE(g.mesh[i] != 2 || reference.mask[i] == 1) << "nothing lies between the pane and the sun";
+    EXPECT_TRUE(std::ranges::equal(
+        reference.snapping, find_snapping(scene, everything, casters, g, scene.lights[1], reference.mask, reference.classes)));
+  }
 }
 
 TEST(frame, dark_pixels_know_their_nearest_occluder) {

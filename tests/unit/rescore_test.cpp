@@ -111,6 +111,20 @@ TEST_F(RescoreTest, causes_are_counted_by_name) {
   EXPECT_EQ(record.causes->at("edge_resolution"), 0u);
 }
 
+TEST_F(RescoreTest, a_record_from_before_the_snapping_floor_gets_that_of_its_frame) {
+  Record record = row("fence");
+  record.metrics[Truth::shape] = record.metrics[Truth::mesh] = {{"wrong_rate", 0.25}};
+  const Reference truth = reference(Truth::shape);
+  write({{"V", floats(truth.mask)}});
+  again(record);
+  EXPECT_EQ(record.metric("wrong_rate"), 0.0);
+  const auto flips = static_cast<double>(std::ranges::count(truth.snapping, 1));
+  const auto tested = static_cast<double>(std::ranges::count(truth.classes, PixelClass::T));
+  EXPECT_GT(flips, 0);
+  EXPECT_EQ(record.metric(Truth::shape, "snapping_floor"), flips / tested);
+  EXPECT_EQ(record.metric(Truth::mesh, "snapping_floor"), flips / tested) << "no curved shape, so that both truths are one";
+}
+
 TEST_F(RescoreTest, causes_of_other_frames_are_dropped_and_said) {
   const auto lost = [](const Rescored& result) {
     return result.notes.size() == 1 && result.notes[0].find("1 row loses its causes") != std::string::npos;

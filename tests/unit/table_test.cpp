@@ -128,6 +128,27 @@ TEST(table, where_no_time_is_better_than_another_none_is_marked) {
   EXPECT_FALSE(has(render_table(records, Format::markdown, {.columns = {"technique", "resolve_ms"}}), "**"));
 }
 
+TEST(table, the_snapping_floor_stands_beside_the_wrong_rate_once_a_record_has_it) {
+  std::vector<Record> records{row("a", 3, 0.1), row("b", 5, 0.2)};
+  for (const Format format : {Format::markdown, Format::latex, Format::terminal})
+    EXPECT_FALSE(has(render_table(records, format), "snapping")) << "older records do not have it";
+  EXPECT_TRUE(has(render_table(records, Format::csv), ",snapping_floor,")) << "programs get every column";
+
+  // 4 of 40,000 pixels are 0.01 %; of the older record it is missing, not 0. It is the scene's, so that no row is best.
+  records[0].metrics[Truth::shape]["snapping_floor"] = 1e-4;
+  const std::string text = render_table(records, Format::markdown);
+  EXPECT_TRUE(has(text, "| wrong (%) | snapping floor (%) |")) << text;
+  EXPECT_TRUE(has(text, "| **10.0** | 0.010 |")) << text;
+  EXPECT_TRUE(has(text, "| 20.0 | - |")) << text;
+  EXPECT_TRUE(has(render_table(records, Format::latex), "snapping"));
+  EXPECT_TRUE(has(render_table(records, Format::terminal), "snapping"));
+  const TableOptions options{.columns = {"technique", "snapping_floor", "mesh.snapping_floor"}};
+  EXPECT_EQ(render_table(records, Format::csv, options), "technique,snapping_floor,mesh.snapping_floor\r\na,1e-04,\r\nb,,\r\n");
+  const Json json = Json::parse(render_table(records, Format::json, options));
+  EXPECT_EQ(json["rows"][0]["snapping_floor"], 1e-4);
+  EXPECT_TRUE(json["rows"][1]["snapping_floor"].is_null());
+}
+
 TEST(table, rows_on_a_path_stand_apart_from_rows_that_stand_still) {
   std::vector<Record> records{row("a", 3, 0.1), row("a", 3, 0.2)};
   records[1].path = "camera_slide";

@@ -85,22 +85,28 @@ std::vector<std::uint8_t> missing_shadows(const Attribution& a) {
 
 /// 1 where the reference answers otherwise within the raster's snapping of the pixel's center, though no other pixel shows it:
 /// a shadow thinner than a pixel. Snapping to 1/256 pixel moves an edge by at most 1/512 pixel in each coordinate, and four
-/// shifts of twice that meet every half-plane that such a move can.
+/// shifts of twice that meet every half-plane that such a move can. Two things are snapped: the receiver, so the point moves
+/// across the view ray; and what hides the light, so the light's ray moves by as much across itself, which under grazing light
+/// is a long way on the receiver.
 std::vector<std::uint8_t> is_on_thin_edge(const Attribution& a, const LightRays& rays, std::span<const std::uint32_t> pixels) {
   const glm::dvec3 eye = a.gbuffer.view.eye;
   const double per_meter = 2 * std::tan(glm::radians(double(a.gbuffer.view.fov_y_degrees)) / 2) / a.gbuffer.height;
   std::vector<LightRays::Start> starts;
   for (const std::uint32_t i : pixels) {
     const glm::dvec3 point = a.gbuffer.position(i), n = a.gbuffer.normal(i), from_eye = point - eye;
-    const glm::dvec3 v = glm::normalize(from_eye), other = std::abs(v.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
-    const double step = glm::length(from_eye) * per_meter / 256 + rays.rounding(), down = -glm::dot(n, v);
-    const glm::dvec3 u = step * glm::normalize(glm::cross(v, other)), w = glm::cross(v, u);
-    for (const glm::dvec3& move : {u, -u, w, -w})
-      starts.push_back({i, point + move + (down > 1e-3 ? glm::dot(n, move) / down * v : glm::dvec3(0)), 0});
+    const glm::dvec3 v = glm::normalize(from_eye);
+    const double step = glm::length(from_eye) * per_meter / 256 + rays.rounding();
+    for (const glm::dvec3& along : {v, rays.toward_light(point)}) {
+      const glm::dvec3 other = std::abs(along.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+      const glm::dvec3 u = step * glm::normalize(glm::cross(along, other)), w = glm::cross(along, u);
+      const double down = -glm::dot(n, along);
+      for (const glm::dvec3& move : {u, -u, w, -w})
+        starts.push_back({i, point + move + (std::abs(down) > 1e-3 ? glm::dot(n, move) / down * along : glm::dvec3(0)), 0});
+    }
   }
   const std::vector<std::uint8_t> lit = rays.lit(starts);
   std::vector<std::uint8_t> thin(pixels.size(), 0);
-  for (std::size_t s = 0; s < starts.size(); ++s) thin[s / 4] |= (lit[s] != 0) != (a.reference.mask[starts[s].pixel] > 0.5f);
+  for (std::size_t s = 0; s < starts.size(); ++s) thin[s / 8] |= (lit[s] != 0) != (a.reference.mask[starts[s].pixel] > 0.5f);
   return thin;
 }
 

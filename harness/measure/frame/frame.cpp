@@ -2,9 +2,10 @@
 
 #include <gnomon/error.h>
 
-#include <cstring>
+#include <algorithm>
 
 #include "measure/cause/light_rays.h"
+#include "measure/frame/snapping.h"
 
 namespace gnomon {
 
@@ -14,14 +15,18 @@ namespace {
 
 constexpr int algorithm_version = 5;
 
+/// Raised when `find_snapping` answers otherwise. It names files of references and no version of the frames: masks and causes
+/// stand as they did.
+constexpr int snapping_version = 1;
+
 template <class T>
 void append(std::vector<std::byte>& bytes, std::span<const T> items) {
   const auto view = std::as_bytes(items);
   bytes.insert(bytes.end(), view.begin(), view.end());
 }
 
-/// Bytes of a pixel in the cache: six floats and two ids; a float, a mesh and a class.
-constexpr std::size_t gbuffer_pixel = 32, reference_pixel = 9;
+/// Bytes of a pixel in the cache: six floats and two ids; a float, a mesh, a class and a flag.
+constexpr std::size_t gbuffer_pixel = 32, reference_pixel = 10;
 
 /// Whether a file of the cache is whole. One that is not (a disk that filled up, a power cut) is made again.
 bool is_whole(const fs::path& file, std::size_t size) {
@@ -56,15 +61,17 @@ std::string FrameStore::hash(const FrameKey& key, const Light* light) const {
   Scene fingerprint;
   fingerprint.name = fmt::format("{} {} {} {} {}", algorithm_version, scene_hash_, key.width, key.height, name(key.truth));
   fingerprint.views = {key.view};
-  if (light) fingerprint.lights = {*light};
+  if (light) {
+    fingerprint.name += fmt::format(" {}", snapping_version);
+    fingerprint.lights = {*light};
+  }
   return content_hash(scene_bytes(fingerprint));
 }
 
 fs::path FrameStore::gbuffer_file(const FrameKey& key) {
   const fs::path file = folder_ / (hash(key, nullptr) + ".gbuffer");
   if (is_whole(file, pixel_count(key) * gbuffer_pixel)) return file;
-  const RayScene everything(scene_, key.truth, RayScene::Which::all);
-  const GBuffer g = make_gbuffer(scene_, everything, key.view, key.width, key.height, key.truth);
+  const GBuffer g = make_gbuffer(scene_, everything(key.truth), key.view, key.width, key.height, key.truth);
   std::vector<std::byte> bytes;
   bytes.reserve(g.size() * gbuffer_pixel);
   for (const auto& floats : {g.px, g.py, g.pz, g.nx, g.ny, g.nz}) append(bytes, floats);
@@ -85,12 +92,17 @@ GBuffer map_gbuffer(const fs::path& path, const FrameKey& key) {
   return g;
 }
 
-const RayScene& FrameStore::casters(Truth truth) {
+const RayScene& FrameStore::rays(Truth truth, RayScene::Which which) {
   if (!scene_.has_curved_shapes()) truth = Truth::mesh;
-  auto found = casters_.find(truth);
-  if (found == casters_.end()) found = casters_.emplace(truth, RayScene(scene_, truth, RayScene::Which::casters)).first;
+  if (std::ranges::all_of(scene_.meshes, &Mesh::casts)) which = RayScene::Which::casters;
+  auto found = rays_.find({truth, which});
+  if (found == rays_.end()) found = rays_.emplace(std::pair(truth, which), RayScene(scene_, truth, which)).first;
   return found->second;
 }
+
+const RayScene& FrameStore::casters(Truth truth) { return rays(truth, RayScene::Which::casters); }
+
+const RayScene& FrameStore::everything(Truth truth) { return rays(truth, RayScene::Which::all); }
 
 Reference FrameStore::reference(const FrameKey& key, const Light& light) {
   const fs::path path = folder_ / (hash(key, &light) + ".reference");
@@ -103,6 +115,8 @@ Reference FrameStore::reference(const FrameKey& key, const Light& light) {
     append(bytes, std::span<const float>(mask));
     append(bytes, std::span<const std::uint32_t>(find_occluders(scene_, casters(key.truth), g, light, mask)));
     append(bytes, std::span<const PixelClass>(classes));
+    append(bytes, std::span<const std::uint8_t>(
+                      find_snapping(scene_, everything(key.truth), casters(key.truth), g, light, mask, classes)));
     write_file(path, bytes);
   }
   const auto file = MappedFile::open(path);
@@ -112,6 +126,7 @@ Reference FrameStore::reference(const FrameKey& key, const Light& light) {
   reference.mask = slice<float>(*file, offset, n);
   reference.occluder = slice<std::uint32_t>(*file, offset, n);
   reference.classes = slice<PixelClass>(*file, offset, n);
+  reference.snapping = slice<std::uint8_t>(*file, offset, n);
   reference.storage = file;
   return reference;
 }

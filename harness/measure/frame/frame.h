@@ -17,6 +17,8 @@ struct Reference {
   /// Mesh of the occluder nearest to the pixel's point on its way to the light; no_mesh where the pixel is lit or has none.
   std::span<const std::uint32_t> occluder;
   std::shared_ptr<const void> storage;
+  /// 1 where the pixel is tested and a rasterizer's rounding of vertices may turn its answer over (see find_snapping), else 0.
+  std::span<const std::uint8_t> snapping = {};
 };
 
 /// Raised when a G-buffer, a reference or a class comes out differently for the same scene. Records keep it as `frames` of
@@ -44,15 +46,18 @@ class FrameStore {
   Reference reference(const FrameKey& key, const Light& light);
   /// All casters under a truth; built on first use.
   const RayScene& casters(Truth truth);
+  /// All meshes under a truth; the same as the casters where all cast.
+  const RayScene& everything(Truth truth);
 
  private:
+  const RayScene& rays(Truth truth, RayScene::Which which);
   std::string hash(const FrameKey& key, const Light* light) const;
 
   const Scene& scene_;
   std::filesystem::path folder_;
   std::vector<std::byte> scene_bytes_;
   std::string scene_hash_;
-  std::map<Truth, RayScene> casters_;
+  std::map<std::pair<Truth, RayScene::Which>, RayScene> rays_;
 };
 
 /// A G-buffer that another process wrote.

@@ -1,6 +1,5 @@
 #include "measure/frame/gbuffer_maker.h"
 
-#include <gnomon/kit/camera.h>
 #include <tbb/parallel_for.h>
 
 namespace gnomon {
@@ -13,7 +12,7 @@ struct Arrays {
   explicit Arrays(std::size_t n) : px(n), py(n), pz(n), nx(n), ny(n), nz(n), mesh(n, no_mesh), triangle(n) {}
 };
 
-/// The surface where the pixel's ray meets it: position and unit normal, either way round.
+/// Position and unit normal, either way round.
 struct Surface {
   glm::dvec3 position, normal;
 };
@@ -53,28 +52,34 @@ Surface on_shape(const Shape& shape, const glm::dvec3& point, const glm::dvec3& 
 
 }  // namespace
 
+Seen see(const Scene& scene, const RayScene& everything, const Camera& camera, Truth truth, double x, double y) {
+  const glm::dvec3 ray = camera.ray(x, y);
+  const RayScene::Hit hit = everything.closest(camera.eye, ray);
+  if (hit.mesh == no_mesh) return {};
+  const Mesh& mesh = scene.meshes[hit.mesh];
+  Surface surface = truth == Truth::shape && mesh.has_curved_shape()
+                        ? on_shape(*mesh.shape, camera.eye + hit.t * ray, hit.normal)
+                        : on_triangle(mesh, hit.triangle, camera, ray, hit.t);
+  if (glm::dot(surface.normal, ray) > 0) surface.normal = -surface.normal;
+  return {hit.mesh, hit.triangle, glm::vec3(surface.position), glm::vec3(surface.normal)};
+}
+
 GBuffer make_gbuffer(const Scene& scene, const RayScene& everything, const View& view, int width, int height, Truth truth) {
   const Camera camera(view, width, height);
   auto arrays = std::make_shared<Arrays>(static_cast<std::size_t>(width) * height);
   tbb::parallel_for(0, height, [&](int y) {
     for (int x = 0; x < width; ++x) {
-      const glm::dvec3 ray = camera.ray(x + 0.5, y + 0.5);
-      const RayScene::Hit hit = everything.closest(camera.eye, ray);
-      if (hit.mesh == no_mesh) continue;
+      const Seen seen = see(scene, everything, camera, truth, x + 0.5, y + 0.5);
+      if (seen.mesh == no_mesh) continue;
       const std::size_t i = static_cast<std::size_t>(y) * width + x;
-      const Mesh& mesh = scene.meshes[hit.mesh];
-      Surface surface = truth == Truth::shape && mesh.has_curved_shape()
-                            ? on_shape(*mesh.shape, camera.eye + hit.t * ray, hit.normal)
-                            : on_triangle(mesh, hit.triangle, camera, ray, hit.t);
-      if (glm::dot(surface.normal, ray) > 0) surface.normal = -surface.normal;
-      arrays->px[i] = static_cast<float>(surface.position.x);
-      arrays->py[i] = static_cast<float>(surface.position.y);
-      arrays->pz[i] = static_cast<float>(surface.position.z);
-      arrays->nx[i] = static_cast<float>(surface.normal.x);
-      arrays->ny[i] = static_cast<float>(surface.normal.y);
-      arrays->nz[i] = static_cast<float>(surface.normal.z);
-      arrays->mesh[i] = hit.mesh;
-      arrays->triangle[i] = hit.triangle;
+      arrays->px[i] = seen.position.x;
+      arrays->py[i] = seen.position.y;
+      arrays->pz[i] = seen.position.z;
+      arrays->nx[i] = seen.normal.x;
+      arrays->ny[i] = seen.normal.y;
+      arrays->nz[i] = seen.normal.z;
+      arrays->mesh[i] = seen.mesh;
+      arrays->triangle[i] = seen.triangle;
     }
   });
   const Arrays& a = *arrays;

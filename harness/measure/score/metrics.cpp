@@ -4,6 +4,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -80,6 +81,13 @@ void add_rows(std::vector<MetricInfo>& rows, const Bin* bins, std::index_sequenc
 
 // --- other rows ---------------------------------------------------------------------------------------------------------
 
+/// The same for every technique.
+std::optional<double> snapping_floor(const Scoring& s) {
+  const std::span<const std::uint8_t> snapping = s.evidence().snapping;
+  if (snapping.empty()) return std::nullopt;
+  return share(static_cast<double>(std::ranges::count(snapping, 1)), s.tally().tested);
+}
+
 constexpr MetricInfo counted_rows[] = {
     {"wrong_rate", "", "lower", "Share of the tested pixels (T) whose visibility is off by more than one half.",
      [](const Scoring& s) { return share(s.tally().wrong, s.tally().tested); }},
@@ -97,6 +105,10 @@ constexpr MetricInfo counted_rows[] = {
      [](const Scoring& s) { return s.displacement().p95; }},
     {"tested_share", "", "higher", "Share of the pixels facing the light that is tested (T).",
      [](const Scoring& s) { return share(s.tally().tested, s.tally().facing); }},
+    {"snapping_floor", "", "",
+     "Share of T whose exact answer flips when the sample point moves by 1/512 px: no rasterizer can promise a lower wrong "
+     "rate.",
+     snapping_floor},
 };
 
 /// Share of the pixels tested in this frame and the one before that change sides in the technique and not in the reference.

@@ -23,6 +23,8 @@ struct Evidence {
   const GBuffer* gbuffer = nullptr;
   const Light* light = nullptr;
   const Evidence* previous = nullptr;  ///< the frame before, on a path
+  /// 1 where a rasterizer's rounding may turn the answer over (see find_snapping); empty when nobody asked.
+  std::span<const std::uint8_t> snapping = {};
 
   bool faces_light(std::size_t i) const { return classes[i] > PixelClass::F; }
   bool is_wrong(std::size_t i) const { return std::abs(mask[i] - reference[i]) > 0.5f; }

@@ -14,7 +14,8 @@ struct Answer {
 
   /// Scene and light must outlive it, as this must.
   Evidence evidence(const Scene& scene, const Light& light) const {
-    return {gbuffer.width, gbuffer.height, reference.classes, reference.mask, mask, causes, &scene, &gbuffer, &light, nullptr};
+    return {gbuffer.width, gbuffer.height, reference.classes, reference.mask,    mask, causes, &scene,
+            &gbuffer,      &light,         nullptr,           reference.snapping};
   }
 };
 

@@ -63,6 +63,11 @@ std::string distinct(std::span<const Record> records, const char* key) {
   return fmt::format("{}", fmt::join(values, "; "));
 }
 
+/// Older records do not have it: a column of nothing would stand beside their wrong rates.
+bool has_snapping_floor(std::span<const Record> records) {
+  return std::ranges::any_of(records, [](const Record& r) { return r.metric("snapping_floor").has_value(); });
+}
+
 /// "5 processes x 3 repetitions", every combination that occurs in a stage after setup.
 std::string repetition_plan(std::span<const Record> records) {
   std::vector<std::string> plans;
@@ -98,16 +103,20 @@ std::vector<std::string> headline_columns(std::span<const Record> records, bool 
     if (truths.size() > 1) names.emplace_back("truth");
   }
   names.insert(names.end(), {"technique", "support", "setup_ms", "build_ms", "relight_ms", "resolve_ms", "bytes", "peak_bytes",
-                             "wrong_rate", "wrong_rate_all", "false_dark_rate", "false_lit_rate"});
+                             "wrong_rate"});
+  if (has_snapping_floor(records)) names.emplace_back("snapping_floor");
+  names.insert(names.end(), {"wrong_rate_all", "false_dark_rate", "false_lit_rate"});
   if (std::any_of(records.begin(), records.end(), [](const Record& r) { return !top_causes(r).empty(); }))
     names.emplace_back("causes");
   names.insert(names.end(), {"displacement_mean", "displacement_p95", "tested_share"});
   return names;
 }
 
-std::vector<std::string> paper_columns() {
-  return {"technique",  "support",         "build_ms",       "relight_ms",        "resolve_ms",  "bytes",
-          "wrong_rate", "false_dark_rate", "false_lit_rate", "displacement_mean", "tested_share"};
+std::vector<std::string> paper_columns(std::span<const Record> records) {
+  std::vector<std::string> names = {"technique", "support", "build_ms", "relight_ms", "resolve_ms", "bytes", "wrong_rate"};
+  if (has_snapping_floor(records)) names.emplace_back("snapping_floor");
+  names.insert(names.end(), {"false_dark_rate", "false_lit_rate", "displacement_mean", "tested_share"});
+  return names;
 }
 
 std::vector<std::pair<std::string, std::string>> provenance(std::span<const Record> records) {

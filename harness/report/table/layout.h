@@ -35,7 +35,7 @@ struct Layout {
 std::vector<std::string> headline_columns(std::span<const Record> records, bool with_group);
 
 /// Those of a table on paper, where a line above each group says scene, light and view: what fits across a page.
-std::vector<std::string> paper_columns();
+std::vector<std::string> paper_columns(std::span<const Record> records);
 
 /// Groups and rows keep the order of the records. `columns` by name.
 Layout lay_out(std::span<const Record> records, std::span<const std::string> columns);

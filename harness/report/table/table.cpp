@@ -23,7 +23,8 @@ std::vector<std::string> column_names(std::span<const Record> records) {
 namespace {
 
 /// Headline columns that a narrow terminal can do without, the least missed first.
-constexpr std::string_view dispensable[] = {"displacement_p95", "displacement_mean", "wrong_rate_all", "peak_bytes", "setup_ms",
+constexpr std::string_view dispensable[] = {"displacement_p95", "displacement_mean", "wrong_rate_all",
+                                            "snapping_floor",   "peak_bytes",        "setup_ms",
                                             "causes",           "build_ms",          "bytes"};
 
 /// Width of a terminal table: that of the rule below its headings.
@@ -56,7 +57,7 @@ std::string render_table(std::span<const Record> records, Format format, const T
   }
   if (format == Format::terminal && options.columns.empty()) return fitted_table(records, options.width);
   std::vector<std::string> names = options.columns;
-  if (names.empty()) names = format == Format::latex ? paper_columns() : headline_columns(records, true);
+  if (names.empty()) names = format == Format::latex ? paper_columns(records) : headline_columns(records, true);
   const Layout layout = lay_out(records, names);
   if (format == Format::terminal) return terminal_table(layout, options.width);
   return format == Format::markdown ? markdown_table(layout) : latex_table(layout, options);
