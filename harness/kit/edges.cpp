@@ -1,5 +1,4 @@
 #include <gnomon/kit/edges.h>
-#include <gnomon/kit/exact.h>
 #include <gnomon/kit/parallel.h>
 
 #include <algorithm>
@@ -63,16 +62,7 @@ EdgeAdjacency::EdgeAdjacency(const Scene& scene) {
   join_edges();
   find_parts();
 
-  planes_.resize(triangles_.size());
-  for_blocks(triangles_.size(), block_size, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t t = begin; t < end; ++t) {
-      const glm::dvec3 a = positions_[triangles_[t].x], u = glm::dvec3(positions_[triangles_[t].y]) - a,
-                       v = glm::dvec3(positions_[triangles_[t].z]) - a;
-      const glm::dvec3 normal = glm::cross(u, v), au = glm::abs(u), av = glm::abs(v);
-      const double permanent = au.y * av.z + au.z * av.y + au.z * av.x + au.x * av.z + au.x * av.y + au.y * av.x;
-      planes_[t] = {normal, -glm::dot(normal, a), permanent};
-    }
-  });
+  find_planes();
 }
 
 /// Half-edges fall into one bucket per lower end; a bucket is a few entries, sorted by the higher end and then by triangle, so
@@ -185,124 +175,10 @@ void EdgeAdjacency::find_parts() {
   for (const IrregularEdge& edge : irregular_) parts_[part_of_[sides_[edge.first_side] / 2]].closed = false;
 }
 
-EdgeAdjacency::Half EdgeAdjacency::half(const Part& part, const glm::dvec4& light) const {
-  if (!part.closed) return Half::both;
-  if (light.w != 0) {
-    const glm::dvec3 position = glm::dvec3(light) / light.w;
-    const bool inside = glm::all(glm::greaterThanEqual(position, glm::dvec3(part.bounds.min))) &&
-                        glm::all(glm::lessThanEqual(position, glm::dvec3(part.bounds.max)));
-    if (inside) return Half::both;
-  }
-  return part.volume < 0 ? Half::clockwise : Half::counter_clockwise;
-}
-
-double EdgeAdjacency::scale(const glm::dvec4& point) const {
-  return std::max({std::abs(point.x), std::abs(point.y), std::abs(point.z)}) + std::abs(point.w) * extent_;
-}
-
-// With e = 2^-53, u and v the edges from corner a, and m the permanent of u x v (the sum of its six products without signs):
-// each edge component rounds once (e), each product adds 3 e in all, each component of the normal 4 e of its share of m; the
-// products with the point's coordinates, their sum, and the offset, which is made the same way, add at most 5 e more. Every
-// term is at most m times the scale, the largest coordinate of the point plus w times that of the scene, so the sum errs by
-// less than 12 e m scale, and 16 e covers the rounding of m and of the scale.
-int EdgeAdjacency::side(std::uint32_t triangle, const glm::dvec4& point, double scale) const {
-  const TrianglePlane& plane = planes_[triangle];
-  const double value = glm::dot(plane.normal, glm::dvec3(point)) + plane.offset * point.w;
-  const double bound = 0x1p-49 * plane.error * scale;
-  if (value > bound) return 1;
-  if (value < -bound) return -1;
-  const glm::uvec3& t = triangles_[triangle];
-  return orient3d_sign(positions_[t.x], positions_[t.y], positions_[t.z], point);
-}
-
-void EdgeAdjacency::find_silhouette(const glm::dvec4& light, Silhouette& out) const {
-  out.light = light;
-  std::vector<Half> halves;
-  for (const Part& part : parts_) halves.push_back(half(part, light));
-  const double scale_of_light = scale(light);
-
-  out.facing.resize(triangles_.size());
-  for_blocks(triangles_.size(), block_size, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t t = begin; t < end; ++t) {
-      out.facing[t] = 0;
-      if (part_of_[t] == no_part) continue;
-      const int facing = side(static_cast<std::uint32_t>(t), light, scale_of_light);
-      const Half wanted = halves[part_of_[t]];
-      if (wanted == Half::both || facing == static_cast<int>(wanted)) out.facing[t] = static_cast<std::int8_t>(facing);
-    }
-  });
-
-  out.blocks.resize((edges_.size() + block_size - 1) / block_size);
-  for_blocks(edges_.size(), block_size, [&](std::size_t begin, std::size_t end) {
-    std::vector<SilhouetteEdge>& block = out.blocks[begin / block_size];
-    block.clear();
-    for (std::size_t i = begin; i < end; ++i) {
-      const Edge& edge = edges_[i];
-      const int count = out.facing[edge.first] - out.facing[edge.second];
-      if (count != 0) block.push_back({edge.low, edge.high, count, part_of_[edge.first]});
-    }
-  });
-  out.edges.clear();
-  for (const std::vector<SilhouetteEdge>& block : out.blocks) out.edges.insert(out.edges.end(), block.begin(), block.end());
-  for (const IrregularEdge& edge : irregular_) {
-    int count = 0;
-    for (const Side side : std::span(sides_).subspan(edge.first_side, edge.side_count))
-      count += side & 1 ? out.facing[side / 2] : -out.facing[side / 2];
-    if (count != 0) out.edges.push_back({edge.low, edge.high, count, part_of_[sides_[edge.first_side] / 2]});
-  }
-}
-
-// The way from P to the light crosses triangle ABC iff P and L are on different sides of its plane and the three edges turn
-// the same way about it.
-EdgeAdjacency::Depth EdgeAdjacency::depth_at(const glm::vec3& point, const Silhouette& silhouette) const {
-  const glm::dvec4 p(point, 1), &light = silhouette.light;
-  const double scale_of_point = scale(p);
-  // A box that the way to the light clearly misses holds nothing that it crosses.
-  const auto misses = [&](const Bounds& box) {
-    const glm::dvec3 way = to_light(light, glm::dvec3(p));
-    const double reach = 0x1p-40 * std::max(extent_, scale_of_point), length = light.w != 0 ? 1 / light.w : INFINITY;
-    double near = 0, far = length;
-    for (int k = 0; k < 3; ++k) {
-      const double low = box.min[k] - reach - p[k], high = box.max[k] + reach - p[k];
-      if (way[k] == 0) {
-        if (low > 0 || high < 0) return true;
-        continue;
-      }
-      near = std::max(near, std::min(low / way[k], high / way[k]) * (1 - 0x1p-40));
-      far = std::min(far, std::max(low / way[k], high / way[k]) * (1 + 0x1p-40));
-    }
-    return near > far;
-  };
-  Depth sum;
-  std::vector<Depth> blocks;
-  for (const MeshTriangles& mesh : meshes_) {
-    if (!mesh.casts || misses(mesh.bounds)) continue;
-    blocks.assign((mesh.count + block_size - 1) / block_size, {});
-    for_blocks(mesh.count, block_size, [&](std::size_t begin, std::size_t end) {
-      Depth& block = blocks[begin / block_size];
-      for (std::size_t t = mesh.first + begin; t < mesh.first + end; ++t) {
-        const int facing = silhouette.facing[t];
-        if (facing == 0) continue;
-        const int of_point = side(static_cast<std::uint32_t>(t), p, scale_of_point);
-        if (of_point == facing) continue;
-        const glm::vec3 &a = positions_[triangles_[t].x], &b = positions_[triangles_[t].y], &c = positions_[triangles_[t].z];
-        const int turns[] = {orient3d_sign(point, a, b, light), orient3d_sign(point, b, c, light),
-                             orient3d_sign(point, c, a, light)};
-        const bool up = turns[0] >= 0 && turns[1] >= 0 && turns[2] >= 0, down = turns[0] <= 0 && turns[1] <= 0 && turns[2] <= 0;
-        if (!up && !down) continue;
-        block.degenerate |= of_point == 0 || turns[0] == 0 || turns[1] == 0 || turns[2] == 0;
-        block.volumes += of_point != 0;
-      }
-    });
-    for (const Depth& block : blocks) sum.volumes += block.volumes, sum.degenerate |= block.degenerate;
-  }
-  return sum;
-}
-
 std::size_t EdgeAdjacency::bytes() const {
   const auto held = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
   return held(positions_) + held(triangles_) + held(first_at_position_) + held(part_of_) + held(parts_) + held(edges_) +
-         held(irregular_) + held(sides_) + held(planes_);
+         held(irregular_) + held(sides_) + 4 * held(planes_.x);
 }
 
 }  // namespace gnomon

@@ -24,10 +24,12 @@ class DepthBound {
   }
 
   /// Quick: half of the edges that any vertical line crosses, since the number must come back to what it is at the upper end;
-  /// where that is over the limit, the finer bound.
+  /// where that is over the limit, the finer bounds.
   std::int64_t operator()() const {
-    const std::int64_t quick = crossed();
-    return quick <= stencil_limit ? quick : std::min(quick, sorted());
+    std::int64_t bound = crossed();
+    for (const int columns : {64, 256, 1024})
+      if (bound > stencil_limit) bound = std::min(bound, sorted(columns));
+    return bound;
   }
 
   /// In one pass over the edges.
@@ -45,8 +47,7 @@ class DepthBound {
 
   /// Line by line. The number at a point beside a column's middle line differs from that on the line at the same height by at
   /// most the edges that pass this height inside the column.
-  std::int64_t sorted() const {
-    constexpr int columns = 512;
+  std::int64_t sorted(int columns) const {
     std::vector<std::uint32_t> first(columns + 2, 0);
     const auto for_columns = [&](auto&& visit) {
       for_pieces([&](const Piece& piece) {

@@ -105,6 +105,35 @@ std::size_t compact(std::size_t count, const Wants& wants, const Made& made, con
   return first.back();
 }
 
+/// Triangles of the light caps, in the vertex order of their meshes: the counter-clockwise ones, then the clockwise ones.
+inline void write_caps(const EdgeAdjacency& adjacency, const Silhouette& silhouette, Faces& faces, Commands& commands) {
+  constexpr std::size_t block = std::size_t{1} << 15;
+  const std::span<const std::int8_t> facing = silhouette.facing;
+  struct Places {
+    std::size_t up = 0, down = 0;
+  };
+  std::vector<Places> first(facing.size() / block + 2);
+  for_blocks(facing.size(), block, [&](std::size_t begin, std::size_t end) {
+    Places found;
+    for (std::size_t t = begin; t < end; ++t) found.up += facing[t] > 0, found.down += facing[t] < 0;
+    first[begin / block + 1] = found;
+  });
+  for (std::size_t i = 1; i < first.size(); ++i) first[i].up += first[i - 1].up, first[i].down += first[i - 1].down;
+  const std::size_t up = first.back().up, down = first.back().down;
+  faces.caps.rewrite<glm::uvec3>(up + down, [&](std::span<glm::uvec3> caps) {
+    const std::span<const glm::uvec3> triangles = adjacency.triangles();
+    for_blocks(facing.size(), block, [&](std::size_t begin, std::size_t end) {
+      Places place = first[begin / block];
+      place.down += up;
+      for (std::size_t t = begin; t < end; ++t)
+        if (facing[t] != 0) caps[facing[t] > 0 ? place.up++ : place.down++] = triangles[t];
+    });
+  });
+  commands.caps.count = static_cast<std::uint32_t>(3 * up);
+  commands.reversed_caps.first_index = commands.caps.count;
+  commands.reversed_caps.count = static_cast<std::uint32_t>(3 * down);
+}
+
 /// Fills all buffers from a silhouette found by the processor.
 inline Commands write_faces(const EdgeAdjacency& adjacency, const Silhouette& silhouette, const Wanted& wanted, Faces& faces) {
   Commands commands;
@@ -149,22 +178,7 @@ inline Commands write_faces(const EdgeAdjacency& adjacency, const Silhouette& si
     if (wanted.dark_caps) commands.far_triangles.count = static_cast<std::uint32_t>(3 * count);
   }
 
-  if (wanted.light_caps) {
-    // The reversed ones come after the others; both keep the vertex order of their meshes.
-    std::span<glm::uvec3> out;
-    faces.caps.rewrite<glm::uvec3>(facing.size(), [&](std::span<glm::uvec3> mapped) {
-      out = mapped;
-      std::size_t done = 0;
-      for (const int turn : {1, -1}) {
-        const std::size_t count = compact(
-            facing.size(), [&](std::size_t t) { return facing[t] == turn; }, [](std::size_t, auto&& go) { go(); },
-            [&](std::size_t t, std::size_t place) { out[done + place] = adjacency.triangles()[t]; });
-        DrawElements& draw = turn > 0 ? commands.caps : commands.reversed_caps;
-        draw.first_index = static_cast<std::uint32_t>(3 * done), draw.count = static_cast<std::uint32_t>(3 * count);
-        done += count;
-      }
-    });
-  }
+  if (wanted.light_caps) write_caps(adjacency, silhouette, faces, commands);
   faces.commands.rewrite<Commands>(1, [&](std::span<Commands> mapped) { mapped[0] = commands; });
   return commands;
 }

@@ -85,11 +85,10 @@ class EdgeAdjacency {
   static constexpr std::uint32_t no_part = 0xffffffffu;
 
  private:
-  /// Plane of a triangle in double, with the share of the scale of coordinates that its value may err by.
-  struct TrianglePlane {
-    glm::dvec3 normal{0};
-    double offset = 0;
-    double error = 0;
+  /// Planes of the triangles, normal and offset by coordinate: quick to sweep over. All zero where float32 tells too little, so
+  /// that no sign is taken from them.
+  struct Planes {
+    std::vector<float> x, y, z, offset;
   };
   struct MeshTriangles {
     std::uint32_t first, count;
@@ -98,9 +97,9 @@ class EdgeAdjacency {
   };
   void join_edges();
   void find_parts();
+  void find_planes();
   /// Sign of the triangle's plane at a homogeneous point: +1 where it sees the triangle counter-clockwise.
-  int side(std::uint32_t triangle, const glm::dvec4& point, double scale) const;
-  double scale(const glm::dvec4& point) const;
+  int side(std::uint32_t triangle, const glm::dvec4& point) const;
 
   std::vector<glm::vec3> positions_;
   std::vector<glm::uvec3> triangles_;
@@ -111,7 +110,7 @@ class EdgeAdjacency {
   std::vector<Edge> edges_;
   std::vector<IrregularEdge> irregular_;
   std::vector<Side> sides_;
-  std::vector<TrianglePlane> planes_;
+  Planes planes_;
   double extent_ = 0;  // largest coordinate
 };
 
