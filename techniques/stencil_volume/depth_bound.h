@@ -23,75 +23,82 @@ class DepthBound {
     choose_axes();
   }
 
-  /// Quick: half of the edges that any vertical line crosses, since the number must come back to what it is at the upper end;
-  /// where that is over the limit, the finer bounds.
+  /// Quick: half of the edges that any vertical line crosses, since the number must come back to what it is at the upper end.
+  /// The finer bound follows where that is over the limit.
   std::int64_t operator()() const {
-    std::int64_t bound = crossed();
-    for (const int columns : {64, 256, 1024})
-      if (bound > stencil_limit) bound = std::min(bound, sorted(columns));
-    return bound;
+    const std::vector<std::int64_t> quick = crossed();
+    const std::int64_t bound = *std::ranges::max_element(quick);
+    return bound <= stencil_limit ? bound : std::min(bound, sorted(quick));
   }
 
-  /// In one pass over the edges.
-  std::int64_t crossed() const {
-    constexpr int columns = 4096;
-    std::vector<std::int64_t> change(columns + 1, 0);
+  static constexpr int fine_columns = 4096;
+
+  /// Of each fine column; in one pass over the edges.
+  std::vector<std::int64_t> crossed() const {
+    std::vector<std::int64_t> change(fine_columns + 1, 0);
     for_pieces([&](const Piece& piece) {
-      change[column(piece.from.x, columns, -1)] += piece.count;
-      change[column(piece.to.x, columns, 1) + 1] -= piece.count;
+      change[column(piece.from.x, fine_columns, -1)] += piece.count;
+      change[column(piece.to.x, fine_columns, 1) + 1] -= piece.count;
     });
-    std::int64_t now = 0, most = 0;
-    for (int i = 0; i < columns; ++i) most = std::max(most, now += change[i]);
-    return (most + at_ends_) / 2;
+    std::int64_t now = 0;
+    for (int i = 0; i < fine_columns; ++i) change[i] = ((now += change[i]) + at_ends_) / 2;
+    change.pop_back();
+    return change;
   }
 
-  /// Line by line. The number at a point beside a column's middle line differs from that on the line at the same height by at
-  /// most the edges that pass this height inside the column.
-  std::int64_t sorted(int columns) const {
-    std::vector<std::uint32_t> first(columns + 2, 0);
-    const auto for_columns = [&](auto&& visit) {
-      for_pieces([&](const Piece& piece) {
-        const int last = column(piece.to.x, columns, 1);
-        for (int c = column(piece.from.x, columns, -1); c <= last; ++c) visit(c, piece);
-      });
-    };
-    for_columns([&](int c, const Piece&) { ++first[c + 2]; });
-    for (int c = 0; c < columns; ++c) first[c + 2] += first[c + 1];
-    std::vector<Piece> pieces(first[columns + 1]);
-    for_columns([&](int c, const Piece& piece) { pieces[first[c + 1]++] = piece; });
+  /// Line by line, in the columns where the quick bound is over the limit. The number at a point beside a column's middle line
+  /// differs from that on the line at the same height by at most the edges that pass this height inside the column.
+  std::int64_t sorted(std::span<const std::int64_t> quick) const {
+    constexpr int columns = 1024;
     std::vector<std::int64_t> most(columns, 0);
-    gnomon::for_blocks(columns, 8, [&](std::size_t begin, std::size_t end) {
-      std::vector<Event> events;
-      for (std::size_t c = begin; c < end; ++c)
-        most[c] = most_in_column(std::span(pieces).subspan(first[c], first[c + 1] - first[c]), (c + 0.5) * width_ / columns,
-                                 width_ / columns, events);
+    for (int i = 0; i < fine_columns; ++i) {
+      std::int64_t& column_most = most[i / (fine_columns / columns)];
+      column_most = std::max(column_most, quick[i]);
+    }
+    // Lists of the pieces in each column that is asked.
+    constexpr std::uint32_t not_asked = 0xffffffffu;
+    std::vector<std::uint32_t> list(columns, not_asked);
+    std::uint32_t lists = 0;
+    for (int c = 0; c < columns; ++c)
+      if (most[c] > stencil_limit) list[c] = lists++;
+    std::vector<std::vector<Piece>> pieces(lists);
+    for_pieces([&](const Piece& piece) {
+      const int last = column(piece.to.x + slack * width_, columns, 0);
+      for (int c = column(piece.from.x - slack * width_, columns, 0); c <= last; ++c)
+        if (list[c] != not_asked) pieces[list[c]].push_back(piece);
     });
-    return at_ends_ + *std::ranges::max_element(most);
+    gnomon::for_blocks(columns, 1, [&](std::size_t c, std::size_t) {
+      if (list[c] == not_asked) return;
+      most[c] = at_ends_ + most_in_column(pieces[list[c]], (static_cast<double>(c) + 0.5) * width_ / columns, width_ / columns);
+    });
+    return *std::ranges::max_element(most);
   }
 
  private:
   /// A part of an edge that is straight in the unrolled image, from left to right. `turn` is `count` with the sign of its way.
   struct Piece {
     glm::dvec2 from, to;
-    std::int64_t count, turn;
+    std::int32_t count, turn;
   };
   struct Event {
     double height;
-    std::int64_t turn, passing;
+    std::int32_t turn, passing;
   };
+  /// Share of the image's width that rounding may move a place by.
+  static constexpr double slack = 1e-9;
 
-  static std::int64_t most_in_column(std::span<const Piece> pieces, double middle, double width, std::vector<Event>& events) {
-    events.clear();
-    const double slack = width * 1e-6;
+  std::int64_t most_in_column(std::span<const Piece> pieces, double middle, double width) const {
+    std::vector<Event> events;
+    events.reserve(3 * pieces.size());
     for (const Piece& piece : pieces) {
-      const double left = std::max(piece.from.x, middle - width / 2 - slack);
-      const double right = std::min(piece.to.x, middle + width / 2 + slack), span = piece.to.x - piece.from.x;
+      const double left = std::max(piece.from.x, middle - width / 2 - slack * width_);
+      const double right = std::min(piece.to.x, middle + width / 2 + slack * width_), span = piece.to.x - piece.from.x;
       const auto height = [&](double x) {
         const double share = span > 0 ? std::clamp((x - piece.from.x) / span, 0.0, 1.0) : 0.0;
         return piece.from.y + share * (piece.to.y - piece.from.y);
       };
       double low = height(left), high = height(right);
-      if (!(span > slack)) low = piece.from.y, high = piece.to.y;  // steep: the whole of it
+      if (!(span > slack * width_)) low = piece.from.y, high = piece.to.y;  // steep: the whole of it
       if (low > high) std::swap(low, high);
       const double reach = 1e-9 * (std::abs(low) + std::abs(high)) + 1e-300;
       events.push_back({low - reach, 0, piece.count});
@@ -166,7 +173,7 @@ class DepthBound {
   /// All pieces of the outline. An edge around a point light is cut where the prism has its edges: at u = 0 and v = 0.
   template <class Visit>
   void for_pieces(Visit&& visit) const {
-    const auto emit = [&](glm::dvec2 a, glm::dvec2 b, std::int64_t count) {
+    const auto emit = [&](glm::dvec2 a, glm::dvec2 b, std::int32_t count) {
       const bool rightward = a.x <= b.x;
       if (!rightward) std::swap(a, b);
       visit(Piece{a, b, std::abs(count), rightward ? count : -count});
