@@ -56,7 +56,7 @@ struct GBufferSlot {
   const float* data = nullptr;
   std::uint64_t scene_stamp = 0;
   GBufferTextures textures;
-  DepthStencil depth;
+  DepthStencil depth, shape_depth;
 
   bool holds(const GBuffer& g, std::uint64_t scene) const {
     return scene_stamp == scene && data == g.px.data() && textures.position.width == g.width &&
@@ -71,7 +71,7 @@ constexpr std::size_t slot_count = 4;
 struct Inputs {
   std::vector<std::unique_ptr<SceneSlot>> scenes;
   std::vector<std::unique_ptr<GBufferSlot>> gbuffers;
-  Program depth_program;
+  Program depth_program, shape_depth_program;
   VertexArray no_attributes;
 };
 
@@ -144,13 +144,28 @@ GBufferTextures upload(const GBuffer& g, const Scene& scene) {
   return textures;
 }
 
+/// Depth of the G-buffer's points on curved shapes; w is summed as in place().
+constexpr std::string_view shape_depth_fragment = R"(
+layout(binding = 0) uniform sampler2D gbuffer_position;
+layout(binding = 2) uniform usampler2D gbuffer_ids;
+layout(std430, binding = 0) readonly buffer IsCurved { uint is_curved[]; };
+uniform vec4 w_row;  // of clip_from_world
+uniform float near_plane;
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  uint mesh = texelFetch(gbuffer_ids, pixel, 0).x;  // plus one
+  if (mesh == 0 || is_curved[mesh - 1] == 0) discard;
+  vec3 point = texelFetch(gbuffer_position, pixel, 0).xyz;
+  precise float w = ((w_row.x * point.x + w_row.y * point.y) + w_row.z * point.z) + w_row.w;
+  gl_FragDepth = near_plane / w;
+}
+)";
+
 GBufferSlot& gbuffer_slot(const GBuffer& gbuffer, const Scene& scene) {
   const std::uint64_t wanted = stamp(scene);
   return find_or_make(
       inputs().gbuffers, [&](const GBufferSlot& slot) { return slot.holds(gbuffer, wanted); },
-      [&] {
-        return GBufferSlot{gbuffer.storage, gbuffer.px.data(), wanted, upload(gbuffer, scene), {}};
-      });
+      [&] { return GBufferSlot{gbuffer.storage, gbuffer.px.data(), wanted, upload(gbuffer, scene), {}, {}}; });
 }
 
 }  // namespace
@@ -169,17 +184,25 @@ const GBufferTextures& gbuffer_textures(const GBuffer& gbuffer, const Scene& sce
   return gbuffer_slot(gbuffer, scene).textures;
 }
 
-const DepthStencil& depth_stencil(const Scene& scene, const GBuffer& gbuffer) {
-  DepthStencil& depth = gbuffer_slot(gbuffer, scene).depth;
+const DepthStencil& depth_stencil(const Scene& scene, const GBuffer& gbuffer, Truth sees) {
+  const bool shows_shapes = sees == Truth::shape && gbuffer.truth == Truth::shape && scene.has_curved_shapes();
+  GBufferSlot& slot = gbuffer_slot(gbuffer, scene);
+  DepthStencil& depth = shows_shapes ? slot.shape_depth : slot.depth;
   if (depth.texture) return depth;
   Program& program = inputs().depth_program;
+  Program& shape_program = inputs().shape_depth_program;
   const SceneBuffers& buffers = scene_buffers(scene);
   if (!program)
     program =
         Program("depth of the view", std::string(position_snippet) + "void main() { gl_Position = place(vec4(position, 1)); }",
                 "void main() {}");
-  std::vector<std::uint32_t> all(scene.meshes.size());
-  for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = i;
+  if (shows_shapes && !shape_program)
+    shape_program = Program("depth of the shapes in view", full_screen_vertex, shape_depth_fragment);
+  std::vector<std::uint32_t> drawn, is_curved;
+  for (std::uint32_t i = 0; i < scene.meshes.size(); ++i) {
+    is_curved.push_back(scene.meshes[i].has_curved_shape());
+    if (!shows_shapes || !is_curved[i]) drawn.push_back(i);
+  }
   depth.upload_ms = drained_ms([&] {
     const StateGuard guard;
     depth.texture = Texture(GL_DEPTH32F_STENCIL8, gbuffer.width, gbuffer.height);
@@ -190,9 +213,19 @@ const DepthStencil& depth_stencil(const Scene& scene, const GBuffer& gbuffer) {
     glViewport(0, 0, gbuffer.width, gbuffer.height);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
-    program.set("clip_from_world", glm::mat4(clip_from_world(gbuffer.view, gbuffer.width, gbuffer.height)));
+    const glm::mat4 clip(clip_from_world(gbuffer.view, gbuffer.width, gbuffer.height));
+    program.set("clip_from_world", clip);
     glUseProgram(program.name());
-    buffers.draw(all);
+    buffers.draw(drawn);
+    if (!shows_shapes) return;
+    const Buffer curved(is_curved.data(), is_curved.size() * 4);
+    glDepthFunc(GL_ALWAYS);
+    bind_gbuffer(slot.textures);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, curved.name());
+    shape_program.set("w_row", glm::vec4(clip[0].w, clip[1].w, clip[2].w, clip[3].w));
+    shape_program.set("near_plane", near_plane);
+    glUseProgram(shape_program.name());
+    draw_full_screen();
   });
   depth.bytes = depth.texture.bytes;
   return depth;

@@ -87,8 +87,9 @@ class Post {
     if (uses_gl_ && support) {
       const SceneBuffers& buffers = scene_buffers(scene_);
       const GBufferTextures& textures = gbuffer_textures(gbuffer_, scene_);
-      result["input_bytes"] = buffers.bytes + textures.bytes;
-      result["upload_ms"] = buffers.upload_ms + textures.upload_ms;
+      const DepthStencil& depth = depth_stencil(scene_, gbuffer_, entry_->about.sees);
+      result["input_bytes"] = buffers.bytes + textures.bytes + depth.bytes;
+      result["upload_ms"] = buffers.upload_ms + textures.upload_ms + depth.upload_ms;
     }
     return result;
   }

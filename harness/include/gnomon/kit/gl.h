@@ -137,7 +137,9 @@ struct GBufferTextures {
   double upload_ms = 0;
 };
 
-/// Depth (read-only for techniques) and stencil (theirs; zero on entry) of the whole scene, drawn with `position_snippet`.
+/// Depth (read-only for techniques) and stencil (theirs; zero on entry) of the whole scene, drawn with `position_snippet`. A
+/// technique that sees shapes, on a G-buffer that shows them, gets the depth of what that G-buffer sees: curved shapes are left
+/// out of the drawing, and where the G-buffer shows one the depth is near_plane over the w that place() gives its point.
 struct DepthStencil {
   Texture texture;  ///< D32F_S8
   std::size_t bytes = 0;
@@ -148,7 +150,7 @@ struct DepthStencil {
 /// keep no reference from one to the next. The harness asks first, so that a technique's call costs a look-up.
 const SceneBuffers& scene_buffers(const Scene& scene);
 const GBufferTextures& gbuffer_textures(const GBuffer& gbuffer, const Scene& scene);
-const DepthStencil& depth_stencil(const Scene& scene, const GBuffer& gbuffer);
+const DepthStencil& depth_stencil(const Scene& scene, const GBuffer& gbuffer, Truth sees = Truth::mesh);
 /// Binds position, normal, ids to texture units 0, 1, 2.
 void bind_gbuffer(const GBufferTextures& textures);
 /// Frees what this part holds. Must be called before the context goes, or after a scene was edited in place.

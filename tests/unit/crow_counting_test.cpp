@@ -1,0 +1,533 @@
+// Crow's count: the seed's rule on scenes that realize it, the crossing predicates on paper and against other formulations, and
+// the technique against the exact oracle on scenes that are hard on counting.
+#include <gnomon/kit/exact_scene.h>
+#include <gnomon/kit/random.h>
+#include <gnomon/kit/shapes.h>
+#include <gnomon/registry.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "../../techniques/crow_counting/polygon.h"
+#include "hand_made.h"
+#include "small_world.h"
+
+extern "C" void gnomon_technique_crow_counting(gnomon::Registry& registry);
+
+namespace gnomon {
+namespace {
+
+using namespace hand_made;
+using namespace crow_counting;
+
+double value(const Counts& counts, std::string_view name) {
+  return std::find_if(counts.begin(), counts.end(), [&](const Count& c) { return c.name == name; })->value;
+}
+
+small_world::Run run(const Scene& scene, const Light& light, const GBuffer& gbuffer) {
+  return small_world::run(gnomon_technique_crow_counting, "", scene, light, gbuffer);
+}
+
+// The rule: in shadow iff eye + entered - left > 0. The lecture prints ">= 0", by which the first case, and every point that no
+// volume holds, would be dark. A square of half side 1 at height 1 under a sun straight down has the volume |x|, |z| < 1, y <
+// 1; the floor's own volume begins at the floor.
+TEST(CrowCounting, the_rule_counts_the_eye_and_needs_more_than_zero) {
+  Scene scene;
+  scene.meshes = {square(10, 0), square(1, 1)};
+  struct Case {
+    const char* name;
+    glm::vec3 eye, point;
+    int eye_volumes, entered, left;
+    bool dark, dark_as_printed;
+  };
+  const Case cases[] = {
+      {"count_rule", {3, 2, 0.1f}, {2.5f, 0, 0.2f}, 0, 0, 0, false, true},
+      {"count_rule_eye_inside", {0.5f, 0.5f, 0.1f}, {-0.3f, 0, 0.2f}, 1, 0, 0, true, true},
+      {"count_rule_left_volume", {0.5f, 0.5f, 0.1f}, {2.2f, 0, 0.3f}, 1, 0, 1, false, true},
+      {"entered by the side", {3, 0.5f, 0.1f}, {0.4f, 0, 0.2f}, 0, 1, 0, true, true},
+      {"entered by the cap", {0.3f, 3, 0.1f}, {0.4f, 0, 0.2f}, 0, 1, 0, true, true},
+      {"entered and left", {3, 0.5f, 0.1f}, {-4, 0, 0.2f}, 0, 1, 1, false, true},
+  };
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.name);
+    EXPECT_EQ(c.eye_volumes + c.entered - c.left > 0, c.dark);
+    EXPECT_EQ(c.eye_volumes + c.entered - c.left >= 0, c.dark_as_printed);
+    Picture picture(1, 1);
+    picture.gbuffer.view.eye = c.eye;
+    picture.gbuffer.view.target = c.point;
+    picture.set(0, c.point, {0, 1, 0}, 0, c.point.x < c.point.z ? 0 : 1);
+    const auto done = run(scene, sun({0, -1, 0}), picture.gbuffer);
+    EXPECT_EQ(done.mask[0] == 0, c.dark);
+    const Counts counts = done.technique->counts();
+    EXPECT_EQ(value(counts, "eye_volumes"), c.eye_volumes);
+    EXPECT_EQ(value(counts, "crossings"), c.entered + c.left);
+    EXPECT_EQ(value(counts, "deepest_nesting"), c.eye_volumes + c.entered);
+    EXPECT_EQ(value(counts, "restarts"), 0);
+    const auto why = done.technique->explain(0);
+    ASSERT_TRUE(why);
+    EXPECT_TRUE(why->covered);
+    EXPECT_EQ(why->element.has_value(), c.entered > 0);
+    // Triangles 2 and 3 are the square; silhouette edges follow on 4 triangles.
+    if (c.entered > 0) {
+      EXPECT_EQ(*why->element < 4, c.eye.y == 3.0f);
+      EXPECT_GE(*why->element, 2u);
+    }
+  }
+}
+
+// The edge from (0, 1, -1) to (0, 1, 1) under a sun straight down has the side quad x = 0, y <= 1, |z| <= 1; under a light at
+// (0, 3, 0) it widens to |z| <= (3 - y) / 2. As high, low, low at infinity the quad's normal is (0, 0, -2) x (0, -1, 0) = (-2,
+// 0, 0), so that a volume of positive count lies at x > 0.
+TEST(CrowCrossing, a_side_quad_on_paper) {
+  const glm::vec3 low(0, 1, -1), high(0, 1, 1);
+  const glm::dvec4 sun_up(0, 1, 0, 0), lamp(0, 3, 0, 1);
+  const auto meet = [&](const glm::vec3& from, const glm::vec3& to, const glm::dvec4& light) {
+    const Meeting meeting = meet_side(from, to, low, high, light);
+    EXPECT_EQ(meet_side(from, to, high, low, light), meeting);
+    return meeting;
+  };
+  for (const glm::dvec4& light : {sun_up, lamp}) {
+    EXPECT_EQ(meet({-1, 0, 0}, {1, 0, 0.1f}, light), Meeting::crosses);
+    EXPECT_EQ(meet({1, 0, 0}, {-1, 0, 0.1f}, light), Meeting::crosses);
+    EXPECT_EQ(meet({-1, -99, 0}, {1, -99, 0.1f}, light), Meeting::crosses);
+    EXPECT_EQ(meet({-1, 2, 0}, {1, 2, 0.1f}, light), Meeting::none);   // before the edge
+    EXPECT_EQ(meet({-1, 5, 0}, {1, 5, 0.1f}, light), Meeting::none);   // behind the lamp
+    EXPECT_EQ(meet({-1, 0, 0}, {-2, 0, 0.1f}, light), Meeting::none);  // away from the plane
+    EXPECT_EQ(meet({-1, 0, 9}, {1, 0, 9}, light), Meeting::none);      // beside it
+    EXPECT_EQ(meet({-1, 0, -9}, {1, 0, -9}, light), Meeting::none);
+    EXPECT_EQ(meet({-1, 1, 0}, {1, 1, 0.1f}, light), Meeting::none);  // through the edge: as if before it
+    EXPECT_EQ(meet({-1, 0, 0}, {0, 0, 0.1f}, light), Meeting::touches);
+    EXPECT_EQ(meet({-1, 0, 0}, {0, 1, 0.1f}, light), Meeting::none);  // on the edge: it does not shade itself
+    EXPECT_EQ(meet({-1, 0, 0}, {0, 2, 0.1f}, light), Meeting::none);
+    EXPECT_EQ(meet({-1, 0, 0}, {0, 0, 9}, light), Meeting::none);
+    EXPECT_EQ(meet({0, 0, 9}, {1, 0, 0}, light), Meeting::none);     // from its plane, beside it
+    EXPECT_EQ(meet({0, 0, 9}, {0, 0, 0}, light), Meeting::unclear);  // along its plane
+  }
+  EXPECT_EQ(meet({-1, 0, 1.25f}, {1, 0, 1.25f}, sun_up), Meeting::none);
+  EXPECT_EQ(meet({-1, 0, 1.25f}, {1, 0, 1.25f}, lamp), Meeting::crosses);
+  EXPECT_EQ(meet({-1, 0, 1}, {1, 0, 1}, sun_up), Meeting::unclear);  // through the end's ray
+  EXPECT_EQ(meet({-1, 0, 1.5f}, {1, 0, 1.5f}, lamp), Meeting::unclear);
+  EXPECT_EQ(meet({-1, 0, 0}, {0, 0, 1}, sun_up), Meeting::touches);
+  EXPECT_EQ(meet({-1, 0, 0}, {0, 0, 1.5f}, lamp), Meeting::touches);
+
+  const Frame left({}, {-1, 0, 0}), right({}, {1, 0, 0}), on_plane({}, {0, 0, 9});
+  EXPECT_EQ(side_polygon(left, low, high, sun_up, 2).step, 2);
+  EXPECT_EQ(side_polygon(right, low, high, sun_up, 2).step, -2);
+  EXPECT_EQ(side_polygon(left, low, high, lamp, -1).step, -1);
+  EXPECT_EQ(side_polygon(on_plane, low, high, lamp, -1).step, 0);
+}
+
+// A triangle in the plane y = 1, counter-clockwise seen from above. Entered from the light's side, whichever way it is wound.
+TEST(CrowCrossing, a_light_cap_on_paper) {
+  const Triangle cap{{{0, 1, 0}, {0, 1, 4}, {4, 1, 0}}};
+  const Triangle turned{{cap.points[0], cap.points[2], cap.points[1]}};
+  for (const glm::dvec4& light : {glm::dvec4(0, 1, 0, 0), glm::dvec4(1, 9, 1, 1)}) {
+    const auto meet = [&](const glm::vec3& from, const glm::vec3& to) {
+      const Meeting meeting = meet_cap(from, to, cap, light, 1);
+      EXPECT_EQ(meet_cap(from, to, turned, light, -1), meeting);
+      return meeting;
+    };
+    EXPECT_EQ(meet({1, 2, 1.5f}, {1, 0, 1.25f}), Meeting::crosses);
+    EXPECT_EQ(meet({1, 0, 1.5f}, {1, 2, 1.25f}), Meeting::crosses);
+    EXPECT_EQ(meet({5, 2, 1.5f}, {5, 0, 1.25f}), Meeting::none);
+    EXPECT_EQ(meet({1, 2, 1.5f}, {1, 1, 1.25f}), Meeting::none);     // the point on it is on the light's side of it
+    EXPECT_EQ(meet({1, 0, 1.5f}, {1, 1, 1.25f}), Meeting::crosses);  // and is reached through it from below
+    EXPECT_EQ(meet({9, 1, 1.5f}, {1, 0, 1.25f}), Meeting::none);     // from its plane, beside it
+  }
+  const Frame above({}, {1, 2, 1}), below({}, {1, 0, 1});
+  EXPECT_EQ(cap_polygon(above, cap, 1).step, 1);
+  EXPECT_EQ(cap_polygon(above, turned, -1).step, 1);
+  EXPECT_EQ(cap_polygon(below, cap, 1).step, -1);
+  EXPECT_EQ(cap_polygon(Frame({}, {9, 1, 9}), cap, 1).step, 0);
+}
+
+// Against other formulations. Where the way meets the plane of light, a and b, a point lies on the quad when its own way to
+// the light comes to the line a b between the two (solved in double by distances from the line; ways within 1e-6 of a border
+// are left out). A cap is crossed as the oracle's segment from the point to the eye crosses its triangle. And the
+// planes in double never contradict.
+TEST(CrowCrossing, random_ways_against_other_formulations) {
+  Random random(3);
+  const auto point = [&] {
+    glm::vec3 p;
+    for (int k = 0; k < 3; ++k) p[k] = (static_cast<float>(random.below(1 << 22)) - 0x1p21f) * 0x1p-20f;
+    return p;
+  };
+  int crossed[2] = {0, 0}, missed[2] = {0, 0};
+  for (int i = 0; i < 200'000; ++i) {
+    const glm::vec3 a = point(), b = point(), c = point(), from = point(), to = point();
+    const glm::dvec4 light(point(), random.below(2));
+    const glm::dvec3 l(light), da(a), e(from), way = glm::dvec3(to) - e;
+    const glm::dvec3 u = to_light(light, da), v = glm::dvec3(b) - da, normal = glm::cross(v, u);
+    const double t = glm::dot(normal, da - e) / glm::dot(normal, way);
+    const glm::dvec3 x = e + t * way;
+    // x = a + j v - k u: k is how far behind the line of the edge; the way from x comes to that line beside a by the share i.
+    const double vv = glm::dot(v, v), uv = glm::dot(u, v), uu = glm::dot(u, u), det = vv * uu - uv * uv;
+    const glm::dvec3 r = x - da;
+    const double j = (glm::dot(r, v) * uu - glm::dot(r, u) * uv) / det, k = -(glm::dot(r, u) * vv - glm::dot(r, v) * uv) / det;
+    // Point light: x = a + j v - k (l - a); toward l, the share of u grows from -k to 1 and that of v falls from j to 0.
+    const double share = light.w != 0 ? j / (1 + k) : j;
+    const double clear = std::min({std::abs(t), std::abs(1 - t), std::abs(k), std::abs(share), std::abs(1 - share),
+                                   light.w != 0 ? std::abs(1 + k) : 1.0});
+    if (clear > 1e-6) {
+      const bool expected = t > 0 && t < 1 && k > 0 && share > 0 && share < 1;
+      const Meeting meeting = meet_side(from, to, a, b, light);
+      ASSERT_EQ(meeting, expected ? Meeting::crosses : Meeting::none) << "way " << i;
+      ++(expected ? crossed : missed)[0];
+    }
+    const Triangle triangle{{a, b, c}};
+    const int facing = orient3d_sign(a, b, c, light);
+    const Meeting meeting = meet_cap(from, to, triangle, light, facing);
+    ASSERT_EQ(meeting == Meeting::crosses, crosses({to, glm::dvec4(from, 1)}, triangle) == Crossing::crosses) << "way " << i;
+    ++(meeting == Meeting::crosses ? crossed : missed)[1];
+
+    View view;
+    view.eye = from, view.target = point();
+    const Frame frame(view, from);
+    const auto judged = [&](const Polygon& polygon) {
+      const glm::dvec3 p = frame.seen(to);
+      const double error = relative_error * glm::length(p), beyond = glm::dot(polygon.plane, p) - polygon.distance;
+      double inside = INFINITY;
+      for (const glm::dvec3& n : polygon.inside) inside = std::min(inside, glm::dot(n, p));
+      EXPECT_GT(std::min(std::abs(beyond), std::abs(inside)), polygon.slack + error);  // no sign was in doubt
+      return beyond > 0 && inside > 0;
+    };
+    ASSERT_EQ(judged(side_polygon(frame, a, b, light, 1)), meet_side(from, to, a, b, light) == Meeting::crosses);
+    ASSERT_EQ(judged(cap_polygon(frame, triangle, facing)), meeting == Meeting::crosses);
+  }
+  for (int kind = 0; kind < 2; ++kind) {
+    EXPECT_GT(crossed[kind], 5000);
+    EXPECT_GT(missed[kind], 5000);
+  }
+}
+
+struct Differences {
+  int wrong = 0, dark = 0, lit = 0, degenerate = 0;
+  double restarts = 0, eye_inside = 0, touching = 0;
+};
+
+/// Counts pixels that the oracle decides otherwise; where it is degenerate anything goes.
+void compare(const Scene& scene, const Light& light, const GBuffer& gbuffer, Differences& d) {
+  const auto done = run(scene, light, gbuffer);
+  const ExactScene exact(scene);
+  for (std::size_t i = 0; i < gbuffer.size(); ++i) {
+    if (!faces_light(scene, gbuffer, light, i)) {
+      ASSERT_EQ(done.mask[i], 1);
+      continue;
+    }
+    ExactTally tally;
+    const ExactAnswer answer = exact.occluded(exact_receiver(scene, gbuffer, i), homogeneous(light), tally);
+    if (answer.degenerate) {
+      ++d.degenerate;
+      continue;
+    }
+    ++(answer.blocked ? d.dark : d.lit);
+    if ((done.mask[i] == 0) != answer.blocked && d.wrong++ == 0) {
+      const glm::vec3 p = gbuffer.position(i);
+      ADD_FAILURE() << "pixel " << i << " of mesh " << gbuffer.mesh[i] << ", triangle " << gbuffer.triangle[i] << " at " << p.x
+                    << ", " << p.y << ", " << p.z << " should be " << (answer.blocked ? "dark" : "lit");
+    }
+  }
+  const Counts counts = done.technique->counts();
+  d.restarts += value(counts, "restarts");
+  d.touching += value(counts, "degenerate_rays");
+  d.eye_inside += value(counts, "eye_volumes") > 0;
+}
+
+/// Points of all casting triangles, rounded, in front of the eye and behind it, turned to the light. Shares in sixteenths put
+/// many of them exactly on edges, on planes of other triangles and on borders of volumes.
+void scatter(const Scene& scene, const Light& light, Random& random, Picture& picture) {
+  for (std::size_t i = 0; i < picture.gbuffer.size(); ++i) {
+    const std::uint32_t m = random.below(static_cast<std::uint32_t>(scene.meshes.size()));
+    const Mesh& mesh = scene.meshes[m];
+    if (mesh.triangles.empty()) continue;
+    const std::uint32_t t = random.below(static_cast<std::uint32_t>(mesh.triangles.size()));
+    const glm::uvec3& corners = mesh.triangles[t];
+    const glm::dvec3 a(mesh.positions[corners.x]), b(mesh.positions[corners.y]), c(mesh.positions[corners.z]);
+    const bool coarse = random.below(2);
+    const double u = coarse ? random.below(17) / 16.0 : random.uniform(0, 1),
+                 v = (coarse ? random.below(17) / 16.0 : random.uniform(0, 1)) * (1 - u);
+    const glm::vec3 p(a + u * (b - a) + v * (c - a));
+    glm::dvec3 n = glm::normalize(glm::cross(b - a, c - a));
+    if (glm::dot(n, to_light(homogeneous(light), p)) < 0) n = -n;
+    picture.set(i, p, n, m, t);
+  }
+}
+
+/// Triangles on a grid of 1/8: shared planes, edges and corners happen, and so do copies, slivers and stacks.
+Mesh grid_soup(Random& random, int count) {
+  const auto coordinate = [&] { return static_cast<float>(random.below(33)) / 8 - 2; };
+  const auto corner = [&] {
+    const float x = coordinate(), y = coordinate(), z = coordinate();
+    return glm::vec3(x, y, z);
+  };
+  std::vector<glm::vec3> positions;
+  std::vector<glm::uvec3> triangles;
+  for (int i = 0; i < count; ++i) {
+    glm::vec3 a = corner(), b = corner(), c = corner();
+    const std::uint32_t kind = random.below(7);
+    const std::size_t n = positions.size();
+    if (kind == 0) c = b + glm::vec3(0, 0, 0x1p-12f);
+    if (kind == 1) a.y = b.y = c.y = static_cast<float>(random.below(3));
+    if (kind == 2) b = 8.0f * b;
+    if (kind == 3 && i > 0) a = positions[n - 3], b = positions[n - 2], c = positions[n - 1];
+    if (kind == 4 && i > 0) a = positions[n - 2], b = positions[n - 3];  // a neighbor, wound either way
+    positions.insert(positions.end(), {a, b, c});
+    const auto first = static_cast<std::uint32_t>(n);
+    triangles.push_back(random.below(2) ? glm::uvec3(first, first + 1, first + 2) : glm::uvec3(first, first + 2, first + 1));
+  }
+  return mesh_of(positions, triangles);
+}
+
+/// Boxes that reach into each other or stand wall to wall; some open, some inside out, some with single faces turned or
+/// doubled.
+Mesh boxes(Random& random, int count, bool on_grid) {
+  std::vector<glm::vec3> positions;
+  std::vector<glm::uvec3> triangles;
+  for (int i = 0; i < count; ++i) {
+    const auto coordinate = [&] {
+      return on_grid ? static_cast<float>(random.below(17)) / 4 - 2 : static_cast<float>(random.uniform(-2, 2));
+    };
+    glm::vec3 a, b;
+    for (int k = 0; k < 3; ++k) {
+      a[k] = coordinate();
+      b[k] = a[k] + (on_grid ? static_cast<float>(1 + random.below(6)) / 4 : static_cast<float>(random.uniform(0.1, 1.5)));
+    }
+    const Mesh box = small_world::box(a, b);
+    const auto base = static_cast<std::uint32_t>(positions.size());
+    positions.insert(positions.end(), box.positions.begin(), box.positions.end());
+    const std::uint32_t kind = random.below(5);
+    for (glm::uvec3 t : box.triangles) {
+      if (kind == 0 && random.below(6) == 0) continue;
+      if (kind == 1 || (kind == 2 && random.below(4) == 0)) std::swap(t.y, t.z);
+      triangles.push_back(t + base);
+      if (kind == 3 && random.below(6) == 0) triangles.push_back(t + base);
+    }
+  }
+  return mesh_of(positions, triangles);
+}
+
+glm::vec3 on_grid(Random& random, float half, std::uint32_t steps) {
+  glm::vec3 p;
+  for (int k = 0; k < 3; ++k)
+    p[k] = half * (2.0f * static_cast<float>(random.below(steps + 1)) / static_cast<float>(steps) - 1);
+  return p;
+}
+
+/// A point light or a sun, on a grid: in supporting planes of triangles, along axes and inside bodies.
+Light hard_light(Random& random) {
+  for (;;) {
+    const glm::vec3 at = on_grid(random, 4, 16);
+    if (at == glm::vec3(0)) continue;
+    return random.below(2) ? point_light(at) : sun(at);
+  }
+}
+
+// Eyes on the same grid stand on side planes, on triangles, inside bodies and volumes.
+TEST(CrowCounting, decides_as_the_oracle_does_on_soups) {
+  Random random(5);
+  Differences d;
+  for (int round = 0; round < 150; ++round) {
+    Scene scene;
+    scene.meshes = {grid_soup(random, 1 + round % 40), grid_soup(random, 5)};
+    scene.meshes[1].casts = random.below(2);
+    const Light light = hard_light(random);
+    Picture picture(40, 20);
+    picture.gbuffer.view.eye = on_grid(random, 4, 32);
+    scatter(scene, light, random, picture);
+    SCOPED_TRACE(round);
+    compare(scene, light, picture.gbuffer, d);
+  }
+  EXPECT_EQ(d.wrong, 0);
+  EXPECT_GT(d.dark, 10'000);
+  EXPECT_GT(d.lit, 10'000);
+  EXPECT_GT(d.restarts, 30);
+  EXPECT_GT(d.eye_inside, 10);
+  RecordProperty("pixels", fmt::format("{} dark, {} lit, {} degenerate, {} restarts, {} touching", d.dark, d.lit, d.degenerate,
+                                       d.restarts, d.touching));
+}
+
+TEST(CrowCounting, decides_as_the_oracle_does_on_boxes) {
+  Random random(6);
+  Differences d;
+  for (int round = 0; round < 150; ++round) {
+    Scene scene;
+    scene.meshes = {boxes(random, 1 + round % 12, round % 2), boxes(random, 2, true), square(6, -2)};
+    const Light light = hard_light(random);
+    Picture picture(40, 20);
+    picture.gbuffer.view.eye = on_grid(random, 4, 32);
+    scatter(scene, light, random, picture);
+    SCOPED_TRACE(round);
+    compare(scene, light, picture.gbuffer, d);
+  }
+  EXPECT_EQ(d.wrong, 0);
+  EXPECT_GT(d.dark, 10'000);
+  EXPECT_GT(d.lit, 10'000);
+  EXPECT_GT(d.restarts, 30);
+  EXPECT_GT(d.eye_inside, 10);
+  RecordProperty("pixels", fmt::format("{} dark, {} lit, {} degenerate, {} restarts, {} touching", d.dark, d.lit, d.degenerate,
+                                       d.restarts, d.touching));
+}
+
+// As pictures are: points where the eye's rays meet the scene. The picture is larger than a few tiles, and not a multiple.
+TEST(CrowCounting, decides_as_the_oracle_does_in_pictures) {
+  std::mt19937 engine(7);
+  Random random(7);
+  Differences d;
+  for (int round = 0; round < 12; ++round) {
+    Scene scene;
+    scene.meshes = {small_world::ground(3, 0), small_world::random_soup(engine, 40, 2, 0.1f, 2, 0.4f), boxes(random, 5, false)};
+    const View view{.eye = glm::vec3(random.uniform(glm::dvec3(-4, 0.5, -4), glm::dvec3(4, 4, 4))), .target = {0, 0.5f, 0}};
+    const GBuffer gbuffer = small_world::make_gbuffer(scene, view, 150, 83);
+    const glm::vec3 up(random.uniform(glm::dvec3(-3, 2, -3), glm::dvec3(3, 5, 3)));
+    for (const Light& light : {point_light(up), sun(-up)}) {
+      SCOPED_TRACE(round);
+      compare(scene, light, gbuffer, d);
+    }
+  }
+  EXPECT_EQ(d.wrong, 0);
+  EXPECT_GT(d.dark, 10'000);
+  EXPECT_GT(d.lit, 10'000);
+  RecordProperty("pixels", fmt::format("{} dark, {} lit, {} degenerate, {} restarts, {} touching", d.dark, d.lit, d.degenerate,
+                                       d.restarts, d.touching));
+}
+
+// A plane that no float32 point lies on but by chance: half of its points are below it, in the volume of their own triangle, or
+// of a neighbor where the way to the light leaves by its plane across an edge. All are lit.
+TEST(CrowCounting, a_rounded_point_is_not_shaded_by_the_plane_it_lies_on) {
+  // A fan of a plane through lattice points: exactly coplanar, since the corners are sums of u and v.
+  const glm::vec3 u(3, 1, 0), v(0, 2, 5);
+  std::vector<glm::vec3> positions;
+  std::vector<glm::uvec3> triangles;
+  for (std::uint32_t j = 0; j <= 8; ++j)
+    for (std::uint32_t i = 0; i <= 8; ++i) positions.push_back(static_cast<float>(i) / 8 * u + static_cast<float>(j) / 8 * v);
+  for (std::uint32_t j = 0; j < 8; ++j)
+    for (std::uint32_t i = 0; i < 8; ++i) {
+      const std::uint32_t p = 9 * j + i;
+      triangles.push_back({p, p + 9, p + 10});
+      triangles.push_back({p, p + 10, p + 1});
+    }
+  triangles.insert(triangles.end(), triangles.begin(), triangles.begin() + 40);  // some of them doubled
+  Scene scene;
+  scene.meshes = {mesh_of(positions, triangles)};
+  const glm::dvec3 n = glm::normalize(glm::cross(glm::dvec3(v), glm::dvec3(u)));
+  ASSERT_GT(n.y, 0);
+  Random random(8);
+  Picture picture(100, 50);
+  picture.gbuffer.view.eye = {1, 9, 2};
+  picture.gbuffer.view.target = {1.5f, 1.5f, 2.5f};
+  int below = 0;
+  for (std::size_t i = 0; i < picture.gbuffer.size(); ++i) {
+    const std::uint32_t t = random.below(static_cast<std::uint32_t>(triangles.size()));
+    const glm::dvec3 a(positions[triangles[t].x]), b(positions[triangles[t].y]), c(positions[triangles[t].z]);
+    // Half of them near an edge: within 1e-7.
+    const double share = random.below(2) ? random.uniform(0, 1) : random.uniform(0, 1e-7), along = random.uniform(0, 1 - share);
+    const glm::vec3 p(a + share * (b - a) + along * (c - a));
+    picture.set(i, p, n, 0, t);
+    below += glm::dot(n, glm::dvec3(p) - glm::dvec3(positions[0])) < 0;
+  }
+  EXPECT_GT(below, 1500);
+  for (const Light& light : {point_light({0.3f, 7, 2}), sun({0.3f, -1, 0.4f}), sun({0.9f, -0.1f, 0.2f}), sun({0, -1, 0})}) {
+    const auto done = run(scene, light, picture.gbuffer);
+    EXPECT_EQ(std::count(done.mask.begin(), done.mask.end(), 1.0f), 5000);
+  }
+  // Alone in its tile, with nothing else to bring the neighbor in.
+  for (std::size_t i = 0; i < 1000; ++i) {
+    Picture one(1, 1);
+    one.gbuffer.view = picture.gbuffer.view;
+    one.set(0, picture.gbuffer.position(i), picture.gbuffer.normal(i), 0, picture.gbuffer.triangle[i]);
+    EXPECT_EQ(run(scene, sun({0.9f, -0.1f, 0.2f}), one.gbuffer).mask[0], 1) << "point " << i;
+  }
+}
+
+// The same from the dark side, looking straight at the triangle: no way from there crosses the plane to a point below it, and
+// yet the volumes of the triangle and of its copies hold the point.
+TEST(CrowCounting, a_rounded_point_seen_from_behind_is_not_shaded_by_copies) {
+  Scene scene;
+  scene.meshes = {mesh_of({{0, 0, 0}, {3, 1, 0}, {0, 2, 5}}, {{0, 2, 1}, {0, 2, 1}, {0, 1, 2}})};
+  const glm::vec3* p = scene.meshes[0].positions.data();
+  const glm::vec3 center = (p[0] + p[1] + p[2]) / 3.0f, upward = glm::cross(p[2], p[1]);
+  Random random(9);
+  int below = 0;
+  for (int i = 0; i < 200; ++i) {
+    const double u = random.uniform(0.3, 0.35), v = random.uniform(0.3, 0.35);
+    Picture picture(1, 1);
+    picture.gbuffer.view.eye = center - 0.5f * upward;
+    picture.gbuffer.view.target = center;
+    picture.set(0, u * glm::dvec3(p[1]) + v * glm::dvec3(p[2]), {0, 1, 0}, 0, 0);
+    if (orient3d_sign(p[0], p[2], p[1], picture.gbuffer.position(0)) >= 0) continue;
+    ++below;
+    const auto done = run(scene, sun({0.3f, -1, 0.4f}), picture.gbuffer);
+    EXPECT_EQ(done.mask[0], 1);
+    EXPECT_EQ(value(done.technique->counts(), "deepest_nesting"), 3);
+  }
+  EXPECT_GT(below, 50);
+}
+
+// Points on the true sphere lie outside its triangles, and behind the planes of those that turn away; a body that is convex
+// shades none of its points that face the light. Its shadow on the floor, and a plate's shadow on it, remain.
+TEST(CrowCounting, an_exact_shape_is_not_shaded_by_its_own_triangles) {
+  Scene scene;
+  scene.meshes = {tessellate(Sphere{{0, 0, 0}, 1}, 12, "sphere"), square(4, -1.5f), square(0.4f, 3)};
+  Picture picture(100, 102, Truth::shape);
+  Random random(4);
+  const Light light = point_light({0.3f, 6, -0.2f});
+  for (std::size_t i = 0; i < 10'000; ++i) {
+    const glm::vec3 n(glm::normalize(random.uniform(glm::dvec3(-1), glm::dvec3(1))));
+    picture.set(i, n, n, 0, 0);
+  }
+  for (std::size_t i = 10'000; i < 10'200; ++i) {
+    const float x = static_cast<float>(random.uniform(-3, 3)), z = static_cast<float>(random.uniform(-3, 3));
+    picture.set(i, {x, -1.5f, z}, {0, 1, 0}, 1, z > x ? 0 : 1);
+  }
+  for (const glm::vec3& eye : {glm::vec3(4, 3, 1), glm::vec3(0.1f, -0.2f, 0), glm::vec3(0.3f, -1.2f, 0.2f)}) {
+    picture.gbuffer.view.eye = eye;
+    Differences d;
+    compare(scene, light, picture.gbuffer, d);
+    EXPECT_EQ(d.wrong, 0);
+    EXPECT_GT(d.dark, 100);
+    EXPECT_GT(d.lit, 2000);
+    scene.meshes[2].casts = false;
+    const auto done = run(scene, light, picture.gbuffer);
+    EXPECT_EQ(std::count(done.mask.begin(), done.mask.begin() + 10'000, 1.0f), 10'000);
+    EXPECT_GT(std::count(done.mask.begin() + 10'000, done.mask.end(), 0.0f), 10);
+    scene.meshes[2].casts = true;
+  }
+}
+
+TEST(CrowCounting, area_lights_are_refused_with_a_reason) {
+  Registry roll;
+  gnomon_technique_crow_counting(roll);
+  const auto technique = roll.technique("crow_counting").make();
+  const Support support = technique->supports({}, {.name = "area", .kind = SphereLight{}}, {});
+  EXPECT_FALSE(support);
+  EXPECT_FALSE(support.why().empty());
+  EXPECT_TRUE(technique->supports({}, {.name = "spot", .kind = SpotLight{}}, {}));
+}
+
+// The layers show what the counts say: most polygons on a way, and the count at the point.
+TEST(CrowCounting, layers_show_the_lists_and_the_depth) {
+  Scene scene;
+  scene.meshes = {square(10, 0), square(1, 1), square(1, 2)};
+  Picture picture(3, 1);
+  picture.gbuffer.view.eye = {3, 0.5f, 0.1f};
+  picture.set(0, {0.4f, 0, 0.2f}, {0, 1, 0}, 0, 1);  // two volumes entered
+  picture.set(1, {-4, 0, 0.2f}, {0, 1, 0}, 0, 0);    // two entered, two left
+  picture.set(2, {2.5f, 0, 0.2f}, {0, 1, 0}, 0, 1);  // nothing
+  const auto done = run(scene, sun({0, -1, 0}), picture.gbuffer);
+  EXPECT_EQ(done.mask, (std::vector<float>{0, 1, 1}));
+  EXPECT_EQ(value(done.technique->counts(), "longest_list"), 4);
+  EXPECT_EQ(value(done.technique->counts(), "deepest_nesting"), 2);
+  EXPECT_EQ(value(done.technique->counts(), "crossings_per_ray"), 2);
+  const auto light_of = [](const std::vector<float>& picture, int pixel) {
+    return picture[3 * pixel] + picture[3 * pixel + 1];
+  };
+  const std::vector<float> crossings = done.technique->draw_debug("crossings"), depth = done.technique->draw_debug("depth");
+  EXPECT_GT(light_of(crossings, 1), light_of(crossings, 0));
+  EXPECT_GT(light_of(crossings, 0), light_of(crossings, 2));
+  EXPECT_GT(light_of(depth, 0), light_of(depth, 1));
+  EXPECT_GT(light_of(depth, 0), light_of(depth, 2));
+  EXPECT_THROW(done.technique->draw_debug("volumes"), Error);
+}
+
+}  // namespace
+}  // namespace gnomon
