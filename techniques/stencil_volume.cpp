@@ -330,5 +330,5 @@ GNOMON_TECHNIQUE(stencil_volume, StencilVolume,
                   .summary = "Faces of the casters' shadow volumes, counted per pixel by the rasterizer.",
                   .source = "Crow 1977; Heidmann 1991; Everitt and Kilgard 2002",
                   .error = "Exact up to the rasterizer's snapping of vertices to 1/256 pixel; no bias.",
-                  .fails = "zpass with the eye in a shadow volume; single pixels at T-junctions of the mesh.",
+                  .fails = "The count zpass with the eye in a shadow volume; single pixels at T-junctions of the mesh.",
                   .needs_gl = true})

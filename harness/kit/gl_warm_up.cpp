@@ -1,4 +1,5 @@
 #include <gnomon/kit/gl.h>
+#include <gnomon/kit/shapes.h>
 
 #include <vector>
 
@@ -6,7 +7,8 @@ namespace gnomon {
 
 namespace {
 
-/// A triangle over a floor, under a light of each kind without area: every stage has something to do.
+/// A triangle and one of each curved shape over a floor, under a light of each kind without area: every stage has something to
+/// do.
 struct TinyScene {
   Scene scene;
   std::vector<float> x, y, z, zero, one;
@@ -21,6 +23,8 @@ struct TinyScene {
     caster.triangles = {{0, 1, 2}};
     finish(floor), finish(caster);
     scene.meshes = {floor, caster};
+    for (const Shape& shape : {Shape(Sphere{{0, 1, 0}, 0.3f}), Shape(Cone{{0, 2, 0}}), Shape(Disc{{0, 1.5f, 0}})})
+      scene.meshes.push_back(tessellate(shape, 8, "shape"));
     scene.lights = {{.name = "sun", .kind = DirectionalLight{}},
                     {.name = "spot", .kind = SpotLight{.position = {0, 5, 0}}},
                     {.name = "point", .kind = PointLight{{0, 5, 0}}}};

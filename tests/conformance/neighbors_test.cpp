@@ -46,7 +46,7 @@ Bytes read(const Buffer& buffer) {
 std::vector<Bytes> gl_inputs(const Scene& scene, const GBuffer& gbuffer) {
   const SceneBuffers& buffers = scene_buffers(scene);
   const GBufferTextures& textures = gbuffer_textures(gbuffer, scene);
-  const DepthStencil& depth = depth_stencil(scene, gbuffer);
+  const DepthStencil& depth = depth_stencil(scene, gbuffer, gbuffer.truth);
   Bytes depths(gbuffer.size() * 4);
   glGetTextureImage(depth.texture.name(), 0, GL_DEPTH_COMPONENT, GL_FLOAT, static_cast<GLsizei>(depths.size()), depths.data());
   return {read(buffers.positions),
