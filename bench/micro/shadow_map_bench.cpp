@@ -6,9 +6,7 @@
 #include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
 
-#include <algorithm>
-#include <chrono>
-
+#include "bench/micro/alternate.h"
 #include "device/context.h"
 #include "measure/frame/gbuffer_maker.h"
 #include "techniques/shadow_map/light_faces.h"
@@ -59,29 +57,6 @@ struct Rig {
     technique->build(scene);
   }
 };
-
-template <class Contender, class Floor>
-void alternate(benchmark::State& state, const Contender& contender, const Floor& floor) {
-  std::vector<double> contender_seconds, floor_seconds;
-  const auto timed = [](const auto& work, std::vector<double>& seconds) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-  };
-  const auto median = [](std::vector<double>& values) {
-    std::ranges::nth_element(values, values.begin() + values.size() / 2);
-    return values[values.size() / 2];
-  };
-  for (int i = 0; i < 3; ++i) contender(), floor();
-  for (auto _ : state) {
-    timed(contender, contender_seconds);
-    timed(floor, floor_seconds);
-    state.SetIterationTime(contender_seconds.back());
-  }
-  state.counters["floor_ms"] = 1000 * median(floor_seconds);
-  state.counters["median_ms"] = 1000 * median(contender_seconds);
-  state.counters["ratio"] = median(contender_seconds) / median(floor_seconds);
-}
 
 /// The least that a shadow map must do with the very faces that shadow_map fits: depth-only draws, and the texels that the
 /// pixels look up, known beforehand.
