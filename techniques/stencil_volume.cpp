@@ -90,21 +90,13 @@ class StencilVolume final : public Technique {
 Support StencilVolume::supports(const Scene& scene, const Light& light, const View& view) const {
   if (has_area(light)) return Support::unsupported("a shadow volume has one apex: lights with area have none");
   if (count.is("zfail")) return Support::full();
-  switch (stencil_volume::eye_place(scene, light, view)) {
-    case stencil_volume::EyePlace::boundary:
-      return Support::approximate("the eye lies on the boundary of a shadow volume, within rounding");
-    case stencil_volume::EyePlace::inside:
-      if (count.is("zpass")) return Support::approximate("the eye is inside a shadow volume, which zpass does not count");
-      break;
-    case stencil_volume::EyePlace::near_plane:
-      if (count.is("zpass")) return Support::approximate("the near plane cuts a shadow volume next to the eye");
-      if (near_rectangle())
-        return Support::approximate(
-            "a shadow volume cuts the near rectangle, where near cap and sides do not meet in every pixel");
-      break;
-    case stencil_volume::EyePlace::outside:
-      break;
-  }
+  const stencil_volume::EyePlace eye = stencil_volume::EyePlaceFinder(scene, light, view)();
+  if (eye.boundary) return Support::approximate("the eye lies on the boundary of a shadow volume, within rounding");
+  if (eye.inside && count.is("zpass"))
+    return Support::approximate("the eye is inside a shadow volume, which zpass does not count");
+  if (eye.near_plane && count.is("zpass")) return Support::approximate("the near plane cuts a shadow volume next to the eye");
+  if (eye.near_plane && near_rectangle())
+    return Support::approximate("a shadow volume cuts the near rectangle, where near cap and sides do not meet in every pixel");
   return Support::full();
 }
 
@@ -162,7 +154,7 @@ void StencilVolume::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   gbuffer_ = &gbuffer;
   volumes_at_eye_ = 0;
   if (count.is("zpass_plus") && near_cap.is("eye"))
-    volumes_at_eye_ = adjacency_.depth_at(gbuffer.view.eye, silhouette_).volumes;
+    volumes_at_eye_ = stencil_volume::volumes_at(adjacency_, gbuffer.view.eye, silhouette_);
   draw(wide_ ? VolumeCounter::Pass::wide : VolumeCounter::Pass::stencil);
   counter_.write_mask(gbuffer_textures(gbuffer, *scene_), light_, mask);
   glFinish();
@@ -251,9 +243,11 @@ Counts StencilVolume::counts() const {
   for (const EdgeAdjacency::Part& part : adjacency_.parts()) closed += part.closed;
   const double corners = commands_.sides.count + commands_.fan.count + commands_.triangle_sides.count +
                          commands_.far_triangles.count + commands_.caps.count + commands_.reversed_caps.count;
+  double edges = 0;  // with multiplicity
+  for (const SilhouetteEdge& edge : silhouette_.edges) edges += std::abs(edge.count);
   Counts counts{{"closed_parts", double(closed), ""},
                 {"open_parts", double(adjacency_.parts().size() - closed), ""},
-                {"silhouette_edges", double(silhouette_.edges.size()), ""},
+                {"silhouette_edges", edges, ""},
                 {"triangles", corners / 3, ""},
                 {"depth_bound", double(depth_bound_), ""}};
   counts.push_back(

@@ -61,7 +61,8 @@ class EdgeAdjacency {
   enum class Half : std::int8_t { clockwise = -1, both = 0, counter_clockwise = 1 };
   Half half(const Part& part, const glm::dvec4& light) const;
 
-  /// On all threads. Every sign is exact; the outcome never depends on the number of threads. Reuses the memory of `out`.
+  /// On all threads. Every sign is exact, for a light of float32 numbers as `homogeneous` gives it; the outcome never depends
+  /// on the number of threads. Reuses the memory of `out`.
   void find_silhouette(const glm::dvec4& light, Silhouette& out) const;
 
   struct Depth {

@@ -18,7 +18,7 @@ enum class CountWhere { before_surface, behind_surface };
 enum class VolumeFace { side, light_cap, dark_cap };
 
 /// One vertex shader with what its faces are needed for: counting in the stencil, in 32 bits, and being looked at. The vertex
-/// source declares `position_snippet`. With `own_mesh`, a face leaves alone the pixels of the mesh that the uniform `uint
+/// source declares `position_snippet`. With `own_mesh`, a face leaves alone the pixels of the mesh that the uniform `int
 /// own_mesh` names (plus one), since a convex body casts no shadow on the side of its own surface that faces the light; the ids
 /// of the G-buffer must be bound then.
 struct VolumeProgram {
