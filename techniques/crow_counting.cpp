@@ -44,8 +44,8 @@ struct Asked {
 
 /// What a pixel was found to be.
 struct Found {
-  std::int32_t depth = 0;           ///< volumes that hold the point, its own ones included
-  std::uint32_t crossings = 0;      ///< polygons met on the way
+  std::int32_t depth = 0;           ///< volumes that hold the point, its own ones left out
+  std::uint32_t crossings = 0;      ///< polygons met on the way, its own ones left out
   std::uint32_t entered = nothing;  ///< the last polygon through which the way enters a volume
 };
 
@@ -92,7 +92,10 @@ class CrowCounting final : public Technique {
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
   Counts counts() const override;
   std::optional<Explanation> explain(std::size_t index) const override;
-  std::vector<std::string> debug_layers() const override { return {"crossings", "depth"}; }
+  std::vector<DebugLayer> debug_layers() const override {
+    return {{"crossings", "Faces crossed on the way to each point: gray none, else colors as in the legend.", heat_legend()},
+            {"depth", "Shadow volumes around each point: gray none, else colors as in the legend.", heat_legend()}};
+  }
   std::vector<float> draw_debug(std::string_view layer) const override;
 
  private:
@@ -262,7 +265,8 @@ void CrowCounting::meet(std::uint32_t p, Asked& asked, std::vector<Met>& met, Ta
     }
     if (meeting != Meeting::crosses) return;
   }
-  met.push_back({polygon.distance / along, p, polygon.step});
+  const double share = polygon.distance / along;
+  met.push_back({std::isfinite(share) ? share : 1.0, p, polygon.step});
 }
 
 bool CrowCounting::walk(const Asked& asked, std::vector<Met>& met, std::span<const std::uint32_t> caps, Tally& tally) {
@@ -277,12 +281,16 @@ bool CrowCounting::walk(const Asked& asked, std::vector<Met>& met, std::span<con
     deepest = std::max(deepest, depth);
     if (m.step > 0) found.entered = m.polygon;
   }
-  found.depth = static_cast<std::int32_t>(depth);
+  // The volumes of the triangle that the point lies on do not count: a point rounded to below it is in them.
+  const std::int64_t own =
+      depth > 0 ? own_.count(volumes_, own_.surface(*gbuffer_, asked.pixel), frame_.start, caps) : std::int64_t{0};
+  found.depth = static_cast<std::int32_t>(depth - own);
+  found.crossings -= static_cast<std::uint32_t>(std::clamp<std::int64_t>(own, 0, found.crossings));
   ++tally.rays;
   tally.crossings += met.size();
   tally.longest = std::max<std::uint64_t>(tally.longest, met.size());
   tally.deepest = std::max(tally.deepest, deepest);
-  return depth > 0 && depth > own_.count(volumes_, own_.surface(*gbuffer_, asked.pixel), frame_.start, caps);
+  return depth > own;
 }
 
 std::unique_ptr<Scratch> CrowCounting::borrow_scratch() {
@@ -306,12 +314,12 @@ Counts CrowCounting::counts() const {
   const double rays = static_cast<double>(std::max<std::uint64_t>(tally_.rays, 1));
   return {count("silhouette_edges", volumes_.silhouette().edges.size()),
           count("polygons", volumes_.count()),
-          count("eye_volumes", volumes_at_eye_),
+          count("volumes_at_eye", volumes_at_eye_),
           count("rays", tally_.rays),
           count("crossings", tally_.crossings),
           count("crossings_per_ray", static_cast<double>(tally_.crossings) / rays),
           count("longest_list", tally_.longest),
-          count("deepest_nesting", tally_.deepest),
+          count("deepest", tally_.deepest),
           count("crossing_tests", tally_.tests),
           count("exact_tests", tally_.exact),
           count("restarts", tally_.again),

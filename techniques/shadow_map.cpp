@@ -73,7 +73,11 @@ class ShadowMap final : public Technique {
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
   Counts counts() const override;
   std::optional<Explanation> explain(std::size_t index) const override;
-  std::vector<std::string> debug_layers() const override { return {"map"}; }
+  std::vector<DebugLayer> debug_layers() const override {
+    return {
+        {"map",
+         "The depth image of each face: black at the near plane, light gray at the far one, white where nothing is stored."}};
+  }
   std::vector<float> draw_debug(std::string_view layer) const override;
 
  private:

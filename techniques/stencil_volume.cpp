@@ -10,13 +10,12 @@
 //         A closed mesh that winds around some region the wrong way (self-intersecting) lights receivers inside that region.
 #include <gnomon/kit/box_tree.h>
 #include <gnomon/kit/camera.h>
-#include <gnomon/kit/edges.h>
+#include <gnomon/kit/depth_bound.h>
 #include <gnomon/kit/gl_volumes.h>
 #include <gnomon/registry.h>
 
 #include <memory>
 
-#include "stencil_volume/depth_bound.h"
 #include "stencil_volume/eye_place.h"
 #include "stencil_volume/faces.h"
 #include "stencil_volume/gpu_finder.h"
@@ -57,12 +56,16 @@ class StencilVolume final : public Technique {
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
   Counts counts() const override;
   std::optional<Explanation> explain(std::size_t index) const override;
-  std::vector<std::string> debug_layers() const override { return {"volumes", "counts"}; }
+  std::vector<DebugLayer> debug_layers() const override { return volume_layers(); }
   std::vector<float> draw_debug(std::string_view layer) const override;
 
  private:
   CountWhere where() const { return count.is("zfail") ? CountWhere::behind_surface : CountWhere::before_surface; }
   bool near_rectangle() const { return count.is("zpass_plus") && near_cap.is("rectangle"); }
+  /// The near rectangle of a view as the light sees it, unless the light lies in its plane.
+  bool uses_near_rectangle(const View& view) const {
+    return near_rectangle() && !stencil_volume::is_in_near_plane(homogeneous(light_), view);
+  }
   /// Begins a pass, draws every face, and leaves the pass open.
   void draw(VolumeCounter::Pass pass) const;
   void draw_near_cap() const;
@@ -82,6 +85,7 @@ class StencilVolume final : public Technique {
   Light light_;
   std::int64_t depth_bound_ = 0;
   bool wide_ = false;
+  bool counts_wide_ = false;  // while setup warms the wide pass
   const GBuffer* gbuffer_ = nullptr;
   std::int64_t volumes_at_eye_ = 0;
   mutable std::unique_ptr<BoxTree> casters_;  // for questions only
@@ -95,6 +99,8 @@ Support StencilVolume::supports(const Scene& scene, const Light& light, const Vi
   if (eye.inside && count.is("zpass"))
     return Support::approximate("the eye is inside a shadow volume, which zpass does not count");
   if (eye.near_plane && count.is("zpass")) return Support::approximate("the near plane cuts a shadow volume next to the eye");
+  if (near_rectangle() && stencil_volume::is_in_near_plane(homogeneous(light), view))
+    return Support::approximate("the light lies in the near plane: the volumes around the eye are counted instead");
   if (eye.near_plane && near_rectangle())
     return Support::approximate("a shadow volume cuts the near rectangle, where near cap and sides do not meet in every pixel");
   return Support::full();
@@ -119,6 +125,10 @@ void StencilVolume::setup() {
   glVertexArrayAttribFormat(vertex_array_.name(), 0, 3, GL_FLOAT, GL_FALSE, 0);
   glVertexArrayAttribBinding(vertex_array_.name(), 0, 0);
   glEnableVertexArrayAttrib(vertex_array_.name(), 0);
+  counts_wide_ = true;  // the pass of deep scenes, and of counts()
+  warm_up(*this);
+  counter_.drop_pictures();
+  counts_wide_ = false;
   warm_up(*this);
 }
 
@@ -144,8 +154,8 @@ void StencilVolume::relight(const Light& light) {
     adjacency_.find_silhouette(l, silhouette_);
     commands_ = write_faces(adjacency_, silhouette_, wanted, faces_);
   }
-  depth_bound_ = stencil_volume::DepthBound(adjacency_, silhouette_)();
-  wide_ = counter.is("wide") || depth_bound_ > stencil_volume::DepthBound::stencil_limit;
+  depth_bound_ = bound_depth(adjacency_, silhouette_, VolumeCounter::stencil_limit);
+  wide_ = counts_wide_ || counter.is("wide") || depth_bound_ > VolumeCounter::stencil_limit;
   glFinish();
 }
 
@@ -153,7 +163,7 @@ void StencilVolume::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   const StateGuard guard;
   gbuffer_ = &gbuffer;
   volumes_at_eye_ = 0;
-  if (count.is("zpass_plus") && near_cap.is("eye"))
+  if (count.is("zpass_plus") && !uses_near_rectangle(gbuffer.view))
     volumes_at_eye_ = stencil_volume::volumes_at(adjacency_, gbuffer.view.eye, silhouette_);
   draw(wide_ ? VolumeCounter::Pass::wide : VolumeCounter::Pass::stencil);
   counter_.write_mask(gbuffer_textures(gbuffer, *scene_), light_, mask);
@@ -169,9 +179,9 @@ void StencilVolume::draw(VolumeCounter::Pass pass) const {
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, buffers.positions.name());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, faces_.sides.name());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, faces_.triangles.name());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, faces_.apexes.name());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, faces_.hubs.name());
   glBindBuffer(GL_DRAW_INDIRECT_BUFFER, faces_.commands.name());
-  if (near_rectangle() && pass != VolumeCounter::Pass::layer) {
+  if (uses_near_rectangle(gbuffer_->view) && pass != VolumeCounter::Pass::layer) {
     draw_near_cap();
     glDisable(GL_DEPTH_CLAMP);  // what lies before the near plane is in the near cap
   }
@@ -187,7 +197,6 @@ void StencilVolume::draw_near_cap() const {
   const bool behind = glm::dot(plane, light) < 0;  // the light looks the eye's way
   if (behind) plane = -plane;
   const double height = glm::dot(plane, light);
-  if (height == 0) return;
   const glm::dmat4 projected = height * glm::dmat4(1) - glm::outerProduct(light, plane);
   const glm::dmat4 clip = clip_from_world(gbuffer_->view, gbuffer_->width, gbuffer_->height) * projected;
   near_cap_program_.each([&](const Program& p) {
@@ -250,21 +259,16 @@ Counts StencilVolume::counts() const {
                 {"silhouette_edges", edges, ""},
                 {"triangles", corners / 3, ""},
                 {"depth_bound", double(depth_bound_), ""}};
-  counts.push_back(
-      {"bytes",
-       double(adjacency_.bytes() + silhouette_.facing.capacity() + 2 * silhouette_.edges.capacity() * sizeof(SilhouetteEdge) +
-              faces_.bytes() + gpu_finder_.bytes() + counter_.bytes()),
-       "byte"});
+  counts.push_back({"bytes",
+                    double(adjacency_.bytes() + silhouette_.bytes() + faces_.bytes() + gpu_finder_.bytes() + counter_.bytes()),
+                    "byte"});
   if (!gbuffer_) return counts;
 
   // What the stencil cannot tell, by a pass in 32 bits that is thrown away.
   const StateGuard guard;
   draw(VolumeCounter::Pass::wide);
-  double fill = 0, deepest = 0;
-  for (const VolumeCounter::WideCount& pixel : counter_.wide_counts()) {
-    fill += pixel.faces;
-    deepest = std::max<double>(deepest, std::abs(pixel.count));
-  }
+  const auto [fill, deepest] = counter_.work();
+  counter_.end();
   if (!wide_) counter_.drop_pictures();
   counts.push_back({"fill", fill, "pixel"});
   counts.push_back({"deepest", deepest, "volume"});
@@ -311,18 +315,21 @@ std::vector<float> StencilVolume::draw_debug(std::string_view layer) const {
       mask.push_back(counts[i] != 0 && faces_light(*scene_, *gbuffer_, light_, i) ? 0.0f : 1.0f);
     picture = shaded_layer(*scene_, *gbuffer_, light_, mask);
     draw(VolumeCounter::Pass::layer);
-    paint_volumes(counter_.layer_faces(), picture);
+    paint_volumes(counter_.layer_faces(), gbuffer_->width, picture);
   }
+  counter_.end();
   if (!wide_) counter_.drop_pictures();
   return picture;
 }
 
 }  // namespace
 
-GNOMON_TECHNIQUE(stencil_volume, StencilVolume,
-                 {.title = "Stencil shadow volumes",
-                  .summary = "Faces of the casters' shadow volumes, counted per pixel by the rasterizer.",
-                  .source = "Crow 1977; Heidmann 1991; Everitt and Kilgard 2002",
-                  .error = "Exact up to the rasterizer's snapping of vertices to 1/256 pixel; no bias.",
-                  .fails = "The count zpass with the eye in a shadow volume; single pixels at T-junctions of the mesh.",
-                  .needs_gl = true})
+GNOMON_TECHNIQUE(
+    stencil_volume, StencilVolume,
+    {.title = "Stencil shadow volumes",
+     .summary = "Faces of the casters' shadow volumes, counted per pixel by the rasterizer.",
+     .source = "Crow 1977; Heidmann 1991; Everitt and Kilgard 2002",
+     .error = "Exact up to the rasterizer's snapping of vertices to 1/256 pixel; no bias.",
+     .fails = "The count zpass with the eye in a shadow volume; single pixels at T-junctions of the mesh; receivers inside a "
+              "closed mesh that is turned inside out there.",
+     .needs_gl = true})

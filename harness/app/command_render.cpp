@@ -53,23 +53,27 @@ class StagedFolder {
   fs::path out_;
 };
 
-/// Refuses a debug layer that the technique does not have before anything runs.
-void check_layer(const Contender& contender, const std::string& layer) {
-  if (layer.empty()) return;
+/// The debug layer of that name; nothing when none is asked for. Refuses one that the technique does not have before anything
+/// runs.
+std::optional<DebugLayer> find_layer(const Contender& contender, const std::string& layer) {
+  if (layer.empty()) return std::nullopt;
   const auto technique = registry().technique(contender.technique).make();
   technique->apply(contender.settings);
-  const std::vector<std::string> layers = technique->debug_layers();
+  std::vector<std::string> layers;
+  for (const DebugLayer& known : technique->debug_layers()) {
+    if (known.name == layer) return known;
+    layers.push_back(known.name);
+  }
   if (layers.empty()) throw Error("{} has no debug layer {}; it has none at all", contender.technique, layer);
-  if (std::find(layers.begin(), layers.end(), layer) == layers.end())
-    throw Error("{} has no debug layer {}; did you mean {}? It has: {}", contender.technique, layer,
-                nearest_word(layer, layers), fmt::join(layers, ", "));
+  throw Error("{} has no debug layer {}; did you mean {}? It has: {}", contender.technique, layer, nearest_word(layer, layers),
+              fmt::join(layers, ", "));
 }
 
 int render(const RenderOptions& options, const WorkerOptions& worker) {
   const std::vector<Contender> contenders = parse_contenders(options.technique);
   if (contenders.size() != 1)
     throw Error("--technique {} is a sweep of {}; render takes one", options.technique, contenders.size());
-  check_layer(contenders[0], options.debug);
+  const std::optional<DebugLayer> layer = find_layer(contenders[0], options.debug);
   Suite suite;
   suite.name = "render";
   std::tie(suite.width, suite.height) = parse_size(options.size, "--size");
@@ -118,11 +122,10 @@ int render(const RenderOptions& options, const WorkerOptions& worker) {
     write_png(folder.path / ("shaded" + tail + ".png"), shade(run.scene, answer.gbuffer, measured.light, answer.mask));
     write_png(folder.path / ("error" + tail + ".png"),
               draw_errors(answer.evidence(run.scene, measured.light), job.contender.name()));
-    if (!options.debug.empty()) {
+    if (layer) {
       const fs::path raw = run.scratch / "layer.raw";
-      seat.worker().ask({{"do", "debug"}, {"layer", options.debug}, {"out", raw.string()}}, suite.timeout);
-      Picture picture = draw_layer(raw, suite.width, suite.height);
-      write_png(folder.path / (options.debug + tail + ".png"), picture);
+      seat.worker().ask({{"do", "debug"}, {"layer", layer->name}, {"out", raw.string()}}, suite.timeout);
+      write_png(folder.path / (layer->name + tail + ".png"), draw_layer(raw, suite.width, suite.height, *layer));
     }
     record.mask = "mask.exr";
     record.error_picture = "error" + tail + ".png";

@@ -1,5 +1,8 @@
 #include <gnomon/kit/gl_volumes.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace gnomon {
 
 namespace {
@@ -147,7 +150,11 @@ void VolumeCounter::write_mask(const GBufferTextures& gbuffer, const Light& ligh
   bind_gbuffer(gbuffer);
   glUseProgram(program.name());
   draw_full_screen();
-  // The mask is the caller's: it may go before this framebuffer does.
+  end();
+}
+
+/// Mask and depth are others': they may go before this framebuffer does.
+void VolumeCounter::end() const {
   glNamedFramebufferTexture(framebuffer_.name(), GL_COLOR_ATTACHMENT0, 0, 0);
   glNamedFramebufferTexture(framebuffer_.name(), GL_DEPTH_STENCIL_ATTACHMENT, 0, 0);
 }
@@ -158,6 +165,15 @@ std::vector<VolumeCounter::WideCount> VolumeCounter::wide_counts() const {
   std::vector<WideCount> counts(std::size_t(wide_.width) * wide_.height);
   glGetTextureImage(wide_.name(), 0, GL_RG, GL_FLOAT, static_cast<GLsizei>(counts.size() * sizeof(counts[0])), counts.data());
   return counts;
+}
+
+VolumeCounter::Work VolumeCounter::work() const {
+  Work work;
+  for (const WideCount& pixel : wide_counts()) {
+    work.fill += pixel.faces;
+    work.deepest = std::max<double>(work.deepest, std::abs(pixel.count));
+  }
+  return work;
 }
 
 std::vector<VolumeFaces> VolumeCounter::layer_faces() const {

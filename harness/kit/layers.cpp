@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 namespace gnomon {
 
@@ -18,20 +19,57 @@ void put(std::vector<float>& picture, std::size_t i, const glm::dvec3& color) {
 
 double luminance(const glm::dvec3& color) { return glm::dot(color, glm::dvec3(0.2126, 0.7152, 0.0722)); }
 
-/// Colors of a heat layer at equal steps of 0 .. 1, linear RGB: each is lighter than the one before, so that steps are told
-/// apart in gray, too. sRGB 36 48 148, 22 116 156, 36 164 112, 148 206 60, 253 231 37.
-constexpr std::array<glm::dvec3, 5> heat_colors{{{0.0176, 0.0296, 0.2961},
-                                                 {0.0080, 0.1746, 0.3325},
-                                                 {0.0176, 0.3712, 0.1620},
-                                                 {0.2961, 0.6172, 0.0452},
-                                                 {0.9823, 0.7991, 0.0185}}};
-constexpr glm::dvec3 negative_color{0.7157, 0.0296, 0.0212};
-
-glm::dvec3 heat(double t) {
-  const double place = std::clamp(t, 0.0, 1.0) * (heat_colors.size() - 1);
-  const std::size_t k = std::min(static_cast<std::size_t>(place), heat_colors.size() - 2);
-  return glm::mix(heat_colors[k], heat_colors[k + 1], place - static_cast<double>(k));
+/// Linear light of a color given in sRGB bytes (IEC 61966-2-1).
+glm::dvec3 linear(int r, int g, int b) {
+  const auto channel = [](double byte) {
+    const double x = byte / 255;
+    return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
+  };
+  return {channel(r), channel(g), channel(b)};
 }
+
+/// Values up to `last` that are above the last of the class before.
+struct HeatClass {
+  Swatch swatch;
+  float last;
+};
+
+/// The colors lie some 20 to 40 apart in CIE L*a*b*, small values farthest, and each is lighter than the one before, so that
+/// classes are told apart in gray, too.
+const std::vector<HeatClass>& heat_classes() {
+  static const std::vector<HeatClass> classes{
+      {{"1", linear(44, 24, 130)}, 1},
+      {{"2", linear(38, 62, 190)}, 2},
+      {{"3", linear(30, 104, 222)}, 3},
+      {{"4", linear(10, 136, 200)}, 4},
+      {{"5-8", linear(0, 152, 160)}, 8},
+      {{"9-16", linear(0, 164, 120)}, 16},
+      {{"17-32", linear(40, 178, 76)}, 32},
+      {{"33-64", linear(108, 194, 40)}, 64},
+      {{"65-128", linear(170, 208, 30)}, 128},
+      {{"129-256", linear(224, 222, 40)}, 256},
+      {{"257 and more", linear(255, 246, 120)}, std::numeric_limits<float>::infinity()}};
+  return classes;
+}
+
+Swatch negative() { return {"negative", linear(220, 48, 39)}; }
+
+const glm::dvec3& heat(float value) {
+  const float whole = std::round(value);
+  return std::ranges::find_if(heat_classes(), [whole](const HeatClass& c) { return whole <= c.last; })->swatch.color;
+}
+
+/// Front sides, back sides, light caps, dark caps. One front and one back side mix to a nearly neutral haze.
+const std::array<Swatch, 4>& volume_swatches() {
+  static const std::array<Swatch, 4> swatches{{{"entered", linear(235, 125, 20)},
+                                               {"left", linear(30, 190, 210)},
+                                               {"light cap", linear(250, 225, 70)},
+                                               {"dark cap", linear(190, 70, 220)}}};
+  return swatches;
+}
+
+/// The lines of a hatching are one pixel wide and this far apart along a row.
+constexpr int hatch_step = 8;
 
 }  // namespace
 
@@ -59,16 +97,13 @@ std::vector<float> shaded_layer(const Scene& scene, const GBuffer& gbuffer, cons
 std::vector<float> heat_layer(const GBuffer& gbuffer, std::span<const float> values) {
   assert(values.size() == gbuffer.size());
   std::vector<float> picture(gbuffer.size() * 3);
-  const double largest = std::ranges::max(values);
-  // The logarithm of 1 + v / 4 is nearly a straight line over small counts and keeps them apart when the largest is in the
-  // hundreds: of 4, the value 1 lies at 0.32; of 400, still at 0.05.
-  const double scale = 1 / std::log1p(std::max(largest, 1e-30) / 4);
+  const glm::dvec3 below_zero = negative().color;
   const glm::dvec3 eye = gbuffer.view.eye;
   for (std::size_t i = 0; i < gbuffer.size(); ++i) {
     if (values[i] > 0) {
-      put(picture, i, heat(std::log1p(values[i] / 4.0) * scale));
+      put(picture, i, heat(values[i]));
     } else if (values[i] < 0) {
-      put(picture, i, negative_color);
+      put(picture, i, below_zero);
     } else if (gbuffer.is_background(i)) {
       put(picture, i, background);
     } else {
@@ -80,28 +115,45 @@ std::vector<float> heat_layer(const GBuffer& gbuffer, std::span<const float> val
   return picture;
 }
 
-void paint_volumes(std::span<const VolumeFaces> faces, std::span<float> picture) {
-  assert(picture.size() == 3 * faces.size());
-  constexpr double left_by_one = 0.8;
-  // Linear RGB of sRGB 245 130 30, 60 120 240, 250 225 70, 190 70 220.
-  constexpr std::array<glm::dvec3, 4> colors{
-      {{0.9131, 0.2232, 0.0130}, {0.0452, 0.1878, 0.8714}, {0.9560, 0.7529, 0.0612}, {0.5149, 0.0612, 0.7157}}};
+std::vector<Swatch> heat_legend() {
+  std::vector<Swatch> legend;
+  for (const HeatClass& c : heat_classes()) legend.push_back(c.swatch);
+  return legend;
+}
+
+std::vector<DebugLayer> volume_layers() {
+  const auto& [front, back, light_cap, dark_cap] = volume_swatches();
+  const Swatch both{"entered and left", (front.color + back.color) / 2.0};
+  std::vector<Swatch> counts = heat_legend();
+  counts.push_back(negative());
+  return {{"volumes",
+           "Faces of the shadow volumes between the eye and the surface: translucent sides, where a volume is entered or left, "
+           "and hatched caps.",
+           {front, back, both, light_cap, dark_cap}},
+          {"counts", "Shadow volumes around each visible point: gray none, else colors as in the legend.", counts}};
+}
+
+void paint_volumes(std::span<const VolumeFaces> faces, int width, std::span<float> picture) {
+  assert(picture.size() == 3 * faces.size() && width > 0 && faces.size() % width == 0);
+  constexpr double left_by_side = 0.75, left_by_cap = 0.5;
+  const auto& [front, back, light_cap, dark_cap] = volume_swatches();
   for (std::size_t i = 0; i < faces.size(); ++i) {
-    const std::array counts{faces[i].front_sides, faces[i].back_sides, faces[i].light_caps, faces[i].dark_caps};
-    // Each kind hides what it would hide alone; what is hidden is shared out among their colors in that proportion.
-    double left = 1, hidden_sum = 0;
-    glm::dvec3 color(0);
-    for (std::size_t k = 0; k < counts.size(); ++k) {
-      const double left_by_kind = std::pow(left_by_one, std::max(0.0f, counts[k]));
-      left *= left_by_kind;
-      hidden_sum += 1 - left_by_kind;
-      color += (1 - left_by_kind) * colors[k];
-    }
-    if (hidden_sum == 0) continue;
-    for (int c = 0; c < 3; ++c) {
-      float& channel = picture[3 * i + c];
-      channel = static_cast<float>(left * channel + (1 - left) * color[c] / hidden_sum);
-    }
+    const auto blend = [&](const glm::dvec3& color, double left) {
+      for (int c = 0; c < 3; ++c) {
+        float& channel = picture[3 * i + c];
+        channel = static_cast<float>(left * channel + (1 - left) * color[c]);
+      }
+    };
+    const auto left = [](double by_one, float count) { return std::pow(by_one, std::max(0.0f, count)); };
+    // Each kind of side hides what it would hide alone; what is hidden is shared out among their colors in that proportion.
+    const double left_by_front = left(left_by_side, faces[i].front_sides),
+                 left_by_back = left(left_by_side, faces[i].back_sides);
+    if (const double hidden = 2 - left_by_front - left_by_back; hidden > 0)
+      blend(((1 - left_by_front) * front.color + (1 - left_by_back) * back.color) / hidden, left_by_front * left_by_back);
+
+    const int x = static_cast<int>(i % width), y = static_cast<int>(i / width);
+    if ((x + y) % hatch_step == 0) blend(light_cap.color, left(left_by_cap, faces[i].light_caps));
+    if ((x - y) % hatch_step == 0) blend(dark_cap.color, left(left_by_cap, faces[i].dark_caps));
   }
 }
 

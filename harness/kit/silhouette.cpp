@@ -18,6 +18,9 @@ constexpr std::size_t block_size = std::size_t{1} << 15;
 // (find_planes sees to it that what came before costs nothing beside that), the products and sums in float32 4 e S.
 constexpr float plane_error = 0x1p-21f;
 
+/// Infinite where products of so small numbers have fewer digits.
+float allowed_error(float scale) { return scale < 0x1p-90f ? INFINITY : plane_error * scale; }
+
 struct FloatPlanes {
   const float *x, *y, *z, *offset;
 };
@@ -26,7 +29,7 @@ struct FloatPlanes {
 constexpr std::int8_t unsure = 2;
 GNOMON_VECTORIZED void quick_sides(std::size_t begin, std::size_t end, FloatPlanes planes, const float* point, float scale,
                                    std::int8_t* __restrict sides) {
-  const float px = point[0], py = point[1], pz = point[2], pw = point[3], allowed = plane_error * scale;
+  const float px = point[0], py = point[1], pz = point[2], pw = point[3], allowed = allowed_error(scale);
   for (std::size_t t = begin; t < end; ++t) {
     const float x = planes.x[t], y = planes.y[t], z = planes.z[t];
     const float value = x * px + y * py + z * pz + planes.offset[t] * pw;
@@ -41,9 +44,10 @@ float largest(const glm::dvec4& point, double extent) {
 
 }  // namespace
 
-/// In double from the corners, rounded. The double normal errs by at most 2^-51 of its permanent m (the sum of its products
-/// without signs). Where the normal is so short beside m that this is not small beside 2^-24 of it, or so short that float32
-/// holds it with fewer digits, the plane is left out.
+/// In double from the corners, rounded; scaled by a power of two to a length about 1, so that no product leaves the range of
+/// float32. The double normal errs by at most 2^-51 of its permanent m (the sum of its products without signs). Where the
+/// normal is so short beside m that this is not small beside 2^-24 of it, the plane is left out, and where the numbers leave
+/// the range.
 void EdgeAdjacency::find_planes() {
   for (std::vector<float>* const values : {&planes_.x, &planes_.y, &planes_.z, &planes_.offset})
     values->resize(triangles_.size());
@@ -54,9 +58,12 @@ void EdgeAdjacency::find_planes() {
       const glm::dvec3 normal = glm::cross(u, v), au = glm::abs(u), av = glm::abs(v), an = glm::abs(normal);
       const double permanent = au.y * av.z + au.z * av.y + au.z * av.x + au.x * av.z + au.x * av.y + au.y * av.x;
       const double length = an.x + an.y + an.z;
-      if (length < 0x1p-20 * permanent || length < 0x1p-60) continue;
-      planes_.x[t] = static_cast<float>(normal.x), planes_.y[t] = static_cast<float>(normal.y);
-      planes_.z[t] = static_cast<float>(normal.z), planes_.offset[t] = static_cast<float>(-glm::dot(normal, a));
+      if (!(length >= 0x1p-20 * permanent && length >= 0x1p-900 && length <= 0x1p900)) continue;
+      const glm::dvec3 unit = normal * std::ldexp(1.0, -std::ilogb(length));  // exact
+      const double offset = -glm::dot(unit, a);
+      if (!(std::abs(offset) <= 0x1p120)) continue;
+      planes_.x[t] = static_cast<float>(unit.x), planes_.y[t] = static_cast<float>(unit.y);
+      planes_.z[t] = static_cast<float>(unit.z), planes_.offset[t] = static_cast<float>(offset);
     }
   });
 }
@@ -66,12 +73,18 @@ int EdgeAdjacency::side(std::uint32_t t, const glm::dvec4& point) const {
   std::int8_t sign = unsure;
   const float x = planes_.x[t], y = planes_.y[t], z = planes_.z[t];
   const float value = x * p.x + y * p.y + z * p.z + planes_.offset[t] * p.w;
-  const float bound = (std::abs(x) + std::abs(y) + std::abs(z)) * (plane_error * largest(point, extent_));
+  const float bound = (std::abs(x) + std::abs(y) + std::abs(z)) * allowed_error(largest(point, extent_));
   if (value > bound) sign = 1;
   if (value < -bound) sign = -1;
   if (sign != unsure) return sign;
   const glm::uvec3& corner = triangles_[t];
   return orient3d_sign(positions_[corner.x], positions_[corner.y], positions_[corner.z], point);
+}
+
+std::size_t Silhouette::bytes() const {
+  std::size_t bytes = facing.capacity() + edges.capacity() * sizeof(SilhouetteEdge);
+  for (const std::vector<SilhouetteEdge>& block : blocks) bytes += block.capacity() * sizeof(SilhouetteEdge);
+  return bytes;
 }
 
 EdgeAdjacency::Half EdgeAdjacency::half(const Part& part, const glm::dvec4& light) const {

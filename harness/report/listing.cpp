@@ -100,7 +100,14 @@ std::string describe_text(const TechniqueEntry& entry, std::size_t width) {
   add("sees", name(about.sees));
   add("role", name(about.role));
   add("needs OpenGL", about.needs_gl ? "yes" : "no");
-  return facts.text(width) + '\n' + parameters_text(*entry.make(), width);
+  const auto technique = entry.make();
+  std::string text = facts.text(width) + '\n' + parameters_text(*technique, width);
+  if (const std::vector<DebugLayer> layers = technique->debug_layers(); !layers.empty()) {
+    TextTable table({{"debug layer", ""}, {"what it shows", ""}});
+    for (const DebugLayer& layer : layers) table.add_row({layer.name, layer.sentence});
+    text += '\n' + table.text(width);
+  }
+  return text;
 }
 
 Json describe_json(const TechniqueEntry& entry) {
@@ -108,7 +115,11 @@ Json describe_json(const TechniqueEntry& entry) {
   json["source"] = entry.about.source;
   json["error"] = entry.about.error;
   json["fails"] = entry.about.fails;
-  json["parameters"] = parameters_json(*entry.make());
+  const auto technique = entry.make();
+  json["parameters"] = parameters_json(*technique);
+  json["debug_layers"] = Json::array();
+  for (const DebugLayer& layer : technique->debug_layers())
+    json["debug_layers"].push_back({{"name", layer.name}, {"sentence", layer.sentence}});
   return json;
 }
 

@@ -105,6 +105,13 @@ std::string technique_page(const TechniqueEntry& entry) {
                           markdown_text(parameter->sentence()));
     page += "\nA changed parameter is paid for from the stage that it spoils on.\n";
   }
+  if (const std::vector<DebugLayer> layers = technique->debug_layers(); !layers.empty()) {
+    page += "\n## Debug layers\n\n";
+    page += fmt::format("`gnomon render --technique {} --debug LAYER` draws:\n\n", entry.id);
+    page += "| layer | what it shows |\n| --- | --- |\n";
+    for (const DebugLayer& layer : layers)
+      page += fmt::format("| {} | {} |\n", code(layer.name), markdown_text(layer.sentence));
+  }
   return page + fmt::format("\n## Example\n\n```sh\n{}```\n", example(entry));
 }
 

@@ -64,10 +64,7 @@ class Volumes {
 
   std::size_t bytes() const {
     const auto held = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-    std::size_t sum = adjacency_.bytes() + held(silhouette_.facing) + held(silhouette_.edges) + held(silhouette_.blocks) +
-                      held(caps_) + held(polygons_) + held(outlines_);
-    for (const auto& block : silhouette_.blocks) sum += held(block);
-    return sum;
+    return adjacency_.bytes() + silhouette_.bytes() + held(caps_) + held(polygons_) + held(outlines_);
   }
 
  private:

@@ -61,6 +61,33 @@ inline Contour contour_of(const Body& body, const glm::dvec4& light, Fit fit, in
   return std::visit([&](const auto& shape) { return contour_of(shape, light, fit, segments); }, body.shape);
 }
 
+/// Radius of a ball about the middle that holds the body.
+inline double reach(const Shape& shape) {
+  if (const auto* sphere = std::get_if<Sphere>(&shape)) return sphere->radius;
+  if (const auto* disc = std::get_if<Disc>(&shape)) return disc->radius;
+  const auto& cone = std::get<Cone>(shape);
+  return std::max(std::hypot(cone.radius, cone.height / 4.0), 0.75 * cone.height);
+}
+
+/// How far the outlines of polygons may be off at `point`, meters across the light's ray: the largest over the bodies whose
+/// shadow the point is in or beside.
+inline double outline_error(std::span<const Body> bodies, const glm::dvec4& light, const glm::dvec3& point, Fit fit,
+                            int segments) {
+  const double outward = radius_factor(fit, segments) - 1;
+  const double inward = 1 - radius_factor(fit, segments) * std::cos(std::numbers::pi / segments);
+  const double share = std::max(outward, inward);
+  const glm::dvec3 to = to_light(light, point), direction = glm::normalize(to);
+  double error = 0;
+  for (const Body& body : bodies) {
+    const glm::dvec3 center = middle(body.shape), off = center - point;
+    const double along = glm::dot(off, direction), aside = glm::length(off - along * direction), ball = reach(body.shape);
+    if (along < -ball || aside > (1 + share) * ball * (1 + 1e-9)) continue;
+    const double left = light.w != 0 ? glm::length(to_light(light, center)) : 1, whole = light.w != 0 ? glm::length(to) : 1;
+    if (left > 0) error = std::max(error, share * ball * whole / left);
+  }
+  return error;
+}
+
 /// How much wider than the body a bounding volume is: the rasterizer may lose what is thinner than 1/256 pixel.
 inline constexpr double bounding_margin = 0.02;
 

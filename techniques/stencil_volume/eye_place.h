@@ -26,6 +26,15 @@ inline std::int64_t volumes_at(const EdgeAdjacency& adjacency, const glm::vec3& 
   return depth.volumes;
 }
 
+/// Whether the light lies in the near plane of a view, as far as float32 tells: seen from it the near rectangle is a line, and
+/// nothing can be thrown onto it.
+inline bool is_in_near_plane(const glm::dvec4& light, const View& view) {
+  const glm::dvec3 eye(view.eye), forward = glm::normalize(glm::dvec3(view.target) - eye);
+  const glm::dvec4 plane(forward, -glm::dot(forward, eye) - double(near_plane));
+  const double size = glm::length(glm::dvec3(light)) + std::abs(light.w * plane.w);
+  return std::abs(glm::dot(plane, light)) < 0x1p-16 * size;
+}
+
 /// Where the eye lies among the shadow volumes.
 struct EyePlace {
   bool inside = false;      ///< of some volume
@@ -38,7 +47,11 @@ struct EyePlace {
 class EyePlaceFinder {
  public:
   EyePlaceFinder(const Scene& scene, const Light& light, const View& view)
-      : adjacency_(scene), light_(homogeneous(light)), eye_(view.eye), rounding_(0x1p-16 * extent(scene, light, view)) {
+      : adjacency_(scene),
+        light_(homogeneous(light)),
+        eye_(view.eye),
+        tan_y_(std::tan(glm::radians(double(view.fov_y_degrees)) / 2)),
+        rounding_(0x1p-16 * extent(scene, light, view)) {
     adjacency_.find_silhouette(light_, silhouette_);
     place_.inside = volumes_at(adjacency_, view.eye, silhouette_) > 0;
     for (const SilhouetteEdge& edge : silhouette_.edges) meet_side(at(edge.low), at(edge.high));
@@ -49,8 +62,8 @@ class EyePlaceFinder {
 
  private:
   glm::dvec3 at(std::uint32_t vertex) const { return adjacency_.positions()[vertex]; }
-  /// Half the diagonal of a view is below 16 near planes for every field of view up to 170 degrees.
-  double reach() const { return 16 * double(near_plane) + rounding_; }
+  /// From the eye to a corner of the near rectangle of a picture up to four times as wide as high.
+  double reach() const { return double(near_plane) * std::sqrt(1 + 17 * tan_y_ * tan_y_) + rounding_; }
 
   void meet(double distance) {
     place_.near_plane |= distance <= reach();
@@ -88,7 +101,7 @@ class EyePlaceFinder {
   Silhouette silhouette_;
   glm::dvec4 light_;
   glm::dvec3 eye_;
-  double rounding_;
+  double tan_y_, rounding_;
   EyePlace place_;
 };
 

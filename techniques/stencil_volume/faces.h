@@ -15,7 +15,8 @@ struct DrawArrays {
 struct DrawElements {
   std::uint32_t count = 0, instances = 1, first_index = 0, base_vertex = 0, base_instance = 0;
 };
-/// What is drawn, as the device reads it: filled by the processor, or by compute shaders.
+/// What is drawn, as the device reads it. Compute shaders count in a copy, which is read back: the bound on overlaps needs the
+/// outline.
 struct Commands {
   DrawArrays sides;            ///< side quads of the outline
   DrawArrays fan;              ///< dark caps over the outline
@@ -54,11 +55,11 @@ class RewrittenBuffer {
 
 /// The faces of all volumes under one light, on the device.
 struct Faces {
-  RewrittenBuffer sides, triangles, caps, apexes, commands;
-  std::size_t bytes() const { return sides.bytes() + triangles.bytes() + caps.bytes() + apexes.bytes() + commands.bytes(); }
+  RewrittenBuffer sides, triangles, caps, hubs, commands;
+  std::size_t bytes() const { return sides.bytes() + triangles.bytes() + caps.bytes() + hubs.bytes() + commands.bytes(); }
 };
 
-/// What relight is to make.
+/// What relight is to make. A hub is the point that the fan of a part turns about.
 struct Wanted {
   bool outline = true;     ///< side quads of the outline, else of every triangle
   bool light_caps = true;  ///< for z-fail, and for the near cap of ZP+
@@ -67,18 +68,18 @@ struct Wanted {
 
 /// Whether the dark cap of a part can be a fan about the middle of its bounds: only if the light lies outside, since then no
 /// caster lies in the opposite direction, where fans and caps would disagree.
-inline bool has_apex(const EdgeAdjacency::Part& part, const glm::dvec4& light) {
+inline bool has_hub(const EdgeAdjacency::Part& part, const glm::dvec4& light) {
   const glm::dvec3 position = glm::dvec3(light) / light.w;
   return glm::any(glm::lessThan(position, glm::dvec3(part.bounds.min))) ||
          glm::any(glm::greaterThan(position, glm::dvec3(part.bounds.max)));
 }
 
-inline void write_apexes(const EdgeAdjacency& adjacency, const glm::dvec4& light, Faces& faces) {
-  faces.apexes.rewrite<glm::vec4>(std::max<std::size_t>(adjacency.parts().size(), 1), [&](std::span<glm::vec4> apexes) {
+inline void write_hubs(const EdgeAdjacency& adjacency, const glm::dvec4& light, Faces& faces) {
+  faces.hubs.rewrite<glm::vec4>(std::max<std::size_t>(adjacency.parts().size(), 1), [&](std::span<glm::vec4> hubs) {
     for (std::size_t i = 0; i < adjacency.parts().size(); ++i) {
       const EdgeAdjacency::Part& part = adjacency.parts()[i];
-      const bool fan = light.w != 0 && has_apex(part, light);
-      apexes[i] = fan ? glm::vec4((part.bounds.min + part.bounds.max) / 2.0f, 1) : glm::vec4(0);
+      const bool fan = light.w != 0 && has_hub(part, light);
+      hubs[i] = fan ? glm::vec4((part.bounds.min + part.bounds.max) / 2.0f, 1) : glm::vec4(0);
     }
   });
 }
@@ -140,7 +141,7 @@ inline Commands write_faces(const EdgeAdjacency& adjacency, const Silhouette& si
   const glm::dvec4& light = silhouette.light;
   const std::uint32_t side_corners = light.w != 0 ? 6 : 3;
   const auto& facing = silhouette.facing;
-  write_apexes(adjacency, light, faces);
+  write_hubs(adjacency, light, faces);
 
   if (wanted.outline) {
     std::size_t copies = 0;
@@ -156,7 +157,7 @@ inline Commands write_faces(const EdgeAdjacency& adjacency, const Silhouette& si
 
   // Triangles turned to the light: every one that takes part, or those whose part has no fan.
   std::vector<std::uint8_t> without_fan;
-  for (const EdgeAdjacency::Part& part : adjacency.parts()) without_fan.push_back(light.w != 0 && !has_apex(part, light));
+  for (const EdgeAdjacency::Part& part : adjacency.parts()) without_fan.push_back(light.w != 0 && !has_hub(part, light));
   const bool some = !wanted.outline || (wanted.dark_caps && std::ranges::find(without_fan, 1) != without_fan.end());
   if (some) {
     const auto wants = [&](std::size_t t) {

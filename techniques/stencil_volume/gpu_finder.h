@@ -41,7 +41,7 @@ class GpuFinder {
   Commands find(const EdgeAdjacency& adjacency, const glm::dvec4& light, const Wanted& wanted, Faces& faces, Silhouette& out) {
     out.light = light;
     const std::size_t triangle_count = adjacency.triangles().size();
-    write_apexes(adjacency, light, faces);
+    write_hubs(adjacency, light, faces);
     halves_.rewrite<std::int32_t>(std::max<std::size_t>(adjacency.parts().size(), 1), [&](std::span<std::int32_t> halves) {
       for (std::size_t i = 0; i < adjacency.parts().size(); ++i)
         halves[i] = static_cast<std::int32_t>(adjacency.half(adjacency.parts()[i], light));
@@ -112,7 +112,7 @@ class GpuFinder {
              {{0, positions},
               {1, triangles_.name()},
               {2, first_.name()},
-              {3, faces.apexes.name()},
+              {3, faces.hubs.name()},
               {4, halves_.name()},
               {5, work_.name()},
               {6, faces.caps.name()},
@@ -145,7 +145,7 @@ uint corners() { return light.w != 0 ? 6u : 3u; }
   static constexpr std::string_view facing_body = R"(
 layout(std430, binding = 0) readonly buffer Positions { float positions[]; };
 layout(std430, binding = 2) readonly buffer First { uint first[]; };
-layout(std430, binding = 3) readonly buffer Apexes { vec4 apexes[]; };
+layout(std430, binding = 3) readonly buffer Hubs { vec4 hubs[]; };
 layout(std430, binding = 4) readonly buffer Halves { int halves[]; };
 layout(std430, binding = 6) writeonly buffer Caps { uint caps[]; };
 layout(std430, binding = 7) writeonly buffer Turned { uint turned[]; };
@@ -170,7 +170,7 @@ void main() {
     if (turn < 0) atomicAdd(commands[reversed_count], 3u);
     caps[place] = triangle.x, caps[place + 1] = triangle.y, caps[place + 2] = triangle.z;
   }
-  bool far = dark_caps && (!outline || apexes[triangle.w].w == 0);
+  bool far = dark_caps && (!outline || hubs[triangle.w].w == 0);
   if (!outline || far) {
     uint place = outline ? atomicAdd(commands[far_count], 3u) : 0;
     if (!outline) {

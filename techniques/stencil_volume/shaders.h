@@ -11,7 +11,7 @@ inline constexpr std::string_view fetch_head = R"(
 layout(std430, binding = 0) readonly buffer Positions { float positions[]; };
 layout(std430, binding = 1) readonly buffer Sides { uvec4 sides[]; };          // low, high, part, 1 when high comes first
 layout(std430, binding = 2) readonly buffer Triangles { uint triangles[]; };  // three a triangle, turned to the light
-layout(std430, binding = 3) readonly buffer Apexes { vec4 apexes[]; };        // of each part; w = 0: it has none
+layout(std430, binding = 3) readonly buffer Hubs { vec4 hubs[]; };        // of each part; w = 0: it has none
 uniform vec4 light;  // homogeneous
 vec3 fetch(uint v) { return vec3(positions[3 * v], positions[3 * v + 1], positions[3 * v + 2]); }
 vec4 extruded(vec3 p) { return vec4(light.w * p - light.xyz, 0); }
@@ -57,10 +57,10 @@ void main() {
 inline constexpr std::string_view fan_body = R"(
 void main() {
   uvec4 side = sides[gl_VertexID / 3];
-  vec4 apex = apexes[side.z];
+  vec4 hub = hubs[side.z];
   int corner = gl_VertexID % 3;
   uint v = (corner == 1) == (side.w != 0) ? side.y : side.x;
-  gl_Position = place(apex.w == 0 ? vec4(0) : extruded(corner == 0 ? apex.xyz : fetch(v)));
+  gl_Position = place(hub.w == 0 ? vec4(0) : extruded(corner == 0 ? hub.xyz : fetch(v)));
 }
 )";
 

@@ -70,6 +70,20 @@ class Render(ProgramTest):
         self.assertNotEqual((self.dir / "out/mask.png").read_bytes(), first)
         self.assertEqual([p.name for p in self.dir.iterdir()], ["out"])
 
+    def test_a_debug_layer_has_its_legend_below(self):
+        heights = {}
+        for layer in ("crossings", "depth"):
+            self.succeed("render", "--scene", "single_triangle", "--technique", "crow_counting", "--light", "sun", *SIZE,
+                         "--debug", layer, "--out", layer)
+            width, heights[layer] = png_size(self.dir / layer / f"{layer}.png")
+            self.assertEqual(width, 160)
+            # Three lines of the sentence and two of colors at least, each of 20 pixels.
+            self.assertGreaterEqual(heights[layer], 90 + 10 + 5 * 20)
+            self.assertEqual((heights[layer] - 90) % 20, 10)
+        self.refuse("render", "--scene", "single_triangle", "--technique", "crow_counting", *SIZE, "--debug", "crossing",
+                    "--out", "none", says=["did you mean crossings"])
+        self.assertFalse((self.dir / "none").exists())
+
     def test_a_record_is_the_same_as_that_of_run(self):
         self.succeed("render", "--scene", "single_triangle", "--technique", "shadow_map", "--light", "sun", *SIZE, "--out", "a")
         self.succeed("run", "--scene", "single_triangle", "--technique", "shadow_map", "--light", "sun", *SMALL, "--out", "b")

@@ -35,7 +35,7 @@ TEST_P(Says, says_what_it_is_where_it_comes_from_and_what_breaks_it) {
   EXPECT_EQ(entry().make()->id(), entry().id);
 }
 
-TEST_P(Says, documents_every_parameter) {
+TEST_P(Says, documents_every_parameter_and_layer) {
   const auto technique = entry().make();
   std::set<std::string_view> names;
   for (const Parameter* p : technique->parameters()) {
@@ -46,6 +46,13 @@ TEST_P(Says, documents_every_parameter) {
     EXPECT_EQ(p->text(), p->default_text()) << p->name();
     EXPECT_GE(p->probes().size(), 2u) << p->name();
     EXPECT_EQ(&technique->parameter(p->name()), p);
+  }
+  names.clear();
+  const std::vector<DebugLayer> layers = technique->debug_layers();
+  for (const DebugLayer& layer : layers) {
+    EXPECT_TRUE(is_plain_name(layer.name)) << layer.name;
+    EXPECT_TRUE(names.insert(layer.name).second) << layer.name << " is there twice";
+    EXPECT_TRUE(is_sentence(layer.sentence)) << layer.name << ": " << layer.sentence;
   }
   EXPECT_EQ(technique->settings(), "");
 }

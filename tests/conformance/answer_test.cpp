@@ -105,7 +105,8 @@ TEST_P(Answer, explains_pixels_without_changing_them) {
       for (const Tap& tap : why->taps) EXPECT_NEAR(glm::length(tap.direction), 1, 1e-6) << "pixel " << i;
       EXPECT_TRUE(std::isfinite(why->bias) && why->texel_width >= 0) << "pixel " << i;
     }
-    for (const std::string& layer : technique->debug_layers()) {
+    for (const DebugLayer& known : technique->debug_layers()) {
+      const std::string& layer = known.name;
       const std::vector<float> picture = technique->draw_debug(layer);
       EXPECT_EQ(picture.size(), 3 * gbuffer.size()) << layer;
       EXPECT_TRUE(std::ranges::all_of(picture, [](float v) { return std::isfinite(v); })) << layer;

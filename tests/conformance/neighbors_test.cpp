@@ -106,7 +106,7 @@ TEST_P(GlNeighbors, every_stage_restores_the_state_of_opengl) {
     technique->resolve(gbuffer, mask);
     EXPECT_EQ(state_differences(), none) << "resolve";
     technique->explain(gbuffer.size() / 2);
-    for (const std::string& layer : technique->debug_layers()) technique->draw_debug(layer);
+    for (const DebugLayer& layer : technique->debug_layers()) technique->draw_debug(layer.name);
     EXPECT_EQ(state_differences(), none) << "explain, draw_debug";
   }
   EXPECT_EQ(state_differences(), none) << "destruction";

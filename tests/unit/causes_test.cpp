@@ -24,6 +24,33 @@ TEST(causes, tessellation_is_right_on_the_mesh_and_comes_first) {
   EXPECT_EQ(world.causes(not_covered), (Causes{{"tessellation", 1}, {"beyond_coverage", 1}}));
 }
 
+// A lit pixel four pixels (0.52 m) from the shadow's edge is called dark. An outline that may be off by 0.55 m explains it, one
+// that may be off by 0.3 m does not: across the light's ray an edge is nearer than along the ground, but a ray that leans by
+// less than 45 degrees brings 0.52 m down to no less than 0.36 m.
+TEST(causes, polygons_that_stand_for_a_curve_are_tessellation_as_far_as_their_outline_may_be_off) {
+  World world(on_ground({plate(-3, -1, -1, 1, 2)}), slanted);
+  const int width = world.gbuffer.width;
+  std::uint32_t lit = 0;
+  for (std::uint32_t i = 8; lit == 0 && i + 8 < world.mask.size(); ++i) {
+    // Dark, then lit for a while, in one row.
+    bool edge = world.truth[i] == 0 && i % width > 4 && i % width + 12 < std::uint32_t(width);
+    for (std::uint32_t k = 1; k <= 8; ++k) edge = edge && world.truth[i + k] == 1 && world.classes[i + k] == PixelClass::T;
+    if (edge) lit = i + 4;
+  }
+  ASSERT_NE(lit, 0u);
+  world.mask[lit] = 0;
+  const auto off_by = [](double meters) {
+    return [meters](std::uint32_t) {
+      Explanation why;
+      why.outline_error = meters;
+      return why;
+    };
+  };
+  EXPECT_EQ(world.causes(off_by(0.55)), (Causes{{"tessellation", 1}}));
+  EXPECT_EQ(world.causes(off_by(0.3)), (Causes{{"crack", 1}}));
+  EXPECT_EQ(world.causes(off_by(0)), (Causes{{"crack", 1}}));
+}
+
 TEST(causes, beyond_coverage_is_what_the_technique_says_and_comes_before_missing_casters) {
   World world(on_ground({plate(-3, -1, -1, 1, 2)}), slanted);
   world.mask.assign(world.mask.size(), 1);  // the whole shadow is missing

@@ -1,6 +1,7 @@
 // Crow's count: the seed's rule on scenes that realize it, the crossing predicates on paper and against other formulations, and
 // the technique against the exact oracle on scenes that are hard on counting.
 #include <gnomon/kit/exact_scene.h>
+#include <gnomon/kit/layers.h>
 #include <gnomon/kit/random.h>
 #include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
@@ -59,9 +60,9 @@ TEST(CrowCounting, the_rule_counts_the_eye_and_needs_more_than_zero) {
     const auto done = run(scene, sun({0, -1, 0}), picture.gbuffer);
     EXPECT_EQ(done.mask[0] == 0, c.dark);
     const Counts counts = done.technique->counts();
-    EXPECT_EQ(value(counts, "eye_volumes"), c.eye_volumes);
+    EXPECT_EQ(value(counts, "volumes_at_eye"), c.eye_volumes);
     EXPECT_EQ(value(counts, "crossings"), c.entered + c.left);
-    EXPECT_EQ(value(counts, "deepest_nesting"), c.eye_volumes + c.entered);
+    EXPECT_EQ(value(counts, "deepest"), c.eye_volumes + c.entered);
     EXPECT_EQ(value(counts, "restarts"), 0);
     const auto why = done.technique->explain(0);
     ASSERT_TRUE(why);
@@ -230,7 +231,7 @@ void compare(const Scene& scene, const Light& light, const GBuffer& gbuffer, Dif
   const Counts counts = done.technique->counts();
   d.restarts += value(counts, "restarts");
   d.touching += value(counts, "degenerate_rays");
-  d.eye_inside += value(counts, "eye_volumes") > 0;
+  d.eye_inside += value(counts, "volumes_at_eye") > 0;
 }
 
 /// Points of all casting triangles, rounded, in front of the eye and behind it, turned to the light. Shares in sixteenths put
@@ -458,7 +459,7 @@ TEST(CrowCounting, a_rounded_point_seen_from_behind_is_not_shaded_by_copies) {
     ++below;
     const auto done = run(scene, sun({0.3f, -1, 0.4f}), picture.gbuffer);
     EXPECT_EQ(done.mask[0], 1);
-    EXPECT_EQ(value(done.technique->counts(), "deepest_nesting"), 3);
+    EXPECT_EQ(value(done.technique->counts(), "deepest"), 3);
   }
   EXPECT_GT(below, 50);
 }
@@ -516,16 +517,18 @@ TEST(CrowCounting, layers_show_the_lists_and_the_depth) {
   const auto done = run(scene, sun({0, -1, 0}), picture.gbuffer);
   EXPECT_EQ(done.mask, (std::vector<float>{0, 1, 1}));
   EXPECT_EQ(value(done.technique->counts(), "longest_list"), 4);
-  EXPECT_EQ(value(done.technique->counts(), "deepest_nesting"), 2);
+  EXPECT_EQ(value(done.technique->counts(), "deepest"), 2);
   EXPECT_EQ(value(done.technique->counts(), "crossings_per_ray"), 2);
-  const auto light_of = [](const std::vector<float>& picture, int pixel) {
-    return picture[3 * pixel] + picture[3 * pixel + 1];
+  const auto color = [](const std::vector<float>& picture, int pixel) {
+    return glm::vec3(picture[3 * pixel], picture[3 * pixel + 1], picture[3 * pixel + 2]);
   };
+  const auto of_value = [](int value) { return glm::vec3(heat_legend().at(value - 1).color); };
   const std::vector<float> crossings = done.technique->draw_debug("crossings"), depth = done.technique->draw_debug("depth");
-  EXPECT_GT(light_of(crossings, 1), light_of(crossings, 0));
-  EXPECT_GT(light_of(crossings, 0), light_of(crossings, 2));
-  EXPECT_GT(light_of(depth, 0), light_of(depth, 1));
-  EXPECT_GT(light_of(depth, 0), light_of(depth, 2));
+  EXPECT_EQ(color(crossings, 0), of_value(2));
+  EXPECT_EQ(color(crossings, 1), of_value(4));
+  EXPECT_EQ(color(depth, 0), of_value(2));
+  // Gray where there is none.
+  for (const glm::vec3& none : {color(crossings, 2), color(depth, 1), color(depth, 2)}) EXPECT_EQ(none, glm::vec3(none.x));
   EXPECT_THROW(done.technique->draw_debug("volumes"), Error);
 }
 

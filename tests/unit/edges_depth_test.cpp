@@ -93,7 +93,8 @@ TEST(EdgesDepth, depth_counts_the_triangles_in_the_way_and_sees_every_blocker) {
 // Far from the origin and at a large scale the signs stay exact: the answers are those of brute force, whose signs are.
 TEST(EdgesDepth, depth_is_exact_far_away_and_at_every_scale) {
   Random random(6);
-  for (const auto& [scale, shift] : {std::pair(1e-4f, 0.0f), {1e3f, 0.0f}, {1.0f, 4096.0f}, {1e-2f, 300.0f}}) {
+  for (const auto& [scale, shift] :
+       {std::pair(1e-4f, 0.0f), {1e3f, 0.0f}, {1.0f, 4096.0f}, {1e-2f, 300.0f}, {1e13f, 0.0f}, {1e-25f, 0.0f}}) {
     Scene scene = scene_of(random_casters(random, 8, glm::vec3(-2), glm::vec3(2)));
     for (Mesh& mesh : scene.meshes) {
       for (glm::vec3& p : mesh.positions) p = p * scale + shift;

@@ -1,6 +1,8 @@
 #include <gnomon/kit/layers.h>
 #include <gtest/gtest.h>
 
+#include <stdexcept>
+
 #include "small_world.h"
 
 namespace {
@@ -74,21 +76,38 @@ TEST(layers, shaded_layer_keeps_a_third_of_the_color_and_half_of_the_light) {
   EXPECT_NEAR(color(shaded_layer(scene, nine_pixels(), spot, lit), 0).r, 0.06 * (2 * 0.2126 / 3 + 1 / 3.0), 1e-6);
 }
 
-TEST(layers, heat_layer_tells_small_numbers_apart_and_grows_lighter) {
+TEST(layers, heat_classes_are_told_apart_and_grow_lighter) {
+  const std::vector<Swatch> legend = heat_legend();
+  std::vector<std::string> names;
+  for (const Swatch& s : legend) names.push_back(s.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"1", "2", "3", "4", "5-8", "9-16", "17-32", "33-64", "65-128", "129-256",
+                                             "257 and more"}));
+  for (std::size_t i = 1; i < legend.size(); ++i) {
+    EXPECT_GT(luminance(legend[i].color), 1.1 * luminance(legend[i - 1].color)) << legend[i].name;
+    for (std::size_t k = 0; k < i; ++k)
+      EXPECT_GT(difference(legend[i].color, legend[k].color), 7 * 2.3) << legend[i].name << ", " << legend[k].name;
+  }
+  // From dark blue to yellow.
+  const glm::dvec3 first = legend.front().color, last = legend.back().color;
+  EXPECT_TRUE(first.b > 5 * first.r && first.b > 5 * first.g && luminance(first) < 0.05);
+  EXPECT_TRUE(last.r > 4 * last.b && last.g > 4 * last.b && luminance(last) > 0.7);
+}
+
+TEST(layers, heat_layer_gives_a_value_the_color_of_its_class) {
+  const std::vector<Swatch> legend = heat_legend();
+  // The first and the last of each class, then values that are not whole: they have the class of the rounded value, and one
+  // above 0 is at least in that of 1.
+  const std::vector<std::pair<float, std::size_t>> expected{
+      {1, 0},     {2, 1},    {3, 2},    {4, 3},    {5, 4},    {8, 4},    {9, 5},       {16, 5},      {17, 6},
+      {32, 6},    {33, 7},   {64, 7},   {65, 8},   {128, 8},  {129, 9},  {256, 9},     {257, 10},    {1e30f, 10},
+      {1e-9f, 0}, {0.4f, 0}, {1.4f, 0}, {1.5f, 1}, {8.4f, 4}, {8.5f, 5}, {256.25f, 9}, {256.5f, 10}, {4.75f, 4}};
   const GBuffer g = nine_pixels();
-  for (const float largest : {2.0f, 4.0f, 8.0f}) {
-    std::vector<float> values(9);
-    for (std::size_t i = 0; i < 9; ++i) values[i] = std::min(static_cast<float>(i), largest);
+  for (std::size_t first = 0; first < expected.size(); first += 9) {
+    std::vector<float> values;
+    for (std::size_t i = 0; i < 9; ++i) values.push_back(expected[first + i].first);
     const std::vector<float> picture = heat_layer(g, values);
-    for (std::size_t i = 1; i <= static_cast<std::size_t>(largest); ++i) {
-      EXPECT_GT(difference(color(picture, i - 1), color(picture, i)), 3 * 2.3) << i << " of " << largest;
-      if (i == 1) continue;  // zero is gray and no step of the scale
-      EXPECT_GT(luminance(color(picture, i)), luminance(color(picture, i - 1))) << i << " of " << largest;
-    }
-    const Color most = color(picture, static_cast<std::size_t>(largest));
-    EXPECT_GT(most.r, 0.9);
-    EXPECT_GT(most.g, 0.7);
-    EXPECT_LT(most.b, 0.1) << "yellow";
+    for (std::size_t i = 0; i < 9; ++i)
+      EXPECT_EQ(color(picture, i), Color(legend[expected[first + i].second].color)) << expected[first + i].first;
   }
 }
 
@@ -101,7 +120,7 @@ TEST(layers, heat_layer_leaves_zero_gray_and_shows_negative_values_red) {
   // Seen straight from above: 0.02 + 0.10.
   EXPECT_NEAR(color(picture, 4).r, 0.12, 1e-6);
   EXPECT_LT(color(picture, 6).g, 0.02) << "the background is dark";
-  EXPECT_GT(color(picture, 7).r, 0.9) << "unless it has a value";
+  EXPECT_EQ(color(picture, 7), Color(heat_legend()[0].color)) << "unless it has a value";
   for (const std::size_t i : {1, 2, 8}) {
     EXPECT_GT(color(picture, i).r, 0.6);
     EXPECT_LT(color(picture, i).g, 0.05);
@@ -111,41 +130,106 @@ TEST(layers, heat_layer_leaves_zero_gray_and_shows_negative_values_red) {
   for (const float channel : heat_layer(g, std::vector<float>(9))) EXPECT_TRUE(channel >= 0 && channel < 0.2);
 }
 
-TEST(layers, painted_volumes_hide_a_fifth_by_each_face_whatever_the_order) {
-  // Over white, blue's channel under n orange faces is 0.8^n + (1 - 0.8^n) b, b the blue of orange: after one, two, three faces
-  // the picture's share is 0.8, 0.64, 0.512.
-  std::vector<VolumeFaces> faces(4);
+/// The color of that name in the legend of a layer of shadow volumes.
+Color named(const std::string& layer, const std::string& name) {
+  for (const DebugLayer& known : volume_layers())
+    for (const Swatch& s : known.legend)
+      if (known.name == layer && s.name == name) return s.color;
+  throw std::invalid_argument(layer + " has no color " + name);
+}
+
+void expect_color(const Color& is, const Color& wanted, const std::string& where) {
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(is[c], wanted[c], 1e-5) << where << ", channel " << c;
+}
+
+TEST(layers, painted_sides_hide_a_quarter_by_each_face_whatever_the_order) {
+  // Over white, a channel under n orange faces is 0.75^n + (1 - 0.75^n) b, b the channel of orange: after one, two, three faces
+  // the picture's share is 0.75, 0.5625, 0.421875.
+  std::vector<VolumeFaces> faces(5);
   for (int n = 0; n < 4; ++n) faces[n].front_sides = static_cast<float>(n);
-  std::vector<float> picture(12, 1.0f);
-  paint_volumes(faces, picture);
-  EXPECT_EQ(picture[2], 1.0f) << "no face, no change";
-  const double b = 1 - (1 - picture[5]) / 0.2;
-  EXPECT_NEAR(picture[8], 0.64 + 0.36 * b, 1e-6);
-  EXPECT_NEAR(picture[11], 0.512 + 0.488 * b, 1e-6);
+  faces[4].front_sides = 1000;
+  std::vector<float> picture(15, 1.0f);
+  paint_volumes(faces, 5, picture);
+  const Color orange = named("volumes", "entered"), white(1);
+  EXPECT_EQ(color(picture, 0), white) << "no face, no change";
+  expect_color(color(picture, 1), 0.75f * white + 0.25f * orange, "one face");
+  expect_color(color(picture, 2), 0.5625f * white + 0.4375f * orange, "two faces");
+  expect_color(color(picture, 3), 0.421875f * white + 0.578125f * orange, "three faces");
+  expect_color(color(picture, 4), orange, "very many are the color itself");
 
   // Painting two and then one is the same as three at once.
   std::vector<float> twice(3, 1.0f);
-  paint_volumes(std::span(faces).subspan(2, 1), twice);
-  paint_volumes(std::span(faces).subspan(1, 1), twice);
-  for (int c = 0; c < 3; ++c) EXPECT_NEAR(twice[c], picture[9 + c], 1e-6);
+  paint_volumes(std::span(faces).subspan(2, 1), 1, twice);
+  paint_volumes(std::span(faces).subspan(1, 1), 1, twice);
+  expect_color(color(twice, 0), color(picture, 3), "two and one");
 }
 
-TEST(layers, painted_kinds_mix_by_what_each_hides_alone) {
-  std::vector<VolumeFaces> faces(6);
-  faces[0].front_sides = faces[1].back_sides = faces[2].light_caps = faces[3].dark_caps = 1;
-  faces[4] = {.front_sides = 1, .back_sides = 1, .light_caps = 1, .dark_caps = 1};
-  faces[5] = {.front_sides = 1000};
-  std::vector<float> picture(18, 0.0f);
-  paint_volumes(faces, picture);
-  // One face of each kind: 1 - 0.8^4 = 0.5904 is hidden, in equal parts; one alone shows 0.2 of its color over black.
-  for (int c = 0; c < 3; ++c) {
-    const double mean = (picture[c] + picture[3 + c] + picture[6 + c] + picture[9 + c]) / (4 * 0.2);
-    EXPECT_NEAR(picture[12 + c], 0.5904 * mean, 1e-6);
-    EXPECT_NEAR(picture[15 + c], picture[c] / 0.2, 1e-5) << "very many are the color itself";
+TEST(layers, painted_sides_mix_by_what_each_kind_hides_alone) {
+  const Color orange = named("volumes", "entered"), teal = named("volumes", "left"),
+              both = named("volumes", "entered and left");
+  // One of each kind hides 1 - 0.75^2 = 0.4375, in equal parts. Two front sides hide 0.4375 alone and one back side 0.25: of
+  // the 1 - 0.75^3 = 0.578125 hidden, 0.4375 / 0.6875 are orange.
+  const std::vector<VolumeFaces> faces{
+      {.back_sides = 1}, {.front_sides = 1, .back_sides = 1}, {.front_sides = 2, .back_sides = 1}};
+  std::vector<float> picture(9, 0.0f);
+  paint_volumes(faces, 3, picture);
+  expect_color(color(picture, 0), 0.25f * teal, "back side");
+  expect_color(color(picture, 1), 0.4375f * both, "one of each");
+  expect_color(color(picture, 1), 0.21875f * (orange + teal), "one of each");
+  expect_color(color(picture, 2), 0.578125f * (0.4375f * orange + 0.25f * teal) / 0.6875f, "two and one");
+  // The mixture is nearly gray: its channels are within a third of each other, while those of its parts are far apart.
+  EXPECT_LT(std::max({both.r, both.g, both.b}), 4.0 / 3 * std::min({both.r, both.g, both.b}));
+  EXPECT_GT(orange.r, 50 * orange.b);
+  EXPECT_GT(teal.b, 20 * teal.r);
+}
+
+TEST(layers, painted_colors_are_told_apart) {
+  for (const DebugLayer& layer : volume_layers())
+    for (const Swatch& a : layer.legend)
+      for (const Swatch& b : layer.legend)
+        if (&a < &b) {
+          EXPECT_GT(difference(a.color, b.color), 7 * 2.3) << layer.name << ": " << a.name << ", " << b.name;
+        }
+}
+
+TEST(layers, painted_caps_are_lines_over_an_untouched_picture) {
+  constexpr int width = 37, height = 24;
+  const Color gray(0.25f);
+  const auto painted = [&](const VolumeFaces& everywhere) {
+    const std::vector<VolumeFaces> faces(width * height, everywhere);
+    std::vector<float> picture(3 * faces.size(), gray.r);
+    paint_volumes(faces, width, picture);
+    return picture;
+  };
+  const std::vector<float> light = painted({.light_caps = 1}), dark = painted({.dark_caps = 2});
+  const Color on_light = 0.5f * (gray + named("volumes", "light cap"));
+  const Color on_dark = 0.25f * gray + 0.75f * named("volumes", "dark cap");
+  for (int y = 0; y < height; ++y) {
+    int light_in_row = 0, dark_in_row = 0;
+    for (int x = 0; x < width; ++x) {
+      const int i = y * width + x;
+      const bool is_light = color(light, i) != gray, is_dark = color(dark, i) != gray;
+      if (is_light) expect_color(color(light, i), on_light, "light cap");
+      if (is_dark) expect_color(color(dark, i), on_dark, "dark caps");
+      light_in_row += is_light, dark_in_row += is_dark;
+      // A line goes on in the next row: that of light caps to the left, that of dark caps to the right.
+      if (y + 1 == height) continue;
+      if (x > 0) {
+        EXPECT_EQ(is_light, color(light, i + width - 1) != gray) << x << ' ' << y;
+      }
+      if (x + 1 < width) {
+        EXPECT_EQ(is_dark, color(dark, i + width + 1) != gray) << x << ' ' << y;
+      }
+    }
+    // A line at every eighth pixel: 4 or 5 in 37.
+    for (const int found : {light_in_row, dark_in_row}) EXPECT_TRUE(found == 4 || found == 5) << "row " << y;
   }
-  // The four colors are told apart: hues are orange, blue, yellow, violet.
-  for (int a = 0; a < 4; ++a)
-    for (int b = 0; b < a; ++b) EXPECT_GT(difference(color(picture, a), color(picture, b)), 10 * 2.3) << a << " " << b;
+  // Between the lines sides show as without caps.
+  const std::vector<float> sides = painted({.front_sides = 1}),
+                           all = painted({.front_sides = 1, .light_caps = 3, .dark_caps = 3});
+  int changed = 0;
+  for (int i = 0; i < width * height; ++i) changed += color(sides, i) != color(all, i);
+  EXPECT_NEAR(changed, width * height * (1 / 4.0 - 1 / 32.0), width) << "where the lines cross, they count once";
 }
 
 }  // namespace

@@ -612,7 +612,7 @@ TEST_F(SphereVolume, shows_volumes_and_explains_by_mesh) {
     }
   }
   EXPECT_GT(dark, 500);
-  EXPECT_GT(entered, dark * 9 / 10);  // where volumes overlap, blue comes in
+  EXPECT_GT(entered, dark * 9 / 10);  // where volumes overlap, teal comes in
 }
 
 TEST_F(SphereVolume, supports_every_scene_under_lights_without_area) {

@@ -120,6 +120,21 @@ TEST_F(StencilVolumeEye, eye_close_to_a_side_plane_is_right_or_said_to_be_approx
   EXPECT_GT(approximate[0], 10);
 }
 
+// A level view under a vertical sun: seen from the light its near rectangle is a line, and nothing can be thrown onto it.
+TEST_F(StencilVolumeEye, light_in_the_near_plane_counts_the_volumes_around_the_eye) {
+  const Scene scene = under_roofs(2);
+  const View view{.eye = {0.375f, 1, 0.5f}, .target = {0.375f, 1, -4}, .fov_y_degrees = 70};
+  const GBuffer g = small_world::make_gbuffer(scene, view, 96, 72);
+  for (const float tilt : {0.0f, 1e-7f, 1e-5f, 1e-3f}) {
+    const Light sun{.name = "sun", .kind = DirectionalLight{{0, -1, tilt}}};
+    const char* settings = "count=zpass_plus,near_cap=rectangle";
+    const auto zfail = mask("count=zfail", scene, sun, g);
+    EXPECT_GT(std::ranges::count(zfail, 0.0f), 100);
+    EXPECT_EQ(differences(mask(settings, scene, sun, g), zfail), 0) << tilt;
+    EXPECT_EQ(supports(settings, scene, sun, view).kind() == Support::Kind::approximate, tilt < 1e-4f) << tilt;
+  }
+}
+
 TEST_F(StencilVolumeEye, eye_on_the_boundary_of_a_volume_is_said_to_be_approximate) {
   const Scene scene = scene_of({small_world::ground(4), small_world::ground(0.5f, 2)});
   for (const Light& light : {Light{.kind = DirectionalLight{{0, -1, 0}}}, Light{.kind = PointLight{{0, 4, 0}}}}) {

@@ -323,7 +323,10 @@ TEST_F(StencilVolume, layers_show_volumes_and_counts_where_they_are) {
     mask(settings, without, light, g);
     const auto plain_volumes = technique_->draw_debug("volumes"), plain_counts = technique_->draw_debug("counts");
     const auto now = mask(settings, scene, light, g);
-    ASSERT_EQ(technique_->debug_layers(), (std::vector<std::string>{"volumes", "counts"}));
+    const std::vector<DebugLayer> layers = technique_->debug_layers();
+    ASSERT_EQ(layers.size(), 2u);
+    ASSERT_EQ(layers[0].name, "volumes");
+    ASSERT_EQ(layers[1].name, "counts");
     const auto volumes = technique_->draw_debug("volumes"), counts = technique_->draw_debug("counts");
     ASSERT_EQ(volumes.size(), 3 * g.size());
     ASSERT_EQ(counts.size(), 3 * g.size());

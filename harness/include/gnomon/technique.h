@@ -52,6 +52,22 @@ struct Explanation {
   double texel_width = 0;                ///< world width of a texel at the pixel's point, meters; 0 without taps
   std::optional<glm::dvec3> shifted;     ///< the look-up point, when it is not the pixel's point
   std::optional<std::uint64_t> element;  ///< fragment, volume or plane that decided
+  /// Where polygons stand for a curve that the technique sees: how far their outline may be off at the point, meters across the
+  /// light's ray.
+  double outline_error = 0;
+};
+
+/// A color of a debug layer and its meaning, as its legend shows them.
+struct Swatch {
+  std::string name;  ///< "5-8"
+  glm::dvec3 color;  ///< linear RGB in 0 .. 1
+};
+
+/// A picture of what a technique holds or did.
+struct DebugLayer {
+  std::string name;                 ///< "volumes"
+  std::string sentence;             ///< what it shows, and what its colors mean
+  std::vector<Swatch> legend = {};  ///< shown below the picture, in this order
 };
 
 enum class Promise { exact, sampled };
@@ -87,8 +103,8 @@ class Technique : public Parametrized {
   virtual Counts counts() const = 0;
   /// Why pixel `index` of the last resolve got its answer; nothing when the technique has no samples to show. Untimed.
   virtual std::optional<Explanation> explain(std::size_t index) const;
-  /// Names of the debug layers of `draw_debug`; empty by default.
-  virtual std::vector<std::string> debug_layers() const { return {}; }
+  /// The pictures that `draw_debug` can make; none by default.
+  virtual std::vector<DebugLayer> debug_layers() const { return {}; }
   /// RGB picture, width * height * 3 floats, of one layer for the last resolve.
   virtual std::vector<float> draw_debug(std::string_view layer) const;
 };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numbers>
 
 #include "measure/cause/causes_taps.h"
 #include "measure/cause/components.h"
@@ -110,6 +111,38 @@ std::vector<std::uint8_t> is_on_thin_edge(const Attribution& a, const LightRays&
   return thin;
 }
 
+/// A wrong pixel whose technique puts polygons for a curve.
+struct StandIn {
+  std::uint32_t pixel;
+  double outline_error;
+};
+
+/// 1 where the reference answers otherwise when the light's ray moves across itself by up to the error of the outline: sixteen
+/// ways, the whole of it and half. A convex outline that is nearer than the error is met by one of them.
+std::vector<std::uint8_t> is_within_outline_error(const Attribution& a, const LightRays& rays,
+                                                  std::span<const StandIn> pixels) {
+  constexpr int ways = 16;
+  std::vector<LightRays::Start> starts;
+  for (const StandIn& at : pixels) {
+    const glm::dvec3 point = a.gbuffer.position(at.pixel), n = a.gbuffer.normal(at.pixel), to = rays.toward_light(point);
+    const glm::dvec3 other = std::abs(to.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+    const glm::dvec3 u = glm::normalize(glm::cross(to, other)), w = glm::cross(to, u);
+    const double up = glm::dot(n, to);
+    for (int k = 0; k < 2 * ways; ++k) {
+      // The nearest of sixteen ways is at most 11.25 degrees off the one to the edge.
+      const double angle = k * std::numbers::pi / (ways / 2);
+      const double step = (k < ways ? 1.02 : 0.51) * at.outline_error + rays.rounding();
+      const glm::dvec3 move = step * (std::cos(angle) * u + std::sin(angle) * w);
+      starts.push_back({at.pixel, point + move - (up > 1e-3 ? glm::dot(n, move) / up * to : glm::dvec3(0)), 0});
+    }
+  }
+  const std::vector<std::uint8_t> lit = rays.lit(starts);
+  std::vector<std::uint8_t> within(pixels.size(), 0);
+  for (std::size_t s = 0; s < starts.size(); ++s)
+    within[s / (2 * ways)] |= (lit[s] != 0) != (a.reference.mask[starts[s].pixel] > 0.5f);
+  return within;
+}
+
 /// Causes of a technique without taps: by distance to the reference's edge and by size.
 void find_regions(const Attribution& a, const LightRays& rays, std::span<const std::uint32_t> pixels, std::span<Cause> causes) {
   const int width = a.gbuffer.width, height = a.gbuffer.height;
@@ -164,6 +197,7 @@ std::vector<Cause> find_causes(const Attribution& a) {
     if (explanations.size() != pixels.size())
       throw Error("{} explanations were given for {} pixels", explanations.size(), pixels.size());
     std::vector<TapCase> cases;
+    std::vector<StandIn> stand_ins;
     for (std::size_t k = 0; k < pixels.size(); ++k) {
       const std::uint32_t i = pixels[k];
       const auto& why = explanations[k];
@@ -173,8 +207,17 @@ std::vector<Cause> find_causes(const Attribution& a) {
         causes[i] = Cause::missing_caster;
       else if (why && !why->taps.empty())
         cases.push_back({i, &*why});
+      else if (why && why->outline_error > 0)
+        stand_ins.push_back({i, why->outline_error});
       else
         geometric.push_back(i);
+    }
+    const std::vector<std::uint8_t> within = is_within_outline_error(a, rays, stand_ins);
+    for (std::size_t k = 0; k < stand_ins.size(); ++k) {
+      if (within[k])
+        causes[stand_ins[k].pixel] = Cause::tessellation;
+      else
+        geometric.push_back(stand_ins[k].pixel);
     }
     const std::vector<Cause> found = find_tap_causes(a, rays, cases);
     for (std::size_t k = 0; k < cases.size(); ++k) causes[cases[k].pixel] = found[k];

@@ -12,7 +12,7 @@ namespace gnomon {
 
 namespace {
 
-constexpr std::uint64_t magic = 0x31'79'68'77'6d'6e'67ull;  // "gnmwhy1"
+constexpr std::uint64_t magic = 0x32'79'68'77'6d'6e'67ull;  // "gnmwhy2"
 
 struct Head {
   std::uint64_t magic, count;
@@ -21,12 +21,12 @@ struct Head {
 /// One explanation less its taps.
 struct Plain {
   std::uint64_t tap_count = 0, element = 0;
-  double bias = 0, texel_width = 0;
+  double bias = 0, texel_width = 0, outline_error = 0;
   glm::dvec3 shifted{0};
   std::uint8_t has_any = 0, covered = 0, has_shifted = 0, has_element = 0;
   std::uint8_t padding[4] = {};
 };
-static_assert(sizeof(Plain) == 64 && sizeof(Tap) == 64 && std::is_trivially_copyable_v<Tap>);
+static_assert(sizeof(Plain) == 72 && sizeof(Tap) == 64 && std::is_trivially_copyable_v<Tap>);
 
 template <class T>
 void append(std::vector<std::byte>& bytes, const T* items, std::size_t count) {
@@ -71,6 +71,8 @@ void check(const Explanation& why, std::size_t place) {
   if (!std::isfinite(why.bias)) refuse(fmt::format("the bias is {}; meters are wanted", why.bias));
   if (!(why.texel_width >= 0 && std::isfinite(why.texel_width)))
     refuse(fmt::format("the texel's width is {}; meters, 0 or more, are wanted", why.texel_width));
+  if (!(why.outline_error >= 0 && std::isfinite(why.outline_error)))
+    refuse(fmt::format("the error of the outline is {}; meters, 0 or more, are wanted", why.outline_error));
   if (why.shifted && !is_finite(*why.shifted)) refuse("the look-up point is not finite");
   for (const Tap& tap : why.taps) {
     if (!is_finite(tap.origin)) refuse("the origin of a tap is not finite");
@@ -96,6 +98,7 @@ std::vector<std::byte> explanation_bytes(std::span<const std::optional<Explanati
       plain.tap_count = why->taps.size();
       plain.bias = why->bias;
       plain.texel_width = why->texel_width;
+      plain.outline_error = why->outline_error;
       plain.has_shifted = why->shifted.has_value();
       plain.shifted = why->shifted.value_or(glm::dvec3(0));
       plain.has_element = why->element.has_value();
@@ -122,6 +125,7 @@ std::vector<std::optional<Explanation>> explanations_from_bytes(std::span<const 
     why->covered = plain.covered;
     why->bias = plain.bias;
     why->texel_width = plain.texel_width;
+    why->outline_error = plain.outline_error;
     if (plain.has_shifted) why->shifted = plain.shifted;
     if (plain.has_element) why->element = plain.element;
     reader.expect<Tap>(plain.tap_count);

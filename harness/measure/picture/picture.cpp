@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <sstream>
 
 #include "measure/picture/image_files.h"
 #include "measure/scene/blob.h"
@@ -75,13 +76,44 @@ Kinds find_kinds(const Evidence& e) {
 
 std::string percent(double share) { return fmt::format("{:.{}f} %", 100 * share, share < 0.001 ? 4 : share < 0.1 ? 2 : 1); }
 
+int text_width(const std::string& words) { return image_files().draw_text({}, 0, 0, 0, 0, words); }
+
+/// Lines of `width` pixels at most, unless a single word is wider. What does not fit into so many lines is cut off at a word,
+/// which dots tell.
+std::vector<std::string> break_lines(const std::string& text, int width, std::size_t most_lines) {
+  std::vector<std::string> lines(1);
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    std::string& line = lines.back();
+    const std::string longer = line.empty() ? word : line + ' ' + word;
+    if (line.empty() || text_width(longer) <= width) {
+      line = longer;
+    } else if (lines.size() < most_lines) {
+      lines.push_back(word);
+    } else {
+      while (text_width(line + " ...") > width && line.find(' ') != std::string::npos) line.resize(line.rfind(' '));
+      line += " ...";
+      break;
+    }
+  }
+  return lines;
+}
+
 /// Words and swatches below a picture, in lines as full as the width allows.
 class Legend {
  public:
   explicit Legend(int width) : width_(width) {}
+  /// A sentence in lines of its own, so many at most.
+  void add_sentence(const std::string& sentence, std::size_t most_lines) {
+    for (const std::string& line : break_lines(sentence, width_ - 2 * margin, most_lines)) {
+      if (x_ > margin) ++line_;
+      entries_.push_back({std::nullopt, line, margin, line_});
+      x_ = width_;  // full
+    }
+  }
   /// An entry of a swatch (none for plain words) and words.
   void add(std::optional<Color> swatch, const std::string& words) {
-    const int wide = (swatch ? swatch_width + 6 : 0) + image_files().draw_text({}, 0, 0, 0, 0, words);
+    const int wide = (swatch ? swatch_width + 6 : 0) + text_width(words);
     if (x_ > margin && x_ + wide + margin > width_) x_ = margin, ++line_;
     entries_.push_back({swatch, words, x_, line_});
     x_ += wide + 16;
@@ -168,13 +200,19 @@ Picture draw_mask(std::span<const float> visibility, int width, int height) {
   return picture;
 }
 
-Picture draw_layer(const fs::path& raw, int width, int height) {
+Picture draw_layer(const fs::path& raw, int width, int height, const DebugLayer& layer) {
   const auto file = MappedFile::open(raw);
-  Picture picture{width, height, std::vector<std::uint8_t>(static_cast<std::size_t>(width) * height * 3)};
-  if (file->bytes().size() != picture.rgb.size() * sizeof(float))
-    throw Error("debug layer has {} bytes; {} are wanted", file->bytes().size(), picture.rgb.size() * sizeof(float));
+  const std::size_t size = static_cast<std::size_t>(width) * height * 3;
+  if (file->bytes().size() != size * sizeof(float))
+    throw Error("debug layer has {} bytes; {} are wanted", file->bytes().size(), size * sizeof(float));
   const auto* linear = reinterpret_cast<const float*>(file->bytes().data());
-  for (std::size_t k = 0; k < picture.rgb.size(); ++k) picture.rgb[k] = srgb_fast(linear[k]);
+  Legend legend(width);
+  legend.add_sentence(layer.sentence, 3);
+  for (const Swatch& s : layer.legend) legend.add(Color{srgb(s.color.r), srgb(s.color.g), srgb(s.color.b)}, s.name);
+  Picture picture{width, height + legend.height(), {}};
+  picture.rgb.resize(static_cast<std::size_t>(width) * picture.height * 3, 255);
+  for (std::size_t k = 0; k < size; ++k) picture.rgb[k] = srgb_fast(linear[k]);
+  legend.draw(picture, height);
   return picture;
 }
 

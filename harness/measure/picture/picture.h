@@ -1,4 +1,6 @@
 #pragma once
+#include <gnomon/technique.h>
+
 #include <filesystem>
 #include <string>
 
@@ -22,8 +24,9 @@ Picture draw_errors(const Evidence& evidence, const std::string& title);
 /// Visibility as gray, black in shadow.
 Picture draw_mask(std::span<const float> visibility, int width, int height);
 
-/// A technique's debug layer: width * height * 3 linear floats in a raw file. Throws Error when the size is wrong.
-Picture draw_layer(const std::filesystem::path& raw, int width, int height);
+/// A technique's debug layer: width * height * 3 linear floats in a raw file, and below them its sentence, in three lines at
+/// most, and its legend. Throws Error when the size is wrong.
+Picture draw_layer(const std::filesystem::path& raw, int width, int height, const DebugLayer& layer);
 
 /// PNG. Throws Error when it cannot be written; nothing half-written stays.
 void write_png(const std::filesystem::path& path, const Picture& picture);

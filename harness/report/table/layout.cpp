@@ -166,6 +166,9 @@ std::vector<std::pair<std::string, std::string>> legend(const Layout& layout, st
                                    exact(100 * least_tested_share)));
   if (has_null) lines.emplace_back("-", "not measured or not defined");
   if (has_column("ms")) lines.emplace_back("ms", "median of the medians of the processes");
+  if (std::ranges::any_of(layout.columns, [](const Column& c) { return c.name == "snapping_floor"; }))
+    lines.emplace_back("snapping floor",
+                       "what a shift by 1/512 pixel turns over, in every row of a group alike: up to it a rasterizer is right");
   return lines;
 }
 

@@ -28,6 +28,7 @@ struct Silhouette {
   std::vector<std::int8_t> facing;
   std::vector<SilhouetteEdge> edges;                ///< in a fixed order
   std::vector<std::vector<SilhouetteEdge>> blocks;  ///< scratch
+  std::size_t bytes() const;
 };
 
 /// Which casting triangles of a scene share an edge; built once per scene. Vertices at equal positions are one, across meshes.

@@ -137,9 +137,9 @@ struct GBufferTextures {
   double upload_ms = 0;
 };
 
-/// Depth (read-only for techniques) and stencil (theirs; zero on entry) of the whole scene, drawn with `position_snippet`. A
-/// technique that sees shapes, on a G-buffer that shows them, gets the depth of what that G-buffer sees: curved shapes are left
-/// out of the drawing, and where the G-buffer shows one the depth is near_plane over the w that place() gives its point.
+/// Depth (read-only for techniques) and stencil (theirs; of unknown content) of the whole scene, drawn with `position_snippet`.
+/// A technique that sees shapes, on a G-buffer that shows them, gets the depth of what that G-buffer sees: curved shapes are
+/// left out of the drawing, and where the G-buffer shows one the depth is near_plane over the w that place() gives its point.
 struct DepthStencil {
   Texture texture;  ///< D32F_S8
   std::size_t bytes = 0;

@@ -35,6 +35,8 @@ struct VolumeProgram {
 class VolumeCounter {
  public:
   enum class Pass { stencil, wide, layer };
+  /// How many volumes the stencil counts.
+  static constexpr int stencil_limit = 255;
 
   /// Makes programs and the framebuffer.
   void setup();
@@ -43,6 +45,8 @@ class VolumeCounter {
   void begin(const DepthStencil& depth, Pass pass, CountWhere where, int start = 0);
   /// Puts the program of this pass in use and says what is drawn next. `reversed`: faces are wound clockwise seen from outside.
   void use(const VolumeProgram& program, VolumeFace face, bool reversed = false) const;
+  /// Ends a pass that makes no mask: lets go of the depth texture.
+  void end() const;
   /// Ends counting: mask 0 where the count is not zero and the pixel faces the light, else 1. Not in Pass::layer.
   void write_mask(const GBufferTextures& gbuffer, const Light& light, VisibilityMask& mask);
 
@@ -51,6 +55,11 @@ class VolumeCounter {
     float count, faces;
   };
   std::vector<WideCount> wide_counts() const;
+  /// The same summed up: faces counted at all pixels, and the largest count at any.
+  struct Work {
+    double fill = 0, deepest = 0;
+  };
+  Work work() const;
   /// After a layer pass, by pixel.
   std::vector<VolumeFaces> layer_faces() const;
 

@@ -12,11 +12,14 @@ namespace gnomon {
 /// The scene in muted colors, shaded by the light and darkened where the mask is dark: what other things are drawn over.
 std::vector<float> shaded_layer(const Scene& scene, const GBuffer& gbuffer, const Light& light, std::span<const float> mask);
 
-/// Values as colors over a dim picture of the scene: 0 is left as it is, then from dark blue over green to yellow at the
-/// largest value; negative values are red. A value has one color all over the picture, and values 1, 2, 3 ... look like steps:
-/// even ones where the largest is small, smaller and smaller ones where it is large. The background is dark gray unless it has
-/// a value. Values are finite.
+/// Values as colors over a dim picture of the scene: 0 is left as it is, negative values are red, and the rest has the color of
+/// its class: 1, 2, 3, 4, 5-8, 9-16 and so on up to 129-256, 257 and more; each is lighter than the one before, from dark blue
+/// over green to yellow. A value has one color in all pictures. Values are finite; one that is not whole has the class of its
+/// rounded value, above 0 that of 1 at least. The background is dark gray unless it has a value.
 std::vector<float> heat_layer(const GBuffer& gbuffer, std::span<const float> values);
+
+/// The classes of `heat_layer`, smallest first; without the negative values.
+std::vector<Swatch> heat_legend();
 
 /// Faces of shadow volumes between the eye and the surface of one pixel.
 struct VolumeFaces {
@@ -24,8 +27,13 @@ struct VolumeFaces {
   float back_sides = 0;   ///< turned away: they are left here
   float light_caps = 0, dark_caps = 0;
 };
-/// Translucent faces over a picture: front sides orange, back sides blue, light caps yellow, dark caps violet. Every face hides
-/// a fifth of what is left of the picture; the order of faces along a ray is not asked.
-void paint_volumes(std::span<const VolumeFaces> faces, std::span<float> picture);
+/// The debug layers `volumes` (faces painted over the picture) and `counts` (heat of the count at each pixel).
+std::vector<DebugLayer> volume_layers();
+
+/// Faces over a picture that is `width` pixels wide, whatever their order along the rays. Sides are translucent: front sides
+/// orange, back sides teal; every one hides a quarter of what is left of the picture. Caps are hatching, so that they hide
+/// little of the picture: light caps yellow lines that rise to the right, dark caps violet ones that fall; one cap is a line
+/// that hides half.
+void paint_volumes(std::span<const VolumeFaces> faces, int width, std::span<float> picture);
 
 }  // namespace gnomon

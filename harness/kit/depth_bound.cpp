@@ -1,13 +1,14 @@
-#pragma once
-#include <gnomon/kit/edges.h>
+#include <gnomon/kit/depth_bound.h>
 #include <gnomon/kit/parallel.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <numeric>
 #include <vector>
 
-namespace stencil_volume {
+namespace gnomon {
+
+namespace {
 
 /// Bounds from above how many shadow volumes overlap at any point of space: how often the outline that the light sees winds
 /// around it. The light's image is unrolled: around an axis through a light at a finite point, onto the four sides of the prism
@@ -15,66 +16,72 @@ namespace stencil_volume {
 /// `up` along it. On every vertical line the number of volumes is known at the lower end, and changes at edges only.
 class DepthBound {
  public:
-  /// How many volumes 8 bits count.
-  static constexpr std::int64_t stencil_limit = 255;
-
-  DepthBound(const gnomon::EdgeAdjacency& adjacency, const gnomon::Silhouette& silhouette)
-      : adjacency_(adjacency), silhouette_(silhouette), light_(silhouette.light) {
+  DepthBound(const EdgeAdjacency& adjacency, const Silhouette& silhouette, std::int64_t enough)
+      : adjacency_(adjacency), silhouette_(silhouette), enough_(enough), light_(silhouette.light) {
     choose_axes();
   }
 
   /// Quick: half of the edges that any vertical line crosses, since the number must come back to what it is at the upper end.
-  /// The finer bound follows where that is over the limit.
+  /// The finer bound follows where that is over the limit, first in the few columns where it is least likely to hold.
   std::int64_t operator()() const {
     const std::vector<std::int64_t> quick = crossed();
     const std::int64_t bound = *std::ranges::max_element(quick);
-    return bound <= stencil_limit ? bound : std::min(bound, sorted(quick));
+    if (bound <= enough_) return bound;
+    std::vector<std::int64_t> most(columns, 0);
+    for (int i = 0; i < fine_columns; ++i) {
+      std::int64_t& column_most = most[i / (fine_columns / columns)];
+      column_most = std::max(column_most, quick[i]);
+    }
+    std::vector<int> asked(columns);
+    std::iota(asked.begin(), asked.end(), 0);
+    std::ranges::stable_sort(asked, [&](int a, int b) { return most[a] > most[b]; });
+    std::erase_if(asked, [&](int c) { return most[c] <= enough_; });
+    const std::size_t worst = std::min<std::size_t>(asked.size(), 4);
+    for (const std::span<const int> some : {std::span(asked).first(worst), std::span(asked).subspan(worst)}) {
+      sort_columns(some, most);
+      if (std::ranges::any_of(some, [&](int c) { return most[c] > enough_; })) return bound;
+    }
+    return *std::ranges::max_element(most);
   }
 
-  static constexpr int fine_columns = 4096;
+ private:
+  static constexpr int fine_columns = 4096, columns = 1024;
 
   /// Of each fine column; in one pass over the edges.
   std::vector<std::int64_t> crossed() const {
     std::vector<std::int64_t> change(fine_columns + 1, 0);
-    for_pieces([&](const Piece& piece) {
-      change[column(piece.from.x, fine_columns, -1)] += piece.count;
-      change[column(piece.to.x, fine_columns, 1) + 1] -= piece.count;
-    });
+    for (const SilhouetteEdge& edge : silhouette_.edges)
+      for_pieces(edge, [&](const Piece& piece) {
+        change[column(piece.from.x, fine_columns, -1)] += piece.count;
+        change[column(piece.to.x, fine_columns, 1) + 1] -= piece.count;
+      });
     std::int64_t now = 0;
     for (int i = 0; i < fine_columns; ++i) change[i] = ((now += change[i]) + at_ends_) / 2;
     change.pop_back();
     return change;
   }
 
-  /// Line by line, in the columns where the quick bound is over the limit. The number at a point beside a column's middle line
-  /// differs from that on the line at the same height by at most the edges that pass this height inside the column.
-  std::int64_t sorted(std::span<const std::int64_t> quick) const {
-    constexpr int columns = 1024;
-    std::vector<std::int64_t> most(columns, 0);
-    for (int i = 0; i < fine_columns; ++i) {
-      std::int64_t& column_most = most[i / (fine_columns / columns)];
-      column_most = std::max(column_most, quick[i]);
-    }
-    // Lists of the pieces in each column that is asked.
+  /// Line by line. The number at a point beside a column's middle line differs from that on the line at the same height by at
+  /// most the edges that pass this height inside the column.
+  void sort_columns(std::span<const int> asked, std::span<std::int64_t> most) const {
     constexpr std::uint32_t not_asked = 0xffffffffu;
-    std::vector<std::uint32_t> list(columns, not_asked);
-    std::uint32_t lists = 0;
-    for (int c = 0; c < columns; ++c)
-      if (most[c] > stencil_limit) list[c] = lists++;
-    std::vector<std::vector<Piece>> pieces(lists);
-    for_pieces([&](const Piece& piece) {
-      const int last = column(piece.to.x + slack * width_, columns, 0);
-      for (int c = column(piece.from.x - slack * width_, columns, 0); c <= last; ++c)
-        if (list[c] != not_asked) pieces[list[c]].push_back(piece);
+    std::vector<std::uint32_t> list_of(columns, not_asked);
+    for (std::uint32_t k = 0; k < asked.size(); ++k) list_of[asked[k]] = k;
+    std::vector<std::vector<std::uint32_t>> edges(asked.size());  // that touch each column
+    for (std::uint32_t e = 0; e < silhouette_.edges.size(); ++e)
+      for_pieces(silhouette_.edges[e], [&](const Piece& piece) {
+        const int last = column(piece.to.x + slack * width_, columns, 0);
+        for (int c = column(piece.from.x - slack * width_, columns, 0); c <= last; ++c) {
+          if (list_of[c] == not_asked) continue;
+          std::vector<std::uint32_t>& list = edges[list_of[c]];
+          if (list.empty() || list.back() != e) list.push_back(e);
+        }
+      });
+    for_blocks(asked.size(), 1, [&](std::size_t k, std::size_t) {
+      most[asked[k]] = at_ends_ + most_in_column(edges[k], (asked[k] + 0.5) * width_ / columns, width_ / columns);
     });
-    gnomon::for_blocks(columns, 1, [&](std::size_t c, std::size_t) {
-      if (list[c] == not_asked) return;
-      most[c] = at_ends_ + most_in_column(pieces[list[c]], (static_cast<double>(c) + 0.5) * width_ / columns, width_ / columns);
-    });
-    return *std::ranges::max_element(most);
   }
 
- private:
   /// A part of an edge that is straight in the unrolled image, from left to right. `turn` is `count` with the sign of its way.
   struct Piece {
     glm::dvec2 from, to;
@@ -87,12 +94,14 @@ class DepthBound {
   /// Share of the image's width that rounding may move a place by.
   static constexpr double slack = 1e-9;
 
-  std::int64_t most_in_column(std::span<const Piece> pieces, double middle, double width) const {
+  std::int64_t most_in_column(std::span<const std::uint32_t> edges, double middle, double width) const {
     std::vector<Event> events;
-    events.reserve(3 * pieces.size());
-    for (const Piece& piece : pieces) {
-      const double left = std::max(piece.from.x, middle - width / 2 - slack * width_);
-      const double right = std::min(piece.to.x, middle + width / 2 + slack * width_), span = piece.to.x - piece.from.x;
+    events.reserve(3 * edges.size());
+    const double low_end = middle - width / 2 - slack * width_, high_end = middle + width / 2 + slack * width_;
+    const auto add = [&](const Piece& piece) {
+      if (piece.to.x < low_end || piece.from.x > high_end) return;
+      const double left = std::max(piece.from.x, low_end), right = std::min(piece.to.x, high_end);
+      const double span = piece.to.x - piece.from.x;
       const auto height = [&](double x) {
         const double share = span > 0 ? std::clamp((x - piece.from.x) / span, 0.0, 1.0) : 0.0;
         return piece.from.y + share * (piece.to.y - piece.from.y);
@@ -104,7 +113,8 @@ class DepthBound {
       events.push_back({low - reach, 0, piece.count});
       events.push_back({high + reach, 0, -piece.count});
       if (piece.from.x <= middle && middle < piece.to.x) events.push_back({height(middle), piece.turn, 0});
-    }
+    };
+    for (const std::uint32_t e : edges) for_pieces(silhouette_.edges[e], add);
     // What begins at a height is counted before what ends there.
     std::ranges::sort(events, [](const Event& a, const Event& b) {
       return a.height != b.height ? a.height < b.height : a.passing > b.passing;
@@ -119,8 +129,8 @@ class DepthBound {
 
   /// The axis leads along an axis of the world past all casters, where there is one; then no volume lies at either end.
   void choose_axes() {
-    gnomon::Bounds all;
-    for (const gnomon::EdgeAdjacency::Part& part : adjacency_.parts())
+    Bounds all;
+    for (const EdgeAdjacency::Part& part : adjacency_.parts())
       if (!part.bounds.empty()) all.add(part.bounds.min), all.add(part.bounds.max);
     if (all.empty()) return;
     if (light_.w == 0) {
@@ -170,32 +180,28 @@ class DepthBound {
     return std::clamp(static_cast<int>(std::floor(across / width_ * columns)) + more, 0, columns - 1);
   }
 
-  /// All pieces of the outline. An edge around a point light is cut where the prism has its edges: at u = 0 and v = 0.
+  /// The pieces of an edge. Around a point light it is cut where the prism has its edges: at u = 0 and v = 0.
   template <class Visit>
-  void for_pieces(Visit&& visit) const {
-    const auto emit = [&](glm::dvec2 a, glm::dvec2 b, std::int32_t count) {
+  void for_pieces(const SilhouetteEdge& edge, Visit&& visit) const {
+    const auto emit = [&](glm::dvec2 a, glm::dvec2 b) {
       const bool rightward = a.x <= b.x;
       if (!rightward) std::swap(a, b);
-      visit(Piece{a, b, std::abs(count), rightward ? count : -count});
+      visit(Piece{a, b, std::abs(edge.count), rightward ? edge.count : -edge.count});
     };
-    for (const gnomon::SilhouetteEdge& edge : silhouette_.edges) {
-      const glm::dvec3 a = from_light(edge.low), b = from_light(edge.high);
-      if (light_.w == 0) {
-        emit({glm::dot(u_, a) - left_, glm::dot(axis_, a)}, {glm::dot(u_, b) - left_, glm::dot(axis_, b)}, edge.count);
-        continue;
-      }
-      const glm::dvec3 p(glm::dot(u_, a), glm::dot(v_, a), glm::dot(axis_, a));
-      const glm::dvec3 q(glm::dot(u_, b), glm::dot(v_, b), glm::dot(axis_, b));
-      double cuts[4] = {0, 1, 1, 1};
-      int cut_count = 1;
-      for (int k = 0; k < 2; ++k)
-        if ((p[k] < 0) != (q[k] < 0)) cuts[cut_count++] = p[k] / (p[k] - q[k]);
-      if (cut_count == 3 && cuts[1] > cuts[2]) std::swap(cuts[1], cuts[2]);
-      for (int i = 0; i < cut_count; ++i) {
-        const double end = i + 1 < cut_count ? cuts[i + 1] : 1;
-        const glm::dvec3 middle = p + (q - p) * ((cuts[i] + end) / 2);
-        emit(unrolled(p + (q - p) * cuts[i], middle), unrolled(p + (q - p) * end, middle), edge.count);
-      }
+    const glm::dvec3 a = from_light(edge.low), b = from_light(edge.high);
+    if (light_.w == 0)
+      return emit({glm::dot(u_, a) - left_, glm::dot(axis_, a)}, {glm::dot(u_, b) - left_, glm::dot(axis_, b)});
+    const glm::dvec3 p(glm::dot(u_, a), glm::dot(v_, a), glm::dot(axis_, a));
+    const glm::dvec3 q(glm::dot(u_, b), glm::dot(v_, b), glm::dot(axis_, b));
+    double cuts[4] = {0, 1, 1, 1};
+    int cut_count = 1;
+    for (int k = 0; k < 2; ++k)
+      if ((p[k] < 0) != (q[k] < 0)) cuts[cut_count++] = p[k] / (p[k] - q[k]);
+    if (cut_count == 3 && cuts[1] > cuts[2]) std::swap(cuts[1], cuts[2]);
+    for (int i = 0; i < cut_count; ++i) {
+      const double end = i + 1 < cut_count ? cuts[i + 1] : 1;
+      const glm::dvec3 middle = p + (q - p) * ((cuts[i] + end) / 2);
+      emit(unrolled(p + (q - p) * cuts[i], middle), unrolled(p + (q - p) * end, middle));
     }
   }
 
@@ -208,12 +214,19 @@ class DepthBound {
     return {across, std::clamp(p.z / sum, -1e150, 1e150)};
   }
 
-  const gnomon::EdgeAdjacency& adjacency_;
-  const gnomon::Silhouette& silhouette_;
+  const EdgeAdjacency& adjacency_;
+  const Silhouette& silhouette_;
+  std::int64_t enough_;
   glm::dvec4 light_;
   glm::dvec3 u_{0}, v_{0}, axis_{0};
   double left_ = 0, width_ = 1;
   std::int64_t at_ends_ = 0;
 };
 
-}  // namespace stencil_volume
+}  // namespace
+
+std::int64_t bound_depth(const EdgeAdjacency& adjacency, const Silhouette& silhouette, std::int64_t enough) {
+  return DepthBound(adjacency, silhouette, enough)();
+}
+
+}  // namespace gnomon
