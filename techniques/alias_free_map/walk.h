@@ -1,0 +1,96 @@
+#pragma once
+#include "grid.h"
+#include "planes.h"
+
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
+#define GNOMON_ALIAS_FREE_MAP_CLONES __attribute__((target_clones("arch=x86-64-v3", "default")))
+#else
+#define GNOMON_ALIAS_FREE_MAP_CLONES
+#endif
+
+namespace gnomon::alias_free_map {
+
+/// Samples [begin, end), neighbors in a row of cells.
+struct Run {
+  std::uint32_t begin, end;
+};
+
+/// The samples of a tile that a shadow may hold, as runs: of each row of cells, those between the ends of the footprint and of
+/// the shadow's sides, both grown by rounding. Returns how many runs.
+inline int find_runs(const Grid::Face& face, const Tile& tile, int cells, const std::uint32_t* begins,
+                     const Footprint& footprint, const Shadow& shadow, bool is_parallel, Run* runs) {
+  const int c0 = std::max(face.column(footprint.x0) - tile.column, 0);
+  const int c1 = std::min(face.column(footprint.x1) - tile.column, cells - 1);
+  const int r0 = std::max(face.row(footprint.y0) - tile.row, 0), r1 = std::min(face.row(footprint.y1) - tile.row, cells - 1);
+  int count = 0;
+  // Few columns are not worth cutting.
+  const bool cuts = c1 - c0 > 2;
+  double inverse[3], offset[3];
+  if (cuts)
+    for (int k = 0; k < 3; ++k) {
+      // On the face, z is 1 or, for a directional light, of no weight. A sample's distance is below 3 z, so the error of its
+      // side, divided by z, is below 3 of the error for the distance 1.
+      const Side& side = shadow.sides[k];
+      inverse[k] = side.x != 0 ? 1 / side.x : 0;
+      offset[k] = is_parallel ? side.offset + side.error : side.z + 4 * side.error / tile.reach;
+    }
+  for (int r = r0; r <= r1; ++r) {
+    int from = c0, to = c1;
+    if (cuts) {
+      const double margin = 0x1p-20 * face.row_height + face.rounding;
+      const double low = face.y0 + (tile.row + r) * face.row_height - margin, high = low + face.row_height + 2 * margin;
+      double x0 = footprint.x0, x1 = footprint.x1;
+      bool misses = false;
+      for (int k = 0; k < 3; ++k) {
+        const Side& side = shadow.sides[k];
+        const double rest = side.y * (side.y > 0 ? high : low) + offset[k];
+        if (side.x == 0) misses |= rest < 0;
+        const double x = -rest * inverse[k];
+        if (side.x > 0) x0 = std::max(x0, x);
+        if (side.x < 0) x1 = std::min(x1, x);
+      }
+      if (misses) continue;
+      const double beside = 0x1p-20 * face.column_width + face.rounding;
+      if (x0 - beside > x1 + beside) continue;
+      from = std::max(from, face.column(x0 - beside) - tile.column), to = std::min(to, face.column(x1 + beside) - tile.column);
+    }
+    if (from > to) continue;
+    const Run run{begins[r * cells + from], begins[r * cells + to + 1]};
+    if (run.begin == run.end) continue;
+    if (count > 0 && runs[count - 1].end == run.begin)
+      runs[count - 1].end = run.end;
+    else
+      runs[count++] = run;
+  }
+  return count;
+}
+
+/// Writes the samples of the runs that no side clearly leaves out; returns how many.
+GNOMON_ALIAS_FREE_MAP_CLONES inline std::uint32_t find_candidates(const double* xs, const double* ys, const double* zs,
+                                                                  const Run* runs, int run_count, const Shadow& shadow,
+                                                                  std::uint32_t* out) {
+  using Lanes = double __attribute__((vector_size(32)));
+  using Loaded = double __attribute__((vector_size(32), aligned(8), may_alias));
+  static_assert(sizeof(Lanes) == Grid::lanes * sizeof(double));
+  std::uint32_t count = 0;
+  const Side* const s = shadow.sides;
+  for (int r = 0; r < run_count; ++r)
+    for (std::uint32_t i = runs[r].begin; i < runs[r].end; i += Grid::lanes) {
+      const Lanes x = *reinterpret_cast<const Loaded*>(xs + i), y = *reinterpret_cast<const Loaded*>(ys + i),
+                  z = *reinterpret_cast<const Loaded*>(zs + i);
+      const Lanes v0 = s[0].x * x + s[0].y * y + s[0].z * z + s[0].offset;
+      const Lanes v1 = s[1].x * x + s[1].y * y + s[1].z * z + s[1].offset;
+      const Lanes v2 = s[2].x * x + s[2].y * y + s[2].z * z + s[2].offset;
+      const Lanes v3 = s[3].x * x + s[3].y * y + s[3].z * z + s[3].offset;
+      const auto outside = (v0 < 0) | (v1 < 0) | (v2 < 0) | (v3 < 0);
+      if ((outside[0] & outside[1] & outside[2] & outside[3]) != 0) continue;
+      const std::uint32_t end = std::min(Grid::lanes, runs[r].end - i);
+      for (std::uint32_t k = 0; k < end; ++k) {
+        out[count] = i + k;
+        count += outside[k] == 0;
+      }
+    }
+  return count;
+}
+
+}  // namespace gnomon::alias_free_map
