@@ -70,7 +70,6 @@ class StencilVolume final : public Technique {
   void draw(VolumeCounter::Pass pass) const;
   void draw_near_cap() const;
   void draw_faces() const;
-  void draw_caps(const VolumeProgram& program) const;
 
   VolumeProgram sides_, triangle_sides_, fan_, far_triangles_, caps_, near_cap_program_;
   mutable VolumeCounter counter_;
@@ -328,7 +327,7 @@ GNOMON_TECHNIQUE(
     stencil_volume, StencilVolume,
     {.title = "Stencil shadow volumes",
      .summary = "Faces of the casters' shadow volumes, counted per pixel by the rasterizer.",
-     .source = "Crow 1977; Heidmann 1991; Everitt and Kilgard 2002",
+     .source = "Crow 1977; Heidmann 1991; Everitt and Kilgard 2002; Hornus et al. 2005",
      .error = "Exact up to the rasterizer's snapping of vertices to 1/256 pixel; no bias.",
      .fails = "The count zpass with the eye in a shadow volume; single pixels at T-junctions of the mesh; receivers inside a "
               "closed mesh that is turned inside out there.",
