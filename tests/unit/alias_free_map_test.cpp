@@ -12,6 +12,7 @@
 
 #include "../../techniques/alias_free_map/walk.h"
 #include "hand_made.h"
+#include "hard_scenes.h"
 #include "small_world.h"
 
 extern "C" void gnomon_technique_alias_free_map(gnomon::Registry& registry);
@@ -21,6 +22,7 @@ namespace {
 
 using namespace hand_made;
 using namespace alias_free_map;
+using hard_scenes::on_grid;
 
 double value(const Counts& counts, std::string_view name) {
   return std::find_if(counts.begin(), counts.end(), [&](const Count& c) { return c.name == name; })->value;
@@ -28,13 +30,6 @@ double value(const Counts& counts, std::string_view name) {
 
 small_world::Run run(const Scene& scene, const Light& light, const GBuffer& gbuffer, const std::string& settings = "") {
   return small_world::run(gnomon_technique_alias_free_map, settings, scene, light, gbuffer);
-}
-
-glm::vec3 on_grid(Random& random, float half, std::uint32_t steps) {
-  glm::vec3 p;
-  for (int k = 0; k < 3; ++k)
-    p[k] = half * (2.0f * static_cast<float>(random.below(steps + 1)) / static_cast<float>(steps) - 1);
-  return p;
 }
 
 /// A point light, a spot or a sun, on a grid: in supporting planes of triangles, along axes, inside bodies, between casters.

@@ -11,6 +11,7 @@
 
 #include "../../techniques/crow_counting/polygon.h"
 #include "hand_made.h"
+#include "hard_scenes.h"
 #include "small_world.h"
 
 extern "C" void gnomon_technique_crow_counting(gnomon::Registry& registry);
@@ -20,6 +21,7 @@ namespace {
 
 using namespace hand_made;
 using namespace crow_counting;
+using namespace hard_scenes;
 
 double value(const Counts& counts, std::string_view name) {
   return std::find_if(counts.begin(), counts.end(), [&](const Count& c) { return c.name == name; })->value;
@@ -232,95 +234,6 @@ void compare(const Scene& scene, const Light& light, const GBuffer& gbuffer, Dif
   d.restarts += value(counts, "restarts");
   d.touching += value(counts, "degenerate_rays");
   d.eye_inside += value(counts, "volumes_at_eye") > 0;
-}
-
-/// Points of all casting triangles, rounded, in front of the eye and behind it, turned to the light. Shares in sixteenths put
-/// many of them exactly on edges, on planes of other triangles and on borders of volumes.
-void scatter(const Scene& scene, const Light& light, Random& random, Picture& picture) {
-  for (std::size_t i = 0; i < picture.gbuffer.size(); ++i) {
-    const std::uint32_t m = random.below(static_cast<std::uint32_t>(scene.meshes.size()));
-    const Mesh& mesh = scene.meshes[m];
-    if (mesh.triangles.empty()) continue;
-    const std::uint32_t t = random.below(static_cast<std::uint32_t>(mesh.triangles.size()));
-    const glm::uvec3& corners = mesh.triangles[t];
-    const glm::dvec3 a(mesh.positions[corners.x]), b(mesh.positions[corners.y]), c(mesh.positions[corners.z]);
-    const bool coarse = random.below(2);
-    const double u = coarse ? random.below(17) / 16.0 : random.uniform(0, 1),
-                 v = (coarse ? random.below(17) / 16.0 : random.uniform(0, 1)) * (1 - u);
-    const glm::vec3 p(a + u * (b - a) + v * (c - a));
-    glm::dvec3 n = glm::normalize(glm::cross(b - a, c - a));
-    if (glm::dot(n, to_light(homogeneous(light), p)) < 0) n = -n;
-    picture.set(i, p, n, m, t);
-  }
-}
-
-/// Triangles on a grid of 1/8: shared planes, edges and corners happen, and so do copies, slivers and stacks.
-Mesh grid_soup(Random& random, int count) {
-  const auto coordinate = [&] { return static_cast<float>(random.below(33)) / 8 - 2; };
-  const auto corner = [&] {
-    const float x = coordinate(), y = coordinate(), z = coordinate();
-    return glm::vec3(x, y, z);
-  };
-  std::vector<glm::vec3> positions;
-  std::vector<glm::uvec3> triangles;
-  for (int i = 0; i < count; ++i) {
-    glm::vec3 a = corner(), b = corner(), c = corner();
-    const std::uint32_t kind = random.below(7);
-    const std::size_t n = positions.size();
-    if (kind == 0) c = b + glm::vec3(0, 0, 0x1p-12f);
-    if (kind == 1) a.y = b.y = c.y = static_cast<float>(random.below(3));
-    if (kind == 2) b = 8.0f * b;
-    if (kind == 3 && i > 0) a = positions[n - 3], b = positions[n - 2], c = positions[n - 1];
-    if (kind == 4 && i > 0) a = positions[n - 2], b = positions[n - 3];  // a neighbor, wound either way
-    positions.insert(positions.end(), {a, b, c});
-    const auto first = static_cast<std::uint32_t>(n);
-    triangles.push_back(random.below(2) ? glm::uvec3(first, first + 1, first + 2) : glm::uvec3(first, first + 2, first + 1));
-  }
-  return mesh_of(positions, triangles);
-}
-
-/// Boxes that reach into each other or stand wall to wall; some open, some inside out, some with single faces turned or
-/// doubled.
-Mesh boxes(Random& random, int count, bool on_grid) {
-  std::vector<glm::vec3> positions;
-  std::vector<glm::uvec3> triangles;
-  for (int i = 0; i < count; ++i) {
-    const auto coordinate = [&] {
-      return on_grid ? static_cast<float>(random.below(17)) / 4 - 2 : static_cast<float>(random.uniform(-2, 2));
-    };
-    glm::vec3 a, b;
-    for (int k = 0; k < 3; ++k) {
-      a[k] = coordinate();
-      b[k] = a[k] + (on_grid ? static_cast<float>(1 + random.below(6)) / 4 : static_cast<float>(random.uniform(0.1, 1.5)));
-    }
-    const Mesh box = small_world::box(a, b);
-    const auto base = static_cast<std::uint32_t>(positions.size());
-    positions.insert(positions.end(), box.positions.begin(), box.positions.end());
-    const std::uint32_t kind = random.below(5);
-    for (glm::uvec3 t : box.triangles) {
-      if (kind == 0 && random.below(6) == 0) continue;
-      if (kind == 1 || (kind == 2 && random.below(4) == 0)) std::swap(t.y, t.z);
-      triangles.push_back(t + base);
-      if (kind == 3 && random.below(6) == 0) triangles.push_back(t + base);
-    }
-  }
-  return mesh_of(positions, triangles);
-}
-
-glm::vec3 on_grid(Random& random, float half, std::uint32_t steps) {
-  glm::vec3 p;
-  for (int k = 0; k < 3; ++k)
-    p[k] = half * (2.0f * static_cast<float>(random.below(steps + 1)) / static_cast<float>(steps) - 1);
-  return p;
-}
-
-/// A point light or a sun, on a grid: in supporting planes of triangles, along axes and inside bodies.
-Light hard_light(Random& random) {
-  for (;;) {
-    const glm::vec3 at = on_grid(random, 4, 16);
-    if (at == glm::vec3(0)) continue;
-    return random.below(2) ? point_light(at) : sun(at);
-  }
 }
 
 // Eyes on the same grid stand on side planes, on triangles, inside bodies and volumes.

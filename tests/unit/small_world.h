@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/kit/random.h>
 #include <gnomon/registry.h>
 
 #include <cmath>
@@ -151,6 +152,13 @@ inline Run run(void (*roll)(Registry&), const std::string& settings, const Scene
   const auto pixels = mask.read();
   run.mask.assign(pixels.begin(), pixels.end());
   return run;
+}
+
+/// A unit vector, every direction alike.
+inline glm::dvec3 direction_of(Random& random) {
+  for (;;)
+    if (const glm::dvec3 p = random.uniform(glm::dvec3(-1), glm::dvec3(1)); glm::length(p) > 0.1 && glm::length(p) < 1)
+      return glm::normalize(p);
 }
 
 }  // namespace small_world

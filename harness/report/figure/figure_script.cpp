@@ -105,8 +105,9 @@ std::size_t open_panels(FigureScript& script, std::size_t panels, std::size_t mo
                         const Legend& legend, const FigureOptions& options) {
   const std::size_t columns = std::min(panels, most_columns), rows = (panels + columns - 1) / columns;
   script.height_cm = static_cast<double>(rows) * panel_cm + legend.height_cm(options.width_cm);
+  // Room on the left for an axis title beside tics as long as 0.0001: what lies off the page is not drawn.
   const double h = script.height_cm, w = options.width_cm, top = options.title.empty() ? 0.7 : 1.3;
-  script.add("set multiplot layout {},{} margins {:.4f},{:.4f},{:.4f},{:.4f} spacing {:.4f},{:.4f}{}", rows, columns, 1.6 / w,
+  script.add("set multiplot layout {},{} margins {:.4f},{:.4f},{:.4f},{:.4f} spacing {:.4f},{:.4f}{}", rows, columns, 2.1 / w,
              1 - 0.6 / w, strip(script, legend, options) + 1.2 / h, 1 - top / h, columns > 1 ? 1.7 / w : 0.0,
              rows > 1 ? 1.9 / h : 0.0, options.title.empty() ? "" : " title " + FigureScript::quoted(options.title));
   script.add("unset key");

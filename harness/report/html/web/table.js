@@ -19,6 +19,10 @@ const causesColumn = {
 /** Columns that may be shown; intervals stand with their times, causes behind the first error. */
 function allColumns() {
   const columns = data.columns.filter((column) => !isInterval(column) && column.name !== "causes");
+  // What the wrong rate is read against stands beside it.
+  const floor = columns.findIndex((column) => column.name === "snapping_floor");
+  const wrong = columns.findIndex((column) => column.name === "wrong_rate");
+  if (floor > wrong && wrong >= 0) columns.splice(wrong + 1, 0, ...columns.splice(floor, 1));
   if (data.rows.some((row) => row.causes)) {
     const place = columns.findIndex((column) => column.name === "wrong_rate");
     columns.splice(place < 0 ? columns.length : place + 1, 0, causesColumn);
