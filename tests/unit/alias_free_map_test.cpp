@@ -22,11 +22,10 @@ namespace {
 
 using namespace hand_made;
 using namespace alias_free_map;
+using hard_scenes::boxes;
+using hard_scenes::grid_soup;
 using hard_scenes::on_grid;
-
-double value(const Counts& counts, std::string_view name) {
-  return std::find_if(counts.begin(), counts.end(), [&](const Count& c) { return c.name == name; })->value;
-}
+using small_world::value;
 
 small_world::Run run(const Scene& scene, const Light& light, const GBuffer& gbuffer, const std::string& settings = "") {
   return small_world::run(gnomon_technique_alias_free_map, settings, scene, light, gbuffer);
@@ -292,40 +291,6 @@ void scatter(const Scene& scene, const Light& light, Random& random, Picture& pi
     if (glm::dot(n, to_light(homogeneous(light), p)) < 0) n = -n;
     picture.set(i, p, n, m, t);
   }
-}
-
-/// Triangles on a grid of 1/8: shared planes, edges and corners happen; and slivers, stacks in one plane, giants and copies.
-Mesh grid_soup(Random& random, int count) {
-  std::vector<glm::vec3> positions;
-  std::vector<glm::uvec3> triangles;
-  for (int i = 0; i < count; ++i) {
-    glm::vec3 a = on_grid(random, 2, 32), b = on_grid(random, 2, 32), c = on_grid(random, 2, 32);
-    const std::uint32_t kind = random.below(6);
-    const std::size_t n = positions.size();
-    if (kind == 0) c = b + glm::vec3(0, 0, 0x1p-12f);
-    if (kind == 1) a.y = b.y = c.y = static_cast<float>(random.below(3));
-    if (kind == 2) b = 8.0f * b;
-    if (kind == 3 && i > 0) a = positions[n - 3], b = positions[n - 2], c = positions[n - 1];
-    positions.insert(positions.end(), {a, b, c});
-    const auto first = static_cast<std::uint32_t>(n);
-    triangles.push_back(random.below(2) ? glm::uvec3(first, first + 1, first + 2) : glm::uvec3(first, first + 2, first + 1));
-  }
-  return mesh_of(positions, triangles);
-}
-
-/// Boxes that reach into each other or, on a grid, stand wall to wall.
-Mesh boxes(Random& random, int count, bool grid) {
-  std::vector<glm::vec3> positions;
-  std::vector<glm::uvec3> triangles;
-  for (int i = 0; i < count; ++i) {
-    const glm::vec3 a = grid ? on_grid(random, 2, 16) : glm::vec3(random.uniform(glm::dvec3(-2), glm::dvec3(2)));
-    const glm::vec3 size = grid ? 1.25f + on_grid(random, 1, 8) : glm::vec3(random.uniform(glm::dvec3(0.1), glm::dvec3(1.5)));
-    const Mesh box = small_world::box(a, a + size);
-    const auto base = static_cast<std::uint32_t>(positions.size());
-    positions.insert(positions.end(), box.positions.begin(), box.positions.end());
-    for (const glm::uvec3& t : box.triangles) triangles.push_back(t + base);
-  }
-  return mesh_of(positions, triangles);
 }
 
 std::string resolution(Random& random) { return fmt::format("resolution={}", 16 << random.below(7)); }

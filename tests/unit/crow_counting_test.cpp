@@ -22,10 +22,7 @@ namespace {
 using namespace hand_made;
 using namespace crow_counting;
 using namespace hard_scenes;
-
-double value(const Counts& counts, std::string_view name) {
-  return std::find_if(counts.begin(), counts.end(), [&](const Count& c) { return c.name == name; })->value;
-}
+using small_world::value;
 
 small_world::Run run(const Scene& scene, const Light& light, const GBuffer& gbuffer) {
   return small_world::run(gnomon_technique_crow_counting, "", scene, light, gbuffer);

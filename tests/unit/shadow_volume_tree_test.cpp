@@ -15,11 +15,8 @@ namespace gnomon {
 namespace {
 
 using namespace hand_made;
+using small_world::value;
 using namespace shadow_volume_tree;
-
-double value(const Counts& counts, std::string_view name) {
-  return std::find_if(counts.begin(), counts.end(), [&](const Count& c) { return c.name == name; })->value;
-}
 
 small_world::Run run(const std::string& settings, const Scene& scene, const Light& light, const GBuffer& gbuffer) {
   return small_world::run(gnomon_technique_shadow_volume_tree, settings, scene, light, gbuffer);

@@ -2,6 +2,7 @@
 #include <gnomon/kit/random.h>
 #include <gnomon/registry.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -152,6 +153,11 @@ inline Run run(void (*roll)(Registry&), const std::string& settings, const Scene
   const auto pixels = mask.read();
   run.mask.assign(pixels.begin(), pixels.end());
   return run;
+}
+
+/// One of a technique's counts, which must be there.
+inline double value(const Counts& counts, std::string_view name) {
+  return std::find_if(counts.begin(), counts.end(), [&](const Count& c) { return c.name == name; })->value;
 }
 
 /// A unit vector, every direction alike.
