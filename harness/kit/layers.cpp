@@ -73,23 +73,27 @@ constexpr int hatch_step = 8;
 
 }  // namespace
 
+glm::vec3 background_color() { return background; }
+
+glm::vec3 shaded_color(const Mesh& mesh, const Light& light, const glm::dvec3& point, const glm::dvec3& normal,
+                       float visibility) {
+  const glm::dvec3 to = to_light(homogeneous(light), point);
+  double received = 0;
+  if (in_spot_cone(light, point)) received = std::max(0.0, glm::dot(normal, to) / std::max(glm::length(to), 1e-300));
+  // Two thirds of the color are taken out and the brightest white is held at half, so that what is drawn over it stands out.
+  const glm::dvec3 albedo = mesh.albedo;
+  const glm::dvec3 muted = glm::mix(glm::dvec3(luminance(albedo)), albedo, 1 / 3.0);
+  return glm::clamp(muted * (0.06 + 0.44 * received * visibility), 0.0, 1.0);
+}
+
 std::vector<float> shaded_layer(const Scene& scene, const GBuffer& gbuffer, const Light& light, std::span<const float> mask) {
   assert(mask.size() == gbuffer.size());
   std::vector<float> picture(gbuffer.size() * 3);
-  const glm::dvec4 l = homogeneous(light);
   for (std::size_t i = 0; i < gbuffer.size(); ++i) {
-    if (gbuffer.is_background(i)) {
-      put(picture, i, background);
-      continue;
-    }
-    const glm::dvec3 point = gbuffer.position(i), to = to_light(l, point);
-    double received = 0;
-    if (in_spot_cone(light, point))
-      received = std::max(0.0, glm::dot(glm::dvec3(gbuffer.normal(i)), to) / std::max(glm::length(to), 1e-300));
-    // Two thirds of the color are taken out and the brightest white is held at half, so that what is drawn over it stands out.
-    const glm::dvec3 albedo = scene.meshes[gbuffer.mesh[i]].albedo;
-    const glm::dvec3 muted = glm::mix(glm::dvec3(luminance(albedo)), albedo, 1 / 3.0);
-    put(picture, i, muted * (0.06 + 0.44 * received * mask[i]));
+    glm::vec3 color = background;
+    if (!gbuffer.is_background(i))
+      color = shaded_color(scene.meshes[gbuffer.mesh[i]], light, gbuffer.position(i), gbuffer.normal(i), mask[i]);
+    put(picture, i, color);
   }
   return picture;
 }

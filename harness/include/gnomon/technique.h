@@ -63,6 +63,20 @@ struct Swatch {
   glm::dvec3 color;  ///< linear RGB in 0 .. 1
 };
 
+/// A surface-detail polygon: a convex part of a triangle that is lit, or in cast shadow, throughout.
+struct DetailPolygon {
+  std::uint32_t mesh, triangle;
+  bool is_lit;
+  std::uint32_t first, count;  ///< its corners, of SurfaceDetail::corners
+};
+
+/// Shadows as geometry: the receiving triangles that are not edge-on to the light, in polygons that do not overlap. It is about
+/// the side of a triangle that is turned to the light; the other one is in attached shadow.
+struct SurfaceDetail {
+  std::vector<glm::dvec3> corners;      ///< world space, in the plane of their triangle but for rounding in double
+  std::vector<DetailPolygon> polygons;  ///< mesh after mesh, triangle after triangle; wound as their triangle is
+};
+
 /// A picture of what a technique holds or did.
 struct DebugLayer {
   std::string name;                 ///< "volumes"
@@ -103,6 +117,9 @@ class Technique : public Parametrized {
   virtual Counts counts() const = 0;
   /// Why pixel `index` of the last resolve got its answer; nothing when the technique has no samples to show. Untimed.
   virtual std::optional<Explanation> explain(std::size_t index) const;
+  /// The lit and shadowed polygons of the last relight; nothing from techniques that do not make polygons. A fresh object of one
+  /// that does gives an empty detail. Untimed.
+  virtual std::optional<SurfaceDetail> surface_detail() const { return std::nullopt; }
   /// The pictures that `draw_debug` can make; none by default.
   virtual std::vector<DebugLayer> debug_layers() const { return {}; }
   /// RGB picture, width * height * 3 floats, of one layer for the last resolve.

@@ -12,6 +12,13 @@ namespace gnomon {
 /// The scene in muted colors, shaded by the light and darkened where the mask is dark: what other things are drawn over.
 std::vector<float> shaded_layer(const Scene& scene, const GBuffer& gbuffer, const Light& light, std::span<const float> mask);
 
+/// One color of it: a point of a mesh with its unit normal on the eye's side, and what the mask says.
+glm::vec3 shaded_color(const Mesh& mesh, const Light& light, const glm::dvec3& point, const glm::dvec3& normal,
+                       float visibility);
+
+/// Where a layer shows no surface: dark gray.
+glm::vec3 background_color();
+
 /// Values as colors over a dim picture of the scene: 0 is left as it is, negative values are red, and the rest has the color of
 /// its class: 1, 2, 3, 4, 5-8, 9-16 and so on up to 129-256, 257 and more; each is lighter than the one before, from dark blue
 /// over green to yellow. A value has one color in all pictures. Values are finite; one that is not whole has the class of its

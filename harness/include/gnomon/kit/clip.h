@@ -1,0 +1,74 @@
+#pragma once
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+
+namespace gnomon {
+
+// The clipper of object precision: convex polygons, cut by planes.
+
+/// Corner of a convex polygon, and the edge from it to the next corner.
+struct Corner {
+  glm::dvec3 at;
+  std::uint32_t edge = 0;  ///< whatever the owner wants to know about the edge; both parts of a cut edge keep it
+};
+
+/// Points x with dot(normal, x) + offset = 0. With a unit normal `at` is a distance in meters.
+struct ClipPlane {
+  glm::dvec3 normal{0};
+  double offset = 0;
+  double at(const glm::dvec3& x) const { return normal.x * x.x + normal.y * x.y + normal.z * x.z + offset; }
+};
+
+/// Where a polygon lies from a plane: bit 0, some corner is farther than epsilon on the negative side; bit 1, on the positive.
+enum class Lies : unsigned { within = 0, negative = 1, positive = 2, across = 3 };
+
+/// Writes every corner's value at the plane; those within epsilon count as on the plane.
+inline Lies classify(std::span<const Corner> polygon, const ClipPlane& plane, double epsilon, double* values) {
+  unsigned lies = 0;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const double value = plane.at(polygon[i].at);
+    values[i] = value;
+    lies |= static_cast<unsigned>(value < -epsilon) | static_cast<unsigned>(value > epsilon) << 1;
+  }
+  return static_cast<Lies>(lies);
+}
+
+/// How many corners the parts of a cut polygon have.
+struct CutCounts {
+  std::size_t negative, positive;
+};
+
+/// Cuts a polygon that lies across a plane, by its corners' values. Each part has at most one corner more than the polygon, is
+/// wound as it is, and gets `cut` as the mark of the edge along the plane. Corners within epsilon belong to both parts. The point
+/// where an edge crosses is reckoned from its positive end, so that polygons on either side of the edge get the same one, bit
+/// for bit.
+inline CutCounts cut_polygon(std::span<const Corner> polygon, const double* values, double epsilon, std::uint32_t cut,
+                             Corner* negative, Corner* positive) {
+  Corner* n = negative;
+  Corner* p = positive;
+  const std::size_t size = polygon.size();
+  for (std::size_t i = 0; i < size; ++i) {
+    const std::size_t next = i + 1 < size ? i + 1 : 0;
+    const Corner& corner = polygon[i];
+    const double here = values[i], there = values[next];
+    const bool is_negative = here < -epsilon, is_positive = here > epsilon;
+    // A part ends where the next corner is not its own; its edge then runs along the plane.
+    if (!is_positive) *n++ = {corner.at, !is_negative && there > epsilon ? cut : corner.edge};
+    if (!is_negative) *p++ = {corner.at, !is_positive && there < -epsilon ? cut : corner.edge};
+    if (is_negative && there > epsilon) {
+      const glm::dvec3 at = polygon[next].at + there / (there - here) * (corner.at - polygon[next].at);
+      *n++ = {at, cut};
+      *p++ = {at, corner.edge};
+    } else if (is_positive && there < -epsilon) {
+      const glm::dvec3 at = corner.at + here / (here - there) * (polygon[next].at - corner.at);
+      *n++ = {at, corner.edge};
+      *p++ = {at, cut};
+    }
+  }
+  return {static_cast<std::size_t>(n - negative), static_cast<std::size_t>(p - positive)};
+}
+
+}  // namespace gnomon

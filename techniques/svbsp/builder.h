@@ -1,0 +1,117 @@
+#pragma once
+#include "pieces.h"
+
+namespace gnomon::svbsp {
+
+enum class Drop { none, cut, shared };
+
+/// How a tree is made.
+struct Rules {
+  Epsilons epsilon;
+  Drop drop =
+      Drop::shared;  ///< edges that get no shadow plane: none; those made by cuts; also own ones on the plane of a node above
+  bool is_ordered = false;     ///< pieces come front to back: what reaches an IN cell is in shadow
+  std::size_t tile_size = 16;  ///< tiles with more pieces are split; 0: one cell a face, no tiles
+};
+
+/// Work of making a tree.
+struct Tally {
+  std::uint64_t planes = 0;                       ///< shadow planes
+  std::uint64_t tile_cuts = 0;                    ///< of pieces by the borders of tiles
+  std::uint64_t cuts = 0;                         ///< by shadow planes
+  std::uint64_t crossings = 0;                    ///< by the plane of another piece
+  std::uint64_t lit = 0, shadowed = 0, thin = 0;  ///< fragments, when they reached their cells
+  Tally& operator+=(const Tally& t) {
+    planes += t.planes, tile_cuts += t.tile_cuts, cuts += t.cuts, crossings += t.crossings;
+    lit += t.lit, shadowed += t.shadowed, thin += t.thin;
+    return *this;
+  }
+};
+
+/// What lies where on a fragment, as seen from the light, at the plane of another triangle. Corners within epsilon of it get
+/// the value zero.
+inline Lies lies_at(const ClipPlane& plane, const LightSpace& space, std::span<const Corner> fragment, double epsilon,
+                    double* values) {
+  unsigned lies = 0;
+  for (std::size_t i = 0; i < fragment.size(); ++i) {
+    const double value = plane.at(fragment[i].at);
+    values[i] = std::abs(value) <= epsilon * space.meter(fragment[i].at) ? 0 : value;
+    lies |= static_cast<unsigned>(values[i] < 0) | static_cast<unsigned>(values[i] > 0) << 1;
+  }
+  return static_cast<Lies>(lies);
+}
+
+/// Adds polygons to the trees of one face. Every IN cell knows the piece that is nearest to the light there; its plane is the
+/// last of the cell, so to speak: what lies before it becomes a part of the tree, too, in whatever order pieces come.
+template <class PlaneOf>
+class Builder {
+ public:
+  /// plane_of(piece) is a piece's plane in light space.
+  Builder(const LightSpace& space, const Rules& rules, PlaneOf plane_of, std::vector<Node>& nodes, Tally& tally)
+      : space_(space), rules_(rules), plane_of_(plane_of), nodes_(nodes), tally_(tally) {}
+
+  /// Starts a tree.
+  void start() { out_count_ = 1, farthest_ = INFINITY; }
+  /// Whether the tree's cells are all IN, and what is no nearer to the light than `nearest` is in shadow everywhere.
+  bool hides(double nearest) const { return out_count_ == 0 && nearest <= farthest_; }
+
+  /// `polygon` is the part of a piece that the tree at `root` is about.
+  void add(std::span<const Corner> polygon, std::uint32_t piece, Link& root) {
+    tally_.cuts += filter_.run(
+        nodes_, root, polygon, rules_.epsilon.across, rules_.drop == Drop::shared, tally_.thin,
+        [&](const Place& place, Link cell, std::span<const Corner> fragment) { reach(place, cell, fragment, piece, root); });
+  }
+
+ private:
+  void reach(const Place& place, Link cell, std::span<const Corner> fragment, std::uint32_t piece, Link& root) {
+    if (!is_in_cell(cell)) return attach(place, cell, fragment, piece, root);
+    if (rules_.is_ordered) {
+      ++tally_.shadowed;
+      return;
+    }
+    if (values_.size() < fragment.size()) values_.resize(2 * fragment.size()), parts_.resize(4 * fragment.size() + 2);
+    const Lies lies = lies_at(plane_of_(piece_in(cell)), space_, fragment, rules_.epsilon.meters, values_.data());
+    if (lies == Lies::positive) return attach(place, cell, fragment, piece, root);
+    ++tally_.shadowed;
+    if (lies != Lies::across) return;
+    ++tally_.crossings;
+    Corner* const nearer = parts_.data() + fragment.size() + 1;
+    const CutCounts cut = cut_polygon(fragment, values_.data(), 0, own_edge, parts_.data(), nearer);
+    attach(place, cell, {nearer, cut.positive}, piece, root);
+  }
+
+  /// One shadow plane for each edge: beyond it all stays as it was, inside the last one the piece is nearest.
+  void attach(Place place, Link cell, std::span<const Corner> fragment, std::uint32_t piece, Link& root) {
+    ++tally_.lit;
+    std::int64_t made_count = 0;
+    const auto put = [&](Link link) { (place.parent < 0 ? root : nodes_[place.parent].sides[place.side]) = link; };
+    for (std::size_t i = 0; i < fragment.size(); ++i) {
+      if (rules_.drop != Drop::none && fragment[i].edge == shadow_cut) continue;
+      const glm::dvec3 &a = fragment[i].at, &b = fragment[i + 1 < fragment.size() ? i + 1 : 0].at;
+      const double x = a.y - b.y, y = b.x - a.x, length = std::sqrt(x * x + y * y);
+      if (!(length > rules_.epsilon.across)) continue;
+      const auto made = static_cast<Link>(nodes_.size());
+      nodes_.push_back({x / length, y / length, -(x * a.x + y * a.y) / length, {cell, cell}});
+      put(made);
+      place = {made, 1};
+      ++made_count;
+    }
+    put(in_cell(piece));
+    tally_.planes += static_cast<std::uint64_t>(made_count);
+    if (cell == out_cell) out_count_ += made_count - 1;
+    for (const Corner& corner : fragment) farthest_ = std::min(farthest_, corner.at.z);
+  }
+
+  const LightSpace& space_;
+  const Rules& rules_;
+  PlaneOf plane_of_;
+  std::vector<Node>& nodes_;
+  Tally& tally_;
+  Filter filter_;
+  std::vector<double> values_;
+  std::vector<Corner> parts_;
+  std::int64_t out_count_ = 1;  // OUT cells of the tree
+  double farthest_ = INFINITY;  // least z of a fragment of the tree
+};
+
+}  // namespace gnomon::svbsp

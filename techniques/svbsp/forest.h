@@ -1,0 +1,213 @@
+#pragma once
+#include <gnomon/kit/random.h>
+
+#include <atomic>
+#include <optional>
+
+#include "tiles.h"
+
+namespace gnomon::svbsp {
+
+/// Equal tiles over what a light sees of the casters on one face, each with a tree of its own; a single one where there are no
+/// tiles.
+struct Grid {
+  glm::dvec2 low{0}, high{0}, step{0};
+  int columns = 0, rows = 0;
+  std::uint32_t first = 0;  ///< tile, of all faces
+
+  bool is_empty() const { return columns == 0; }
+  bool holds(const glm::dvec3& p) const { return p.x >= low.x && p.x <= high.x && p.y >= low.y && p.y <= high.y; }
+  int column(double x) const { return std::clamp(static_cast<int>((x - low.x) / step.x), 0, columns - 1); }
+  int row(double y) const { return std::clamp(static_cast<int>((y - low.y) / step.y), 0, rows - 1); }
+  std::uint32_t tile(int column, int row) const { return first + static_cast<std::uint32_t>(row * columns + column); }
+  double column_side(int k) const { return k == columns ? high.x : low.x + k * step.x; }
+  double row_side(int k) const { return k == rows ? high.y : low.y + k * step.y; }
+};
+
+inline void shuffle(std::span<std::uint32_t> items) {
+  Random random(1);
+  for (std::size_t i = items.size(); i > 1; --i) std::swap(items[i - 1], items[random.below(static_cast<std::uint32_t>(i))]);
+}
+
+/// The SVBSP trees of a light: one for each tile of each face.
+class Forest {
+ public:
+  enum class Order { tiles, bsp, face_planes };
+
+  /// Of pieces whose triangles' planes plane_of(face, piece) gives. On all threads; the outcome does not depend on their
+  /// number.
+  template <class PlaneOf>
+  void grow(const LightSpace& space, const Pieces& pieces, Order order, Rules rules, double extent, const PlaneOf& plane_of);
+
+  /// The piece nearest to the light where it sees a point of light space; adds to `visits`.
+  std::optional<std::uint32_t> nearest(int face, const glm::dvec3& p, std::uint64_t& visits) const {
+    const Grid& grid = grids_[face];
+    if (grid.is_empty() || !grid.holds(p)) return std::nullopt;
+    const std::uint32_t tile = grid.tile(grid.column(p.x), grid.row(p.y));
+    const Link cell = locate(nodes(tile).data(), roots_[tile], p.x, p.y, visits);
+    return is_in_cell(cell) ? std::optional(piece_in(cell)) : std::nullopt;
+  }
+
+  const Grid& grid(int face) const { return grids_[face]; }
+  const std::vector<Node>& nodes(std::uint32_t tile) const { return bins_[tile / bin_size].nodes; }
+  Link root(std::uint32_t tile) const { return roots_[tile]; }
+  const Epsilons& epsilon() const { return epsilon_; }
+
+  Tally tally() const;
+  std::size_t tile_count() const { return tile_count_; }
+  std::size_t node_count() const;
+  std::size_t depth() const;  ///< nodes on the longest way
+  std::size_t bytes() const;
+
+ private:
+  /// Tiles in a row that share a list of nodes; those of two faces never do.
+  static constexpr std::uint32_t bin_size = 64;
+  struct Bin {
+    std::vector<Node> nodes;
+    Tally tally;
+    int face = 0;
+  };
+  static constexpr double pieces_per_tile = 8;
+
+  void lay_grids(const Pieces& pieces, bool has_tiles);
+  void deal(const Pieces& pieces, double thinnest);
+
+  Grid grids_[6];
+  Epsilons epsilon_;
+  std::size_t tile_count_ = 0;
+  std::vector<Bin> bins_;
+  std::vector<Link> roots_;           // of each tile
+  std::vector<std::uint32_t> ends_;   // of each tile's pieces, in dealt_
+  std::vector<std::uint32_t> dealt_;  // pieces of the tile's face
+};
+
+inline void Forest::lay_grids(const Pieces& pieces, bool has_tiles) {
+  std::uint32_t next = 0;
+  for (int face = 0; face < 6; ++face) {
+    Grid& grid = grids_[face];
+    const std::span<const Piece> here = pieces.of_face(face);
+    grid = {.low = glm::dvec2(INFINITY), .high = glm::dvec2(-INFINITY), .first = next};
+    if (here.empty()) continue;
+    for (const Piece& piece : here) {
+      grid.low = glm::min(grid.low, glm::dvec2(piece.x0, piece.y0));
+      grid.high = glm::max(grid.high, glm::dvec2(piece.x1, piece.y1));
+    }
+    const glm::dvec2 size = grid.high - grid.low;
+    const double wanted = has_tiles ? std::min(static_cast<double>(here.size()) / pieces_per_tile, 0x1p22) : 1;
+    grid.columns =
+        std::clamp(static_cast<int>(std::sqrt(wanted * size.x / size.y)), 1, static_cast<int>(std::max(wanted, 1.0)));
+    grid.rows = std::max(1, static_cast<int>(wanted / grid.columns));
+    grid.step = size / glm::dvec2(grid.columns, grid.rows);
+    const auto tiles = static_cast<std::uint32_t>(grid.columns) * static_cast<std::uint32_t>(grid.rows);
+    next += (tiles + bin_size - 1) / bin_size * bin_size;
+  }
+  tile_count_ = next;
+}
+
+/// Counts, then places; which of two threads comes first changes the places within a tile, so these are sorted in the end.
+inline void Forest::deal(const Pieces& pieces, double thinnest) {
+  constexpr std::size_t block = 4096;
+  ends_.assign(tile_count_ + 1, 0);
+  const auto for_tiles = [&](const auto& visit) {
+    for (int face = 0; face < 6; ++face) {
+      const Grid& grid = grids_[face];
+      for_blocks(pieces.of_face(face).size(), block, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+          const Piece& piece = pieces.of_face(face)[i];
+          if (is_thin(piece, thinnest)) continue;
+          const int left = grid.column(piece.x0), right = grid.column(piece.x1), bottom = grid.row(piece.y1);
+          for (int row = grid.row(piece.y0); row <= bottom; ++row)
+            for (int column = left; column <= right; ++column)
+              visit(std::atomic_ref(ends_[grid.tile(column, row)]), static_cast<std::uint32_t>(i));
+        }
+      });
+    }
+  };
+  for_tiles([](std::atomic_ref<std::uint32_t> count, std::uint32_t) { count.fetch_add(1, std::memory_order_relaxed); });
+  std::uint32_t sum = 0;
+  for (std::uint32_t& count : ends_) sum += std::exchange(count, sum);
+  dealt_.resize(sum);
+  for_tiles(
+      [&](std::atomic_ref<std::uint32_t> next, std::uint32_t i) { dealt_[next.fetch_add(1, std::memory_order_relaxed)] = i; });
+}
+
+template <class PlaneOf>
+void Forest::grow(const LightSpace& space, const Pieces& pieces, Order order, Rules rules, double extent,
+                  const PlaneOf& plane_of) {
+  lay_grids(pieces, order == Order::tiles);
+  glm::dvec2 size(0);
+  for (const Grid& grid : grids_)
+    if (!grid.is_empty()) size = glm::max(size, grid.high - grid.low);
+  epsilon_ = rules.epsilon = space.epsilons(std::max(size.x, size.y), extent);
+  rules.is_ordered = order == Order::bsp;
+  deal(pieces, epsilon_.across);
+
+  roots_.assign(tile_count_, out_cell);
+  bins_.resize(tile_count_ / bin_size);
+  for (int face = 0; face < 6; ++face)
+    for (std::uint32_t tile = grids_[face].first; tile < (face < 5 ? grids_[face + 1].first : tile_count_); tile += bin_size)
+      bins_[tile / bin_size].face = face;
+  for_blocks(bins_.size(), 1, [&](std::size_t b, std::size_t) {
+    Bin& bin = bins_[b];
+    bin.nodes.clear();
+    bin.tally = {};
+    const Grid& grid = grids_[bin.face];
+    const std::span<const Piece> here = pieces.of_face(bin.face);
+    const auto plane = [&](std::uint32_t piece) { return plane_of(bin.face, piece); };
+    Tiler tiler(space, rules, plane, bin.nodes, bin.tally);
+    Builder builder(space, rules, plane, bin.nodes, bin.tally);
+    for (std::uint32_t tile = static_cast<std::uint32_t>(b) * bin_size; tile < (b + 1) * bin_size; ++tile) {
+      const std::span<std::uint32_t> dealt{dealt_.data() + (tile == 0 ? 0 : ends_[tile - 1]), dealt_.data() + ends_[tile]};
+      if (dealt.empty()) continue;
+      std::ranges::sort(dealt);
+      if (order == Order::tiles) {
+        const int column = static_cast<int>(tile - grid.first) % grid.columns,
+                  row = static_cast<int>(tile - grid.first) / grid.columns;
+        const glm::dvec2 low(grid.column_side(column), grid.row_side(row)),
+            high(grid.column_side(column + 1), grid.row_side(row + 1));
+        tiler.clear();
+        for (const std::uint32_t i : dealt) tiler.add(here[i], i, low, high);
+        roots_[tile] = tiler.grow();
+      } else {
+        if (order == Order::face_planes) shuffle(dealt);
+        builder.start();
+        for (const std::uint32_t i : dealt) builder.add(here[i].polygon(), i, roots_[tile]);
+      }
+    }
+  });
+}
+
+inline Tally Forest::tally() const {
+  Tally sum;
+  for (const Bin& bin : bins_) sum += bin.tally;
+  return sum;
+}
+
+inline std::size_t Forest::node_count() const {
+  std::size_t sum = 0;
+  for (const Bin& bin : bins_) sum += bin.nodes.size();
+  return sum;
+}
+
+inline std::size_t Forest::depth() const {
+  std::size_t deepest = 0;
+  std::vector<std::uint32_t> depths;
+  for (const Bin& bin : bins_) {
+    depths.assign(bin.nodes.size(), 1);
+    for (std::size_t i = 0; i < bin.nodes.size(); ++i) {  // children come after their parents
+      deepest = std::max<std::size_t>(deepest, depths[i]);
+      for (const Link link : bin.nodes[i].sides)
+        if (link >= 0) depths[link] = depths[i] + 1;
+    }
+  }
+  return deepest;
+}
+
+inline std::size_t Forest::bytes() const {
+  std::size_t sum = bins_.capacity() * sizeof(Bin) + roots_.capacity() * sizeof(Link) +
+                    (ends_.capacity() + dealt_.capacity()) * sizeof(std::uint32_t);
+  for (const Bin& bin : bins_) sum += bin.nodes.capacity() * sizeof(Node);
+  return sum;
+}
+
+}  // namespace gnomon::svbsp

@@ -1,0 +1,122 @@
+#pragma once
+#include <cmath>
+#include <vector>
+
+#include "light_space.h"
+
+namespace gnomon::svbsp {
+
+/// A node, from 0 up, or a cell, from -1 down.
+using Link = std::int32_t;
+constexpr Link out_cell = -1;  ///< nothing is there
+constexpr Link in_cell(std::uint32_t piece) { return -2 - static_cast<Link>(piece); }
+constexpr bool is_in_cell(Link link) { return link < out_cell; }
+constexpr std::uint32_t piece_in(Link link) { return static_cast<std::uint32_t>(-2 - link); }  ///< nearest to the light there
+
+/// A shadow plane, or a border of tiles: a line of light space, scaled so that `at` is the distance from it.
+struct Node {
+  double x, y, offset;
+  Link sides[2];  ///< negative; zero and positive
+  double at(double px, double py) const { return x * px + y * py + offset; }
+};
+
+/// The cell that holds a point; adds the nodes on the way to `visits`.
+inline Link locate(const Node* nodes, Link link, double x, double y, std::uint64_t& visits) {
+  while (link >= 0) {
+    const Node& node = nodes[link];
+    link = node.sides[node.at(x, y) >= 0];
+    ++visits;
+  }
+  return link;
+}
+
+/// What a tree knows about an edge of a polygon.
+enum EdgeMark : std::uint32_t {
+  own_edge = 0,    ///< of the triangle itself, or where it meets another triangle's plane
+  bsp_cut = 1,     ///< made by the regular BSP tree, as kit/bsp.h marks it: on no shadow plane
+  shadow_cut = 2,  ///< on the plane of a node above: a shadow plane there would divide nothing
+};
+
+/// A link of the tree, by the node that it belongs to; the root has none.
+struct Place {
+  Link parent = -1;
+  std::uint32_t side = 0;
+};
+
+/// Filters polygons down a tree.
+class Filter {
+ public:
+  /// Calls visit(place, cell, fragment) for every part of a polygon that a cell holds. It may add to the tree below that cell.
+  /// `marks_shared`: edges found to lie on the plane of a node become shadow cuts. Returns how often planes cut the polygon;
+  /// fragments that are nowhere farther than epsilon from a node's plane are dropped, and counted in `thin`.
+  template <class Visit>
+  std::uint64_t run(const std::vector<Node>& nodes, Link root, std::span<const Corner> polygon, double epsilon,
+                    bool marks_shared, std::uint64_t& thin, Visit&& visit) {
+    std::uint64_t cuts = 0;
+    std::size_t first = 0, count = polygon.size();
+    reserve(count);
+    std::copy(polygon.begin(), polygon.end(), corners_.begin());
+    Place place;
+    Link link = root;
+    for (;;) {
+      Lies lies = Lies::positive;
+      while (link >= 0) {
+        const Node& node = nodes[link];
+        lies = classify({corners_.data() + first, count}, {{node.x, node.y, 0}, node.offset}, epsilon, values_.data());
+        if (lies == Lies::within) break;
+        place = {link, lies != Lies::negative};
+        if (lies == Lies::across) {
+          ++cuts;
+          const std::size_t negative = first + count, positive = negative + count + 1;
+          reserve(positive + count + 1);
+          const CutCounts cut = cut_polygon({corners_.data() + first, count}, values_.data(), epsilon, shadow_cut,
+                                            corners_.data() + negative, corners_.data() + positive);
+          waiting_.push_back({{link, 0}, negative, cut.negative});
+          first = positive, count = cut.positive;
+        } else if (marks_shared) {
+          mark_shared({corners_.data() + first, count}, epsilon);
+        }
+        link = node.sides[place.side];
+      }
+      if (lies == Lies::within)
+        ++thin;
+      else
+        visit(place, link, std::span<const Corner>(corners_.data() + first, count));
+      if (waiting_.empty()) return cuts;
+      place = waiting_.back().place, first = waiting_.back().first, count = waiting_.back().count;
+      waiting_.pop_back();
+      link = nodes[place.parent].sides[place.side];
+    }
+  }
+
+  std::size_t bytes() const {
+    return corners_.capacity() * sizeof(Corner) + values_.capacity() * sizeof(double) + waiting_.capacity() * sizeof(Waiting);
+  }
+
+ private:
+  /// A fragment on the other side of a plane; its corners lie above those of the ones that wait longer.
+  struct Waiting {
+    Place place;
+    std::size_t first, count;
+  };
+  void reserve(std::size_t corners) {
+    if (corners_.size() >= corners) return;
+    corners_.resize(2 * corners);
+    values_.resize(2 * corners);
+  }
+  void mark_shared(std::span<Corner> fragment, double epsilon) {
+    bool is_on = std::abs(values_[0]) <= epsilon;
+    const bool is_first_on = is_on;
+    for (std::size_t i = 0; i < fragment.size(); ++i) {
+      const bool is_next_on = i + 1 < fragment.size() ? std::abs(values_[i + 1]) <= epsilon : is_first_on;
+      if (is_on && is_next_on) fragment[i].edge = shadow_cut;
+      is_on = is_next_on;
+    }
+  }
+
+  std::vector<Corner> corners_;
+  std::vector<double> values_;
+  std::vector<Waiting> waiting_;
+};
+
+}  // namespace gnomon::svbsp
