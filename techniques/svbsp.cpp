@@ -82,6 +82,7 @@ class Svbsp final : public Technique {
                                                   : BspOptions::Choice::balanced,
             .free_cuts = free_cuts && !split.is("first")};
   }
+  std::vector<float> paint() const;
   Facing facing() const { return {triangles_, signs_}; }
   /// The triangle that shades a pixel's point, or `none`.
   std::uint32_t occluder(const GBuffer& gbuffer, std::size_t i, std::uint64_t& visits) const;
@@ -228,6 +229,7 @@ Counts Svbsp::counts() const {
       count("depth", forest_.depth()),
       count("fragments", fragments),
       count("lit_fragments", tally.lit),
+      count("hidden", tally.hidden),
       count("fragments_per_polygon", static_cast<double>(fragments) / static_cast<double>(std::max<std::size_t>(polygons, 1))),
       count("splits", tally.cuts + tally.crossings),
       count("tile_splits", tally.tile_cuts),
@@ -275,12 +277,30 @@ std::optional<SurfaceDetail> Svbsp::surface_detail() const {
 
 std::vector<DebugLayer> Svbsp::debug_layers() const {
   std::vector<DebugLayer> layers = detail_layers();
+  layers.push_back(painter_layer());
   layers.push_back({"visits", "Nodes visited to locate each point: gray none, else colors as in the legend.", heat_legend()});
   return layers;
 }
 
+/// The second pass of the source: the regular BSP tree's polygons with their surface detail.
+std::vector<float> Svbsp::paint() const {
+  std::optional<Bsp> made;
+  if (!bsp_) made.emplace(*scene_, bsp_options());
+  const Bsp& bsp = bsp_ ? *bsp_ : *made;
+  const Facing facing = this->facing();
+  Divider divider(space_, forest_, pieces_, facing);
+  SurfaceDetail detail;
+  return paint_back_to_front(*scene_, *gbuffer_, light_, bsp, [&](const BspPolygon& polygon, DetailBrush& brush) {
+    detail.corners.clear(), detail.polygons.clear();
+    divider.divide(bsp.corners(polygon), polygon.triangle, named(polygon.triangle), merge, detail);
+    for (const DetailPolygon& part : detail.polygons)
+      brush.paint(std::span<const glm::dvec3>(detail.corners).subspan(part.first, part.count), part.is_lit);
+  });
+}
+
 std::vector<float> Svbsp::draw_debug(std::string_view layer) const {
   if (layer == "fragments") return paint_detail(*scene_, *gbuffer_, light_, *surface_detail());
+  if (layer == "painter") return paint();
   if (layer != "visits") return Technique::draw_debug(layer);
   std::vector<float> values(gbuffer_->size(), 0);
   for (std::size_t i = 0; i < values.size(); ++i) {

@@ -21,9 +21,10 @@ struct Tally {
   std::uint64_t cuts = 0;                         ///< by shadow planes
   std::uint64_t crossings = 0;                    ///< by the plane of another piece
   std::uint64_t lit = 0, shadowed = 0, thin = 0;  ///< fragments, when they reached their cells
+  std::uint64_t hidden = 0;                       ///< pieces left out of tiles that nearer ones hide
   Tally& operator+=(const Tally& t) {
     planes += t.planes, tile_cuts += t.tile_cuts, cuts += t.cuts, crossings += t.crossings;
-    lit += t.lit, shadowed += t.shadowed, thin += t.thin;
+    lit += t.lit, shadowed += t.shadowed, thin += t.thin, hidden += t.hidden;
     return *this;
   }
 };

@@ -54,7 +54,11 @@ class Forest {
   const Epsilons& epsilon() const { return epsilon_; }
 
   Tally tally() const;
-  std::size_t tile_count() const { return tile_count_; }
+  std::size_t tile_count() const {
+    std::size_t sum = 0;
+    for (const Grid& grid : grids_) sum += static_cast<std::size_t>(grid.columns) * grid.rows;
+    return sum;
+  }
   std::size_t node_count() const;
   std::size_t depth() const;  ///< nodes on the longest way
   std::size_t bytes() const;
@@ -74,7 +78,7 @@ class Forest {
 
   Grid grids_[6];
   Epsilons epsilon_;
-  std::size_t tile_count_ = 0;
+  std::uint32_t end_ = 0;  // of the tiles
   std::vector<Bin> bins_;
   std::vector<Link> roots_;           // of each tile
   std::vector<std::uint32_t> ends_;   // of each tile's pieces, in dealt_
@@ -101,13 +105,13 @@ inline void Forest::lay_grids(const Pieces& pieces, bool has_tiles) {
     const auto tiles = static_cast<std::uint32_t>(grid.columns) * static_cast<std::uint32_t>(grid.rows);
     next += (tiles + bin_size - 1) / bin_size * bin_size;
   }
-  tile_count_ = next;
+  end_ = next;
 }
 
 /// Counts, then places; which of two threads comes first changes the places within a tile, so these are sorted in the end.
 inline void Forest::deal(const Pieces& pieces, double thinnest) {
   constexpr std::size_t block = 4096;
-  ends_.assign(tile_count_ + 1, 0);
+  ends_.assign(end_ + 1, 0);
   const auto for_tiles = [&](const auto& visit) {
     for (int face = 0; face < 6; ++face) {
       const Grid& grid = grids_[face];
@@ -142,10 +146,10 @@ void Forest::grow(const LightSpace& space, const Pieces& pieces, Order order, Ru
   rules.is_ordered = order == Order::bsp;
   deal(pieces, epsilon_.across);
 
-  roots_.assign(tile_count_, out_cell);
-  bins_.resize(tile_count_ / bin_size);
+  roots_.assign(end_, out_cell);
+  bins_.resize(end_ / bin_size);
   for (int face = 0; face < 6; ++face)
-    for (std::uint32_t tile = grids_[face].first; tile < (face < 5 ? grids_[face + 1].first : tile_count_); tile += bin_size)
+    for (std::uint32_t tile = grids_[face].first; tile < (face < 5 ? grids_[face + 1].first : end_); tile += bin_size)
       bins_[tile / bin_size].face = face;
   for_blocks(bins_.size(), 1, [&](std::size_t b, std::size_t) {
     Bin& bin = bins_[b];
@@ -165,9 +169,7 @@ void Forest::grow(const LightSpace& space, const Pieces& pieces, Order order, Ru
                   row = static_cast<int>(tile - grid.first) / grid.columns;
         const glm::dvec2 low(grid.column_side(column), grid.row_side(row)),
             high(grid.column_side(column + 1), grid.row_side(row + 1));
-        tiler.clear();
-        for (const std::uint32_t i : dealt) tiler.add(here[i], i, low, high);
-        roots_[tile] = tiler.grow();
+        roots_[tile] = tiler.grow(here, dealt, low, high);
       } else {
         if (order == Order::face_planes) shuffle(dealt);
         builder.start();

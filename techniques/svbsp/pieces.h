@@ -31,14 +31,26 @@ struct Facing {
   }
 };
 
+/// A plane as heights over x and y; not finite where it holds the light.
+inline glm::dvec3 rise(const ClipPlane& plane) {
+  return -glm::dvec3(plane.normal.x, plane.normal.y, plane.offset) / plane.normal.z;
+}
+
 /// The part of a convex polygon that lies on one face of light space, seen counter-clockwise there.
 struct Piece {
   const Corner* corners;
   std::uint32_t count;
   std::uint32_t triangle;
   float x0, y0, x1, y1;  ///< bounds
+  glm::dvec3 rise;       ///< z is dot(rise, (x, y, 1)) on its plane
+  double top;            ///< greatest z of its corners
 
   std::span<const Corner> polygon() const { return {corners, count}; }
+  /// No point of it between two corners of a box is nearer to the light.
+  double nearest(const glm::dvec2& low, const glm::dvec2& high) const {
+    const double plane = std::max(rise.x * low.x, rise.x * high.x) + std::max(rise.y * low.y, rise.y * high.y) + rise.z;
+    return plane < top ? plane : top;
+  }
 };
 
 /// Whether a piece is no wider than epsilon: it has no inside to speak of, and rounding decides which side of its edges that
@@ -153,12 +165,15 @@ void Pieces::make(const LightSpace& space, const Facing& facing, std::size_t cou
       if (world.empty()) continue;
       projector.run(space, world, facing.signs[triangle], [&](int face, std::span<const Corner> polygon) {
         glm::dvec2 low(INFINITY), high(-INFINITY);
-        for (const Corner& corner : polygon)
+        double top = -INFINITY;
+        for (const Corner& corner : polygon) {
           low = glm::min(low, glm::dvec2(corner.at)), high = glm::max(high, glm::dvec2(corner.at));
+          top = std::max(top, corner.at.z);
+        }
         const auto below = [](double x) { return std::nextafter(static_cast<float>(x), -INFINITY); };
         const auto above = [](double x) { return std::nextafter(static_cast<float>(x), INFINITY); };
         block.pieces[face].push_back({nullptr, static_cast<std::uint32_t>(polygon.size()), triangle, below(low.x), below(low.y),
-                                      above(high.x), above(high.y)});
+                                      above(high.x), above(high.y), rise(facing.plane(space, face, triangle)), top});
         block.corners[face].insert(block.corners[face].end(), polygon.begin(), polygon.end());
       });
     }

@@ -11,125 +11,119 @@ class Tiler {
   Tiler(const LightSpace& space, const Rules& rules, PlaneOf plane_of, std::vector<Node>& nodes, Tally& tally)
       : rules_(rules), nodes_(nodes), tally_(tally), builder_(space, rules, plane_of, nodes, tally) {}
 
-  void clear() { corners_.clear(), items_.clear(); }
-  /// Adds what a rectangle holds of a piece.
-  void add(const Piece& piece, std::uint32_t index, const glm::dvec2& low, const glm::dvec2& high) {
-    const std::size_t top = corners_.size();
-    Item item{static_cast<std::uint32_t>(top), piece.count, index};
-    corners_.insert(corners_.end(), piece.corners, piece.corners + piece.count);
-    for (int axis = 0; axis < 2 && item.count > 0; ++axis) {
-      if ((axis == 0 ? piece.x0 : piece.y0) < low[axis]) item = cut(item, axis, low[axis]).second;
-      if (item.count > 0 && (axis == 0 ? piece.x1 : piece.y1) > high[axis]) item = cut(item, axis, high[axis]).first;
-    }
-    if (item.count > 0)
-      items_.push_back(item);
-    else
-      corners_.resize(top);
-  }
-  /// The tree of all that was added.
-  Link grow() { return grow(0, items_.size(), 0); }
-
-  std::size_t bytes() const {
-    return corners_.capacity() * sizeof(Corner) + items_.capacity() * sizeof(Item) + values_.capacity() * sizeof(double);
+  /// The tree of those pieces whose indices are given, in a tile.
+  Link grow(std::span<const Piece> pieces, std::span<const std::uint32_t> indices, const glm::dvec2& low,
+            const glm::dvec2& high) {
+    pieces_ = pieces;
+    items_.clear();
+    for (const std::uint32_t i : indices)
+      add({.piece = i, .low = {pieces[i].x0, pieces[i].y0}, .high = {pieces[i].x1, pieces[i].y1}}, low, high);
+    return grow(0, items_.size(), low, high, 0);
   }
 
  private:
+  /// A piece, the part of its bounds that lies in the tile, and how near to the light it comes there at most.
   struct Item {
-    std::uint32_t first, count, piece;
+    std::uint32_t piece = 0;
+    glm::dvec2 low{0}, high{0};
     double nearest = 0;
   };
   static constexpr int deepest = 24;    ///< splits; a tile is then 2^-12 of its cell, on either axis
   static constexpr double worth = 1.2;  ///< most items on both sides together, as a multiple of those before
 
-  std::pair<Item, Item> cut(const Item& item, int axis, double at) {
-    if (values_.size() < item.count) values_.resize(2 * item.count);
-    glm::dvec3 normal(0);
-    normal[axis] = 1;
-    const std::span<const Corner> polygon{corners_.data() + item.first, item.count};
-    const Lies lies = classify(polygon, {normal, -at}, rules_.epsilon.across, values_.data());
-    Item low{0, 0, item.piece}, high = low;
-    if (lies == Lies::negative) low = item;
-    if (lies == Lies::positive) high = item;
-    if (lies != Lies::across) return {low, high};
-    ++tally_.tile_cuts;
-    const std::size_t top = corners_.size();
-    corners_.resize(top + 2 * (item.count + 1));
-    const CutCounts counts = cut_polygon({corners_.data() + item.first, item.count}, values_.data(), rules_.epsilon.across,
-                                         shadow_cut, corners_.data() + top, corners_.data() + top + item.count + 1);
-    low.first = static_cast<std::uint32_t>(top), low.count = static_cast<std::uint32_t>(counts.negative);
-    high.first = static_cast<std::uint32_t>(top + item.count + 1), high.count = static_cast<std::uint32_t>(counts.positive);
-    return {low, high};
+  void add(Item item, const glm::dvec2& low, const glm::dvec2& high) {
+    item.low = glm::max(item.low, low), item.high = glm::min(item.high, high);
+    item.nearest = pieces_[item.piece].nearest(item.low, item.high);
+    items_.push_back(item);
+  }
+
+  /// A line across an axis.
+  struct Line {
+    int axis = 0;
+    double at = 0;
+    std::size_t crossing = 0;
+    bool divides = false;  ///< leaves items on either side
+  };
+  /// Through the middle of the items' boxes, across the axis where it crosses fewer.
+  Line find_line(std::size_t begin, std::size_t end) const {
+    glm::dvec2 sum(0);
+    for (std::size_t i = begin; i < end; ++i) sum += items_[i].low + items_[i].high;
+    Line lines[2];
+    for (int axis = 0; axis < 2; ++axis) {
+      Line& line = lines[axis];
+      line.axis = axis, line.at = 0.5 * sum[axis] / static_cast<double>(end - begin);
+      std::size_t below = 0, above = 0;
+      for (std::size_t i = begin; i < end; ++i)
+        below += items_[i].high[axis] <= line.at, above += items_[i].low[axis] >= line.at;
+      line.crossing = end - begin - below - above;
+      line.divides = below > 0 && above > 0;
+    }
+    if (lines[0].divides != lines[1].divides) return lines[lines[1].divides];
+    return lines[lines[1].crossing < lines[0].crossing];
   }
 
   /// Of items begin .. end, the last ones.
-  Link grow(std::size_t begin, std::size_t end, int depth) {
+  Link grow(std::size_t begin, std::size_t end, const glm::dvec2& low, const glm::dvec2& high, int depth) {
     const std::size_t count = end - begin;
-    if (count <= rules_.tile_size || depth == deepest) return fill(begin, end);
-    glm::dvec2 sum(0), low(INFINITY), high(-INFINITY);
-    for (std::size_t i = begin; i < end; ++i) {
-      glm::dvec2 center(0);
-      for (std::uint32_t k = 0; k < items_[i].count; ++k) center += glm::dvec2(corners_[items_[i].first + k].at);
-      center /= items_[i].count;
-      sum += center, low = glm::min(low, center), high = glm::max(high, center);
-    }
-    const int axis = high.x - low.x >= high.y - low.y ? 0 : 1;
-    const double at = sum[axis] / static_cast<double>(count);
-
-    // Below side by side, then above.
-    const std::size_t top = corners_.size();
-    std::vector<Item> above;
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto [below_it, above_it] = cut(Item(items_[i]), axis, at);
-      if (below_it.count > 0) items_.push_back(below_it);
-      if (above_it.count > 0) above.push_back(above_it);
-    }
-    const std::size_t below_count = items_.size() - end;
-    Link made;
-    if (static_cast<double>(below_count + above.size()) > worth * static_cast<double>(count)) {
-      items_.resize(end);
-      made = fill(begin, end);
-    } else {
-      made = static_cast<Link>(nodes_.size());
-      nodes_.push_back({axis == 0 ? 1.0 : 0.0, axis == 1 ? 1.0 : 0.0, -at, {out_cell, out_cell}});
-      const Link below_tree = grow(end, end + below_count, depth + 1);
-      nodes_[made].sides[0] = below_tree;
-      items_.resize(end);
-      items_.insert(items_.end(), above.begin(), above.end());
-      const Link above_tree = grow(end, items_.size(), depth + 1);
-      nodes_[made].sides[1] = above_tree;
+    if (count <= rules_.tile_size || depth == deepest) return fill(begin, end, low, high);
+    const Line line = find_line(begin, end);
+    if (!line.divides || static_cast<double>(count + line.crossing) > worth * static_cast<double>(count))
+      return fill(begin, end, low, high);
+    const auto made = static_cast<Link>(nodes_.size());
+    nodes_.push_back({line.axis == 0 ? 1.0 : 0.0, line.axis == 1 ? 1.0 : 0.0, -line.at, {out_cell, out_cell}});
+    for (unsigned side = 0; side < 2; ++side) {
+      glm::dvec2 from = low, to = high;
+      (side == 0 ? to : from)[line.axis] = line.at;
+      for (std::size_t i = begin; i < end; ++i)
+        if (side == 0 ? items_[i].low[line.axis] < line.at : items_[i].high[line.axis] > line.at)
+          add(Item(items_[i]), from, to);
+      const Link tree = grow(end, items_.size(), from, to, depth + 1);
+      nodes_[made].sides[side] = tree;
       items_.resize(end);
     }
-    corners_.resize(top);
     return made;
   }
 
-  /// The nearest ones first, so that little of what comes later is nearer.
-  Link fill(std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      double nearest = -INFINITY;
-      for (std::uint32_t k = 0; k < items_[i].count; ++k) nearest = std::max(nearest, corners_[items_[i].first + k].at.z);
-      items_[i].nearest = nearest;
-    }
+  /// Those first that may be nearest, so that little of what comes later is nearer, and nothing once they hide the tile.
+  Link fill(std::size_t begin, std::size_t end, const glm::dvec2& low, const glm::dvec2& high) {
     std::sort(items_.begin() + static_cast<std::ptrdiff_t>(begin), items_.begin() + static_cast<std::ptrdiff_t>(end),
               [](const Item& a, const Item& b) { return a.nearest != b.nearest ? a.nearest > b.nearest : a.piece < b.piece; });
     Link root = out_cell;
     builder_.start();
     for (std::size_t i = begin; i < end; ++i) {
       if (builder_.hides(items_[i].nearest)) {
-        tally_.shadowed += end - i;
+        tally_.hidden += end - i;
         break;
       }
-      builder_.add({corners_.data() + items_[i].first, items_[i].count}, items_[i].piece, root);
+      if (clip(pieces_[items_[i].piece], low, high)) builder_.add(part_, items_[i].piece, root);
     }
     return root;
+  }
+
+  /// Makes the part of a piece that a tile holds; says whether there is one.
+  bool clip(const Piece& piece, const glm::dvec2& low, const glm::dvec2& high) {
+    part_.assign(piece.corners, piece.corners + piece.count);
+    return (!(piece.x0 < low.x) || cut_off({{1, 0, 0}, -low.x})) && (!(piece.x1 > high.x) || cut_off({{-1, 0, 0}, high.x})) &&
+           (!(piece.y0 < low.y) || cut_off({{0, 1, 0}, -low.y})) && (!(piece.y1 > high.y) || cut_off({{0, -1, 0}, high.y}));
+  }
+  bool cut_off(const ClipPlane& line) {
+    if (values_.size() < part_.size()) values_.resize(2 * part_.size());
+    const Lies lies = classify(part_, line, rules_.epsilon.across, values_.data());
+    if (lies != Lies::across) return lies == Lies::positive;
+    ++tally_.tile_cuts;
+    kept_.resize(part_.size() + 1), rest_.resize(part_.size() + 1);
+    kept_.resize(cut_polygon(part_, values_.data(), rules_.epsilon.across, shadow_cut, rest_.data(), kept_.data()).positive);
+    std::swap(part_, kept_);
+    return true;
   }
 
   const Rules& rules_;
   std::vector<Node>& nodes_;
   Tally& tally_;
   Builder<PlaneOf> builder_;
-  std::vector<Corner> corners_;
+  std::span<const Piece> pieces_;
   std::vector<Item> items_;
+  std::vector<Corner> part_, kept_, rest_;
   std::vector<double> values_;
 };
 

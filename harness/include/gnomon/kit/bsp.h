@@ -2,7 +2,9 @@
 #include <gnomon/kit/clip.h>
 #include <gnomon/scene.h>
 
+#include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace gnomon {
@@ -14,6 +16,7 @@ struct BspPolygon {
       count;  ///< corners, of Bsp::corners(); Corner::edge is 0 on the triangle's own edges, 1 on those of cuts
 };
 
+/// What a tree is made by.
 struct BspOptions {
   /// Which polygon's plane divides a cell's polygons: that of the first one in the order of the scene; of the one, among
   /// `candidates`, that cuts the fewest others, then the one that divides them most evenly; or the one with the least of 8 x
@@ -67,13 +70,29 @@ class Bsp {
   }
 
  private:
-  friend struct BspBuilder;
+  struct Builder;
   static constexpr std::uint32_t none = 0xffffffffu;
   struct Node {
     ClipPlane plane;            ///< zero where there are no children
     std::uint32_t children[2];  ///< on its negative and positive side, or none
     std::uint32_t first, count;
   };
+  /// Leaves what a vector holds unset when it is resized, so that threads can fill it side by side, each its own pages.
+  template <class T>
+  struct Unset : std::allocator<T> {
+    template <class U>
+    void construct(U*) noexcept {}
+    template <class U, class... Arguments>
+    void construct(U* at, Arguments&&... arguments) {
+      ::new (static_cast<void*>(at)) U(std::forward<Arguments>(arguments)...);
+    }
+    template <class U>
+    struct rebind {
+      using other = Unset<U>;
+    };
+  };
+  template <class T>
+  using List = std::vector<T, Unset<T>>;
 
   /// In order: the child on the side of `from` when near is 1, on the other one when it is 0; the node; the other child.
   template <class Visit>
@@ -98,9 +117,9 @@ class Bsp {
     }
   }
 
-  std::vector<Node> nodes_;  ///< the root first, children after their parents
-  std::vector<BspPolygon> polygons_;
-  std::vector<Corner> corners_;
+  List<Node> nodes_;  ///< the root first, children after their parents
+  List<BspPolygon> polygons_;
+  List<Corner> corners_;
   std::size_t split_count_ = 0, depth_ = 0;
   double epsilon_ = 0;
 };

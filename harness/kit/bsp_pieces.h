@@ -1,0 +1,115 @@
+#pragma once
+// Private to kit/bsp.cpp: triangles and their parts on the way down a BSP tree that is being made, and the planes that divide
+// them.
+#include <gnomon/kit/clip.h>
+#include <gnomon/scene.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+namespace gnomon::bsp {
+
+/// A triangle, or a part of one. It carries what most tests need, so that a list is read in a row.
+struct Piece {
+  float at[9];             ///< three corners; of a part the lower and the upper corner of a box around it
+  std::uint32_t triangle;  ///< counted over the scene
+  const Corner* corners;   ///< of a part; null for a triangle
+  std::uint32_t count;     ///< corners
+
+  glm::dvec3 corner(int k) const { return {at[3 * k], at[3 * k + 1], at[3 * k + 2]}; }  ///< of a triangle
+  float low(int axis) const { return corners ? at[axis] : std::min({at[axis], at[axis + 3], at[axis + 6]}); }
+  float high(int axis) const { return corners ? at[axis + 3] : std::max({at[axis], at[axis + 3], at[axis + 6]}); }
+};
+
+inline Piece piece_of(std::uint32_t triangle, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+  return {{a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z}, triangle, nullptr, 3};
+}
+
+inline Piece piece_of(std::uint32_t triangle, const Corner* corners, std::size_t count) {
+  Piece made{{}, triangle, corners, static_cast<std::uint32_t>(count)};
+  glm::dvec3 low = corners[0].at, high = low;
+  for (std::size_t i = 1; i < count; ++i) low = glm::min(low, corners[i].at), high = glm::max(high, corners[i].at);
+  for (int k = 0; k < 3; ++k) {
+    const auto down = static_cast<float>(low[k]), up = static_cast<float>(high[k]);
+    made.at[k] = down > low[k] ? std::nextafter(down, -INFINITY) : down;
+    made.at[3 + k] = up < high[k] ? std::nextafter(up, INFINITY) : up;
+  }
+  return made;
+}
+
+/// What divides a list of pieces: the plane of one of their triangles, or a free cut.
+struct Divider {
+  ClipPlane plane;
+  int axis = -1;          ///< that a free cut is across
+  float place = 0;        ///< of a free cut, on its axis
+  std::size_t owner = 0;  ///< otherwise the piece's place in the list,
+  Triangle triangle;      ///< and its triangle
+};
+
+/// A normal of any length, zero only when the triangle's area is zero. The unit normal's error, an angle, is that of the
+/// product, a few 2^-53, over the sine between the edges: below 1e-11 where the sine is above 1e-4. Elsewhere the product is
+/// taken in quadruple precision, where it is exact but for exponents 60 bits apart.
+inline glm::dvec3 normal_of(const Triangle& t) {
+  const glm::dvec3 a(t.points[0]), u = glm::dvec3(t.points[1]) - a, v = glm::dvec3(t.points[2]) - a, n = glm::cross(u, v);
+  if (glm::dot(n, n) > 1e-8 * glm::dot(u, u) * glm::dot(v, v)) return n;
+  using Quad = __float128;
+  const auto product = [&](int i, int j) { return Quad(u[i]) * v[j] - Quad(u[j]) * v[i]; };
+  const Quad q[3] = {product(1, 2), product(2, 0), product(0, 1)};
+  Quad largest = 0;
+  for (const Quad x : q) largest = std::max(largest, x < 0 ? -x : x);
+  if (largest == 0) return glm::dvec3(0);
+  return {static_cast<double>(q[0] / largest), static_cast<double>(q[1] / largest), static_cast<double>(q[2] / largest)};
+}
+
+inline void set_plane(Divider& divider, const Triangle& triangle) {
+  const glm::dvec3 n = normal_of(triangle);
+  divider.axis = -1;
+  divider.triangle = triangle;
+  divider.plane.normal = n / std::sqrt(glm::dot(n, n));
+  divider.plane.offset = -glm::dot(divider.plane.normal, glm::dvec3(triangle.points[0]));
+}
+
+inline void set_free_cut(Divider& divider, int axis, float place) {
+  divider.axis = axis;
+  divider.place = place;
+  divider.plane = {.normal = glm::dvec3(0), .offset = -double{place}};
+  divider.plane.normal[axis] = 1;
+}
+
+/// Corners of parts, taken in lots by many threads. They stay where they are as long as the arena lives.
+class Arena {
+ public:
+  class Lot {
+   public:
+    explicit Lot(Arena& arena) : arena_(arena) {}
+    /// Room for as many, of which `keep` takes the first ones.
+    Corner* reserve(std::size_t count) {
+      if (static_cast<std::size_t>(end_ - next_) < count) {
+        const std::size_t size = std::max<std::size_t>(count, 512);
+        next_ = arena_.take(size);
+        end_ = next_ + size;
+      }
+      return next_;
+    }
+    void keep(std::size_t count) { next_ += count; }
+
+   private:
+    Arena& arena_;
+    Corner *next_ = nullptr, *end_ = nullptr;
+  };
+
+ private:
+  Corner* take(std::size_t size) {
+    std::unique_ptr<Corner[]> lot(new Corner[size]);
+    const std::scoped_lock lock(mutex_);
+    lots_.push_back(std::move(lot));
+    return lots_.back().get();
+  }
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Corner[]>> lots_;
+};
+
+}  // namespace gnomon::bsp
