@@ -92,7 +92,9 @@ class Builder {
       const double x = a.y - b.y, y = b.x - a.x, length = std::sqrt(x * x + y * y);
       if (!(length > rules_.epsilon.across)) continue;
       const auto made = static_cast<Link>(nodes_.size());
-      nodes_.push_back({x / length, y / length, -(x * a.x + y * a.y) / length, {cell, cell}});
+      // Beyond a cut lies the rest of the same triangle: a way that rounding could leave between both is closed.
+      const double beyond = fragment[i].edge == own_edge ? 0 : rules_.epsilon.across;
+      nodes_.push_back({x / length, y / length, beyond - (x * a.x + y * a.y) / length, {cell, cell}});
       put(made);
       place = {made, 1};
       ++made_count;
