@@ -71,7 +71,7 @@ class Forest {
     Tally tally;
     int face = 0;
   };
-  static constexpr double pieces_per_tile = 8;
+  static constexpr double pieces_per_tile = 16;
 
   void lay_grids(const Pieces& pieces, bool has_tiles);
   void deal(const Pieces& pieces, double thinnest);
