@@ -1,10 +1,9 @@
 #include <gnomon/registry.h>
-#include <unistd.h>
-
-#include <fstream>
 
 #include "app/app.h"
+#include "app/staged_folder.h"
 #include "measure/paths.h"
+#include "measure/picture/detail_export.h"
 #include "measure/picture/picture.h"
 #include "measure/run/context.h"
 #include "measure/run/row.h"
@@ -19,38 +18,9 @@ namespace fs = std::filesystem;
 struct RenderOptions {
   std::string scene, technique, view, size = "640x360", truth = "shape", debug;
   std::vector<std::string> lights;
-  fs::path out;
+  fs::path out, detail;
   int threads = 0;
   double timeout = 120;
-};
-
-/// A new folder's files appear in it at once: all is written beside it first, and renamed when it is whole.
-class StagedFolder {
- public:
-  explicit StagedFolder(fs::path out) : out_(std::move(out)) {
-    std::error_code code;
-    const fs::path parent = fs::absolute(out_).parent_path();
-    fs::create_directories(parent, code);
-    if (!code && fs::exists(out_) && !fs::is_directory(out_)) code = std::make_error_code(std::errc::not_a_directory);
-    path = parent / fmt::format(".{}.{}.part", out_.filename().string(), getpid());
-    if (!code) fs::create_directories(path, code);
-    if (code) throw Error("output folder {} cannot be made: {}", out_.string(), code.message());
-  }
-  ~StagedFolder() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-  void publish() {
-    std::error_code code;
-    fs::create_directories(out_, code);
-    for (const auto& entry : fs::directory_iterator(path))
-      if (!code && entry.is_regular_file()) fs::rename(entry.path(), out_ / entry.path().filename(), code);
-    if (code) throw Error("output folder {} cannot be written: {}", out_.string(), code.message());
-  }
-  fs::path path;
-
- private:
-  fs::path out_;
 };
 
 /// The debug layer of that name; nothing when none is asked for. Refuses one that the technique does not have before anything
@@ -69,11 +39,40 @@ std::optional<DebugLayer> find_layer(const Contender& contender, const std::stri
               fmt::join(layers, ", "));
 }
 
+/// Refuses a file for surface detail that cannot be, before anything runs.
+void check_detail_file(const Contender& contender, const fs::path& file) {
+  if (file.extension() != ".obj")
+    throw Error("--detail {} does not end in .obj: surface detail is written as Wavefront OBJ", file.string());
+  const auto technique = registry().technique(contender.technique).make();
+  technique->apply(contender.settings);
+  if (!technique->surface_detail())
+    throw Error("{} makes no surface detail for --detail {}; gnomon describe ID says which technique does", contender.technique,
+                file.string());
+}
+
+/// The surface detail of the light that the seat stands at, as an OBJ file and its materials.
+void write_detail(Seat& seat, const SceneRun& run, const Job& job, const Light& light, double timeout,
+                  const fs::path& obj_file) {
+  const fs::path raw = run.scratch / "detail.raw";
+  seat.worker().ask({{"do", "detail"}, {"out", raw.string()}}, timeout);
+  const SurfaceDetail detail = detail_from_bytes(MappedFile::open(raw)->bytes());
+  const glm::dvec4 l = homogeneous(light);
+  const std::vector<std::string> notes{
+      fmt::format("scene: {}", job.scene),
+      l.w == 0 ? fmt::format("light: {}, {}, toward {:.9g} {:.9g} {:.9g}", light.name, kind_name(light), l.x, l.y, l.z)
+               : fmt::format("light: {}, {}, at {:.9g} {:.9g} {:.9g}", light.name, kind_name(light), l.x, l.y, l.z),
+      fmt::format("technique: {}", job.contender.name())};
+  const fs::path mtl_file = fs::path(obj_file).replace_extension(".mtl");
+  write_file(obj_file, detail_obj(run.scene, detail, notes, mtl_file.filename().string()));
+  write_file(mtl_file, detail_mtl());
+}
+
 int render(const RenderOptions& options, const WorkerOptions& worker) {
   const std::vector<Contender> contenders = parse_contenders(options.technique);
   if (contenders.size() != 1)
     throw Error("--technique {} is a sweep of {}; render takes one", options.technique, contenders.size());
   const std::optional<DebugLayer> layer = find_layer(contenders[0], options.debug);
+  if (!options.detail.empty()) check_detail_file(contenders[0], options.detail);
   Suite suite;
   suite.name = "render";
   std::tie(suite.width, suite.height) = parse_size(options.size, "--size");
@@ -87,7 +86,9 @@ int render(const RenderOptions& options, const WorkerOptions& worker) {
   if (!entry.scene) throw Error("{}", entry.missing);
   for (const std::string& note : entry.scene->notes) fmt::print(stderr, "note: {}\n", note);
 
-  StagedFolder folder(options.out);
+  std::unique_ptr<StagedFolder> detail_folder;
+  if (!options.detail.empty()) detail_folder.reset(new StagedFolder(StagedFolder::for_file(options.detail)));
+  const StagedFolder folder = StagedFolder::beside(options.out);
   SceneRun run(options.scene, *entry.scene, suite, cache_root() / "frames", folder.path / "scratch");
   fs::create_directories(run.scratch);
   const Json context = machine_context(worker.threads);
@@ -127,6 +128,10 @@ int render(const RenderOptions& options, const WorkerOptions& worker) {
       seat.worker().ask({{"do", "debug"}, {"layer", layer->name}, {"out", raw.string()}}, suite.timeout);
       write_png(folder.path / (layer->name + tail + ".png"), draw_layer(raw, suite.width, suite.height, *layer));
     }
+    if (detail_folder) {
+      const std::string file = options.detail.stem().string() + tail + ".obj";
+      write_detail(seat, run, job, measured.light, suite.timeout, detail_folder->path / file);
+    }
     record.mask = "mask.exr";
     record.error_picture = "error" + tail + ".png";
     record.shaded_picture = "shaded" + tail + ".png";
@@ -139,6 +144,7 @@ int render(const RenderOptions& options, const WorkerOptions& worker) {
   const std::vector<std::span<const float>> channels(masks.begin(), masks.end());
   write_exr(folder.path / "mask.exr", suite.width, suite.height, names, channels);
   write_file(folder.path / "record.json", records.dump(2) + "\n");
+  if (detail_folder) detail_folder->publish();
   folder.publish();
   fmt::print("{}\n", (options.out / "mask.exr").string());
   return 0;
@@ -158,6 +164,8 @@ void add_render(Program& program) {
   command->add_option("--truth", options->truth, "What counts: exact shapes or the meshes; shape | mesh")
       ->capture_default_str();
   command->add_option("--debug", options->debug, "Also draw this debug layer of the technique");
+  command->add_option("--detail", options->detail,
+                      "Also write the technique's lit and shadowed polygons to this Wavefront OBJ file; FILE.obj");
   command->add_option("--threads", options->threads, "Cores to use; all by default");
   command->add_option("--timeout", options->timeout, "Seconds that one step may take")->check(seconds())->capture_default_str();
   command->add_option("--out", options->out, "Folder to write to")->required();

@@ -1,6 +1,5 @@
 #pragma once
-// Private to kit/bsp.cpp: triangles and their parts on the way down a BSP tree that is being made, and the planes that divide
-// them.
+// Private to kit/bsp.cpp: triangles and their parts on the way down a BSP tree that is being made.
 #include <gnomon/kit/clip.h>
 #include <gnomon/scene.h>
 
@@ -38,45 +37,6 @@ inline Piece piece_of(std::uint32_t triangle, const Corner* corners, std::size_t
     made.at[3 + k] = up < high[k] ? std::nextafter(up, INFINITY) : up;
   }
   return made;
-}
-
-/// What divides a list of pieces: the plane of one of their triangles, or a free cut.
-struct Divider {
-  ClipPlane plane;
-  int axis = -1;          ///< that a free cut is across
-  float place = 0;        ///< of a free cut, on its axis
-  std::size_t owner = 0;  ///< otherwise the piece's place in the list,
-  Triangle triangle;      ///< and its triangle
-};
-
-/// A normal of any length, zero only when the triangle's area is zero. The unit normal's error, an angle, is that of the
-/// product, a few 2^-53, over the sine between the edges: below 1e-11 where the sine is above 1e-4. Elsewhere the product is
-/// taken in quadruple precision, where it is exact but for exponents 60 bits apart.
-inline glm::dvec3 normal_of(const Triangle& t) {
-  const glm::dvec3 a(t.points[0]), u = glm::dvec3(t.points[1]) - a, v = glm::dvec3(t.points[2]) - a, n = glm::cross(u, v);
-  if (glm::dot(n, n) > 1e-8 * glm::dot(u, u) * glm::dot(v, v)) return n;
-  using Quad = __float128;
-  const auto product = [&](int i, int j) { return Quad(u[i]) * v[j] - Quad(u[j]) * v[i]; };
-  const Quad q[3] = {product(1, 2), product(2, 0), product(0, 1)};
-  Quad largest = 0;
-  for (const Quad x : q) largest = std::max(largest, x < 0 ? -x : x);
-  if (largest == 0) return glm::dvec3(0);
-  return {static_cast<double>(q[0] / largest), static_cast<double>(q[1] / largest), static_cast<double>(q[2] / largest)};
-}
-
-inline void set_plane(Divider& divider, const Triangle& triangle) {
-  const glm::dvec3 n = normal_of(triangle);
-  divider.axis = -1;
-  divider.triangle = triangle;
-  divider.plane.normal = n / std::sqrt(glm::dot(n, n));
-  divider.plane.offset = -glm::dot(divider.plane.normal, glm::dvec3(triangle.points[0]));
-}
-
-inline void set_free_cut(Divider& divider, int axis, float place) {
-  divider.axis = axis;
-  divider.place = place;
-  divider.plane = {.normal = glm::dvec3(0), .offset = -double{place}};
-  divider.plane.normal[axis] = 1;
 }
 
 /// Corners of parts, taken in lots by many threads. They stay where they are as long as the arena lives.

@@ -101,6 +101,7 @@ std::string describe_text(const TechniqueEntry& entry, std::size_t width) {
   add("role", name(about.role));
   add("needs OpenGL", about.needs_gl ? "yes" : "no");
   const auto technique = entry.make();
+  add("surface detail", technique->surface_detail() ? "yes: render --detail FILE.obj writes it" : "no");
   std::string text = facts.text(width) + '\n' + parameters_text(*technique, width);
   if (const std::vector<DebugLayer> layers = technique->debug_layers(); !layers.empty()) {
     TextTable table({{"debug layer", ""}, {"what it shows", ""}});
@@ -117,6 +118,7 @@ Json describe_json(const TechniqueEntry& entry) {
   json["fails"] = entry.about.fails;
   const auto technique = entry.make();
   json["parameters"] = parameters_json(*technique);
+  json["surface_detail"] = technique->surface_detail().has_value();
   json["debug_layers"] = Json::array();
   for (const DebugLayer& layer : technique->debug_layers())
     json["debug_layers"].push_back({{"name", layer.name}, {"sentence", layer.sentence}});

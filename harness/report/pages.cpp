@@ -112,6 +112,11 @@ std::string technique_page(const TechniqueEntry& entry) {
     for (const DebugLayer& layer : layers)
       page += fmt::format("| {} | {} |\n", code(layer.name), markdown_text(layer.sentence));
   }
+  if (technique->surface_detail())
+    page += fmt::format(
+        "\n## Surface detail\n\n`gnomon render --technique {} --detail FILE.obj` writes its lit and shadowed polygons: "
+        "[surface detail](../surface_detail.md).\n",
+        entry.id);
   return page + fmt::format("\n## Example\n\n```sh\n{}```\n", example(entry));
 }
 

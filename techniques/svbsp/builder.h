@@ -59,7 +59,7 @@ class Builder {
   /// `polygon` is the part of a piece that the tree at `root` is about.
   void add(std::span<const Corner> polygon, std::uint32_t piece, Link& root) {
     tally_.cuts += filter_.run(
-        nodes_, root, polygon, rules_.epsilon.across, rules_.drop == Drop::shared, tally_.thin,
+        nodes_, root, polygon, rules_.epsilon.across, tally_.thin,
         [&](const Place& place, Link cell, std::span<const Corner> fragment) { reach(place, cell, fragment, piece, root); });
   }
 
@@ -87,13 +87,16 @@ class Builder {
     std::int64_t made_count = 0;
     const auto put = [&](Link link) { (place.parent < 0 ? root : nodes_[place.parent].sides[place.side]) = link; };
     for (std::size_t i = 0; i < fragment.size(); ++i) {
-      if (rules_.drop != Drop::none && fragment[i].edge == shadow_cut) continue;
+      const std::uint32_t mark = fragment[i].edge;
+      if (rules_.drop != Drop::none && mark == shadow_cut) continue;
+      if (rules_.drop == Drop::shared && mark == shared_edge) continue;
       const glm::dvec3 &a = fragment[i].at, &b = fragment[i + 1 < fragment.size() ? i + 1 : 0].at;
       const double x = a.y - b.y, y = b.x - a.x, length = std::sqrt(x * x + y * y);
       if (!(length > rules_.epsilon.across)) continue;
       const auto made = static_cast<Link>(nodes_.size());
-      // Beyond a cut lies the rest of the same triangle: a way that rounding could leave between both is closed.
-      const double beyond = fragment[i].edge == own_edge ? 0 : rules_.epsilon.across;
+      // Beyond a cut lies the rest of the same triangle, beyond a plane above another cell: no way that rounding could leave
+      // between the two stays open.
+      const double beyond = mark == own_edge ? 0 : rules_.epsilon.across;
       nodes_.push_back({x / length, y / length, beyond - (x * a.x + y * a.y) / length, {cell, cell}});
       put(made);
       place = {made, 1};

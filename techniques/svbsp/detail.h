@@ -75,7 +75,7 @@ class Divider {
 
   void filter(const Polygon& polygon, std::uint32_t tile) {
     std::uint64_t thin = 0;
-    filter_.run(forest_.nodes(tile), forest_.root(tile), polygon, forest_.epsilon().across, false, thin,
+    filter_.run(forest_.nodes(tile), forest_.root(tile), polygon, forest_.epsilon().across, thin,
                 [&](const Place&, Link cell, std::span<const Corner> fragment) {
                   if (!is_in_cell(cell)) return append(fragment, true);
                   const std::uint32_t nearest = pieces_.of_face(face_)[piece_in(cell)].triangle;

@@ -34,7 +34,8 @@ inline Link locate(const Node* nodes, Link link, double x, double y, std::uint64
 enum EdgeMark : std::uint32_t {
   own_edge = 0,    ///< of the triangle itself, or where it meets another triangle's plane
   bsp_cut = 1,     ///< made by the regular BSP tree, as kit/bsp.h marks it: on no shadow plane
-  shadow_cut = 2,  ///< on the plane of a node above: a shadow plane there would divide nothing
+  shadow_cut = 2,  ///< made by a node above: a shadow plane there would divide nothing
+  shared_edge = 3  ///< found to lie on the plane of a node above: nor would it there
 };
 
 /// A link of the tree, by the node that it belongs to; the root has none.
@@ -47,11 +48,11 @@ struct Place {
 class Filter {
  public:
   /// Calls visit(place, cell, fragment) for every part of a polygon that a cell holds. It may add to the tree below that cell.
-  /// `marks_shared`: edges found to lie on the plane of a node become shadow cuts. Returns how often planes cut the polygon;
-  /// fragments that are nowhere farther than epsilon from a node's plane are dropped, and counted in `thin`.
+  /// Edges found to lie on the plane of a node become shared ones. Returns how often planes cut the polygon; fragments that are
+  /// nowhere farther than epsilon from a node's plane are dropped, and counted in `thin`.
   template <class Visit>
   std::uint64_t run(const std::vector<Node>& nodes, Link root, std::span<const Corner> polygon, double epsilon,
-                    bool marks_shared, std::uint64_t& thin, Visit&& visit) {
+                    std::uint64_t& thin, Visit&& visit) {
     std::uint64_t cuts = 0;
     std::size_t first = 0, count = polygon.size();
     reserve(count);
@@ -73,7 +74,7 @@ class Filter {
                                             corners_.data() + negative, corners_.data() + positive);
           waiting_.push_back({{link, 0}, negative, cut.negative});
           first = positive, count = cut.positive;
-        } else if (marks_shared) {
+        } else {
           mark_shared({corners_.data() + first, count}, epsilon);
         }
         link = node.sides[place.side];
@@ -109,7 +110,7 @@ class Filter {
     const bool is_first_on = is_on;
     for (std::size_t i = 0; i < fragment.size(); ++i) {
       const bool is_next_on = i + 1 < fragment.size() ? std::abs(values_[i + 1]) <= epsilon : is_first_on;
-      if (is_on && is_next_on) fragment[i].edge = shadow_cut;
+      if (is_on && is_next_on && fragment[i].edge != shadow_cut) fragment[i].edge = shared_edge;
       is_on = is_next_on;
     }
   }

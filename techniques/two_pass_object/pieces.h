@@ -5,10 +5,8 @@
 
 namespace gnomon::two_pass_object {
 
-/// Mark of an edge that a caster's plane made: 8 * triangle + 2 * plane + 2,
-/// plane 3 being its own; one more where the polygon is on the inner side. 0
-/// are the triangle's own edges and the borders of cells. `triangle` is below
-/// 2^29 - 1.
+/// Mark of an edge that a caster's plane made: 8 * triangle + 2 * plane + 2, plane 3 being its own; one more where the polygon
+/// is on the inner side. 0 are the triangle's own edges and the borders of cells. `triangle` is below 2^29 - 1.
 inline std::uint32_t mark_of(std::uint32_t triangle, int plane) {
   return 8 * (triangle + 1) + 2 * static_cast<unsigned>(plane);
 }
@@ -16,15 +14,12 @@ struct Mark {
   std::uint32_t triangle;
   int plane;
   bool is_inner;
-  explicit Mark(std::uint32_t mark)
-      : triangle(mark / 8 - 1), plane(static_cast<int>(mark / 2 % 4)),
-        is_inner(mark % 2 != 0) {}
+  explicit Mark(std::uint32_t mark) : triangle(mark / 8 - 1), plane(static_cast<int>(mark / 2 % 4)), is_inner(mark % 2 != 0) {}
 };
 
-/// Convex lit pieces of one polygon, from which shadows are taken away, one
-/// caster after the other.
+/// Convex lit pieces of one polygon, from which shadows are taken away, one caster after the other.
 class Pieces {
-public:
+ public:
   struct Piece {
     std::uint32_t first, count;
   };
@@ -34,103 +29,90 @@ public:
     add(polygon);
   }
   std::size_t size() const { return pieces_.size(); }
-  std::span<const Corner> operator[](std::size_t i) const {
-    return {corners_.data() + pieces_[i].first, pieces_[i].count};
-  }
+  std::span<const Corner> operator[](std::size_t i) const { return {corners_.data() + pieces_[i].first, pieces_[i].count}; }
 
   struct Cut {
     std::uint32_t splits = 0,
-                  shadowed = 0; ///< cuts made; pieces that went dark
+                  shadowed = 0;  ///< cuts made; pieces that went dark
   };
 
-  /// Takes away what lies on the inner side of all planes, plane after plane. A
-  /// piece of which nothing lies there stays as it is. Calls dark(corners) with
-  /// each part that is taken away.
+  /// Takes away what lies on the inner side of all planes, plane after plane. A piece of which nothing lies there stays as it
+  /// is. Calls dark(corners) with each part that is taken away.
   template <class Dark>
-  Cut take(std::span<const ClipPlane> planes, std::uint32_t triangle,
-           double epsilon, Dark &&dark) {
+  Cut take(std::span<const ClipPlane> planes, std::uint32_t triangle, double epsilon, Dark&& dark) {
     Cut cut;
     const std::size_t before = pieces_.size();
     std::size_t kept = 0;
     for (std::size_t i = 0; i < before; ++i) {
       const Piece piece = pieces_[i];
       const std::size_t used = used_, added = pieces_.size();
-      switch (take(piece, planes, triangle, epsilon, cut.splits)) {
-      case Outcome::untouched:
-        used_ = used, pieces_.resize(added);
-        pieces_[kept++] = piece;
-        break;
-      case Outcome::cut:
-        cut.splits += static_cast<std::uint32_t>(pieces_.size() - added);
-        ++cut.shadowed;
-        dark(std::span<const Corner>(inner_));
-        break;
+      switch (take(piece, planes, triangle, epsilon)) {
+        case Outcome::untouched:
+          used_ = used, pieces_.resize(added);
+          pieces_[kept++] = piece;
+          break;
+        case Outcome::cut:
+          cut.splits += static_cast<std::uint32_t>(pieces_.size() - added);
+          ++cut.shadowed;
+          dark(std::span<const Corner>(inner_));
+          break;
       }
     }
     if (kept < before)
-      pieces_.erase(pieces_.begin() + static_cast<std::ptrdiff_t>(kept),
-                    pieces_.begin() + static_cast<std::ptrdiff_t>(before));
+      pieces_.erase(pieces_.begin() + static_cast<std::ptrdiff_t>(kept), pieces_.begin() + static_cast<std::ptrdiff_t>(before));
     return cut;
   }
 
   /// The part of a polygon on the inner side of all planes; empty when none is.
-  std::span<const Corner> part_inside(std::span<const Corner> polygon,
-                                      std::span<const ClipPlane> planes,
-                                      double epsilon) {
+  std::span<const Corner> part_inside(std::span<const Corner> polygon, std::span<const ClipPlane> planes, double epsilon) {
     inner_.assign(polygon.begin(), polygon.end());
-    for (const ClipPlane &plane : planes) {
+    for (const ClipPlane& plane : planes) {
       values_.resize(inner_.size());
       const Lies lies = classify(inner_, plane, epsilon, values_.data());
-      if (lies == Lies::positive)
-        continue;
-      if (lies != Lies::across)
-        return {};
+      if (lies == Lies::positive) continue;
+      if (lies != Lies::across) return {};
       other_.resize(inner_.size() + 1), lost_.resize(inner_.size() + 1);
-      const CutCounts counts = cut_polygon(inner_, values_.data(), epsilon, 0,
-                                           lost_.data(), other_.data());
+      const CutCounts counts = cut_polygon(inner_, values_.data(), epsilon, 0, lost_.data(), other_.data());
       other_.resize(counts.positive);
       inner_.swap(other_);
     }
     return inner_;
   }
 
-private:
+ private:
   enum class Outcome { untouched, cut };
 
   void add(std::span<const Corner> polygon) {
-    if (corners_.size() < used_ + polygon.size())
-      corners_.resize(2 * (used_ + polygon.size()));
-    std::copy(polygon.begin(), polygon.end(),
-              corners_.begin() + static_cast<std::ptrdiff_t>(used_));
-    pieces_.push_back({static_cast<std::uint32_t>(used_),
-                       static_cast<std::uint32_t>(polygon.size())});
+    if (corners_.size() < used_ + polygon.size()) corners_.resize(2 * (used_ + polygon.size()));
+    std::copy(polygon.begin(), polygon.end(), corners_.begin() + static_cast<std::ptrdiff_t>(used_));
+    pieces_.push_back({static_cast<std::uint32_t>(used_), static_cast<std::uint32_t>(polygon.size())});
     used_ += polygon.size();
   }
 
-  Outcome take(const Piece &piece, std::span<const ClipPlane> planes,
-               std::uint32_t triangle, double epsilon, std::uint32_t &) {
+  Outcome take(const Piece& piece, std::span<const ClipPlane> planes, std::uint32_t triangle, double epsilon) {
     std::span<const Corner> inner(corners_.data() + piece.first, piece.count);
+    // Most pieces lie outside one plane as they are; cutting by the others first would be in vain.
+    for (const ClipPlane& plane : planes) {
+      double most = -INFINITY;
+      for (const Corner& corner : inner) most = std::max(most, plane.at(corner.at));
+      if (most <= epsilon) return Outcome::untouched;
+    }
     for (std::size_t k = 0; k < planes.size(); ++k) {
       values_.resize(std::max<std::size_t>(values_.size(), inner.size()));
       const Lies lies = classify(inner, planes[k], epsilon, values_.data());
-      if (lies == Lies::positive)
-        continue;
-      if (lies != Lies::across)
-        return Outcome::untouched;
+      if (lies == Lies::positive) continue;
+      if (lies != Lies::across) return Outcome::untouched;
       other_.resize(inner.size() + 1), lost_.resize(inner.size() + 1);
       const std::uint32_t mark = mark_of(triangle, static_cast<int>(k));
-      const CutCounts counts = cut_polygon(inner, values_.data(), epsilon, mark,
-                                           lost_.data(), other_.data());
+      const CutCounts counts = cut_polygon(inner, values_.data(), epsilon, mark, lost_.data(), other_.data());
       other_.resize(counts.positive);
-      for (Corner &corner : other_)
-        if (corner.edge == mark)
-          corner.edge = mark + 1;
+      for (Corner& corner : other_)
+        if (corner.edge == mark) corner.edge = mark + 1;
       add({lost_.data(), counts.negative});
       inner_.swap(other_);
       inner = inner_;
     }
-    if (inner.data() != inner_.data())
-      inner_.assign(inner.begin(), inner.end());
+    if (inner.data() != inner_.data()) inner_.assign(inner.begin(), inner.end());
     return Outcome::cut;
   }
 
@@ -141,4 +123,4 @@ private:
   std::vector<double> values_;
 };
 
-} // namespace gnomon::two_pass_object
+}  // namespace gnomon::two_pass_object

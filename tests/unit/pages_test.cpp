@@ -22,7 +22,7 @@ std::vector<std::string> lines_of(const std::string& text) {
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-class Blur final : public Technique {
+class Blur : public Technique {
  public:
   Number<int> radius{this, "radius", 2, {.unit = "texel", .min = 0, .max = 9}, Stage::relight, "Width | of the blur."};
   Choice filter{this, "filter", "box", {"box", "tent"}, Stage::resolve, "Shape of the filter."};
@@ -52,6 +52,18 @@ TEST(pages, page_says_all_that_the_technique_says_of_itself) {
   EXPECT_TRUE(has(page, "| `radius` | `2` | `0 .. 9 texel` | texel | relight | Width \\| of the blur. |")) << page;
   EXPECT_TRUE(has(page, "| `filter` | `box` | `box \\| tent` |  | resolve | Shape of the filter. |")) << page;
   EXPECT_TRUE(has(page, "gnomon run --scene SCENE --technique blur:radius=0\n")) << page;
+}
+
+TEST(pages, page_of_a_technique_that_makes_polygons_says_how_to_write_them) {
+  class Cut final : public Blur {
+    std::optional<SurfaceDetail> surface_detail() const override { return SurfaceDetail{}; }
+  };
+  TechniqueEntry entry = blur("cut");
+  EXPECT_FALSE(has(technique_page(entry), "Surface detail"));
+  EXPECT_FALSE(describe_json(entry)["surface_detail"].get<bool>());
+  entry.make = [] { return std::make_unique<Cut>(); };
+  EXPECT_TRUE(has(technique_page(entry), "## Surface detail\n\n`gnomon render --technique cut --detail FILE.obj` writes"));
+  EXPECT_TRUE(describe_json(entry)["surface_detail"].get<bool>());
 }
 
 TEST(pages, index_links_every_technique) {

@@ -65,6 +65,7 @@ class Worker {
 ///   {"do": "answer", "mask": FILE}                                          -> {"counts": [...], "peak_bytes": n}
 ///   {"do": "explain", "pixels": FILE, "out": FILE}                          -> {"explained": bool}
 ///   {"do": "debug", "layer": NAME, "out": FILE}                             -> {}
+///   {"do": "detail", "out": FILE}                                           -> {}          detail_bytes of the last relight
 /// `pixels` holds uint32 indices of the mask last answered; `out` gets the explanation_bytes of them, in their order.
 /// An exception is answered as {"error": text}.
 int worker_main(int socket, int threads);

@@ -1,4 +1,5 @@
 #include <gnomon/kit/gl.h>
+#include <gnomon/kit/surface_detail.h>
 #include <gnomon/registry.h>
 #include <tbb/global_control.h>
 #include <unistd.h>
@@ -10,6 +11,7 @@
 
 #include "device/context.h"
 #include "measure/cause/causes.h"
+#include "measure/picture/detail_export.h"
 #include "measure/run/context.h"
 #include "measure/run/worker.h"
 #include "measure/scene/motion.h"
@@ -42,6 +44,7 @@ class Post {
     if (what == "answer") return answer(request.at("mask"));
     if (what == "explain") return explain(request.at("pixels"), request.at("out"));
     if (what == "debug") return debug(request.at("layer"), request.at("out"));
+    if (what == "detail") return detail(request.at("out"));
     throw Error("a worker cannot {}", what);
   }
 
@@ -172,6 +175,15 @@ class Post {
     bring_up(static_cast<int>(Stage::resolve));
     const std::vector<float> rgb = technique_->draw_debug(layer);
     write_file(out, std::as_bytes(std::span(rgb)));
+    return Json::object();
+  }
+
+  Json detail(const std::string& out) {
+    bring_up(static_cast<int>(Stage::relight));
+    const std::optional<SurfaceDetail> detail = technique_->surface_detail();
+    if (!detail) throw Error("{} gave no surface detail, though a fresh one does", entry_->id);
+    check_detail(scene_, *detail);
+    write_file(out, detail_bytes(*detail));
     return Json::object();
   }
 

@@ -1,10 +1,9 @@
 #pragma once
 #include <gnomon/kit/clip.h>
+#include <gnomon/kit/unset_vector.h>
 #include <gnomon/scene.h>
 
-#include <memory>
 #include <span>
-#include <utility>
 #include <vector>
 
 namespace gnomon {
@@ -26,7 +25,7 @@ struct BspOptions {
   /// Whether planes across an axis, through the middle of a cell's polygons, are candidates too. They need hold no polygon. Not
   /// with `first`.
   bool free_cuts = true;
-  std::uint32_t candidates = 4;  ///< at least 1; evenly spaced in the list of the cell's polygons
+  std::uint32_t candidates = 8;  ///< at least 1; evenly spaced in the list of the cell's polygons
   std::uint32_t sample = 48;     ///< at least 1; polygons on which a candidate is tried, evenly spaced
 };
 
@@ -34,14 +33,14 @@ struct BspOptions {
 /// polygons that lie in it, its coplanar set; what crosses the plane is cut. Triangles of zero area are left out.
 ///
 /// Planes and cuts are in double. A corner within epsilon = 1e-10 of the scene's largest coordinate counts as on a plane: far
-/// above what rounding makes of a plane and of points on it (below 1e-11), far below what float32 coordinates tell apart
+/// above what rounding makes of a plane and of points on it (below 2e-11), far below what float32 coordinates tell apart
 /// (6e-8). Whether a triangle lies in the plane of another, and else on which side if all of it is within epsilon, is decided
 /// exactly.
 class Bsp {
  public:
   Bsp() = default;
-  /// On all threads; the outcome does not depend on their number. Without free cuts a smooth closed mesh of n triangles has
-  /// nearly n levels and takes time like n^2.
+  /// On all threads; the outcome does not depend on their number. Without free cuts a convex mesh of n triangles is a chain of
+  /// nearly n nodes, and takes time like n^2.
   explicit Bsp(const Scene& scene, const BspOptions& options = {});
 
   std::span<const Corner> corners(const BspPolygon& polygon) const { return {corners_.data() + polygon.first, polygon.count}; }
@@ -77,22 +76,6 @@ class Bsp {
     std::uint32_t children[2];  ///< on its negative and positive side, or none
     std::uint32_t first, count;
   };
-  /// Leaves what a vector holds unset when it is resized, so that threads can fill it side by side, each its own pages.
-  template <class T>
-  struct Unset : std::allocator<T> {
-    template <class U>
-    void construct(U*) noexcept {}
-    template <class U, class... Arguments>
-    void construct(U* at, Arguments&&... arguments) {
-      ::new (static_cast<void*>(at)) U(std::forward<Arguments>(arguments)...);
-    }
-    template <class U>
-    struct rebind {
-      using other = Unset<U>;
-    };
-  };
-  template <class T>
-  using List = std::vector<T, Unset<T>>;
 
   /// In order: the child on the side of `from` when near is 1, on the other one when it is 0; the node; the other child.
   template <class Visit>
@@ -117,9 +100,9 @@ class Bsp {
     }
   }
 
-  List<Node> nodes_;  ///< the root first, children after their parents
-  List<BspPolygon> polygons_;
-  List<Corner> corners_;
+  UnsetVector<Node> nodes_;  ///< the root first, children after their parents
+  UnsetVector<BspPolygon> polygons_;
+  UnsetVector<Corner> corners_;
   std::size_t split_count_ = 0, depth_ = 0;
   double epsilon_ = 0;
 };

@@ -1,0 +1,152 @@
+#include "measure/picture/detail_export.h"
+
+#include <gnomon/error.h>
+#include <gnomon/kit/surface_detail.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <iterator>
+#include <type_traits>
+#include <unordered_map>
+#include <unordered_set>
+
+namespace gnomon {
+
+namespace {
+
+constexpr std::uint64_t magic = 0x31'6c'74'64'6d'6e'67ull;  // "gnmdtl1"
+
+struct Head {
+  std::uint64_t magic, corner_count, polygon_count;
+};
+static_assert(std::is_trivially_copyable_v<DetailPolygon> && sizeof(glm::dvec3) == 24);
+
+/// Coordinates as they are written. Rounding noise beside zero would be digits of its own.
+class Digits {
+ public:
+  explicit Digits(std::span<const glm::dvec3> corners) {
+    double largest = 0;
+    for (const glm::dvec3& p : corners) largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+    noise_ = 1e-14 * largest;
+  }
+  void write(const glm::dvec3& p, std::string& text) const {
+    const auto shown = [this](double x) { return std::abs(x) <= noise_ ? 0.0 : x; };
+    text.clear();
+    fmt::format_to(std::back_inserter(text), "{:.10g} {:.10g} {:.10g}", shown(p.x), shown(p.y), shown(p.z));
+  }
+
+ private:
+  double noise_;
+};
+
+/// A word that no other mesh has.
+std::string object_name(const Scene& scene, std::size_t mesh, std::unordered_set<std::string>& taken) {
+  std::string word = scene.meshes[mesh].name.empty() ? fmt::format("mesh_{}", mesh) : scene.meshes[mesh].name;
+  for (char& c : word)
+    if (static_cast<unsigned char>(c) <= ' ' || c == '#' || c == '\\' || c == 0x7f) c = '_';
+  while (!taken.insert(word).second) word += fmt::format("_{}", mesh);
+  return word;
+}
+
+/// The corners of a face, numbered within its mesh from 0; corners that came to be one count once.
+using Face = std::vector<std::uint32_t>;
+
+}  // namespace
+
+std::vector<std::byte> detail_bytes(const SurfaceDetail& detail) {
+  const Head head{magic, detail.corners.size(), detail.polygons.size()};
+  const std::size_t corner_size = detail.corners.size() * sizeof(glm::dvec3),
+                    polygon_size = detail.polygons.size() * sizeof(DetailPolygon);
+  std::vector<std::byte> bytes(sizeof head + corner_size + polygon_size);
+  std::memcpy(bytes.data(), &head, sizeof head);
+  if (corner_size > 0) std::memcpy(bytes.data() + sizeof head, detail.corners.data(), corner_size);
+  if (polygon_size > 0) std::memcpy(bytes.data() + sizeof head + corner_size, detail.polygons.data(), polygon_size);
+  return bytes;
+}
+
+SurfaceDetail detail_from_bytes(std::span<const std::byte> bytes) {
+  Head head{};
+  if (bytes.size() < sizeof head) throw Error("surface detail ends early: it has {} bytes", bytes.size());
+  std::memcpy(&head, bytes.data(), sizeof head);
+  if (head.magic != magic)
+    throw Error("these bytes are no surface detail: they begin with {:#x}, not {:#x}", head.magic, magic);
+  bytes = bytes.subspan(sizeof head);
+  // Divided, not multiplied: the product of a wrong count may overflow.
+  const bool fits = head.corner_count <= bytes.size() / sizeof(glm::dvec3) &&
+                    head.polygon_count <= bytes.size() / sizeof(DetailPolygon) &&
+                    head.corner_count * sizeof(glm::dvec3) + head.polygon_count * sizeof(DetailPolygon) == bytes.size();
+  if (!fits)
+    throw Error("surface detail of {} corners and {} polygons has {} bytes", head.corner_count, head.polygon_count,
+                bytes.size());
+  SurfaceDetail detail;
+  detail.corners.resize(head.corner_count);
+  detail.polygons.resize(head.polygon_count);
+  const std::size_t corner_size = head.corner_count * sizeof(glm::dvec3);
+  if (corner_size > 0) std::memcpy(static_cast<void*>(detail.corners.data()), bytes.data(), corner_size);
+  if (head.polygon_count > 0)
+    std::memcpy(static_cast<void*>(detail.polygons.data()), bytes.data() + corner_size, bytes.size() - corner_size);
+  return detail;
+}
+
+std::string detail_obj(const Scene& scene, const SurfaceDetail& detail, std::span<const std::string> notes,
+                       const std::string& mtl_name) {
+  const Digits digits(detail.corners);
+  std::string body, line;
+  std::array<std::size_t, 2> written{};  // shadowed, lit
+  std::size_t left_out = 0, vertex_count = 0;
+  std::unordered_set<std::string> taken;
+  for (std::size_t begin = 0, end = 0; begin < detail.polygons.size(); begin = end) {
+    const std::uint32_t mesh = detail.polygons[begin].mesh;
+    while (end < detail.polygons.size() && detail.polygons[end].mesh == mesh) ++end;
+    body += fmt::format("o {}\n", object_name(scene, mesh, taken));
+    std::unordered_map<std::string, std::uint32_t> vertices;
+    std::array<std::vector<Face>, 2> faces;
+    for (std::size_t k = begin; k < end; ++k) {
+      const DetailPolygon& polygon = detail.polygons[k];
+      Face face;
+      for (std::uint32_t c = 0; c < polygon.count; ++c) {
+        digits.write(detail.corners[polygon.first + c], line);
+        const auto [place, is_new] = vertices.try_emplace(line, static_cast<std::uint32_t>(vertices.size()));
+        if (is_new) body.append("v ").append(line).append("\n");
+        if (face.empty() || face.back() != place->second) face.push_back(place->second);
+      }
+      while (face.size() > 1 && face.back() == face.front()) face.pop_back();
+      if (face.size() < 3)
+        ++left_out;
+      else
+        faces[polygon.is_lit].push_back(std::move(face));
+    }
+    for (const bool is_lit : {true, false}) {
+      if (faces[is_lit].empty()) continue;
+      body += is_lit ? "usemtl lit\n" : "usemtl shadowed\n";
+      for (const Face& face : faces[is_lit]) {
+        body += 'f';
+        for (const std::uint32_t v : face) fmt::format_to(std::back_inserter(body), " {}", vertex_count + v + 1);
+        body += '\n';
+      }
+      written[is_lit] += faces[is_lit].size();
+    }
+    vertex_count += vertices.size();
+  }
+  std::string head =
+      "# Surface detail: the parts of triangles that are lit and those in cast shadow. Units: meters, +y is up.\n";
+  for (std::string note : notes) {
+    std::ranges::replace_if(
+        note, [](unsigned char c) { return c < ' '; }, ' ');
+    head += fmt::format("# {}\n", note);
+  }
+  head += fmt::format("# polygons: {} lit, {} shadowed\n", written[true], written[false]);
+  if (left_out > 0) head += fmt::format("# left out: {} that are smaller than the last digit\n", left_out);
+  return head + fmt::format("mtllib {}\n", mtl_name) + body;
+}
+
+std::string detail_mtl() {
+  std::string text;
+  const std::vector<DebugLayer> layers = detail_layers();
+  for (const Swatch& s : layers.at(0).legend)
+    text += fmt::format("newmtl {}\nKd {:.4f} {:.4f} {:.4f}\nillum 1\n", s.name, s.color.r, s.color.g, s.color.b);
+  return text;
+}
+
+}  // namespace gnomon

@@ -1,0 +1,345 @@
+#include <gnomon/error.h>
+#include <gnomon/kit/layers.h>
+#include <gnomon/kit/surface_detail.h>
+#include <gtest/gtest.h>
+
+#include "hand_made.h"
+#include "small_world.h"
+
+namespace {
+
+using namespace gnomon;
+using hand_made::point_light, hand_made::sun;
+
+glm::vec3 color(const std::vector<float>& picture, std::size_t i) {
+  return {picture[3 * i], picture[3 * i + 1], picture[3 * i + 2]};
+}
+float largest(const glm::vec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+bool is_warm(const glm::vec3& c) { return c.r > 1.5f * c.b; }
+bool is_cool(const glm::vec3& c) { return c.b > 1.5f * c.r; }
+
+using Polygon = std::vector<Corner>;
+
+/// The part of a polygon on the positive side of a plane stays, the other one is returned; either may be empty.
+Polygon cut_away(Polygon& polygon, const ClipPlane& plane) {
+  std::vector<double> values(polygon.size());
+  Polygon negative(polygon.size() + 1), positive(polygon.size() + 1);
+  switch (classify(polygon, plane, 1e-10, values.data())) {
+    case Lies::positive:
+      return {};
+    case Lies::across: {
+      const CutCounts counts = cut_polygon(polygon, values.data(), 1e-10, 1, negative.data(), positive.data());
+      negative.resize(counts.negative), positive.resize(counts.positive);
+      polygon = positive;
+      return negative;
+    }
+    default:
+      return std::exchange(polygon, {});
+  }
+}
+
+/// The shadow volume of one triangle: inside its shadow planes and behind it.
+struct Shadow {
+  glm::vec3 corners[3];
+  std::vector<ClipPlane> planes;  ///< positive inside
+
+  Shadow(const Mesh& mesh, const Light& light) {
+    for (int k = 0; k < 3; ++k) corners[k] = mesh.positions[mesh.triangles[0][k]];
+    const glm::dvec4 l = homogeneous(light);
+    const auto toward = [](const glm::dvec3& normal, const glm::dvec3& on, const glm::dvec3& inside) {
+      const glm::dvec3 n = glm::normalize(glm::dot(normal, inside - on) > 0 ? normal : -normal);
+      return ClipPlane{n, -glm::dot(n, on)};
+    };
+    for (int k = 0; k < 3; ++k) {
+      const glm::dvec3 a(corners[k]), b(corners[(k + 1) % 3]), c(corners[(k + 2) % 3]);
+      planes.push_back(toward(glm::cross(b - a, to_light(l, a)), a, c));
+    }
+    const glm::dvec3 a(corners[0]), normal = glm::cross(glm::dvec3(corners[1]) - a, glm::dvec3(corners[2]) - a);
+    planes.push_back(toward(normal, a, a - to_light(l, a)));
+  }
+
+  /// Calls part(corners, is_lit) for the parts of a polygon of any triangle but its own.
+  template <class Part>
+  void divide(Polygon polygon, const Part& part) const {
+    for (const ClipPlane& plane : planes) {
+      if (polygon.empty()) return;
+      if (const Polygon outside = cut_away(polygon, plane); !outside.empty()) part(outside, true);
+    }
+    if (!polygon.empty()) part(polygon, false);
+  }
+};
+
+/// A scene of one triangle that casts, mesh 0, and others that do not, around an eye; with its picture and shadow by brute
+/// force.
+struct World {
+  Scene scene;
+  Light light;
+  GBuffer gbuffer;
+  std::vector<float> mask;
+
+  World(unsigned seed, bool is_in_the_sun) {
+    std::mt19937 random(seed);
+    scene.meshes.push_back(small_world::random_soup(random, 1, 1, -1, 1, 1.5f));
+    scene.meshes.push_back(small_world::random_soup(random, 40, 2, -2, 2, 1));
+    scene.meshes.push_back(small_world::ground(4, -2));
+    scene.meshes.push_back(small_world::box({-4, -3, -4}, {4, 4, 4}));
+    for (Mesh& mesh : scene.meshes) mesh.casts = &mesh == scene.meshes.data();
+    for (Mesh& mesh : scene.meshes)
+      mesh.albedo = glm::vec3(0.2f + 0.1f * static_cast<float>(&mesh - scene.meshes.data()), 0.5f, 0.4f);
+    scene.meshes[3].receives = seed % 4 != 0;
+    std::uniform_real_distribution<float> place(-2, 2);
+    const auto point = [&] {
+      const float x = place(random), y = place(random), z = place(random);
+      return glm::vec3(x, y, z);
+    };
+    light = is_in_the_sun ? sun(point()) : point_light(1.6f * point());
+    look(point(), point());
+  }
+  void look(const glm::vec3& eye, const glm::vec3& target) {
+    gbuffer = small_world::make_gbuffer(scene, {.eye = eye, .target = target, .fov_y_degrees = 75}, 64, 48);
+    mask.assign(gbuffer.size(), 1);
+    for (std::size_t i = 0; i < gbuffer.size(); ++i)
+      if (faces_light(scene, gbuffer, light, i) && gbuffer.mesh[i] != 0)
+        mask[i] = std::isinf(small_world::occluder_distance(scene, light, gbuffer.position(i)));
+  }
+  /// Whether triangle and answer are the same at all pixels around.
+  bool is_plain(std::size_t i) const {
+    const int x = static_cast<int>(i) % 64, y = static_cast<int>(i) / 64;
+    for (int v = std::max(0, y - 1); v <= std::min(47, y + 1); ++v)
+      for (int u = std::max(0, x - 1); u <= std::min(63, x + 1); ++u) {
+        const auto j = static_cast<std::size_t>(64 * v + u);
+        if (gbuffer.mesh[j] != gbuffer.mesh[i] || gbuffer.triangle[j] != gbuffer.triangle[i] || mask[j] != mask[i])
+          return false;
+      }
+    return true;
+  }
+};
+
+TEST(surface_detail, painted_back_to_front_equals_the_depth_buffered_picture) {
+  int plain = 0, shadowed = 0, elsewhere = 0;
+  for (unsigned seed = 0; seed < 60; ++seed) {
+    World world(seed, seed % 3 == 0);
+    const Bsp bsp(world.scene);
+    const Shadow shadow(world.scene.meshes[0], world.light);
+    const DetailOf detail_of = [&](const BspPolygon& polygon, DetailBrush& brush) {
+      const auto corners = bsp.corners(polygon);
+      if (polygon.triangle == 0) return;  // it does not shade itself
+      shadow.divide({corners.begin(), corners.end()},
+                    [&](const Polygon& part, bool is_lit) { brush.paint(std::span<const Corner>(part), is_lit); });
+    };
+    Random random(seed);
+    for (int eye = 0; eye < 4; ++eye) {  // the light stays, the eye moves, always among the triangles
+      const std::vector<float> painted = paint_back_to_front(world.scene, world.gbuffer, world.light, bsp, detail_of);
+      const std::vector<float> wanted = shaded_layer(world.scene, world.gbuffer, world.light, world.mask);
+      for (std::size_t i = 0; i < world.gbuffer.size(); ++i) {
+        const float difference = largest(color(painted, i) - color(wanted, i));
+        if (world.is_plain(i)) {
+          ASSERT_LT(difference, 2e-6f) << "seed " << seed << " eye " << eye << " pixel " << i;
+          ++plain, shadowed += world.mask[i] == 0;
+        } else {
+          elsewhere += difference > 2e-6f;
+        }
+      }
+      world.look(glm::vec3(random.uniform(glm::dvec3(-2), glm::dvec3(2))),
+                 glm::vec3(random.uniform(glm::dvec3(-1), glm::dvec3(1))));
+    }
+  }
+  EXPECT_GT(plain, 400'000);
+  EXPECT_GT(shadowed, 3000);
+  // At edges, too, both ask about pixel centers.
+  EXPECT_LT(elsewhere, 30);
+}
+
+/// All polygons that a shadow makes of the receiving triangles of a world.
+SurfaceDetail detail_of(const World& world) {
+  SurfaceDetail detail;
+  const Shadow shadow(world.scene.meshes[0], world.light);
+  for (std::uint32_t m = 0; m < world.scene.meshes.size(); ++m)
+    for (std::uint32_t t = 0; t < world.scene.meshes[m].triangles.size() && world.scene.meshes[m].receives; ++t) {
+      Polygon corners;
+      for (int k = 0; k < 3; ++k) corners.push_back({world.scene.meshes[m].positions[world.scene.meshes[m].triangles[t][k]]});
+      const auto add = [&](const Polygon& part, bool is_lit) {
+        detail.polygons.push_back(
+            {m, t, is_lit, static_cast<std::uint32_t>(detail.corners.size()), static_cast<std::uint32_t>(part.size())});
+        for (const Corner& corner : part) detail.corners.push_back(corner.at);
+      };
+      m == 0 ? add(corners, true) : shadow.divide(corners, add);
+    }
+  return detail;
+}
+
+TEST(surface_detail, fragments_are_warm_where_lit_and_cool_where_shadowed) {
+  int lit = 0, shadowed = 0, off = 0;
+  for (unsigned seed = 100; seed < 120; ++seed) {
+    const World world(seed, seed % 3 == 0);
+    const std::vector<float> picture = paint_detail(world.scene, world.gbuffer, world.light, detail_of(world));
+    const std::vector<float> plain =
+        shaded_layer(world.scene, world.gbuffer, world.light, std::vector<float>(world.gbuffer.size(), 1.0f));
+    for (std::size_t i = 0; i < world.gbuffer.size(); ++i) {
+      const glm::vec3 c = color(picture, i);
+      if (!faces_light(world.scene, world.gbuffer, world.light, i)) {
+        ASSERT_EQ(c, color(plain, i)) << "seed " << seed << " pixel " << i;
+        continue;
+      }
+      // Every one has a polygon, those by the border of a triangle too.
+      ASSERT_TRUE(is_warm(c) || is_cool(c)) << "seed " << seed << " pixel " << i;
+      off += is_warm(c) != (world.mask[i] == 1);
+      if (!world.is_plain(i)) continue;
+      ASSERT_EQ(is_warm(c), world.mask[i] == 1) << "seed " << seed << " pixel " << i;
+      ++(is_warm(c) ? lit : shadowed);
+    }
+  }
+  EXPECT_GT(lit, 10'000);
+  EXPECT_GT(shadowed, 500);
+  EXPECT_LT(off, 10);
+}
+
+/// The floor seen from above: 64 by 64 pixels over the square |x|, |z| <= 1, cut into equal columns and rows, lit where x < 0.
+struct Floor {
+  Scene scene;
+  GBuffer gbuffer;
+  SurfaceDetail detail;
+  Light light = sun({0, -1, 0});
+
+  explicit Floor(int steps) {
+    scene.meshes.push_back(hand_made::mesh_of({{-9, 0, -9}, {-9, 0, 9}, {9, 0, 0}}, {{0, 1, 2}}));
+    gbuffer = small_world::make_gbuffer(scene, {.eye = {0, 1, 0}, .target = {0, 0, 0}, .up = {0, 0, -1}, .fov_y_degrees = 90},
+                                        64, 64);
+    for (int row = 0; row < steps; ++row)
+      for (int column = 0; column < steps; ++column) {
+        const double step = 2.0 / steps, x = column * step - 1, z = row * step - 1;
+        detail.polygons.push_back({0, 0, 2 * column < steps, static_cast<std::uint32_t>(detail.corners.size()), 4});
+        for (const glm::dvec3& p :
+             {glm::dvec3(x, 0, z), glm::dvec3(x, 0, z + step), glm::dvec3(x + step, 0, z + step), glm::dvec3(x + step, 0, z)})
+          detail.corners.push_back(p);
+      }
+  }
+  std::vector<float> picture() const { return paint_detail(scene, gbuffer, light, detail); }
+};
+
+TEST(surface_detail, large_fragments_have_borders_and_shades_of_their_own) {
+  // Four by four fragments of 16 by 16 pixels each: their last column and row are darker by more than half.
+  const std::vector<float> picture = Floor(4).picture();
+  std::vector<float> shades;
+  for (std::size_t y = 0; y < 64; ++y)
+    for (std::size_t x = 0; x < 64; ++x) {
+      const glm::vec3 c = color(picture, 64 * y + x), inner = color(picture, 64 * (y / 16 * 16 + 8) + x / 16 * 16 + 8);
+      const bool is_border = (x % 16 == 15 && x < 63) || (y % 16 == 15 && y < 63);
+      const float share = c.g / inner.g;
+      if (is_border)
+        ASSERT_LT(share, 0.5f) << x << ' ' << y;
+      else
+        ASSERT_NEAR(share, 1, 0.2) << x << ' ' << y;
+      ASSERT_TRUE(x < 32 ? is_warm(c) : is_cool(c)) << x << ' ' << y;
+      if (x % 16 == 8 && y % 16 == 8) shades.push_back(inner.g);
+    }
+  for (std::size_t k = 0; k < shades.size(); ++k) {
+    if (k % 4 != 1 && k % 4 != 3) {
+      EXPECT_GT(std::abs(shades[k] / shades[k + 1] - 1), 0.05) << k;
+    }
+    if (k + 4 < shades.size()) {
+      EXPECT_GT(std::abs(shades[k] / shades[k + 4] - 1), 0.05) << k;
+    }
+  }
+}
+
+TEST(surface_detail, fragments_below_a_pixel_leave_the_tones) {
+  // 3 by 3 fragments on a pixel: borders everywhere would leave a dark picture.
+  const std::vector<float> large = Floor(2).picture(), small = Floor(192).picture();
+  double sum_large = 0, sum_small = 0;
+  for (std::size_t i = 0; i < 64 * 64; ++i) {
+    const glm::vec3 c = color(small, i);
+    ASSERT_TRUE(i % 64 < 32 ? is_warm(c) : is_cool(c)) << i;
+    sum_large += color(large, i).g, sum_small += c.g;
+  }
+  EXPECT_NEAR(sum_small / sum_large, 1, 0.15);
+}
+
+TEST(surface_detail, on_a_curve_the_nearest_polygon_of_its_mesh_counts) {
+  // A ball of 64 by 32 quads, the upper half of them lit, seen from the side; the G-buffer lies on the exact sphere.
+  Scene scene;
+  std::vector<glm::vec3> positions;
+  std::vector<glm::uvec3> triangles;
+  constexpr unsigned around = 64, down = 32;
+  for (unsigned v = 0; v <= down; ++v)
+    for (unsigned u = 0; u < around; ++u) {
+      const double a = 6.283185307179586 * u / around, b = 3.141592653589793 * v / down;
+      positions.push_back(glm::vec3(glm::dvec3(std::sin(b) * std::cos(a), std::cos(b), std::sin(b) * std::sin(a))));
+    }
+  for (unsigned v = 0; v < down; ++v)
+    for (unsigned u = 0; u < around; ++u) {
+      const unsigned p = v * around + u, q = v * around + (u + 1) % around;
+      triangles.push_back({p, q, p + around});
+      triangles.push_back({q, q + around, p + around});
+    }
+  scene.meshes.push_back(hand_made::mesh_of(positions, triangles));
+  Mesh& mesh = scene.meshes[0];
+  mesh.shape = Sphere{};
+  SurfaceDetail detail;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto first = static_cast<std::uint32_t>(detail.corners.size());
+    glm::vec3 sum(0);
+    for (int k = 0; k < 3; ++k)
+      sum += mesh.positions[mesh.triangles[t][k]], detail.corners.push_back(mesh.positions[mesh.triangles[t][k]]);
+    detail.polygons.push_back({0, t, sum.y > 0, first, 3});
+  }
+  hand_made::Picture picture(40, 40, Truth::shape);
+  picture.gbuffer.view = {.eye = {0, 0, 4}, .target = {0, 0, 0}, .fov_y_degrees = 30};
+  for (std::size_t i = 0; i < picture.gbuffer.size(); ++i) {
+    const double tangent = std::tan(glm::radians(15.0)), x = tangent * (2 * (static_cast<double>(i % 40) + 0.5) / 40 - 1),
+                 y = tangent * (1 - 2 * (static_cast<double>(i / 40) + 0.5) / 40);
+    // (4 - t)^2 + t^2 (x^2 + y^2) = 1
+    const double a = 1 + x * x + y * y, root = 16 - 15 * a;
+    if (root < 0) continue;
+    const double t = (4 - std::sqrt(root)) / a;
+    const glm::vec3 point(glm::dvec3(t * x, t * y, 4 - t));
+    picture.set(i, point, point, 0, 0);
+  }
+  const Light light = point_light({0, 0, 9});
+  const std::vector<float> painted = paint_detail(scene, picture.gbuffer, light, detail);
+  int upper = 0, lower = 0, none = 0;
+  for (std::size_t i = 0; i < picture.gbuffer.size(); ++i) {
+    if (!faces_light(scene, picture.gbuffer, light, i)) continue;
+    const glm::vec3 c = color(painted, i);
+    const float height = picture.gbuffer.position(i).y;
+    if (!is_warm(c) && !is_cool(c)) {
+      // The polygons reach to cos(pi / 32) = 0.995 of the ball's outline and farther.
+      EXPECT_GT(glm::length(glm::dvec2(picture.gbuffer.position(i))), 0.9) << i;
+      ++none;
+      continue;
+    }
+    EXPECT_EQ(is_warm(c), height > 0) << i;
+    ++(height > 0 ? upper : lower);
+  }
+  EXPECT_GT(upper, 400);
+  EXPECT_GT(lower, 400);
+  EXPECT_LT(none, 40);
+}
+
+TEST(surface_detail, what_does_not_fit_the_scene_is_refused) {
+  const Floor floor(2);
+  EXPECT_NO_THROW(check_detail(floor.scene, floor.detail));
+  const auto refuses = [&](const auto& spoil, const std::string& says) {
+    SurfaceDetail detail = floor.detail;
+    spoil(detail);
+    try {
+      check_detail(floor.scene, detail);
+      ADD_FAILURE() << says;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(says), std::string::npos) << error.what();
+    }
+  };
+  refuses([](auto& d) { d.polygons[1].mesh = 1; }, "polygon 1 is of mesh 1; the scene has 1");
+  refuses([](auto& d) { d.polygons[2].triangle = 4; }, "polygon 2 is of triangle 4; mesh 0 has 1");
+  refuses([](auto& d) { d.polygons[0].count = 2; }, "polygon 0 has 2 corners");
+  refuses([](auto& d) { d.polygons[3].first = 13; }, "polygon 3 has corners from 13 to 16; there are 16");
+  refuses([](auto& d) { d.polygons[3].first = 0xffffffffu; }, "there are 16");
+  refuses([](auto& d) { d.corners[5].y = NAN; }, "polygon 1 has a corner at");
+  Scene two = floor.scene;
+  two.meshes.push_back(two.meshes[0]);
+  SurfaceDetail detail = floor.detail;
+  detail.polygons[0].mesh = 1;
+  EXPECT_THROW(check_detail(two, detail), Error);
+}
+
+}  // namespace
