@@ -84,7 +84,9 @@ class Svbsp final : public Technique {
   }
   std::vector<float> paint() const;
   Facing facing() const { return {triangles_, signs_}; }
-  /// The triangle that shades a pixel's point, or `none`.
+  Query query(const GBuffer& gbuffer, std::size_t i) const;
+  /// The triangle that shades a pixel's point, or `none`; the query is in its cell.
+  std::uint32_t occluder(const GBuffer& gbuffer, const Query& query) const;
   std::uint32_t occluder(const GBuffer& gbuffer, std::size_t i, std::uint64_t& visits) const;
   /// Triangle of its mesh, and the mesh.
   DetailPolygon named(std::uint32_t triangle) const {
@@ -161,32 +163,42 @@ void Svbsp::relight(const Light& light) {
   for (const glm::vec3& p : {bounds_.min, bounds_.max})
     if (!bounds_.empty())
       for (int k = 0; k < 3; ++k) extent = std::max({extent, std::abs(double{p[k]}), at.w * std::abs(at[k])});
-  const Facing facing = this->facing();
-  forest_.grow(
-      space_, pieces_,
-      order.is("tiles") ? Forest::Order::tiles
-      : order.is("bsp") ? Forest::Order::bsp
-                        : Forest::Order::face_planes,
-      {.epsilon = {},
-       .drop = drop_edges.is("none")  ? Drop::none
-               : drop_edges.is("cut") ? Drop::cut
-                                      : Drop::shared,
-       .tile_size = static_cast<std::size_t>(tile_size)},
-      extent, [&](int face, std::uint32_t piece) { return facing.plane(space_, face, pieces_.of_face(face)[piece].triangle); });
+  forest_.grow(space_, pieces_, facing(),
+               order.is("tiles") ? Forest::Order::tiles
+               : order.is("bsp") ? Forest::Order::bsp
+                                 : Forest::Order::face_planes,
+               {.epsilon = {},
+                .drop = drop_edges.is("none")  ? Drop::none
+                        : drop_edges.is("cut") ? Drop::cut
+                                               : Drop::shared,
+                .tile_size = static_cast<std::size_t>(tile_size)},
+               extent);
+}
+
+Query Svbsp::query(const GBuffer& gbuffer, std::size_t i) const {
+  const glm::vec3 point = gbuffer.position(i);
+  const int face = space_.face_of(point);
+  Query query = forest_.query(face, space_.of_world(face, point));
+  query.pixel = static_cast<std::uint32_t>(i);
+  return query;
 }
 
 std::uint32_t Svbsp::occluder(const GBuffer& gbuffer, std::size_t i, std::uint64_t& visits) const {
-  const glm::vec3 point = gbuffer.position(i);
-  const int face = space_.face_of(point);
-  const auto piece = forest_.nearest(face, space_.of_world(face, point), visits);
-  if (!piece) return none;
-  const std::uint32_t nearest = pieces_.of_face(face)[*piece].triangle, m = gbuffer.mesh[i];
+  Query query = this->query(gbuffer, i);
+  locate<1>({&query, 1}, visits);
+  return occluder(gbuffer, query);
+}
+
+std::uint32_t Svbsp::occluder(const GBuffer& gbuffer, const Query& query) const {
+  if (!is_in_cell(query.link)) return none;
+  const std::size_t i = query.pixel;
+  const std::uint32_t nearest = triangle_in(query.link), m = gbuffer.mesh[i];
   const SceneTriangle& other = triangles_[nearest];
   // A curved body is convex: none shades a point of its own that faces the light.
   const bool is_curved = gbuffer.truth == Truth::shape && scene_->meshes[m].has_curved_shape();
   if (is_curved ? other.mesh == m : nearest == first_triangle_[m] + gbuffer.triangle[i]) return none;
   const glm::vec3* p = other.corners;
-  if (orient3d_sign(p[0], p[1], p[2], point) != -signs_[nearest]) return none;
+  if (orient3d_sign(p[0], p[1], p[2], gbuffer.position(i)) != -signs_[nearest]) return none;
   if (is_curved) return nearest;
   const glm::vec3* own = triangles_[first_triangle_[m] + gbuffer.triangle[i]].corners;
   const bool is_coplanar = coplanar(own[0], own[1], own[2], p[0]) && coplanar(own[0], own[1], own[2], p[1]) &&
@@ -202,11 +214,18 @@ void Svbsp::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   std::vector<std::pair<std::uint64_t, std::uint64_t>> work((gbuffer.size() + block - 1) / block);
   for_blocks(gbuffer.size(), block, [&](std::size_t begin, std::size_t end) {
     auto& [locations, visits] = work[begin / block];
+    constexpr std::size_t most = 32;
+    Query queries[most];
+    std::size_t count = 0;
     for (std::size_t i = begin; i < end; ++i) {
       pixels[i] = 1;
-      if (!faces_light(*scene_, gbuffer, light_, i)) continue;
-      ++locations;
-      if (occluder(gbuffer, i, visits) != none) pixels[i] = 0;
+      if (faces_light(*scene_, gbuffer, light_, i)) queries[count++] = query(gbuffer, i);
+      if (count < most && i + 1 < end) continue;
+      locations += count;
+      locate<most>({queries, count}, visits);
+      for (const Query& query : std::span(queries, count))
+        if (occluder(gbuffer, query) != none) pixels[query.pixel] = 0;
+      count = 0;
     }
   });
   locations_ = visits_ = 0;
@@ -257,7 +276,7 @@ std::optional<SurfaceDetail> Svbsp::surface_detail() const {
   std::vector<SurfaceDetail> parts((triangles_.size() + block - 1) / block);
   const Facing facing = this->facing();
   for_blocks(signs_.size(), block, [&](std::size_t begin, std::size_t end) {
-    Divider divider(space_, forest_, pieces_, facing);
+    Divider divider(space_, forest_, facing);
     for (std::size_t i = begin; i < end; ++i) {
       if (signs_[i] == 0 || !scene_->meshes[triangles_[i].mesh].receives) continue;
       Corner corners[3];
@@ -288,7 +307,7 @@ std::vector<float> Svbsp::paint() const {
   if (!bsp_) made.emplace(*scene_, bsp_options());
   const Bsp& bsp = bsp_ ? *bsp_ : *made;
   const Facing facing = this->facing();
-  Divider divider(space_, forest_, pieces_, facing);
+  Divider divider(space_, forest_, facing);
   SurfaceDetail detail;
   return paint_back_to_front(*scene_, *gbuffer_, light_, bsp, [&](const BspPolygon& polygon, DetailBrush& brush) {
     detail.corners.clear(), detail.polygons.clear();

@@ -19,7 +19,7 @@ struct Tally {
   std::uint64_t planes = 0;                       ///< shadow planes
   std::uint64_t tile_cuts = 0;                    ///< of pieces by the borders of tiles
   std::uint64_t cuts = 0;                         ///< by shadow planes
-  std::uint64_t crossings = 0;                    ///< by the plane of another piece
+  std::uint64_t crossings = 0;                    ///< by the plane of another triangle
   std::uint64_t lit = 0, shadowed = 0, thin = 0;  ///< fragments, when they reached their cells
   std::uint64_t hidden = 0;                       ///< pieces left out of tiles that nearer ones hide
   Tally& operator+=(const Tally& t) {
@@ -42,12 +42,12 @@ inline Lies lies_at(const ClipPlane& plane, const LightSpace& space, std::span<c
   return static_cast<Lies>(lies);
 }
 
-/// Adds polygons to the trees of one face. Every IN cell knows the piece that is nearest to the light there; its plane is the
-/// last of the cell, so to speak: what lies before it becomes a part of the tree, too, in whatever order pieces come.
+/// Adds polygons to the trees of one face. Every IN cell knows the triangle that is nearest to the light there; its plane is
+/// the last of the cell, so to speak: what lies before it becomes a part of the tree, too, in whatever order pieces come.
 template <class PlaneOf>
 class Builder {
  public:
-  /// plane_of(piece) is a piece's plane in light space.
+  /// plane_of(triangle) is a triangle's plane in light space.
   Builder(const LightSpace& space, const Rules& rules, PlaneOf plane_of, std::vector<Node>& nodes, Tally& tally)
       : space_(space), rules_(rules), plane_of_(plane_of), nodes_(nodes), tally_(tally) {}
 
@@ -56,33 +56,33 @@ class Builder {
   /// Whether the tree's cells are all IN, and what is no nearer to the light than `nearest` is in shadow everywhere.
   bool hides(double nearest) const { return out_count_ == 0 && nearest <= farthest_; }
 
-  /// `polygon` is the part of a piece that the tree at `root` is about.
-  void add(std::span<const Corner> polygon, std::uint32_t piece, Link& root) {
+  /// `polygon` is the part of a triangle that the tree at `root` is about.
+  void add(std::span<const Corner> polygon, std::uint32_t triangle, Link& root) {
     tally_.cuts += filter_.run(
         nodes_, root, polygon, rules_.epsilon.across, tally_.thin,
-        [&](const Place& place, Link cell, std::span<const Corner> fragment) { reach(place, cell, fragment, piece, root); });
+        [&](const Place& place, Link cell, std::span<const Corner> fragment) { reach(place, cell, fragment, triangle, root); });
   }
 
  private:
-  void reach(const Place& place, Link cell, std::span<const Corner> fragment, std::uint32_t piece, Link& root) {
-    if (!is_in_cell(cell)) return attach(place, cell, fragment, piece, root);
+  void reach(const Place& place, Link cell, std::span<const Corner> fragment, std::uint32_t triangle, Link& root) {
+    if (!is_in_cell(cell)) return attach(place, cell, fragment, triangle, root);
     if (rules_.is_ordered) {
       ++tally_.shadowed;
       return;
     }
     if (values_.size() < fragment.size()) values_.resize(2 * fragment.size()), parts_.resize(4 * fragment.size() + 2);
-    const Lies lies = lies_at(plane_of_(piece_in(cell)), space_, fragment, rules_.epsilon.meters, values_.data());
-    if (lies == Lies::positive) return attach(place, cell, fragment, piece, root);
+    const Lies lies = lies_at(plane_of_(triangle_in(cell)), space_, fragment, rules_.epsilon.meters, values_.data());
+    if (lies == Lies::positive) return attach(place, cell, fragment, triangle, root);
     ++tally_.shadowed;
     if (lies != Lies::across) return;
     ++tally_.crossings;
     Corner* const nearer = parts_.data() + fragment.size() + 1;
     const CutCounts cut = cut_polygon(fragment, values_.data(), 0, own_edge, parts_.data(), nearer);
-    attach(place, cell, {nearer, cut.positive}, piece, root);
+    attach(place, cell, {nearer, cut.positive}, triangle, root);
   }
 
-  /// One shadow plane for each edge: beyond it all stays as it was, inside the last one the piece is nearest.
-  void attach(Place place, Link cell, std::span<const Corner> fragment, std::uint32_t piece, Link& root) {
+  /// One shadow plane for each edge: beyond it all stays as it was, inside the last one the triangle is nearest.
+  void attach(Place place, Link cell, std::span<const Corner> fragment, std::uint32_t triangle, Link& root) {
     ++tally_.lit;
     std::int64_t made_count = 0;
     const auto put = [&](Link link) { (place.parent < 0 ? root : nodes_[place.parent].sides[place.side]) = link; };
@@ -102,7 +102,7 @@ class Builder {
       place = {made, 1};
       ++made_count;
     }
-    put(in_cell(piece));
+    put(in_cell(triangle));
     tally_.planes += static_cast<std::uint64_t>(made_count);
     if (cell == out_cell) out_count_ += made_count - 1;
     for (const Corner& corner : fragment) farthest_ = std::min(farthest_, corner.at.z);

@@ -8,8 +8,8 @@ namespace gnomon::svbsp {
 /// Divides polygons into what the light sees of them and what it does not, by the trees of a forest.
 class Divider {
  public:
-  Divider(const LightSpace& space, const Forest& forest, const Pieces& pieces, const Facing& facing)
-      : space_(space), forest_(forest), pieces_(pieces), facing_(facing) {}
+  Divider(const LightSpace& space, const Forest& forest, const Facing& facing)
+      : space_(space), forest_(forest), facing_(facing) {}
 
   /// Appends the lit and the shadowed parts of `polygon`, a convex part of a triangle, `whole` but for its corners. `merges`:
   /// the polygon itself where all of it is lit, or all shadowed.
@@ -78,10 +78,9 @@ class Divider {
     filter_.run(forest_.nodes(tile), forest_.root(tile), polygon, forest_.epsilon().across, thin,
                 [&](const Place&, Link cell, std::span<const Corner> fragment) {
                   if (!is_in_cell(cell)) return append(fragment, true);
-                  const std::uint32_t nearest = pieces_.of_face(face_)[piece_in(cell)].triangle;
                   values_.resize(fragment.size());
-                  const Lies lies = lies_at(facing_.plane(space_, face_, nearest), space_, fragment, forest_.epsilon().meters,
-                                            values_.data());
+                  const Lies lies = lies_at(facing_.plane(space_, face_, triangle_in(cell)), space_, fragment,
+                                            forest_.epsilon().meters, values_.data());
                   if (lies != Lies::across) return append(fragment, lies != Lies::negative);
                   Polygon beyond(fragment.size() + 1), before(fragment.size() + 1);
                   const CutCounts counts = cut_polygon(fragment, values_.data(), 0, own_edge, beyond.data(), before.data());
@@ -101,7 +100,6 @@ class Divider {
 
   const LightSpace& space_;
   const Forest& forest_;
-  const Pieces& pieces_;
   const Facing& facing_;
   Projector projector_;
   Filter filter_;

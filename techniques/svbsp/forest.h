@@ -11,14 +11,14 @@ namespace gnomon::svbsp {
 /// Equal tiles over what a light sees of the casters on one face, each with a tree of its own; a single one where there are no
 /// tiles.
 struct Grid {
-  glm::dvec2 low{0}, high{0}, step{0};
+  glm::dvec2 low{0}, high{0}, step{0}, per_step{0};  ///< per_step is 1 / step
   int columns = 0, rows = 0;
   std::uint32_t first = 0;  ///< tile, of all faces
 
   bool is_empty() const { return columns == 0; }
   bool holds(const glm::dvec3& p) const { return p.x >= low.x && p.x <= high.x && p.y >= low.y && p.y <= high.y; }
-  int column(double x) const { return std::clamp(static_cast<int>((x - low.x) / step.x), 0, columns - 1); }
-  int row(double y) const { return std::clamp(static_cast<int>((y - low.y) / step.y), 0, rows - 1); }
+  int column(double x) const { return std::clamp(static_cast<int>((x - low.x) * per_step.x), 0, columns - 1); }
+  int row(double y) const { return std::clamp(static_cast<int>((y - low.y) * per_step.y), 0, rows - 1); }
   std::uint32_t tile(int column, int row) const { return first + static_cast<std::uint32_t>(row * columns + column); }
   double column_side(int k) const { return k == columns ? high.x : low.x + k * step.x; }
   double row_side(int k) const { return k == rows ? high.y : low.y + k * step.y; }
@@ -34,18 +34,17 @@ class Forest {
  public:
   enum class Order { tiles, bsp, face_planes };
 
-  /// Of pieces whose triangles' planes plane_of(face, piece) gives. On all threads; the outcome does not depend on their
-  /// number.
-  template <class PlaneOf>
-  void grow(const LightSpace& space, const Pieces& pieces, Order order, Rules rules, double extent, const PlaneOf& plane_of);
+  /// `extent` is the largest coordinate, in meters. On all threads; the outcome does not depend on their number.
+  void grow(const LightSpace& space, const Pieces& pieces, const Facing& facing, Order order, Rules rules, double extent);
 
-  /// The piece nearest to the light where it sees a point of light space; adds to `visits`.
-  std::optional<std::uint32_t> nearest(int face, const glm::dvec3& p, std::uint64_t& visits) const {
+  /// For a point of light space: its tile's tree, or an OUT cell where there are no tiles.
+  Query query(int face, const glm::dvec3& p) const {
     const Grid& grid = grids_[face];
-    if (grid.is_empty() || !grid.holds(p)) return std::nullopt;
+    Query query{.x = p.x, .y = p.y, .nodes = nullptr, .link = out_cell};
+    if (grid.is_empty() || !grid.holds(p)) return query;
     const std::uint32_t tile = grid.tile(grid.column(p.x), grid.row(p.y));
-    const Link cell = locate(nodes(tile).data(), roots_[tile], p.x, p.y, visits);
-    return is_in_cell(cell) ? std::optional(piece_in(cell)) : std::nullopt;
+    query.nodes = nodes(tile).data(), query.link = roots_[tile];
+    return query;
   }
 
   const Grid& grid(int face) const { return grids_[face]; }
@@ -102,6 +101,7 @@ inline void Forest::lay_grids(const Pieces& pieces, bool has_tiles) {
         std::clamp(static_cast<int>(std::sqrt(wanted * size.x / size.y)), 1, static_cast<int>(std::max(wanted, 1.0)));
     grid.rows = std::max(1, static_cast<int>(wanted / grid.columns));
     grid.step = size / glm::dvec2(grid.columns, grid.rows);
+    grid.per_step = 1.0 / grid.step;
     const auto tiles = static_cast<std::uint32_t>(grid.columns) * static_cast<std::uint32_t>(grid.rows);
     next += (tiles + bin_size - 1) / bin_size * bin_size;
   }
@@ -135,9 +135,8 @@ inline void Forest::deal(const Pieces& pieces, double thinnest) {
       [&](std::atomic_ref<std::uint32_t> next, std::uint32_t i) { dealt_[next.fetch_add(1, std::memory_order_relaxed)] = i; });
 }
 
-template <class PlaneOf>
-void Forest::grow(const LightSpace& space, const Pieces& pieces, Order order, Rules rules, double extent,
-                  const PlaneOf& plane_of) {
+inline void Forest::grow(const LightSpace& space, const Pieces& pieces, const Facing& facing, Order order, Rules rules,
+                         double extent) {
   lay_grids(pieces, order == Order::tiles);
   glm::dvec2 size(0);
   for (const Grid& grid : grids_)
@@ -157,7 +156,7 @@ void Forest::grow(const LightSpace& space, const Pieces& pieces, Order order, Ru
     bin.tally = {};
     const Grid& grid = grids_[bin.face];
     const std::span<const Piece> here = pieces.of_face(bin.face);
-    const auto plane = [&](std::uint32_t piece) { return plane_of(bin.face, piece); };
+    const auto plane = [&](std::uint32_t triangle) { return facing.plane(space, bin.face, triangle); };
     Tiler tiler(space, rules, plane, bin.nodes, bin.tally);
     Builder builder(space, rules, plane, bin.nodes, bin.tally);
     for (std::uint32_t tile = static_cast<std::uint32_t>(b) * bin_size; tile < (b + 1) * bin_size; ++tile) {
@@ -173,7 +172,7 @@ void Forest::grow(const LightSpace& space, const Pieces& pieces, Order order, Ru
       } else {
         if (order == Order::face_planes) shuffle(dealt);
         builder.start();
-        for (const std::uint32_t i : dealt) builder.add(here[i].polygon(), i, roots_[tile]);
+        for (const std::uint32_t i : dealt) builder.add(here[i].polygon(), here[i].triangle, roots_[tile]);
       }
     }
   });

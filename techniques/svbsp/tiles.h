@@ -95,7 +95,7 @@ class Tiler {
         tally_.hidden += end - i;
         break;
       }
-      if (clip(pieces_[items_[i].piece], low, high)) builder_.add(part_, items_[i].piece, root);
+      if (clip(pieces_[items_[i].piece], low, high)) builder_.add(part_, pieces_[items_[i].piece].triangle, root);
     }
     return root;
   }

@@ -9,9 +9,11 @@ namespace gnomon::svbsp {
 /// A node, from 0 up, or a cell, from -1 down.
 using Link = std::int32_t;
 constexpr Link out_cell = -1;  ///< nothing is there
-constexpr Link in_cell(std::uint32_t piece) { return -2 - static_cast<Link>(piece); }
+constexpr Link in_cell(std::uint32_t triangle) { return -2 - static_cast<Link>(triangle); }
 constexpr bool is_in_cell(Link link) { return link < out_cell; }
-constexpr std::uint32_t piece_in(Link link) { return static_cast<std::uint32_t>(-2 - link); }  ///< nearest to the light there
+constexpr std::uint32_t triangle_in(Link link) {
+  return static_cast<std::uint32_t>(-2 - link);
+}  ///< nearest to the light there
 
 /// A shadow plane, or a border of tiles: a line of light space, scaled so that `at` is the distance from it.
 struct Node {
@@ -20,14 +22,37 @@ struct Node {
   double at(double px, double py) const { return x * px + y * py + offset; }
 };
 
-/// The cell that holds a point; adds the nodes on the way to `visits`.
-inline Link locate(const Node* nodes, Link link, double x, double y, std::uint64_t& visits) {
-  while (link >= 0) {
-    const Node& node = nodes[link];
-    link = node.sides[node.at(x, y) >= 0];
-    ++visits;
+/// A point on its way down a tree.
+struct Query {
+  double x, y;
+  const Node* nodes;
+  Link link;  ///< the root, then the cell
+  std::uint32_t pixel = 0;
+};
+
+/// Takes all of them to their cells, one node each in turn: the processor so has another node to wait for meanwhile, which
+/// makes it twice as fast as one after the other. Adds the nodes on the way to `visits`.
+template <std::size_t most>
+void locate(std::span<Query> queries, std::uint64_t& visits) {
+  std::uint8_t under_way[most];
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    under_way[count] = static_cast<std::uint8_t>(i);
+    count += queries[i].link >= 0;
   }
-  return link;
+  while (count > 0) {
+    visits += count;
+    std::size_t left = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::uint8_t i = under_way[k];
+      Query& query = queries[i];
+      const Node& node = query.nodes[query.link];
+      query.link = node.sides[node.at(query.x, query.y) >= 0];
+      under_way[left] = i;
+      left += query.link >= 0;
+    }
+    count = left;
+  }
 }
 
 /// What a tree knows about an edge of a polygon.

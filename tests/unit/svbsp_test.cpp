@@ -117,7 +117,9 @@ struct Paper {
   }
   Link at(double x, double y) const {
     std::uint64_t visits = 0;
-    return locate(nodes.data(), root, x, y, visits);
+    Query query{.x = x, .y = y, .nodes = nodes.data(), .link = root};
+    locate<1>({&query, 1}, visits);
+    return query.link;
   }
 };
 
