@@ -78,6 +78,8 @@ class Builder {
     ++tally_.crossings;
     Corner* const nearer = parts_.data() + fragment.size() + 1;
     const CutCounts cut = cut_polygon(fragment, values_.data(), 0, own_edge, parts_.data(), nearer);
+    // A tip with no width: most of its edges would get no plane, and the rest bound far more than the tip.
+    if (is_thin({nearer, cut.positive}, rules_.epsilon.across)) return void(++tally_.thin);
     attach(place, cell, {nearer, cut.positive}, triangle, root);
   }
 
@@ -93,7 +95,7 @@ class Builder {
       const glm::dvec3 &a = fragment[i].at, &b = fragment[i + 1 < fragment.size() ? i + 1 : 0].at;
       const double x = a.y - b.y, y = b.x - a.x, length = std::sqrt(x * x + y * y);
       if (!(length > rules_.epsilon.across)) continue;
-      const auto made = static_cast<Link>(nodes_.size());
+      const Link made = next_link(nodes_);
       // Beyond a cut lies the rest of the same triangle, beyond a plane above another cell: no way that rounding could leave
       // between the two stays open.
       const double beyond = mark == own_edge ? 0 : rules_.epsilon.across;

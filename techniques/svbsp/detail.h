@@ -22,9 +22,9 @@ class Divider {
       divide_face({seen.begin(), seen.end()});
     });
     const auto made = std::span(detail.polygons).subspan(first_polygon);
-    const bool is_lit = !made.empty() && made[0].is_lit;
-    if (!merges || made.empty() || !std::ranges::all_of(made, [&](const DetailPolygon& p) { return p.is_lit == is_lit; }))
-      return;
+    const bool is_lit = made.empty() ? is_lit_in_the_middle(polygon) : made[0].is_lit;
+    const auto is_alike = [&](const DetailPolygon& p) { return p.is_lit == is_lit; };
+    if (!made.empty() && (!merges || !std::ranges::all_of(made, is_alike))) return;
     detail.corners.resize(first_corner), detail.polygons.resize(first_polygon);
     whole.is_lit = is_lit;
     whole.first = static_cast<std::uint32_t>(first_corner), whole.count = static_cast<std::uint32_t>(polygon.size());
@@ -34,6 +34,19 @@ class Divider {
 
  private:
   using Polygon = std::vector<Corner>;
+
+  /// For a polygon so narrow, as the light sees it, that no fragment is left of it.
+  bool is_lit_in_the_middle(std::span<const Corner> polygon) const {
+    glm::dvec3 middle(0);
+    for (const Corner& corner : polygon) middle += corner.at / static_cast<double>(polygon.size());
+    const int face = space_.face_of(middle);
+    const glm::dvec3 seen = space_.of_world(face, middle);
+    Query query = forest_.query(face, seen);
+    std::uint64_t visits = 0;
+    locate<1>({&query, 1}, visits);
+    return !is_in_cell(query.link) ||
+           facing_.plane(space_, face, triangle_in(query.link)).at(seen) >= -forest_.epsilon().meters * space_.meter(seen);
+  }
 
   /// What lies below and above a line in x or y; empty where nothing does.
   std::pair<Polygon, Polygon> cut(const Polygon& polygon, int axis, double at) {

@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/error.h>
 #include <gnomon/kit/random.h>
 
 #include <atomic>
@@ -34,7 +35,7 @@ class Forest {
  public:
   enum class Order { tiles, bsp, face_planes };
 
-  /// `extent` is the largest coordinate, in meters. On all threads; the outcome does not depend on their number.
+  /// `extent` is the largest coordinate of the casters, in meters. On all threads; the outcome does not depend on their number.
   void grow(const LightSpace& space, const Pieces& pieces, const Facing& facing, Order order, Rules rules, double extent);
 
   /// For a point of light space: its tile's tree, or an OUT cell where there are no tiles.
@@ -71,6 +72,7 @@ class Forest {
     int face = 0;
   };
   static constexpr double pieces_per_tile = 16;
+  static constexpr double tiles_per_piece = 64;  ///< at most on average: copies of one triangle, say, lie in all tiles
 
   void lay_grids(const Pieces& pieces, bool has_tiles);
   void deal(const Pieces& pieces, double thinnest);
@@ -91,16 +93,24 @@ inline void Forest::lay_grids(const Pieces& pieces, bool has_tiles) {
     const std::span<const Piece> here = pieces.of_face(face);
     grid = {.low = glm::dvec2(INFINITY), .high = glm::dvec2(-INFINITY), .first = next};
     if (here.empty()) continue;
+    glm::dvec2 lengths(0);
+    double areas = 0;
     for (const Piece& piece : here) {
-      grid.low = glm::min(grid.low, glm::dvec2(piece.x0, piece.y0));
-      grid.high = glm::max(grid.high, glm::dvec2(piece.x1, piece.y1));
+      const glm::dvec2 box = piece.high - piece.low;
+      grid.low = glm::min(grid.low, piece.low), grid.high = glm::max(grid.high, piece.high);
+      lengths += box, areas += box.x * box.y;
     }
-    const glm::dvec2 size = grid.high - grid.low;
-    const double wanted = has_tiles ? std::min(static_cast<double>(here.size()) / pieces_per_tile, 0x1p22) : 1;
-    grid.columns =
-        std::clamp(static_cast<int>(std::sqrt(wanted * size.x / size.y)), 1, static_cast<int>(std::max(wanted, 1.0)));
-    grid.rows = std::max(1, static_cast<int>(wanted / grid.columns));
-    grid.step = size / glm::dvec2(grid.columns, grid.rows);
+    const glm::dvec2 size = glm::max(grid.high - grid.low, glm::dvec2(1e-200));  // of a lone piece without width
+    const auto count = static_cast<double>(here.size());
+    for (double wanted = has_tiles ? std::min(count / pieces_per_tile, 0x1p22) : 1;; wanted /= 2) {
+      const double most = std::max(wanted, 1.0);
+      grid.columns = static_cast<int>(std::clamp(std::sqrt(wanted * size.x / size.y), 1.0, most));
+      grid.rows = static_cast<int>(std::max(wanted / grid.columns, 1.0));
+      grid.step = size / glm::dvec2(grid.columns, grid.rows);
+      // A box reaches into one tile, and over as many borders as it is steps long.
+      const glm::dvec2 borders = lengths / grid.step;
+      if (wanted <= 1 || count + borders.x + borders.y + areas / (grid.step.x * grid.step.y) <= tiles_per_piece * count) break;
+    }
     grid.per_step = 1.0 / grid.step;
     const auto tiles = static_cast<std::uint32_t>(grid.columns) * static_cast<std::uint32_t>(grid.rows);
     next += (tiles + bin_size - 1) / bin_size * bin_size;
@@ -118,9 +128,9 @@ inline void Forest::deal(const Pieces& pieces, double thinnest) {
       for_blocks(pieces.of_face(face).size(), block, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
           const Piece& piece = pieces.of_face(face)[i];
-          if (is_thin(piece, thinnest)) continue;
-          const int left = grid.column(piece.x0), right = grid.column(piece.x1), bottom = grid.row(piece.y1);
-          for (int row = grid.row(piece.y0); row <= bottom; ++row)
+          if (is_thin(piece.polygon(), thinnest)) continue;
+          const int left = grid.column(piece.low.x), right = grid.column(piece.high.x), bottom = grid.row(piece.high.y);
+          for (int row = grid.row(piece.low.y); row <= bottom; ++row)
             for (int column = left; column <= right; ++column)
               visit(std::atomic_ref(ends_[grid.tile(column, row)]), static_cast<std::uint32_t>(i));
         }
@@ -128,8 +138,9 @@ inline void Forest::deal(const Pieces& pieces, double thinnest) {
     }
   };
   for_tiles([](std::atomic_ref<std::uint32_t> count, std::uint32_t) { count.fetch_add(1, std::memory_order_relaxed); });
-  std::uint32_t sum = 0;
-  for (std::uint32_t& count : ends_) sum += std::exchange(count, sum);
+  std::uint64_t sum = 0;
+  for (std::uint32_t& count : ends_) sum += std::exchange(count, static_cast<std::uint32_t>(sum));
+  if (sum > 0xffffffffu) throw Error("polygons in {} tiles are beyond {}", sum, 0xffffffffu);
   dealt_.resize(sum);
   for_tiles(
       [&](std::atomic_ref<std::uint32_t> next, std::uint32_t i) { dealt_[next.fetch_add(1, std::memory_order_relaxed)] = i; });

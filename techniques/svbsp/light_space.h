@@ -11,8 +11,8 @@ namespace gnomon::svbsp {
 /// What counts as one and the same place: 10^-10 of the extent. Half a unit of float32, on which vertices and visible points
 /// stand anyway, is 3 * 10^-8 of it; coordinates and cuts in double err by some 10^-15.
 struct Epsilons {
-  double across = 0;  ///< in x and y
-  double meters = 0;  ///< from the plane of a triangle
+  double across = 0;  ///< in x and y: meters for a sun, tangents for a lamp
+  double meters = 0;  ///< from the plane of a triangle, in the world
 };
 
 /// A point as the light sees it: across in x and y, and how near in z, greater is nearer. A triangle of the world is a triangle
@@ -30,7 +30,7 @@ class LightSpace {
       return;
     }
     face_count_ = 1;
-    if (!casters.empty()) origin_ = 0.5 * (glm::dvec3(casters.min) + glm::dvec3(casters.max));
+    origin_ = casters.empty() ? glm::dvec3(0) : 0.5 * (glm::dvec3(casters.min) + glm::dvec3(casters.max));
     const glm::dvec3 to = glm::normalize(glm::dvec3(light));
     const glm::dvec3 least = std::abs(to.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
     const glm::dvec3 u = glm::normalize(glm::cross(least, to));
@@ -90,10 +90,12 @@ class LightSpace {
   }
   double meter(const glm::dvec3& p) const { return is_point_ ? p.z : 1; }
 
-  /// For casters that are `across` wide in light space, and coordinates up to `extent` in the world. From far away the casters
-  /// are small on their face, whose rounding is 2^-53.
+  /// For casters that are `across` wide in light space, with coordinates up to `extent` in the world. From far away the casters
+  /// are small on their face, whose rounding is 2^-53, and distances among them are small beside those from the light.
   Epsilons epsilons(double across, double extent) const {
-    return {std::max(1e-10 * across, is_point_ ? 0x1p-49 : 0), 1e-10 * extent};
+    if (!is_point_) return {1e-10 * across, 1e-10 * extent};
+    const double far = std::max({std::abs(origin_.x), std::abs(origin_.y), std::abs(origin_.z)});
+    return {std::max(1e-10 * across, 0x1p-49), std::max(1e-10 * extent, 0x1p-48 * far)};
   }
 
  private:

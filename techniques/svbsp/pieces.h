@@ -41,7 +41,7 @@ struct Piece {
   const Corner* corners;
   std::uint32_t count;
   std::uint32_t triangle;
-  float x0, y0, x1, y1;  ///< bounds
+  glm::dvec2 low, high;  ///< bounds
   glm::dvec3 rise;       ///< z is dot(rise, (x, y, 1)) on its plane
   double top;            ///< greatest z of its corners
 
@@ -53,12 +53,12 @@ struct Piece {
   }
 };
 
-/// Whether a piece is no wider than epsilon: it has no inside to speak of, and rounding decides which side of its edges that
-/// is.
-inline bool is_thin(const Piece& piece, double epsilon) {
+/// Whether a polygon of light space is no wider than epsilon: it has no inside to speak of, and rounding decides which side of
+/// its edges that is.
+inline bool is_thin(std::span<const Corner> polygon, double epsilon) {
   double area = 0, longest = 0;
-  for (std::uint32_t i = 0; i < piece.count; ++i) {
-    const glm::dvec2 a(piece.corners[i].at), b(piece.corners[i + 1 < piece.count ? i + 1 : 0].at), c(piece.corners[0].at);
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const glm::dvec2 a(polygon[i].at), b(polygon[i + 1 < polygon.size() ? i + 1 : 0].at), c(polygon[0].at);
     const glm::dvec2 edge = b - a, from = a - c;
     area += from.x * edge.y - from.y * edge.x;
     longest = std::max(longest, glm::dot(edge, edge));
@@ -170,10 +170,8 @@ void Pieces::make(const LightSpace& space, const Facing& facing, std::size_t cou
           low = glm::min(low, glm::dvec2(corner.at)), high = glm::max(high, glm::dvec2(corner.at));
           top = std::max(top, corner.at.z);
         }
-        const auto below = [](double x) { return std::nextafter(static_cast<float>(x), -INFINITY); };
-        const auto above = [](double x) { return std::nextafter(static_cast<float>(x), INFINITY); };
-        block.pieces[face].push_back({nullptr, static_cast<std::uint32_t>(polygon.size()), triangle, below(low.x), below(low.y),
-                                      above(high.x), above(high.y), rise(facing.plane(space, face, triangle)), top});
+        block.pieces[face].push_back({nullptr, static_cast<std::uint32_t>(polygon.size()), triangle, low, high,
+                                      rise(facing.plane(space, face, triangle)), top});
         block.corners[face].insert(block.corners[face].end(), polygon.begin(), polygon.end());
       });
     }

@@ -16,8 +16,7 @@ class Tiler {
             const glm::dvec2& high) {
     pieces_ = pieces;
     items_.clear();
-    for (const std::uint32_t i : indices)
-      add({.piece = i, .low = {pieces[i].x0, pieces[i].y0}, .high = {pieces[i].x1, pieces[i].y1}}, low, high);
+    for (const std::uint32_t i : indices) add({.piece = i, .low = pieces[i].low, .high = pieces[i].high}, low, high);
     return grow(0, items_.size(), low, high, 0);
   }
 
@@ -69,7 +68,7 @@ class Tiler {
     const Line line = find_line(begin, end);
     if (!line.divides || static_cast<double>(count + line.crossing) > worth * static_cast<double>(count))
       return fill(begin, end, low, high);
-    const auto made = static_cast<Link>(nodes_.size());
+    const Link made = next_link(nodes_);
     nodes_.push_back({line.axis == 0 ? 1.0 : 0.0, line.axis == 1 ? 1.0 : 0.0, -line.at, {out_cell, out_cell}});
     for (unsigned side = 0; side < 2; ++side) {
       glm::dvec2 from = low, to = high;
@@ -103,8 +102,10 @@ class Tiler {
   /// Makes the part of a piece that a tile holds; says whether there is one.
   bool clip(const Piece& piece, const glm::dvec2& low, const glm::dvec2& high) {
     part_.assign(piece.corners, piece.corners + piece.count);
-    return (!(piece.x0 < low.x) || cut_off({{1, 0, 0}, -low.x})) && (!(piece.x1 > high.x) || cut_off({{-1, 0, 0}, high.x})) &&
-           (!(piece.y0 < low.y) || cut_off({{0, 1, 0}, -low.y})) && (!(piece.y1 > high.y) || cut_off({{0, -1, 0}, high.y}));
+    return (!(piece.low.x < low.x) || cut_off({{1, 0, 0}, -low.x})) &&
+           (!(piece.high.x > high.x) || cut_off({{-1, 0, 0}, high.x})) &&
+           (!(piece.low.y < low.y) || cut_off({{0, 1, 0}, -low.y})) &&
+           (!(piece.high.y > high.y) || cut_off({{0, -1, 0}, high.y}));
   }
   bool cut_off(const ClipPlane& line) {
     if (values_.size() < part_.size()) values_.resize(2 * part_.size());

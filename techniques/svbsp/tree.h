@@ -1,4 +1,5 @@
 #pragma once
+#include <cassert>
 #include <cmath>
 #include <vector>
 
@@ -21,6 +22,12 @@ struct Node {
   Link sides[2];  ///< negative; zero and positive
   double at(double px, double py) const { return x * px + y * py + offset; }
 };
+
+/// Of the node that is added next.
+inline Link next_link(const std::vector<Node>& nodes) {
+  assert(nodes.size() < 0x7fffffff);  // 64 GiB of them
+  return static_cast<Link>(nodes.size());
+}
 
 /// A point on its way down a tree.
 struct Query {

@@ -180,6 +180,15 @@ TEST(Svbsp, cuts_of_the_regular_tree_make_planes) {
   EXPECT_EQ(wrong.at(5, 2), in_cell(0));
 }
 
+// An edge without length has no plane: two corners in one place change nothing.
+TEST(Svbsp, edges_without_length_make_no_planes) {
+  Paper paper;
+  paper.add(1, {{{0, 0, 0}}, {{4, 0, 0}}, {{4, 0, 0}}, {{4, 4, 0}}, {{0, 4, 0}}});
+  EXPECT_EQ(paper.nodes.size(), 4u);
+  EXPECT_EQ(paper.at(3, 2), in_cell(0));
+  EXPECT_EQ(paper.at(5, 2), out_cell);
+}
+
 // In whatever order: the nearer one is found where it is, and the farther one
 // around it; none counts twice.
 TEST(Svbsp, cells_know_what_is_nearest_in_any_order) {
@@ -329,17 +338,90 @@ TEST(Svbsp, threads_change_nothing) {
   }
 }
 
-// A triangle edge-on to the sun casts and receives nothing; nor does one a
-// ten-billionth of the scene wide as the light sees it.
+// A triangle edge-on to the sun casts and receives nothing. One a hundred-billionth of the scene wide, as the light sees it,
+// casts nothing either. It lies along the plane of the ground's diagonal, so that no fragment of it is left; it is divided all
+// the same, into itself.
 TEST(Svbsp, what_has_no_width_casts_nothing) {
   Scene scene;
-  scene.meshes = {square(5, 0), mesh_of({{0, 1, -1}, {0, 1, 1}, {0, 2, 0}, {1, 1, 1}, {1, 1, -1}, {1 + 0x1p-40f, 2, 1}},
+  scene.meshes = {square(5, 0), mesh_of({{0, 1, -1}, {0, 1, 1}, {0, 2, 0}, {-1, 3, -1}, {1, 3, 1}, {0x1p-36f, 4, -0x1p-36f}},
                                         {{0, 1, 2}, {3, 4, 5}})};
-  scene.meshes[1].positions[5] = {1, 2, 0x1p-36f};
-  const auto technique = lit("", scene, sun({0, -1, 0}));
-  EXPECT_EQ(value(technique->counts(), "shadow_planes"),
-            5);  // of the ground's two triangles
-  EXPECT_EQ(area(*technique->surface_detail(), 0, false), 0);
+  for (const char* const settings : {"", "merge=false"}) {
+    const auto technique = lit(settings, scene, sun({0, -1, 0}));
+    EXPECT_EQ(value(technique->counts(), "shadow_planes"),
+              5);  // of the ground's two triangles
+    const SurfaceDetail detail = *technique->surface_detail();
+    EXPECT_EQ(area(detail, 0, false), 0);
+    ASSERT_EQ(std::ranges::count(detail.polygons, 1u, &DetailPolygon::mesh), 1);
+    const DetailPolygon& narrow = detail.polygons.back();
+    EXPECT_EQ(narrow.triangle, 1u);
+    EXPECT_TRUE(narrow.is_lit);
+    EXPECT_EQ(narrow.count, 3u);
+  }
+}
+
+// Without casters there is nothing to center light space on; a sun's direction may have any length.
+TEST(Svbsp, a_long_direction_moves_no_corner) {
+  Scene scene;
+  scene.meshes = {square(1, 0.25f)};
+  scene.meshes[0].casts = false;
+  const auto detail = lit("merge=false", scene, sun({0, -1e20f, 0}))->surface_detail();
+  ASSERT_EQ(detail->polygons.size(), 2u);
+  for (const glm::dvec3& corner : detail->corners) {
+    EXPECT_NEAR(std::abs(corner.x), 1, 1e-14);
+    EXPECT_NEAR(corner.y, 0.25, 1e-14);
+    EXPECT_NEAR(std::abs(corner.z), 1, 1e-14);
+  }
+}
+
+// Steep triangles reach up through a tilted plate by tips less than 10^-10 of the scene wide: these hide nothing of the plate,
+// so that all below it stays dark.
+TEST(Svbsp, tips_bound_no_cells) {
+  for (const float height : {3e-10f, 1e-9f, 3e-9f, 1e-8f}) {
+    Scene scene;
+    scene.meshes = {square(2, 0), square(3, -1.5f)};
+    for (glm::vec3& p : scene.meshes[0].positions) p.y = p.x / 4;
+    for (const float z : {-1.0f, -0.5f, 0.0f, 0.5f, 1.0f})
+      scene.meshes.push_back(mesh_of({{0, height, z}, {0.1f, -1, z + 0.05f}, {0, -1, z + 0.1f}}, {{0, 1, 2}}));
+    for (const char* const settings : {"", "order=face_planes", "order=face_planes,drop_edges=none"}) {
+      SCOPED_TRACE(settings);
+      const auto detail = lit(settings, scene, sun({0, -1, 0}))->surface_detail();
+      EXPECT_NEAR(area(*detail, 1, false), 16, 1e-8);
+      for (std::uint32_t mesh = 2; mesh < 7; ++mesh) EXPECT_NEAR(area(*detail, mesh, true), 0, 1e-8);
+    }
+  }
+}
+
+// Leaves 1e-4 above a floor, seen from 1e7 times as far away as they are wide apart: eight squares of side 1/2 are 2 of 64
+// square meters.
+TEST(Svbsp, a_far_lamp_sees_which_of_two_is_nearer) {
+  Scene scene;
+  scene.meshes = {square(4, 0)};
+  for (int i = 0; i < 8; ++i) {
+    scene.meshes.push_back(square(0.25f, 1e-4f));
+    for (glm::vec3& p : scene.meshes.back().positions) p.x += static_cast<float>(i) - 3.5f;
+  }
+  for (const char* const settings : all_orders) {
+    SCOPED_TRACE(settings);
+    const auto detail = lit(settings, scene, point_light({0, 1e7f, 0}))->surface_detail();
+    EXPECT_NEAR(area(*detail, 0, false), 2, 1e-5);
+    EXPECT_NEAR(area(*detail, 0, true), 62, 1e-5);
+  }
+}
+
+// Every copy of one triangle lies in all tiles. So there are 64 at most, however many copies, and the work grows as they do.
+TEST(Svbsp, copies_do_not_multiply) {
+  std::vector<glm::vec3> positions;
+  std::vector<glm::uvec3> triangles;
+  for (std::uint32_t i = 0; i < 60'000; i += 3) {
+    positions.insert(positions.end(), {{-1, 1, -1}, {1, 1, -1}, {0, 1, 1}});
+    triangles.push_back({i, i + 1, i + 2});
+  }
+  Scene scene;
+  scene.meshes = {mesh_of(positions, triangles)};
+  const Counts counts = lit("", scene, sun({0, -1, 0}))->counts();
+  EXPECT_EQ(value(counts, "polygons"), 20'000);
+  EXPECT_LE(value(counts, "tiles"), 64);
+  EXPECT_LE(value(counts, "fragments") + value(counts, "hidden"), 64 * 20'000);
 }
 
 // Planes are counted, and so is what they do: one triangle over a ground casts
@@ -357,6 +439,145 @@ TEST(Svbsp, counts_on_paper) {
     EXPECT_GE(value(counts, "fragments"), value(counts, "lit_fragments") + 1);
     EXPECT_GT(value(counts, "bytes"), 0);
   }
+}
+
+// Under the sun a steep triangle stands within the outline of a level one and reaches through its plane: all that this adds to
+// the splits is the crossing. One triangle alone is a chain of three planes. A thousand side by side are no chain in the order
+// `face_planes`, which shuffles them.
+TEST(Svbsp, counts_of_crossings_and_depth) {
+  const auto counts = [](const char* settings, std::vector<Mesh> meshes) {
+    Scene scene;
+    scene.meshes = std::move(meshes);
+    return lit(settings, scene, sun({0, -1, 0}))->counts();
+  };
+  const Mesh level = mesh_of({{-4, 1, -4}, {0, 1, 6}, {5, 1, -4}}, {{0, 1, 2}});
+  const auto steep = [](float lift) {
+    return mesh_of({{0, lift, 0}, {0.5f, 1.5f + lift, 0.25f}, {0, lift, 0.5f}}, {{0, 1, 2}});
+  };
+  for (const char* const settings : {"", "order=face_planes"})
+    EXPECT_EQ(value(counts(settings, {level, steep(0.5f)}), "splits"),
+              value(counts(settings, {level, steep(2)}), "splits") + 1);
+  const Counts one = counts("", {level});
+  EXPECT_EQ(value(one, "nodes"), 3);
+  EXPECT_EQ(value(one, "depth"), 3);
+  std::vector<Mesh> row;
+  for (int i = 0; i < 1000; ++i) {
+    const float x = static_cast<float>(i);
+    row.push_back(mesh_of({{x, 0, 0}, {x, 0, 1}, {x + 0.5f, 0, 0.5f}}, {{0, 1, 2}}));
+  }
+  EXPECT_LT(value(counts("order=face_planes", row), "depth"), 200);
+}
+
+// Below a plate, whose tiles are cut by their borders, squares are hidden, all of those in tiles in its middle.
+TEST(Svbsp, counts_of_what_a_plate_hides) {
+  Scene scene;
+  scene.meshes = {square(8, 3)};
+  for (int x = -4; x < 4; ++x)
+    for (int z = -4; z < 4; ++z) {
+      scene.meshes.push_back(square(0.25f, 1));
+      for (glm::vec3& p : scene.meshes.back().positions)
+        p += glm::vec3(static_cast<float>(x) + 0.5f, 0, static_cast<float>(z) + 0.5f);
+    }
+  const auto technique = lit("tile_size=4", scene, sun({0, -1, 0}));
+  EXPECT_GT(value(technique->counts(), "tile_splits"), 0);
+  EXPECT_GE(value(technique->counts(), "hidden"), 64);
+  for (std::uint32_t mesh = 1; mesh < scene.meshes.size(); ++mesh)
+    EXPECT_EQ(area(*technique->surface_detail(), mesh, true), 0) << mesh;
+}
+
+// Twenty rows of one point are as many queries, with as many visits each as there are for the point alone; and a second picture
+// counts anew.
+TEST(Svbsp, counts_of_queries_are_those_of_the_picture) {
+  Scene scene;
+  scene.meshes = {square(5, 0), square(1, 1)};
+  const Light light = sun({0, -1, 0});
+  Picture single(1, 1), many(3, 20);
+  single.set(0, {0.3f, 0, 0.6f}, {0, 1, 0}, 0, 0);
+  for (std::size_t i = 0; i < 60; ++i) many.set(i, {0.3f, 0, 0.6f}, {0, i % 3 == 0 ? -1.0f : 1.0f, 0}, 0, 0);
+  const Counts one = run("", scene, light, single.gbuffer).technique->counts();
+  EXPECT_EQ(value(one, "queries"), 1);
+  EXPECT_GT(value(one, "visits"), 0);
+  const auto technique = run("", scene, light, many.gbuffer).technique;
+  const double queries = value(technique->counts(), "queries");
+  EXPECT_GE(queries, 40);
+  VisibilityMask mask(3, 20);
+  technique->resolve(many.gbuffer, mask);
+  EXPECT_EQ(value(technique->counts(), "queries"), queries);
+  EXPECT_EQ(value(technique->counts(), "visits"), value(one, "visits"));
+}
+
+// What shades a point is named, counted over the scene; lit points and those that are turned away name nothing.
+TEST(Svbsp, a_shaded_point_names_its_triangle) {
+  Scene scene;
+  scene.meshes = {square(5, 0), square(1, 1)};
+  Picture picture(3, 1);
+  picture.set(0, {-0.5f, 0, 0.25f}, {0, 1, 0}, 0, 0);  // below the plate's first triangle, x < z
+  picture.set(1, {3, 0, 2}, {0, 1, 0}, 0, 1);
+  picture.set(2, {-0.5f, 0, 0.25f}, {0, 1, 0}, 0, 0);
+  for (const char* const settings : all_orders) {
+    const auto above = run(settings, scene, sun({0, -1, 0}), picture.gbuffer);
+    ASSERT_TRUE(above.technique->explain(0));
+    EXPECT_EQ(above.technique->explain(0)->element, 2u);
+    ASSERT_TRUE(above.technique->explain(1));
+    EXPECT_FALSE(above.technique->explain(1)->element);
+    const auto below = run(settings, scene, sun({0, 1, 0}), picture.gbuffer);
+    EXPECT_FALSE(below.technique->explain(0));
+  }
+}
+
+// One object, relit in another order after another scene, knows nothing of the tree it had.
+TEST(Svbsp, a_new_order_forgets_the_regular_tree) {
+  Scene before, after;
+  before.meshes = {square(5, 0), square(2, 1)};
+  after.meshes = {square(5, 0), square(1, 2)};
+  const Light light = sun({0, -1, 0});
+  const auto technique = lit("order=bsp", before, light);
+  technique->apply("order=tiles");
+  technique->build(after);
+  technique->relight(light);
+  EXPECT_NEAR(area(*technique->surface_detail(), 0, false), 4, 1e-9);
+  for (const Count& count : technique->counts()) EXPECT_NE(count.name, "bsp_nodes");
+}
+
+TEST(Svbsp, area_lights_are_refused) {
+  const auto technique = lit("", {}, sun({0, -1, 0}));
+  EXPECT_FALSE(technique->supports({}, {.name = "area", .kind = SphereLight{}}, {}));
+  EXPECT_TRUE(technique->supports({}, {.name = "spot", .kind = SpotLight{}}, {}));
+}
+
+// Unmerged, the two squares over a ground leave more polygons than merged.
+TEST(Svbsp, merging_leaves_fewer_polygons) {
+  Scene scene;
+  scene.meshes = {square(10, 0), square(1, 5), square(1, 2)};
+  for (const char* const order : {"order=tiles", "order=bsp", "order=face_planes"}) {
+    const auto count = [&](const std::string& merge) {
+      return lit(order + merge, scene, point_light({0.5f, 10, 0.25f}))->surface_detail()->polygons.size();
+    };
+    EXPECT_LT(count(",merge=true"), count(",merge=false")) << order;
+  }
+}
+
+// Where a mesh reaches beyond its exact shape, as a ball of radius 1 in triangles beyond one of 0.9, it shades no point of the
+// shape that faces the light; in a picture of the mesh the shape means nothing, and a plate shades the other one of its mesh.
+TEST(Svbsp, a_mesh_shades_itself_only_as_a_mesh) {
+  Scene scene;
+  scene.meshes = {tessellate(Sphere{{0, 0, 0}, 1}, 24, "ball")};
+  scene.meshes[0].shape = Sphere{{0, 0, 0}, 0.9f};
+  Picture curve(20, 20, Truth::shape);
+  Random random(8);
+  for (std::size_t i = 0; i < curve.gbuffer.size(); ++i) {
+    const glm::dvec3 n = small_world::direction_of(random);
+    curve.set(i, glm::vec3(0.9 * n), glm::vec3(n), 0, 0);
+  }
+  EXPECT_EQ(std::ranges::count(run("", scene, sun({0, -1, 0}), curve.gbuffer).mask, 0.0f), 0);
+  Mesh plates = square(3, 0);
+  for (const glm::vec3& p : square(1, 1).positions) plates.positions.push_back(p);
+  plates.triangles.insert(plates.triangles.end(), {{4, 5, 6}, {4, 6, 7}});
+  scene.meshes = {mesh_of(plates.positions, plates.triangles)};
+  scene.meshes[0].shape = Sphere{};
+  Picture flat(1, 1);
+  flat.set(0, {0.5f, 0, 0.25f}, {0, 1, 0}, 0, 1);
+  EXPECT_EQ(run("", scene, sun({0, -1, 0}), flat.gbuffer).mask[0], 0);
 }
 
 // A body on an exact shape leaves itself out; its shadow on the floor, and a

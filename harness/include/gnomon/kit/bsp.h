@@ -11,8 +11,8 @@ namespace gnomon {
 /// A triangle of the scene, or a part of one: convex, wound as the triangle is.
 struct BspPolygon {
   std::uint32_t triangle;  ///< counted over the scene, mesh after mesh
-  std::uint32_t first,
-      count;  ///< corners, of Bsp::corners(); Corner::edge is 0 on the triangle's own edges, 1 on those of cuts
+  /// Corners of the tree, see Bsp::corners(). Corner::edge is 0 on the triangle's own edges, 1 on those that cuts made.
+  std::uint32_t first, count;
 };
 
 /// What a tree is made by.

@@ -7,7 +7,8 @@
 
 namespace gnomon {
 
-// The clipper of object precision: convex polygons, cut by planes.
+// The clipper of object precision: convex polygons, cut by planes. In whatever space and unit the corners are: the world and
+// meters, or what a light sees.
 
 /// Corner of a convex polygon, and the edge from it to the next corner.
 struct Corner {
@@ -15,7 +16,7 @@ struct Corner {
   std::uint32_t edge = 0;  ///< whatever the owner wants to know about the edge; both parts of a cut edge keep it
 };
 
-/// Points x with dot(normal, x) + offset = 0. With a unit normal `at` is a distance in meters.
+/// Points x with dot(normal, x) + offset = 0. With a unit normal `at` is the distance, in the unit of the corners.
 struct ClipPlane {
   glm::dvec3 normal{0};
   double offset = 0;
@@ -25,7 +26,8 @@ struct ClipPlane {
 /// Where a polygon lies from a plane: bit 0, some corner is farther than epsilon on the negative side; bit 1, on the positive.
 enum class Lies : unsigned { within = 0, negative = 1, positive = 2, across = 3 };
 
-/// Writes every corner's value at the plane; those within epsilon count as on the plane.
+/// Writes every corner's value at the plane to `values`, which has room for as many; those within epsilon count as on the
+/// plane.
 inline Lies classify(std::span<const Corner> polygon, const ClipPlane& plane, double epsilon, double* values) {
   unsigned lies = 0;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -42,9 +44,9 @@ struct CutCounts {
 };
 
 /// Cuts a polygon that lies across a plane, by its corners' values. Each part has at most one corner more than the polygon, is
-/// wound as it is, and gets `cut` as the mark of the edge along the plane. Corners within epsilon belong to both parts. The point
-/// where an edge crosses is reckoned from its positive end, so that polygons on either side of the edge get the same one, bit
-/// for bit.
+/// wound as it is, and gets `cut` as the mark of the edge along the plane. Corners within epsilon belong to both parts. The
+/// point where an edge crosses is reckoned from its positive end, so that polygons on either side of the edge get the same one,
+/// bit for bit.
 inline CutCounts cut_polygon(std::span<const Corner> polygon, const double* values, double epsilon, std::uint32_t cut,
                              Corner* negative, Corner* positive) {
   Corner* n = negative;
@@ -54,7 +56,7 @@ inline CutCounts cut_polygon(std::span<const Corner> polygon, const double* valu
     const std::size_t next = i + 1 < size ? i + 1 : 0;
     const Corner& corner = polygon[i];
     const double here = values[i], there = values[next];
-    const bool is_negative = here < -epsilon, is_positive = here > epsilon;
+    const bool is_negative = here<-epsilon, is_positive = here> epsilon;
     // A part ends where the next corner is not its own; its edge then runs along the plane.
     if (!is_positive) *n++ = {corner.at, !is_negative && there > epsilon ? cut : corner.edge};
     if (!is_negative) *p++ = {corner.at, !is_positive && there < -epsilon ? cut : corner.edge};
