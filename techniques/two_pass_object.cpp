@@ -6,6 +6,7 @@
 //         inside the three planes through the light and a caster's edges and beyond the caster, whatever the order. So shared
 //         edges, corners on edges, cycles and triangles through each other need no case of their own, and since the planes
 //         bound a cone on its own side only, what lies behind the light stays out. Candidates come from a grid in light space.
+//         What lies beyond casters that cover its cell, or all of its places there, is in shadow and is not clipped at all.
 // Error:  none on the float32 points that it is given. Pieces are in double. Points within rounding of a piece's border or of
 //         their triangle's, and casters within rounding of their receiver's plane, are decided one by one by exact signs. A
 //         way to the light through an edge or a vertex is blocked. Tessellation on curved shapes, whose points are all asked.
@@ -124,6 +125,7 @@ Counts TwoPassObject::counts() const {
           count("splits", work.splits),
           count("lit_pieces", work.lit),
           count("shadowed_pieces", work.shadowed),
+          count("hidden", work.hidden),
           count("fragments_per_polygon",
                 static_cast<double>(work.lit + work.shadowed) / static_cast<double>(std::max<std::size_t>(polygons, 1))),
           count("point_locations", tally_.points),

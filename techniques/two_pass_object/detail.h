@@ -25,12 +25,12 @@ inline SurfaceDetail make_detail(const Scene& scene, const Triangles& triangles,
           {triangle, is_lit, static_cast<std::uint32_t>(mine.corners.size()), static_cast<std::uint32_t>(corners.size())});
       for (const Corner& corner : corners) mine.corners.push_back(corner.at);
     };
-    map.for_leaves(patch, [&](int face, const Node& cell, std::span<const std::uint32_t> ids) {
+    map.for_leaves(triangles, patch, [&](int face, const Node& cell, std::span<const Footprint* const> footprints) {
       CellClipper clipper(triangles, face);
       clipper.clip(
-          cell, 0, true, ids,
-          [&](const CellClipper::Member& m, const Pieces& pieces) {
-            for (std::size_t k = 0; k < pieces.size(); ++k) add(m.triangle, true, pieces[k]);
+          cell, 0, true, footprints,
+          [&](std::uint32_t index, const Pieces& pieces) {
+            for (std::size_t k = 0; k < pieces.size(); ++k) add(clipper.members()[index].triangle, true, pieces[k]);
           },
           [&](const CellClipper::Member& m, std::span<const Corner> part) {
             if (m.receives) add(m.triangle, false, part);

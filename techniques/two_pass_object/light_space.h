@@ -25,6 +25,7 @@ class LightSpace {
     for (int k = 0; k < 3; ++k) extent_ = std::max({extent_, std::abs(low[k]), std::abs(high[k])});
     diagonal_ = glm::distance(low, high);
     origin_ = is_parallel() ? (low + high) / 2.0 : glm::dvec3(light);
+    deepest_ = glm::distance(origin_, (low + high) / 2.0) + diagonal_ / 2;
     if (!is_parallel()) return;
     axes_[2] = -glm::dvec3(light) / glm::length(glm::dvec3(light));
     const glm::dvec3 size = glm::abs(axes_[2]);
@@ -41,6 +42,8 @@ class LightSpace {
   /// Largest coordinate of the scene, meters: what float32 rounds by.
   double extent() const { return extent_; }
   double diagonal() const { return diagonal_; }
+  /// Nothing of the scene lies deeper, in meters.
+  double deepest() const { return deepest_; }
   /// Corners this close to a plane count as on it. Cuts of cuts in double err by some 1e-15 of the extent, float32 corners
   /// stand 6e-8 of it apart: 1e-10 is far from both.
   double epsilon() const { return 1e-10 * extent_; }
@@ -76,8 +79,18 @@ class LightSpace {
     normal /= std::sqrt(1 + at * at);
     return {normal, -glm::dot(normal, origin_)};
   }
-  /// A plane along the rays as a function of the place, of the sign of its values: u * x + v * y + z. Its scale is that of the
-  /// normal, times the extent for a directional light.
+  /// The point at a place, in a depth.
+  glm::dvec3 point_at(int face, const Seen& s) const {
+    if (is_parallel()) return origin_ + extent_ * (s.u * axes_[0] + s.v * axes_[1]) + s.depth * axes_[2];
+    const int k = face / 2;
+    glm::dvec3 d;
+    d[k] = face % 2 ? -s.depth : s.depth, d[(k + 1) % 3] = s.u * s.depth, d[(k + 2) % 3] = s.v * s.depth;
+    return origin_ + d;
+  }
+  /// How far the light is from a plane; for a directional light how much a step along its rays, away from it, adds to that.
+  double height(const ClipPlane& plane) const { return is_parallel() ? glm::dot(plane.normal, axes_[2]) : plane.at(origin_); }
+  /// A plane's value as a function of the place, u * x + v * y + z: for a directional light that of the point with the depth 0;
+  /// for any other what a point there is off the plane through the light, by its depth.
   glm::dvec3 line(int face, const glm::dvec3& normal, const glm::dvec3& on_plane) const {
     if (is_parallel())
       return {extent_ * glm::dot(normal, axes_[0]), extent_ * glm::dot(normal, axes_[1]), glm::dot(normal, origin_ - on_plane)};
@@ -87,7 +100,7 @@ class LightSpace {
 
  private:
   glm::dvec4 light_{0};
-  double extent_ = 0, diagonal_ = 0;
+  double extent_ = 0, diagonal_ = 0, deepest_ = 0;
   glm::dvec3 origin_{0}, axes_[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 };
 

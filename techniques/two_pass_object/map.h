@@ -1,5 +1,5 @@
 #pragma once
-#include "cell.h"
+#include "maker.h"
 
 namespace gnomon::two_pass_object {
 
@@ -33,9 +33,9 @@ class LightMap {
   /// Casters that took something from the point's triangle in its cell; 0 where it is not found.
   std::uint32_t clips_at(const Triangles& triangles, const Asked& asked) const;
 
-  /// Calls visit(face, cell, triangles) for all cells of a patch.
+  /// Calls visit(face, cell, footprints) for all cells of a patch.
   template <class Visit>
-  void for_leaves(std::size_t patch, Visit&& visit) const;
+  void for_leaves(const Triangles& triangles, std::size_t patch, Visit&& visit) const;
   std::size_t patch_count() const { return patches_.size(); }
   const Work& work() const { return work_; }
   std::size_t bytes() const;
@@ -52,19 +52,6 @@ class LightMap {
     const Node* cell = nullptr;
     int face = 0;
     Seen seen{};
-  };
-  /// A grid being made.
-  struct Maker {
-    const Triangles& triangles;
-    const std::vector<Footprint>& footprints;
-    int face;
-    double margin, crowd;
-    Patch& patch;
-    CellClipper clipper;
-    std::vector<std::uint32_t> triangles_here = {};
-    void fill(std::uint32_t node, std::span<const std::uint32_t> items, int depth);
-    bool divide(std::uint32_t node, std::span<const std::uint32_t> items, int depth);
-    void keep(std::uint32_t node, std::span<const std::uint32_t> items);
   };
   Place find(const Triangles& triangles, const glm::dvec3& point) const;
   const Entry* find(const Place& place, std::uint32_t triangle) const;
@@ -95,7 +82,7 @@ inline void LightMap::make(const Triangles& triangles, double cell_triangles) {
     std::vector<Work> works((cells + patch_cells - 1) / patch_cells);
     for_blocks(cells, patch_cells, [&](std::size_t begin, std::size_t end) {
       Patch& patch = patches_[f.first_patch + begin / patch_cells];
-      Maker maker{triangles, footprints[face], face, f.margin, 2 * cell_triangles, patch, CellClipper(triangles, face)};
+      PatchMaker maker(triangles, footprints[face], face, f.margin, 2 * cell_triangles, patch);
       for (std::size_t cell = begin; cell < end; ++cell) {
         const auto node = static_cast<std::uint32_t>(patch.nodes.size());
         roots_[f.first_root + cell] = node;
@@ -104,106 +91,11 @@ inline void LightMap::make(const Triangles& triangles, double cell_triangles) {
         maker.fill(node, std::span(dealt.items).subspan(dealt.begin[cell], dealt.begin[cell + 1] - dealt.begin[cell]), 0);
       }
       patch.fit();
-      works[begin / patch_cells] = maker.clipper.work();
+      works[begin / patch_cells] = maker.work();
     });
     for (const Work& work : works) work_ += work;
     footprints[face] = {};
   }
-}
-
-inline void LightMap::Maker::fill(std::uint32_t node, std::span<const std::uint32_t> items, int depth) {
-  if (!divide(node, items, depth)) keep(node, items);
-}
-
-/// Crowded cells get a grid of their own, unless that would only multiply what lies in them.
-inline bool LightMap::Maker::divide(std::uint32_t node, std::span<const std::uint32_t> items, int depth) {
-  const auto n = static_cast<double>(items.size());
-  Node cell = patch.nodes[node];
-  if (n <= crowd || depth >= 8 || std::max(cell.u1 - cell.u0, cell.v1 - cell.v0) < 64 * margin) return false;
-  const double side = std::clamp(std::ceil(std::sqrt(2 * n / crowd)), 2.0, 64.0);
-  const double stretch = std::clamp(std::sqrt((cell.u1 - cell.u0) / (cell.v1 - cell.v0)), 0.5, 2.0);
-  cell.columns = static_cast<std::uint32_t>(std::max(1.0, std::round(side * stretch)));
-  cell.rows = static_cast<std::uint32_t>(std::max(1.0, std::round(side / stretch)));
-  Dealt dealt;
-  const std::size_t cells = static_cast<std::size_t>(cell.columns) * cell.rows;
-  deal(items.size(), items.size(), cells, dealt, [&](std::size_t i, auto&& visit) {
-    for_cells(triangles, face, cell, margin, footprints[items[i]],
-              [&](std::uint32_t c, std::uint32_t r) { visit(static_cast<std::size_t>(r) * cell.columns + c); });
-  });
-  // Each triangle is gathered once in its cell; pairs are a little work each until they overlap.
-  const auto cost = [&](double count) { return count + count * count / (4 * crowd); };
-  double below_cost = 0;
-  for (std::size_t k = 0; k < cells; ++k) below_cost += cost(dealt.begin[k + 1] - dealt.begin[k]);
-  if (below_cost >= cost(n)) return false;
-  cell.first = static_cast<std::uint32_t>(patch.nodes.size());
-  patch.nodes[node] = cell;
-  for (std::uint32_t r = 0; r < cell.rows; ++r)
-    for (std::uint32_t c = 0; c < cell.columns; ++c) patch.nodes.push_back(cell.child(c, r));
-  std::vector<std::uint32_t> below;
-  for (std::size_t k = 0; k < cells; ++k) {
-    below.clear();
-    for (std::uint32_t i = dealt.begin[k]; i < dealt.begin[k + 1]; ++i) below.push_back(items[dealt.items[i]]);
-    fill(cell.first + static_cast<std::uint32_t>(k), below, depth + 1);
-  }
-  return true;
-}
-
-inline void LightMap::Maker::keep(std::uint32_t node, std::span<const std::uint32_t> items) {
-  triangles_here.clear();
-  for (const std::uint32_t i : items) triangles_here.push_back(footprints[i].triangle);
-  const auto first = static_cast<std::uint32_t>(patch.entries.size());
-  const Node cell = patch.nodes[node];
-  const LightSpace& space = triangles.space();
-  // Entries stand in the order of the members, which is not the one in which they are done.
-  struct Made {
-    std::uint32_t first_piece, piece_count;
-  };
-  std::vector<Made> made(items.size());
-  const auto done = [&](const CellClipper::Member& m, const Pieces& pieces) {
-    Made& mine = made[static_cast<std::size_t>(&m - clipper.members().data())];
-    mine = {static_cast<std::uint32_t>(patch.pieces.size()), 0};
-    if (!m.has_pieces) return;
-    for (std::size_t k = 0; k < pieces.size(); ++k) {
-      LitPiece piece{INFINITY, INFINITY, -INFINITY, -INFINITY, static_cast<std::uint32_t>(patch.marks.size()), 0};
-      double u0 = INFINITY, v0 = INFINITY, u1 = -INFINITY, v1 = -INFINITY;
-      for (const Corner& corner : pieces[k]) {
-        if (corner.edge != 0) patch.marks.push_back(corner.edge), ++piece.mark_count;
-        const bool is_lost = !space.is_parallel() && !(space.depth(face, corner.at) > 0x1p-30 * space.extent());
-        const Seen s = is_lost ? Seen{0, 0, 0} : space.seen(face, corner.at);
-        u0 = std::min(u0, is_lost ? cell.u0 : s.u), u1 = std::max(u1, is_lost ? cell.u1 : s.u);
-        v0 = std::min(v0, is_lost ? cell.v0 : s.v), v1 = std::max(v1, is_lost ? cell.v1 : s.v);
-      }
-      piece.u0 = std::nextafter(static_cast<float>(u0 - margin), -INFINITY);
-      piece.v0 = std::nextafter(static_cast<float>(v0 - margin), -INFINITY);
-      piece.u1 = std::nextafter(static_cast<float>(u1 + margin), INFINITY);
-      piece.v1 = std::nextafter(static_cast<float>(v1 + margin), INFINITY);
-      patch.pieces.push_back(piece);
-    }
-    mine.piece_count = static_cast<std::uint32_t>(pieces.size());
-  };
-  clipper.clip(cell, margin, false, triangles_here, done, [](const CellClipper::Member&, std::span<const Corner>) {});
-  for (std::size_t k = 0; k < clipper.members().size(); ++k) {
-    const CellClipper::Member& m = clipper.members()[k];
-    Entry entry{.triangle = m.triangle};
-    if (m.receives) {
-      const bool is_too_much = made[k].piece_count > 0xffff || m.near_count > 0xffff;
-      entry.first_piece = made[k].first_piece, entry.piece_count = static_cast<std::uint16_t>(made[k].piece_count);
-      entry.first_near = static_cast<std::uint32_t>(patch.near.size());
-      entry.near_count = static_cast<std::uint16_t>(m.near_count);
-      entry.clips = static_cast<std::uint16_t>(std::min(m.clips, 0xffffu));
-      entry.kind = m.asks || is_too_much ? Entry::Kind::asks
-                   : !m.has_pieces       ? Entry::Kind::lit
-                   : made[k].piece_count ? Entry::Kind::pieces
-                                         : Entry::Kind::dark;
-      if (entry.kind == Entry::Kind::lit || entry.kind == Entry::Kind::pieces) {
-        const auto near = clipper.near_of(m);
-        patch.near.insert(patch.near.end(), near.begin(), near.end());
-      }
-    }
-    patch.entries.push_back(entry);
-  }
-  patch.nodes[node].first = first;
-  patch.nodes[node].count = static_cast<std::uint32_t>(patch.entries.size()) - first;
 }
 
 inline LightMap::Place LightMap::find(const Triangles& triangles, const glm::dvec3& point) const {
@@ -300,16 +192,21 @@ inline bool LightMap::is_lit(const Triangles& triangles, const Asked& asked, Tal
 }
 
 template <class Visit>
-void LightMap::for_leaves(std::size_t patch, Visit&& visit) const {
+void LightMap::for_leaves(const Triangles& triangles, std::size_t patch, Visit&& visit) const {
   int face = 0;
   for (int k = 0; k < 6; ++k)
     if (!faces_[k].node.is_leaf() && faces_[k].first_patch <= patch) face = k;
-  std::vector<std::uint32_t> triangles;
+  std::vector<Footprint> footprints;
+  std::vector<const Footprint*> pointers;
   for (const Node& node : patches_[patch].nodes) {
     if (!node.is_leaf()) continue;
-    triangles.clear();
-    for (std::uint32_t k = 0; k < node.count; ++k) triangles.push_back(patches_[patch].entries[node.first + k].triangle);
-    visit(face, node, triangles);
+    footprints.clear(), pointers.clear();
+    for (std::uint32_t k = 0; k < node.count; ++k)
+      for_footprints(triangles, patches_[patch].entries[node.first + k].triangle, [&](int f, const Footprint& footprint) {
+        if (f == face) footprints.push_back(footprint);
+      });
+    for (const Footprint& footprint : footprints) pointers.push_back(&footprint);
+    visit(face, node, pointers);
   }
 }
 

@@ -17,6 +17,13 @@ struct Mark {
   explicit Mark(std::uint32_t mark) : triangle(mark / 8 - 1), plane(static_cast<int>(mark / 2 % 4)), is_inner(mark % 2 != 0) {}
 };
 
+/// Whether one of some planes has a polygon on its outer side, but for epsilon.
+inline bool is_outside(std::span<const Corner> polygon, std::span<const ClipPlane> planes, double epsilon) {
+  return std::ranges::any_of(planes, [&](const ClipPlane& plane) {
+    return std::ranges::all_of(polygon, [&](const Corner& corner) { return plane.at(corner.at) <= epsilon; });
+  });
+}
+
 /// Convex lit pieces of one polygon, from which shadows are taken away, one caster after the other.
 class Pieces {
  public:
@@ -92,17 +99,14 @@ class Pieces {
   Outcome take(const Piece& piece, std::span<const ClipPlane> planes, std::uint32_t triangle, double epsilon) {
     std::span<const Corner> inner(corners_.data() + piece.first, piece.count);
     // Most pieces lie outside one plane as they are; cutting by the others first would be in vain.
-    for (const ClipPlane& plane : planes) {
-      double most = -INFINITY;
-      for (const Corner& corner : inner) most = std::max(most, plane.at(corner.at));
-      if (most <= epsilon) return Outcome::untouched;
-    }
+    if (is_outside(inner, planes, epsilon)) return Outcome::untouched;
     for (std::size_t k = 0; k < planes.size(); ++k) {
       values_.resize(std::max<std::size_t>(values_.size(), inner.size()));
       const Lies lies = classify(inner, planes[k], epsilon, values_.data());
       if (lies == Lies::positive) continue;
       if (lies != Lies::across) return Outcome::untouched;
-      other_.resize(inner.size() + 1), lost_.resize(inner.size() + 1);
+      if (lost_.size() <= inner.size()) lost_.resize(2 * inner.size() + 1);
+      other_.resize(inner.size() + 1);
       const std::uint32_t mark = mark_of(triangle, static_cast<int>(k));
       const CutCounts counts = cut_polygon(inner, values_.data(), epsilon, mark, lost_.data(), other_.data());
       other_.resize(counts.positive);

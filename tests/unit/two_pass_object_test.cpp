@@ -116,6 +116,24 @@ TEST(TwoPassObject, a_shared_edge_leaves_no_gap) {
   }
 }
 
+// A plate of two triangles covers every cell that holds one of the triangles beneath it: none of them is clipped, and all are
+// dark.
+TEST(TwoPassObject, what_lies_beyond_casters_that_cover_its_cell_is_not_clipped) {
+  std::mt19937 engine(17);
+  Scene scene;
+  scene.meshes = {square(6, 1), small_world::random_soup(engine, 1'000, 2, -1, 0, 0.2f)};
+  for (const Light& light : {sun({0, -1, 0}), point_light({0, 40, 0})}) {
+    Picture nothing(1, 1);
+    const auto done = run("", scene, light, nothing.gbuffer);
+    const Counts counts = done.technique->counts();
+    EXPECT_EQ(value(counts, "pairs_clipped"), 0);
+    EXPECT_GE(value(counts, "hidden"), 1'000);
+    const SurfaceDetail detail = done.technique->surface_detail().value();
+    EXPECT_GE(detail.polygons.size(), 1'000u);
+    for (const DetailPolygon& polygon : detail.polygons) EXPECT_EQ(polygon.is_lit, polygon.mesh == 0);
+  }
+}
+
 struct Agreement {
   int wrong = 0, dark = 0, lit = 0, degenerate = 0;
   double points = 0, asked = 0;
