@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "hard_scenes.h"
+#include "kit/bsp_dividing.h"
 
 namespace gnomon {
 namespace {
@@ -397,6 +398,114 @@ TEST(Bsp, threads_change_nothing) {
     EXPECT_EQ(order(one, from), order(many, from));
     EXPECT_LT(one.depth(), 64u);
   }
+}
+
+// A floor at each of the heights 1, 0, 2, 3 and 4, of 2 x 64 x 64 triangles, and a triangle that reaches from 0.5 to 1.5. By
+// the choice `first` each floor is one set: 1 divides the rest, 0 is below it and 2, 3 and 4 are a chain above. Every floor's
+// list is large, 8192 or more, and so a task of its own. The part of the triangle below 1 is above 0, the other one below 2.
+TEST(Bsp, tasks_make_one_tree) {
+  Scene scene;
+  for (const float height : {1.0f, 0.0f, 2.0f, 3.0f, 4.0f}) {
+    std::vector<glm::vec3> positions;
+    std::vector<glm::uvec3> triangles;
+    for (std::uint32_t x = 0; x <= 64; ++x)
+      for (std::uint32_t z = 0; z <= 64; ++z) {
+        positions.push_back({x, height, z});
+        const std::uint32_t k = 65 * x + z;
+        if (x > 0 && z > 0) triangles.insert(triangles.end(), {{k, k - 1, k - 65}, {k - 66, k - 65, k - 1}});
+      }
+    scene.meshes.push_back(mesh_of(positions, triangles));
+  }
+  scene.meshes.push_back(mesh_of({{9, 0.5f, 9}, {9, 0.5f, 8}, {9, 1.5f, 8}}, {{0, 1, 2}}));
+  const Bsp bsp(scene, {.choice = Choice::first});
+  EXPECT_EQ(bsp.node_count(), 7u);
+  EXPECT_EQ(bsp.depth(), 4u);
+  EXPECT_EQ(bsp.split_count(), 1u);
+  std::vector<std::pair<std::uint32_t, std::size_t>> sets;  // first triangle, size
+  for (const auto& set : order(bsp, {9, 9, 9, 1})) sets.emplace_back(set[0], set.size());
+  EXPECT_EQ(sets,
+            (decltype(sets){{32768, 8192}, {24576, 8192}, {16384, 8192}, {40960, 1}, {0, 8192}, {40960, 1}, {8192, 8192}}));
+}
+
+// Faces around an axis, no other one beyond the plane of any, and a wall through the middle of the first and between two
+// opposite ones. Of 21 faces a face's plane cuts none and has 21 on one side, the wall's cuts one and has 10 + 10: `balanced`
+// takes the wall, 8 against 21, and two chains of 11 parts; `fewest_splits` the first face, and then the wall, which cuts none
+// any more: two chains of 10. Of 7 faces `balanced` takes the first one, too, 7 against 8, and then the wall and chains of 3.
+// Of 24 faces a wall at z = 1/2 cuts the third and the eleventh and has 7 and 15 beside it: 16 + 8, no less than the 24 of the
+// first face, then 23 and 23, 22 and 22; when the third is gone 8 + 6 are less than 21. Chains of 8 and 14 are left.
+TEST(Bsp, choices_on_paper) {
+  const auto ring = [](int faces, double wall = 0) {
+    std::vector<glm::vec3> positions;
+    std::vector<glm::uvec3> triangles;
+    const auto add = [&](const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+      const auto first = static_cast<std::uint32_t>(positions.size());
+      positions.insert(positions.end(), {glm::vec3(a), glm::vec3(b), glm::vec3(c)});
+      triangles.push_back({first, first + 1, first + 2});
+    };
+    for (int k = 0; k < faces; ++k) {
+      const double angle = 6.283185307179586 * k / faces;
+      const glm::dvec3 middle(std::cos(angle), 0, std::sin(angle)), along(-middle.z, 0, middle.x);
+      add(middle - 0.05 * along, middle + 0.05 * along, middle + glm::dvec3(0, 1, 0));
+    }
+    add({-0.3, 0, wall}, {0.3, 0, wall}, {0, 0.5, wall});
+    return scene_of({mesh_of(positions, triangles)});
+  };
+  const auto expect = [](const Bsp& bsp, std::size_t splits, std::size_t nodes, std::size_t depth) {
+    EXPECT_EQ(bsp.split_count(), splits);
+    EXPECT_EQ(bsp.node_count(), nodes);
+    EXPECT_EQ(bsp.depth(), depth);
+  };
+  expect(Bsp(ring(21), {.free_cuts = false, .candidates = 99}), 1, 23, 12);
+  expect(Bsp(ring(21), {.choice = Choice::fewest_splits, .free_cuts = false, .candidates = 99}), 0, 22, 12);
+  expect(Bsp(ring(7), {.free_cuts = false, .candidates = 99}), 0, 8, 5);
+  expect(Bsp(ring(24, 0.5), {.free_cuts = false, .candidates = 99}), 1, 26, 18);
+}
+
+// Of a sliver edges and normal are as good as those of other triangles: within 1e-11 of the product in quadruple precision,
+// where double would lose all of the 2^-20 by which edges differ in direction, but 2^-33.
+TEST(Bsp, slivers_have_exact_normals) {
+  using Quad = __float128;
+  Random random(13);
+  for (int round = 0; round < 1000; ++round) {
+    const glm::dvec3 along = random.uniform(glm::dvec3(1), glm::dvec3(2));
+    const glm::vec3 a(0x1p-20 * random.uniform(glm::dvec3(-1), glm::dvec3(1))), b(along),
+        c(3.0 * along + 0x1p-20 * random.uniform(glm::dvec3(-1), glm::dvec3(1)));
+    const glm::dvec3 u = glm::dvec3(b) - glm::dvec3(a), v = glm::dvec3(c) - glm::dvec3(a),
+                     n = glm::normalize(bsp::normal_of({{a, b, c}}));
+    Quad wanted[3], square = 0;
+    for (int i = 0; i < 3; ++i) {
+      const int j = (i + 1) % 3, k = (i + 2) % 3;
+      wanted[i] = Quad(u[j]) * v[k] - Quad(u[k]) * v[j], square += wanted[i] * wanted[i];
+    }
+    const double length = std::sqrt(static_cast<double>(square));
+    ASSERT_GT(length, 0);
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(n[i], static_cast<double>(wanted[i]) / length, 1e-11) << round;
+  }
+}
+
+// Of a leaning sheet one corner is in the plane of the floor and the others 2^-44 m above or below it: it lies on that side,
+// and not in the floor's set.
+TEST(Bsp, sheets_that_touch_a_plane_lie_on_their_side) {
+  constexpr float tiny = 0x1p-44f;
+  const Scene scene = scene_of({square(4, 0), mesh_of({{-1, 0, -1}, {0, tiny, 2}, {2, tiny, -1}}, {{0, 1, 2}}),
+                                mesh_of({{-1, 0, -1}, {0, -tiny, 2}, {2, -tiny, -1}}, {{0, 1, 2}})});
+  EXPECT_EQ(order(Bsp(scene, {.choice = Choice::first}), {0, 1, 0, 1}),
+            (std::vector<std::vector<std::uint32_t>>{{2}, {0, 1}, {3}}));
+}
+
+// A wall cuts two triangles of one plane that overlap; on either side their parts are one set again.
+TEST(Bsp, parts_in_one_plane_are_one_set) {
+  const Scene scene = scene_of({mesh_of({{0, -1, -9}, {0, 1, 0}, {0, -1, 9}}, {{0, 1, 2}}),
+                                mesh_of({{-2, 0, 0}, {3, 0, 1}, {2, 0, 3}, {-3, 0, 0}}, {{0, 1, 2}, {3, 1, 2}})});
+  const Bsp bsp(scene, {.choice = Choice::first});
+  EXPECT_EQ(bsp.split_count(), 2u);
+  EXPECT_EQ(order(bsp, {5, 1, 0, 1}), (std::vector<std::vector<std::uint32_t>>{{1, 2}, {0}, {1, 2}}));
+}
+
+// The largest coordinate may be a negative one.
+TEST(Bsp, epsilon_goes_with_the_largest_coordinate) {
+  const Scene scene = scene_of({mesh_of({{-16, 0, 1}, {2, 3, 1}, {1, 4, -5}}, {{0, 1, 2}})});
+  EXPECT_DOUBLE_EQ(Bsp(scene).epsilon(), 1.6e-9);
 }
 
 TEST(Bsp, scale_changes_nothing) {

@@ -101,6 +101,28 @@ TEST(Clip, a_cut_from_a_corner_to_an_edge) {
   EXPECT_EQ(edges(parts.positive), (Edges{1, 2, 3, cut}));
 }
 
+// Corners just epsilon off the plane are on it, as `classify` has it: x = y with half a meter of epsilon, the third corner at
+// the value -1/2 or 1/2.
+TEST(Clip, just_epsilon_is_on_the_plane) {
+  for (const double x : {3.5, 4.5}) {
+    std::vector<Corner> polygon = square;
+    polygon[2].at.x = x;
+    const Parts parts = cut_by(polygon, {.normal = {1, -1, 0}, .offset = 0}, 0.5);
+    EXPECT_EQ(points(parts.positive), (Points{polygon[0].at, polygon[1].at, polygon[2].at}));
+    EXPECT_EQ(points(parts.negative), (Points{polygon[0].at, polygon[2].at, polygon[3].at}));
+  }
+}
+
+// An edge of half epsilon from the plane x = y on belongs to both parts, with its own mark; the cut is between its far end, or
+// its near one, and the first corner.
+TEST(Clip, a_short_edge_within_epsilon_keeps_its_mark) {
+  const std::vector<Corner> polygon = {
+      {{0, 0, 0}, 1}, {{4, 0, 0}, 2}, {{4, 4, 0}, 3}, {{4 - epsilon / 2, 4, 0}, 4}, {{0, 4, 0}, 5}};
+  const Parts parts = cut_by(polygon, {.normal = {1, -1, 0}, .offset = 0});
+  EXPECT_EQ(edges(parts.positive), (Edges{1, 2, 3, cut}));
+  EXPECT_EQ(edges(parts.negative), (Edges{cut, 3, 4, 5}));
+}
+
 using Key = std::tuple<double, double, double>;
 std::set<Key> keys(const std::vector<Corner>& polygon) {
   std::set<Key> all;

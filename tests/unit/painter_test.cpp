@@ -54,6 +54,7 @@ TEST(painter, one_square_is_derived_on_paper) {
   EXPECT_EQ(covered(camera, {{-0.5, -0.2, 0}, {0.2, -0.2, 0}, {0.2, 0.5, 0}, {-0.5, 0.5, 0}}), (Pixels{5})) << "up is up";
   EXPECT_EQ(covered(camera, {{-0.5, -0.5, 2}, {0.5, -0.5, 2}, {0.5, 0.5, 2}, {-0.5, 0.5, 2}}), Pixels{}) << "behind the eye";
   EXPECT_EQ(covered(camera, {{-9, 0, -9}, {9, 0, -9}, {9, 0, 9}, {-9, 0, 9}}), Pixels{}) << "edge-on, around the eye";
+  EXPECT_EQ(covered(camera, {{0, 0, 1}, {-1, -1, 0}, {1, 1, 0}}), Pixels{}) << "edge-on, a corner at the eye";
 }
 
 TEST(painter, a_floor_that_goes_on_behind_the_eye_fills_what_is_below_the_horizon) {

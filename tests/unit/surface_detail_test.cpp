@@ -3,6 +3,8 @@
 #include <gnomon/kit/surface_detail.h>
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "hand_made.h"
 #include "small_world.h"
 
@@ -255,6 +257,56 @@ TEST(surface_detail, fragments_below_a_pixel_leave_the_tones) {
   EXPECT_NEAR(sum_small / sum_large, 1, 0.15);
 }
 
+TEST(surface_detail, polygons_show_on_their_own_mesh_alone) {
+  // A shadowed triangle of another mesh, with the same number, under all of the floor.
+  Floor floor(2);
+  const std::vector<float> before = floor.picture();
+  floor.scene.meshes.push_back(hand_made::mesh_of({{-9, -1, -9}, {-9, -1, 9}, {9, -1, 0}}, {{0, 1, 2}}));
+  floor.detail.polygons.push_back({1, 0, false, static_cast<std::uint32_t>(floor.detail.corners.size()), 3});
+  for (const glm::vec3& p : floor.scene.meshes[1].positions) floor.detail.corners.push_back(p);
+  EXPECT_EQ(floor.picture(), before);
+}
+
+TEST(surface_detail, what_polygons_leave_out_has_the_color_of_the_nearest) {
+  // Lit where x < -0.05, shadowed where 0.05 < x < 0.3: the two columns on either side of x = 0, 1/32 m wide, are left out, and
+  // so is what is beyond. It makes no difference that the mesh stands for a curve where the picture is of the mesh.
+  Floor floor(2);
+  for (const DetailPolygon& polygon : floor.detail.polygons)
+    for (glm::dvec3& p : std::span(floor.detail.corners).subspan(polygon.first, polygon.count))
+      p.x = polygon.is_lit ? std::min(p.x, -0.05) : p.x == 0 ? 0.05 : 0.3;
+  for (const bool is_curve : {false, true}) {
+    if (is_curve) floor.scene.meshes[0].shape = Sphere{};
+    const std::vector<float> picture = floor.picture();
+    for (std::size_t i = 0; i < 64 * 64; ++i)
+      ASSERT_TRUE(i % 64 < 32 ? is_warm(color(picture, i)) : is_cool(color(picture, i))) << i % 64 << ' ' << i / 64;
+  }
+}
+
+TEST(surface_detail, the_painter_asks_about_what_faces_eye_and_light) {
+  // A floor of two triangles, a mesh without any, and a plate above half of it: from above all four face eye and light, from
+  // below none; a mesh that does not receive is not asked about.
+  Scene scene;
+  scene.meshes = {hand_made::square(2, 0), Mesh{}, hand_made::square(1, 0.5f)};
+  scene.meshes[0].albedo = {0.9f, 0.1f, 0.1f}, scene.meshes[2].albedo = {0.1f, 0.1f, 0.9f};
+  const Bsp bsp(scene);
+  const Light light = sun({0, -1, 0});
+  const auto asked = [&](float height) {
+    const GBuffer gbuffer =
+        small_world::make_gbuffer(scene, {.eye = {0.1f, height, 0.2f}, .target = {0, 0, 0}, .up = {0, 0, -1}}, 16, 16);
+    std::multiset<std::uint32_t> triangles;
+    const std::vector<float> painted = paint_back_to_front(
+        scene, gbuffer, light, bsp, [&](const BspPolygon& polygon, DetailBrush&) { triangles.insert(polygon.triangle); });
+    EXPECT_EQ(painted.size(), 3 * gbuffer.size());
+    const std::vector<float> wanted = shaded_layer(scene, gbuffer, light, std::vector<float>(gbuffer.size(), 1.0f));
+    for (std::size_t k = 0; k < painted.size(); ++k) EXPECT_NEAR(painted[k], wanted[k], 2e-6f);
+    return triangles;
+  };
+  EXPECT_EQ(asked(3), (std::multiset<std::uint32_t>{0, 1, 2, 3}));
+  EXPECT_TRUE(asked(-3).empty());
+  scene.meshes[0].receives = false;
+  EXPECT_EQ(asked(3), (std::multiset<std::uint32_t>{2, 3}));
+}
+
 TEST(surface_detail, on_a_curve_the_nearest_polygon_of_its_mesh_counts) {
   // A ball of 64 by 32 quads, the upper half of them lit, seen from the side; the G-buffer lies on the exact sphere.
   Scene scene;
@@ -314,6 +366,15 @@ TEST(surface_detail, on_a_curve_the_nearest_polygon_of_its_mesh_counts) {
   EXPECT_GT(upper, 400);
   EXPECT_GT(lower, 400);
   EXPECT_LT(none, 40);
+  // Behind each of them there is another one of the mesh: with the front half lit, z > 0, all that the eye sees is, from z =
+  // 1/4 on.
+  for (DetailPolygon& polygon : detail.polygons) {
+    const glm::uvec3& t = mesh.triangles[polygon.triangle];
+    polygon.is_lit = mesh.positions[t.x].z + mesh.positions[t.y].z + mesh.positions[t.z].z > 0;
+  }
+  const std::vector<float> front = paint_detail(scene, picture.gbuffer, light, detail);
+  for (std::size_t i = 0; i < picture.gbuffer.size(); ++i)
+    EXPECT_FALSE(faces_light(scene, picture.gbuffer, light, i) && is_cool(color(front, i))) << i;
 }
 
 TEST(surface_detail, what_does_not_fit_the_scene_is_refused) {
@@ -335,10 +396,18 @@ TEST(surface_detail, what_does_not_fit_the_scene_is_refused) {
   refuses([](auto& d) { d.polygons[3].first = 13; }, "polygon 3 has corners from 13 to 16; there are 16");
   refuses([](auto& d) { d.polygons[3].first = 0xffffffffu; }, "there are 16");
   refuses([](auto& d) { d.corners[5].y = NAN; }, "polygon 1 has a corner at");
+  refuses([](auto& d) { d.corners[5].x = INFINITY; }, "polygon 1 has a corner at");
+  refuses([](auto& d) { d.corners[5].z = -INFINITY; }, "polygon 1 has a corner at");
   Scene two = floor.scene;
   two.meshes.push_back(two.meshes[0]);
   SurfaceDetail detail = floor.detail;
   detail.polygons[0].mesh = 1;
+  EXPECT_THROW(check_detail(two, detail), Error);
+  detail = floor.detail;
+  two.meshes[0].triangles.push_back({0, 2, 1});
+  detail.polygons[2].triangle = detail.polygons[3].triangle = 1;
+  EXPECT_NO_THROW(check_detail(two, detail));
+  detail.polygons[3].triangle = 0;
   EXPECT_THROW(check_detail(two, detail), Error);
 }
 
