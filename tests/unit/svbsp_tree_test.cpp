@@ -1,0 +1,188 @@
+// The SVBSP tree on paper: light space, shadow planes and cells.
+#include <gnomon/kit/exact.h>
+#include <gtest/gtest.h>
+
+#include "../../techniques/svbsp/detail.h"
+#include "hard_scenes.h"
+
+namespace gnomon {
+namespace {
+
+using namespace svbsp;
+
+// A lamp at (1, 2, 3) sees (1, 6, 3) straight along +y at the distance 4, (2, 6, 1) where y's face has z / y = -2 / 4 and x
+// / y = 1 / 4; and (-4, 2, 3) straight along -x.
+TEST(Svbsp, a_lamp_sees_in_perspective) {
+  const LightSpace space({1, 2, 3, 1}, {});
+  EXPECT_EQ(space.face_count(), 6);
+  ASSERT_EQ(space.face_of({1, 6, 3}), 2);
+  EXPECT_EQ(space.of_world(2, {1, 6, 3}), glm::dvec3(0, 0, 0.25));
+  EXPECT_EQ(space.of_world(2, {2, 6, 1}), glm::dvec3(-0.5, 0.25, 0.25));
+  ASSERT_EQ(space.face_of({-4, 2, 3}), 1);
+  EXPECT_EQ(space.of_world(1, {-4, 2, 3}), glm::dvec3(0, 0, 0.2));
+  Random random(1);
+  for (int i = 0; i < 1000; ++i) {
+    const glm::dvec3 p = random.uniform(glm::dvec3(-5), glm::dvec3(5));
+    const int face = space.face_of(p);
+    const glm::dvec3 seen = space.of_world(face, p);
+    EXPECT_LE(std::max(std::abs(seen.x), std::abs(seen.y)), 1);
+    EXPECT_GT(seen.z, 0);
+    EXPECT_LT(glm::distance(space.to_world(face, seen), p), 1e-14);
+  }
+}
+
+// Straight lines stay straight, nearer is greater, and a plane's value over `meter` is the distance: on either kind of
+// light.
+TEST(Svbsp, planes_are_planes_in_light_space) {
+  Random random(2);
+  for (int i = 0; i < 300; ++i) {
+    const Light light = hard_scenes::hard_light(random);
+    const glm::dvec4 at = homogeneous(light);
+    const LightSpace space(at, {{-2, -2, -2}, {2, 2, 2}});
+    glm::vec3 corners[3];
+    for (glm::vec3& p : corners) p = glm::vec3(random.uniform(glm::dvec3(-2), glm::dvec3(2)));
+    const int facing = orient3d_sign(corners[0], corners[1], corners[2], at);
+    if (facing == 0) continue;
+    const glm::dvec3 p = random.uniform(glm::dvec3(-3), glm::dvec3(3)), a(corners[0]);
+    const int face = space.face_of(p);
+    glm::dvec3 normal = glm::normalize(glm::cross(glm::dvec3(corners[1]) - a, glm::dvec3(corners[2]) - a));
+    if (glm::dot(normal, to_light(at, a)) < 0) normal = -normal;
+    const glm::dvec3 seen = space.of_world(face, p);
+    EXPECT_NEAR(space.plane(face, corners, facing).at(seen) / space.meter(seen), glm::dot(normal, p - a), 1e-12);
+    // Half way to a lamp, or one meter toward a sun.
+    const glm::dvec3 nearer = at.w != 0 ? p + 0.5 * to_light(at, p) : p + glm::normalize(glm::dvec3(at));
+    const glm::dvec3 higher = space.of_world(face, nearer);
+    EXPECT_NEAR(higher.x, seen.x, 1e-12 * (1 + std::abs(seen.x)));
+    EXPECT_NEAR(higher.y, seen.y, 1e-12 * (1 + std::abs(seen.y)));
+    EXPECT_NEAR(higher.z, at.w != 0 ? 2 * seen.z : seen.z + 1, 1e-12 * higher.z * higher.z + 1e-12);
+  }
+}
+
+/// Pieces at a height over x and y, in a tree of their own.
+struct Paper {
+  LightSpace space{{0, 0, 1, 0}, {}};
+  Rules rules{.epsilon = {1e-10, 1e-10}};
+  std::vector<Node> nodes;
+  Tally tally;
+  std::vector<double> heights;
+  Link root = out_cell;
+  struct Plane {
+    const std::vector<double>* heights;
+    ClipPlane operator()(std::uint32_t piece) const { return {{0, 0, 1}, -(*heights)[piece]}; }
+  };
+  Builder<Plane> builder{space, rules, {&heights}, nodes, tally};
+
+  void add(double height, std::vector<Corner> corners) {
+    for (Corner& corner : corners) corner.at.z = height;
+    heights.push_back(height);
+    builder.add(corners, static_cast<std::uint32_t>(heights.size() - 1), root);
+  }
+  Link at(double x, double y) const {
+    std::uint64_t visits = 0;
+    Query query{.x = x, .y = y, .nodes = nodes.data(), .link = root};
+    locate<1>({&query, 1}, visits);
+    return query.link;
+  }
+};
+
+const std::vector<Corner> left_half = {{{0, 0, 0}}, {{4, 4, 0}}, {{0, 4, 0}}},
+                          right_half = {{{0, 0, 0}}, {{4, 0, 0}}, {{4, 4, 0}}};
+
+// The first triangle makes three planes. Its neighbor across the diagonal lies beyond the diagonal's plane, so two more are
+// enough; with only cut edges dropped it makes three.
+TEST(Svbsp, an_edge_in_common_has_one_plane) {
+  Paper shared;
+  shared.add(1, left_half);
+  EXPECT_EQ(shared.nodes.size(), 3u);
+  shared.add(1, right_half);
+  EXPECT_EQ(shared.nodes.size(), 5u);
+  EXPECT_EQ(shared.tally.cuts, 0u);
+  EXPECT_EQ(shared.tally.lit, 2u);
+  for (const Drop drop : {Drop::cut, Drop::none}) {
+    Paper all;
+    all.rules.drop = drop;
+    all.add(1, left_half), all.add(1, right_half);
+    EXPECT_EQ(all.nodes.size(), 6u);
+  }
+  for (const auto& [x, y] : {std::pair{1, 3}, {3, 1}}) EXPECT_EQ(shared.at(x, y), in_cell(x > y));
+  for (const auto& [x, y] : {std::pair{-1, 3}, {5, 1}, {1, 5}, {3, -1}}) EXPECT_EQ(shared.at(x, y), out_cell);
+}
+
+// A square across the left edge, x = 0, of a triangle is cut once by it: a shadowed part and a lit one, whose planes are
+// those of its three own edges. Were the cut's plane made too, there would be four, and the shadow the same.
+TEST(Svbsp, cuts_make_no_planes) {
+  const std::vector<Corner> square = {{{-1, 2, 0}}, {{1, 2, 0}}, {{1, 3, 0}}, {{-1, 3, 0}}};
+  for (const auto& [drop, planes] : {std::pair{Drop::shared, 3u}, {Drop::cut, 3u}, {Drop::none, 4u}}) {
+    Paper paper;
+    paper.rules.drop = drop;
+    paper.add(2, left_half), paper.add(1, square);
+    EXPECT_EQ(paper.nodes.size(), 3 + planes);
+    EXPECT_EQ(paper.tally.cuts, 1u);
+    EXPECT_EQ(paper.tally.lit, 2u);
+    EXPECT_EQ(paper.tally.shadowed, 1u);
+    EXPECT_EQ(paper.at(-0.5, 2.5), in_cell(1));
+    EXPECT_EQ(paper.at(0.5, 2.5), in_cell(0));
+    EXPECT_EQ(paper.at(-1.5, 2.5), out_cell);
+  }
+}
+
+// The trap: an edge that the regular BSP tree made lies on no plane of this tree. A polygon whose only edge toward x > 4 is
+// such a cut must not shade what is there.
+TEST(Svbsp, cuts_of_the_regular_tree_make_planes) {
+  Paper paper;
+  paper.add(1, {{{0, 0, 0}}, {{4, 0, 0}, bsp_cut}, {{4, 4, 0}}, {{0, 4, 0}}});
+  EXPECT_EQ(paper.nodes.size(), 4u);
+  EXPECT_EQ(paper.at(3, 2), in_cell(0));
+  EXPECT_EQ(paper.at(5, 2), out_cell);
+  Paper wrong;
+  wrong.add(1, {{{0, 0, 0}}, {{4, 0, 0}, shadow_cut}, {{4, 4, 0}}, {{0, 4, 0}}});
+  EXPECT_EQ(wrong.at(5, 2), in_cell(0));
+}
+
+// An edge without length has no plane: two corners in one place change nothing.
+TEST(Svbsp, edges_without_length_make_no_planes) {
+  Paper paper;
+  paper.add(1, {{{0, 0, 0}}, {{4, 0, 0}}, {{4, 0, 0}}, {{4, 4, 0}}, {{0, 4, 0}}});
+  EXPECT_EQ(paper.nodes.size(), 4u);
+  EXPECT_EQ(paper.at(3, 2), in_cell(0));
+  EXPECT_EQ(paper.at(5, 2), out_cell);
+}
+
+// In whatever order: the nearer one is found where it is, and the farther one around it; none counts twice.
+TEST(Svbsp, cells_know_what_is_nearest_in_any_order) {
+  const std::vector<Corner> large = {{{0, 0, 0}}, {{8, 0, 0}}, {{8, 8, 0}}, {{0, 8, 0}}},
+                            small = {{{2, 2, 0}}, {{3, 2, 0}}, {{3, 3, 0}}, {{2, 3, 0}}};
+  Paper near_first, far_first;
+  near_first.add(5, small), near_first.add(1, large);
+  far_first.add(1, large), far_first.add(5, small);
+  for (const auto& [x, y] : {std::pair{2.5, 2.5}, {2.5, 1.0}, {1.0, 2.5}, {7.0, 7.0}}) {
+    const bool is_small = x == 2.5 && y == 2.5;
+    EXPECT_EQ(near_first.at(x, y), in_cell(is_small ? 0 : 1));
+    EXPECT_EQ(far_first.at(x, y), in_cell(is_small ? 1 : 0));
+  }
+  EXPECT_EQ(far_first.tally.shadowed, 0u);
+  EXPECT_EQ(near_first.tally.shadowed, 1u);
+}
+
+// All cells IN, the least height 1: what is no higher is hidden, and only that. An OUT cell remains until the square is
+// full.
+TEST(Svbsp, a_full_tile_hides_what_is_farther) {
+  Paper paper;
+  const auto bounded = [](std::vector<Corner> corners) {  // the tile's borders are no edges
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const glm::dvec3 &a = corners[i].at, &b = corners[(i + 1) % corners.size()].at;
+      if (a.x == b.x || a.y == b.y) corners[i].edge = shadow_cut;
+    }
+    return corners;
+  };
+  paper.builder.start();
+  paper.add(2, bounded(left_half));
+  EXPECT_FALSE(paper.builder.hides(0));
+  paper.add(1, bounded(right_half));
+  EXPECT_TRUE(paper.builder.hides(1));
+  EXPECT_FALSE(paper.builder.hides(1.5));
+  EXPECT_EQ(paper.nodes.size(), 1u);
+}
+
+}  // namespace
+}  // namespace gnomon
