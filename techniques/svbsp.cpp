@@ -37,14 +37,14 @@ class Svbsp final : public Technique {
                {"tiles", "bsp", "face_planes"},
                Stage::build,
                "Order of polygons: nearest first in tiles, front to back by a regular BSP tree of the scene, or shuffled."};
-  Choice split{
-      this,
-      "split",
-      "balanced",
-      {"balanced", "fewest_splits", "first"},
-      Stage::build,
-      "Which polygon's plane splits a cell of the regular BSP tree: of the least 8 cuts + imbalance, of the fewest cuts, "
-      "or the first one's."};
+  Choice split{this,
+               "split",
+               "balanced",
+               {"balanced", "fewest_splits", "first"},
+               Stage::build,
+               "Which polygon's plane splits a cell of the regular BSP tree, for order=bsp and the painter: of the least 8 "
+               "cuts + imbalance, of the fewest cuts, "
+               "or the first one's."};
   Flag free_cuts{this, "free_cuts", true, Stage::build,
                  "The regular BSP tree may also be split by planes across an axis that hold no polygon; not with split=first."};
   Choice drop_edges{
@@ -56,7 +56,7 @@ class Svbsp final : public Technique {
                         16,
                         {.unit = "polygons", .min = 1, .max = 4096, .log = true},
                         Stage::relight,
-                        "Tiles with more polygons are split, where that deals them out."};
+                        "Tiles hold about as many polygons; those with more are split, where that deals them out."};
   Flag merge{this, "merge", true, Stage::relight,
              "Surface detail: a polygon whose fragments are all lit, or all shadowed, is left whole."};
 
@@ -106,6 +106,7 @@ class Svbsp final : public Technique {
   LightSpace space_;
   Pieces pieces_;
   Forest forest_;
+  std::size_t polygon_count_ = 0;  // triangles that cast and are not edge-on
   std::uint64_t locations_ = 0, visits_ = 0;
 };
 
@@ -141,6 +142,8 @@ void Svbsp::relight(const Light& light) {
   const auto casts = [&](std::uint32_t triangle) {
     return signs_[triangle] != 0 && scene_->meshes[triangles_[triangle].mesh].casts;
   };
+  polygon_count_ = 0;
+  for (std::uint32_t i = 0; i < triangles_.size(); ++i) polygon_count_ += casts(i);
   using Part = std::pair<std::uint32_t, std::span<const Corner>>;
   if (bsp_) {
     front_to_back_.clear();
@@ -237,24 +240,25 @@ Counts Svbsp::counts() const {
   const auto count = [](const char* name, auto value) { return Count{name, static_cast<double>(value), ""}; };
   std::size_t bytes = triangles_.capacity() * sizeof(SceneTriangle) + signs_.capacity() + pieces_.bytes() + forest_.bytes() +
                       front_to_back_.capacity() * sizeof(void*) + (bsp_ ? bsp_->bytes() : 0);
-  std::size_t polygons = 0;
-  for (int face = 0; face < 6; ++face) polygons += pieces_.of_face(face).size();
+  std::size_t pieces = 0;
+  for (int face = 0; face < 6; ++face) pieces += pieces_.of_face(face).size();
   const std::uint64_t fragments = tally.lit + tally.shadowed;
-  Counts counts = {
-      count("polygons", polygons),
-      count("tiles", forest_.tile_count()),
-      count("nodes", forest_.node_count()),
-      count("shadow_planes", tally.planes),
-      count("depth", forest_.depth()),
-      count("fragments", fragments),
-      count("lit_fragments", tally.lit),
-      count("hidden", tally.hidden),
-      count("fragments_per_polygon", static_cast<double>(fragments) / static_cast<double>(std::max<std::size_t>(polygons, 1))),
-      count("splits", tally.cuts + tally.crossings),
-      count("tile_splits", tally.tile_cuts),
-      count("queries", locations_),
-      count("visits", static_cast<double>(visits_) / static_cast<double>(std::max<std::uint64_t>(locations_, 1))),
-      {"bytes", static_cast<double>(bytes), "byte"}};
+  Counts counts = {count("polygons", polygon_count_),
+                   count("pieces", pieces),
+                   count("tiles", forest_.tile_count() + forest_.node_count() - tally.planes),
+                   count("nodes", forest_.node_count()),
+                   count("shadow_planes", tally.planes),
+                   count("depth", forest_.depth()),
+                   count("fragments", fragments),
+                   count("lit_fragments", tally.lit),
+                   count("hidden", tally.hidden),
+                   count("fragments_per_polygon",
+                         static_cast<double>(fragments) / static_cast<double>(std::max<std::size_t>(polygon_count_, 1))),
+                   count("splits", tally.cuts + tally.crossings),
+                   count("tile_splits", tally.tile_cuts),
+                   count("queries", locations_),
+                   count("visits", static_cast<double>(visits_) / static_cast<double>(std::max<std::uint64_t>(locations_, 1))),
+                   {"bytes", static_cast<double>(bytes), "byte"}};
   if (bsp_) {
     counts.push_back(count("bsp_nodes", bsp_->node_count()));
     counts.push_back(count("bsp_splits", bsp_->split_count()));

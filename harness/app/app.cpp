@@ -118,6 +118,10 @@ CLI::Validator seconds() {
   return number_that(is_good, "a number of seconds above 0, at most 86400", "SECONDS");
 }
 
+CLI::Validator not_empty() {
+  return CLI::Validator([](const std::string& text) { return std::string(text.empty() ? "the name is empty" : ""); }, "");
+}
+
 CLI::Validator number_in(double low, double high) {
   const std::string range = fmt::format("{} .. {}", low, high);
   return number_that([=](double value) { return low <= value && value <= high; }, "a number in " + range, range);

@@ -42,6 +42,8 @@ Truth parse_truth(const std::string& text);
 
 /// Checks the value of --timeout: above 0, at most a day.
 CLI::Validator seconds();
+/// Of an option that is a name: "" is none.
+CLI::Validator not_empty();
 
 /// Check a number; CLI::Range lets NaN pass. The whole text is a finite number from `low` to `high`, or above 0.
 CLI::Validator number_in(double low, double high);

@@ -39,10 +39,28 @@ std::optional<DebugLayer> find_layer(const Contender& contender, const std::stri
               fmt::join(layers, ", "));
 }
 
+/// Where a light's surface detail goes: the first light's to the file that is asked for, every further one's beside it.
+fs::path detail_file_of(const fs::path& file, const std::string& tail) {
+  return fs::path(file).replace_filename(file.stem().string() + tail + ".obj");
+}
+
+/// Refuses to replace what this program did not write as surface detail, a file of the scene above all.
+void check_replaced(const fs::path& obj_file, const std::string& scene) {
+  std::error_code ignored;
+  for (const fs::path& file : {obj_file, fs::path(obj_file).replace_extension(".mtl")}) {
+    if (!fs::is_regular_file(file, ignored)) continue;
+    std::string line;
+    std::getline(std::ifstream(file), line);
+    if (fs::equivalent(file, scene, ignored) || !line.starts_with(detail_mark))
+      throw Error("--detail {} would replace {}, which is {}: choose another name", obj_file.string(), file.string(),
+                  fs::equivalent(file, scene, ignored) ? "the scene" : "no surface detail");
+  }
+}
+
 /// Refuses a file for surface detail that cannot be, before anything runs.
 void check_detail_file(const Contender& contender, const fs::path& file) {
   if (file.extension() != ".obj")
-    throw Error("--detail {} does not end in .obj: surface detail is written as Wavefront OBJ", file.string());
+    throw Error("--detail {} is no name that ends in .obj: surface detail is written as Wavefront OBJ", file.string());
   const auto technique = registry().technique(contender.technique).make();
   technique->apply(contender.settings);
   if (!technique->surface_detail())
@@ -57,11 +75,15 @@ void write_detail(Seat& seat, const SceneRun& run, const Job& job, const Light& 
   seat.worker().ask({{"do", "detail"}, {"out", raw.string()}}, timeout);
   const SurfaceDetail detail = detail_from_bytes(MappedFile::open(raw)->bytes());
   const glm::dvec4 l = homogeneous(light);
-  const std::vector<std::string> notes{
-      fmt::format("scene: {}", job.scene),
-      l.w == 0 ? fmt::format("light: {}, {}, toward {:.9g} {:.9g} {:.9g}", light.name, kind_name(light), l.x, l.y, l.z)
-               : fmt::format("light: {}, {}, at {:.9g} {:.9g} {:.9g}", light.name, kind_name(light), l.x, l.y, l.z),
-      fmt::format("technique: {}", job.contender.name())};
+  std::string place = fmt::format("{} {:.9g} {:.9g} {:.9g}", l.w == 0 ? "toward" : "at", l.x, l.y, l.z);
+  if (const auto* const spot = std::get_if<SpotLight>(&light.kind)) {
+    const glm::vec3& d = spot->direction;
+    place += fmt::format(", shining along {:.9g} {:.9g} {:.9g} within {:.9g} degrees, at which no polygon is cut", d.x, d.y,
+                         d.z, spot->outer_degrees);
+  }
+  const std::vector<std::string> notes{fmt::format("scene: {}", job.scene),
+                                       fmt::format("light: {}, a {} light {}", light.name, kind_name(light), place),
+                                       fmt::format("technique: {}", job.contender.name())};
   const fs::path mtl_file = fs::path(obj_file).replace_extension(".mtl");
   write_file(obj_file, detail_obj(run.scene, detail, notes, mtl_file.filename().string()));
   write_file(mtl_file, detail_mtl());
@@ -84,6 +106,10 @@ int render(const RenderOptions& options, const WorkerOptions& worker) {
   const std::vector<Job> jobs = expand_jobs(suite, library);
   const SceneLibrary::Entry& entry = library.get(options.scene);
   if (!entry.scene) throw Error("{}", entry.missing);
+  // The first light's files have plain names; every further light's are marked with it.
+  const auto tail_of = [&](const Job& job) { return &job == jobs.data() ? "" : "_" + job.light; };
+  if (!options.detail.empty())
+    for (const Job& job : jobs) check_replaced(detail_file_of(options.detail, tail_of(job)), options.scene);
   for (const std::string& note : entry.scene->notes) fmt::print(stderr, "note: {}\n", note);
 
   std::unique_ptr<StagedFolder> detail_folder;
@@ -117,8 +143,7 @@ int render(const RenderOptions& options, const WorkerOptions& worker) {
     const Tally& counts = measured.tally;
     // One warm call each: `gnomon run` is for timing.
     for (const Stage stage : {Stage::build, Stage::relight, Stage::resolve}) record.times(stage) = {{seat.time(stage)}};
-    // The first light's pictures have plain names; every further light's are marked with it.
-    const std::string tail = masks.empty() ? "" : "_" + job.light;
+    const std::string tail = tail_of(job);
     write_png(folder.path / ("mask" + tail + ".png"), draw_mask(answer.mask, suite.width, suite.height));
     write_png(folder.path / ("shaded" + tail + ".png"), shade(run.scene, answer.gbuffer, measured.light, answer.mask));
     write_png(folder.path / ("error" + tail + ".png"),
@@ -129,8 +154,8 @@ int render(const RenderOptions& options, const WorkerOptions& worker) {
       write_png(folder.path / (layer->name + tail + ".png"), draw_layer(raw, suite.width, suite.height, *layer));
     }
     if (detail_folder) {
-      const std::string file = options.detail.stem().string() + tail + ".obj";
-      write_detail(seat, run, job, measured.light, suite.timeout, detail_folder->path / file);
+      const fs::path file = detail_folder->path / detail_file_of(options.detail, tail).filename();
+      write_detail(seat, run, job, measured.light, suite.timeout, file);
     }
     record.mask = "mask.exr";
     record.error_picture = "error" + tail + ".png";
@@ -163,9 +188,11 @@ void add_render(Program& program) {
   command->add_option("--size", options->size, "Picture size in pixels, WxH")->capture_default_str();
   command->add_option("--truth", options->truth, "What counts: exact shapes or the meshes; shape | mesh")
       ->capture_default_str();
-  command->add_option("--debug", options->debug, "Also draw this debug layer of the technique");
-  command->add_option("--detail", options->detail,
-                      "Also write the technique's lit and shadowed polygons to this Wavefront OBJ file; FILE.obj");
+  command->add_option("--debug", options->debug, "Also draw this debug layer of the technique")->check(not_empty());
+  command
+      ->add_option("--detail", options->detail,
+                   "Also write the technique's lit and shadowed polygons to this Wavefront OBJ file; FILE.obj")
+      ->check(not_empty());
   command->add_option("--threads", options->threads, "Cores to use; all by default");
   command->add_option("--timeout", options->timeout, "Seconds that one step may take")->check(seconds())->capture_default_str();
   command->add_option("--out", options->out, "Folder to write to")->required();

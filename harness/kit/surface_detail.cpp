@@ -96,7 +96,7 @@ std::vector<std::uint32_t> find_owners(const Scene& scene, const GBuffer& gbuffe
 std::vector<DebugLayer> detail_layers() {
   return {{"fragments",
            "Surface-detail polygons, lit and shadowed, in tones that differ a little from one to the next and with darker "
-           "borders where there is room; what is turned away from the light is gray.",
+           "borders where there is room; what is turned away from the light or beyond its cone is gray.",
            {swatch(true), swatch(false)}}};
 }
 

@@ -11,7 +11,7 @@ struct Rules {
   Drop drop =
       Drop::shared;  ///< edges that get no shadow plane: none; those made by cuts; also own ones on the plane of a node above
   bool is_ordered = false;     ///< pieces come front to back: what reaches an IN cell is in shadow
-  std::size_t tile_size = 16;  ///< tiles with more pieces are split; 0: one cell a face, no tiles
+  std::size_t tile_size = 16;  ///< pieces of a tile on average; those with more are split. 0: no tiles
 };
 
 /// Work of making a tree.

@@ -54,6 +54,7 @@ class Forest {
   const Epsilons& epsilon() const { return epsilon_; }
 
   Tally tally() const;
+  /// Of the grids.
   std::size_t tile_count() const {
     std::size_t sum = 0;
     for (const Grid& grid : grids_) sum += static_cast<std::size_t>(grid.columns) * grid.rows;
@@ -71,10 +72,10 @@ class Forest {
     Tally tally;
     int face = 0;
   };
-  static constexpr double pieces_per_tile = 16;
   static constexpr double tiles_per_piece = 64;  ///< at most on average: copies of one triangle, say, lie in all tiles
 
-  void lay_grids(const Pieces& pieces, bool has_tiles);
+  /// Tiles of `tile_size` pieces on average; one a face where that is 0.
+  void lay_grids(const Pieces& pieces, std::size_t tile_size);
   void deal(const Pieces& pieces, double thinnest);
 
   Grid grids_[6];
@@ -86,7 +87,7 @@ class Forest {
   std::vector<std::uint32_t> dealt_;  // pieces of the tile's face
 };
 
-inline void Forest::lay_grids(const Pieces& pieces, bool has_tiles) {
+inline void Forest::lay_grids(const Pieces& pieces, std::size_t tile_size) {
   std::uint32_t next = 0;
   for (int face = 0; face < 6; ++face) {
     Grid& grid = grids_[face];
@@ -102,7 +103,7 @@ inline void Forest::lay_grids(const Pieces& pieces, bool has_tiles) {
     }
     const glm::dvec2 size = glm::max(grid.high - grid.low, glm::dvec2(1e-200));  // of a lone piece without width
     const auto count = static_cast<double>(here.size());
-    for (double wanted = has_tiles ? std::min(count / pieces_per_tile, 0x1p22) : 1;; wanted /= 2) {
+    for (double wanted = tile_size > 0 ? std::min(count / static_cast<double>(tile_size), 0x1p22) : 1;; wanted /= 2) {
       const double most = std::max(wanted, 1.0);
       grid.columns = static_cast<int>(std::clamp(std::sqrt(wanted * size.x / size.y), 1.0, most));
       grid.rows = static_cast<int>(std::max(wanted / grid.columns, 1.0));
@@ -148,7 +149,7 @@ inline void Forest::deal(const Pieces& pieces, double thinnest) {
 
 inline void Forest::grow(const LightSpace& space, const Pieces& pieces, const Facing& facing, Order order, Rules rules,
                          double extent) {
-  lay_grids(pieces, order == Order::tiles);
+  lay_grids(pieces, order == Order::tiles ? rules.tile_size : 0);
   glm::dvec2 size(0);
   for (const Grid& grid : grids_)
     if (!grid.is_empty()) size = glm::max(size, grid.high - grid.low);

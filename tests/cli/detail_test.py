@@ -104,7 +104,7 @@ class Detail(ProgramTest):
                     self.assertEqual(library, f"{technique}{tail}.mtl")
                     self.assertEqual(re.findall(r"(?m)^newmtl (\w+)$", (self.dir / library).read_text()), ["lit", "shadowed"])
                     count = {m: sum(len(parts.get(m, [])) for parts in objects.values()) for m in ("lit", "shadowed")}
-                    for says in ("scene: roof.toml", f"light: {light}, ", f"technique: {technique}", "Units: meters",
+                    for says in ("scene: roof.toml", f"light: {light}, a ", f"technique: {technique}", "Units: meters",
                                  f"polygons: {count['lit']} lit, {count['shadowed']} shadowed"):
                         self.assertEqual(len([c for c in comments if says in c]), 1, (says, comments))
                     self.assertEqual(len(objects), 2)  # not the one that does not receive
@@ -162,6 +162,7 @@ class Detail(ProgramTest):
         for technique, file, says in [
             ("spoils_detail", "x.glb", ["--detail x.glb", ".obj"]),
             ("spoils_detail", "x", ["--detail x ", ".obj"]),
+            ("spoils_detail", "", ["--detail", "empty"]),
             ("spoils_detail", "file/x.obj", ["file/x.obj cannot be written"]),
             ("spoils_detail", "/proc/x.obj", ["/proc/x.obj cannot be written"]),
             ("spoils_detail", "folder.obj", ["folder.obj cannot be written", "directory"]),
@@ -172,6 +173,22 @@ class Detail(ProgramTest):
                             "out", "--detail", file, says=says)
                 self.assertEqual(self.names(self.dir), before)
                 self.assertFalse((self.dir / "out").exists())
+
+    def test_only_surface_detail_is_replaced(self):
+        """Neither the scene's own file nor its materials, nor anybody else's file of a further light; an older detail is."""
+        self.write("mine_sun.mtl", "newmtl gold\n")
+        before = {p: (self.dir / p).read_bytes() for p in self.names(self.dir)}
+        for scene, file, says in [("floor.obj", "floor.obj", "floor.obj, which is the scene"), ("roof.toml", "roof.obj", "no surface detail"),
+                                  ("roof.toml", "mine.obj", "mine_sun.mtl, which is no surface detail")]:
+            with self.subTest(file):
+                self.refuse("render", "--scene", scene, "--technique", "svbsp", *SIZE, "--out", "out", "--detail", file, says=[says])
+                self.assertEqual({p: (self.dir / p).read_bytes() for p in self.names(self.dir)}, before)
+        self.render("svbsp", "roof.toml", "new.obj")
+        old = (self.dir / "new_sun.obj").read_text()
+        self.render("two_pass_object", "roof.toml", "new.obj")
+        self.assertNotEqual((self.dir / "new_sun.obj").read_text(), old)
+        self.refuse("render", "--scene", "new.obj", "--technique", "svbsp", *SIZE, "--out", "out", "--detail", "new.obj",
+                    says=["which is the scene"])
 
     def test_a_detail_that_does_not_fit_fails_and_leaves_no_file(self):
         before = self.names(self.dir)

@@ -92,7 +92,7 @@ TEST(pages, written_pages_are_fresh_and_pages_of_gone_techniques_are_removed) {
 
 TEST(listing, description_holds_facts_and_parameters) {
   const std::string text = describe_text(blur());
-  EXPECT_TRUE(has(text, "fails         Everywhere.\n")) << text;
+  EXPECT_TRUE(has(text, "fails           Everywhere.\n")) << text;
   EXPECT_TRUE(has(text, "radius     2        0 .. 9 texel  relight  Width | of the blur.\n")) << text;
   const Json json = describe_json(blur());
   EXPECT_EQ(json["parameters"][1]["allowed"], "box | tent");

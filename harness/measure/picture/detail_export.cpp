@@ -130,7 +130,7 @@ std::string detail_obj(const Scene& scene, const SurfaceDetail& detail, std::spa
     vertex_count += vertices.size();
   }
   std::string head =
-      "# Surface detail: the parts of triangles that are lit and those in cast shadow. Units: meters, +y is up.\n";
+      fmt::format("{}: the parts of triangles that are lit and those in cast shadow. Units: meters, +y is up.\n", detail_mark);
   for (std::string note : notes) {
     std::ranges::replace_if(
         note, [](unsigned char c) { return c < ' '; }, ' ');
@@ -142,7 +142,7 @@ std::string detail_obj(const Scene& scene, const SurfaceDetail& detail, std::spa
 }
 
 std::string detail_mtl() {
-  std::string text;
+  std::string text = fmt::format("{}: materials\n", detail_mark);
   const std::vector<DebugLayer> layers = detail_layers();
   for (const Swatch& s : layers.at(0).legend)
     text += fmt::format("newmtl {}\nKd {:.4f} {:.4f} {:.4f}\nillum 1\n", s.name, s.color.r, s.color.g, s.color.b);

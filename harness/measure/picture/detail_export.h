@@ -3,6 +3,7 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace gnomon {
@@ -11,6 +12,9 @@ namespace gnomon {
 std::vector<std::byte> detail_bytes(const SurfaceDetail& detail);
 /// The inverse. Throws Error on bytes of another layout.
 SurfaceDetail detail_from_bytes(std::span<const std::byte> bytes);
+
+/// How the first line of all these files begins.
+inline constexpr std::string_view detail_mark = "# Surface detail";
 
 /// A surface detail as a Wavefront OBJ: one object for each mesh that has polygons, in it first the lit polygons, then the
 /// shadowed ones, as faces of the materials `lit` and `shadowed` of the library `mtl_name`. Coordinates have ten significant
