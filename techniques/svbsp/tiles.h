@@ -27,7 +27,7 @@ class Tiler {
     glm::dvec2 low{0}, high{0};
     double nearest = 0;
   };
-  static constexpr int deepest = 24;    ///< splits; a tile is then 2^-12 of its cell, on either axis
+  static constexpr int deepest = 24;    ///< splits, each within the one before
   static constexpr double worth = 1.2;  ///< most items on both sides together, as a multiple of those before
 
   void add(Item item, const glm::dvec2& low, const glm::dvec2& high) {
