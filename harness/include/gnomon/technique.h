@@ -117,8 +117,8 @@ class Technique : public Parametrized {
   virtual Counts counts() const = 0;
   /// Why pixel `index` of the last resolve got its answer; nothing when the technique has no samples to show. Untimed.
   virtual std::optional<Explanation> explain(std::size_t index) const;
-  /// The lit and shadowed polygons of the last relight; nothing from techniques that do not make polygons. A fresh object of one
-  /// that does gives an empty detail. Untimed.
+  /// The lit and shadowed polygons of the last relight; nothing from techniques that do not make polygons. A fresh object of
+  /// one that does gives an empty detail. Untimed.
   virtual std::optional<SurfaceDetail> surface_detail() const { return std::nullopt; }
   /// The pictures that `draw_debug` can make; none by default.
   virtual std::vector<DebugLayer> debug_layers() const { return {}; }
