@@ -285,15 +285,9 @@ TEST(CrowCounting, decides_as_the_oracle_does_in_pictures) {
   Random random(7);
   Differences d;
   for (int round = 0; round < 12; ++round) {
-    Scene scene;
-    scene.meshes = {small_world::ground(3, 0), small_world::random_soup(engine, 40, 2, 0.1f, 2, 0.4f), boxes(random, 5, false)};
-    const View view{.eye = glm::vec3(random.uniform(glm::dvec3(-4, 0.5, -4), glm::dvec3(4, 4, 4))), .target = {0, 0.5f, 0}};
-    const GBuffer gbuffer = small_world::make_gbuffer(scene, view, 150, 83);
-    const glm::vec3 up(random.uniform(glm::dvec3(-3, 2, -3), glm::dvec3(3, 5, 3)));
-    for (const Light& light : {point_light(up), sun(-up)}) {
-      SCOPED_TRACE(round);
-      compare(scene, light, gbuffer, d);
-    }
+    SCOPED_TRACE(round);
+    const auto [scene, gbuffer, lights] = hard_scenes::viewed(random, engine);
+    for (const Light& light : lights) compare(scene, light, gbuffer, d);
   }
   EXPECT_EQ(d.wrong, 0);
   EXPECT_GT(d.dark, 10'000);

@@ -102,4 +102,24 @@ inline void scatter(const Scene& scene, const Light& light, Random& random, hand
   }
 }
 
+/// A scene as an eye sees it, with a lamp above, a sun from there and a lamp between the casters. The picture is larger than a
+/// few tiles, and no multiple of one.
+struct Viewed {
+  Scene scene;
+  GBuffer gbuffer;
+  Light lights[3];
+};
+inline Viewed viewed(Random& random, std::mt19937& engine) {
+  Viewed made;
+  made.scene.meshes = {small_world::ground(3, 0), small_world::random_soup(engine, 40, 2, 0.1f, 2, 0.4f),
+                       boxes(random, 5, false), cycle(1, 1)};
+  const View view{.eye = glm::vec3(random.uniform(glm::dvec3(-4, 0.5, -4), glm::dvec3(4, 4, 4))), .target = {0, 0.5f, 0}};
+  made.gbuffer = small_world::make_gbuffer(made.scene, view, 150, 83);
+  const glm::vec3 up(random.uniform(glm::dvec3(-3, 2, -3), glm::dvec3(3, 5, 3)));
+  const glm::vec3 between(random.uniform(glm::dvec3(-1, 0.5, -1), glm::dvec3(1, 1.5, 1)));
+  made.lights[0] = hand_made::point_light(up), made.lights[1] = hand_made::sun(-up),
+  made.lights[2] = hand_made::point_light(between);
+  return made;
+}
+
 }  // namespace gnomon::hard_scenes

@@ -277,14 +277,8 @@ TEST(ShadowVolumeTree, decides_as_the_oracle_does_in_pictures) {
   Agreement sum;
   for (int round = 0; round < 12; ++round) {
     SCOPED_TRACE(round);
-    Scene scene;
-    scene.meshes = {small_world::ground(3, 0), small_world::random_soup(engine, 40, 2, 0.1f, 2, 0.4f),
-                    hard_scenes::boxes(random, 5, false), hard_scenes::cycle(1, 1)};
-    const View view{.eye = glm::vec3(random.uniform(glm::dvec3(-4, 0.5, -4), glm::dvec3(4, 4, 4))), .target = {0, 0.5f, 0}};
-    const GBuffer gbuffer = small_world::make_gbuffer(scene, view, 150, 83);
-    const glm::vec3 up(random.uniform(glm::dvec3(-3, 2, -3), glm::dvec3(3, 5, 3))),
-        between(random.uniform(glm::dvec3(-1, 0.5, -1), glm::dvec3(1, 1.5, 1)));
-    for (const Light& light : {point_light(up), sun(-up), point_light(between)}) compare("", scene, light, gbuffer, sum);
+    const auto [scene, gbuffer, lights] = hard_scenes::viewed(random, engine);
+    for (const Light& light : lights) compare("", scene, light, gbuffer, sum);
   }
   EXPECT_EQ(sum.wrong, 0);
   EXPECT_GT(sum.dark, 50'000);
