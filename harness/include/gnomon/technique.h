@@ -55,6 +55,8 @@ struct Explanation {
   /// Where polygons stand for a curve that the technique sees: how far their outline may be off at the point, meters across the
   /// light's ray.
   double outline_error = 0;
+  /// The formula or setting that answered is known to be wrong here: the technique's own exact one answers otherwise.
+  bool formula_differs = false;
 };
 
 /// A color of a debug layer and its meaning, as its legend shows them.

@@ -1,0 +1,82 @@
+#pragma once
+#include <gnomon/kit/planes.h>
+
+namespace composite_planar {
+using namespace gnomon;
+
+/// A receiver plane with the rectangle that what lies on it fills or lies in.
+struct Receiver {
+  glm::dvec4 plane{0};
+  std::array<glm::dvec4, 4> sides;  ///< of the rectangle: half-spaces, dot(side, (p, 1)) >= 0 inside
+};
+
+/// The planes on which shadows are answered. Curved shapes are none, whatever
+/// their triangles say.
+struct Receivers {
+  std::vector<Receiver> planes;
+  double tolerance = 0;      ///< points up to this far off a plane lie on it, meters
+  double covered_share = 0;  ///< of the receiving area
+};
+
+inline bool is_sheet(const Mesh& mesh) { return !mesh.has_curved_shape() || std::holds_alternative<Disc>(*mesh.shape); }
+
+inline double area_of(const Mesh& mesh) {
+  double area = 0;
+  for (const glm::uvec3& t : mesh.triangles) {
+    const glm::dvec3 a(mesh.positions[t.x]), b(mesh.positions[t.y]), c(mesh.positions[t.z]);
+    area += glm::length(glm::cross(b - a, c - a)) / 2;
+  }
+  return area;
+}
+
+inline Receivers find_receivers(const Scene& scene, double min_share) {
+  Scene flat;
+  double curved_area = 0;
+  for (const Mesh& mesh : scene.meshes) {
+    if (!mesh.receives) continue;
+    if (is_sheet(mesh))
+      flat.meshes.push_back(mesh);
+    else
+      curved_area += area_of(mesh);
+  }
+  const ReceiverPlanes found = find_receiver_planes(flat, min_share);
+  Receivers receivers;
+  // The height n.p + d in float32 errs by five roundings of terms that add up
+  // to at most 2 sqrt 3 E: less than 18 * 2^-24 E.
+  const Bounds all = scene.bounds();
+  const glm::vec3 largest = all.empty() ? glm::vec3(0) : glm::max(glm::abs(all.min), glm::abs(all.max));
+  receivers.tolerance = found.tolerance + 18 * 0x1p-24 * std::max({largest.x, largest.y, largest.z});
+  const double whole = found.receiving_area + curved_area;
+  receivers.covered_share = whole > 0 ? found.planar_area / whole : 0;
+
+  // Each side of a rectangle goes through the point that is farthest out.
+  for (const ReceiverPlane& plane : found.planes) {
+    const glm::dvec3 n(plane.plane), a = glm::abs(n);
+    const glm::dvec3 helper = a.x <= a.y && a.x <= a.z ? glm::dvec3(1, 0, 0)
+                              : a.y <= a.z             ? glm::dvec3(0, 1, 0)
+                                                       : glm::dvec3(0, 0, 1);
+    const glm::dvec3 u = glm::normalize(glm::cross(helper, n)), v = glm::cross(n, u);
+    receivers.planes.push_back(
+        {plane.plane,
+         {glm::dvec4(u, -INFINITY), glm::dvec4(-u, -INFINITY), glm::dvec4(v, -INFINITY), glm::dvec4(-v, -INFINITY)}});
+  }
+  std::size_t triangle = 0;
+  for (const Mesh& mesh : flat.meshes) {
+    // A disc reaches beyond its triangles, which are inscribed.
+    const auto* disc = mesh.shape ? std::get_if<Disc>(&*mesh.shape) : nullptr;
+    for (const glm::uvec3& t : mesh.triangles) {
+      const std::uint32_t plane = found.plane_of[triangle++];
+      if (plane == no_plane) continue;
+      for (glm::dvec4& side : receivers.planes[plane].sides) {
+        const auto reach = [&](const glm::vec3& p, double radius) {
+          side.w = std::max(side.w, receivers.tolerance + radius - glm::dot(glm::dvec3(side), glm::dvec3(p)));
+        };
+        if (disc) reach(disc->center, disc->radius);
+        for (const std::uint32_t v : {t.x, t.y, t.z}) reach(mesh.positions[v], 0);
+      }
+    }
+  }
+  return receivers;
+}
+
+}  // namespace composite_planar
