@@ -1,3 +1,4 @@
+#include <gnomon/error.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,6 +22,21 @@ TEST(cause_rows, every_cause_has_one_row_in_its_order_with_a_name_a_sentence_and
   EXPECT_EQ(static_cast<Cause>(next - 1), Cause::unexplained);
   EXPECT_EQ(name(Cause::none), "none");
   EXPECT_EQ(count_causes({}).size(), names.size());
+}
+
+// A run made before `formula` was a cause counted the others, and numbered those that came after it one lower.
+TEST(cause_rows, numbers_in_pictures_count_the_causes_that_their_record_knows) {
+  const std::vector<float> numbers{0, 1, 2, 3, 15};
+  const std::vector<Cause> today = causes_from_numbers(numbers, {});
+  EXPECT_EQ(today, (std::vector{Cause::none, Cause::tessellation, Cause::beyond_coverage, Cause::formula, Cause::penumbra}));
+  std::map<std::string, std::uint64_t> counts = count_causes({});
+  EXPECT_EQ(causes_from_numbers(numbers, counts), today);
+  EXPECT_EQ(causes_from_numbers(std::vector{16.0f}, counts), std::vector{Cause::unexplained});
+  counts.erase("formula");
+  EXPECT_EQ(causes_from_numbers(numbers, counts),
+            (std::vector{Cause::none, Cause::tessellation, Cause::beyond_coverage, Cause::missing_caster, Cause::unexplained}));
+  for (const float number : {-1.0f, 0.5f, 16.0f, NAN})
+    EXPECT_THROW(causes_from_numbers(std::vector{number}, counts), Error) << number;
 }
 
 // What a color looks like to people with one kind of cone missing (Machado, Oliveira and Fernandes 2009, severity 1), in CIE

@@ -63,6 +63,36 @@ TEST(causes, beyond_coverage_is_what_the_technique_says_and_comes_before_missing
   EXPECT_EQ(world.causes(not_covered), (Causes{{"beyond_coverage", world.wrong()}}));
 }
 
+// Said of false lit and of false dark pixels alike, and of pixels that are right: those have no cause.
+TEST(causes, formula_is_what_the_technique_says_after_its_coverage_and_before_missing_casters) {
+  World world(on_ground({plate(-3, -1, -1, 1, 2)}), slanted);
+  world.mask.assign(world.mask.size(), 1);  // the whole shadow is missing
+  const std::uint64_t lit = world.wrong();
+  const std::uint32_t other = world.pixel(3, 2);
+  world.mask[other] = 0;
+  const auto differs = [&](bool covered) {
+    return [covered](std::uint32_t) {
+      Explanation why;
+      why.formula_differs = true;
+      why.covered = covered;
+      why.outline_error = 1;
+      return why;
+    };
+  };
+  EXPECT_GT(lit, 100u);
+  EXPECT_EQ(world.causes(differs(true)), (Causes{{"formula", lit + 1}}));
+  EXPECT_EQ(world.causes(differs(false)), (Causes{{"beyond_coverage", lit + 1}}));
+  // Pixel by pixel: what is wrong elsewhere keeps its own cause.
+  EXPECT_EQ(world.causes([&](std::uint32_t i) {
+    Explanation why;
+    why.formula_differs = i == other;
+    return why;
+  }),
+            (Causes{{"formula", 1}, {"missing_caster", lit}}));
+  world.right_on_mesh.assign(world.mask.size(), 1);
+  EXPECT_EQ(world.causes(differs(true)), (Causes{{"tessellation", lit + 1}}));
+}
+
 TEST(causes, a_shadow_that_is_lit_is_a_missing_caster) {
   World world(on_ground({plate(-3, -1, -1, 1, 2)}), slanted);
   const std::vector<float> truth = world.truth;

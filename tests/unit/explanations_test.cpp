@@ -23,6 +23,8 @@ TEST(explanations, come_back_from_their_bytes) {
     why->covered = k % 2;
     why->bias = uniform(random);
     why->texel_width = std::abs(uniform(random));
+    why->outline_error = std::abs(uniform(random));
+    why->formula_differs = k % 4 == 1;
     if (k % 3 == 0) why->shifted = vector();
     if (k % 5 == 0) why->element = random() * (1ull << 33);
     for (int j = k % 4; j > 0; --j)
@@ -37,6 +39,8 @@ TEST(explanations, come_back_from_their_bytes) {
     EXPECT_EQ(back[k]->covered, all[k]->covered);
     EXPECT_EQ(back[k]->bias, all[k]->bias);
     EXPECT_EQ(back[k]->texel_width, all[k]->texel_width);
+    EXPECT_EQ(back[k]->outline_error, all[k]->outline_error);
+    EXPECT_EQ(back[k]->formula_differs, all[k]->formula_differs);
     EXPECT_EQ(back[k]->shifted, all[k]->shifted);
     EXPECT_EQ(back[k]->element, all[k]->element);
     ASSERT_EQ(back[k]->taps.size(), all[k]->taps.size());

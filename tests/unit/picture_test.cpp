@@ -182,7 +182,7 @@ TEST(error_picture, exactly_the_wrong_tested_pixels_have_the_color_of_their_caus
     scored.classes[i] = random() % 3 == 0 ? PixelClass::U : PixelClass::T;
     scored.reference[i] = scored.mask[i] = static_cast<float>(random() % 2);
     if (random() % 2 == 0)
-      scored.err(i, scored.classes[i] == PixelClass::T ? static_cast<Cause>(1 + random() % 15) : Cause::none);
+      scored.err(i, scored.classes[i] == PixelClass::T ? static_cast<Cause>(1 + random() % cause_infos().size()) : Cause::none);
   }
   const Picture picture = scored.draw("title");
   EXPECT_EQ(picture.width, w);
@@ -212,7 +212,7 @@ TEST(error_picture, the_legend_names_the_causes_that_occur_and_breaks_into_lines
     for (int k = 0; k < cause_count; ++k) scored.err(k, static_cast<Cause>(1 + k));
     return scored.draw("a title");
   };
-  for (int present = 0; present < 15; ++present) {
+  for (int present = 0; present < static_cast<int>(cause_infos().size()); ++present) {
     const Picture picture = drawn(640, present);
     for (int k = 0; k < 14; ++k)
       EXPECT_EQ(count(picture, color_of(static_cast<Cause>(1 + k)), h, picture.height), k < present ? 144 : 0)

@@ -203,7 +203,7 @@ TEST_F(RescoreTest, a_broken_mask_is_named_with_its_row) {
     write({{"V", spoiled}});
     says({"pixel 100", "0 .. 1"});
   }
-  for (const float wild : {0.5f, -1.0f, 16.0f, 1e9f, NAN}) {
+  for (const float wild : {0.5f, -1.0f, static_cast<float>(Cause::unexplained) + 1, 1e9f, NAN}) {
     std::vector<float> causes(mask.size(), 0.0f);
     causes[3] = wild;
     write({{"V", mask}, {"cause", causes}});

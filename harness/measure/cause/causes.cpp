@@ -23,6 +23,10 @@ constexpr CauseInfo rows[] = {
      "Right against the triangles, wrong against the exact shape that they stand for.",
      {189, 230, 0}},
     {Cause::beyond_coverage, "beyond_coverage", "The technique says that it does not cover this point.", {56, 0, 72}},
+    {Cause::formula,
+     "formula",
+     "The formula or setting that the technique used is known to be wrong here; its own exact one answers otherwise.",
+     {120, 87, 60}},
     {Cause::missing_caster,
      "missing_caster",
      "Lit in a shadow that the technique hardly has: less than a tenth of it is dark.",
@@ -203,6 +207,8 @@ std::vector<Cause> find_causes(const Attribution& a) {
       const auto& why = explanations[k];
       if (why && !why->covered)
         causes[i] = Cause::beyond_coverage;
+      else if (why && why->formula_differs)
+        causes[i] = Cause::formula;
       else if (a.mask[i] > a.reference.mask[i] && missing[i])
         causes[i] = Cause::missing_caster;
       else if (why && !why->taps.empty())
@@ -233,6 +239,20 @@ std::map<std::string, std::uint64_t> count_causes(std::span<const Cause> causes)
   for (const Cause cause : causes) ++by_cause[static_cast<std::size_t>(cause)];
   for (const CauseInfo& info : rows) counts[std::string(info.name)] = by_cause[static_cast<std::size_t>(info.cause)];
   return counts;
+}
+
+std::vector<Cause> causes_from_numbers(std::span<const float> numbers,
+                                       const std::optional<std::map<std::string, std::uint64_t>>& counts) {
+  std::vector<Cause> known{Cause::none};
+  for (const CauseInfo& info : rows)
+    if (!counts || counts->contains(std::string(info.name))) known.push_back(info.cause);
+  std::vector<Cause> causes;
+  for (const float number : numbers) {
+    if (!(number >= 0 && number < static_cast<float>(known.size()) && number == std::floor(number)))
+      throw Error("a cause is {}; it is a whole number, 0 .. {}", number, known.size() - 1);
+    causes.push_back(known[static_cast<std::size_t>(number)]);
+  }
+  return causes;
 }
 
 }  // namespace gnomon

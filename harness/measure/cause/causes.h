@@ -4,8 +4,10 @@
 
 #include <array>
 #include <functional>
+#include <map>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -18,6 +20,7 @@ enum class Cause : std::uint8_t {
   none,  ///< right, or not tested
   tessellation,
   beyond_coverage,
+  formula,
   missing_caster,
   edge_resolution,
   lookup_shift,
@@ -63,6 +66,12 @@ std::vector<Cause> find_causes(const Attribution& attribution);
 
 /// By name, every cause; zeros too.
 std::map<std::string, std::uint64_t> count_causes(std::span<const Cause> causes);
+
+/// The causes of a picture that holds each as a number: 0 none, k the k-th of those that its record counts (`counts`, as
+/// count_causes wrote them), for a program that knew fewer causes numbered fewer. Without counts today's numbers are meant.
+/// Throws Error on a number that is none of these.
+std::vector<Cause> causes_from_numbers(std::span<const float> numbers,
+                                       const std::optional<std::map<std::string, std::uint64_t>>& counts);
 
 /// Explanations as bytes, between a worker and its owner. Throws Error on an explanation that cannot be traced: a number that
 /// is not finite (but a stored distance may be infinite), or a tap's direction that has not length 1.

@@ -12,7 +12,7 @@ namespace gnomon {
 
 namespace {
 
-constexpr std::uint64_t magic = 0x32'79'68'77'6d'6e'67ull;  // "gnmwhy2"
+constexpr std::uint64_t magic = 0x33'79'68'77'6d'6e'67ull;  // "gnmwhy3"
 
 struct Head {
   std::uint64_t magic, count;
@@ -23,8 +23,8 @@ struct Plain {
   std::uint64_t tap_count = 0, element = 0;
   double bias = 0, texel_width = 0, outline_error = 0;
   glm::dvec3 shifted{0};
-  std::uint8_t has_any = 0, covered = 0, has_shifted = 0, has_element = 0;
-  std::uint8_t padding[4] = {};
+  std::uint8_t has_any = 0, covered = 0, has_shifted = 0, has_element = 0, formula_differs = 0;
+  std::uint8_t padding[3] = {};
 };
 static_assert(sizeof(Plain) == 72 && sizeof(Tap) == 64 && std::is_trivially_copyable_v<Tap>);
 
@@ -99,6 +99,7 @@ std::vector<std::byte> explanation_bytes(std::span<const std::optional<Explanati
       plain.bias = why->bias;
       plain.texel_width = why->texel_width;
       plain.outline_error = why->outline_error;
+      plain.formula_differs = why->formula_differs;
       plain.has_shifted = why->shifted.has_value();
       plain.shifted = why->shifted.value_or(glm::dvec3(0));
       plain.has_element = why->element.has_value();
@@ -125,6 +126,8 @@ std::vector<std::optional<Explanation>> explanations_from_bytes(std::span<const 
     why->covered = plain.covered;
     why->bias = plain.bias;
     why->texel_width = plain.texel_width;
+    why->outline_error = plain.outline_error;
+    why->formula_differs = plain.formula_differs != 0;
     why->outline_error = plain.outline_error;
     if (plain.has_shifted) why->shifted = plain.shifted;
     if (plain.has_element) why->element = plain.element;

@@ -3,7 +3,6 @@
 #include <gnomon/error.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <memory>
 
@@ -137,14 +136,12 @@ class Row {
   }
 
   std::vector<Cause> read_causes(const std::string& channel) const {
-    std::vector<Cause> causes;
-    for (const float number : read(channel)) {
-      constexpr auto last = static_cast<float>(Cause::unexplained);
-      if (!(number >= 0 && number <= last && number == std::floor(number)))
-        throw Error("{}: {} holds {}; a cause is a whole number, 0 .. {}", file_.string(), channel, number, last);
-      causes.push_back(static_cast<Cause>(number));
+    const std::vector<float> numbers = read(channel);
+    try {
+      return causes_from_numbers(numbers, record_.causes);
+    } catch (const Error& error) {
+      throw Error("{}: channel {}: {}", file_.string(), channel, error.what());
     }
-    return causes;
   }
 
   Record& record_;

@@ -173,10 +173,8 @@ class Collector {
 
   /// The causes of its mask; null with a note when they belong to another reference than the page shows.
   Json causes(const Record& r, std::vector<float> mask, const std::string& what) {
-    const std::vector<float> numbers = read_exr(dir_ / *r.mask, r.light + ".cause", r.width, r.height);
-    std::vector<Cause> causes(numbers.size());
-    std::transform(numbers.begin(), numbers.end(), causes.begin(),
-                   [](float c) { return static_cast<Cause>(std::clamp(c, 0.0f, static_cast<float>(Cause::unexplained))); });
+    const std::vector<Cause> causes =
+        causes_from_numbers(read_exr(dir_ / *r.mask, r.light + ".cause", r.width, r.height), r.causes);
     const auto [key, light] = place(r);
     const Answer answer{frames_.store().gbuffer(key), frames_.store().reference(key, light), std::move(mask), {}};
     if (const std::string obstacle = causes_obstacle(r, causes_fit(answer, causes)); !obstacle.empty()) {
