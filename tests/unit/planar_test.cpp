@@ -1,19 +1,13 @@
-#include <gnomon/kit/gl.h>
 #include <gnomon/kit/planes.h>
 #include <gnomon/kit/shapes.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <utility>
 
-#include "device/context.h"
-#include "small_world.h"
-
-extern "C" void gnomon_technique_planar_projected(gnomon::Registry&);
+#include "planar_rig.h"
 
 namespace {
-using namespace gnomon;
-using small_world::make_mesh;
+using namespace planar_rig;
 
 // --- kit/planes ------------------------------------------------------------------------------------------------------------
 
@@ -87,39 +81,6 @@ TEST(Planes, curved_surface_has_none) {
 
 // --- planar_projected ------------------------------------------------------------------------------------------------------
 
-class PlanarProjected : public testing::Test {
- protected:
-  PlanarProjected() { process_context(); }
-  void TearDown() override { EXPECT_EQ(state_differences(), std::vector<std::string>{}); }
-
-  static small_world::Run run(const Scene& scene, const Light& light, const GBuffer& g, const std::string& settings = "") {
-    return small_world::run(gnomon_technique_planar_projected, settings, scene, light, g);
-  }
-  static Support supports(const Scene& scene, const Light& light) {
-    Registry registry;
-    gnomon_technique_planar_projected(registry);
-    return registry.techniques()[0].make()->supports(scene, light, {});
-  }
-};
-
-const View view{.eye = {3, 5, 6}, .target = {0, 0.3f, 0}};
-
-/// Whether the reference changes when the pixel's sample point moves by `pixels` on the screen, on the plane of the pixel.
-bool near_shadow_edge(const Scene& scene, const Light& light, const GBuffer& g, std::size_t i, double pixels) {
-  const glm::dvec3 eye = g.view.eye, forward = glm::normalize(glm::dvec3(g.view.target) - eye);
-  const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(g.view.up))), up = glm::cross(right, forward);
-  const double step = 2 * std::tan(glm::radians(double(g.view.fov_y_degrees)) / 2) / g.height * pixels;
-  const glm::dvec3 point = g.position(i), normal = g.normal(i);
-  const glm::dvec3 ray = (point - eye) / glm::dot(point - eye, forward);
-  const bool here = small_world::occluder_distance(scene, light, point) < INFINITY;
-  for (int k = 0; k < 16; ++k) {
-    const glm::dvec3 turned = ray + (right * std::cos(k * 0.3927) + up * std::sin(k * 0.3927)) * step;
-    const glm::dvec3 moved = eye + turned * (glm::dot(normal, point - eye) / glm::dot(normal, turned));
-    if ((small_world::occluder_distance(scene, light, moved) < INFINITY) != here) return true;
-  }
-  return false;
-}
-
 // Point light at height 4 over a triangle at height 1: its shadow is the triangle scaled by 4/3 about the light's foot point.
 TEST_F(PlanarProjected, shadow_of_a_triangle_is_the_analytic_triangle) {
   Scene scene;
@@ -177,7 +138,7 @@ TEST_F(PlanarProjected, agrees_with_rays_on_every_receiver_plane) {
         dark += reference;
         if (reference == (planar.mask[i] == 0)) continue;
         ++wrong;
-        far_from_edge += !near_shadow_edge(scene, light, g, i, 0.01);
+        far_from_edge += !near_edge(by_rays(scene, light), g, i, 0.01);
       }
     }
   }

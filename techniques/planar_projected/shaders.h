@@ -1,0 +1,62 @@
+#pragma once
+#include <gnomon/kit/gl.h>
+
+namespace planar_projected {
+
+/// Which receiver plane each pixel lies on, plus one; 0 where it lies on none or does not face the light.
+inline const std::string receivers_fragment = std::string(gnomon::faces_light_snippet) + R"(
+layout(std430, binding = 0) readonly buffer PlaneOf { uint plane_of[]; };
+layout(std430, binding = 1) readonly buffer FirstTriangle { uint first_triangle[]; };
+layout(location = 0) out uint receiver;
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  uvec2 ids = texelFetch(gbuffer_ids, pixel, 0).xy;
+  bool facing = faces_light(texelFetch(gbuffer_position, pixel, 0), texelFetch(gbuffer_normal, pixel, 0));
+  receiver = facing ? plane_of[first_triangle[ids.x - 1] + ids.y] + 1 : 0;  // no_plane + 1 is 0
+}
+)";
+
+/// `clip_from_world` holds the projection onto the plane as well. The share of the way from the light is 1 on the plane, 0 at
+/// the light's height.
+inline const std::string shadow_vertex = std::string(gnomon::position_snippet) + R"(
+uniform vec4 plane;
+uniform float tolerance, per_light_height, least_share;
+out float gl_ClipDistance[2];
+void main() {
+  float height = dot(plane.xyz, position) + plane.w;
+  gl_ClipDistance[0] = height - tolerance;
+  gl_ClipDistance[1] = (1 - height * per_light_height) - least_share;
+  gl_Position = place(vec4(position, 1));
+}
+)";
+
+/// The textbook's formula: the image on the plane is divided by its w, which is that share, wherever the vertex is. A vertex at
+/// the light's height, as far as float32 can tell, has w = least_share: its image is far away, where that of one a hair lower
+/// would be. Triangles on the plane are the receiver itself, and are left out whole.
+inline const std::string unclipped_vertex = std::string(gnomon::position_snippet) + R"(
+uniform mat4 projected;
+uniform vec4 plane;
+uniform float tolerance, least_share;
+out float gl_CullDistance[1];
+void main() {
+  float height = dot(plane.xyz, position) + plane.w;
+  gl_CullDistance[0] = abs(height) > tolerance ? 1 : -1;
+  vec4 image = projected * vec4(position, 1);
+  float w = abs(image.w) < least_share ? least_share : image.w;
+  gl_Position = place(vec4(image.xyz / w, 1));
+}
+)";
+
+/// Writes `darkened` to the pixels of one receiver plane; with blending, multiplies them by it.
+inline constexpr std::string_view shadow_fragment = R"(
+layout(binding = 0) uniform usampler2D receivers;
+uniform int receiver;
+uniform float darkened;
+layout(location = 0) out float visibility;
+void main() {
+  if (texelFetch(receivers, ivec2(gl_FragCoord.xy), 0).r != uint(receiver)) discard;
+  visibility = darkened;
+}
+)";
+
+}  // namespace planar_projected
