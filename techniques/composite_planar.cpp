@@ -16,10 +16,12 @@
 // and printed: all but discs parallel to the plane,
 //         upright cones and triangles, spheres, below the light.
 #include <gnomon/kit/gl.h>
+#include <gnomon/kit/parallel.h>
 #include <gnomon/registry.h>
 
 #include <algorithm>
 
+#include "composite_planar/layers.h"
 #include "composite_planar/patches.h"
 #include "composite_planar/shaders.h"
 
@@ -51,6 +53,8 @@ class CompositePlanar final : public Technique {
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
   Counts counts() const override;
   std::optional<Explanation> explain(std::size_t index) const override;
+  std::vector<DebugLayer> debug_layers() const override { return composite_layers(); }
+  std::vector<float> draw_debug(std::string_view layer) const override;
 
  private:
   struct Caster {
@@ -71,6 +75,7 @@ class CompositePlanar final : public Technique {
   static bool may_cast(const Shape& shape, const glm::dvec4& light, const glm::dvec4& plane, double tolerance);
   static std::vector<Caster> casters_of(const Scene& scene);
   std::optional<std::size_t> receiver_of(const glm::dvec3& point) const;
+  std::vector<Holders> find_holders() const;
   void find_patches(const GBuffer& gbuffer);
   void draw(const GBuffer& gbuffer);
 
@@ -293,6 +298,27 @@ std::optional<Explanation> CompositePlanar::explain(std::size_t index) const {
   }
   why.formula_differs = is_dark != is_dark_exactly;
   return why;
+}
+
+std::vector<Holders> CompositePlanar::find_holders() const {
+  std::vector<Holders> holders(gbuffer_->size());
+  for_blocks(holders.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!faces_light(*scene_, *gbuffer_, light_, i)) continue;
+      const glm::dvec3 point = gbuffer_->position(i);
+      const auto receiver = receiver_of(point);
+      for (const Reach& reach : reaches_)
+        if (receiver == reach.plane && reach.test.contains(point))
+          ++(reach.test.is_disc ? holders[i].discs : holders[i].polygons);
+    }
+  });
+  return holders;
+}
+
+std::vector<float> CompositePlanar::draw_debug(std::string_view layer) const {
+  if (layer == "parts") return paint_parts(*scene_, *gbuffer_, light_, find_holders());
+  if (layer == "overlaps") return paint_overlaps(*gbuffer_, find_holders());
+  return Technique::draw_debug(layer);
 }
 
 }  // namespace

@@ -60,6 +60,10 @@ inline Receivers find_receivers(const Scene& scene, double min_share) {
         {plane.plane,
          {glm::dvec4(u, -INFINITY), glm::dvec4(-u, -INFINITY), glm::dvec4(v, -INFINITY), glm::dvec4(-v, -INFINITY)}});
   }
+  const auto reach = [&](Receiver& receiver, const glm::vec3& p, double radius) {
+    for (glm::dvec4& side : receiver.sides)
+      side.w = std::max(side.w, receivers.tolerance + radius - glm::dot(glm::dvec3(side), glm::dvec3(p)));
+  };
   std::size_t triangle = 0;
   for (const Mesh& mesh : flat.meshes) {
     // A disc reaches beyond its triangles, which are inscribed.
@@ -67,13 +71,18 @@ inline Receivers find_receivers(const Scene& scene, double min_share) {
     for (const glm::uvec3& t : mesh.triangles) {
       const std::uint32_t plane = found.plane_of[triangle++];
       if (plane == no_plane) continue;
-      for (glm::dvec4& side : receivers.planes[plane].sides) {
-        const auto reach = [&](const glm::vec3& p, double radius) {
-          side.w = std::max(side.w, receivers.tolerance + radius - glm::dot(glm::dvec3(side), glm::dvec3(p)));
-        };
-        if (disc) reach(disc->center, disc->radius);
-        for (const std::uint32_t v : {t.x, t.y, t.z}) reach(mesh.positions[v], 0);
-      }
+      if (disc) reach(receivers.planes[plane], disc->center, disc->radius);
+      for (const std::uint32_t v : {t.x, t.y, t.z}) reach(receivers.planes[plane], mesh.positions[v], 0);
+    }
+  }
+  // The base of a cone counts for no plane, but it may lie in one.
+  for (const Mesh& mesh : scene.meshes) {
+    const auto* cone = mesh.receives && mesh.shape ? std::get_if<Cone>(&*mesh.shape) : nullptr;
+    if (!cone) continue;
+    for (Receiver& receiver : receivers.planes) {
+      const glm::dvec3 lean = glm::cross(glm::normalize(glm::dvec3(cone->axis)), glm::dvec3(receiver.plane));
+      const double off = std::abs(glm::dot(receiver.plane, glm::dvec4(cone->base, 1))) + cone->radius * glm::length(lean);
+      if (off <= receivers.tolerance) reach(receiver, cone->base, cone->radius);
     }
   }
   return receivers;
