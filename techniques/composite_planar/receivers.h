@@ -1,6 +1,9 @@
 #pragma once
 #include <gnomon/kit/planes.h>
 
+#include <algorithm>
+#include <array>
+
 namespace composite_planar {
 using namespace gnomon;
 

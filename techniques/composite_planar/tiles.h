@@ -1,6 +1,7 @@
 #pragma once
 #include <gnomon/kit/camera.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "bounds.h"
