@@ -15,6 +15,7 @@ const std::map<std::string, std::vector<std::string>> taken_options{
     {"best", {"--error", "--cost", "--times", "--memories", "--errors"}},
     {"map", {"--x", "--y", "--facet", "--error"}},
     {"motion", {"--error"}},
+    {"sweep", {"--x", "--error"}},
     {"stages", {}},
     {"causes", {}},
 };
@@ -35,12 +36,16 @@ void require_taken(const CLI::App& command, const std::string& kind, const std::
       std::vector<std::string> takers;
       for (const std::string& one : kinds)
         if (takes(one, name)) takers.push_back(one);
-      throw Error("{} is for {}; {} does not take it", name, fmt::join(takers, " and "), kind);
+      const std::string last = takers.back();
+      takers.pop_back();
+      throw Error("{} is for {}{}{}; {} does not take it", name, fmt::join(takers, ", "), takers.empty() ? "" : " and ", last,
+                  kind);
     }
 }
 
 void add_analysis_options(CLI::App* command, AnalysisOptions& options, std::string& cost) {
-  command->add_option("--x", options.x, "growth: triangles, pixels, lights or a numeric parameter; map: a parameter");
+  command->add_option("--x", options.x,
+                      "growth: triangles, pixels, lights or a numeric parameter; map: a parameter; sweep: a numeric one");
   command->add_option("--y", options.y, "map: the second parameter");
   command->add_option("--facet", options.facet, "map: the third parameter, one map for each of its values");
   command->add_option("--error,--metric", options.metric, "What is compared: a metric, cause.NAME, STAGE_ms, bytes")
@@ -86,9 +91,10 @@ void add_analyze(Program& program) {
     TableOptions table;
   };
   CLI::App* command = program.cli.add_subcommand(
-      "analyze", "What a run says of growth, fronts, budgets, parameters and motion: DIR... growth|front|best|map|motion");
+      "analyze",
+      "What a run says of growth, fronts, budgets, parameters and motion: DIR... growth|front|best|map|motion|sweep");
   auto options = std::make_shared<Options>();
-  command->add_option("words", options->words, "Folders of runs, then the kind: growth, front, best, map or motion")
+  command->add_option("words", options->words, "Folders of runs, then the kind: growth, front, best, map, motion or sweep")
       ->required()
       ->type_name("DIR... KIND");
   command->add_option("--format", options->format, "terminal, md, csv, tex or json")->capture_default_str();

@@ -13,9 +13,11 @@ void add_figure(Program& program) {
     FigureOptions figure;
   };
   CLI::App* command = program.cli.add_subcommand(
-      "figure", "A figure of a run, by gnuplot: DIR... front|growth|stages|map|causes|motion --out FILE.svg|.pdf|.png");
+      "figure", "A figure of a run, by gnuplot: DIR... front|growth|stages|map|causes|motion|sweep --out FILE.svg|.pdf|.png");
   auto options = std::make_shared<Options>();
-  command->add_option("words", options->words, "Folders of runs, then the kind: front, growth, stages, map, causes or motion")
+  command
+      ->add_option("words", options->words,
+                   "Folders of runs, then the kind: front, growth, stages, map, causes, motion or sweep")
       ->required()
       ->type_name("DIR... KIND");
   command->add_option("--out", options->out, "File to write; .svg, .pdf or .png");

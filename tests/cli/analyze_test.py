@@ -81,12 +81,13 @@ class Analyze(ProgramTest):
 
     def test_an_option_that_a_kind_does_not_take_is_refused(self):
         run = self.run_of(record(settings="a=1,b=1"), record(settings="a=2,b=1"), record(settings="a=1,b=2"))
-        self.refuse("analyze", run, "front", "--x", "a", says=["--x is for growth and map; front does not take it"])
+        self.refuse("analyze", run, "front", "--x", "a", says=["--x is for growth, map and sweep; front does not take it"])
         self.refuse("analyze", run, "growth", "--error", "wrong_rate", says=["--error is for", "growth does not take it"])
         self.refuse("analyze", run, "front", "--times", "1", says=["--times is for best"])
         self.refuse("analyze", run, "best", "--cost", "bytes", says=["--cost bytes", "--memories"])
         self.refuse("analyze", run, "map", "--x", "a", "--y", "a", says=["--x and --y are both a"])
         self.refuse("figure", run, "stages", "--cost", "light", "--script", says=["--cost is for front; stages"])
+        self.refuse("analyze", run, "sweep", "--x", "a", "--y", "b", says=["--y is for map; sweep does not take it"])
 
     def test_numbers_are_numbers(self):
         run = self.run_of(record(), record("other", cost=2))
@@ -133,6 +134,31 @@ class Analyze(ProgramTest):
         self.assertRegex(self.succeed("analyze", run, "map"), r"(?m)^1024 +11\.0 +0\.98\* +11\.0")
         self.assertRegex(self.succeed("analyze", run, "map", "--x", "resolution", "--facet", "bias"), "bias=2")
 
+    def test_a_sweep_is_a_line_a_setting_for_people_and_a_row_a_point_for_programs(self):
+        run = self.run_of(*(record(name, f"composite:object=cone,light_x={x}", wrong=rate * x)
+                            for name, rate in (("paper", 0.01), ("exact", 0)) for x in (0, 2, 5)),
+                          record("printed", "composite:object=cone,light_x=0"),
+                          record("printed", "composite:object=cone,light_x=2", status="unsupported", reason="below", metrics={}))
+        text = self.succeed("analyze", run, "sweep", "--x", "light_x")
+        self.assertRegex(text, r"\Awrong in % against light_x in m\n\ntechnique +0 +2 +5\n")
+        self.assertRegex(text, r"(?m)^composite:object=cone,light_x=\*, point\npaper +0 +2\.00 +5\.00\nexact +0 +0 +0\n"
+                               r"printed +10\.0 +- +-\n")
+        self.assertIn("\n-: no value; 1 not supported, 1 not run\n", text)
+        rows = self.rows(run, "sweep", "--x", "light_x")
+        self.assertEqual([(row["setting"], row["parameter.light_x"], row["wrong_rate"], row["status"]) for row in rows[5:]],
+                         [("exact", "5", "0", "ok"), ("printed", "0", "0.1", "ok"), ("printed", "2", "", "unsupported")])
+        self.assertEqual({row["scene"] for row in rows}, {"composite:object=cone,light_x=*"})
+        times = self.rows(run, "sweep", "--x", "light_x", "--error", "relight_ms")
+        self.assertEqual((times[0]["relight_ms"], times[0]["relight_ms_low"]), ("1", "1"))
+
+    def test_what_was_not_swept_is_no_empty_table(self):
+        run = self.run_of(record(settings="a=1"), record(settings="a=2"), record("other", "soup:count=10"))
+        self.refuse("analyze", run, "sweep", says=["sweep wants --x PARAMETER; swept are: a"])
+        self.refuse("analyze", run, "sweep", "--x", "count", says=["there is no sweep of count", "swept are: a"])
+        self.refuse("analyze", run, "sweep", "--x", "aa", says=["there is no numeric parameter aa; did you mean a?"])
+        self.refuse("analyze", run, "sweep", "--x", "a", "--error", "wrong", says=["there is no wrong; did you mean wrong_rate?"])
+        self.refuse("analyze", run, "growth", says=["there is no growth to show", "two values of triangles"])
+
     def test_motion_takes_rows_on_paths(self):
         run = self.run_of(record(path="slide", frames={"wrong_rate": [0.1, 0.3], "instability": [None, 0.02]}), record())
         rows = self.rows(run, "motion")
@@ -149,7 +175,7 @@ class Analyze(ProgramTest):
         self.refuse("analyze", run, "motion", says=["no row of these records follows a path"])
         self.refuse("analyze", run, "front", "--filter", "no such row", says=["holds no record that matches no such row"])
         self.refuse("analyze", run, "front", "--filter", "(", says=["--filter ( is not a regular expression"])
-        self.refuse("analyze", "front", says=["a run's folder and a kind", "growth, front, best, map, motion"])
+        self.refuse("analyze", "front", says=["a run's folder and a kind", "growth, front, best, map, motion, sweep"])
         self.refuse("analyze", "nowhere", "front", says=["nowhere"])
 
     def test_the_shipped_run_has_a_front_over_all_its_scenes(self):
@@ -169,6 +195,11 @@ class Analyze(ProgramTest):
         for kind in ("growth", "front", "best", "map"):
             for form in ("terminal", "md", "tex", "json"):
                 self.assertTrue(self.succeed("analyze", "out", kind, "--format", form))
+        sweep = self.rows("out", "sweep", "--x", "count", "--error", "shadow_area_ratio")
+        self.assertEqual([row["parameter.count"] for row in sweep], ["5", "20", "80"] * 3)
+        for row in sweep:
+            lit = row["setting"] == "unshadowed"
+            self.assertAlmostEqual(float(row["shadow_area_ratio"]), 0 if lit else 1, delta=0 if lit else 0.3)
 
 
 if __name__ == "__main__":

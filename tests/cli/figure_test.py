@@ -33,6 +33,13 @@ class Figure(ProgramTest):
         self.assertNotIn("unshadowed", texts)
 
     @unittest.skipUnless(HAS_GNUPLOT, "there is no gnuplot")
+    def test_a_sweep_names_its_settings_and_its_axes(self):
+        self.succeed("figure", SHIPPED, "sweep", "--x", "resolution", "--filter", "bunny", "--out", "sweep.svg")
+        texts = " ".join(xml.etree.ElementTree.parse(self.dir / "sweep.svg").getroot().itertext())
+        for text in ("resolution (texel)", "wrong (%)", "bunny", "shadow_map"):
+            self.assertIn(text, texts)
+
+    @unittest.skipUnless(HAS_GNUPLOT, "there is no gnuplot")
     def test_the_printed_program_draws_the_same_figure(self):
         self.succeed("figure", SHIPPED, "stages", "--out", "figure.svg")
         script = self.succeed("figure", SHIPPED, "stages", "--out", "again.svg", "--script")
@@ -54,6 +61,8 @@ class Figure(ProgramTest):
         self.refuse("figure", SHIPPED, "front", "--out", "f.jpg", says=["f.jpg", ".svg, .pdf nor .png"])
         self.refuse("figure", SHIPPED, "front", says=["--out", "--script"])
         self.refuse("figure", SHIPPED, "motion", "--out", "f.svg", says=["no row of these records follows a path"])
+        self.refuse("figure", SHIPPED, "sweep", "--x", "resolutoin", "--out", "f.svg", says=["did you mean resolution?"])
+        self.refuse("figure", SHIPPED, "sweep", "--x", "slope_bias", "--out", "f.svg", says=["there is no sweep of slope_bias"])
         self.refuse("figure", SHIPPED, "growth", "--out", "f.svg", says=["nothing to draw", "triangles"])
         self.assertEqual(self.names(self.dir), [])
 

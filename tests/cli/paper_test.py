@@ -68,10 +68,11 @@ class Paper(ProgramTest):
 
     @unittest.skipUnless(shutil.which("pdflatex"), "there is no pdflatex")
     def test_analyses_compile(self):
-        for run, kinds in ((self.small, ("front", "best", "map", "growth")), (SHIPPED[0], ("front", "best"))):
+        for run, kinds in ((self.small, ("front", "best", "map", "growth --x resolution", "sweep --x resolution")),
+                           (SHIPPED[0], ("front", "best"))):
             for kind in kinds:
                 with self.subTest(f"{run.name} {kind}"):
-                    self.compile(self.succeed("analyze", run, kind, "--format", "tex"))
+                    self.compile(self.succeed("analyze", run, *kind.split(), "--format", "tex"))
 
     def test_columns_are_chosen_and_ordered_in_every_format(self):
         names = ["wrong_rate", "technique", "resolve_ms"]

@@ -306,9 +306,11 @@ TEST(analyze, every_kind_speaks_every_format) {
   records.back().path = "slide";
   records.back().frames = {{"wrong_rate", {0.2, 0.1}}};
   for (const std::string& kind : analysis_kinds()) {
+    AnalysisOptions options;
+    if (kind == "sweep") options.x = "count";
     for (const Format format : {Format::terminal, Format::markdown, Format::latex})
-      EXPECT_GT(analyze(records, kind, {}, format).size(), 100u) << kind;
-    const std::string csv = analyze(records, kind, {}, Format::csv);
+      EXPECT_GT(analyze(records, kind, options, format).size(), 100u) << kind;
+    const std::string csv = analyze(records, kind, options, Format::csv);
     const auto fields = std::count(csv.begin(), csv.begin() + static_cast<long>(csv.find('\r')), ',');
     std::size_t lines = 0;
     for (std::size_t at = 0; at < csv.size(); at = csv.find('\n', at) + 1, ++lines) {
@@ -317,7 +319,7 @@ TEST(analyze, every_kind_speaks_every_format) {
         EXPECT_EQ(std::count(line.begin(), line.end(), ','), fields) << line;
       }
     }
-    const Json json = Json::parse(analyze(records, kind, {}, Format::json));
+    const Json json = Json::parse(analyze(records, kind, options, Format::json));
     EXPECT_EQ(json["schema"], "gnomon-table-1");
     EXPECT_EQ(json["rows"].size() + 1, lines) << kind;  // one header
     for (const Json& one : json["rows"]) EXPECT_EQ(one.size(), json["columns"].size());

@@ -58,7 +58,7 @@ TEST(figure, every_kind_makes_a_program_for_every_file_type) {
   for (const std::string& kind : figure_kinds())
     for (const char* out : {"f.svg", "f.pdf", "f.png"}) {
       FigureOptions options;
-      if (kind == "growth") options.analysis.x = "size";
+      if (kind == "growth" || kind == "sweep") options.analysis.x = "size";
       const std::string script = figure_script(some(), kind, options, out);
       EXPECT_TRUE(has(script, fmt::format("set output '{}'", out))) << kind;
       EXPECT_TRUE(has(script, "plot ")) << kind;
@@ -89,7 +89,7 @@ TEST(figure, gnuplot_draws_every_kind) {
   for (const std::string& kind : figure_kinds())
     for (const char* ending : {"svg", "pdf", "png"}) {
       FigureOptions options{.title = "it's \"quoted\" & <more>"};
-      if (kind == "growth") options.analysis.x = "size";
+      if (kind == "growth" || kind == "sweep") options.analysis.x = "size";
       const auto out = std::filesystem::path(folder) / fmt::format("{}.{}", kind, ending);
       run_gnuplot(figure_script(some(), kind, options, out), out);
       EXPECT_GT(std::filesystem::file_size(out), 1000u) << out;

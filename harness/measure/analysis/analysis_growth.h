@@ -1,7 +1,5 @@
 #pragma once
-#include <map>
-
-#include "measure/analysis/analysis.h"
+#include "measure/analysis/analysis_axis.h"
 
 namespace gnomon {
 
@@ -41,10 +39,6 @@ struct Growths {
   std::vector<Growth> rows;
   std::size_t single = 0;  ///< series of one point, left out
 };
-
-/// By scene reference, the family that the axis `triangles` joins it to: the reference with the parameters starred that change
-/// how many triangles scenes of its id have, "sphere_field:count=*"; itself where there is none.
-std::map<std::string, std::string> scene_families(std::span<const Record> records);
 
 /// `axis` is "triangles", "pixels", "lights" (of one scene: build once, relight and resolve summed over the first, first two,
 /// ... in the order of the records), or a numeric parameter of techniques or of scenes. Throws Error with the nearest name when

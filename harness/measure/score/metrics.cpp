@@ -8,6 +8,8 @@
 #include <array>
 #include <cmath>
 
+#include "measure/score/metrics_area.h"
+
 namespace gnomon {
 
 namespace {
@@ -125,7 +127,16 @@ std::optional<double> instability(const Scoring& scoring) {
   return share(flips, tested);
 }
 
+/// Of a scene seen at a slant, pixels far away cover more than near ones: areas of surface are compared, not pixels.
+std::optional<double> shadow_area_ratio(const Scoring& scoring) {
+  const Evidence& e = scoring.evidence();
+  if (!e.gbuffer) return std::nullopt;
+  return share(shadow_area(*e.gbuffer, e.classes, e.mask), shadow_area(*e.gbuffer, e.classes, e.reference));
+}
+
 constexpr MetricInfo other_rows[] = {
+    {"shadow_area_ratio", "ratio", "",
+     "Area of surface in cast shadow over the pixels of T, technique to reference; best at 1.", shadow_area_ratio},
     {"instability", "", "lower",
      "Share of the pixels of T in this frame of a path and the one before that change in the technique and not in the "
      "reference.",

@@ -7,7 +7,7 @@
 
 namespace gnomon {
 
-std::vector<std::string> analysis_kinds() { return {"growth", "front", "best", "map", "motion"}; }
+std::vector<std::string> analysis_kinds() { return {"growth", "front", "best", "map", "motion", "sweep"}; }
 
 Column quantity_column(const std::string& quantity) {
   for (const Column& column : all_columns({}))
@@ -28,6 +28,7 @@ std::string analyze(std::span<const Record> records, const std::string& kind, co
     throw Error("there is no analysis {}; did you mean {}? There are: {}", kind, nearest_word(kind, kinds),
                 fmt::join(kinds, ", "));
   if (kind == "map") return analysis::map_text(records, options, format, table);
+  if (kind == "sweep") return analysis::sweep_text(records, options, format, table);
   AnalysisOptions here = options;
   // Programs sort out for themselves what they want.
   here.all = here.all || format == Format::csv || format == Format::json;

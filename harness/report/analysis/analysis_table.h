@@ -10,7 +10,7 @@ namespace gnomon {
 
 /// What `gnomon analyze` and `gnomon figure` may be told beside the kind.
 struct AnalysisOptions {
-  std::string x = {}, y = {}, facet = {};  ///< growth: the axis, `triangles` by default; map: parameters
+  std::string x = {}, y = {}, facet = {};  ///< growth: the axis, `triangles` by default; map, sweep: parameters
   std::string metric = "wrong_rate";       ///< a quantity, see analysis.h
   Cost cost = Cost::light;
   /// Budgets of `best` in the units that tables show: ms, MiB, and % or the metric's unit. All empty: round numbers.

@@ -8,6 +8,7 @@ namespace gnomon::analysis {
 
 Grid growth_grid(std::span<const Record> records, const AnalysisOptions& options) {
   const Growths growths = find_growth(records, options.x.empty() ? "triangles" : options.x);
+  if (growths.rows.empty()) throw Error("there is no growth to show: no setting has times at two values of {}", growths.axis);
   Grid grid;
   grid.title = fmt::format("Growth of cost with {}: time = coefficient * {}^exponent", growths.axis, growths.axis);
   add_place_heads(grid);

@@ -68,11 +68,10 @@ std::string map_text(std::span<const Record> records, const AnalysisOptions& opt
     grid.provenance = provenance(records);
     return render_grid(grid, format, table);
   }
-  std::string all;
+  std::vector<Grid> grids;
   for (const Map& map : maps) {
-    Grid grid;
-    const bool is_first = &map == &maps.front(), is_last = &map == &maps.back();
-    if (is_first || format == Format::latex) grid.title = map_title(map, options.metric);
+    Grid& grid = grids.emplace_back();
+    if (&map == &maps.front() || format == Format::latex) grid.title = map_title(map, options.metric);
     grid.heads.push_back(words(map.y, map.y));
     for (const std::string& x : map.xs) {
       Column column = quantity_column(options.metric);
@@ -90,13 +89,9 @@ std::string map_text(std::span<const Record> records, const AnalysisOptions& opt
       }
       group.rows.push_back(std::move(row));
     }
-    if (is_last) grid.provenance = provenance(records);
-    TableOptions here = table;
-    if (format == Format::latex && maps.size() > 1) here.label += fmt::format(":{}", &map - maps.data() + 1);
-    all += render_grid(grid, format, here);
-    if (!is_last && format != Format::terminal) all += '\n';
   }
-  return all;
+  grids.back().provenance = provenance(records);
+  return render_grids(grids, format, table);
 }
 
 }  // namespace gnomon::analysis

@@ -56,7 +56,19 @@ std::string interval_text(const Column& column, const Measured& m) {
 
 std::string with_unit(const std::string& quantity) {
   const Column column = quantity_column(quantity);
-  return column.shown_unit.empty() ? column.heading : fmt::format("{} in {}", column.heading, column.shown_unit);
+  const bool is_said = column.heading.ends_with(column.shown_unit);  // "umbra area ratio" needs no "in ratio"
+  return is_said ? column.heading : fmt::format("{} in {}", column.heading, column.shown_unit);
+}
+
+std::string render_grids(std::span<const Grid> grids, Format format, const TableOptions& table) {
+  std::string all;
+  for (std::size_t k = 0; k < grids.size(); ++k) {
+    TableOptions here = table;
+    if (format == Format::latex && grids.size() > 1) here.label += fmt::format(":{}", k + 1);
+    all += render_grid(grids[k], format, here);
+    if (k + 1 < grids.size() && format != Format::terminal) all += '\n';
+  }
+  return all;
 }
 
 }  // namespace gnomon::analysis

@@ -38,7 +38,12 @@ Grid growth_grid(std::span<const Record> records, const AnalysisOptions& options
 Grid front_grid(std::span<const Record> records, const AnalysisOptions& options);
 Grid best_grid(std::span<const Record> records, const AnalysisOptions& options);
 Grid motion_grid(std::span<const Record> records, const AnalysisOptions& options);
-/// People get a table for every map.
+// People get several tables of one analysis: a map or a list of x each.
 std::string map_text(std::span<const Record> records, const AnalysisOptions& options, Format format, const TableOptions& table);
+std::string sweep_text(std::span<const Record> records, const AnalysisOptions& options, Format format,
+                       const TableOptions& table);
+
+/// One below the other; in LaTeX each with a label of its own.
+std::string render_grids(std::span<const Grid> grids, Format format, const TableOptions& table);
 
 }  // namespace gnomon::analysis

@@ -24,8 +24,8 @@ struct Kind {
   std::string_view name;
   void (*draw)(std::span<const Record>, const FigureOptions&, FigureScript&);
 };
-constexpr Kind kinds[] = {{"front", draw_front}, {"growth", draw_growth}, {"stages", draw_stages},
-                          {"map", draw_map},     {"causes", draw_causes}, {"motion", draw_motion}};
+constexpr Kind kinds[] = {{"front", draw_front},   {"growth", draw_growth}, {"stages", draw_stages}, {"map", draw_map},
+                          {"causes", draw_causes}, {"motion", draw_motion}, {"sweep", draw_sweep}};
 
 /// A folder of its own, gone at the end of the scope.
 struct ScratchFolder {

@@ -11,7 +11,7 @@ struct FigureOptions {
   double width_cm = 16;
 };
 
-/// front, growth, stages, map, causes, motion.
+/// front, growth, stages, map, causes, motion, sweep.
 std::vector<std::string> figure_kinds();
 
 /// The gnuplot program that draws the figure of this kind into `out`, data included. The terminal follows the name's ending:

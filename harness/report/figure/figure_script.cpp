@@ -184,7 +184,8 @@ void require_panels(std::size_t panels, std::string_view what) {
 }
 
 std::string axis_label(const Column& column) {
-  return column.shown_unit.empty() ? column.heading : fmt::format("{} ({})", column.heading, column.shown_unit);
+  return column.heading.ends_with(column.shown_unit) ? column.heading
+                                                     : fmt::format("{} ({})", column.heading, column.shown_unit);
 }
 
 }  // namespace gnomon

@@ -63,7 +63,7 @@ std::string log_tics(double least, double greatest, std::size_t most);
 /// Tics at the values themselves; empty where two of them are nearer than this share of a logarithmic axis.
 std::string value_tics(std::vector<double> values, double share);
 
-/// "wrong (%)".
+/// "wrong (%)"; "umbra area ratio", which says its unit.
 std::string axis_label(const Column& column);
 
 // One function per kind.
@@ -73,5 +73,6 @@ void draw_stages(std::span<const Record> records, const FigureOptions& options, 
 void draw_causes(std::span<const Record> records, const FigureOptions& options, FigureScript& script);
 void draw_map(std::span<const Record> records, const FigureOptions& options, FigureScript& script);
 void draw_motion(std::span<const Record> records, const FigureOptions& options, FigureScript& script);
+void draw_sweep(std::span<const Record> records, const FigureOptions& options, FigureScript& script);
 
 }  // namespace gnomon

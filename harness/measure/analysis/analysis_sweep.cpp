@@ -1,0 +1,108 @@
+#include "measure/analysis/analysis_sweep.h"
+
+#include <algorithm>
+
+namespace gnomon {
+
+namespace {
+
+/// The quantity with its interval, where it is a time.
+std::optional<Measured> measured_quantity(const Record& record, std::string_view wanted) {
+  for (const Stage stage : {Stage::setup, Stage::build, Stage::relight, Stage::resolve}) {
+    if (wanted != fmt::format("{}_ms", name(stage))) continue;
+    const Sample sample = sample_of(record, {&stage, 1});
+    if (!sample.is_timed()) return std::nullopt;
+    return bootstrap({&sample, 1}, [](std::span<const double> values) { return values[0]; });
+  }
+  const std::optional<double> value = quantity(record, wanted);
+  return value ? std::optional(Measured(*value)) : std::nullopt;
+}
+
+/// The numeric parameters that have two values in some series: what may be asked instead.
+std::vector<std::string> swept_parameters(std::span<const Record> records) {
+  std::vector<std::string> swept;
+  for (std::string& parameter : numeric_parameters(records)) {
+    const std::vector<AxisSeries> all = join_series(records, parameter, [](const Record&) { return true; });
+    const bool varies = std::any_of(all.begin(), all.end(), [](const AxisSeries& series) {
+      return std::any_of(series.rows.begin(), series.rows.end(),
+                         [&](const auto& row) { return row.first != series.rows.front().first; });
+    });
+    if (varies) swept.push_back(std::move(parameter));
+  }
+  return swept;
+}
+
+std::string what_is_swept(std::span<const Record> records) {
+  const std::vector<std::string> swept = swept_parameters(records);
+  return swept.empty() ? "no parameter is swept in these records" : fmt::format("swept are: {}", fmt::join(swept, ", "));
+}
+
+Sweep sweep_of(const AxisSeries& series, std::string_view quantity, std::size_t& repeated) {
+  Sweep sweep{.place = series.place, .setting = series.setting, .role = series.role};
+  for (const auto& [x, record] : series.rows) {
+    const bool is_known = std::any_of(sweep.points.begin(), sweep.points.end(), [&, x = x](const auto& p) { return p.x == x; });
+    if (is_known) {
+      ++repeated;
+      continue;
+    }
+    const bool is_measured = record->status == Status::ok;
+    sweep.points.push_back({x, is_measured ? measured_quantity(*record, quantity) : std::nullopt, record->status});
+  }
+  std::sort(sweep.points.begin(), sweep.points.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
+  return sweep;
+}
+
+}  // namespace
+
+std::vector<double> Sweeps::xs(const Where& place) const {
+  std::set<double> all;
+  for (const Sweep& sweep : rows)
+    if (sweep.place == place)
+      for (const Sweep::Point& point : sweep.points) all.insert(point.x);
+  return {all.begin(), all.end()};
+}
+
+Sweeps find_sweeps(std::span<const Record> records, const std::string& parameter, const std::string& quantity) {
+  if (parameter.empty()) throw Error("sweep wants --x PARAMETER; {}", what_is_swept(records));
+  const std::vector<std::string> names = numeric_parameters(records);
+  // A scene has more parameters than its reference names.
+  const bool is_known = std::find(names.begin(), names.end(), parameter) != names.end() ||
+                        std::any_of(records.begin(), records.end(),
+                                    [&](const Record& r) { return scene_parameter(r.scene, parameter).has_value(); });
+  if (!is_known && names.empty())
+    throw Error("there is no parameter {}: nothing in these records has a numeric one", parameter);
+  if (!is_known)
+    throw Error("there is no numeric parameter {}; did you mean {}? There are: {}", parameter, nearest_word(parameter, names),
+                fmt::join(names, ", "));
+  require_quantity(records, quantity);
+
+  Sweeps sweeps{.parameter = parameter,
+                .unit = parameter_unit(records, parameter),
+                .quantity = quantity,
+                .rows = {},
+                .single = 0,
+                .repeated = 0,
+                .places = {}};
+  for (const AxisSeries& series : join_series(records, parameter, [](const Record&) { return true; })) {
+    std::size_t repeated = 0;
+    Sweep sweep = sweep_of(series, quantity, repeated);
+    if (sweep.points.size() < 2) {
+      ++sweeps.single;
+      continue;
+    }
+    sweeps.repeated += repeated;
+    if (std::find(sweeps.places.begin(), sweeps.places.end(), sweep.place) == sweeps.places.end())
+      sweeps.places.push_back(sweep.place);
+    sweeps.rows.push_back(std::move(sweep));
+  }
+  if (sweeps.rows.empty())
+    throw Error("there is no sweep of {} in these records: no setting has two values of it in one place; {}", parameter,
+                what_is_swept(records));
+  const bool has_value = std::any_of(sweeps.rows.begin(), sweeps.rows.end(), [](const Sweep& sweep) {
+    return std::any_of(sweep.points.begin(), sweep.points.end(), [](const auto& point) { return point.value.has_value(); });
+  });
+  if (!has_value) throw Error("there is nothing to show: no row of the sweep of {} has a {}", parameter, quantity);
+  return sweeps;
+}
+
+}  // namespace gnomon

@@ -1,0 +1,145 @@
+// A quantity against a parameter as lines, one panel for each place.
+#include <algorithm>
+#include <cmath>
+
+#include "measure/analysis/analysis_growth.h"
+#include "measure/analysis/analysis_sweep.h"
+#include "report/figure/figure_script.h"
+
+namespace gnomon {
+
+namespace {
+
+bool is_cost(const Column& column) { return column.unit == "ms" || column.unit == "byte"; }
+
+/// Whether the row is drawn. Errors of reference and baseline say nothing of the contenders, and the baseline's cost is none.
+bool is_drawn(const Sweep& sweep, const Column& column) {
+  if (sweep.role == Role::baseline || (sweep.role == Role::reference && !is_cost(column))) return false;
+  return std::any_of(sweep.points.begin(), sweep.points.end(), [](const auto& point) { return point.value.has_value(); });
+}
+
+/// In the unit that people see. What the clock does not see stands at its resolution.
+double shown_value(double value, const Column& column) {
+  return (column.unit == "ms" ? std::max(value, clock_ms) : value) * column.shown_scale;
+}
+
+/// Points of one line; where a value is missing, an empty line breaks it.
+std::vector<std::string> line_of(const Sweep& sweep, const Column& column) {
+  std::vector<std::string> lines;
+  for (const Sweep::Point& point : sweep.points) {
+    if (point.value)
+      lines.push_back(fmt::format("{}\t{}\t{}\t{}", point.x, shown_value(point.value->value, column),
+                                  shown_value(point.value->low, column), shown_value(point.value->high, column)));
+    else if (!lines.empty() && !lines.back().empty())
+      lines.emplace_back();
+  }
+  return lines;
+}
+
+/// Ends of an axis a little beyond the values.
+struct Extent {
+  double least = INFINITY, greatest = -INFINITY;
+  void add(double value) {
+    least = std::min(least, value);
+    greatest = std::max(greatest, value);
+  }
+};
+
+/// "set xrange ..." for these x, with marks and tics apart from the ends: linear unless they span more than two decades.
+std::string x_axis(const Extent& xs, std::vector<double> values, std::size_t columns) {
+  if (xs.least > 0 && xs.greatest / xs.least > 100) {
+    const double margin = std::pow(xs.greatest / xs.least, 0.04);
+    const std::string at_values = value_tics(std::move(values), columns > 1 ? 0.12 : 0.06);
+    return fmt::format("set logscale x; set xtics {}; set xrange [{}:{}]",
+                       at_values.empty() ? log_tics(xs.least, xs.greatest, columns > 1 ? 5 : 8) : at_values, xs.least / margin,
+                       xs.greatest * margin);
+  }
+  const double margin = (xs.greatest - xs.least) * 0.04;
+  return fmt::format("set xrange [{}:{}]", xs.least - margin, xs.greatest + margin);
+}
+
+/// "set yrange ..." for what one panel shows. Shares, times and sizes are read against 0, but for costs of more than two
+/// decades; ratios against 1.
+std::string y_axis(Extent ys, const Column& column) {
+  if (is_cost(column) && ys.least > 0 && ys.greatest / ys.least > 100)
+    return fmt::format("set logscale y; set ytics {}; set yrange [{}:{}]", log_tics(ys.least / 1.3, ys.greatest * 1.3, 8),
+                       ys.least / 1.3, ys.greatest * 1.3);
+  const bool has_zero = column.shown_unit == "%" || is_cost(column);
+  if (has_zero && ys.least >= 0)
+    return fmt::format("unset logscale y; set ytics autofreq; set yrange [0:{}]", ys.greatest > 0 ? ys.greatest * 1.06 : 1);
+  if (column.unit == "ratio") ys.add(0.95), ys.add(1.05);
+  const double span = ys.greatest - ys.least;
+  const double margin = span > 0 ? span * 0.06 : std::max(std::abs(ys.greatest) * 0.05, 0.05);
+  return fmt::format("unset logscale y; set ytics autofreq; set yrange [{}:{}]", ys.least - margin, ys.greatest + margin);
+}
+
+}  // namespace
+
+void draw_sweep(std::span<const Record> records, const FigureOptions& options, FigureScript& script) {
+  const std::string& quantity = options.analysis.metric;
+  const Sweeps sweeps = find_sweeps(records, options.analysis.x, quantity);
+  const Column column = quantity_column(quantity);
+  std::vector<const Sweep*> drawn;
+  std::vector<Where> places;
+  std::vector<std::string> settings;
+  const auto index_in = [](auto& list, const auto& value) {
+    const auto found = std::find(list.begin(), list.end(), value);
+    const auto index = static_cast<std::size_t>(found - list.begin());
+    if (found == list.end()) list.push_back(value);
+    return index;
+  };
+  Extent xs;
+  std::vector<double> values;
+  for (const Sweep& sweep : sweeps.rows) {
+    if (!is_drawn(sweep, column)) continue;
+    drawn.push_back(&sweep);
+    index_in(places, sweep.place);
+    index_in(settings, sweep.setting);
+    for (const Sweep::Point& point : sweep.points) {
+      xs.add(point.x);
+      values.push_back(point.x);
+    }
+  }
+  if (drawn.empty())
+    throw Error("there is nothing to draw: no contender of the sweep of {} has a {}", sweeps.parameter, quantity);
+  require_panels(places.size(), "scenes, lights and views");
+
+  // Color and mark tell the setting, in every panel the same. Lines that coincide nest: the first is the widest, beneath.
+  const auto style = [&](std::size_t k) {
+    const double beneath = settings.size() > 1 ? 1 - static_cast<double>(k) / static_cast<double>(settings.size() - 1) : 0;
+    return fmt::format("pt {} ps {:.2f} lw {:.2f} lc rgb '{}'", series_mark(k), 0.55 + 0.65 * beneath, 1.1 + 2.4 * beneath,
+                       series_color(k));
+  };
+  Legend legend;
+  for (std::size_t k = 0; k < settings.size(); ++k) legend.entries.push_back({"with linespoints " + style(k), settings[k]});
+  std::vector<std::string> plots(places.size());
+  std::vector<Extent> ys(places.size());
+  for (const Sweep* sweep : drawn) {
+    const std::size_t panel = index_in(places, sweep->place), k = index_in(settings, sweep->setting);
+    bool has_interval = false;
+    for (const Sweep::Point& point : sweep->points) {
+      if (!point.value) continue;
+      has_interval = has_interval || point.value->has_interval;
+      ys[panel].add(shown_value(point.value->low, column));
+      ys[panel].add(shown_value(point.value->high, column));
+    }
+    plots[panel] +=
+        fmt::format("{}{} using {} {} notitle", plots[panel].empty() ? "" : ", \\\n  ", script.data(line_of(*sweep, column)),
+                    has_interval ? "1:2:3:4 with yerrorlines" : "1:2 with linespoints", style(k));
+  }
+  const std::size_t columns =
+      open_panels(script, places.size(), 2, options.width_cm * (places.size() == 1 ? 0.5 : 0.36), legend, options);
+  script.add("{}", x_axis(xs, std::move(values), columns));
+  script.add(
+      "set xlabel {} offset 0,0.4",
+      FigureScript::quoted(sweeps.unit.empty() ? sweeps.parameter : fmt::format("{} ({})", sweeps.parameter, sweeps.unit)));
+  for (std::size_t panel = 0; panel < places.size(); ++panel) {
+    script.add("set title {} offset 0,-0.6", FigureScript::quoted(title(places[panel], places)));
+    script.add("set ylabel {}", panel % columns == 0 ? FigureScript::quoted(axis_label(column)) : "''");
+    script.add("{}", y_axis(ys[panel], column));
+    script.add("plot {}", plots[panel]);
+  }
+  close_panels(script, legend, options);
+}
+
+}  // namespace gnomon
