@@ -16,7 +16,7 @@ namespace gnomon {
 //   shadow.contains({-4, 0, 0});
 //   for (const std::vector<glm::dvec4>& loop : shadow.outlines(64)) draw(loop);
 //
-// Source: Pljaskovic et al., Sphere and cone composite realtime shadows; the exact forms are derived in docs/composite.md.
+// Source: Pljaskovic et al., Sphere and cone composite realtime shadows; the exact forms are derived in docs/planar_shadow.md.
 // Lights are homogeneous: (position, 1), or (-direction, 0) where direction is the way light travels. A plane is (unit normal,
 // offset): dot(plane, (p, 1)) is the height of p over it; the normal must point to the light's side.
 
