@@ -1,20 +1,16 @@
-// Analytic composite shadow: every caster is a simple shape, whose shadow on a
-// plane is known in closed form; the shadow of what is composed of shapes is
-// the union of theirs. A pixel asks only the shapes whose outlines reach its
-// part of the picture.
+// Analytic composite shadow: every caster is a simple shape, whose shadow on a plane is known in closed form; the shadow of
+// what is composed of shapes is the union of theirs. A pixel asks only the shapes whose outlines reach its part of the picture.
 //
-// Source: Pljaskovic et al., Sphere and cone composite realtime shadows
-// (equations 1 to 9); exact forms: docs/composite.md. Error:  form = exact is
-// exact up to float32 rounding at the pixel's point. form = paper takes a
-// sphere's shadow for that of its
-//         horizontal great circle, whose area is K^1.5 / (h^2 sqrt(x_i^2 + K))
-//         of the true one (K = h^2 - r^2; 0.81 for x_i = 4, h = 6, r = 1), and
-//         cuts inside the tangents of a cone, by up to a few percent of the
-//         area. form = printed also leaves the base of a triangle under the
-//         object.
-// Fails:  casters without an exact shape, receivers that are not flat; paper
-// and printed: all but discs parallel to the plane,
-//         upright cones and triangles, spheres, below the light.
+// Source: Pljaskovic et al., Sphere and cone composite realtime shadows (equations 1 to 9); exact forms: docs/planar_shadow.md.
+// Error:  form = exact is exact up to float32 rounding at the pixel's point.
+//         form = paper takes a sphere's shadow for that of its great circle along the plane, whose area is
+//         K^1.5 / (h^2 sqrt(x_i^2 + K)) of the true one, K = h^2 - r^2 (0.81 with the light 4 m aside and 6 m above a ball of
+//         1 m), and cuts inside the tangents of a cone, by up to a few percent of the area.
+//         form = printed leaves the base of a triangle under the object as well.
+// Fails:  casters without an exact shape, receivers that are not flat; sheets nearer to each other than float32 tells (25 *
+// 2^-24
+//         of the scene's extent) are one plane; paper and printed: all but spheres, discs along the plane, upright cones and
+//         triangles, below the light.
 #include <gnomon/kit/gl.h>
 #include <gnomon/kit/parallel.h>
 #include <gnomon/registry.h>
@@ -30,20 +26,13 @@ using namespace gnomon;
 using namespace composite_planar;
 
 class CompositePlanar final : public Technique {
-  Choice form{this,
-              "form",
-              "exact",
-              {"printed", "paper", "exact"},
-              Stage::relight,
-              "The paper's equations as they stand; as they are meant; conic "
-              "sections and tangents."};
-  Number<double> min_share{this,
-                           "min_share",
-                           0.01,
-                           {.min = 0.001, .max = 1, .log = true},
-                           Stage::build,
-                           "Least share of the receiving area, curved shapes left out, that makes "
-                           "coplanar faces a receiver plane."};
+  Choice form{this,           "form",
+              "exact",        {"printed", "paper", "exact"},
+              Stage::relight, "The paper's equations as they stand; as they are meant; conic sections and tangents."};
+  Number<double> min_share{
+      this,         "min_share",
+      0.01,         {.min = 0.001, .max = 1, .log = true},
+      Stage::build, "Least share of the receiving area, curved shapes left out, that makes coplanar faces a receiver plane."};
 
  public:
   Support supports(const Scene& scene, const Light& light, const View&) const override;
@@ -74,7 +63,7 @@ class CompositePlanar final : public Technique {
   /// Whether some of the shape lies over the plane and below the light.
   static bool may_cast(const Shape& shape, const glm::dvec4& light, const glm::dvec4& plane, double tolerance);
   static std::vector<Caster> casters_of(const Scene& scene);
-  std::optional<std::size_t> receiver_of(const glm::dvec3& point) const;
+  std::optional<std::size_t> receiver_of(std::size_t index) const;
   std::vector<Holders> find_holders() const;
   void find_patches(const GBuffer& gbuffer);
   void draw(const GBuffer& gbuffer);
@@ -173,10 +162,11 @@ void CompositePlanar::relight(const Light& light) {
   const glm::dvec4 l = homogeneous(light);
   const bool is_image = shadow_form() != ShadowForm::exact;
   facing_.clear(), test_data_.clear(), reaches_.clear();
-  std::vector<glm::vec4> planes;
+  std::vector<std::array<glm::vec4, 2>> planes;
   for (std::uint32_t r = 0; r < receivers_.planes.size(); ++r) {
     facing_.push_back(facing(receivers_.planes[r], l, receivers_.tolerance));
-    planes.emplace_back(receivers_.planes[r].plane);
+    const Receiver& turned = facing_[r] ? *facing_[r] : receivers_.planes[r];
+    planes.push_back({glm::vec4(turned.plane), glm::vec4(static_cast<float>(turned.turn))});
     if (!facing_[r]) continue;
     for (const Caster& caster : casters_) {
       if (!may_cast(caster.shape, l, facing_[r]->plane, receivers_.tolerance)) continue;
@@ -190,7 +180,7 @@ void CompositePlanar::relight(const Light& light) {
     }
   }
   tests_ = Buffer(test_data_.data(), test_data_.size() * sizeof(TestData));
-  planes_ = Buffer(planes.data(), planes.size() * sizeof(glm::vec4));
+  planes_ = Buffer(planes.data(), planes.size() * sizeof(planes[0]));
   glFinish();
 }
 
@@ -275,9 +265,12 @@ Counts CompositePlanar::counts() const {
           {"bytes", double(bytes), "byte"}};
 }
 
-std::optional<std::size_t> CompositePlanar::receiver_of(const glm::dvec3& point) const {
+std::optional<std::size_t> CompositePlanar::receiver_of(std::size_t index) const {
+  const glm::dvec4 point(gbuffer_->position(index), 1);
   for (std::size_t r = 0; r < receivers_.planes.size(); ++r)
-    if (facing_[r] && std::abs(glm::dot(facing_[r]->plane, glm::dvec4(point, 1))) <= receivers_.tolerance) return r;
+    if (facing_[r] && std::abs(glm::dot(facing_[r]->plane, point)) <= receivers_.tolerance &&
+        glm::distance(glm::dvec3(gbuffer_->normal(index)), glm::dvec3(facing_[r]->plane)) <= facing_[r]->turn)
+      return r;
   return std::nullopt;
 }
 
@@ -285,7 +278,7 @@ std::optional<Explanation> CompositePlanar::explain(std::size_t index) const {
   Explanation why;
   if (!faces_light(*scene_, *gbuffer_, light_, index)) return why;
   const glm::dvec3 point = gbuffer_->position(index);
-  const auto receiver = receiver_of(point);
+  const auto receiver = receiver_of(index);
   why.covered = receiver.has_value();
   if (!why.covered) return why;
   const glm::dvec4 l = homogeneous(light_), plane = facing_[*receiver]->plane;
@@ -306,7 +299,7 @@ std::vector<Holders> CompositePlanar::find_holders() const {
     for (std::size_t i = begin; i < end; ++i) {
       if (!faces_light(*scene_, *gbuffer_, light_, i)) continue;
       const glm::dvec3 point = gbuffer_->position(i);
-      const auto receiver = receiver_of(point);
+      const auto receiver = receiver_of(i);
       for (const Reach& reach : reaches_)
         if (receiver == reach.plane && reach.test.contains(point))
           ++(reach.test.is_disc ? holders[i].discs : holders[i].polygons);
@@ -327,12 +320,11 @@ GNOMON_TECHNIQUE(composite_planar, CompositePlanar,
                  {.title = "Analytic composite shadow",
                   .summary = "Shadows of simple shapes on planes in closed form, and their union.",
                   .source = "Pljaskovic et al.",
-                  .error = "form=exact: float32 rounding at the pixel's point. form=paper: "
-                           "spheres' shadows are too small (0.81 of the area "
-                           "with the light 4 m aside and 6 m above a ball of 1 m), cones "
-                           "lose slivers. form=printed: bases of triangles are misplaced.",
-                  .fails = "Casters without an exact shape; receivers that are not flat: "
-                           "pixels off the planes are lit and not covered.",
+                  .error = "Float32 rounding with form=exact. form=paper: spheres' shadows are too small (0.81 of the area "
+                           "with the light 4 m aside and 6 m above a ball of 1 m), cones lose slivers. form=printed: bases "
+                           "of triangles are misplaced, too.",
+                  .fails = "Casters without an exact shape; receivers that are not flat: pixels off the planes are lit and "
+                           "not covered.",
                   .promise = Promise::exact,
                   .sees = Truth::shape,
                   .needs_gl = true})

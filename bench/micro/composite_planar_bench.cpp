@@ -174,7 +174,7 @@ void characteristic(benchmark::State& state, const Shape& shape) {
           ->Unit(benchmark::kMillisecond);
     };
     add("few_16_small", mixed(16, 0.35f, 2.5f));
-    add("few_16_large", mixed(16, 1.4f, 3));
+    add("few_16_large", mixed(16, 2.2f, 3));
     for (const int count : {1, 4, 16}) add(fmt::format("all_{}", count), covering(count));
     if (form == std::string_view("exact"))
       for (const int count : {64, 256}) add(fmt::format("slats_{}", count), slats(count));

@@ -11,6 +11,8 @@ using namespace gnomon;
 struct Receiver {
   glm::dvec4 plane{0};
   std::array<glm::dvec4, 4> sides;  ///< of the rectangle: half-spaces, dot(side, (p, 1)) >= 0 inside
+  /// Unit normals of what lies on the plane are this near its own. It keeps apart what crosses the plane at a small angle.
+  double turn = 0;
 };
 
 /// The planes on which shadows are answered. Curved shapes are none, whatever
@@ -67,6 +69,11 @@ inline Receivers find_receivers(const Scene& scene, double min_share) {
     for (glm::dvec4& side : receiver.sides)
       side.w = std::max(side.w, receivers.tolerance + radius - glm::dot(glm::dvec3(side), glm::dvec3(p)));
   };
+  const auto face = [](Receiver& receiver, const glm::dvec3& normal) {
+    const glm::dvec3 n = glm::normalize(normal), up(receiver.plane);
+    // G-buffer and shader round three numbers up to 1 each.
+    receiver.turn = std::max(receiver.turn, std::min(glm::distance(n, up), glm::distance(n, -up)) + 0x1p-21);
+  };
   std::size_t triangle = 0;
   for (const Mesh& mesh : flat.meshes) {
     // A disc reaches beyond its triangles, which are inscribed.
@@ -74,6 +81,9 @@ inline Receivers find_receivers(const Scene& scene, double min_share) {
     for (const glm::uvec3& t : mesh.triangles) {
       const std::uint32_t plane = found.plane_of[triangle++];
       if (plane == no_plane) continue;
+      const glm::dvec3 a(mesh.positions[t.x]), b(mesh.positions[t.y]), c(mesh.positions[t.z]);
+      face(receivers.planes[plane], glm::cross(b - a, c - a));
+      if (disc) face(receivers.planes[plane], disc->normal);
       if (disc) reach(receivers.planes[plane], disc->center, disc->radius);
       for (const std::uint32_t v : {t.x, t.y, t.z}) reach(receivers.planes[plane], mesh.positions[v], 0);
     }

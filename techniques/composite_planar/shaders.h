@@ -24,14 +24,16 @@ layout(location = 1) in uvec3 what;    // plane, first, count
 struct Test { vec4 anchor, beyond, rows[4]; };
 layout(std430, binding = 0) readonly buffer Tests { Test tests[]; };
 layout(std430, binding = 1) readonly buffer Lists { uint lists[]; };
-layout(std430, binding = 2) readonly buffer Planes { vec4 planes[]; };
+struct Plane { vec4 plane, turn; };
+layout(std430, binding = 2) readonly buffer Planes { Plane planes[]; };
 uniform vec2 size;
 flat out vec4 plane;
+flat out float turn;
 #if COUNT > 0
 flat out vec4 rows[6 * COUNT];
 #endif
 void main() {
-  plane = planes[what.x];
+  plane = planes[what.x].plane, turn = planes[what.x].turn.x;
 #if COUNT > 0
   for (int k = 0; k < COUNT; ++k) {
     // Beyond what the list holds: a test that nothing passes.
@@ -50,6 +52,7 @@ void main() {
 inline const std::string patch_fragment = std::string(gnomon::faces_light_snippet) + R"(
 uniform float tolerance;
 flat in vec4 plane;
+flat in float turn;
 #if COUNT > 0
 flat in vec4 rows[6 * COUNT];
 #endif
@@ -66,11 +69,14 @@ bool is_in_shadow(vec4 anchor, vec4 beyond, vec4 a, vec4 b, vec4 c, vec4 d, vec3
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   vec4 position = texelFetch(gbuffer_position, pixel, 0);
-  bool is_dark = faces_light(position, texelFetch(gbuffer_normal, pixel, 0)) && abs(dot(plane, position)) <= tolerance;
+  vec4 normal = texelFetch(gbuffer_normal, pixel, 0);
+  vec3 off = normal.xyz - plane.xyz;
+  bool is_dark = faces_light(position, normal) && abs(dot(plane, position)) <= tolerance && dot(off, off) <= turn * turn;
 #if COUNT > 0
   bool is_behind = false;
   for (int k = 0; k < 6 * COUNT; k += 6)
-    is_behind = is_behind || is_in_shadow(rows[k], rows[k + 1], rows[k + 2], rows[k + 3], rows[k + 4], rows[k + 5], position.xyz);
+    is_behind = is_behind || is_in_shadow(rows[k], rows[k + 1], rows[k + 2], rows[k + 3], rows[k + 4], rows[k + 5],
+                                          position.xyz);
   is_dark = is_dark && is_behind;
 #endif
   if (!is_dark) discard;

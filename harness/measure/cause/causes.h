@@ -55,7 +55,8 @@ struct Attribution {
   const Light& light;
   const Reference& reference;
   std::span<const float> mask;
-  /// 1 where the same technique is right on the mesh G-buffer against mesh truth; empty where there is no second truth.
+  /// 1 where the same technique is right on the mesh G-buffer against mesh truth; empty where there is no second truth, and for
+  /// a technique that sees shapes.
   std::span<const std::uint8_t> right_on_mesh;
   /// The technique's own account of each of these pixels of this mask, in their order; nothing where it has none.
   std::function<std::vector<std::optional<Explanation>>(std::span<const std::uint32_t> pixels)> explain;

@@ -237,6 +237,7 @@ std::optional<MeasuredRow> measure(Record& record, SceneRun& run, Seat& seat, co
   }
   const Truth truth = record.truth, other = truth == Truth::shape ? Truth::mesh : Truth::shape;
   const bool has_two_truths = run.scene.has_curved_shapes();
+  const bool sees_mesh = registry().technique(record.technique).about.sees == Truth::mesh;
   std::map<Truth, FrameMeans> means;
   record.classes.clear();
   record.causes.emplace();
@@ -251,7 +252,7 @@ std::optional<MeasuredRow> measure(Record& record, SceneRun& run, Seat& seat, co
       Answer answer = seat.answer(nullptr);
       const Evidence evidence = answer.evidence(run.scene, now.light);
       means[other].add(measure_metrics(Scoring(evidence)));
-      if (other == Truth::mesh) right_on_mesh = right_pixels(evidence);
+      if (other == Truth::mesh && sees_mesh) right_on_mesh = right_pixels(evidence);
       now.other_mask = std::move(answer.mask);
     }
     if (!take_support(record, seat.go(place, truth), place)) return std::nullopt;
