@@ -7,10 +7,9 @@
 //         K^1.5 / (h^2 sqrt(x_i^2 + K)) of the true one, K = h^2 - r^2 (0.81 with the light 4 m aside and 6 m above a ball of
 //         1 m), and cuts inside the tangents of a cone, by up to a few percent of the area.
 //         form = printed leaves the base of a triangle under the object as well.
-// Fails:  casters without an exact shape, receivers that are not flat; sheets nearer to each other than float32 tells (25 *
-// 2^-24
-//         of the scene's extent) are one plane; paper and printed: all but spheres, discs along the plane, upright cones and
-//         triangles, below the light.
+// Fails:  casters without an exact shape, receivers that are not flat; sheets nearer to each other than float32 tells (25 units
+//         of 2^-24 of the scene's extent) are one plane; paper and printed: all but spheres, discs along the plane, upright
+//         cones and triangles, below the light.
 #include <gnomon/kit/gl.h>
 #include <gnomon/kit/parallel.h>
 #include <gnomon/registry.h>
@@ -50,19 +49,20 @@ class CompositePlanar final : public Technique {
     std::uint32_t mesh;
     Shape shape;
   };
-  /// A test, and where in the world it may answer yes.
+  /// A test of a caster's shadow, and where in the world it may answer yes.
   struct Reach {
-    std::uint32_t plane;
+    std::uint32_t plane, mesh;
     ShadowTest test;
     Polygon polygon;
   };
   ShadowForm shadow_form() const { return static_cast<ShadowForm>(form.index()); }
-  /// Turned toward the light; nothing for a light in the plane, as far as
-  /// float32 can tell.
+  /// Turned toward the light; nothing for a light in the plane, as far as float32 can tell.
   static std::optional<Receiver> facing(const Receiver& receiver, const glm::dvec4& light, double tolerance);
   /// Whether some of the shape lies over the plane and below the light.
   static bool may_cast(const Shape& shape, const glm::dvec4& light, const glm::dvec4& plane, double tolerance);
   static std::vector<Caster> casters_of(const Scene& scene);
+  /// Adds the tests of a form under the light, plane after plane.
+  void add_reaches(ShadowForm asked, std::vector<Reach>& reaches) const;
   std::optional<std::size_t> receiver_of(std::size_t index) const;
   std::vector<Holders> find_holders() const;
   void find_patches(const GBuffer& gbuffer);
@@ -77,9 +77,11 @@ class CompositePlanar final : public Technique {
   Light light_;
   std::vector<std::optional<Receiver>> facing_;  // of each receiver
   std::vector<TestData> test_data_;
-  std::vector<Reach> reaches_;  // of each test, by plane
+  std::vector<Reach> reaches_;                       // of each test, by plane
+  mutable std::optional<std::vector<Reach>> exact_;  // what the exact form says; made when somebody asks
   Tiles tiles_;
   Patches patches_;
+  std::uint32_t list_limit_ = Patches::most;
   Buffer tests_, planes_, lists_, instances_;
   VertexArray vertex_array_;
 };
@@ -113,12 +115,12 @@ Support CompositePlanar::supports(const Scene& scene, const Light& light, const 
   if (receivers.planes.empty())
     return Support::unsupported(fmt::format("no plane holds {} of the receiving area", min_share.value()));
   const glm::dvec4 l = homogeneous(light);
+  const std::vector<Caster> casters = casters_of(scene);
   for (const Receiver& receiver : receivers.planes) {
     const auto turned = facing(receiver, l, receivers.tolerance);
     if (!turned) continue;
-    for (const Caster& caster : casters_of(scene)) {
-      // A finite light touches what it touches whatever the plane; the rest
-      // matters where a shadow may fall.
+    for (const Caster& caster : casters) {
+      // A finite light touches what it touches whatever the plane; the rest matters where a shadow may fall.
       const ShadowForm asked =
           may_cast(caster.shape, l, turned->plane, receivers.tolerance) ? shadow_form() : ShadowForm::exact;
       const std::string why = PlanarShadow::objection(caster.shape, l, turned->plane, asked);
@@ -127,8 +129,7 @@ Support CompositePlanar::supports(const Scene& scene, const Light& light, const 
   }
   if (receivers.covered_share < 1 - 1e-9)
     return Support::approximate(
-        fmt::format("{:.3g} % of the receiving area lies on no receiver plane; "
-                    "pixels there are not covered",
+        fmt::format("{:.3g} % of the receiving area lies on no receiver plane; pixels there are not covered",
                     100 * (1 - receivers.covered_share)));
   return Support::full();
 }
@@ -148,7 +149,15 @@ void CompositePlanar::setup() {
     glEnableVertexArrayAttrib(vao, attribute);
   }
   glVertexArrayBindingDivisor(vao, 0, 1);
-  warm_up(*this);
+  // The same picture without lists, with lists of one and of more: each program draws. All forms draw alike; exact takes any
+  // scene.
+  const std::string chosen = form.text();
+  form.set("exact");
+  for (const std::uint32_t limit : {0u, 1u, Patches::most}) {
+    list_limit_ = limit;
+    warm_up(*this);
+  }
+  form.set(chosen);
 }
 
 void CompositePlanar::build(const Scene& scene) {
@@ -160,28 +169,33 @@ void CompositePlanar::build(const Scene& scene) {
 void CompositePlanar::relight(const Light& light) {
   light_ = light;
   const glm::dvec4 l = homogeneous(light);
-  const bool is_image = shadow_form() != ShadowForm::exact;
-  facing_.clear(), test_data_.clear(), reaches_.clear();
+  facing_.clear(), test_data_.clear(), reaches_.clear(), exact_.reset();
   std::vector<std::array<glm::vec4, 2>> planes;
-  for (std::uint32_t r = 0; r < receivers_.planes.size(); ++r) {
-    facing_.push_back(facing(receivers_.planes[r], l, receivers_.tolerance));
-    const Receiver& turned = facing_[r] ? *facing_[r] : receivers_.planes[r];
+  for (const Receiver& receiver : receivers_.planes) {
+    facing_.push_back(facing(receiver, l, receivers_.tolerance));
+    const Receiver& turned = facing_.back() ? *facing_.back() : receiver;
     planes.push_back({glm::vec4(turned.plane), glm::vec4(static_cast<float>(turned.turn))});
-    if (!facing_[r]) continue;
-    for (const Caster& caster : casters_) {
-      if (!may_cast(caster.shape, l, facing_[r]->plane, receivers_.tolerance)) continue;
-      const PlanarShadow shadow(caster.shape, l, facing_[r]->plane, shadow_form());
-      for (std::size_t i = 0; i < shadow.parts().size(); ++i) {
-        const Polygon polygon = bound_of(shadow.parts()[i], is_image, l, *facing_[r]);
-        if (polygon.size() == 0) continue;
-        test_data_.emplace_back(shadow.tests()[i]);
-        reaches_.push_back({r, shadow.tests()[i], polygon});
-      }
-    }
   }
+  add_reaches(shadow_form(), reaches_);
+  for (const Reach& reach : reaches_) test_data_.emplace_back(reach.test);
   tests_ = Buffer(test_data_.data(), test_data_.size() * sizeof(TestData));
   planes_ = Buffer(planes.data(), planes.size() * sizeof(planes[0]));
   glFinish();
+}
+
+void CompositePlanar::add_reaches(ShadowForm asked, std::vector<Reach>& reaches) const {
+  const glm::dvec4 l = homogeneous(light_);
+  for (std::uint32_t r = 0; r < facing_.size(); ++r) {
+    if (!facing_[r]) continue;
+    for (const Caster& caster : casters_) {
+      if (!may_cast(caster.shape, l, facing_[r]->plane, receivers_.tolerance)) continue;
+      const PlanarShadow shadow(caster.shape, l, facing_[r]->plane, asked);
+      for (std::size_t i = 0; i < shadow.parts().size(); ++i) {
+        const Polygon polygon = bound_of(shadow.parts()[i], asked != ShadowForm::exact, l, *facing_[r]);
+        if (polygon.size() > 0) reaches.push_back({r, caster.mesh, shadow.tests()[i], polygon});
+      }
+    }
+  }
 }
 
 /// Puts data into a buffer that is made anew only when it is too small.
@@ -210,13 +224,13 @@ void CompositePlanar::find_patches(const GBuffer& gbuffer) {
   const glm::dvec4 eye(glm::dvec3(gbuffer.view.eye), 1);
   std::optional<std::uint32_t> begun;
   for (std::uint32_t t = 0; t < reaches_.size(); ++t) {
-    const auto& [plane, test, polygon] = reaches_[t];
+    const auto& [plane, mesh, test, polygon] = reaches_[t];
     // Seen from behind, the plane shows its unlit side.
     if (glm::dot(facing_[plane]->plane, eye) <= 0) continue;
     if (begun != plane) tiles_.begin_plane(plane, facing_[plane]->plane), begun = plane;
     tiles_.add(t, test, polygon);
   }
-  patches_.make(tiles_.sorted(), tiles_.columns(), gbuffer.width, gbuffer.height);
+  patches_.make(tiles_.sorted(), tiles_.columns(), gbuffer.width, gbuffer.height, list_limit_);
 }
 
 void CompositePlanar::draw(const GBuffer& gbuffer) {
@@ -255,6 +269,7 @@ Counts CompositePlanar::counts() const {
   std::size_t bytes = tests_.bytes + planes_.bytes + lists_.bytes + instances_.bytes + casters_.capacity() * sizeof(Caster);
   bytes += receivers_.planes.capacity() * sizeof(Receiver) + facing_.capacity() * sizeof(facing_[0]);
   bytes += test_data_.capacity() * sizeof(TestData) + reaches_.capacity() * sizeof(Reach) + tiles_.bytes() + patches_.bytes();
+  if (exact_) bytes += exact_->capacity() * sizeof(Reach);
   return {{"casters", double(casters_.size()), ""},
           {"planes", double(receivers_.planes.size()), ""},
           {"discs", double(discs), ""},
@@ -281,15 +296,15 @@ std::optional<Explanation> CompositePlanar::explain(std::size_t index) const {
   const auto receiver = receiver_of(index);
   why.covered = receiver.has_value();
   if (!why.covered) return why;
-  const glm::dvec4 l = homogeneous(light_), plane = facing_[*receiver]->plane;
-  bool is_dark = false, is_dark_exactly = false;
-  for (const Caster& caster : casters_) {
-    if (!may_cast(caster.shape, l, plane, receivers_.tolerance)) continue;
-    if (!is_dark && PlanarShadow(caster.shape, l, plane, shadow_form()).contains(point))
-      is_dark = true, why.element = caster.mesh;
-    is_dark_exactly = is_dark_exactly || PlanarShadow(caster.shape, l, plane).contains(point);
-  }
-  why.formula_differs = is_dark != is_dark_exactly;
+  const auto holder_in = [&](std::span<const Reach> reaches) -> std::optional<std::uint64_t> {
+    for (const Reach& reach : reaches)
+      if (reach.plane == *receiver && reach.test.contains(point)) return reach.mesh;
+    return std::nullopt;
+  };
+  why.element = holder_in(reaches_);
+  if (shadow_form() == ShadowForm::exact) return why;
+  if (!exact_) add_reaches(ShadowForm::exact, exact_.emplace());
+  why.formula_differs = why.element.has_value() != holder_in(*exact_).has_value();
   return why;
 }
 

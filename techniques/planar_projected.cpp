@@ -147,11 +147,8 @@ void PlanarProjected::build(const Scene& scene) {
   plane_of_shapes_ = upload(of_shapes);
   first_triangle_ = upload(planes_.first_triangle);
 
-  // The shader's height n.p + d in float32 errs by five roundings (three products, three sums, less one) of terms that add up
-  // to at most 2 sqrt 3 E: less than 18 * 2^-24 E. Triangles on the plane must stay below that.
-  const Bounds all = scene.bounds();
-  const glm::vec3 largest = glm::max(glm::abs(all.min), glm::abs(all.max));
-  clip_tolerance_ = planes_.tolerance + 18 * 0x1p-24 * std::max({largest.x, largest.y, largest.z});
+  // Triangles on the plane must stay below what the shader finds to be their height.
+  clip_tolerance_ = planes_.tolerance + height_rounding(scene);
 }
 
 void PlanarProjected::relight(const Light& light) {

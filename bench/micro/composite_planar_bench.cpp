@@ -1,14 +1,12 @@
 // What composite_planar costs beside the least that its stages must do.
 //
 // resolve            Beside one full-screen pass that fetches the same textures, asks which pixels face the light and writes
-// the
-//                    same target; both by turns in one run, `ratio` is the ratio of their medians. `few`: the shadows of 16
-//                    shapes cover the share `dark` of the picture. Wanted: at most 1.3 where that is a fifth at most. `all`:
-//                    each of 1, 4, 16 shapes covers all of it. Wanted: at most 4.
+//                    the same target; both by turns in one run, `ratio` is the ratio of their medians. `few`: the shadows of
+//                    16 shapes cover the share `dark` of the picture. Wanted: at most 1.3 where that is a fifth at most.
+//                    `all`: each of 1, 4, 16 shapes covers all of it. Wanted: at most 4.
 // relight            `per_shape`: seconds for each of 16, 64, 256 shapes over one plane. Wanted: at most 2 microseconds.
 // characteristic     The points that determine a shape's shadow by the paper's equations (contender) beside the projection of
-// all
-//                    vertices of its tessellation (floor), as dearly as that is done: 1 / `ratio` is what the paper saves.
+//                    all vertices of its tessellation (floor), as dearly as that is done: 1 / `ratio` is what the paper saves.
 #include <benchmark/benchmark.h>
 #include <gnomon/kit/gl.h>
 #include <gnomon/kit/planar_shadow.h>
@@ -65,6 +63,17 @@ std::vector<Shape> mixed(int count, float size, float half) {
 std::vector<Shape> covering(int count) {
   std::vector<Shape> shapes;
   for (int i = 0; i < count; ++i) shapes.push_back(Disc{{-3, 8.5f - 0.01f * static_cast<float>(i), 1}, {0, 1, 0}, 2});
+  return shapes;
+}
+
+/// Discs close below the lamp, out of the picture; their shadows, four by four side by side, are a fifth of it.
+std::vector<Shape> scattered() {
+  std::vector<Shape> shapes;
+  for (int i = 0; i < 16; ++i) {
+    // Where the image is, 18 times as far from the lamp's foot, (-3, 1).
+    const float x = (static_cast<float>(i % 4) - 1.5f) * 2.9f, z = (static_cast<float>(i / 4) - 1.5f) * 1.75f - 0.8f;
+    shapes.push_back(Disc{{-3 + (x + 3) / 18, 8.5f, 1 + (z - 1) / 18}, {0, 1, 0}, 0.047f});
+  }
   return shapes;
 }
 
@@ -175,6 +184,7 @@ void characteristic(benchmark::State& state, const Shape& shape) {
     };
     add("few_16_small", mixed(16, 0.35f, 2.5f));
     add("few_16_large", mixed(16, 2.2f, 3));
+    add("few_16_fifth", scattered());
     for (const int count : {1, 4, 16}) add(fmt::format("all_{}", count), covering(count));
     if (form == std::string_view("exact"))
       for (const int count : {64, 256}) add(fmt::format("slats_{}", count), slats(count));

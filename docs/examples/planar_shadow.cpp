@@ -18,8 +18,8 @@ using Loop = std::vector<glm::dvec4>;
 //     layout(location = 0) in vec4 point;  uniform mat4 clip_from_world;
 //     void main() { gl_Position = clip_from_world * point; }
 // Nobody divides by w. The pipeline clips, so points at infinity (w = 0) need no care. Loops overlap where shadows do: to
-// darken once, draw the ground with stencil 1 and the loops with glStencilFunc(GL_EQUAL, 1, 0xff), glStencilOp(GL_KEEP,
-// GL_KEEP, GL_INCR).
+// darken once, draw the ground with stencil 1, all else with 0, and then the loops with glStencilFunc(GL_EQUAL, 1, 0xff),
+// glStencilOp(GL_KEEP, GL_KEEP, GL_INCR) and no depth test, since they lie in the ground.
 
 /// Of a picture from above; a point at infinity becomes one a kilometer away in its direction.
 std::string path_of(const Loop& loop) {

@@ -1,3 +1,4 @@
+#include <gnomon/kit/across.h>
 #include <gnomon/kit/depth_bound.h>
 #include <gnomon/kit/parallel.h>
 
@@ -134,11 +135,8 @@ class DepthBound {
       if (!part.bounds.empty()) all.add(part.bounds.min), all.add(part.bounds.max);
     if (all.empty()) return;
     if (light_.w == 0) {
-      const glm::dvec3 along = glm::normalize(glm::dvec3(light_)), a = glm::abs(along);
-      const glm::dvec3 aside = a.x <= a.y && a.x <= a.z ? glm::dvec3(1, 0, 0)
-                               : a.y <= a.z             ? glm::dvec3(0, 1, 0)
-                                                        : glm::dvec3(0, 0, 1);
-      u_ = glm::normalize(glm::cross(along, aside)), axis_ = glm::cross(along, u_);
+      const glm::dvec3 along = glm::normalize(glm::dvec3(light_));
+      u_ = Across(-along).u, axis_ = glm::cross(along, u_);
       const glm::dvec3 middle = (glm::dvec3(all.min) + glm::dvec3(all.max)) / 2.0, half = glm::dvec3(all.max) - middle;
       const double reach = glm::dot(glm::abs(u_), half) * (1 + 1e-9) + 1e-300;
       left_ = glm::dot(u_, middle) - reach, width_ = 2 * reach;

@@ -8,7 +8,7 @@ namespace gnomon {
 namespace {
 
 /// A triangle and one of each curved shape over a floor, under a light of each kind without area: every stage has something to
-/// do.
+/// do. All have exact shapes, for techniques that see nothing else.
 struct TinyScene {
   Scene scene;
   std::vector<float> x, y, z, zero, one;
@@ -16,14 +16,9 @@ struct TinyScene {
   GBuffer gbuffer;
 
   TinyScene() {
-    Mesh floor, caster;
-    floor.positions = {{-2, 0, -2}, {-2, 0, 2}, {2, 0, 2}, {2, 0, -2}};
-    floor.triangles = {{0, 1, 2}, {0, 2, 3}};
-    caster.positions = {{-1, 1, -1}, {-1, 1, 1}, {1, 1, 0}};
-    caster.triangles = {{0, 1, 2}};
-    finish(floor), finish(caster);
-    scene.meshes = {floor, caster};
-    for (const Shape& shape : {Shape(Sphere{{0, 1, 0}, 0.3f}), Shape(Cone{{0, 2, 0}}), Shape(Disc{{0, 1.5f, 0}})})
+    // The floor first: it is what the picture shows.
+    for (const Shape& shape : {Shape(ground_plane(2)), Shape(Triangle{{{-1, 1, -1}, {-1, 1, 1}, {1, 1, 0}}}),
+                               Shape(Sphere{{0, 1, 0}, 0.3f}), Shape(Cone{{0, 2, 0}}), Shape(Disc{{0, 1.5f, 0}})})
       scene.meshes.push_back(tessellate(shape, 8, "shape"));
     scene.lights = {{.name = "sun", .kind = DirectionalLight{}},
                     {.name = "spot", .kind = SpotLight{.position = {0, 5, 0}}},

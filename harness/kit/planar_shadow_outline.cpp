@@ -1,3 +1,4 @@
+#include <gnomon/kit/across.h>
 #include <gnomon/kit/planar_shadow.h>
 
 #include <algorithm>
@@ -70,12 +71,9 @@ std::vector<Seen> hull(std::vector<Seen> points) {
 class LightChart {
  public:
   LightChart(const glm::dvec4& light, const glm::dvec3& axis) : light_(light), axis_(axis) {
-    const glm::dvec3 a = glm::abs(axis_);
-    const glm::dvec3 helper = a.x <= a.y && a.x <= a.z ? glm::dvec3(1, 0, 0)
-                              : a.y <= a.z             ? glm::dvec3(0, 1, 0)
-                                                       : glm::dvec3(0, 0, 1);
     // Seen from the light: u, v and the way back to it are right-handed.
-    u_ = glm::normalize(glm::cross(axis_, helper)), v_ = glm::cross(u_, axis_);
+    const Across frame(-axis_);
+    u_ = frame.u, v_ = frame.v;
   }
   /// A hundred roundings of the point's coordinates, by what the projection makes of them.
   Seen see(const glm::dvec3& point) const {

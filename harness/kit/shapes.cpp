@@ -1,4 +1,5 @@
 #include <gnomon/error.h>
+#include <gnomon/kit/across.h>
 #include <gnomon/kit/shapes.h>
 
 #include <algorithm>
@@ -17,12 +18,7 @@ void add_vertex(Mesh& mesh, const glm::dvec3& point) { mesh.positions.emplace_ba
 
 /// `segments` points on the circle around `center`, counter-clockwise seen from the tip of `axis` (any length but zero).
 std::vector<glm::dvec3> circle(const glm::dvec3& center, const glm::dvec3& axis, double radius, int segments) {
-  const glm::dvec3 w = glm::normalize(axis), a = glm::abs(w);
-  // The coordinate axis farthest from w makes the best conditioned frame; u, v, w is right-handed.
-  const glm::dvec3 helper = a.x <= a.y && a.x <= a.z ? glm::dvec3{1, 0, 0}
-                            : a.y <= a.z             ? glm::dvec3{0, 1, 0}
-                                                     : glm::dvec3{0, 0, 1};
-  const glm::dvec3 u = glm::normalize(glm::cross(helper, w)), v = glm::cross(w, u);
+  const auto [u, v] = Across(glm::normalize(axis));
   std::vector<glm::dvec3> points;
   for (int k = 0; k < segments; ++k) {
     const double angle = 2 * std::numbers::pi * k / segments;

@@ -17,8 +17,8 @@ inline std::vector<DebugLayer> composite_layers() {
   return {
       {"parts",
        "What shadows are composed of: the image of a disc (of a sphere: of the circle where the light touches it; of a cone: "
-       "of "
-       "its base), and of polygons (of a cone: of the triangle between its peak and the points where tangents touch its base).",
+       "of its base), and of polygons (of a cone: of the triangle between its peak and the points where tangents touch its "
+       "base).",
        {disc_swatch, polygon_swatch, both_swatch}},
       {"overlaps", "How many parts' shadows hold each point: what blending them one after the other would darken as often.",
        heat_legend()}};

@@ -19,14 +19,16 @@ class Patches {
   std::vector<Patch> whole, single, several;  ///< without a list, with one test, with more
   std::vector<std::uint32_t> lists;           ///< numbers of tests
 
-  /// Tiles become patches, and those side by side with the same list one patch.
-  void make(std::span<const Entry> entries, std::uint32_t columns, std::uint32_t width, std::uint32_t height) {
-    columns_ = columns, width_ = width, height_ = height;
+  /// Tiles become patches, and those side by side with the same list one patch. A list holds at most `limit` tests; with 0 all
+  /// patches go without a list.
+  void make(std::span<const Entry> entries, std::uint32_t columns, std::uint32_t width, std::uint32_t height,
+            std::uint32_t limit = most) {
+    columns_ = columns, width_ = width, height_ = height, limit_ = limit;
     for (auto* kind : {&whole, &single, &several}) kind->clear();
     lists.clear(), before_.clear();
     for (std::size_t i = 0; i < entries.size();) {
       const std::size_t first = i;
-      bool is_whole = false;
+      bool is_whole = limit == 0;
       for (; i < entries.size() && entries[i].tile == entries[first].tile && entries[i].plane == entries[first].plane; ++i)
         is_whole = is_whole || entries[i].is_whole;
       add(entries.subspan(first, is_whole ? 1 : i - first), is_whole);
@@ -78,12 +80,12 @@ class Patches {
     if (run.count == 0) whole.push_back(patch);
     for (std::uint32_t done = 0; done < run.count; done += patch.count) {
       patch.first = run.first + done;
-      patch.count = run.count - done == 1 ? 1 : std::min(run.count - done, most);
+      patch.count = std::min(run.count - done, limit_);
       (patch.count == 1 ? single : several).push_back(patch);
     }
   }
 
-  std::uint32_t columns_ = 1, width_ = 0, height_ = 0;
+  std::uint32_t columns_ = 1, width_ = 0, height_ = 0, limit_ = most;
   std::vector<Run> before_;
 };
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/kit/across.h>
 #include <gnomon/kit/planes.h>
 
 #include <algorithm>
@@ -15,8 +16,7 @@ struct Receiver {
   double turn = 0;
 };
 
-/// The planes on which shadows are answered. Curved shapes are none, whatever
-/// their triangles say.
+/// The planes on which shadows are answered. Curved shapes are none, whatever their triangles say.
 struct Receivers {
   std::vector<Receiver> planes;
   double tolerance = 0;      ///< points up to this far off a plane lie on it, meters
@@ -46,21 +46,13 @@ inline Receivers find_receivers(const Scene& scene, double min_share) {
   }
   const ReceiverPlanes found = find_receiver_planes(flat, min_share);
   Receivers receivers;
-  // The height n.p + d in float32 errs by five roundings of terms that add up
-  // to at most 2 sqrt 3 E: less than 18 * 2^-24 E.
-  const Bounds all = scene.bounds();
-  const glm::vec3 largest = all.empty() ? glm::vec3(0) : glm::max(glm::abs(all.min), glm::abs(all.max));
-  receivers.tolerance = found.tolerance + 18 * 0x1p-24 * std::max({largest.x, largest.y, largest.z});
+  receivers.tolerance = found.tolerance + height_rounding(scene);
   const double whole = found.receiving_area + curved_area;
   receivers.covered_share = whole > 0 ? found.planar_area / whole : 0;
 
   // Each side of a rectangle goes through the point that is farthest out.
   for (const ReceiverPlane& plane : found.planes) {
-    const glm::dvec3 n(plane.plane), a = glm::abs(n);
-    const glm::dvec3 helper = a.x <= a.y && a.x <= a.z ? glm::dvec3(1, 0, 0)
-                              : a.y <= a.z             ? glm::dvec3(0, 1, 0)
-                                                       : glm::dvec3(0, 0, 1);
-    const glm::dvec3 u = glm::normalize(glm::cross(helper, n)), v = glm::cross(n, u);
+    const auto [u, v] = Across(glm::dvec3(plane.plane));
     receivers.planes.push_back(
         {plane.plane,
          {glm::dvec4(u, -INFINITY), glm::dvec4(-u, -INFINITY), glm::dvec4(v, -INFINITY), glm::dvec4(-v, -INFINITY)}});

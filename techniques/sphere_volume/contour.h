@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/scene.h>
+#include <gnomon/kit/across.h>
 
 #include <algorithm>
 #include <cmath>
@@ -105,19 +105,7 @@ inline Contour contour_of(const Sphere& sphere, const glm::dvec4& light, Fit fit
   return contour;
 }
 
-/// Unit vectors u, v across `axis` (unit): u, v, axis is right-handed.
-struct Frame {
-  glm::dvec3 u, v;
-  explicit Frame(const glm::dvec3& axis) {
-    const glm::dvec3 a = glm::abs(axis);
-    const glm::dvec3 helper = a.x <= a.y && a.x <= a.z ? glm::dvec3(1, 0, 0)
-                              : a.y <= a.z             ? glm::dvec3(0, 1, 0)
-                                                       : glm::dvec3(0, 0, 1);
-    u = glm::normalize(glm::cross(helper, axis)), v = glm::cross(axis, u);
-  }
-};
-
-inline glm::dvec3 on_circle(const glm::dvec3& center, double radius, const Frame& frame, const Corner& c) {
+inline glm::dvec3 on_circle(const glm::dvec3& center, double radius, const Across& frame, const Corner& c) {
   return center + radius * c.radius * (std::cos(c.angle) * frame.u + std::sin(c.angle) * frame.v);
 }
 
@@ -132,7 +120,7 @@ inline void add_away(Contour& contour, const glm::dvec4& light) {
 inline Contour contour_of(const Cone& cone, const glm::dvec4& light, Fit fit, int segments) {
   const glm::dvec3 axis = glm::normalize(glm::dvec3(cone.axis)), base = cone.base;
   const double h = cone.height, r = cone.radius;
-  const Frame frame(axis);
+  const Across frame(axis);
   const glm::dvec3 to = glm::dvec3(light) - light.w * base;
   const double along = glm::dot(to, axis), x = glm::dot(to, frame.u), y = glm::dot(to, frame.v), across = std::hypot(x, y);
   const double limit = r * (light.w * h - along), reach = h * across;
@@ -158,7 +146,7 @@ inline Contour contour_of(const Cone& cone, const glm::dvec4& light, Fit fit, in
 inline Contour contour_of(const Disc& disc, const glm::dvec4& light, Fit fit, int segments) {
   const glm::dvec3 normal = glm::normalize(glm::dvec3(disc.normal)), center = disc.center;
   const double height = glm::dot(normal, glm::dvec3(light) - light.w * center);
-  const Frame frame(normal);
+  const Across frame(normal);
   Contour contour{.points = {}, .away = {}, .hub = center};
   if (height == 0) return contour;
   for (const Corner& c : full_circle(fit, segments))

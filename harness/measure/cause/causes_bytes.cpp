@@ -128,7 +128,6 @@ std::vector<std::optional<Explanation>> explanations_from_bytes(std::span<const 
     why->texel_width = plain.texel_width;
     why->outline_error = plain.outline_error;
     why->formula_differs = plain.formula_differs != 0;
-    why->outline_error = plain.outline_error;
     if (plain.has_shifted) why->shifted = plain.shifted;
     if (plain.has_element) why->element = plain.element;
     reader.expect<Tap>(plain.tap_count);

@@ -22,6 +22,9 @@ struct ReceiverPlanes {
   double tolerance = 0;                       ///< heights up to this are height zero, meters
 };
 
+/// How far off dot(plane, (p, 1)) in float32 may be at points of the scene, meters.
+double height_rounding(const Scene& scene);
+
 /// The planes that hold at least `min_share` (0 .. 1) of the receiving area.
 ReceiverPlanes find_receiver_planes(const Scene& scene, double min_share);
 
