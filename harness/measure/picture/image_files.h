@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace gnomon {
@@ -16,6 +17,8 @@ struct ImageFiles {
   std::vector<float> (*read_exr)(const std::filesystem::path& path, const std::string& channel, int width, int height);
   /// Names of the channels of an EXR. Throws Error.
   std::vector<std::string> (*exr_channels)(const std::filesystem::path& path);
+  /// Width and height in pixels of an image file. Throws Error.
+  std::pair<int, int> (*exr_size)(const std::filesystem::path& path);
   /// Draws a line of dark text with its baseline at (x, y) and returns its width in pixels; on an empty picture, only that.
   int (*draw_text)(std::span<std::uint8_t> rgb, int width, int height, int x, int y, const std::string& words);
 };

@@ -64,10 +64,17 @@ std::vector<float> read_exr(const fs::path& path, const std::string& channel, in
   return pixels;
 }
 
-std::vector<std::string> exr_channels(const fs::path& path) {
+OIIO::ImageSpec spec_of(const fs::path& path) {
   const auto input = OIIO::ImageInput::open(path.string());
   if (!input) throw Error("{} cannot be read: {}", path.string(), OIIO::geterror());
-  return input->spec().channelnames;
+  return input->spec();
+}
+
+std::vector<std::string> exr_channels(const fs::path& path) { return spec_of(path).channelnames; }
+
+std::pair<int, int> exr_size(const fs::path& path) {
+  const OIIO::ImageSpec spec = spec_of(path);
+  return {spec.width, spec.height};
 }
 
 int draw_text(std::span<std::uint8_t> rgb, int width, int height, int x, int y, const std::string& words) {
@@ -86,5 +93,5 @@ int draw_text(std::span<std::uint8_t> rgb, int width, int height, int x, int y, 
 }  // namespace gnomon
 
 extern "C" const gnomon::ImageFiles gnomon_image_files;
-const gnomon::ImageFiles gnomon_image_files{gnomon::write_png, gnomon::write_exr, gnomon::read_exr, gnomon::exr_channels,
-                                            gnomon::draw_text};
+const gnomon::ImageFiles gnomon_image_files{gnomon::write_png,    gnomon::write_exr, gnomon::read_exr,
+                                            gnomon::exr_channels, gnomon::exr_size,  gnomon::draw_text};

@@ -1,0 +1,169 @@
+#include "app/app.h"
+#include "app/staged_folder.h"
+#include "measure/cause/causes.h"
+#include "measure/frame/frame.h"
+#include "measure/paths.h"
+#include "measure/picture/image_files.h"
+#include "measure/picture/picture.h"
+#include "measure/run/jobs.h"
+#include "measure/scene/load.h"
+#include "measure/score/score.h"
+#include "report/table/digits.h"
+#include "report/table/text_table.h"
+
+namespace gnomon::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ScoreOptions {
+  std::string scene, view, truth = "shape", channel;
+  std::vector<std::string> lights;
+  fs::path mask, out;
+  bool json = false;
+};
+
+/// A light of the scene, and the channel of the file that answers it.
+struct Channel {
+  const Light& light;
+  std::string name;
+};
+
+/// By the names that this program writes, LIGHT.V; another name only where it is clear whose it is.
+std::vector<Channel> channels_of(const ScoreOptions& options, const Scene& scene) {
+  const std::vector<std::string> present = image_files().exr_channels(options.mask);
+  const auto has = [&](const std::string& name) { return std::ranges::find(present, name) != present.end(); };
+  std::vector<const Light*> asked;
+  for (const Light& light : scene.lights)
+    if (options.lights.empty() || std::ranges::find(options.lights, light.name) != options.lights.end())
+      asked.push_back(&light);
+  const std::string file = options.mask.string(), names = fmt::format("{}", fmt::join(present, ", "));
+  if (!options.channel.empty()) {
+    if (asked.size() != 1)
+      throw Error("--channel {} is of one light, and {} are asked for: name one with --light", options.channel, asked.size());
+    if (!has(options.channel)) throw Error("{} has no channel {}; it has: {}", file, options.channel, names);
+    return {{*asked[0], options.channel}};
+  }
+  std::vector<Channel> channels;
+  for (const Light* light : asked)
+    if (has(light->name + ".V")) channels.push_back({*light, light->name + ".V"});
+  if (channels.size() < asked.size() && !options.lights.empty() && !(asked.size() == 1 && present.size() == 1))
+    for (const Light* light : asked)
+      if (!has(light->name + ".V")) throw Error("{} has no channel {}.V; it has: {}", file, light->name, names);
+  if (channels.empty() && asked.size() == 1 && present.size() == 1) channels.push_back({*asked[0], present[0]});
+  if (channels.empty())
+    throw Error("{} has no channel LIGHT.V for a light of {}; it has: {}. Name one with --light and --channel", file,
+                options.scene, names);
+  return channels;
+}
+
+std::vector<float> read_mask(const fs::path& file, const std::string& channel, int width, int height) {
+  std::vector<float> mask = read_exr(file, channel, width, height);
+  for (std::size_t i = 0; i < mask.size(); ++i)
+    if (!(mask[i] >= 0 && mask[i] <= 1))
+      throw Error("{}: channel {} is {} at x = {}, y = {}; a visibility is in 0 .. 1", file.string(), channel, mask[i],
+                  i % width, i / width);
+  return mask;
+}
+
+std::string text_of(const Metrics& metrics, const std::map<std::string, std::uint64_t>& causes, std::uint64_t tested) {
+  TextTable table(
+      {{"metric", "", Align::left}, {"value", "", Align::right}, {"unit", "", Align::left}, {"what it is", "", Align::left}});
+  const auto add = [&](const std::string& name, std::optional<double> value, std::string_view unit, std::string_view sentence) {
+    const bool is_share = unit.empty();
+    table.add_row({name, value ? measured(is_share ? 100 * *value : *value) : "-", std::string(is_share ? "%" : unit),
+                   std::string(sentence)});
+  };
+  for (const MetricInfo& info : metric_infos())
+    add(std::string(info.name), metrics.at(std::string(info.name)), info.unit, info.sentence);
+  for (const CauseInfo& info : cause_infos())
+    if (const auto found = causes.find(std::string(info.name)); found != causes.end())
+      add(fmt::format("cause.{}", info.name), static_cast<double>(found->second) / static_cast<double>(tested), "",
+          info.sentence);
+  return table.text(terminal_width());
+}
+
+int score(const ScoreOptions& options) {
+  const Scene scene = load_scene(options.scene);
+  require_names(options.scene, scene, options.lights,
+                options.view.empty() ? std::vector<std::string>() : std::vector{options.view});
+  const View& view = options.view.empty() ? scene.views.front()
+                                          : *std::ranges::find(scene.views, options.view, [](const View& v) { return v.name; });
+  const std::vector<Channel> channels = channels_of(options, scene);
+  const auto [width, height] = image_files().exr_size(options.mask);
+  const FrameKey key{view, width, height, parse_truth(options.truth)};
+  FrameStore frames(scene, cache_root() / "frames");
+  std::unique_ptr<StagedFolder> folder;
+  if (!options.out.empty()) folder.reset(new StagedFolder(StagedFolder::beside(options.out)));
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const Channel& channel : channels) {
+    const Light& light = channel.light;
+    Answer answer;
+    answer.gbuffer = frames.gbuffer(key);
+    answer.reference = frames.reference(key, light);
+    answer.mask = read_mask(options.mask, channel.name, width, height);
+    // Nobody explains a pixel of a file: causes are those of its place and its company.
+    answer.causes =
+        find_causes({scene, frames.casters(key.truth), answer.gbuffer, light, answer.reference, answer.mask, {}, nullptr});
+    const Evidence evidence = answer.evidence(scene, light);
+    const Scoring scoring(evidence);
+    const Metrics metrics = measure_metrics(scoring);
+    std::map<std::string, std::uint64_t> causes;
+    for (const Cause cause : answer.causes)
+      if (cause != Cause::none) ++causes[std::string(name(cause))];
+    if (folder) {
+      const std::string tail = channels.size() == 1 ? "" : "_" + light.name;
+      write_png(folder->path / ("error" + tail + ".png"), draw_errors(evidence, options.mask.filename().string()));
+      write_png(folder->path / ("shaded" + tail + ".png"), shade(scene, answer.gbuffer, light, answer.mask));
+    }
+    if (!options.json) {
+      fmt::print("{}scene {}, light {}, view {}, {} x {}, {} truth: {} of {} pixels facing the light are tested\n\n{}",
+                 &channel == channels.data() ? "" : "\n", options.scene, light.name, view.name, width, height, options.truth,
+                 scoring.tally().tested, scoring.tally().facing,
+                 text_of(metrics, causes, std::max<std::size_t>(1, scoring.tally().tested)));
+      continue;
+    }
+    nlohmann::ordered_json values = nlohmann::ordered_json::object();
+    for (const MetricInfo& info : metric_infos()) {
+      const std::optional<double> value = metrics.at(std::string(info.name));
+      values[std::string(info.name)] = value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+    }
+    list.push_back({{"scene", options.scene},
+                    {"light", light.name},
+                    {"view", view.name},
+                    {"width", width},
+                    {"height", height},
+                    {"truth", options.truth},
+                    {"mask", options.mask.string()},
+                    {"channel", channel.name},
+                    {"metrics", values},
+                    {"classes", class_counts(answer.reference.classes)},
+                    {"causes", causes}});
+  }
+  if (options.json) fmt::print("{}\n", list.dump(2));
+  if (folder) folder->publish();
+  return 0;
+}
+
+}  // namespace
+
+void add_score(Program& program) {
+  CLI::App* command = program.cli.add_subcommand("score", "A mask that another program made, against the reference");
+  auto options = std::make_shared<ScoreOptions>();
+  command->add_option("--scene", options->scene, "Scene id, ID:param=value, or a scene or mesh file")->required();
+  command->add_option("--mask", options->mask, "Image of visibilities, 1 lit and 0 in shadow; its size is the picture's")
+      ->required()
+      ->check(not_empty());
+  command->add_option("--light", options->lights, "Light names; by default every light of which the mask has a channel LIGHT.V")
+      ->delimiter(',');
+  command->add_option("--channel", options->channel, "Channel of the one light asked for")->check(not_empty());
+  command->add_option("--view", options->view, "View name; the first by default");
+  command->add_option("--truth", options->truth, "What counts: exact shapes or the meshes; shape | mesh")
+      ->capture_default_str();
+  command->add_option("--out", options->out, "Folder for error and shaded pictures");
+  command->add_flag("--json", options->json, "As JSON");
+  command->callback([&program, options] { program.chosen = [options] { return score(*options); }; });
+}
+
+}  // namespace gnomon::app
