@@ -323,6 +323,22 @@ TEST(latex, long_tables_become_several_floats_and_no_row_is_lost) {
   EXPECT_EQ(count("renderer: "), 1);  // notes stand below the last one
 }
 
+// Three groups of ten lines a page: 40 pages are 120 groups.
+TEST(latex, more_floats_than_latex_holds_are_printed_in_between) {
+  const auto text_of = [](int groups) {
+    std::vector<Record> records;
+    for (int scene = 0; scene < groups; ++scene)
+      for (int k = 0; k < 9; ++k) records.push_back(row(fmt::format("t{}", k), 1 + k, 0.1, fmt::format("scene_{}", scene)));
+    return render_table(records, Format::latex);
+  };
+  EXPECT_FALSE(has(text_of(120), "\\clearpage"));
+  const std::string text = text_of(121);
+  EXPECT_TRUE(has(text, " (41 of 41)}"));
+  EXPECT_LT(text.find(" (40 of 41)}"), text.find("\\clearpage\n"));
+  EXPECT_GT(text.find(" (41 of 41)}"), text.find("\\clearpage\n"));
+  EXPECT_EQ(text.find("\\clearpage"), text.rfind("\\clearpage"));
+}
+
 TEST(latex, words_too_long_for_the_page_wrap_into_further_lines) {
   std::vector<Record> records{row("shadow_map", 1, 0.1)};
   records[0].settings =

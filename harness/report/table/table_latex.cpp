@@ -60,6 +60,7 @@ namespace {
 
 constexpr std::size_t page_lines = 34;   // of small print, beside caption and rules, on a page in landscape
 constexpr std::size_t page_width = 150;  // characters of small print across it
+constexpr std::size_t held_floats = 40;  // printed together; LaTeX gives up when it holds more than 52
 constexpr std::size_t least_text = 14;   // no column of words becomes narrower
 
 /// A row cut into lines: words wrap, numbers stand on the first.
@@ -200,6 +201,7 @@ std::string latex_floats(const LatexRows& rows, const std::string& caption, cons
       for (const std::string& note : rows.notes) text += fmt::format("  {}.\n", note);
     }
     text += "\\end{table}\n";
+    if (!is_last && (page + 1) % held_floats == 0) text += "\\clearpage\n";
   }
   return text;
 }
