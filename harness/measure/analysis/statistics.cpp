@@ -93,12 +93,13 @@ double beta_fraction(double a, double b, double x) {
   return fraction;
 }
 
-/// Regularized incomplete beta function I_x(a, b).
-double incomplete_beta(double a, double b, double x) {
+/// Regularized incomplete beta function I_x(a, b). `rest` is 1 - x, from whoever knows it without the difference, which cancels
+/// for an x near 1.
+double incomplete_beta(double a, double b, double x, double rest) {
   if (x <= 0) return 0;
-  if (x >= 1) return 1;
-  const double front = std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) + a * std::log(x) + b * std::log1p(-x));
-  return x < (a + 1) / (a + b + 2) ? front * beta_fraction(a, b, x) / a : 1 - front * beta_fraction(b, a, 1 - x) / b;
+  if (rest <= 0) return 1;
+  const double front = std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) + a * std::log(x) + b * std::log(rest));
+  return x < (a + 1) / (a + b + 2) ? front * beta_fraction(a, b, x) / a : 1 - front * beta_fraction(b, a, rest) / b;
 }
 
 }  // namespace
@@ -151,7 +152,8 @@ double student_tail(double t, double freedom) {
   assert(freedom > 0);
   if (std::isnan(t)) return t;
   // Abramowitz and Stegun 26.7.1: both tails together are I_x(n / 2, 1 / 2) at x = n / (n + t^2).
-  const double tail = std::isinf(t) ? 0 : 0.5 * incomplete_beta(freedom / 2, 0.5, freedom / (freedom + t * t));
+  const double whole = freedom + t * t;
+  const double tail = std::isinf(t) ? 0 : 0.5 * incomplete_beta(freedom / 2, 0.5, freedom / whole, t * t / whole);
   return t > 0 ? tail : 1 - tail;
 }
 
