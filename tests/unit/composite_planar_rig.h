@@ -2,13 +2,11 @@
 #include <gnomon/kit/gl.h>
 #include <gnomon/kit/planar_shadow.h>
 #include <gnomon/kit/random.h>
-#include <gnomon/kit/rays.h>
 #include <gnomon/kit/shapes.h>
 #include <gtest/gtest.h>
 
 #include "device/context.h"
-#include "measure/frame/classify.h"
-#include "measure/frame/gbuffer_maker.h"
+#include "shape_world.h"
 #include "small_world.h"
 
 extern "C" void gnomon_technique_composite_planar(gnomon::Registry&);
@@ -24,24 +22,9 @@ inline Mesh mesh_of(const Shape& shape, int segments = 24, const std::string& na
 /// A level square around a point.
 inline Shape level(const glm::vec3& center, float half) { return Plane{center, {half, 0, 0}, {0, 0, half}}; }
 
-/// What the eye sees of a scene of shapes, and what rays through the shapes say.
-struct World {
-  Scene scene;
-  RayScene everything, casters;
-  GBuffer gbuffer;
+struct World : shape_world::ShapeWorld {
   World(Scene the_scene, const View& view, int width = 160, int height = 90)
-      : scene(std::move(the_scene)),
-        everything(scene, Truth::shape, RayScene::Which::all),
-        casters(scene, Truth::shape, RayScene::Which::casters),
-        gbuffer(make_gbuffer(scene, everything, view, width, height, Truth::shape)) {}
-  std::vector<float> reference(const Light& light) const {
-    std::vector<float> mask(gbuffer.size());
-    trace_shadows(casters, scene, gbuffer, light, mask);
-    return mask;
-  }
-  std::vector<PixelClass> classes(const Light& light, std::span<const float> reference) const {
-    return classify(scene, casters, gbuffer, light, reference);
-  }
+      : ShapeWorld(std::move(the_scene), view, width, height) {}
   bool faces(const Light& light, std::size_t i) const { return faces_light(scene, gbuffer, light, i); }
 };
 

@@ -1,7 +1,6 @@
 // Shadow volumes of spheres, cones and discs against the ray tracer under shape truth.
 #include <gnomon/kit/gl.h>
 #include <gnomon/kit/random.h>
-#include <gnomon/kit/rays.h>
 #include <gnomon/kit/shapes.h>
 #include <gtest/gtest.h>
 
@@ -10,8 +9,7 @@
 #include "../../techniques/sphere_volume/bodies.h"
 #include "device/context.h"
 #include "kit/shape_rays.h"
-#include "measure/frame/classify.h"
-#include "measure/frame/gbuffer_maker.h"
+#include "shape_world.h"
 #include "small_world.h"
 
 extern "C" void gnomon_technique_sphere_volume(gnomon::Registry&);
@@ -20,25 +18,9 @@ namespace {
 using namespace gnomon;
 namespace sv = sphere_volume;
 
-/// A scene with what rays through its exact shapes say.
-struct ShapeWorld {
-  Scene scene;
-  RayScene everything, casters;
-  GBuffer gbuffer;
+struct ShapeWorld : shape_world::ShapeWorld {
   ShapeWorld(Scene the_scene, const View& view, int width = 160, int height = 120)
-      : scene(std::move(the_scene)),
-        everything(scene, Truth::shape, RayScene::Which::all),
-        casters(scene, Truth::shape, RayScene::Which::casters),
-        gbuffer(make_gbuffer(scene, everything, view, width, height, Truth::shape)) {}
-
-  std::vector<float> reference(const Light& light) const {
-    std::vector<float> mask(gbuffer.size());
-    trace_shadows(casters, scene, gbuffer, light, mask);
-    return mask;
-  }
-  std::vector<PixelClass> classes(const Light& light, std::span<const float> mask) const {
-    return classify(scene, casters, gbuffer, light, mask);
-  }
+      : shape_world::ShapeWorld(std::move(the_scene), view, width, height) {}
 
   /// Whether the answer of rays changes when the pixel's point moves by `pixels` on the screen, in its tangent plane.
   bool near_edge(const Light& light, std::size_t i, double pixels) const {
