@@ -163,6 +163,21 @@ class Files(ProgramTest):
             self.write(name, text)
             self.refuse_scene(name, says)
 
+    def test_descriptions_that_start_from_a_scene_that_cannot_be(self):
+        self.write("a.toml", 'scene = "b.toml"\n')
+        self.write("b.toml", '\nscene = "a.toml"\n')
+        self.write("typo.toml", scene_toml('[[light]]\nname = "l"\nkind = "pint"\n'))
+        for name, text, says in [
+            ("type.toml", "scene = true\n", ["scene.scene = a truth value is not a text", "type.toml:1"]),
+            ("id.toml", '\nscene = "single_triangl"\n', ["did you mean single_triangle?", "(named in id.toml:2)"]),
+            ("value.toml", 'scene = "soup:count=-5"\n', ["soup.count = -5", "1 .. 1000000", "(named in value.toml:1)"]),
+            ("gone.toml", 'scene = "none.ply"\n', ["none.ply", "does not exist", "(named in gone.toml:1)"]),
+            ("below.toml", 'scene = "typo.toml"\n', ["did you mean point?", "typo.toml:9", "(named in below.toml:1)"]),
+            ("chain.toml", 'scene = "a.toml"\n', ["a.toml names b.toml names a.toml", "(named in b.toml:2)"]),
+        ]:
+            self.write(name, text)
+            self.refuse_scene(name, says)
+
     def test_suites_name_file_line_and_the_nearest_key(self):
         group = '[[group]]\nscenes = ["soup"]\n'
         for text, says in [

@@ -8,7 +8,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import ProgramTest  # noqa: E402
+from program import DATA, ProgramTest  # noqa: E402
 
 COMMANDS = ["list", "describe", "render", "run", "table", "certify", "docs"]
 
@@ -30,6 +30,37 @@ class Lists(ProgramTest):
         self.assertTrue(scenes["soup"]["available"])
         self.assertFalse(scenes["bunny"]["available"])  # the cache of this test is empty
         self.assertRegex(self.succeed("list", "scenes"), r"(?m)^bunny +not fetched ")
+
+
+    def test_scenes_that_start_from_what_is_not_fetched_are_not_fetched(self):
+        root = self.dir / "root"
+        for folder in (root / "scenes", root / "bench/suites", root / "meshes"):
+            folder.mkdir(parents=True)
+        files = {
+            "scan": '[[mesh]]\n  file = "cache:scan/scan.obj" # once fetched\n',
+            "by_id": '# By id: a scan at night.\nscene = "scan"\n',
+            "by_file": 'scene = "../meshes/placed.toml"\n',
+            "by_mesh": 'scene = "cache:scan/scan.obj"\n',
+            "by_settings": 'scene = "soup:count=5"\n',
+            "by_itself": 'scene = "by_itself"\n',
+        }
+        for name, text in files.items():
+            (root / f"scenes/{name}.toml").write_text(text)
+        (root / "meshes/placed.toml").write_text('scene = "by_id"\n')
+        self.environment = dict(self.environment, GNOMON_ROOT=str(root), GNOMON_CACHE=str(self.dir / "cache"))
+
+        def available():
+            scenes = json.loads(self.succeed("list", "scenes", "--json"))
+            return {scene["id"]: scene["available"] for scene in scenes if not scene["generated"]}
+
+        needy = {"scan", "by_id", "by_file", "by_mesh"}
+        self.assertEqual(available(), {name: name not in needy for name in files})
+        self.assertRegex(self.succeed("list", "scenes"), r"(?m)^by_id +not fetched +a scan at night\.$")
+        self.refuse("describe", "by_file", says=["scene scan is not fetched: run scripts/fetch_scenes scan"])
+        (self.dir / "cache/scenes/scan").mkdir(parents=True)
+        (self.dir / "cache/scenes/scan/scan.obj").write_bytes((DATA / "tetrahedron.obj").read_bytes())
+        self.assertEqual(available(), {name: True for name in files})
+        self.assertIn("4 triangles", self.succeed("describe", "by_file"))
 
 
 class Descriptions(ProgramTest):

@@ -9,7 +9,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import SMALL, ProgramTest, records  # noqa: E402
+from program import DATA, SMALL, ProgramTest, records  # noqa: E402
 
 SIZE = SMALL[-2:]
 
@@ -83,6 +83,31 @@ class Render(ProgramTest):
         self.refuse("render", "--scene", "single_triangle", "--technique", "crow_counting", *SIZE, "--debug", "crossing",
                     "--out", "none", says=["did you mean crossings"])
         self.assertFalse((self.dir / "none").exists())
+
+    def render_sun(self, scene, out):
+        """The mask without the date in its header: equal bytes are equal pixels. A filtered map has values between 0 and 1."""
+        self.succeed("render", "--scene", scene, "--technique", "shadow_map:resolution=256,filter=pcf", "--light", "sun", *SIZE,
+                     "--out", out)
+        mask, dates = re.subn(rb"capDate\0string\0.{4}[0-9: ]{19}", b"", (self.dir / out / "mask.exr").read_bytes(), flags=re.S)
+        self.assertEqual(dates, 1)
+        return mask
+
+    def test_a_description_that_starts_from_a_scene_gives_the_masks_of_that_scene(self):
+        # The sun and the view as the scenes themselves have them; a mesh more makes it another picture.
+        sun = '[[light]]\nname = "sun"\nkind = "directional"\ndirection = {}\n'
+        view = '[[view]]\nname = "view"\neye = {}\ntarget = {}\nfov_y_degrees = {}\n'
+        mesh = f'[[mesh]]\nfile = "{DATA / "tetrahedron.obj"}"\ntranslate = [1, 0, 1]\n'
+        for base, light, seen in [
+            ("composite:object=sphere", sun.format([-4, -9, -0.0]), view.format([-6.5, 5.5, 9], [-1, 1.65, 0], 34)),
+            ("snowman", sun.format([-1, -1.1, -0.6]), view.format([1.6, 3.6, 8], [0.3, 1.62, 0], 31)),
+        ]:
+            with self.subTest(base):
+                name = base.split(":")[0]
+                self.write(f"{name}.toml", f'scene = "{base}"\n{light}{seen}')
+                whole = self.render_sun(base, f"{name}_base")
+                self.assertEqual(self.render_sun(f"{name}.toml", f"{name}_same"), whole)
+                self.write(f"{name}_more.toml", f'scene = "{name}.toml"\n{mesh}')
+                self.assertNotEqual(self.render_sun(f"{name}_more.toml", f"{name}_more"), whole)
 
     def test_a_record_is_the_same_as_that_of_run(self):
         self.succeed("render", "--scene", "single_triangle", "--technique", "shadow_map", "--light", "sun", *SIZE, "--out", "a")

@@ -56,6 +56,12 @@ TEST(SceneToml, defaults_are_those_of_the_contract) {
   EXPECT_EQ(scene.views.at(0).fov_y_degrees, 45);
 }
 
+TEST(SceneToml, whole_numbers_may_be_of_any_size) {
+  // 2^53 + 1 is no double; the float nearest to it is 2^53.
+  const Scene scene = read(sphere + "[[light]]\nkind = \"point\"\nposition = [9007199254740993, -9223372036854775807, 1]\n");
+  EXPECT_EQ(std::get<PointLight>(scene.lights.at(0).kind).position, glm::vec3(0x1p53f, -0x1p63f, 1));
+}
+
 TEST(SceneToml, reads_every_kind_of_shape_and_light) {
   const Scene scene = read(R"(
 name = "all"

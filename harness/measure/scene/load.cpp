@@ -9,6 +9,7 @@
 #include <set>
 
 #include "measure/paths.h"
+#include "measure/scene/base_scene.h"
 
 namespace gnomon {
 
@@ -33,7 +34,7 @@ std::vector<fs::path> described_scenes() {
   return files;
 }
 
-/// The first line of a described scene is `# Title: summary`. It is fetched when no `cache:` file of it is missing.
+/// The first line of a described scene is `# Title: summary`.
 SceneListing describe(const fs::path& file) {
   SceneListing listing{.id = file.stem().string(), .title = file.stem().string(), .summary = ""};
   std::ifstream in(file);
@@ -44,16 +45,11 @@ SceneListing describe(const fs::path& file) {
     listing.title = line.substr(2, colon == std::string::npos ? colon : colon - 2);
     if (colon != std::string::npos) listing.summary = line.substr(colon + 2);
   }
-  for (; std::getline(in, line);)
-    if (const std::size_t start = line.find("\"cache:"); start != std::string::npos && line.starts_with("file")) {
-      const std::size_t begin = start + 7;
-      const std::string path = line.substr(begin, line.find('"', begin) - begin);
-      listing.available = listing.available && fs::exists(cache_root() / "scenes" / path);
-    }
+  listing.available = is_fetched(file.string());
   return listing;
 }
 
-Scene load_by_id(const std::string& reference) {
+Scene load_by_id(const std::string& reference, const Descriptions& above) {
   const std::size_t colon = reference.find(':');
   const std::string id = reference.substr(0, colon);
   const std::string settings = colon == std::string::npos ? "" : reference.substr(colon + 1);
@@ -70,7 +66,7 @@ Scene load_by_id(const std::string& reference) {
     ids.push_back(file.stem().string());
     if (ids.back() != id) continue;
     if (colon != std::string::npos) throw Error("scene {} has no parameters: it is described in {}", id, file.string());
-    return read_scene_toml(file);
+    return read_scene_toml(file, above);
   }
   std::sort(ids.begin(), ids.end());
   throw Error("scene {} does not exist; did you mean {}? There are: {}; or give a .toml or mesh file", id,
@@ -182,11 +178,14 @@ void finish_scene(Scene& scene, const std::string& where) {
   if (scene.meshes.empty()) throw Error("scene '{}' has no geometry ({})", scene.name, where);
 }
 
+Scene read_scene(const std::string& reference, const Descriptions& above) {
+  if (!names_file(reference)) return load_by_id(reference, above);
+  const fs::path file = reference;
+  return file.extension() == ".toml" ? read_scene_toml(file, above) : load_mesh_file(file);
+}
+
 Scene load_scene(const std::string& reference) {
-  const fs::path path = reference;
-  const bool is_toml = path.extension() == ".toml";
-  const bool is_file = is_toml || reference.find('/') != std::string::npos || is_mesh_file_name(path);
-  Scene scene = !is_file ? load_by_id(reference) : is_toml ? read_scene_toml(path) : load_mesh_file(path);
+  Scene scene = read_scene(reference, {});
   finish_scene(scene, reference);
   add_framing(scene);
   return scene;

@@ -18,6 +18,9 @@ class SceneNotFetched : public Error {
 /// afterwards: the scene's own, else the framing default, stated in `notes`. Throws Error on bad input, SceneNotFetched.
 Scene load_scene(const std::string& reference);
 
+/// Whether a reference names a file, of a description, of meshes, or anything with a slash in it; else it is an id.
+bool names_file(const std::string& reference);
+
 /// One scene as `gnomon list scenes` shows it.
 struct SceneListing {
   std::string id, title, summary;

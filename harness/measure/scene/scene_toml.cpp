@@ -4,7 +4,7 @@
 #include <fstream>
 #include <set>
 
-#include "measure/paths.h"
+#include "measure/scene/base_scene.h"
 #include "measure/scene/load.h"
 #include "measure/scene/toml_table.h"
 
@@ -25,18 +25,6 @@ std::string kind_of(const toml::table& table, const fs::path& file, const std::s
   return kind;
 }
 
-/// `file` is relative to the description; `cache:` opens a path of a fetched scene, whose first folder is the scene's id.
-fs::path mesh_path(const Table& table, const fs::path& description) {
-  const std::string name = table.text("file");
-  constexpr std::string_view prefix = "cache:";
-  if (!name.starts_with(prefix)) return description.parent_path() / name;
-  const fs::path inside = name.substr(prefix.size());
-  const fs::path file = cache_root() / "scenes" / inside;
-  const std::string id = inside.empty() ? "" : inside.begin()->string();
-  if (!fs::exists(file)) throw SceneNotFetched("scene {0} is not fetched: run scripts/fetch_scenes {0}", id);
-  return file;
-}
-
 void read_mesh(const toml::table& toml, const fs::path& file, Scene& scene) {
   const Table table(toml, file, "mesh", {"file", "scale", "rotate_degrees", "translate", "casts", "receives", "albedo"});
   const Placement placement{.scale = table.scale("scale"),
@@ -44,7 +32,7 @@ void read_mesh(const toml::table& toml, const fs::path& file, Scene& scene) {
                             .translate = table.vector("translate", glm::dvec3(0))};
   const bool casts = table.flag("casts", true), receives = table.flag("receives", true);
   const glm::vec3 albedo = table.albedo();
-  const fs::path path = mesh_path(table, file);
+  const fs::path path = described_file(table.text("file"), file);
   const std::size_t first = scene.meshes.size();
   try {
     import_file(path, placement, scene);
@@ -170,9 +158,25 @@ void read_path(const toml::table& toml, const fs::path& file, Scene& scene) {
   scene.paths.push_back(std::move(path));
 }
 
+/// What the file has of lights, views and paths stands in place of the base's; its meshes will be added to the base's.
+void start_from(Scene base, Scene& scene) {
+  if (!scene.lights.empty()) base.lights = std::move(scene.lights);
+  if (!scene.views.empty()) base.views = std::move(scene.views);
+  if (!scene.paths.empty()) base.paths = std::move(scene.paths);
+  scene = std::move(base);
+}
+
+using Reader = void (*)(const toml::table&, const fs::path&, Scene&);
+void read_all(const Table& top, std::string_view key, Reader read, const fs::path& file, Scene& scene) {
+  for (const toml::table* table : top.tables(key)) read(*table, file, scene);
+}
+
 }  // namespace
 
-Scene read_scene_toml(const fs::path& file) {
+Scene read_scene_toml(const fs::path& file) { return read_scene_toml(file, {}); }
+
+Scene read_scene_toml(const fs::path& file, const Descriptions& above) {
+  check_above(file, above);
   std::ifstream in(file);
   if (!in || fs::is_directory(file)) throw Error("{}: does not exist or cannot be read", file.string());
   toml::table document;
@@ -181,17 +185,22 @@ Scene read_scene_toml(const fs::path& file) {
   } catch (const toml::parse_error& error) {
     throw Error("{} ({}:{})", error.description(), file.string(), error.source().begin.line);
   }
-  const Table top(document, file, "scene", {"name", "ambient", "mesh", "shape", "light", "view", "path"});
+  const Table top(document, file, "scene", {"name", "scene", "ambient", "mesh", "shape", "light", "view", "path"});
   Scene scene;
+  read_all(top, "light", read_light, file, scene);
+  read_all(top, "view", read_view, file, scene);
+  read_all(top, "path", read_path, file, scene);
+  if (top.has("scene")) {
+    const std::string base = top.text("scene");
+    if (base.empty()) top.refuse("scene", "''", "the id or the file of a scene");
+    start_from(read_base(base, file, top.where("scene"), above), scene);
+  }
   scene.name = top.has("name") ? top.text("name") : file.stem().string();
   const double ambient = top.number("ambient", scene.ambient);
   if (ambient < 0 || ambient > 1) top.refuse("ambient", ambient, "within 0 .. 1");
   scene.ambient = static_cast<float>(ambient);
-  using Reader = void (*)(const toml::table&, const fs::path&, Scene&);
-  static constexpr std::pair<const char*, Reader> readers[] = {
-      {"light", read_light}, {"view", read_view}, {"path", read_path}, {"shape", read_shape}, {"mesh", read_mesh}};
-  for (const auto& [key, read] : readers)
-    for (const toml::table* table : top.tables(key)) read(*table, file, scene);
+  read_all(top, "shape", read_shape, file, scene);
+  read_all(top, "mesh", read_mesh, file, scene);
   return scene;
 }
 

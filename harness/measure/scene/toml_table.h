@@ -155,7 +155,9 @@ class Table {
   }
   double number_of(std::string_view key, const toml::node& node) const {
     if (!node.is_number()) refuse(key, &node == &need(key) ? kind(key) : "a list with something else", "a number or numbers");
-    const double value = *node.value<double>();
+    // Not value<double>() of both: that has no answer for whole numbers that a double must round.
+    const auto whole = node.value_exact<std::int64_t>();
+    const double value = whole ? static_cast<double>(*whole) : *node.value_exact<double>();
     if (!std::isfinite(value) || std::abs(value) > largest_coordinate) refuse(key, value, "within -1e30 .. 1e30");
     return value;
   }

@@ -1,0 +1,33 @@
+#pragma once
+// Private to the loaders: a description may name the scene that it starts from, whose description may name another.
+#include <gnomon/scene.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace gnomon {
+
+/// Descriptions that are being read, outermost first: each names the next as its `scene`.
+using Descriptions = std::vector<std::filesystem::path>;
+
+/// What a reference names, as its generator or file gives it: neither finished nor framed. `above` led here.
+Scene read_scene(const std::string& reference, const Descriptions& above);
+Scene read_scene_toml(const std::filesystem::path& file, const Descriptions& above);
+
+/// The scene that a description calls `reference`, neither finished nor framed. Throws Error that ends in `where`, which is
+/// "FILE:LINE" of the name, or in the place of a mistake further down; SceneNotFetched passes through.
+Scene read_base(const std::string& reference, const std::filesystem::path& description, const std::string& where,
+                const Descriptions& above);
+
+/// Throws Error when a description is one of those above it, or lies below too many.
+void check_above(const std::filesystem::path& description, const Descriptions& above);
+
+/// The file that a description calls `name`: relative to the description; `cache:` opens a path of a fetched scene, whose
+/// first folder is the scene's id. Throws SceneNotFetched where that is missing.
+std::filesystem::path described_file(const std::string& name, const std::filesystem::path& description);
+
+/// Whether every fetched file that this scene needs is there; true for what cannot be read, which loading will say.
+bool is_fetched(const std::string& reference);
+
+}  // namespace gnomon
