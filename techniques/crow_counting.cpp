@@ -11,6 +11,7 @@
 // Fails:  nothing it supports; the work grows with the length of the silhouette's shadow on the screen. A closed body that
 //         passes through itself inside out may be taken for empty.
 #include <gnomon/kit/layers.h>
+#include <gnomon/kit/lines.h>
 #include <gnomon/kit/random.h>
 #include <gnomon/registry.h>
 
@@ -94,7 +95,8 @@ class CrowCounting final : public Technique {
   std::optional<Explanation> explain(std::size_t index) const override;
   std::vector<DebugLayer> debug_layers() const override {
     return {{"crossings", "Faces crossed on the way to each point: gray none, else colors as in the legend.", heat_legend()},
-            {"depth", "Shadow volumes around each point: gray none, else colors as in the legend.", heat_legend()}};
+            {"depth", "Shadow volumes around each point: gray none, else colors as in the legend.", heat_legend()},
+            silhouette_layer()};
   }
   std::vector<float> draw_debug(std::string_view layer) const override;
 
@@ -338,9 +340,15 @@ std::optional<Explanation> CrowCounting::explain(std::size_t index) const {
 }
 
 std::vector<float> CrowCounting::draw_debug(std::string_view layer) const {
-  if (layer != "crossings" && layer != "depth") return Technique::draw_debug(layer);
+  if (layer != "crossings" && layer != "depth" && layer != "silhouette") return Technique::draw_debug(layer);
   std::vector<float> values;
   values.reserve(found_.size());
+  if (layer == "silhouette") {
+    for (const Found& found : found_) values.push_back(found.depth > 0 ? 0.0f : 1.0f);
+    std::vector<float> picture = shaded_layer(*scene_, *gbuffer_, light_, values);
+    draw_lines(silhouette_lines(volumes_.adjacency(), volumes_.silhouette()), *gbuffer_, picture);
+    return picture;
+  }
   for (const Found& found : found_) values.push_back(static_cast<float>(layer == "depth" ? found.depth : found.crossings));
   return heat_layer(*gbuffer_, values);
 }

@@ -18,7 +18,7 @@
 
 #include <optional>
 
-#include "shadow_map/light_faces.h"
+#include "shadow_map/layers.h"
 #include "shadow_map/shaders.h"
 
 namespace {
@@ -73,11 +73,7 @@ class ShadowMap final : public Technique {
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
   Counts counts() const override;
   std::optional<Explanation> explain(std::size_t index) const override;
-  std::vector<DebugLayer> debug_layers() const override {
-    return {
-        {"map",
-         "The depth image of each face: black at the near plane, light gray at the far one, white where nothing is stored."}};
-  }
+  std::vector<DebugLayer> debug_layers() const override { return shadow_map::map_layers(); }
   std::vector<float> draw_debug(std::string_view layer) const override;
 
  private:
@@ -89,6 +85,7 @@ class ShadowMap final : public Technique {
   double stored(int face, const glm::ivec2& texel) const;
   const std::vector<float>& depths() const;
   const std::vector<glm::vec2>& looked_up() const;
+  std::vector<float> answer() const;
   /// Runs a program of resolve over all pixels, into a texture.
   void look_up(const Program& program, unsigned target) const;
   /// What the head of the resolve shader says for a projection.
@@ -289,14 +286,22 @@ const std::vector<glm::vec2>& ShadowMap::looked_up() const {
   return looked_up_;
 }
 
+/// The mask of the last resolve, once more.
+std::vector<float> ShadowMap::answer() const {
+  const StateGuard guard;
+  VisibilityMask mask(gbuffer_->width, gbuffer_->height);
+  look_up(resolve_programs_[projection()], mask.texture());
+  const std::span<const float> pixels = mask.read();
+  glNamedFramebufferTexture(framebuffer_.name(), GL_COLOR_ATTACHMENT0, 0, 0);
+  return {pixels.begin(), pixels.end()};
+}
+
 /// Axis distance of the stored surface; infinity when nothing is stored or the texel is off the image.
 double ShadowMap::stored(int face, const glm::ivec2& texel) const {
   if (glm::any(glm::lessThan(texel, glm::ivec2(0))) || glm::any(glm::greaterThanEqual(texel, glm::ivec2(resolution))))
     return INFINITY;
-  const Face& f = faces_[face];
-  const double depth = depths()[(std::size_t(layers_[face]) * resolution + texel.y) * resolution + texel.x];
-  if (depth == 0) return INFINITY;
-  return f.perspective ? f.near / depth : f.far - depth * (f.far - f.near);
+  const float depth = depths()[(std::size_t(layers_[face]) * resolution + texel.y) * resolution + texel.x];
+  return shadow_map::axis_distance(faces_[face], depth);
 }
 
 // The shader's arithmetic in double, but for the texel: they may differ where stored and expected depth agree to float32
@@ -350,26 +355,20 @@ std::optional<Explanation> ShadowMap::explain(std::size_t index) const {
   return why;
 }
 
-/// The depth images of all faces as a 3 x 2 sheet (one image alone fills the picture): black at the near plane, light gray at
-/// the far one, white where nothing is stored.
 std::vector<float> ShadowMap::draw_debug(std::string_view layer) const {
-  if (layer != "map") return Technique::draw_debug(layer);
-  const int columns = faces_.size() == 1 ? 1 : 3, rows = faces_.size() == 1 ? 1 : 2;
-  const int width = gbuffer_->width, height = gbuffer_->height;
-  std::vector<float> picture(std::size_t(width) * height * 3, 1.0f);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      const glm::dvec2 sheet((x + 0.5) / width * columns, (y + 0.5) / height * rows);
-      const glm::ivec2 cell(sheet);
-      const int which = cell.y * columns + cell.x;
-      if (layers_[which] < 0) continue;
-      const Face& face = faces_[which];
-      const double z = stored(which, glm::ivec2((sheet - glm::dvec2(cell)) * double(resolution)));
-      if (z == INFINITY) continue;
-      const auto gray = static_cast<float>(0.8 * std::clamp((z - face.near) / (face.far - face.near), 0.0, 1.0));
-      std::fill_n(picture.begin() + 3 * (std::size_t(y) * width + x), 3, gray);
-    }
-  return picture;
+  if (layer == "map") {
+    const std::size_t texels = std::size_t(resolution) * resolution;
+    return shadow_map::paint_map(faces_, resolution, gbuffer_->width, gbuffer_->height, [&](std::size_t face) {
+      return layers_[face] < 0 ? std::span<const float>() : std::span(depths()).subspan(layers_[face] * texels, texels);
+    });
+  }
+  if (layer != "texels") return Technique::draw_debug(layer);
+  std::vector<shadow_map::LookUp> look_ups(gbuffer_->size());
+  const std::vector<glm::vec2>& texels = looked_up();
+  for (std::size_t i = 0; i < look_ups.size(); ++i)
+    if (faces_light(*scene_, *gbuffer_, light_, i))
+      look_ups[i] = {face_of(glm::dvec3(gbuffer_->position(i)) - faces_[0].origin), glm::ivec2(texels[i])};
+  return shadow_map::paint_texels(faces_, resolution, *scene_, *gbuffer_, light_, look_ups, answer());
 }
 
 }  // namespace

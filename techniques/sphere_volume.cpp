@@ -15,6 +15,7 @@
 // is dark. The same holds for a body around the eye and not the light.
 #include <gnomon/kit/depth_bound.h>
 #include <gnomon/kit/layers.h>
+#include <gnomon/kit/lines.h>
 #include <gnomon/registry.h>
 
 #include <algorithm>
@@ -50,7 +51,11 @@ class SphereVolume final : public Technique {
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
   Counts counts() const override;
   std::optional<Explanation> explain(std::size_t index) const override;
-  std::vector<DebugLayer> debug_layers() const override { return volume_layers(); }
+  std::vector<DebugLayer> debug_layers() const override {
+    std::vector<DebugLayer> layers = volume_layers();
+    layers.push_back(silhouette_layer());
+    return layers;
+  }
   std::vector<float> draw_debug(std::string_view layer) const override;
 
  private:
@@ -60,6 +65,7 @@ class SphereVolume final : public Technique {
   /// A solid that holds the light or the eye, and not both, hides the one from all that the other sees.
   bool is_all_dark(const View& view) const;
   void answer(const GBuffer& gbuffer, VisibilityMask& mask) const;
+  std::vector<Line> outlines() const;
   void begin(const GBuffer& gbuffer, Pass pass, int start) const;
   void count(Pass pass) const;
   void draw(const std::array<std::vector<DrawRange>, 3>& ranges, const VolumeProgram& program, Pass pass) const;
@@ -321,25 +327,42 @@ std::optional<Explanation> SphereVolume::explain(std::size_t index) const {
   return why;
 }
 
+/// Of bodies and of flat casters. The outline that `exact` decides by is drawn with many sides.
+std::vector<Line> SphereVolume::outlines() const {
+  constexpr int many = 256;
+  const glm::dvec4 l = homogeneous(light_);
+  std::vector<Line> lines = silhouette_lines(adjacency_, silhouette_);
+  for (const Body& body : bodies_) {
+    if (l.w != 0 && is_inside(body.shape, glm::dvec3(l))) continue;
+    const Contour contour =
+        is_exact() ? contour_of(body, l, equal_area, many) : contour_of(body, l, static_cast<Fit>(fit.index()), segments);
+    for (std::size_t i = 0; i < contour.points.size(); ++i)
+      lines.push_back({contour.points[i], contour.points[(i + 1) % contour.points.size()], silhouette_color(1)});
+  }
+  return lines;
+}
+
 std::vector<float> SphereVolume::draw_debug(std::string_view layer) const {
-  const bool is_volumes = layer == "volumes";
-  if (!is_volumes && layer != "counts") return Technique::draw_debug(layer);
-  const Pass pass = is_volumes ? Pass::layer : Pass::wide;
-  {
+  if (layer != "volumes" && layer != "counts" && layer != "silhouette") return Technique::draw_debug(layer);
+  if (layer != "silhouette") {
+    const Pass pass = layer == "volumes" ? Pass::layer : Pass::wide;
     const StateGuard guard;
     begin(*gbuffer_, pass, 0);
     count(pass);
   }
   std::vector<float> picture;
-  if (is_volumes) {
-    VisibilityMask mask(gbuffer_->width, gbuffer_->height);
-    answer(*gbuffer_, mask);
-    picture = shaded_layer(*scene_, *gbuffer_, light_, mask.read());
-    paint_volumes(counter_.layer_faces(), gbuffer_->width, picture);
-  } else {
+  if (layer == "counts") {
     std::vector<float> counts;
     for (const VolumeCounter::WideCount& c : counter_.wide_counts()) counts.push_back(c.count);
     picture = heat_layer(*gbuffer_, counts);
+  } else {
+    VisibilityMask mask(gbuffer_->width, gbuffer_->height);
+    answer(*gbuffer_, mask);
+    picture = shaded_layer(*scene_, *gbuffer_, light_, mask.read());
+    if (layer == "volumes")
+      paint_volumes(counter_.layer_faces(), gbuffer_->width, picture);
+    else
+      draw_lines(outlines(), *gbuffer_, picture);
   }
   counter_.drop_pictures();
   return picture;

@@ -12,6 +12,7 @@
 #include <gnomon/kit/camera.h>
 #include <gnomon/kit/depth_bound.h>
 #include <gnomon/kit/gl_volumes.h>
+#include <gnomon/kit/lines.h>
 #include <gnomon/registry.h>
 
 #include <memory>
@@ -56,7 +57,11 @@ class StencilVolume final : public Technique {
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
   Counts counts() const override;
   std::optional<Explanation> explain(std::size_t index) const override;
-  std::vector<DebugLayer> debug_layers() const override { return volume_layers(); }
+  std::vector<DebugLayer> debug_layers() const override {
+    std::vector<DebugLayer> layers = volume_layers();
+    layers.push_back(silhouette_layer());
+    return layers;
+  }
   std::vector<float> draw_debug(std::string_view layer) const override;
 
  private:
@@ -66,6 +71,8 @@ class StencilVolume final : public Technique {
   bool uses_near_rectangle(const View& view) const {
     return near_rectangle() && !stencil_volume::is_in_near_plane(homogeneous(light_), view);
   }
+  /// The mask of `gbuffer_`.
+  void answer(VisibilityMask& mask) const;
   /// Begins a pass, draws every face, and leaves the pass open.
   void draw(VolumeCounter::Pass pass) const;
   void draw_near_cap() const;
@@ -164,8 +171,12 @@ void StencilVolume::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   volumes_at_eye_ = 0;
   if (count.is("zpass_plus") && !uses_near_rectangle(gbuffer.view))
     volumes_at_eye_ = stencil_volume::volumes_at(adjacency_, gbuffer.view.eye, silhouette_);
+  answer(mask);
+}
+
+void StencilVolume::answer(VisibilityMask& mask) const {
   draw(wide_ ? VolumeCounter::Pass::wide : VolumeCounter::Pass::stencil);
-  counter_.write_mask(gbuffer_textures(gbuffer, *scene_), light_, mask);
+  counter_.write_mask(gbuffer_textures(*gbuffer_, *scene_), light_, mask);
   glFinish();
 }
 
@@ -302,21 +313,31 @@ std::optional<Explanation> StencilVolume::explain(std::size_t index) const {
 }
 
 std::vector<float> StencilVolume::draw_debug(std::string_view layer) const {
-  if (layer != "volumes" && layer != "counts") return Technique::draw_debug(layer);
-  const StateGuard guard;
-  std::vector<float> counts, mask, picture;
-  draw(VolumeCounter::Pass::wide);
-  for (const VolumeCounter::WideCount& pixel : counter_.wide_counts()) counts.push_back(pixel.count);
+  if (layer != "volumes" && layer != "counts" && layer != "silhouette") return Technique::draw_debug(layer);
+  std::vector<float> picture;
   if (layer == "counts") {
+    const StateGuard guard;
+    draw(VolumeCounter::Pass::wide);
+    std::vector<float> counts;
+    for (const VolumeCounter::WideCount& pixel : counter_.wide_counts()) counts.push_back(pixel.count);
     picture = heat_layer(*gbuffer_, counts);
+    counter_.end();
   } else {
-    for (std::size_t i = 0; i < counts.size(); ++i)
-      mask.push_back(counts[i] != 0 && faces_light(*scene_, *gbuffer_, light_, i) ? 0.0f : 1.0f);
-    picture = shaded_layer(*scene_, *gbuffer_, light_, mask);
-    draw(VolumeCounter::Pass::layer);
-    paint_volumes(counter_.layer_faces(), gbuffer_->width, picture);
+    VisibilityMask mask(gbuffer_->width, gbuffer_->height);
+    {
+      const StateGuard guard;
+      answer(mask);
+    }
+    picture = shaded_layer(*scene_, *gbuffer_, light_, mask.read());
+    if (layer == "silhouette") {
+      draw_lines(silhouette_lines(adjacency_, silhouette_), *gbuffer_, picture);
+    } else {
+      const StateGuard guard;
+      draw(VolumeCounter::Pass::layer);
+      paint_volumes(counter_.layer_faces(), gbuffer_->width, picture);
+      counter_.end();
+    }
   }
-  counter_.end();
   if (!wide_) counter_.drop_pictures();
   return picture;
 }

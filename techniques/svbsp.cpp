@@ -71,7 +71,7 @@ class Svbsp final : public Technique {
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
   Counts counts() const override;
   std::optional<Explanation> explain(std::size_t index) const override;
-  std::optional<SurfaceDetail> surface_detail() const override;
+  std::optional<SurfaceDetail> surface_detail() const override { return divide(merge); }
   std::vector<DebugLayer> debug_layers() const override;
   std::vector<float> draw_debug(std::string_view layer) const override;
 
@@ -82,6 +82,10 @@ class Svbsp final : public Technique {
                                                   : BspOptions::Choice::balanced,
             .free_cuts = free_cuts && !split.is("first")};
   }
+  /// Of all triangles, or of those that a picture shows.
+  SurfaceDetail divide(bool merges, const GBuffer* shown = nullptr) const;
+  /// The regular BSP tree of the scene, for pictures: made when it is first asked for, where no order needs it.
+  const Bsp& regular_tree() const;
   std::vector<float> paint() const;
   Facing facing() const { return {triangles_, signs_}; }
   Query query(const GBuffer& gbuffer, std::size_t i) const;
@@ -101,6 +105,7 @@ class Svbsp final : public Technique {
   std::vector<SceneTriangle> triangles_;       // of all meshes
   std::vector<std::uint32_t> first_triangle_;  // of each mesh
   std::optional<Bsp> bsp_;                     // for order=bsp
+  mutable std::optional<Bsp> drawn_bsp_;       // for pictures only
   std::vector<const BspPolygon*> front_to_back_;
   std::vector<std::int8_t> signs_;
   LightSpace space_;
@@ -124,7 +129,7 @@ void Svbsp::build(const Scene& scene) {
         for (const glm::vec3& p : triangles_.back().corners) bounds_.add(p);
     }
   }
-  bsp_.reset();
+  bsp_.reset(), drawn_bsp_.reset();
   if (order.is("bsp")) bsp_.emplace(scene, bsp_options());
 }
 
@@ -275,18 +280,28 @@ std::optional<Explanation> Svbsp::explain(std::size_t index) const {
   return why;
 }
 
-std::optional<SurfaceDetail> Svbsp::surface_detail() const {
+SurfaceDetail Svbsp::divide(bool merges, const GBuffer* shown) const {
+  std::vector<std::uint8_t> is_shown(triangles_.size(), shown == nullptr);
+  for (std::size_t i = 0; shown && i < shown->size(); ++i) {
+    if (shown->is_background(i)) continue;
+    const std::uint32_t m = shown->mesh[i], first = first_triangle_[m];
+    // A point of a curve has no triangle of its own.
+    if (shown->truth == Truth::mesh || !scene_->meshes[m].has_curved_shape())
+      is_shown[first + shown->triangle[i]] = 1;
+    else if (!is_shown[first])
+      std::fill_n(is_shown.begin() + first, scene_->meshes[m].triangles.size(), 1);
+  }
   constexpr std::size_t block = 4096;
   std::vector<SurfaceDetail> parts((triangles_.size() + block - 1) / block);
   const Facing facing = this->facing();
   for_blocks(signs_.size(), block, [&](std::size_t begin, std::size_t end) {
     Divider divider(space_, forest_, facing);
     for (std::size_t i = begin; i < end; ++i) {
-      if (signs_[i] == 0 || !scene_->meshes[triangles_[i].mesh].receives) continue;
+      if (!is_shown[i] || signs_[i] == 0 || !scene_->meshes[triangles_[i].mesh].receives) continue;
       Corner corners[3];
       for (int k = 0; k < 3; ++k) corners[k] = {glm::dvec3(triangles_[i].corners[k]), own_edge};
       const auto triangle = static_cast<std::uint32_t>(i);
-      divider.divide(corners, triangle, named(triangle), merge, parts[begin / block]);
+      divider.divide(corners, triangle, named(triangle), merges, parts[begin / block]);
     }
   });
   SurfaceDetail all;
@@ -300,16 +315,22 @@ std::optional<SurfaceDetail> Svbsp::surface_detail() const {
 
 std::vector<DebugLayer> Svbsp::debug_layers() const {
   std::vector<DebugLayer> layers = detail_layers();
+  layers.push_back(splits_layer());
+  layers.push_back(bsp_layer());
   layers.push_back(painter_layer());
   layers.push_back({"visits", "Nodes visited to locate each point: gray none, else colors as in the legend.", heat_legend()});
   return layers;
 }
 
+const Bsp& Svbsp::regular_tree() const {
+  if (bsp_) return *bsp_;
+  if (!drawn_bsp_) drawn_bsp_.emplace(*scene_, bsp_options());
+  return *drawn_bsp_;
+}
+
 /// The second pass of the source: the regular BSP tree's polygons with their surface detail.
 std::vector<float> Svbsp::paint() const {
-  std::optional<Bsp> made;
-  if (!bsp_) made.emplace(*scene_, bsp_options());
-  const Bsp& bsp = bsp_ ? *bsp_ : *made;
+  const Bsp& bsp = regular_tree();
   const Facing facing = this->facing();
   Divider divider(space_, forest_, facing);
   SurfaceDetail detail;
@@ -322,7 +343,9 @@ std::vector<float> Svbsp::paint() const {
 }
 
 std::vector<float> Svbsp::draw_debug(std::string_view layer) const {
-  if (layer == "fragments") return paint_detail(*scene_, *gbuffer_, light_, *surface_detail());
+  if (layer == "fragments") return paint_detail(*scene_, *gbuffer_, light_, divide(merge, gbuffer_));
+  if (layer == "splits") return paint_splits(*scene_, *gbuffer_, light_, divide(false, gbuffer_));
+  if (layer == "bsp") return paint_bsp(*scene_, *gbuffer_, light_, regular_tree());
   if (layer == "painter") return paint();
   if (layer != "visits") return Technique::draw_debug(layer);
   std::vector<float> values(gbuffer_->size(), 0);

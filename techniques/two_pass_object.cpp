@@ -59,6 +59,7 @@ class TwoPassObject final : public Technique {
   }
   std::vector<DebugLayer> debug_layers() const override {
     std::vector<DebugLayer> layers = detail_layers();
+    layers.push_back(splits_layer());
     layers.push_back({"clips",
                       "Casters that took a part away from each point's triangle in its cell: none where the picture is left "
                       "gray, else colors as in the legend.",
@@ -144,6 +145,7 @@ std::optional<Explanation> TwoPassObject::explain(std::size_t index) const {
 
 std::vector<float> TwoPassObject::draw_debug(std::string_view layer) const {
   if (layer == "fragments") return paint_detail(*scene_, *gbuffer_, light_, make_detail(*scene_, triangles_, map_, merges_));
+  if (layer == "splits") return paint_splits(*scene_, *gbuffer_, light_, make_detail(*scene_, triangles_, map_, false));
   if (layer != "clips") return Technique::draw_debug(layer);
   std::vector<float> clips(gbuffer_->size(), 0);
   for_blocks(clips.size(), 4096, [&](std::size_t begin, std::size_t end) {

@@ -46,9 +46,10 @@ double distance_outside(std::span<const glm::dvec3> corners, const glm::dvec3& n
   return largest;
 }
 
-/// The polygon that each pixel shows, or nobody.
-std::vector<std::uint32_t> find_owners(const Scene& scene, const GBuffer& gbuffer, const Light& light,
-                                       const SurfaceDetail& detail) {
+/// The polygon that each pixel shows, or nobody; also nobody where `is_wanted`(pixel) is false.
+template <class Wanted>
+std::vector<std::uint32_t> find_owners(const Scene& scene, const GBuffer& gbuffer, const SurfaceDetail& detail,
+                                       const Wanted& is_wanted) {
   const Camera camera(gbuffer.view, gbuffer.width, gbuffer.height);
   std::vector<std::uint32_t> owners(gbuffer.size(), nobody);
   std::vector<double> distances(gbuffer.size(), std::numeric_limits<double>::infinity());
@@ -75,7 +76,7 @@ std::vector<std::uint32_t> find_owners(const Scene& scene, const GBuffer& gbuffe
   }
   const auto triangle_of = [](const DetailPolygon& p) { return std::pair(p.mesh, p.triangle); };
   for (std::size_t i = 0; i < gbuffer.size(); ++i) {
-    if (!faces_light(scene, gbuffer, light, i)) {
+    if (gbuffer.is_background(i) || !is_wanted(i)) {
       owners[i] = nobody;
     } else if (owners[i] == nobody && !is_curve(gbuffer.mesh[i])) {
       const auto own =
@@ -89,6 +90,80 @@ std::vector<std::uint32_t> find_owners(const Scene& scene, const GBuffer& gbuffe
     }
   }
   return owners;
+}
+
+/// Of each polygon, 0 .. 1, by its triangle and its place among that one's polygons. Multiples of the golden section are spread
+/// evenly, and those of neighbors lie far apart; so are those of the root of x^3 = x + 1, inverted, that triangles have.
+std::vector<float> make_tones(const SurfaceDetail& detail) {
+  constexpr double golden = 0.6180339887498949, plastic = 0.7548776662466927;
+  std::vector<float> tones;
+  tones.reserve(detail.polygons.size());
+  std::size_t first = 0;  // of the triangle
+  for (std::size_t k = 0; k < detail.polygons.size(); ++k) {
+    const DetailPolygon &p = detail.polygons[k], &f = detail.polygons[first];
+    if (p.mesh != f.mesh || p.triangle != f.triangle) first = k;
+    const double turns = golden * static_cast<double>(k - first) + plastic * p.triangle;
+    tones.push_back(static_cast<float>(turns - std::floor(turns)));
+  }
+  return tones;
+}
+
+/// What lies between a pixel and the one to its right or below it; the last one that is true of either.
+enum class Border { none, edge, split, shadow };
+
+/// The borders of what pixels show, one pixel wide: seen from the pixel on their left or above.
+class Borders {
+ public:
+  Borders(const GBuffer& gbuffer, const SurfaceDetail& detail, std::span<const std::uint32_t> owners)
+      : kinds_(owners.size(), Border::none), all_(detail.polygons.size(), 0), border_(detail.polygons.size(), 0) {
+    const auto between = [&](std::uint32_t a, std::uint32_t b) {
+      if (a == b || a == nobody || b == nobody) return Border::none;
+      const DetailPolygon &p = detail.polygons[a], &q = detail.polygons[b];
+      if (p.mesh != q.mesh || p.triangle != q.triangle) return Border::edge;
+      return p.is_lit == q.is_lit ? Border::split : Border::shadow;
+    };
+    const std::size_t width = gbuffer.width;
+    for (std::size_t i = 0; i < owners.size(); ++i) {
+      if (owners[i] == nobody) continue;
+      if (i % width + 1 < width) kinds_[i] = between(owners[i], owners[i + 1]);
+      if (i + width < owners.size()) kinds_[i] = std::max(kinds_[i], between(owners[i], owners[i + width]));
+      ++all_[owners[i]], border_[owners[i]] += kinds_[i] != Border::none;
+    }
+  }
+
+  Border kind(std::size_t i) const { return kinds_[i]; }
+  /// Twice the share of the polygon that borders leave free, 1 at most.
+  double room(std::uint32_t polygon) const {
+    return std::clamp(2.0 * (all_[polygon] - border_[polygon]) / all_[polygon], 0.0, 1.0);
+  }
+
+ private:
+  std::vector<Border> kinds_;
+  std::vector<std::uint32_t> all_, border_;  // pixels of each polygon
+};
+
+const Swatch& swatch(Border border) {
+  // sRGB 80, 165, 255; 255, 205, 45; 255, 60, 50.
+  static const Swatch edge{"edge of a triangle", {0.0802, 0.3763, 1.0}}, split{"split", {1.0, 0.6105, 0.0262}},
+      shadow{"border of a shadow", {1.0, 0.0452, 0.0319}};
+  return border == Border::shadow ? shadow : border == Border::split ? split : edge;
+}
+
+/// Tones and borders over the shaded scene.
+void paint_borders(const GBuffer& gbuffer, const SurfaceDetail& detail, std::span<const std::uint32_t> owners,
+                   std::span<float> picture) {
+  const Borders borders(gbuffer, detail, owners);
+  const std::vector<float> tones = make_tones(detail);
+  for (std::size_t i = 0; i < owners.size(); ++i) {
+    const std::uint32_t k = owners[i];
+    if (k == nobody) continue;
+    const Border kind = borders.kind(i);
+    const double share = kind == Border::none ? 0 : kind == Border::shadow ? 1 : borders.room(k), left = 0.7 + 0.3 * tones[k];
+    for (int c = 0; c < 3; ++c) {
+      float& channel = picture[3 * i + c];
+      channel = static_cast<float>(glm::mix(left * channel, swatch(kind).color[c], share));
+    }
+  }
 }
 
 }  // namespace
@@ -125,35 +200,69 @@ void check_detail(const Scene& scene, const SurfaceDetail& detail) {
 std::vector<float> paint_detail(const Scene& scene, const GBuffer& gbuffer, const Light& light, const SurfaceDetail& detail) {
   check_detail(scene, detail);
   std::vector<float> picture = shaded_layer(scene, gbuffer, light, std::vector<float>(gbuffer.size(), 1.0f));
-  const std::vector<std::uint32_t> owners = find_owners(scene, gbuffer, light, detail);
-
-  // Borders one pixel wide: seen from the pixel on their left or above.
-  const int width = gbuffer.width, height = gbuffer.height;
-  const auto is_border = [&](std::size_t i) {
-    const auto differs = [&](std::size_t j) { return owners[j] != nobody && owners[j] != owners[i]; };
-    return (static_cast<int>(i % width) + 1 < width && differs(i + 1)) ||
-           (static_cast<int>(i / width) + 1 < height && differs(i + width));
-  };
-  std::vector<std::uint32_t> all(detail.polygons.size(), 0), border(detail.polygons.size(), 0);
-  for (std::size_t i = 0; i < owners.size(); ++i)
-    if (owners[i] != nobody) ++all[owners[i]], border[owners[i]] += is_border(i);
-
-  constexpr double golden = 0.6180339887498949, left_on_border = 0.4;
+  const std::vector<std::uint32_t> owners =
+      find_owners(scene, gbuffer, detail, [&](std::size_t i) { return faces_light(scene, gbuffer, light, i); });
+  const Borders borders(gbuffer, detail, owners);
+  const std::vector<float> tones = make_tones(detail);
+  constexpr double left_on_border = 0.4;
   const glm::dvec3 eye = gbuffer.view.eye;
   for (std::size_t i = 0; i < owners.size(); ++i) {
     const std::uint32_t k = owners[i];
     if (k == nobody) continue;
-    // Multiples of the golden section are spread evenly, and those of neighbors lie far apart.
-    const double turn = golden * k - std::floor(golden * k);
     const glm::dvec3 to_eye = glm::normalize(eye - glm::dvec3(gbuffer.position(i)));
-    double brightness = (1 - 0.3 * turn) * (0.7 + 0.3 * std::abs(glm::dot(glm::dvec3(gbuffer.normal(i)), to_eye)));
-    if (is_border(i)) {
-      const double room = std::clamp(2.0 * (all[k] - border[k]) / all[k], 0.0, 1.0);
-      brightness *= 1 - (1 - left_on_border) * room;
-    }
+    double brightness = (1 - 0.3 * tones[k]) * (0.7 + 0.3 * std::abs(glm::dot(glm::dvec3(gbuffer.normal(i)), to_eye)));
+    if (borders.kind(i) != Border::none) brightness *= 1 - (1 - left_on_border) * borders.room(k);
     const glm::dvec3 color = brightness * swatch(detail.polygons[k].is_lit).color;
     for (int c = 0; c < 3; ++c) picture[3 * i + c] = static_cast<float>(color[c]);
   }
+  return picture;
+}
+
+DebugLayer splits_layer() {
+  return {
+      "splits",
+      "Where polygons of the scene are divided, before parts that are alike are joined again: over the shaded picture, the "
+      "edges of triangles, the borders between a triangle's lit and shadowed parts, and all other splits; darker in shadow.",
+      {swatch(Border::edge), swatch(Border::shadow), swatch(Border::split)}};
+}
+
+std::vector<float> paint_splits(const Scene& scene, const GBuffer& gbuffer, const Light& light, const SurfaceDetail& detail) {
+  check_detail(scene, detail);
+  const std::vector<std::uint32_t> owners =
+      find_owners(scene, gbuffer, detail, [&](std::size_t i) { return faces_light(scene, gbuffer, light, i); });
+  std::vector<float> mask(gbuffer.size(), 1.0f);
+  for (std::size_t i = 0; i < owners.size(); ++i)
+    if (owners[i] != nobody && !detail.polygons[owners[i]].is_lit) mask[i] = 0;
+  std::vector<float> picture = shaded_layer(scene, gbuffer, light, mask);
+  paint_borders(gbuffer, detail, owners, picture);
+  return picture;
+}
+
+DebugLayer bsp_layer() {
+  return {"bsp",
+          "The polygons of the regular BSP tree of the scene, without shadows: the edges of triangles, and where planes of the "
+          "tree split them.",
+          {swatch(Border::edge), swatch(Border::split)}};
+}
+
+std::vector<float> paint_bsp(const Scene& scene, const GBuffer& gbuffer, const Light& light, const Bsp& bsp) {
+  std::vector<const BspPolygon*> sorted;
+  for (const BspPolygon& polygon : bsp.polygons()) sorted.push_back(&polygon);
+  std::ranges::stable_sort(sorted, {}, [](const BspPolygon* p) { return p->triangle; });
+  SurfaceDetail detail;
+  std::uint32_t mesh = 0, first = 0;  // of the mesh, over the scene
+  for (const BspPolygon* const polygon : sorted) {
+    while (polygon->triangle - first >= scene.meshes[mesh].triangles.size())
+      first += static_cast<std::uint32_t>(scene.meshes[mesh++].triangles.size());
+    detail.polygons.push_back({.mesh = mesh,
+                               .triangle = polygon->triangle - first,
+                               .is_lit = true,
+                               .first = static_cast<std::uint32_t>(detail.corners.size()),
+                               .count = polygon->count});
+    for (const Corner& corner : bsp.corners(*polygon)) detail.corners.push_back(corner.at);
+  }
+  std::vector<float> picture = shaded_layer(scene, gbuffer, light, std::vector<float>(gbuffer.size(), 1.0f));
+  paint_borders(gbuffer, detail, find_owners(scene, gbuffer, detail, [](std::size_t) { return true; }), picture);
   return picture;
 }
 

@@ -53,6 +53,12 @@ TEST_P(Says, documents_every_parameter_and_layer) {
     EXPECT_TRUE(is_plain_name(layer.name)) << layer.name;
     EXPECT_TRUE(names.insert(layer.name).second) << layer.name << " is there twice";
     EXPECT_TRUE(is_sentence(layer.sentence)) << layer.name << ": " << layer.sentence;
+    std::set<std::string_view> swatches;
+    for (const Swatch& swatch : layer.legend) {
+      EXPECT_TRUE(!swatch.name.empty() && swatches.insert(swatch.name).second) << layer.name << ": " << swatch.name;
+      for (int c = 0; c < 3; ++c)
+        EXPECT_TRUE(swatch.color[c] >= 0 && swatch.color[c] <= 1) << layer.name << ": " << swatch.name;
+    }
   }
   EXPECT_EQ(technique->settings(), "");
 }

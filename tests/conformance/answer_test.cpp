@@ -105,13 +105,36 @@ TEST_P(Answer, explains_pixels_without_changing_them) {
       for (const Tap& tap : why->taps) EXPECT_NEAR(glm::length(tap.direction), 1, 1e-6) << "pixel " << i;
       EXPECT_TRUE(std::isfinite(why->bias) && why->texel_width >= 0) << "pixel " << i;
     }
-    for (const DebugLayer& known : technique->debug_layers()) {
-      const std::string& layer = known.name;
-      const std::vector<float> picture = technique->draw_debug(layer);
-      EXPECT_EQ(picture.size(), 3 * gbuffer.size()) << layer;
-      EXPECT_TRUE(std::ranges::all_of(picture, [](float v) { return std::isfinite(v); })) << layer;
-    }
     EXPECT_TRUE(same(mask, resolve(*technique, gbuffer)));
+  }
+}
+
+// On either truth, whatever the technique sees: pictures are of the G-buffer's size and linear RGB, the same when asked twice,
+// and leave the answer alone. A layer that is not there is refused by name.
+TEST_P(Answer, draws_its_layers_and_refuses_others) {
+  for (const Truth truth : {Truth::mesh, Truth::shape}) {
+    const World w(load_scene("sphere_over_plane:segments=24"), truth);
+    const GBuffer gbuffer = w.gbuffer();
+    for (const Light& light : supported_lights(w.scene)) {
+      SCOPED_TRACE(title(light));
+      const auto technique = set_up();
+      const std::vector<float> mask = answer(*technique, w.scene, light, gbuffer);
+      for (const DebugLayer& layer : technique->debug_layers()) {
+        const std::vector<float> picture = technique->draw_debug(layer.name);
+        EXPECT_EQ(picture.size(), 3 * gbuffer.size()) << layer.name;
+        EXPECT_TRUE(std::ranges::all_of(picture, [](float v) { return v >= 0 && v <= 1; })) << layer.name;
+        EXPECT_TRUE(same(picture, technique->draw_debug(layer.name))) << layer.name;
+      }
+      EXPECT_TRUE(same(mask, resolve(*technique, gbuffer)));
+      for (const char* const unknown : {"no_such_layer", ""}) {
+        try {
+          technique->draw_debug(unknown);
+          ADD_FAILURE() << entry().id << " drew a layer named '" << unknown << "'";
+        } catch (const Error& error) {
+          EXPECT_NE(std::string(error.what()).find(entry().id), std::string::npos) << error.what();
+        }
+      }
+    }
   }
 }
 

@@ -324,9 +324,10 @@ TEST_F(StencilVolume, layers_show_volumes_and_counts_where_they_are) {
     const auto plain_volumes = technique_->draw_debug("volumes"), plain_counts = technique_->draw_debug("counts");
     const auto now = mask(settings, scene, light, g);
     const std::vector<DebugLayer> layers = technique_->debug_layers();
-    ASSERT_EQ(layers.size(), 2u);
+    ASSERT_EQ(layers.size(), 3u);
     ASSERT_EQ(layers[0].name, "volumes");
     ASSERT_EQ(layers[1].name, "counts");
+    ASSERT_EQ(layers[2].name, "silhouette");
     const auto volumes = technique_->draw_debug("volumes"), counts = technique_->draw_debug("counts");
     ASSERT_EQ(volumes.size(), 3 * g.size());
     ASSERT_EQ(counts.size(), 3 * g.size());

@@ -19,11 +19,26 @@ std::vector<DebugLayer> detail_layers();
 void check_detail(const Scene& scene, const SurfaceDetail& detail);
 
 /// Every visible point that faces the light has the color of the polygon of its own triangle that it lies in: warm when that is
-/// lit, cool when it is shadowed; a little brighter or darker by the polygon's index, and darker along its border where that
-/// leaves at least half of it free. A point by the border of its triangle that rounding leaves out has the nearest polygon's
-/// color. On an exact curved shape the polygon of the mesh that lies nearest to the point along its ray counts. All other
-/// points, and those of triangles without detail, are as in `shaded_layer`. The detail is checked.
+/// lit, cool when it is shadowed; a little brighter or darker by its triangle and its place among that one's polygons, and
+/// darker along its border where that leaves at least half of it free. A point by the border of its triangle that rounding
+/// leaves out has the nearest polygon's color. On an exact curved shape the polygon of the mesh that lies nearest to the point
+/// along its ray counts. All other points, and those of triangles without detail, are as in `shaded_layer`. The detail is
+/// checked; it may leave out triangles that are not seen.
 std::vector<float> paint_detail(const Scene& scene, const GBuffer& gbuffer, const Light& light, const SurfaceDetail& detail);
+
+/// The debug layer `splits`, which `paint_splits` draws.
+DebugLayer splits_layer();
+
+/// Every visible point that faces the light as in `shaded_layer`, dark where its polygon is shadowed, in tones that differ a
+/// little from one polygon to the next. Borders are colored by what they are: between two triangles, between a lit and a
+/// shadowed part of one triangle, or else a split of it; but for those of shadows, they fade where they would leave less than
+/// half of the polygon free. Which polygon a point lies in is said as in `paint_detail`. The detail is checked.
+std::vector<float> paint_splits(const Scene& scene, const GBuffer& gbuffer, const Light& light, const SurfaceDetail& detail);
+
+/// The debug layer `bsp`, which `paint_bsp` draws: all visible points and the polygons of the tree that they lie in, like
+/// `paint_splits`.
+DebugLayer bsp_layer();
+std::vector<float> paint_bsp(const Scene& scene, const GBuffer& gbuffer, const Light& light, const Bsp& bsp);
 
 /// The debug layer `painter`, which `paint_back_to_front` draws.
 DebugLayer painter_layer();
