@@ -3,12 +3,11 @@
 #include <gnomon/error.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <optional>
 #include <sstream>
 
 #include "measure/picture/image_files.h"
+#include "measure/picture/shading.h"
 #include "measure/scene/blob.h"
 
 namespace gnomon {
@@ -16,65 +15,6 @@ namespace gnomon {
 namespace fs = std::filesystem;
 
 namespace {
-
-using Color = std::array<std::uint8_t, 3>;
-
-std::uint8_t srgb(double linear) {
-  const double x = std::clamp(linear, 0.0, 1.0);
-  return static_cast<std::uint8_t>(std::lround(255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055)));
-}
-
-/// sRGB of 4096 steps of linear light: a table, because a power per channel and pixel costs more than the shading.
-std::uint8_t srgb_fast(double linear) {
-  static const auto table = [] {
-    std::array<std::uint8_t, 4097> steps;
-    for (int i = 0; i <= 4096; ++i) steps[i] = srgb(i / 4096.0);
-    return steps;
-  }();
-  return table[static_cast<std::size_t>(std::clamp(linear, 0.0, 1.0) * 4096)];
-}
-
-constexpr Color background{24, 26, 30};
-
-/// A kind of error in the picture and its legend.
-struct Kind {
-  Color color;
-  std::string label;
-  std::size_t count = 0;  ///< of tested pixels
-};
-
-/// The kinds of error, and which of them each pixel is; -1 where it is none. Where nobody asked for causes: false dark and
-/// false lit, in the colors of acne and of peter-panning.
-struct Kinds {
-  std::vector<Kind> kinds;
-  std::vector<int> of;
-};
-
-Kinds find_kinds(const Evidence& e) {
-  Kinds found;
-  if (e.causes.empty()) {
-    const auto color = [](Cause cause) { return cause_infos()[static_cast<std::size_t>(cause) - 1].color; };
-    found.kinds = {{color(Cause::acne), "false dark"}, {color(Cause::peter_panning), "false lit"}};
-  } else {
-    for (const CauseInfo& info : cause_infos()) {
-      std::string label(info.name);
-      std::ranges::replace(label, '_', ' ');
-      found.kinds.push_back({info.color, label});
-    }
-  }
-  found.of.assign(e.mask.size(), -1);
-  for (std::size_t i = 0; i < e.mask.size(); ++i) {
-    if (e.classes[i] != PixelClass::T || !e.is_wrong(i)) continue;
-    if (e.causes.empty())
-      found.of[i] = e.mask[i] < e.reference[i] ? 0 : 1;
-    else if (e.causes[i] != Cause::none)
-      found.of[i] = static_cast<int>(e.causes[i]) - 1;
-    if (found.of[i] >= 0) ++found.kinds[found.of[i]].count;
-  }
-  return found;
-}
-
-std::string percent(double share) { return fmt::format("{:.{}f} %", 100 * share, share < 0.001 ? 4 : share < 0.1 ? 2 : 1); }
 
 int text_width(const std::string& words) { return image_files().draw_text({}, 0, 0, 0, 0, words); }
 
@@ -148,32 +88,31 @@ class Legend {
 
 Picture shade(const Scene& scene, const GBuffer& gbuffer, const Light& light, std::span<const float> visibility) {
   Picture picture{gbuffer.width, gbuffer.height, std::vector<std::uint8_t>(gbuffer.size() * 3)};
-  const glm::dvec4 l = homogeneous(light);
+  const std::vector<double> received = received_light(gbuffer, light);
+  const SrgbSteps& steps = srgb_steps();
   for (std::size_t i = 0; i < gbuffer.size(); ++i) {
-    std::uint8_t* rgb = &picture.rgb[3 * i];
-    if (gbuffer.is_background(i)) {
-      std::copy(background.begin(), background.end(), rgb);
-      continue;
-    }
-    const glm::dvec3 point = gbuffer.position(i), to = to_light(l, point);
-    double received = 0;
-    if (in_spot_cone(light, point))
-      received = std::max(0.0, glm::dot(glm::dvec3(gbuffer.normal(i)), to) / std::max(glm::length(to), 1e-300));
-    const double shade = scene.ambient + light.intensity * received * visibility[i];
-    for (int c = 0; c < 3; ++c) rgb[c] = srgb_fast(scene.meshes[gbuffer.mesh[i]].albedo[c] * shade);
+    Color color = background_srgb;
+    if (!gbuffer.is_background(i))
+      color = shaded_srgb(steps, scene.meshes[gbuffer.mesh[i]].albedo, scene.ambient + received[i] * visibility[i]);
+    std::ranges::copy(color, &picture.rgb[3 * i]);
   }
   return picture;
 }
 
 Picture draw_errors(const Evidence& evidence, const std::string& title) {
   const GBuffer& gbuffer = *evidence.gbuffer;
-  const Kinds found = find_kinds(evidence);
+  const std::span<const ErrorKind> kinds = error_kinds(!evidence.causes.empty());
+  std::vector<int> kind_of(gbuffer.size());
+  std::vector<std::size_t> counts(kinds.size(), 0);
+  for (std::size_t i = 0; i < gbuffer.size(); ++i)
+    if (kind_of[i] = error_kind(evidence, i); kind_of[i] >= 0) ++counts[kind_of[i]];
   const auto tested = static_cast<double>(std::ranges::count(evidence.classes, PixelClass::T));
   Legend legend(gbuffer.width);
   if (!title.empty()) legend.add(std::nullopt, title);
-  for (const Kind& kind : found.kinds)
-    if (kind.count > 0) legend.add(kind.color, kind.label + " " + percent(static_cast<double>(kind.count) / tested));
-  if (std::ranges::all_of(found.of, [](int kind) { return kind < 0; })) legend.add(std::nullopt, "no tested pixel is wrong");
+  for (std::size_t k = 0; k < kinds.size(); ++k)
+    if (counts[k] > 0) legend.add(kinds[k].color, kinds[k].label + " " + percent(static_cast<double>(counts[k]) / tested));
+  if (std::ranges::all_of(counts, [](std::size_t count) { return count == 0; }))
+    legend.add(std::nullopt, "no tested pixel is wrong");
 
   const std::vector<float> lit(gbuffer.size(), 1.0f);
   const Picture shaded = shade(*evidence.scene, gbuffer, *evidence.light, lit);
@@ -181,11 +120,8 @@ Picture draw_errors(const Evidence& evidence, const std::string& title) {
   picture.rgb.resize(static_cast<std::size_t>(picture.width) * picture.height * 3, 255);
   for (std::size_t i = 0; i < gbuffer.size(); ++i) {
     const std::uint8_t* s = &shaded.rgb[3 * i];
-    const int gray = (2 * s[0] + 5 * s[1] + s[2]) / 8;
-    // Right pixels keep their shading in light gray, untested ones sink to dark gray.
-    const int dimmed = evidence.classes[i] != PixelClass::T ? 20 + gray / 5 : 70 + gray * 2 / 5;
-    const auto level = static_cast<std::uint8_t>(dimmed);
-    const Color color = found.of[i] >= 0 ? found.kinds[found.of[i]].color : Color{level, level, level};
+    const std::uint8_t level = dimmed({s[0], s[1], s[2]}, evidence.classes[i] == PixelClass::T);
+    const Color color = kind_of[i] >= 0 ? kinds[kind_of[i]].color : Color{level, level, level};
     std::ranges::copy(color, &picture.rgb[3 * i]);
   }
   legend.draw(picture, gbuffer.height);
@@ -195,8 +131,7 @@ Picture draw_errors(const Evidence& evidence, const std::string& title) {
 Picture draw_mask(std::span<const float> visibility, int width, int height) {
   Picture picture{width, height, std::vector<std::uint8_t>(visibility.size() * 3)};
   for (std::size_t i = 0; i < visibility.size(); ++i)
-    for (int c = 0; c < 3; ++c)
-      picture.rgb[3 * i + c] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(visibility[i], 0.0f, 1.0f)));
+    for (int c = 0; c < 3; ++c) picture.rgb[3 * i + c] = mask_gray(visibility[i]);
   return picture;
 }
 
@@ -211,7 +146,8 @@ Picture draw_layer(const fs::path& raw, int width, int height, const DebugLayer&
   for (const Swatch& s : layer.legend) legend.add(Color{srgb(s.color.r), srgb(s.color.g), srgb(s.color.b)}, s.name);
   Picture picture{width, height + legend.height(), {}};
   picture.rgb.resize(static_cast<std::size_t>(width) * picture.height * 3, 255);
-  for (std::size_t k = 0; k < size; ++k) picture.rgb[k] = srgb_fast(linear[k]);
+  const SrgbSteps& steps = srgb_steps();
+  for (std::size_t k = 0; k < size; ++k) picture.rgb[k] = srgb_fast(steps, linear[k]);
   legend.draw(picture, height);
   return picture;
 }

@@ -1,0 +1,67 @@
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "measure/score/metrics.h"
+
+namespace gnomon {
+
+// What shaded pictures and pictures of errors are made of, one pixel at a time: draw_errors and the viewer share it.
+
+using Color = std::array<std::uint8_t, 3>;  ///< sRGB
+/// sRGB of every 4096th of linear light: a table, because a power per channel and pixel costs more than the shading.
+using SrgbSteps = std::array<std::uint8_t, 4097>;
+
+/// sRGB of a channel of linear light, which counts as 0 or 1 outside 0 .. 1 (IEC 61966-2-1).
+std::uint8_t srgb(double linear);
+const SrgbSteps& srgb_steps();
+/// sRGB of the step that the linear light lies in; of 0 where it is no number.
+inline std::uint8_t srgb_fast(const SrgbSteps& steps, double linear) {
+  return steps[static_cast<std::size_t>(static_cast<int>(linear > 0 ? std::min(linear, 1.0) * 4096 : 0.0))];
+}
+/// What shows no surface.
+inline constexpr Color background_srgb{24, 26, 30};
+
+/// Intensity * max(0, N.l) of every pixel; 0 on the background and outside a spot's cone. On all threads.
+std::vector<double> received_light(const GBuffer& gbuffer, const Light& light);
+
+/// A surface of linear albedo under the light `ambient + received * visibility`.
+inline Color shaded_srgb(const SrgbSteps& steps, const glm::vec3& albedo, double light) {
+  return {srgb_fast(steps, albedo.x * light), srgb_fast(steps, albedo.y * light), srgb_fast(steps, albedo.z * light)};
+}
+
+/// Visibility as gray, black in shadow; no number is black, too.
+inline std::uint8_t mask_gray(float visibility) {
+  return static_cast<std::uint8_t>(visibility > 0 ? static_cast<double>(255 * std::min(visibility, 1.0f)) + 0.5 : 0);
+}
+
+/// The gray that colors of errors stand out from: right pixels keep their shading in light gray, untested ones sink to dark
+/// gray.
+inline std::uint8_t dimmed(const Color& shaded, bool is_tested) {
+  const int gray = (2 * shaded[0] + 5 * shaded[1] + shaded[2]) / 8;
+  return static_cast<std::uint8_t>(is_tested ? 70 + gray * 2 / 5 : 20 + gray / 5);
+}
+
+/// A kind of error as pictures and legends show it.
+struct ErrorKind {
+  Color color;
+  std::string label;  ///< "false dark", "peter panning"
+};
+/// The causes, in their order; without causes false dark and false lit, in the colors of acne and of peter-panning.
+std::span<const ErrorKind> error_kinds(bool with_causes);
+
+/// Which of these kinds a pixel is, with causes where the evidence has them; -1 where it is untested, right, or has no cause.
+inline int error_kind(const Evidence& evidence, std::size_t i) {
+  if (evidence.classes[i] != PixelClass::T || !evidence.is_wrong(i)) return -1;
+  if (evidence.causes.empty()) return evidence.mask[i] < evidence.reference[i] ? 0 : 1;
+  return static_cast<int>(evidence.causes[i]) - 1;  // Cause::none is 0
+}
+
+/// "0.0312 %", "3.12 %", "31.2 %".
+std::string percent(double share);
+
+}  // namespace gnomon
