@@ -71,16 +71,19 @@ std::string FrameStore::hash(const FrameKey& key, const Light* light) const {
 fs::path FrameStore::gbuffer_file(const FrameKey& key) {
   const fs::path file = folder_ / (hash(key, nullptr) + ".gbuffer");
   if (is_whole(file, pixel_count(key) * gbuffer_pixel)) return file;
-  const GBuffer g = make_gbuffer(scene_, everything(key.truth), key.view, key.width, key.height, key.truth);
+  write_gbuffer(file, make_gbuffer(scene_, everything(key.truth), key.view, key.width, key.height, key.truth));
+  return file;
+}
+
+GBuffer FrameStore::gbuffer(const FrameKey& key) { return map_gbuffer(gbuffer_file(key), key); }
+
+void write_gbuffer(const fs::path& file, const GBuffer& g) {
   std::vector<std::byte> bytes;
   bytes.reserve(g.size() * gbuffer_pixel);
   for (const auto& floats : {g.px, g.py, g.pz, g.nx, g.ny, g.nz}) append(bytes, floats);
   for (const auto& ids : {g.mesh, g.triangle}) append(bytes, ids);
   write_file(file, bytes);
-  return file;
 }
-
-GBuffer FrameStore::gbuffer(const FrameKey& key) { return map_gbuffer(gbuffer_file(key), key); }
 
 GBuffer map_gbuffer(const fs::path& path, const FrameKey& key) {
   const auto file = MappedFile::open(path);

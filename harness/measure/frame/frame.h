@@ -60,6 +60,8 @@ class FrameStore {
   std::map<std::pair<Truth, RayScene::Which>, RayScene> rays_;
 };
 
+/// Writes a G-buffer for other processes.
+void write_gbuffer(const std::filesystem::path& file, const GBuffer& gbuffer);
 /// A G-buffer that another process wrote.
 GBuffer map_gbuffer(const std::filesystem::path& file, const FrameKey& key);
 

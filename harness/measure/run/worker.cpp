@@ -108,6 +108,11 @@ Worker::~Worker() {
   close(errors_);
 }
 
+void Worker::interrupt() {
+  is_interrupted_ = true;
+  shutdown(socket_, SHUT_RDWR);
+}
+
 void Worker::send(const Json& request) {
   doing_ = request.value("stage", request.value("do", "?"));
   const std::string line = request.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -137,6 +142,7 @@ Json Worker::receive(double timeout_seconds) {
     const ssize_t n = read(socket_, chunk, sizeof chunk);
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) {
+      if (is_interrupted_) fail(fmt::format("was interrupted in {}", doing_));
       // The socket is closed, so the worker is gone or soon will be; one that lingers is put down.
       int status = 0;
       bool ended = false;

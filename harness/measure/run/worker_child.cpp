@@ -37,6 +37,7 @@ class Post {
     const std::string what = request.at("do");
     if (what == "protocol") return {{"protocol", worker_protocol}, {"context", machine_context(0)}};
     if (what == "open") return open(request);
+    if (what == "set") return set(request.at("settings"));
     if (what == "frame") return frame(request);
     if (what == "setup") return {{"ms", time(Stage::setup)}};
     if (what == "time") return time_stage(request.at("stage"));
@@ -62,31 +63,56 @@ class Post {
          {{"vendor", info.vendor}, {"renderer", info.renderer}, {"version", info.version}, {"software", info.is_software}}}};
   }
 
+  /// What a parameter spoils is out of date from then on; the rest stays.
+  Json set(const std::string& settings) {
+    settings_ = settings;
+    const auto wanted = fresh_technique();
+    for (const Parameter* row : wanted->parameters()) {
+      Parameter& live = technique_->parameter(row->name());
+      if (live.text() == row->text()) continue;
+      live.set(row->text());
+      fresh_ = std::min(fresh_, static_cast<int>(row->spoils()) - 1);
+    }
+    return {{"fresh", fresh_ + 1}};
+  }
+
   Json frame(const Json& request) {
     FrameKey key;
-    key.view = scene_.views.at(request.at("view").get<std::size_t>());
     key.width = request.at("width");
     key.height = request.at("height");
     key.truth = request.at("truth") == "mesh" ? Truth::mesh : Truth::shape;
-    Light light = scene_.lights.at(request.at("light").get<std::size_t>());
-    std::string lit_by = light.name;
-    if (const std::string name = request.value("path", ""); !name.empty()) {
-      const Path path = find_path(scene_, name, light, key.view);
-      const int frame = request.at("frame");
-      light = light_at(path, light, frame);
-      key.view = view_at(path, key.view, frame);
-      if (path.moves == Path::Moves::light) lit_by += fmt::format(" {} {}", name, frame);
+    Light light;
+    std::string lit_by;
+    const std::string file = request.at("gbuffer");
+    if (request.contains("stand")) {
+      Scene stand = scene_from_bytes(MappedFile::open(request.at("stand").get<std::string>())->bytes());
+      light = stand.lights.at(0);
+      key.view = stand.views.at(0);
+      stand.views.clear();
+      lit_by = content_hash(scene_bytes(stand));
+      // There is no end of them, and none comes back.
+      std::erase_if(gbuffers_, [&](const auto& held) { return held.first != file; });
+    } else {
+      key.view = scene_.views.at(request.at("view").get<std::size_t>());
+      light = scene_.lights.at(request.at("light").get<std::size_t>());
+      lit_by = light.name;
+      if (const std::string name = request.value("path", ""); !name.empty()) {
+        const Path path = find_path(scene_, name, light, key.view);
+        const int frame = request.at("frame");
+        light = light_at(path, light, frame);
+        key.view = view_at(path, key.view, frame);
+        if (path.moves == Path::Moves::light) lit_by += fmt::format(" {} {}", name, frame);
+      }
     }
     fresh_ = std::min(fresh_, static_cast<int>(lit_by == lit_by_ ? Stage::relight : Stage::build));
     if (lit_by != lit_by_) light_ = std::make_unique<Light>(light);
     lit_by_ = lit_by;
-    const std::string file = request.at("gbuffer");
     // The same G-buffer under another light stays mapped, and uploaded.
     if (!gbuffers_.contains(file)) gbuffers_[file] = map_gbuffer(file, key);
     gbuffer_ = gbuffers_[file];
     mask_.emplace(key.width, key.height);
     const Support support = fresh_technique()->supports(scene_, *light_, key.view);
-    Json result{{"support", name(support.kind())}, {"why", support.why()}};
+    Json result{{"support", name(support.kind())}, {"why", support.why()}, {"fresh", fresh_ + 1}};
     if (uses_gl_ && support) {
       const SceneBuffers& buffers = scene_buffers(scene_);
       const GBufferTextures& textures = gbuffer_textures(gbuffer_, scene_);
