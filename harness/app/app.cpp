@@ -75,7 +75,7 @@ int run_program(int argc, char** argv) {
         ->trigger_on_parse()
         ->each([](const std::string& path) { load_plugin(path); });
     for (auto* add : {add_list, add_describe, add_render, add_run, add_table, add_compare, add_merge, add_report, add_analyze,
-                      add_figure, add_certify, add_docs, add_score, add_worker})
+                      add_figure, add_certify, add_docs, add_score, add_view, add_worker})
       add(program);
     try {
       program.cli.parse(argc, argv);

@@ -1,0 +1,95 @@
+// gnomon view: the window. Everything that can be wrong with its options is said before it opens.
+#include <fmt/chrono.h>
+#include <gnomon/registry.h>
+
+#include <algorithm>
+
+#include "app/app.h"
+#include "app/viewer/application.h"
+#include "measure/run/jobs.h"
+#include "measure/run/suite.h"
+#include "measure/scene/load.h"
+
+namespace gnomon::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ViewerOptions {
+  std::string scene = "composite", technique = "shadow_map", against, light, view, size = "960x540", truth = "shape", keys;
+  fs::path out, screenshot;
+  int threads = 0;
+  double timeout = 120;
+};
+
+/// The one technique that an option names.
+viewer::SideWish parse_side(const std::string& option, const std::string& text) {
+  const std::vector<Contender> contenders = parse_contenders(text);
+  if (contenders.size() != 1) throw Error("{} {} is a sweep of {}; a side shows one", option, text, contenders.size());
+  return {.technique = contenders[0].technique, .settings = contenders[0].settings, .layer = ""};
+}
+
+std::string reference_id() {
+  for (const TechniqueEntry& entry : registry().techniques())
+    if (entry.about.role == Role::reference) return entry.id;
+  throw Error("no technique has the role of the reference; --against wants a technique");
+}
+
+int view(const ViewerOptions& options, const WorkerOptions& workers) {
+  viewer::ViewOptions result;
+  result.workers = workers;
+  result.timeout_seconds = options.timeout;
+  viewer::Wish& wish = result.wish;
+  wish.scene = options.scene;
+  wish.sides[0] = parse_side("--technique", options.technique);
+  wish.sides[1] = parse_side("--against", options.against.empty() ? reference_id() : options.against);
+  std::tie(wish.width, wish.height) = parse_size(options.size, "--size");
+  wish.truth = parse_truth(options.truth);
+  result.keys = viewer::parse_keys(options.keys);
+  if (!options.screenshot.empty() && options.screenshot.extension() != ".png")
+    throw Error("--screenshot {} is no name that ends in .png", options.screenshot.string());
+  result.scene = load_scene(options.scene);
+  const auto names = [](const std::string& name) { return name.empty() ? std::vector<std::string>{} : std::vector{name}; };
+  require_names(options.scene, result.scene, names(options.light), names(options.view));
+  const auto named = [](const auto& items, const std::string& name) {
+    return name.empty() ? items.front() : *std::ranges::find(items, name, [](const auto& item) { return item.name; });
+  };
+  wish.light = named(result.scene.lights, options.light);
+  wish.view = named(result.scene.views, options.view);
+  for (const std::string& note : result.scene.notes) fmt::print(stderr, "note: {}\n", note);
+  result.out = options.out.empty() ? fs::path("runs") / fmt::format("view-{:%Y%m%d-%H%M%S}", fmt::localtime(std::time(nullptr)))
+                                   : options.out;
+  result.screenshot = options.screenshot;
+  result.ends_by_itself = !options.keys.empty() || !options.screenshot.empty();
+  return viewer::run_viewer(result);
+}
+
+}  // namespace
+
+void add_view(Program& program) {
+  CLI::App* command = program.cli.add_subcommand("view", "A window: any two techniques side by side, or one beside the truth");
+  auto options = std::make_shared<ViewerOptions>();
+  command->add_option("--scene", options->scene, "Scene id, ID:param=value, or a scene or mesh file")->capture_default_str();
+  command->add_option("--technique", options->technique, "Technique of the left side: id, or ID:param=value,...")
+      ->capture_default_str();
+  command->add_option("--against", options->against, "Technique of the right side; the reference by default")
+      ->check(not_empty());
+  command->add_option("--light", options->light, "Light name; the first by default")->check(not_empty());
+  command->add_option("--view", options->view, "View name; the first by default")->check(not_empty());
+  command->add_option("--size", options->size, "Size of the picture in pixels, WxH; the window is larger")
+      ->capture_default_str();
+  command->add_option("--truth", options->truth, "What counts: exact shapes or the meshes; shape | mesh")
+      ->capture_default_str();
+  command->add_option("--threads", options->threads, "Cores that each technique uses; all by default");
+  command->add_option("--timeout", options->timeout, "Seconds that one step may take")->check(seconds())->capture_default_str();
+  command->add_option("--out", options->out, "Folder for what is saved; runs/view-TIME by default");
+  command->add_option("--keys", options->keys, "Keys to press one after the other, \"k v v Ctrl+S\"; then it ends");
+  command->add_option("--screenshot", options->screenshot, "Write the window to this file when all is computed, and end")
+      ->check(not_empty());
+  command->callback([&program, options] {
+    program.chosen = [&program, options] { return view(*options, worker_options(program, options->threads)); };
+  });
+}
+
+}  // namespace gnomon::app

@@ -1,0 +1,25 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "app/viewer/engine.h"
+#include "app/viewer/keys.h"
+
+namespace gnomon::viewer {
+
+struct ViewOptions {
+  Wish wish;    ///< what is shown at first: all of it checked
+  Scene scene;  ///< that the wish names
+  WorkerOptions workers;
+  double timeout_seconds = 120;
+  std::filesystem::path out;         ///< for what is saved
+  std::vector<const KeyRow*> keys;   ///< pressed one after the other, each when the one before has had its effect
+  std::filesystem::path screenshot;  ///< written when all is finished; empty: none
+  bool ends_by_itself = false;       ///< when keys and screenshot are through
+};
+
+/// Opens the window and stays until it is closed. Throws Error when there is no display.
+int run_viewer(const ViewOptions& options);
+
+}  // namespace gnomon::viewer

@@ -1,0 +1,56 @@
+// From what the engine knows to the picture.
+#include "app/viewer/canvas.h"
+
+#include "app/viewer/compose.h"
+
+namespace gnomon::viewer {
+
+namespace {
+
+ComposeSide compose_side(const SideState& side, const EngineState& state) {
+  ComposeSide result;
+  if (side.layer) result.layer = side.layer.get();
+  if (side.is_reference) {
+    if (!state.reference) return result;
+    result.frame = state.reference->frame;
+    result.mask = state.reference->mask;
+    result.mask_width = state.reference->width;
+    result.mask_height = state.reference->height;
+    return result;
+  }
+  if (!side.answer) return result;
+  result.frame = side.answer->frame;
+  result.mask = side.answer->mask;
+  result.mask_width = result.frame->gbuffer.width;
+  result.mask_height = result.frame->gbuffer.height;
+  if (side.verdict && side.verdict->answer == side.answer) result.verdict = side.verdict.get();
+  return result;
+}
+
+}  // namespace
+
+bool Canvas::compose(const Session& session, const EngineState& state, const PixelRect& place) {
+  Composition next{.width = place.width,
+                   .height = place.height,
+                   .layout = session.layout,
+                   .paint = session.paint,
+                   .divider = session.divider,
+                   .flicker_is_right = session.flicker_is_right,
+                   .layer_opacity = session.layer_opacity,
+                   .sides = {}};
+  const Composition& last = composition_;
+  const bool is_same = is_made_ && state.number == state_.number && next.width == last.width && next.height == last.height &&
+                       next.layout == last.layout && next.paint == last.paint && next.divider == last.divider &&
+                       next.flicker_is_right == last.flicker_is_right && next.layer_opacity == last.layer_opacity;
+  if (is_same) return false;
+  state_ = state;
+  for (int side = 0; side < 2; ++side) next.sides[side] = compose_side(state_.sides[side], state_);
+  composition_ = std::move(next);
+  pixels_.resize(static_cast<std::size_t>(place.width) * place.height);
+  viewer::compose(composition_, pixels_);
+  for (int side = 0; side < 2; ++side) legends_[side] = legend(composition_, side);
+  is_made_ = true;
+  return true;
+}
+
+}  // namespace gnomon::viewer

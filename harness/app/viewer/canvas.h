@@ -1,0 +1,24 @@
+#pragma once
+#include "app/viewer/panels.h"
+
+namespace gnomon::viewer {
+
+/// The picture as it was composed last, and what its colors mean. Keeps alive what its composition points at.
+class Canvas {
+ public:
+  /// Composes anew when anything that shows has changed; answers whether it did.
+  bool compose(const Session& session, const EngineState& state, const PixelRect& place);
+
+  const Composition& composition() const { return composition_; }
+  std::span<const std::uint32_t> pixels() const { return pixels_; }
+  std::span<const LegendEntry> legend_of(int side) const { return legends_[side]; }
+
+ private:
+  EngineState state_;
+  Composition composition_;
+  bool is_made_ = false;
+  std::vector<std::uint32_t> pixels_;
+  std::vector<LegendEntry> legends_[2];
+};
+
+}  // namespace gnomon::viewer

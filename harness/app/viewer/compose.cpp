@@ -1,0 +1,276 @@
+#include "app/viewer/compose.h"
+
+#include <gnomon/kit/layers.h>
+#include <gnomon/kit/parallel.h>
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cmath>
+
+#include "app/viewer/compose_parts.h"
+
+namespace gnomon::viewer {
+
+namespace {
+
+constexpr Color divider_light{238, 240, 244}, divider_dark{12, 13, 15};
+
+std::uint32_t pack(const Color& c) { return std::bit_cast<std::uint32_t>(std::array<std::uint8_t, 4>{c[0], c[1], c[2], 255}); }
+std::uint32_t pack_gray(std::uint8_t level) { return pack({level, level, level}); }
+
+/// A share as 256ths; none where it is no number.
+std::uint32_t weight_of(float share) { return share > 0 ? static_cast<std::uint32_t>(std::min(share, 1.0f) * 256 + 0.5f) : 0; }
+
+/// So many 256ths of `above`, the rest of `below`, rounded; two channels at a time, each in 16 bits.
+std::uint32_t mixed(std::uint32_t below, std::uint32_t above, std::uint32_t weight) {
+  constexpr std::uint32_t every_other = 0x00ff00ff, half = 0x00800080;
+  const auto pair = [&](std::uint32_t b, std::uint32_t a) { return b * (256 - weight) + a * weight + half; };
+  return ((pair(below & every_other, above & every_other) >> 8) & every_other) |
+         (pair((below >> 8) & every_other, (above >> 8) & every_other) & ~every_other);
+}
+
+std::vector<int> nearest_cells(int many, int few) {
+  std::vector<int> cells(many);
+  for (int k = 0; k < many; ++k) cells[k] = nearest_cell(k, many, few);
+  return cells;
+}
+
+/// What a thread reuses from row to row.
+struct Scratch {
+  std::vector<std::uint32_t> colors;
+  std::vector<float> visibility[2];
+  int frame_row = -1;  ///< of the colors
+};
+
+/// The paint of one side in pixels of its frame.
+class SidePainter {
+ public:
+  SidePainter(const Composition& composition, int side)
+      : side_(composition.sides[side]), other_(composition.sides[1 - side]), gbuffer_(side_.frame->gbuffer) {
+    assert(side_.frame->received.size() == gbuffer_.size());
+    const ReferenceState* const reference = reference_of(composition, side);
+    if (reference) classes_ = reference->classes;
+    switch (composition.paint) {
+      case Paint::shaded:
+        shown_ = has_mask(side_) ? Shown::shaded : Shown::dimmed;
+        break;
+      case Paint::mask:
+        shown_ = has_mask(side_) ? Shown::mask : Shown::dimmed;
+        break;
+      case Paint::difference:
+        if (has_mask(side_) && has_mask(other_) && is_same(side_.frame, other_.frame)) shown_ = Shown::difference;
+        break;
+      case Paint::kinds:
+      case Paint::causes: {
+        const bool with_causes = composition.paint == Paint::causes;
+        const std::optional<Evidence> evidence = evidence_of(composition, side, with_causes);
+        if (!evidence) break;
+        evidence_ = *evidence;
+        shown_ = Shown::errors;
+        for (const ErrorKind& kind : error_kinds(with_causes)) kind_colors_.push_back(pack(kind.color));
+        break;
+      }
+      case Paint::classes:
+        if (!classes_.empty()) shown_ = Shown::classes;
+        break;
+    }
+  }
+
+  /// Row y of the frame from column `first` up to `last`, to where these columns are in the scratch's colors.
+  void paint(int y, int first, int last, Scratch& scratch) const {
+    scratch.colors.resize(gbuffer_.width);
+    const std::size_t row = static_cast<std::size_t>(y) * gbuffer_.width;
+    const auto fill = [&](auto&& color_of) {
+      for (int x = first; x < last; ++x) scratch.colors[x] = color_of(x, row + x);
+    };
+    switch (shown_) {
+      case Shown::dimmed:
+        return fill([&](int, std::size_t i) { return pack_gray(dimmed_at(i)); });
+      case Shown::shaded: {
+        const float* const v = visibility(side_, y, first, last, scratch.visibility[0]);
+        static const std::uint32_t background = pack(background_srgb);
+        return fill([&](int x, std::size_t i) { return gbuffer_.is_background(i) ? background : pack(shaded_at(i, v[x])); });
+      }
+      case Shown::mask: {
+        const float* const v = visibility(side_, y, first, last, scratch.visibility[0]);
+        return fill([&](int x, std::size_t) { return pack_gray(mask_gray(v[x])); });
+      }
+      case Shown::difference: {
+        const float* const here = visibility(side_, y, first, last, scratch.visibility[0]);
+        const float* const there = visibility(other_, y, first, last, scratch.visibility[1]);
+        const std::uint32_t darker = pack(error_kinds(false)[0].color), lighter = pack(error_kinds(false)[1].color);
+        return fill([&](int x, std::size_t i) {
+          const std::uint32_t gray = pack_gray(dimmed_at(i));
+          if (here[x] == there[x]) return gray;
+          const float more = here[x] - there[x];
+          return mixed(gray, more < 0 ? darker : lighter, weight_of(std::abs(more)));
+        });
+      }
+      case Shown::errors:
+        return fill([&](int, std::size_t i) {
+          const int kind = error_kind(evidence_, i);
+          return kind >= 0 ? kind_colors_[kind] : pack_gray(dimmed_at(i));
+        });
+      case Shown::classes:
+        return fill([&](int, std::size_t i) { return pack(class_rows()[static_cast<std::size_t>(classes_[i])].color); });
+    }
+  }
+
+ private:
+  enum class Shown { dimmed, shaded, mask, difference, errors, classes };
+
+  Color shaded_at(std::size_t i, float visibility) const {
+    return shaded_srgb(steps_, meshes_[gbuffer_.mesh[i]].albedo, ambient_ + received_[i] * visibility);
+  }
+  std::uint8_t dimmed_at(std::size_t i) const {
+    if (gbuffer_.is_background(i)) return dimmed(background_srgb, false);
+    return dimmed(shaded_at(i, 1), classes_.empty() || classes_[i] == PixelClass::T);
+  }
+  /// A row of a side's mask in pixels of this frame.
+  const float* visibility(const ComposeSide& side, int y, int first, int last, std::vector<float>& room) const {
+    if (has_full_mask(side)) return side.mask.data() + static_cast<std::size_t>(y) * gbuffer_.width;
+    room.resize(gbuffer_.width);
+    for (int x = first; x < last; ++x) room[x] = visibility_at(side, gbuffer_, x, y);
+    return room.data();
+  }
+
+  const ComposeSide &side_, &other_;
+  const GBuffer& gbuffer_;
+  const SrgbSteps& steps_ = srgb_steps();
+  const double* received_ = side_.frame->received.data();
+  const Mesh* meshes_ = side_.frame->scene().meshes.data();
+  double ambient_ = side_.frame->scene().ambient;
+  Shown shown_ = Shown::dimmed;
+  std::span<const PixelClass> classes_;  // empty while they are not known
+  Evidence evidence_;
+  std::vector<std::uint32_t> kind_colors_;
+};
+
+/// A side's debug layer over picture rows.
+class LayerPainter {
+ public:
+  LayerPainter(const Composition& composition, const LayerPicture& layer)
+      : gbuffer_(layer.frame->gbuffer),
+        rgb_(layer.rgb.data()),
+        weight_(weight_of(composition.layer_opacity)),
+        columns_(nearest_cells(composition.width, gbuffer_.width)) {}
+
+  static bool is_shown(const Composition& composition, const LayerPicture* layer) {
+    return layer && layer->frame && layer->rgb.size() == 3 * layer->frame->gbuffer.size() && layer->frame->gbuffer.size() > 0 &&
+           weight_of(composition.layer_opacity) > 0;
+  }
+
+  /// Over row y of a picture of that height, from column `first` up to `last`.
+  void paint(int y, int height, int first, int last, std::uint32_t* row) const {
+    const std::size_t begin = static_cast<std::size_t>(nearest_cell(y, height, gbuffer_.height)) * gbuffer_.width;
+    for (int x = first; x < last; ++x) {
+      const std::size_t i = begin + columns_[x];
+      const float* const over = rgb_ + 3 * i;
+      if (gbuffer_.is_background(i) && glm::vec3(over[0], over[1], over[2]) == nothing_) continue;
+      const Color color{srgb_fast(steps_, over[0]), srgb_fast(steps_, over[1]), srgb_fast(steps_, over[2])};
+      row[x] = mixed(row[x], pack(color), weight_);
+    }
+  }
+
+ private:
+  const GBuffer& gbuffer_;
+  const float* rgb_;
+  std::uint32_t weight_;
+  std::vector<int> columns_;
+  const SrgbSteps& steps_ = srgb_steps();
+  glm::vec3 nothing_ = background_color();
+};
+
+/// The columns of the picture that show one side.
+class Part {
+ public:
+  Part(const Composition& composition, int side, int first, int last)
+      : height_(composition.height), first_(first), last_(last), frame_(composition.sides[side].frame) {
+    const LayerPicture* const layer = composition.sides[side].layer;
+    if (LayerPainter::is_shown(composition, layer)) layer_.emplace(composition, *layer);
+    if (!frame_ || frame_->gbuffer.size() == 0) {
+      frame_.reset();
+      return;
+    }
+    painter_.emplace(composition, side);
+    columns_ = nearest_cells(composition.width, frame_->gbuffer.width);
+  }
+
+  void paint(int y, std::uint32_t* row, Scratch& scratch) const {
+    if (!painter_) {
+      std::fill(row + first_, row + last_, pack(background_srgb));
+    } else {
+      if (const int frame_row = nearest_cell(y, height_, frame_->gbuffer.height); frame_row != scratch.frame_row) {
+        painter_->paint(frame_row, columns_[first_], columns_[last_ - 1] + 1, scratch);
+        scratch.frame_row = frame_row;
+      }
+      if (columns_.size() == scratch.colors.size())
+        std::copy(scratch.colors.begin() + first_, scratch.colors.begin() + last_, row + first_);
+      else
+        for (int x = first_; x < last_; ++x) row[x] = scratch.colors[columns_[x]];
+    }
+    if (layer_) layer_->paint(y, height_, first_, last_, row);
+  }
+
+ private:
+  int height_, first_, last_;
+  std::shared_ptr<const Frame> frame_;
+  std::optional<SidePainter> painter_;
+  std::optional<LayerPainter> layer_;
+  std::vector<int> columns_;  // of the frame, by column of the picture
+};
+
+/// Columns left of this one are the left side's in layout split.
+int divider_column(const Composition& c) {
+  return c.divider > 0 ? static_cast<int>(std::lround(std::min(c.divider, 1.0) * c.width)) : 0;
+}
+
+}  // namespace
+
+int side_at(const Composition& composition, double x) {
+  switch (composition.layout) {
+    case Layout::left:
+      return 0;
+    case Layout::right:
+      return 1;
+    case Layout::flicker:
+      return composition.flicker_is_right ? 1 : 0;
+    case Layout::split:
+      break;
+  }
+  return x < divider_column(composition) ? 0 : 1;
+}
+
+std::optional<std::size_t> frame_pixel(const Composition& composition, int side, int x, int y) {
+  const auto& frame = composition.sides[side].frame;
+  if (!frame || x < 0 || y < 0 || x >= composition.width || y >= composition.height || frame->gbuffer.size() == 0)
+    return std::nullopt;
+  const GBuffer& g = frame->gbuffer;
+  return static_cast<std::size_t>(nearest_cell(y, composition.height, g.height)) * g.width +
+         nearest_cell(x, composition.width, g.width);
+}
+
+void compose(const Composition& composition, std::span<std::uint32_t> rgba) {
+  const int width = composition.width, height = composition.height;
+  if (width <= 0 || height <= 0) return;
+  assert(rgba.size() == static_cast<std::size_t>(width) * height);
+  const bool is_split = composition.layout == Layout::split;
+  const int divider = divider_column(composition);
+  std::vector<Part> parts;
+  if (!is_split) parts.emplace_back(composition, side_at(composition, 0), 0, width);
+  if (is_split && divider > 0) parts.emplace_back(composition, 0, 0, divider);
+  if (is_split && divider < width) parts.emplace_back(composition, 1, divider, width);
+  for_blocks(height, 16, [&](std::size_t begin, std::size_t end) {
+    Scratch scratch[2];
+    for (std::size_t y = begin; y < end; ++y) {
+      std::uint32_t* const row = rgba.data() + y * width;
+      for (std::size_t k = 0; k < parts.size(); ++k) parts[k].paint(static_cast<int>(y), row, scratch[k]);
+      if (!is_split) continue;
+      for (int x = std::max(divider - 2, 0); x < std::min(divider + 2, width); ++x)
+        row[x] = pack(x == divider - 1 || x == divider ? divider_light : divider_dark);
+    }
+  });
+}
+
+}  // namespace gnomon::viewer

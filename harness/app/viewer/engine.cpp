@@ -1,0 +1,174 @@
+#include "app/viewer/engine.h"
+
+#include <gnomon/error.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <charconv>
+
+#include "app/viewer/engine_body.h"
+#include "measure/scene/load.h"
+
+namespace gnomon::viewer {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::string_view scratch_prefix = "gnomon-view-";
+
+/// Whether the folder is of a viewer that is gone: its name ends in the number of the process.
+bool is_left_over(const fs::path& folder) {
+  const std::string name = folder.filename().string();
+  if (!name.starts_with(scratch_prefix)) return false;
+  int process = 0;
+  const char* const end = name.data() + name.size();
+  const auto [stop, code] = std::from_chars(name.data() + scratch_prefix.size(), end, process);
+  return code == std::errc{} && stop == end && process > 0 && kill(process, 0) != 0 && errno == ESRCH;
+}
+
+fs::path make_scratch() {
+  std::error_code code;
+  for (const fs::path& root : {fs::path("/dev/shm"), fs::temp_directory_path(code)}) {
+    if (access(root.c_str(), W_OK) != 0) continue;
+    for (const fs::directory_entry& entry : fs::directory_iterator(root, code))
+      if (is_left_over(entry.path())) fs::remove_all(entry.path(), code);
+    const fs::path folder = root / fmt::format("{}{}", scratch_prefix, getpid());
+    fs::create_directories(folder, code);
+    if (!code) return folder;
+  }
+  throw Error(
+      "there is no folder for files between the viewer and its workers: neither memory nor the temporary folder is "
+      "writable");
+}
+
+}  // namespace
+
+ScratchFolder::ScratchFolder() : path(make_scratch()) {}
+ScratchFolder::~ScratchFolder() {
+  std::error_code ignored;
+  fs::remove_all(path, ignored);
+}
+
+std::vector<std::byte> stand_bytes(const Light& light, const View& view) {
+  Scene stand;
+  stand.lights = {light};
+  stand.views = {view};
+  return scene_bytes(stand);
+}
+
+Engine::Body::Body(WorkerOptions the_workers, double timeout, std::function<void()> on_change)
+    : workers(std::move(the_workers)), timeout_seconds(timeout), changed(std::move(on_change)) {
+  for (int k = 0; k < 2; ++k) sides[k] = std::make_unique<Side>(*this, k);
+  for (int lane = 0; lane < lane_count; ++lane) threads.emplace_back([this, lane] { serve(static_cast<Lane>(lane)); });
+}
+
+Engine::Body::~Body() {
+  {
+    const std::lock_guard lock(mutex);
+    stop = true;
+    for (const auto& side : sides) side->interrupt();
+    refinement.give_up();
+    news.notify_all();
+  }
+  for (std::thread& thread : threads) thread.join();
+}
+
+void Engine::Body::stir() {
+  ++state.number;
+  state.is_finished = false;
+  std::ranges::fill(is_idle, false);
+  news.notify_all();
+}
+
+Engine::Body::Work Engine::Body::next(Lane lane) {
+  switch (lane) {
+    case loading:
+      return next_scene();
+    case framing:
+      return next_frame();
+    case refining:
+      return next_reference();
+    default:
+      return sides[lane - left_side]->next();
+  }
+}
+
+void Engine::Body::serve(Lane lane) {
+  // What makes the picture better must not hold up what makes it.
+  if (lane == refining) setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), 5);
+  std::unique_lock lock(mutex);
+  while (!stop) {
+    if (const Work work = next(lane)) {
+      lock.unlock();
+      work();
+      lock.lock();
+      continue;
+    }
+    is_idle[lane] = true;
+    if (!state.is_finished && std::ranges::all_of(is_idle, std::identity{})) {
+      state.is_finished = true;
+      ++state.number;
+      lock.unlock();
+      changed();
+      lock.lock();
+      if (!is_idle[lane] || stop) continue;
+    }
+    news.wait(lock);
+  }
+}
+
+Engine::Body::Work Engine::Body::next_scene() {
+  if (wish.scene.empty() || wish.scene == tried_scene) return {};
+  tried_scene = wish.scene;
+  state.scene_error.clear();
+  if (state.loaded && state.loaded->reference == wish.scene) return {};
+  state.is_loading = true;
+  return [this, reference = wish.scene] {
+    auto loaded = std::make_shared<LoadedScene>();
+    std::string trouble;
+    try {
+      loaded->reference = reference;
+      loaded->scene = load_scene(reference);
+      loaded->store = std::make_shared<FrameStore>(loaded->scene, scratch.path);
+      // Made here, because they are made on first use, and not for two threads at once.
+      for (const Truth truth : {Truth::shape, Truth::mesh}) loaded->store->everything(truth), loaded->store->casters(truth);
+      loaded->store->scene_file();
+    } catch (const std::exception& error) {
+      trouble = error.what();
+    }
+    change([&](EngineState& s) {
+      s.is_loading = false;
+      s.scene_error = trouble;
+      if (trouble.empty()) s.loaded = loaded;
+    });
+  };
+}
+
+Engine::Engine(WorkerOptions workers, double timeout_seconds, std::function<void()> changed)
+    : body_(std::make_unique<Body>(std::move(workers), timeout_seconds, std::move(changed))) {}
+
+Engine::~Engine() = default;
+
+std::uint64_t Engine::wish(const Wish& wish) {
+  const std::lock_guard lock(body_->mutex);
+  for (const auto& side : body_->sides) side->outdated_by(wish);
+  if (wish.scene != body_->wish.scene) body_->state.scene_error.clear();
+  body_->wish = wish;
+  body_->stir();
+  return ++body_->state.wish;
+}
+
+EngineState Engine::state() const {
+  const std::lock_guard lock(body_->mutex);
+  EngineState state = body_->state;
+  const auto now = Body::Clock::now();
+  for (int k = 0; k < 2; ++k)
+    if (const auto since = body_->sides[k]->since_)
+      state.sides[k].seconds = std::chrono::duration<double>(now - *since).count();
+  return state;
+}
+
+}  // namespace gnomon::viewer

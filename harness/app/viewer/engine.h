@@ -1,0 +1,87 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "app/viewer/picture_parts.h"
+#include "measure/run/worker.h"
+
+namespace gnomon::viewer {
+
+/// A technique on one side of the picture.
+struct SideWish {
+  std::string technique, settings;  ///< settings as `Parametrized::settings` writes them
+  std::string layer;                ///< debug layer to draw; empty: none
+  int attempt = 0;                  ///< raised to start the technique again after it failed
+  friend bool operator==(const SideWish&, const SideWish&) = default;
+};
+
+/// What the person wants to see: a plain value that the window edits and the engine follows.
+struct Wish {
+  std::string scene;  ///< as `--scene`; when it is another one than before it is loaded
+  /// The scene that light and view are of, as EngineState gave it; null until one is loaded. What was made of another one stays
+  /// until the wish names the new one here.
+  std::shared_ptr<const LoadedScene> loaded;
+  Truth truth = Truth::shape;
+  Light light;  ///< one of the scene's, perhaps moved
+  View view;    ///< one of the scene's, perhaps moved
+  int width = 960, height = 540;
+  bool is_moving = false;          ///< camera or light is under way: smaller frames will do
+  bool full_while_moving = false;  ///< they will not
+  std::array<SideWish, 2> sides;
+  std::optional<std::uint32_t> picked;  ///< pixel of the full picture to be explained
+  std::uint64_t repeat = 0;             ///< raised to have both sides do resolve once more, for its time
+};
+
+enum class Phase { starting, working, done, unsupported, failed };
+
+struct SideState {
+  Phase phase = Phase::starting;
+  std::string words = {};     ///< what it does now ("setup"), or why it is unsupported or failed
+  double seconds = 0;         ///< that the present request has taken
+  bool is_reference = false;  ///< it shows the reference itself, which no worker computes
+  std::shared_ptr<const SideAnswer> answer = nullptr;
+  std::shared_ptr<const Verdict> verdict;  ///< of `answer`, or of one before
+  std::shared_ptr<const LayerPicture> layer;
+  std::shared_ptr<const Explanation> explanation;      ///< of the picked pixel, for `answer`; null where there is none
+  std::optional<std::uint32_t> explained;              ///< the pixel that was asked about
+  std::shared_ptr<const SideAnswer> explained_answer;  ///< the answer that was asked about
+  std::array<std::optional<double>, 4> newest_ms;      ///< of each stage, the last time that it was done; by Stage
+  std::uint64_t answer_count = 0;                      ///< how often resolve was done since the worker started
+  std::string renderer;                                ///< what draws, of a technique that draws; else empty
+};
+
+/// All that is known now. Copies are cheap.
+struct EngineState {
+  std::uint64_t number = 0;                   ///< counts up with every change
+  std::uint64_t wish = 0;                     ///< the wish that it follows: how often `wish` was called
+  std::shared_ptr<const LoadedScene> loaded;  ///< the scene loaded last
+  std::string scene_error;                    ///< why the scene that is wished could not be loaded; the one before stays
+  bool is_loading = false;
+  std::string trouble;                              ///< what keeps the viewer itself from working: no memory, a full disk
+  std::shared_ptr<const Frame> frame;               ///< the newest
+  std::shared_ptr<const ReferenceState> reference;  ///< the newest
+  std::array<SideState, 2> sides;
+  bool is_finished = false;  ///< nothing is left to do: full frame, both sides, reference, classes, causes
+};
+
+/// Follows wishes in the background: loads scenes, makes frames, has a worker process for each side, computes the reference and
+/// refines it. No call waits for any of that.
+class Engine {
+ public:
+  /// `changed` is called from any thread after every change of the state.
+  Engine(WorkerOptions workers, double timeout_seconds, std::function<void()> changed);
+  ~Engine();  ///< ends the workers
+  Engine(const Engine&) = delete;
+  Engine& operator=(const Engine&) = delete;
+
+  /// Answers the number of this wish.
+  std::uint64_t wish(const Wish& wish);
+  EngineState state() const;
+
+ private:
+  struct Body;
+  std::unique_ptr<Body> body_;
+};
+
+}  // namespace gnomon::viewer

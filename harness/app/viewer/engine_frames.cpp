@@ -1,0 +1,118 @@
+// Makes frames for what is wished: smaller ones while something moves, so that they keep up.
+#include <algorithm>
+#include <cmath>
+
+#include "app/viewer/compose.h"
+#include "app/viewer/engine_body.h"
+
+namespace gnomon::viewer {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double frame_budget_ms = 40;  // with what the window itself takes: 20 pictures a second
+
+int divided(int size, int divisor) { return std::max(1, (size + divisor - 1) / divisor); }
+
+}  // namespace
+
+int Divisor::next() const {
+  const double now = ms_[value_];
+  if (now == 0) return value_;
+  if (now <= frame_budget_ms) {
+    if (value_ == 1) return 1;
+    const double bigger = ms_[value_ - 1] > 0 ? ms_[value_ - 1] : now * value_ * value_ / ((value_ - 1.0) * (value_ - 1.0));
+    return bigger <= frame_budget_ms ? value_ - 1 : value_;
+  }
+  constexpr double worth = 0.8;  // of the time: what smaller frames must at least save
+  if (value_ < largest && (ms_[value_ + 1] == 0 || ms_[value_ + 1] < worth * now)) return value_ + 1;
+  return value_ > 1 && ms_[value_ - 1] > 0 && now > worth * ms_[value_ - 1] ? value_ - 1 : value_;
+}
+
+void Divisor::took(double ms) {
+  // A frame now and then is slow for reasons of its own.
+  double& known = ms_[value_];
+  known = known == 0 ? ms : 0.7 * known + 0.3 * ms;
+  value_ = next();
+}
+
+void Divisor::forget() { ms_ = {}; }
+
+std::shared_ptr<const fs::path> Engine::Body::share(const GBuffer& gbuffer) {
+  const fs::path file = scratch.path / fmt::format("{}.gbuffer", ++shared);
+  write_gbuffer(file, gbuffer);
+  return {new fs::path(file), [](const fs::path* path) {
+            std::error_code ignored;
+            fs::remove(*path, ignored);
+            delete path;
+          }};
+}
+
+Engine::Body::Work Engine::Body::next_frame() {
+  if (!wish.loaded) return {};
+  const Frame* const newest = state.frame.get();
+  const bool is_there = newest && newest->loaded == wish.loaded && newest->picture_width == wish.width &&
+                        newest->picture_height == wish.height && newest->gbuffer.truth == wish.truth &&
+                        stand == stand_bytes(wish.light, wish.view);
+  if (is_there && (newest->is_full() || (wish.is_moving && !wish.full_while_moving))) return {};
+  return [this, wish = wish] { make_frame(wish); };
+}
+
+void Engine::Body::make_frame(const Wish& wish) {
+  const auto start = Clock::now();
+  const std::shared_ptr<const Frame> before = state.frame;  // only this thread makes frames
+  const bool same_view = before && before->loaded == wish.loaded && before->picture_width == wish.width &&
+                         before->picture_height == wish.height && before->gbuffer.truth == wish.truth &&
+                         stand_bytes({}, before->gbuffer.view) == stand_bytes({}, wish.view);
+  Divisor& fitting = same_view ? light_divisor : camera_divisor;
+  const bool may_shrink = wish.is_moving && !wish.full_while_moving;
+  if (!may_shrink) camera_divisor.forget(), light_divisor.forget();
+  const int divisor = may_shrink ? fitting.value() : 1;
+  const int width = divided(wish.width, divisor), height = divided(wish.height, divisor);
+
+  auto frame = std::make_shared<Frame>();
+  frame->number = ++frame_count;
+  frame->loaded = wish.loaded;
+  frame->light = wish.light;
+  frame->picture_width = wish.width;
+  frame->picture_height = wish.height;
+  try {
+    if (same_view && before->gbuffer.width == width && before->gbuffer.height == height) {
+      frame->gbuffer = before->gbuffer;
+      frame->file = before->file;
+    } else {
+      const Scene& scene = wish.loaded->scene;
+      frame->gbuffer = make_gbuffer(scene, wish.loaded->store->everything(wish.truth), wish.view, width, height, wish.truth);
+      frame->file = share(frame->gbuffer);
+    }
+    frame->received = received_light(frame->gbuffer, wish.light);
+  } catch (const std::exception& error) {
+    // A full disk or no memory: said, and tried again with the next wish.
+    change([&](EngineState& s) {
+      s.trouble = error.what();
+      this->wish.loaded.reset();
+    });
+    return;
+  }
+  change([&](EngineState& s) {
+    s.frame = frame;
+    s.trouble.clear();
+    stand = stand_bytes(wish.light, wish.view);
+    for (const auto& side : sides) side->new_frame();
+    refinement.give_up();
+  });
+  if (!may_shrink) return;
+  wait_for_sides(frame->number);
+  fitting.took(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+}
+
+/// The next frame while something moves is not begun before this one is answered, or one that is slow would never be seen. One
+/// that is too slow is left behind.
+void Engine::Body::wait_for_sides(std::uint64_t frame) {
+  const auto deadline = Clock::now() + std::chrono::milliseconds(100);
+  std::unique_lock lock(mutex);
+  news.wait_until(lock, deadline, [&] { return stop || (sides[0]->is_through(frame) && sides[1]->is_through(frame)); });
+}
+
+}  // namespace gnomon::viewer

@@ -1,0 +1,147 @@
+// Computes the reference at each frame, coarse first, and what scoring needs of it.
+#include <gnomon/registry.h>
+
+#include <algorithm>
+
+#include "app/viewer/engine_body.h"
+#include "measure/cause/light_rays.h"
+
+namespace gnomon::viewer {
+
+namespace {
+
+constexpr std::size_t kept_count = 8;
+constexpr double long_ms = 60;  // a reference that takes longer is shown coarse first
+
+/// Every `step`-th pixel of a G-buffer.
+GBuffer thinned(const GBuffer& g, int step) {
+  struct Arrays {
+    std::vector<float> floats[6];
+    std::vector<std::uint32_t> ids[2];
+  };
+  auto arrays = std::make_shared<Arrays>();
+  const int width = (g.width + step - 1) / step, height = (g.height + step - 1) / step;
+  const std::span<const float> floats[] = {g.px, g.py, g.pz, g.nx, g.ny, g.nz};
+  const std::span<const std::uint32_t> ids[] = {g.mesh, g.triangle};
+  const auto thin = [&](const auto& from, auto& to) {
+    to.reserve(static_cast<std::size_t>(width) * height);
+    for (int y = 0; y < g.height; y += step)
+      for (int x = 0; x < g.width; x += step) to.push_back(from[static_cast<std::size_t>(y) * g.width + x]);
+  };
+  for (int k = 0; k < 6; ++k) thin(floats[k], arrays->floats[k]);
+  for (int k = 0; k < 2; ++k) thin(ids[k], arrays->ids[k]);
+  const Arrays& a = *arrays;
+  return {g.view,      g.truth,     width,       height,   a.floats[0], a.floats[1], a.floats[2],
+          a.floats[3], a.floats[4], a.floats[5], a.ids[0], a.ids[1],    arrays};
+}
+
+/// What the reference technique says of scene, light and view.
+Support reference_support(const Frame& frame) {
+  for (const TechniqueEntry& entry : registry().techniques())
+    if (entry.about.role == Role::reference) return entry.make()->supports(frame.scene(), frame.light, frame.gbuffer.view);
+  return Support::unsupported("no technique has the role of the reference");
+}
+
+}  // namespace
+
+Engine::Body::Work Engine::Body::next_reference() {
+  if (!state.frame || state.frame->number == refined) return {};
+  return [this, frame = state.frame, ticket = refinement.ticket()] {
+    try {
+      refine(frame, ticket);
+    } catch (const std::exception& error) {
+      // A full disk or no memory: said, and tried again at the next frame.
+      change([&](EngineState& s) {
+        s.trouble = error.what();
+        refined = frame->number;
+      });
+    }
+  };
+}
+
+void Engine::Body::refine(const std::shared_ptr<const Frame>& frame, std::uint64_t ticket) {
+  auto reference = std::make_shared<ReferenceState>();
+  reference->frame = frame;
+  const auto publish = [&](bool is_complete) {
+    reference->is_complete = is_complete;
+    const auto finished = std::make_shared<const ReferenceState>(*reference);
+    change([&](EngineState& s) {
+      s.reference = finished;
+      if (is_complete) refined = frame->number;
+    });
+    return finished;
+  };
+  if (const Support support = reference_support(*frame); !support) {
+    reference->why_not = support.why();
+    publish(true);
+    return;
+  }
+
+  const Scene& scene = frame->scene();
+  const GBuffer& g = frame->gbuffer;
+  const std::vector<std::byte> stand = stand_bytes(frame->light, g.view);
+  const auto is_same = [&](const Kept& k) {
+    return k.loaded == frame->loaded && k.truth == g.truth && k.reference->width == g.width &&
+           k.reference->height == g.height && k.stand == stand;
+  };
+  if (const auto found = std::ranges::find_if(kept, is_same); found != kept.end()) {
+    std::rotate(kept.begin(), found, found + 1);
+    *reference = *kept.front().reference;
+    reference->frame = frame;
+    publish(true);
+    return;
+  }
+
+  const RayScene& casters = frame->loaded->store->casters(g.truth);
+  const auto trace = [&](const GBuffer& pixels) {
+    std::vector<float> mask(pixels.size());
+    const auto start = Clock::now();
+    if (!refinement.run(ticket, [&] { trace_shadows(casters, scene, pixels, frame->light, mask); })) return false;
+    const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    rays_per_ms = static_cast<double>(pixels.size()) / std::max(ms, 1e-3);
+    reference->mask = std::move(mask);
+    reference->width = pixels.width;
+    reference->height = pixels.height;
+    return true;
+  };
+  if (frame->is_full() && static_cast<double>(g.size()) > long_ms * rays_per_ms)
+    for (const int step : {8, 4, 2}) {
+      if (!trace(thinned(g, step))) return;
+      publish(false);
+    }
+  if (!trace(g)) return;
+  publish(!frame->is_full());
+  if (!frame->is_full()) return;
+
+  std::vector<PixelClass> classes;
+  if (!refinement.run(ticket, [&] { classes = classify(scene, casters, g, frame->light, reference->mask); })) return;
+  reference->classes = std::move(classes);
+  publish(false);
+  std::vector<std::uint32_t> occluder;
+  std::shared_ptr<ReferenceState> on_mesh;
+  const bool is_done = refinement.run(ticket, [&] {
+    occluder = find_occluders(scene, casters, g, frame->light, reference->mask);
+    if (g.truth == Truth::mesh || !scene.has_curved_shapes()) return;
+    auto mesh_frame = std::make_shared<Frame>();
+    mesh_frame->loaded = frame->loaded;
+    mesh_frame->light = frame->light;
+    mesh_frame->gbuffer =
+        make_gbuffer(scene, frame->loaded->store->everything(Truth::mesh), g.view, g.width, g.height, Truth::mesh);
+    on_mesh = std::make_shared<ReferenceState>();
+    on_mesh->mask.resize(g.size());
+    trace_shadows(frame->loaded->store->casters(Truth::mesh), scene, mesh_frame->gbuffer, frame->light, on_mesh->mask);
+    on_mesh->frame = mesh_frame;
+    mesh_frame->file = share(mesh_frame->gbuffer);
+  });
+  if (!is_done) return;
+  reference->occluder = std::move(occluder);
+  reference->on_mesh = on_mesh;
+  const auto finished = publish(true);
+
+  auto bare = std::make_shared<ReferenceState>(*finished);
+  bare->frame.reset();
+  kept.push_front({frame->loaded, stand, g.truth, bare});
+  if (kept.size() > kept_count) kept.pop_back();
+}
+
+}  // namespace gnomon::viewer

@@ -1,0 +1,83 @@
+#include "app/viewer/mouse.h"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace gnomon::viewer {
+
+glm::dvec2 PicturePlace::extent() const { return cursor_at({width, height}) - corner; }
+glm::dvec2 PicturePlace::pixel_at(glm::dvec2 cursor) const { return pixels(cursor - corner); }
+glm::dvec2 PicturePlace::cursor_at(glm::dvec2 pixel) const { return corner + magnification * pixel / ratio; }
+glm::dvec2 PicturePlace::pixels(glm::dvec2 moved) const { return moved * ratio / magnification; }
+
+std::optional<glm::ivec2> PicturePlace::pixel_under(glm::dvec2 cursor) const {
+  constexpr double rounding = 1e-6;  // of a pixel: its own corner is in it
+  const glm::dvec2 pixel = glm::floor(pixel_at(cursor) + rounding);
+  if (!(pixel.x >= 0 && pixel.y >= 0 && pixel.x < width && pixel.y < height)) return std::nullopt;
+  return glm::ivec2(pixel);
+}
+
+PicturePlace place_picture(glm::dvec2 corner, glm::dvec2 extent, glm::dvec2 ratio, int magnification) {
+  // A thousandth of a pixel is rounding: what ends there ends at the pixel.
+  constexpr double rounding = 1e-3;
+  const glm::dvec2 first = glm::ceil(corner * ratio - rounding), last = glm::floor((corner + extent) * ratio + rounding);
+  const glm::dvec2 size = glm::max(glm::floor((last - first) / static_cast<double>(magnification)), glm::dvec2(1));
+  return {.corner = first / ratio,
+          .ratio = ratio,
+          .magnification = static_cast<double>(magnification),
+          .width = static_cast<int>(size.x),
+          .height = static_cast<int>(size.y)};
+}
+
+void Gesture::press(int button, int modifiers, glm::dvec2 cursor, double now, const Grips& grips) {
+  if (doing_ != Doing::nothing) return move(cursor, now);
+  const bool is_left = button == GLFW_MOUSE_BUTTON_LEFT, is_shift = modifiers & GLFW_MOD_SHIFT;
+  button_ = button, pressed_ = now, scale_ = grips.scale;
+  pressed_at_ = cursor_ = cursor;
+  grip_ = glm::dvec2(0);
+  may_click_ = is_vertical_ = false;
+  if (is_left && grips.light && glm::distance(*grips.light, cursor) <= light_distance * scale_) {
+    doing_ = Doing::light;
+    is_vertical_ = is_shift;
+    grip_ = *grips.light - cursor;
+  } else if (is_left && !is_shift && grips.divider && std::abs(*grips.divider - cursor.x) <= divider_distance * scale_) {
+    doing_ = Doing::divider;
+    grip_ = {*grips.divider - cursor.x, 0};
+  } else if (is_left || button == GLFW_MOUSE_BUTTON_MIDDLE || button == GLFW_MOUSE_BUTTON_RIGHT) {
+    doing_ = Doing::waiting;
+    may_click_ = is_left && !is_shift;
+    wanted_ = button == GLFW_MOUSE_BUTTON_RIGHT ? Doing::look : may_click_ ? Doing::orbit : Doing::pan;
+  }
+}
+
+void Gesture::move(glm::dvec2 cursor, double now) {
+  if (doing_ == Doing::nothing) return;
+  cursor_ = cursor;
+  const bool is_still = glm::distance(cursor, pressed_at_) <= click_distance * scale_ && now - pressed_ <= click_seconds;
+  if (doing_ == Doing::waiting && !is_still) doing_ = wanted_;
+}
+
+std::optional<glm::dvec2> Gesture::release(int button, glm::dvec2 cursor, double now) {
+  move(cursor, now);
+  if (doing_ == Doing::nothing || button != button_) return std::nullopt;
+  const bool is_click = doing_ == Doing::waiting && may_click_;
+  doing_ = Doing::nothing;
+  return is_click ? std::optional(pressed_at_) : std::nullopt;
+}
+
+std::span<const MouseRow> mouse_rows() {
+  static constexpr MouseRow rows[] = {
+      {"Left drag", "The camera around the target; at the divider, the divider."},
+      {"Left drag at the light", "The light, across the line of sight; with Shift, up and down."},
+      {"Right drag", "Look around from where the camera is."},
+      {"Middle drag", "Camera and target aside; Shift+left drag too."},
+      {"Wheel", "Nearer and farther."},
+      {"Click", "Pick the pixel."},
+  };
+  return rows;
+}
+
+}  // namespace gnomon::viewer

@@ -1,0 +1,91 @@
+#pragma once
+#include <cstddef>
+#include <glm/glm.hpp>
+#include <optional>
+#include <span>
+#include <string_view>
+
+namespace gnomon::viewer {
+
+// Three grids meet under the mouse: window coordinates, in which GLFW and ImGui speak; framebuffer pixels, of which a HiDPI
+// screen has `ratio` to a window coordinate; and pixels of the picture. All start at their upper left corner, x to the right,
+// y down; the first pixel covers 0 .. 1, its center is 0.5.
+
+/// Where the picture is in the window.
+struct PicturePlace {
+  glm::dvec2 corner{0};       ///< upper left, window coordinates
+  glm::dvec2 ratio{1};        ///< framebuffer pixels a window coordinate
+  double magnification = 1;   ///< framebuffer pixels a pixel of the picture
+  int width = 0, height = 0;  ///< pixels of the picture
+
+  glm::dvec2 extent() const;  ///< of its rectangle, window coordinates
+  /// A point of the window in pixels of the picture, and back. Both go on beyond the picture's edges.
+  glm::dvec2 pixel_at(glm::dvec2 cursor) const;
+  glm::dvec2 cursor_at(glm::dvec2 pixel) const;
+  /// A way across the window in pixels of the picture.
+  glm::dvec2 pixels(glm::dvec2 moved) const;
+  /// Column and row of the pixel under the cursor; nothing beside the picture.
+  std::optional<glm::ivec2> pixel_under(glm::dvec2 cursor) const;
+};
+
+/// The largest picture in a rectangle of the window whose pixels each cover `magnification` squared pixels of the framebuffer
+/// just: its corner is moved to the next pixel. At least 1 x 1, even where there is no room.
+PicturePlace place_picture(glm::dvec2 corner, glm::dvec2 extent, glm::dvec2 ratio, int magnification = 1);
+
+/// What a mouse button that is down does.
+enum class Doing {
+  nothing,
+  waiting,  ///< pressed on the picture; nothing has moved, and it may become a click
+  orbit,
+  look,
+  pan,
+  light,    ///< drags the light's handle
+  divider,  ///< drags the divider
+};
+
+/// What can be grabbed besides the picture itself, window coordinates.
+struct Grips {
+  std::optional<glm::dvec2> light;  ///< its handle, where it is to be seen
+  std::optional<double> divider;    ///< x, in layout split
+  double scale = 1;                 ///< of the user interface: how much farther one may miss
+};
+
+/// Tells clicks and drags apart. The caller says what happens over the picture; presses elsewhere are not told. Points are
+/// window coordinates, times seconds; `button` and `modifiers` are GLFW_MOUSE_BUTTON_... and GLFW_MOD_...
+class Gesture {
+ public:
+  static constexpr double click_distance = 3, click_seconds = 0.5, light_distance = 10, divider_distance = 5;
+
+  /// While another button is down it is a move.
+  void press(int button, int modifiers, glm::dvec2 cursor, double now, const Grips& grips);
+  /// A press that has moved farther than a click may, or is older, becomes a drag.
+  void move(glm::dvec2 cursor, double now);
+  /// The point that was clicked, when this ends a click. Of another button it is a move.
+  std::optional<glm::dvec2> release(int button, glm::dvec2 cursor, double now);
+  /// Ends whatever goes on; a release after it is none. For a window that loses the focus.
+  void cancel() { doing_ = Doing::nothing; }
+
+  Doing doing() const { return doing_; }
+  bool is_drag() const { return doing_ != Doing::nothing && doing_ != Doing::waiting; }
+  /// Shift was down when the light's handle was grabbed.
+  bool is_vertical() const { return is_vertical_; }
+  /// From the press to the cursor, of a drag; zero while it may become a click.
+  glm::dvec2 moved() const { return is_drag() ? cursor_ - pressed_at_ : glm::dvec2(0); }
+  /// Where the handle or divider goes that was grabbed: it keeps its offset to the cursor. Of other drags, the cursor.
+  glm::dvec2 grabbed() const { return cursor_ + grip_; }
+
+ private:
+  Doing doing_ = Doing::nothing, wanted_ = Doing::nothing;
+  int button_ = 0;
+  bool may_click_ = false, is_vertical_ = false;
+  double pressed_ = 0, scale_ = 1;
+  glm::dvec2 pressed_at_{0}, cursor_{0}, grip_{0};
+};
+
+/// One use of the mouse is one row, for the help and the page.
+struct MouseRow {
+  std::string_view name, sentence;
+};
+std::span<const MouseRow> mouse_rows();
+
+}  // namespace gnomon::viewer

@@ -1,0 +1,215 @@
+// Lines and handles over the picture. All places are computed in pixels of the picture.
+#include "app/viewer/overlays.h"
+
+#include <gnomon/kit/camera.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/viewer/moves.h"
+#include "app/viewer/picture_view.h"
+#include "app/viewer/style.h"
+#include "app/viewer/window.h"
+
+namespace gnomon::viewer {
+
+namespace {
+
+constexpr double near_share = 1e-3;  // of a segment's farther end: what is nearer to the eye is cut off
+
+/// Draws in pixels of the picture onto a list in units of Dear ImGui.
+struct Canvas {
+  ImDrawList& list;
+  PixelRect place;
+  Camera camera;
+  float unit;   ///< framebuffer pixels of a unit
+  float scale;  ///< of lines and texts
+
+  ImVec2 at(const glm::dvec2& p) const {
+    return {static_cast<float>(place.x + p.x) / unit, static_cast<float>(place.y + p.y) / unit};
+  }
+  void line(const glm::dvec2& a, const glm::dvec2& b, ImU32 color, float width = 1.5f) const {
+    list.AddLine(at(a), at(b), color, width * scale);
+  }
+  /// A segment of space; its part behind the eye is cut off.
+  void segment(glm::dvec3 a, glm::dvec3 b, ImU32 color, float width = 1.5f) const {
+    double depth_a = glm::dot(a - camera.eye, camera.forward), depth_b = glm::dot(b - camera.eye, camera.forward);
+    const double least = near_share * std::max(depth_a, depth_b);
+    if (least <= 0) return;
+    if (depth_a < least) a += (b - a) * ((least - depth_a) / (depth_b - depth_a));
+    if (depth_b < least) b += (a - b) * ((least - depth_b) / (depth_a - depth_b));
+    const auto p = project(camera, a), q = project(camera, b);
+    if (p && q) line(*p, *q, color, width);
+  }
+  void disc(const glm::dvec2& p, float radius, ImU32 color) const {
+    list.AddCircleFilled(at(p), (radius + 1) * scale, IM_COL32(0, 0, 0, 160));
+    list.AddCircleFilled(at(p), radius * scale, color);
+  }
+  void words(const glm::dvec2& p, const std::string& text, ImU32 color) const {
+    const ImVec2 corner = at(p), size = ImGui::CalcTextSize(text.c_str());
+    const float margin = 3 * scale;
+    list.AddRectFilled({corner.x - margin, corner.y - margin / 2}, {corner.x + size.x + margin, corner.y + size.y + margin / 2},
+                       IM_COL32(10, 10, 12, 150), margin);
+    list.AddText(corner, color, text.c_str());
+  }
+};
+
+/// The light's handle with its name, a line down to the lowest height of the scene, and a cross there.
+void draw_light(const Canvas& canvas, const Scene& scene, const Light& light, const std::optional<Handle>& handle) {
+  const glm::dvec3 place = light_place(scene, light);
+  const double ground = scene.bounds().min.y;
+  const double arm = 0.5 * key_step(scene);
+  const ImU32 faint = IM_COL32(255, 214, 102, 110);
+  const glm::dvec3 foot(place.x, ground, place.z);
+  canvas.segment(place, foot, faint, 1);
+  canvas.segment(foot - glm::dvec3(arm, 0, 0), foot + glm::dvec3(arm, 0, 0), faint, 1);
+  canvas.segment(foot - glm::dvec3(0, 0, arm), foot + glm::dvec3(0, 0, arm), faint, 1);
+  if (!handle) return;
+  canvas.disc(handle->shown, handle_radius, light_color);
+  // Towards the middle, where there is room.
+  const double width = ImGui::CalcTextSize(light.name.c_str()).x * canvas.unit,
+               apart = (handle_radius + 5) * canvas.scale * canvas.unit;
+  const bool is_right = handle->shown.x > canvas.place.width / 2.0;
+  canvas.words(handle->shown + glm::dvec2(is_right ? -apart - width : apart, -0.5 * ImGui::GetFontSize() * canvas.unit),
+               light.name, light_color);
+}
+
+void draw_divider(const Canvas& canvas, const Composition& composition) {
+  if (composition.layout != Layout::split) return;
+  const double x = composition.divider * composition.width, middle = composition.height / 2.0;
+  canvas.line({x, 0}, {x, composition.height}, IM_COL32(0, 0, 0, 150), 3);
+  canvas.line({x, 0}, {x, composition.height}, IM_COL32(235, 235, 235, 220), 1);
+  const float w = 3.5f * canvas.scale, h = 15 * canvas.scale;
+  const ImVec2 p = canvas.at({x, middle});
+  canvas.list.AddRectFilled({p.x - w, p.y - h}, {p.x + w, p.y + h}, IM_COL32(235, 235, 235, 230), w);
+}
+
+/// The names of what is seen, in the upper corners of their sides.
+void draw_titles(const Canvas& canvas, const Session& session, const Composition& composition) {
+  const double margin = 8 * canvas.scale * canvas.unit;
+  const auto title = [&](int side) {
+    return std::string(registry().technique(session.wish().sides[side].technique).about.title);
+  };
+  const auto width = [&](const std::string& text) { return ImGui::CalcTextSize(text.c_str()).x * canvas.unit; };
+  const ImU32 color = IM_COL32(235, 235, 235, 235);
+  const bool is_split = composition.layout == Layout::split;
+  const double middle = composition.divider * composition.width;
+  if (is_split) {
+    if (const std::string words = title(0); width(words) + 2 * margin < middle) canvas.words({margin, margin}, words, color);
+    if (const std::string words = title(1); width(words) + 2 * margin < composition.width - middle)
+      canvas.words({composition.width - margin - width(words), margin}, words, color);
+    return;
+  }
+  canvas.words({margin, margin}, title(side_at(composition, 0)), color);
+}
+
+/// Edges that the eye sees are bright, the others dark: as the G-buffer tells at three points of each.
+void draw_silhouettes(const Canvas& canvas, std::span<const SilhouetteFinder::Segment> segments, const GBuffer& g) {
+  constexpr double tolerance = 0.005;  // of the distance from the eye
+  const auto is_seen = [&](const glm::dvec3& point) {
+    const auto p = project(canvas.camera, point);
+    if (!p) return false;
+    const int x = static_cast<int>(p->x * g.width / canvas.camera.width),
+              y = static_cast<int>(p->y * g.height / canvas.camera.height);
+    if (p->x < 0 || p->y < 0 || x >= g.width || y >= g.height) return false;
+    const double distance = glm::distance(point, canvas.camera.eye);
+    // An outline seen from the eye lies beside its mesh as often as on it: any neighbor will do.
+    for (int dy = -1; dy <= 1; ++dy)
+      for (int dx = -1; dx <= 1; ++dx) {
+        const int u = std::clamp(x + dx, 0, g.width - 1), v = std::clamp(y + dy, 0, g.height - 1);
+        const std::size_t i = static_cast<std::size_t>(v) * g.width + u;
+        if (g.is_background(i) || glm::distance(glm::dvec3(g.position(i)), canvas.camera.eye) >= distance * (1 - tolerance))
+          return true;
+      }
+    return false;
+  };
+  const ImU32 seen = IM_COL32(80, 230, 255, 235), hidden = IM_COL32(20, 90, 120, 120);
+  for (const auto& [a, b] : segments) {
+    const glm::dvec3 first(a), second(b), middle = (first + second) / 2.0;
+    canvas.segment(first, middle, is_seen((first + middle) / 2.0) ? seen : hidden, 1.2f);
+    canvas.segment(middle, second, is_seen((middle + second) / 2.0) ? seen : hidden, 1.2f);
+  }
+}
+
+/// Where the ray meets the triangle, as a share of `way`; nothing where it does not, or hardly starts.
+std::optional<double> meet(const glm::dvec3& from, const glm::dvec3& way, const glm::dvec3 (&corners)[3]) {
+  const glm::dvec3 u = corners[1] - corners[0], v = corners[2] - corners[0];
+  const glm::dvec3 across = glm::cross(way, v);
+  const double volume = glm::dot(u, across);
+  if (volume == 0) return std::nullopt;
+  const glm::dvec3 s = from - corners[0];
+  const double b = glm::dot(s, across) / volume;
+  const glm::dvec3 q = glm::cross(s, u);
+  const double c = glm::dot(way, q) / volume, t = glm::dot(v, q) / volume;
+  return b >= 0 && c >= 0 && b + c <= 1 && t > 0 ? std::optional(t) : std::nullopt;
+}
+
+}  // namespace
+
+std::optional<glm::dvec3> Overlays::find_blocker(const ReferenceState& reference, std::size_t pixel) {
+  if (blocker_reference_ == &reference && blocker_pixel_ == pixel) return blocker_;
+  blocker_reference_ = &reference;
+  blocker_pixel_ = pixel;
+  blocker_.reset();
+  const Frame& frame = *reference.frame;
+  if (reference.occluder.empty() || reference.occluder[pixel] == no_mesh) return blocker_;
+  const glm::dvec3 from = frame.gbuffer.position(pixel), way = to_light(homogeneous(frame.light), from);
+  const double least = 4 * ray_offset(frame.gbuffer.position(pixel)) / glm::length(way);
+  const Mesh& mesh = frame.scene().meshes[reference.occluder[pixel]];
+  double nearest = INFINITY;
+  for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
+    if (frame.gbuffer.mesh[pixel] == reference.occluder[pixel] && frame.gbuffer.triangle[pixel] == k) continue;
+    const glm::uvec3& t = mesh.triangles[k];
+    const glm::dvec3 corners[3] = {mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]};
+    if (const auto hit = meet(from, way, corners); hit && *hit > least && *hit < nearest) nearest = *hit;
+  }
+  if (std::isfinite(nearest)) blocker_ = from + nearest * way;
+  return blocker_;
+}
+
+void Overlays::draw(const PixelRect& place, const Session& session, const Shown& shown) {
+  const Composition& composition = shown.composition;
+  const Scene* const scene = session.scene();
+  if (!scene || place.width <= 0) return;
+  const auto unit = static_cast<float>(pixels_per_unit());
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  const Canvas canvas{list, place, Camera(shown_view(session, composition), place.width, place.height), unit,
+                      lengths().panel / panel_width};
+  list.PushClipRect(canvas.at({0, 0}), canvas.at({place.width, place.height}), true);
+  const std::shared_ptr<const Frame>& frame = shown.state.frame;
+  if (session.shows_silhouettes && frame)
+    if (const auto segments = finder_.find(frame->loaded, session.wish().light))
+      draw_silhouettes(canvas, *segments, frame->gbuffer);
+  draw_light(canvas, *scene, session.wish().light, shown_handle(session, composition, canvas.scale * unit));
+  if (session.picked()) {
+    const glm::dvec2 middle = glm::dvec2(*session.picked()) + 0.5;
+    const std::size_t index = *session.wish().picked;
+    if (frame && frame->is_full() && index < frame->gbuffer.size() && !frame->gbuffer.is_background(index)) {
+      const glm::dvec3 point = frame->gbuffer.position(index), light = light_place(*scene, frame->light);
+      const ReferenceState* const reference = shown.state.reference.get();
+      const bool is_known = reference && reference->frame == frame && !reference->classes.empty();
+      const bool is_dark = is_known && reference->mask[index] < 0.5f;
+      const auto blocker = is_dark ? find_blocker(*reference, index) : std::nullopt;
+      canvas.segment(point, blocker.value_or(light), is_dark ? blocked_color : light_color, 2);
+      if (blocker) {
+        canvas.segment(*blocker, light, IM_COL32(239, 83, 80, 90), 1);
+        if (const auto p = project(canvas.camera, *blocker)) canvas.disc(*p, 3, blocked_color);
+      }
+      const SideState& side = shown.state.sides[shown.side];
+      if (side.explanation && side.explained == session.wish().picked)
+        for (const Tap& tap : side.explanation->taps)
+          if (std::isfinite(tap.stored))
+            if (const auto p = project(canvas.camera, tap.origin + tap.stored * tap.direction))
+              canvas.disc(*p, 2.5f, tap_color);
+    }
+    const ImVec2 p = canvas.at(middle);
+    list.AddCircle(p, 6 * canvas.scale, IM_COL32(0, 0, 0, 200), 0, 3 * canvas.scale);
+    list.AddCircle(p, 6 * canvas.scale, picked_color, 0, 1.5f * canvas.scale);
+  }
+  draw_titles(canvas, session, composition);
+  draw_divider(canvas, composition);
+  list.PopClipRect();
+}
+
+}  // namespace gnomon::viewer

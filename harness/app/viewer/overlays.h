@@ -1,0 +1,59 @@
+#pragma once
+#include <gnomon/kit/edges.h>
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "app/viewer/panels.h"
+
+namespace gnomon::viewer {
+
+/// Silhouette edges of the casters, found in the background. Edges of the light before stay until the new ones are there.
+class SilhouetteFinder {
+ public:
+  explicit SilhouetteFinder(std::function<void()> changed) : changed_(std::move(changed)) {}
+  ~SilhouetteFinder();
+
+  struct Segment {
+    glm::vec3 a, b;
+  };
+  /// What is known for the scene; starts looking when it is of another scene or light.
+  std::shared_ptr<const std::vector<Segment>> find(const std::shared_ptr<const LoadedScene>& loaded, const Light& light);
+
+ private:
+  void look(std::shared_ptr<const LoadedScene> loaded, Light light);
+
+  std::function<void()> changed_;
+  std::mutex mutex_;  // of `found_` and `found_for_`
+  std::shared_ptr<const std::vector<Segment>> found_;
+  std::shared_ptr<const LoadedScene> found_for_;
+  std::shared_ptr<const LoadedScene> asked_scene_;
+  Light asked_;
+  std::atomic<bool> is_looking_ = false;
+  std::thread thread_;
+  std::shared_ptr<const LoadedScene> adjacency_scene_;  // of the thread, with its edges
+  EdgeAdjacency adjacency_;
+  Silhouette silhouette_;
+};
+
+/// Draws over the picture: the light with its foot, the divider, the picked pixel and its shadow rays, silhouettes.
+class Overlays {
+ public:
+  explicit Overlays(std::function<void()> changed) : finder_(std::move(changed)) {}
+  void draw(const PixelRect& place, const Session& session, const Shown& shown);
+
+ private:
+  /// Where the shadow ray of the picked pixel is stopped.
+  std::optional<glm::dvec3> find_blocker(const ReferenceState& reference, std::size_t pixel);
+
+  SilhouetteFinder finder_;
+  const ReferenceState* blocker_reference_ = nullptr;  // only compared
+  std::size_t blocker_pixel_ = 0;
+  std::optional<glm::dvec3> blocker_;
+};
+
+}  // namespace gnomon::viewer

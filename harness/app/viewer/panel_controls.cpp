@@ -1,0 +1,209 @@
+// The panel at the left: what is shown.
+#include <imgui.h>
+#include <imgui_stdlib.h>
+
+#include "app/viewer/panels.h"
+#include "app/viewer/style.h"
+#include "app/viewer/window.h"
+
+namespace gnomon::viewer {
+
+namespace {
+
+std::string id_of(const std::string& reference) { return reference.substr(0, reference.find(':')); }
+
+bool section(const char* title) { return ImGui::CollapsingHeader(title, ImGuiTreeNodeFlags_DefaultOpen); }
+
+void draw_scene_list(Session& session, std::span<const SceneListing> scenes, Widgets& widgets) {
+  const std::string id = id_of(session.wish().scene);
+  widgets.label("scene", "A generated or described scene, or below the path of a .toml or mesh file.");
+  const bool is_open = ImGui::BeginCombo("##scene", id.c_str(), ImGuiComboFlags_HeightLarge);
+  widgets.note("scene");
+  if (!is_open) return;
+  for (const SceneListing& scene : scenes) {
+    const std::string words = scene.available ? scene.id : scene.id + "  (not fetched)";
+    if (ImGui::Selectable(words.c_str(), scene.id == id, scene.available ? 0 : ImGuiSelectableFlags_Disabled))
+      widgets.attempt([&] { session.choose_scene(scene.id); });
+    widgets.note("scene." + scene.id);
+    Widgets::tooltip(scene.available ? fmt::format("{}: {}", scene.title, scene.summary)
+                                     : fmt::format("{}: {}\nIts files are not here; scripts/fetch_scenes {} fetches them.",
+                                                   scene.title, scene.summary, scene.id));
+  }
+  ImGui::EndCombo();
+}
+
+void draw_scene(Session& session, const Shown& shown, std::span<const SceneListing> scenes, Widgets& widgets) {
+  draw_scene_list(session, scenes, widgets);
+  static std::string path;
+  widgets.label("file", "Path of a .toml or mesh file; Enter opens it.");
+  if (ImGui::InputTextWithHint("##file", "path, then Enter", &path, ImGuiInputTextFlags_EnterReturnsTrue) && !path.empty())
+    widgets.attempt([&] { session.choose_scene(path); });
+  widgets.note("scene.file");
+  if (session.generator() && widgets.parameters("scene", *session.generator())) session.generator_changed();
+  if (shown.state.is_loading) ImGui::TextDisabled("loading %s", session.wish().scene.c_str());
+  if (!shown.state.scene_error.empty()) {
+    ImGui::PushStyleColor(ImGuiCol_Text, warning_text);
+    ImGui::TextWrapped("%s", shown.state.scene_error.c_str());
+    ImGui::PopStyleColor();
+  }
+  widgets.label("truth", "What counts: exact shapes, or the meshes that stand for them.");
+  for (const Truth truth : {Truth::shape, Truth::mesh}) {
+    if (truth == Truth::mesh) ImGui::SameLine();
+    const std::string words(name(truth));
+    if (ImGui::RadioButton(words.c_str(), session.wish().truth == truth)) session.set_truth(truth);
+    widgets.note("truth." + words);
+  }
+}
+
+/// Three fields in one row. Whether one was set.
+bool draw_vector(const std::string& name, const char* words, glm::vec3& value, float speed, Widgets& widgets) {
+  ImGui::PushID(name.c_str());
+  widgets.label(words, "Meters, along x, y and z: dragged with the mouse, or typed after a double click.");
+  const float gap = ImGui::GetStyle().ItemInnerSpacing.x;
+  const float room = (ImGui::GetContentRegionAvail().x - 2 * gap) / 3;
+  bool is_set = false;
+  for (int k = 0; k < 3; ++k) {
+    if (k > 0) ImGui::SameLine(0, gap);
+    ImGui::PushID(k);
+    ImGui::SetNextItemWidth(room);
+    is_set = ImGui::DragFloat("##value", &value[k], speed, 0, 0, "%.4g") || is_set;
+    widgets.note(name + "." + "xyz"[k]);
+    widgets.note_dragging();
+    ImGui::PopID();
+  }
+  ImGui::PopID();
+  return is_set;
+}
+
+bool draw_light_fields(Light& light, float speed, Widgets& widgets) {
+  bool is_set = false;
+  const auto vector = [&](const char* words, glm::vec3& value, float by) {
+    is_set = draw_vector(std::string("light.") + words, words, value, by, widgets) || is_set;
+  };
+  if (auto* const point = std::get_if<PointLight>(&light.kind)) vector("position", point->position, speed);
+  if (auto* const sun = std::get_if<DirectionalLight>(&light.kind))
+    vector("direction", sun->direction, 0.005f * glm::length(sun->direction));
+  if (auto* const spot = std::get_if<SpotLight>(&light.kind)) {
+    vector("position", spot->position, speed);
+    vector("direction", spot->direction, 0.005f * glm::length(spot->direction));
+  }
+  if (auto* const rect = std::get_if<RectLight>(&light.kind)) vector("center", rect->center, speed);
+  if (auto* const disc = std::get_if<DiscLight>(&light.kind)) vector("center", disc->center, speed);
+  if (auto* const ball = std::get_if<SphereLight>(&light.kind)) vector("center", ball->center, speed);
+  return is_set;
+}
+
+/// A list of the names of lights or views, and a button beside it. The name that was chosen, or nothing.
+template <class Item>
+std::optional<std::string> draw_names(const char* what, const std::vector<Item>& items, const std::string& chosen,
+                                      bool is_moved, Widgets& widgets) {
+  std::optional<std::string> result;
+  ImGui::PushID(what);
+  widgets.label(what);
+  const float reset_width = ImGui::CalcTextSize("reset").x + 2 * ImGui::GetStyle().FramePadding.x;
+  ImGui::SetNextItemWidth(-reset_width - ImGui::GetStyle().ItemInnerSpacing.x);
+  const std::string shown = is_moved ? chosen + ", moved" : chosen;
+  const bool is_open = ImGui::BeginCombo("##names", shown.c_str());
+  widgets.note(what);
+  if (is_open) {
+    for (const Item& item : items) {
+      if (ImGui::Selectable(item.name.c_str(), item.name == chosen)) result = item.name;
+      widgets.note(std::string(what) + "." + item.name);
+    }
+    ImGui::EndCombo();
+  }
+  ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
+  ImGui::BeginDisabled(!is_moved);
+  if (ImGui::Button("reset")) result = chosen;
+  ImGui::EndDisabled();
+  widgets.note(std::string(what) + ".reset");
+  ImGui::PopID();
+  return result;
+}
+
+void draw_light_and_view(Session& session, Widgets& widgets) {
+  const Scene* const scene = session.scene();
+  if (!scene) return;
+  const Bounds bounds = scene->bounds();
+  const float speed = glm::length(bounds.max - bounds.min) / 1000;
+  if (const auto name = draw_names("light", scene->lights, session.wish().light.name, session.is_light_moved(), widgets))
+    session.choose_light(*name);
+  Light light = session.wish().light;
+  if (draw_light_fields(light, speed, widgets))
+    if (widgets.attempt([&] { session.set_light(light); })) session.mark_moving();
+  if (const auto name = draw_names("view", scene->views, session.wish().view.name, session.is_view_moved(), widgets))
+    session.choose_view(*name);
+  View view = session.wish().view;
+  widgets.label("field of view", "Of the picture's height, in degrees.");
+  if (ImGui::SliderFloat("##fov", &view.fov_y_degrees, 5, 120, "%.4g degree", ImGuiSliderFlags_AlwaysClamp))
+    if (widgets.attempt([&] { session.set_view(view); })) session.mark_moving();
+  widgets.note("view.fov_y_degrees");
+  widgets.note_dragging();
+}
+
+/// Buttons in rows, one of which is chosen. The one that was pressed, or nothing.
+std::optional<int> draw_modes(const char* what, std::span<const ModeRow> rows, int chosen, Widgets& widgets) {
+  std::optional<int> result;
+  widgets.label(what, "", 0.6f);
+  const float left = ImGui::GetCursorPosX();
+  const float half = ImGui::GetContentRegionAvail().x / 2;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    if (k % 2 == 1) ImGui::SameLine(left + half);
+    if (k % 2 == 0 && k > 0) ImGui::SetCursorPosX(left);
+    const std::string title(rows[k].title);
+    if (ImGui::RadioButton(title.c_str(), chosen == static_cast<int>(k))) result = static_cast<int>(k);
+    widgets.note(fmt::format("{}.{}", what, rows[k].id));
+    Widgets::tooltip(std::string(rows[k].sentence));
+  }
+  return result;
+}
+
+void draw_picture_controls(Session& session, Widgets& widgets) {
+  if (const auto k = draw_modes("layout", layout_rows(), static_cast<int>(session.layout), widgets))
+    session.layout = static_cast<Layout>(*k);
+  if (const auto k = draw_modes("paint", paint_rows(), static_cast<int>(session.paint), widgets))
+    session.paint = static_cast<Paint>(*k);
+  auto divider = static_cast<float>(100 * session.divider);
+  widgets.label("divider", "Where the sides meet in a split picture; dragged in the picture, too.");
+  if (ImGui::SliderFloat("##divider", &divider, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
+    session.divider = divider / 100;
+  widgets.note("divider");
+  float opacity = 100 * session.layer_opacity;
+  widgets.label("layer opacity", "Of debug layers over the paint.");
+  if (ImGui::SliderFloat("##opacity", &opacity, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
+    session.layer_opacity = opacity / 100;
+  widgets.note("layer_opacity");
+  widgets.label("overlays");
+  ImGui::Checkbox("silhouettes", &session.shows_silhouettes);
+  widgets.note("silhouettes");
+  Widgets::tooltip("The casters' silhouette edges as the light sees them; dark where the eye does not.");
+}
+
+}  // namespace
+
+void draw_controls(const PixelRect& place, Session& session, const Shown& shown, std::span<const SceneListing> scenes,
+                   Widgets& widgets) {
+  if (begin_panel("controls", place)) {
+    if (widgets.button("save", "Save", 4, 0, "Scene, command, mask and pictures into a folder (Ctrl+S)."))
+      session.act(Action::save);
+    if (widgets.button("copy_command", "Copy", 4, 1, "The command that renders this, to the clipboard (Ctrl+C)."))
+      session.act(Action::copy_command);
+    if (widgets.button("screenshot", "Shot", 4, 2, "A picture of the whole window (F12).")) session.act(Action::screenshot);
+    if (widgets.button("help", "Help", 4, 3, "All keys (F1).")) session.act(Action::help);
+    if (section("Picture")) draw_picture_controls(session, widgets);
+    ImGui::PushID("scene");
+    if (section("Scene, light and view")) {
+      draw_scene(session, shown, scenes, widgets);
+      draw_light_and_view(session, widgets);
+    }
+    ImGui::PopID();
+    for (int side = 0; side < 2; ++side) {
+      ImGui::PushID(side);
+      if (section(side == 0 ? "Left" : "Right")) draw_side_controls(side, session, shown, widgets);
+      ImGui::PopID();
+    }
+  }
+  end_panel();
+}
+
+}  // namespace gnomon::viewer

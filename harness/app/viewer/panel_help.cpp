@@ -1,0 +1,124 @@
+// What every key and the mouse do.
+#include <imgui.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "app/viewer/keys.h"
+#include "app/viewer/mouse.h"
+#include "app/viewer/panels.h"
+#include "app/viewer/style.h"
+#include "app/viewer/window.h"
+
+namespace gnomon::viewer {
+
+namespace {
+
+void draw_row(std::string_view key, std::string_view sentence) {
+  ImGui::TableNextRow();
+  ImGui::TableNextColumn();
+  ImGui::TextUnformatted(key.data(), key.data() + key.size());
+  ImGui::TableNextColumn();
+  ImGui::PushStyleColor(ImGuiCol_Text, quiet_text);
+  ImGui::TextWrapped("%.*s", static_cast<int>(sentence.size()), sentence.data());
+  ImGui::PopStyleColor();
+}
+
+bool begin_group(std::string_view title, float key_width) {
+  ImGui::TextUnformatted(title.data(), title.data() + title.size());
+  ImGui::Separator();
+  ImGui::PushID(title.data());
+  const bool is_begun = ImGui::BeginTable("keys", 2, ImGuiTableFlags_NoSavedSettings);
+  if (is_begun) {
+    ImGui::TableSetupColumn("key", ImGuiTableColumnFlags_WidthFixed, key_width);
+    ImGui::TableSetupColumn("sentence", ImGuiTableColumnFlags_WidthStretch);
+  } else {
+    ImGui::PopID();
+  }
+  return is_begun;
+}
+
+void end_group() {
+  ImGui::EndTable();
+  ImGui::PopID();
+  ImGui::Dummy({0, ImGui::GetFontSize() * 0.3f});
+}
+
+/// Rows first .. end - 1 are one group.
+struct Group {
+  std::size_t first, end;
+  float lines() const { return static_cast<float>(end - first) + 2; }  // with heading and gap
+};
+
+std::vector<Group> key_groups() {
+  std::vector<Group> groups;
+  const std::span<const KeyRow> rows = key_rows();
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    if (k == 0 || rows[k].group != rows[k - 1].group) groups.push_back({k, k});
+    groups.back().end = k + 1;
+  }
+  return groups;
+}
+
+void draw_keys(const Group& group) {
+  const std::span<const KeyRow> rows = key_rows();
+  if (!begin_group(rows[group.first].group, ImGui::GetFontSize() * 5.5f)) return;
+  for (std::size_t k = group.first; k < group.end; ++k) draw_row(rows[k].name, rows[k].sentence);
+  end_group();
+}
+
+void draw_mouse() {
+  if (!begin_group("Mouse in the picture", ImGui::GetFontSize() * 10)) return;
+  for (const MouseRow& row : mouse_rows()) draw_row(row.name, row.sentence);
+  end_group();
+}
+
+/// Whole groups in columns of nearly the same height.
+void draw_columns(int count) {
+  const std::vector<Group> groups = key_groups();
+  float lines = 1.5f * static_cast<float>(mouse_rows().size()) + 2;
+  for (const Group& group : groups) lines += group.lines();
+  const float gap = ImGui::GetFontSize(),
+              width = (ImGui::GetContentRegionAvail().x - gap * static_cast<float>(count - 1)) / count;
+  const float height = ImGui::GetContentRegionAvail().y - ImGui::GetFrameHeightWithSpacing();
+  std::size_t next = 0;
+  float done = 0;
+  for (int column = 0; column < count; ++column) {
+    if (column > 0) ImGui::SameLine(0, gap);
+    ImGui::PushID(column);
+    const bool is_last = column == count - 1;
+    if (ImGui::BeginChild("column", {width, height})) {
+      while (next < groups.size() && (is_last || done + groups[next].lines() / 2 <= lines * (column + 1) / count)) {
+        draw_keys(groups[next]);
+        done += groups[next++].lines();
+      }
+      if (is_last) draw_mouse();
+    }
+    ImGui::EndChild();
+    ImGui::PopID();
+  }
+}
+
+}  // namespace
+
+void draw_help(glm::ivec2 window, Session& session) {
+  const auto scale = static_cast<float>(pixels_per_unit());
+  const ImVec2 all(window.x / scale, window.y / scale);
+  const ImVec2 size(std::min(all.x - 40, ImGui::GetFontSize() * 90), all.y - 40);
+  ImGui::SetNextWindowPos({all.x / 2, all.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowSize(size);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {ImGui::GetFontSize(), ImGui::GetFontSize() * 0.8f});
+  ImGui::SetNextWindowFocus();
+  if (ImGui::Begin("help", nullptr,
+                   ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                       ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoNav)) {
+    constexpr float least_width = 27;  // of a column, in heights of the font
+    draw_columns(std::clamp(static_cast<int>(ImGui::GetContentRegionAvail().x / (least_width * ImGui::GetFontSize())), 1, 3));
+    if (ImGui::Button("Close")) session.shows_help = false;
+  }
+  ImGui::End();
+  ImGui::PopStyleVar(2);
+}
+
+}  // namespace gnomon::viewer

@@ -1,0 +1,83 @@
+// The pixels around one, eight times as large, and what is known of it.
+#include <imgui.h>
+
+#include <algorithm>
+
+#include "app/viewer/panels.h"
+#include "app/viewer/style.h"
+#include "app/viewer/window.h"
+
+namespace gnomon::viewer {
+
+namespace {
+
+constexpr int around = 8;       // pixels to each side of the middle one
+constexpr double enlarged = 8;  // framebuffer pixels of a pixel, at scale 1
+
+/// A square of pixels around the middle one; what lies outside the picture stays dark.
+void draw_pixels(const Shown& shown, float pixel) {
+  const float side = pixel * (2 * around + 1);
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  list.AddRectFilled(at, {at.x + side, at.y + side}, IM_COL32(12, 12, 14, 255));
+  const int width = shown.composition.width, height = shown.composition.height;
+  const glm::ivec2 first = glm::max(shown.pixel - around, glm::ivec2(0));
+  const glm::ivec2 end = glm::min(shown.pixel + around + 1, glm::ivec2(width, height));
+  if (shown.pixel.x >= 0 && first.x < end.x && first.y < end.y) {
+    const glm::vec2 low = glm::vec2(first - shown.pixel + around) * pixel, high = glm::vec2(end - shown.pixel + around) * pixel;
+    list.AddImage(reinterpret_cast<ImTextureID>(static_cast<std::intptr_t>(shown.texture)), {at.x + low.x, at.y + low.y},
+                  {at.x + high.x, at.y + high.y}, {first.x / static_cast<float>(width), first.y / static_cast<float>(height)},
+                  {end.x / static_cast<float>(width), end.y / static_cast<float>(height)});
+    const ImVec2 corner(at.x + around * pixel, at.y + around * pixel);
+    list.AddRect({corner.x - 1, corner.y - 1}, {corner.x + pixel + 1, corner.y + pixel + 1}, IM_COL32(0, 0, 0, 255));
+    list.AddRect({corner.x - 2, corner.y - 2}, {corner.x + pixel + 2, corner.y + pixel + 2}, picked_color);
+  }
+  ImGui::Dummy({side, side});
+}
+
+void draw_facts(const Shown& shown, const Session& session) {
+  const SideState& side = shown.state.sides[shown.side];
+  const bool is_explained = session.picked() && side.explanation && side.explained && side.explained == session.wish().picked;
+  const std::vector<PixelFact> facts =
+      pixel_facts(shown.composition, shown.side, shown.pixel.x, shown.pixel.y, shown.state.reference.get(),
+                  is_explained ? side.explanation.get() : nullptr);
+  ImGui::TextDisabled("%s, pixel %d %d%s", side_name(shown.side), shown.pixel.x, shown.pixel.y,
+                      session.picked() ? ", picked" : "");
+  Widgets::tooltip("A click in the picture picks its pixel, Escape drops it.");
+  if (!ImGui::BeginTable("facts", 2, ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_NoSavedSettings)) return;
+  float widest = 0;
+  for (const PixelFact& fact : facts) widest = std::max(widest, ImGui::CalcTextSize(fact.name.c_str()).x);
+  ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthFixed, std::min(widest, ImGui::GetFontSize() * 6));
+  ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthStretch);
+  for (const PixelFact& fact : facts) {
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    ImGui::PushStyleColor(ImGuiCol_Text, quiet_text);
+    ImGui::TextWrapped("%s", fact.name.c_str());
+    ImGui::PopStyleColor();
+    ImGui::TableNextColumn();
+    ImGui::TextWrapped("%s", fact.value.c_str());
+  }
+  ImGui::EndTable();
+}
+
+}  // namespace
+
+void draw_magnifier(const Shown& shown, const Session& session) {
+  // As large as its place lets it be, in whole pixels.
+  const ImVec2 room = ImGui::GetContentRegionAvail();
+  const double unit = pixels_per_unit(), scale = lengths().panel / panel_width * unit;
+  const double most = std::min<double>(room.y, room.x * 0.5) * unit / (2 * around + 1);
+  const auto pixel = static_cast<float>(std::max(2.0, std::floor(std::min(std::round(enlarged * scale), most))) / unit);
+  draw_pixels(shown, pixel);
+  ImGui::SameLine(0, lengths().gap);
+  if (ImGui::BeginChild("facts", {0, 0})) {
+    if (shown.pixel.x < 0)
+      ImGui::TextWrapped("The pixel under the mouse is shown here; a click in the picture picks one.");
+    else
+      draw_facts(shown, session);
+  }
+  ImGui::EndChild();
+}
+
+}  // namespace gnomon::viewer

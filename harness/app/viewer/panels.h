@@ -1,0 +1,59 @@
+#pragma once
+#include <gnomon/scene.h>
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "app/viewer/compose.h"
+#include "app/viewer/engine.h"
+#include "app/viewer/session.h"
+#include "app/viewer/widgets.h"
+#include "measure/scene/load.h"
+
+namespace gnomon::viewer {
+
+/// A rectangle in framebuffer pixels.
+struct PixelRect {
+  int x = 0, y = 0, width = 0, height = 0;
+  bool holds(glm::dvec2 p) const { return p.x >= x && p.y >= y && p.x < x + width && p.y < y + height; }
+};
+
+/// Where things are in the window: controls at the left, the picture, below it the strip.
+struct Arrangement {
+  PixelRect controls, picture, strip;
+};
+Arrangement arrange(glm::ivec2 window, double scale, bool with_panels);
+
+/// All that panels show beside the session. Made once a frame.
+struct Shown {
+  const EngineState& state;
+  const Composition& composition;
+  std::span<const LegendEntry> legends[2];  ///< of the sides
+  glm::ivec2 pixel{-1};                     ///< of the picture: picked, else under the mouse; negative: none
+  int side = 0;                             ///< that shows it
+  unsigned texture = 0;                     ///< the picture
+  double frames_per_second = 0;             ///< of the window
+};
+
+/// A fixed panel at a place; `end_panel` ends it whatever it returned.
+bool begin_panel(const char* name, const PixelRect& place);
+void end_panel();
+
+/// Choices and parameters. `scenes` is what `list_scenes` says.
+void draw_controls(const PixelRect& place, Session& session, const Shown& shown, std::span<const SceneListing> scenes,
+                   Widgets& widgets);
+/// Numbers, legend, magnifier and the last message.
+void draw_strip(const PixelRect& place, const Session& session, const Shown& shown);
+/// All keys and what the mouse does, over everything.
+void draw_help(glm::ivec2 window, Session& session);
+
+// Parts of the two.
+void draw_numbers(const Shown& shown, const Session& session);
+void draw_legend(const Shown& shown);
+void draw_magnifier(const Shown& shown, const Session& session);
+void draw_side_controls(int side, Session& session, const Shown& shown, Widgets& widgets);
+
+inline const char* side_name(int side) { return side == 0 ? "left" : "right"; }
+
+}  // namespace gnomon::viewer

@@ -1,0 +1,79 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "measure/cause/causes.h"
+#include "measure/frame/frame.h"
+#include "measure/score/metrics.h"
+
+namespace gnomon::viewer {
+
+// What the engine makes and the window shows. Everything here is made once, then only read, by any thread.
+
+/// A scene that is looked at, with what rays need of it.
+struct LoadedScene {
+  std::string reference;  ///< what `--scene` calls it
+  Scene scene;
+  std::shared_ptr<FrameStore> store = nullptr;  ///< of `scene`, for its rays and its file; the engine's
+};
+
+/// What the eye sees of a scene under one light: what techniques are asked about.
+struct Frame {
+  std::uint64_t number = 0;  ///< counts up from 1
+  std::shared_ptr<const LoadedScene> loaded;
+  Light light;
+  GBuffer gbuffer;                                    ///< with its view; smaller than the picture while something moves
+  std::shared_ptr<const std::filesystem::path> file;  ///< of the G-buffer, for workers; goes with the last frame that has it
+  int picture_width = 0, picture_height = 0;
+  std::vector<double> received;  ///< as received_light gives it; one a pixel
+
+  const Scene& scene() const { return loaded->scene; }
+  bool is_full() const { return gbuffer.width == picture_width && gbuffer.height == picture_height; }
+};
+
+/// The reference at a frame, as far as it is known. Masks of fewer pixels than the frame's stand for it until it is finished.
+struct ReferenceState {
+  std::shared_ptr<const Frame> frame;
+  int width = 0, height = 0;            ///< of `mask`
+  std::vector<float> mask;              ///< width * height
+  std::vector<PixelClass> classes;      ///< empty until they are known; then the mask has the frame's size
+  std::vector<std::uint32_t> occluder;  ///< empty until known; see Reference
+  /// The same view and light on the meshes, where the scene has curved shapes and they count; null until it is known.
+  std::shared_ptr<const ReferenceState> on_mesh;
+  bool is_complete = false;  ///< nothing more will come for this frame
+  std::string why_not;       ///< there is none, because the reference does not support the light; else empty
+};
+
+/// What a technique answered.
+struct SideAnswer {
+  std::shared_ptr<const Frame> frame;
+  std::vector<float> mask;
+  std::array<std::optional<double>, 4> stage_ms;  ///< the last time that each stage was done, by Stage
+  Counts counts;
+  Support support = Support::full();
+};
+
+/// An answer against the reference of its frame.
+struct Verdict {
+  std::shared_ptr<const SideAnswer> answer;
+  std::shared_ptr<const ReferenceState> reference;  ///< with classes
+  Tally tally;
+  bool has_causes = false;    ///< they are known
+  std::vector<Cause> causes;  ///< empty until then
+  std::map<std::string, std::uint64_t> cause_counts;
+};
+
+/// A debug layer as a technique drew it.
+struct LayerPicture {
+  std::shared_ptr<const Frame> frame;
+  std::shared_ptr<const SideAnswer> answer;  ///< that it was drawn for
+  DebugLayer layer;
+  std::vector<float> rgb;  ///< linear, 3 a pixel of the frame's G-buffer
+};
+
+}  // namespace gnomon::viewer

@@ -1,0 +1,43 @@
+#pragma once
+#include <span>
+
+#include "app/viewer/mouse.h"
+#include "app/viewer/moves.h"
+#include "app/viewer/panels.h"
+#include "app/viewer/window.h"
+
+namespace gnomon::viewer {
+
+/// The view that the picture shows: of the newest frame that a side shows, else the one that is wished.
+View shown_view(const Session& session, const Composition& composition);
+/// The light's handle, in pixels of the picture; nothing when the light is behind the eye.
+std::optional<Handle> shown_handle(const Session& session, const Composition& composition, double scale);
+
+/// What the mouse does to the picture: camera, light, divider, picking. A gesture belongs to the picture from its press on,
+/// wherever the mouse goes.
+class PictureView {
+ public:
+  /// The window's events, in order. `is_covered`: a list or the help lies over the picture.
+  void use(std::span<const WindowEvent> events, const PixelRect& place, const Composition& shown, bool is_covered, double scale,
+           Session& session);
+  bool is_dragging() const { return gesture_.is_drag(); }
+  /// Where the mouse is in the picture; nothing outside it.
+  std::optional<glm::dvec2> mouse() const { return mouse_; }
+  /// What is dragged, or what a press now would grab: light or divider.
+  Doing handle() const { return handle_; }
+
+ private:
+  Grips grips(const Composition& shown, const Session& session, double scale) const;
+  void drag(const Composition& shown, Session& session);
+
+  Gesture gesture_;
+  Doing handle_ = Doing::nothing;
+  std::optional<glm::dvec2> mouse_;
+  // When the button went down.
+  View view_;
+  Light light_;
+  std::optional<Camera> camera_;
+  glm::dvec2 beside_{0};  // from the light's handle as it is shown to where the light is
+};
+
+}  // namespace gnomon::viewer

@@ -1,0 +1,124 @@
+// Files that the viewer writes. All of a folder appear at once.
+#include "app/viewer/saving.h"
+
+#include <gnomon/error.h>
+
+#include "app/staged_folder.h"
+#include "measure/picture/picture.h"
+#include "measure/scene/blob.h"
+
+namespace gnomon::viewer {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+Json json_of(const PixelRect& rect) { return {{"x", rect.x}, {"y", rect.y}, {"width", rect.width}, {"height", rect.height}}; }
+
+Json json_of(const ControlPlace& place) {
+  const auto whole = [](double value) { return static_cast<int>(std::lround(value)); };
+  return {{"x", whole(place.low.x)},
+          {"y", whole(place.low.y)},
+          {"width", whole(place.high.x) - whole(place.low.x)},
+          {"height", whole(place.high.y) - whole(place.low.y)},
+          {"visible", place.is_visible}};
+}
+
+Picture picture_of(std::span<const std::uint32_t> rgba, int width, int height) {
+  Picture picture{width, height, {}};
+  picture.rgb.reserve(rgba.size() * 3);
+  for (const std::uint32_t& pixel : rgba) {
+    const auto* const bytes = reinterpret_cast<const std::uint8_t*>(&pixel);
+    picture.rgb.insert(picture.rgb.end(), bytes, bytes + 3);
+  }
+  return picture;
+}
+
+}  // namespace
+
+Json places_json(glm::ivec2 window, double scale, const PixelRect& picture, const ControlPlaces& controls) {
+  Json named = Json::object();
+  for (const auto& [name, place] : controls) named[name] = json_of(place);
+  return {{"window", {{"width", window.x}, {"height", window.y}, {"scale", scale}}},
+          {"picture", json_of(picture)},
+          {"controls", named}};
+}
+
+void write_window(const fs::path& file, const Picture& picture) {
+  const app::StagedFolder folder = app::StagedFolder::for_file(file);
+  write_png(folder.path / file.filename(), picture);
+  folder.publish();
+}
+
+/// The first OUT/BEFOREnnAFTER that is not there yet.
+fs::path Album::next(const std::string& before, const std::string& after) const {
+  for (int number = 1;; ++number) {
+    const fs::path path = out_ / fmt::format("{}{:02}{}", before, number, after);
+    std::error_code ignored;
+    if (!fs::exists(fs::symlink_status(path, ignored))) return path;
+  }
+}
+
+SavedState Album::saved_state(const Session& session) const {
+  const Wish& wish = session.wish();
+  return {.scene = wish.scene,
+          .light = wish.light,
+          .view = wish.view,
+          .plugins = plugins_,
+          .technique = wish.sides[0].technique,
+          .settings = wish.sides[0].settings,
+          .width = wish.width,
+          .height = wish.height,
+          .truth = wish.truth};
+}
+
+std::string Album::write_command(const Session& session, const fs::path& staged, const fs::path& folder) {
+  const SavedState state = saved_state(session);
+  const std::string command = render_command(state, folder / "scene.toml", folder / "render");
+  write_file(staged / "scene.toml", state_toml(state, folder / "scene.toml"));
+  write_file(staged / "command.txt", command + "\n");
+  return command;
+}
+
+fs::path Album::save(const Session& session, const EngineState& state, std::span<const std::uint32_t> rgba,
+                     const Picture& window, const Json& places) {
+  const Wish& wish = session.wish();
+  const SideState& left = state.sides[0];
+  std::span<const float> mask;
+  if (left.is_reference && state.reference)
+    mask = state.reference->mask;
+  else if (left.answer)
+    mask = left.answer->mask;
+  const auto pixels = static_cast<std::size_t>(wish.width) * wish.height;
+  if (left.phase != Phase::done || mask.size() != pixels)
+    throw Error("the left side, {}, has no mask to save: {}", wish.sides[0].technique,
+                left.words.empty() ? "it is not done" : left.words);
+  const fs::path folder = next("", "");
+  const app::StagedFolder staged = app::StagedFolder::beside(folder);
+  write_command(session, staged.path, folder);
+  const std::vector<std::string> names = {wish.light.name + ".V"};
+  const std::vector<std::span<const float>> channels = {mask};
+  write_exr(staged.path / "mask.exr", wish.width, wish.height, names, channels);
+  write_png(staged.path / "picture.png", picture_of(rgba, wish.width, wish.height));
+  write_png(staged.path / "window.png", window);
+  write_file(staged.path / "window.json", places.dump(2) + "\n");
+  staged.publish();
+  return folder;
+}
+
+std::string Album::save_command(const Session& session) {
+  const fs::path folder = next("", "");
+  const app::StagedFolder staged = app::StagedFolder::beside(folder);
+  const std::string command = write_command(session, staged.path, folder);
+  staged.publish();
+  return command;
+}
+
+fs::path Album::save_window(const Picture& window) {
+  const fs::path file = next("window-", ".png");
+  write_window(file, window);
+  return file;
+}
+
+}  // namespace gnomon::viewer

@@ -1,0 +1,174 @@
+// What the person has chosen, and how each choice changes it.
+#include "app/viewer/session.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "app/viewer/window.h"
+#include "measure/scene/load.h"
+
+namespace gnomon::viewer {
+
+namespace {
+
+constexpr double motion_rest = 0.25;  // seconds without a step until a motion is over
+
+std::string id_of(const std::string& reference) { return reference.substr(0, reference.find(':')); }
+
+/// A generator with the settings of a reference; null when it is a file.
+std::unique_ptr<SceneGenerator> generator_of(const std::string& reference) {
+  const std::size_t colon = reference.find(':');
+  const SceneEntry* const entry = registry().find_scene(id_of(reference));
+  if (!entry) return nullptr;
+  auto generator = entry->make();
+  generator->apply(colon == std::string::npos ? "" : reference.substr(colon + 1));
+  return generator;
+}
+
+/// The item of that name, else the first.
+template <class Item>
+const Item& named_or_first(const std::vector<Item>& items, const std::string& name) {
+  const auto found = std::ranges::find(items, name, &Item::name);
+  return found == items.end() ? items.front() : *found;
+}
+
+}  // namespace
+
+Session::Session(Wish wish, const Scene& scene) : wish_(std::move(wish)), generator_(generator_of(wish_.scene)) {
+  auto loaded = std::make_shared<LoadedScene>();
+  loaded->reference = wish_.scene;
+  loaded->scene = scene;
+  loaded_ = std::move(loaded);
+  for (int side = 0; side < 2; ++side) {
+    const SideWish start = wish_.sides[side];
+    choose_technique(side, start.technique);
+    technique(side).apply(start.settings);
+    technique_changed(side);
+    choose_layer(side, start.layer);
+  }
+}
+
+void Session::choose_scene(const std::string& reference) {
+  auto generator = generator_of(reference);
+  // Other settings of the same generator: a light or view that was moved stays where it is.
+  keeps_moved_ = generator && id_of(reference) == id_of(wish_.scene);
+  generator_ = std::move(generator);
+  wish_.scene = reference;
+  pick({});
+}
+
+void Session::generator_changed() {
+  const std::string settings = generator_->settings();
+  keeps_moved_ = true;
+  wish_.scene = settings.empty() ? generator_->id() : generator_->id() + ":" + settings;
+}
+
+void Session::adopt(const EngineState& state) {
+  if (!state.loaded || state.loaded == loaded_ || state.loaded->reference != wish_.scene) return;
+  loaded_ = state.loaded;
+  wish_.loaded = loaded_;
+  if (!(keeps_moved_ && light_moved_)) choose_light(named_or_first(scene()->lights, wish_.light.name).name);
+  if (!(keeps_moved_ && view_moved_)) choose_view(named_or_first(scene()->views, wish_.view.name).name);
+  keeps_moved_ = true;
+}
+
+void Session::choose_light(const std::string& name) {
+  wish_.light = named_or_first(scene()->lights, name);
+  light_moved_ = false;
+}
+
+void Session::choose_view(const std::string& name) {
+  wish_.view = named_or_first(scene()->views, name);
+  view_moved_ = false;
+}
+
+void Session::set_light(const Light& light) {
+  check(light, "window");
+  light_moved_ = light_moved_ || !are_same(light, wish_.light);
+  wish_.light = light;
+}
+
+void Session::set_view(const View& view) {
+  check(view, "window");
+  view_moved_ = view_moved_ || !are_same(view, wish_.view);
+  wish_.view = view;
+}
+
+void Session::set_size(int width, int height) {
+  if (width == wish_.width && height == wish_.height) return;
+  wish_.width = width;
+  wish_.height = height;
+  if (picked_ && (picked_->x >= width || picked_->y >= height)) picked_.reset();
+  pick(picked_);
+}
+
+void Session::mark_moving() {
+  wish_.is_moving = true;
+  moving_until_ = Window::now() + motion_rest;
+}
+
+std::optional<double> Session::motion_left() const {
+  if (!wish_.is_moving) return std::nullopt;
+  return std::max(0.0, moving_until_ - Window::now());
+}
+
+void Session::settle() {
+  if (wish_.is_moving && Window::now() >= moving_until_) wish_.is_moving = false;
+}
+
+void Session::choose_technique(int side, const std::string& id) {
+  std::shared_ptr<Technique>& known = known_[side][id];
+  if (!known) known = registry().technique(id).make();
+  technique_[side] = known;
+  technique_changed(side);
+  const auto layers = known->debug_layers();
+  if (std::ranges::find(layers, wish_.sides[side].layer, &DebugLayer::name) == layers.end()) choose_layer(side, "");
+}
+
+void Session::technique_changed(int side) {
+  wish_.sides[side].technique = technique_[side]->id();
+  wish_.sides[side].settings = technique_[side]->settings();
+}
+
+void Session::swap_sides() {
+  std::swap(known_[0], known_[1]);
+  std::swap(technique_[0], technique_[1]);
+  std::swap(wish_.sides[0], wish_.sides[1]);
+}
+
+void Session::pick(std::optional<glm::ivec2> pixel) {
+  picked_ = pixel;
+  wish_.picked.reset();
+  if (picked_) wish_.picked = static_cast<std::uint32_t>(picked_->y) * wish_.width + picked_->x;
+}
+
+void Session::say(const std::string& text, bool is_warning) {
+  message_ = text;
+  is_warning_ = is_warning;
+  message_time_ = Window::now();
+}
+
+double Session::message_age() const { return Window::now() - message_time_; }
+
+bool are_same(const Light& a, const Light& b) {
+  if (a.name != b.name || a.intensity != b.intensity || a.kind.index() != b.kind.index()) return false;
+  return std::visit(
+      [&](const auto& one) {
+        using Kind = std::decay_t<decltype(one)>;
+        static_assert(sizeof(Kind) % sizeof(float) == 0);  // nothing but floats
+        return std::memcmp(&one, &std::get<Kind>(b.kind), sizeof(Kind)) == 0;
+      },
+      a.kind);
+}
+
+bool are_same(const View& a, const View& b) {
+  return a.name == b.name && a.eye == b.eye && a.target == b.target && a.up == b.up && a.fov_y_degrees == b.fov_y_degrees;
+}
+
+bool are_same(const Wish& a, const Wish& b) {
+  return a.scene == b.scene && a.loaded == b.loaded && a.truth == b.truth && are_same(a.light, b.light) &&
+         are_same(a.view, b.view) && a.width == b.width && a.height == b.height && a.is_moving == b.is_moving &&
+         a.full_while_moving == b.full_while_moving && a.sides == b.sides && a.picked == b.picked && a.repeat == b.repeat;
+}
+
+}  // namespace gnomon::viewer

@@ -1,0 +1,143 @@
+// Rows of the panels, and the widgets that follow from parameter rows.
+#include "app/viewer/widgets.h"
+
+#include <gnomon/error.h>
+#include <imgui.h>
+#include <imgui_internal.h>
+
+#include <type_traits>
+
+#include "app/viewer/style.h"
+#include "app/viewer/window.h"
+
+namespace gnomon::viewer {
+
+namespace {
+
+constexpr std::size_t longest_inline_unit = 6;  // "texel"
+
+/// What follows a number in its slider; % is doubled, as in every format.
+std::string unit_words(std::string_view unit) {
+  if (unit.empty() || unit.size() > longest_inline_unit) return "";
+  std::string words = " ";
+  for (const char c : unit) words += c == '%' ? "%%" : std::string(1, c);
+  return words;
+}
+
+std::string sentence_of(const Parameter& row) {
+  return fmt::format("{}\n{}, {} by default, spoils {}", row.sentence(), row.allowed(), row.default_text(), name(row.spoils()));
+}
+
+}  // namespace
+
+void Widgets::note(const std::string& name) {
+  const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
+  const double scale = pixels_per_unit();
+  const ImRect& clip = ImGui::GetCurrentWindow()->ClipRect;
+  const bool is_visible =
+      low.x >= clip.Min.x - 1 && low.y >= clip.Min.y - 1 && high.x <= clip.Max.x + 1 && high.y <= clip.Max.y + 1;
+  places_[name] = {{low.x * scale, low.y * scale}, {high.x * scale, high.y * scale}, is_visible};
+}
+
+void Widgets::tooltip(const std::string& words) {
+  if (words.empty() || !ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
+  ImGui::BeginTooltip();
+  ImGui::PushTextWrapPos(ImGui::GetFontSize() * 26);
+  ImGui::TextUnformatted(words.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::EndTooltip();
+}
+
+void Widgets::label(const std::string& words, const std::string& sentence, float share) {
+  const float width = share * lengths().label;
+  ImGui::AlignTextToFramePadding();
+  const float left = ImGui::GetCursorPosX();
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  // A name that is too long ends at its widget.
+  ImGui::PushClipRect(at, {at.x + width - 4, at.y + ImGui::GetFrameHeight()}, true);
+  ImGui::TextUnformatted(words.c_str());
+  ImGui::PopClipRect();
+  tooltip(sentence);
+  ImGui::SameLine(left + width);
+  ImGui::SetNextItemWidth(-FLT_MIN);
+}
+
+bool Widgets::button(const std::string& name, const char* words, int count, int index, const std::string& sentence) {
+  const float gap = ImGui::GetStyle().ItemSpacing.x;
+  if (index > 0) ImGui::SameLine();
+  const float room = ImGui::GetContentRegionAvail().x;
+  const int left = count - index;
+  const bool is_pressed = ImGui::Button(words, {(room - gap * (left - 1)) / left, 0});
+  note(name);
+  tooltip(sentence);
+  return is_pressed;
+}
+
+bool Widgets::attempt(const std::function<void()>& work) {
+  try {
+    work();
+    return true;
+  } catch (const Error& error) {
+    refused_(error.what());
+    return false;
+  }
+}
+
+void Widgets::note_dragging() {
+  if (ImGui::IsItemActive() && ImGui::IsMouseDown(ImGuiMouseButton_Left)) is_dragging_ = true;
+}
+
+template <class T>
+bool Widgets::number(const Number<T>& row, std::string& text) {
+  constexpr bool is_whole = std::is_same_v<T, int>;
+  T value = row.value();
+  const T low = row.range().min, high = row.range().max;
+  const std::string format = (is_whole ? "%d" : "%.4g") + unit_words(row.unit());
+  const ImGuiSliderFlags flags = row.range().log ? ImGuiSliderFlags_Logarithmic : ImGuiSliderFlags_None;
+  const bool is_set = ImGui::SliderScalar("##value", is_whole ? ImGuiDataType_S32 : ImGuiDataType_Double, &value, &low, &high,
+                                          format.c_str(), flags);
+  if (is_set) text = fmt::format("{}", value);
+  return is_set;
+}
+
+bool Widgets::parameter(const std::string& name, Parameter& row) {
+  ImGui::PushID(name.c_str());
+  const std::string sentence = sentence_of(row);
+  label(std::string(row.name()), sentence);
+  bool is_set = false;
+  std::string text;
+  if (const auto* whole = dynamic_cast<const Number<int>*>(&row)) {
+    is_set = number(*whole, text);
+  } else if (const auto* real = dynamic_cast<const Number<double>*>(&row)) {
+    is_set = number(*real, text);
+  } else if (const auto* flag = dynamic_cast<const Flag*>(&row)) {
+    bool value = *flag;
+    is_set = ImGui::Checkbox("##value", &value);
+    text = value ? "true" : "false";
+  } else if (ImGui::BeginCombo("##value", row.text().c_str())) {
+    note(name);
+    for (const std::string& choice : row.probes()) {
+      if (ImGui::Selectable(choice.c_str(), choice == row.text())) {
+        is_set = true;
+        text = choice;
+      }
+      note(name + "." + choice);
+    }
+    ImGui::EndCombo();
+    ImGui::PopID();
+    return is_set && attempt([&] { row.set(text); });
+  }
+  note(name);
+  note_dragging();
+  tooltip(sentence);
+  ImGui::PopID();
+  return is_set && attempt([&] { row.set(text); });
+}
+
+bool Widgets::parameters(const std::string& prefix, Parametrized& object) {
+  bool is_set = false;
+  for (Parameter* const row : object.parameters()) is_set = parameter(prefix + "." + std::string(row->name()), *row) || is_set;
+  return is_set;
+}
+
+}  // namespace gnomon::viewer

@@ -1,0 +1,229 @@
+// The window: GLFW for display and events, OpenGL for its picture, Dear ImGui for what stands around it.
+#include "app/viewer/window.h"
+
+#include <epoxy/gl.h>
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <gnomon/error.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <utility>
+
+#include "app/viewer/keys.h"
+#include "app/viewer/style.h"
+
+namespace gnomon::viewer {
+
+namespace {
+
+constexpr const char* font_file = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+constexpr double font_height = 14;  // pixels at scale 1
+
+// GLFW's callbacks find both here: there is one window.
+std::vector<WindowEvent> events;
+std::string last_error;
+glm::dvec2 mouse_place{0};
+
+void on_error(int, const char* words) { last_error = words; }
+
+void on_key(GLFWwindow*, int key, int scancode, int action, int modifiers) {
+  if (action == GLFW_REPEAT) return;
+  events.push_back({.kind = WindowEvent::Kind::key,
+                    .code = layout_key(key, scancode),
+                    .modifiers = modifiers,
+                    .is_pressed = action == GLFW_PRESS,
+                    .place = mouse_place});
+}
+
+void on_button(GLFWwindow*, int button, int action, int modifiers) {
+  events.push_back({.kind = WindowEvent::Kind::button,
+                    .code = button,
+                    .modifiers = modifiers,
+                    .is_pressed = action == GLFW_PRESS,
+                    .place = mouse_place});
+}
+
+void on_motion(GLFWwindow* window, double x, double y) {
+  int width = 0, height = 0, across = 0, down = 0;
+  glfwGetWindowSize(window, &width, &height);
+  glfwGetFramebufferSize(window, &across, &down);
+  if (width > 0 && height > 0) mouse_place = {x * across / width, y * down / height};
+  events.push_back({.kind = WindowEvent::Kind::motion, .place = mouse_place});
+}
+
+void on_wheel(GLFWwindow*, double, double y) {
+  events.push_back({.kind = WindowEvent::Kind::wheel, .place = mouse_place, .wheel = y});
+}
+
+void on_focus(GLFWwindow*, int focused) {
+  if (!focused) events.push_back({.kind = WindowEvent::Kind::focus_lost, .place = mouse_place});
+}
+
+/// "DISPLAY is not set", or what it is.
+std::string display_words() {
+  const char* const display = std::getenv("DISPLAY");
+  return display && *display ? fmt::format("DISPLAY is {}", display) : "DISPLAY is not set";
+}
+
+}  // namespace
+
+double pixels_per_unit() {
+  const double scale = ImGui::GetIO().DisplayFramebufferScale.x;
+  return scale > 0 ? scale : 1;
+}
+
+Window::Window(const std::string& title) {
+  constexpr const char* advice = "gnomon view needs one; gnomon render writes pictures without";
+  glfwSetErrorCallback(on_error);
+  events.clear();
+  if (!glfwInit()) throw Error("there is no display to open a window on ({}): {}; {}", display_words(), last_error, advice);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+  glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
+  glfwWindowHint(GLFW_DEPTH_BITS, 0);
+  glfwWindowHint(GLFW_STENCIL_BITS, 0);
+  window_ = glfwCreateWindow(640, 480, title.c_str(), nullptr, nullptr);
+  if (!window_) {
+    glfwTerminate();
+    throw Error("the display gives no window with OpenGL 3.3 ({}): {}", display_words(), last_error);
+  }
+  glfwMakeContextCurrent(window_);
+  glfwSwapInterval(1);
+  glfwSetKeyCallback(window_, on_key);
+  glfwSetMouseButtonCallback(window_, on_button);
+  glfwSetCursorPosCallback(window_, on_motion);
+  glfwSetScrollCallback(window_, on_wheel);
+  glfwSetWindowFocusCallback(window_, on_focus);
+
+  IMGUI_CHECKVERSION();
+  ImGui::CreateContext();
+  ImGui::GetIO().IniFilename = nullptr;
+  ImGui::GetIO().LogFilename = nullptr;
+  // Calls our callbacks, too.
+  ImGui_ImplGlfw_InitForOpenGL(window_, true);
+  ImGui_ImplOpenGL3_Init("#version 330 core");
+
+  glGenTextures(1, &texture_);
+  glBindTexture(GL_TEXTURE_2D, texture_);
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
+  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T}) glTexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
+}
+
+Window::~Window() {
+  glDeleteTextures(1, &texture_);
+  ImGui_ImplOpenGL3_Shutdown();
+  ImGui_ImplGlfw_Shutdown();
+  ImGui::DestroyContext();
+  glfwDestroyWindow(window_);
+  glfwTerminate();
+}
+
+void Window::show(int width, int height) {
+  int units = 0, ignored = 0;
+  glfwGetWindowSize(window_, &units, &ignored);
+  const double ratio = units > 0 ? static_cast<double>(size().x) / units : 1;
+  const auto in_units = [&](double pixels) { return static_cast<int>(std::lround(pixels / ratio)); };
+  glfwSetWindowSizeLimits(window_, in_units(480 * scale()), in_units(320 * scale()), GLFW_DONT_CARE, GLFW_DONT_CARE);
+  glfwSetWindowSize(window_, in_units(width), in_units(height));
+  glfwShowWindow(window_);
+}
+
+glm::ivec2 Window::size() const {
+  glm::ivec2 size{0};
+  glfwGetFramebufferSize(window_, &size.x, &size.y);
+  return size;
+}
+
+double Window::scale() const {
+  float x = 1, y = 1;
+  glfwGetWindowContentScale(window_, &x, &y);
+  return std::isfinite(x) && x > 0 ? std::clamp<double>(x, 0.5, 8) : 1;
+}
+
+bool Window::is_closing() const { return glfwWindowShouldClose(window_); }
+
+void Window::wait(double seconds) const {
+  if (seconds < 0)
+    glfwWaitEvents();
+  else if (seconds > 0)
+    glfwWaitEventsTimeout(seconds);
+  else
+    glfwPollEvents();
+}
+
+std::vector<WindowEvent> Window::take_events() { return std::exchange(events, {}); }
+
+void Window::wake() { glfwPostEmptyEvent(); }
+
+double Window::now() { return glfwGetTime(); }
+
+void Window::set_picture(std::span<const std::uint32_t> rgba, int width, int height) {
+  glBindTexture(GL_TEXTURE_2D, texture_);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  if (texture_size_ != glm::ivec2(width, height)) {
+    texture_size_ = {width, height};
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data());
+  } else {
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data());
+  }
+}
+
+void Window::load_font() {
+  font_scale_ = scale();
+  ImGuiIO& io = ImGui::GetIO();
+  io.Fonts->Clear();
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(font_file, ignored))
+    io.Fonts->AddFontFromFileTTF(font_file, static_cast<float>(std::round(font_height * font_scale_)));
+  if (io.Fonts->Fonts.empty()) {
+    ImFontConfig config;
+    config.SizePixels = static_cast<float>(std::round(13 * font_scale_));
+    io.Fonts->AddFontDefault(&config);
+  }
+  ImGui_ImplOpenGL3_DestroyFontsTexture();
+  ImGui_ImplOpenGL3_CreateFontsTexture();
+  set_style(font_scale_ / pixels_per_unit());
+  io.FontGlobalScale = static_cast<float>(1 / pixels_per_unit());
+}
+
+void Window::begin_drawing() {
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui_ImplGlfw_NewFrame();
+  if (scale() != font_scale_) load_font();
+  ImGui::NewFrame();
+}
+
+void Window::end_drawing() {
+  ImGui::Render();
+  const glm::ivec2 size = this->size();
+  glViewport(0, 0, size.x, size.y);
+  glClearColor(0.075f, 0.08f, 0.09f, 1);
+  glClear(GL_COLOR_BUFFER_BIT);
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
+
+void Window::present() { glfwSwapBuffers(window_); }
+
+Picture Window::read_picture() const {
+  const glm::ivec2 size = this->size();
+  const std::size_t row = static_cast<std::size_t>(size.x) * 3;
+  std::vector<std::uint8_t> upward(row * size.y);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadBuffer(GL_BACK);
+  glReadPixels(0, 0, size.x, size.y, GL_RGB, GL_UNSIGNED_BYTE, upward.data());
+  Picture picture{size.x, size.y, std::vector<std::uint8_t>(upward.size())};
+  for (int y = 0; y < size.y; ++y) std::copy_n(upward.begin() + (size.y - 1 - y) * row, row, picture.rgb.begin() + y * row);
+  return picture;
+}
+
+void Window::set_clipboard(const std::string& text) { glfwSetClipboardString(window_, text.c_str()); }
+
+}  // namespace gnomon::viewer

@@ -1,0 +1,239 @@
+// The viewer without its window: what is wished comes, as `gnomon render` would make it, and nothing waits for it.
+#include <gnomon/registry.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+
+#include "app/viewer/engine.h"
+#include "measure/run/row.h"
+#include "measure/scene/load.h"
+
+namespace gnomon::viewer {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::seconds;
+
+/// An engine and a person who looks at it.
+class Rig {
+ public:
+  Rig() : engine_({.threads = 0, .plugins = {}, .program = GNOMON_TEST_PROGRAM}, 60, [this] { wake(); }) {
+    wish.sides = {SideWish{.technique = "shadow_map", .settings = "resolution=256", .layer = ""},
+                  SideWish{.technique = "embree_rays", .settings = "", .layer = ""}};
+    wish.width = 160;
+    wish.height = 90;
+  }
+
+  /// Opens a scene at its own first light and view.
+  void open(const std::string& scene) {
+    wish.scene = scene;
+    engine_.wish(wish);
+    const EngineState state = until([&](const EngineState& s) {
+      if (!s.scene_error.empty()) throw Error("{}", s.scene_error);
+      return s.loaded && s.loaded->reference == scene;
+    });
+    wish.loaded = state.loaded;
+    wish.light = state.loaded->scene.lights[0];
+    wish.view = state.loaded->scene.views[0];
+  }
+  /// Tells the wish and waits until nothing is left to do.
+  EngineState finish() {
+    const std::uint64_t number = engine_.wish(wish);
+    return until([&](const EngineState& s) { return s.wish == number && s.is_finished; });
+  }
+  EngineState until(const std::function<bool(const EngineState&)>& is_there) {
+    const auto deadline = Clock::now() + seconds(60);
+    for (;;) {
+      std::unique_lock lock(mutex_);
+      const std::uint64_t seen = changes_;
+      lock.unlock();
+      const EngineState state = engine_.state();
+      if (is_there(state)) return state;
+      lock.lock();
+      news_.wait_until(lock, deadline, [&] { return changes_ != seen; });
+      if (Clock::now() >= deadline) throw Error("the engine did not come to it within a minute");
+    }
+  }
+  Engine& engine() { return engine_; }
+
+  Wish wish;
+
+ private:
+  void wake() {
+    const std::lock_guard lock(mutex_);
+    ++changes_;
+    news_.notify_all();
+  }
+  std::mutex mutex_;
+  std::condition_variable news_;
+  std::uint64_t changes_ = 0;
+  Engine engine_;
+};
+
+/// The mask and causes of the same state by the way that `gnomon render` goes.
+MeasuredRow rendered(const Wish& wish, int side) {
+  Scene scene = wish.loaded->scene;
+  scene.lights = {wish.light};
+  scene.views = {wish.view};
+  Suite suite;
+  suite.width = wish.width;
+  suite.height = wish.height;
+  suite.truth = wish.truth;
+  suite.timeout = 60;
+  const Contender contender{wish.sides[side].technique, wish.sides[side].settings, {}};
+  suite.groups = {{{"scene"}, {}, {}, {contender}}};
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() / fmt::format("gnomon-engine-test-{}", getpid());
+  SceneRun run("scene", scene, suite, folder, folder / "scratch");
+  std::filesystem::create_directories(run.scratch);
+  Seat seat(run, contender, {.threads = 0, .plugins = {}, .program = GNOMON_TEST_PROGRAM});
+  seat.open_begin();
+  seat.open_end();
+  const Standpoint place{0, 0, wish.width, wish.height, std::nullopt, 0};
+  seat.go(place, suite.truth);
+  Record record;
+  record.technique = contender.technique;
+  record.truth = suite.truth;
+  MeasuredRow row = *measure(record, run, seat, place);
+  std::filesystem::remove_all(folder);
+  return row;
+}
+
+void expect_as_rendered(const Wish& wish, const EngineState& state) {
+  const MeasuredRow row = rendered(wish, 0);
+  const SideState& side = state.sides[0];
+  ASSERT_EQ(side.phase, Phase::done) << side.words;
+  EXPECT_EQ(side.answer->mask, row.answer.mask);
+  ASSERT_TRUE(side.verdict && side.verdict->has_causes);
+  EXPECT_EQ(side.verdict->tally.wrong, row.tally.wrong);
+  EXPECT_EQ(side.verdict->tally.false_dark, row.tally.false_dark);
+  EXPECT_EQ(side.verdict->causes, row.answer.causes);
+  EXPECT_TRUE(std::ranges::equal(state.reference->mask, row.answer.reference.mask));
+  EXPECT_TRUE(std::ranges::equal(state.reference->classes, row.answer.reference.classes));
+}
+
+// Masks, reference, classes and causes are those of `gnomon render`, where it starts and after camera and light have moved. The
+// scene has curved shapes, so that causes need the truth of the mesh too.
+TEST(viewer_engine, shows_what_render_makes) {
+  Rig rig;
+  rig.open("composite:object=sphere");
+  expect_as_rendered(rig.wish, rig.finish());
+  rig.wish.view.eye += glm::vec3(0.7f, -0.3f, 0.4f);
+  std::get<PointLight>(rig.wish.light.kind).position += glm::vec3(-1, 0.5f, 2);
+  rig.wish.sides[0].settings = "resolution=64";
+  const EngineState state = rig.finish();
+  expect_as_rendered(rig.wish, state);
+  EXPECT_GT(state.sides[0].verdict->tally.wrong, 0u);
+}
+
+// While the camera moves frames may be smaller; once it rests they are not, and the mask is that of render.
+TEST(viewer_engine, full_frames_come_back_at_rest) {
+  Rig rig;
+  rig.open("composite:object=cone");
+  rig.finish();
+  rig.wish.is_moving = true;
+  std::uint64_t last = 0;
+  for (int k = 0; k < 12; ++k) {
+    rig.wish.view.eye.x += 0.05f;
+    const std::uint64_t number = rig.engine().wish(rig.wish);
+    const EngineState state = rig.until([&](const EngineState& s) {
+      return s.wish == number && s.frame->number > last && s.frame->gbuffer.view.eye == rig.wish.view.eye;
+    });
+    last = state.frame->number;
+    EXPECT_FALSE(state.frame->is_full() && k == 0);
+  }
+  rig.wish.is_moving = false;
+  const EngineState state = rig.finish();
+  EXPECT_TRUE(state.frame->is_full());
+  expect_as_rendered(rig.wish, state);
+}
+
+// A parameter of resolve leaves build and relight alone: their times stay those that they were.
+TEST(viewer_engine, redoes_only_what_a_parameter_spoils) {
+  const auto technique = registry().technique("shadow_map").make();
+  const auto rows = technique->parameters();
+  const auto row = std::ranges::find(rows, Stage::resolve, &Parameter::spoils);
+  ASSERT_NE(row, rows.end());
+  const std::vector<std::string> probes = (*row)->probes();
+  const std::string other = probes[0] != (*row)->text() ? probes[0] : probes[1];
+  Rig rig;
+  rig.open("composite:object=sphere");
+  rig.wish.sides[0].settings = "";
+  const EngineState before = rig.finish();
+  rig.wish.sides[0].settings = fmt::format("{}={}", (*row)->name(), other);
+  const EngineState after = rig.finish();
+  const auto &then = before.sides[0].newest_ms, &now = after.sides[0].newest_ms;
+  for (const Stage kept : {Stage::setup, Stage::build, Stage::relight})
+    EXPECT_EQ(then[static_cast<int>(kept)], now[static_cast<int>(kept)]) << name(kept);
+  EXPECT_NE(then[3], now[3]);
+  EXPECT_EQ(after.sides[0].answer_count, before.sides[0].answer_count + 1);
+  expect_as_rendered(rig.wish, after);
+}
+
+TEST(viewer_engine, says_why_a_side_is_unsupported_and_goes_on) {
+  Rig rig;
+  rig.open("bunny");
+  rig.wish.sides[0] = {.technique = "composite_planar", .settings = "", .layer = ""};
+  const EngineState state = rig.finish();
+  EXPECT_EQ(state.sides[0].phase, Phase::unsupported);
+  EXPECT_FALSE(state.sides[0].words.empty());
+  EXPECT_EQ(state.sides[1].phase, Phase::done);
+  rig.wish.sides[0] = {.technique = "unshadowed", .settings = "", .layer = ""};
+  EXPECT_EQ(rig.finish().sides[0].phase, Phase::done);
+}
+
+TEST(viewer_engine, a_scene_that_cannot_be_loaded_leaves_the_one_before) {
+  Rig rig;
+  rig.open("composite:object=sphere");
+  rig.finish();
+  rig.wish.scene = "composit";
+  const EngineState state = rig.finish();
+  EXPECT_NE(state.scene_error.find("did you mean composite"), std::string::npos) << state.scene_error;
+  EXPECT_EQ(state.loaded->reference, "composite:object=sphere");
+  EXPECT_EQ(state.sides[0].phase, Phase::done);
+  rig.open("composite:object=cone");
+  EXPECT_EQ(rig.finish().frame->loaded->reference, "composite:object=cone");
+}
+
+TEST(viewer_engine, draws_layers_and_explains_the_picked_pixel) {
+  Rig rig;
+  rig.open("composite:object=sphere");
+  const EngineState plain = rig.finish();
+  const auto tested = std::ranges::find(plain.reference->classes, PixelClass::T);
+  rig.wish.picked = static_cast<std::uint32_t>(tested - plain.reference->classes.begin());
+  rig.wish.sides[0].layer = "map";
+  const EngineState state = rig.finish();
+  const SideState& side = state.sides[0];
+  ASSERT_TRUE(side.layer);
+  EXPECT_EQ(side.layer->layer.name, "map");
+  EXPECT_EQ(side.layer->rgb.size(), 3u * 160 * 90);
+  EXPECT_EQ(side.explained, rig.wish.picked);
+  ASSERT_TRUE(side.explanation);
+  EXPECT_FALSE(side.explanation->taps.empty());
+  rig.wish.sides[0].layer = "";
+  rig.wish.picked.reset();
+  const EngineState bare = rig.finish();
+  EXPECT_FALSE(bare.sides[0].layer);
+  EXPECT_FALSE(bare.sides[0].explanation);
+}
+
+// An engine that is let go in the middle of its work ends at once, with its workers and its files.
+TEST(viewer_engine, ends_in_the_middle_of_work) {
+  for (const int ms : {0, 30, 150, 600}) {
+    const auto start = Clock::now();
+    {
+      Rig rig;
+      rig.open("bunny");
+      rig.wish.width = 960;
+      rig.wish.height = 540;
+      rig.wish.sides[0] = {.technique = "exact_rays", .settings = "", .layer = ""};
+      rig.engine().wish(rig.wish);
+      std::this_thread::sleep_for(std::chrono::milliseconds(ms));
+    }
+    EXPECT_LT(Clock::now() - start, seconds(20));
+  }
+}
+
+}  // namespace
+}  // namespace gnomon::viewer

@@ -1,0 +1,293 @@
+// Where the mouse is in the picture, and what it does there.
+#include "app/viewer/mouse.h"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <gnomon/kit/random.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace {
+
+using namespace gnomon;
+using namespace gnomon::viewer;
+
+constexpr int left = GLFW_MOUSE_BUTTON_LEFT, right = GLFW_MOUSE_BUTTON_RIGHT, middle = GLFW_MOUSE_BUTTON_MIDDLE;
+constexpr double ratios[] = {1, 1.1, 1.25, 1.5, 2, 3};
+
+// A framebuffer of twice the window: the picture at (300, 20) of 480 x 270 window coordinates has 960 x 540 pixels.
+TEST(viewer_mouse, a_place_on_paper) {
+  const PicturePlace place = place_picture({300, 20}, {480, 270}, {2, 2});
+  EXPECT_EQ(place.width, 960);
+  EXPECT_EQ(place.height, 540);
+  EXPECT_EQ(place.corner, glm::dvec2(300, 20));
+  EXPECT_EQ(place.extent(), glm::dvec2(480, 270));
+  EXPECT_EQ(place.pixel_at({300, 20}), glm::dvec2(0, 0));
+  EXPECT_EQ(place.pixel_at({780, 290}), glm::dvec2(960, 540));
+  EXPECT_EQ(place.pixel_at({540.25, 155.5}), glm::dvec2(480.5, 271));
+  EXPECT_EQ(place.cursor_at({480.5, 271}), glm::dvec2(540.25, 155.5));
+  EXPECT_EQ(place.pixels({3, -4}), glm::dvec2(6, -8));
+  EXPECT_EQ(place.pixel_under({540.25, 155.5}), glm::ivec2(480, 271));
+  EXPECT_FALSE(place.pixel_under({299.75, 155}));
+  EXPECT_FALSE(place.pixel_under({780, 155}));
+  EXPECT_FALSE(place.pixel_under({540, 19}));
+  EXPECT_FALSE(place.pixel_under({540, 290}));
+}
+
+// Each pixel of the picture three pixels of the framebuffer wide: 100 x 50 hold 33 x 16.
+TEST(viewer_mouse, a_magnified_picture_has_whole_pixels) {
+  const PicturePlace place = place_picture({10, 10}, {100, 50}, {1, 1}, 3);
+  EXPECT_EQ(place.width, 33);
+  EXPECT_EQ(place.height, 16);
+  EXPECT_EQ(place.extent(), glm::dvec2(99, 48));
+  EXPECT_EQ(place.pixel_under({12.9, 12.9}), glm::ivec2(0, 0));
+  EXPECT_EQ(place.pixel_under({13, 16}), glm::ivec2(1, 2));
+  EXPECT_FALSE(place.pixel_under({109, 20}));
+}
+
+// At ratio 1.25 window coordinate 13 is pixel 16.25 of the framebuffer: the picture starts at 17. 101 more end at 142.5.
+TEST(viewer_mouse, pictures_start_at_whole_pixels_of_the_framebuffer) {
+  const PicturePlace place = place_picture({13, 0}, {101, 1}, {1.25, 1.25});
+  EXPECT_EQ(place.corner.x * 1.25, 17);
+  EXPECT_EQ(place.width, 142 - 17);
+  EXPECT_EQ(place.height, 1);
+  Random random(1);
+  for (int i = 0; i < 10000; ++i) {
+    const glm::dvec2 ratio(ratios[random.below(6)]);
+    const glm::dvec2 corner(random.below(500), random.below(500)), extent(20 + random.below(2000), 20 + random.below(2000));
+    const int magnification = 1 + random.below(4);
+    const PicturePlace p = place_picture(corner, extent, ratio, magnification);
+    const glm::dvec2 first = p.corner * ratio, rest = corner + extent - p.corner - p.extent();
+    EXPECT_LT(glm::length(first - glm::round(first)), 1e-9);
+    // The rectangle that it has found is its own.
+    const PicturePlace again = place_picture(p.corner, p.extent(), ratio, magnification);
+    EXPECT_LT(glm::distance(again.corner, p.corner), 1e-9);
+    EXPECT_EQ(again.width, p.width);
+    EXPECT_EQ(again.height, p.height);
+    for (int k = 0; k < 2; ++k) {
+      EXPECT_GE(p.corner[k], corner[k] - 1e-9);
+      EXPECT_LT(p.corner[k] - corner[k], 1 / ratio[k]);
+      EXPECT_GE(rest[k], -1e-3);  // it stays in its rectangle, and fills it
+      EXPECT_LT(rest[k], (magnification + 1) / ratio[k]);
+    }
+  }
+}
+
+TEST(viewer_mouse, a_window_without_room_has_a_picture_of_one_pixel) {
+  for (const glm::dvec2 extent : {glm::dvec2(0, 0), glm::dvec2(-50, 3), glm::dvec2(0.5, 0.5)}) {
+    const PicturePlace place = place_picture({10, 10}, extent, {1, 1});
+    EXPECT_GE(place.width, 1);
+    EXPECT_GE(place.height, 1);
+  }
+}
+
+// There and back is the same point; and the center, both corners and the far corner of every pixel tried are where they are.
+TEST(viewer_mouse, pixels_and_cursor_agree_at_every_ratio) {
+  Random random(2);
+  for (const double ratio : ratios)
+    for (int i = 0; i < 2000; ++i) {
+      const glm::dvec2 corner(random.below(400), random.below(400)), extent(1 + random.below(1999), 1 + random.below(1999));
+      const PicturePlace place = place_picture(corner, extent, {ratio, ratio}, 1 + random.below(3));
+      const glm::dvec2 pixel(random.uniform(-50, 2000), random.uniform(-50, 2000));
+      EXPECT_LT(glm::distance(place.pixel_at(place.cursor_at(pixel)), pixel), 1e-9);
+      const int x = random.below(place.width), y = random.below(place.height);
+      for (const glm::ivec2 at : {glm::ivec2(x, y), glm::ivec2(0, 0), glm::ivec2(place.width - 1, 0),
+                                  glm::ivec2(0, place.height - 1), glm::ivec2(place.width - 1, place.height - 1)}) {
+        EXPECT_EQ(place.pixel_under(place.cursor_at(glm::dvec2(at) + 0.5)), at);
+        EXPECT_EQ(place.pixel_under(place.cursor_at(glm::dvec2(at))), at);  // its own corner
+        EXPECT_EQ(place.pixel_under(place.cursor_at(glm::dvec2(at) + 0.999)), at);
+      }
+      EXPECT_FALSE(place.pixel_under(place.cursor_at({place.width, y})));
+      EXPECT_FALSE(place.pixel_under(place.cursor_at({x, -0.001})));
+    }
+}
+
+// A display that moves the mouse by whole window coordinates: that before a pixel's center lies in the pixel where the ratio is
+// 1, and no farther than the pixels of one coordinate from it elsewhere.
+TEST(viewer_mouse, whole_coordinates_reach_every_pixel_at_ratio_one) {
+  for (const double ratio : ratios) {
+    const PicturePlace place = place_picture({301, 17}, {641, 359}, {ratio, ratio});
+    for (int x = 0; x < place.width; ++x) {
+      const glm::dvec2 cursor = glm::floor(place.cursor_at({x + 0.5, 0.5}));
+      EXPECT_LT(std::abs(place.pixel_at(cursor).x - (x + 0.5)), ratio);
+      if (ratio == 1) {
+        EXPECT_EQ(place.pixel_under(cursor), glm::ivec2(x, 0));
+      }
+    }
+  }
+}
+
+const Grips nothing_else;
+
+TEST(viewer_mouse, buttons_and_shift_say_what_a_drag_does) {
+  const struct {
+    int button, modifiers;
+    Doing due;
+  } cases[] = {{left, 0, Doing::orbit},
+               {right, 0, Doing::look},
+               {middle, 0, Doing::pan},
+               {left, GLFW_MOD_SHIFT, Doing::pan},
+               {right, GLFW_MOD_SHIFT, Doing::look},
+               {left, GLFW_MOD_CAPS_LOCK | GLFW_MOD_NUM_LOCK, Doing::orbit}};
+  for (const auto& [button, modifiers, due] : cases) {
+    Gesture gesture;
+    EXPECT_EQ(gesture.doing(), Doing::nothing);
+    gesture.press(button, modifiers, {100, 100}, 1, nothing_else);
+    EXPECT_EQ(gesture.doing(), Doing::waiting);
+    gesture.move({102, 101}, 1.1);
+    EXPECT_EQ(gesture.doing(), Doing::waiting);  // sqrt 5 < 3
+    EXPECT_EQ(gesture.moved(), glm::dvec2(0));
+    gesture.move({104, 101}, 1.2);
+    EXPECT_EQ(gesture.doing(), due);
+    EXPECT_TRUE(gesture.is_drag());
+    EXPECT_EQ(gesture.moved(), glm::dvec2(4, 1));  // all of it
+    gesture.move({100, 100}, 1.3);
+    EXPECT_EQ(gesture.doing(), due);
+    EXPECT_EQ(gesture.moved(), glm::dvec2(0));
+    EXPECT_FALSE(gesture.release(button, {100, 100}, 1.3));  // it was a drag, wherever it ended
+    EXPECT_EQ(gesture.doing(), Doing::nothing);
+  }
+  Gesture gesture;
+  gesture.press(GLFW_MOUSE_BUTTON_4, 0, {1, 1}, 0, nothing_else);
+  EXPECT_EQ(gesture.doing(), Doing::nothing);
+}
+
+TEST(viewer_mouse, a_click_is_short_near_and_left) {
+  const auto click = [](int button, int modifiers, glm::dvec2 to, double seconds, double scale) {
+    Gesture gesture;
+    gesture.press(button, modifiers, {100, 100}, 7, {.light = std::nullopt, .divider = std::nullopt, .scale = scale});
+    return gesture.release(button, glm::dvec2(100, 100) + to, 7 + seconds);
+  };
+  EXPECT_EQ(click(left, 0, {0, 0}, 0.1, 1), glm::dvec2(100, 100));
+  EXPECT_EQ(click(left, 0, {3, 0}, 0.4, 1), glm::dvec2(100, 100));  // where it was pressed
+  EXPECT_FALSE(click(left, 0, {3.1, 0}, 0.1, 1));
+  EXPECT_EQ(click(left, 0, {3.1, 0}, 0.1, 2), glm::dvec2(100, 100));  // coarser fingers on a larger interface
+  EXPECT_FALSE(click(left, 0, {6.1, 0}, 0.1, 2));
+  EXPECT_FALSE(click(left, 0, {0, 0}, 0.6, 1));
+  EXPECT_FALSE(click(left, GLFW_MOD_SHIFT, {0, 0}, 0.1, 1));
+  EXPECT_FALSE(click(right, 0, {0, 0}, 0.1, 1));
+  EXPECT_FALSE(click(middle, 0, {0, 0}, 0.1, 1));
+}
+
+TEST(viewer_mouse, a_press_that_lasts_becomes_a_drag_for_small_ways) {
+  Gesture gesture;
+  gesture.press(left, 0, {100, 100}, 1, nothing_else);
+  gesture.move({101, 100}, 1.4);
+  EXPECT_EQ(gesture.doing(), Doing::waiting);
+  gesture.move({101, 100}, 1.6);
+  EXPECT_EQ(gesture.doing(), Doing::orbit);
+  EXPECT_EQ(gesture.moved(), glm::dvec2(1, 0));
+}
+
+TEST(viewer_mouse, the_handle_of_the_light_keeps_its_offset_to_the_mouse) {
+  const Grips grips{.light = glm::dvec2(200, 100), .divider = 203, .scale = 1};
+  Gesture gesture;
+  gesture.press(left, 0, {206, 108}, 0, grips);  // 10 away, just; and nearer than the divider, which lies under it
+  EXPECT_EQ(gesture.doing(), Doing::light);
+  EXPECT_FALSE(gesture.is_vertical());
+  EXPECT_EQ(gesture.grabbed(), glm::dvec2(200, 100));
+  gesture.move({207, 109}, 0.01);
+  EXPECT_EQ(gesture.grabbed(), glm::dvec2(201, 101));  // at once: a handle is no pixel to be picked
+  EXPECT_EQ(gesture.moved(), glm::dvec2(1, 1));
+  EXPECT_FALSE(gesture.release(left, {207, 109}, 0.02));
+  gesture.press(left, GLFW_MOD_SHIFT, {195, 100}, 1, grips);
+  EXPECT_EQ(gesture.doing(), Doing::light);
+  EXPECT_TRUE(gesture.is_vertical());
+  gesture.cancel();
+  gesture.press(left, 0, {206, 108.1}, 2, {.light = grips.light, .divider = std::nullopt, .scale = 1});
+  EXPECT_EQ(gesture.doing(), Doing::waiting);  // past it
+  EXPECT_FALSE(gesture.is_vertical());
+  gesture.cancel();
+  gesture.press(left, 0, {212, 116}, 3, {.light = grips.light, .divider = std::nullopt, .scale = 2});
+  EXPECT_EQ(gesture.doing(), Doing::light);
+  gesture.cancel();
+  gesture.press(right, 0, {200, 100}, 4, grips);
+  EXPECT_EQ(gesture.doing(), Doing::waiting);  // other buttons do not grab
+}
+
+TEST(viewer_mouse, the_divider_is_grabbed_beside_its_line) {
+  const Grips grips{.light = std::nullopt, .divider = 300.5, .scale = 1};
+  Gesture gesture;
+  gesture.press(left, 0, {304, 77}, 0, grips);
+  EXPECT_EQ(gesture.doing(), Doing::divider);
+  gesture.move({254, 90}, 0.1);
+  EXPECT_EQ(gesture.grabbed().x, 250.5);
+  EXPECT_FALSE(gesture.release(left, {254, 90}, 0.2));
+  gesture.press(left, 0, {306, 77}, 1, grips);
+  EXPECT_EQ(gesture.doing(), Doing::waiting);
+  gesture.cancel();
+  gesture.press(left, 0, {306, 77}, 2, {.light = std::nullopt, .divider = 300.5, .scale = 1.25});
+  EXPECT_EQ(gesture.doing(), Doing::divider);
+  gesture.cancel();
+  gesture.press(left, GLFW_MOD_SHIFT, {300, 77}, 3, grips);
+  gesture.move({320, 77}, 3.1);
+  EXPECT_EQ(gesture.doing(), Doing::pan);
+}
+
+TEST(viewer_mouse, one_button_at_a_time) {
+  Gesture gesture;
+  gesture.press(left, 0, {100, 100}, 0, nothing_else);
+  gesture.move({150, 100}, 0.1);
+  gesture.press(right, 0, {150, 100}, 0.2, nothing_else);
+  EXPECT_EQ(gesture.doing(), Doing::orbit);
+  EXPECT_FALSE(gesture.release(right, {150, 100}, 0.3));
+  EXPECT_EQ(gesture.doing(), Doing::orbit);
+  EXPECT_EQ(gesture.moved(), glm::dvec2(50, 0));
+  gesture.cancel();
+  EXPECT_EQ(gesture.doing(), Doing::nothing);
+  EXPECT_FALSE(gesture.release(left, {150, 100}, 0.4));
+  gesture.move({0, 0}, 0.5);
+  EXPECT_EQ(gesture.moved(), glm::dvec2(0));
+}
+
+// Whatever buttons and points come: a click is reported only by a release of the button that was pressed, within 3 px and
+// 0.5 s of it, and never after it was a drag.
+TEST(viewer_mouse, no_row_of_events_clicks_by_accident) {
+  Random random(3);
+  Gesture gesture;
+  int click_count = 0;
+  glm::dvec2 pressed(0), cursor(0);
+  double now = 0, pressed_at = 0, farthest = 0;
+  int down = -1;
+  for (int i = 0; i < 200000; ++i) {
+    now += random.uniform(0, 0.3);
+    cursor = glm::dvec2(random.below(5), random.below(5));
+    if (down >= 0) farthest = std::max(farthest, glm::distance(cursor, pressed));
+    const int button = random.below(3);
+    switch (random.below(4)) {
+      case 0:
+        gesture.press(button, random.below(4) ? 0 : GLFW_MOD_SHIFT, cursor, now, nothing_else);
+        if (down < 0) down = button, pressed = cursor, pressed_at = now, farthest = 0;
+        break;
+      case 1: {
+        const auto clicked = gesture.release(button, cursor, now);
+        if (clicked) {
+          ++click_count;
+          ASSERT_EQ(down, left);
+          ASSERT_EQ(button, left);
+          ASSERT_EQ(*clicked, pressed);
+          ASSERT_LE(now - pressed_at, 0.5);
+          ASSERT_LE(farthest, 3);
+        }
+        if (button == down) down = -1;
+        break;
+      }
+      default:
+        gesture.move(cursor, now);
+    }
+    ASSERT_EQ(gesture.doing() == Doing::nothing, down < 0);
+  }
+  EXPECT_GT(click_count, 100);
+}
+
+TEST(viewer_mouse, the_help_names_each_use_once) {
+  std::set<std::string_view> names;
+  for (const MouseRow& row : mouse_rows()) {
+    EXPECT_TRUE(names.insert(row.name).second);
+    EXPECT_TRUE(row.sentence.ends_with('.'));
+  }
+  EXPECT_GE(names.size(), 6u);
+}
+
+}  // namespace
