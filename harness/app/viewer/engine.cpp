@@ -132,7 +132,13 @@ Engine::Body::Work Engine::Body::next_scene() {
     try {
       loaded->reference = reference;
       loaded->scene = load_scene(reference);
-      loaded->store = std::make_shared<FrameStore>(loaded->scene, scratch.path);
+      // Its file for the workers goes with it.
+      const auto end = [](FrameStore* store) {
+        std::error_code ignored;
+        fs::remove(store->scene_file(), ignored);
+        delete store;
+      };
+      loaded->store = {new FrameStore(loaded->scene, scratch.path), end};
       // Made here, because they are made on first use, and not for two threads at once.
       for (const Truth truth : {Truth::shape, Truth::mesh}) loaded->store->everything(truth), loaded->store->casters(truth);
       loaded->store->scene_file();

@@ -79,10 +79,10 @@ void Engine::Body::refine(const std::shared_ptr<const Frame>& frame, std::uint64
 
   const Scene& scene = frame->scene();
   const GBuffer& g = frame->gbuffer;
+  std::erase_if(kept, [&](const Kept& k) { return k.loaded != frame->loaded; });  // a scene may be large
   const std::vector<std::byte> stand = stand_bytes(frame->light, g.view);
   const auto is_same = [&](const Kept& k) {
-    return k.loaded == frame->loaded && k.truth == g.truth && k.reference->width == g.width &&
-           k.reference->height == g.height && k.stand == stand;
+    return k.truth == g.truth && k.reference->width == g.width && k.reference->height == g.height && k.stand == stand;
   };
   if (const auto found = std::ranges::find_if(kept, is_same); found != kept.end()) {
     std::rotate(kept.begin(), found, found + 1);
