@@ -20,7 +20,7 @@ struct ViewerOptions {
   std::string scene = "composite", technique = "shadow_map", against, light, view, size = "960x540", truth = "shape", keys;
   fs::path out, screenshot;
   int threads = 0;
-  double timeout = 120;
+  double timeout = 120, speed = 0;
 };
 
 /// The one technique that an option names.
@@ -61,7 +61,8 @@ int view(const ViewerOptions& options, const WorkerOptions& workers) {
   result.out = options.out.empty() ? fs::path("runs") / fmt::format("view-{:%Y%m%d-%H%M%S}", fmt::localtime(std::time(nullptr)))
                                    : options.out;
   result.screenshot = options.screenshot;
-  result.ends_by_itself = !options.keys.empty() || !options.screenshot.empty();
+  result.speed_seconds = options.speed;
+  result.ends_by_itself = !options.keys.empty() || !options.screenshot.empty() || options.speed > 0;
   return viewer::run_viewer(result);
 }
 
@@ -85,8 +86,15 @@ void add_view(Program& program) {
   command->add_option("--timeout", options->timeout, "Seconds that one step may take")->check(seconds())->capture_default_str();
   command->add_option("--out", options->out, "Folder for what is saved; runs/view-TIME by default");
   command->add_option("--keys", options->keys, "Keys to press one after the other, \"k v v Ctrl+S\"; then it ends");
-  command->add_option("--screenshot", options->screenshot, "Write the window to this file when all is computed, and end")
-      ->check(not_empty());
+  CLI::Option* const screenshot =
+      command->add_option("--screenshot", options->screenshot, "Write the window to this file when all is computed, and end")
+          ->check(not_empty());
+  command
+      ->add_option("--speed", options->speed,
+                   "Print how many pictures a second are shown at rest, with the light and with the camera moving, each "
+                   "measured for so many seconds, and end")
+      ->check(seconds())
+      ->excludes(screenshot);
   command->callback([&program, options] {
     program.chosen = [&program, options] { return view(*options, worker_options(program, options->threads)); };
   });

@@ -38,6 +38,10 @@ StagedFolder::~StagedFolder() {
 
 void StagedFolder::publish() const {
   std::error_code code;
+  if (!fs::exists(out_, code)) {
+    fs::rename(path, out_, code);  // all of it at once
+    if (!code) return;
+  }
   fs::create_directories(out_, code);
   for (const auto& entry : fs::directory_iterator(path))
     if (!code && entry.is_regular_file()) fs::rename(entry.path(), out_ / entry.path().filename(), code);

@@ -6,12 +6,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
+#include <utility>
 
 #include "app/viewer/canvas.h"
 #include "app/viewer/overlays.h"
 #include "app/viewer/panels.h"
 #include "app/viewer/picture_view.h"
 #include "app/viewer/saving.h"
+#include "app/viewer/speed_trial.h"
+#include "app/viewer/stop_signals.h"
 #include "app/viewer/style.h"
 #include "app/viewer/window.h"
 
@@ -19,9 +23,10 @@ namespace gnomon::viewer {
 
 namespace {
 
-constexpr double flicker_seconds = 0.25;    // a side is shown for: 2 Hz
-constexpr double least_seconds = 1 / 60.0;  // from one picture to the next
-constexpr int settling_frames = 3;          // that Dear ImGui needs after an event until nothing changes any more
+constexpr double flicker_seconds = 0.25;     // a side is shown for: 2 Hz
+constexpr double least_seconds = 1 / 60.0;   // from one picture to the next
+constexpr double moving_seconds = 1 / 25.0;  // while something moves and the picture stays as it is
+constexpr int settling_frames = 3;           // that Dear ImGui needs after an event until nothing changes any more
 
 class Application {
  public:
@@ -30,11 +35,13 @@ class Application {
 
  private:
   double pause() const;
+  double next_picture() const;
   void update();
   void use_keys(const std::vector<WindowEvent>& events);
   void press_scripted();
   void act(Action action, double steps = 1);
   void draw();
+  void count_frame();
   void draw_panels(const Shown& shown);
   void write_what_is_asked();
   void attempt(const std::function<void()>& work);
@@ -42,6 +49,7 @@ class Application {
 
   const ViewOptions& options_;
   Window window_;
+  StopSignals stop_{Window::wake};
   Session session_;
   Album album_;
   std::vector<SceneListing> scenes_ = list_scenes();
@@ -56,10 +64,14 @@ class Application {
   std::uint64_t wish_number_ = 0;
   std::uint64_t drawn_state_ = 0;
   int frames_left_ = settling_frames;
-  double last_frame_ = 0, frame_cost_ = 0, rate_ = 0;
+  std::optional<double> tooltip_time_;  // when a tooltip may appear though nothing happens
+  double last_frame_ = 0, frame_cost_ = 0;
+  std::deque<double> frame_times_;  // of the last second: when the left side, or without it the right, showed a new frame
+  std::uint64_t counted_frame_ = 0;
   std::size_t next_key_ = 0;
   bool is_over_ = false, has_drawn_finished_ = false;
   bool was_saved_early_ = false;
+  std::optional<SpeedTrial> trial_;
   Engine engine_;  // the last one: it ends first, and its threads wake the window
 };
 
@@ -69,6 +81,7 @@ Application::Application(const ViewOptions& options)
       session_(options.wish, options.scene),
       album_(options.out, options.workers.plugins),
       engine_(options.workers, options.timeout_seconds, Window::wake) {
+  if (options.speed_seconds > 0) trial_.emplace(options.speed_seconds);
   const double scale = window_.scale();
   window_.show(options.wish.width + static_cast<int>(std::lround(panel_width * scale)),
                options.wish.height + static_cast<int>(std::lround(strip_height * scale)));
@@ -77,8 +90,7 @@ Application::Application(const ViewOptions& options)
 /// Seconds that nothing will change by itself; below 0: for ever.
 double Application::pause() const {
   const double now = Window::now();
-  // The window leaves the processor to the workers at least half of the time.
-  const double next_frame = last_frame_ + std::max(least_seconds, 2 * frame_cost_);
+  const double next_frame = next_picture();
   if (frames_left_ > 0 || held_.any() || state_.number != drawn_state_) return std::max(0.0, next_frame - now);
   double wait = -1;
   const auto until = [&](double seconds) {
@@ -86,11 +98,19 @@ double Application::pause() const {
   };
   if (session_.layout == Layout::flicker) until(flicker_seconds - std::fmod(now, flicker_seconds));
   if (const auto left = session_.motion_left()) until(*left);
+  if (tooltip_time_) until(*tooltip_time_ - now);
   if (options_.ends_by_itself) until(least_seconds);
   if (ImGui::GetIO().WantTextInput) until(0.3);
   const bool is_working = std::ranges::any_of(state_.sides, [](const SideState& side) { return side.phase <= Phase::working; });
   if (is_working && !state_.is_finished) until(0.1);
   return wait;
+}
+
+/// When the next picture may be drawn. The window leaves the processor to the workers at least half of the time, and more of it
+/// while they are what is waited for.
+double Application::next_picture() const {
+  const bool is_waiting = session_.wish().is_moving && !canvas_.is_outdated(state_);
+  return last_frame_ + std::max(is_waiting ? moving_seconds : least_seconds, 2 * frame_cost_);
 }
 
 int Application::run() {
@@ -100,15 +120,17 @@ int Application::run() {
     update();
     // Events that come in quick succession make one picture.
     const double now = Window::now();
-    if (frames_left_ == 0 || now < last_frame_ + std::max(least_seconds, 2 * frame_cost_)) continue;
-    if (last_frame_ > 0) rate_ = 0.8 * rate_ + 0.2 / std::max(now - last_frame_, 1e-4);
+    if (frames_left_ == 0 || now < next_picture()) continue;
     last_frame_ = now;
     --frames_left_;
     draw();
     write_what_is_asked();
     frame_cost_ = Window::now() - now;
     window_.present();
+    if (trial_) trial_->presented(state_, Window::now());
+    is_over_ = is_over_ || (trial_ && trial_->is_over());
   }
+  if (trial_ && trial_->is_over()) fmt::print("{}", trial_->table());
   return 0;
 }
 
@@ -154,7 +176,7 @@ void Application::press_scripted() {
     frames_left_ = settling_frames;
     return;
   }
-  if (options_.screenshot.empty()) is_over_ = true;
+  if (options_.screenshot.empty() && !trial_) is_over_ = true;
 }
 
 void Application::update() {
@@ -163,7 +185,13 @@ void Application::update() {
   state_ = fresh;
   session_.adopt(state_);
   const std::vector<WindowEvent> events = window_.take_events();
-  if (!events.empty()) frames_left_ = settling_frames;
+  if (!events.empty()) {
+    frames_left_ = settling_frames;
+    tooltip_time_ = Window::now() + 1.1 * tooltip_delay;
+  } else if (tooltip_time_ && Window::now() >= *tooltip_time_) {
+    frames_left_ = std::max(frames_left_, 1);
+    tooltip_time_.reset();
+  }
   if (held_.any()) frames_left_ = std::max(frames_left_, 1);
   if (state_.sides[0].phase <= Phase::working || state_.sides[1].phase <= Phase::working)
     if (!state_.is_finished) frames_left_ = std::max(frames_left_, 1);
@@ -172,11 +200,12 @@ void Application::update() {
   attempt([&] { view_.use(events, arrangement_.picture, canvas_.composition(), is_covered, window_.scale(), session_); });
   use_keys(events);
   press_scripted();
+  if (trial_ && next_key_ == options_.keys.size()) trial_->steer(session_, state_, is_finished(), Window::now());
   session_.settle();
   const bool flicker = session_.layout == Layout::flicker && std::fmod(Window::now(), 2 * flicker_seconds) >= flicker_seconds;
   if (flicker != session_.flicker_is_right) frames_left_ = std::max(frames_left_, 1);
   session_.flicker_is_right = flicker;
-  if (session_.requests.quit) is_over_ = true;
+  if (session_.requests.quit || stop_.is_asked()) is_over_ = true;
   arrangement_ = arrange(window_.size(), window_.scale(), session_.shows_panels);
   session_.set_size(arrangement_.picture.width, arrangement_.picture.height);
   if (!told_ || !are_same(*told_, session_.wish())) {
@@ -187,16 +216,25 @@ void Application::update() {
   }
 }
 
+void Application::count_frame() {
+  const ComposeSide* const sides = canvas_.composition().sides;
+  const Frame* const frame = sides[0].frame ? sides[0].frame.get() : sides[1].frame.get();
+  const double now = Window::now();
+  if (frame && std::exchange(counted_frame_, frame->number) != frame->number) frame_times_.push_back(now);
+  while (!frame_times_.empty() && frame_times_.front() < now - 1) frame_times_.pop_front();
+}
+
 void Application::draw() {
   if (canvas_.compose(session_, state_, arrangement_.picture))
     window_.set_picture(canvas_.pixels(), canvas_.composition().width, canvas_.composition().height);
+  count_frame();
   drawn_state_ = state_.number;
   has_drawn_finished_ = is_finished();
   Shown shown{.state = state_,
               .composition = canvas_.composition(),
               .legends = {canvas_.legend_of(0), canvas_.legend_of(1)},
               .texture = window_.picture_texture(),
-              .frames_per_second = rate_};
+              .frames_per_second = static_cast<double>(frame_times_.size())};
   if (session_.picked())
     shown.pixel = *session_.picked();
   else if (view_.mouse() && !view_.is_dragging())
@@ -242,13 +280,13 @@ void Application::write_what_is_asked() {
     attempt([&] { session_.say("written: " + album_.save_window(window_.read_picture()).string()); });
     frames_left_ = std::max(frames_left_, 1);
   }
-  if (asked.save && !has_drawn_finished_) {
+  if (asked.save && (!has_drawn_finished_ || session_.wish().is_moving)) {
     if (!was_saved_early_) session_.say("saves as soon as all is computed");
     was_saved_early_ = true;
   } else if (asked.save) {
     asked.save = was_saved_early_ = false;
     attempt([&] {
-      const auto places = places_json(window_.size(), window_.scale(), arrangement_.picture, places_);
+      const auto places = window_json(window_.size(), window_.scale(), arrangement_.picture, places_, session_, state_);
       const std::filesystem::path folder = album_.save(session_, state_, canvas_.pixels(), window_.read_picture(), places);
       session_.say("saved: " + folder.string());
     });

@@ -16,7 +16,8 @@ struct ViewOptions {
   std::filesystem::path out;         ///< for what is saved
   std::vector<const KeyRow*> keys;   ///< pressed one after the other, each when the one before has had its effect
   std::filesystem::path screenshot;  ///< written when all is finished; empty: none
-  bool ends_by_itself = false;       ///< when keys and screenshot are through
+  double speed_seconds = 0;          ///< measure pictures a second, for so long in each situation; 0: do not
+  bool ends_by_itself = false;       ///< when keys, screenshot and measurement are through
 };
 
 /// Opens the window and stays until it is closed. Throws Error when there is no display.

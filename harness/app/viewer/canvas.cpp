@@ -27,7 +27,16 @@ ComposeSide compose_side(const SideState& side, const EngineState& state) {
   return result;
 }
 
+/// What the picture is made from, as far as the state has it.
+std::array<const void*, 7> parts_of(const EngineState& state) {
+  const auto &left = state.sides[0], &right = state.sides[1];
+  return {left.answer.get(),   left.verdict.get(), left.layer.get(),     right.answer.get(),
+          right.verdict.get(), right.layer.get(),  state.reference.get()};
+}
+
 }  // namespace
+
+bool Canvas::is_outdated(const EngineState& state) const { return !is_made_ || parts_of(state) != parts_of(state_); }
 
 bool Canvas::compose(const Session& session, const EngineState& state, const PixelRect& place) {
   Composition next{.width = place.width,
@@ -39,12 +48,13 @@ bool Canvas::compose(const Session& session, const EngineState& state, const Pix
                    .layer_opacity = session.layer_opacity,
                    .sides = {}};
   const Composition& last = composition_;
-  const bool is_same = is_made_ && state.number == state_.number && next.width == last.width && next.height == last.height &&
+  const bool is_same = !is_outdated(state) && next.width == last.width && next.height == last.height &&
                        next.layout == last.layout && next.paint == last.paint && next.divider == last.divider &&
                        next.flicker_is_right == last.flicker_is_right && next.layer_opacity == last.layer_opacity;
   if (is_same) return false;
   state_ = state;
   for (int side = 0; side < 2; ++side) next.sides[side] = compose_side(state_.sides[side], state_);
+  next.reference = state_.reference.get();
   composition_ = std::move(next);
   pixels_.resize(static_cast<std::size_t>(place.width) * place.height);
   viewer::compose(composition_, pixels_);

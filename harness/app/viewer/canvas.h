@@ -9,6 +9,9 @@ class Canvas {
   /// Composes anew when anything that shows has changed; answers whether it did.
   bool compose(const Session& session, const EngineState& state, const PixelRect& place);
 
+  /// Whether the state has other masks, verdicts or layers than those that the picture was composed of.
+  bool is_outdated(const EngineState& state) const;
+
   const Composition& composition() const { return composition_; }
   std::span<const std::uint32_t> pixels() const { return pixels_; }
   std::span<const LegendEntry> legend_of(int side) const { return legends_[side]; }

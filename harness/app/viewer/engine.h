@@ -41,6 +41,8 @@ struct SideState {
   double seconds = 0;         ///< that the present request has taken
   bool is_reference = false;  ///< it shows the reference itself, which no worker computes
   std::shared_ptr<const SideAnswer> answer = nullptr;
+  std::shared_ptr<const Counts> counts;  ///< of `counted_answer`; null until they are known
+  std::shared_ptr<const SideAnswer> counted_answer;
   std::shared_ptr<const Verdict> verdict;  ///< of `answer`, or of one before
   std::shared_ptr<const LayerPicture> layer;
   std::shared_ptr<const Explanation> explanation;      ///< of the picked pixel, for `answer`; null where there is none

@@ -115,7 +115,9 @@ struct Engine::Body {
 
   void make_frame(const Wish& wish);
   void wait_for_sides(std::uint64_t frame);
-  void refine(const std::shared_ptr<const Frame>& frame, std::uint64_t ticket);
+  void trace_reference(const std::shared_ptr<const Frame>& frame, std::uint64_t ticket);
+  void complete_reference(ReferenceState reference, std::uint64_t ticket);
+  std::shared_ptr<const ReferenceState> publish(ReferenceState reference);
   /// Writes a G-buffer for the workers; the file goes with the last owner of its name.
   std::shared_ptr<const std::filesystem::path> share(const GBuffer& gbuffer);
 
@@ -183,13 +185,14 @@ class Engine::Body::Side {
   void set(const std::string& settings);
   void go(const std::shared_ptr<const Frame>& frame);
   void answer(const std::shared_ptr<const Frame>& frame, std::uint64_t repeat);
+  void count(const std::shared_ptr<const SideAnswer>& answer);
   void draw_layer(const std::shared_ptr<const SideAnswer>& answer, const std::string& name);
   void explain_picked(const std::shared_ptr<const SideAnswer>& answer, std::optional<std::uint32_t> pixel);
   void judge(const std::shared_ptr<const SideAnswer>& answer, const std::shared_ptr<const ReferenceState>& reference);
   void find_reasons(const std::shared_ptr<const Verdict>& verdict, const std::shared_ptr<const ReferenceState>& truth);
 
   Json stand_at(const Frame& frame, const std::string& words);
-  std::vector<float> resolve_mask(const Frame& frame, Json* reply);
+  std::vector<float> resolve_mask(const Frame& frame, bool is_timed);
   std::vector<std::optional<Explanation>> explain(std::span<const std::uint32_t> pixels);
   Work guarded(std::function<void()> work);
   void fail(const std::string& why);

@@ -45,10 +45,15 @@ Support reference_support(const Frame& frame) {
 }  // namespace
 
 Engine::Body::Work Engine::Body::next_reference() {
-  if (!state.frame || state.frame->number == refined) return {};
-  return [this, frame = state.frame, ticket = refinement.ticket()] {
+  const auto& frame = state.frame;
+  if (!frame || frame->number == refined) return {};
+  const auto& known = state.reference;
+  const bool is_traced = known && known->frame == frame && known->mask.size() == frame->gbuffer.size();
+  // Classes and the rest are worth their time only when they stay.
+  if (is_traced && wish.is_moving) return {};
+  return [this, frame, known = is_traced ? known : nullptr, ticket = refinement.ticket()] {
     try {
-      refine(frame, ticket);
+      known ? complete_reference(*known, ticket) : trace_reference(frame, ticket);
     } catch (const std::exception& error) {
       // A full disk or no memory: said, and tried again at the next frame.
       change([&](EngineState& s) {
@@ -59,24 +64,26 @@ Engine::Body::Work Engine::Body::next_reference() {
   };
 }
 
-void Engine::Body::refine(const std::shared_ptr<const Frame>& frame, std::uint64_t ticket) {
-  auto reference = std::make_shared<ReferenceState>();
-  reference->frame = frame;
-  const auto publish = [&](bool is_complete) {
-    reference->is_complete = is_complete;
-    const auto finished = std::make_shared<const ReferenceState>(*reference);
-    change([&](EngineState& s) {
-      s.reference = finished;
-      if (is_complete) refined = frame->number;
-    });
-    return finished;
-  };
+/// Tells everybody.
+std::shared_ptr<const ReferenceState> Engine::Body::publish(ReferenceState reference) {
+  const auto published = std::make_shared<const ReferenceState>(std::move(reference));
+  change([&](EngineState& s) {
+    s.reference = published;
+    if (published->is_complete) refined = published->frame->number;
+  });
+  return published;
+}
+
+/// The mask; all of the reference where it is known from before.
+void Engine::Body::trace_reference(const std::shared_ptr<const Frame>& frame, std::uint64_t ticket) {
+  ReferenceState reference;
+  reference.frame = frame;
   if (const Support support = reference_support(*frame); !support) {
-    reference->why_not = support.why();
-    publish(true);
+    reference.why_not = support.why();
+    reference.is_complete = true;
+    publish(std::move(reference));
     return;
   }
-
   const Scene& scene = frame->scene();
   const GBuffer& g = frame->gbuffer;
   std::erase_if(kept, [&](const Kept& k) { return k.loaded != frame->loaded; });  // a scene may be large
@@ -86,9 +93,9 @@ void Engine::Body::refine(const std::shared_ptr<const Frame>& frame, std::uint64
   };
   if (const auto found = std::ranges::find_if(kept, is_same); found != kept.end()) {
     std::rotate(kept.begin(), found, found + 1);
-    *reference = *kept.front().reference;
-    reference->frame = frame;
-    publish(true);
+    reference = *kept.front().reference;
+    reference.frame = frame;
+    publish(std::move(reference));
     return;
   }
 
@@ -99,28 +106,35 @@ void Engine::Body::refine(const std::shared_ptr<const Frame>& frame, std::uint64
     if (!refinement.run(ticket, [&] { trace_shadows(casters, scene, pixels, frame->light, mask); })) return false;
     const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
     rays_per_ms = static_cast<double>(pixels.size()) / std::max(ms, 1e-3);
-    reference->mask = std::move(mask);
-    reference->width = pixels.width;
-    reference->height = pixels.height;
+    reference.mask = std::move(mask);
+    reference.width = pixels.width;
+    reference.height = pixels.height;
     return true;
   };
   if (frame->is_full() && static_cast<double>(g.size()) > long_ms * rays_per_ms)
     for (const int step : {8, 4, 2}) {
       if (!trace(thinned(g, step))) return;
-      publish(false);
+      publish(reference);
     }
   if (!trace(g)) return;
-  publish(!frame->is_full());
-  if (!frame->is_full()) return;
+  reference.is_complete = !frame->is_full();
+  publish(std::move(reference));
+}
 
+/// Classes, occluders, and the same on the meshes where the scene has curved shapes.
+void Engine::Body::complete_reference(ReferenceState reference, std::uint64_t ticket) {
+  const std::shared_ptr<const Frame> frame = reference.frame;
+  const Scene& scene = frame->scene();
+  const GBuffer& g = frame->gbuffer;
+  const RayScene& casters = frame->loaded->store->casters(g.truth);
   std::vector<PixelClass> classes;
-  if (!refinement.run(ticket, [&] { classes = classify(scene, casters, g, frame->light, reference->mask); })) return;
-  reference->classes = std::move(classes);
-  publish(false);
+  if (!refinement.run(ticket, [&] { classes = classify(scene, casters, g, frame->light, reference.mask); })) return;
+  reference.classes = std::move(classes);
+  publish(reference);
   std::vector<std::uint32_t> occluder;
   std::shared_ptr<ReferenceState> on_mesh;
   const bool is_done = refinement.run(ticket, [&] {
-    occluder = find_occluders(scene, casters, g, frame->light, reference->mask);
+    occluder = find_occluders(scene, casters, g, frame->light, reference.mask);
     if (g.truth == Truth::mesh || !scene.has_curved_shapes()) return;
     auto mesh_frame = std::make_shared<Frame>();
     mesh_frame->loaded = frame->loaded;
@@ -134,13 +148,12 @@ void Engine::Body::refine(const std::shared_ptr<const Frame>& frame, std::uint64
     mesh_frame->file = share(mesh_frame->gbuffer);
   });
   if (!is_done) return;
-  reference->occluder = std::move(occluder);
-  reference->on_mesh = on_mesh;
-  const auto finished = publish(true);
-
-  auto bare = std::make_shared<ReferenceState>(*finished);
+  reference.occluder = std::move(occluder);
+  reference.on_mesh = on_mesh;
+  reference.is_complete = true;
+  auto bare = std::make_shared<ReferenceState>(*publish(std::move(reference)));
   bare->frame.reset();
-  kept.push_front({frame->loaded, stand, g.truth, bare});
+  kept.push_front({frame->loaded, stand_bytes(frame->light, g.view), g.truth, bare});
   if (kept.size() > kept_count) kept.pop_back();
 }
 

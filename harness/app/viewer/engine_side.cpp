@@ -83,6 +83,7 @@ Engine::Body::Work Engine::Body::Side::next() {
   if (!wish.layer.empty() && (!s.layer || s.layer->answer != last || s.layer->layer.name != wish.layer))
     return guarded([this, last, layer = wish.layer] { draw_layer(last, layer); });
   if (!frame->is_full() || body_.wish.is_moving) return {};
+  if (s.counted_answer != last) return guarded([this, last] { count(last); });
   const auto& picked = body_.wish.picked;
   if (s.explained != picked || (picked && s.explained_answer != last))
     return guarded([this, last, pixel = body_.wish.picked] { explain_picked(last, pixel); });
@@ -214,18 +215,17 @@ void Engine::Body::Side::go(const std::shared_ptr<const Frame>& frame) {
   });
 }
 
-/// Does the stages that are out of date, and resolve in any case; the mask. `reply` gets what came with it.
-std::vector<float> Engine::Body::Side::resolve_mask(const Frame& frame, Json* reply) {
+/// Does the stages that are out of date, and resolve in any case; the mask.
+std::vector<float> Engine::Body::Side::resolve_mask(const Frame& frame, bool is_timed) {
   for (int stage = std::min(fresh_, 3); stage < 4; ++stage) {
     const std::string word(stage_names[stage]);
     const Json timed = ask(word, {{"do", "time"}, {"stage", word}});
-    if (reply) stage_ms_[stage] = timed["ms"].get<double>();
+    if (is_timed) stage_ms_[stage] = timed["ms"].get<double>();
     const std::lock_guard lock(body_.mutex);
     fresh_ = stage + 1;
   }
   const fs::path mask = file("mask");
-  const Json answered = ask("answer", {{"do", "answer"}, {"mask", mask.string()}});
-  if (reply) *reply = answered;
+  ask("mask", {{"do", "mask"}, {"mask", mask.string()}});
   return read_mask_file(mask, frame.gbuffer.size());
 }
 
@@ -233,9 +233,7 @@ void Engine::Body::Side::answer(const std::shared_ptr<const Frame>& frame, std::
   auto answer = std::make_shared<SideAnswer>();
   answer->frame = frame;
   answer->support = support_;
-  Json reply;
-  answer->mask = resolve_mask(*frame, &reply);
-  for (const Json& c : reply["counts"]) answer->counts.push_back({c["name"], c["value"], c["unit"]});
+  answer->mask = resolve_mask(*frame, true);
   answer->stage_ms = stage_ms_;
   body_.change([&](EngineState&) {
     SideState& s = state();
@@ -251,6 +249,18 @@ void Engine::Body::Side::answer(const std::shared_ptr<const Frame>& frame, std::
     }
     ++s.answer_count;
     repeat_ = repeat;
+  });
+}
+
+/// What the technique counts may take it as long as its answer: only asked at rest.
+void Engine::Body::Side::count(const std::shared_ptr<const SideAnswer>& answer) {
+  const Json reply = ask("counts", {{"do", "answer"}, {"mask", file("mask").string()}});
+  auto counts = std::make_shared<Counts>();
+  for (const Json& c : reply["counts"]) counts->push_back({c["name"], c["value"], c["unit"]});
+  body_.change([&](EngineState&) {
+    state().counts = counts;
+    state().counted_answer = answer;
+    state().words = support_.why();
   });
 }
 
@@ -333,12 +343,12 @@ void Engine::Body::Side::find_reasons(const std::shared_ptr<const Verdict>& verd
   if (truth->on_mesh && registry().technique(seated_->technique).about.sees == Truth::mesh) {
     const ReferenceState& other = *truth->on_mesh;
     if (stand_at(*other.frame, "causes")["support"] != "unsupported") {
-      const std::vector<float> on_mesh = resolve_mask(*other.frame, nullptr);
+      const std::vector<float> on_mesh = resolve_mask(*other.frame, false);
       right_on_mesh.resize(mask.size());
       for (std::size_t i = 0; i < mask.size(); ++i) right_on_mesh[i] = std::abs(on_mesh[i] - other.mask[i]) <= 0.5f;
     }
     stand_at(frame, "causes");
-    resolve_mask(frame, nullptr);
+    resolve_mask(frame, false);
   }
   const Reference reference{truth->mask, truth->classes, truth->occluder, truth};
   auto complete = std::make_shared<Verdict>(*verdict);

@@ -75,13 +75,11 @@ void draw_light(const Canvas& canvas, const Scene& scene, const Light& light, co
                light.name, light_color);
 }
 
+/// The grip of the divider, whose line is of the picture itself.
 void draw_divider(const Canvas& canvas, const Composition& composition) {
   if (composition.layout != Layout::split) return;
-  const double x = composition.divider * composition.width, middle = composition.height / 2.0;
-  canvas.line({x, 0}, {x, composition.height}, IM_COL32(0, 0, 0, 150), 3);
-  canvas.line({x, 0}, {x, composition.height}, IM_COL32(235, 235, 235, 220), 1);
   const float w = 3.5f * canvas.scale, h = 15 * canvas.scale;
-  const ImVec2 p = canvas.at({x, middle});
+  const ImVec2 p = canvas.at({composition.divider * composition.width, composition.height / 2.0});
   canvas.list.AddRectFilled({p.x - w, p.y - h}, {p.x + w, p.y + h}, IM_COL32(235, 235, 235, 230), w);
 }
 
@@ -191,7 +189,13 @@ void Overlays::draw(const PixelRect& place, const Session& session, const Shown&
       const bool is_known = reference && reference->frame == frame && !reference->classes.empty();
       const bool is_dark = is_known && reference->mask[index] < 0.5f;
       const auto blocker = is_dark ? find_blocker(*reference, index) : std::nullopt;
-      canvas.segment(point, blocker.value_or(light), is_dark ? blocked_color : light_color, 2);
+      // A pixel that is turned away from the light has no shadow ray.
+      const bool is_asked = !is_known || reference->classes[index] > PixelClass::F;
+      canvas.segment(point, blocker.value_or(light),
+                     is_dark    ? blocked_color
+                     : is_asked ? light_color
+                                : quiet_text,
+                     is_asked ? 2 : 1);
       if (blocker) {
         canvas.segment(*blocker, light, IM_COL32(239, 83, 80, 90), 1);
         if (const auto p = project(canvas.camera, *blocker)) canvas.disc(*p, 3, blocked_color);

@@ -73,8 +73,8 @@ void draw_mouse() {
   end_group();
 }
 
-/// Whole groups in columns of nearly the same height.
-void draw_columns(int count) {
+/// Whole groups in columns of nearly the same height. Answers the height of the highest.
+float draw_columns(int count) {
   const std::vector<Group> groups = key_groups();
   float lines = 1.5f * static_cast<float>(mouse_rows().size()) + 2;
   for (const Group& group : groups) lines += group.lines();
@@ -82,7 +82,7 @@ void draw_columns(int count) {
               width = (ImGui::GetContentRegionAvail().x - gap * static_cast<float>(count - 1)) / count;
   const float height = ImGui::GetContentRegionAvail().y - ImGui::GetFrameHeightWithSpacing();
   std::size_t next = 0;
-  float done = 0;
+  float done = 0, highest = 0;
   for (int column = 0; column < count; ++column) {
     if (column > 0) ImGui::SameLine(0, gap);
     ImGui::PushID(column);
@@ -93,10 +93,12 @@ void draw_columns(int count) {
         done += groups[next++].lines();
       }
       if (is_last) draw_mouse();
+      highest = std::max(highest, ImGui::GetCursorPosY() + ImGui::GetScrollY());
     }
     ImGui::EndChild();
     ImGui::PopID();
   }
+  return highest;
 }
 
 }  // namespace
@@ -104,7 +106,10 @@ void draw_columns(int count) {
 void draw_help(glm::ivec2 window, Session& session) {
   const auto scale = static_cast<float>(pixels_per_unit());
   const ImVec2 all(window.x / scale, window.y / scale);
-  const ImVec2 size(std::min(all.x - 40, ImGui::GetFontSize() * 90), all.y - 40);
+  // What the columns needed when they were drawn last.
+  static float columns_height = 1e6f;
+  const float around = ImGui::GetFrameHeightWithSpacing() + ImGui::GetFontSize() * 1.6f;
+  const ImVec2 size(std::min(all.x - 40, ImGui::GetFontSize() * 90), std::min(all.y - 40, columns_height + around));
   ImGui::SetNextWindowPos({all.x / 2, all.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowSize(size);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1);
@@ -114,7 +119,8 @@ void draw_help(glm::ivec2 window, Session& session) {
                    ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                        ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoNav)) {
     constexpr float least_width = 27;  // of a column, in heights of the font
-    draw_columns(std::clamp(static_cast<int>(ImGui::GetContentRegionAvail().x / (least_width * ImGui::GetFontSize())), 1, 3));
+    columns_height = draw_columns(
+        std::clamp(static_cast<int>(ImGui::GetContentRegionAvail().x / (least_width * ImGui::GetFontSize())), 1, 3));
     if (ImGui::Button("Close")) session.shows_help = false;
   }
   ImGui::End();

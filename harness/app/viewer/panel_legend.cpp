@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "app/viewer/panels.h"
 #include "app/viewer/style.h"
@@ -43,14 +44,14 @@ struct Row {
 
 void draw_paint_legend(const Shown& shown) {
   std::vector<Row> rows;
-  int side_count = 0;
+  bool has_shares[2] = {};
   for (int side = 0; side < 2; ++side) {
     if (!is_shown(shown.composition.layout, side)) continue;
-    ++side_count;
     for (const LegendEntry& entry : shown.legends[side]) {
       auto found = std::ranges::find(rows, entry.name, [](const Row& row) { return row.entry.name; });
       if (found == rows.end()) found = rows.insert(found, Row{entry, {}});
       found->share[side] = entry.share;
+      has_shares[side] = has_shares[side] || entry.share;
     }
   }
   const std::string title(paint_rows()[static_cast<int>(shown.composition.paint)].title);
@@ -59,10 +60,12 @@ void draw_paint_legend(const Shown& shown) {
   for (const Row& row : rows) {
     draw_swatch(color_of(row.entry.color));
     std::string words = row.entry.name;
+    // A color that only one of two sides shows has no share in the other.
+    const char* before = "  ";
     for (int side = 0; side < 2; ++side)
-      if (row.share[side])
-        words += fmt::format("{}{} %", words == row.entry.name ? "  " : " | ", rounded(100 * *row.share[side], 2));
-    ImGui::TextWrapped("%s", words.c_str());
+      if (row.share[side] || has_shares[side])
+        words += fmt::format("{}{} %", std::exchange(before, " | "), rounded(100 * row.share[side].value_or(0), 2));
+    Widgets::wrapped(words);
   }
   if (rows.empty())
     ImGui::TextWrapped("%s", std::string(paint_rows()[static_cast<int>(shown.composition.paint)].sentence).c_str());
@@ -79,9 +82,9 @@ void draw_legend(const Shown& shown) {
     Widgets::tooltip(layer->layer.sentence);
     for (const Swatch& swatch : layer->layer.legend) {
       draw_swatch(color_of(swatch.color));
-      ImGui::TextWrapped("%s", swatch.name.c_str());
+      Widgets::wrapped(swatch.name);
     }
-    if (layer->layer.legend.empty()) ImGui::TextWrapped("%s", layer->layer.sentence.c_str());
+    if (layer->layer.legend.empty()) Widgets::wrapped(layer->layer.sentence);
   }
 }
 

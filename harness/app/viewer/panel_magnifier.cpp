@@ -41,22 +41,37 @@ void draw_facts(const Shown& shown, const Session& session) {
   const std::vector<PixelFact> facts =
       pixel_facts(shown.composition, shown.side, shown.pixel.x, shown.pixel.y, shown.state.reference.get(),
                   is_explained ? side.explanation.get() : nullptr);
-  ImGui::TextDisabled("%s, pixel %d %d%s", side_name(shown.side), shown.pixel.x, shown.pixel.y,
-                      session.picked() ? ", picked" : "");
+  ImGui::PushStyleColor(ImGuiCol_Text, quiet_text);
+  Widgets::wrapped(fmt::format("{}, pixel {} {}{}", side_name(shown.side), shown.pixel.x, shown.pixel.y,
+                               session.picked() ? ", picked" : ""));
+  ImGui::PopStyleColor();
   Widgets::tooltip("A click in the picture picks its pixel, Escape drops it.");
+  const auto draw_name = [](const PixelFact& fact) {
+    ImGui::PushStyleColor(ImGuiCol_Text, quiet_text);
+    Widgets::wrapped(fact.name);
+    ImGui::PopStyleColor();
+  };
+  // Where there is no room for two columns, each value is below its name.
+  if (ImGui::GetContentRegionAvail().x < 13 * ImGui::GetFontSize()) {
+    for (const PixelFact& fact : facts) {
+      draw_name(fact);
+      ImGui::Indent(ImGui::GetFontSize() * 0.6f);
+      Widgets::wrapped(fact.value);
+      ImGui::Unindent(ImGui::GetFontSize() * 0.6f);
+    }
+    return;
+  }
   if (!ImGui::BeginTable("facts", 2, ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_NoSavedSettings)) return;
   float widest = 0;
   for (const PixelFact& fact : facts) widest = std::max(widest, ImGui::CalcTextSize(fact.name.c_str()).x);
-  ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthFixed, std::min(widest, ImGui::GetFontSize() * 6));
+  ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthFixed, std::min(widest, ImGui::GetFontSize() * 5.5f));
   ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthStretch);
   for (const PixelFact& fact : facts) {
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
-    ImGui::PushStyleColor(ImGuiCol_Text, quiet_text);
-    ImGui::TextWrapped("%s", fact.name.c_str());
-    ImGui::PopStyleColor();
+    draw_name(fact);
     ImGui::TableNextColumn();
-    ImGui::TextWrapped("%s", fact.value.c_str());
+    Widgets::wrapped(fact.value);
   }
   ImGui::EndTable();
 }
@@ -67,7 +82,7 @@ void draw_magnifier(const Shown& shown, const Session& session) {
   // As large as its place lets it be, in whole pixels.
   const ImVec2 room = ImGui::GetContentRegionAvail();
   const double unit = pixels_per_unit(), scale = lengths().panel / panel_width * unit;
-  const double most = std::min<double>(room.y, room.x * 0.5) * unit / (2 * around + 1);
+  const double most = std::min<double>(room.y, room.x * 0.42) * unit / (2 * around + 1);
   const auto pixel = static_cast<float>(std::max(2.0, std::floor(std::min(std::round(enlarged * scale), most))) / unit);
   draw_pixels(shown, pixel);
   ImGui::SameLine(0, lengths().gap);

@@ -11,22 +11,24 @@ namespace gnomon::viewer {
 
 namespace {
 
-/// A value at the right edge of its column; a dash where there is none.
+/// A value at the right edge of its column, without its unit where that has no room; a dash where there is none.
 void draw_value(const std::string& words) {
-  const std::string shown = words.empty() ? "-" : words;
+  std::string shown = words.empty() ? "-" : words;
+  if (ImGui::CalcTextSize(shown.c_str()).x > ImGui::GetContentRegionAvail().x) shown = shown.substr(0, shown.find(' '));
   const float room = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(shown.c_str()).x;
   if (room > 0) ImGui::SetCursorPosX(ImGui::GetCursorPosX() + room);
   if (words.empty())
     ImGui::TextDisabled("-");
   else
     ImGui::TextUnformatted(shown.c_str());
+  if (shown.size() < words.size()) Widgets::tooltip(words);
 }
 
 /// Words at the right edge where they fit; else in several lines.
 void draw_words(const std::string& words) {
   const float room = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(words.c_str()).x;
   if (room > 0) ImGui::SetCursorPosX(ImGui::GetCursorPosX() + room);
-  room > 0 ? ImGui::TextUnformatted(words.c_str()) : ImGui::TextWrapped("%s", words.c_str());
+  room > 0 ? ImGui::TextUnformatted(words.c_str()) : Widgets::wrapped(words);
 }
 
 /// A row: what it is, and a value for each side.
@@ -129,14 +131,14 @@ std::string count_words(const Count& count) {
 void draw_counts(const EngineState& state) {
   std::vector<std::string> names;
   for (const SideState& side : state.sides)
-    if (side.answer)
-      for (const Count& count : side.answer->counts)
+    if (side.counts)
+      for (const Count& count : *side.counts)
         if (std::ranges::find(names, count.name) == names.end()) names.push_back(count.name);
   for (const std::string& name : names) {
     std::string words[2];
     for (int side = 0; side < 2; ++side)
-      if (const auto& answer = state.sides[side].answer)
-        if (const auto found = std::ranges::find(answer->counts, name, &Count::name); found != answer->counts.end())
+      if (const auto& counts = state.sides[side].counts)
+        if (const auto found = std::ranges::find(*counts, name, &Count::name); found != counts->end())
           words[side] = count_words(*found);
     draw_row(name, "Work or memory of the last stages; the same on every machine.", words[0], words[1]);
   }

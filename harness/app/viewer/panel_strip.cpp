@@ -32,9 +32,9 @@ namespace {
 
 /// Left: what was done or went wrong last. Right: how fast the window is, and how small the frames are.
 void draw_status(const Session& session, const Shown& shown) {
-  std::string words = fmt::format("{:.0f} pictures/s", shown.frames_per_second);
+  std::string words = shown.frames_per_second > 1 ? fmt::format("{:.0f} frames/s", shown.frames_per_second) : "at rest";
   if (const auto& frame = shown.state.frame; frame && !frame->is_full())
-    words = fmt::format("{} x {} pixels while moving   {}", frame->gbuffer.width, frame->gbuffer.height, words);
+    words = fmt::format("{} x {} pixels   {}", frame->gbuffer.width, frame->gbuffer.height, words);
   const float width = ImGui::CalcTextSize(words.c_str()).x;
   const float room = ImGui::GetContentRegionAvail().x;
   const ImVec2 at = ImGui::GetCursorScreenPos();

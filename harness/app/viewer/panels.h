@@ -33,7 +33,7 @@ struct Shown {
   glm::ivec2 pixel{-1};                     ///< of the picture: picked, else under the mouse; negative: none
   int side = 0;                             ///< that shows it
   unsigned texture = 0;                     ///< the picture
-  double frames_per_second = 0;             ///< of the window
+  double frames_per_second = 0;             ///< new frames that the picture showed within the last second
 };
 
 /// A fixed panel at a place; `end_panel` ends it whatever it returned.

@@ -54,7 +54,6 @@ struct SideAnswer {
   std::shared_ptr<const Frame> frame;
   std::vector<float> mask;
   std::array<std::optional<double>, 4> stage_ms;  ///< the last time that each stage was done, by Stage
-  Counts counts;
   Support support = Support::full();
 };
 

@@ -37,11 +37,25 @@ Picture picture_of(std::span<const std::uint32_t> rgba, int width, int height) {
 
 }  // namespace
 
-Json places_json(glm::ivec2 window, double scale, const PixelRect& picture, const ControlPlaces& controls) {
-  Json named = Json::object();
+Json window_json(glm::ivec2 window, double scale, const PixelRect& picture, const ControlPlaces& controls,
+                 const Session& session, const EngineState& state) {
+  static constexpr const char* phases[] = {"starting", "working", "done", "unsupported", "failed"};
+  Json named = Json::object(), sides = Json::object();
   for (const auto& [name, place] : controls) named[name] = json_of(place);
+  for (int side = 0; side < 2; ++side)
+    sides[side_name(side)] = {{"technique", session.wish().sides[side].technique},
+                              {"settings", session.wish().sides[side].settings},
+                              {"layer", session.wish().sides[side].layer},
+                              {"phase", phases[static_cast<int>(state.sides[side].phase)]},
+                              {"words", state.sides[side].words}};
   return {{"window", {{"width", window.x}, {"height", window.y}, {"scale", scale}}},
           {"picture", json_of(picture)},
+          {"layout", layout_rows()[static_cast<int>(session.layout)].id},
+          {"paint", paint_rows()[static_cast<int>(session.paint)].id},
+          {"divider", session.divider},
+          {"picked", session.picked() ? Json{session.picked()->x, session.picked()->y} : Json()},
+          {"sides", sides},
+          {"message", session.message()},
           {"controls", named}};
 }
 
@@ -62,7 +76,8 @@ fs::path Album::next(const std::string& before, const std::string& after) const 
 
 SavedState Album::saved_state(const Session& session) const {
   const Wish& wish = session.wish();
-  return {.scene = wish.scene,
+  // A scene that could not be loaded is only wished.
+  return {.scene = wish.loaded ? wish.loaded->reference : wish.scene,
           .light = wish.light,
           .view = wish.view,
           .plugins = plugins_,

@@ -34,8 +34,10 @@ class Album {
   std::vector<std::string> plugins_;
 };
 
-/// Where everything is in the window, for window.json.
-nlohmann::ordered_json places_json(glm::ivec2 window, double scale, const PixelRect& picture, const ControlPlaces& controls);
+/// What is where in the window and what it says, for window.json: rectangles in framebuffer pixels, the picked pixel, how far
+/// each side is, the last message.
+nlohmann::ordered_json window_json(glm::ivec2 window, double scale, const PixelRect& picture, const ControlPlaces& controls,
+                                   const Session& session, const EngineState& state);
 
 /// A PNG that appears whole or not at all; its folder is made. Throws Error.
 void write_window(const std::filesystem::path& file, const Picture& picture);

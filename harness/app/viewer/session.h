@@ -58,6 +58,10 @@ class Session {
   /// Seconds until a motion is over; nothing while there is none.
   std::optional<double> motion_left() const;
   void settle();
+  /// Frames of full size while something moves.
+  void set_full_while_moving(bool is_full) { wish_.full_while_moving = is_full; }
+  /// Both sides do resolve once more, for its time.
+  void do_again() { ++wish_.repeat; }
 
   // The sides. A technique's rows may be set; then `technique_changed`.
   Technique& technique(int side) { return *technique_[side]; }

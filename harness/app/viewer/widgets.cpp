@@ -5,7 +5,9 @@
 #include <imgui.h>
 #include <imgui_internal.h>
 
+#include <algorithm>
 #include <type_traits>
+#include <utility>
 
 #include "app/viewer/style.h"
 #include "app/viewer/window.h"
@@ -40,12 +42,34 @@ void Widgets::note(const std::string& name) {
 }
 
 void Widgets::tooltip(const std::string& words) {
+  static double last_motion = 0;
+  const ImVec2 moved = ImGui::GetIO().MouseDelta;
+  if (moved.x != 0 || moved.y != 0 || ImGui::IsAnyItemActive()) last_motion = ImGui::GetTime();
   if (words.empty() || !ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
+  if (ImGui::GetTime() < last_motion + tooltip_delay) return;
   ImGui::BeginTooltip();
   ImGui::PushTextWrapPos(ImGui::GetFontSize() * 26);
   ImGui::TextUnformatted(words.c_str());
   ImGui::PopTextWrapPos();
   ImGui::EndTooltip();
+}
+
+void Widgets::wrapped(const std::string& words) {
+  const float room = ImGui::GetContentRegionAvail().x;
+  const auto width = [](const std::string& text) { return ImGui::CalcTextSize(text.c_str()).x; };
+  std::string lines, line;
+  for (std::size_t at = 0; at < words.size();) {
+    const std::size_t end = std::min(words.find_first_of(" \n", at), words.size());
+    const std::string word = words.substr(at, end - at);
+    const bool is_new = !line.empty() && width(line + " " + word) > room;
+    if (is_new) lines += std::exchange(line, "") + "\n";
+    line += (line.empty() ? "" : " ") + word;
+    if (end < words.size() && words[end] == '\n') lines += std::exchange(line, "") + "\n";
+    at = end + 1;
+  }
+  ImGui::PushTextWrapPos(0);  // a word that is wider than a line
+  ImGui::TextUnformatted((lines + line).c_str());
+  ImGui::PopTextWrapPos();
 }
 
 void Widgets::label(const std::string& words, const std::string& sentence, float share) {

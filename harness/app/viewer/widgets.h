@@ -8,6 +8,9 @@
 
 namespace gnomon::viewer {
 
+/// Seconds that the mouse rests until a tooltip appears.
+inline constexpr double tooltip_delay = 0.35;
+
 /// Where a control was drawn, in framebuffer pixels from the top left.
 struct ControlPlace {
   glm::dvec2 low{0}, high{0};
@@ -29,6 +32,8 @@ class Widgets {
   void label(const std::string& words, const std::string& sentence = "", float share = 1);
   /// The tooltip of the item drawn last.
   static void tooltip(const std::string& words);
+  /// Words in as many lines as they need, ended at blanks alone; Dear ImGui ends them at points, too, amid numbers.
+  static void wrapped(const std::string& words);
   /// A button as wide as its share of a row of `count`.
   bool button(const std::string& name, const char* words, int count, int index, const std::string& sentence);
   /// Runs what may throw Error.

@@ -27,6 +27,7 @@ constexpr double font_height = 14;  // pixels at scale 1
 
 // GLFW's callbacks find both here: there is one window.
 std::vector<WindowEvent> events;
+std::vector<int> struck_keys;  // since Dear ImGui looked last
 std::string last_error;
 glm::dvec2 mouse_place{0};
 
@@ -34,6 +35,7 @@ void on_error(int, const char* words) { last_error = words; }
 
 void on_key(GLFWwindow*, int key, int scancode, int action, int modifiers) {
   if (action == GLFW_REPEAT) return;
+  if (action == GLFW_PRESS && key >= 0) struck_keys.push_back(key);
   events.push_back({.kind = WindowEvent::Kind::key,
                     .code = layout_key(key, scancode),
                     .modifiers = modifiers,
@@ -198,7 +200,13 @@ void Window::begin_drawing() {
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
   if (scale() != font_scale_) load_font();
+  // It asks which keys are down: one that was struck between two frames is down for this one.
+  auto& down = ImGui::GetIO().KeysDown;
+  std::erase_if(struck_keys, [&](int key) { return key >= static_cast<int>(std::size(down)) || down[key]; });
+  for (const int key : struck_keys) down[key] = true;
   ImGui::NewFrame();
+  for (const int key : struck_keys) down[key] = false;
+  struck_keys.clear();
 }
 
 void Window::end_drawing() {

@@ -69,6 +69,7 @@ class Worker {
 ///   {"do": "time", "stage": NAME}                                           -> {"ms": t}   earlier stages brought up untimed
 ///   {"do": "bring_up", "stage": NAME}                                       -> {}          all stages up to this one, once
 ///   {"do": "answer", "mask": FILE}                                          -> {"counts": [...], "peak_bytes": n}
+///   {"do": "mask", "mask": FILE}                                            -> {}          the mask without counting
 ///   {"do": "explain", "pixels": FILE, "out": FILE}                          -> {"explained": bool}
 ///   {"do": "debug", "layer": NAME, "out": FILE}                             -> {}
 ///   {"do": "detail", "out": FILE}                                           -> {}          detail_bytes of the last relight

@@ -43,6 +43,7 @@ class Post {
     if (what == "time") return time_stage(request.at("stage"));
     if (what == "bring_up") return bring_up_to(request.at("stage"));
     if (what == "answer") return answer(request.at("mask"));
+    if (what == "mask") return write_mask(request.at("mask"));
     if (what == "explain") return explain(request.at("pixels"), request.at("out"));
     if (what == "debug") return debug(request.at("layer"), request.at("out"));
     if (what == "detail") return detail(request.at("out"));
@@ -170,9 +171,14 @@ class Post {
     return ms;
   }
 
-  Json answer(const std::string& path) {
+  Json write_mask(const std::string& path) {
     bring_up(static_cast<int>(Stage::resolve));
     write_file(path, std::as_bytes(mask_->read()));
+    return Json::object();
+  }
+
+  Json answer(const std::string& path) {
+    write_mask(path);
     Json counts = Json::array();
     for (const Count& c : technique_->counts()) {
       if (!std::isfinite(c.value)) throw Error("count {} is {}", c.name, c.value);
