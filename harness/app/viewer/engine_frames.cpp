@@ -13,6 +13,9 @@ namespace {
 
 constexpr double frame_budget_ms = 40;  // with what the window itself takes: 20 pictures a second
 
+/// As for `gnomon render`: without curved shapes both truths are one.
+Truth truth_of(const Wish& wish) { return wish.loaded->scene.has_curved_shapes() ? wish.truth : Truth::shape; }
+
 int divided(int size, int divisor) { return std::max(1, (size + divisor - 1) / divisor); }
 
 }  // namespace
@@ -53,7 +56,7 @@ Engine::Body::Work Engine::Body::next_frame() {
   if (!wish.loaded) return {};
   const Frame* const newest = state.frame.get();
   const bool is_there = newest && newest->loaded == wish.loaded && newest->picture_width == wish.width &&
-                        newest->picture_height == wish.height && newest->gbuffer.truth == wish.truth &&
+                        newest->picture_height == wish.height && newest->gbuffer.truth == truth_of(wish) &&
                         stand == stand_bytes(wish.light, wish.view);
   if (is_there && (newest->is_full() || (wish.is_moving && !wish.full_while_moving))) return {};
   return [this, wish = wish] { make_frame(wish); };
@@ -63,7 +66,7 @@ void Engine::Body::make_frame(const Wish& wish) {
   const auto start = Clock::now();
   const std::shared_ptr<const Frame> before = state.frame;  // only this thread makes frames
   const bool same_view = before && before->loaded == wish.loaded && before->picture_width == wish.width &&
-                         before->picture_height == wish.height && before->gbuffer.truth == wish.truth &&
+                         before->picture_height == wish.height && before->gbuffer.truth == truth_of(wish) &&
                          stand_bytes({}, before->gbuffer.view) == stand_bytes({}, wish.view);
   Divisor& fitting = same_view ? light_divisor : camera_divisor;
   const bool may_shrink = wish.is_moving && !wish.full_while_moving;
@@ -83,7 +86,8 @@ void Engine::Body::make_frame(const Wish& wish) {
       frame->file = before->file;
     } else {
       const Scene& scene = wish.loaded->scene;
-      frame->gbuffer = make_gbuffer(scene, wish.loaded->store->everything(wish.truth), wish.view, width, height, wish.truth);
+      frame->gbuffer =
+          make_gbuffer(scene, wish.loaded->store->everything(truth_of(wish)), wish.view, width, height, truth_of(wish));
       frame->file = share(frame->gbuffer);
     }
     frame->received = received_light(frame->gbuffer, wish.light);

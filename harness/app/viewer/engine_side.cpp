@@ -82,15 +82,16 @@ Engine::Body::Work Engine::Body::Side::next() {
   if (wish.layer.empty()) s.layer = nullptr;
   if (!wish.layer.empty() && (!s.layer || s.layer->answer != last || s.layer->layer.name != wish.layer))
     return guarded([this, last, layer = wish.layer] { draw_layer(last, layer); });
-  if (!frame->is_full() || body_.wish.is_moving) return {};
+  if (!frame->is_full()) return {};
+  const std::shared_ptr<const ReferenceState>& reference = body_.state.reference;
+  const bool has_classes = reference && reference->frame == frame && !reference->classes.empty();
+  if (has_classes && (!s.verdict || s.verdict->answer != last)) return [this, last, reference] { judge(last, reference); };
+  if (body_.wish.is_moving) return {};
   if (s.counted_answer != last) return guarded([this, last] { count(last); });
   const auto& picked = body_.wish.picked;
   if (s.explained != picked || (picked && s.explained_answer != last))
-    return guarded([this, last, pixel = body_.wish.picked] { explain_picked(last, pixel); });
-  const std::shared_ptr<const ReferenceState>& reference = body_.state.reference;
-  if (!reference || reference->frame != frame || reference->classes.empty()) return {};
-  if (!s.verdict || s.verdict->answer != last) return [this, last, reference] { judge(last, reference); };
-  if (!s.verdict->has_causes && reference->is_complete)
+    return guarded([this, last, picked] { explain_picked(last, picked); });
+  if (has_classes && !s.verdict->has_causes && reference->is_complete)
     return guarded([this, verdict = s.verdict, reference] { find_reasons(verdict, reference); });
   return {};
 }
