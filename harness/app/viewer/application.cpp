@@ -81,6 +81,7 @@ Application::Application(const ViewOptions& options)
       session_(options.wish, options.scene),
       album_(options.out, options.workers.plugins),
       engine_(options.workers, options.timeout_seconds, Window::wake) {
+  engine_.offer(options.wish.scene, options.scene);
   if (options.speed_seconds > 0) trial_.emplace(options.speed_seconds);
   const double scale = window_.scale();
   window_.show(options.wish.width + static_cast<int>(std::lround(panel_width * scale)),

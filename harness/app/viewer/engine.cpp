@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <charconv>
+#include <utility>
 
 #include "app/viewer/engine_body.h"
 #include "measure/scene/load.h"
@@ -131,17 +132,18 @@ Engine::Body::Work Engine::Body::next_scene() {
     std::string trouble;
     try {
       loaded->reference = reference;
-      loaded->scene = load_scene(reference);
-      // Its file for the workers goes with it.
-      const auto end = [](FrameStore* store) {
-        std::error_code ignored;
-        fs::remove(store->scene_file(), ignored);
-        delete store;
-      };
-      loaded->store = {new FrameStore(loaded->scene, scratch.path), end};
+      const auto given = std::exchange(offered, nullptr);
+      loaded->scene = given && given->reference == reference ? std::move(given->scene) : load_scene(reference);
+      auto store = std::make_unique<FrameStore>(loaded->scene, scratch.path);
       // Made here, because they are made on first use, and not for two threads at once.
-      for (const Truth truth : {Truth::shape, Truth::mesh}) loaded->store->everything(truth), loaded->store->casters(truth);
-      loaded->store->scene_file();
+      for (const Truth truth : {Truth::shape, Truth::mesh}) store->everything(truth), store->casters(truth);
+      // Its file for the workers goes with it.
+      const auto end = [file = store->scene_file()](FrameStore* gone) {
+        std::error_code ignored;
+        fs::remove(file, ignored);
+        delete gone;
+      };
+      loaded->store = {store.release(), end};
     } catch (const std::exception& error) {
       trouble = error.what();
     }
@@ -157,6 +159,13 @@ Engine::Engine(WorkerOptions workers, double timeout_seconds, std::function<void
     : body_(std::make_unique<Body>(std::move(workers), timeout_seconds, std::move(changed))) {}
 
 Engine::~Engine() = default;
+
+void Engine::offer(const std::string& reference, Scene scene) {
+  const std::lock_guard lock(body_->mutex);
+  body_->offered = std::make_shared<LoadedScene>();
+  body_->offered->reference = reference;
+  body_->offered->scene = std::move(scene);
+}
 
 std::uint64_t Engine::wish(const Wish& wish) {
   const std::lock_guard lock(body_->mutex);

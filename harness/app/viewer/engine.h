@@ -77,6 +77,8 @@ class Engine {
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;
 
+  /// Before the first wish: a scene that is loaded already, so that a wish for it need not load it again.
+  void offer(const std::string& reference, Scene scene);
   /// Answers the number of this wish.
   std::uint64_t wish(const Wish& wish);
   EngineState state() const;

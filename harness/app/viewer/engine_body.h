@@ -133,6 +133,7 @@ struct Engine::Body {
   Wish wish;
   EngineState state;
 
+  std::shared_ptr<LoadedScene> offered;   ///< before the first wish; the loading thread's then
   std::string tried_scene;                ///< the last one that loading was about
   std::atomic<std::uint64_t> shared = 0;  ///< files that were shared so far
 
