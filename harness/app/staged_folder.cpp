@@ -3,6 +3,8 @@
 #include <gnomon/error.h>
 #include <unistd.h>
 
+#include <algorithm>
+
 namespace gnomon::app {
 
 namespace fs = std::filesystem;
@@ -38,13 +40,14 @@ StagedFolder::~StagedFolder() {
 
 void StagedFolder::publish() const {
   std::error_code code;
-  if (!fs::exists(out_, code)) {
+  const auto is_file = [](const fs::directory_entry& entry) { return entry.is_regular_file(); };
+  if (!fs::exists(out_, code) && std::ranges::all_of(fs::directory_iterator(path), is_file)) {
     fs::rename(path, out_, code);  // all of it at once
     if (!code) return;
   }
   fs::create_directories(out_, code);
   for (const auto& entry : fs::directory_iterator(path))
-    if (!code && entry.is_regular_file()) fs::rename(entry.path(), out_ / entry.path().filename(), code);
+    if (!code && is_file(entry)) fs::rename(entry.path(), out_ / entry.path().filename(), code);
   if (code) throw Error("output folder {} cannot be written: {}", out_.string(), code.message());
 }
 

@@ -558,14 +558,14 @@ TEST(pixel_facts, tell_where_the_pixel_is_and_what_the_masks_say) {
   EXPECT_TRUE(fact(facts, "class").starts_with("T, tested. "));
   EXPECT_EQ(fact(facts, "error"), "false dark");
   EXPECT_TRUE(fact(facts, "cause").starts_with("crack. At most four pixels"));
-  EXPECT_EQ(fact(facts, "visibility left"), "0 umbra");
-  EXPECT_EQ(fact(facts, "visibility right"), "1 lit");
-  EXPECT_EQ(fact(facts, "visibility reference"), "1 lit");
+  EXPECT_EQ(fact(facts, "mask left"), "0 umbra");
+  EXPECT_EQ(fact(facts, "mask right"), "1 lit");
+  EXPECT_EQ(fact(facts, "reference"), "1 lit");
   EXPECT_EQ(fact(facts, "mesh"), "table");
   EXPECT_EQ(fact(facts, "triangle"), "17");
   EXPECT_EQ(fact(facts, "position"), "3.00000, 0.00000, -4.00000 m");
   EXPECT_EQ(fact(facts, "normal"), "0.0000, 1.0000, 0.0000");
-  EXPECT_EQ(fact(facts, "N.l"), "0.7071, 45.0 degrees off the normal");
+  EXPECT_EQ(fact(facts, "cosine"), "0.7071, 45.0 degrees off the normal");
   EXPECT_EQ(fact(facts, "to the light"), "7.07107 m");
   EXPECT_EQ(fact(facts, "covered"), "-") << "nobody explained it";
   EXPECT_EQ(fact(pixel_facts(c, 0, 0, 0, nullptr, nullptr), "error"), "none");
@@ -595,7 +595,7 @@ TEST(pixel_facts, exact_shapes_suns_and_backgrounds_have_their_own_words) {
   coarse.width = coarse.height = 1;
   coarse.mask = {0.25f};
   c.sides[0].verdict = nullptr;
-  EXPECT_EQ(fact(pixel_facts(c, 0, 0, 0, &coarse, nullptr), "visibility reference"), "0.25");
+  EXPECT_EQ(fact(pixel_facts(c, 0, 0, 0, &coarse, nullptr), "reference"), "0.25");
   EXPECT_EQ(fact(pixel_facts(c, 0, 0, 0, &coarse, nullptr), "class"), "-");
 }
 

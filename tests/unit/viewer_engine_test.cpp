@@ -183,6 +183,27 @@ TEST(viewer_engine, says_why_a_side_is_unsupported_and_goes_on) {
   EXPECT_EQ(rig.finish().sides[0].phase, Phase::done);
 }
 
+// Who steps through a list and back has given the worker up and wants it again: whether it was at rest or in the middle of
+// something, it is interrupted, and that is no failure of the technique.
+TEST(viewer_engine, a_technique_left_for_a_moment_comes_back) {
+  Rig rig;
+  rig.open("composite:object=sphere");
+  rig.finish();
+  for (const int ms : {0, 0, 1, 5, 20, 60}) {
+    Wish away = rig.wish;
+    away.sides[0] = {.technique = "exact_rays", .settings = "", .layer = ""};
+    rig.wish.view.eye.x += 0.01f;
+    rig.engine().wish(rig.wish);
+    std::this_thread::sleep_for(std::chrono::milliseconds(ms));
+    rig.engine().wish(away);
+    rig.engine().wish(rig.wish);
+    const EngineState state = rig.finish();
+    EXPECT_EQ(state.sides[0].phase, Phase::done) << ms << " ms: " << state.sides[0].words;
+    ASSERT_TRUE(state.sides[0].verdict && state.sides[0].verdict->has_causes);
+    EXPECT_EQ(state.sides[0].answer->frame, state.frame);
+  }
+}
+
 TEST(viewer_engine, a_scene_that_cannot_be_loaded_leaves_the_one_before) {
   Rig rig;
   rig.open("composite:object=sphere");

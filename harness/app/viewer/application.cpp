@@ -5,6 +5,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <deque>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "app/viewer/overlays.h"
 #include "app/viewer/panels.h"
 #include "app/viewer/picture_view.h"
+#include "app/viewer/resolve_times.h"
 #include "app/viewer/saving.h"
 #include "app/viewer/speed_trial.h"
 #include "app/viewer/stop_signals.h"
@@ -27,6 +29,11 @@ constexpr double flicker_seconds = 0.25;     // a side is shown for: 2 Hz
 constexpr double least_seconds = 1 / 60.0;   // from one picture to the next
 constexpr double moving_seconds = 1 / 25.0;  // while something moves and the picture stays as it is
 constexpr int settling_frames = 3;           // that Dear ImGui needs after an event until nothing changes any more
+
+/// Of keys that mean nothing to a field that text is typed into.
+bool is_beside_text(Action action) {
+  return action == Action::save || action == Action::screenshot || action == Action::panels || action == Action::quit;
+}
 
 class Application {
  public:
@@ -54,9 +61,14 @@ class Application {
   Album album_;
   std::vector<SceneListing> scenes_ = list_scenes();
   PictureView view_;
-  Overlays overlays_{Window::wake};
+  std::atomic<bool> has_found_ = false;  // overlays found what they looked for
+  Overlays overlays_{[this] {
+    has_found_ = true;
+    Window::wake();
+  }};
   HeldKeys held_;
   Canvas canvas_;
+  ResolveTimes times_;
   ControlPlaces places_;
   Arrangement arrangement_;
   EngineState state_;
@@ -71,6 +83,7 @@ class Application {
   std::size_t next_key_ = 0;
   bool is_over_ = false, has_drawn_finished_ = false;
   bool was_saved_early_ = false;
+  bool has_failed_ = false;  // something that a script asked for
   std::optional<SpeedTrial> trial_;
   Engine engine_;  // the last one: it ends first, and its threads wake the window
 };
@@ -132,14 +145,17 @@ int Application::run() {
     is_over_ = is_over_ || (trial_ && trial_->is_over());
   }
   if (trial_ && trial_->is_over()) fmt::print("{}", trial_->table());
-  return 0;
+  return has_failed_ ? 1 : 0;
 }
 
 void Application::attempt(const std::function<void()>& work) {
   try {
     work();
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     session_.say(error.what(), true);
+    if (!options_.ends_by_itself) return;
+    fmt::print(stderr, "{}\n", error.what());
+    has_failed_ = true;
   }
 }
 
@@ -155,9 +171,8 @@ void Application::use_keys(const std::vector<WindowEvent>& events) {
       held_.release(event.code);
       continue;
     }
-    if (ImGui::GetIO().WantTextInput) continue;
     const KeyRow* const row = find_key(event.code, event.modifiers);
-    if (!row) continue;
+    if (!row || (ImGui::GetIO().WantTextInput && !is_beside_text(row->action))) continue;
     if (row->is_held)
       held_.press(*row, Window::now());
     else
@@ -185,7 +200,9 @@ void Application::update() {
   if (fresh.number != state_.number) frames_left_ = std::max(frames_left_, 1);
   state_ = fresh;
   session_.adopt(state_);
+  times_.note(session_.wish(), state_);
   const std::vector<WindowEvent> events = window_.take_events();
+  if (window_.has_untold()) frames_left_ = settling_frames;
   if (!events.empty()) {
     frames_left_ = settling_frames;
     tooltip_time_ = Window::now() + 1.1 * tooltip_delay;
@@ -193,7 +210,7 @@ void Application::update() {
     frames_left_ = std::max(frames_left_, 1);
     tooltip_time_.reset();
   }
-  if (held_.any()) frames_left_ = std::max(frames_left_, 1);
+  if (held_.any() || has_found_.exchange(false)) frames_left_ = std::max(frames_left_, 1);
   if (state_.sides[0].phase <= Phase::working || state_.sides[1].phase <= Phase::working)
     if (!state_.is_finished) frames_left_ = std::max(frames_left_, 1);
   if (ImGui::GetIO().WantTextInput) frames_left_ = std::max(frames_left_, 1);
@@ -202,13 +219,17 @@ void Application::update() {
   use_keys(events);
   press_scripted();
   if (trial_ && next_key_ == options_.keys.size()) trial_->steer(session_, state_, is_finished(), Window::now());
+  if (session_.repeats && has_drawn_finished_ && is_finished() && !session_.wish().is_moving) session_.do_again();
   session_.settle();
   const bool flicker = session_.layout == Layout::flicker && std::fmod(Window::now(), 2 * flicker_seconds) >= flicker_seconds;
   if (flicker != session_.flicker_is_right) frames_left_ = std::max(frames_left_, 1);
   session_.flicker_is_right = flicker;
   if (session_.requests.quit || stop_.is_asked()) is_over_ = true;
-  arrangement_ = arrange(window_.size(), window_.scale(), session_.shows_panels);
-  session_.set_size(arrangement_.picture.width, arrangement_.picture.height);
+  // A window that is put away may have no size at all: what was shown stays.
+  if (const glm::ivec2 size = window_.size(); size.x > 0 && size.y > 0) {
+    arrangement_ = arrange(size, window_.scale(), session_.shows_panels);
+    session_.set_size(arrangement_.picture.width, arrangement_.picture.height);
+  }
   if (!told_ || !are_same(*told_, session_.wish())) {
     told_ = session_.wish();
     wish_number_ = engine_.wish(*told_);
@@ -233,6 +254,7 @@ void Application::draw() {
   has_drawn_finished_ = is_finished();
   Shown shown{.state = state_,
               .composition = canvas_.composition(),
+              .times = times_,
               .legends = {canvas_.legend_of(0), canvas_.legend_of(1)},
               .texture = window_.picture_texture(),
               .frames_per_second = static_cast<double>(frame_times_.size())};
@@ -281,7 +303,10 @@ void Application::write_what_is_asked() {
     attempt([&] { session_.say("written: " + album_.save_window(window_.read_picture()).string()); });
     frames_left_ = std::max(frames_left_, 1);
   }
-  if (asked.save && (!has_drawn_finished_ || session_.wish().is_moving)) {
+  // A control may have changed the wish while this very picture was drawn.
+  const bool is_as_wished =
+      has_drawn_finished_ && !window_.has_untold() && are_same(*told_, session_.wish()) && !session_.wish().is_moving;
+  if (asked.save && !is_as_wished) {
     if (!was_saved_early_) session_.say("saves as soon as all is computed");
     was_saved_early_ = true;
   } else if (asked.save) {

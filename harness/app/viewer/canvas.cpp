@@ -9,6 +9,7 @@ namespace {
 
 ComposeSide compose_side(const SideState& side, const EngineState& state) {
   ComposeSide result;
+  result.frame = state.frame;  // without an answer it is the scene, dimmed
   if (side.layer) result.layer = side.layer.get();
   if (side.is_reference) {
     if (!state.reference) return result;
@@ -28,10 +29,13 @@ ComposeSide compose_side(const SideState& side, const EngineState& state) {
 }
 
 /// What the picture is made from, as far as the state has it.
-std::array<const void*, 7> parts_of(const EngineState& state) {
+std::array<const void*, 8> parts_of(const EngineState& state) {
   const auto &left = state.sides[0], &right = state.sides[1];
-  return {left.answer.get(),   left.verdict.get(), left.layer.get(),     right.answer.get(),
-          right.verdict.get(), right.layer.get(),  state.reference.get()};
+  const bool is_one_missing = (!left.answer && !left.is_reference) || (!right.answer && !right.is_reference);
+  return {left.answer.get(),     left.verdict.get(),
+          left.layer.get(),      right.answer.get(),
+          right.verdict.get(),   right.layer.get(),
+          state.reference.get(), is_one_missing || !state.reference ? state.frame.get() : nullptr};
 }
 
 }  // namespace

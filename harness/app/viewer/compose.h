@@ -87,10 +87,11 @@ std::optional<std::size_t> frame_pixel(const Composition& composition, int side,
 struct PixelFact {
   std::string name, value;
 };
-/// Pixel (x, y) of the picture. Class, cause, mask of both sides and of the reference, mesh, triangle, position, normal, N.l,
-/// distance to the light; and of the side's own explanation of this pixel, where one is given: covered, taps (stored and
-/// measured distance along the light's ray, and whether the tap is dark: see "taps at fault" in docs/causes.md), bias, texel
-/// width, element, outline error, formula. What is not known is left out. Empty outside the picture and without a frame.
+/// Pixel (x, y) of the picture. Class, cause, mask of both sides and of the reference, mesh, triangle, position, normal, cosine
+/// of the light, distance to the light; and of the side's own explanation of this pixel, where one is given: covered, taps
+/// (stored and measured distance along the light's ray, and whether the tap is dark: see "taps at fault" in docs/causes.md),
+/// bias, texel width, element, outline error, formula. What is not known is left out. Empty outside the picture and without a
+/// frame.
 std::vector<PixelFact> pixel_facts(const Composition& composition, int side, int x, int y, const ReferenceState* reference,
                                    const Explanation* explanation);
 

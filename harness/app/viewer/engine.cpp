@@ -128,6 +128,7 @@ Engine::Body::Work Engine::Body::next_scene() {
   if (state.loaded && state.loaded->reference == wish.scene) return {};
   state.is_loading = true;
   return [this, reference = wish.scene] {
+    changed();  // it may take long
     auto loaded = std::make_shared<LoadedScene>();
     std::string trouble;
     try {

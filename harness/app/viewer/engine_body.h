@@ -166,7 +166,7 @@ class Engine::Body::Side {
 
   /// Under the lock: the most urgent thing to do, empty when there is nothing.
   Work next();
-  /// Under the lock: the wish changes; a request that nobody waits for any more is given up.
+  /// Under the lock: the wish changes; a worker that nobody waits for any more is given up.
   void outdated_by(const Wish& wish);
   /// Under the lock: causes of an older frame are given up.
   void new_frame() { causes_.give_up(); }
@@ -181,6 +181,7 @@ class Engine::Body::Side {
     int attempt = 0;
     friend bool operator==(const Seated&, const Seated&) = default;
   };
+  Seated seat_of(const Wish& wish) const;
   Json ask(const std::string& words, const Json& request, double least_timeout = 0);
   void start(const Seated& seated, const std::string& settings);
   void set(const std::string& settings);
@@ -202,12 +203,13 @@ class Engine::Body::Side {
 
   Body& body_;
   const int index_;
-  std::unique_ptr<Worker> worker_;  ///< made and ended under the lock
+  std::unique_ptr<Worker> worker_;  ///< put here and taken away under the lock; ended without it, which takes a while
   std::optional<Seated> seated_;    ///< what the worker has; kept when it failed
   std::string settings_;
   bool has_failed_ = false;
-  int fresh_ = 0;            ///< stages up to date
-  std::uint64_t frame_ = 0;  ///< the worker stands at it
+  bool is_given_up_ = false;  ///< something else was wished since it was seated, perhaps only for a moment
+  int fresh_ = 0;             ///< stages up to date
+  std::uint64_t frame_ = 0;   ///< the worker stands at it
   bool is_supported_ = false;
   Support support_ = Support::full();
   std::array<std::optional<double>, 4> stage_ms_;

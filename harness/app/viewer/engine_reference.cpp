@@ -10,7 +10,7 @@ namespace gnomon::viewer {
 
 namespace {
 
-constexpr std::size_t kept_count = 8;
+constexpr std::size_t kept_count = 8, kept_pixels = std::size_t{8} << 20;  // of references before the present one
 constexpr double long_ms = 60;  // a reference that takes longer is shown coarse first
 
 /// Every `step`-th pixel of a G-buffer.
@@ -154,7 +154,12 @@ void Engine::Body::complete_reference(ReferenceState reference, std::uint64_t ti
   auto bare = std::make_shared<ReferenceState>(*publish(std::move(reference)));
   bare->frame.reset();
   kept.push_front({frame->loaded, stand_bytes(frame->light, g.view), g.truth, bare});
-  if (kept.size() > kept_count) kept.pop_back();
+  std::size_t pixels = 0;
+  for (const Kept& k : kept) pixels += k.reference->mask.size();
+  while (kept.size() > 1 && (kept.size() > kept_count || pixels > kept_pixels)) {
+    pixels -= kept.back().reference->mask.size();
+    kept.pop_back();
+  }
 }
 
 }  // namespace gnomon::viewer

@@ -37,11 +37,15 @@ void Engine::Body::Side::interrupt() {
   if (worker_) worker_->interrupt();
 }
 
+Engine::Body::Side::Seated Engine::Body::Side::seat_of(const Wish& wish) const {
+  return {wish.loaded, wish.sides[index_].technique, wish.sides[index_].attempt};
+}
+
 void Engine::Body::Side::outdated_by(const Wish& wish) {
-  const SideWish &old = body_.wish.sides[index_], &now = wish.sides[index_];
-  if (!(old == now)) causes_.give_up();
-  if (worker_ && (old.technique != now.technique || old.attempt != now.attempt || body_.wish.loaded != wish.loaded))
-    worker_->interrupt();
+  if (!(body_.wish.sides[index_] == wish.sides[index_])) causes_.give_up();
+  if (!seated_ || *seated_ == seat_of(wish)) return;
+  is_given_up_ = true;
+  if (worker_) worker_->interrupt();
 }
 
 Engine::Body::Work Engine::Body::Side::next() {
@@ -66,8 +70,8 @@ Engine::Body::Work Engine::Body::Side::next() {
       gone = std::move(worker_);
     };
   }
-  const Seated seat{frame->loaded, wish.technique, wish.attempt};
-  if (seated_ != seat) return [this, seat, settings = wish.settings] { start(seat, settings); };
+  const Seated seat = seat_of(body_.wish);
+  if (seated_ != seat || is_given_up_) return [this, seat, settings = wish.settings] { start(seat, settings); };
   if (settings_ != wish.settings) {
     if (has_failed_) return [this, seat, settings = wish.settings] { start(seat, settings); };
     return guarded([this, settings = wish.settings] { set(settings); });
@@ -85,7 +89,8 @@ Engine::Body::Work Engine::Body::Side::next() {
   if (!frame->is_full()) return {};
   const std::shared_ptr<const ReferenceState>& reference = body_.state.reference;
   const bool has_classes = reference && reference->frame == frame && !reference->classes.empty();
-  if (has_classes && (!s.verdict || s.verdict->answer != last)) return [this, last, reference] { judge(last, reference); };
+  if (has_classes && (!s.verdict || s.verdict->answer != last))
+    return guarded([this, last, reference] { judge(last, reference); });
   if (body_.wish.is_moving) return {};
   if (s.counted_answer != last) return guarded([this, last] { count(last); });
   const auto& picked = body_.wish.picked;
@@ -108,14 +113,13 @@ Engine::Body::Work Engine::Body::Side::guarded(std::function<void()> work) {
 }
 
 void Engine::Body::Side::fail(const std::string& why) {
+  std::unique_ptr<Worker> gone;
   body_.change([&](EngineState&) {
     since_.reset();
     causes_.give_up();
-    worker_.reset();
-    const SideWish& wish = body_.wish.sides[index_];
-    // Interrupted, because something else is wished by now: no failure of the technique.
-    if (body_.stop || !seated_ || seated_->technique != wish.technique || seated_->attempt != wish.attempt ||
-        seated_->loaded != body_.wish.loaded) {
+    gone = std::move(worker_);
+    // Interrupted, because something else was wished: no failure of the technique.
+    if (body_.stop || is_given_up_) {
       seated_.reset();
       return;
     }
@@ -144,9 +148,14 @@ Json Engine::Body::Side::ask(const std::string& words, const Json& request, doub
 }
 
 void Engine::Body::Side::start(const Seated& seat, const std::string& settings) {
+  std::unique_ptr<Worker> gone;
+  bool is_wished = false;
   body_.change([&](EngineState&) {
-    worker_.reset();
+    gone = std::move(worker_);
+    is_wished = seat == seat_of(body_.wish);
+    if (!is_wished) return;
     seated_ = seat;
+    is_given_up_ = false;
     settings_ = settings;
     has_failed_ = false;
     fresh_ = 0;
@@ -155,12 +164,14 @@ void Engine::Body::Side::start(const Seated& seat, const std::string& settings) 
     state() = {};
     state().words = "start";
   });
+  gone.reset();
+  if (!is_wished) return;
   guarded([&] {
     auto worker = std::make_unique<Worker>(body_.workers);
     {
       const std::lock_guard lock(body_.mutex);
       worker_ = std::move(worker);
-      if (body_.stop) worker_->interrupt();
+      if (body_.stop || is_given_up_) worker_->interrupt();
     }
     const Json opened = ask("start",
                             {{"do", "open"},

@@ -115,8 +115,8 @@ std::vector<const KeyRow*> parse_keys(const std::string& text) {
   std::vector<const KeyRow*> keys;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const KeyRow* row = i + 1 < words.size() ? find_name(words[i] + ' ' + words[i + 1]) : nullptr;
-    // No two names of one word make up a third: what two words say, neither says alone.
-    if (row)
+    // What two words say, neither says alone; but "F1 2" is not F12.
+    if (row && row->name.find(' ') != std::string_view::npos)
       ++i;
     else if (!(row = find_name(words[i])))
       refuse(words[i]);

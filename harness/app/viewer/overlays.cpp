@@ -50,7 +50,7 @@ struct Canvas {
     const ImVec2 corner = at(p), size = ImGui::CalcTextSize(text.c_str());
     const float margin = 3 * scale;
     list.AddRectFilled({corner.x - margin, corner.y - margin / 2}, {corner.x + size.x + margin, corner.y + size.y + margin / 2},
-                       IM_COL32(10, 10, 12, 150), margin);
+                       IM_COL32(10, 10, 12, 205), margin);
     list.AddText(corner, color, text.c_str());
   }
 };
@@ -78,28 +78,76 @@ void draw_light(const Canvas& canvas, const Scene& scene, const Light& light, co
 /// The grip of the divider, whose line is of the picture itself.
 void draw_divider(const Canvas& canvas, const Composition& composition) {
   if (composition.layout != Layout::split) return;
-  const float w = 3.5f * canvas.scale, h = 15 * canvas.scale;
+  const float w = 3.5f * canvas.scale, h = 15 * canvas.scale, edge = canvas.scale;
   const ImVec2 p = canvas.at({composition.divider * composition.width, composition.height / 2.0});
-  canvas.list.AddRectFilled({p.x - w, p.y - h}, {p.x + w, p.y + h}, IM_COL32(235, 235, 235, 230), w);
+  canvas.list.AddRectFilled({p.x - w - edge, p.y - h - edge}, {p.x + w + edge, p.y + h + edge}, IM_COL32(12, 13, 15, 200), w);
+  canvas.list.AddRectFilled({p.x - w, p.y - h}, {p.x + w, p.y + h}, IM_COL32(235, 235, 235, 240), w);
 }
 
-/// The names of what is seen, in the upper corners of their sides.
-void draw_titles(const Canvas& canvas, const Session& session, const Composition& composition) {
+/// The columns of the picture that show a side: from, to.
+struct Columns {
+  double first, end;
+};
+Columns columns_of(const Composition& composition, int side) {
+  const double all = composition.width, middle = composition.divider * all;
+  if (composition.layout == Layout::split) return side == 0 ? Columns{0, middle} : Columns{middle, all};
+  return side_at(composition, 0) == side ? Columns{0, all} : Columns{0, 0};
+}
+
+/// The names of what is seen, in the upper corners of their sides, and what the technique itself says is wrong with it.
+void draw_titles(const Canvas& canvas, const Session& session, const Shown& shown) {
   const double margin = 8 * canvas.scale * canvas.unit;
-  const auto title = [&](int side) {
-    return std::string(registry().technique(session.wish().sides[side].technique).about.title);
+  const auto extent = [&](const std::string& text) {
+    const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+    return glm::dvec2(size.x, size.y) * static_cast<double>(canvas.unit);
   };
-  const auto width = [&](const std::string& text) { return ImGui::CalcTextSize(text.c_str()).x * canvas.unit; };
-  const ImU32 color = IM_COL32(235, 235, 235, 235);
-  const bool is_split = composition.layout == Layout::split;
-  const double middle = composition.divider * composition.width;
-  if (is_split) {
-    if (const std::string words = title(0); width(words) + 2 * margin < middle) canvas.words({margin, margin}, words, color);
-    if (const std::string words = title(1); width(words) + 2 * margin < composition.width - middle)
-      canvas.words({composition.width - margin - width(words), margin}, words, color);
-    return;
+  for (int side = 0; side < 2; ++side) {
+    const auto [first, end] = columns_of(shown.composition, side);
+    const bool is_right = shown.composition.layout == Layout::split && side == 1;
+    const std::string title = title_of(session, side);
+    const double room = end - first - 2 * margin;
+    const auto place = [&](const std::string& text, double y) {
+      return glm::dvec2(is_right ? end - margin - extent(text).x : first + margin, y);
+    };
+    if (extent(title).x > room) continue;
+    canvas.words(place(title, margin), title, IM_COL32(235, 235, 235, 235));
+    const auto& answer = shown.state.sides[side].answer;
+    if (shown.state.sides[side].is_reference || !answer || answer->support.kind() != Support::Kind::approximate) continue;
+    const double width = std::min(room / canvas.unit, 30.0 * ImGui::GetFontSize());
+    const std::string words = Widgets::lines("approximate: " + answer->support.why(), static_cast<float>(width));
+    if (extent(words).x <= room) canvas.words(place(words, 1.6 * margin + extent(title).y), words, warning_text);
   }
-  canvas.words({margin, margin}, title(side_at(composition, 0)), color);
+}
+
+/// Words in the middle of some columns of the picture, in as many lines as they need.
+void draw_notice(const Canvas& canvas, Columns columns, const std::string& words, ImU32 color) {
+  const double room = (columns.end - columns.first) / canvas.unit - 3.0 * ImGui::GetFontSize();
+  if (room < 6 * ImGui::GetFontSize()) return;
+  const std::string lines = Widgets::lines(words, static_cast<float>(std::min(room, 34.0 * ImGui::GetFontSize())));
+  const ImVec2 size = ImGui::CalcTextSize(lines.c_str());
+  const glm::dvec2 middle((columns.first + columns.end) / 2, canvas.place.height * 0.4);  // above the divider's grip
+  canvas.words(middle - 0.5 * canvas.unit * glm::dvec2(size.x, size.y), lines, color);
+}
+
+/// What a side without an answer waits for, or why it has none.
+void draw_notices(const Canvas& canvas, const Session& session, const Shown& shown) {
+  const EngineState& state = shown.state;
+  const Columns all{0, static_cast<double>(canvas.place.width)};
+  if (!state.trouble.empty()) return draw_notice(canvas, all, state.trouble, warning_text);
+  if (state.is_loading) return draw_notice(canvas, all, "loading " + session.wish().scene, IM_COL32(235, 235, 235, 255));
+  for (int side = 0; side < 2; ++side) {
+    const SideState& s = state.sides[side];
+    const Columns columns = columns_of(shown.composition, side);
+    const std::string& words = s.words;
+    if (s.phase == Phase::failed || s.phase == Phase::unsupported) {
+      draw_notice(canvas, columns, fmt::format("{}: {}", s.phase == Phase::failed ? "failed" : "unsupported", words),
+                  warning_text);
+    } else if (s.is_reference ? !state.reference : !s.answer) {
+      const std::string what = s.phase == Phase::starting || words.empty() ? "starting" : words;
+      draw_notice(canvas, columns, s.seconds >= 0.1 ? fmt::format("{} {:.1f} s", what, s.seconds) : what,
+                  IM_COL32(235, 235, 235, 255));
+    }
+  }
 }
 
 /// Edges that the eye sees are bright, the others dark: as the G-buffer tells at three points of each.
@@ -176,10 +224,9 @@ void Overlays::draw(const PixelRect& place, const Session& session, const Shown&
                       lengths().panel / panel_width};
   list.PushClipRect(canvas.at({0, 0}), canvas.at({place.width, place.height}), true);
   const std::shared_ptr<const Frame>& frame = shown.state.frame;
-  if (session.shows_silhouettes && frame)
-    if (const auto segments = finder_.find(frame->loaded, session.wish().light))
-      draw_silhouettes(canvas, *segments, frame->gbuffer);
-  draw_light(canvas, *scene, session.wish().light, shown_handle(session, composition, canvas.scale * unit));
+  const Frame* const seen = shown_frame(composition);
+  if (session.shows_silhouettes && seen)
+    if (const auto segments = finder_.find(seen->loaded, seen->light)) draw_silhouettes(canvas, *segments, seen->gbuffer);
   if (session.picked()) {
     const glm::dvec2 middle = glm::dvec2(*session.picked()) + 0.5;
     const std::size_t index = *session.wish().picked;
@@ -211,8 +258,10 @@ void Overlays::draw(const PixelRect& place, const Session& session, const Shown&
     list.AddCircle(p, 6 * canvas.scale, IM_COL32(0, 0, 0, 200), 0, 3 * canvas.scale);
     list.AddCircle(p, 6 * canvas.scale, picked_color, 0, 1.5f * canvas.scale);
   }
-  draw_titles(canvas, session, composition);
+  draw_titles(canvas, session, shown);
   draw_divider(canvas, composition);
+  draw_light(canvas, *scene, session.wish().light, shown_handle(session, composition, canvas.scale * unit));
+  draw_notices(canvas, session, shown);
   list.PopClipRect();
 }
 

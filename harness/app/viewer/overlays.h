@@ -12,7 +12,8 @@
 
 namespace gnomon::viewer {
 
-/// Silhouette edges of the casters, found in the background. Edges of the light before stay until the new ones are there.
+/// Silhouette edges of the casters. Those that are found quickly are waited for, so that they move with the picture; others are
+/// found in the background.
 class SilhouetteFinder {
  public:
   explicit SilhouetteFinder(std::function<void()> changed) : changed_(std::move(changed)) {}
@@ -21,16 +22,18 @@ class SilhouetteFinder {
   struct Segment {
     glm::vec3 a, b;
   };
-  /// What is known for the scene; starts looking when it is of another scene or light.
+  /// Null while they are not known for this scene and light.
   std::shared_ptr<const std::vector<Segment>> find(const std::shared_ptr<const LoadedScene>& loaded, const Light& light);
 
  private:
   void look(std::shared_ptr<const LoadedScene> loaded, Light light);
 
   std::function<void()> changed_;
-  std::mutex mutex_;  // of `found_` and `found_for_`
+  std::mutex mutex_;  // of what was found
   std::shared_ptr<const std::vector<Segment>> found_;
   std::shared_ptr<const LoadedScene> found_for_;
+  Light found_light_;
+  std::atomic<double> look_ms_ = 1e9;  // that the last look took, without the edges of its scene
   std::shared_ptr<const LoadedScene> asked_scene_;
   Light asked_;
   std::atomic<bool> is_looking_ = false;

@@ -2,6 +2,9 @@
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
+#include <algorithm>
+#include <optional>
+
 #include "app/viewer/panels.h"
 #include "app/viewer/style.h"
 #include "app/viewer/window.h"
@@ -39,13 +42,8 @@ void draw_scene(Session& session, const Shown& shown, std::span<const SceneListi
   if (ImGui::InputTextWithHint("##file", "path, then Enter", &path, ImGuiInputTextFlags_EnterReturnsTrue) && !path.empty())
     widgets.attempt([&] { session.choose_scene(path); });
   widgets.note("scene.file");
+  if (!shown.state.scene_error.empty()) Widgets::wrapped(shown.state.scene_error, warning_text);
   if (session.generator() && widgets.parameters("scene", *session.generator())) session.generator_changed();
-  if (shown.state.is_loading) ImGui::TextDisabled("loading %s", session.wish().scene.c_str());
-  if (!shown.state.scene_error.empty()) {
-    ImGui::PushStyleColor(ImGuiCol_Text, warning_text);
-    ImGui::TextWrapped("%s", shown.state.scene_error.c_str());
-    ImGui::PopStyleColor();
-  }
   widgets.label("truth", "What counts: exact shapes, or the meshes that stand for them.");
   for (const Truth truth : {Truth::shape, Truth::mesh}) {
     if (truth == Truth::mesh) ImGui::SameLine();
@@ -141,27 +139,37 @@ void draw_light_and_view(Session& session, Widgets& widgets) {
   widgets.note_dragging();
 }
 
-/// Buttons in rows, one of which is chosen. The one that was pressed, or nothing.
-std::optional<int> draw_modes(const char* what, std::span<const ModeRow> rows, int chosen, Widgets& widgets) {
+/// Rows of buttons, `count` in each, one of which is chosen. The one that was pressed, or nothing.
+std::optional<int> draw_modes(const char* what, std::span<const ModeRow> rows, std::size_t count, int chosen,
+                              Widgets& widgets) {
   std::optional<int> result;
-  widgets.label(what, "", 0.6f);
+  widgets.label(what, "", 0.5f);
   const float left = ImGui::GetCursorPosX();
-  const float half = ImGui::GetContentRegionAvail().x / 2;
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    if (k % 2 == 1) ImGui::SameLine(left + half);
-    if (k % 2 == 0 && k > 0) ImGui::SetCursorPosX(left);
-    const std::string title(rows[k].title);
-    if (ImGui::RadioButton(title.c_str(), chosen == static_cast<int>(k))) result = static_cast<int>(k);
-    widgets.note(fmt::format("{}.{}", what, rows[k].id));
-    Widgets::tooltip(std::string(rows[k].sentence));
+  for (std::size_t first = 0; first < rows.size(); first += count) {
+    if (first > 0) ImGui::SetCursorPosX(left);
+    std::vector<std::string> titles;
+    std::vector<Widgets::ButtonRow> buttons;
+    for (const ModeRow& row : rows.subspan(first, std::min(count, rows.size() - first))) titles.emplace_back(row.title);
+    for (std::size_t k = 0; k < titles.size(); ++k)
+      buttons.push_back({fmt::format("{}.{}", what, rows[first + k].id), titles[k].c_str(),
+                         std::string(rows[first + k].sentence), chosen == static_cast<int>(first + k)});
+    if (const auto k = widgets.buttons(buttons, 1)) result = static_cast<int>(first + *k);
   }
   return result;
 }
 
+/// A box to tick. Whether it was.
+bool draw_flag(const std::string& name, const char* words, bool& value, const std::string& sentence, Widgets& widgets) {
+  const bool is_set = ImGui::Checkbox(words, &value);
+  widgets.note(name);
+  Widgets::tooltip(sentence);
+  return is_set;
+}
+
 void draw_picture_controls(Session& session, Widgets& widgets) {
-  if (const auto k = draw_modes("layout", layout_rows(), static_cast<int>(session.layout), widgets))
+  if (const auto k = draw_modes("layout", layout_rows(), 4, static_cast<int>(session.layout), widgets))
     session.layout = static_cast<Layout>(*k);
-  if (const auto k = draw_modes("paint", paint_rows(), static_cast<int>(session.paint), widgets))
+  if (const auto k = draw_modes("paint", paint_rows(), 3, static_cast<int>(session.paint), widgets))
     session.paint = static_cast<Paint>(*k);
   auto divider = static_cast<float>(100 * session.divider);
   widgets.label("divider", "Where the sides meet in a split picture; dragged in the picture, too.");
@@ -173,10 +181,30 @@ void draw_picture_controls(Session& session, Widgets& widgets) {
   if (ImGui::SliderFloat("##opacity", &opacity, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
     session.layer_opacity = opacity / 100;
   widgets.note("layer_opacity");
-  widgets.label("overlays");
-  ImGui::Checkbox("silhouettes", &session.shows_silhouettes);
-  widgets.note("silhouettes");
-  Widgets::tooltip("The casters' silhouette edges as the light sees them; dark where the eye does not.");
+  widgets.label("overlays", "", 0.6f);
+  draw_flag("silhouettes", "silhouettes", session.shows_silhouettes,
+            "The casters' silhouette edges as the light sees them; dark where the eye does not (O).", widgets);
+  ImGui::SameLine();
+  draw_flag("magnifier", "magnifier", session.shows_magnifier, "The pixels around one, and what is known of it (Z).", widgets);
+  widgets.label("frames", "", 0.6f);
+  bool is_full = session.wish().full_while_moving;
+  if (draw_flag("full_frames", "full size", is_full,
+                "While the camera or the light moves, frames have all the pixels of the picture, however long they take.",
+                widgets))
+    session.set_full_while_moving(is_full);
+  ImGui::SameLine();
+  draw_flag("repeat", "repeat resolve", session.repeats,
+            "Both sides do resolve again and again, so that its time becomes a median.", widgets);
+}
+
+void draw_actions(Session& session, Widgets& widgets) {
+  static constexpr Action actions[] = {Action::save, Action::copy_command, Action::screenshot, Action::help};
+  const Widgets::ButtonRow rows[] = {
+      {"save", "Save", "Scene, command, mask and pictures into a folder (Ctrl+S)."},
+      {"copy_command", "Command", "The command that renders the left side, to the clipboard (Ctrl+C)."},
+      {"screenshot", "Screenshot", "A picture of the whole window (F12)."},
+      {"help", "Help", "All keys (F1)."}};
+  if (const auto k = widgets.buttons(rows, ImGui::GetStyle().ItemSpacing.x)) session.act(actions[*k]);
 }
 
 }  // namespace
@@ -184,12 +212,8 @@ void draw_picture_controls(Session& session, Widgets& widgets) {
 void draw_controls(const PixelRect& place, Session& session, const Shown& shown, std::span<const SceneListing> scenes,
                    Widgets& widgets) {
   if (begin_panel("controls", place)) {
-    if (widgets.button("save", "Save", 4, 0, "Scene, command, mask and pictures into a folder (Ctrl+S)."))
-      session.act(Action::save);
-    if (widgets.button("copy_command", "Copy", 4, 1, "The command that renders this, to the clipboard (Ctrl+C)."))
-      session.act(Action::copy_command);
-    if (widgets.button("screenshot", "Shot", 4, 2, "A picture of the whole window (F12).")) session.act(Action::screenshot);
-    if (widgets.button("help", "Help", 4, 3, "All keys (F1).")) session.act(Action::help);
+    draw_actions(session, widgets);
+    for (int side = 0; side < 2; ++side) draw_technique(side, session, widgets);
     if (section("Picture")) draw_picture_controls(session, widgets);
     ImGui::PushID("scene");
     if (section("Scene, light and view")) {
@@ -199,7 +223,8 @@ void draw_controls(const PixelRect& place, Session& session, const Shown& shown,
     ImGui::PopID();
     for (int side = 0; side < 2; ++side) {
       ImGui::PushID(side);
-      if (section(side == 0 ? "Left" : "Right")) draw_side_controls(side, session, shown, widgets);
+      const std::string title = fmt::format("{}: {}", side == 0 ? "Left" : "Right", title_of(session, side));
+      if (section((title + "###side").c_str())) draw_side_controls(side, session, shown, widgets);
       ImGui::PopID();
     }
   }

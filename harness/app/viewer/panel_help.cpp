@@ -63,7 +63,12 @@ std::vector<Group> key_groups() {
 void draw_keys(const Group& group) {
   const std::span<const KeyRow> rows = key_rows();
   if (!begin_group(rows[group.first].group, ImGui::GetFontSize() * 5.5f)) return;
-  for (std::size_t k = group.first; k < group.end; ++k) draw_row(rows[k].name, rows[k].sentence);
+  for (std::size_t k = group.first; k < group.end; ++k) {
+    // Keys that do the same share a row.
+    std::string names(rows[k].name);
+    for (; k + 1 < group.end && rows[k + 1].action == rows[k].action; ++k) names += fmt::format(", {}", rows[k + 1].name);
+    draw_row(names, rows[k].sentence);
+  }
   end_group();
 }
 
@@ -73,26 +78,48 @@ void draw_mouse() {
   end_group();
 }
 
+/// Which group each column begins with, so that the highest column is as low as can be. Groups stay in their order.
+std::vector<std::size_t> column_starts(const std::vector<float>& lines, int count) {
+  const auto starts_under = [&](float limit) {
+    std::vector<std::size_t> starts = {0};
+    float done = 0;
+    for (std::size_t k = 0; k < lines.size(); ++k) {
+      if (done + lines[k] > limit && done > 0) {
+        starts.push_back(k);
+        done = 0;
+      }
+      done += lines[k];
+    }
+    return starts;
+  };
+  float limit = std::ranges::max(lines);
+  std::vector<std::size_t> starts = starts_under(limit);
+  for (; starts.size() > static_cast<std::size_t>(count); starts = starts_under(limit)) limit += 0.5f;
+  starts.resize(static_cast<std::size_t>(count), lines.size());
+  return starts;
+}
+
 /// Whole groups in columns of nearly the same height. Answers the height of the highest.
 float draw_columns(int count) {
   const std::vector<Group> groups = key_groups();
-  float lines = 1.5f * static_cast<float>(mouse_rows().size()) + 2;
-  for (const Group& group : groups) lines += group.lines();
+  std::vector<float> lines;
+  for (const Group& group : groups) lines.push_back(group.lines());
+  lines.push_back(1.5f * static_cast<float>(mouse_rows().size()) + 2);
+  std::vector<std::size_t> starts = column_starts(lines, count);
+  starts.push_back(lines.size());
   const float gap = ImGui::GetFontSize(),
-              width = (ImGui::GetContentRegionAvail().x - gap * static_cast<float>(count - 1)) / count;
+              width = (ImGui::GetContentRegionAvail().x - gap * static_cast<float>(count - 1)) / static_cast<float>(count);
   const float height = ImGui::GetContentRegionAvail().y - ImGui::GetFrameHeightWithSpacing();
-  std::size_t next = 0;
-  float done = 0, highest = 0;
+  float highest = 0;
   for (int column = 0; column < count; ++column) {
     if (column > 0) ImGui::SameLine(0, gap);
     ImGui::PushID(column);
-    const bool is_last = column == count - 1;
     if (ImGui::BeginChild("column", {width, height})) {
-      while (next < groups.size() && (is_last || done + groups[next].lines() / 2 <= lines * (column + 1) / count)) {
-        draw_keys(groups[next]);
-        done += groups[next++].lines();
-      }
-      if (is_last) draw_mouse();
+      for (std::size_t k = starts[column]; k < starts[column + 1]; ++k)
+        if (k < groups.size())
+          draw_keys(groups[k]);
+        else
+          draw_mouse();
       highest = std::max(highest, ImGui::GetCursorPosY() + ImGui::GetScrollY());
     }
     ImGui::EndChild();

@@ -3,11 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
+#include <string_view>
 
 #include "app/viewer/panels.h"
 #include "app/viewer/style.h"
-#include "report/table/digits.h"
 
 namespace gnomon::viewer {
 
@@ -32,9 +31,39 @@ void draw_swatch(ImU32 color) {
   const float size = ImGui::GetFontSize() * 0.8f;
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float top = at.y + (ImGui::GetTextLineHeight() - size) / 2;
-  ImGui::GetWindowDrawList()->AddRectFilled({at.x, top}, {at.x + size, top + size}, color, size / 6);
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  list.AddRectFilled({at.x, top}, {at.x + size, top + size}, color, size / 6);
+  // Some colors are nearly those of the panel.
+  list.AddRect({at.x, top}, {at.x + size, top + size}, IM_COL32(255, 255, 255, 50), size / 6);
   ImGui::Dummy({size, ImGui::GetTextLineHeight()});
   ImGui::SameLine();
+}
+
+/// What the name of a cause or class means; empty of others.
+std::string sentence_of(Paint paint, const std::string& name) {
+  if (paint == Paint::causes)
+    for (std::size_t k = 0; k < cause_infos().size(); ++k)
+      if (error_kinds(true)[k].label == name) return std::string(cause_infos()[k].sentence);
+  if (paint == Paint::classes)
+    for (const ClassRow& row : class_rows())
+      if (name.starts_with(row.id)) return std::string(row.sentence);
+  return "";
+}
+
+/// Of a share, with the point where that of others is.
+std::string percent_words(double share) {
+  return share > 0 && share < 1e-5 ? std::string("<0.001") : fmt::format("{:.3f}", 100 * share);
+}
+
+void draw_right(const std::string& words) {
+  const float room = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(words.c_str()).x;
+  if (room > 0) ImGui::SetCursorPosX(ImGui::GetCursorPosX() + room);
+  ImGui::TextUnformatted(words.c_str());
+}
+
+bool has_layer(const Shown& shown) {
+  const Composition& c = shown.composition;
+  return (c.sides[0].layer && is_shown(c.layout, 0)) || (c.sides[1].layer && is_shown(c.layout, 1));
 }
 
 struct Row {
@@ -44,7 +73,7 @@ struct Row {
 
 void draw_paint_legend(const Shown& shown) {
   std::vector<Row> rows;
-  bool has_shares[2] = {};
+  bool has_shares[2] = {}, is_judged = false;
   for (int side = 0; side < 2; ++side) {
     if (!is_shown(shown.composition.layout, side)) continue;
     for (const LegendEntry& entry : shown.legends[side]) {
@@ -53,22 +82,70 @@ void draw_paint_legend(const Shown& shown) {
       found->share[side] = entry.share;
       has_shares[side] = has_shares[side] || entry.share;
     }
+    // A side without wrong pixels has shares, too: zeros.
+    if (shown.composition.paint == Paint::kinds || shown.composition.paint == Paint::causes)
+      has_shares[side] = shown.composition.sides[side].verdict != nullptr;
+    is_judged = is_judged || has_shares[side];
   }
-  const std::string title(paint_rows()[static_cast<int>(shown.composition.paint)].title);
-  ImGui::TextDisabled("%s", title.c_str());
-  Widgets::tooltip(std::string(paint_rows()[static_cast<int>(shown.composition.paint)].sentence));
+  const Paint paint = shown.composition.paint;
+  const ModeRow& mode = paint_rows()[static_cast<int>(paint)];
+  // Classes are the frame's, the same on both sides.
+  if (paint == Paint::classes && has_shares[0]) has_shares[1] = false;
+  const int columns = 1 + has_shares[0] + has_shares[1];
+  if (rows.empty()) {
+    if (paint == Paint::shaded && has_layer(shown)) return;  // which says all that there is to say
+    ImGui::TextDisabled("%s", std::string(mode.title).c_str());
+    return Widgets::wrapped(is_judged && (paint == Paint::kinds || paint == Paint::causes) ? "No pixel is wrong."
+                                                                                           : std::string(mode.sentence));
+  }
+  if (!ImGui::BeginTable("legend", columns, ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_NoSavedSettings)) return;
+  ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthStretch);
+  const float width = ImGui::CalcTextSize(columns == 3 ? "right %" : "99.999").x;
+  for (int k = 1; k < columns; ++k) ImGui::TableSetupColumn("share", ImGuiTableColumnFlags_WidthFixed, width);
+  ImGui::TableNextRow();
+  ImGui::TableNextColumn();
+  ImGui::TextDisabled("%s", std::string(mode.title).c_str());
+  std::string sentence(mode.sentence);
+  if (columns > 1) sentence += fmt::format("\nShares are {}.", rows[0].entry.of);
+  Widgets::tooltip(sentence);
+  for (int side = 0; side < 2; ++side)
+    if (has_shares[side]) {
+      ImGui::TableNextColumn();
+      ImGui::PushStyleColor(ImGuiCol_Text, quiet_text);
+      draw_right(columns == 3 ? fmt::format("{} %", side_name(side)) : "%");
+      ImGui::PopStyleColor();
+    }
   for (const Row& row : rows) {
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
     draw_swatch(color_of(row.entry.color));
-    std::string words = row.entry.name;
+    Widgets::wrapped(row.entry.name);
+    Widgets::tooltip(sentence_of(paint, row.entry.name));
     // A color that only one of two sides shows has no share in the other.
-    const char* before = "  ";
     for (int side = 0; side < 2; ++side)
-      if (row.share[side] || has_shares[side])
-        words += fmt::format("{}{} %", std::exchange(before, " | "), rounded(100 * row.share[side].value_or(0), 2));
-    Widgets::wrapped(words);
+      if (has_shares[side]) {
+        ImGui::TableNextColumn();
+        draw_right(percent_words(row.share[side].value_or(0)));
+      }
   }
-  if (rows.empty())
-    ImGui::TextWrapped("%s", std::string(paint_rows()[static_cast<int>(shown.composition.paint)].sentence).c_str());
+  ImGui::EndTable();
+}
+
+/// Short names share a row.
+void draw_swatches(std::span<const Swatch> swatches) {
+  constexpr int cells = 3;  // of a row
+  const float before = ImGui::GetFontSize() * 0.8f + ImGui::GetStyle().ItemSpacing.x;
+  const float left = ImGui::GetCursorPosX(), cell = ImGui::GetContentRegionAvail().x / cells;
+  int next = 0;
+  for (const Swatch& swatch : swatches) {
+    const float width = before + ImGui::CalcTextSize(swatch.name.c_str()).x + ImGui::GetStyle().ItemSpacing.x;
+    const int wanted = std::min(static_cast<int>(std::ceil(width / cell)), cells);
+    if (next + wanted > cells) next = 0;
+    if (next > 0) ImGui::SameLine(left + static_cast<float>(next) * cell);
+    draw_swatch(color_of(swatch.color));
+    Widgets::wrapped(swatch.name);
+    next += wanted;
+  }
 }
 
 }  // namespace
@@ -80,10 +157,7 @@ void draw_legend(const Shown& shown) {
     if (!layer || !is_shown(shown.composition.layout, side)) continue;
     ImGui::TextDisabled("%s: %s", side_name(side), layer->layer.name.c_str());
     Widgets::tooltip(layer->layer.sentence);
-    for (const Swatch& swatch : layer->layer.legend) {
-      draw_swatch(color_of(swatch.color));
-      Widgets::wrapped(swatch.name);
-    }
+    draw_swatches(layer->layer.legend);
     if (layer->layer.legend.empty()) Widgets::wrapped(layer->layer.sentence);
   }
 }

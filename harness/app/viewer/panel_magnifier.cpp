@@ -29,8 +29,13 @@ void draw_pixels(const Shown& shown, float pixel) {
                   {at.x + high.x, at.y + high.y}, {first.x / static_cast<float>(width), first.y / static_cast<float>(height)},
                   {end.x / static_cast<float>(width), end.y / static_cast<float>(height)});
     const ImVec2 corner(at.x + around * pixel, at.y + around * pixel);
-    list.AddRect({corner.x - 1, corner.y - 1}, {corner.x + pixel + 1, corner.y + pixel + 1}, IM_COL32(0, 0, 0, 255));
-    list.AddRect({corner.x - 2, corner.y - 2}, {corner.x + pixel + 2, corner.y + pixel + 2}, picked_color);
+    const float line = lengths().panel / panel_width;
+    const auto frame = [&](float beside, ImU32 color) {
+      list.AddRect({corner.x - beside, corner.y - beside}, {corner.x + pixel + beside, corner.y + pixel + beside}, color, 0, 0,
+                   line);
+    };
+    frame(line, IM_COL32(0, 0, 0, 255));
+    frame(2 * line, picked_color);
   }
   ImGui::Dummy({side, side});
 }
@@ -41,22 +46,23 @@ void draw_facts(const Shown& shown, const Session& session) {
   const std::vector<PixelFact> facts =
       pixel_facts(shown.composition, shown.side, shown.pixel.x, shown.pixel.y, shown.state.reference.get(),
                   is_explained ? side.explanation.get() : nullptr);
-  ImGui::PushStyleColor(ImGuiCol_Text, quiet_text);
-  Widgets::wrapped(fmt::format("{}, pixel {} {}{}", side_name(shown.side), shown.pixel.x, shown.pixel.y,
-                               session.picked() ? ", picked" : ""));
-  ImGui::PopStyleColor();
+  Widgets::wrapped(
+      fmt::format("{}, pixel {} {}{}", side_name(shown.side), shown.pixel.x, shown.pixel.y, session.picked() ? ", picked" : ""),
+      quiet_text);
   Widgets::tooltip("A click in the picture picks its pixel, Escape drops it.");
-  const auto draw_name = [](const PixelFact& fact) {
-    ImGui::PushStyleColor(ImGuiCol_Text, quiet_text);
-    Widgets::wrapped(fact.name);
-    ImGui::PopStyleColor();
+  const auto draw_name = [](const PixelFact& fact) { Widgets::wrapped(fact.name, quiet_text); };
+  // What a class means is known to those who look at many pixels.
+  const auto draw_value = [](const PixelFact& fact) {
+    const std::size_t end = fact.name == "class" ? fact.value.find(". ") : std::string::npos;
+    Widgets::wrapped(fact.value.substr(0, end));
+    if (end != std::string::npos) Widgets::tooltip(fact.value.substr(end + 2));
   };
   // Where there is no room for two columns, each value is below its name.
   if (ImGui::GetContentRegionAvail().x < 13 * ImGui::GetFontSize()) {
     for (const PixelFact& fact : facts) {
       draw_name(fact);
       ImGui::Indent(ImGui::GetFontSize() * 0.6f);
-      Widgets::wrapped(fact.value);
+      draw_value(fact);
       ImGui::Unindent(ImGui::GetFontSize() * 0.6f);
     }
     return;
@@ -71,7 +77,7 @@ void draw_facts(const Shown& shown, const Session& session) {
     ImGui::TableNextColumn();
     draw_name(fact);
     ImGui::TableNextColumn();
-    Widgets::wrapped(fact.value);
+    draw_value(fact);
   }
   ImGui::EndTable();
 }
@@ -88,7 +94,7 @@ void draw_magnifier(const Shown& shown, const Session& session) {
   ImGui::SameLine(0, lengths().gap);
   if (ImGui::BeginChild("facts", {0, 0})) {
     if (shown.pixel.x < 0)
-      ImGui::TextWrapped("The pixel under the mouse is shown here; a click in the picture picks one.");
+      Widgets::wrapped("The pixel under the mouse is shown here; a click in the picture picks one.", quiet_text);
     else
       draw_facts(shown, session);
   }

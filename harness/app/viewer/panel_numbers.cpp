@@ -2,6 +2,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "app/viewer/panels.h"
 #include "app/viewer/style.h"
@@ -11,37 +12,66 @@ namespace gnomon::viewer {
 
 namespace {
 
-/// A value at the right edge of its column, without its unit where that has no room; a dash where there is none.
-void draw_value(const std::string& words) {
-  std::string shown = words.empty() ? "-" : words;
-  if (ImGui::CalcTextSize(shown.c_str()).x > ImGui::GetContentRegionAvail().x) shown = shown.substr(0, shown.find(' '));
-  const float room = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(shown.c_str()).x;
-  if (room > 0) ImGui::SetCursorPosX(ImGui::GetCursorPosX() + room);
-  if (words.empty())
-    ImGui::TextDisabled("-");
-  else
-    ImGui::TextUnformatted(shown.c_str());
-  if (shown.size() < words.size()) Widgets::tooltip(words);
+/// A value, or nothing; out of date while a newer answer is shown.
+struct Value {
+  std::string words;
+  bool is_old = false;
+};
+
+/// The sides that have numbers of their own: the reference has none.
+std::vector<int> numbered_sides(const EngineState& state) {
+  std::vector<int> sides;
+  for (int side = 0; side < 2; ++side)
+    if (!state.sides[side].is_reference) sides.push_back(side);
+  return sides;
 }
 
 /// Words at the right edge where they fit; else in several lines.
 void draw_words(const std::string& words) {
-  const float room = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(words.c_str()).x;
-  if (room > 0) ImGui::SetCursorPosX(ImGui::GetCursorPosX() + room);
-  room > 0 ? ImGui::TextUnformatted(words.c_str()) : Widgets::wrapped(words);
+  const float room = ImGui::GetContentRegionAvail().x;
+  const std::string all = Widgets::lines(words, room);
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, 0});
+  for (std::size_t at = 0; at <= all.size();) {
+    const std::size_t end = std::min(all.find('\n', at), all.size());
+    const std::string line = all.substr(at, end - at);
+    const float beside = room - ImGui::CalcTextSize(line.c_str()).x;
+    if (beside > 0) ImGui::SetCursorPosX(ImGui::GetCursorPosX() + beside);
+    ImGui::TextUnformatted(line.c_str());
+    at = end + 1;
+  }
+  ImGui::PopStyleVar();
 }
 
-/// A row: what it is, and a value for each side.
-void draw_row(const std::string& name, const std::string& sentence, const std::string& left, const std::string& right) {
+/// A value at the right edge of its column, without its unit where that has no room; a dash where there is none.
+void draw_value(const Value& value) {
+  std::string shown = value.words.empty() ? "-" : value.words;
+  if (ImGui::CalcTextSize(shown.c_str()).x > ImGui::GetContentRegionAvail().x) shown = shown.substr(0, shown.find(' '));
+  const float room = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(shown.c_str()).x;
+  if (room > 0) ImGui::SetCursorPosX(ImGui::GetCursorPosX() + room);
+  if (value.words.empty() || value.is_old)
+    ImGui::TextDisabled("%s", shown.c_str());
+  else
+    ImGui::TextUnformatted(shown.c_str());
+  if (shown.size() < value.words.size()) Widgets::tooltip(value.words);
+}
+
+void draw_name(const std::string& name, const std::string& sentence) {
   ImGui::TableNextRow();
   ImGui::TableNextColumn();
   ImGui::PushStyleColor(ImGuiCol_Text, quiet_text);
   ImGui::TextUnformatted(name.c_str());
   ImGui::PopStyleColor();
-  Widgets::tooltip(sentence);
-  for (const std::string& value : {left, right}) {
+  const bool is_cut = ImGui::CalcTextSize(name.c_str()).x > ImGui::GetContentRegionAvail().x;
+  Widgets::tooltip(is_cut ? name + "\n" + sentence : sentence);
+}
+
+/// A row: what it is, and a value for each side that has numbers.
+template <class Words>
+void draw_row(const EngineState& state, const std::string& name, const std::string& sentence, const Words& words) {
+  draw_name(name, sentence);
+  for (const int side : numbered_sides(state)) {
     ImGui::TableNextColumn();
-    draw_value(value);
+    draw_value(words(state.sides[side], side));
   }
 }
 
@@ -53,13 +83,30 @@ std::string phase_words(const SideState& side) {
       return side.words.empty() ? fmt::format("working {:.1f} s", side.seconds)
                                 : fmt::format("{} {:.1f} s", side.words, side.seconds);
     case Phase::done:
-      return side.is_reference ? "reference" : "done";
+      return side.answer && side.answer->support.kind() == Support::Kind::approximate ? "approximate" : "done";
     case Phase::unsupported:
-      return "unsupported: " + side.words;
+      return "unsupported";
     case Phase::failed:
-      return "failed: " + side.words;
+      return "failed";
   }
   return "";
+}
+
+void draw_phase(const SideState& state, bool is_right) {
+  const bool is_bad = state.phase == Phase::failed || state.phase == Phase::unsupported;
+  ImGui::PushStyleColor(ImGuiCol_Text, is_bad ? warning_text : quiet_text);
+  is_right ? draw_words(phase_words(state)) : ImGui::TextUnformatted(phase_words(state).c_str());
+  ImGui::PopStyleColor();
+  std::string sentence = state.words;
+  if (state.answer && state.answer->support.kind() == Support::Kind::approximate)
+    sentence = "approximate: " + state.answer->support.why();
+  if (!state.renderer.empty()) sentence += (sentence.empty() ? "" : "\n") + state.renderer;
+  Widgets::tooltip(sentence);
+}
+
+/// As the command line writes it.
+std::string reference_of(const SideWish& wish) {
+  return wish.settings.empty() ? wish.technique : wish.technique + ":" + wish.settings;
 }
 
 void draw_heads(const Shown& shown, const Session& session) {
@@ -67,38 +114,31 @@ void draw_heads(const Shown& shown, const Session& session) {
   ImGui::TableNextColumn();
   for (int side = 0; side < 2; ++side) {
     ImGui::TableNextColumn();
-    const SideWish& wish = session.wish().sides[side];
-    const TechniqueEntry& entry = registry().technique(wish.technique);
-    draw_words(std::string(entry.about.title));
-    Widgets::tooltip(wish.settings.empty() ? wish.technique : wish.technique + ":" + wish.settings);
+    draw_words(title_of(session, side));
+    Widgets::tooltip(reference_of(session.wish().sides[side]));
   }
   ImGui::TableNextRow();
   ImGui::TableNextColumn();
   for (int side = 0; side < 2; ++side) {
     ImGui::TableNextColumn();
-    const SideState& state = shown.state.sides[side];
-    const bool is_bad = state.phase == Phase::failed || state.phase == Phase::unsupported;
-    ImGui::PushStyleColor(ImGuiCol_Text, is_bad ? warning_text : quiet_text);
-    draw_words(phase_words(state));
-    ImGui::PopStyleColor();
-    std::string sentence = state.words;
-    if (state.answer && state.answer->support.kind() == Support::Kind::approximate)
-      sentence += (sentence.empty() ? "" : "\n") + ("approximate: " + state.answer->support.why());
-    if (!state.renderer.empty()) sentence += (sentence.empty() ? "" : "\n") + state.renderer;
-    Widgets::tooltip(sentence);
+    draw_phase(shown.state.sides[side], true);
   }
 }
 
+/// The head of the only side that has numbers.
+void draw_head(const Shown& shown, const Session& session, int side) {
+  ImGui::TextUnformatted(title_of(session, side).c_str());
+  Widgets::tooltip(reference_of(session.wish().sides[side]));
+  ImGui::SameLine(0, 2 * lengths().gap);
+  draw_phase(shown.state.sides[side], false);
+}
+
 void draw_tallies(const EngineState& state) {
-  const auto each = [&](auto&& words) {
-    std::array<std::string, 2> result;
-    for (int side = 0; side < 2; ++side)
-      if (const auto& verdict = state.sides[side].verdict) result[side] = words(verdict->tally);
-    return result;
-  };
   const auto row = [&](const char* name, const char* sentence, auto&& words) {
-    const auto [left, right] = each(words);
-    draw_row(name, sentence, left, right);
+    draw_row(state, name, sentence, [&](const SideState& side, int) {
+      if (!side.verdict) return Value{};
+      return Value{words(side.verdict->tally), side.verdict->answer != side.answer};
+    });
   };
   row("wrong", "Share of the tested pixels that differ from the reference.", [](const Tally& tally) {
     return tally.tested ? fmt::format("{:.4f} %", 100.0 * tally.wrong / tally.tested) : std::string();
@@ -112,49 +152,107 @@ void draw_tallies(const EngineState& state) {
 }
 
 void draw_times(const EngineState& state) {
-  for (const Stage stage : {Stage::setup, Stage::build, Stage::relight, Stage::resolve}) {
-    std::string words[2];
-    for (int side = 0; side < 2; ++side)
-      if (const auto ms = state.sides[side].newest_ms[static_cast<int>(stage)]) words[side] = milliseconds(*ms) + " ms";
-    draw_row(std::string(name(stage)),
-             "The last time that this stage was done, live and beside whatever else runs; gnomon run measures.", words[0],
-             words[1]);
+  for (const Stage stage : {Stage::setup, Stage::build, Stage::relight, Stage::resolve})
+    draw_row(state, std::string(name(stage)),
+             "The last time that this stage was done, live and beside whatever else runs; gnomon run measures.",
+             [&](const SideState& side, int) {
+               const auto ms = side.newest_ms[static_cast<int>(stage)];
+               return Value{ms ? milliseconds(*ms) + " ms" : ""};
+             });
+}
+
+constexpr std::size_t least_plotted = 8;  // of fewer times a curve tells nothing
+
+/// The last times of resolve as a curve from 0 up, and their median while camera and light rest.
+void draw_resolves(const EngineState& state, const ResolveTimes& times) {
+  const std::vector<int> sides = numbered_sides(state);
+  if (std::ranges::any_of(sides, [&](int side) { return times.median(side).has_value(); }))
+    draw_row(state, "median", "Of the times of resolve since camera and light rest; \"repeat resolve\" makes more of them.",
+             [&](const SideState&, int side) {
+               const auto median = times.median(side);
+               return Value{median ? fmt::format("{} ms", milliseconds(median->ms)) : ""};
+             });
+  if (std::ranges::none_of(sides, [&](int side) { return times.last(side).size() >= least_plotted; })) return;
+  draw_name("resolves", "The last times of resolve, from 0 ms at the bottom, the newest at the right.");
+  for (const int side : sides) {
+    ImGui::TableNextColumn();
+    const std::span<const float> ms = times.last(side);
+    if (ms.size() < least_plotted) continue;
+    ImGui::PushID(side);
+    ImGui::PlotLines("##resolves", ms.data(), static_cast<int>(ms.size()), 0, nullptr, 0, 1.05f * std::ranges::max(ms),
+                     {ImGui::GetContentRegionAvail().x, 1.8f * ImGui::GetFontSize()});
+    ImGui::PopID();
   }
 }
 
 std::string count_words(const Count& count) {
-  const std::string value = measured(count.value);
+  const std::string value = count.value == std::floor(count.value) ? fmt::format("{:.0f}", count.value) : measured(count.value);
   return count.unit.empty() || count.unit == count.name ? value : value + " " + count.unit;
 }
 
-/// Counts of both sides by name: those of the left in its order, then what only the right has.
-void draw_counts(const EngineState& state) {
+/// Of both sides: those of the left in its order, then what only the right has.
+std::vector<std::string> count_names(const EngineState& state) {
   std::vector<std::string> names;
   for (const SideState& side : state.sides)
     if (side.counts)
       for (const Count& count : *side.counts)
         if (std::ranges::find(names, count.name) == names.end()) names.push_back(count.name);
-  for (const std::string& name : names) {
-    std::string words[2];
-    for (int side = 0; side < 2; ++side)
-      if (const auto& counts = state.sides[side].counts)
-        if (const auto found = std::ranges::find(*counts, name, &Count::name); found != counts->end())
-          words[side] = count_words(*found);
-    draw_row(name, "Work or memory of the last stages; the same on every machine.", words[0], words[1]);
-  }
+  return names;
+}
+
+void draw_counts(const EngineState& state) {
+  for (const std::string& name : count_names(state))
+    draw_row(state, name, "Work or memory of the last stages; the same on every machine.", [&](const SideState& side, int) {
+      if (!side.counts) return Value{};
+      const auto found = std::ranges::find(*side.counts, name, &Count::name);
+      return found == side.counts->end() ? Value{} : Value{count_words(*found), side.counted_answer != side.answer};
+    });
+}
+
+/// A table of names and values. Whether it was begun.
+bool begin_numbers(const char* id, std::size_t sides, float width, float name_width) {
+  const ImVec2 size(width, 0);
+  const auto columns = static_cast<int>(1 + sides);
+  if (!ImGui::BeginTable(id, columns, ImGuiTableFlags_SizingStretchSame | ImGuiTableFlags_NoSavedSettings, size)) return false;
+  ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthFixed, name_width);
+  for (std::size_t k = 0; k < sides; ++k) ImGui::TableSetupColumn("side", ImGuiTableColumnFlags_WidthStretch);
+  return true;
 }
 
 }  // namespace
 
 void draw_numbers(const Shown& shown, const Session& session) {
-  if (!ImGui::BeginTable("numbers", 3, ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_NoSavedSettings)) return;
-  ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthFixed, ImGui::GetFontSize() * 5.5f);
-  ImGui::TableSetupColumn("left", ImGuiTableColumnFlags_WidthStretch, 1);
-  ImGui::TableSetupColumn("right", ImGuiTableColumnFlags_WidthStretch, 1);
-  draw_heads(shown, session);
-  draw_tallies(shown.state);
-  draw_times(shown.state);
-  draw_counts(shown.state);
+  const EngineState& state = shown.state;
+  const std::vector<int> sides = numbered_sides(state);
+  if (sides.empty()) return Widgets::wrapped("Both sides show the reference itself: there is nothing to compare.", quiet_text);
+  const float gap = lengths().gap, room = ImGui::GetContentRegionAvail().x, font = ImGui::GetFontSize();
+  const float short_names = 5.2f * font;
+  float long_names = short_names;
+  for (const std::string& name : count_names(state)) long_names = std::max(long_names, ImGui::CalcTextSize(name.c_str()).x);
+  const auto limited = [&](float most) { return std::min(long_names, std::max(short_names, most)); };
+  if (sides.size() == 1) draw_head(shown, session, sides[0]);
+  // One side's numbers have room beside each other.
+  if (sides.size() == 1 && room > 22 * font) {
+    const float first = short_names + 6 * font, second = room - gap - first;
+    if (begin_numbers("numbers", 1, first, short_names)) {
+      draw_tallies(state);
+      draw_times(state);
+      ImGui::EndTable();
+    }
+    ImGui::SameLine(0, gap);
+    if (begin_numbers("counts", 1, second, limited(second - 5.5f * font))) {
+      draw_resolves(state, shown.times);
+      draw_counts(state);
+      ImGui::EndTable();
+    }
+    return;
+  }
+  if (!begin_numbers("numbers", sides.size(), 0, limited(room - 8.3f * font * static_cast<float>(sides.size())))) return;
+  if (sides.size() == 2) draw_heads(shown, session);
+  draw_tallies(state);
+  draw_times(state);
+  draw_resolves(state, shown.times);
+  draw_counts(state);
   ImGui::EndTable();
 }
 

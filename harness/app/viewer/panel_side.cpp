@@ -8,22 +8,6 @@ namespace gnomon::viewer {
 
 namespace {
 
-void draw_techniques(int side, Session& session, Widgets& widgets) {
-  const std::string prefix = side_name(side);
-  const TechniqueEntry& chosen = registry().technique(session.technique(side).id());
-  widgets.label("technique", fmt::format("{}: {}", chosen.id, chosen.about.summary));
-  const bool is_open = ImGui::BeginCombo("##technique", std::string(chosen.about.title).c_str(), ImGuiComboFlags_HeightLargest);
-  widgets.note(prefix + ".technique");
-  if (!is_open) return;
-  for (const TechniqueEntry& entry : registry().techniques()) {
-    if (ImGui::Selectable(std::string(entry.about.title).c_str(), entry.id == chosen.id))
-      session.choose_technique(side, entry.id);
-    widgets.note(prefix + ".technique." + entry.id);
-    Widgets::tooltip(fmt::format("{}: {}", entry.id, entry.about.summary));
-  }
-  ImGui::EndCombo();
-}
-
 void draw_layers(int side, Session& session, Widgets& widgets) {
   const std::vector<DebugLayer> layers = session.technique(side).debug_layers();
   const std::string prefix = side_name(side);
@@ -46,23 +30,45 @@ void draw_layers(int side, Session& session, Widgets& widgets) {
     ImGui::EndCombo();
   }
   ImGui::EndDisabled();
+  if (!chosen.empty()) Widgets::wrapped(sentence, quiet_text);
 }
 
 }  // namespace
 
+std::string title_of(const Session& session, int side) {
+  return std::string(registry().technique(session.wish().sides[side].technique).about.title);
+}
+
+void draw_technique(int side, Session& session, Widgets& widgets) {
+  const std::string prefix = side_name(side);
+  const TechniqueEntry& chosen = registry().technique(session.technique(side).id());
+  ImGui::PushID(side);
+  widgets.label(prefix, fmt::format("{}: {}", chosen.id, chosen.about.summary), 0.5f);
+  const bool is_open = ImGui::BeginCombo("##technique", std::string(chosen.about.title).c_str(), ImGuiComboFlags_HeightLargest);
+  widgets.note(prefix + ".technique");
+  if (is_open) {
+    for (const TechniqueEntry& entry : registry().techniques()) {
+      if (ImGui::Selectable(std::string(entry.about.title).c_str(), entry.id == chosen.id))
+        session.choose_technique(side, entry.id);
+      widgets.note(prefix + ".technique." + entry.id);
+      Widgets::tooltip(fmt::format("{}: {}", entry.id, entry.about.summary));
+    }
+    ImGui::EndCombo();
+  }
+  ImGui::PopID();
+}
+
 void draw_side_controls(int side, Session& session, const Shown& shown, Widgets& widgets) {
   const std::string prefix = side_name(side);
-  draw_techniques(side, session, widgets);
   Technique& technique = session.technique(side);
-  if (shown.state.sides[side].is_reference) ImGui::TextDisabled("the reference; computed here");
   if (widgets.parameters(prefix, technique)) session.technique_changed(side);
   draw_layers(side, session, widgets);
   if (shown.state.sides[side].phase == Phase::failed &&
-      widgets.button(prefix + ".start_again", "Start again", 1, 0, shown.state.sides[side].words))
+      widgets.button(prefix + ".start_again", "Start again", shown.state.sides[side].words))
     session.start_again(side);
   if (technique.parameters().empty()) return;
   ImGui::BeginDisabled(technique.settings().empty());
-  if (widgets.button(prefix + ".reset", "Reset parameters", 1, 0, "Sets every parameter of this side to its default.")) {
+  if (widgets.button(prefix + ".reset", "Reset parameters", "Sets every parameter of this side to its default.")) {
     for (Parameter* const row : technique.parameters()) row->set(row->default_text());
     session.technique_changed(side);
   }

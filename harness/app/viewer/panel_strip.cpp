@@ -32,7 +32,9 @@ namespace {
 
 /// Left: what was done or went wrong last. Right: how fast the window is, and how small the frames are.
 void draw_status(const Session& session, const Shown& shown) {
-  std::string words = shown.frames_per_second > 1 ? fmt::format("{:.0f} frames/s", shown.frames_per_second) : "at rest";
+  std::string words = shown.frames_per_second > 1 ? fmt::format("{:.0f} frames/s", shown.frames_per_second)
+                      : shown.state.is_finished   ? "at rest"
+                                                  : "computing";
   if (const auto& frame = shown.state.frame; frame && !frame->is_full())
     words = fmt::format("{} x {} pixels   {}", frame->gbuffer.width, frame->gbuffer.height, words);
   const float width = ImGui::CalcTextSize(words.c_str()).x;
@@ -59,17 +61,24 @@ void draw_strip(const PixelRect& place, const Session& session, const Shown& sho
     const float status = ImGui::GetTextLineHeightWithSpacing() + ImGui::GetStyle().ItemSpacing.y;
     const ImVec2 room = ImGui::GetContentRegionAvail();
     const float height = std::max(room.y - status, 1.f), gap = lengths().gap;
-    const bool with_magnifier = session.shows_magnifier;
-    // Numbers get two fifths, the magnifier as much, the legend what is left.
-    const float numbers = room.x * (with_magnifier ? 0.40f : 0.6f), magnifier = with_magnifier ? room.x * 0.385f : 0;
+    // Where there is no room for all three, the magnifier takes the place of the legend while it has a pixel to show.
+    const bool is_narrow = room.x < 56 * ImGui::GetFontSize();
+    const bool with_magnifier = session.shows_magnifier && !(is_narrow && shown.pixel.x < 0);
+    const bool with_legend = !(is_narrow && with_magnifier);
+    // One side's numbers lie beside each other, and its legend is narrow.
+    const bool is_single = shown.state.sides[0].is_reference || shown.state.sides[1].is_reference;
+    const float numbers = room.x * (is_narrow ? 0.55f : !with_magnifier ? 0.5f : is_single ? 0.39f : 0.35f);
+    const float magnifier = !with_magnifier ? 0 : with_legend ? room.x * 0.39f : room.x - numbers - gap;
     const float legend = room.x - numbers - gap - (with_magnifier ? magnifier + gap : 0);
     const auto part = [&](const char* name, float width, auto&& draw) {
       if (ImGui::BeginChild(name, {width, height})) draw();
       ImGui::EndChild();
     };
     part("numbers", numbers, [&] { draw_numbers(shown, session); });
-    ImGui::SameLine(0, gap);
-    part("legend", legend, [&] { draw_legend(shown); });
+    if (with_legend) {
+      ImGui::SameLine(0, gap);
+      part("legend", legend, [&] { draw_legend(shown); });
+    }
     if (with_magnifier) {
       ImGui::SameLine(0, gap);
       part("magnifier", magnifier, [&] { draw_magnifier(shown, session); });

@@ -7,6 +7,7 @@
 
 #include "app/viewer/compose.h"
 #include "app/viewer/engine.h"
+#include "app/viewer/resolve_times.h"
 #include "app/viewer/session.h"
 #include "app/viewer/widgets.h"
 #include "measure/scene/load.h"
@@ -29,6 +30,7 @@ Arrangement arrange(glm::ivec2 window, double scale, bool with_panels);
 struct Shown {
   const EngineState& state;
   const Composition& composition;
+  const ResolveTimes& times;
   std::span<const LegendEntry> legends[2];  ///< of the sides
   glm::ivec2 pixel{-1};                     ///< of the picture: picked, else under the mouse; negative: none
   int side = 0;                             ///< that shows it
@@ -52,8 +54,10 @@ void draw_help(glm::ivec2 window, Session& session);
 void draw_numbers(const Shown& shown, const Session& session);
 void draw_legend(const Shown& shown);
 void draw_magnifier(const Shown& shown, const Session& session);
+void draw_technique(int side, Session& session, Widgets& widgets);
 void draw_side_controls(int side, Session& session, const Shown& shown, Widgets& widgets);
 
+std::string title_of(const Session& session, int side);
 inline const char* side_name(int side) { return side == 0 ? "left" : "right"; }
 
 }  // namespace gnomon::viewer

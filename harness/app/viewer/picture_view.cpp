@@ -11,10 +11,15 @@
 
 namespace gnomon::viewer {
 
-View shown_view(const Session& session, const Composition& composition) {
+const Frame* shown_frame(const Composition& composition) {
   const Frame* newest = nullptr;
   for (const ComposeSide& side : composition.sides)
     if (side.frame && (!newest || side.frame->number > newest->number)) newest = side.frame.get();
+  return newest;
+}
+
+View shown_view(const Session& session, const Composition& composition) {
+  const Frame* const newest = shown_frame(composition);
   return newest ? newest->gbuffer.view : session.wish().view;
 }
 
@@ -60,6 +65,8 @@ void PictureView::drag(const Composition& shown, Session& session) {
 void PictureView::use(std::span<const WindowEvent> events, const PixelRect& place, const Composition& shown, bool is_covered,
                       double scale, Session& session) {
   const double now = Window::now();
+  // The window may have become smaller under a mouse that rests.
+  if (mouse_ && (mouse_->x >= place.width || mouse_->y >= place.height)) mouse_.reset();
   for (const WindowEvent& event : events) {
     const glm::dvec2 p = event.place - glm::dvec2(place.x, place.y);
     const bool is_inside = place.holds(event.place) && !is_covered;

@@ -134,13 +134,13 @@ std::vector<PixelFact> pixel_facts(const Composition& composition, int side, int
   constexpr std::string_view side_names[] = {"left", "right"};
   for (int s = 0; s < 2; ++s)
     if (has_mask(composition.sides[s]) && is_same(composition.sides[s].frame, own.frame))
-      facts.push_back({fmt::format("visibility {}", side_names[s]), mask_words(composition.sides[s], g, i)});
+      facts.push_back({fmt::format("mask {}", side_names[s]), mask_words(composition.sides[s], g, i)});
   // Also one without classes yet, of fewer pixels.
   const ReferenceState* truth = reference_of(asked, side);
   if (!truth && asked.reference && is_same(asked.reference->frame, own.frame)) truth = asked.reference;
   if (truth) {
     const ComposeSide as_side{own.frame, truth->mask, truth->width, truth->height};
-    if (has_mask(as_side)) facts.push_back({"visibility reference", mask_words(as_side, g, i)});
+    if (has_mask(as_side)) facts.push_back({"reference", mask_words(as_side, g, i)});
   }
 
   const Mesh& mesh = frame.scene().meshes[g.mesh[i]];
@@ -153,8 +153,8 @@ std::vector<PixelFact> pixel_facts(const Composition& composition, int side, int
   facts.push_back({"normal", fmt::format("{}, {}, {}", number(normal.x, 4), number(normal.y, 4), number(normal.z, 4))});
   const glm::dvec3 to = to_light(homogeneous(frame.light), point);
   const double cosine = glm::dot(normal, to) / std::max(glm::length(to), 1e-300);
-  facts.push_back({"N.l", fmt::format("{}, {:.1f} degrees off the normal", number(cosine, 4),
-                                      glm::degrees(std::acos(std::clamp(cosine, -1.0, 1.0))))});
+  facts.push_back({"cosine", fmt::format("{}, {:.1f} degrees off the normal", number(cosine, 4),
+                                         glm::degrees(std::acos(std::clamp(cosine, -1.0, 1.0))))});
   facts.push_back({"to the light", light_words(frame.light, point)});
   if (explanation) {
     std::optional<double> visibility;

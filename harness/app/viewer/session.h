@@ -62,6 +62,8 @@ class Session {
   void set_full_while_moving(bool is_full) { wish_.full_while_moving = is_full; }
   /// Both sides do resolve once more, for its time.
   void do_again() { ++wish_.repeat; }
+  /// They do so whenever all is computed.
+  bool repeats = false;
 
   // The sides. A technique's rows may be set; then `technique_changed`.
   Technique& technique(int side) { return *technique_[side]; }

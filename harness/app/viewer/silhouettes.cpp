@@ -1,7 +1,15 @@
 // Silhouette edges for the picture. Edge adjacency of a large scene takes a while, so another thread finds it.
+#include <chrono>
+
 #include "app/viewer/overlays.h"
 
 namespace gnomon::viewer {
+
+namespace {
+
+constexpr double quick_ms = 6;  // the window may wait for so long
+
+}  // namespace
 
 SilhouetteFinder::~SilhouetteFinder() {
   if (thread_.joinable()) thread_.join();
@@ -11,13 +19,15 @@ std::shared_ptr<const std::vector<SilhouetteFinder::Segment>> SilhouetteFinder::
     const std::shared_ptr<const LoadedScene>& loaded, const Light& light) {
   if (!is_looking_ && (asked_scene_ != loaded || !are_same(asked_, light))) {
     if (thread_.joinable()) thread_.join();
+    const bool is_quick = adjacency_scene_ == loaded && look_ms_ < quick_ms;
     asked_scene_ = loaded;
     asked_ = light;
     is_looking_ = true;
     thread_ = std::thread([this, loaded, light] { look(loaded, light); });
+    if (is_quick) thread_.join();
   }
   const std::lock_guard lock(mutex_);
-  return found_for_ == loaded ? found_ : nullptr;
+  return found_for_ == loaded && are_same(found_light_, light) ? found_ : nullptr;
 }
 
 void SilhouetteFinder::look(std::shared_ptr<const LoadedScene> loaded, Light light) {
@@ -25,6 +35,7 @@ void SilhouetteFinder::look(std::shared_ptr<const LoadedScene> loaded, Light lig
     adjacency_ = EdgeAdjacency(loaded->scene);
     adjacency_scene_ = loaded;
   }
+  const auto start = std::chrono::steady_clock::now();
   adjacency_.find_silhouette(homogeneous(light), silhouette_);
   auto segments = std::make_shared<std::vector<Segment>>();
   for (const SilhouetteEdge& edge : silhouette_.edges)
@@ -33,7 +44,9 @@ void SilhouetteFinder::look(std::shared_ptr<const LoadedScene> loaded, Light lig
     const std::lock_guard lock(mutex_);
     found_ = std::move(segments);
     found_for_ = std::move(loaded);
+    found_light_ = light;
   }
+  look_ms_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   is_looking_ = false;
   changed_();
 }

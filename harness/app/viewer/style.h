@@ -12,6 +12,8 @@ inline constexpr ImU32 warning_text = IM_COL32(240, 160, 90, 255);
 inline constexpr ImU32 light_color = IM_COL32(255, 214, 102, 255);
 inline constexpr ImU32 blocked_color = IM_COL32(239, 83, 80, 255);
 inline constexpr ImU32 picked_color = IM_COL32(255, 255, 255, 255);
+/// Of the button that is chosen among several.
+inline constexpr ImU32 chosen_color = IM_COL32(56, 104, 146, 255);
 inline constexpr ImU32 tap_color = IM_COL32(102, 204, 255, 255);
 
 /// Width of the controls at the left and height of the strip below, pixels at scale 1.

@@ -6,6 +6,7 @@
 #include <imgui_internal.h>
 
 #include <algorithm>
+#include <cmath>
 #include <type_traits>
 #include <utility>
 
@@ -54,22 +55,32 @@ void Widgets::tooltip(const std::string& words) {
   ImGui::EndTooltip();
 }
 
-void Widgets::wrapped(const std::string& words) {
-  const float room = ImGui::GetContentRegionAvail().x;
-  const auto width = [](const std::string& text) { return ImGui::CalcTextSize(text.c_str()).x; };
+std::string Widgets::lines(const std::string& words, float width) {
+  const auto width_of = [](const std::string& text) { return ImGui::CalcTextSize(text.c_str()).x; };
   std::string lines, line;
   for (std::size_t at = 0; at < words.size();) {
     const std::size_t end = std::min(words.find_first_of(" \n", at), words.size());
     const std::string word = words.substr(at, end - at);
-    const bool is_new = !line.empty() && width(line + " " + word) > room;
+    const bool is_new = !line.empty() && width_of(line + " " + word) > width;
     if (is_new) lines += std::exchange(line, "") + "\n";
     line += (line.empty() ? "" : " ") + word;
     if (end < words.size() && words[end] == '\n') lines += std::exchange(line, "") + "\n";
     at = end + 1;
   }
+  return lines + line;
+}
+
+void Widgets::wrapped(const std::string& words) {
+  const std::string all = lines(words, ImGui::GetContentRegionAvail().x);
   ImGui::PushTextWrapPos(0);  // a word that is wider than a line
-  ImGui::TextUnformatted((lines + line).c_str());
+  ImGui::TextUnformatted(all.c_str());
   ImGui::PopTextWrapPos();
+}
+
+void Widgets::wrapped(const std::string& words, unsigned color) {
+  ImGui::PushStyleColor(ImGuiCol_Text, color);
+  wrapped(words);
+  ImGui::PopStyleColor();
 }
 
 void Widgets::label(const std::string& words, const std::string& sentence, float share) {
@@ -86,15 +97,33 @@ void Widgets::label(const std::string& words, const std::string& sentence, float
   ImGui::SetNextItemWidth(-FLT_MIN);
 }
 
-bool Widgets::button(const std::string& name, const char* words, int count, int index, const std::string& sentence) {
-  const float gap = ImGui::GetStyle().ItemSpacing.x;
-  if (index > 0) ImGui::SameLine();
-  const float room = ImGui::GetContentRegionAvail().x;
-  const int left = count - index;
-  const bool is_pressed = ImGui::Button(words, {(room - gap * (left - 1)) / left, 0});
+bool Widgets::button(const std::string& name, const char* words, const std::string& sentence) {
+  const bool is_pressed = ImGui::Button(words, {-FLT_MIN, 0});
   note(name);
   tooltip(sentence);
   return is_pressed;
+}
+
+std::optional<std::size_t> Widgets::buttons(std::span<const ButtonRow> rows, float gap) {
+  std::optional<std::size_t> pressed;
+  float wanted = 0;
+  for (const ButtonRow& row : rows) wanted += ImGui::CalcTextSize(row.words).x;
+  const float each =
+      (ImGui::GetContentRegionAvail().x - wanted - gap * static_cast<float>(rows.size() - 1)) / static_cast<float>(rows.size());
+  // Words lie in the middle of a button; less than its usual margin does.
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {0, ImGui::GetStyle().FramePadding.y});
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    if (k > 0) ImGui::SameLine(0, gap);
+    if (rows[k].is_chosen)
+      for (const ImGuiCol color : {ImGuiCol_Button, ImGuiCol_ButtonHovered}) ImGui::PushStyleColor(color, chosen_color);
+    const float width = k + 1 < rows.size() ? std::floor(ImGui::CalcTextSize(rows[k].words).x + each) : -FLT_MIN;
+    if (ImGui::Button(rows[k].words, {width, 0})) pressed = k;
+    if (rows[k].is_chosen) ImGui::PopStyleColor(2);
+    note(rows[k].name);
+    tooltip(rows[k].sentence);
+  }
+  ImGui::PopStyleVar();
+  return pressed;
 }
 
 bool Widgets::attempt(const std::function<void()>& work) {

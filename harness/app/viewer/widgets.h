@@ -4,6 +4,8 @@
 #include <functional>
 #include <glm/glm.hpp>
 #include <map>
+#include <optional>
+#include <span>
 #include <string>
 
 namespace gnomon::viewer {
@@ -32,10 +34,22 @@ class Widgets {
   void label(const std::string& words, const std::string& sentence = "", float share = 1);
   /// The tooltip of the item drawn last.
   static void tooltip(const std::string& words);
-  /// Words in as many lines as they need, ended at blanks alone; Dear ImGui ends them at points, too, amid numbers.
+  /// Words in as many lines as they need in that width, ended at blanks alone; Dear ImGui ends them at points, too, amid
+  /// numbers.
+  static std::string lines(const std::string& words, float width);
   static void wrapped(const std::string& words);
-  /// A button as wide as its share of a row of `count`.
-  bool button(const std::string& name, const char* words, int count, int index, const std::string& sentence);
+  /// The same in a color.
+  static void wrapped(const std::string& words, unsigned color);
+  /// A button as wide as the room that is left.
+  bool button(const std::string& name, const char* words, const std::string& sentence);
+  struct ButtonRow {
+    std::string name;
+    const char* words;
+    std::string sentence;
+    bool is_chosen = false;
+  };
+  /// Buttons that share a row, each as wide as its words want. The one that was pressed, or nothing.
+  std::optional<std::size_t> buttons(std::span<const ButtonRow> rows, float gap);
   /// Runs what may throw Error.
   bool attempt(const std::function<void()>& work);
 

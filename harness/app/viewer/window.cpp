@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <deque>
 #include <filesystem>
 #include <utility>
 
@@ -27,7 +28,8 @@ constexpr double font_height = 14;  // pixels at scale 1
 
 // GLFW's callbacks find both here: there is one window.
 std::vector<WindowEvent> events;
-std::vector<int> struck_keys;  // since Dear ImGui looked last
+std::vector<int> struck_keys;           // since Dear ImGui looked last
+std::deque<WindowEvent> button_events;  // of which Dear ImGui has not heard
 std::string last_error;
 glm::dvec2 mouse_place{0};
 
@@ -49,6 +51,7 @@ void on_button(GLFWwindow*, int button, int action, int modifiers) {
                     .modifiers = modifiers,
                     .is_pressed = action == GLFW_PRESS,
                     .place = mouse_place});
+  button_events.push_back(events.back());
 }
 
 void on_motion(GLFWwindow* window, double x, double y) {
@@ -84,6 +87,7 @@ Window::Window(const std::string& title) {
   constexpr const char* advice = "gnomon view needs one; gnomon render writes pictures without";
   glfwSetErrorCallback(on_error);
   events.clear();
+  button_events.clear();
   if (!glfwInit()) throw Error("there is no display to open a window on ({}): {}; {}", display_words(), last_error, advice);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
@@ -196,10 +200,44 @@ void Window::load_font() {
   io.FontGlobalScale = static_cast<float>(1 / pixels_per_unit());
 }
 
+/// Dear ImGui looks at the mouse once a picture. Of what happened between two, it is told of one button that went down or up,
+/// with the place and the keys of that moment: a click is no less a click when the next one, or Ctrl+S, comes before the
+/// picture.
+void Window::tell_button() {
+  ImGuiIO& io = ImGui::GetIO();
+  const auto is_down = [&](int left, int right) { return io.KeysDown[left] || io.KeysDown[right]; };
+  io.KeyCtrl = is_down(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL);
+  io.KeyShift = is_down(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT);
+  io.KeyAlt = is_down(GLFW_KEY_LEFT_ALT, GLFW_KEY_RIGHT_ALT);
+  if (button_events.empty()) {
+    std::copy(std::begin(io.MouseDown), std::end(io.MouseDown), buttons_down_.begin());
+    told_place_ = mouse_place;
+    return;
+  }
+  const WindowEvent event = button_events.front();
+  const auto unit = static_cast<float>(pixels_per_unit());
+  const ImVec2 place(static_cast<float>(event.place.x) / unit, static_cast<float>(event.place.y) / unit);
+  // A drag ends where the button goes up, which the button must be down for.
+  const bool has_moved = event.place != told_place_;
+  if (event.is_pressed || !has_moved) {
+    button_events.pop_front();
+    if (event.code >= 0 && event.code < static_cast<int>(buttons_down_.size())) buttons_down_[event.code] = event.is_pressed;
+  }
+  std::copy(buttons_down_.begin(), buttons_down_.end(), std::begin(io.MouseDown));
+  told_place_ = event.place;
+  io.MousePos = place;
+  io.KeyCtrl = event.modifiers & GLFW_MOD_CONTROL;
+  io.KeyShift = event.modifiers & GLFW_MOD_SHIFT;
+  io.KeyAlt = event.modifiers & GLFW_MOD_ALT;
+}
+
+bool Window::has_untold() const { return !button_events.empty(); }
+
 void Window::begin_drawing() {
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
   if (scale() != font_scale_) load_font();
+  tell_button();
   // It asks which keys are down: one that was struck between two frames is down for this one.
   auto& down = ImGui::GetIO().KeysDown;
   std::erase_if(struck_keys, [&](int key) { return key >= static_cast<int>(std::size(down)) || down[key]; });

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
@@ -42,6 +43,8 @@ class Window {
   void wait(double seconds) const;
   /// What happened since the last call, in order.
   std::vector<WindowEvent> take_events();
+  /// Whether the next picture has something to hear of that `take_events` gave already.
+  bool has_untold() const;
   /// Ends the present or next wait. From any thread.
   static void wake();
   static double now();  ///< seconds
@@ -61,11 +64,14 @@ class Window {
 
  private:
   void load_font();
+  void tell_button();
 
   GLFWwindow* window_ = nullptr;
   unsigned texture_ = 0;
   glm::ivec2 texture_size_{0};
   double font_scale_ = 0;
+  std::array<bool, 5> buttons_down_ = {};  // as Dear ImGui was told
+  glm::dvec2 told_place_{0};
 };
 
 /// Framebuffer pixels of a unit of Dear ImGui, which counts as the window system does.

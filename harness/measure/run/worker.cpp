@@ -94,8 +94,12 @@ Worker::Worker(const WorkerOptions& options) {
     execve(launch.program.c_str(), launch.argv.data(), launch.envp.data());
     _exit(127);
   }
+  const int code = errno;
   close(sockets[1]);
-  if (process_ < 0) throw Error("no process for a worker: {}", std::strerror(errno));
+  if (process_ >= 0) return;
+  close(socket_);
+  close(errors_);
+  throw Error("no process for a worker: {}", std::strerror(code));
 }
 
 Worker::~Worker() {

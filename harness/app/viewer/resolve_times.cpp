@@ -1,0 +1,35 @@
+#include "app/viewer/resolve_times.h"
+
+#include <algorithm>
+
+namespace gnomon::viewer {
+
+void ResolveTimes::note(const Wish& wish, const EngineState& state) {
+  for (int k = 0; k < 2; ++k) {
+    Side& side = sides_[k];
+    const SideState& now = state.sides[k];
+    SideWish wished = wish.sides[k];
+    wished.layer.clear();
+    if (!(side.wish == wished) || side.loaded != wish.loaded || now.answer_count < side.answer_count)
+      side = {.wish = wished, .loaded = wish.loaded, .answer_count = now.answer_count, .ms = {}};
+    const auto ms = now.newest_ms[static_cast<int>(Stage::resolve)];
+    if (now.answer_count == side.answer_count || !now.answer || !ms) continue;
+    side.answer_count = now.answer_count;
+    if (side.frame != now.answer->frame->number) side.at_frame = 0;
+    side.frame = now.answer->frame->number;
+    if (side.ms.size() == most) side.ms.erase(side.ms.begin());
+    side.ms.push_back(static_cast<float>(*ms));
+    side.at_frame = std::min(side.at_frame + 1, side.ms.size());
+  }
+}
+
+std::optional<ResolveTimes::Median> ResolveTimes::median(int side) const {
+  const Side& s = sides_[side];
+  if (s.at_frame < 3) return std::nullopt;
+  std::vector<float> ms(s.ms.end() - static_cast<std::ptrdiff_t>(s.at_frame), s.ms.end());
+  std::ranges::sort(ms);
+  const std::size_t half = ms.size() / 2;
+  return Median{ms.size() % 2 == 1 ? ms[half] : (ms[half - 1] + ms[half]) / 2.0, ms.size()};
+}
+
+}  // namespace gnomon::viewer
