@@ -251,7 +251,6 @@ void Application::draw() {
     window_.set_picture(canvas_.pixels(), canvas_.composition().width, canvas_.composition().height);
   count_frame();
   drawn_state_ = state_.number;
-  has_drawn_finished_ = is_finished();
   Shown shown{.state = state_,
               .composition = canvas_.composition(),
               .times = times_,
@@ -271,6 +270,7 @@ void Application::draw() {
                                            {place.x / unit, place.y / unit},
                                            {(place.x + place.width) / unit, (place.y + place.height) / unit});
   overlays_.draw(place, session_, shown);
+  has_drawn_finished_ = is_finished() && overlays_.is_complete();
   draw_panels(shown);
   if (view_.handle() == Doing::divider) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
   if (view_.handle() == Doing::light) ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);

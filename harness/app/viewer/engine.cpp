@@ -173,8 +173,9 @@ std::uint64_t Engine::wish(const Wish& wish) {
   for (const auto& side : body_->sides) side->outdated_by(wish);
   if (wish.scene != body_->wish.scene) body_->state.scene_error.clear();
   body_->wish = wish;
+  ++body_->state.wish;
   body_->stir();
-  return ++body_->state.wish;
+  return body_->state.wish;
 }
 
 EngineState Engine::state() const {

@@ -113,7 +113,7 @@ struct Engine::Body {
   Work next_frame();
   Work next_reference();
 
-  void make_frame(const Wish& wish);
+  void make_frame(const Wish& wish, std::uint64_t number);
   void wait_for_sides(std::uint64_t frame);
   void trace_reference(const std::shared_ptr<const Frame>& frame, std::uint64_t ticket);
   void complete_reference(ReferenceState reference, std::uint64_t ticket);
@@ -138,7 +138,8 @@ struct Engine::Body {
   std::atomic<std::uint64_t> shared = 0;  ///< files that were shared so far
 
   // Of the thread that makes frames.
-  std::vector<std::byte> stand;  ///< of the newest frame; guarded by the lock
+  std::vector<std::byte> stand;   ///< of the newest frame; guarded by the lock
+  std::uint64_t failed_wish = 0;  ///< the last one that no frame could be made for; guarded by the lock
   std::uint64_t frame_count = 0;
   Divisor camera_divisor{2}, light_divisor{1};  ///< while these move
 

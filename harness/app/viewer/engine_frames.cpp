@@ -59,10 +59,11 @@ Engine::Body::Work Engine::Body::next_frame() {
                         newest->picture_height == wish.height && newest->gbuffer.truth == truth_of(wish) &&
                         stand == stand_bytes(wish.light, wish.view);
   if (is_there && (newest->is_full() || (wish.is_moving && !wish.full_while_moving))) return {};
-  return [this, wish = wish] { make_frame(wish); };
+  if (state.wish == failed_wish) return {};
+  return [this, wish = wish, number = state.wish] { make_frame(wish, number); };
 }
 
-void Engine::Body::make_frame(const Wish& wish) {
+void Engine::Body::make_frame(const Wish& wish, std::uint64_t number) {
   const auto start = Clock::now();
   const std::shared_ptr<const Frame> before = state.frame;  // only this thread makes frames
   const bool same_view = before && before->loaded == wish.loaded && before->picture_width == wish.width &&
@@ -95,7 +96,7 @@ void Engine::Body::make_frame(const Wish& wish) {
     // A full disk or no memory: said, and tried again with the next wish.
     change([&](EngineState& s) {
       s.trouble = error.what();
-      this->wish.loaded.reset();
+      failed_wish = number;
     });
     return;
   }

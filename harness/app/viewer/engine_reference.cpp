@@ -56,10 +56,11 @@ Engine::Body::Work Engine::Body::next_reference() {
       known ? complete_reference(*known, ticket) : trace_reference(frame, ticket);
     } catch (const std::exception& error) {
       // A full disk or no memory: said, and tried again at the next frame.
-      change([&](EngineState& s) {
-        s.trouble = error.what();
-        refined = frame->number;
-      });
+      ReferenceState none;
+      none.frame = frame;
+      none.why_not = error.what();
+      none.is_complete = true;
+      publish(std::move(none));
     }
   };
 }

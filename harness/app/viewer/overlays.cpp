@@ -193,11 +193,12 @@ std::optional<double> meet(const glm::dvec3& from, const glm::dvec3& way, const 
 
 }  // namespace
 
-std::optional<glm::dvec3> Overlays::find_blocker(const ReferenceState& reference, std::size_t pixel) {
-  if (blocker_reference_ == &reference && blocker_pixel_ == pixel) return blocker_;
-  blocker_reference_ = &reference;
+std::optional<glm::dvec3> Overlays::find_blocker(const std::shared_ptr<const ReferenceState>& known, std::size_t pixel) {
+  if (blocker_reference_ == known && blocker_pixel_ == pixel) return blocker_;
+  blocker_reference_ = known;
   blocker_pixel_ = pixel;
   blocker_.reset();
+  const ReferenceState& reference = *known;
   const Frame& frame = *reference.frame;
   if (reference.occluder.empty() || reference.occluder[pixel] == no_mesh) return blocker_;
   const glm::dvec3 from = frame.gbuffer.position(pixel), way = to_light(homogeneous(frame.light), from);
@@ -225,17 +226,21 @@ void Overlays::draw(const PixelRect& place, const Session& session, const Shown&
   list.PushClipRect(canvas.at({0, 0}), canvas.at({place.width, place.height}), true);
   const std::shared_ptr<const Frame>& frame = shown.state.frame;
   const Frame* const seen = shown_frame(composition);
-  if (session.shows_silhouettes && seen)
-    if (const auto segments = finder_.find(seen->loaded, seen->light)) draw_silhouettes(canvas, *segments, seen->gbuffer);
+  is_complete_ = true;
+  if (session.shows_silhouettes && seen) {
+    const auto segments = finder_.find(seen->loaded, seen->light);
+    is_complete_ = segments != nullptr;
+    if (segments) draw_silhouettes(canvas, *segments, seen->gbuffer);
+  }
   if (session.picked()) {
     const glm::dvec2 middle = glm::dvec2(*session.picked()) + 0.5;
     const std::size_t index = *session.wish().picked;
     if (frame && frame->is_full() && index < frame->gbuffer.size() && !frame->gbuffer.is_background(index)) {
       const glm::dvec3 point = frame->gbuffer.position(index), light = light_place(*scene, frame->light);
-      const ReferenceState* const reference = shown.state.reference.get();
+      const auto& reference = shown.state.reference;
       const bool is_known = reference && reference->frame == frame && !reference->classes.empty();
       const bool is_dark = is_known && reference->mask[index] < 0.5f;
-      const auto blocker = is_dark ? find_blocker(*reference, index) : std::nullopt;
+      const auto blocker = is_dark ? find_blocker(reference, index) : std::nullopt;
       // A pixel that is turned away from the light has no shadow ray.
       const bool is_asked = !is_known || reference->classes[index] > PixelClass::F;
       canvas.segment(point, blocker.value_or(light),

@@ -48,13 +48,16 @@ class Overlays {
  public:
   explicit Overlays(std::function<void()> changed) : finder_(std::move(changed)) {}
   void draw(const PixelRect& place, const Session& session, const Shown& shown);
+  /// Whether all that the last `draw` was to show was known.
+  bool is_complete() const { return is_complete_; }
 
  private:
   /// Where the shadow ray of the picked pixel is stopped.
-  std::optional<glm::dvec3> find_blocker(const ReferenceState& reference, std::size_t pixel);
+  std::optional<glm::dvec3> find_blocker(const std::shared_ptr<const ReferenceState>& known, std::size_t pixel);
 
   SilhouetteFinder finder_;
-  const ReferenceState* blocker_reference_ = nullptr;  // only compared
+  bool is_complete_ = true;
+  std::shared_ptr<const ReferenceState> blocker_reference_;  // that `blocker_` is of
   std::size_t blocker_pixel_ = 0;
   std::optional<glm::dvec3> blocker_;
 };

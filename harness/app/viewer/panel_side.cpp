@@ -43,7 +43,7 @@ void draw_technique(int side, Session& session, Widgets& widgets) {
   const std::string prefix = side_name(side);
   const TechniqueEntry& chosen = registry().technique(session.technique(side).id());
   ImGui::PushID(side);
-  widgets.label(prefix, fmt::format("{}: {}", chosen.id, chosen.about.summary), 0.5f);
+  widgets.label(prefix, fmt::format("{}: {}", chosen.id, chosen.about.summary), 0.4f);
   const bool is_open = ImGui::BeginCombo("##technique", std::string(chosen.about.title).c_str(), ImGuiComboFlags_HeightLargest);
   widgets.note(prefix + ".technique");
   if (is_open) {

@@ -31,15 +31,21 @@ std::shared_ptr<const std::vector<SilhouetteFinder::Segment>> SilhouetteFinder::
 }
 
 void SilhouetteFinder::look(std::shared_ptr<const LoadedScene> loaded, Light light) {
-  if (adjacency_scene_ != loaded) {
-    adjacency_ = EdgeAdjacency(loaded->scene);
-    adjacency_scene_ = loaded;
-  }
-  const auto start = std::chrono::steady_clock::now();
-  adjacency_.find_silhouette(homogeneous(light), silhouette_);
+  auto start = std::chrono::steady_clock::now();
   auto segments = std::make_shared<std::vector<Segment>>();
-  for (const SilhouetteEdge& edge : silhouette_.edges)
-    segments->push_back({adjacency_.positions()[edge.low], adjacency_.positions()[edge.high]});
+  try {
+    if (adjacency_scene_ != loaded) {
+      adjacency_ = EdgeAdjacency(loaded->scene);
+      adjacency_scene_ = loaded;
+      start = std::chrono::steady_clock::now();
+    }
+    adjacency_.find_silhouette(homogeneous(light), silhouette_);
+    for (const SilhouetteEdge& edge : silhouette_.edges)
+      segments->push_back({adjacency_.positions()[edge.low], adjacency_.positions()[edge.high]});
+  } catch (const std::exception&) {
+    segments->clear();  // no memory for them: an overlay is not worth the window
+    adjacency_scene_.reset();
+  }
   {
     const std::lock_guard lock(mutex_);
     found_ = std::move(segments);
