@@ -304,8 +304,9 @@ void Application::write_what_is_asked() {
     frames_left_ = std::max(frames_left_, 1);
   }
   // A control may have changed the wish while this very picture was drawn.
-  const bool is_as_wished =
-      has_drawn_finished_ && !window_.has_untold() && are_same(*told_, session_.wish()) && !session_.wish().is_moving;
+  const bool is_as_wished = has_drawn_finished_ && !window_.has_untold() && are_same(*told_, session_.wish()) &&
+                            !session_.wish().is_moving && canvas_.composition().layout == session_.layout &&
+                            canvas_.composition().paint == session_.paint;
   if (asked.save && !is_as_wished) {
     if (!was_saved_early_) session_.say("saves as soon as all is computed");
     was_saved_early_ = true;

@@ -20,7 +20,7 @@ inline constexpr ImU32 tap_color = IM_COL32(102, 204, 255, 255);
 inline constexpr int panel_width = 320, strip_height = 220;
 
 /// Of the light's handle, pixels at scale 1: how large it is, and how far inside the border it is shown at least.
-inline constexpr float handle_radius = 6, handle_margin = 14;
+inline constexpr float handle_radius = 6, handle_margin = 36;  // below the titles
 
 /// Lengths that the panels share, in units of Dear ImGui.
 struct Lengths {
