@@ -1,4 +1,4 @@
-// Where the mouse is in the picture, and what it does there.
+// What the mouse does in the picture.
 #include "app/viewer/mouse.h"
 
 #define GLFW_INCLUDE_NONE
@@ -14,109 +14,6 @@ using namespace gnomon;
 using namespace gnomon::viewer;
 
 constexpr int left = GLFW_MOUSE_BUTTON_LEFT, right = GLFW_MOUSE_BUTTON_RIGHT, middle = GLFW_MOUSE_BUTTON_MIDDLE;
-constexpr double ratios[] = {1, 1.1, 1.25, 1.5, 2, 3};
-
-// A framebuffer of twice the window: the picture at (300, 20) of 480 x 270 window coordinates has 960 x 540 pixels.
-TEST(viewer_mouse, a_place_on_paper) {
-  const PicturePlace place = place_picture({300, 20}, {480, 270}, {2, 2});
-  EXPECT_EQ(place.width, 960);
-  EXPECT_EQ(place.height, 540);
-  EXPECT_EQ(place.corner, glm::dvec2(300, 20));
-  EXPECT_EQ(place.extent(), glm::dvec2(480, 270));
-  EXPECT_EQ(place.pixel_at({300, 20}), glm::dvec2(0, 0));
-  EXPECT_EQ(place.pixel_at({780, 290}), glm::dvec2(960, 540));
-  EXPECT_EQ(place.pixel_at({540.25, 155.5}), glm::dvec2(480.5, 271));
-  EXPECT_EQ(place.cursor_at({480.5, 271}), glm::dvec2(540.25, 155.5));
-  EXPECT_EQ(place.pixels({3, -4}), glm::dvec2(6, -8));
-  EXPECT_EQ(place.pixel_under({540.25, 155.5}), glm::ivec2(480, 271));
-  EXPECT_FALSE(place.pixel_under({299.75, 155}));
-  EXPECT_FALSE(place.pixel_under({780, 155}));
-  EXPECT_FALSE(place.pixel_under({540, 19}));
-  EXPECT_FALSE(place.pixel_under({540, 290}));
-}
-
-// Each pixel of the picture three pixels of the framebuffer wide: 100 x 50 hold 33 x 16.
-TEST(viewer_mouse, a_magnified_picture_has_whole_pixels) {
-  const PicturePlace place = place_picture({10, 10}, {100, 50}, {1, 1}, 3);
-  EXPECT_EQ(place.width, 33);
-  EXPECT_EQ(place.height, 16);
-  EXPECT_EQ(place.extent(), glm::dvec2(99, 48));
-  EXPECT_EQ(place.pixel_under({12.9, 12.9}), glm::ivec2(0, 0));
-  EXPECT_EQ(place.pixel_under({13, 16}), glm::ivec2(1, 2));
-  EXPECT_FALSE(place.pixel_under({109, 20}));
-}
-
-// At ratio 1.25 window coordinate 13 is pixel 16.25 of the framebuffer: the picture starts at 17. 101 more end at 142.5.
-TEST(viewer_mouse, pictures_start_at_whole_pixels_of_the_framebuffer) {
-  const PicturePlace place = place_picture({13, 0}, {101, 1}, {1.25, 1.25});
-  EXPECT_EQ(place.corner.x * 1.25, 17);
-  EXPECT_EQ(place.width, 142 - 17);
-  EXPECT_EQ(place.height, 1);
-  Random random(1);
-  for (int i = 0; i < 10000; ++i) {
-    const glm::dvec2 ratio(ratios[random.below(6)]);
-    const glm::dvec2 corner(random.below(500), random.below(500)), extent(20 + random.below(2000), 20 + random.below(2000));
-    const int magnification = 1 + random.below(4);
-    const PicturePlace p = place_picture(corner, extent, ratio, magnification);
-    const glm::dvec2 first = p.corner * ratio, rest = corner + extent - p.corner - p.extent();
-    EXPECT_LT(glm::length(first - glm::round(first)), 1e-9);
-    // The rectangle that it has found is its own.
-    const PicturePlace again = place_picture(p.corner, p.extent(), ratio, magnification);
-    EXPECT_LT(glm::distance(again.corner, p.corner), 1e-9);
-    EXPECT_EQ(again.width, p.width);
-    EXPECT_EQ(again.height, p.height);
-    for (int k = 0; k < 2; ++k) {
-      EXPECT_GE(p.corner[k], corner[k] - 1e-9);
-      EXPECT_LT(p.corner[k] - corner[k], 1 / ratio[k]);
-      EXPECT_GE(rest[k], -1e-3);  // it stays in its rectangle, and fills it
-      EXPECT_LT(rest[k], (magnification + 1) / ratio[k]);
-    }
-  }
-}
-
-TEST(viewer_mouse, a_window_without_room_has_a_picture_of_one_pixel) {
-  for (const glm::dvec2 extent : {glm::dvec2(0, 0), glm::dvec2(-50, 3), glm::dvec2(0.5, 0.5)}) {
-    const PicturePlace place = place_picture({10, 10}, extent, {1, 1});
-    EXPECT_GE(place.width, 1);
-    EXPECT_GE(place.height, 1);
-  }
-}
-
-// There and back is the same point; and the center, both corners and the far corner of every pixel tried are where they are.
-TEST(viewer_mouse, pixels_and_cursor_agree_at_every_ratio) {
-  Random random(2);
-  for (const double ratio : ratios)
-    for (int i = 0; i < 2000; ++i) {
-      const glm::dvec2 corner(random.below(400), random.below(400)), extent(1 + random.below(1999), 1 + random.below(1999));
-      const PicturePlace place = place_picture(corner, extent, {ratio, ratio}, 1 + random.below(3));
-      const glm::dvec2 pixel(random.uniform(-50, 2000), random.uniform(-50, 2000));
-      EXPECT_LT(glm::distance(place.pixel_at(place.cursor_at(pixel)), pixel), 1e-9);
-      const int x = random.below(place.width), y = random.below(place.height);
-      for (const glm::ivec2 at : {glm::ivec2(x, y), glm::ivec2(0, 0), glm::ivec2(place.width - 1, 0),
-                                  glm::ivec2(0, place.height - 1), glm::ivec2(place.width - 1, place.height - 1)}) {
-        EXPECT_EQ(place.pixel_under(place.cursor_at(glm::dvec2(at) + 0.5)), at);
-        EXPECT_EQ(place.pixel_under(place.cursor_at(glm::dvec2(at))), at);  // its own corner
-        EXPECT_EQ(place.pixel_under(place.cursor_at(glm::dvec2(at) + 0.999)), at);
-      }
-      EXPECT_FALSE(place.pixel_under(place.cursor_at({place.width, y})));
-      EXPECT_FALSE(place.pixel_under(place.cursor_at({x, -0.001})));
-    }
-}
-
-// A display that moves the mouse by whole window coordinates: that before a pixel's center lies in the pixel where the ratio is
-// 1, and no farther than the pixels of one coordinate from it elsewhere.
-TEST(viewer_mouse, whole_coordinates_reach_every_pixel_at_ratio_one) {
-  for (const double ratio : ratios) {
-    const PicturePlace place = place_picture({301, 17}, {641, 359}, {ratio, ratio});
-    for (int x = 0; x < place.width; ++x) {
-      const glm::dvec2 cursor = glm::floor(place.cursor_at({x + 0.5, 0.5}));
-      EXPECT_LT(std::abs(place.pixel_at(cursor).x - (x + 0.5)), ratio);
-      if (ratio == 1) {
-        EXPECT_EQ(place.pixel_under(cursor), glm::ivec2(x, 0));
-      }
-    }
-  }
-}
 
 const Grips nothing_else;
 

@@ -8,30 +8,6 @@
 
 namespace gnomon::viewer {
 
-glm::dvec2 PicturePlace::extent() const { return cursor_at({width, height}) - corner; }
-glm::dvec2 PicturePlace::pixel_at(glm::dvec2 cursor) const { return pixels(cursor - corner); }
-glm::dvec2 PicturePlace::cursor_at(glm::dvec2 pixel) const { return corner + magnification * pixel / ratio; }
-glm::dvec2 PicturePlace::pixels(glm::dvec2 moved) const { return moved * ratio / magnification; }
-
-std::optional<glm::ivec2> PicturePlace::pixel_under(glm::dvec2 cursor) const {
-  constexpr double rounding = 1e-6;  // of a pixel: its own corner is in it
-  const glm::dvec2 pixel = glm::floor(pixel_at(cursor) + rounding);
-  if (!(pixel.x >= 0 && pixel.y >= 0 && pixel.x < width && pixel.y < height)) return std::nullopt;
-  return glm::ivec2(pixel);
-}
-
-PicturePlace place_picture(glm::dvec2 corner, glm::dvec2 extent, glm::dvec2 ratio, int magnification) {
-  // A thousandth of a pixel is rounding: what ends there ends at the pixel.
-  constexpr double rounding = 1e-3;
-  const glm::dvec2 first = glm::ceil(corner * ratio - rounding), last = glm::floor((corner + extent) * ratio + rounding);
-  const glm::dvec2 size = glm::max(glm::floor((last - first) / static_cast<double>(magnification)), glm::dvec2(1));
-  return {.corner = first / ratio,
-          .ratio = ratio,
-          .magnification = static_cast<double>(magnification),
-          .width = static_cast<int>(size.x),
-          .height = static_cast<int>(size.y)};
-}
-
 void Gesture::press(int button, int modifiers, glm::dvec2 cursor, double now, const Grips& grips) {
   if (doing_ != Doing::nothing) return move(cursor, now);
   const bool is_left = button == GLFW_MOUSE_BUTTON_LEFT, is_shift = modifiers & GLFW_MOD_SHIFT;

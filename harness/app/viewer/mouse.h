@@ -7,31 +7,6 @@
 
 namespace gnomon::viewer {
 
-// Three grids meet under the mouse: window coordinates, in which GLFW and ImGui speak; framebuffer pixels, of which a HiDPI
-// screen has `ratio` to a window coordinate; and pixels of the picture. All start at their upper left corner, x to the right,
-// y down; the first pixel covers 0 .. 1, its center is 0.5.
-
-/// Where the picture is in the window.
-struct PicturePlace {
-  glm::dvec2 corner{0};       ///< upper left, window coordinates
-  glm::dvec2 ratio{1};        ///< framebuffer pixels a window coordinate
-  double magnification = 1;   ///< framebuffer pixels a pixel of the picture
-  int width = 0, height = 0;  ///< pixels of the picture
-
-  glm::dvec2 extent() const;  ///< of its rectangle, window coordinates
-  /// A point of the window in pixels of the picture, and back. Both go on beyond the picture's edges.
-  glm::dvec2 pixel_at(glm::dvec2 cursor) const;
-  glm::dvec2 cursor_at(glm::dvec2 pixel) const;
-  /// A way across the window in pixels of the picture.
-  glm::dvec2 pixels(glm::dvec2 moved) const;
-  /// Column and row of the pixel under the cursor; nothing beside the picture.
-  std::optional<glm::ivec2> pixel_under(glm::dvec2 cursor) const;
-};
-
-/// The largest picture in a rectangle of the window whose pixels each cover `magnification` squared pixels of the framebuffer
-/// just: its corner is moved to the next pixel. At least 1 x 1, even where there is no room.
-PicturePlace place_picture(glm::dvec2 corner, glm::dvec2 extent, glm::dvec2 ratio, int magnification = 1);
-
 /// What a mouse button that is down does.
 enum class Doing {
   nothing,
@@ -43,7 +18,7 @@ enum class Doing {
   divider,  ///< drags the divider
 };
 
-/// What can be grabbed besides the picture itself, window coordinates.
+/// What can be grabbed besides the picture itself; places in framebuffer pixels, as all places here.
 struct Grips {
   std::optional<glm::dvec2> light;  ///< its handle, where it is to be seen
   std::optional<double> divider;    ///< x, in layout split
@@ -51,7 +26,7 @@ struct Grips {
 };
 
 /// Tells clicks and drags apart. The caller says what happens over the picture; presses elsewhere are not told. Points are
-/// window coordinates, times seconds; `button` and `modifiers` are GLFW_MOUSE_BUTTON_... and GLFW_MOD_...
+/// framebuffer pixels, times seconds; `button` and `modifiers` are GLFW_MOUSE_BUTTON_... and GLFW_MOD_...
 class Gesture {
  public:
   static constexpr double click_distance = 3, click_seconds = 0.5, light_distance = 10, divider_distance = 5;
