@@ -7,68 +7,14 @@
 
 #include "app/viewer/compose.h"
 #include "color_vision.h"
-#include "hand_made.h"
 #include "measure/picture/picture.h"
+#include "viewer_seen.h"
 
 namespace {
 
 using namespace gnomon;
 using namespace gnomon::viewer;
-using Rgb = std::array<int, 3>;
-
-/// A frame of points on two meshes, with masks and a judged answer, all made by hand.
-struct Seen {
-  std::shared_ptr<hand_made::Picture> picture;
-  std::shared_ptr<Frame> frame = std::make_shared<Frame>();
-  std::shared_ptr<SideAnswer> answer = std::make_shared<SideAnswer>();
-  std::shared_ptr<ReferenceState> reference = std::make_shared<ReferenceState>();
-  Verdict verdict;
-
-  /// All points at the origin of a white ground that a sun shines on from above; all tested, lit and right.
-  Seen(int width, int height) : picture(std::make_shared<hand_made::Picture>(width, height)) {
-    auto loaded = std::make_shared<LoadedScene>();
-    loaded->scene.ambient = 0.25f;
-    loaded->scene.meshes = {hand_made::square(5, 0), hand_made::square(1, 1)};
-    loaded->scene.meshes[0].albedo = glm::vec3(1);
-    for (std::size_t i = 0; i < picture->mesh.size(); ++i) picture->set(i, {0, 0, 0}, {0, 1, 0}, 0, 0);
-    frame->loaded = loaded;
-    frame->light = hand_made::sun({0, -1, 0});
-    frame->light.intensity = 0.75f;
-    frame->picture_width = width;
-    frame->picture_height = height;
-    answer->frame = reference->frame = frame;
-    answer->mask.assign(picture->mesh.size(), 1);
-    reference->width = width;
-    reference->height = height;
-    reference->mask = answer->mask;
-    reference->classes.assign(picture->mesh.size(), PixelClass::T);
-    verdict.answer = answer;
-    verdict.reference = reference;
-    verdict.causes.assign(picture->mesh.size(), Cause::none);
-    finish();
-  }
-  /// After the points or the light were changed.
-  void finish() {
-    frame->gbuffer = picture->gbuffer;
-    frame->gbuffer.storage = picture;
-    frame->received = received_light(frame->gbuffer, frame->light);
-  }
-  /// Another answer for a frame, with a reference of its own.
-  explicit Seen(const std::shared_ptr<Frame>& of) : Seen(of->gbuffer.width, of->gbuffer.height) {
-    frame = of;
-    answer->frame = reference->frame = of;
-  }
-  Scene& scene() { return const_cast<Scene&>(frame->scene()); }
-  ComposeSide side() const { return {frame, answer->mask, frame->gbuffer.width, frame->gbuffer.height, &verdict, nullptr}; }
-};
-
-/// One side alone, a picture pixel for a frame pixel.
-Composition left_of(const Seen& seen, Paint paint) {
-  Composition c{.width = seen.frame->gbuffer.width, .height = seen.frame->gbuffer.height, .layout = Layout::left};
-  c.paint = paint;
-  c.sides[0] = seen.side();
-  return c;
-}
+using namespace viewer_seen;
 
 std::vector<std::uint32_t> composed(const Composition& c) {
   std::vector<std::uint32_t> rgba(static_cast<std::size_t>(c.width) * c.height, 0x01020304);
@@ -94,16 +40,9 @@ std::vector<Rgb> pixels_of(const Composition& c) {
   return pixels;
 }
 
-Rgb rgb(const Color& color) { return {color[0], color[1], color[2]}; }
-Rgb gray(int level) { return {level, level, level}; }
-const Rgb false_dark = rgb(cause_infos()[static_cast<int>(Cause::acne) - 1].color),
-          false_lit = rgb(cause_infos()[static_cast<int>(Cause::peter_panning) - 1].color), nothing{24, 26, 30};
-// A white lit surface is 255: 70 + 255 * 2 / 5 where tested, 20 + 255 / 5 elsewhere.
-const Rgb right = gray(172), untested = gray(71);
-
 /// Any points, normals, classes, masks and causes, under any kind of light.
-Seen random_seen(std::mt19937& random, int width, int height) {
-  Seen seen(width, height);
+SeenFrame random_seen(std::mt19937& random, int width, int height) {
+  SeenFrame seen(width, height);
   const auto uniform = [&](float low, float high) { return std::uniform_real_distribution<float>(low, high)(random); };
   const auto vector = [&] { return glm::vec3(uniform(-3, 3), uniform(-3, 3), uniform(-3, 3)); };
   seen.scene().ambient = uniform(0, 0.4f);
@@ -143,7 +82,7 @@ Seen random_seen(std::mt19937& random, int width, int height) {
 // What the files of `gnomon render` show, the window shows.
 RC_GTEST_PROP(viewer_compose, a_full_frame_has_the_bytes_of_the_pictures_in_files, ()) {
   std::mt19937 random(*rc::gen::arbitrary<unsigned>());
-  const Seen seen = random_seen(random, *rc::gen::inRange(1, 90), *rc::gen::inRange(1, 40));
+  const SeenFrame seen = random_seen(random, *rc::gen::inRange(1, 90), *rc::gen::inRange(1, 40));
   const Frame& f = *seen.frame;
   const std::vector<float>& mask = seen.answer->mask;
   const Composition c = left_of(seen, Paint::shaded);
@@ -154,7 +93,7 @@ RC_GTEST_PROP(viewer_compose, a_full_frame_has_the_bytes_of_the_pictures_in_file
 TEST(viewer_compose, errors_have_the_bytes_of_the_pictures_in_files) {
   for (unsigned seed = 1; seed <= 4; ++seed) {
     std::mt19937 random(seed);
-    const Seen seen = random_seen(random, 60, 40);
+    const SeenFrame seen = random_seen(random, 60, 40);
     const Frame& f = *seen.frame;
     const std::vector<float>& mask = seen.answer->mask;
     for (const Paint paint : {Paint::kinds, Paint::causes}) {
@@ -169,7 +108,7 @@ TEST(viewer_compose, errors_have_the_bytes_of_the_pictures_in_files) {
 
 TEST(viewer_compose, light_received_is_intensity_times_cosine_inside_the_cone) {
   // A light 2 m above the origin; the point at (2, 0, 0) sees it under 45 degrees, as far from the cone's axis.
-  Seen seen(4, 1);
+  SeenFrame seen(4, 1);
   seen.picture->set(1, {2, 0, 0}, {0, 1, 0}, 0, 0);
   seen.picture->set(2, {0, 0, 0}, {0, -1, 0}, 0, 0);
   seen.picture->mesh[3] = no_mesh;
@@ -187,7 +126,7 @@ TEST(viewer_compose, light_received_is_intensity_times_cosine_inside_the_cone) {
 }
 
 TEST(viewer_compose, split_shows_the_left_side_left_of_a_line_of_four_pixels) {
-  Seen dark(10, 2), lit(10, 2);
+  SeenFrame dark(10, 2), lit(10, 2);
   std::ranges::fill(dark.answer->mask, 0.0f);
   Composition c{.width = 10, .height = 2, .layout = Layout::split, .paint = Paint::mask, .divider = 0.44};
   c.sides[0] = dark.side();
@@ -212,7 +151,7 @@ TEST(viewer_compose, split_shows_the_left_side_left_of_a_line_of_four_pixels) {
 }
 
 TEST(viewer_compose, one_side_alone_and_flicker_have_no_line) {
-  Seen dark(10, 1), lit(10, 1);
+  SeenFrame dark(10, 1), lit(10, 1);
   std::ranges::fill(dark.answer->mask, 0.0f);
   Composition c{.width = 10, .height = 1, .paint = Paint::mask};
   c.sides[0] = dark.side();
@@ -234,7 +173,7 @@ TEST(viewer_compose, one_side_alone_and_flicker_have_no_line) {
 
 TEST(viewer_compose, smaller_frames_are_magnified_to_the_nearest_pixel) {
   // Centers of five columns over two are at 0.2, 0.6, 1.0, 1.4, 1.8; of three rows over two at 1/3, 1, 5/3.
-  Seen seen(2, 2);
+  SeenFrame seen(2, 2);
   seen.answer->mask = {0, 0.2f, 0.4f, 1};
   Composition c = left_of(seen, Paint::mask);
   c.width = 5;
@@ -248,7 +187,7 @@ TEST(viewer_compose, smaller_frames_are_magnified_to_the_nearest_pixel) {
   for (const auto& [x, y] : {std::pair{-1, 0}, {5, 0}, {0, -1}, {0, 3}}) EXPECT_EQ(frame_pixel(c, 0, x, y), std::nullopt);
   EXPECT_EQ(frame_pixel(c, 1, 0, 0), std::nullopt) << "no frame";
   // A frame that is larger than the picture, after the window shrank: centers of two over four are at 1 and 3.
-  Seen large(4, 1);
+  SeenFrame large(4, 1);
   large.answer->mask = {0, 0.2f, 0.4f, 1};
   c = left_of(large, Paint::mask);
   c.width = 2;
@@ -256,7 +195,7 @@ TEST(viewer_compose, smaller_frames_are_magnified_to_the_nearest_pixel) {
 }
 
 TEST(viewer_compose, masks_of_fewer_pixels_stand_for_their_frame) {
-  Seen seen(4, 2);
+  SeenFrame seen(4, 2);
   const std::vector<float> coarse{0, 1};
   Composition c = left_of(seen, Paint::mask);
   c.sides[0].mask = coarse;
@@ -276,7 +215,7 @@ TEST(viewer_compose, masks_of_fewer_pixels_stand_for_their_frame) {
 }
 
 TEST(viewer_compose, errors_are_colored_where_they_are_tested) {
-  Seen seen(6, 1);
+  SeenFrame seen(6, 1);
   seen.answer->mask = {1, 0, 0, 1, 0, 0.5f};
   seen.reference->mask = {1, 1, 0, 0, 1, 1};
   seen.reference->classes[4] = PixelClass::S;
@@ -288,7 +227,7 @@ TEST(viewer_compose, errors_are_colored_where_they_are_tested) {
 }
 
 TEST(viewer_compose, differences_mix_their_color_in_by_their_size) {
-  Seen here(5, 1), there(here.frame);
+  SeenFrame here(5, 1), there(here.frame);
   here.answer->mask = {0, 1, 0.5f, 1, 0};
   there.answer->mask = {0, 0, 1, 0.5f, 1};
   here.reference->classes[4] = PixelClass::U;
@@ -300,14 +239,14 @@ TEST(viewer_compose, differences_mix_their_color_in_by_their_size) {
   c.layout = Layout::right;
   EXPECT_EQ(pixels_of(c), (std::vector<Rgb>{right, false_dark, half(false_lit), half(false_dark), false_lit}));
   // Answers for other frames are not compared.
-  Seen before(5, 1);
+  SeenFrame before(5, 1);
   c.layout = Layout::left;
   c.sides[1] = before.side();
   EXPECT_EQ(pixels_of(c), (std::vector<Rgb>{right, right, right, right, untested}));
 }
 
 TEST(viewer_compose, classes_have_a_color_each) {
-  Seen seen(6, 1);
+  SeenFrame seen(6, 1);
   seen.reference->classes = {PixelClass::B, PixelClass::F, PixelClass::G, PixelClass::S, PixelClass::U, PixelClass::T};
   const std::vector<Rgb> pixels = pixels_of(left_of(seen, Paint::classes));
   for (std::size_t k = 0; k < 6; ++k) {
@@ -323,7 +262,7 @@ TEST(viewer_compose, classes_have_a_color_each) {
 }
 
 TEST(viewer_compose, what_is_not_there_yet_leaves_the_dimmed_scene) {
-  Seen seen(3, 1), later(3, 1);
+  SeenFrame seen(3, 1), later(3, 1);
   seen.answer->mask = {0, 1, 1};
   seen.reference->classes[1] = PixelClass::U;
   seen.picture->mesh[2] = no_mesh;
@@ -369,7 +308,7 @@ TEST(viewer_compose, what_is_not_there_yet_leaves_the_dimmed_scene) {
 }
 
 TEST(viewer_compose, sides_of_different_frames_are_each_shown_as_they_are) {
-  Seen large(8, 2), small(4, 1);
+  SeenFrame large(8, 2), small(4, 1);
   small.answer->mask = {1, 1, 0, 1};
   Composition c{.width = 8, .height = 2, .layout = Layout::split, .paint = Paint::mask, .divider = 0.25};
   c.sides[0] = large.side();
@@ -380,16 +319,8 @@ TEST(viewer_compose, sides_of_different_frames_are_each_shown_as_they_are) {
     for (int x = 4; x < 8; ++x) EXPECT_EQ(pixels[8 * y + x], gray(x < 6 ? 0 : 255)) << x << ' ' << y;
 }
 
-/// A layer of one color on all pixels.
-LayerPicture layer_of(const Seen& seen, const glm::vec3& color) {
-  LayerPicture layer{
-      .frame = seen.frame, .answer = seen.answer, .layer = {"layer", "What it shows.", {{"a color", color}}}, .rgb = {}};
-  for (std::size_t i = 0; i < seen.frame->gbuffer.size(); ++i) layer.rgb.insert(layer.rgb.end(), {color.r, color.g, color.b});
-  return layer;
-}
-
 TEST(viewer_compose, a_layer_hides_the_paint_by_its_opacity) {
-  Seen seen(3, 1);
+  SeenFrame seen(3, 1);
   seen.answer->mask = {0, 1, 1};
   seen.picture->mesh[1] = seen.picture->mesh[2] = no_mesh;
   LayerPicture layer = layer_of(seen, {0.5f, 0.25f, 0.125f});  // sRGB 188, 137, 99
@@ -410,7 +341,7 @@ TEST(viewer_compose, a_layer_hides_the_paint_by_its_opacity) {
 }
 
 TEST(viewer_compose, a_layer_of_another_frame_is_magnified_by_itself) {
-  Seen seen(4, 1), before(2, 1);
+  SeenFrame seen(4, 1), before(2, 1);
   LayerPicture layer = layer_of(before, {0, 0, 0});
   layer.rgb[5] = 1;
   Composition c = left_of(seen, Paint::mask);
@@ -427,7 +358,7 @@ TEST(viewer_compose, a_layer_of_another_frame_is_magnified_by_itself) {
 RC_GTEST_PROP(viewer_compose, every_combination_fills_the_picture_and_nothing_else, ()) {
   std::mt19937 random(*rc::gen::arbitrary<unsigned>());
   const auto size = [] { return *rc::gen::inRange(1, 40); };
-  const Seen a = random_seen(random, size(), size()), b = random_seen(random, size(), size());
+  const SeenFrame a = random_seen(random, size(), size()), b = random_seen(random, size(), size());
   const LayerPicture layers[] = {layer_of(a, glm::vec3(1)), layer_of(b, glm::vec3(NAN, -1, 2))};
   std::vector<float> coarse(12);
   for (float& v : coarse) v = random() % 4 == 0 ? NAN : static_cast<float>(random() % 5) - 2;
@@ -438,7 +369,7 @@ RC_GTEST_PROP(viewer_compose, every_combination_fills_the_picture_and_nothing_el
   c.flicker_is_right = random() % 2 == 0;
   c.layer_opacity = std::uniform_real_distribution<float>(-1, 2)(random);
   for (ComposeSide& side : c.sides) {
-    const Seen& seen = random() % 2 == 0 ? a : b;
+    const SeenFrame& seen = random() % 2 == 0 ? a : b;
     side = random() % 8 == 0 ? ComposeSide{} : seen.side();
     if (random() % 4 == 0) side.mask = coarse, side.mask_width = 4, side.mask_height = 3;
     if (random() % 8 == 0) side.mask_width += 1;
@@ -480,172 +411,6 @@ RC_GTEST_PROP(viewer_compose, every_combination_fills_the_picture_and_nothing_el
     for (const PixelFact& fact : pixel_facts(c, side, x, y, c.reference, &why))
       RC_ASSERT(!fact.name.empty() && !fact.value.empty());
   }
-}
-
-std::vector<std::string> words_of(const std::vector<LegendEntry>& entries) {
-  std::vector<std::string> all;
-  for (const LegendEntry& entry : entries) all.push_back(words(entry));
-  return all;
-}
-
-TEST(viewer_legend, shares_are_of_tested_pixels_and_only_what_occurs_is_named) {
-  Seen seen(10, 1);
-  seen.verdict.tally = {.tested = 8, .wrong = 3, .false_dark = 3, .false_lit = 0};
-  seen.verdict.cause_counts = {{"crack", 1}, {"acne", 2}, {"region", 0}};
-  EXPECT_EQ(words_of(legend(left_of(seen, Paint::kinds), 0)), std::vector<std::string>{"false dark 37.5 % of tested pixels"});
-  const std::vector<LegendEntry> causes = legend(left_of(seen, Paint::causes), 0);
-  EXPECT_EQ(words_of(causes), (std::vector<std::string>{"acne 25.0 % of tested pixels", "crack 12.5 % of tested pixels"}))
-      << "in the order of matching, not of the names";
-  EXPECT_EQ(rgb(causes[0].color), false_dark);
-  EXPECT_TRUE(legend(left_of(seen, Paint::shaded), 0).empty());
-  EXPECT_TRUE(legend(left_of(seen, Paint::causes), 1).empty()) << "nothing is known of the other side";
-}
-
-TEST(viewer_legend, differences_count_where_tested_pixels_are_a_half_apart) {
-  Seen here(8, 1), there(here.frame);
-  here.answer->mask = {0, 0, 0.4f, 1, 1, 1, 1, 0};
-  there.answer->mask = {1, 1, 1, 0, 0.5f, 1, 1, 1};
-  here.reference->classes[6] = here.reference->classes[7] = PixelClass::G;
-  there.verdict.reference = here.reference;
-  Composition c = left_of(here, Paint::difference);
-  c.sides[1] = there.side();
-  EXPECT_EQ(words_of(legend(c, 0)),
-            (std::vector<std::string>{"darker here 50.0 % of tested pixels", "lighter here 16.7 % of tested pixels"}));
-  EXPECT_EQ(legend(c, 1)[0].share, 1.0 / 6) << "darker on the other side";
-  c.sides[0].verdict = c.sides[1].verdict = nullptr;
-  EXPECT_EQ(words_of(legend(c, 0)), (std::vector<std::string>{"darker here", "lighter here"}));
-}
-
-TEST(viewer_legend, classes_are_counted_over_all_pixels_and_layers_have_their_swatches) {
-  Seen seen(4, 1);
-  seen.reference->classes = {PixelClass::B, PixelClass::T, PixelClass::T, PixelClass::T};
-  Composition c = left_of(seen, Paint::classes);
-  const std::vector<LegendEntry> entries = legend(c, 0);
-  ASSERT_EQ(entries.size(), 6u);
-  EXPECT_EQ(words(entries[0]), "B background 25.0 % of all pixels");
-  EXPECT_EQ(words(entries[5]), "T tested 75.0 % of all pixels");
-  const std::vector<LegendEntry> swatches = layer_legend(layer_of(seen, {0.5f, 0.25f, 0.125f}));
-  ASSERT_EQ(swatches.size(), 1u);
-  EXPECT_EQ(words(swatches[0]), "a color");
-  EXPECT_EQ(rgb(swatches[0].color), (Rgb{188, 137, 99}));
-  c.paint = Paint::mask;
-  EXPECT_EQ(words_of(legend(c, 0)), (std::vector<std::string>{"lit", "umbra"}));
-  seen.frame->light.kind = SphereLight{};
-  EXPECT_EQ(words_of(legend(c, 0)), (std::vector<std::string>{"lit", "penumbra", "umbra"}));
-}
-
-/// The value of a fact; "-" when it is not there.
-std::string fact(const std::vector<PixelFact>& facts, std::string_view name) {
-  const auto found = std::ranges::find(facts, name, &PixelFact::name);
-  return found == facts.end() ? "-" : found->value;
-}
-
-TEST(pixel_facts, tell_where_the_pixel_is_and_what_the_masks_say) {
-  // The point (3, 0, -4) of the ground and a light 5 m above the origin: 5 * sqrt(2) m away, under 45 degrees.
-  Seen seen(2, 1), other(seen.frame);
-  seen.scene().meshes[1].name = "table";
-  seen.picture->set(1, {3, 0, -4}, {0, 1, -0.0f}, 1, 17);
-  seen.frame->light = hand_made::point_light({0, 5, 0});
-  seen.finish();
-  seen.answer->mask = {1, 0};
-  seen.verdict.causes[1] = Cause::crack;
-  Composition c = left_of(seen, Paint::shaded);
-  c.width = 4;
-  c.height = 2;
-  c.sides[1] = other.side();
-  const std::vector<PixelFact> facts = pixel_facts(c, 0, 3, 1, nullptr, nullptr);
-  EXPECT_EQ(fact(facts, "frame pixel"), "1 0 of 2 x 1");
-  EXPECT_TRUE(fact(facts, "class").starts_with("T, tested. "));
-  EXPECT_EQ(fact(facts, "error"), "false dark");
-  EXPECT_TRUE(fact(facts, "cause").starts_with("crack. At most four pixels"));
-  EXPECT_EQ(fact(facts, "mask left"), "0 umbra");
-  EXPECT_EQ(fact(facts, "mask right"), "1 lit");
-  EXPECT_EQ(fact(facts, "reference"), "1 lit");
-  EXPECT_EQ(fact(facts, "mesh"), "table");
-  EXPECT_EQ(fact(facts, "triangle"), "17");
-  EXPECT_EQ(fact(facts, "position"), "3.00000, 0.00000, -4.00000 m");
-  EXPECT_EQ(fact(facts, "normal"), "0.0000, 1.0000, 0.0000");
-  EXPECT_EQ(fact(facts, "cosine"), "0.7071, 45.0 degrees off the normal");
-  EXPECT_EQ(fact(facts, "to the light"), "7.07107 m");
-  EXPECT_EQ(fact(facts, "covered"), "-") << "nobody explained it";
-  EXPECT_EQ(fact(pixel_facts(c, 0, 0, 0, nullptr, nullptr), "error"), "none");
-  EXPECT_EQ(fact(pixel_facts(c, 0, 0, 0, nullptr, nullptr), "cause"), "-");
-  EXPECT_TRUE(pixel_facts(c, 0, 4, 0, nullptr, nullptr).empty()) << "beside the picture";
-}
-
-TEST(pixel_facts, exact_shapes_suns_and_backgrounds_have_their_own_words) {
-  Seen seen(2, 1);
-  seen.picture->gbuffer.truth = Truth::shape;
-  seen.scene().meshes[0].shape = Sphere{};
-  seen.picture->mesh[1] = no_mesh;
-  seen.reference->classes[1] = PixelClass::B;
-  seen.finish();
-  Composition c = left_of(seen, Paint::shaded);
-  const std::vector<PixelFact> facts = pixel_facts(c, 0, 0, 0, nullptr, nullptr);
-  EXPECT_EQ(fact(facts, "triangle"), "none: exact sphere");
-  EXPECT_EQ(fact(facts, "mesh"), "number 0");
-  EXPECT_EQ(fact(facts, "to the light"), "infinite");
-  EXPECT_EQ(fact(facts, "frame pixel"), "-") << "that of the picture";
-  const std::vector<PixelFact> none = pixel_facts(c, 0, 1, 0, nullptr, nullptr);
-  ASSERT_EQ(none.size(), 1u);
-  EXPECT_TRUE(none[0].value.starts_with("B, background. "));
-  // While the reference is refined it has no classes, and fewer pixels.
-  ReferenceState coarse;
-  coarse.frame = seen.frame;
-  coarse.width = coarse.height = 1;
-  coarse.mask = {0.25f};
-  c.sides[0].verdict = nullptr;
-  EXPECT_EQ(fact(pixel_facts(c, 0, 0, 0, &coarse, nullptr), "reference"), "0.25");
-  EXPECT_EQ(fact(pixel_facts(c, 0, 0, 0, &coarse, nullptr), "class"), "-");
-}
-
-TEST(pixel_facts, explanations_say_which_taps_were_dark) {
-  // The point is the origin; the light's rays come down from 4 m above it. Of two taps of half the weight one is dark where the
-  // mask is 1/2: the one whose stored surface stands farther before the point, though both are before it.
-  Seen seen(1, 1);
-  seen.answer->mask = {0.5f};
-  const Composition c = left_of(seen, Paint::shaded);
-  const auto tap = [](double stored, double weight) {
-    return Tap{.origin = {0, 4, 0}, .direction = {0, -1, 0}, .weight = weight, .stored = stored};
-  };
-  Explanation why;
-  why.taps = {tap(3.99, 0.5), tap(2.5, 0.5)};
-  why.bias = 0.02;
-  why.texel_width = 0.01;
-  std::vector<PixelFact> facts = pixel_facts(c, 0, 0, 0, nullptr, &why);
-  EXPECT_EQ(fact(facts, "covered"), "yes");
-  EXPECT_EQ(fact(facts, "tap 1"), "lit: stored 3.990 m, measured 4.000 m, weight 0.5");
-  EXPECT_EQ(fact(facts, "tap 2"), "dark: stored 2.500 m, measured 4.000 m, weight 0.5");
-  EXPECT_EQ(fact(facts, "bias"), "0.02 m, 2 texels");
-  EXPECT_EQ(fact(facts, "texel width"), "0.01 m");
-  EXPECT_EQ(fact(facts, "element"), "-");
-  why.taps = {tap(INFINITY, 1)};
-  why.covered = false;
-  why.shifted = glm::dvec3(0, 0.03, 0.04);
-  seen.answer->mask = {1};
-  facts = pixel_facts(c, 0, 0, 0, nullptr, &why);
-  EXPECT_TRUE(fact(facts, "covered").starts_with("no"));
-  EXPECT_EQ(fact(facts, "tap"), "lit: stored nothing, measured 4.000 m, weight 1");
-  EXPECT_EQ(fact(facts, "look-up point"), "moved by 0.05 m");
-  // Many are summed up; seven ninths of them are dark.
-  seen.answer->mask = {2 / 9.0f};
-  why.taps.clear();
-  for (int k = 0; k < 9; ++k) why.taps.push_back(tap(1 + 0.25 * k, 1 / 9.0));
-  facts = pixel_facts(c, 0, 0, 0, nullptr, &why);
-  EXPECT_EQ(fact(facts, "taps"), "9: 7 dark, 2 lit");
-  EXPECT_EQ(fact(facts, "stored"), "1.000 m to 3.000 m");
-  EXPECT_EQ(fact(facts, "measured"), "4.000 m to 4.000 m");
-  EXPECT_EQ(fact(facts, "tap 1"), "-");
-  // Geometry has an element instead, and may own up to what it errs by.
-  Explanation geometric;
-  geometric.element = 42;
-  geometric.outline_error = 0.001;
-  geometric.formula_differs = true;
-  facts = pixel_facts(c, 0, 0, 0, nullptr, &geometric);
-  EXPECT_EQ(fact(facts, "element"), "42");
-  EXPECT_EQ(fact(facts, "outline error"), "0.001 m");
-  EXPECT_NE(fact(facts, "formula"), "-");
-  EXPECT_EQ(fact(facts, "bias"), "-");
 }
 
 }  // namespace
