@@ -4,13 +4,14 @@
 import csv
 import io
 import json
+import re
 import subprocess
 import sys
 import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import FAULTS, PROGRAM, ProgramTest, records  # noqa: E402
+from program import FAULTS, PROGRAM, ROOT, ProgramTest, records  # noqa: E402
 
 ROWS = ["--scene", "single_triangle", "--scene", "contact", "--light", "point", "--technique",
         "shadow_map:resolution={512,1024};unshadowed;embree_rays", "--size", "96x54", "--quiet"]
@@ -164,7 +165,8 @@ class Live(ProgramTest):
         self.refuse("compare", "--live", self.write("plain", "text"), *ROWS, says=["plain", "Permission denied"])
         old = self.write("old", "#!/bin/bash\nread line <&$2; printf '{\"protocol\": 1}\\n' >&$2; sleep 5\n")
         old.chmod(0o755)
-        self.refuse("compare", "--live", old, *ROWS, says=["protocol 1", "this one 2"])
+        ours = re.search(r"worker_protocol = (\d+);", (ROOT / "harness/measure/run/worker.h").read_text())[1]
+        self.refuse("compare", "--live", old, *ROWS, says=["protocol 1", f"this one {ours}"])
         self.assertFalse((self.dir / "out").exists())
 
 

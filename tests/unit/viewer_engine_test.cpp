@@ -173,7 +173,7 @@ TEST(viewer_engine, redoes_only_what_a_parameter_spoils) {
 
 TEST(viewer_engine, says_why_a_side_is_unsupported_and_goes_on) {
   Rig rig;
-  rig.open("bunny");
+  rig.open("fence");
   rig.wish.sides[0] = {.technique = "composite_planar", .settings = "", .layer = ""};
   const EngineState state = rig.finish();
   EXPECT_EQ(state.sides[0].phase, Phase::unsupported);
@@ -245,7 +245,7 @@ TEST(viewer_engine, ends_in_the_middle_of_work) {
     const auto start = Clock::now();
     {
       Rig rig;
-      rig.open("bunny");
+      rig.open("soup");
       rig.wish.width = 960;
       rig.wish.height = 540;
       rig.wish.sides[0] = {.technique = "exact_rays", .settings = "", .layer = ""};
