@@ -150,8 +150,9 @@ void draw_notices(const Canvas& canvas, const Session& session, const Shown& sho
   }
 }
 
-/// Edges that the eye sees are bright, the others dark: as the G-buffer tells at three points of each.
-void draw_silhouettes(const Canvas& canvas, std::span<const SilhouetteFinder::Segment> segments, const GBuffer& g) {
+/// Edges that the eye sees are bright, the others dark: as the G-buffer tells at two points of each. In the window's own
+/// pixels, and quick enough for every picture; the debug layers of techniques decide pixel by pixel.
+void draw_silhouettes(const Canvas& canvas, std::span<const Line> lines, const GBuffer& g) {
   constexpr double tolerance = 0.005;  // of the distance from the eye
   const auto is_seen = [&](const glm::dvec3& point) {
     const auto p = project(canvas.camera, point);
@@ -170,11 +171,16 @@ void draw_silhouettes(const Canvas& canvas, std::span<const SilhouetteFinder::Se
       }
     return false;
   };
-  const ImU32 seen = IM_COL32(80, 230, 255, 235), hidden = IM_COL32(20, 90, 120, 120);
-  for (const auto& [a, b] : segments) {
-    const glm::dvec3 first(a), second(b), middle = (first + second) / 2.0;
-    canvas.segment(first, middle, is_seen((first + middle) / 2.0) ? seen : hidden, 1.2f);
-    canvas.segment(middle, second, is_seen((middle + second) / 2.0) ? seen : hidden, 1.2f);
+  const auto draw = [&](const Line& line, const glm::dvec3& from, const glm::dvec3& to) {
+    const bool is_bright = is_seen((from + to) / 2.0);
+    const auto part = [&](double linear) { return is_bright ? srgb(linear) : srgb(linear) * 2 / 5; };
+    const glm::vec3& c = line.color;
+    canvas.segment(from, to, IM_COL32(part(c.r), part(c.g), part(c.b), is_bright ? 235 : 120), 1.2f);
+  };
+  for (const Line& line : lines) {
+    const glm::dvec3 middle = (line.from + line.to) / 2.0;
+    draw(line, line.from, middle);
+    draw(line, middle, line.to);
   }
 }
 

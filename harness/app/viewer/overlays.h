@@ -1,5 +1,6 @@
 #pragma once
 #include <gnomon/kit/edges.h>
+#include <gnomon/kit/lines.h>
 
 #include <atomic>
 #include <functional>
@@ -19,18 +20,15 @@ class SilhouetteFinder {
   explicit SilhouetteFinder(std::function<void()> changed) : changed_(std::move(changed)) {}
   ~SilhouetteFinder();
 
-  struct Segment {
-    glm::vec3 a, b;
-  };
-  /// Null while they are not known for this scene and light.
-  std::shared_ptr<const std::vector<Segment>> find(const std::shared_ptr<const LoadedScene>& loaded, const Light& light);
+  /// Colored as in the debug layers `silhouette`. Null while they are not known for this scene and light.
+  std::shared_ptr<const std::vector<Line>> find(const std::shared_ptr<const LoadedScene>& loaded, const Light& light);
 
  private:
   void look(std::shared_ptr<const LoadedScene> loaded, Light light);
 
   std::function<void()> changed_;
   std::mutex mutex_;  // of what was found
-  std::shared_ptr<const std::vector<Segment>> found_;
+  std::shared_ptr<const std::vector<Line>> found_;
   std::shared_ptr<const LoadedScene> found_for_;
   Light found_light_;
   std::atomic<double> look_ms_ = 1e9;  // that the last look took, without the edges of its scene

@@ -15,8 +15,8 @@ SilhouetteFinder::~SilhouetteFinder() {
   if (thread_.joinable()) thread_.join();
 }
 
-std::shared_ptr<const std::vector<SilhouetteFinder::Segment>> SilhouetteFinder::find(
-    const std::shared_ptr<const LoadedScene>& loaded, const Light& light) {
+std::shared_ptr<const std::vector<Line>> SilhouetteFinder::find(const std::shared_ptr<const LoadedScene>& loaded,
+                                                                const Light& light) {
   if (!is_looking_ && (asked_scene_ != loaded || !are_same(asked_, light))) {
     if (thread_.joinable()) thread_.join();
     const bool is_quick = adjacency_scene_ == loaded && look_ms_ < quick_ms;
@@ -32,7 +32,7 @@ std::shared_ptr<const std::vector<SilhouetteFinder::Segment>> SilhouetteFinder::
 
 void SilhouetteFinder::look(std::shared_ptr<const LoadedScene> loaded, Light light) {
   auto start = std::chrono::steady_clock::now();
-  auto segments = std::make_shared<std::vector<Segment>>();
+  auto lines = std::make_shared<std::vector<Line>>();
   try {
     if (adjacency_scene_ != loaded) {
       adjacency_ = EdgeAdjacency(loaded->scene);
@@ -40,15 +40,14 @@ void SilhouetteFinder::look(std::shared_ptr<const LoadedScene> loaded, Light lig
       start = std::chrono::steady_clock::now();
     }
     adjacency_.find_silhouette(homogeneous(light), silhouette_);
-    for (const SilhouetteEdge& edge : silhouette_.edges)
-      segments->push_back({adjacency_.positions()[edge.low], adjacency_.positions()[edge.high]});
+    *lines = silhouette_lines(adjacency_, silhouette_);
   } catch (const std::exception&) {
-    segments->clear();  // no memory for them: an overlay is not worth the window
+    lines->clear();  // no memory for them: an overlay is not worth the window
     adjacency_scene_.reset();
   }
   {
     const std::lock_guard lock(mutex_);
-    found_ = std::move(segments);
+    found_ = std::move(lines);
     found_for_ = std::move(loaded);
     found_light_ = light;
   }
