@@ -3,12 +3,14 @@
 
 #include <cstdlib>
 
+#include "places.h"
+
 extern "C" void gnomon_roll_call(gnomon::Registry& registry);
 
 namespace {
 [[maybe_unused]] const bool called = [] {
-  setenv("GNOMON_ROOT", GNOMON_SOURCE_DIR, 0);
-  setenv("GNOMON_PROGRAM", GNOMON_TEST_PROGRAM, 0);
+  setenv("GNOMON_ROOT", tree().c_str(), 0);
+  setenv("GNOMON_PROGRAM", tested_program().c_str(), 0);
   gnomon_roll_call(gnomon::registry());
   return true;
 }();

@@ -10,6 +10,7 @@
 #include <functional>
 
 #include "measure/record/record.h"
+#include "places.h"
 
 namespace {
 
@@ -66,7 +67,7 @@ const std::map<std::string, Value> formulas = {{"noise", noise}, {"disc", disc},
                                                {"speck", speck}, {"extremes", extremes}, {"wide", wide},       {"tiny", noise}};
 
 TEST(perceptual, agrees_with_implementations_that_share_nothing) {
-  std::ifstream file(GNOMON_TEST_DATA "/perceptual/expected.json");
+  std::ifstream file(data_file("perceptual/expected.json"));
   const Json expected = Json::parse(file);
   EXPECT_EQ(expected.size(), formulas.size());
   for (const Json& row : expected) {

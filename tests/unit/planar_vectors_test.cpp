@@ -9,6 +9,7 @@
 #include <numbers>
 #include <set>
 
+#include "places.h"
 #include "planar_conic.h"
 
 namespace {
@@ -327,7 +328,7 @@ TEST(PlanarVectors, hold) {
                                                               {"sphere_conic_", check_conic},
                                                               {"sphere_", check_sphere},
                                                               {"cone_", check_cone}};
-  std::ifstream file(GNOMON_TEST_DATA "/planar_vectors.json");
+  std::ifstream file(data_file("planar_vectors.json"));
   ASSERT_TRUE(file);
   const json all = json::parse(file);
   EXPECT_EQ(all.at("vectors").size(), 25u);

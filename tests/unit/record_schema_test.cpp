@@ -4,13 +4,14 @@
 #include <fstream>
 
 #include "measure/record/record.h"
+#include "places.h"
 
 namespace {
 
 using namespace gnomon;
 
 std::vector<Record> kept(int schema) {
-  return read_record_file(fmt::format("{}/records/schema_{}.jsonl", GNOMON_TEST_DATA, schema)).records;
+  return read_record_file(data_file(fmt::format("records/schema_{}.jsonl", schema))).records;
 }
 
 TEST(record, schema_1_is_read) {
@@ -72,7 +73,7 @@ TEST(record, schema_2_is_read) {
 
 TEST(record, files_of_every_schema_lose_nothing_when_they_are_written_again) {
   for (const int schema : {1, 2}) {
-    std::ifstream file(fmt::format("{}/records/schema_{}.jsonl", GNOMON_TEST_DATA, schema));
+    std::ifstream file(data_file(fmt::format("records/schema_{}.jsonl", schema)));
     int count = 0;
     for (std::string line; std::getline(file, line); ++count) {
       const Json before = Json::parse(line);

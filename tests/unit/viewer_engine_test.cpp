@@ -9,6 +9,7 @@
 #include "app/viewer/engine.h"
 #include "measure/run/row.h"
 #include "measure/scene/load.h"
+#include "places.h"
 
 namespace gnomon::viewer {
 namespace {
@@ -19,7 +20,7 @@ using std::chrono::seconds;
 /// An engine and a person who looks at it.
 class Rig {
  public:
-  Rig() : engine_({.threads = 0, .plugins = {}, .program = GNOMON_TEST_PROGRAM}, 60, [this] { wake(); }) {
+  Rig() : engine_({.threads = 0, .plugins = {}, .program = tested_program()}, 60, [this] { wake(); }) {
     wish.sides = {SideWish{.technique = "shadow_map", .settings = "resolution=256", .layer = ""},
                   SideWish{.technique = "embree_rays", .settings = "", .layer = ""}};
     wish.width = 160;
@@ -87,7 +88,7 @@ MeasuredRow rendered(const Wish& wish, int side) {
   const std::filesystem::path folder = std::filesystem::temp_directory_path() / fmt::format("gnomon-engine-test-{}", getpid());
   SceneRun run("scene", scene, suite, folder, folder / "scratch");
   std::filesystem::create_directories(run.scratch);
-  Seat seat(run, contender, {.threads = 0, .plugins = {}, .program = GNOMON_TEST_PROGRAM});
+  Seat seat(run, contender, {.threads = 0, .plugins = {}, .program = tested_program()});
   seat.open_begin();
   seat.open_end();
   const Standpoint place{0, 0, wish.width, wish.height, std::nullopt, 0};

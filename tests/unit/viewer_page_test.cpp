@@ -7,12 +7,13 @@
 #include "app/viewer/compose.h"
 #include "app/viewer/keys.h"
 #include "app/viewer/mouse.h"
+#include "places.h"
 
 namespace gnomon::viewer {
 namespace {
 
 std::string page() {
-  std::ifstream file(GNOMON_SOURCE_DIR "/docs/viewer.md");
+  std::ifstream file(tree_file("docs/viewer.md"));
   std::ostringstream text;
   text << file.rdbuf();
   return text.str();

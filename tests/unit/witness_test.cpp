@@ -8,6 +8,7 @@
 #include "measure/frame/gbuffer_maker.h"
 #include "measure/scene/load.h"
 #include "measure/score/metrics.h"
+#include "places.h"
 
 namespace {
 
@@ -20,7 +21,7 @@ constexpr double allowed_share = 2e-5;
 constexpr float allowed_distance = 1.5f;
 
 std::vector<std::uint8_t> read_witness(const std::string& file) {
-  const auto input = OIIO::ImageInput::open(fmt::format("{}/tests/witness/{}", GNOMON_SOURCE_DIR, file));
+  const auto input = OIIO::ImageInput::open(tree_file("tests/witness/" + file));
   if (!input || input->spec().width != width || input->spec().height != height) return {};
   std::vector<std::uint8_t> pixels(width * height);
   const bool whole = input->read_image(0, 0, 0, 1, OIIO::TypeDesc::UINT8, pixels.data());
