@@ -63,14 +63,15 @@ auto maker(const char* id) {
 
 }  // namespace gnomon
 
-/// Registers the technique of this file. `id` is the file's stem; the build writes the roll that calls it.
-#define GNOMON_TECHNIQUE(id, Class, ...)                                                             \
-  extern "C" void gnomon_technique_##id(gnomon::Registry& registry) {                                \
-    registry.add(gnomon::TechniqueEntry{#id, gnomon::About __VA_ARGS__, gnomon::maker<Class>(#id)}); \
+/// Registers the technique of this file. `id` is the file's stem; the build writes the roll that calls it. The rest is its data
+/// sheet: an About, by name or in braces.
+#define GNOMON_TECHNIQUE(id, Class, ...)                                                              \
+  extern "C" void gnomon_technique_##id(gnomon::Registry& registry) {                                 \
+    registry.add(gnomon::TechniqueEntry{#id, gnomon::About(__VA_ARGS__), gnomon::maker<Class>(#id)}); \
   }
 
 /// Registers the generated scene of this file, the same way.
-#define GNOMON_SCENE(id, Class, ...)                                                                  \
-  extern "C" void gnomon_scene_##id(gnomon::Registry& registry) {                                     \
-    registry.add(gnomon::SceneEntry{#id, gnomon::SceneAbout __VA_ARGS__, gnomon::maker<Class>(#id)}); \
+#define GNOMON_SCENE(id, Class, ...)                                                                   \
+  extern "C" void gnomon_scene_##id(gnomon::Registry& registry) {                                      \
+    registry.add(gnomon::SceneEntry{#id, gnomon::SceneAbout(__VA_ARGS__), gnomon::maker<Class>(#id)}); \
   }
