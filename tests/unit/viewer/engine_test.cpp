@@ -1,4 +1,6 @@
 // The viewer without its window: what is wished comes, as `gnomon render` would make it, and nothing waits for it.
+#include "app/viewer/engine.h"
+
 #include <gnomon/registry.h>
 #include <gtest/gtest.h>
 
@@ -6,7 +8,6 @@
 #include <condition_variable>
 #include <mutex>
 
-#include "app/viewer/engine.h"
 #include "measure/run/row.h"
 #include "measure/scene/load.h"
 #include "places.h"

@@ -1,8 +1,9 @@
 // Camera moves: what follows the mouse, what stays, and what no drag can break.
+#include "app/viewer/moves.h"
+
 #include <gtest/gtest.h>
 
-#include "app/viewer/moves.h"
-#include "viewer_world.h"
+#include "world.h"
 
 namespace {
 

@@ -1,3 +1,5 @@
+#include "app/viewer/compose.h"
+
 #include <gnomon/kit/layers.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -5,10 +7,9 @@
 #include <bit>
 #include <random>
 
-#include "app/viewer/compose.h"
 #include "color_vision.h"
 #include "measure/picture/picture.h"
-#include "viewer_seen.h"
+#include "seen.h"
 
 namespace {
 

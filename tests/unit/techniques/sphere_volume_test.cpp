@@ -6,11 +6,11 @@
 
 #include <numbers>
 
-#include "../../techniques/sphere_volume/bodies.h"
 #include "device/context.h"
 #include "kit/shape_rays.h"
 #include "shape_world.h"
 #include "small_world.h"
+#include "techniques/sphere_volume/bodies.h"
 
 extern "C" void gnomon_technique_sphere_volume(gnomon::Registry&);
 

@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "../../techniques/two_pass_object/detail.h"
 #include "hard_scenes.h"
+#include "techniques/two_pass_object/detail.h"
 
 extern "C" void gnomon_technique_two_pass_object(gnomon::Registry& registry);
 

@@ -1,6 +1,6 @@
 // What the window says in words: what colors mean, and what is known of a pixel.
 #include "color_vision.h"
-#include "viewer_seen.h"
+#include "seen.h"
 
 namespace {
 

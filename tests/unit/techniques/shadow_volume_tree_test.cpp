@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "../../techniques/shadow_volume_tree/order.h"
-#include "../../techniques/shadow_volume_tree/tree.h"
 #include "hard_scenes.h"
+#include "techniques/shadow_volume_tree/order.h"
+#include "techniques/shadow_volume_tree/tree.h"
 
 extern "C" void gnomon_technique_shadow_volume_tree(gnomon::Registry& registry);
 

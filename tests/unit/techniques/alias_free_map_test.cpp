@@ -10,10 +10,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../../techniques/alias_free_map/walk.h"
 #include "hand_made.h"
 #include "hard_scenes.h"
 #include "small_world.h"
+#include "techniques/alias_free_map/walk.h"
 
 extern "C" void gnomon_technique_alias_free_map(gnomon::Registry& registry);
 

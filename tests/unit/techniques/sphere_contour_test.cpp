@@ -5,9 +5,9 @@
 
 #include <numbers>
 
-#include "../../techniques/sphere_volume/bodies.h"
 #include "kit/shape_rays.h"
 #include "small_world.h"
+#include "techniques/sphere_volume/bodies.h"
 
 namespace {
 using namespace gnomon;

@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-#include "../../techniques/composite_planar/patches.h"
+#include "techniques/composite_planar/patches.h"
 
 namespace {
 using namespace gnomon;

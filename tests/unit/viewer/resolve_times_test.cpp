@@ -1,6 +1,6 @@
-#include <gtest/gtest.h>
-
 #include "app/viewer/resolve_times.h"
+
+#include <gtest/gtest.h>
 
 namespace gnomon::viewer {
 namespace {

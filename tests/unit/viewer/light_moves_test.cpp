@@ -3,7 +3,7 @@
 
 #include "app/viewer/key_moves.h"
 #include "app/viewer/moves.h"
-#include "viewer_world.h"
+#include "world.h"
 
 namespace {
 

@@ -9,10 +9,10 @@
 
 #include <algorithm>
 
-#include "../../techniques/crow_counting/polygon.h"
 #include "hand_made.h"
 #include "hard_scenes.h"
 #include "small_world.h"
+#include "techniques/crow_counting/polygon.h"
 
 extern "C" void gnomon_technique_crow_counting(gnomon::Registry& registry);
 

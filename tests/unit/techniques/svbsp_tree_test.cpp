@@ -2,8 +2,8 @@
 #include <gnomon/kit/exact.h>
 #include <gtest/gtest.h>
 
-#include "../../techniques/svbsp/detail.h"
 #include "hard_scenes.h"
+#include "techniques/svbsp/detail.h"
 
 namespace gnomon {
 namespace {

@@ -1,6 +1,6 @@
 // What setup draws, so that no timed stage compiles a shader.
-#include "../../techniques/composite_planar/patches.h"
 #include "composite_planar_rig.h"
+#include "techniques/composite_planar/patches.h"
 
 namespace {
 using namespace composite_rig;
