@@ -101,5 +101,10 @@ class Composite final : public SceneGenerator {
 GNOMON_SCENE(
     composite, Composite,
     {.title = "Composite",
-     .summary =
-         "Circle, triangle, sphere and cone over a plane; brings out what shadow formulas are worth as the light moves."})
+     .summary = "Circle, triangle, sphere and cone over a plane; brings out what shadow formulas are worth as the light moves.",
+     .is_default = true,
+     // The letters of the paper's program.
+     .keys = {{'K', "object", "circle", "Shadowed object: circle."},
+              {'L', "object", "triangle", "Shadowed object: triangle."},
+              {'T', "object", "sphere", "Shadowed object: sphere."},
+              {'U', "object", "cone", "Shadowed object: cone."}}})

@@ -379,4 +379,5 @@ GNOMON_TECHNIQUE(shadow_map, ShadowMap,
                   .source = "Williams 1978; Reeves, Salesin and Cook 1987",
                   .error = "Stair steps of one texel diagonal; acne or peter-panning with the wrong bias.",
                   .fails = "Long shadows at grazing angles, wires thinner than a texel, large scenes.",
-                  .needs_gl = true})
+                  .needs_gl = true,
+                  .is_default = true})

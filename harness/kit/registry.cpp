@@ -21,6 +21,13 @@ const Entry* find(const std::vector<Entry>& entries, std::string_view id) {
   return found == entries.end() ? nullptr : &*found;
 }
 
+template <class Entry>
+const Entry& default_of(const std::vector<Entry>& entries, std::string_view what) {
+  if (entries.empty()) throw Error("no {} is registered", what);
+  const auto found = std::ranges::find_if(entries, [](const Entry& e) { return e.about.is_default; });
+  return found == entries.end() ? entries.front() : *found;
+}
+
 }  // namespace
 
 void Registry::add(TechniqueEntry entry) { insert(techniques_, std::move(entry), "technique"); }
@@ -34,6 +41,15 @@ const TechniqueEntry& Registry::technique(std::string_view id) const {
 }
 
 const SceneEntry* Registry::find_scene(std::string_view id) const { return find(scenes_, id); }
+
+const TechniqueEntry& Registry::default_technique() const { return default_of(techniques_, "technique"); }
+const SceneEntry& Registry::default_scene() const { return default_of(scenes_, "scene"); }
+
+const TechniqueEntry& Registry::reference() const {
+  for (const TechniqueEntry& entry : techniques_)
+    if (entry.about.role == Role::reference) return entry;
+  throw Error("no technique has the role of the reference");
+}
 
 Registry& registry() {
   static Registry the_registry;

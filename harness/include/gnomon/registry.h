@@ -6,7 +6,7 @@
 namespace gnomon {
 
 /// Version of the contract: a plugin built for another number is refused.
-inline constexpr int abi_version = 5;
+inline constexpr int abi_version = 6;
 
 /// A scene made by a program instead of a file; one per file in scenes/. Gives lights `point` and `sun` and at least one view.
 class SceneGenerator : public Parametrized {
@@ -14,9 +14,20 @@ class SceneGenerator : public Parametrized {
   virtual Scene make() const = 0;
 };
 
+/// A key of `gnomon view` that a scene brings along: it sets one of the scene's parameters. From another scene it goes to its
+/// own.
+struct SceneKey {
+  char letter;                 ///< 'A' .. 'Z', as on the key's cap; one that the viewer does not use itself
+  std::string_view parameter;  ///< of the generator: "object"
+  std::string_view value;      ///< that it is set to, as the command line writes it: "circle"
+  std::string_view sentence;   ///< for the help: "Shadowed object: circle."
+};
+
 struct SceneAbout {
   std::string_view title;
   std::string_view summary;  ///< one sentence: what it is and what it brings out
+  bool is_default = false;   ///< the scene that `gnomon view` opens when none is named
+  std::vector<SceneKey> keys = {};
 };
 
 struct TechniqueEntry {
@@ -40,6 +51,11 @@ class Registry {
   /// Throws Error with the nearest id and the list.
   const TechniqueEntry& technique(std::string_view id) const;
   const SceneEntry* find_scene(std::string_view id) const;
+  /// The first whose data sheet says `is_default`, else the first of all. Throws Error when there is none at all.
+  const TechniqueEntry& default_technique() const;
+  const SceneEntry& default_scene() const;
+  /// The technique whose role it is to be the reference. Throws Error when there is none.
+  const TechniqueEntry& reference() const;
 
  private:
   std::vector<TechniqueEntry> techniques_;

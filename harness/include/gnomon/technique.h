@@ -98,7 +98,8 @@ struct About {
   Promise promise = Promise::sampled;
   Truth sees = Truth::mesh;  ///< geometry the technique works on; promises and conformance are judged by that truth
   Role role = Role::contender;
-  bool needs_gl = false;  ///< called with a current OpenGL 4.5 core context
+  bool needs_gl = false;    ///< called with a current OpenGL 4.5 core context
+  bool is_default = false;  ///< the technique that `gnomon view` shows when none is named
 };
 
 /// A shadow technique. Life: construct (no work), set parameters, then setup, build, relight, resolve in this order; each
