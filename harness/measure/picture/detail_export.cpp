@@ -3,6 +3,7 @@
 #include <gnomon/error.h>
 #include <gnomon/kit/surface_detail.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
