@@ -1,8 +1,8 @@
 #include <fmt/chrono.h>
 
+#include "analysis/compare.h"
 #include "app/app.h"
 #include "app/suite_options.h"
-#include "measure/analysis/compare.h"
 #include "measure/run/live.h"
 #include "report/analysis/compare_table.h"
 

@@ -8,6 +8,7 @@
 #include "measure/run/context.h"
 #include "measure/run/row.h"
 #include "measure/scene/load.h"
+#include "measure/score/error_picture.h"
 
 namespace gnomon::app {
 

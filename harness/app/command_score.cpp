@@ -7,6 +7,7 @@
 #include "measure/picture/picture.h"
 #include "measure/run/jobs.h"
 #include "measure/scene/load.h"
+#include "measure/score/error_picture.h"
 #include "measure/score/score.h"
 #include "report/table/digits.h"
 #include "report/table/text_table.h"

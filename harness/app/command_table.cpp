@@ -1,5 +1,5 @@
 #include "app/app.h"
-#include "measure/score/rescore.h"
+#include "measure/run/rescore.h"
 #include "report/table/table.h"
 
 namespace gnomon::app {

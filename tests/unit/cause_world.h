@@ -9,8 +9,8 @@
 
 #include "hand_made.h"
 #include "measure/cause/causes.h"
-#include "measure/cause/light_rays.h"
 #include "measure/frame/gbuffer_maker.h"
+#include "measure/frame/light_rays.h"
 #include "test_map.h"
 
 namespace gnomon::cause_world {

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "app/viewer/engine_body.h"
-#include "measure/cause/light_rays.h"
+#include "measure/frame/light_rays.h"
 
 namespace gnomon::viewer {
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "app/viewer/compose_parts.h"
+#include "measure/score/error_picture.h"
 
 namespace gnomon::viewer {
 

@@ -7,6 +7,7 @@
 
 #include "app/viewer/panels.h"
 #include "app/viewer/style.h"
+#include "measure/score/error_picture.h"
 
 namespace gnomon::viewer {
 

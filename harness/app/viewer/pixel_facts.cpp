@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "app/viewer/compose_parts.h"
+#include "measure/score/error_picture.h"
 
 namespace gnomon::viewer {
 

@@ -9,7 +9,7 @@
 
 #include "measure/cause/causes_taps.h"
 #include "measure/cause/components.h"
-#include "measure/score/metrics.h"
+#include "measure/frame/boundary.h"
 
 namespace gnomon {
 

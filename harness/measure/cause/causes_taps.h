@@ -2,7 +2,7 @@
 #include <span>
 
 #include "measure/cause/causes.h"
-#include "measure/cause/light_rays.h"
+#include "measure/frame/light_rays.h"
 
 namespace gnomon {
 

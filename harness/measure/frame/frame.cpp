@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "measure/cause/light_rays.h"
+#include "measure/frame/light_rays.h"
 #include "measure/frame/snapping.h"
 
 namespace gnomon {

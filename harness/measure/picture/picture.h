@@ -2,9 +2,9 @@
 #include <gnomon/technique.h>
 
 #include <filesystem>
+#include <span>
 #include <string>
-
-#include "measure/score/metrics.h"
+#include <vector>
 
 namespace gnomon {
 
@@ -16,10 +16,6 @@ struct Picture {
 
 /// Lambert with constant ambient: albedo * (ambient + intensity * max(0, N.l) * visibility), sRGB. No falloff with distance.
 Picture shade(const Scene& scene, const GBuffer& gbuffer, const Light& light, std::span<const float> visibility);
-
-/// The scene in dim gray, wrong tested pixels in the color of their cause over it (of false dark and false lit where the
-/// evidence has no causes), and below it a legend with the share of each in T. The evidence has scene, G-buffer and light.
-Picture draw_errors(const Evidence& evidence, const std::string& title);
 
 /// Visibility as gray, black in shadow.
 Picture draw_mask(std::span<const float> visibility, int width, int height);

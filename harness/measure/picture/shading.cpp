@@ -1,5 +1,6 @@
 #include "measure/picture/shading.h"
 
+#include <fmt/format.h>
 #include <gnomon/kit/parallel.h>
 
 #include <cmath>
@@ -33,24 +34,6 @@ std::vector<double> received_light(const GBuffer& gbuffer, const Light& light) {
     }
   });
   return received;
-}
-
-std::span<const ErrorKind> error_kinds(bool with_causes) {
-  static const std::vector<ErrorKind> causes = [] {
-    std::vector<ErrorKind> kinds;
-    for (const CauseInfo& info : cause_infos()) {
-      std::string label(info.name);
-      std::ranges::replace(label, '_', ' ');
-      kinds.push_back({info.color, label});
-    }
-    return kinds;
-  }();
-  static const std::array<ErrorKind, 2> sides = [] {
-    const auto color = [](Cause cause) { return cause_infos()[static_cast<std::size_t>(cause) - 1].color; };
-    return std::array<ErrorKind, 2>{{{color(Cause::acne), "false dark"}, {color(Cause::peter_panning), "false lit"}}};
-  }();
-  if (with_causes) return causes;
-  return sides;
 }
 
 std::string percent(double share) { return fmt::format("{:.{}f} %", 100 * share, share < 0.001 ? 4 : share < 0.1 ? 2 : 1); }

@@ -1,12 +1,12 @@
 #pragma once
+#include <gnomon/gbuffer.h>
+#include <gnomon/light.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <span>
 #include <string>
 #include <vector>
-
-#include "measure/score/metrics.h"
 
 namespace gnomon {
 
@@ -44,21 +44,6 @@ inline std::uint8_t mask_gray(float visibility) {
 inline std::uint8_t dimmed(const Color& shaded, bool is_tested) {
   const int gray = (2 * shaded[0] + 5 * shaded[1] + shaded[2]) / 8;
   return static_cast<std::uint8_t>(is_tested ? 70 + gray * 2 / 5 : 20 + gray / 5);
-}
-
-/// A kind of error as pictures and legends show it.
-struct ErrorKind {
-  Color color;
-  std::string label;  ///< "false dark", "peter panning"
-};
-/// The causes, in their order; without causes false dark and false lit, in the colors of acne and of peter-panning.
-std::span<const ErrorKind> error_kinds(bool with_causes);
-
-/// Which of these kinds a pixel is, with causes where the evidence has them; -1 where it is untested, right, or has no cause.
-inline int error_kind(const Evidence& evidence, std::size_t i) {
-  if (evidence.classes[i] != PixelClass::T || !evidence.is_wrong(i)) return -1;
-  if (evidence.causes.empty()) return evidence.mask[i] < evidence.reference[i] ? 0 : 1;
-  return static_cast<int>(evidence.causes[i]) - 1;  // Cause::none is 0
 }
 
 /// "0.0312 %", "3.12 %", "31.2 %".

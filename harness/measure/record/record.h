@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "measure/analysis/statistics.h"
+#include "measure/statistics/statistics.h"
 
 namespace gnomon {
 

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "measure/analysis/compare.h"
-
 namespace gnomon {
 
 bool is_narrow(const Record& record, double interval) {

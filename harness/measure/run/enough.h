@@ -8,7 +8,7 @@ namespace gnomon {
 inline constexpr std::size_t least_processes = 5;
 
 /// Whether relight and resolve are known well enough: the 95 % interval of each is at most the share `interval` of its time
-/// wide and comes from `least_processes` at least. Times that nothing is judged by (compare.h's least_time) are.
+/// wide and comes from `least_processes` at least. Times that nothing is judged by (statistics.h's least_time) are.
 bool is_narrow(const Record& record, double interval);
 
 /// No row gets more processes than this, however wide its intervals are.

@@ -8,6 +8,7 @@
 #include "measure/cause/causes.h"
 #include "measure/picture/picture.h"
 #include "measure/scene/motion.h"
+#include "measure/score/error_picture.h"
 
 namespace gnomon {
 

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 
+#include "measure/frame/boundary.h"
 #include "measure/score/metrics_area.h"
 
 namespace gnomon {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "measure/cause/causes.h"
-#include "measure/score/metrics_boundary.h"
+#include "measure/score/metrics_displacement.h"
 
 namespace gnomon {
 

@@ -1,6 +1,7 @@
 // What a viewer sees of a wrong mask: the shaded picture against the reference's.
 #include <tbb/parallel_invoke.h>
 
+#include "measure/picture/picture.h"
 #include "measure/score/metrics.h"
 #include "measure/score/perceptual.h"
 

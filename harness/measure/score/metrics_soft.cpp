@@ -6,8 +6,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "measure/analysis/statistics.h"
+#include "measure/frame/boundary.h"
 #include "measure/score/metrics.h"
+#include "measure/statistics/statistics.h"
 
 namespace gnomon {
 

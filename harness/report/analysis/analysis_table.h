@@ -1,8 +1,8 @@
 #pragma once
-#include "measure/analysis/analysis_front.h"
-#include "measure/analysis/analysis_growth.h"
-#include "measure/analysis/analysis_map.h"
-#include "measure/analysis/analysis_motion.h"
+#include "analysis/front.h"
+#include "analysis/growth.h"
+#include "analysis/map.h"
+#include "analysis/motion.h"
 #include "report/table/columns.h"
 #include "report/table/table.h"
 

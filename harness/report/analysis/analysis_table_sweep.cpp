@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "measure/analysis/analysis_sweep.h"
+#include "analysis/sweep.h"
 #include "report/analysis/analysis_table_parts.h"
 #include "report/table/digits.h"
 #include "report/table/layout.h"

@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include "measure/analysis/compare.h"
+#include "analysis/compare.h"
 #include "report/table/table.h"
 
 namespace gnomon {

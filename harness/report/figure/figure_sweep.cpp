@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "measure/analysis/analysis_growth.h"
-#include "measure/analysis/analysis_sweep.h"
+#include "analysis/growth.h"
+#include "analysis/sweep.h"
 #include "report/figure/figure_script.h"
 
 namespace gnomon {

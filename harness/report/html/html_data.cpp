@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "measure/analysis/analysis_growth.h"
+#include "analysis/growth.h"
 #include "measure/cause/causes.h"
 #include "measure/frame/classify.h"
 #include "measure/score/metrics.h"

@@ -6,7 +6,7 @@
 #include <memory>
 #include <regex>
 
-#include "measure/analysis/analysis.h"
+#include "analysis/analysis.h"
 #include "measure/cause/causes.h"
 #include "measure/score/metrics.h"
 #include "report/table/digits.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "measure/analysis/analysis.h"
+#include "analysis/analysis.h"
 
 // Records made by hand, for the tests of analyses.
 namespace analysis_rows {

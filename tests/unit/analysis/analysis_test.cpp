@@ -1,4 +1,4 @@
-#include "measure/analysis/analysis.h"
+#include "analysis/analysis.h"
 
 #include <gnomon/registry.h>
 #include <gtest/gtest.h>
@@ -6,10 +6,10 @@
 
 #include <cmath>
 
+#include "analysis/front.h"
+#include "analysis/map.h"
+#include "analysis/motion.h"
 #include "analysis_rows.h"
-#include "measure/analysis/analysis_front.h"
-#include "measure/analysis/analysis_map.h"
-#include "measure/analysis/analysis_motion.h"
 #include "report/analysis/analysis_table.h"
 
 namespace {

@@ -1,4 +1,4 @@
-#include "measure/analysis/compare.h"
+#include "analysis/compare.h"
 
 #include <gtest/gtest.h>
 

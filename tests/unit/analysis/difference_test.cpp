@@ -1,4 +1,4 @@
-#include "measure/analysis/difference.h"
+#include "analysis/difference.h"
 
 #include <gtest/gtest.h>
 

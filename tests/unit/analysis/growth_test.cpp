@@ -1,3 +1,5 @@
+#include "analysis/growth.h"
+
 #include <gnomon/registry.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -5,7 +7,6 @@
 #include <cmath>
 
 #include "analysis_rows.h"
-#include "measure/analysis/analysis_growth.h"
 
 namespace {
 

@@ -1,7 +1,8 @@
+#include "analysis/sweep.h"
+
 #include <gtest/gtest.h>
 
 #include "analysis_rows.h"
-#include "measure/analysis/analysis_sweep.h"
 #include "report/analysis/analysis_table.h"
 #include "report/figure/figure.h"
 

@@ -5,11 +5,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <set>
 
-#include "measure/cause/light_rays.h"
+#include "measure/frame/light_rays.h"
 #include "measure/frame/snapping.h"
 #include "measure/scene/load.h"
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <iostream>
 
+#include "measure/frame/boundary.h"
 #include "measure/frame/gbuffer_maker.h"
 #include "measure/scene/load.h"
-#include "measure/score/metrics.h"
 #include "places.h"
 
 namespace {

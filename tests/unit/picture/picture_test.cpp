@@ -10,6 +10,7 @@
 
 #include "hand_made.h"
 #include "measure/scene/blob.h"
+#include "measure/score/error_picture.h"
 
 namespace {
 

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <set>
 
+#include "measure/frame/boundary.h"
 #include "measure/score/score.h"
 
 namespace {

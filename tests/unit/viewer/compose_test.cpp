@@ -8,7 +8,7 @@
 #include <random>
 
 #include "color_vision.h"
-#include "measure/picture/picture.h"
+#include "measure/score/error_picture.h"
 #include "seen.h"
 
 namespace {

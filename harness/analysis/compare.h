@@ -17,9 +17,6 @@ struct CompareOptions {
   bool force = false;             ///< judge times of different processors, too
 };
 
-/// Times below this many milliseconds are as good as equal: clock and call cost a part of it.
-inline constexpr double least_time = 0.005;
-
 enum class Verdict {
   not_judged,  ///< `why` says why
   similar,     ///< not distinguishable

@@ -1,7 +1,7 @@
 #pragma once
 #include <map>
 
-#include "measure/analysis/analysis.h"
+#include "analysis/analysis.h"
 
 namespace gnomon {
 

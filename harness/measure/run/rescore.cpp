@@ -1,4 +1,4 @@
-#include "measure/score/rescore.h"
+#include "measure/run/rescore.h"
 
 #include <gnomon/error.h>
 

@@ -1,4 +1,4 @@
-#include "measure/analysis/analysis_map.h"
+#include "analysis/map.h"
 
 #include <algorithm>
 #include <charconv>

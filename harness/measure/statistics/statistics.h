@@ -9,6 +9,9 @@ namespace gnomon {
 /// Milliseconds of one stage: per fresh process, per repetition within it.
 using ProcessTimes = std::vector<std::vector<double>>;
 
+/// Times below this many milliseconds are as good as equal: clock and call cost a part of it.
+inline constexpr double least_time = 0.005;
+
 /// The q-quantile of the values, 0 <= q <= 1, interpolated linearly between order statistics: quantile 0 is the smallest,
 /// 1 the largest, 1/2 the median. The values may not be empty.
 double quantile(std::span<const double> values, double q);

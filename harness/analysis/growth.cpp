@@ -1,4 +1,4 @@
-#include "measure/analysis/analysis_growth.h"
+#include "analysis/growth.h"
 
 #include <algorithm>
 #include <cassert>

@@ -1,15 +1,10 @@
 // Where shadow boundaries lie, and how far things are from them.
-#include "measure/score/metrics_boundary.h"
+#include "measure/frame/boundary.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include <algorithm>
 #include <cmath>
-#include <numeric>
-
-#include "measure/analysis/statistics.h"
-#include "measure/score/metrics.h"
 
 namespace gnomon {
 
@@ -80,13 +75,6 @@ void find_nearest(std::span<const std::uint8_t> marked, int width, int height, c
   });
 }
 
-/// The dark side of the boundary alone: with both sides marked, an edge displaced by k pixels would be found k - 1/2 away.
-std::vector<std::uint8_t> shadow_rim(const Evidence& e, std::span<const float> mask) {
-  std::vector<std::uint8_t> marked = shadow_boundary(mask, e.classes, e.width, e.height);
-  for (std::size_t i = 0; i < marked.size(); ++i) marked[i] &= mask[i] <= 0.5f;
-  return marked;
-}
-
 }  // namespace
 
 std::vector<std::uint8_t> shadow_boundary(std::span<const float> mask, std::span<const PixelClass> classes, int width,
@@ -119,21 +107,6 @@ std::vector<std::int32_t> nearest_marked(std::span<const std::uint8_t> marked, i
   find_nearest(marked, width, height,
                [&](std::size_t i, int column, int row) { nearest[i] = column < 0 ? -1 : row * width + column; });
   return nearest;
-}
-
-Displacement measure_displacement(const Evidence& e) {
-  const auto ours = shadow_rim(e, e.mask), theirs = shadow_rim(e, e.reference);
-  const bool have_ours = std::ranges::find(ours, 1) != ours.end(), have_theirs = std::ranges::find(theirs, 1) != theirs.end();
-  if (!have_ours && !have_theirs) return {0, 0};
-  if (!have_ours || !have_theirs) return {};
-  const auto to_ours = distance_transform(ours, e.width, e.height), to_theirs = distance_transform(theirs, e.width, e.height);
-  std::vector<double> distances;
-  for (std::size_t i = 0; i < ours.size(); ++i) {
-    if (ours[i]) distances.push_back(to_theirs[i]);
-    if (theirs[i]) distances.push_back(to_ours[i]);
-  }
-  return {std::accumulate(distances.begin(), distances.end(), 0.0) / static_cast<double>(distances.size()),
-          quantile(distances, 0.95)};
 }
 
 }  // namespace gnomon

@@ -7,8 +7,8 @@
 #include <set>
 #include <tuple>
 
-#include "measure/analysis/compare.h"
-#include "measure/analysis/difference.h"
+#include "analysis/compare.h"
+#include "analysis/difference.h"
 
 namespace gnomon {
 

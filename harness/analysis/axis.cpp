@@ -1,4 +1,4 @@
-#include "measure/analysis/analysis_axis.h"
+#include "analysis/axis.h"
 
 #include <gnomon/registry.h>
 

@@ -1,6 +1,5 @@
 #pragma once
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,12 +17,5 @@ std::vector<float> distance_transform(std::span<const std::uint8_t> marked, int 
 /// Index of the marked pixel nearest to each pixel, -1 everywhere when none is marked. Of several as near, any; always the
 /// same.
 std::vector<std::int32_t> nearest_marked(std::span<const std::uint8_t> marked, int width, int height);
-
-/// Distances in pixels between the shadow boundaries of technique and reference, both ways; none when one side has none.
-struct Displacement {
-  std::optional<double> mean, p95;
-};
-struct Evidence;
-Displacement measure_displacement(const Evidence& evidence);
 
 }  // namespace gnomon

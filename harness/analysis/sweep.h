@@ -1,5 +1,5 @@
 #pragma once
-#include "measure/analysis/analysis_axis.h"
+#include "analysis/axis.h"
 
 namespace gnomon {
 

@@ -1,4 +1,4 @@
-#include "measure/analysis/statistics.h"
+#include "measure/statistics/statistics.h"
 
 #include <algorithm>
 #include <cassert>

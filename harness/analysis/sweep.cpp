@@ -1,4 +1,4 @@
-#include "measure/analysis/analysis_sweep.h"
+#include "analysis/sweep.h"
 
 #include <algorithm>
 

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "measure/analysis/statistics.h"
+#include "measure/statistics/statistics.h"
 
 namespace gnomon {
 

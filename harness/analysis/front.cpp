@@ -1,4 +1,4 @@
-#include "measure/analysis/analysis_front.h"
+#include "analysis/front.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 #pragma once
-#include "measure/analysis/analysis.h"
+#include "analysis/analysis.h"
 
 namespace gnomon {
 

@@ -1,4 +1,4 @@
-#include "measure/analysis/analysis.h"
+#include "analysis/analysis.h"
 
 #include <gnomon/registry.h>
 

@@ -1,4 +1,4 @@
-#include "measure/cause/light_rays.h"
+#include "measure/frame/light_rays.h"
 
 #include <tbb/parallel_for.h>
 

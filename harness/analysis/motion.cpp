@@ -1,4 +1,4 @@
-#include "measure/analysis/analysis_motion.h"
+#include "analysis/motion.h"
 
 #include <algorithm>
 
