@@ -1,5 +1,6 @@
 #!/usr/bin/python3 -IB
 """compare: two runs of one program, planted changes, other machines, and two programs side by side."""
+# Runs alone: it judges times.
 
 import csv
 import io

@@ -1,5 +1,6 @@
 #!/usr/bin/python3 -IB
 """Techniques that crash, hang, throw, eat memory, lie or leave: each costs its own rows and no other."""
+# Runs alone: steps have two seconds before they count as hung.
 
 import json
 import sys

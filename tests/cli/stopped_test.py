@@ -1,5 +1,6 @@
 #!/usr/bin/python3 -IB
 """Runs that are stopped: what was finished stays, --resume does the rest, and nobody is left behind."""
+# Runs alone: workers have to be gone after seconds.
 
 import os
 import signal

@@ -1,5 +1,6 @@
 #!/usr/bin/python3 -IB
 """Every key that moves something, by what it does to the state that is saved after it."""
+# Runs alone: it counts the steps of a key that is held for a second.
 
 import json
 import math

@@ -1,5 +1,6 @@
 #!/usr/bin/python3 -IB
 """The window itself: resized, on a screen of many dots, closed, killed, and where there is none."""
+# Runs alone: workers have to be gone after seconds.
 
 import os
 import signal
