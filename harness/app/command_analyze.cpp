@@ -27,12 +27,11 @@ bool takes(const std::string& kind, const std::string& option) {
 
 }  // namespace
 
-void require_taken(const CLI::App& command, const std::string& kind, const std::vector<std::string>& kinds) {
+void require_taken(const Command& command, const std::string& kind, const std::vector<std::string>& kinds) {
   if (!taken_options.contains(kind)) return;  // who knows the kinds says which there are
   for (const auto& [other, options] : taken_options)
     for (const std::string& name : options) {
-      const CLI::Option* option = command.get_option_no_throw(name);
-      if (!option || option->count() == 0 || takes(kind, name)) continue;
+      if (!command.is_given(name) || takes(kind, name)) continue;
       std::vector<std::string> takers;
       for (const std::string& one : kinds)
         if (takes(one, name)) takers.push_back(one);
@@ -43,15 +42,14 @@ void require_taken(const CLI::App& command, const std::string& kind, const std::
     }
 }
 
-void add_analysis_options(CLI::App* command, AnalysisOptions& options, std::string& cost) {
-  command->add_option("--x", options.x,
-                      "growth: triangles, pixels, lights or a numeric parameter; map: a parameter; sweep: a numeric one");
-  command->add_option("--y", options.y, "map: the second parameter");
-  command->add_option("--facet", options.facet, "map: the third parameter, one map for each of its values");
-  command->add_option("--error,--metric", options.metric, "What is compared: a metric, cause.NAME, STAGE_ms, bytes")
-      ->capture_default_str();
-  command->add_option("--cost", cost, "resolve, light (relight + resolve), geometry (with build) or bytes")
-      ->capture_default_str();
+void add_analysis_options(Command& command, AnalysisOptions& options, std::string& cost) {
+  command.option("--x", &options.x,
+                 "growth: triangles, pixels, lights or a numeric parameter; map: a parameter; sweep: a numeric one");
+  command.option("--y", &options.y, "map: the second parameter");
+  command.option("--facet", &options.facet, "map: the third parameter, one map for each of its values");
+  command.option("--error,--metric", &options.metric, "What is compared: a metric, cause.NAME, STAGE_ms, bytes")
+      .shows_default();
+  command.option("--cost", &cost, "resolve, light (relight + resolve), geometry (with build) or bytes").shows_default();
 }
 
 std::vector<Record> read_runs(const std::vector<std::string>& dirs, const std::string& filter) {
@@ -83,46 +81,51 @@ std::vector<Record> read_runs(const std::vector<std::string>& dirs, const std::s
   return all;
 }
 
+namespace {
+
+struct Options {
+  std::vector<std::string> words;
+  std::string format = "terminal", filter, cost = "light";
+  AnalysisOptions analysis;
+  TableOptions table;
+};
+
+int print_analysis(Options& options, const Command& command) {
+  const Format format = format_named(options.format);
+  const std::string kind = options.words.back();
+  options.words.pop_back();
+  if (options.words.empty())
+    throw Error("analyze takes a run's folder and a kind; kinds are: {}", fmt::join(analysis_kinds(), ", "));
+  require_taken(command, kind, analysis_kinds());
+  options.analysis.cost = cost_named(options.cost);
+  const std::vector<Record> records = read_runs(options.words, options.filter);
+  options.table.width = terminal_width();
+  fmt::print("{}", analyze(records, kind, options.analysis, format, options.table));
+  return 0;
+}
+
+}  // namespace
+
 void add_analyze(Program& program) {
-  struct Options {
-    std::vector<std::string> words;
-    std::string format = "terminal", filter, cost = "light";
-    AnalysisOptions analysis;
-    TableOptions table;
-  };
-  CLI::App* command = program.cli.add_subcommand(
+  Command command = program.line.command(
       "analyze",
       "What a run says of growth, fronts, budgets, parameters and motion: DIR... growth|front|best|map|motion|sweep");
   auto options = std::make_shared<Options>();
-  command->add_option("words", options->words, "Folders of runs, then the kind: growth, front, best, map, motion or sweep")
-      ->required()
-      ->type_name("DIR... KIND");
-  command->add_option("--format", options->format, "terminal, md, csv, tex or json")->capture_default_str();
-  command->add_option("--filter", options->filter,
-                      "Only rows whose 'SCENE LIGHT [PATH] TECHNIQUE:SETTINGS' matches this expression");
+  command.option("words", &options->words, "Folders of runs, then the kind: growth, front, best, map, motion or sweep")
+      .required()
+      .type_name("DIR... KIND");
+  command.option("--format", &options->format, "terminal, md, csv, tex or json").shows_default();
+  command.option("--filter", &options->filter,
+                 "Only rows whose 'SCENE LIGHT [PATH] TECHNIQUE:SETTINGS' matches this expression");
   add_analysis_options(command, options->analysis, options->cost);
-  command->add_option("--times", options->analysis.times, "best: budgets in ms")->delimiter(',')->check(above_zero());
-  command->add_option("--memories", options->analysis.memories, "best: budgets in MiB")->delimiter(',')->check(above_zero());
-  command->add_option("--errors", options->analysis.errors, "best: budgets in the unit that tables show")
-      ->delimiter(',')
-      ->check(above_zero());
-  command->add_flag("--all", options->analysis.all, "front: beaten settings too");
-  command->add_option("--caption", options->table.caption, "Caption of the LaTeX table");
-  command->callback([&program, options, command] {
-    program.chosen = [options, command] {
-      const Format format = format_named(options->format);
-      const std::string kind = options->words.back();
-      options->words.pop_back();
-      if (options->words.empty())
-        throw Error("analyze takes a run's folder and a kind; kinds are: {}", fmt::join(analysis_kinds(), ", "));
-      require_taken(*command, kind, analysis_kinds());
-      options->analysis.cost = cost_named(options->cost);
-      const std::vector<Record> records = read_runs(options->words, options->filter);
-      options->table.width = terminal_width();
-      fmt::print("{}", analyze(records, kind, options->analysis, format, options->table));
-      return 0;
-    };
-  });
+  command.option("--times", &options->analysis.times, "best: budgets in ms").delimiter(',').check(above_zero());
+  command.option("--memories", &options->analysis.memories, "best: budgets in MiB").delimiter(',').check(above_zero());
+  command.option("--errors", &options->analysis.errors, "best: budgets in the unit that tables show")
+      .delimiter(',')
+      .check(above_zero());
+  command.flag("--all", &options->analysis.all, "front: beaten settings too");
+  command.option("--caption", &options->table.caption, "Caption of the LaTeX table");
+  command.action([options, command] { return print_analysis(*options, command); });
 }
 
 }  // namespace gnomon::app

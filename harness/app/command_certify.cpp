@@ -54,14 +54,14 @@ int run_certify(const Options& options) {
 }  // namespace
 
 void add_certify(Program& program) {
-  CLI::App* command = program.cli.add_subcommand("certify", "How far the reference may be trusted: exact answers beside it");
+  Command command = program.line.command("certify", "How far the reference may be trusted: exact answers beside it");
   auto options = std::make_shared<Options>();
-  command->add_option("--scene", options->scene, "Scene id, ID:param=value, or a scene or mesh file")->required();
-  command->add_option("--light", options->lights, "Light names; all by default")->delimiter(',');
-  command->add_option("--view", options->views, "View names; the first by default")->delimiter(',');
-  command->add_option("--size", options->size, "Picture size in pixels, WxH")->capture_default_str();
-  command->add_flag("--json", options->json, "As JSON");
-  command->callback([&program, options] { program.chosen = [options] { return run_certify(*options); }; });
+  command.option("--scene", &options->scene, "Scene id, ID:param=value, or a scene or mesh file").required();
+  command.option("--light", &options->lights, "Light names; all by default").delimiter(',');
+  command.option("--view", &options->views, "View names; the first by default").delimiter(',');
+  command.option("--size", &options->size, "Picture size in pixels, WxH").shows_default();
+  command.flag("--json", &options->json, "As JSON");
+  command.action([options] { return run_certify(*options); });
 }
 
 }  // namespace gnomon::app

@@ -61,58 +61,55 @@ int run(Options options, const Program& program) {
 }  // namespace
 
 void add_compare(Program& program) {
-  CLI::App* command = program.cli.add_subcommand("compare", "Two runs row by row: what became slower, faster, wrong or right");
+  Command command = program.line.command("compare", "Two runs row by row: what became slower, faster, wrong or right");
   auto options = std::make_shared<Options>();
   CompareOptions& compare = options->compare;
-  command->add_option("base", options->base, "Folder of the run to compare with");
-  command->add_option("contender", options->contender, "Folder of the run that is judged");
-  command->add_option("--floor", compare.floor, "Share that a time must differ by to be called different")
-      ->capture_default_str()
-      ->check(number_in(0.0, 10.0));
-  command->add_option("--fdr", compare.fdr, "Rate of false discoveries among all times called different")
-      ->capture_default_str()
-      ->check(number_in(1e-9, 0.5));
-  command->add_option("--threshold", compare.threshold, "A time called slower is a regression above this ratio")
-      ->capture_default_str()
-      ->check(number_in(1.0, 1e6));
-  command->add_option("--error-threshold", compare.error_threshold, "A wrong rate that rises by more is a regression")
-      ->capture_default_str()
-      ->check(number_in(0.0, 1.0));
-  command->add_option("--format", options->format, "terminal, md, csv or json")->capture_default_str();
-  command->add_flag("--all", options->all, "Also what does not differ");
-  command->add_flag("--force", compare.force, "Judge times of different processors, too");
-  CLI::Option* live =
-      command
-          ->add_option("--live", options->other, "Another gnomon: runs both side by side and compares, this one the contender")
-          ->type_name("PROGRAM");
-  command->add_option("--suite", options->suite, "With --live: suite name or .toml file; quick by default")->needs(live);
-  command->add_option("--scene", options->scenes, "With --live: scene ids or files, instead of a suite")->needs(live);
-  command->add_option("--technique", options->techniques, "With --live: ID:param=value,...; {a,b} sweeps a value")
-      ->delimiter(';')
-      ->needs(live);
-  command->add_option("--light", options->lights, "With --live: light names")->delimiter(',')->needs(live);
-  command
-      ->add_option("--filter", options->filter, "With --live: only rows whose 'SCENE LIGHT [PATH] TECHNIQUE:SETTINGS' matches")
-      ->needs(live);
-  command->add_option("--size", options->size, "With --live: picture size in pixels, WxH")->needs(live);
-  command->add_option("--processes", options->processes, "With --live: fresh processes per contender and program")
-      ->check(CLI::Range(1, 1000))
-      ->needs(live);
-  command->add_option("--repetitions", options->repetitions, "With --live: timed repetitions per process")
-      ->check(CLI::Range(1, 1000))
-      ->needs(live);
-  command->add_option("--interval", options->interval, "With --live: more processes until intervals are this share of the time")
-      ->check(number_in(0.001, 10.0))
-      ->needs(live);
-  command->add_option("--budget", options->budget, "With --live: seconds that those may take")->check(seconds())->needs(live);
-  command->add_option("--threads", options->threads, "With --live: pin workers to this many cores; all by default")
-      ->needs(live);
-  command->add_option("--timeout", options->timeout, "With --live: seconds that one step of a worker may take")
-      ->check(seconds())
-      ->needs(live);
-  command->add_option("--out", options->out, "With --live: folder for the two runs; runs/live-TIME by default")->needs(live);
-  command->add_flag("--quiet", options->quiet, "No progress");
-  command->callback([&program, options] { program.chosen = [&program, options] { return run(*options, program); }; });
+  command.option("base", &options->base, "Folder of the run to compare with");
+  command.option("contender", &options->contender, "Folder of the run that is judged");
+  command.option("--floor", &compare.floor, "Share that a time must differ by to be called different")
+      .shows_default()
+      .check(number_in(0, 10));
+  command.option("--fdr", &compare.fdr, "Rate of false discoveries among all times called different")
+      .shows_default()
+      .check(number_in(1e-9, 0.5));
+  command.option("--threshold", &compare.threshold, "A time called slower is a regression above this ratio")
+      .shows_default()
+      .check(number_in(1, 1e6));
+  command.option("--error-threshold", &compare.error_threshold, "A wrong rate that rises by more is a regression")
+      .shows_default()
+      .check(number_in(0, 1));
+  command.option("--format", &options->format, "terminal, md, csv or json").shows_default();
+  command.flag("--all", &options->all, "Also what does not differ");
+  command.flag("--force", &compare.force, "Judge times of different processors, too");
+  const Option live =
+      command.option("--live", &options->other, "Another gnomon: runs both side by side and compares, this one the contender")
+          .type_name("PROGRAM");
+  command.option("--suite", &options->suite, "With --live: suite name or .toml file; quick by default").needs(live);
+  command.option("--scene", &options->scenes, "With --live: scene ids or files, instead of a suite").needs(live);
+  command.option("--technique", &options->techniques, "With --live: ID:param=value,...; {a,b} sweeps a value")
+      .delimiter(';')
+      .needs(live);
+  command.option("--light", &options->lights, "With --live: light names").delimiter(',').needs(live);
+  command.option("--filter", &options->filter, "With --live: only rows whose 'SCENE LIGHT [PATH] TECHNIQUE:SETTINGS' matches")
+      .needs(live);
+  command.option("--size", &options->size, "With --live: picture size in pixels, WxH").needs(live);
+  command.option("--processes", &options->processes, "With --live: fresh processes per contender and program")
+      .check(whole_in(1, 1000))
+      .needs(live);
+  command.option("--repetitions", &options->repetitions, "With --live: timed repetitions per process")
+      .check(whole_in(1, 1000))
+      .needs(live);
+  command.option("--interval", &options->interval, "With --live: more processes until intervals are this share of the time")
+      .check(number_in(0.001, 10))
+      .needs(live);
+  command.option("--budget", &options->budget, "With --live: seconds that those may take").check(seconds()).needs(live);
+  command.option("--threads", &options->threads, "With --live: pin workers to this many cores; all by default").needs(live);
+  command.option("--timeout", &options->timeout, "With --live: seconds that one step of a worker may take")
+      .check(seconds())
+      .needs(live);
+  command.option("--out", &options->out, "With --live: folder for the two runs; runs/live-TIME by default").needs(live);
+  command.flag("--quiet", &options->quiet, "No progress");
+  command.action([&program, options] { return run(*options, program); });
 }
 
 }  // namespace gnomon::app

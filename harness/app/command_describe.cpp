@@ -51,37 +51,38 @@ void describe_scene(const std::string& reference) {
   if (scene.meshes.size() > shown) fmt::print("and {} more\n", scene.meshes.size() - shown);
 }
 
+struct Options {
+  std::string id;
+  bool json = false;
+};
+
+int describe(const Options& options) {
+  std::vector<std::string> names;
+  for (const TechniqueEntry& entry : registry().techniques()) {
+    if (entry.id == options.id) {
+      fmt::print("{}", options.json ? describe_json(entry).dump(2) + "\n" : describe_text(entry, terminal_width()));
+      return 0;
+    }
+    names.push_back(entry.id);
+  }
+  for (const SceneListing& scene : list_scenes()) names.push_back(scene.id);
+  const std::string stem = options.id.substr(0, options.id.find(':'));
+  const bool is_file = options.id.find_first_of("./") != std::string::npos;
+  if (!is_file && std::find(names.begin(), names.end(), stem) == names.end())
+    throw Error("there is no technique or scene {}; did you mean {}? There are: {}", options.id, nearest_word(stem, names),
+                fmt::join(names, ", "));
+  describe_scene(options.id);
+  return 0;
+}
+
 }  // namespace
 
 void add_describe(Program& program) {
-  struct Options {
-    std::string id;
-    bool json = false;
-  };
   auto options = std::make_shared<Options>();
-  CLI::App* command = program.cli.add_subcommand("describe", "All about one technique or scene");
-  command->add_option("id", options->id, "Technique id, scene id or scene file")->required();
-  command->add_flag("--json", options->json, "A technique as JSON");
-  command->callback([&program, options] {
-    program.chosen = [options] {
-      std::vector<std::string> names;
-      for (const TechniqueEntry& entry : registry().techniques()) {
-        if (entry.id == options->id) {
-          fmt::print("{}", options->json ? describe_json(entry).dump(2) + "\n" : describe_text(entry, terminal_width()));
-          return 0;
-        }
-        names.push_back(entry.id);
-      }
-      for (const SceneListing& scene : list_scenes()) names.push_back(scene.id);
-      const std::string stem = options->id.substr(0, options->id.find(':'));
-      const bool is_file = options->id.find_first_of("./") != std::string::npos;
-      if (!is_file && std::find(names.begin(), names.end(), stem) == names.end())
-        throw Error("there is no technique or scene {}; did you mean {}? There are: {}", options->id, nearest_word(stem, names),
-                    fmt::join(names, ", "));
-      describe_scene(options->id);
-      return 0;
-    };
-  });
+  Command command = program.line.command("describe", "All about one technique or scene");
+  command.option("id", &options->id, "Technique id, scene id or scene file").required();
+  command.flag("--json", &options->json, "A technique as JSON");
+  command.action([options] { return describe(*options); });
 }
 
 }  // namespace gnomon::app

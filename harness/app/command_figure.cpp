@@ -5,50 +5,54 @@
 
 namespace gnomon::app {
 
+namespace {
+
+struct Options {
+  std::vector<std::string> words;
+  std::string filter, cost = "light", out;
+  bool script = false;
+  FigureOptions figure;
+};
+
+int make_figure(Options& options, const Command& command) {
+  const std::string kind = options.words.back();
+  options.words.pop_back();
+  if (options.words.empty())
+    throw Error("figure takes a run's folder and a kind; kinds are: {}", fmt::join(figure_kinds(), ", "));
+  require_taken(command, kind, figure_kinds());
+  if (options.out.empty() && !options.script) throw Error("figure needs --out FILE.svg, .pdf or .png, or --script");
+  const std::filesystem::path out = options.out.empty() ? "figure.svg" : options.out;
+  options.figure.analysis.cost = cost_named(options.cost);
+  const std::vector<Record> records = read_runs(options.words, options.filter);
+  const std::string program_text = figure_script(records, kind, options.figure, out);
+  if (options.script) {
+    fmt::print("{}", program_text);
+  } else {
+    run_gnuplot(program_text, out);
+  }
+  return 0;
+}
+
+}  // namespace
+
 void add_figure(Program& program) {
-  struct Options {
-    std::vector<std::string> words;
-    std::string filter, cost = "light", out;
-    bool script = false;
-    FigureOptions figure;
-  };
-  CLI::App* command = program.cli.add_subcommand(
+  Command command = program.line.command(
       "figure", "A figure of a run, by gnuplot: DIR... front|growth|stages|map|causes|motion|sweep --out FILE.svg|.pdf|.png");
   auto options = std::make_shared<Options>();
   command
-      ->add_option("words", options->words,
-                   "Folders of runs, then the kind: front, growth, stages, map, causes, motion or sweep")
-      ->required()
-      ->type_name("DIR... KIND");
-  command->add_option("--out", options->out, "File to write; .svg, .pdf or .png");
-  command->add_flag("--script", options->script, "Print the gnuplot program instead of running it");
-  command->add_option("--filter", options->filter,
-                      "Only rows whose 'SCENE LIGHT [PATH] TECHNIQUE:SETTINGS' matches this expression");
-  command->add_option("--title", options->figure.title, "Title above the figure; none by default: papers have captions");
-  command->add_option("--width", options->figure.width_cm, "Width in cm; the height follows")
-      ->check(number_in(5, 100))
-      ->capture_default_str();
+      .option("words", &options->words, "Folders of runs, then the kind: front, growth, stages, map, causes, motion or sweep")
+      .required()
+      .type_name("DIR... KIND");
+  command.option("--out", &options->out, "File to write; .svg, .pdf or .png");
+  command.flag("--script", &options->script, "Print the gnuplot program instead of running it");
+  command.option("--filter", &options->filter,
+                 "Only rows whose 'SCENE LIGHT [PATH] TECHNIQUE:SETTINGS' matches this expression");
+  command.option("--title", &options->figure.title, "Title above the figure; none by default: papers have captions");
+  command.option("--width", &options->figure.width_cm, "Width in cm; the height follows")
+      .check(number_in(5, 100))
+      .shows_default();
   add_analysis_options(command, options->figure.analysis, options->cost);
-  command->callback([&program, options, command] {
-    program.chosen = [options, command] {
-      const std::string kind = options->words.back();
-      options->words.pop_back();
-      if (options->words.empty())
-        throw Error("figure takes a run's folder and a kind; kinds are: {}", fmt::join(figure_kinds(), ", "));
-      require_taken(*command, kind, figure_kinds());
-      if (options->out.empty() && !options->script) throw Error("figure needs --out FILE.svg, .pdf or .png, or --script");
-      const std::filesystem::path out = options->out.empty() ? "figure.svg" : options->out;
-      options->figure.analysis.cost = cost_named(options->cost);
-      const std::vector<Record> records = read_runs(options->words, options->filter);
-      const std::string program_text = figure_script(records, kind, options->figure, out);
-      if (options->script) {
-        fmt::print("{}", program_text);
-      } else {
-        run_gnuplot(program_text, out);
-      }
-      return 0;
-    };
-  });
+  command.action([options, command] { return make_figure(*options, command); });
 }
 
 }  // namespace gnomon::app

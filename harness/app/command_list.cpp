@@ -44,38 +44,39 @@ void print_suites(bool as_json) {
   print(table.text(terminal_width()), list, as_json);
 }
 
+struct Options {
+  std::string what = "techniques";
+  bool json = false;
+};
+
+int list(const Options& options) {
+  const auto techniques = std::span(registry().techniques());
+  if (options.what == "techniques")
+    print(list_text(techniques, terminal_width()), list_json(techniques), options.json);
+  else if (options.what == "metrics")
+    print(list_text(metric_infos(), terminal_width()), list_json(metric_infos()), options.json);
+  else if (options.what == "causes")
+    print(list_text(cause_infos(), terminal_width()), list_json(cause_infos()), options.json);
+  else if (options.what == "scenes")
+    print_scenes(options.json);
+  else if (options.what == "suites")
+    print_suites(options.json);
+  else {
+    const std::vector<std::string> lists = {"techniques", "scenes", "suites", "metrics", "causes"};
+    throw Error("there is no list {}; did you mean {}? There are: {}", options.what, nearest_word(options.what, lists),
+                fmt::join(lists, ", "));
+  }
+  return 0;
+}
+
 }  // namespace
 
 void add_list(Program& program) {
-  struct Options {
-    std::string what = "techniques";
-    bool json = false;
-  };
   auto options = std::make_shared<Options>();
-  CLI::App* command = program.cli.add_subcommand("list", "What there is: techniques, scenes, suites, metrics or causes");
-  command->add_option("what", options->what, "techniques, scenes, suites, metrics or causes")->capture_default_str();
-  command->add_flag("--json", options->json, "As JSON");
-  command->callback([&program, options] {
-    program.chosen = [options] {
-      const auto techniques = std::span(registry().techniques());
-      if (options->what == "techniques")
-        print(list_text(techniques, terminal_width()), list_json(techniques), options->json);
-      else if (options->what == "metrics")
-        print(list_text(metric_infos(), terminal_width()), list_json(metric_infos()), options->json);
-      else if (options->what == "causes")
-        print(list_text(cause_infos(), terminal_width()), list_json(cause_infos()), options->json);
-      else if (options->what == "scenes")
-        print_scenes(options->json);
-      else if (options->what == "suites")
-        print_suites(options->json);
-      else {
-        const std::vector<std::string> lists = {"techniques", "scenes", "suites", "metrics", "causes"};
-        throw Error("there is no list {}; did you mean {}? There are: {}", options->what, nearest_word(options->what, lists),
-                    fmt::join(lists, ", "));
-      }
-      return 0;
-    };
-  });
+  Command command = program.line.command("list", "What there is: techniques, scenes, suites, metrics or causes");
+  command.option("what", &options->what, "techniques, scenes, suites, metrics or causes").shows_default();
+  command.flag("--json", &options->json, "As JSON");
+  command.action([options] { return list(*options); });
 }
 
 }  // namespace gnomon::app

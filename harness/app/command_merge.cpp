@@ -61,12 +61,12 @@ int merge(const Options& options) {
 }  // namespace
 
 void add_merge(Program& program) {
-  CLI::App* command = program.cli.add_subcommand("merge", "Runs of shards as one run: records, pictures, tables");
+  Command command = program.line.command("merge", "Runs of shards as one run: records, pictures, tables");
   auto options = std::make_shared<Options>();
-  command->add_option("dirs", options->dirs, "Folders of runs")->required();
-  command->add_option("--out", options->out, "Folder to write to; it may not hold records")->required();
-  command->add_flag("--prefer-last", options->prefer_last, "Where folders disagree on a row, take the last one's");
-  command->callback([&program, options] { program.chosen = [options] { return merge(*options); }; });
+  command.option("dirs", &options->dirs, "Folders of runs").required();
+  command.option("--out", &options->out, "Folder to write to; it may not hold records").required();
+  command.flag("--prefer-last", &options->prefer_last, "Where folders disagree on a row, take the last one's");
+  command.action([options] { return merge(*options); });
 }
 
 }  // namespace gnomon::app

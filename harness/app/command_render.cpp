@@ -1,5 +1,7 @@
 #include <gnomon/registry.h>
 
+#include <fstream>
+
 #include "app/app.h"
 #include "app/staged_folder.h"
 #include "measure/paths.h"
@@ -179,27 +181,23 @@ int render(const RenderOptions& options, const WorkerOptions& worker) {
 }  // namespace
 
 void add_render(Program& program) {
-  CLI::App* command =
-      program.cli.add_subcommand("render", "One technique on one scene: mask, shaded and error pictures, record");
+  Command command = program.line.command("render", "One technique on one scene: mask, shaded and error pictures, record");
   auto options = std::make_shared<RenderOptions>();
-  command->add_option("--scene", options->scene, "Scene id, ID:param=value, or a scene or mesh file")->required();
-  command->add_option("--technique", options->technique, "Technique id, or ID:param=value,...")->required();
-  command->add_option("--light", options->lights, "Light names; all of the scene by default")->delimiter(',');
-  command->add_option("--view", options->view, "View name; the first by default");
-  command->add_option("--size", options->size, "Picture size in pixels, WxH")->capture_default_str();
-  command->add_option("--truth", options->truth, "What counts: exact shapes or the meshes; shape | mesh")
-      ->capture_default_str();
-  command->add_option("--debug", options->debug, "Also draw this debug layer of the technique")->check(not_empty());
+  command.option("--scene", &options->scene, "Scene id, ID:param=value, or a scene or mesh file").required();
+  command.option("--technique", &options->technique, "Technique id, or ID:param=value,...").required();
+  command.option("--light", &options->lights, "Light names; all of the scene by default").delimiter(',');
+  command.option("--view", &options->view, "View name; the first by default");
+  command.option("--size", &options->size, "Picture size in pixels, WxH").shows_default();
+  command.option("--truth", &options->truth, "What counts: exact shapes or the meshes; shape | mesh").shows_default();
+  command.option("--debug", &options->debug, "Also draw this debug layer of the technique").check(not_empty());
   command
-      ->add_option("--detail", options->detail,
-                   "Also write the technique's lit and shadowed polygons to this Wavefront OBJ file; FILE.obj")
-      ->check(not_empty());
-  command->add_option("--threads", options->threads, "Cores to use; all by default");
-  command->add_option("--timeout", options->timeout, "Seconds that one step may take")->check(seconds())->capture_default_str();
-  command->add_option("--out", options->out, "Folder to write to")->required();
-  command->callback([&program, options] {
-    program.chosen = [&program, options] { return render(*options, worker_options(program, options->threads)); };
-  });
+      .option("--detail", &options->detail,
+              "Also write the technique's lit and shadowed polygons to this Wavefront OBJ file; FILE.obj")
+      .check(not_empty());
+  command.option("--threads", &options->threads, "Cores to use; all by default");
+  command.option("--timeout", &options->timeout, "Seconds that one step may take").check(seconds()).shows_default();
+  command.option("--out", &options->out, "Folder to write to").required();
+  command.action([&program, options] { return render(*options, worker_options(program, options->threads)); });
 }
 
 }  // namespace gnomon::app

@@ -4,29 +4,34 @@
 
 namespace gnomon::app {
 
+namespace {
+
+struct Options {
+  std::string dir, out;
+  bool without_pictures = false;
+};
+
+int make_page(const Options& options) {
+  const std::filesystem::path out =
+      options.out.empty() ? std::filesystem::path(options.dir) / "report.html" : std::filesystem::path(options.out);
+  if (std::filesystem::is_directory(out)) throw Error("--out {} is a folder; the name of a file is wanted", out.string());
+  const std::vector<Record> records = read_records(options.dir);
+  const Report report = make_report(options.dir, records, {.with_pictures = !options.without_pictures});
+  write_file(out, report.html);
+  for (const std::string& note : report.notes) fmt::print(stderr, "{}\n", note);
+  fmt::print("{}\n", out.string());
+  return 0;
+}
+
+}  // namespace
+
 void add_report(Program& program) {
-  struct Options {
-    std::string dir, out;
-    bool without_pictures = false;
-  };
-  CLI::App* command = program.cli.add_subcommand("report", "One HTML page of a run: table, plots and pictures to compare");
+  Command command = program.line.command("report", "One HTML page of a run: table, plots and pictures to compare");
   auto options = std::make_shared<Options>();
-  command->add_option("dir", options->dir, "Folder of the run")->required();
-  command->add_option("--out", options->out, "The page; report.html in the run's folder unless given")->type_name("FILE");
-  command->add_flag("--no-pictures", options->without_pictures, "Leave out the pictures: a small page without the comparer");
-  command->callback([&program, options] {
-    program.chosen = [options] {
-      const std::filesystem::path out =
-          options->out.empty() ? std::filesystem::path(options->dir) / "report.html" : std::filesystem::path(options->out);
-      if (std::filesystem::is_directory(out)) throw Error("--out {} is a folder; the name of a file is wanted", out.string());
-      const std::vector<Record> records = read_records(options->dir);
-      const Report report = make_report(options->dir, records, {.with_pictures = !options->without_pictures});
-      write_file(out, report.html);
-      for (const std::string& note : report.notes) fmt::print(stderr, "{}\n", note);
-      fmt::print("{}\n", out.string());
-      return 0;
-    };
-  });
+  command.option("dir", &options->dir, "Folder of the run").required();
+  command.option("--out", &options->out, "The page; report.html in the run's folder unless given").type_name("FILE");
+  command.flag("--no-pictures", &options->without_pictures, "Leave out the pictures: a small page without the comparer");
+  command.action([options] { return make_page(*options); });
 }
 
 }  // namespace gnomon::app

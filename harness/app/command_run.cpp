@@ -103,31 +103,30 @@ int run(const Options& options, const Program& program) {
 }  // namespace
 
 void add_run(Program& program) {
-  CLI::App* command = program.cli.add_subcommand("run", "A suite, or any scenes and techniques: costs, errors, tables");
+  Command command = program.line.command("run", "A suite, or any scenes and techniques: costs, errors, tables");
   auto options = std::make_shared<Options>();
-  command->add_option("suite", options->suite, "Suite name, or a .toml file");
-  command->add_option("--scene", options->scenes, "Scene ids or files, instead of a suite");
-  command->add_option("--technique", options->techniques, "ID:param=value,...; {a,b} sweeps a value")->delimiter(';');
-  command->add_option("--light", options->lights, "Light names; the suite's, or all of each scene, by default")->delimiter(',');
-  command->add_option("--out", options->out, "Folder to write to; runs/NAME-TIME by default");
-  command->add_option("--filter", options->filter,
-                      "Only rows whose 'SCENE LIGHT [PATH] TECHNIQUE:SETTINGS' matches this expression");
-  command->add_option("--size", options->size, "Picture size in pixels, WxH");
-  command->add_option("--truth", options->truth, "What counts in the headline: shape | mesh");
-  command->add_option("--repetitions", options->repetitions, "Timed repetitions per process")->check(CLI::Range(1, 1000));
-  command->add_option("--processes", options->processes, "Fresh processes per contender")->check(CLI::Range(1, 1000));
-  command->add_option("--threads", options->threads, "Pin workers to this many cores; all by default");
-  command->add_option("--interval", options->interval, "More processes until intervals are this share of the time wide")
-      ->check(number_in(0.001, 10.0));
-  command->add_option("--budget", options->budget, "Seconds that those processes may take")->check(seconds());
-  command->add_option("--timeout", options->timeout, "Seconds that one step of a worker may take")->check(seconds());
-  command->add_option("--shard", options->shard, "I/N: part I of N of the rows, 0 <= I < N; gnomon merge joins them");
-  CLI::Option* resume =
-      command->add_flag("--resume", options->resume, "Continue in --out; rows that are there are not run again");
-  command->add_flag("--retry-failed", options->retry_failed, "With --resume: rows that failed are run again")->needs(resume);
-  command->add_flag("--dry-run", options->dry_run, "Print the rows and how long they may take; run nothing");
-  command->add_flag("--quiet", options->quiet, "No progress");
-  command->callback([&program, options] { program.chosen = [&program, options] { return run(*options, program); }; });
+  command.option("suite", &options->suite, "Suite name, or a .toml file");
+  command.option("--scene", &options->scenes, "Scene ids or files, instead of a suite");
+  command.option("--technique", &options->techniques, "ID:param=value,...; {a,b} sweeps a value").delimiter(';');
+  command.option("--light", &options->lights, "Light names; the suite's, or all of each scene, by default").delimiter(',');
+  command.option("--out", &options->out, "Folder to write to; runs/NAME-TIME by default");
+  command.option("--filter", &options->filter,
+                 "Only rows whose 'SCENE LIGHT [PATH] TECHNIQUE:SETTINGS' matches this expression");
+  command.option("--size", &options->size, "Picture size in pixels, WxH");
+  command.option("--truth", &options->truth, "What counts in the headline: shape | mesh");
+  command.option("--repetitions", &options->repetitions, "Timed repetitions per process").check(whole_in(1, 1000));
+  command.option("--processes", &options->processes, "Fresh processes per contender").check(whole_in(1, 1000));
+  command.option("--threads", &options->threads, "Pin workers to this many cores; all by default");
+  command.option("--interval", &options->interval, "More processes until intervals are this share of the time wide")
+      .check(number_in(0.001, 10));
+  command.option("--budget", &options->budget, "Seconds that those processes may take").check(seconds());
+  command.option("--timeout", &options->timeout, "Seconds that one step of a worker may take").check(seconds());
+  command.option("--shard", &options->shard, "I/N: part I of N of the rows, 0 <= I < N; gnomon merge joins them");
+  const Option resume = command.flag("--resume", &options->resume, "Continue in --out; rows that are there are not run again");
+  command.flag("--retry-failed", &options->retry_failed, "With --resume: rows that failed are run again").needs(resume);
+  command.flag("--dry-run", &options->dry_run, "Print the rows and how long they may take; run nothing");
+  command.flag("--quiet", &options->quiet, "No progress");
+  command.action([&program, options] { return run(*options, program); });
 }
 
 }  // namespace gnomon::app

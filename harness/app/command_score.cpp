@@ -150,21 +150,20 @@ int score(const ScoreOptions& options) {
 }  // namespace
 
 void add_score(Program& program) {
-  CLI::App* command = program.cli.add_subcommand("score", "A mask that another program made, against the reference");
+  Command command = program.line.command("score", "A mask that another program made, against the reference");
   auto options = std::make_shared<ScoreOptions>();
-  command->add_option("--scene", options->scene, "Scene id, ID:param=value, or a scene or mesh file")->required();
-  command->add_option("--mask", options->mask, "Image of visibilities, 1 lit and 0 in shadow; its size is the picture's")
-      ->required()
-      ->check(not_empty());
-  command->add_option("--light", options->lights, "Light names; by default every light of which the mask has a channel LIGHT.V")
-      ->delimiter(',');
-  command->add_option("--channel", options->channel, "Channel of the one light asked for")->check(not_empty());
-  command->add_option("--view", options->view, "View name; the first by default");
-  command->add_option("--truth", options->truth, "What counts: exact shapes or the meshes; shape | mesh")
-      ->capture_default_str();
-  command->add_option("--out", options->out, "Folder for error and shaded pictures");
-  command->add_flag("--json", options->json, "As JSON");
-  command->callback([&program, options] { program.chosen = [options] { return score(*options); }; });
+  command.option("--scene", &options->scene, "Scene id, ID:param=value, or a scene or mesh file").required();
+  command.option("--mask", &options->mask, "Image of visibilities, 1 lit and 0 in shadow; its size is the picture's")
+      .required()
+      .check(not_empty());
+  command.option("--light", &options->lights, "Light names; by default every light of which the mask has a channel LIGHT.V")
+      .delimiter(',');
+  command.option("--channel", &options->channel, "Channel of the one light asked for").check(not_empty());
+  command.option("--view", &options->view, "View name; the first by default");
+  command.option("--truth", &options->truth, "What counts: exact shapes or the meshes; shape | mesh").shows_default();
+  command.option("--out", &options->out, "Folder for error and shaded pictures");
+  command.flag("--json", &options->json, "As JSON");
+  command.action([options] { return score(*options); });
 }
 
 }  // namespace gnomon::app

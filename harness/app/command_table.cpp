@@ -34,31 +34,31 @@ struct TableCommand {
   }
 };
 
+int print_table(TableCommand& options) {
+  const Format format = format_named(options.format);
+  const std::vector<Record> records = options.records();
+  if (options.table.columns == std::vector<std::string>{"list"}) {
+    for (const std::string& name : column_names(records)) fmt::print("{}\n", name);
+    return 0;
+  }
+  options.table.width = terminal_width();
+  fmt::print("{}", render_table(records, format, options.table));
+  return 0;
+}
+
 }  // namespace
 
 void add_table(Program& program) {
-  CLI::App* command = program.cli.add_subcommand("table", "The comparison table of a run, in any format, on stdout");
+  Command command = program.line.command("table", "The comparison table of a run, in any format, on stdout");
   auto options = std::make_shared<TableCommand>();
-  command->add_option("dir", options->dir, "Folder of the run")->required();
-  command->add_option("--format", options->format, "terminal, md, csv, tex or json")->capture_default_str();
-  command->add_option("--columns", options->table.columns, "Names of columns in their order; 'list' prints them all")
-      ->delimiter(',');
-  command->add_option("--caption", options->table.caption, "Caption of the LaTeX table");
-  command->add_flag("--rescore", options->is_rescored, "Compute today's metrics from the masks of the run; nothing runs again");
-  command->add_flag("--save", options->is_saved, "With --rescore: keep the new metrics in the run's records");
-  command->callback([&program, options] {
-    program.chosen = [options] {
-      const Format format = format_named(options->format);
-      const std::vector<Record> records = options->records();
-      if (options->table.columns == std::vector<std::string>{"list"}) {
-        for (const std::string& name : column_names(records)) fmt::print("{}\n", name);
-        return 0;
-      }
-      options->table.width = terminal_width();
-      fmt::print("{}", render_table(records, format, options->table));
-      return 0;
-    };
-  });
+  command.option("dir", &options->dir, "Folder of the run").required();
+  command.option("--format", &options->format, "terminal, md, csv, tex or json").shows_default();
+  command.option("--columns", &options->table.columns, "Names of columns in their order; 'list' prints them all")
+      .delimiter(',');
+  command.option("--caption", &options->table.caption, "Caption of the LaTeX table");
+  command.flag("--rescore", &options->is_rescored, "Compute today's metrics from the masks of the run; nothing runs again");
+  command.flag("--save", &options->is_saved, "With --rescore: keep the new metrics in the run's records");
+  command.action([options] { return print_table(*options); });
 }
 
 }  // namespace gnomon::app

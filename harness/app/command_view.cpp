@@ -69,35 +69,29 @@ int view(const ViewerOptions& options, const WorkerOptions& workers) {
 }  // namespace
 
 void add_view(Program& program) {
-  CLI::App* command = program.cli.add_subcommand("view", "A window: any two techniques side by side, or one beside the truth");
+  Command command = program.line.command("view", "A window: any two techniques side by side, or one beside the truth");
   auto options = std::make_shared<ViewerOptions>();
-  command->add_option("--scene", options->scene, "Scene id, ID:param=value, or a scene or mesh file")->capture_default_str();
-  command->add_option("--technique", options->technique, "Technique of the left side: id, or ID:param=value,...")
-      ->capture_default_str();
-  command->add_option("--against", options->against, "Technique of the right side; the reference by default")
-      ->check(not_empty());
-  command->add_option("--light", options->light, "Light name; the first by default")->check(not_empty());
-  command->add_option("--view", options->view, "View name; the first by default")->check(not_empty());
-  command->add_option("--size", options->size, "Size of the picture in pixels, WxH; the window is larger")
-      ->capture_default_str();
-  command->add_option("--truth", options->truth, "What counts: exact shapes or the meshes; shape | mesh")
-      ->capture_default_str();
-  command->add_option("--threads", options->threads, "Cores that each technique uses; all by default");
-  command->add_option("--timeout", options->timeout, "Seconds that one step may take")->check(seconds())->capture_default_str();
-  command->add_option("--out", options->out, "Folder for what is saved; runs/view-TIME by default");
-  command->add_option("--keys", options->keys, "Keys to press one after the other, \"k v v Ctrl+S\"; then it ends");
-  CLI::Option* const screenshot =
-      command->add_option("--screenshot", options->screenshot, "Write the window to this file when all is computed, and end")
-          ->check(not_empty());
+  command.option("--scene", &options->scene, "Scene id, ID:param=value, or a scene or mesh file").shows_default();
+  command.option("--technique", &options->technique, "Technique of the left side: id, or ID:param=value,...").shows_default();
+  command.option("--against", &options->against, "Technique of the right side; the reference by default").check(not_empty());
+  command.option("--light", &options->light, "Light name; the first by default").check(not_empty());
+  command.option("--view", &options->view, "View name; the first by default").check(not_empty());
+  command.option("--size", &options->size, "Size of the picture in pixels, WxH; the window is larger").shows_default();
+  command.option("--truth", &options->truth, "What counts: exact shapes or the meshes; shape | mesh").shows_default();
+  command.option("--threads", &options->threads, "Cores that each technique uses; all by default");
+  command.option("--timeout", &options->timeout, "Seconds that one step may take").check(seconds()).shows_default();
+  command.option("--out", &options->out, "Folder for what is saved; runs/view-TIME by default");
+  command.option("--keys", &options->keys, "Keys to press one after the other, \"k v v Ctrl+S\"; then it ends");
+  const Option screenshot =
+      command.option("--screenshot", &options->screenshot, "Write the window to this file when all is computed, and end")
+          .check(not_empty());
   command
-      ->add_option("--speed", options->speed,
-                   "Print how many pictures a second are shown at rest, with the light and with the camera moving, each "
-                   "measured for so many seconds, and end")
-      ->check(seconds())
-      ->excludes(screenshot);
-  command->callback([&program, options] {
-    program.chosen = [&program, options] { return view(*options, worker_options(program, options->threads)); };
-  });
+      .option("--speed", &options->speed,
+              "Print how many pictures a second are shown at rest, with the light and with the camera moving, each "
+              "measured for so many seconds, and end")
+      .check(seconds())
+      .excludes(screenshot);
+  command.action([&program, options] { return view(*options, worker_options(program, options->threads)); });
 }
 
 }  // namespace gnomon::app

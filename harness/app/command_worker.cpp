@@ -9,19 +9,16 @@ void add_worker(Program& program) {
     std::string file;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* worker = program.cli.add_subcommand("worker", "Serve one technique to the program that started this")->group("");
-  worker->add_option("socket", options->socket)->required();
-  worker->add_option("threads", options->threads)->required();
-  worker->callback(
-      [&program, options] { program.chosen = [options] { return worker_main(options->socket, options->threads); }; });
+  Command worker = program.line.command("worker", "Serve one technique to the program that started this").hide();
+  worker.option("socket", &options->socket).required();
+  worker.option("threads", &options->threads).required();
+  worker.action([options] { return worker_main(options->socket, options->threads); });
 
-  CLI::App* import = program.cli.add_subcommand("import-mesh", "Read a mesh file for the program that started this")->group("");
-  import->add_option("file", options->file)->required();
-  import->add_option("descriptor", options->descriptor)->required();
-  import->callback([&program, options] { program.chosen = [options] { return import_child_main(options->file, options->descriptor);
-};
+  Command import = program.line.command("import-mesh", "Read a mesh file for the program that started this").hide();
+  import.option("file", &options->file).required();
+  import.option("descriptor", &options->descriptor).required();
+  import.action([options] { return import_child_main(options->file, options->descriptor);
+});
 }  // namespace gnomon::app
-);
-}
 
 }  // namespace gnomon::app

@@ -1,0 +1,179 @@
+#include "app/command_line.h"
+
+#include <gnomon/error.h>
+#include <gnomon/param.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <cmath>
+
+namespace gnomon::app {
+
+namespace {
+
+/// The whole text is a finite number that is good; else the message says that it is not `what`. CLI::Range lets NaN pass.
+Check number_that(std::function<bool(double)> is_good, const std::string& what, const std::string& range) {
+  const auto error = [=](const std::string& text) -> std::string {
+    double value = 0;
+    const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool is_number = code == std::errc{} && end == text.data() + text.size() && std::isfinite(value);
+    return is_number && is_good(value) ? "" : fmt::format("{} is not {}", text, what);
+  };
+  return {error, range};
+}
+
+std::vector<std::string> command_names(const CLI::App& cli) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : cli.get_subcommands({}))
+    if (!command->get_group().empty()) names.push_back(command->get_name());
+  return names;
+}
+
+/// The first word that is neither an option nor its value, null for none, and the command of that name, null for none.
+std::pair<const char*, const CLI::App*> named_command(const CLI::App& cli, int argc, char** argv) {
+  for (int k = 1; k < argc; ++k) {
+    const std::string word = argv[k];
+    if (word.starts_with("-")) {
+      const CLI::Option* const option = cli.get_option_no_throw(word);
+      if (option && option->get_expected_min() > 0) ++k;
+      continue;
+    }
+    const auto found = cli.get_subcommands([&](const CLI::App* app) { return app->get_name() == word; });
+    return {argv[k], found.empty() ? nullptr : found.front()};
+  }
+  return {nullptr, nullptr};
+}
+
+/// What is wrong with the words of the command line. CLI11 only says that an argument was not expected; ours says what there
+/// is instead, as everywhere.
+std::string usage_error(const CLI::App& cli, const CLI::ParseError& error, int argc, char** argv) {
+  const std::vector<std::string> names = command_names(cli);
+  const auto [word, command] = named_command(cli, argc, argv);
+  if (word && !command)
+    return fmt::format("there is no command {}; did you mean {}? There are: {}", word, nearest_word(word, names),
+                       fmt::join(names, ", "));
+  const std::string who = command ? "gnomon " + command->get_name() : "gnomon";
+  const std::vector<std::string> extra = cli.remaining(true);
+  if (!extra.empty() && extra.front().starts_with("-")) {
+    std::vector<std::string> options;
+    for (const CLI::Option* option : (command ? *command : cli).get_options())
+      for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
+    return fmt::format("{} has no option {}; did you mean {}? It has: {}", who, extra.front(),
+                       nearest_word(extra.front(), options), fmt::join(options, ", "));
+  }
+  if (!extra.empty())
+    return fmt::format("{} does not know what to do with '{}'; {} --help says what it takes", who, extra.front(), who);
+  if (!command) return fmt::format("a command is wanted; there are: {}", fmt::join(names, ", "));
+  return fmt::format("{}; {} --help says what is allowed", error.what(), who);
+}
+
+}  // namespace
+
+Check not_empty() {
+  return {[](const std::string& text) { return std::string(text.empty() ? "the name is empty" : ""); }, ""};
+}
+
+Check seconds() {
+  const auto is_good = [](double value) { return value > 0 && value <= 86400; };
+  return number_that(is_good, "a number of seconds above 0, at most 86400", "SECONDS");
+}
+
+Check number_in(double low, double high) {
+  const std::string range = fmt::format("{} .. {}", low, high);
+  return number_that([=](double value) { return low <= value && value <= high; }, "a number in " + range, range);
+}
+
+Check above_zero() {
+  return number_that([](double value) { return value > 0; }, "a number above 0", "above 0");
+}
+
+Check whole_in(int low, int high) {
+  const CLI::Range range(low, high);
+  return {[range](const std::string& text) { return range(text); }, range.get_description()};
+}
+
+Option& Option::required() {
+  option_->required();
+  return *this;
+}
+
+Option& Option::check(const Check& condition) {
+  option_->check(CLI::Validator(condition.error, condition.range));
+  return *this;
+}
+
+Option& Option::shows_default() {
+  option_->capture_default_str();
+  return *this;
+}
+
+Option& Option::delimiter(char character) {
+  option_->delimiter(character);
+  return *this;
+}
+
+Option& Option::type_name(const std::string& name) {
+  option_->type_name(name);
+  return *this;
+}
+
+Option& Option::needs(const Option& other) {
+  option_->needs(other.option_);
+  return *this;
+}
+
+Option& Option::excludes(const Option& other) {
+  option_->excludes(other.option_);
+  return *this;
+}
+
+Option Command::option(const std::string& names, OptionTarget target, const std::string& description) {
+  return std::visit([&](auto* value) { return Option(command_->add_option(names, *value, description)); }, target);
+}
+
+Option Command::flag(const std::string& names, bool* target, const std::string& description) {
+  return Option(command_->add_flag(names, *target, description));
+}
+
+void Command::action(std::function<int()> action) {
+  command_->callback([chosen = chosen_, action = std::move(action)] { *chosen = action; });
+}
+
+Command& Command::hide() {
+  command_->group("");
+  return *this;
+}
+
+bool Command::is_given(const std::string& name) const {
+  const CLI::Option* const option = command_->get_option_no_throw(name);
+  return option && option->count() > 0;
+}
+
+CommandLine::CommandLine(const std::string& description, const std::string& program, const std::string& version)
+    : cli_(std::make_unique<CLI::App>(description, program)) {
+  cli_->require_subcommand(1);
+  cli_->set_version_flag("--version", version);
+}
+
+CommandLine::~CommandLine() = default;
+
+void CommandLine::early_option(const std::string& name, std::vector<std::string>* target, const std::string& type_name,
+                               const std::string& description, std::function<void(const std::string&)> use) {
+  cli_->add_option(name, *target, description)->type_name(type_name)->expected(1)->trigger_on_parse()->each(std::move(use));
+}
+
+Command CommandLine::command(const std::string& name, const std::string& description) {
+  return {cli_->add_subcommand(name, description), &chosen_};
+}
+
+int CommandLine::run(int argc, char** argv) {
+  try {
+    cli_->parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return cli_->exit(error);
+    throw Error("{}", usage_error(*cli_, error, argc, argv));
+  }
+  return chosen_();
+}
+
+}  // namespace gnomon::app

@@ -1,0 +1,92 @@
+#pragma once
+// What the commands take, described without the parser: CLI11 costs 20 s in every file that includes it, so that only
+// command_line.cpp does.
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace gnomon::app {
+
+/// Where the value of an option goes; it must live until the command has run. A list takes one value or more.
+using OptionTarget = std::variant<std::string*, std::filesystem::path*, int*, double*, std::optional<double>*,
+                                  std::vector<std::string>*, std::vector<std::filesystem::path>*, std::vector<double>*>;
+
+/// A condition that the text of a value must meet.
+struct Check {
+  std::function<std::string(const std::string&)> error;  ///< what is wrong with the text; "" when nothing is
+  std::string range;                                     ///< for the help, beside the kind of the value: "above 0"
+};
+
+Check not_empty();                         ///< a name: "" is none
+Check seconds();                           ///< a number above 0, at most a day
+Check number_in(double low, double high);  ///< the whole text is a finite number, `low` and `high` included
+Check above_zero();                        ///< the whole text is a finite number above 0
+Check whole_in(int low, int high);         ///< a whole number, `low` and `high` included
+
+/// One option of a command, to say more of it. A handle: copies speak of the same option.
+class Option {
+ public:
+  explicit Option(CLI::Option* option) : option_(option) {}
+
+  Option& required();
+  Option& check(const Check& condition);
+  Option& shows_default();                     ///< the help prints the value that its target has now
+  Option& delimiter(char character);           ///< of a list: also splits one text into values
+  Option& type_name(const std::string& name);  ///< what the help writes for the value
+  Option& needs(const Option& other);          ///< given without the other, it is refused
+  Option& excludes(const Option& other);       ///< given with the other, it is refused
+
+ private:
+  CLI::Option* option_;
+};
+
+/// One command, to add what it takes. A handle, like Option.
+class Command {
+ public:
+  Command(CLI::App* command, std::function<int()>* chosen) : command_(command), chosen_(chosen) {}
+
+  /// Names with dashes ("--error,--metric") are an option, one without is a positional argument.
+  Option option(const std::string& names, OptionTarget target, const std::string& description = "");
+  Option flag(const std::string& names, bool* target, const std::string& description);
+  /// What the command does, after its words were read into their targets; answers the exit status.
+  void action(std::function<int()> action);
+  /// Leaves the command out of the help and of the lists of commands.
+  Command& hide();
+  /// Whether the words hold this option; false also when the command has none of that name.
+  bool is_given(const std::string& name) const;
+
+ private:
+  CLI::App* command_;
+  std::function<int()>* chosen_;
+};
+
+/// The words after the program's name: options before the command, the command, and what that one takes.
+class CommandLine {
+ public:
+  CommandLine(const std::string& description, const std::string& program, const std::string& version);
+  ~CommandLine();
+
+  /// An option before the command that may be given again; `use` gets each value at once, before anything else is read.
+  void early_option(const std::string& name, std::vector<std::string>* target, const std::string& type_name,
+                    const std::string& description, std::function<void(const std::string&)> use);
+  Command command(const std::string& name, const std::string& description);
+
+  /// Reads the words and runs the command that they name; answers its exit status. Prints the help or the version where that
+  /// is wanted. Throws Error, which says what there is instead, when the words name no command or not what it takes.
+  int run(int argc, char** argv);
+
+ private:
+  std::unique_ptr<CLI::App> cli_;
+  std::function<int()> chosen_;
+};
+
+}  // namespace gnomon::app
