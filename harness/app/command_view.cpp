@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ViewerOptions {
-  std::string scene = "composite", technique = "shadow_map", against, light, view, size = "960x540", truth = "shape", keys;
+  std::string scene, technique, against, light, view, size = "960x540", truth = "shape", keys;
   fs::path out, screenshot;
   int threads = 0;
   double timeout = 120, speed = 0;
@@ -30,12 +30,6 @@ viewer::SideWish parse_side(const std::string& option, const std::string& text) 
   return {.technique = contenders[0].technique, .settings = contenders[0].settings, .layer = ""};
 }
 
-std::string reference_id() {
-  for (const TechniqueEntry& entry : registry().techniques())
-    if (entry.about.role == Role::reference) return entry.id;
-  throw Error("no technique has the role of the reference; --against wants a technique");
-}
-
 int view(const ViewerOptions& options, const WorkerOptions& workers) {
   viewer::ViewOptions result;
   result.workers = workers;
@@ -43,10 +37,10 @@ int view(const ViewerOptions& options, const WorkerOptions& workers) {
   viewer::Wish& wish = result.wish;
   wish.scene = options.scene;
   wish.sides[0] = parse_side("--technique", options.technique);
-  wish.sides[1] = parse_side("--against", options.against.empty() ? reference_id() : options.against);
+  wish.sides[1] = parse_side("--against", options.against.empty() ? registry().reference().id : options.against);
   std::tie(wish.width, wish.height) = parse_size(options.size, "--size");
   wish.truth = parse_truth(options.truth);
-  result.keys = viewer::parse_keys(options.keys);
+  result.keys = viewer::key_table().parse(options.keys);
   if (!options.screenshot.empty() && options.screenshot.extension() != ".png")
     throw Error("--screenshot {} is no name that ends in .png", options.screenshot.string());
   result.scene = load_scene(options.scene);
@@ -71,6 +65,8 @@ int view(const ViewerOptions& options, const WorkerOptions& workers) {
 void add_view(Program& program) {
   Command command = program.line.command("view", "A window: any two techniques side by side, or one beside the truth");
   auto options = std::make_shared<ViewerOptions>();
+  if (!registry().scenes().empty()) options->scene = registry().default_scene().id;
+  if (!registry().techniques().empty()) options->technique = registry().default_technique().id;
   command.option("--scene", &options->scene, "Scene id, ID:param=value, or a scene or mesh file").shows_default();
   command.option("--technique", &options->technique, "Technique of the left side: id, or ID:param=value,...").shows_default();
   command.option("--against", &options->against, "Technique of the right side; the reference by default").check(not_empty());

@@ -166,17 +166,20 @@ class Controls(ViewerTest):
         self.write("pipe.toml", "[[shape]]\nkind = 1\n")
         saved = viewer.save()
 
-        def is_open(path, name):
-            # The field is in use some pictures after the click. What is typed before are keys, so it is typed again until it came.
+        def type_path(path):
             viewer.use(saved, "scene.file")
-            viewer.xdo("key", "ctrl+a", "type", path)
+            viewer.until(lambda s: s.window["typing"], "the field")  # what is typed before that are keys
+            viewer.xdo("type", path)
             viewer.press("Return")
-            return viewer.save().scene.endswith(name)
 
-        viewer.wait(lambda: is_open("pier.toml", "pier.toml"), "the scene")
-        # The broken one leaves the scene as it is. Only after it, for a letter is a key to the viewer when nothing is typed into.
-        is_open("pipe.toml", "pier.toml")
-        viewer.wait(lambda: is_open("pier.toml", "pier.toml"), "the scene")
+        type_path("pier.toml")
+        viewer.until(lambda s: s.scene.endswith("pier.toml"), "the scene")
+        type_path("pipe.toml")
+        refused = viewer.until(lambda s: "pipe.toml" in s.window["scene_error"], "the error")
+        self.assertTrue(refused.scene.endswith("pier.toml"), refused.scene)  # the scene stays as it is
+        type_path("pier.toml")
+        opened = viewer.until(lambda s: not s.window["scene_error"], "the scene")
+        self.assertTrue(opened.scene.endswith("pier.toml"), opened.scene)
         self.assert_renders_alike(viewer.save())
 
 

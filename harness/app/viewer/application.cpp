@@ -1,4 +1,5 @@
-// The loop of the viewer: what happened becomes a wish, what is known becomes a picture. It sleeps while neither changes.
+// The loop of the viewer: events change what is wished, the engine computes that, and what it has computed so far is drawn. The
+// loop sleeps while nothing changes.
 #include "app/viewer/application.h"
 
 #include <gnomon/error.h>
@@ -7,10 +8,11 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <deque>
 #include <utility>
 
 #include "app/viewer/canvas.h"
+#include "app/viewer/frame_pace.h"
+#include "app/viewer/keyboard.h"
 #include "app/viewer/overlays.h"
 #include "app/viewer/panels.h"
 #include "app/viewer/picture_view.h"
@@ -25,14 +27,12 @@ namespace gnomon::viewer {
 
 namespace {
 
-constexpr double flicker_seconds = 0.25;     // a side is shown for: 2 Hz
-constexpr double least_seconds = 1 / 60.0;   // from one picture to the next
-constexpr double moving_seconds = 1 / 25.0;  // while something moves and the picture stays as it is
-constexpr int settling_frames = 3;           // that Dear ImGui needs after an event until nothing changes any more
+constexpr double flicker_seconds = 0.25;  // that a side is shown for: 2 Hz
 
-/// Of keys that mean nothing to a field that text is typed into.
-bool is_beside_text(Action action) {
-  return action == Action::save || action == Action::screenshot || action == Action::panels || action == Action::quit;
+/// Whether a key works also while text is typed into a field, which has no use for it.
+bool works_while_typing(const KeyRow& row) {
+  constexpr Action working[] = {Action::save, Action::screenshot, Action::panels, Action::quit};
+  return std::ranges::any_of(working, [&](Action action) { return row.effect == KeyEffect(action); });
 }
 
 class Application {
@@ -42,15 +42,20 @@ class Application {
 
  private:
   double pause() const;
-  double next_picture() const;
+  double next_frame() const;
   void update();
+  void take_state();
+  void expect_frames(const std::vector<WindowEvent>& events);
+  void arrange_window();
+  void send_wish();
   void use_keys(const std::vector<WindowEvent>& events);
   void press_scripted();
-  void act(Action action, double steps = 1);
+  void act(const KeyRow& row, double count = 1);
   void draw();
-  void count_frame();
   void draw_panels(const Shown& shown);
-  void write_what_is_asked();
+  void serve_requests();
+  void save();
+  bool is_working() const;
   void attempt(const std::function<void()>& work);
   bool is_finished() const { return state_.is_finished && state_.wish == wish_number_; }
 
@@ -58,12 +63,12 @@ class Application {
   Window window_;
   StopSignals stop_{Window::wake};
   Session session_;
-  Album album_;
+  SavedFiles files_;
   std::vector<SceneListing> scenes_ = list_scenes();
   PictureView view_;
-  std::atomic<bool> has_found_ = false;  // overlays found what they looked for
+  std::atomic<bool> overlay_is_ready_ = false;  // a search in the background has ended
   Overlays overlays_{[this] {
-    has_found_ = true;
+    overlay_is_ready_ = true;
     Window::wake();
   }};
   HeldKeys held_;
@@ -72,27 +77,26 @@ class Application {
   ControlPlaces places_;
   Arrangement arrangement_;
   EngineState state_;
-  std::optional<Wish> told_;  // what the engine was told last
+  std::optional<Wish> sent_wish_;  // to the engine, the last one
   std::uint64_t wish_number_ = 0;
   std::uint64_t drawn_state_ = 0;
-  int frames_left_ = settling_frames;
+  FramePace pace_;
+  FrameRate rate_;
   std::optional<double> tooltip_time_;  // when a tooltip may appear though nothing happens
-  double last_frame_ = 0, frame_cost_ = 0;
-  std::deque<double> frame_times_;  // of the last second: when the left side, or without it the right, showed a new frame
-  std::uint64_t counted_frame_ = 0;
   std::size_t next_key_ = 0;
-  bool is_over_ = false, has_drawn_finished_ = false;
-  bool was_saved_early_ = false;
-  bool has_failed_ = false;  // something that a script asked for
+  bool is_over_ = false;
+  bool has_drawn_finished_ = false;  // the last picture showed all that is computed for the wish
+  bool save_is_announced_ = false;   // a request to save waits, and the status line says so
+  bool has_failed_ = false;          // something that a script asked for
   std::optional<SpeedTrial> trial_;
-  Engine engine_;  // the last one: it ends first, and its threads wake the window
+  Engine engine_;  // the last member, so that it is destroyed first: its threads wake the window
 };
 
 Application::Application(const ViewOptions& options)
     : options_(options),
       window_("Gnomon: " + options.wish.scene),
       session_(options.wish, options.scene),
-      album_(options.out, options.workers.plugins),
+      files_(options.out, options.workers.plugins),
       engine_(options.workers, options.timeout_seconds, Window::wake) {
   engine_.offer(options.wish.scene, options.scene);
   if (options.speed_seconds > 0) trial_.emplace(options.speed_seconds);
@@ -101,11 +105,10 @@ Application::Application(const ViewOptions& options)
                options.wish.height + static_cast<int>(std::lround(strip_height * scale)));
 }
 
-/// Seconds that nothing will change by itself; below 0: for ever.
+/// Seconds until something changes without an event: an animation, a clock that is shown, a held key. Below 0: never.
 double Application::pause() const {
   const double now = Window::now();
-  const double next_frame = next_picture();
-  if (frames_left_ > 0 || held_.any() || state_.number != drawn_state_) return std::max(0.0, next_frame - now);
+  if (pace_.left() > 0 || held_.any() || state_.number != drawn_state_) return std::max(0.0, next_frame() - now);
   double wait = -1;
   const auto until = [&](double seconds) {
     wait = wait < 0 ? std::max(seconds, 0.001) : std::min(wait, std::max(seconds, 0.001));
@@ -113,19 +116,19 @@ double Application::pause() const {
   if (session_.layout == Layout::flicker) until(flicker_seconds - std::fmod(now, flicker_seconds));
   if (const auto left = session_.motion_left()) until(*left);
   if (tooltip_time_) until(*tooltip_time_ - now);
-  if (options_.ends_by_itself) until(least_seconds);
+  if (options_.ends_by_itself) until(FramePace::least_seconds);
   if (ImGui::GetIO().WantTextInput) until(0.3);
-  const bool is_working = std::ranges::any_of(state_.sides, [](const SideState& side) { return side.phase <= Phase::working; });
-  if (is_working && !state_.is_finished) until(0.1);
+  if (is_working()) until(0.1);
   return wait;
 }
 
-/// When the next picture may be drawn. The window leaves the processor to the workers at least half of the time, and more of it
-/// while they are what is waited for.
-double Application::next_picture() const {
-  const bool is_waiting = session_.wish().is_moving && !canvas_.is_outdated(state_);
-  return last_frame_ + std::max(is_waiting ? moving_seconds : least_seconds, 2 * frame_cost_);
+/// Whether a side shows how long it has been at work.
+bool Application::is_working() const {
+  const auto works = [](const SideState& side) { return side.phase <= Phase::working; };
+  return !state_.is_finished && std::ranges::any_of(state_.sides, works);
 }
+
+double Application::next_frame() const { return pace_.next(session_.wish().is_moving && !canvas_.is_outdated(state_)); }
 
 int Application::run() {
   while (!window_.is_closing() && !is_over_) {
@@ -134,12 +137,11 @@ int Application::run() {
     update();
     // Events that come in quick succession make one picture.
     const double now = Window::now();
-    if (frames_left_ == 0 || now < next_picture()) continue;
-    last_frame_ = now;
-    --frames_left_;
+    if (pace_.left() == 0 || now < next_frame()) continue;
+    pace_.begin(now);
     draw();
-    write_what_is_asked();
-    frame_cost_ = Window::now() - now;
+    serve_requests();
+    pace_.end(Window::now());
     window_.present();
     if (trial_) trial_->presented(state_, Window::now());
     is_over_ = is_over_ || (trial_ && trial_->is_over());
@@ -159,8 +161,8 @@ void Application::attempt(const std::function<void()>& work) {
   }
 }
 
-void Application::act(Action action, double steps) {
-  attempt([&] { session_.act(action, steps); });
+void Application::act(const KeyRow& row, double count) {
+  attempt([&] { session_.act(row.effect, count); });
 }
 
 void Application::use_keys(const std::vector<WindowEvent>& events) {
@@ -171,49 +173,35 @@ void Application::use_keys(const std::vector<WindowEvent>& events) {
       held_.release(event.code);
       continue;
     }
-    const KeyRow* const row = find_key(event.code, event.modifiers);
-    if (!row || (ImGui::GetIO().WantTextInput && !is_beside_text(row->action))) continue;
+    const KeyRow* const row = key_table().find(event.code, event.modifiers, scene_id(session_.wish().scene));
+    if (!row || (ImGui::GetIO().WantTextInput && !works_while_typing(*row))) continue;
     if (row->is_held)
       held_.press(*row, Window::now());
     else
-      act(row->action);
+      act(*row);
   }
-  for (const auto& [action, steps] : held_.take(Window::now())) act(action, steps);
+  for (const auto& [row, count] : held_.take(Window::now())) act(*row, count);
 }
 
 /// The next key of the script, when all that went before has had its effect.
 void Application::press_scripted() {
   if (!options_.ends_by_itself || !is_finished() || !has_drawn_finished_ || session_.wish().is_moving) return;
-  const Requests& asked = session_.requests;
-  if (asked.save || asked.copy_command || asked.screenshot) return;
+  const Requests& requests = session_.requests;
+  if (requests.save || requests.copy_command || requests.screenshot) return;
   if (next_key_ < options_.keys.size()) {
-    act(options_.keys[next_key_++]->action);
+    const KeyRow& key = *options_.keys[next_key_++];
+    act(*key_table().find(key.key, key.modifiers, scene_id(session_.wish().scene)));
     has_drawn_finished_ = false;
-    frames_left_ = settling_frames;
+    pace_.need(FramePace::settling);
     return;
   }
   if (options_.screenshot.empty() && !trial_) is_over_ = true;
 }
 
 void Application::update() {
-  const EngineState fresh = engine_.state();
-  if (fresh.number != state_.number) frames_left_ = std::max(frames_left_, 1);
-  state_ = fresh;
-  session_.adopt(state_);
-  times_.note(session_.wish(), state_);
+  take_state();
   const std::vector<WindowEvent> events = window_.take_events();
-  if (window_.has_untold()) frames_left_ = settling_frames;
-  if (!events.empty()) {
-    frames_left_ = settling_frames;
-    tooltip_time_ = Window::now() + 1.1 * tooltip_delay;
-  } else if (tooltip_time_ && Window::now() >= *tooltip_time_) {
-    frames_left_ = std::max(frames_left_, 1);
-    tooltip_time_.reset();
-  }
-  if (held_.any() || has_found_.exchange(false)) frames_left_ = std::max(frames_left_, 1);
-  if (state_.sides[0].phase <= Phase::working || state_.sides[1].phase <= Phase::working)
-    if (!state_.is_finished) frames_left_ = std::max(frames_left_, 1);
-  if (ImGui::GetIO().WantTextInput) frames_left_ = std::max(frames_left_, 1);
+  expect_frames(events);
   const bool is_covered = session_.shows_help || ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup);
   attempt([&] { view_.use(events, arrangement_.picture, canvas_.composition(), is_covered, window_.scale(), session_); });
   use_keys(events);
@@ -222,41 +210,62 @@ void Application::update() {
   if (session_.repeats && has_drawn_finished_ && is_finished() && !session_.wish().is_moving) session_.do_again();
   session_.settle();
   const bool flicker = session_.layout == Layout::flicker && std::fmod(Window::now(), 2 * flicker_seconds) >= flicker_seconds;
-  if (flicker != session_.flicker_is_right) frames_left_ = std::max(frames_left_, 1);
+  if (flicker != session_.flicker_is_right) pace_.need(1);
   session_.flicker_is_right = flicker;
   if (session_.requests.quit || stop_.is_asked()) is_over_ = true;
-  // A window that is put away may have no size at all: what was shown stays.
-  if (const glm::ivec2 size = window_.size(); size.x > 0 && size.y > 0) {
-    arrangement_ = arrange(size, window_.scale(), session_.shows_panels);
-    session_.set_size(arrangement_.picture.width, arrangement_.picture.height);
-  }
-  if (!told_ || !are_same(*told_, session_.wish())) {
-    told_ = session_.wish();
-    wish_number_ = engine_.wish(*told_);
-    has_drawn_finished_ = false;
-    frames_left_ = std::max(frames_left_, 1);
-  }
+  arrange_window();
+  send_wish();
 }
 
-void Application::count_frame() {
-  const ComposeSide* const sides = canvas_.composition().sides;
-  const Frame* const frame = sides[0].frame ? sides[0].frame.get() : sides[1].frame.get();
-  const double now = Window::now();
-  if (frame && std::exchange(counted_frame_, frame->number) != frame->number) frame_times_.push_back(now);
-  while (!frame_times_.empty() && frame_times_.front() < now - 1) frame_times_.pop_front();
+void Application::take_state() {
+  const EngineState fresh = engine_.state();
+  if (fresh.number != state_.number) pace_.need(1);
+  state_ = fresh;
+  session_.adopt(state_);
+  times_.note(session_.wish(), state_);
+}
+
+/// Whatever shows that time goes by, or may change with these events, takes new frames.
+void Application::expect_frames(const std::vector<WindowEvent>& events) {
+  if (!events.empty() || window_.has_button_events()) pace_.need(FramePace::settling);
+  if (!events.empty()) {
+    tooltip_time_ = Window::now() + 1.1 * tooltip_delay;
+  } else if (tooltip_time_ && Window::now() >= *tooltip_time_) {
+    pace_.need(1);
+    tooltip_time_.reset();
+  }
+  const bool has_overlay = overlay_is_ready_.exchange(false);
+  if (held_.any() || has_overlay || is_working() || ImGui::GetIO().WantTextInput) pace_.need(1);
+}
+
+void Application::arrange_window() {
+  const glm::ivec2 size = window_.size();
+  if (size.x <= 0 || size.y <= 0) return;  // a minimized window has no size: what was shown stays
+  arrangement_ = arrange(size, window_.scale(), session_.shows_panels);
+  session_.set_size(arrangement_.picture.width, arrangement_.picture.height);
+}
+
+void Application::send_wish() {
+  if (sent_wish_ && are_same(*sent_wish_, session_.wish())) return;
+  sent_wish_ = session_.wish();
+  wish_number_ = engine_.wish(*sent_wish_);
+  has_drawn_finished_ = false;
+  pace_.need(1);
 }
 
 void Application::draw() {
   if (canvas_.compose(session_, state_, arrangement_.picture))
     window_.set_picture(canvas_.pixels(), canvas_.composition().width, canvas_.composition().height);
-  count_frame();
+  const ComposeSide* const sides = canvas_.composition().sides;
+  const Frame* const frame = sides[0].frame ? sides[0].frame.get() : sides[1].frame.get();
+  rate_.note(frame ? frame->number : 0, Window::now());
   drawn_state_ = state_.number;
   Shown shown{.state = state_,
               .composition = canvas_.composition(),
               .times = times_,
               .legends = {canvas_.legend_of(0), canvas_.legend_of(1)},
               .texture = window_.picture_texture(),
-              .frames_per_second = static_cast<double>(frame_times_.size())};
+              .frames_per_second = static_cast<double>(rate_.count())};
   if (session_.picked())
     shown.pixel = *session_.picked();
   else if (view_.mouse() && !view_.is_dragging())
@@ -272,8 +281,8 @@ void Application::draw() {
   overlays_.draw(place, session_, shown);
   has_drawn_finished_ = is_finished() && overlays_.is_complete();
   draw_panels(shown);
-  if (view_.handle() == Doing::divider) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
-  if (view_.handle() == Doing::light) ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
+  if (view_.handle() == DragKind::divider) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
+  if (view_.handle() == DragKind::light) ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
   window_.end_drawing();
 }
 
@@ -287,43 +296,46 @@ void Application::draw_panels(const Shown& shown) {
   if (session_.shows_help) draw_help(window_.size(), session_);
 }
 
-void Application::write_what_is_asked() {
-  Requests& asked = session_.requests;
-  if (asked.copy_command) {
-    asked.copy_command = false;
+void Application::serve_requests() {
+  Requests& requests = session_.requests;
+  if (std::exchange(requests.copy_command, false)) {
     attempt([&] {
-      const std::string command = album_.save_command(session_);
+      const std::string command = files_.save_command(session_);
       window_.set_clipboard(command);
       session_.say("copied: " + command);
     });
-    frames_left_ = std::max(frames_left_, 1);
+    pace_.need(1);
   }
-  if (asked.screenshot) {
-    asked.screenshot = false;
-    attempt([&] { session_.say("written: " + album_.save_window(window_.read_picture()).string()); });
-    frames_left_ = std::max(frames_left_, 1);
+  if (std::exchange(requests.screenshot, false)) {
+    attempt([&] { session_.say("written: " + files_.save_window(window_.read_picture()).string()); });
+    pace_.need(1);
   }
-  // A control may have changed the wish while this very picture was drawn.
-  const bool is_as_wished = has_drawn_finished_ && !window_.has_untold() && are_same(*told_, session_.wish()) &&
-                            !session_.wish().is_moving && canvas_.composition().layout == session_.layout &&
-                            canvas_.composition().paint == session_.paint;
-  if (asked.save && !is_as_wished) {
-    if (!was_saved_early_) session_.say("saves as soon as all is computed");
-    was_saved_early_ = true;
-  } else if (asked.save) {
-    asked.save = was_saved_early_ = false;
-    attempt([&] {
-      const auto places = window_json(window_.size(), window_.scale(), arrangement_.picture, places_, session_, state_);
-      const std::filesystem::path folder = album_.save(session_, state_, canvas_.pixels(), window_.read_picture(), places);
-      session_.say("saved: " + folder.string());
-    });
-    frames_left_ = std::max(frames_left_, 1);
-  }
+  if (requests.save) save();
   const bool is_last = options_.ends_by_itself && has_drawn_finished_ && next_key_ == options_.keys.size();
-  if (is_last && frames_left_ == 0 && !options_.screenshot.empty() && !asked.save && !session_.wish().is_moving) {
+  if (is_last && pace_.left() == 0 && !options_.screenshot.empty() && !requests.save && !session_.wish().is_moving) {
     write_window(options_.screenshot, window_.read_picture());
     is_over_ = true;
   }
+}
+
+/// Saves when the picture that was just drawn is the one that is wished, whole and at rest; else leaves the request for a later
+/// picture. A control may have changed the wish while this picture was drawn.
+void Application::save() {
+  const bool is_as_wished = has_drawn_finished_ && !window_.has_button_events() && are_same(*sent_wish_, session_.wish()) &&
+                            !session_.wish().is_moving && canvas_.composition().layout == session_.layout &&
+                            canvas_.composition().paint == session_.paint;
+  if (!is_as_wished) {
+    if (!save_is_announced_) session_.say("saves as soon as all is computed");
+    save_is_announced_ = true;
+    return;
+  }
+  session_.requests.save = save_is_announced_ = false;
+  attempt([&] {
+    const auto places = window_json(window_.size(), window_.scale(), arrangement_.picture, places_, session_, state_);
+    const std::filesystem::path folder = files_.save(session_, state_, canvas_.pixels(), window_.read_picture(), places);
+    session_.say("saved: " + folder.string());
+  });
+  pace_.need(1);
 }
 
 }  // namespace

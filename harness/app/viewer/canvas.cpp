@@ -38,6 +38,11 @@ std::array<const void*, 8> parts_of(const EngineState& state) {
           state.reference.get(), is_one_missing || !state.reference ? state.frame.get() : nullptr};
 }
 
+/// What the person has chosen of a composition.
+auto choices_of(const Composition& c) {
+  return std::tuple(c.width, c.height, c.layout, c.paint, c.divider, c.flicker_is_right, c.layer_opacity);
+}
+
 }  // namespace
 
 bool Canvas::is_outdated(const EngineState& state) const { return !is_made_ || parts_of(state) != parts_of(state_); }
@@ -51,11 +56,7 @@ bool Canvas::compose(const Session& session, const EngineState& state, const Pix
                    .flicker_is_right = session.flicker_is_right,
                    .layer_opacity = session.layer_opacity,
                    .sides = {}};
-  const Composition& last = composition_;
-  const bool is_same = !is_outdated(state) && next.width == last.width && next.height == last.height &&
-                       next.layout == last.layout && next.paint == last.paint && next.divider == last.divider &&
-                       next.flicker_is_right == last.flicker_is_right && next.layer_opacity == last.layer_opacity;
-  if (is_same) return false;
+  if (!is_outdated(state) && choices_of(next) == choices_of(composition_)) return false;
   state_ = state;
   for (int side = 0; side < 2; ++side) next.sides[side] = compose_side(state_.sides[side], state_);
   next.reference = state_.reference.get();

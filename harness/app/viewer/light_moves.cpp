@@ -1,28 +1,12 @@
 // The light: where its handle is, and what follows from where it goes.
-#include <gnomon/error.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "app/viewer/moves.h"
-#include "measure/scene/load.h"
+#include "app/viewer/moves_parts.h"
 
 namespace gnomon::viewer {
 namespace {
-
-bool is_sound(const Light& light) {
-  try {
-    check(light, "");
-    return true;
-  } catch (const Error&) {
-    return false;
-  }
-}
-
-bool is_castable(const glm::dvec3& p) {
-  constexpr double largest = 1e30;  // as `check` has it; a cast of more than float holds is undefined
-  return std::abs(p.x) <= largest && std::abs(p.y) <= largest && std::abs(p.z) <= largest;
-}
 
 /// Where handles of directional lights are.
 struct Ellipsoid {
@@ -82,7 +66,7 @@ Light light_moved_to(const Scene& scene, const Light& light, const glm::dvec3& p
   } else if (auto* sphere = std::get_if<SphereLight>(&moved.kind)) {
     sphere->center = place;
   }
-  return is_sound(moved) ? moved : light;
+  return is_valid(moved) ? moved : light;
 }
 
 std::optional<glm::dvec3> drag_place(const Camera& camera, const glm::dvec3& place, glm::dvec2 pixel, bool is_vertical) {

@@ -8,39 +8,41 @@
 
 namespace gnomon::viewer {
 
-void Gesture::press(int button, int modifiers, glm::dvec2 cursor, double now, const Grips& grips) {
-  if (doing_ != Doing::nothing) return move(cursor, now);
+void Gesture::press(int button, int modifiers, glm::dvec2 cursor, double now, const GrabTargets& targets) {
+  if (kind_ != DragKind::nothing) return move(cursor, now);
   const bool is_left = button == GLFW_MOUSE_BUTTON_LEFT, is_shift = modifiers & GLFW_MOD_SHIFT;
-  button_ = button, pressed_ = now, scale_ = grips.scale;
+  button_ = button;
+  pressed_ = now;
+  scale_ = targets.scale;
   pressed_at_ = cursor_ = cursor;
-  grip_ = glm::dvec2(0);
+  grab_offset_ = glm::dvec2(0);
   may_click_ = is_vertical_ = false;
-  if (is_left && grips.light && glm::distance(*grips.light, cursor) <= light_distance * scale_) {
-    doing_ = Doing::light;
+  if (is_left && targets.light && glm::distance(*targets.light, cursor) <= light_distance * scale_) {
+    kind_ = DragKind::light;
     is_vertical_ = is_shift;
-    grip_ = *grips.light - cursor;
-  } else if (is_left && !is_shift && grips.divider && std::abs(*grips.divider - cursor.x) <= divider_distance * scale_) {
-    doing_ = Doing::divider;
-    grip_ = {*grips.divider - cursor.x, 0};
+    grab_offset_ = *targets.light - cursor;
+  } else if (is_left && !is_shift && targets.divider && std::abs(*targets.divider - cursor.x) <= divider_distance * scale_) {
+    kind_ = DragKind::divider;
+    grab_offset_ = {*targets.divider - cursor.x, 0};
   } else if (is_left || button == GLFW_MOUSE_BUTTON_MIDDLE || button == GLFW_MOUSE_BUTTON_RIGHT) {
-    doing_ = Doing::waiting;
+    kind_ = DragKind::waiting;
     may_click_ = is_left && !is_shift;
-    wanted_ = button == GLFW_MOUSE_BUTTON_RIGHT ? Doing::look : may_click_ ? Doing::orbit : Doing::pan;
+    drag_kind_ = button == GLFW_MOUSE_BUTTON_RIGHT ? DragKind::look : may_click_ ? DragKind::orbit : DragKind::pan;
   }
 }
 
 void Gesture::move(glm::dvec2 cursor, double now) {
-  if (doing_ == Doing::nothing) return;
+  if (kind_ == DragKind::nothing) return;
   cursor_ = cursor;
   const bool is_still = glm::distance(cursor, pressed_at_) <= click_distance * scale_ && now - pressed_ <= click_seconds;
-  if (doing_ == Doing::waiting && !is_still) doing_ = wanted_;
+  if (kind_ == DragKind::waiting && !is_still) kind_ = drag_kind_;
 }
 
 std::optional<glm::dvec2> Gesture::release(int button, glm::dvec2 cursor, double now) {
   move(cursor, now);
-  if (doing_ == Doing::nothing || button != button_) return std::nullopt;
-  const bool is_click = doing_ == Doing::waiting && may_click_;
-  doing_ = Doing::nothing;
+  if (kind_ == DragKind::nothing || button != button_) return std::nullopt;
+  const bool is_click = kind_ == DragKind::waiting && may_click_;
+  kind_ = DragKind::nothing;
   return is_click ? std::optional(pressed_at_) : std::nullopt;
 }
 

@@ -8,7 +8,7 @@
 namespace gnomon::viewer {
 
 /// What a mouse button that is down does.
-enum class Doing {
+enum class DragKind {
   nothing,
   waiting,  ///< pressed on the picture; nothing has moved, and it may become a click
   orbit,
@@ -18,11 +18,11 @@ enum class Doing {
   divider,  ///< drags the divider
 };
 
-/// What can be grabbed besides the picture itself; places in framebuffer pixels, as all places here.
-struct Grips {
-  std::optional<glm::dvec2> light;  ///< its handle, where it is to be seen
-  std::optional<double> divider;    ///< x, in layout split
-  double scale = 1;                 ///< of the user interface: how much farther one may miss
+/// What a press can grab besides the picture itself. Places are framebuffer pixels, as everywhere here.
+struct GrabTargets {
+  std::optional<glm::dvec2> light;  ///< where the light's handle is shown; nothing where it is not
+  std::optional<double> divider;    ///< its x; only in layout split
+  double scale = 1;                 ///< of the user interface: the distances below are so many times as large
 };
 
 /// Tells clicks and drags apart. The caller says what happens over the picture; presses elsewhere are not told. Points are
@@ -32,29 +32,29 @@ class Gesture {
   static constexpr double click_distance = 3, click_seconds = 0.5, light_distance = 10, divider_distance = 5;
 
   /// While another button is down it is a move.
-  void press(int button, int modifiers, glm::dvec2 cursor, double now, const Grips& grips);
+  void press(int button, int modifiers, glm::dvec2 cursor, double now, const GrabTargets& targets);
   /// A press that has moved farther than a click may, or is older, becomes a drag.
   void move(glm::dvec2 cursor, double now);
   /// The point that was clicked, when this ends a click. Of another button it is a move.
   std::optional<glm::dvec2> release(int button, glm::dvec2 cursor, double now);
   /// Ends whatever goes on; a release after it is none. For a window that loses the focus.
-  void cancel() { doing_ = Doing::nothing; }
+  void cancel() { kind_ = DragKind::nothing; }
 
-  Doing doing() const { return doing_; }
-  bool is_drag() const { return doing_ != Doing::nothing && doing_ != Doing::waiting; }
+  DragKind kind() const { return kind_; }
+  bool is_drag() const { return kind_ != DragKind::nothing && kind_ != DragKind::waiting; }
   /// Shift was down when the light's handle was grabbed.
   bool is_vertical() const { return is_vertical_; }
   /// From the press to the cursor, of a drag; zero while it may become a click.
   glm::dvec2 moved() const { return is_drag() ? cursor_ - pressed_at_ : glm::dvec2(0); }
   /// Where the handle or divider goes that was grabbed: it keeps its offset to the cursor. Of other drags, the cursor.
-  glm::dvec2 grabbed() const { return cursor_ + grip_; }
+  glm::dvec2 grabbed() const { return cursor_ + grab_offset_; }
 
  private:
-  Doing doing_ = Doing::nothing, wanted_ = Doing::nothing;
+  DragKind kind_ = DragKind::nothing, drag_kind_ = DragKind::nothing;
   int button_ = 0;
   bool may_click_ = false, is_vertical_ = false;
   double pressed_ = 0, scale_ = 1;
-  glm::dvec2 pressed_at_{0}, cursor_{0}, grip_{0};
+  glm::dvec2 pressed_at_{0}, cursor_{0}, grab_offset_{0};
 };
 
 /// One use of the mouse is one row, for the help and the page.

@@ -1,13 +1,11 @@
 // The camera: where eye and target go.
 #include "app/viewer/moves.h"
 
-#include <gnomon/error.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "measure/scene/load.h"
+#include "app/viewer/moves_parts.h"
 
 namespace gnomon::viewer {
 namespace {
@@ -26,24 +24,13 @@ double coarseness(const View& view) {
   return coarseness(std::max(largest_coordinate(eye), largest_coordinate(target)), glm::length(target - eye));
 }
 
-bool is_sound(const View& view) {
-  try {
-    check(view, "");
-    return true;
-  } catch (const Error&) {
-    return false;
-  }
-}
-
-/// Whether a point is one that `check` allows, and so one that may be cast: a cast of more than float holds is undefined.
-bool is_castable(const glm::dvec3& p) { return largest_coordinate(p) <= 1e30 && p == p; }
-
 /// The view with this eye and target, rounded; the view as it is where they are none, or none that float32 can hold.
 View with(const View& view, const glm::dvec3& eye, const glm::dvec3& target) {
   if (!is_castable(eye) || !is_castable(target)) return view;
   View moved = view;
-  moved.eye = eye, moved.target = target;
-  return is_sound(moved) && coarseness(moved) <= std::max(coarsest, coarseness(view)) ? moved : view;
+  moved.eye = eye;
+  moved.target = target;
+  return is_valid(moved) && coarseness(moved) <= std::max(coarsest, coarseness(view)) ? moved : view;
 }
 
 /// `arm` turned about `axis` (unit) by `azimuth`, and away from it by `polar`, both in radians. It ends short of the poles; one

@@ -11,15 +11,16 @@
 #include "app/viewer/picture_view.h"
 #include "app/viewer/style.h"
 #include "app/viewer/window.h"
+#include "measure/frame/light_rays.h"
 
 namespace gnomon::viewer {
 
 namespace {
 
-constexpr double near_share = 1e-3;  // of a segment's farther end: what is nearer to the eye is cut off
+constexpr double near_share = 1e-3;  // what is nearer to the eye than this share of a segment's farther end is cut off
 
 /// Draws in pixels of the picture onto a list in units of Dear ImGui.
-struct Canvas {
+struct PictureDrawing {
   ImDrawList& list;
   PixelRect place;
   Camera camera;
@@ -56,32 +57,32 @@ struct Canvas {
 };
 
 /// The light's handle with its name, a line down to the lowest height of the scene, and a cross there.
-void draw_light(const Canvas& canvas, const Scene& scene, const Light& light, const std::optional<Handle>& handle) {
+void draw_light(const PictureDrawing& drawing, const Scene& scene, const Light& light, const std::optional<Handle>& handle) {
   const glm::dvec3 place = light_place(scene, light);
   const double ground = scene.bounds().min.y;
   const double arm = 0.5 * key_step(scene);
   const ImU32 faint = IM_COL32(255, 214, 102, 110);
   const glm::dvec3 foot(place.x, ground, place.z);
-  canvas.segment(place, foot, faint, 1);
-  canvas.segment(foot - glm::dvec3(arm, 0, 0), foot + glm::dvec3(arm, 0, 0), faint, 1);
-  canvas.segment(foot - glm::dvec3(0, 0, arm), foot + glm::dvec3(0, 0, arm), faint, 1);
+  drawing.segment(place, foot, faint, 1);
+  drawing.segment(foot - glm::dvec3(arm, 0, 0), foot + glm::dvec3(arm, 0, 0), faint, 1);
+  drawing.segment(foot - glm::dvec3(0, 0, arm), foot + glm::dvec3(0, 0, arm), faint, 1);
   if (!handle) return;
-  canvas.disc(handle->shown, handle_radius, light_color);
+  drawing.disc(handle->shown, handle_radius, light_color);
   // Towards the middle, where there is room.
-  const double width = ImGui::CalcTextSize(light.name.c_str()).x * canvas.unit,
-               apart = (handle_radius + 5) * canvas.scale * canvas.unit;
-  const bool is_right = handle->shown.x > canvas.place.width / 2.0;
-  canvas.words(handle->shown + glm::dvec2(is_right ? -apart - width : apart, -0.5 * ImGui::GetFontSize() * canvas.unit),
-               light.name, light_color);
+  const double width = ImGui::CalcTextSize(light.name.c_str()).x * drawing.unit,
+               apart = (handle_radius + 5) * drawing.scale * drawing.unit;
+  const bool is_right = handle->shown.x > drawing.place.width / 2.0;
+  drawing.words(handle->shown + glm::dvec2(is_right ? -apart - width : apart, -0.5 * ImGui::GetFontSize() * drawing.unit),
+                light.name, light_color);
 }
 
 /// The grip of the divider, whose line is of the picture itself.
-void draw_divider(const Canvas& canvas, const Composition& composition) {
+void draw_divider(const PictureDrawing& drawing, const Composition& composition) {
   if (composition.layout != Layout::split) return;
-  const float w = 3.5f * canvas.scale, h = 15 * canvas.scale, edge = canvas.scale;
-  const ImVec2 p = canvas.at({composition.divider * composition.width, composition.height / 2.0});
-  canvas.list.AddRectFilled({p.x - w - edge, p.y - h - edge}, {p.x + w + edge, p.y + h + edge}, IM_COL32(12, 13, 15, 200), w);
-  canvas.list.AddRectFilled({p.x - w, p.y - h}, {p.x + w, p.y + h}, IM_COL32(235, 235, 235, 240), w);
+  const float w = 3.5f * drawing.scale, h = 15 * drawing.scale, edge = drawing.scale;
+  const ImVec2 p = drawing.at({composition.divider * composition.width, composition.height / 2.0});
+  drawing.list.AddRectFilled({p.x - w - edge, p.y - h - edge}, {p.x + w + edge, p.y + h + edge}, IM_COL32(12, 13, 15, 200), w);
+  drawing.list.AddRectFilled({p.x - w, p.y - h}, {p.x + w, p.y + h}, IM_COL32(235, 235, 235, 240), w);
 }
 
 /// The columns of the picture that show a side: from, to.
@@ -95,11 +96,11 @@ Columns columns_of(const Composition& composition, int side) {
 }
 
 /// The names of what is seen, in the upper corners of their sides, and what the technique itself says is wrong with it.
-void draw_titles(const Canvas& canvas, const Session& session, const Shown& shown) {
-  const double margin = 8 * canvas.scale * canvas.unit;
+void draw_titles(const PictureDrawing& drawing, const Session& session, const Shown& shown) {
+  const double margin = 8 * drawing.scale * drawing.unit;
   const auto extent = [&](const std::string& text) {
     const ImVec2 size = ImGui::CalcTextSize(text.c_str());
-    return glm::dvec2(size.x, size.y) * static_cast<double>(canvas.unit);
+    return glm::dvec2(size.x, size.y) * static_cast<double>(drawing.unit);
   };
   for (int side = 0; side < 2; ++side) {
     const auto [first, end] = columns_of(shown.composition, side);
@@ -110,41 +111,41 @@ void draw_titles(const Canvas& canvas, const Session& session, const Shown& show
       return glm::dvec2(is_right ? end - margin - extent(text).x : first + margin, y);
     };
     if (extent(title).x > room) continue;
-    canvas.words(place(title, margin), title, IM_COL32(235, 235, 235, 235));
+    drawing.words(place(title, margin), title, IM_COL32(235, 235, 235, 235));
     const auto& answer = shown.state.sides[side].answer;
     if (shown.state.sides[side].is_reference || !answer || answer->support.kind() != Support::Kind::approximate) continue;
-    const double width = std::min(room / canvas.unit, 30.0 * ImGui::GetFontSize());
+    const double width = std::min(room / drawing.unit, 30.0 * ImGui::GetFontSize());
     const std::string words = Widgets::lines("approximate: " + answer->support.why(), static_cast<float>(width));
-    if (extent(words).x <= room) canvas.words(place(words, 1.6 * margin + extent(title).y), words, warning_text);
+    if (extent(words).x <= room) drawing.words(place(words, 1.6 * margin + extent(title).y), words, warning_text);
   }
 }
 
 /// Words in the middle of some columns of the picture, in as many lines as they need.
-void draw_notice(const Canvas& canvas, Columns columns, const std::string& words, ImU32 color) {
-  const double room = (columns.end - columns.first) / canvas.unit - 3.0 * ImGui::GetFontSize();
+void draw_notice(const PictureDrawing& drawing, Columns columns, const std::string& words, ImU32 color) {
+  const double room = (columns.end - columns.first) / drawing.unit - 3.0 * ImGui::GetFontSize();
   if (room < 6 * ImGui::GetFontSize()) return;
   const std::string lines = Widgets::lines(words, static_cast<float>(std::min(room, 34.0 * ImGui::GetFontSize())));
   const ImVec2 size = ImGui::CalcTextSize(lines.c_str());
-  const glm::dvec2 middle((columns.first + columns.end) / 2, canvas.place.height * 0.4);  // above the divider's grip
-  canvas.words(middle - 0.5 * canvas.unit * glm::dvec2(size.x, size.y), lines, color);
+  const glm::dvec2 middle((columns.first + columns.end) / 2, drawing.place.height * 0.4);  // above the divider's grip
+  drawing.words(middle - 0.5 * drawing.unit * glm::dvec2(size.x, size.y), lines, color);
 }
 
 /// What a side without an answer waits for, or why it has none.
-void draw_notices(const Canvas& canvas, const Session& session, const Shown& shown) {
+void draw_notices(const PictureDrawing& drawing, const Session& session, const Shown& shown) {
   const EngineState& state = shown.state;
-  const Columns all{0, static_cast<double>(canvas.place.width)};
-  if (!state.trouble.empty()) return draw_notice(canvas, all, state.trouble, warning_text);
-  if (state.is_loading) return draw_notice(canvas, all, "loading " + session.wish().scene, IM_COL32(235, 235, 235, 255));
+  const Columns all{0, static_cast<double>(drawing.place.width)};
+  if (!state.trouble.empty()) return draw_notice(drawing, all, state.trouble, warning_text);
+  if (state.is_loading) return draw_notice(drawing, all, "loading " + session.wish().scene, IM_COL32(235, 235, 235, 255));
   for (int side = 0; side < 2; ++side) {
     const SideState& s = state.sides[side];
     const Columns columns = columns_of(shown.composition, side);
     const std::string& words = s.words;
     if (s.phase == Phase::failed || s.phase == Phase::unsupported) {
-      draw_notice(canvas, columns, fmt::format("{}: {}", s.phase == Phase::failed ? "failed" : "unsupported", words),
+      draw_notice(drawing, columns, fmt::format("{}: {}", s.phase == Phase::failed ? "failed" : "unsupported", words),
                   warning_text);
     } else if (s.is_reference ? !state.reference : !s.answer) {
       const std::string what = s.phase == Phase::starting || words.empty() ? "starting" : words;
-      draw_notice(canvas, columns, s.seconds >= 0.1 ? fmt::format("{} {:.1f} s", what, s.seconds) : what,
+      draw_notice(drawing, columns, s.seconds >= 0.1 ? fmt::format("{} {:.1f} s", what, s.seconds) : what,
                   IM_COL32(235, 235, 235, 255));
     }
   }
@@ -152,21 +153,21 @@ void draw_notices(const Canvas& canvas, const Session& session, const Shown& sho
 
 /// Edges that the eye sees are bright, the others dark: as the G-buffer tells at two points of each. In the window's own
 /// pixels, and quick enough for every picture; the debug layers of techniques decide pixel by pixel.
-void draw_silhouettes(const Canvas& canvas, std::span<const Line> lines, const GBuffer& g) {
+void draw_silhouettes(const PictureDrawing& drawing, std::span<const Line> lines, const GBuffer& g) {
   constexpr double tolerance = 0.005;  // of the distance from the eye
   const auto is_seen = [&](const glm::dvec3& point) {
-    const auto p = project(canvas.camera, point);
+    const auto p = project(drawing.camera, point);
     if (!p) return false;
-    const int x = static_cast<int>(p->x * g.width / canvas.camera.width),
-              y = static_cast<int>(p->y * g.height / canvas.camera.height);
+    const int x = static_cast<int>(p->x * g.width / drawing.camera.width),
+              y = static_cast<int>(p->y * g.height / drawing.camera.height);
     if (p->x < 0 || p->y < 0 || x >= g.width || y >= g.height) return false;
-    const double distance = glm::distance(point, canvas.camera.eye);
+    const double distance = glm::distance(point, drawing.camera.eye);
     // An outline seen from the eye lies beside its mesh as often as on it: any neighbor will do.
     for (int dy = -1; dy <= 1; ++dy)
       for (int dx = -1; dx <= 1; ++dx) {
         const int u = std::clamp(x + dx, 0, g.width - 1), v = std::clamp(y + dy, 0, g.height - 1);
         const std::size_t i = static_cast<std::size_t>(v) * g.width + u;
-        if (g.is_background(i) || glm::distance(glm::dvec3(g.position(i)), canvas.camera.eye) >= distance * (1 - tolerance))
+        if (g.is_background(i) || glm::distance(glm::dvec3(g.position(i)), drawing.camera.eye) >= distance * (1 - tolerance))
           return true;
       }
     return false;
@@ -175,7 +176,7 @@ void draw_silhouettes(const Canvas& canvas, std::span<const Line> lines, const G
     const bool is_bright = is_seen((from + to) / 2.0);
     const auto part = [&](double linear) { return is_bright ? srgb(linear) : srgb(linear) * 2 / 5; };
     const glm::vec3& c = line.color;
-    canvas.segment(from, to, IM_COL32(part(c.r), part(c.g), part(c.b), is_bright ? 235 : 120), 1.2f);
+    drawing.segment(from, to, IM_COL32(part(c.r), part(c.g), part(c.b), is_bright ? 235 : 120), 1.2f);
   };
   for (const Line& line : lines) {
     const glm::dvec3 middle = (line.from + line.to) / 2.0;
@@ -184,42 +185,43 @@ void draw_silhouettes(const Canvas& canvas, std::span<const Line> lines, const G
   }
 }
 
-/// Where the ray meets the triangle, as a share of `way`; nothing where it does not, or hardly starts.
-std::optional<double> meet(const glm::dvec3& from, const glm::dvec3& way, const glm::dvec3 (&corners)[3]) {
-  const glm::dvec3 u = corners[1] - corners[0], v = corners[2] - corners[0];
-  const glm::dvec3 across = glm::cross(way, v);
-  const double volume = glm::dot(u, across);
-  if (volume == 0) return std::nullopt;
-  const glm::dvec3 s = from - corners[0];
-  const double b = glm::dot(s, across) / volume;
-  const glm::dvec3 q = glm::cross(s, u);
-  const double c = glm::dot(way, q) / volume, t = glm::dot(v, q) / volume;
-  return b >= 0 && c >= 0 && b + c <= 1 && t > 0 ? std::optional(t) : std::nullopt;
+/// Where a shadow ray from the pixel meets the nearest caster; nothing where none is in its way.
+std::optional<glm::dvec3> find_caster_point(const Frame& frame, std::size_t pixel) {
+  const GBuffer& g = frame.gbuffer;
+  const LightRays rays(frame.scene(), frame.loaded->store->casters(g.truth), g, frame.light);
+  const glm::dvec3 point = g.position(pixel);
+  const double distance = rays.nearest(pixel).distance;
+  return std::isfinite(distance) ? std::optional(point + distance * rays.toward_light(point)) : std::nullopt;
+}
+
+/// From the picked pixel's point to the light, or to the caster that stops the ray; and where the taps of the technique's own
+/// explanation found something stored.
+void draw_shadow_ray(const PictureDrawing& drawing, const Session& session, const Shown& shown) {
+  const std::shared_ptr<const Frame>& frame = shown.state.frame;
+  const std::size_t index = *session.wish().picked;
+  if (!frame || !frame->is_full() || index >= frame->gbuffer.size() || frame->gbuffer.is_background(index)) return;
+  const glm::dvec3 point = frame->gbuffer.position(index), light = light_place(*session.scene(), frame->light);
+  const auto& reference = shown.state.reference;
+  const bool is_known = reference && reference->frame == frame && !reference->classes.empty();
+  const bool is_dark = is_known && reference->mask[index] < 0.5f;
+  // A pixel that is turned away from the light has no shadow ray: its line is thin and gray.
+  const bool has_ray = !is_known || reference->classes[index] > PixelClass::F;
+  const auto end = is_dark && has_ray ? find_caster_point(*frame, index) : std::nullopt;
+  const ImU32 color = is_dark ? blocked_color : has_ray ? light_color : quiet_text;
+  drawing.segment(point, end.value_or(light), color, has_ray ? 2 : 1);
+  if (end) {
+    drawing.segment(*end, light, IM_COL32(239, 83, 80, 90), 1);
+    if (const auto p = project(drawing.camera, *end)) drawing.disc(*p, 3, blocked_color);
+  }
+  const SideState& side = shown.state.sides[shown.side];
+  if (!side.explanation || side.explained != session.wish().picked) return;
+  for (const Tap& tap : side.explanation->taps) {
+    if (!std::isfinite(tap.stored)) continue;
+    if (const auto p = project(drawing.camera, tap.origin + tap.stored * tap.direction)) drawing.disc(*p, 2.5f, tap_color);
+  }
 }
 
 }  // namespace
-
-std::optional<glm::dvec3> Overlays::find_blocker(const std::shared_ptr<const ReferenceState>& known, std::size_t pixel) {
-  if (blocker_reference_ == known && blocker_pixel_ == pixel) return blocker_;
-  blocker_reference_ = known;
-  blocker_pixel_ = pixel;
-  blocker_.reset();
-  const ReferenceState& reference = *known;
-  const Frame& frame = *reference.frame;
-  if (reference.occluder.empty() || reference.occluder[pixel] == no_mesh) return blocker_;
-  const glm::dvec3 from = frame.gbuffer.position(pixel), way = to_light(homogeneous(frame.light), from);
-  const double least = 4 * ray_offset(frame.gbuffer.position(pixel)) / glm::length(way);
-  const Mesh& mesh = frame.scene().meshes[reference.occluder[pixel]];
-  double nearest = INFINITY;
-  for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
-    if (frame.gbuffer.mesh[pixel] == reference.occluder[pixel] && frame.gbuffer.triangle[pixel] == k) continue;
-    const glm::uvec3& t = mesh.triangles[k];
-    const glm::dvec3 corners[3] = {mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]};
-    if (const auto hit = meet(from, way, corners); hit && *hit > least && *hit < nearest) nearest = *hit;
-  }
-  if (std::isfinite(nearest)) blocker_ = from + nearest * way;
-  return blocker_;
-}
 
 void Overlays::draw(const PixelRect& place, const Session& session, const Shown& shown) {
   const Composition& composition = shown.composition;
@@ -227,52 +229,26 @@ void Overlays::draw(const PixelRect& place, const Session& session, const Shown&
   if (!scene || place.width <= 0) return;
   const auto unit = static_cast<float>(pixels_per_unit());
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
-  const Canvas canvas{list, place, Camera(shown_view(session, composition), place.width, place.height), unit,
-                      lengths().panel / panel_width};
-  list.PushClipRect(canvas.at({0, 0}), canvas.at({place.width, place.height}), true);
-  const std::shared_ptr<const Frame>& frame = shown.state.frame;
+  const PictureDrawing drawing{list, place, Camera(shown_view(session, composition), place.width, place.height), unit,
+                               lengths().panel / panel_width};
+  list.PushClipRect(drawing.at({0, 0}), drawing.at({place.width, place.height}), true);
   const Frame* const seen = shown_frame(composition);
   is_complete_ = true;
   if (session.shows_silhouettes && seen) {
     const auto segments = finder_.find(seen->loaded, seen->light);
     is_complete_ = segments != nullptr;
-    if (segments) draw_silhouettes(canvas, *segments, seen->gbuffer);
+    if (segments) draw_silhouettes(drawing, *segments, seen->gbuffer);
   }
   if (session.picked()) {
-    const glm::dvec2 middle = glm::dvec2(*session.picked()) + 0.5;
-    const std::size_t index = *session.wish().picked;
-    if (frame && frame->is_full() && index < frame->gbuffer.size() && !frame->gbuffer.is_background(index)) {
-      const glm::dvec3 point = frame->gbuffer.position(index), light = light_place(*scene, frame->light);
-      const auto& reference = shown.state.reference;
-      const bool is_known = reference && reference->frame == frame && !reference->classes.empty();
-      const bool is_dark = is_known && reference->mask[index] < 0.5f;
-      const auto blocker = is_dark ? find_blocker(reference, index) : std::nullopt;
-      // A pixel that is turned away from the light has no shadow ray.
-      const bool is_asked = !is_known || reference->classes[index] > PixelClass::F;
-      canvas.segment(point, blocker.value_or(light),
-                     is_dark    ? blocked_color
-                     : is_asked ? light_color
-                                : quiet_text,
-                     is_asked ? 2 : 1);
-      if (blocker) {
-        canvas.segment(*blocker, light, IM_COL32(239, 83, 80, 90), 1);
-        if (const auto p = project(canvas.camera, *blocker)) canvas.disc(*p, 3, blocked_color);
-      }
-      const SideState& side = shown.state.sides[shown.side];
-      if (side.explanation && side.explained == session.wish().picked)
-        for (const Tap& tap : side.explanation->taps)
-          if (std::isfinite(tap.stored))
-            if (const auto p = project(canvas.camera, tap.origin + tap.stored * tap.direction))
-              canvas.disc(*p, 2.5f, tap_color);
-    }
-    const ImVec2 p = canvas.at(middle);
-    list.AddCircle(p, 6 * canvas.scale, IM_COL32(0, 0, 0, 200), 0, 3 * canvas.scale);
-    list.AddCircle(p, 6 * canvas.scale, picked_color, 0, 1.5f * canvas.scale);
+    draw_shadow_ray(drawing, session, shown);
+    const ImVec2 p = drawing.at(glm::dvec2(*session.picked()) + 0.5);
+    list.AddCircle(p, 6 * drawing.scale, IM_COL32(0, 0, 0, 200), 0, 3 * drawing.scale);
+    list.AddCircle(p, 6 * drawing.scale, picked_color, 0, 1.5f * drawing.scale);
   }
-  draw_titles(canvas, session, shown);
-  draw_divider(canvas, composition);
-  draw_light(canvas, *scene, session.wish().light, shown_handle(session, composition, canvas.scale * unit));
-  draw_notices(canvas, session, shown);
+  draw_titles(drawing, session, shown);
+  draw_divider(drawing, composition);
+  draw_light(drawing, *scene, session.wish().light, shown_handle(session, composition, drawing.scale * unit));
+  draw_notices(drawing, session, shown);
   list.PopClipRect();
 }
 

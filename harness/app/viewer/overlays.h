@@ -13,30 +13,32 @@
 
 namespace gnomon::viewer {
 
-/// Silhouette edges of the casters. Those that are found quickly are waited for, so that they move with the picture; others are
-/// found in the background.
+/// Finds the silhouette edges of the casters in a thread of its own. Where the last search was quick, the next one is waited
+/// for, so that the edges move with the picture.
 class SilhouetteFinder {
  public:
   explicit SilhouetteFinder(std::function<void()> changed) : changed_(std::move(changed)) {}
   ~SilhouetteFinder();
 
-  /// Colored as in the debug layers `silhouette`. Null while they are not known for this scene and light.
+  /// The edges for this scene and light, colored as in the debug layers `silhouette`. Null while they are not found yet; then
+  /// `changed` is called when they are.
   std::shared_ptr<const std::vector<Line>> find(const std::shared_ptr<const LoadedScene>& loaded, const Light& light);
 
  private:
-  void look(std::shared_ptr<const LoadedScene> loaded, Light light);
+  void search(std::shared_ptr<const LoadedScene> loaded, Light light);
 
   std::function<void()> changed_;
-  std::mutex mutex_;  // of what was found
+  std::mutex mutex_;  // guards the three members below
   std::shared_ptr<const std::vector<Line>> found_;
   std::shared_ptr<const LoadedScene> found_for_;
   Light found_light_;
-  std::atomic<double> look_ms_ = 1e9;  // that the last look took, without the edges of its scene
-  std::shared_ptr<const LoadedScene> asked_scene_;
-  Light asked_;
-  std::atomic<bool> is_looking_ = false;
+  std::atomic<double> search_ms_ = 1e9;  // that the last search took, without the edge adjacency of its scene
+  std::shared_ptr<const LoadedScene> searched_scene_;
+  Light searched_light_;
+  std::atomic<bool> is_searching_ = false;
   std::thread thread_;
-  std::shared_ptr<const LoadedScene> adjacency_scene_;  // of the thread, with its edges
+  // Only the thread uses these.
+  std::shared_ptr<const LoadedScene> adjacency_scene_;  // that `adjacency_` is of
   EdgeAdjacency adjacency_;
   Silhouette silhouette_;
 };
@@ -46,18 +48,12 @@ class Overlays {
  public:
   explicit Overlays(std::function<void()> changed) : finder_(std::move(changed)) {}
   void draw(const PixelRect& place, const Session& session, const Shown& shown);
-  /// Whether all that the last `draw` was to show was known.
+  /// Whether the last `draw` drew all that was to be shown; silhouettes may still be missing.
   bool is_complete() const { return is_complete_; }
 
  private:
-  /// Where the shadow ray of the picked pixel is stopped.
-  std::optional<glm::dvec3> find_blocker(const std::shared_ptr<const ReferenceState>& known, std::size_t pixel);
-
   SilhouetteFinder finder_;
   bool is_complete_ = true;
-  std::shared_ptr<const ReferenceState> blocker_reference_;  // that `blocker_` is of
-  std::size_t blocker_pixel_ = 0;
-  std::optional<glm::dvec3> blocker_;
 };
 
 }  // namespace gnomon::viewer

@@ -13,12 +13,10 @@ namespace gnomon::viewer {
 
 namespace {
 
-std::string id_of(const std::string& reference) { return reference.substr(0, reference.find(':')); }
-
 bool section(const char* title) { return ImGui::CollapsingHeader(title, ImGuiTreeNodeFlags_DefaultOpen); }
 
 void draw_scene_list(Session& session, std::span<const SceneListing> scenes, Widgets& widgets) {
-  const std::string id = id_of(session.wish().scene);
+  const std::string id = scene_id(session.wish().scene);
   widgets.label("scene", "A generated or described scene, or below the path of a .toml or mesh file.");
   const bool is_open = ImGui::BeginCombo("##scene", id.c_str(), ImGuiComboFlags_HeightLarge);
   widgets.note("scene");
@@ -39,7 +37,8 @@ void draw_scene(Session& session, const Shown& shown, std::span<const SceneListi
   draw_scene_list(session, scenes, widgets);
   static std::string path;
   widgets.label("file", "Path of a .toml or mesh file; Enter opens it.");
-  if (ImGui::InputTextWithHint("##file", "path, then Enter", &path, ImGuiInputTextFlags_EnterReturnsTrue) && !path.empty())
+  constexpr ImGuiInputTextFlags flags = ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll;
+  if (ImGui::InputTextWithHint("##file", "path, then Enter", &path, flags) && !path.empty())
     widgets.attempt([&] { session.choose_scene(path); });
   widgets.note("scene.file");
   if (!shown.state.scene_error.empty()) Widgets::wrapped(shown.state.scene_error, warning_text);

@@ -52,7 +52,7 @@ struct Group {
 
 std::vector<Group> key_groups() {
   std::vector<Group> groups;
-  const std::span<const KeyRow> rows = key_rows();
+  const std::span<const KeyRow> rows = key_table().rows();
   for (std::size_t k = 0; k < rows.size(); ++k) {
     if (k == 0 || rows[k].group != rows[k - 1].group) groups.push_back({k, k});
     groups.back().end = k + 1;
@@ -61,12 +61,12 @@ std::vector<Group> key_groups() {
 }
 
 void draw_keys(const Group& group) {
-  const std::span<const KeyRow> rows = key_rows();
+  const std::span<const KeyRow> rows = key_table().rows();
   if (!begin_group(rows[group.first].group, ImGui::GetFontSize() * 5.5f)) return;
   for (std::size_t k = group.first; k < group.end; ++k) {
     // Keys that do the same share a row.
     std::string names(rows[k].name);
-    for (; k + 1 < group.end && rows[k + 1].action == rows[k].action; ++k) names += fmt::format(", {}", rows[k + 1].name);
+    for (; k + 1 < group.end && rows[k + 1].effect == rows[k].effect; ++k) names += fmt::format(", {}", rows[k + 1].name);
     draw_row(names, rows[k].sentence);
   }
   end_group();

@@ -17,16 +17,7 @@ bool is_shown(Layout layout, int side) {
   return layout == Layout::split || layout == Layout::flicker || (layout == Layout::left) == (side == 0);
 }
 
-ImU32 color_of(const std::array<std::uint8_t, 3>& c) { return IM_COL32(c[0], c[1], c[2], 255); }
-
-/// sRGB of linear light.
-ImU32 color_of(const glm::dvec3& linear) {
-  const auto encode = [](double x) {
-    x = std::clamp(x, 0.0, 1.0);
-    return static_cast<int>(std::lround(255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055)));
-  };
-  return IM_COL32(encode(linear.r), encode(linear.g), encode(linear.b), 255);
-}
+ImU32 color_of(const Color& c) { return IM_COL32(c[0], c[1], c[2], 255); }
 
 void draw_swatch(ImU32 color) {
   const float size = ImGui::GetFontSize() * 0.8f;
@@ -67,78 +58,91 @@ bool has_layer(const Shown& shown) {
   return (c.sides[0].layer && is_shown(c.layout, 0)) || (c.sides[1].layer && is_shown(c.layout, 1));
 }
 
-struct Row {
+/// One line of the table: a color with its meaning, and its share of the pixels of each side.
+struct LegendLine {
   LegendEntry entry;
   std::optional<double> share[2];
 };
+struct PaintLegend {
+  std::vector<LegendLine> lines;
+  bool has_shares[2] = {};  ///< of the side are known
+};
 
-void draw_paint_legend(const Shown& shown) {
-  std::vector<Row> rows;
-  bool has_shares[2] = {}, is_judged = false;
+/// The colors of both sides that are shown, those of the same name in one line.
+PaintLegend join_legends(const Shown& shown) {
+  PaintLegend legend;
+  const Paint paint = shown.composition.paint;
   for (int side = 0; side < 2; ++side) {
     if (!is_shown(shown.composition.layout, side)) continue;
     for (const LegendEntry& entry : shown.legends[side]) {
-      auto found = std::ranges::find(rows, entry.name, [](const Row& row) { return row.entry.name; });
-      if (found == rows.end()) found = rows.insert(found, Row{entry, {}});
+      auto found = std::ranges::find(legend.lines, entry.name, [](const LegendLine& line) { return line.entry.name; });
+      if (found == legend.lines.end()) found = legend.lines.insert(found, LegendLine{entry, {}});
       found->share[side] = entry.share;
-      has_shares[side] = has_shares[side] || entry.share;
+      legend.has_shares[side] = legend.has_shares[side] || entry.share;
     }
     // A side without wrong pixels has shares, too: zeros.
-    if (shown.composition.paint == Paint::kinds || shown.composition.paint == Paint::causes)
-      has_shares[side] = shown.composition.sides[side].verdict != nullptr;
-    is_judged = is_judged || has_shares[side];
+    if (paint == Paint::kinds || paint == Paint::causes)
+      legend.has_shares[side] = shown.composition.sides[side].verdict != nullptr;
   }
+  return legend;
+}
+
+void draw_legend_table(const PaintLegend& legend, const Shown& shown) {
   const Paint paint = shown.composition.paint;
   const ModeRow& mode = paint_rows()[static_cast<int>(paint)];
   // Classes are the frame's, the same on both sides.
-  if (paint == Paint::classes && has_shares[0]) has_shares[1] = false;
+  const bool has_shares[2] = {legend.has_shares[0], legend.has_shares[1] && !(paint == Paint::classes && legend.has_shares[0])};
   const int columns = 1 + has_shares[0] + has_shares[1];
-  if (rows.empty()) {
-    if (paint == Paint::shaded && has_layer(shown)) return;  // which says all that there is to say
-    ImGui::TextDisabled("%s", std::string(mode.title).c_str());
-    return Widgets::wrapped(is_judged && (paint == Paint::kinds || paint == Paint::causes) ? "No pixel is wrong."
-                                                                                           : std::string(mode.sentence));
-  }
   if (!ImGui::BeginTable("legend", columns, ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_NoSavedSettings)) return;
   ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthStretch);
   const float width = ImGui::CalcTextSize(columns == 3 ? "right %" : "99.999").x;
   for (int k = 1; k < columns; ++k) ImGui::TableSetupColumn("share", ImGuiTableColumnFlags_WidthFixed, width);
+  const auto draw_shares = [&](auto&& draw) {
+    for (int side = 0; side < 2; ++side)
+      if (has_shares[side]) {
+        ImGui::TableNextColumn();
+        draw(side);
+      }
+  };
   ImGui::TableNextRow();
   ImGui::TableNextColumn();
   ImGui::TextDisabled("%s", std::string(mode.title).c_str());
   std::string sentence(mode.sentence);
-  if (columns > 1) sentence += fmt::format("\nShares are {}.", rows[0].entry.of);
+  if (columns > 1) sentence += fmt::format("\nShares are {}.", legend.lines[0].entry.of);
   Widgets::tooltip(sentence);
-  for (int side = 0; side < 2; ++side)
-    if (has_shares[side]) {
-      ImGui::TableNextColumn();
-      ImGui::PushStyleColor(ImGuiCol_Text, quiet_text);
-      draw_right(columns == 3 ? fmt::format("{} %", side_name(side)) : "%");
-      ImGui::PopStyleColor();
-    }
-  for (const Row& row : rows) {
+  ImGui::PushStyleColor(ImGuiCol_Text, quiet_text);
+  draw_shares([&](int side) { draw_right(columns == 3 ? fmt::format("{} %", side_name(side)) : "%"); });
+  ImGui::PopStyleColor();
+  for (const LegendLine& line : legend.lines) {
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
-    draw_swatch(color_of(row.entry.color));
-    Widgets::wrapped(row.entry.name);
-    Widgets::tooltip(sentence_of(paint, row.entry.name));
-    // A color that only one of two sides shows has no share in the other.
-    for (int side = 0; side < 2; ++side)
-      if (has_shares[side]) {
-        ImGui::TableNextColumn();
-        draw_right(percent_words(row.share[side].value_or(0)));
-      }
+    draw_swatch(color_of(line.entry.color));
+    Widgets::wrapped(line.entry.name);
+    Widgets::tooltip(sentence_of(paint, line.entry.name));
+    // A color that only one of two sides shows has share 0 in the other.
+    draw_shares([&](int side) { draw_right(percent_words(line.share[side].value_or(0))); });
   }
   ImGui::EndTable();
 }
 
+void draw_paint_legend(const Shown& shown) {
+  const PaintLegend legend = join_legends(shown);
+  if (!legend.lines.empty()) return draw_legend_table(legend, shown);
+  const Paint paint = shown.composition.paint;
+  const ModeRow& mode = paint_rows()[static_cast<int>(paint)];
+  if (paint == Paint::shaded && has_layer(shown)) return;  // the layer has a legend of its own
+  ImGui::TextDisabled("%s", std::string(mode.title).c_str());
+  const bool is_judged = (paint == Paint::kinds || paint == Paint::causes) && (legend.has_shares[0] || legend.has_shares[1]);
+  Widgets::wrapped(is_judged ? "No pixel is wrong." : std::string(mode.sentence));
+}
+
 /// Short names share a row.
-void draw_swatches(std::span<const Swatch> swatches) {
+void draw_swatches(std::span<const LegendEntry> swatches) {
   constexpr int cells = 3;  // of a row
   const float before = ImGui::GetFontSize() * 0.8f + ImGui::GetStyle().ItemSpacing.x;
   const float left = ImGui::GetCursorPosX(), cell = ImGui::GetContentRegionAvail().x / cells;
   int next = 0;
-  for (const Swatch& swatch : swatches) {
+  for (const LegendEntry& swatch : swatches) {
     const float width = before + ImGui::CalcTextSize(swatch.name.c_str()).x + ImGui::GetStyle().ItemSpacing.x;
     const int wanted = std::min(static_cast<int>(std::ceil(width / cell)), cells);
     if (next + wanted > cells) next = 0;
@@ -158,7 +162,7 @@ void draw_legend(const Shown& shown) {
     if (!layer || !is_shown(shown.composition.layout, side)) continue;
     ImGui::TextDisabled("%s: %s", side_name(side), layer->layer.name.c_str());
     Widgets::tooltip(layer->layer.sentence);
-    draw_swatches(layer->layer.legend);
+    draw_swatches(layer_legend(*layer));
     if (layer->layer.legend.empty()) Widgets::wrapped(layer->layer.sentence);
   }
 }

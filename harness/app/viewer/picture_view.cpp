@@ -1,5 +1,5 @@
-// The mouse over the picture. Events are taken one by one, with the place that each happened at, so that a quick gesture
-// between two frames is none the less what it was.
+// The mouse over the picture. Events are taken one by one, each with the place where it happened, so that a gesture that begins
+// and ends between two frames counts, too.
 #include "app/viewer/picture_view.h"
 
 #include <gnomon/kit/camera.h>
@@ -29,32 +29,32 @@ std::optional<Handle> shown_handle(const Session& session, const Composition& co
   return light_handle(camera, light_place(*session.scene(), session.wish().light), handle_margin * scale);
 }
 
-Grips PictureView::grips(const Composition& shown, const Session& session, double scale) const {
-  Grips grips{.light = {}, .divider = {}, .scale = scale};
-  if (const auto handle = shown_handle(session, shown, scale)) grips.light = handle->shown;
-  if (shown.layout == Layout::split) grips.divider = shown.divider * shown.width;
-  return grips;
+GrabTargets PictureView::targets(const Composition& shown, const Session& session, double scale) const {
+  GrabTargets targets{.light = {}, .divider = {}, .scale = scale};
+  if (const auto handle = shown_handle(session, shown, scale)) targets.light = handle->shown;
+  if (shown.layout == Layout::split) targets.divider = shown.divider * shown.width;
+  return targets;
 }
 
 void PictureView::drag(const Composition& shown, Session& session) {
   const glm::dvec2 moved = gesture_.moved();
-  switch (gesture_.doing()) {
-    case Doing::nothing:
-    case Doing::waiting:
+  switch (gesture_.kind()) {
+    case DragKind::nothing:
+    case DragKind::waiting:
       return;
-    case Doing::divider:
+    case DragKind::divider:
       session.divider = std::clamp(gesture_.grabbed().x / shown.width, 0.0, 1.0);
       return;
-    case Doing::orbit:
+    case DragKind::orbit:
       session.set_view(orbit(view_, moved, shown.height));
       break;
-    case Doing::look:
+    case DragKind::look:
       session.set_view(look(view_, moved, shown.height));
       break;
-    case Doing::pan:
+    case DragKind::pan:
       session.set_view(pan(view_, moved, shown.height));
       break;
-    case Doing::light:
+    case DragKind::light:
       if (session.scene() && camera_)
         session.set_light(drag_light(*session.scene(), light_, *camera_, gesture_.grabbed() + beside_, gesture_.is_vertical()));
       break;
@@ -78,7 +78,7 @@ void PictureView::use(std::span<const WindowEvent> events, const PixelRect& plac
         gesture_.cancel();
         break;
       case WindowEvent::Kind::wheel:
-        if (!is_inside || gesture_.doing() != Doing::nothing) break;
+        if (!is_inside || gesture_.kind() != DragKind::nothing) break;
         session.set_view(zoom(session.wish().view, event.wheel));
         session.mark_moving();
         break;
@@ -89,21 +89,21 @@ void PictureView::use(std::span<const WindowEvent> events, const PixelRect& plac
       case WindowEvent::Kind::button:
         if (!event.is_pressed) {
           if (const auto clicked = gesture_.release(event.code, p, now)) session.pick(glm::ivec2(glm::floor(*clicked)));
-        } else if (is_inside && gesture_.doing() == Doing::nothing) {
+        } else if (is_inside && gesture_.kind() == DragKind::nothing) {
           view_ = session.wish().view;
           light_ = session.wish().light;
           camera_.emplace(shown_view(session, shown), shown.width, shown.height);
           if (const auto handle = shown_handle(session, shown, scale)) beside_ = handle->at - handle->shown;
-          gesture_.press(event.code, event.modifiers, p, now, grips(shown, session, scale));
+          gesture_.press(event.code, event.modifiers, p, now, targets(shown, session, scale));
         }
         break;
     }
   }
-  handle_ = gesture_.doing();
-  if (handle_ != Doing::nothing || !mouse_) return;
+  handle_ = gesture_.kind();
+  if (handle_ != DragKind::nothing || !mouse_) return;
   Gesture probe;
-  probe.press(0, 0, *mouse_, now, grips(shown, session, scale));
-  if (probe.doing() != Doing::waiting) handle_ = probe.doing();
+  probe.press(0, 0, *mouse_, now, targets(shown, session, scale));
+  if (probe.kind() != DragKind::waiting) handle_ = probe.kind();
 }
 
 }  // namespace gnomon::viewer

@@ -26,14 +26,14 @@ class PictureView {
   /// Where the mouse is in the picture; nothing outside it.
   std::optional<glm::dvec2> mouse() const { return mouse_; }
   /// What is dragged, or what a press now would grab: light or divider.
-  Doing handle() const { return handle_; }
+  DragKind handle() const { return handle_; }
 
  private:
-  Grips grips(const Composition& shown, const Session& session, double scale) const;
+  GrabTargets targets(const Composition& shown, const Session& session, double scale) const;
   void drag(const Composition& shown, Session& session);
 
   Gesture gesture_;
-  Doing handle_ = Doing::nothing;
+  DragKind handle_ = DragKind::nothing;
   std::optional<glm::dvec2> mouse_;
   // When the button went down.
   View view_;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "measure/statistics/statistics.h"
+
 namespace gnomon::viewer {
 
 void ResolveTimes::note(const Wish& wish, const EngineState& state) {
@@ -26,10 +28,8 @@ void ResolveTimes::note(const Wish& wish, const EngineState& state) {
 std::optional<ResolveTimes::Median> ResolveTimes::median(int side) const {
   const Side& s = sides_[side];
   if (s.at_frame < 3) return std::nullopt;
-  std::vector<float> ms(s.ms.end() - static_cast<std::ptrdiff_t>(s.at_frame), s.ms.end());
-  std::ranges::sort(ms);
-  const std::size_t half = ms.size() / 2;
-  return Median{ms.size() % 2 == 1 ? ms[half] : (ms[half - 1] + ms[half]) / 2.0, ms.size()};
+  const std::vector<double> ms(s.ms.end() - static_cast<std::ptrdiff_t>(s.at_frame), s.ms.end());
+  return Median{gnomon::median(ms), ms.size()};
 }
 
 }  // namespace gnomon::viewer

@@ -2,6 +2,7 @@
 #include "app/viewer/saving.h"
 
 #include <gnomon/error.h>
+#include <imgui.h>
 
 #include "app/staged_folder.h"
 #include "measure/picture/picture.h"
@@ -56,6 +57,8 @@ Json window_json(glm::ivec2 window, double scale, const PixelRect& picture, cons
           {"picked", session.picked() ? Json{session.picked()->x, session.picked()->y} : Json()},
           {"sides", sides},
           {"message", session.message()},
+          {"scene_error", state.scene_error},
+          {"typing", ImGui::GetIO().WantTextInput},
           {"controls", named}};
 }
 
@@ -66,7 +69,7 @@ void write_window(const fs::path& file, const Picture& picture) {
 }
 
 /// The first OUT/BEFOREnnAFTER that is not there yet.
-fs::path Album::next(const std::string& before, const std::string& after) const {
+fs::path SavedFiles::next(const std::string& before, const std::string& after) const {
   for (int number = 1;; ++number) {
     const fs::path path = out_ / fmt::format("{}{:02}{}", before, number, after);
     std::error_code ignored;
@@ -74,7 +77,7 @@ fs::path Album::next(const std::string& before, const std::string& after) const 
   }
 }
 
-SavedState Album::saved_state(const Session& session) const {
+SavedState SavedFiles::saved_state(const Session& session) const {
   const Wish& wish = session.wish();
   // A scene that could not be loaded is only wished.
   return {.scene = wish.loaded ? wish.loaded->reference : wish.scene,
@@ -88,7 +91,7 @@ SavedState Album::saved_state(const Session& session) const {
           .truth = wish.truth};
 }
 
-std::string Album::write_command(const Session& session, const fs::path& staged, const fs::path& folder) {
+std::string SavedFiles::write_command(const Session& session, const fs::path& staged, const fs::path& folder) {
   const SavedState state = saved_state(session);
   const std::string command = render_command(state, folder / "scene.toml", folder / "render");
   write_file(staged / "scene.toml", state_toml(state, folder / "scene.toml"));
@@ -96,8 +99,8 @@ std::string Album::write_command(const Session& session, const fs::path& staged,
   return command;
 }
 
-fs::path Album::save(const Session& session, const EngineState& state, std::span<const std::uint32_t> rgba,
-                     const Picture& window, const Json& places) {
+fs::path SavedFiles::save(const Session& session, const EngineState& state, std::span<const std::uint32_t> rgba,
+                          const Picture& window, const Json& places) {
   const Wish& wish = session.wish();
   const SideState& left = state.sides[0];
   std::span<const float> mask;
@@ -122,7 +125,7 @@ fs::path Album::save(const Session& session, const EngineState& state, std::span
   return folder;
 }
 
-std::string Album::save_command(const Session& session) {
+std::string SavedFiles::save_command(const Session& session) {
   const fs::path folder = next("", "");
   const app::StagedFolder staged = app::StagedFolder::beside(folder);
   const std::string command = write_command(session, staged.path, folder);
@@ -130,7 +133,7 @@ std::string Album::save_command(const Session& session) {
   return command;
 }
 
-fs::path Album::save_window(const Picture& window) {
+fs::path SavedFiles::save_window(const Picture& window) {
   const fs::path file = next("window-", ".png");
   write_window(file, window);
   return file;

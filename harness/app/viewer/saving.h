@@ -12,9 +12,10 @@
 namespace gnomon::viewer {
 
 /// Where the viewer writes: folders OUT/01, OUT/02, ... of what was saved, pictures OUT/window-01.png, ... of the window.
-class Album {
+class SavedFiles {
  public:
-  Album(std::filesystem::path out, std::vector<std::string> plugins) : out_(std::move(out)), plugins_(std::move(plugins)) {}
+  SavedFiles(std::filesystem::path out, std::vector<std::string> plugins)
+      : out_(std::move(out)), plugins_(std::move(plugins)) {}
 
   /// The whole state: scene.toml, command.txt, mask.exr, picture.png, window.png, window.json. Needs a finished state. Answers
   /// the folder. Throws Error when it cannot be written.
@@ -35,7 +36,7 @@ class Album {
 };
 
 /// What is where in the window and what it says, for window.json: rectangles in framebuffer pixels, the picked pixel, how far
-/// each side is, the last message.
+/// each side is, the last message, why the wished scene could not be loaded, whether text is typed into a field.
 nlohmann::ordered_json window_json(glm::ivec2 window, double scale, const PixelRect& picture, const ControlPlaces& controls,
                                    const Session& session, const EngineState& state);
 

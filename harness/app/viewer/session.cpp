@@ -13,12 +13,10 @@ namespace {
 
 constexpr double motion_rest = 0.25;  // seconds without a step until a motion is over
 
-std::string id_of(const std::string& reference) { return reference.substr(0, reference.find(':')); }
-
 /// A generator with the settings of a reference; null when it is a file.
 std::unique_ptr<SceneGenerator> generator_of(const std::string& reference) {
   const std::size_t colon = reference.find(':');
-  const SceneEntry* const entry = registry().find_scene(id_of(reference));
+  const SceneEntry* const entry = registry().find_scene(scene_id(reference));
   if (!entry) return nullptr;
   auto generator = entry->make();
   generator->apply(colon == std::string::npos ? "" : reference.substr(colon + 1));
@@ -33,6 +31,8 @@ const Item& named_or_first(const std::vector<Item>& items, const std::string& na
 }
 
 }  // namespace
+
+std::string scene_id(const std::string& reference) { return reference.substr(0, reference.find(':')); }
 
 Session::Session(Wish wish, const Scene& scene) : wish_(std::move(wish)), generator_(generator_of(wish_.scene)) {
   auto loaded = std::make_shared<LoadedScene>();
@@ -51,7 +51,7 @@ Session::Session(Wish wish, const Scene& scene) : wish_(std::move(wish)), genera
 void Session::choose_scene(const std::string& reference) {
   auto generator = generator_of(reference);
   // Other settings of the same generator: a light or view that was moved stays where it is.
-  keeps_moved_ = generator && id_of(reference) == id_of(wish_.scene);
+  keeps_moved_ = generator && scene_id(reference) == scene_id(wish_.scene);
   generator_ = std::move(generator);
   wish_.scene = reference;
   pick({});

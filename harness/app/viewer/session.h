@@ -8,11 +8,11 @@
 
 #include "app/viewer/compose.h"
 #include "app/viewer/engine.h"
-#include "app/viewer/keys.h"
+#include "app/viewer/key_effects.h"
 
 namespace gnomon::viewer {
 
-/// What keys and buttons ask of the window itself.
+/// What keys and buttons want the window itself to do; it resets each when it is done.
 struct Requests {
   bool save = false, copy_command = false, screenshot = false, quit = false;
 };
@@ -20,7 +20,7 @@ struct Requests {
 /// All that the person has chosen. Panels, keys and mouse edit it through these calls; the engine follows its wish.
 class Session {
  public:
-  /// The scene that the wish names, loaded already.
+  /// `scene` is the one that the wish names.
   Session(Wish wish, const Scene& scene);
 
   const Wish& wish() const { return wish_; }
@@ -32,18 +32,18 @@ class Session {
   bool shows_silhouettes = false, shows_magnifier = true, shows_panels = true, shows_help = false;
   Requests requests;
 
-  // The scene. Its light and view are there when the engine has loaded it; `adopt` takes them over then.
+  // The scene. The engine loads it; then `adopt` takes over its light and view.
   void choose_scene(const std::string& reference);
-  /// Its rows may be set; then `generator_changed`. Null for scenes that are files.
+  /// Whoever sets its parameters calls `generator_changed` afterward. Null for scenes that are files.
   SceneGenerator* generator() { return generator_.get(); }
   void generator_changed();
   void set_truth(Truth truth) { wish_.truth = truth; }
-  /// Looks for a scene that was wished and has been loaded.
+  /// Takes over the scene that is wished when the engine has loaded it.
   void adopt(const EngineState& state);
   /// The scene that light and view belong to; null before the first.
   const Scene* scene() const { return loaded_ ? &loaded_->scene : nullptr; }
 
-  // Light and view: one of the scene's by name, or moved. Those that are none (Error) leave everything as it is.
+  // Light and view: one of the scene's by name, or moved. What `check` refuses throws Error and changes nothing.
   void choose_light(const std::string& name);
   void choose_view(const std::string& name);
   void set_light(const Light& light);
@@ -53,19 +53,20 @@ class Session {
   bool is_light_moved() const { return light_moved_; }
   bool is_view_moved() const { return view_moved_; }
   void set_size(int width, int height);
-  /// Something is under way for as long as this is called once a frame, and a quarter of a second longer.
+  /// Camera, light or a slider moves: true from now until a quarter of a second after the last call.
   void mark_moving();
-  /// Seconds until a motion is over; nothing while there is none.
+  /// Seconds until the motion is over; nothing while nothing moves.
   std::optional<double> motion_left() const;
+  /// Ends the motion when that time is over.
   void settle();
   /// Frames of full size while something moves.
   void set_full_while_moving(bool is_full) { wish_.full_while_moving = is_full; }
   /// Both sides do resolve once more, for its time.
   void do_again() { ++wish_.repeat; }
-  /// They do so whenever all is computed.
+  /// Whether they do so whenever all is computed.
   bool repeats = false;
 
-  // The sides. A technique's rows may be set; then `technique_changed`.
+  // The sides. Whoever sets a technique's parameters calls `technique_changed` afterward.
   Technique& technique(int side) { return *technique_[side]; }
   void choose_technique(int side, const std::string& id);
   void technique_changed(int side);
@@ -78,8 +79,8 @@ class Session {
   std::optional<glm::ivec2> picked() const { return picked_; }
   void pick(std::optional<glm::ivec2> pixel);
 
-  /// What the key of an action does, `steps` times where it goes on while held.
-  void act(Action action, double steps = 1);
+  /// What a key does, `count` times where it goes on while held.
+  void act(const KeyEffect& effect, double count = 1);
 
   /// A line for the person; an empty one takes the last away.
   void say(const std::string& text, bool is_warning = false);
@@ -89,7 +90,8 @@ class Session {
   double message_age() const;
 
  private:
-  void object_of_composite(const char* object);
+  void carry_out(Action action);
+  void set_scene_parameter(const SceneSetting& to);
   void step_technique(int step);
   void next_layer();
 
@@ -106,6 +108,9 @@ class Session {
   std::map<std::string, std::shared_ptr<Technique>> known_[2];
   std::shared_ptr<Technique> technique_[2];
 };
+
+/// The part of a scene's reference before its settings: "composite" of "composite:object=cone". Of a file, its path.
+std::string scene_id(const std::string& reference);
 
 /// Whether engine and workers would do the same for both.
 bool are_same(const Light& a, const Light& b);

@@ -1,17 +1,16 @@
 // What each key does.
 #include <algorithm>
 
-#include "app/viewer/key_moves.h"
 #include "app/viewer/session.h"
 
 namespace gnomon::viewer {
 
-void Session::object_of_composite(const char* object) {
-  if (!generator_ || generator_->id() != "composite") choose_scene(fmt::format("composite:object={}", object));
-  generator_->parameter("object").set(object);
-  const bool is_new = !loaded_ || loaded_->reference.substr(0, loaded_->reference.find(':')) != "composite";
+void Session::set_scene_parameter(const SceneSetting& to) {
+  if (!generator_ || generator_->id() != to.scene) choose_scene(to.scene);
+  generator_->parameter(to.parameter).set(to.value);
   generator_changed();
-  keeps_moved_ = !is_new;
+  // From another scene, its light and view come along.
+  keeps_moved_ = loaded_ && scene_id(loaded_->reference) == to.scene;
 }
 
 void Session::step_technique(int step) {
@@ -31,53 +30,24 @@ void Session::next_layer() {
     choose_layer(0, found + 1 == layers.end() ? "" : (found + 1)->name);
 }
 
-void Session::act(Action action, double steps) {
+void Session::act(const KeyEffect& effect, double count) {
   if (scene()) {
-    const std::optional<View> view = moved_by_key(wish_.view, *scene(), action, steps);
-    const std::optional<Light> light = moved_by_key(wish_.light, *scene(), action, steps);
+    const std::optional<View> view = moved_by_key(wish_.view, *scene(), effect, count);
+    const std::optional<Light> light = moved_by_key(wish_.light, *scene(), effect, count);
     if (view) set_view(*view);
     if (light) set_light(*light);
     if (view || light) return mark_moving();
   }
+  if (const auto* setting = std::get_if<SceneSetting>(&effect)) return set_scene_parameter(*setting);
+  if (const auto* chosen = std::get_if<Layout>(&effect)) layout = *chosen;
+  if (const auto* chosen = std::get_if<Paint>(&effect)) paint = *chosen;
+  if (const auto* action = std::get_if<Action>(&effect)) carry_out(*action);
+}
+
+void Session::carry_out(Action action) {
+  const auto flip = [](bool& shown) { shown = !shown; };
+  const auto request = [](bool& wanted) { wanted = true; };
   switch (action) {
-    case Action::object_circle:
-      return object_of_composite("circle");
-    case Action::object_triangle:
-      return object_of_composite("triangle");
-    case Action::object_sphere:
-      return object_of_composite("sphere");
-    case Action::object_cone:
-      return object_of_composite("cone");
-    case Action::layout_left:
-      layout = Layout::left;
-      return;
-    case Action::layout_right:
-      layout = Layout::right;
-      return;
-    case Action::layout_split:
-      layout = Layout::split;
-      return;
-    case Action::layout_flicker:
-      layout = Layout::flicker;
-      return;
-    case Action::paint_shaded:
-      paint = Paint::shaded;
-      return;
-    case Action::paint_mask:
-      paint = Paint::mask;
-      return;
-    case Action::paint_difference:
-      paint = Paint::difference;
-      return;
-    case Action::paint_kinds:
-      paint = Paint::kinds;
-      return;
-    case Action::paint_causes:
-      paint = Paint::causes;
-      return;
-    case Action::paint_classes:
-      paint = Paint::classes;
-      return;
     case Action::technique_before:
       return step_technique(-1);
     case Action::technique_after:
@@ -87,41 +57,27 @@ void Session::act(Action action, double steps) {
     case Action::layer_after:
       return next_layer();
     case Action::silhouettes:
-      shows_silhouettes = !shows_silhouettes;
-      return;
+      return flip(shows_silhouettes);
     case Action::magnifier:
-      shows_magnifier = !shows_magnifier;
-      return;
+      return flip(shows_magnifier);
     case Action::panels:
-      shows_panels = !shows_panels;
-      return;
+      return flip(shows_panels);
     case Action::reset_view:
       return reset_view();
     case Action::reset_light:
       return reset_light();
     case Action::save:
-      requests.save = true;
-      return;
+      return request(requests.save);
     case Action::copy_command:
-      requests.copy_command = true;
-      return;
+      return request(requests.copy_command);
     case Action::screenshot:
-      requests.screenshot = true;
-      return;
-    case Action::help:
-      shows_help = !shows_help;
-      return;
+      return request(requests.screenshot);
     case Action::quit:
-      requests.quit = true;
-      return;
+      return request(requests.quit);
+    case Action::help:
+      return flip(shows_help);
     case Action::cancel:
-      if (shows_help)
-        shows_help = false;
-      else
-        pick({});
-      return;
-    default:
-      return;
+      return shows_help ? flip(shows_help) : pick({});
   }
 }
 

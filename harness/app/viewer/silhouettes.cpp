@@ -7,7 +7,7 @@ namespace gnomon::viewer {
 
 namespace {
 
-constexpr double quick_ms = 6;  // the window may wait for so long
+constexpr double quick_ms = 6;  // a search that takes no longer is waited for
 
 }  // namespace
 
@@ -17,20 +17,20 @@ SilhouetteFinder::~SilhouetteFinder() {
 
 std::shared_ptr<const std::vector<Line>> SilhouetteFinder::find(const std::shared_ptr<const LoadedScene>& loaded,
                                                                 const Light& light) {
-  if (!is_looking_ && (asked_scene_ != loaded || !are_same(asked_, light))) {
+  if (!is_searching_ && (searched_scene_ != loaded || !are_same(searched_light_, light))) {
     if (thread_.joinable()) thread_.join();
-    const bool is_quick = adjacency_scene_ == loaded && look_ms_ < quick_ms;
-    asked_scene_ = loaded;
-    asked_ = light;
-    is_looking_ = true;
-    thread_ = std::thread([this, loaded, light] { look(loaded, light); });
+    const bool is_quick = adjacency_scene_ == loaded && search_ms_ < quick_ms;
+    searched_scene_ = loaded;
+    searched_light_ = light;
+    is_searching_ = true;
+    thread_ = std::thread([this, loaded, light] { search(loaded, light); });
     if (is_quick) thread_.join();
   }
   const std::lock_guard lock(mutex_);
   return found_for_ == loaded && are_same(found_light_, light) ? found_ : nullptr;
 }
 
-void SilhouetteFinder::look(std::shared_ptr<const LoadedScene> loaded, Light light) {
+void SilhouetteFinder::search(std::shared_ptr<const LoadedScene> loaded, Light light) {
   auto start = std::chrono::steady_clock::now();
   auto lines = std::make_shared<std::vector<Line>>();
   try {
@@ -42,7 +42,7 @@ void SilhouetteFinder::look(std::shared_ptr<const LoadedScene> loaded, Light lig
     adjacency_.find_silhouette(homogeneous(light), silhouette_);
     *lines = silhouette_lines(adjacency_, silhouette_);
   } catch (const std::exception&) {
-    lines->clear();  // no memory for them: an overlay is not worth the window
+    lines->clear();  // out of memory: the window goes on without silhouettes
     adjacency_scene_.reset();
   }
   {
@@ -51,8 +51,8 @@ void SilhouetteFinder::look(std::shared_ptr<const LoadedScene> loaded, Light lig
     found_for_ = std::move(loaded);
     found_light_ = light;
   }
-  look_ms_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  is_looking_ = false;
+  search_ms_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  is_searching_ = false;
   changed_();
 }
 

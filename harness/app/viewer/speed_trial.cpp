@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "app/viewer/moves.h"
+#include "measure/statistics/statistics.h"
 #include "report/table/digits.h"
 #include "report/table/text_table.h"
 
@@ -13,15 +14,9 @@ namespace {
 
 enum Situation { at_rest, light_moves, camera_moves, full_frames };
 
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  std::ranges::sort(values);
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
-}
-
 }  // namespace
 
-/// To and fro, so that a long trial stays where something is to be seen.
+/// The camera and the light swing to and fro, so that a long trial stays where something is to be seen.
 void SpeedTrial::step(Session& session) {
   ++steps_;
   const double swing = std::sin(0.05 * steps_);
@@ -48,7 +43,7 @@ void SpeedTrial::steer(Session& session, const EngineState& state, bool is_finis
   if (!is_running_) {
     if (!is_finished || session.wish().is_moving) return;
     is_running_ = true;
-    is_asked_ = false;
+    has_stepped_ = false;
     start_ = last_picture_ = now;
     view_ = session.wish().view;
     light_ = session.wish().light;
@@ -62,13 +57,13 @@ void SpeedTrial::steer(Session& session, const EngineState& state, bool is_finis
     session.set_light(light_);
     return;
   }
-  if (is_asked_ && !is_answered(state)) {
+  if (has_stepped_ && !is_answered(state)) {
     if (situation_ != at_rest) session.mark_moving();
     return;
   }
-  asked_frame_ = state.frame->number;
-  asked_answer_ = state.sides[0].answer_count;
-  is_asked_ = true;
+  step_frame_ = state.frame->number;
+  step_answer_ = state.sides[0].answer_count;
+  has_stepped_ = true;
   step(session);
 }
 
@@ -80,9 +75,9 @@ std::shared_ptr<const Frame> SpeedTrial::left_frame(const EngineState& state) {
 }
 
 bool SpeedTrial::is_answered(const EngineState& state) const {
-  if (situation_ == at_rest) return state.sides[0].is_reference || state.sides[0].answer_count != asked_answer_;
+  if (situation_ == at_rest) return state.sides[0].is_reference || state.sides[0].answer_count != step_answer_;
   const auto frame = left_frame(state);
-  return frame && frame->number > asked_frame_;
+  return frame && frame->number > step_frame_;
 }
 
 void SpeedTrial::presented(const EngineState& state, double now) {
@@ -91,7 +86,7 @@ void SpeedTrial::presented(const EngineState& state, double now) {
   const std::pair newest{frame ? frame->number : 0, left.answer_count};
   if (!is_running_ || !frame || newest == shown_) return;
   shown_ = newest;
-  Row& row = rows_[situation_];
+  Measured& row = rows_[situation_];
   row.gaps.push_back(1000 * (now - last_picture_));
   last_picture_ = now;
   row.width = frame->gbuffer.width;
@@ -109,11 +104,11 @@ std::string SpeedTrial::table() const {
                    {"relight", "ms", Align::right},
                    {"resolve", "ms", Align::right}});
   for (std::size_t k = 0; k < std::size(titles); ++k) {
-    const Row& row = rows_[k];
+    const Measured& row = rows_[k];
     double total = 0;
     for (const double gap : row.gaps) total += gap;
     const auto time = [](const std::vector<double>& values) {
-      return values.empty() ? std::string("-") : milliseconds(quantile(values, 0.5));
+      return values.empty() ? std::string("-") : milliseconds(median(values));
     };
     table.add_row({titles[k], total > 0 ? rounded(1000 * static_cast<double>(row.gaps.size()) / total, 3) : "-", time(row.gaps),
                    row.gaps.empty() ? "-" : milliseconds(quantile(row.gaps, 0.95)), fmt::format("{}x{}", row.width, row.height),

@@ -21,7 +21,7 @@ class SpeedTrial {
  private:
   static constexpr const char* titles[] = {"at rest, resolved again", "light moves", "camera moves",
                                            "camera moves, full frames"};
-  struct Row {
+  struct Measured {
     std::vector<double> gaps;  ///< ms from one picture to the next
     int width = 0, height = 0;
     std::vector<double> relight, resolve;  ///< ms of the left side
@@ -34,13 +34,13 @@ class SpeedTrial {
   std::size_t situation_ = 0;
   bool is_running_ = false;
   double start_ = 0, last_picture_ = 0;
-  std::uint64_t asked_frame_ = 0, asked_answer_ = 0;  // what was newest when the last step was taken
-  bool is_asked_ = false;
+  std::uint64_t step_frame_ = 0, step_answer_ = 0;  // what was newest when the last step was taken
+  bool has_stepped_ = false;
   std::pair<std::uint64_t, std::uint64_t> shown_;  // frame and answer of the last picture that counted
   View view_;
   Light light_;
   int steps_ = 0;
-  Row rows_[std::size(titles)];
+  Measured rows_[std::size(titles)];
 };
 
 }  // namespace gnomon::viewer

@@ -16,7 +16,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "app/viewer/keys.h"
+#include "app/viewer/keyboard.h"
 #include "app/viewer/style.h"
 
 namespace gnomon::viewer {
@@ -28,8 +28,8 @@ constexpr double font_height = 14;  // pixels at scale 1
 
 // GLFW's callbacks find both here: there is one window.
 std::vector<WindowEvent> events;
-std::vector<int> struck_keys;           // since Dear ImGui looked last
-std::deque<WindowEvent> button_events;  // of which Dear ImGui has not heard
+std::vector<int> struck_keys;           // since the last picture
+std::deque<WindowEvent> button_events;  // that have yet to be passed to Dear ImGui
 std::string last_error;
 glm::dvec2 mouse_place{0};
 
@@ -70,7 +70,7 @@ void on_focus(GLFWwindow*, int focused) {
   if (!focused) events.push_back({.kind = WindowEvent::Kind::focus_lost, .place = mouse_place});
 }
 
-/// "DISPLAY is not set", or what it is.
+/// "DISPLAY is not set" or "DISPLAY is :4".
 std::string display_words() {
   const char* const display = std::getenv("DISPLAY");
   return display && *display ? fmt::format("DISPLAY is {}", display) : "DISPLAY is not set";
@@ -200,10 +200,9 @@ void Window::load_font() {
   io.FontGlobalScale = static_cast<float>(1 / pixels_per_unit());
 }
 
-/// Dear ImGui looks at the mouse once a picture. Of what happened between two, it is told of one button that went down or up,
-/// with the place and the keys of that moment: a click is no less a click when the next one, or Ctrl+S, comes before the
-/// picture.
-void Window::tell_button() {
+/// Passes on one event of a button, with the place and the modifier keys of that moment. Dear ImGui looks at the mouse once a
+/// picture, so that a click would be lost when the next one, or Ctrl+S, comes before the picture.
+void Window::pass_button_event() {
   ImGuiIO& io = ImGui::GetIO();
   const auto is_down = [&](int left, int right) { return io.KeysDown[left] || io.KeysDown[right]; };
   io.KeyCtrl = is_down(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL);
@@ -211,34 +210,34 @@ void Window::tell_button() {
   io.KeyAlt = is_down(GLFW_KEY_LEFT_ALT, GLFW_KEY_RIGHT_ALT);
   if (button_events.empty()) {
     std::copy(std::begin(io.MouseDown), std::end(io.MouseDown), buttons_down_.begin());
-    told_place_ = mouse_place;
+    passed_place_ = mouse_place;
     return;
   }
   const WindowEvent event = button_events.front();
   const auto unit = static_cast<float>(pixels_per_unit());
   const ImVec2 place(static_cast<float>(event.place.x) / unit, static_cast<float>(event.place.y) / unit);
   // A drag ends where the button goes up, which the button must be down for.
-  const bool has_moved = event.place != told_place_;
+  const bool has_moved = event.place != passed_place_;
   if (event.is_pressed || !has_moved) {
     button_events.pop_front();
     if (event.code >= 0 && event.code < static_cast<int>(buttons_down_.size())) buttons_down_[event.code] = event.is_pressed;
   }
   std::copy(buttons_down_.begin(), buttons_down_.end(), std::begin(io.MouseDown));
-  told_place_ = event.place;
+  passed_place_ = event.place;
   io.MousePos = place;
   io.KeyCtrl = event.modifiers & GLFW_MOD_CONTROL;
   io.KeyShift = event.modifiers & GLFW_MOD_SHIFT;
   io.KeyAlt = event.modifiers & GLFW_MOD_ALT;
 }
 
-bool Window::has_untold() const { return !button_events.empty(); }
+bool Window::has_button_events() const { return !button_events.empty(); }
 
 void Window::begin_drawing() {
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
   if (scale() != font_scale_) load_font();
-  tell_button();
-  // It asks which keys are down: one that was struck between two frames is down for this one.
+  pass_button_event();
+  // Dear ImGui asks which keys are down: one that was pressed and released between two frames is down for this one.
   auto& down = ImGui::GetIO().KeysDown;
   std::erase_if(struck_keys, [&](int key) { return key >= static_cast<int>(std::size(down)) || down[key]; });
   for (const int key : struck_keys) down[key] = true;

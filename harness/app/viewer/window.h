@@ -26,7 +26,7 @@ struct WindowEvent {
 /// A window with an OpenGL context and Dear ImGui in it, and one picture as a texture. One at a time, in the main thread.
 class Window {
  public:
-  /// Hidden yet. Throws Error when there is no display, or it gives no OpenGL 3.3.
+  /// Creates it hidden. Throws Error when there is no display, or it gives no OpenGL 3.3.
   explicit Window(const std::string& title);
   ~Window();
   Window(const Window&) = delete;
@@ -43,8 +43,8 @@ class Window {
   void wait(double seconds) const;
   /// What happened since the last call, in order.
   std::vector<WindowEvent> take_events();
-  /// Whether the next picture has something to hear of that `take_events` gave already.
-  bool has_untold() const;
+  /// Whether Dear ImGui has yet to be given button events, which `take_events` returned already: it takes one for each picture.
+  bool has_button_events() const;
   /// Ends the present or next wait. From any thread.
   static void wake();
   static double now();  ///< seconds
@@ -53,7 +53,7 @@ class Window {
   void set_picture(std::span<const std::uint32_t> rgba, int width, int height);
   unsigned picture_texture() const { return texture_; }
 
-  /// Between these two Dear ImGui is told what to draw; the second draws it. `present` shows it.
+  /// Calls of Dear ImGui stand between these two; the second draws them. `present` shows what was drawn.
   void begin_drawing();
   void end_drawing();
   void present();
@@ -64,14 +64,14 @@ class Window {
 
  private:
   void load_font();
-  void tell_button();
+  void pass_button_event();
 
   GLFWwindow* window_ = nullptr;
   unsigned texture_ = 0;
   glm::ivec2 texture_size_{0};
   double font_scale_ = 0;
-  std::array<bool, 5> buttons_down_ = {};  // as Dear ImGui was told
-  glm::dvec2 told_place_{0};
+  std::array<bool, 5> buttons_down_ = {};  // as they were passed to Dear ImGui
+  glm::dvec2 passed_place_{0};
 };
 
 /// Framebuffer pixels of a unit of Dear ImGui, which counts as the window system does.

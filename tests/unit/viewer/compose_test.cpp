@@ -8,14 +8,14 @@
 #include <random>
 
 #include "color_vision.h"
+#include "hand_made_frame.h"
 #include "measure/score/error_picture.h"
-#include "seen.h"
 
 namespace {
 
 using namespace gnomon;
 using namespace gnomon::viewer;
-using namespace viewer_seen;
+using namespace hand_made_frame;
 
 std::vector<std::uint32_t> composed(const Composition& c) {
   std::vector<std::uint32_t> rgba(static_cast<std::size_t>(c.width) * c.height, 0x01020304);
@@ -42,8 +42,8 @@ std::vector<Rgb> pixels_of(const Composition& c) {
 }
 
 /// Any points, normals, classes, masks and causes, under any kind of light.
-SeenFrame random_seen(std::mt19937& random, int width, int height) {
-  SeenFrame seen(width, height);
+HandMadeFrame random_seen(std::mt19937& random, int width, int height) {
+  HandMadeFrame seen(width, height);
   const auto uniform = [&](float low, float high) { return std::uniform_real_distribution<float>(low, high)(random); };
   const auto vector = [&] { return glm::vec3(uniform(-3, 3), uniform(-3, 3), uniform(-3, 3)); };
   seen.scene().ambient = uniform(0, 0.4f);
@@ -83,7 +83,7 @@ SeenFrame random_seen(std::mt19937& random, int width, int height) {
 // What the files of `gnomon render` show, the window shows.
 RC_GTEST_PROP(viewer_compose, a_full_frame_has_the_bytes_of_the_pictures_in_files, ()) {
   std::mt19937 random(*rc::gen::arbitrary<unsigned>());
-  const SeenFrame seen = random_seen(random, *rc::gen::inRange(1, 90), *rc::gen::inRange(1, 40));
+  const HandMadeFrame seen = random_seen(random, *rc::gen::inRange(1, 90), *rc::gen::inRange(1, 40));
   const Frame& f = *seen.frame;
   const std::vector<float>& mask = seen.answer->mask;
   const Composition c = left_of(seen, Paint::shaded);
@@ -94,7 +94,7 @@ RC_GTEST_PROP(viewer_compose, a_full_frame_has_the_bytes_of_the_pictures_in_file
 TEST(viewer_compose, errors_have_the_bytes_of_the_pictures_in_files) {
   for (unsigned seed = 1; seed <= 4; ++seed) {
     std::mt19937 random(seed);
-    const SeenFrame seen = random_seen(random, 60, 40);
+    const HandMadeFrame seen = random_seen(random, 60, 40);
     const Frame& f = *seen.frame;
     const std::vector<float>& mask = seen.answer->mask;
     for (const Paint paint : {Paint::kinds, Paint::causes}) {
@@ -109,7 +109,7 @@ TEST(viewer_compose, errors_have_the_bytes_of_the_pictures_in_files) {
 
 TEST(viewer_compose, light_received_is_intensity_times_cosine_inside_the_cone) {
   // A light 2 m above the origin; the point at (2, 0, 0) sees it under 45 degrees, as far from the cone's axis.
-  SeenFrame seen(4, 1);
+  HandMadeFrame seen(4, 1);
   seen.picture->set(1, {2, 0, 0}, {0, 1, 0}, 0, 0);
   seen.picture->set(2, {0, 0, 0}, {0, -1, 0}, 0, 0);
   seen.picture->mesh[3] = no_mesh;
@@ -127,7 +127,7 @@ TEST(viewer_compose, light_received_is_intensity_times_cosine_inside_the_cone) {
 }
 
 TEST(viewer_compose, split_shows_the_left_side_left_of_a_line_of_four_pixels) {
-  SeenFrame dark(10, 2), lit(10, 2);
+  HandMadeFrame dark(10, 2), lit(10, 2);
   std::ranges::fill(dark.answer->mask, 0.0f);
   Composition c{.width = 10, .height = 2, .layout = Layout::split, .paint = Paint::mask, .divider = 0.44};
   c.sides[0] = dark.side();
@@ -152,7 +152,7 @@ TEST(viewer_compose, split_shows_the_left_side_left_of_a_line_of_four_pixels) {
 }
 
 TEST(viewer_compose, one_side_alone_and_flicker_have_no_line) {
-  SeenFrame dark(10, 1), lit(10, 1);
+  HandMadeFrame dark(10, 1), lit(10, 1);
   std::ranges::fill(dark.answer->mask, 0.0f);
   Composition c{.width = 10, .height = 1, .paint = Paint::mask};
   c.sides[0] = dark.side();
@@ -174,7 +174,7 @@ TEST(viewer_compose, one_side_alone_and_flicker_have_no_line) {
 
 TEST(viewer_compose, smaller_frames_are_magnified_to_the_nearest_pixel) {
   // Centers of five columns over two are at 0.2, 0.6, 1.0, 1.4, 1.8; of three rows over two at 1/3, 1, 5/3.
-  SeenFrame seen(2, 2);
+  HandMadeFrame seen(2, 2);
   seen.answer->mask = {0, 0.2f, 0.4f, 1};
   Composition c = left_of(seen, Paint::mask);
   c.width = 5;
@@ -188,7 +188,7 @@ TEST(viewer_compose, smaller_frames_are_magnified_to_the_nearest_pixel) {
   for (const auto& [x, y] : {std::pair{-1, 0}, {5, 0}, {0, -1}, {0, 3}}) EXPECT_EQ(frame_pixel(c, 0, x, y), std::nullopt);
   EXPECT_EQ(frame_pixel(c, 1, 0, 0), std::nullopt) << "no frame";
   // A frame that is larger than the picture, after the window shrank: centers of two over four are at 1 and 3.
-  SeenFrame large(4, 1);
+  HandMadeFrame large(4, 1);
   large.answer->mask = {0, 0.2f, 0.4f, 1};
   c = left_of(large, Paint::mask);
   c.width = 2;
@@ -196,7 +196,7 @@ TEST(viewer_compose, smaller_frames_are_magnified_to_the_nearest_pixel) {
 }
 
 TEST(viewer_compose, masks_of_fewer_pixels_stand_for_their_frame) {
-  SeenFrame seen(4, 2);
+  HandMadeFrame seen(4, 2);
   const std::vector<float> coarse{0, 1};
   Composition c = left_of(seen, Paint::mask);
   c.sides[0].mask = coarse;
@@ -216,7 +216,7 @@ TEST(viewer_compose, masks_of_fewer_pixels_stand_for_their_frame) {
 }
 
 TEST(viewer_compose, errors_are_colored_where_they_are_tested) {
-  SeenFrame seen(6, 1);
+  HandMadeFrame seen(6, 1);
   seen.answer->mask = {1, 0, 0, 1, 0, 0.5f};
   seen.reference->mask = {1, 1, 0, 0, 1, 1};
   seen.reference->classes[4] = PixelClass::S;
@@ -228,7 +228,7 @@ TEST(viewer_compose, errors_are_colored_where_they_are_tested) {
 }
 
 TEST(viewer_compose, differences_mix_their_color_in_by_their_size) {
-  SeenFrame here(5, 1), there(here.frame);
+  HandMadeFrame here(5, 1), there(here.frame);
   here.answer->mask = {0, 1, 0.5f, 1, 0};
   there.answer->mask = {0, 0, 1, 0.5f, 1};
   here.reference->classes[4] = PixelClass::U;
@@ -240,14 +240,14 @@ TEST(viewer_compose, differences_mix_their_color_in_by_their_size) {
   c.layout = Layout::right;
   EXPECT_EQ(pixels_of(c), (std::vector<Rgb>{right, false_dark, half(false_lit), half(false_dark), false_lit}));
   // Answers for other frames are not compared.
-  SeenFrame before(5, 1);
+  HandMadeFrame before(5, 1);
   c.layout = Layout::left;
   c.sides[1] = before.side();
   EXPECT_EQ(pixels_of(c), (std::vector<Rgb>{right, right, right, right, untested}));
 }
 
 TEST(viewer_compose, classes_have_a_color_each) {
-  SeenFrame seen(6, 1);
+  HandMadeFrame seen(6, 1);
   seen.reference->classes = {PixelClass::B, PixelClass::F, PixelClass::G, PixelClass::S, PixelClass::U, PixelClass::T};
   const std::vector<Rgb> pixels = pixels_of(left_of(seen, Paint::classes));
   for (std::size_t k = 0; k < 6; ++k) {
@@ -263,7 +263,7 @@ TEST(viewer_compose, classes_have_a_color_each) {
 }
 
 TEST(viewer_compose, what_is_not_there_yet_leaves_the_dimmed_scene) {
-  SeenFrame seen(3, 1), later(3, 1);
+  HandMadeFrame seen(3, 1), later(3, 1);
   seen.answer->mask = {0, 1, 1};
   seen.reference->classes[1] = PixelClass::U;
   seen.picture->mesh[2] = no_mesh;
@@ -309,7 +309,7 @@ TEST(viewer_compose, what_is_not_there_yet_leaves_the_dimmed_scene) {
 }
 
 TEST(viewer_compose, sides_of_different_frames_are_each_shown_as_they_are) {
-  SeenFrame large(8, 2), small(4, 1);
+  HandMadeFrame large(8, 2), small(4, 1);
   small.answer->mask = {1, 1, 0, 1};
   Composition c{.width = 8, .height = 2, .layout = Layout::split, .paint = Paint::mask, .divider = 0.25};
   c.sides[0] = large.side();
@@ -321,7 +321,7 @@ TEST(viewer_compose, sides_of_different_frames_are_each_shown_as_they_are) {
 }
 
 TEST(viewer_compose, a_layer_hides_the_paint_by_its_opacity) {
-  SeenFrame seen(3, 1);
+  HandMadeFrame seen(3, 1);
   seen.answer->mask = {0, 1, 1};
   seen.picture->mesh[1] = seen.picture->mesh[2] = no_mesh;
   LayerPicture layer = layer_of(seen, {0.5f, 0.25f, 0.125f});  // sRGB 188, 137, 99
@@ -342,7 +342,7 @@ TEST(viewer_compose, a_layer_hides_the_paint_by_its_opacity) {
 }
 
 TEST(viewer_compose, a_layer_of_another_frame_is_magnified_by_itself) {
-  SeenFrame seen(4, 1), before(2, 1);
+  HandMadeFrame seen(4, 1), before(2, 1);
   LayerPicture layer = layer_of(before, {0, 0, 0});
   layer.rgb[5] = 1;
   Composition c = left_of(seen, Paint::mask);
@@ -359,7 +359,7 @@ TEST(viewer_compose, a_layer_of_another_frame_is_magnified_by_itself) {
 RC_GTEST_PROP(viewer_compose, every_combination_fills_the_picture_and_nothing_else, ()) {
   std::mt19937 random(*rc::gen::arbitrary<unsigned>());
   const auto size = [] { return *rc::gen::inRange(1, 40); };
-  const SeenFrame a = random_seen(random, size(), size()), b = random_seen(random, size(), size());
+  const HandMadeFrame a = random_seen(random, size(), size()), b = random_seen(random, size(), size());
   const LayerPicture layers[] = {layer_of(a, glm::vec3(1)), layer_of(b, glm::vec3(NAN, -1, 2))};
   std::vector<float> coarse(12);
   for (float& v : coarse) v = random() % 4 == 0 ? NAN : static_cast<float>(random() % 5) - 2;
@@ -370,7 +370,7 @@ RC_GTEST_PROP(viewer_compose, every_combination_fills_the_picture_and_nothing_el
   c.flicker_is_right = random() % 2 == 0;
   c.layer_opacity = std::uniform_real_distribution<float>(-1, 2)(random);
   for (ComposeSide& side : c.sides) {
-    const SeenFrame& seen = random() % 2 == 0 ? a : b;
+    const HandMadeFrame& seen = random() % 2 == 0 ? a : b;
     side = random() % 8 == 0 ? ComposeSide{} : seen.side();
     if (random() % 4 == 0) side.mask = coarse, side.mask_width = 4, side.mask_height = 3;
     if (random() % 8 == 0) side.mask_width += 1;

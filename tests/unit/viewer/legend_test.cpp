@@ -1,10 +1,10 @@
 // What the window says in words: what colors mean, and what is known of a pixel.
 #include "color_vision.h"
-#include "seen.h"
+#include "hand_made_frame.h"
 
 namespace {
 
-using namespace viewer_seen;
+using namespace hand_made_frame;
 
 std::vector<std::string> words_of(const std::vector<LegendEntry>& entries) {
   std::vector<std::string> all;
@@ -13,7 +13,7 @@ std::vector<std::string> words_of(const std::vector<LegendEntry>& entries) {
 }
 
 TEST(viewer_legend, shares_are_of_tested_pixels_and_only_what_occurs_is_named) {
-  SeenFrame seen(10, 1);
+  HandMadeFrame seen(10, 1);
   seen.verdict.tally = {.tested = 8, .wrong = 3, .false_dark = 3, .false_lit = 0};
   seen.verdict.cause_counts = {{"crack", 1}, {"acne", 2}, {"region", 0}};
   EXPECT_EQ(words_of(legend(left_of(seen, Paint::kinds), 0)), std::vector<std::string>{"false dark 37.5 % of tested pixels"});
@@ -26,7 +26,7 @@ TEST(viewer_legend, shares_are_of_tested_pixels_and_only_what_occurs_is_named) {
 }
 
 TEST(viewer_legend, differences_count_where_tested_pixels_are_a_half_apart) {
-  SeenFrame here(8, 1), there(here.frame);
+  HandMadeFrame here(8, 1), there(here.frame);
   here.answer->mask = {0, 0, 0.4f, 1, 1, 1, 1, 0};
   there.answer->mask = {1, 1, 1, 0, 0.5f, 1, 1, 1};
   here.reference->classes[6] = here.reference->classes[7] = PixelClass::G;
@@ -41,7 +41,7 @@ TEST(viewer_legend, differences_count_where_tested_pixels_are_a_half_apart) {
 }
 
 TEST(viewer_legend, classes_are_counted_over_all_pixels_and_layers_have_their_swatches) {
-  SeenFrame seen(4, 1);
+  HandMadeFrame seen(4, 1);
   seen.reference->classes = {PixelClass::B, PixelClass::T, PixelClass::T, PixelClass::T};
   Composition c = left_of(seen, Paint::classes);
   const std::vector<LegendEntry> entries = legend(c, 0);
@@ -66,7 +66,7 @@ std::string fact(const std::vector<PixelFact>& facts, std::string_view name) {
 
 TEST(pixel_facts, tell_where_the_pixel_is_and_what_the_masks_say) {
   // The point (3, 0, -4) of the ground and a light 5 m above the origin: 5 * sqrt(2) m away, under 45 degrees.
-  SeenFrame seen(2, 1), other(seen.frame);
+  HandMadeFrame seen(2, 1), other(seen.frame);
   seen.scene().meshes[1].name = "table";
   seen.picture->set(1, {3, 0, -4}, {0, 1, -0.0f}, 1, 17);
   seen.frame->light = hand_made::point_light({0, 5, 0});
@@ -98,7 +98,7 @@ TEST(pixel_facts, tell_where_the_pixel_is_and_what_the_masks_say) {
 }
 
 TEST(pixel_facts, exact_shapes_suns_and_backgrounds_have_their_own_words) {
-  SeenFrame seen(2, 1);
+  HandMadeFrame seen(2, 1);
   seen.picture->gbuffer.truth = Truth::shape;
   seen.scene().meshes[0].shape = Sphere{};
   seen.picture->mesh[1] = no_mesh;
@@ -126,7 +126,7 @@ TEST(pixel_facts, exact_shapes_suns_and_backgrounds_have_their_own_words) {
 TEST(pixel_facts, explanations_say_which_taps_were_dark) {
   // The point is the origin; the light's rays come down from 4 m above it. Of two taps of half the weight one is dark where the
   // mask is 1/2: the one whose stored surface stands farther before the point, though both are before it.
-  SeenFrame seen(1, 1);
+  HandMadeFrame seen(1, 1);
   seen.answer->mask = {0.5f};
   const Composition c = left_of(seen, Paint::shaded);
   const auto tap = [](double stored, double weight) {

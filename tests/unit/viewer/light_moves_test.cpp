@@ -1,7 +1,7 @@
 // Light moves: where the handle is, where a drag takes it, and what the keys do.
 #include <gtest/gtest.h>
 
-#include "app/viewer/key_moves.h"
+#include "app/viewer/key_effects.h"
 #include "app/viewer/moves.h"
 #include "world.h"
 
@@ -189,35 +189,35 @@ TEST(viewer_key_moves, keys_move_camera_and_light_by_what_their_sentences_say) {
   const double step = std::sqrt(8.0 * 8 + 2 * 2 + 6 * 6) / 50, turn = pi / 36;
   EXPECT_NEAR(key_step(scene), step, 1e-12);
   const View view{.eye = {0, 0, 5}};
-  const auto eye = [&](Action action) { return glm::dvec3(moved_by_key(view, scene, action, 1)->eye); };
-  EXPECT_LT(gap(eye(Action::orbit_left), {-5 * std::sin(turn), 0, 5 * std::cos(turn)}), 1e-6);
-  EXPECT_LT(gap(eye(Action::orbit_right), {5 * std::sin(turn), 0, 5 * std::cos(turn)}), 1e-6);
-  EXPECT_LT(gap(eye(Action::orbit_up), {0, 5 * std::sin(turn), 5 * std::cos(turn)}), 1e-6);
-  EXPECT_LT(gap(eye(Action::orbit_down), {0, -5 * std::sin(turn), 5 * std::cos(turn)}), 1e-6);
-  EXPECT_LT(gap(eye(Action::nearer), {0, 0, 4.5}), 1e-6);
-  EXPECT_LT(gap(eye(Action::farther), {0, 0, 5 / 0.9}), 1e-6);
-  EXPECT_LT(gap(eye(Action::fly_forward), {0, 0, 5 - step}), 1e-6);
-  EXPECT_LT(gap(eye(Action::fly_back), {0, 0, 5 + step}), 1e-6);
-  EXPECT_LT(gap(eye(Action::fly_left), {-step, 0, 5}), 1e-6);
-  EXPECT_LT(gap(eye(Action::fly_right), {step, 0, 5}), 1e-6);
-  EXPECT_LT(gap(eye(Action::fly_up), {0, step, 5}), 1e-6);
-  EXPECT_LT(gap(eye(Action::fly_down), {0, -step, 5}), 1e-6);
-  EXPECT_FALSE(moved_by_key(view, scene, Action::light_up, 1));
+  const auto eye = [&](const KeyEffect& effect) { return glm::dvec3(moved_by_key(view, scene, effect, 1)->eye); };
+  EXPECT_LT(gap(eye(OrbitSteps{.right = -1}), {-5 * std::sin(turn), 0, 5 * std::cos(turn)}), 1e-6);
+  EXPECT_LT(gap(eye(OrbitSteps{.right = 1}), {5 * std::sin(turn), 0, 5 * std::cos(turn)}), 1e-6);
+  EXPECT_LT(gap(eye(OrbitSteps{.up = 1}), {0, 5 * std::sin(turn), 5 * std::cos(turn)}), 1e-6);
+  EXPECT_LT(gap(eye(OrbitSteps{.up = -1}), {0, -5 * std::sin(turn), 5 * std::cos(turn)}), 1e-6);
+  EXPECT_LT(gap(eye(ZoomSteps{1}), {0, 0, 4.5}), 1e-6);
+  EXPECT_LT(gap(eye(ZoomSteps{-1}), {0, 0, 5 / 0.9}), 1e-6);
+  EXPECT_LT(gap(eye(FlySteps{.forward = 1}), {0, 0, 5 - step}), 1e-6);
+  EXPECT_LT(gap(eye(FlySteps{.forward = -1}), {0, 0, 5 + step}), 1e-6);
+  EXPECT_LT(gap(eye(FlySteps{.right = -1}), {-step, 0, 5}), 1e-6);
+  EXPECT_LT(gap(eye(FlySteps{.right = 1}), {step, 0, 5}), 1e-6);
+  EXPECT_LT(gap(eye(FlySteps{.up = 1}), {0, step, 5}), 1e-6);
+  EXPECT_LT(gap(eye(FlySteps{.up = -1}), {0, -step, 5}), 1e-6);
+  EXPECT_FALSE(moved_by_key(view, scene, LightSteps{.y = 1}, 1));
   for (const Light& light : all_kinds()) {
     const glm::dvec3 from = light_place(scene, light);
-    const auto to = [&](Action action) { return light_place(scene, *moved_by_key(light, scene, action, 2)); };
-    EXPECT_FALSE(moved_by_key(light, scene, Action::orbit_up, 1));
+    const auto to = [&](const KeyEffect& effect) { return light_place(scene, *moved_by_key(light, scene, effect, 2)); };
+    EXPECT_FALSE(moved_by_key(light, scene, OrbitSteps{.up = 1}, 1));
     if (light.name == "sun") {  // the ellipsoid has it, but it goes that way
-      EXPECT_LT(to(Action::light_left).x, from.x);
-      EXPECT_GT(to(Action::light_right).x, from.x);
+      EXPECT_LT(to(LightSteps{.x = -1}).x, from.x);
+      EXPECT_GT(to(LightSteps{.x = 1}).x, from.x);
       // Down from over the middle is toward it: the same way of the light; aside it tilts.
-      EXPECT_GT(std::get<DirectionalLight>(moved_by_key(light, scene, Action::light_down, 2)->kind).direction.y, -2);
+      EXPECT_GT(std::get<DirectionalLight>(moved_by_key(light, scene, LightSteps{.y = -1}, 2)->kind).direction.y, -2);
       continue;
     }
-    EXPECT_LT(gap(to(Action::light_left), from - glm::dvec3(2 * step, 0, 0)), 1e-6);
-    EXPECT_LT(gap(to(Action::light_right), from + glm::dvec3(2 * step, 0, 0)), 1e-6);
-    EXPECT_LT(gap(to(Action::light_down), from - glm::dvec3(0, 2 * step, 0)), 1e-6);
-    EXPECT_LT(gap(to(Action::light_up), from + glm::dvec3(0, 2 * step, 0)), 1e-6);
+    EXPECT_LT(gap(to(LightSteps{.x = -1}), from - glm::dvec3(2 * step, 0, 0)), 1e-6);
+    EXPECT_LT(gap(to(LightSteps{.x = 1}), from + glm::dvec3(2 * step, 0, 0)), 1e-6);
+    EXPECT_LT(gap(to(LightSteps{.y = -1}), from - glm::dvec3(0, 2 * step, 0)), 1e-6);
+    EXPECT_LT(gap(to(LightSteps{.y = 1}), from + glm::dvec3(0, 2 * step, 0)), 1e-6);
   }
 }
 

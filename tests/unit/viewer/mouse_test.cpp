@@ -15,39 +15,39 @@ using namespace gnomon::viewer;
 
 constexpr int left = GLFW_MOUSE_BUTTON_LEFT, right = GLFW_MOUSE_BUTTON_RIGHT, middle = GLFW_MOUSE_BUTTON_MIDDLE;
 
-const Grips nothing_else;
+const GrabTargets nothing_else;
 
 TEST(viewer_mouse, buttons_and_shift_say_what_a_drag_does) {
   const struct {
     int button, modifiers;
-    Doing due;
-  } cases[] = {{left, 0, Doing::orbit},
-               {right, 0, Doing::look},
-               {middle, 0, Doing::pan},
-               {left, GLFW_MOD_SHIFT, Doing::pan},
-               {right, GLFW_MOD_SHIFT, Doing::look},
-               {left, GLFW_MOD_CAPS_LOCK | GLFW_MOD_NUM_LOCK, Doing::orbit}};
+    DragKind due;
+  } cases[] = {{left, 0, DragKind::orbit},
+               {right, 0, DragKind::look},
+               {middle, 0, DragKind::pan},
+               {left, GLFW_MOD_SHIFT, DragKind::pan},
+               {right, GLFW_MOD_SHIFT, DragKind::look},
+               {left, GLFW_MOD_CAPS_LOCK | GLFW_MOD_NUM_LOCK, DragKind::orbit}};
   for (const auto& [button, modifiers, due] : cases) {
     Gesture gesture;
-    EXPECT_EQ(gesture.doing(), Doing::nothing);
+    EXPECT_EQ(gesture.kind(), DragKind::nothing);
     gesture.press(button, modifiers, {100, 100}, 1, nothing_else);
-    EXPECT_EQ(gesture.doing(), Doing::waiting);
+    EXPECT_EQ(gesture.kind(), DragKind::waiting);
     gesture.move({102, 101}, 1.1);
-    EXPECT_EQ(gesture.doing(), Doing::waiting);  // sqrt 5 < 3
+    EXPECT_EQ(gesture.kind(), DragKind::waiting);  // sqrt 5 < 3
     EXPECT_EQ(gesture.moved(), glm::dvec2(0));
     gesture.move({104, 101}, 1.2);
-    EXPECT_EQ(gesture.doing(), due);
+    EXPECT_EQ(gesture.kind(), due);
     EXPECT_TRUE(gesture.is_drag());
     EXPECT_EQ(gesture.moved(), glm::dvec2(4, 1));  // all of it
     gesture.move({100, 100}, 1.3);
-    EXPECT_EQ(gesture.doing(), due);
+    EXPECT_EQ(gesture.kind(), due);
     EXPECT_EQ(gesture.moved(), glm::dvec2(0));
     EXPECT_FALSE(gesture.release(button, {100, 100}, 1.3));  // it was a drag, wherever it ended
-    EXPECT_EQ(gesture.doing(), Doing::nothing);
+    EXPECT_EQ(gesture.kind(), DragKind::nothing);
   }
   Gesture gesture;
   gesture.press(GLFW_MOUSE_BUTTON_4, 0, {1, 1}, 0, nothing_else);
-  EXPECT_EQ(gesture.doing(), Doing::nothing);
+  EXPECT_EQ(gesture.kind(), DragKind::nothing);
 }
 
 TEST(viewer_mouse, a_click_is_short_near_and_left) {
@@ -71,55 +71,55 @@ TEST(viewer_mouse, a_press_that_lasts_becomes_a_drag_for_small_ways) {
   Gesture gesture;
   gesture.press(left, 0, {100, 100}, 1, nothing_else);
   gesture.move({101, 100}, 1.4);
-  EXPECT_EQ(gesture.doing(), Doing::waiting);
+  EXPECT_EQ(gesture.kind(), DragKind::waiting);
   gesture.move({101, 100}, 1.6);
-  EXPECT_EQ(gesture.doing(), Doing::orbit);
+  EXPECT_EQ(gesture.kind(), DragKind::orbit);
   EXPECT_EQ(gesture.moved(), glm::dvec2(1, 0));
 }
 
 TEST(viewer_mouse, the_handle_of_the_light_keeps_its_offset_to_the_mouse) {
-  const Grips grips{.light = glm::dvec2(200, 100), .divider = 203, .scale = 1};
+  const GrabTargets targets{.light = glm::dvec2(200, 100), .divider = 203, .scale = 1};
   Gesture gesture;
-  gesture.press(left, 0, {206, 108}, 0, grips);  // 10 away, just; and nearer than the divider, which lies under it
-  EXPECT_EQ(gesture.doing(), Doing::light);
+  gesture.press(left, 0, {206, 108}, 0, targets);  // 10 away, just; and nearer than the divider, which lies under it
+  EXPECT_EQ(gesture.kind(), DragKind::light);
   EXPECT_FALSE(gesture.is_vertical());
   EXPECT_EQ(gesture.grabbed(), glm::dvec2(200, 100));
   gesture.move({207, 109}, 0.01);
   EXPECT_EQ(gesture.grabbed(), glm::dvec2(201, 101));  // at once: a handle is no pixel to be picked
   EXPECT_EQ(gesture.moved(), glm::dvec2(1, 1));
   EXPECT_FALSE(gesture.release(left, {207, 109}, 0.02));
-  gesture.press(left, GLFW_MOD_SHIFT, {195, 100}, 1, grips);
-  EXPECT_EQ(gesture.doing(), Doing::light);
+  gesture.press(left, GLFW_MOD_SHIFT, {195, 100}, 1, targets);
+  EXPECT_EQ(gesture.kind(), DragKind::light);
   EXPECT_TRUE(gesture.is_vertical());
   gesture.cancel();
-  gesture.press(left, 0, {206, 108.1}, 2, {.light = grips.light, .divider = std::nullopt, .scale = 1});
-  EXPECT_EQ(gesture.doing(), Doing::waiting);  // past it
+  gesture.press(left, 0, {206, 108.1}, 2, {.light = targets.light, .divider = std::nullopt, .scale = 1});
+  EXPECT_EQ(gesture.kind(), DragKind::waiting);  // past it
   EXPECT_FALSE(gesture.is_vertical());
   gesture.cancel();
-  gesture.press(left, 0, {212, 116}, 3, {.light = grips.light, .divider = std::nullopt, .scale = 2});
-  EXPECT_EQ(gesture.doing(), Doing::light);
+  gesture.press(left, 0, {212, 116}, 3, {.light = targets.light, .divider = std::nullopt, .scale = 2});
+  EXPECT_EQ(gesture.kind(), DragKind::light);
   gesture.cancel();
-  gesture.press(right, 0, {200, 100}, 4, grips);
-  EXPECT_EQ(gesture.doing(), Doing::waiting);  // other buttons do not grab
+  gesture.press(right, 0, {200, 100}, 4, targets);
+  EXPECT_EQ(gesture.kind(), DragKind::waiting);  // other buttons do not grab
 }
 
 TEST(viewer_mouse, the_divider_is_grabbed_beside_its_line) {
-  const Grips grips{.light = std::nullopt, .divider = 300.5, .scale = 1};
+  const GrabTargets targets{.light = std::nullopt, .divider = 300.5, .scale = 1};
   Gesture gesture;
-  gesture.press(left, 0, {304, 77}, 0, grips);
-  EXPECT_EQ(gesture.doing(), Doing::divider);
+  gesture.press(left, 0, {304, 77}, 0, targets);
+  EXPECT_EQ(gesture.kind(), DragKind::divider);
   gesture.move({254, 90}, 0.1);
   EXPECT_EQ(gesture.grabbed().x, 250.5);
   EXPECT_FALSE(gesture.release(left, {254, 90}, 0.2));
-  gesture.press(left, 0, {306, 77}, 1, grips);
-  EXPECT_EQ(gesture.doing(), Doing::waiting);
+  gesture.press(left, 0, {306, 77}, 1, targets);
+  EXPECT_EQ(gesture.kind(), DragKind::waiting);
   gesture.cancel();
   gesture.press(left, 0, {306, 77}, 2, {.light = std::nullopt, .divider = 300.5, .scale = 1.25});
-  EXPECT_EQ(gesture.doing(), Doing::divider);
+  EXPECT_EQ(gesture.kind(), DragKind::divider);
   gesture.cancel();
-  gesture.press(left, GLFW_MOD_SHIFT, {300, 77}, 3, grips);
+  gesture.press(left, GLFW_MOD_SHIFT, {300, 77}, 3, targets);
   gesture.move({320, 77}, 3.1);
-  EXPECT_EQ(gesture.doing(), Doing::pan);
+  EXPECT_EQ(gesture.kind(), DragKind::pan);
 }
 
 TEST(viewer_mouse, one_button_at_a_time) {
@@ -127,12 +127,12 @@ TEST(viewer_mouse, one_button_at_a_time) {
   gesture.press(left, 0, {100, 100}, 0, nothing_else);
   gesture.move({150, 100}, 0.1);
   gesture.press(right, 0, {150, 100}, 0.2, nothing_else);
-  EXPECT_EQ(gesture.doing(), Doing::orbit);
+  EXPECT_EQ(gesture.kind(), DragKind::orbit);
   EXPECT_FALSE(gesture.release(right, {150, 100}, 0.3));
-  EXPECT_EQ(gesture.doing(), Doing::orbit);
+  EXPECT_EQ(gesture.kind(), DragKind::orbit);
   EXPECT_EQ(gesture.moved(), glm::dvec2(50, 0));
   gesture.cancel();
-  EXPECT_EQ(gesture.doing(), Doing::nothing);
+  EXPECT_EQ(gesture.kind(), DragKind::nothing);
   EXPECT_FALSE(gesture.release(left, {150, 100}, 0.4));
   gesture.move({0, 0}, 0.5);
   EXPECT_EQ(gesture.moved(), glm::dvec2(0));
@@ -173,7 +173,7 @@ TEST(viewer_mouse, no_row_of_events_clicks_by_accident) {
       default:
         gesture.move(cursor, now);
     }
-    ASSERT_EQ(gesture.doing() == Doing::nothing, down < 0);
+    ASSERT_EQ(gesture.kind() == DragKind::nothing, down < 0);
   }
   EXPECT_GT(click_count, 100);
 }

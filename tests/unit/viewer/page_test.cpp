@@ -23,7 +23,13 @@ void expect_on_page(const std::string& table) {
   EXPECT_NE(page().find("\n\n" + table + "\n"), std::string::npos) << "docs/viewer.md does not hold this table:\n" << table;
 }
 
-TEST(viewer_page, lists_every_key_as_the_help_does) { expect_on_page(keys_table()); }
+TEST(viewer_page, lists_every_key_as_the_help_does) { expect_on_page(key_table().markdown()); }
+
+TEST(viewer_page, says_what_the_window_opens_with) {
+  const std::string words = fmt::format("the four objects of `{}`, {} beside the reference", registry().default_scene().id,
+                                        registry().default_technique().id);
+  EXPECT_NE(page().find(words), std::string::npos) << words;
+}
 
 TEST(viewer_page, lists_every_use_of_the_mouse_as_the_help_does) {
   std::string table = "| mouse | what it does |\n| --- | --- |\n";

@@ -8,14 +8,14 @@
 #include "app/viewer/compose.h"
 #include "hand_made.h"
 
-namespace viewer_seen {
+namespace hand_made_frame {
 
 using namespace gnomon;
 using namespace gnomon::viewer;
 using Rgb = std::array<int, 3>;
 
 /// A frame of points on two meshes, with masks and a judged answer, all made by hand.
-struct SeenFrame {
+struct HandMadeFrame {
   std::shared_ptr<hand_made::Picture> picture;
   std::shared_ptr<Frame> frame = std::make_shared<Frame>();
   std::shared_ptr<SideAnswer> answer = std::make_shared<SideAnswer>();
@@ -23,7 +23,7 @@ struct SeenFrame {
   Verdict verdict;
 
   /// All points at the origin of a white ground that a sun shines on from above; all tested, lit and right.
-  SeenFrame(int width, int height) : picture(std::make_shared<hand_made::Picture>(width, height)) {
+  HandMadeFrame(int width, int height) : picture(std::make_shared<hand_made::Picture>(width, height)) {
     auto loaded = std::make_shared<LoadedScene>();
     loaded->scene.ambient = 0.25f;
     loaded->scene.meshes = {hand_made::square(5, 0), hand_made::square(1, 1)};
@@ -52,7 +52,7 @@ struct SeenFrame {
     frame->received = received_light(frame->gbuffer, frame->light);
   }
   /// Another answer for a frame, with a reference of its own.
-  explicit SeenFrame(const std::shared_ptr<Frame>& of) : SeenFrame(of->gbuffer.width, of->gbuffer.height) {
+  explicit HandMadeFrame(const std::shared_ptr<Frame>& of) : HandMadeFrame(of->gbuffer.width, of->gbuffer.height) {
     frame = of;
     answer->frame = reference->frame = of;
   }
@@ -61,7 +61,7 @@ struct SeenFrame {
 };
 
 /// One side alone, a picture pixel for a frame pixel.
-inline Composition left_of(const SeenFrame& seen, Paint paint) {
+inline Composition left_of(const HandMadeFrame& seen, Paint paint) {
   Composition c{.width = seen.frame->gbuffer.width, .height = seen.frame->gbuffer.height, .layout = Layout::left};
   c.paint = paint;
   c.sides[0] = seen.side();
@@ -69,7 +69,7 @@ inline Composition left_of(const SeenFrame& seen, Paint paint) {
 }
 
 /// A layer of one color on all pixels.
-inline LayerPicture layer_of(const SeenFrame& seen, const glm::vec3& color) {
+inline LayerPicture layer_of(const HandMadeFrame& seen, const glm::vec3& color) {
   LayerPicture layer{
       .frame = seen.frame, .answer = seen.answer, .layer = {"layer", "What it shows.", {{"a color", color}}}, .rgb = {}};
   for (std::size_t i = 0; i < seen.frame->gbuffer.size(); ++i) layer.rgb.insert(layer.rgb.end(), {color.r, color.g, color.b});
@@ -83,4 +83,4 @@ inline const Rgb false_dark = rgb(cause_infos()[static_cast<int>(Cause::acne) - 
 // A white lit surface is 255: 70 + 255 * 2 / 5 where tested, 20 + 255 / 5 elsewhere.
 inline const Rgb right = gray(172), untested = gray(71);
 
-}  // namespace viewer_seen
+}  // namespace hand_made_frame
