@@ -60,7 +60,7 @@ void score(benchmark::State& state, const char* reference, const char* settings,
     const Evidence evidence = a.answer.evidence(a.scene, light);
     const Scoring scoring(evidence);
     benchmark::DoNotOptimize(measure_metrics(scoring));
-    wrong = static_cast<double>(scoring.tally().wrong) / static_cast<double>(scoring.tally().tested);
+    wrong = static_cast<double>(scoring.error_counts().wrong) / static_cast<double>(scoring.error_counts().tested);
   }
   state.counters["wrong"] = wrong;
 }

@@ -72,12 +72,12 @@ double Sample::draw(Random& random) const {
   return sum;
 }
 
-Measured bootstrap(std::span<const Sample> samples, const std::function<double(std::span<const double>)>& statistic) {
+ValueWithInterval bootstrap(std::span<const Sample> samples, const std::function<double(std::span<const double>)>& statistic) {
   std::vector<double> values;
   for (const Sample& sample : samples) values.push_back(sample.value());
   const double value = statistic(values);
   const bool has_interval = std::all_of(samples.begin(), samples.end(), [](const Sample& s) { return s.has_processes(); });
-  if (!has_interval || samples.empty()) return Measured(value);
+  if (!has_interval || samples.empty()) return ValueWithInterval(value);
   Random random(1);
   std::vector<double> resamples(resample_count);
   for (double& resample : resamples) {
@@ -122,33 +122,34 @@ Sample sample_of(const Record& record, std::span<const Stage> stages) {
   return Sample(std::move(times));
 }
 
-std::optional<Measured> cost_of(const Record& record, Cost cost) {
-  if (cost == Cost::bytes) return record.bytes ? std::optional(Measured(static_cast<double>(*record.bytes))) : std::nullopt;
+std::optional<ValueWithInterval> cost_of(const Record& record, Cost cost) {
+  if (cost == Cost::bytes)
+    return record.bytes ? std::optional(ValueWithInterval(static_cast<double>(*record.bytes))) : std::nullopt;
   const Sample sample = sample_of(record, stages_of(cost));
   if (!sample.is_timed()) return std::nullopt;
   return bootstrap({&sample, 1}, [](std::span<const double> values) { return values[0]; });
 }
 
-Where where_of(const Record& r) { return {r.scene, r.light, r.view, r.path, r.width, r.height, r.truth}; }
+Place place_of(const Record& r) { return {r.scene, r.light, r.view, r.path, r.width, r.height, r.truth}; }
 
-std::vector<Where> places_of(std::span<const Record> records) {
-  std::vector<Where> places;
-  std::set<Where> seen;
+std::vector<Place> places_of(std::span<const Record> records) {
+  std::vector<Place> places;
+  std::set<Place> seen;
   for (const Record& record : records)
-    if (seen.insert(where_of(record)).second) places.push_back(where_of(record));
+    if (seen.insert(place_of(record)).second) places.push_back(place_of(record));
   return places;
 }
 
-std::string title(const Where& place, std::span<const Where> all) {
+std::string title(const Place& place, std::span<const Place> all) {
   const auto varies = [&](auto member) {
-    return std::any_of(all.begin(), all.end(), [&](const Where& other) { return other.*member != place.*member; });
+    return std::any_of(all.begin(), all.end(), [&](const Place& other) { return other.*member != place.*member; });
   };
   std::string text = place.scene;
   if (!place.light.empty()) text += ", " + place.light;
-  if (!place.view.empty() && varies(&Where::view)) text += ", view " + place.view;
+  if (!place.view.empty() && varies(&Place::view)) text += ", view " + place.view;
   if (!place.path.empty()) text += ", path " + place.path;
-  if (varies(&Where::width) || varies(&Where::height)) text += fmt::format(", {} x {}", place.width, place.height);
-  if (varies(&Where::truth)) text += fmt::format(", {} truth", name(place.truth));
+  if (varies(&Place::width) || varies(&Place::height)) text += fmt::format(", {} x {}", place.width, place.height);
+  if (varies(&Place::truth)) text += fmt::format(", {} truth", name(place.truth));
   return text;
 }
 
@@ -228,6 +229,10 @@ std::string_view better(std::string_view wanted) {
   for (const MetricInfo& info : metric_infos())
     if (info.name == wanted) return info.better;
   return "lower";
+}
+
+std::string how_to_sweep(std::string_view parameter) {
+  return fmt::format("a sweep is asked for with ID:{}={{A,B,C}} as scene or technique of a run", parameter);
 }
 
 std::vector<Record> matching(std::vector<Record> records, const std::string& expression) {

@@ -17,12 +17,12 @@ namespace gnomon {
 // What every analysis of a run starts from. All of it reads records and runs nothing.
 
 /// A number with the ends of its 95 % interval; both ends are the value where there is none.
-struct Measured {
+struct ValueWithInterval {
   double value = 0, low = 0, high = 0;
   bool has_interval = false;
-  Measured() = default;
-  explicit Measured(double only) : value(only), low(only), high(only) {}
-  Measured(double value, double low, double high) : value(value), low(low), high(high), has_interval(true) {}
+  ValueWithInterval() = default;
+  explicit ValueWithInterval(double only) : value(only), low(only), high(only) {}
+  ValueWithInterval(double value, double low, double high) : value(value), low(low), high(high), has_interval(true) {}
 };
 
 /// Times that the bootstrap draws together, because the same processes took them: stages of one row. Their value is the sum of
@@ -42,7 +42,7 @@ class Sample {
 
 /// The statistic of the samples' values with its 95 % percentile interval over `resample_count` draws of them all; no interval
 /// where a sample has too few processes. The statistic takes one value per sample, in their order. Same samples, same interval.
-Measured bootstrap(std::span<const Sample> samples, const std::function<double(std::span<const double>)>& statistic);
+ValueWithInterval bootstrap(std::span<const Sample> samples, const std::function<double(std::span<const double>)>& statistic);
 
 /// What a row costs: milliseconds of stages, or bytes.
 enum class Cost {
@@ -60,20 +60,20 @@ std::vector<Stage> stages_of(Cost cost);
 /// The stages of a row, to be drawn together.
 Sample sample_of(const Record& record, std::span<const Stage> stages);
 /// Nothing where the row did not measure it.
-std::optional<Measured> cost_of(const Record& record, Cost cost);
+std::optional<ValueWithInterval> cost_of(const Record& record, Cost cost);
 
 /// Where a row was measured, all but the technique: what makes rows comparable.
-struct Where {
+struct Place {
   std::string scene, light, view, path;
   int width = 0, height = 0;
   Truth truth = Truth::shape;
-  auto operator<=>(const Where&) const = default;
+  auto operator<=>(const Place&) const = default;
 };
-Where where_of(const Record& record);
-/// Every Where once, in order of its first record.
-std::vector<Where> places_of(std::span<const Record> records);
+Place place_of(const Record& record);
+/// Every Place once, in order of its first record.
+std::vector<Place> places_of(std::span<const Record> records);
 /// "bunny, point", and of view, path, size and truth what varies among `all`.
-std::string title(const Where& place, std::span<const Where> all);
+std::string title(const Place& place, std::span<const Place> all);
 
 /// "a=1,b=2" into pairs.
 std::vector<std::pair<std::string, std::string>> split_settings(std::string_view settings);
@@ -91,6 +91,9 @@ std::vector<std::string> quantity_names(std::span<const Record> records);
 void require_quantity(std::span<const Record> records, std::string_view name);
 /// "lower" or "higher"; "lower" for times, sizes and causes, "" where a metric has no direction.
 std::string_view better(std::string_view quantity);
+
+/// What an error says to do where a parameter has one value only.
+std::string how_to_sweep(std::string_view parameter);
 
 /// The records whose title, "SCENE LIGHT [PATH] TECHNIQUE:SETTINGS" as in `gnomon run`, matches the expression, which may be
 /// empty; the label may stand for technique and settings, and all parameters for those that differ from their defaults. Throws

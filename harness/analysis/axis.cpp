@@ -128,10 +128,10 @@ std::vector<AxisSeries> join_series(std::span<const Record> records, const std::
   const std::map<std::string, std::string> families = scene_families(records);
 
   std::vector<AxisSeries> all;
-  std::map<std::pair<Where, std::string>, std::size_t> places;  // series by what they are equal in
+  std::map<std::pair<Place, std::string>, std::size_t> places;  // series by what they are equal in
   for (const Record& r : records) {
     if (!takes(r)) continue;
-    Where place = where_of(r);
+    Place place = place_of(r);
     std::string key = setting_key(r);
     std::optional<double> x;
     if (axis == "triangles") {

@@ -9,7 +9,7 @@ namespace gnomon {
 
 /// Rows of one setting that are equal in everything but the axis.
 struct AxisSeries {
-  Where place;          ///< scene: the family, "sphere_field:count=*"; what the axis varies is 0 or empty
+  Place place;          ///< scene: the family, "sphere_field:count=*"; what the axis varies is 0 or empty
   std::string setting;  ///< without the parameter that the axis varies
   Role role = Role::contender;
   std::vector<std::pair<double, const Record*>> rows;  ///< x and row, in the order of the records

@@ -42,10 +42,10 @@ Comparison::Counts Comparison::counts() const {
     counts.changed_metrics += row.metrics.size();
     counts.regressions += row.regressed();
   }
-  for (const TogetherChange& change : together) {
+  for (const OverallChange& change : together) {
     ++counts.together;
-    counts.together_faster += change.verdict == Verdict::faster;
-    counts.together_slower += change.verdict == Verdict::slower;
+    counts.overall_faster += change.verdict == Verdict::faster;
+    counts.overall_slower += change.verdict == Verdict::slower;
     counts.regressions += change.is_regression;
   }
   return counts;

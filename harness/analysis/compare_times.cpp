@@ -58,12 +58,12 @@ double slack(const Record& base, const Record& contender) {
 /// What all rows, and all rows of each contender, have in common. `owners` are the contenders of the differences.
 void judge_contenders(Comparison& result, const std::vector<LogDifference>& differences,
                       const std::vector<std::string>& owners) {
-  std::vector<TogetherChange> changes;
+  std::vector<OverallChange> changes;
   std::vector<int> groups;
   std::vector<LogDifference> members;
   const auto enter = [&](std::size_t k, const std::string& contender) {
     const auto stage = static_cast<Stage>(differences[k].kind);
-    const auto same = [&](const TogetherChange& c) { return c.contender == contender && c.stage == stage; };
+    const auto same = [&](const OverallChange& c) { return c.contender == contender && c.stage == stage; };
     const auto found = std::find_if(changes.begin(), changes.end(), same);
     groups.push_back(static_cast<int>(found - changes.begin()));
     members.push_back(differences[k]);
@@ -80,10 +80,10 @@ void judge_contenders(Comparison& result, const std::vector<LogDifference>& diff
   for (std::size_t k = 0; k < differences.size(); ++k) enter(k, owners[k]);
 
   const double floor = std::log1p(result.options.floor);
-  const auto all = judge_together(members, groups, static_cast<int>(changes.size()), floor, result.side_by_side);
+  const auto all = judge_groups(members, groups, static_cast<int>(changes.size()), floor, result.side_by_side);
   for (std::size_t g = 0; g < changes.size(); ++g) {
     if (!all[g]) continue;
-    TogetherChange& change = changes[g];
+    OverallChange& change = changes[g];
     const Judgement& judgement = all[g]->judgement;
     change.ratio = {std::exp(all[g]->value), std::exp(judgement.low), std::exp(judgement.high)};
     change.p = judgement.p;
@@ -91,7 +91,7 @@ void judge_contenders(Comparison& result, const std::vector<LogDifference>& diff
     if (judgement.false_discovery <= result.options.fdr && std::abs(all[g]->value) > floor)
       change.verdict = all[g]->value > 0 ? Verdict::slower : Verdict::faster;
     change.is_regression = change.verdict == Verdict::slower && change.ratio.value > result.options.threshold;
-    result.together.push_back(change);
+    result.overall.push_back(change);
   }
 }
 
@@ -135,7 +135,7 @@ void judge_times(Comparison& result) {
   }
 
   const double floor = std::log1p(result.options.floor);
-  const Judged all = judge(differences, floor, result.side_by_side);
+  const Judgements all = judge(differences, floor, result.side_by_side);
   result.between = all.between;
   result.inflation = all.inflation;
   for (std::size_t k = 0; k < judged.size(); ++k) {

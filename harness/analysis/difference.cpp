@@ -138,8 +138,8 @@ double load_slack(double base_load, double contender_load, double cores) {
   return contender_load > base_load ? slack : -slack;
 }
 
-Judged judge(std::span<const LogDifference> differences, double floor, bool side_by_side) {
-  Judged judged;
+Judgements judge(std::span<const LogDifference> differences, double floor, bool side_by_side) {
+  Judgements judged;
   if (differences.empty()) return judged;
 
   // Few processes give a poor variance: draw each toward the typical one.
@@ -181,8 +181,8 @@ Judged judge(std::span<const LogDifference> differences, double floor, bool side
   return judged;
 }
 
-std::vector<std::optional<Together>> judge_together(std::span<const LogDifference> differences, std::span<const int> groups,
-                                                    int group_count, double floor, bool side_by_side) {
+std::vector<std::optional<GroupJudgement>> judge_groups(std::span<const LogDifference> differences, std::span<const int> groups,
+                                                        int group_count, double floor, bool side_by_side) {
   // What batches differ by when they do not tell, and for how many of them it counts.
   constexpr double batch_drift = 0.05, weight = 2;
   struct Group {
@@ -195,7 +195,7 @@ std::vector<std::optional<Together>> judge_together(std::span<const LogDifferenc
     group.batches[differences[k].batch].push_back(differences[k].value);
     group.slacks.push_back(differences[k].slack);
   }
-  std::vector<std::optional<Together>> result(members.size());
+  std::vector<std::optional<GroupJudgement>> result(members.size());
   std::vector<double> p_values;
   for (std::size_t g = 0; g < members.size(); ++g) {
     std::vector<double> means;
@@ -206,7 +206,7 @@ std::vector<std::optional<Together>> judge_together(std::span<const LogDifferenc
     double squares = weight * batch_drift * batch_drift;
     for (const double mean : means) squares += (mean - value) * (mean - value);
     const double variance = squares / freedom * (1 / count + (side_by_side ? 0 : 1));
-    result[g] = Together{value, judge_one(value, median(members[g].slacks), variance, freedom, floor)};
+    result[g] = GroupJudgement{value, judge_one(value, median(members[g].slacks), variance, freedom, floor)};
     p_values.push_back(result[g]->judgement.p);
   }
   const std::vector<double> rates = false_discovery_rates(p_values);

@@ -35,7 +35,7 @@ struct Judgement {
   bool operator==(const Judgement&) const = default;
 };
 
-struct Judged {
+struct Judgements {
   std::vector<Judgement> each;  ///< in the order of the differences
   double between = 0;           ///< standard deviation, in logarithms, that one run differs from the next by on its own
   double inflation = 1;         ///< by how much `between` widens the typical interval
@@ -51,16 +51,16 @@ double load_slack(double base_load, double contender_load, double cores);
 /// different times. That is read off the spread of the differences themselves about the median of their kind: most rows are
 /// taken to be the same program. Side by side it starts from nothing; at different times from 10 %, as if seen on five rows.
 /// Same differences, same judgement.
-Judged judge(std::span<const LogDifference> differences, double floor, bool side_by_side);
+Judgements judge(std::span<const LogDifference> differences, double floor, bool side_by_side);
 
 /// Judges what groups of differences have in common over their batches, `groups` naming the group of each difference: the mean
 /// over batches of the mean of the batch. Its variance is the spread of the batches, drawn toward 5 %; runs at
 /// different times add as much again for the drift that a whole run shares. Nothing for a group of one batch.
-struct Together {
+struct GroupJudgement {
   double value = 0;  ///< of the group, a difference of logarithms
   Judgement judgement;
 };
-std::vector<std::optional<Together>> judge_together(std::span<const LogDifference> differences, std::span<const int> groups,
-                                                    int group_count, double floor, bool side_by_side);
+std::vector<std::optional<GroupJudgement>> judge_groups(std::span<const LogDifference> differences, std::span<const int> groups,
+                                                        int group_count, double floor, bool side_by_side);
 
 }  // namespace gnomon

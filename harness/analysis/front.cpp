@@ -36,13 +36,13 @@ Candidate candidate_of(const Record& r, const FieldOptions& options) {
   return candidate;
 }
 
-using Rows = std::map<Where, const Record*>;
+using Rows = std::map<Place, const Record*>;
 
 /// Over all places: means of what the rows of one setting measured.
 Candidate mean_of(const std::vector<const Record*>& rows, const FieldOptions& options) {
   const Record& first = *rows.front();
   Candidate candidate{.setting = setting_name(first), .technique = first.technique, .role = first.role};
-  const auto geometric_cost = [&](Cost cost) -> std::optional<Measured> {
+  const auto geometric_cost = [&](Cost cost) -> std::optional<ValueWithInterval> {
     std::vector<double> sizes;
     std::vector<Sample> samples;
     for (const Record* row : rows) {
@@ -57,7 +57,7 @@ Candidate mean_of(const std::vector<const Record*>& rows, const FieldOptions& op
     if (cost != Cost::bytes) return bootstrap(samples, geometric_mean);
     // Nothing held is nothing, wherever else something is.
     const bool is_nothing = std::any_of(sizes.begin(), sizes.end(), [](double size) { return size <= 0; });
-    return Measured(is_nothing ? 0 : geometric_mean(sizes));
+    return ValueWithInterval(is_nothing ? 0 : geometric_mean(sizes));
   };
   for (const Record* row : rows) candidate.error += *quantity(*row, options.error) / static_cast<double>(rows.size());
   candidate.cost = geometric_cost(options.cost);
@@ -69,12 +69,12 @@ Candidate mean_of(const std::vector<const Record*>& rows, const FieldOptions& op
 /// The field over all places, from the rows of each setting in order of appearance.
 Field overall(std::vector<std::pair<std::string, Rows>> settings, const FieldOptions& options) {
   Field field;
-  std::set<Where> common;
+  std::set<Place> common;
   while (!settings.empty()) {
     common.clear();
     for (const auto& [place, row] : settings.front().second) common.insert(place);
     for (const auto& [key, rows] : settings)
-      std::erase_if(common, [&, &rows = rows](const Where& place) { return !rows.contains(place); });
+      std::erase_if(common, [&, &rows = rows](const Place& place) { return !rows.contains(place); });
     if (!common.empty()) break;
     const auto fewest = std::min_element(settings.begin(), settings.end(),
                                          [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
@@ -122,16 +122,16 @@ std::vector<Field> find_fields(std::span<const Record> records, const FieldOptio
   require_quantity(records, options.error);
   if (better(options.error).empty()) throw Error("{} has no better side: front and best cannot rank by it", options.error);
   std::vector<Field> fields;
-  std::map<Where, std::size_t> places;
+  std::map<Place, std::size_t> places;
   std::vector<std::pair<std::string, Rows>> settings;
   for (const Record& r : records) {
     if (r.status != Status::ok || !quantity(r, options.error)) continue;
-    const auto [found, is_new] = places.try_emplace(where_of(r), fields.size());
-    if (is_new) fields.push_back({.place = where_of(r), .places = 1, .candidates = {}, .notes = {}});
+    const auto [found, is_new] = places.try_emplace(place_of(r), fields.size());
+    if (is_new) fields.push_back({.place = place_of(r), .places = 1, .candidates = {}, .notes = {}});
     fields[found->second].candidates.push_back(candidate_of(r, options));
     const auto known = std::find_if(settings.begin(), settings.end(), [&](const auto& s) { return s.first == setting_key(r); });
     Rows& rows = known == settings.end() ? settings.emplace_back(setting_key(r), Rows()).second : known->second;
-    rows.try_emplace(where_of(r), &r);
+    rows.try_emplace(place_of(r), &r);
   }
   const auto competes = [](const Candidate& c) { return c.role == Role::contender; };
   if (std::none_of(fields.begin(), fields.end(), [&](const Field& f) { return std::ranges::any_of(f.candidates, competes); }))
@@ -146,11 +146,11 @@ std::string_view name(Standing standing) {
   return names[static_cast<int>(standing)];
 }
 
-std::vector<Stand> find_front(const Field& field, std::string_view direction) {
+std::vector<FrontEntry> find_front(const Field& field, std::string_view direction) {
   const auto competes = [](const Candidate& c) { return c.role == Role::contender && c.cost; };
-  std::vector<Stand> stands;
+  std::vector<FrontEntry> stands;
   for (const Candidate& mine : field.candidates) {
-    Stand stand;
+    FrontEntry stand;
     if (!competes(mine)) {
       stands.push_back(stand);
       continue;

@@ -7,16 +7,16 @@ namespace gnomon {
 struct Candidate {
   std::string setting = {}, technique = {};
   Role role = Role::contender;
-  double error = 0;                   ///< over all places: the mean
-  std::optional<Measured> cost = {};  ///< over all places: the geometric mean
-  std::optional<Measured> time = {};  ///< the same, in milliseconds also where the cost is memory
-  std::optional<double> bytes = {};   ///< over all places: the geometric mean
-  Measured relative_cost = {};        ///< to the cheapest contender of the field
+  double error = 0;                            ///< over all places: the mean
+  std::optional<ValueWithInterval> cost = {};  ///< over all places: the geometric mean
+  std::optional<ValueWithInterval> time = {};  ///< the same, in milliseconds also where the cost is memory
+  std::optional<double> bytes = {};            ///< over all places: the geometric mean
+  ValueWithInterval relative_cost = {};        ///< to the cheapest contender of the field
 };
 
 /// Candidates that may be compared with one another.
 struct Field {
-  std::optional<Where> place;  ///< nothing: over all places
+  std::optional<Place> place;  ///< nothing: over all places
   std::size_t places = 1;      ///< how many it covers
   std::vector<Candidate> candidates;
   std::vector<std::string> notes;  ///< who is left out, and why
@@ -45,12 +45,12 @@ enum class Standing {
 };
 std::string_view name(Standing standing);
 
-struct Stand {
+struct FrontEntry {
   Standing standing = Standing::aside;
   std::string beaten_by;  ///< the cheapest contender that beats it
 };
 /// One for each candidate.
-std::vector<Stand> find_front(const Field& field, std::string_view direction);
+std::vector<FrontEntry> find_front(const Field& field, std::string_view direction);
 
 /// The best contender that a budget allows.
 struct Best {

@@ -27,7 +27,7 @@ Growth fit(const AxisSeries& series, std::string stage, Points points) {
   for (const auto& [x, terms] : points.sums) {
     std::vector<Sample> summed;
     for (const std::size_t term : terms) summed.push_back(points.samples[term]);
-    const Measured ms = bootstrap(summed, [](std::span<const double> values) {
+    const ValueWithInterval ms = bootstrap(summed, [](std::span<const double> values) {
       double sum = 0;
       for (const double value : values) sum += value;
       return sum;
@@ -113,6 +113,17 @@ std::vector<std::string> axis_names(std::span<const Record> records) {
   return all;
 }
 
+/// Why a run has no row of growth, and what it would take.
+std::string why_no_growth(std::span<const Record> records, const std::string& axis, std::size_t single) {
+  if (std::ranges::none_of(records, [](const Record& r) { return r.status == Status::ok; })) return "no row was measured";
+  if (axis == "lights") return "no setting was timed under two lights of one scene; run it with more than one --light";
+  const std::string what =
+      single > 0 ? "no setting was timed at two values of it" : "no row that was measured has a positive one";
+  if (axis == "triangles") return what + "; sweep a parameter that changes how many a scene has: sphere_field:count={4,16,64}";
+  if (axis == "pixels") return what + "; run the same rows at several sizes";
+  return fmt::format("{}; {}", what, how_to_sweep(axis));
+}
+
 }  // namespace
 
 PowerLaw fit_power_law(std::span<const double> x, std::span<const double> y) {
@@ -148,6 +159,8 @@ Growths find_growth(std::span<const Record> records, const std::string& axis) {
 
   Growths growths{.axis = axis, .unit = axis == "pixels" ? "px" : "", .rows = {}, .single = 0};
   axis == "lights" ? add_lights(all, growths) : add_stages(all, growths);
+  if (growths.rows.empty())
+    throw Error("there is no growth with {} in these records: {}", axis, why_no_growth(records, axis, growths.single));
   return growths;
 }
 

@@ -13,18 +13,18 @@ PowerLaw fit_power_law(std::span<const double> x, std::span<const double> y);
 
 /// How the time of one stage grows along one axis: rows of one setting that are equal in everything else.
 struct Growth {
-  Where place;          ///< scene: the family, "sphere_field:count=*"; what the axis varies is 0 or empty
+  Place place;          ///< scene: the family, "sphere_field:count=*"; what the axis varies is 0 or empty
   std::string setting;  ///< without the parameter that the axis varies
   Role role = Role::contender;
   std::string stage;  ///< "build", "relight", "resolve"; on the axis `lights` also "total"
   struct Point {
     double x = 0;
-    Measured ms;
+    ValueWithInterval ms;
   };
   std::vector<Point> points = {};  ///< by x
   /// Points below the clock's resolution, which the fit leaves out.
   std::size_t too_fast = 0;
-  std::optional<Measured> exponent = {};  ///< nothing: see why_not
+  std::optional<ValueWithInterval> exponent = {};  ///< nothing: see why_not
   double coefficient = 0, r2 = 0;
   std::string why_not = {};  ///< "too few points", "below the clock"
 };

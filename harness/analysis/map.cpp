@@ -28,7 +28,7 @@ std::string shown_value(const Json& value) {
 /// One setting of a technique: its parameters and what it measured where.
 struct Setting {
   Values values;
-  std::map<Where, double> measured;
+  std::map<Place, double> measured;
 };
 
 /// Values of one parameter in the order that people expect.
@@ -80,10 +80,10 @@ void make_technique_maps(const std::string& technique, const std::vector<Setting
   if (!varies(x)) return;  // this technique was not swept along this axis
   if (!varies(y)) y.clear();
 
-  std::set<Where> common;
+  std::set<Place> common;
   for (const auto& [place, value] : settings.front().measured) common.insert(place);
   for (const Setting& setting : settings)
-    std::erase_if(common, [&](const Where& place) { return !setting.measured.contains(place); });
+    std::erase_if(common, [&](const Place& place) { return !setting.measured.contains(place); });
   if (common.empty()) return;
 
   std::vector<std::string> facets;
@@ -117,7 +117,7 @@ void make_technique_maps(const std::string& technique, const std::vector<Setting
     map.cells.resize(map.xs.size() * map.ys.size());
     for (const Setting* member : members) {
       double sum = 0;
-      for (const Where& place : common) sum += member->measured.at(place);
+      for (const Place& place : common) sum += member->measured.at(place);
       const auto index = [](const std::vector<std::string>& values, const std::string& value) {
         return static_cast<std::size_t>(std::find(values.begin(), values.end(), value) - values.begin());
       };
@@ -168,9 +168,13 @@ std::vector<Map> make_maps(std::span<const Record> records, const MapOptions& op
       values[parameter] = shown_value(one);
     }
     // A scene or light that is an axis is no part of the mean.
-    Where place = where_of(r);
-    if (wanted.contains("scene")) declare("scene"), values["scene"] = std::exchange(place.scene, "");
-    if (wanted.contains("light")) declare("light"), values["light"] = std::exchange(place.light, "");
+    Place place = place_of(r);
+    const std::pair<const char*, std::string&> parts_of_place[] = {{"scene", place.scene}, {"light", place.light}};
+    for (const auto& [axis, part] : parts_of_place) {
+      if (!wanted.contains(axis)) continue;
+      declare(axis);
+      values[axis] = std::exchange(part, "");
+    }
     std::string key;
     for (const auto& [parameter, one] : values) key += fmt::format("{}={}\n", parameter, one);
     Setting& setting = settings[r.technique][key];
@@ -193,8 +197,9 @@ std::vector<Map> make_maps(std::span<const Record> records, const MapOptions& op
     if (all.size() > 1) make_technique_maps(technique, all, declared[technique], options, maps);
   }
   if (maps.empty())
-    throw Error("there is nothing to map: no technique has two settings that finished the same scenes{}",
-                options.x.empty() ? "" : fmt::format(" and differ in {}", options.x));
+    throw Error("there is nothing to map: no technique has two settings that finished the same scenes{}; {}",
+                options.x.empty() ? "" : fmt::format(" and differ in {}", options.x),
+                how_to_sweep(options.x.empty() ? "PARAMETER" : options.x));
   return maps;
 }
 

@@ -7,7 +7,7 @@ namespace gnomon {
 namespace {
 
 /// The quantity with its interval, where it is a time.
-std::optional<Measured> measured_quantity(const Record& record, std::string_view wanted) {
+std::optional<ValueWithInterval> measured_quantity(const Record& record, std::string_view wanted) {
   for (const Stage stage : {Stage::setup, Stage::build, Stage::relight, Stage::resolve}) {
     if (wanted != fmt::format("{}_ms", name(stage))) continue;
     const Sample sample = sample_of(record, {&stage, 1});
@@ -15,7 +15,7 @@ std::optional<Measured> measured_quantity(const Record& record, std::string_view
     return bootstrap({&sample, 1}, [](std::span<const double> values) { return values[0]; });
   }
   const std::optional<double> value = quantity(record, wanted);
-  return value ? std::optional(Measured(*value)) : std::nullopt;
+  return value ? std::optional(ValueWithInterval(*value)) : std::nullopt;
 }
 
 /// The numeric parameters that have two values in some series: what may be asked instead.
@@ -34,7 +34,8 @@ std::vector<std::string> swept_parameters(std::span<const Record> records) {
 
 std::string what_is_swept(std::span<const Record> records) {
   const std::vector<std::string> swept = swept_parameters(records);
-  return swept.empty() ? "no parameter is swept in these records" : fmt::format("swept are: {}", fmt::join(swept, ", "));
+  return swept.empty() ? "no parameter is swept in these records; " + how_to_sweep("PARAMETER")
+                       : fmt::format("swept are: {}", fmt::join(swept, ", "));
 }
 
 Sweep sweep_of(const AxisSeries& series, std::string_view quantity, std::size_t& repeated) {
@@ -54,7 +55,7 @@ Sweep sweep_of(const AxisSeries& series, std::string_view quantity, std::size_t&
 
 }  // namespace
 
-std::vector<double> Sweeps::xs(const Where& place) const {
+std::vector<double> Sweeps::xs(const Place& place) const {
   std::set<double> all;
   for (const Sweep& sweep : rows)
     if (sweep.place == place)

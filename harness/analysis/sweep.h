@@ -5,12 +5,12 @@ namespace gnomon {
 
 /// A quantity of one setting against a parameter, all else fixed.
 struct Sweep {
-  Where place;          ///< scene: the family, "composite:object=cone,light_x=*", where the parameter is of scenes
+  Place place;          ///< scene: the family, "composite:object=cone,light_x=*", where the parameter is of scenes
   std::string setting;  ///< without the parameter, where it is of techniques
   Role role = Role::contender;
   struct Point {
     double x = 0;
-    std::optional<Measured> value;  ///< nothing: not supported, failed, or not defined there
+    std::optional<ValueWithInterval> value;  ///< nothing: not supported, failed, or not defined there
     Status status = Status::ok;
   };
   std::vector<Point> points = {};  ///< by x, each once
@@ -22,10 +22,10 @@ struct Sweeps {
   std::vector<Sweep> rows;    ///< of two or more x each
   std::size_t single = 0;     ///< series of one x, left out
   std::size_t repeated = 0;   ///< rows at an x that their series has already, left out
-  std::vector<Where> places;  ///< of the rows, in their order
+  std::vector<Place> places;  ///< of the rows, in their order
 
   /// Every x that a row of this place has, in order.
-  std::vector<double> xs(const Where& place) const;
+  std::vector<double> xs(const Place& place) const;
 };
 
 /// `parameter` is a numeric one of techniques or of scenes, `quantity` as in analysis.h; times have their intervals. Throws

@@ -143,7 +143,7 @@ int render(const RenderOptions& options, const WorkerOptions& worker) {
     if (!result) throw Error("{} does not support {} {}: {}", job.contender.name(), job.scene, job.light, record.reason);
     const MeasuredRow& measured = *result;
     const Answer& answer = measured.answer;
-    const Tally& counts = measured.tally;
+    const ErrorCounts& counts = measured.errors;
     // One warm call each: `gnomon run` is for timing.
     for (const Stage stage : {Stage::build, Stage::relight, Stage::resolve}) record.times(stage) = {{seat.time(stage)}};
     const std::string tail = tail_of(job);

@@ -121,8 +121,8 @@ int score(const ScoreOptions& options) {
     if (!options.json) {
       fmt::print("{}scene {}, light {}, view {}, {} x {}, {} truth: {} of {} pixels facing the light are tested\n\n{}",
                  &channel == channels.data() ? "" : "\n", options.scene, light.name, view.name, width, height, options.truth,
-                 scoring.tally().tested, scoring.tally().facing,
-                 text_of(metrics, causes, std::max<std::size_t>(1, scoring.tally().tested)));
+                 scoring.error_counts().tested, scoring.error_counts().facing,
+                 text_of(metrics, causes, std::max<std::size_t>(1, scoring.error_counts().tested)));
       continue;
     }
     nlohmann::ordered_json values = nlohmann::ordered_json::object();

@@ -21,7 +21,7 @@ struct TableCommand {
       writer.emplace(dir);
     }
     std::vector<Record> records = read_records(dir);
-    Rescored result;
+    RescoreSummary result;
     {
       Progress progress;
       result = rescore(records, dir, progress);

@@ -1,6 +1,7 @@
 #include <embree3/rtcore.h>
 #include <gnomon/error.h>
 #include <gnomon/kit/rays.h>
+#include <gnomon/kit/vectorized.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
@@ -9,7 +10,6 @@
 #include <cstring>
 
 #include "shape_rays.h"
-#include "vectorized.h"
 
 namespace gnomon {
 

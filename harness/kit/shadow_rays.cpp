@@ -1,12 +1,11 @@
 #include <gnomon/kit/rays.h>
+#include <gnomon/kit/vectorized.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
-
-#include "vectorized.h"
 
 namespace gnomon {
 

@@ -1,11 +1,10 @@
 #include <gnomon/kit/edges.h>
 #include <gnomon/kit/exact.h>
 #include <gnomon/kit/parallel.h>
+#include <gnomon/kit/vectorized.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include "vectorized.h"
 
 namespace gnomon {
 

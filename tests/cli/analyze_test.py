@@ -57,6 +57,19 @@ class Analyze(ProgramTest):
         row = self.rows(run, "growth")[0]
         self.assertEqual((row["exponent"], row["why_not"]), ("", "too few points"))
 
+    def test_a_run_without_a_sweep_is_refused_with_what_to_do(self):
+        run = self.run_of(record(settings="bias=1", scene_facts={"triangles": 10}))
+        self.refuse("analyze", run, "growth", says=["no growth with triangles", "sphere_field:count={4,16,64}"])
+        self.refuse("analyze", run, "growth", "--x", "pixels", says=["no growth with pixels", "at several sizes"])
+        self.refuse("analyze", run, "growth", "--x", "lights", says=["no growth with lights", "two lights of one scene"])
+        for kind in (["growth"], ["map"], ["sweep"]):
+            self.refuse("analyze", run, *kind, "--x", "bias", says=["ID:", "={A,B,C}"])
+        self.refuse("analyze", run, "motion", says=["no row of these records follows a path", "paths = [...]"])
+        failed = self.run_of(record(status="failed", stages={}, metrics={}, bytes=None), name="failed")
+        self.refuse("analyze", failed, "growth", says=["no growth with triangles", "no row was measured"])
+        for kind in ("front", "best", "map"):
+            self.refuse("analyze", failed, kind, says=["no row of these records was measured"])
+
     def test_several_runs_are_analyzed_together(self):
         runs = [self.run_of(record(width=w, height=w, cost=w * w / 1000), name=f"run{w}") for w in (100, 200, 400)]
         rows = [row for row in self.rows(*runs, "growth", "--x", "pixels") if row["stage"] == "resolve"]
@@ -157,7 +170,7 @@ class Analyze(ProgramTest):
         self.refuse("analyze", run, "sweep", "--x", "count", says=["there is no sweep of count", "swept are: a"])
         self.refuse("analyze", run, "sweep", "--x", "aa", says=["there is no numeric parameter aa; did you mean a?"])
         self.refuse("analyze", run, "sweep", "--x", "a", "--error", "wrong", says=["there is no wrong; did you mean wrong_rate?"])
-        self.refuse("analyze", run, "growth", says=["there is no growth to show", "two values of triangles"])
+        self.refuse("analyze", run, "growth", says=["there is no growth with triangles", "two values of it"])
 
     def test_motion_takes_rows_on_paths(self):
         run = self.run_of(record(path="slide", frames={"wrong_rate": [0.1, 0.3], "instability": [None, 0.02]}), record())

@@ -28,11 +28,11 @@ struct World {
     truth.resize(gbuffer.size());
     trace_shadows(casters, scene, gbuffer, light, truth);
     classes = classify(scene, casters, gbuffer, light, truth);
-    occluder = find_occluders(scene, casters, gbuffer, light, truth);
+    nearest_caster = find_nearest_casters(scene, casters, gbuffer, light, truth);
     mask = truth;
   }
 
-  Reference reference() const { return {truth, classes, occluder, nullptr}; }
+  Reference reference() const { return {truth, classes, nearest_caster, nullptr}; }
   /// The causes that occur; one account for all pixels.
   Causes causes(const std::function<std::optional<Explanation>(std::uint32_t)>& why) const {
     const auto explain = [&](std::span<const std::uint32_t> pixels) {
@@ -85,7 +85,7 @@ struct World {
   GBuffer gbuffer;
   std::vector<float> truth, mask;
   std::vector<PixelClass> classes;
-  std::vector<std::uint32_t> occluder;
+  std::vector<std::uint32_t> nearest_caster;
   std::vector<std::uint8_t> right_on_mesh;
 };
 

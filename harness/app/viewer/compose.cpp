@@ -114,7 +114,7 @@ class SidePainter {
           return kind >= 0 ? kind_colors_[kind] : pack_gray(dimmed_at(i));
         });
       case Shown::classes:
-        return fill([&](int, std::size_t i) { return pack(class_rows()[static_cast<std::size_t>(classes_[i])].color); });
+        return fill([&](int, std::size_t i) { return pack(class_infos()[static_cast<std::size_t>(classes_[i])].color); });
     }
   }
 

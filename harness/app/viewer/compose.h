@@ -25,14 +25,6 @@ struct ModeRow {
 std::span<const ModeRow> layout_rows();
 std::span<const ModeRow> paint_rows();
 
-/// One row a pixel class, in the order of PixelClass. The colors differ by 26 in CIE Lab, also for people without one kind of
-/// cone.
-struct ClassRow {
-  std::string_view id, title, sentence;  ///< "T", "tested", ...
-  Color color;
-};
-std::span<const ClassRow> class_rows();
-
 /// What one side brings. Everything may be missing (null); what is there may be of an older frame than the other side's.
 struct ComposeSide {
   std::shared_ptr<const Frame> frame;   ///< of `mask`; null where the side has no answer yet

@@ -20,19 +20,6 @@ constexpr ModeRow paints[] = {
     {"classes", "Classes", "What kind of question each pixel is; only tested ones count in the wrong rate."},
 };
 
-// Gray for what nobody asks about, light for what is scored, colors for what is left out.
-constexpr ClassRow classes[] = {
-    {"B", "background", "No surface: nothing to decide.", {24, 26, 30}},
-    {"F",
-     "turned away",
-     "Faces away from the light, lies outside its cone, or does not receive: dark whatever the mask says.",
-     {92, 96, 104}},
-    {"G", "grazing", "The light grazes the surface, at 2 degrees or less: any bias decides it.", {238, 190, 50}},
-    {"S", "silhouette", "Beside the outline of something nearer or farther: primary visibility decides it.", {20, 105, 210}},
-    {"U", "uncertain", "The reference's answer changes within float32 rounding.", {215, 55, 60}},
-    {"T", "tested", "The wrong rate is the share of these that are wrong.", {212, 216, 214}},
-};
-
 bool is_whole(const ReferenceState& reference) {
   if (!reference.frame) return false;
   const std::size_t size = reference.frame->gbuffer.size();
@@ -43,7 +30,6 @@ bool is_whole(const ReferenceState& reference) {
 
 std::span<const ModeRow> layout_rows() { return layouts; }
 std::span<const ModeRow> paint_rows() { return paints; }
-std::span<const ClassRow> class_rows() { return classes; }
 
 const Verdict* verdict_of(const ComposeSide& side) {
   const Verdict* const v = side.verdict;

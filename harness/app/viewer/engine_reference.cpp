@@ -132,10 +132,10 @@ void Engine::Body::complete_reference(ReferenceState reference, std::uint64_t ti
   if (!refinement.run(ticket, [&] { classes = classify(scene, casters, g, frame->light, reference.mask); })) return;
   reference.classes = std::move(classes);
   publish(reference);
-  std::vector<std::uint32_t> occluder;
+  std::vector<std::uint32_t> nearest_caster;
   std::shared_ptr<ReferenceState> on_mesh;
   const bool is_done = refinement.run(ticket, [&] {
-    occluder = find_occluders(scene, casters, g, frame->light, reference.mask);
+    nearest_caster = find_nearest_casters(scene, casters, g, frame->light, reference.mask);
     if (g.truth == Truth::mesh || !scene.has_curved_shapes()) return;
     auto mesh_frame = std::make_shared<Frame>();
     mesh_frame->loaded = frame->loaded;
@@ -149,7 +149,7 @@ void Engine::Body::complete_reference(ReferenceState reference, std::uint64_t ti
     mesh_frame->file = share(mesh_frame->gbuffer);
   });
   if (!is_done) return;
-  reference.occluder = std::move(occluder);
+  reference.nearest_caster = std::move(nearest_caster);
   reference.on_mesh = on_mesh;
   reference.is_complete = true;
   auto bare = std::make_shared<ReferenceState>(*publish(std::move(reference)));

@@ -335,7 +335,7 @@ void Engine::Body::Side::judge(const std::shared_ptr<const SideAnswer>& answer,
                           .reference = reference->mask,
                           .mask = answer->mask,
                           .causes = {}};
-  verdict->tally = Scoring(evidence).tally();
+  verdict->errors = Scoring(evidence).error_counts();
   body_.change([&](EngineState&) { state().verdict = verdict; });
 }
 
@@ -357,12 +357,12 @@ void Engine::Body::Side::find_reasons(const std::shared_ptr<const Verdict>& verd
     if (stand_at(*other.frame, "causes")["support"] != "unsupported") {
       const std::vector<float> on_mesh = resolve_mask(*other.frame, false);
       right_on_mesh.resize(mask.size());
-      for (std::size_t i = 0; i < mask.size(); ++i) right_on_mesh[i] = std::abs(on_mesh[i] - other.mask[i]) <= 0.5f;
+      for (std::size_t i = 0; i < mask.size(); ++i) right_on_mesh[i] = !is_wrong(on_mesh[i], other.mask[i]);
     }
     stand_at(frame, "causes");
     resolve_mask(frame, false);
   }
-  const Reference reference{truth->mask, truth->classes, truth->occluder, truth};
+  const Reference reference{truth->mask, truth->classes, truth->nearest_caster, truth};
   auto complete = std::make_shared<Verdict>(*verdict);
   const bool is_done = causes_.run(ticket, [&] {
     complete->causes =

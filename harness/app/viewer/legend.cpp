@@ -46,12 +46,12 @@ void add_errors(const Composition& composition, int side, bool with_causes, std:
   if (!verdict) return;
   const std::span<const ErrorKind> kinds = error_kinds(with_causes);
   for (std::size_t k = 0; k < kinds.size(); ++k) {
-    std::size_t count = k == 0 ? verdict->tally.false_dark : verdict->tally.false_lit;
+    std::size_t count = k == 0 ? verdict->errors.false_dark : verdict->errors.false_lit;
     if (with_causes) {
       const auto found = verdict->cause_counts.find(std::string(cause_infos()[k].name));
       count = found == verdict->cause_counts.end() ? 0 : found->second;
     }
-    if (count > 0) entries.push_back({kinds[k].color, kinds[k].label, share_of(count, verdict->tally.tested), of_tested});
+    if (count > 0) entries.push_back({kinds[k].color, kinds[k].label, share_of(count, verdict->errors.tested), of_tested});
   }
 }
 
@@ -60,9 +60,9 @@ void add_classes(const Composition& composition, int side, std::vector<LegendEnt
   if (!reference) return;
   const std::array<std::size_t, 6> counts = count_classes(reference->classes);
   for (std::size_t k = 0; k < counts.size(); ++k) {
-    const ClassRow& row = class_rows()[k];
+    const ClassInfo& row = class_infos()[k];
     entries.push_back(
-        {row.color, fmt::format("{} {}", row.id, row.title), share_of(counts[k], reference->classes.size()), of_all});
+        {row.color, fmt::format("{} {}", row.letter, row.word), share_of(counts[k], reference->classes.size()), of_all});
   }
 }
 

@@ -37,8 +37,8 @@ std::string sentence_of(Paint paint, const std::string& name) {
     for (std::size_t k = 0; k < cause_infos().size(); ++k)
       if (error_kinds(true)[k].label == name) return std::string(cause_infos()[k].sentence);
   if (paint == Paint::classes)
-    for (const ClassRow& row : class_rows())
-      if (name.starts_with(row.id)) return std::string(row.sentence);
+    for (const ClassInfo& row : class_infos())
+      if (name.starts_with(row.letter)) return std::string(row.sentence);
   return "";
 }
 

@@ -137,18 +137,18 @@ void draw_tallies(const EngineState& state) {
   const auto row = [&](const char* name, const char* sentence, auto&& words) {
     draw_row(state, name, sentence, [&](const SideState& side, int) {
       if (!side.verdict) return Value{};
-      return Value{words(side.verdict->tally), side.verdict->answer != side.answer};
+      return Value{words(side.verdict->errors), side.verdict->answer != side.answer};
     });
   };
-  row("wrong", "Share of the tested pixels that differ from the reference.", [](const Tally& tally) {
-    return tally.tested ? fmt::format("{:.4f} %", 100.0 * tally.wrong / tally.tested) : std::string();
+  row("wrong", "Share of the tested pixels that differ from the reference.", [](const ErrorCounts& errors) {
+    return errors.tested ? fmt::format("{:.4f} %", 100.0 * errors.wrong / errors.tested) : std::string();
   });
   row("false dark", "Tested pixels that are dark where the reference is lit.",
-      [](const Tally& tally) { return fmt::format("{}", tally.false_dark); });
+      [](const ErrorCounts& errors) { return fmt::format("{}", errors.false_dark); });
   row("false lit", "Tested pixels that are lit where the reference is dark.",
-      [](const Tally& tally) { return fmt::format("{}", tally.false_lit); });
+      [](const ErrorCounts& errors) { return fmt::format("{}", errors.false_lit); });
   row("tested", "Pixels of class T: those whose answer is beyond doubt.",
-      [](const Tally& tally) { return fmt::format("{}", tally.tested); });
+      [](const ErrorCounts& errors) { return fmt::format("{}", errors.tested); });
 }
 
 void draw_times(const EngineState& state) {

@@ -39,10 +39,10 @@ struct Frame {
 /// The reference at a frame, as far as it is known. Masks of fewer pixels than the frame's stand for it until it is finished.
 struct ReferenceState {
   std::shared_ptr<const Frame> frame;
-  int width = 0, height = 0;            ///< of `mask`
-  std::vector<float> mask;              ///< width * height
-  std::vector<PixelClass> classes;      ///< empty until they are known; then the mask has the frame's size
-  std::vector<std::uint32_t> occluder;  ///< empty until known; see Reference
+  int width = 0, height = 0;                  ///< of `mask`
+  std::vector<float> mask;                    ///< width * height
+  std::vector<PixelClass> classes;            ///< empty until they are known; then the mask has the frame's size
+  std::vector<std::uint32_t> nearest_caster;  ///< empty until known; see Reference
   /// The same view and light on the meshes, where the scene has curved shapes and they count; null until it is known.
   std::shared_ptr<const ReferenceState> on_mesh;
   bool is_complete = false;  ///< nothing more will come for this frame
@@ -61,7 +61,7 @@ struct SideAnswer {
 struct Verdict {
   std::shared_ptr<const SideAnswer> answer;
   std::shared_ptr<const ReferenceState> reference;  ///< with classes
-  Tally tally;
+  ErrorCounts errors;
   bool has_causes = false;    ///< they are known
   std::vector<Cause> causes;  ///< empty until then
   std::map<std::string, std::uint64_t> cause_counts;

@@ -117,8 +117,8 @@ std::vector<PixelFact> pixel_facts(const Composition& composition, int side, int
   Composition asked = composition;
   if (reference) asked.reference = reference;
   if (const ReferenceState* const known = reference_of(asked, side)) {
-    const ClassRow& row = class_rows()[static_cast<std::size_t>(known->classes[i])];
-    facts.push_back({"class", fmt::format("{}, {}. {}", row.id, row.title, row.sentence)});
+    const ClassInfo& row = class_infos()[static_cast<std::size_t>(known->classes[i])];
+    facts.push_back({"class", fmt::format("{}, {}. {}", row.letter, row.word, row.sentence)});
   }
   if (const std::optional<Evidence> evidence = evidence_of(asked, side, false)) {
     const std::optional<Evidence> with_causes = evidence_of(asked, side, true);

@@ -70,15 +70,15 @@ constexpr std::uint32_t caster_size = 8;  ///< pixels
 constexpr std::size_t chunk = 4096;
 
 bool is_wrong(const Attribution& a, std::size_t i) {
-  return a.reference.classes[i] == PixelClass::T && std::abs(a.mask[i] - a.reference.mask[i]) > 0.5f;
+  return a.reference.classes[i] == PixelClass::T && gnomon::is_wrong(a.mask[i], a.reference.mask[i]);
 }
 
 /// 1 in the reference's shadows of one object, 8 pixels or more, of which the technique has less than a tenth.
 std::vector<std::uint8_t> missing_shadows(const Attribution& a) {
-  const Components shadows = connect(a.reference.occluder, no_mesh, a.gbuffer.width, a.gbuffer.height);
+  const Components shadows = connect(a.reference.nearest_caster, no_mesh, a.gbuffer.width, a.gbuffer.height);
   std::vector<std::uint32_t> dark(shadows.size.size(), 0);
   for (std::size_t i = 0; i < a.mask.size(); ++i)
-    if (shadows.of[i] != no_component && a.mask[i] <= 0.5f) ++dark[shadows.of[i]];
+    if (shadows.of[i] != no_component && !is_lit(a.mask[i])) ++dark[shadows.of[i]];
   std::vector<std::uint8_t> missing(a.mask.size(), 0);
   for (std::size_t i = 0; i < missing.size(); ++i) {
     if (shadows.of[i] == no_component) continue;
@@ -86,6 +86,17 @@ std::vector<std::uint8_t> missing_shadows(const Attribution& a) {
     missing[i] = size >= caster_size && 10 * dark[shadows.of[i]] < size;
   }
   return missing;
+}
+
+/// Of each start, whether the light's answer there is another one than the reference's for its pixel, joined over every
+/// `per_pixel` starts in a row: 1 where it is for any of them.
+std::vector<std::uint8_t> any_differs(const Attribution& a, const LightRays& rays, std::span<const LightRays::Start> starts,
+                                      std::size_t per_pixel) {
+  const std::vector<std::uint8_t> lit = rays.lit(starts);
+  std::vector<std::uint8_t> differs(starts.size() / per_pixel, 0);
+  for (std::size_t s = 0; s < starts.size(); ++s)
+    differs[s / per_pixel] |= (lit[s] != 0) != is_lit(a.reference.mask[starts[s].pixel]);
+  return differs;
 }
 
 /// 1 where the reference answers otherwise within the raster's snapping of the pixel's center, though no other pixel shows it:
@@ -102,21 +113,15 @@ std::vector<std::uint8_t> is_on_thin_edge(const Attribution& a, const LightRays&
     const glm::dvec3 v = glm::normalize(from_eye);
     const double step = glm::length(from_eye) * per_meter / 256 + rays.rounding();
     for (const glm::dvec3& along : {v, rays.toward_light(point)}) {
-      const glm::dvec3 other = std::abs(along.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
-      const glm::dvec3 u = step * glm::normalize(glm::cross(along, other)), w = glm::cross(along, u);
-      const double down = -glm::dot(n, along);
-      for (const glm::dvec3& move : {u, -u, w, -w})
-        starts.push_back({i, point + move + (std::abs(down) > 1e-3 ? glm::dot(n, move) / down * along : glm::dvec3(0)), 0});
+      const glm::dvec3 u = step * across(along)[0], w = glm::cross(along, u);
+      for (const glm::dvec3& move : {u, -u, w, -w}) starts.push_back({i, point + move + back_to_plane(move, along, n), 0});
     }
   }
-  const std::vector<std::uint8_t> lit = rays.lit(starts);
-  std::vector<std::uint8_t> thin(pixels.size(), 0);
-  for (std::size_t s = 0; s < starts.size(); ++s) thin[s / 8] |= (lit[s] != 0) != (a.reference.mask[starts[s].pixel] > 0.5f);
-  return thin;
+  return any_differs(a, rays, starts, 8);
 }
 
-/// A wrong pixel whose technique puts polygons for a curve.
-struct StandIn {
+/// A wrong pixel whose technique draws polygons in place of a curve.
+struct OutlineCase {
   std::uint32_t pixel;
   double outline_error;
 };
@@ -124,27 +129,21 @@ struct StandIn {
 /// 1 where the reference answers otherwise when the light's ray moves across itself by up to the error of the outline: sixteen
 /// ways, the whole of it and half. A convex outline that is nearer than the error is met by one of them.
 std::vector<std::uint8_t> is_within_outline_error(const Attribution& a, const LightRays& rays,
-                                                  std::span<const StandIn> pixels) {
+                                                  std::span<const OutlineCase> pixels) {
   constexpr int ways = 16;
   std::vector<LightRays::Start> starts;
-  for (const StandIn& at : pixels) {
+  for (const OutlineCase& at : pixels) {
     const glm::dvec3 point = a.gbuffer.position(at.pixel), n = a.gbuffer.normal(at.pixel), to = rays.toward_light(point);
-    const glm::dvec3 other = std::abs(to.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
-    const glm::dvec3 u = glm::normalize(glm::cross(to, other)), w = glm::cross(to, u);
-    const double up = glm::dot(n, to);
+    const auto [u, w] = across(to);
     for (int k = 0; k < 2 * ways; ++k) {
       // The nearest of sixteen ways is at most 11.25 degrees off the one to the edge.
       const double angle = k * std::numbers::pi / (ways / 2);
       const double step = (k < ways ? 1.02 : 0.51) * at.outline_error + rays.rounding();
       const glm::dvec3 move = step * (std::cos(angle) * u + std::sin(angle) * w);
-      starts.push_back({at.pixel, point + move - (up > 1e-3 ? glm::dot(n, move) / up * to : glm::dvec3(0)), 0});
+      starts.push_back({at.pixel, point + move + back_to_plane(move, to, n), 0});
     }
   }
-  const std::vector<std::uint8_t> lit = rays.lit(starts);
-  std::vector<std::uint8_t> within(pixels.size(), 0);
-  for (std::size_t s = 0; s < starts.size(); ++s)
-    within[s / (2 * ways)] |= (lit[s] != 0) != (a.reference.mask[starts[s].pixel] > 0.5f);
-  return within;
+  return any_differs(a, rays, starts, 2 * ways);
 }
 
 /// Causes of a technique without taps: by distance to the reference's edge and by size.
@@ -181,7 +180,7 @@ std::string_view name(Cause cause) { return cause == Cause::none ? "none" : rows
 
 std::vector<Cause> find_causes(const Attribution& a) {
   assert(a.mask.size() == a.gbuffer.size() && a.reference.mask.size() == a.mask.size());
-  assert(a.reference.classes.size() == a.mask.size() && a.reference.occluder.size() == a.mask.size());
+  assert(a.reference.classes.size() == a.mask.size() && a.reference.nearest_caster.size() == a.mask.size());
   std::vector<Cause> causes(a.mask.size(), Cause::none);
   std::vector<std::uint32_t> open, geometric;
   for (std::uint32_t i = 0; i < causes.size(); ++i) {
@@ -201,7 +200,7 @@ std::vector<Cause> find_causes(const Attribution& a) {
     if (explanations.size() != pixels.size())
       throw Error("{} explanations were given for {} pixels", explanations.size(), pixels.size());
     std::vector<TapCase> cases;
-    std::vector<StandIn> stand_ins;
+    std::vector<OutlineCase> outlines;
     for (std::size_t k = 0; k < pixels.size(); ++k) {
       const std::uint32_t i = pixels[k];
       const auto& why = explanations[k];
@@ -214,16 +213,16 @@ std::vector<Cause> find_causes(const Attribution& a) {
       else if (why && !why->taps.empty())
         cases.push_back({i, &*why});
       else if (why && why->outline_error > 0)
-        stand_ins.push_back({i, why->outline_error});
+        outlines.push_back({i, why->outline_error});
       else
         geometric.push_back(i);
     }
-    const std::vector<std::uint8_t> within = is_within_outline_error(a, rays, stand_ins);
-    for (std::size_t k = 0; k < stand_ins.size(); ++k) {
+    const std::vector<std::uint8_t> within = is_within_outline_error(a, rays, outlines);
+    for (std::size_t k = 0; k < outlines.size(); ++k) {
       if (within[k])
-        causes[stand_ins[k].pixel] = Cause::tessellation;
+        causes[outlines[k].pixel] = Cause::tessellation;
       else
-        geometric.push_back(stand_ins[k].pixel);
+        geometric.push_back(outlines[k].pixel);
     }
     const std::vector<Cause> found = find_tap_causes(a, rays, cases);
     for (std::size_t k = 0; k < cases.size(); ++k) causes[cases[k].pixel] = found[k];

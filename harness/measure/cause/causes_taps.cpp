@@ -126,14 +126,13 @@ class Block {
   /// The tap's place on the tangent plane with its ray moved by 1/256 texel and float32 rounding, four ways.
   std::array<glm::dvec3, 4> shaken(const Question& q, std::size_t j) const {
     const glm::dvec3 d = q.why->taps[j].direction, place = places_[q.first_tap + j];
-    const double step = q.why->texel_width / 256 + rays_.rounding(), down = -glm::dot(q.normal, d);
-    const glm::dvec3 other = std::abs(d.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
-    const glm::dvec3 u = step * glm::normalize(glm::cross(d, other)), v = glm::cross(d, u);
+    const double step = q.why->texel_width / 256 + rays_.rounding();
+    const glm::dvec3 u = step * across(d)[0], v = glm::cross(d, u);
+    const bool comes_down = glm::dot(q.normal, d) < 0;
     std::array<glm::dvec3, 4> moved;
     for (int k = 0; k < 4; ++k) {
       const glm::dvec3 w = (k % 2 ? -1.0 : 1.0) * (k / 2 ? v : u);
-      // Slides along the ray back onto the plane; a ray that hardly comes down does not.
-      moved[k] = place + w + (down > 1e-3 ? glm::dot(q.normal, w) / down * d : glm::dvec3(0));
+      moved[k] = place + w + (comes_down ? back_to_plane(w, d, q.normal) : glm::dvec3(0));
     }
     return moved;
   }

@@ -81,7 +81,7 @@ std::vector<std::uint8_t> shadow_boundary(std::span<const float> mask, std::span
                                           int height) {
   std::vector<std::uint8_t> marked(mask.size(), 0);
   const auto mark = [&](std::size_t i, std::size_t j) {
-    if ((mask[i] > 0.5f) != (mask[j] > 0.5f) && classes[i] > PixelClass::F && classes[j] > PixelClass::F)
+    if (is_lit(mask[i]) != is_lit(mask[j]) && classes[i] > PixelClass::F && classes[j] > PixelClass::F)
       marked[i] = marked[j] = 1;
   };
   for (int y = 0; y < height; ++y)

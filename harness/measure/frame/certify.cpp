@@ -11,6 +11,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "measure/frame/classify.h"
+
 namespace gnomon {
 
 namespace {
@@ -22,7 +24,7 @@ struct Sample {
   bool disagrees = false;
 };
 
-bool is_dark(float visibility) { return visibility < 0.5f; }
+bool is_dark(float visibility) { return !is_lit(visibility); }
 
 /// Whether a pixel facing the light within `band` columns and rows has the other answer.
 bool near_boundary(const std::vector<char>& facing, std::span<const float> reference, int width, int height, std::size_t i,

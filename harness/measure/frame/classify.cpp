@@ -4,6 +4,9 @@
 
 #include <cmath>
 
+#include "measure/frame/light_rays.h"
+#include "measure/frame/ray_packets.h"
+
 namespace gnomon {
 
 namespace {
@@ -22,26 +25,32 @@ bool is_silhouette(const GBuffer& gbuffer, int x, int y) {
   return false;
 }
 
-/// A pair of unit tangents across a direction.
-std::array<glm::dvec3, 2> tangents(const glm::dvec3& normal) {
-  const glm::dvec3 n = glm::normalize(normal);
-  const glm::dvec3 other = std::abs(n.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
-  const glm::dvec3 u = glm::normalize(glm::cross(n, other));
-  return {u, glm::cross(n, u)};
-}
+// Gray for what is not decided, light for what is scored, colors for what is left out.
+constexpr ClassInfo classes_table[] = {
+    {"B", "background", "No surface: nothing to decide.", {24, 26, 30}},
+    {"F",
+     "turned away",
+     "Faces away from the light, lies outside its cone, or does not receive: dark whatever the mask says.",
+     {92, 96, 104}},
+    {"G", "grazing", "The light grazes the surface, at 2 degrees or less: any bias decides it.", {238, 190, 50}},
+    {"S", "silhouette", "Beside the outline of something nearer or farther: primary visibility decides it.", {20, 105, 210}},
+    {"U", "uncertain", "The reference's answer changes within float32 rounding.", {215, 55, 60}},
+    {"T", "tested", "The wrong rate is the share of these that are wrong.", {212, 216, 214}},
+};
 
 /// Asks the ray tracer again with the point or the light moved by rho, sixteen pixels at a time.
-class Shaker {
+class MovedRays {
  public:
-  Shaker(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const glm::dvec4& light, double extent)
+  MovedRays(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const glm::dvec4& light, double extent)
       : scene_(scene), casters_(casters), gbuffer_(gbuffer), light_(light), extent_(extent) {}
 
   /// Bit k: the answer of pixel indices[k] changes under some shift.
-  std::uint32_t unstable(const std::size_t* indices, int count, std::span<const float> reference) const {
+  std::uint32_t unstable(std::span<const std::size_t> indices, std::span<const float> reference) const {
+    const int count = static_cast<int>(indices.size());
     std::uint32_t lit = 0, changed = 0;
     std::uint32_t mesh[16] = {}, triangle[16] = {};
     for (int k = 0; k < count; ++k) {
-      lit |= static_cast<std::uint32_t>(reference[indices[k]] > 0.5f) << k;
+      lit |= static_cast<std::uint32_t>(is_lit(reference[indices[k]])) << k;
       mesh[k] = gbuffer_.mesh[indices[k]];
       triangle[k] = gbuffer_.triangle[indices[k]];
     }
@@ -65,25 +74,15 @@ class Shaker {
     glm::dvec3 light(light_);
     const double rho = 16 * 0x1p-24 * extent_, sign = shift & 1 ? 1 : -1;
     if (shift < 4) {
-      origin += sign * rho * tangents(n)[shift / 2];
+      origin += sign * rho * across(glm::normalize(n))[shift / 2];
     } else if (shift < 8) {
       // A directional light turns by rho / extent radians.
       const glm::dvec3 toward = to_light(light_, p);
       const double step = light_.w != 0 ? rho : rho / extent_ * glm::length(toward);
-      light += sign * step * tangents(toward)[shift / 2 - 2];
+      light += sign * step * across(glm::normalize(toward))[shift / 2 - 2];
     }
     const glm::dvec3 direction = light_.w != 0 ? light - origin : light;
-    packet.ox[k] = static_cast<float>(origin.x);
-    packet.oy[k] = static_cast<float>(origin.y);
-    packet.oz[k] = static_cast<float>(origin.z);
-    packet.dx[k] = static_cast<float>(direction.x);
-    packet.dy[k] = static_cast<float>(direction.y);
-    packet.dz[k] = static_cast<float>(direction.z);
-    packet.tnear[k] = packet.time[k] = 0;
-    packet.tfar[k] = light_.w != 0 ? 1.0f : INFINITY;
-    packet.mask[k] = 0xffffffffu;
-    packet.id[k] = static_cast<std::uint32_t>(k);
-    packet.flags[k] = 0;
+    set_ray(packet, k, origin, direction, light_.w != 0);
   }
 
   const Scene& scene_;
@@ -98,17 +97,15 @@ class Shaker {
 std::vector<PixelClass> classify(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const Light& light,
                                  std::span<const float> reference) {
   const glm::dvec4 l = homogeneous(light);
-  const Shaker shaker(scene, casters, gbuffer, l, extent(scene, light, gbuffer.view));
+  const MovedRays moved(scene, casters, gbuffer, l, extent(scene, light, gbuffer.view));
   std::vector<PixelClass> classes(gbuffer.size(), PixelClass::T);
   tbb::parallel_for(0, gbuffer.height, [&](int y) {
-    std::size_t pending[16];
-    int count = 0;
-    const auto flush = [&] {
-      const std::uint32_t unstable = count ? shaker.unstable(pending, count, reference) : 0;
-      for (int k = 0; k < count; ++k)
-        if (unstable >> k & 1) classes[pending[k]] = PixelClass::U;
-      count = 0;
+    const auto decide = [&](std::span<const std::size_t> pixels) {
+      const std::uint32_t unstable = moved.unstable(pixels, reference);
+      for (std::size_t k = 0; k < pixels.size(); ++k)
+        if (unstable >> k & 1) classes[pixels[k]] = PixelClass::U;
     };
+    PixelPackets pending(decide);
     for (int x = 0; x < gbuffer.width; ++x) {
       const std::size_t i = static_cast<std::size_t>(y) * gbuffer.width + x;
       if (gbuffer.is_background(i)) {
@@ -121,14 +118,15 @@ std::vector<PixelClass> classify(const Scene& scene, const RayScene& casters, co
       } else if (is_silhouette(gbuffer, x, y)) {
         classes[i] = PixelClass::S;
       } else {
-        pending[count++] = i;
-        if (count == 16) flush();
+        pending.add(i);
       }
     }
-    flush();
+    pending.finish();
   });
   return classes;
 }
+
+std::span<const ClassInfo> class_infos() { return classes_table; }
 
 std::array<std::size_t, 6> count_classes(std::span<const PixelClass> classes) {
   std::array<std::size_t, 6> counts{};

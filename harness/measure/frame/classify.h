@@ -2,6 +2,7 @@
 #include <gnomon/kit/rays.h>
 
 #include <array>
+#include <cmath>
 #include <string_view>
 #include <vector>
 
@@ -18,7 +19,20 @@ enum class PixelClass : std::uint8_t {
       ///< the ray starts at the point itself instead of a ray offset above it
   T,  ///< tested
 };
-inline constexpr std::array<std::string_view, 6> class_names = {"B", "F", "G", "S", "U", "T"};
+
+/// One class is one row, in the order of PixelClass: what records, tables and pictures call it. The colors differ by 26 in CIE
+/// Lab, also for people without one kind of cone.
+struct ClassInfo {
+  std::string_view letter, word, sentence;  ///< "T", "tested", ...
+  std::array<std::uint8_t, 3> color;        ///< sRGB
+};
+std::span<const ClassInfo> class_infos();
+
+/// Whether a visibility counts as light where only light and shadow are told apart: more than one half.
+constexpr bool is_lit(float visibility) { return visibility > 0.5f; }
+
+/// Whether a pixel of this visibility is wrong: it is off by more than one half.
+inline bool is_wrong(float visibility, float reference) { return std::abs(visibility - reference) > 0.5f; }
 
 /// Class of every pixel. `reference` is the mask of trace_shadows for the same casters.
 std::vector<PixelClass> classify(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const Light& light,

@@ -116,7 +116,7 @@ Reference FrameStore::reference(const FrameKey& key, const Light& light) {
     const std::vector<PixelClass> classes = classify(scene_, casters(key.truth), g, light, mask);
     std::vector<std::byte> bytes;
     append(bytes, std::span<const float>(mask));
-    append(bytes, std::span<const std::uint32_t>(find_occluders(scene_, casters(key.truth), g, light, mask)));
+    append(bytes, std::span<const std::uint32_t>(find_nearest_casters(scene_, casters(key.truth), g, light, mask)));
     append(bytes, std::span<const PixelClass>(classes));
     append(bytes, std::span<const std::uint8_t>(
                       find_snapping(scene_, everything(key.truth), casters(key.truth), g, light, mask, classes)));
@@ -127,7 +127,7 @@ Reference FrameStore::reference(const FrameKey& key, const Light& light) {
   std::size_t offset = 0;
   Reference reference;
   reference.mask = slice<float>(*file, offset, n);
-  reference.occluder = slice<std::uint32_t>(*file, offset, n);
+  reference.nearest_caster = slice<std::uint32_t>(*file, offset, n);
   reference.classes = slice<PixelClass>(*file, offset, n);
   reference.snapping = slice<std::uint8_t>(*file, offset, n);
   reference.storage = file;

@@ -15,7 +15,7 @@ struct Reference {
   std::span<const float> mask;
   std::span<const PixelClass> classes;
   /// Mesh of the occluder nearest to the pixel's point on its way to the light; no_mesh where the pixel is lit or has none.
-  std::span<const std::uint32_t> occluder;
+  std::span<const std::uint32_t> nearest_caster;
   std::shared_ptr<const void> storage;
   /// 1 where the pixel is tested and a rasterizer's rounding of vertices may turn its answer over (see find_snapping), else 0.
   std::span<const std::uint8_t> snapping = {};

@@ -52,7 +52,8 @@ Surface on_shape(const Shape& shape, const glm::dvec3& point, const glm::dvec3& 
 
 }  // namespace
 
-Seen see(const Scene& scene, const RayScene& everything, const Camera& camera, Truth truth, double x, double y) {
+SurfacePoint surface_through(const Scene& scene, const RayScene& everything, const Camera& camera, Truth truth, double x,
+                             double y) {
   const glm::dvec3 ray = camera.ray(x, y);
   const RayScene::Hit hit = everything.closest(camera.eye, ray);
   if (hit.mesh == no_mesh) return {};
@@ -69,17 +70,17 @@ GBuffer make_gbuffer(const Scene& scene, const RayScene& everything, const View&
   auto arrays = std::make_shared<Arrays>(static_cast<std::size_t>(width) * height);
   tbb::parallel_for(0, height, [&](int y) {
     for (int x = 0; x < width; ++x) {
-      const Seen seen = see(scene, everything, camera, truth, x + 0.5, y + 0.5);
-      if (seen.mesh == no_mesh) continue;
+      const SurfacePoint point = surface_through(scene, everything, camera, truth, x + 0.5, y + 0.5);
+      if (point.mesh == no_mesh) continue;
       const std::size_t i = static_cast<std::size_t>(y) * width + x;
-      arrays->px[i] = seen.position.x;
-      arrays->py[i] = seen.position.y;
-      arrays->pz[i] = seen.position.z;
-      arrays->nx[i] = seen.normal.x;
-      arrays->ny[i] = seen.normal.y;
-      arrays->nz[i] = seen.normal.z;
-      arrays->mesh[i] = seen.mesh;
-      arrays->triangle[i] = seen.triangle;
+      arrays->px[i] = point.position.x;
+      arrays->py[i] = point.position.y;
+      arrays->pz[i] = point.position.z;
+      arrays->nx[i] = point.normal.x;
+      arrays->ny[i] = point.normal.y;
+      arrays->nz[i] = point.normal.z;
+      arrays->mesh[i] = point.mesh;
+      arrays->triangle[i] = point.triangle;
     }
   });
   const Arrays& a = *arrays;

@@ -5,7 +5,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include "measure/frame/classify.h"
+#include "measure/frame/ray_packets.h"
+
 namespace gnomon {
+
+std::array<glm::dvec3, 2> across(const glm::dvec3& axis) {
+  const glm::dvec3 helper = std::abs(axis.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+  const glm::dvec3 u = glm::normalize(glm::cross(axis, helper));
+  return {u, glm::cross(axis, u)};
+}
+
+glm::dvec3 back_to_plane(const glm::dvec3& move, const glm::dvec3& ray, const glm::dvec3& n) {
+  const double down = -glm::dot(n, ray);
+  return std::abs(down) > 1e-3 ? glm::dot(n, move) / down * ray : glm::dvec3(0);
+}
 
 LightRays::LightRays(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const Light& light)
     : scene_(scene), casters_(casters), gbuffer_(gbuffer), light_(homogeneous(light)) {
@@ -28,7 +42,7 @@ bool LightRays::is_own(std::size_t i, const RayScene::Hit& hit, const glm::dvec3
   return hit.triangle == gbuffer_.triangle[i];
 }
 
-LightRays::Occluder LightRays::nearest(std::size_t i) const {
+LightRays::CasterHit LightRays::nearest(std::size_t i) const {
   const glm::dvec3 lifted =
       glm::dvec3(gbuffer_.position(i)) + ray_offset(gbuffer_.position(i)) * glm::dvec3(gbuffer_.normal(i));
   const glm::dvec3 to = to_light(light_, lifted);
@@ -116,18 +130,7 @@ std::vector<std::uint8_t> LightRays::lit(std::span<const Start> starts) const {
       const glm::dvec3 to = to_light(light_, origin);
       mesh[k] = gbuffer_.mesh[start.pixel];
       triangle[k] = gbuffer_.triangle[start.pixel];
-      packet.ox[k] = static_cast<float>(origin.x);
-      packet.oy[k] = static_cast<float>(origin.y);
-      packet.oz[k] = static_cast<float>(origin.z);
-      packet.dx[k] = static_cast<float>(to.x);
-      packet.dy[k] = static_cast<float>(to.y);
-      packet.dz[k] = static_cast<float>(to.z);
-      packet.tnear[k] = static_cast<float>(start.ignored / glm::length(to));
-      packet.tfar[k] = light_.w != 0 ? 1.0f : INFINITY;
-      packet.time[k] = 0;
-      packet.mask[k] = 0xffffffffu;
-      packet.id[k] = static_cast<std::uint32_t>(k);
-      packet.flags[k] = 0;
+      set_ray(packet, static_cast<int>(k), origin, to, light_.w != 0, static_cast<float>(start.ignored / glm::length(to)));
     }
     const auto valid = static_cast<std::uint32_t>((1u << count) - 1);
     const std::uint32_t blocked = casters_.occluded(valid, packet, {mesh, triangle});
@@ -136,15 +139,15 @@ std::vector<std::uint8_t> LightRays::lit(std::span<const Start> starts) const {
   return answer;
 }
 
-std::vector<std::uint32_t> find_occluders(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer,
-                                          const Light& light, std::span<const float> reference) {
+std::vector<std::uint32_t> find_nearest_casters(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer,
+                                                const Light& light, std::span<const float> reference) {
   const LightRays rays(scene, casters, gbuffer, light);
-  std::vector<std::uint32_t> occluder(gbuffer.size(), no_mesh);
+  std::vector<std::uint32_t> nearest_caster(gbuffer.size(), no_mesh);
   tbb::parallel_for(0, gbuffer.height, [&](int y) {
     for (std::size_t i = static_cast<std::size_t>(y) * gbuffer.width, end = i + gbuffer.width; i < end; ++i)
-      if (reference[i] <= 0.5f && faces_light(scene, gbuffer, light, i)) occluder[i] = rays.nearest(i).mesh;
+      if (!is_lit(reference[i]) && faces_light(scene, gbuffer, light, i)) nearest_caster[i] = rays.nearest(i).mesh;
   });
-  return occluder;
+  return nearest_caster;
 }
 
 }  // namespace gnomon

@@ -1,10 +1,19 @@
 #pragma once
 #include <gnomon/kit/rays.h>
 
+#include <array>
 #include <span>
 #include <vector>
 
 namespace gnomon {
+
+/// Two unit vectors across a unit axis and across each other: the ways that a ray along the axis is moved aside. The classes of
+/// pixels and the causes of errors depend on the choice, so it stays.
+std::array<glm::dvec3, 2> across(const glm::dvec3& axis);
+
+/// What brings a point that made this move away from a plane with normal `n` back onto the plane along the unit `ray`; zero
+/// where the ray runs so flat along the plane (0.06 degrees) that it would go out of sight.
+glm::dvec3 back_to_plane(const glm::dvec3& move, const glm::dvec3& ray, const glm::dvec3& n);
 
 /// Questions about what lies between points and one light, asked for the causes of errors. Rays follow the ray recipe, except
 /// that the nearest and the farthest occluder come from closest-hit rays.
@@ -20,12 +29,12 @@ class LightRays {
   /// How far float32 may move a point of this picture: 16 * 2^-24 * extent, as in class U.
   double rounding() const { return rounding_; }
 
-  struct Occluder {
+  struct CasterHit {
     std::uint32_t mesh = no_mesh;
     double distance = INFINITY;  ///< meters from the pixel's point
   };
   /// The occluder of pixel i that is nearest to its point; no_mesh and infinity when there is none.
-  Occluder nearest(std::size_t i) const;
+  CasterHit nearest(std::size_t i) const;
   /// Meters from the point of pixel i to its occluder nearest to the light; infinity when there is none.
   double farthest(std::size_t i) const;
 
@@ -67,7 +76,7 @@ class LightRays {
 };
 
 /// Mesh of the nearest occluder of every pixel that faces the light and is dark in `reference`; no_mesh elsewhere.
-std::vector<std::uint32_t> find_occluders(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer,
-                                          const Light& light, std::span<const float> reference);
+std::vector<std::uint32_t> find_nearest_casters(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer,
+                                                const Light& light, std::span<const float> reference);
 
 }  // namespace gnomon

@@ -154,8 +154,8 @@ class Row {
 
 }  // namespace
 
-Rescored rescore(std::vector<Record>& records, const fs::path& dir, Progress& progress) {
-  Rescored result;
+RescoreSummary rescore(std::vector<Record>& records, const fs::path& dir, Progress& progress) {
+  RescoreSummary result;
   std::map<std::string, std::vector<Record*>> scenes;
   std::size_t count = 0, on_path = 0;
   for (Record& record : records) {

@@ -10,7 +10,7 @@
 namespace gnomon {
 
 /// What rescoring came to.
-struct Rescored {
+struct RescoreSummary {
   std::size_t rows = 0;            ///< measured anew
   std::vector<std::string> notes;  ///< which rows keep their old metrics or lose their causes, and why
 };
@@ -21,7 +21,7 @@ struct Rescored {
 /// truth or for the causes was not written leaves that part as it was. Causes that were found on other frames than today's (see
 /// frame_version) are dropped with a note. Rows that are not ok are passed over. Throws Error that
 /// names the row when its mask is missing, broken or of the wrong size.
-Rescored rescore(std::vector<Record>& records, const std::filesystem::path& dir, Progress& progress);
+RescoreSummary rescore(std::vector<Record>& records, const std::filesystem::path& dir, Progress& progress);
 
 /// Replaces DIR/records.jsonl by these records, whole or not at all, while `writer` holds the folder.
 void replace_records(const std::filesystem::path& dir, const std::vector<Record>& records, const RecordWriter& writer);

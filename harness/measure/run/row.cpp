@@ -246,7 +246,7 @@ std::optional<MeasuredRow> measure(Record& record, SceneRun& run, Seat& seat, co
   MeasuredRow now, before;
   for (Standpoint place = first; place.frame < first.frame_count(); ++place.frame) {
     before = std::move(now);
-    now = MeasuredRow{.light = run.light(place), .answer = {}, .tally = {}, .other_mask = {}};
+    now = MeasuredRow{.light = run.light(place), .answer = {}, .errors = {}, .other_mask = {}};
     std::vector<std::uint8_t> right_on_mesh;
     if (has_two_truths) {
       if (!take_support(record, seat.go(place, other), place)) return std::nullopt;
@@ -267,7 +267,7 @@ std::optional<MeasuredRow> measure(Record& record, SceneRun& run, Seat& seat, co
       evidence.previous = &previous;
     }
     const Scoring scoring(evidence);
-    now.tally = scoring.tally();
+    now.errors = scoring.error_counts();
     const Metrics metrics = measure_metrics(scoring);
     means[truth].add(metrics);
     for (const auto& [name, count] : class_counts(now.answer.reference.classes)) record.classes[name] += count;

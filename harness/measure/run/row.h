@@ -81,7 +81,7 @@ Record start_record(const Job& job, const Suite& suite, const Scene* scene, cons
 struct MeasuredRow {
   Light light;  ///< that counts, which on a path is not the scene's
   Answer answer;
-  Tally tally;
+  ErrorCounts errors;
   std::optional<std::vector<float>> other_mask;  ///< under the other truth, where there are two
 };
 

@@ -63,7 +63,10 @@ std::vector<BinCount> count_bins(const Evidence& e, const Bin (&bins)[bin_count]
     return counts;
   };
   const auto add = [](Counts a, const Counts& b) {
-    for (std::size_t k = 0; k < bin_count; ++k) a[k].tested += b[k].tested, a[k].wrong += b[k].wrong;
+    for (std::size_t k = 0; k < bin_count; ++k) {
+      a[k].tested += b[k].tested;
+      a[k].wrong += b[k].wrong;
+    }
     return a;
   };
   const Counts counts = tbb::parallel_reduce(tbb::blocked_range<std::size_t>(0, e.mask.size(), 16384), Counts{}, count, add);
@@ -88,26 +91,26 @@ void add_rows(std::vector<MetricInfo>& rows, const Bin* bins, std::index_sequenc
 std::optional<double> snapping_floor(const Scoring& s) {
   const std::span<const std::uint8_t> snapping = s.evidence().snapping;
   if (snapping.empty()) return std::nullopt;
-  return share(static_cast<double>(std::ranges::count(snapping, 1)), s.tally().tested);
+  return share(static_cast<double>(std::ranges::count(snapping, 1)), s.error_counts().tested);
 }
 
 constexpr MetricInfo counted_rows[] = {
     {"wrong_rate", "", "lower", "Share of the tested pixels (T) whose visibility is off by more than one half.",
-     [](const Scoring& s) { return share(s.tally().wrong, s.tally().tested); }},
+     [](const Scoring& s) { return share(s.error_counts().wrong, s.error_counts().tested); }},
     {"wrong_rate_all", "", "lower", "The same over every pixel that faces the light (T, G, S and U): nothing hidden.",
-     [](const Scoring& s) { return share(s.tally().wrong_facing, s.tally().facing); }},
+     [](const Scoring& s) { return share(s.error_counts().wrong_facing, s.error_counts().facing); }},
     {"false_dark_rate", "", "lower", "Share of T that is dark where the reference is lit.",
-     [](const Scoring& s) { return share(s.tally().false_dark, s.tally().tested); }},
+     [](const Scoring& s) { return share(s.error_counts().false_dark, s.error_counts().tested); }},
     {"false_lit_rate", "", "lower", "Share of T that is lit where the reference is dark.",
-     [](const Scoring& s) { return share(s.tally().false_lit, s.tally().tested); }},
+     [](const Scoring& s) { return share(s.error_counts().false_lit, s.error_counts().tested); }},
     {"error_mean", "", "lower", "Mean over T of the absolute difference from the reference.",
-     [](const Scoring& s) { return share(s.tally().error_sum, s.tally().tested); }},
+     [](const Scoring& s) { return share(s.error_counts().error_sum, s.error_counts().tested); }},
     {"displacement_mean", "px", "lower", "Mean distance between the shadow boundaries of technique and reference, both ways.",
      [](const Scoring& s) { return s.displacement().mean; }},
     {"displacement_p95", "px", "lower", "95th percentile of the same distances.",
      [](const Scoring& s) { return s.displacement().p95; }},
     {"tested_share", "", "higher", "Share of the pixels facing the light that is tested (T).",
-     [](const Scoring& s) { return share(s.tally().tested, s.tally().facing); }},
+     [](const Scoring& s) { return share(s.error_counts().tested, s.error_counts().facing); }},
     {"snapping_floor", "", "",
      "Share of T whose exact answer flips when the sample point moves by 1/512 px: no rasterizer can promise a lower wrong "
      "rate.",
@@ -119,7 +122,7 @@ std::optional<double> instability(const Scoring& scoring) {
   const Evidence &now = scoring.evidence(), *before = now.previous;
   if (!before || before->mask.size() != now.mask.size()) return std::nullopt;
   std::size_t tested = 0, flips = 0;
-  const auto flip = [](float a, float b) { return (a > 0.5f) != (b > 0.5f); };
+  const auto flip = [](float a, float b) { return is_lit(a) != is_lit(b); };
   for (std::size_t i = 0; i < now.mask.size(); ++i) {
     if (now.classes[i] != PixelClass::T || before->classes[i] != PixelClass::T) continue;
     ++tested;
@@ -171,8 +174,8 @@ constexpr MetricInfo other_rows[] = {
      [](const Scoring& s) { return s.likeness().flip; }},
 };
 
-Tally count(const Evidence& e) {
-  Tally t;
+ErrorCounts count(const Evidence& e) {
+  ErrorCounts t;
   for (std::size_t i = 0; i < e.mask.size(); ++i) {
     if (!e.faces_light(i)) continue;
     const bool wrong = e.is_wrong(i);
@@ -201,9 +204,9 @@ std::span<const MetricInfo> metric_infos() {
   return rows;
 }
 
-const Tally& Scoring::tally() const {
-  if (!tally_) tally_ = count(evidence_);
-  return *tally_;
+const ErrorCounts& Scoring::error_counts() const {
+  if (!error_counts_) error_counts_ = count(evidence_);
+  return *error_counts_;
 }
 
 const Displacement& Scoring::displacement() const {

@@ -27,11 +27,11 @@ struct Evidence {
   std::span<const std::uint8_t> snapping = {};
 
   bool faces_light(std::size_t i) const { return classes[i] > PixelClass::F; }
-  bool is_wrong(std::size_t i) const { return std::abs(mask[i] - reference[i]) > 0.5f; }
+  bool is_wrong(std::size_t i) const { return gnomon::is_wrong(mask[i], reference[i]); }
 };
 
 /// Pixels of one mask counted once.
-struct Tally {
+struct ErrorCounts {
   std::size_t tested = 0, facing = 0;         ///< |T|, |T+G+S+U|
   std::size_t wrong = 0, wrong_facing = 0;    ///< wrong in T, wrong in T+G+S+U
   std::size_t false_dark = 0, false_lit = 0;  ///< of the wrong in T
@@ -60,7 +60,7 @@ class Scoring {
  public:
   explicit Scoring(const Evidence& evidence) : evidence_(evidence) {}
   const Evidence& evidence() const { return evidence_; }
-  const Tally& tally() const;
+  const ErrorCounts& error_counts() const;
   const Displacement& displacement() const;
   /// Distance in pixels of every pixel to the reference's shadow boundary; infinity when it has none.
   const std::vector<float>& edge_distance() const;
@@ -72,7 +72,7 @@ class Scoring {
 
  private:
   const Evidence& evidence_;
-  mutable std::optional<Tally> tally_;
+  mutable std::optional<ErrorCounts> error_counts_;
   mutable std::optional<Displacement> displacement_;
   mutable std::optional<std::vector<float>> edge_distance_;
   mutable std::optional<std::vector<BinCount>> edge_bins_, angle_bins_;

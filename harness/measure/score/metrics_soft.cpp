@@ -76,7 +76,7 @@ std::vector<Crossing> half_line(const Evidence& e, const Windows& windows, std::
     for (int x = 0; x < e.width; ++x) {
       const std::size_t i = windows.at(x, y);
       const auto look = [&](std::size_t j, glm::dvec2 step) {
-        if ((v[i] > 0.5f) == (v[j] > 0.5f) || !windows.is_one_object(i, j)) return;
+        if (is_lit(v[i]) == is_lit(v[j]) || !windows.is_one_object(i, j)) return;
         crossings.push_back({glm::dvec2(x, y) + step * ((0.5 - v[i]) / (static_cast<double>(v[j]) - v[i])), i});
       };
       if (x + 1 < e.width) look(i + 1, {1, 0});

@@ -146,11 +146,11 @@ struct Lab {
 }
 
 /// What the eye makes of one tile of a picture: colors, and the strength of edges and points.
-struct Seen {
+struct Percept {
   Layer<float> l, a, b, edges, points;
 };
 
-GNOMON_VECTORIZED Seen see(const Picture& picture, const Tile& tile) {
+GNOMON_VECTORIZED Percept perceive(const Picture& picture, const Tile& tile) {
   const Filters& filter = filters();
   const Colors& color = colors();
   const auto& xyz = color.to_xyz;
@@ -167,16 +167,18 @@ GNOMON_VECTORIZED Seen see(const Picture& picture, const Tile& tile) {
       const float r = color.linear[p[0]], g = color.linear[p[1]], b = color.linear[p[2]];
       const float cx = xyz[0][0] * r + xyz[0][1] * g + xyz[0][2] * b, cy = xyz[1][0] * r + xyz[1][1] * g + xyz[1][2] * b;
       const float cz = xyz[2][0] * r + xyz[2][1] * g + xyz[2][2] * b;
-      lightness.row(y)[x] = cy, red_green.row(y)[x] = cx - cy, blue_yellow.row(y)[x] = cy - cz;
+      lightness.row(y)[x] = cy;
+      red_green.row(y)[x] = cx - cy;
+      blue_yellow.row(y)[x] = cy - cz;
     }
   }
   const auto both = [&](const Layer<float>& plane, const Weights& in_x, const Weights& in_y) {
     return along_y(along_x(plane, in_x, reach - static_cast<int>(in_x.size()) / 2), in_y,
                    reach - static_cast<int>(in_y.size()) / 2);
   };
-  Seen seen{both(lightness, filter.achromatic, filter.achromatic), both(red_green, filter.red_green, filter.red_green),
-            both(blue_yellow, filter.blue_yellow[0], filter.blue_yellow[0]), both(lightness, filter.slope, filter.smooth),
-            both(lightness, filter.curve, filter.smooth)};
+  Percept seen{both(lightness, filter.achromatic, filter.achromatic), both(red_green, filter.red_green, filter.red_green),
+               both(blue_yellow, filter.blue_yellow[0], filter.blue_yellow[0]), both(lightness, filter.slope, filter.smooth),
+               both(lightness, filter.curve, filter.smooth)};
   const Layer<float> narrow = both(blue_yellow, filter.blue_yellow[1], filter.blue_yellow[1]);
   const Layer<float> smooth = along_x(lightness, filter.smooth, reach - static_cast<int>(filter.smooth.size()) / 2);
   const int margin = reach - static_cast<int>(filter.slope.size()) / 2;
@@ -194,7 +196,9 @@ GNOMON_VECTORIZED Seen see(const Picture& picture, const Tile& tile) {
     const float b = unit(rgb[2][0] * cx + rgb[2][1] * cy + rgb[2][2] * cz);
     const Lab lab = hunt_lab(xyz[0][0] * r + xyz[0][1] * g + xyz[0][2] * b, xyz[1][0] * r + xyz[1][1] * g + xyz[1][2] * b,
                              xyz[2][0] * r + xyz[2][1] * g + xyz[2][2] * b);
-    sl[i] = lab.l, sa[i] = lab.a, sb[i] = lab.b;
+    sl[i] = lab.l;
+    sa[i] = lab.a;
+    sb[i] = lab.b;
   }
   for (std::size_t i = 0; i < count; ++i) {
     edge[i] = std::sqrt(edge[i] * edge[i] + ey[i] * ey[i]);
@@ -216,7 +220,7 @@ float redistribute(float difference) {
 }
 
 double noticed(const Picture& reference, const Picture& test, const Tile& tile) {
-  const Seen r = see(reference, tile), t = see(test, tile);
+  const Percept r = perceive(reference, tile), t = perceive(test, tile);
   double sum = 0;
   for (std::size_t i = 0; i < r.l.values.size(); ++i) {
     const float distance = hyab({r.l.values[i], r.a.values[i], r.b.values[i]}, {t.l.values[i], t.a.values[i], t.b.values[i]});

@@ -34,8 +34,11 @@ GNOMON_VECTORIZED double similarity(const Picture& reference, const Picture& tes
     for (int x = 0; x < width; ++x) {
       const double va = (0.2126 * r[3 * x] + 0.7152 * r[3 * x + 1] + 0.0722 * r[3 * x + 2]) / 255;
       const double vb = (0.2126 * t[3 * x] + 0.7152 * t[3 * x + 1] + 0.0722 * t[3 * x + 2]) / 255;
-      a.values[row + x] = va, b.values[row + x] = vb;
-      aa.values[row + x] = va * va, bb.values[row + x] = vb * vb, ab.values[row + x] = va * vb;
+      a.values[row + x] = va;
+      b.values[row + x] = vb;
+      aa.values[row + x] = va * va;
+      bb.values[row + x] = vb * vb;
+      ab.values[row + x] = va * vb;
     }
   }
   const Layer<double> mean_a = along_y(along_x(a, window()), window()), mean_b = along_y(along_x(b, window()), window());

@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/kit/vectorized.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -10,14 +11,6 @@
 #include "measure/picture/picture.h"
 
 // Private to the perceptual metrics: pictures cut into tiles, and convolutions of a tile.
-
-// Compiled twice, for x86-64-v3 and for the baseline; the processor chooses at load. The sanitizers cannot take functions
-// chosen so early. No result depends on the choice: the order of every sum is fixed and nothing is contracted.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
-#define GNOMON_VECTORIZED __attribute__((target_clones("arch=x86-64-v3", "default"), optimize("O3")))
-#else
-#define GNOMON_VECTORIZED
-#endif
 
 namespace gnomon {
 

@@ -11,8 +11,8 @@ namespace gnomon {
 bool causes_fit(const Answer& answer, std::span<const Cause> causes) {
   assert(causes.size() == answer.mask.size());
   for (std::size_t i = 0; i < causes.size(); ++i) {
-    const bool is_wrong = std::abs(answer.mask[i] - answer.reference.mask[i]) > 0.5f;
-    if ((causes[i] != Cause::none) != (is_wrong && answer.reference.classes[i] == PixelClass::T)) return false;
+    const bool wants_cause = answer.reference.classes[i] == PixelClass::T && is_wrong(answer.mask[i], answer.reference.mask[i]);
+    if ((causes[i] != Cause::none) != wants_cause) return false;
   }
   return true;
 }
@@ -34,7 +34,7 @@ Metrics measure_metrics(const Scoring& scoring) {
 std::map<std::string, std::uint64_t> class_counts(std::span<const PixelClass> classes) {
   std::map<std::string, std::uint64_t> result;
   const auto counts = count_classes(classes);
-  for (std::size_t c = 0; c < counts.size(); ++c) result[std::string(class_names[c])] = counts[c];
+  for (std::size_t c = 0; c < counts.size(); ++c) result[std::string(class_infos()[c].letter)] = counts[c];
   return result;
 }
 

@@ -9,13 +9,13 @@ namespace gnomon::analysis {
 
 namespace {
 
-std::string field_heading(const Field& field, std::span<const Where> places) {
+std::string field_heading(const Field& field, std::span<const Place> places) {
   if (field.place) return title(*field.place, places);
   return fmt::format("over all {} places that these settings finished: mean error, geometric mean cost", field.places);
 }
 
-std::vector<Where> places_of(std::span<const Field> fields) {
-  std::vector<Where> places;
+std::vector<Place> places_of(std::span<const Field> fields) {
+  std::vector<Place> places;
   for (const Field& field : fields)
     if (field.place) places.push_back(*field.place);
   return places;
@@ -25,7 +25,7 @@ std::vector<Where> places_of(std::span<const Field> fields) {
 
 Grid front_grid(std::span<const Record> records, const AnalysisOptions& options) {
   const std::vector<Field> fields = find_fields(records, {.error = options.metric, .cost = options.cost});
-  const std::vector<Where> places = places_of(fields);
+  const std::vector<Place> places = places_of(fields);
   const Column cost_column = quantity_column(options.cost == Cost::bytes ? "bytes" : "resolve_ms");
   Grid grid;
   grid.title = fmt::format("Front of {} against {}", with_unit(options.metric), sentence(options.cost));
@@ -47,7 +47,7 @@ Grid front_grid(std::span<const Record> records, const AnalysisOptions& options)
   std::size_t hidden = 0;
   for (const Field& field : fields) {
     Grid::Group group{.heading = field_heading(field, places), .rows = {}};
-    const std::vector<Stand> stands = find_front(field, better(options.metric));
+    const std::vector<FrontEntry> stands = find_front(field, better(options.metric));
     std::vector<std::size_t> order(field.candidates.size());
     std::iota(order.begin(), order.end(), 0);
     const auto cost_of = [&](std::size_t i) { return field.candidates[i].cost ? field.candidates[i].cost->value : INFINITY; };
@@ -65,8 +65,8 @@ Grid front_grid(std::span<const Record> records, const AnalysisOptions& options)
       row.push_back({{.value = c.error}});
       row.push_back({c.cost ? Cell{.value = c.cost->value} : Cell{}});
       row.push_back({text(c.cost ? interval_text(cost.column, *c.cost) : "-")});
-      row.push_back({c.cost ? end(*c.cost, &Measured::low) : Cell{}});
-      row.push_back({c.cost ? end(*c.cost, &Measured::high) : Cell{}});
+      row.push_back({c.cost ? end(*c.cost, &ValueWithInterval::low) : Cell{}});
+      row.push_back({c.cost ? end(*c.cost, &ValueWithInterval::high) : Cell{}});
       row.push_back({c.cost && c.relative_cost.value > 0 ? Cell{.value = c.relative_cost.value} : Cell{}});
       const std::string standing(name(stands[i].standing));
       std::string said = stands[i].beaten_by.empty() ? standing : fmt::format("{} ({})", standing, stands[i].beaten_by);
@@ -91,7 +91,7 @@ Grid best_grid(std::span<const Record> records, const AnalysisOptions& options) 
     throw Error("--cost bytes is for front; best takes resolve, light or geometry, and budgets of memory by --memories");
   const Cost cost = options.cost;
   const std::vector<Field> fields = find_fields(records, {.error = options.metric, .cost = cost});
-  const std::vector<Where> places = places_of(fields);
+  const std::vector<Place> places = places_of(fields);
   const Column error = quantity_column(options.metric), bytes = quantity_column("bytes"), time = quantity_column("resolve_ms");
   Budgets budgets{options.times, options.memories, options.errors};
   for (double& memory : budgets.memories) memory /= bytes.shown_scale;

@@ -8,7 +8,6 @@ namespace gnomon::analysis {
 
 Grid growth_grid(std::span<const Record> records, const AnalysisOptions& options) {
   const Growths growths = find_growth(records, options.x.empty() ? "triangles" : options.x);
-  if (growths.rows.empty()) throw Error("there is no growth to show: no setting has times at two values of {}", growths.axis);
   Grid grid;
   grid.title = fmt::format("Growth of cost with {}: time = coefficient * {}^exponent", growths.axis, growths.axis);
   add_place_heads(grid);
@@ -26,10 +25,10 @@ Grid growth_grid(std::span<const Record> records, const AnalysisOptions& options
   grid.heads.push_back(number("ms_to", "ms", "to"));
   grid.heads.push_back(words("why_not", "why not", Audience::programs));
 
-  std::vector<Where> places;
+  std::vector<Place> places;
   for (const Growth& growth : growths.rows)
     if (std::find(places.begin(), places.end(), growth.place) == places.end()) places.push_back(growth.place);
-  for (const Where& place : places) {
+  for (const Place& place : places) {
     Grid::Group group{.heading = title(place, places), .rows = {}};
     for (const Growth& growth : growths.rows) {
       if (growth.place != place) continue;
@@ -41,8 +40,8 @@ Grid growth_grid(std::span<const Record> records, const AnalysisOptions& options
       const auto fixed = [](double value) { return fmt::format("{:.2f}", std::abs(value) < 0.005 ? 0.0 : value); };
       row.push_back({e ? Cell{.value = e->value, .shown = fixed(e->value)} : Cell{.value = {}, .shown = growth.why_not}});
       row.push_back({text(e && e->has_interval ? fixed(e->low) + " .. " + fixed(e->high) : "-")});
-      row.push_back({e ? end(*e, &Measured::low) : Cell{}});
-      row.push_back({e ? end(*e, &Measured::high) : Cell{}});
+      row.push_back({e ? end(*e, &ValueWithInterval::low) : Cell{}});
+      row.push_back({e ? end(*e, &ValueWithInterval::high) : Cell{}});
       row.push_back({e ? Cell{.value = growth.coefficient} : Cell{}});
       row.push_back({e ? Cell{.value = growth.r2, .shown = fmt::format("{:.3f}", growth.r2)} : Cell{}});
       row.push_back({{.value = static_cast<double>(growth.points.size())}});
@@ -57,6 +56,9 @@ Grid growth_grid(std::span<const Record> records, const AnalysisOptions& options
   grid.notes.emplace_back(interval_note);
   grid.notes.push_back(fmt::format("too few points: below {} different {}; below the clock: faster than {} ms", least_points,
                                    growths.axis, exact(clock_ms)));
+  if (std::ranges::none_of(growths.rows, [](const Growth& growth) { return growth.exponent.has_value(); }))
+    grid.notes.push_back(
+        fmt::format("no row has an exponent: {} or more different {} make a line", least_points, growths.axis));
   if (growths.axis == "lights") grid.notes.emplace_back("total: build once, relight and resolve for every light");
   if (growths.single > 0)
     grid.notes.push_back(fmt::format("{} series with a single value of {} are left out", growths.single, growths.axis));

@@ -18,14 +18,14 @@ Grid motion_grid(std::span<const Record> records, const AnalysisOptions& options
   grid.heads.push_back(of_quantity(options.metric, "_min", "min"));
   grid.heads.push_back(of_quantity(options.metric, "_max", "max"));
   grid.heads.push_back(number(options.metric + "_frame", "", "worst at frame", Audience::all, true));
-  std::vector<Where> places;
+  std::vector<Place> places;
   for (const Motion& motion : motions)
-    if (std::find(places.begin(), places.end(), where_of(*motion.record)) == places.end())
-      places.push_back(where_of(*motion.record));
-  for (const Where& place : places) {
+    if (std::find(places.begin(), places.end(), place_of(*motion.record)) == places.end())
+      places.push_back(place_of(*motion.record));
+  for (const Place& place : places) {
     Grid::Group group{.heading = title(place, places), .rows = {}};
     for (const Motion& motion : motions) {
-      if (where_of(*motion.record) != place) continue;
+      if (place_of(*motion.record) != place) continue;
       Row row;
       add_place(row, place);
       row.push_back({text(setting_name(*motion.record))});

@@ -38,18 +38,18 @@ void add_place_heads(Grid& grid) {
 Cell text(const std::string& value) { return value.empty() ? Cell{} : Cell{.value = value}; }
 Cell shown_text(const std::string& value, std::string shown) { return {.value = value, .shown = std::move(shown)}; }
 
-Cell end(const Measured& measured, double Measured::*which) {
+Cell end(const ValueWithInterval& measured, double ValueWithInterval::*which) {
   return measured.has_interval ? Cell{.value = measured.*which} : Cell{};
 }
 
-void add_place(Row& row, const std::optional<Where>& place) {
-  const Where at = place.value_or(Where{});
+void add_place(Row& row, const std::optional<Place>& place) {
+  const Place at = place.value_or(Place{});
   for (const std::string& part : {at.scene, at.light, at.view, at.path}) row.push_back({text(part)});
   for (const int size : {at.width, at.height}) row.push_back({size > 0 ? Cell{.value = double(size)} : Cell{}});
   row.push_back({place ? text(std::string(name(at.truth))) : Cell{}});
 }
 
-std::string interval_text(const Column& column, const Measured& m) {
+std::string interval_text(const Column& column, const ValueWithInterval& m) {
   if (!m.has_interval) return "-";
   return fmt::format("{} .. {}", shown(column, {.value = m.low}), shown(column, {.value = m.high}));
 }

@@ -20,16 +20,16 @@ Grid::Head of_quantity(const std::string& quantity, const std::string& suffix = 
 Cell text(const std::string& value);
 Cell shown_text(const std::string& value, std::string shown);
 /// One end of an interval; null where there is none.
-Cell end(const Measured& measured, double Measured::*which);
+Cell end(const ValueWithInterval& measured, double ValueWithInterval::*which);
 /// "4.1 .. 4.9" in the digits of the column.
-std::string interval_text(const Column& column, const Measured& measured);
+std::string interval_text(const Column& column, const ValueWithInterval& measured);
 /// "wrong in %".
 std::string with_unit(const std::string& quantity);
 
 /// Scene, light, view, path, size and truth: for programs, people read them above the rows.
 void add_place_heads(Grid& grid);
 /// Their cells; nulls for a row over all places.
-void add_place(Row& row, const std::optional<Where>& place);
+void add_place(Row& row, const std::optional<Place>& place);
 
 inline constexpr const char* interval_note = "interval: 95 %, hierarchical bootstrap over processes";
 

@@ -39,7 +39,7 @@ Grid sweep_rows(const Sweeps& sweeps) {
       row.push_back({{.value = point.x}});
       row.push_back({point.value ? Cell{.value = point.value->value} : Cell{}});
       if (is_time)
-        for (const auto which : {&Measured::low, &Measured::high})
+        for (const auto which : {&ValueWithInterval::low, &ValueWithInterval::high})
           row.push_back({point.value ? end(*point.value, which) : Cell{}});
       row.push_back({text(std::string(name(point.status)))});
       group.rows.push_back(std::move(row));
@@ -48,7 +48,7 @@ Grid sweep_rows(const Sweeps& sweeps) {
 }
 
 /// For people: one row a setting, one column a value of x, for the places that were swept over the same values.
-Grid sweep_grid(const Sweeps& sweeps, std::span<const double> xs, std::span<const Where> places) {
+Grid sweep_grid(const Sweeps& sweeps, std::span<const double> xs, std::span<const Place> places) {
   Grid grid;
   const bool is_ratio = quantity_column(sweeps.quantity).unit == "ratio";
   grid.heads.push_back(words("setting", "technique"));
@@ -58,7 +58,7 @@ Grid sweep_grid(const Sweeps& sweeps, std::span<const double> xs, std::span<cons
     column.shown_unit = "";  // the title says it
     grid.heads.push_back({std::move(column), Audience::all});
   }
-  for (const Where& place : places) {
+  for (const Place& place : places) {
     Grid::Group& group = grid.groups.emplace_back();
     group.heading = title(place, sweeps.places);
     for (const Sweep& sweep : sweeps.rows) {
@@ -114,11 +114,11 @@ std::string sweep_text(std::span<const Record> records, const AnalysisOptions& o
     grids.push_back(sweep_rows(sweeps));
   } else {
     // Places that were swept over the same values share columns.
-    std::vector<std::pair<std::vector<double>, std::vector<Where>>> alike;
-    for (const Where& place : sweeps.places) {
+    std::vector<std::pair<std::vector<double>, std::vector<Place>>> alike;
+    for (const Place& place : sweeps.places) {
       const std::vector<double> xs = sweeps.xs(place);
       const auto known = std::find_if(alike.begin(), alike.end(), [&](const auto& one) { return one.first == xs; });
-      (known == alike.end() ? alike.emplace_back(xs, std::vector<Where>()) : *known).second.push_back(place);
+      (known == alike.end() ? alike.emplace_back(xs, std::vector<Place>()) : *known).second.push_back(place);
     }
     for (const auto& [xs, places] : alike) {
       const bool is_cut = format != Format::markdown;

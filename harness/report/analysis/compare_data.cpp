@@ -55,7 +55,7 @@ std::string comparison_csv(const Comparison& comparison) {
   std::string text =
       "job,scene,light,view,path,technique,settings,kind,name,truth,base,contender,ratio,low,high,p,false_discovery,verdict,"
       "regression,note\r\n";
-  for (const TogetherChange& c : comparison.together)
+  for (const OverallChange& c : comparison.overall)
     text += fmt::format(",,,,,{},,together,{},,,,{},{},{},{},{},{},{},\r\n", csv_field(c.contender), name(c.stage),
                         exact(c.ratio.value), exact(c.ratio.low), exact(c.ratio.high), exact(c.p), exact(c.false_discovery),
                         name(c.verdict), c.is_regression);
@@ -104,7 +104,7 @@ std::string comparison_json(const Comparison& comparison, const CompareTableOpti
   json["drift"] = comparison.between;
   json["inflation"] = comparison.inflation;
   Json& together = json["over_all_scenes"] = Json::array();
-  for (const TogetherChange& c : comparison.together)
+  for (const OverallChange& c : comparison.overall)
     together.push_back({{"contender", c.contender.empty() ? Json(nullptr) : Json(c.contender)},
                         {"stage", name(c.stage)},
                         {"times", c.times},
@@ -122,8 +122,8 @@ std::string comparison_json(const Comparison& comparison, const CompareTableOpti
                     {"times_judged", n.judged},
                     {"slower", n.slower},
                     {"faster", n.faster},
-                    {"over_all_scenes_slower", n.together_slower},
-                    {"over_all_scenes_faster", n.together_faster},
+                    {"over_all_scenes_slower", n.overall_slower},
+                    {"over_all_scenes_faster", n.overall_faster},
                     {"rows_with_changed_metrics", n.changed_rows},
                     {"changed_metrics", n.changed_metrics},
                     {"regressions", n.regressions}};

@@ -98,7 +98,7 @@ void add_row(std::vector<Line>& lines, const RowChange& row, bool all) {
 /// All rows together stand first and always; contenders and rows when they differ.
 std::vector<Line> lines_of(const Comparison& comparison, bool all) {
   std::vector<Line> lines;
-  for (const TogetherChange& change : comparison.together)
+  for (const OverallChange& change : comparison.overall)
     if (all || change.contender.empty() || is_called(change.verdict))
       lines.push_back({.technique = change.contender.empty() ? "all rows" : change.contender,
                        .what = fmt::format("{} ms", name(change.stage)),
@@ -178,7 +178,7 @@ std::string summary_line(const Comparison& comparison) {
   if (n.status) text += fmt::format(", {} of another status", n.status);
   text += fmt::format("; {} times judged: {} slower, {} faster; {} with other errors", n.judged, n.slower, n.faster,
                       n.changed_rows == 1 ? "1 row" : fmt::format("{} rows", n.changed_rows));
-  if (n.together > 0) text += fmt::format("; over all scenes {} slower, {} faster", n.together_slower, n.together_faster);
+  if (n.overall > 0) text += fmt::format("; over all scenes {} slower, {} faster", n.overall_slower, n.overall_faster);
   return text + fmt::format("; {}", n.regressions == 0   ? "no regression"
                                     : n.regressions == 1 ? "1 regression"
                                                          : fmt::format("{} regressions", n.regressions));

@@ -20,22 +20,22 @@ struct Bar {
 
 /// The settings that have what `has` asks, over the places that all of them share, and how many these are.
 std::pair<std::vector<Bar>, std::size_t> bars_of(std::span<const Record> records, auto has) {
-  std::vector<std::pair<std::string, std::map<Where, const Record*>>> settings;
+  std::vector<std::pair<std::string, std::map<Place, const Record*>>> settings;
   for (const Record& r : records) {
     if (r.status != Status::ok || !has(r)) continue;
     const auto known = std::find_if(settings.begin(), settings.end(), [&](const auto& s) { return s.first == setting_key(r); });
-    (known == settings.end() ? settings.emplace_back(setting_key(r), std::map<Where, const Record*>()) : *known)
-        .second.try_emplace(where_of(r), &r);
+    (known == settings.end() ? settings.emplace_back(setting_key(r), std::map<Place, const Record*>()) : *known)
+        .second.try_emplace(place_of(r), &r);
   }
-  std::set<Where> common;
+  std::set<Place> common;
   if (!settings.empty())
     for (const auto& [place, row] : settings.front().second) common.insert(place);
   for (const auto& [key, rows] : settings)
-    std::erase_if(common, [&, &rows = rows](const Where& place) { return !rows.contains(place); });
+    std::erase_if(common, [&, &rows = rows](const Place& place) { return !rows.contains(place); });
   std::vector<Bar> bars;
   for (const auto& [key, rows] : settings) {
     Bar bar{setting_name(*rows.begin()->second), rows.begin()->second->role, {}};
-    for (const Where& place : common) bar.rows.push_back(rows.at(place));
+    for (const Place& place : common) bar.rows.push_back(rows.at(place));
     bars.push_back(std::move(bar));
   }
   if (common.empty()) bars.clear();
@@ -94,7 +94,7 @@ void draw_stages(std::span<const Record> records, const FigureOptions& options, 
     }
     std::vector<Sample> samples;
     for (const Record* row : bars[k].rows) samples.push_back(sample_of(*row, stages));
-    const Measured total = bootstrap(samples, [](std::span<const double> values) {
+    const ValueWithInterval total = bootstrap(samples, [](std::span<const double> values) {
       double sum = 0;
       for (const double value : values) sum += value;
       return sum / static_cast<double>(values.size());

@@ -23,7 +23,7 @@ void draw_front(std::span<const Record> records, const FigureOptions& options, F
   const Cost cost = options.analysis.cost;
   const std::vector<Field> fields = find_fields(records, {.error = metric, .cost = cost});
   const Field& field = fields.back();  // over all places, or the only one
-  const std::vector<Stand> stands = find_front(field, better(metric));
+  const std::vector<FrontEntry> stands = find_front(field, better(metric));
   const Column error = quantity_column(metric), size = quantity_column(cost == Cost::bytes ? "bytes" : "resolve_ms");
 
   std::vector<std::size_t> shown;

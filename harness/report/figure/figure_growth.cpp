@@ -9,7 +9,7 @@ namespace gnomon {
 void draw_growth(std::span<const Record> records, const FigureOptions& options, FigureScript& script) {
   const std::string axis = options.analysis.x.empty() ? "triangles" : options.analysis.x;
   const Growths growths = find_growth(records, axis);
-  std::vector<Where> places;
+  std::vector<Place> places;
   std::vector<std::string> settings, stages;
   const auto add = [](auto& list, const auto& value) {
     if (std::find(list.begin(), list.end(), value) == list.end()) list.push_back(value);

@@ -9,11 +9,11 @@ void draw_motion(std::span<const Record> records, const FigureOptions& options, 
   const std::string& metric = options.analysis.metric;
   const std::vector<Motion> motions = find_motion(records, metric);
   const Column column = quantity_column(metric);
-  std::vector<Where> places;
+  std::vector<Place> places;
   std::vector<std::string> settings;
   for (const Motion& motion : motions) {
     if (motion.record->role != Role::contender) continue;
-    const Where place = where_of(*motion.record);
+    const Place place = place_of(*motion.record);
     if (std::find(places.begin(), places.end(), place) == places.end()) places.push_back(place);
     const std::string setting = setting_name(*motion.record);
     if (std::find(settings.begin(), settings.end(), setting) == settings.end()) settings.push_back(setting);
@@ -30,7 +30,7 @@ void draw_motion(std::span<const Record> records, const FigureOptions& options, 
   for (const Motion& motion : motions) {
     if (motion.record->role != Role::contender) continue;
     const auto panel =
-        static_cast<std::size_t>(std::find(places.begin(), places.end(), where_of(*motion.record)) - places.begin());
+        static_cast<std::size_t>(std::find(places.begin(), places.end(), place_of(*motion.record)) - places.begin());
     const auto k =
         static_cast<std::size_t>(std::find(settings.begin(), settings.end(), setting_name(*motion.record)) - settings.begin());
     const auto found = motion.record->frames.find(metric);

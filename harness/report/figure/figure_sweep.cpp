@@ -80,7 +80,7 @@ void draw_sweep(std::span<const Record> records, const FigureOptions& options, F
   const Sweeps sweeps = find_sweeps(records, options.analysis.x, quantity);
   const Column column = quantity_column(quantity);
   std::vector<const Sweep*> drawn;
-  std::vector<Where> places;
+  std::vector<Place> places;
   std::vector<std::string> settings;
   const auto index_in = [](auto& list, const auto& value) {
     const auto found = std::find(list.begin(), list.end(), value);

@@ -28,7 +28,7 @@ Json finite(double value) { return std::isfinite(value) ? Json(value) : Json(); 
 Json time_json(const Record& record, std::span<const Stage> stages) {
   const Sample sample = sample_of(record, stages);
   if (!sample.is_timed()) return {};
-  const Measured time = bootstrap(std::span(&sample, 1), [](std::span<const double> values) { return values[0]; });
+  const ValueWithInterval time = bootstrap(std::span(&sample, 1), [](std::span<const double> values) { return values[0]; });
   if (!std::isfinite(time.value)) return {};
   return time.has_interval ? Json::array({time.value, finite(time.low), finite(time.high)}) : Json::array({time.value});
 }
@@ -104,21 +104,6 @@ Json row_json(const Layout& layout, const Layout::Row& row, std::size_t group, c
           {"frames", std::move(frames)}};
 }
 
-struct ClassInfo {
-  const char* name;
-  const char* word;
-  const char* sentence;
-  std::array<int, 3> color;
-};
-constexpr ClassInfo class_infos[] = {
-    {"B", "background", "nothing to decide", {24, 26, 30}},
-    {"F", "facing away", "facing away from the light, outside the spot cone, or not receiving", {92, 96, 105}},
-    {"G", "grazing", "within 2 degrees of edge-on to the light: any bias decides", {230, 159, 0}},
-    {"S", "silhouette", "next to background or to another mesh: primary visibility decides", {204, 121, 167}},
-    {"U", "uncertain", "float32 cannot decide the reference here", {240, 228, 66}},
-    {"T", "tested", "everything else: what the headline metrics count", {0, 158, 115}}};
-static_assert(std::size(class_infos) == class_names.size());
-
 Json causes_legend() {
   Json legend = Json::array();
   for (const CauseInfo& info : cause_infos())
@@ -128,8 +113,8 @@ Json causes_legend() {
 
 Json classes_legend() {
   Json legend = Json::array();
-  for (const ClassInfo& info : class_infos)
-    legend.push_back({{"name", info.name}, {"word", info.word}, {"sentence", info.sentence}, {"color", info.color}});
+  for (const ClassInfo& info : class_infos())
+    legend.push_back({{"name", info.letter}, {"word", info.word}, {"sentence", info.sentence}, {"color", info.color}});
   return legend;
 }
 

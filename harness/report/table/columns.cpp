@@ -239,12 +239,13 @@ void add_causes(std::vector<Column>& columns) {
 }
 
 void add_facts(std::vector<Column>& columns) {
-  for (const char* pixel_class : {"B", "F", "G", "S", "U", "T"})
-    columns.push_back(whole_column(
-        std::string("class.") + pixel_class, "px", std::string("class ") + pixel_class, [pixel_class](const Record& r) {
-          const auto found = r.classes.find(pixel_class);
-          return found == r.classes.end() ? Cell{} : Cell{.value = static_cast<double>(found->second)};
-        }));
+  for (const ClassInfo& info : class_infos())
+    columns.push_back(whole_column(fmt::format("class.{}", info.letter), "px", fmt::format("class {}", info.letter),
+                                   [letter = std::string(info.letter)](const Record& r) {
+                                     const auto found = r.classes.find(letter);
+                                     return found == r.classes.end() ? Cell{}
+                                                                     : Cell{.value = static_cast<double>(found->second)};
+                                   }));
   columns.push_back(whole_column("triangles", "", "triangles", [](const Record& r) {
     return r.scene_facts ? Cell{.value = static_cast<double>(r.scene_facts->triangles)} : Cell{};
   }));

@@ -37,7 +37,7 @@ TEST(sample, stages_of_the_same_processes_are_drawn_together) {
 
 TEST(sample, one_process_has_no_interval_and_no_time_is_no_sample) {
   const Sample alone({{{1, 2, 3}}});
-  const Measured measured = bootstrap({&alone, 1}, [](std::span<const double> values) { return values[0]; });
+  const ValueWithInterval measured = bootstrap({&alone, 1}, [](std::span<const double> values) { return values[0]; });
   EXPECT_EQ(measured.value, 2);
   EXPECT_FALSE(measured.has_interval);
   EXPECT_FALSE(Sample({{{1}}, {}}).is_timed());
@@ -55,7 +55,7 @@ RC_GTEST_PROP(sample, draws_lie_between_the_least_and_the_greatest_time, ()) {
     }
   }
   const Sample sample({times});
-  const Measured m = bootstrap({&sample, 1}, [](std::span<const double> values) { return values[0]; });
+  const ValueWithInterval m = bootstrap({&sample, 1}, [](std::span<const double> values) { return values[0]; });
   RC_ASSERT(least <= m.low && m.low <= m.high && m.high <= greatest);
   RC_ASSERT(m.low <= m.value && m.value <= m.high);
 }
@@ -118,7 +118,7 @@ TEST(front, those_that_nobody_beats_in_both_are_on_it) {
                                     row("bad", 2, 3, 0.25), reference};
   const std::vector<Field> fields = find_fields(records, {});
   ASSERT_EQ(fields.size(), 1u);  // one place: nothing to sum up
-  const std::vector<Stand> stands = find_front(fields[0], "lower");
+  const std::vector<FrontEntry> stands = find_front(fields[0], "lower");
   EXPECT_EQ(stands[0].standing, Standing::front);
   EXPECT_EQ(stands[1].standing, Standing::front);
   EXPECT_EQ(stands[2].standing, Standing::front);
@@ -126,8 +126,8 @@ TEST(front, those_that_nobody_beats_in_both_are_on_it) {
   EXPECT_EQ(stands[3].beaten_by, "middle");
   EXPECT_EQ(stands[4].standing, Standing::aside);
   EXPECT_EQ(fields[0].candidates[2].relative_cost.value, 4);
-  // Where more is better, the order of errors turns round: bad is dearer than fast and worse, middle and slow too.
-  const std::vector<Stand> turned = find_front(fields[0], "higher");
+  // Place more is better, the order of errors turns round: bad is dearer than fast and worse, middle and slow too.
+  const std::vector<FrontEntry> turned = find_front(fields[0], "higher");
   EXPECT_EQ(turned[0].standing, Standing::front);
   for (const std::size_t other : {1u, 2u, 3u}) EXPECT_EQ(turned[other].standing, Standing::beaten);
 }
@@ -136,7 +136,7 @@ TEST(front, noise_that_hides_who_is_cheaper_is_said) {
   Record a = row("a", 0.5, 1, 0.1), b = row("b", 0.5, 1, 0.2);
   a.times(Stage::resolve) = {{1.0}, {1.4}, {1.2}};
   b.times(Stage::resolve) = {{1.1}, {1.5}, {1.3}};  // dearer and worse, but 0.1 ms is less than the noise
-  const std::vector<Stand> stands = find_front(find_fields(std::vector{a, b}, {})[0], "lower");
+  const std::vector<FrontEntry> stands = find_front(find_fields(std::vector{a, b}, {})[0], "lower");
   EXPECT_EQ(stands[1].standing, Standing::unclear);
   EXPECT_EQ(stands[1].beaten_by, "a");
 }
@@ -187,10 +187,10 @@ RC_GTEST_PROP(front, nobody_on_it_is_beaten_and_everybody_else_is, ()) {
     Candidate c;
     c.setting = fmt::format("s{}", k);
     c.error = *rc::gen::inRange(0, 6);
-    c.cost = Measured(*rc::gen::inRange(1, 6));
+    c.cost = ValueWithInterval(*rc::gen::inRange(1, 6));
     field.candidates.push_back(c);
   }
-  const std::vector<Stand> stands = find_front(field, "lower");
+  const std::vector<FrontEntry> stands = find_front(field, "lower");
   bool has_front = false;
   for (std::size_t i = 0; i < stands.size(); ++i) {
     bool is_beaten = false;

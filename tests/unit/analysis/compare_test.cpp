@@ -234,8 +234,8 @@ TEST(compare, what_all_scenes_agree_on_is_found_where_no_row_is_sure) {
     if (r.technique == "shadow_map") scale(r, Stage::resolve, 1.3);
   const Comparison comparison = compare(base, contender);
   EXPECT_EQ(comparison.counts().slower, 0u);
-  ASSERT_EQ(comparison.together.size(), 9u) << "three stages: all rows, and each of two contenders";
-  for (const TogetherChange& change : comparison.together) {
+  ASSERT_EQ(comparison.overall.size(), 9u) << "three stages: all rows, and each of two contenders";
+  for (const OverallChange& change : comparison.overall) {
     const bool is_it = change.contender == "shadow_map" && change.stage == Stage::resolve;
     EXPECT_EQ(change.verdict == Verdict::slower, is_it) << change.contender << ' ' << name(change.stage);
     if (is_it) {
@@ -244,7 +244,7 @@ TEST(compare, what_all_scenes_agree_on_is_found_where_no_row_is_sure) {
   }
   EXPECT_EQ(comparison.counts().regressions, 1u);
   // One scene says nothing of what scenes agree on.
-  EXPECT_TRUE(compare(run(), run()).together.empty());
+  EXPECT_TRUE(compare(run(), run()).overall.empty());
 }
 
 TEST(compare, runs_side_by_side_are_compared_in_pairs) {

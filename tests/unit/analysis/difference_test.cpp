@@ -88,7 +88,7 @@ Calls compare_worlds(const World& world, std::mt19937& random) {
         is_real.push_back(real);
       }
     }
-  const Judged judged = judge(differences, std::log(1.05), false);
+  const Judgements judged = judge(differences, std::log(1.05), false);
   Calls calls;
   for (std::size_t k = 0; k < differences.size(); ++k) {
     const bool is_called = judged.each[k].false_discovery <= 0.05;
@@ -186,14 +186,13 @@ TEST(judge, a_lone_row_is_judged_by_the_usual_drift) {
   EXPECT_TRUE(judge({}, 0.05, false).each.empty());
 }
 
-TEST(judge_together, group_is_the_mean_of_its_batches) {
+TEST(judge_groups, group_is_the_mean_of_its_batches) {
   // Batches {0.1, 0.3} and {0.4}: means 0.2 and 0.4, so 0.3 however many rows a batch has. Squares of the batches 2 * 0.01, two
   // more of 0.05 by assumption: 0.025 / 3, over 2 batches, and as much again for the whole run at different times.
   std::vector<LogDifference> differences{{.value = 0.1, .batch = 0}, {.value = 0.3, .batch = 0}, {.value = 0.4, .batch = 1}};
   differences.push_back({.value = 9, .batch = 0});
   const std::vector<int> groups{0, 0, 0, 1};
-  const auto apart = judge_together(differences, groups, 2, 0.05, false),
-             live = judge_together(differences, groups, 2, 0.05, true);
+  const auto apart = judge_groups(differences, groups, 2, 0.05, false), live = judge_groups(differences, groups, 2, 0.05, true);
   ASSERT_TRUE(apart[0]);
   EXPECT_NEAR(apart[0]->value, 0.3, 1e-12);
   const double half = student_quantile(0.025, 3) * std::sqrt(0.025 / 3 * 1.5);
@@ -202,7 +201,7 @@ TEST(judge_together, group_is_the_mean_of_its_batches) {
   EXPECT_FALSE(apart[1]) << "one batch";
 }
 
-TEST(judge_together, drift_of_whole_runs_is_no_difference) {
+TEST(judge_groups, drift_of_whole_runs_is_no_difference) {
   // Scenes of a run drift by 10 %, and runs as a whole by 10 %, which no scene can show.
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
@@ -215,7 +214,7 @@ TEST(judge_together, drift_of_whole_runs_is_no_difference) {
       for (int row = 0; row < 4; ++row) differences.push_back({.value = run + drift + 0.03 * normal(random), .batch = scene});
     }
     const std::vector<int> groups(differences.size(), 0);
-    called += judge_together(differences, groups, 1, std::log(1.05), false)[0]->judgement.false_discovery <= 0.05;
+    called += judge_groups(differences, groups, 1, std::log(1.05), false)[0]->judgement.false_discovery <= 0.05;
   }
   EXPECT_LE(called, 50);
 }
@@ -226,7 +225,7 @@ TEST(judge, quiet_data_are_not_inflated) {
   std::vector<LogDifference> differences;
   for (int k = 0; k < 2000; ++k)
     differences.push_back({.value = 0.02 * normal(random), .variance = 4e-4, .freedom = 8, .kind = 0, .batch = k % 20});
-  const Judged judged = judge(differences, std::log(1.05), true);
+  const Judgements judged = judge(differences, std::log(1.05), true);
   EXPECT_LT(judged.inflation, 1.1);
   // The same values under variances that are nine times too small: the excess makes up for it.
   for (LogDifference& d : differences) d.variance /= 9;

@@ -78,9 +78,16 @@ TEST(growth, two_points_are_too_few_and_one_is_no_series) {
   const Growths two = find_growth(family({10, 100}, 1), "triangles");
   EXPECT_FALSE(stage_of(two, "resolve").exponent);
   EXPECT_EQ(stage_of(two, "resolve").why_not, "too few points");
-  const Growths one = find_growth(family({10}, 1), "triangles");
-  EXPECT_TRUE(one.rows.empty());
+  // Beside a series of two, one of a single point is counted.
+  std::vector<Record> records = family({10, 100}, 1);
+  for (Record r : family({10}, 1)) {
+    r.technique = "other";
+    records.push_back(std::move(r));
+  }
+  const Growths one = find_growth(records, "triangles");
+  EXPECT_EQ(one.rows.size(), 3u);  // build, relight, resolve
   EXPECT_EQ(one.single, 1u);
+  EXPECT_THROW(find_growth(family({10}, 1), "triangles"), Error);
 }
 
 TEST(growth, times_that_the_clock_does_not_see_make_no_exponent) {

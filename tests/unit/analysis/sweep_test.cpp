@@ -56,7 +56,7 @@ TEST(sweep, times_have_their_intervals) {
   std::vector<Record> records = heights();
   for (Record& r : records) r.times(Stage::relight) = {{1}, {2}, {4}};
   const Sweeps sweeps = find_sweeps(records, "height", "relight_ms");
-  const Measured& m = *sweeps.rows[0].points[0].value;
+  const ValueWithInterval& m = *sweeps.rows[0].points[0].value;
   EXPECT_EQ(m.value, 2);
   EXPECT_TRUE(m.has_interval);
   EXPECT_LT(m.low, m.high);

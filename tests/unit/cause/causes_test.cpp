@@ -120,7 +120,8 @@ TEST(causes, a_shadow_of_seven_pixels_or_beside_another_object_s_is_judged_alone
   };
   for (const int length : {6, 7, 8, 9}) {
     World world(on_ground({strip(0.02f, length)}), slanted);
-    const auto size = static_cast<std::uint64_t>(std::ranges::count_if(world.occluder, [](std::uint32_t m) { return m == 1; }));
+    const auto size =
+        static_cast<std::uint64_t>(std::ranges::count_if(world.nearest_caster, [](std::uint32_t m) { return m == 1; }));
     ASSERT_NEAR(double(size), length, 1);
     world.mask.assign(world.mask.size(), 1);
     EXPECT_EQ(world.causes().contains("missing_caster"), size >= 8) << size;
@@ -129,7 +130,7 @@ TEST(causes, a_shadow_of_seven_pixels_or_beside_another_object_s_is_judged_alone
   World pair(on_ground({plate(-3, -2, -1, 0, 2), plate(-3, -2, 0, 1, 2)}), slanted);
   std::uint64_t second = 0;
   for (std::size_t i = 0; i < pair.mask.size(); ++i)
-    if (pair.occluder[i] == 2) pair.mask[i] = 1, second += pair.classes[i] == PixelClass::T;
+    if (pair.nearest_caster[i] == 2) pair.mask[i] = 1, second += pair.classes[i] == PixelClass::T;
   EXPECT_GT(second, 30u);
   EXPECT_EQ(pair.causes(), (Causes{{"missing_caster", second}}));
 }

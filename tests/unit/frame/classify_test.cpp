@@ -18,7 +18,8 @@ std::string letters(const Scene& scene, const Picture& picture, const Light& lig
   std::vector<float> reference(picture.gbuffer.size());
   trace_shadows(casters, scene, picture.gbuffer, light, reference);
   std::string text;
-  for (const PixelClass c : classify(scene, casters, picture.gbuffer, light, reference)) text += class_names.at(std::size_t(c));
+  for (const PixelClass c : classify(scene, casters, picture.gbuffer, light, reference))
+    text += class_infos()[std::size_t(c)].letter;
   return text;
 }
 

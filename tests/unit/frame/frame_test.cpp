@@ -74,7 +74,7 @@ TEST(frame, what_the_cache_holds_is_what_is_computed) {
         const Reference reference = frames.reference(key, light);
         EXPECT_TRUE(std::ranges::equal(reference.mask, mask));
         EXPECT_TRUE(std::ranges::equal(reference.classes, classes));
-        EXPECT_TRUE(std::ranges::equal(reference.occluder, find_occluders(scene, casters, fresh, light, mask)));
+        EXPECT_TRUE(std::ranges::equal(reference.nearest_caster, find_nearest_casters(scene, casters, fresh, light, mask)));
         EXPECT_TRUE(
             std::ranges::equal(reference.snapping, find_snapping(scene, everything, casters, fresh, light, mask, classes)));
         EXPECT_GT(std::ranges::count(mask, 0.0f), 20);
@@ -121,12 +121,12 @@ TEST(frame, dark_pixels_know_their_nearest_occluder) {
     const GBuffer g = frames.gbuffer(key);
     for (const Light& light : scene.lights) {
       const Reference reference = frames.reference(key, light);
-      ASSERT_EQ(reference.occluder.size(), g.size());
+      ASSERT_EQ(reference.nearest_caster.size(), g.size());
       int under_both = 0, under_high = 0, of_ball = 0;
       for (std::size_t i = 0; i < g.size(); ++i) {
         const bool is_dark = reference.mask[i] <= 0.5f && reference.classes[i] > PixelClass::F;
         if (!is_dark || reference.classes[i] != PixelClass::T) {
-          EXPECT_TRUE(is_dark || reference.occluder[i] == no_mesh);
+          EXPECT_TRUE(is_dark || reference.nearest_caster[i] == no_mesh);
           continue;
         }
         if (g.mesh[i] != 0) continue;
@@ -134,13 +134,13 @@ TEST(frame, dark_pixels_know_their_nearest_occluder) {
         // x = 3. The point light at 60 meters moves them by a few centimeters.
         const glm::vec3 p = g.position(i);
         const float across = std::max(std::abs(p.x), std::abs(p.z));
-        const std::uint32_t occluder = reference.occluder[i];
-        under_both += across < 0.4f && occluder == 2;
-        under_high += across > 0.6f && p.x < 1.3f && occluder == 1;
-        of_ball += p.x > 2 && occluder == 3;
-        EXPECT_TRUE(across >= 0.4f || occluder == 2) << p.x << ' ' << p.z;
-        EXPECT_TRUE(across <= 0.6f || p.x >= 1.3f || occluder == 1) << p.x << ' ' << p.z;
-        EXPECT_TRUE(p.x <= 2 || occluder == 3) << p.x << ' ' << p.z;
+        const std::uint32_t nearest_caster = reference.nearest_caster[i];
+        under_both += across < 0.4f && nearest_caster == 2;
+        under_high += across > 0.6f && p.x < 1.3f && nearest_caster == 1;
+        of_ball += p.x > 2 && nearest_caster == 3;
+        EXPECT_TRUE(across >= 0.4f || nearest_caster == 2) << p.x << ' ' << p.z;
+        EXPECT_TRUE(across <= 0.6f || p.x >= 1.3f || nearest_caster == 1) << p.x << ' ' << p.z;
+        EXPECT_TRUE(p.x <= 2 || nearest_caster == 3) << p.x << ' ' << p.z;
       }
       EXPECT_GT(under_both, 50);
       EXPECT_GT(under_high, 200);

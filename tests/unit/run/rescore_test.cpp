@@ -57,10 +57,10 @@ class RescoreTest : public testing::Test {
     write_exr(dir_ / "masks/mask.exr", width, height, names, values);
   }
   /// Rescores the one record.
-  Rescored again(Record& record) {
+  RescoreSummary again(Record& record) {
     std::vector<Record> records{record};
     Progress quiet(true);
-    const Rescored result = rescore(records, dir_, quiet);
+    const RescoreSummary result = rescore(records, dir_, quiet);
     record = records.front();
     return result;
   }
@@ -126,7 +126,7 @@ TEST_F(RescoreTest, a_record_from_before_the_snapping_floor_gets_that_of_its_fra
 }
 
 TEST_F(RescoreTest, causes_of_other_frames_are_dropped_and_said) {
-  const auto lost = [](const Rescored& result) {
+  const auto lost = [](const RescoreSummary& result) {
     return result.notes.size() == 1 && result.notes[0].find("1 row loses its causes") != std::string::npos;
   };
   Record record = row("single_triangle");
@@ -219,7 +219,7 @@ TEST_F(RescoreTest, rows_that_are_not_ok_are_passed_over) {
   Record record = row("single_triangle");
   record.status = Status::unsupported;
   record.mask = std::nullopt;
-  const Rescored result = again(record);
+  const RescoreSummary result = again(record);
   EXPECT_EQ(result.rows, 0u);
   EXPECT_TRUE(result.notes.empty());
 }

@@ -108,8 +108,8 @@ void expect_as_rendered(const Wish& wish, const EngineState& state) {
   ASSERT_EQ(side.phase, Phase::done) << side.words;
   EXPECT_EQ(side.answer->mask, row.answer.mask);
   ASSERT_TRUE(side.verdict && side.verdict->has_causes);
-  EXPECT_EQ(side.verdict->tally.wrong, row.tally.wrong);
-  EXPECT_EQ(side.verdict->tally.false_dark, row.tally.false_dark);
+  EXPECT_EQ(side.verdict->errors.wrong, row.tally.wrong);
+  EXPECT_EQ(side.verdict->errors.false_dark, row.tally.false_dark);
   EXPECT_EQ(side.verdict->causes, row.answer.causes);
   EXPECT_TRUE(std::ranges::equal(state.reference->mask, row.answer.reference.mask));
   EXPECT_TRUE(std::ranges::equal(state.reference->classes, row.answer.reference.classes));
@@ -126,7 +126,7 @@ TEST(viewer_engine, shows_what_render_makes) {
   rig.wish.sides[0].settings = "resolution=64";
   const EngineState state = rig.finish();
   expect_as_rendered(rig.wish, state);
-  EXPECT_GT(state.sides[0].verdict->tally.wrong, 0u);
+  EXPECT_GT(state.sides[0].verdict->errors.wrong, 0u);
 }
 
 // While the camera moves frames may be smaller; once it rests they are not, and the mask is that of render.

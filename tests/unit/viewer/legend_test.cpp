@@ -14,7 +14,7 @@ std::vector<std::string> words_of(const std::vector<LegendEntry>& entries) {
 
 TEST(viewer_legend, shares_are_of_tested_pixels_and_only_what_occurs_is_named) {
   HandMadeFrame seen(10, 1);
-  seen.verdict.tally = {.tested = 8, .wrong = 3, .false_dark = 3, .false_lit = 0};
+  seen.verdict.errors = {.tested = 8, .wrong = 3, .false_dark = 3, .false_lit = 0};
   seen.verdict.cause_counts = {{"crack", 1}, {"acne", 2}, {"region", 0}};
   EXPECT_EQ(words_of(legend(left_of(seen, Paint::kinds), 0)), std::vector<std::string>{"false dark 37.5 % of tested pixels"});
   const std::vector<LegendEntry> causes = legend(left_of(seen, Paint::causes), 0);
