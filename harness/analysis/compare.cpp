@@ -42,8 +42,8 @@ Comparison::Counts Comparison::counts() const {
     counts.changed_metrics += row.metrics.size();
     counts.regressions += row.regressed();
   }
-  for (const OverallChange& change : together) {
-    ++counts.together;
+  for (const OverallChange& change : overall) {
+    ++counts.overall;
     counts.overall_faster += change.verdict == Verdict::faster;
     counts.overall_slower += change.verdict == Verdict::slower;
     counts.regressions += change.is_regression;

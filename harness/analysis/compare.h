@@ -74,17 +74,17 @@ struct Comparison {
   CompareOptions options;
   /// What the two runs do not share: topic, and how base and contender differ.
   std::vector<std::pair<std::string, std::string>> differences;
-  std::string refusal;                  ///< why no time is judged; empty: times are judged
-  bool side_by_side = false;            ///< both programs were timed in one run, in pairs
-  double between = 0, inflation = 1;    ///< of difference.h's Judgements
-  std::vector<OverallChange> together;  ///< all rows first; nothing where all rows are of one scene
-  std::vector<RowChange> rows;          ///< in the order of the contender, missing ones last
+  std::string refusal;                 ///< why no time is judged; empty: times are judged
+  bool side_by_side = false;           ///< both programs were timed in one run, in pairs
+  double between = 0, inflation = 1;   ///< of difference.h's Judgements
+  std::vector<OverallChange> overall;  ///< all rows first; nothing where all rows are of one scene
+  std::vector<RowChange> rows;         ///< in the order of the contender, missing ones last
 
   struct Counts {
     std::size_t matched = 0, missing = 0, added = 0, status = 0;
     std::size_t judged = 0, faster = 0, slower = 0;     ///< times
     std::size_t changed_rows = 0, changed_metrics = 0;  ///< rows with a changed metric, changed metrics in all
-    std::size_t together = 0, overall_faster = 0, overall_slower = 0;
+    std::size_t overall = 0, overall_faster = 0, overall_slower = 0;
     std::size_t regressions = 0;  ///< rows, and what is worse over all scenes
   };
   Counts counts() const;

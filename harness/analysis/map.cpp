@@ -65,136 +65,170 @@ std::vector<std::string> natural_axes(const std::vector<Setting>& settings, cons
   return names;
 }
 
-void make_technique_maps(const std::string& technique, const std::vector<Setting>& settings,
-                         const std::vector<std::string>& declared, const MapOptions& options, std::vector<Map>& maps) {
-  std::string x = options.x, y = options.y;
-  const std::vector<std::string> natural = natural_axes(settings, declared, std::vector{x, y, options.facet});
+/// What the maps of one technique show: parameters along x and y (empty: none), and those whose values tell its maps apart. x
+/// is empty where the technique was not swept along the axis that is asked for.
+struct Axes {
+  std::string x, y;
+  std::vector<std::string> facets;
+};
+
+Axes choose_axes(const std::vector<Setting>& settings, const std::vector<std::string>& declared, const MapOptions& options) {
+  Axes axes{.x = options.x, .y = options.y, .facets = {}};
+  const std::vector<std::string> natural = natural_axes(settings, declared, std::vector{axes.x, axes.y, options.facet});
   std::size_t next = 0;
-  if (x.empty() && next < natural.size()) x = natural[next++];
-  if (y.empty() && next < natural.size() && options.x.empty()) y = natural[next++];
+  if (axes.x.empty() && next < natural.size()) axes.x = natural[next++];
+  if (axes.y.empty() && next < natural.size() && options.x.empty()) axes.y = natural[next++];
   std::vector<std::string> varying;
   for (const std::string& parameter : declared)
     if (values_of(settings, parameter).size() > 1) varying.push_back(parameter);
   const auto varies = [&](const std::string& p) { return std::find(varying.begin(), varying.end(), p) != varying.end(); };
-  if (x.empty() && !varying.empty()) x = varying.front();
-  if (!varies(x)) return;  // this technique was not swept along this axis
-  if (!varies(y)) y.clear();
+  if (axes.x.empty() && !varying.empty()) axes.x = varying.front();
+  if (!varies(axes.x)) return {};
+  if (!varies(axes.y)) axes.y.clear();
+  if (!options.facet.empty() && varies(options.facet)) axes.facets.push_back(options.facet);
+  for (const std::string& parameter : varying)
+    if (parameter != axes.x && parameter != axes.y && parameter != options.facet) axes.facets.push_back(parameter);
+  return axes;
+}
 
+/// The places that every setting finished.
+std::set<Place> common_places(const std::vector<Setting>& settings) {
   std::set<Place> common;
   for (const auto& [place, value] : settings.front().measured) common.insert(place);
   for (const Setting& setting : settings)
     std::erase_if(common, [&](const Place& place) { return !setting.measured.contains(place); });
-  if (common.empty()) return;
-
-  std::vector<std::string> facets;
-  if (!options.facet.empty() && varies(options.facet)) facets.push_back(options.facet);
-  for (const std::string& parameter : varying)
-    if (parameter != x && parameter != y && parameter != options.facet) facets.push_back(parameter);
-
-  const std::size_t first_map = maps.size();
-  std::map<std::vector<std::string>, std::vector<const Setting*>> by_facet;
-  std::vector<std::vector<std::string>> order;
-  for (const Setting& setting : settings) {
-    std::vector<std::string> key;
-    for (const std::string& facet : facets) key.push_back(setting.values.at(facet));
-    if (!by_facet.contains(key)) order.push_back(key);
-    by_facet[key].push_back(&setting);
-  }
-  for (const auto& key : order) {
-    const std::vector<const Setting*>& members = by_facet[key];
-    std::vector<Setting> copies;
-    for (const Setting* member : members) copies.push_back({member->values, {}});
-    Map map{.technique = technique,
-            .facet = {},
-            .x = x,
-            .y = y,
-            .xs = values_of(copies, x),
-            .ys = {""},
-            .cells = {},
-            .places = common.size()};
-    for (std::size_t i = 0; i < facets.size(); ++i) map.facet.emplace_back(facets[i], key[i]);
-    if (!y.empty()) map.ys = values_of(copies, y);
-    map.cells.resize(map.xs.size() * map.ys.size());
-    for (const Setting* member : members) {
-      double sum = 0;
-      for (const Place& place : common) sum += member->measured.at(place);
-      const auto index = [](const std::vector<std::string>& values, const std::string& value) {
-        return static_cast<std::size_t>(std::find(values.begin(), values.end(), value) - values.begin());
-      };
-      const std::size_t row = y.empty() ? 0 : index(map.ys, member->values.at(y));
-      map.cells[row * map.xs.size() + index(map.xs, member->values.at(x))].value = sum / static_cast<double>(common.size());
-    }
-    maps.push_back(std::move(map));
-  }
-
-  std::optional<double> best;
-  const std::string_view direction = better(options.metric);
-  if (direction.empty()) return;
-  const auto beats = [&](double a, double b) { return direction == "higher" ? a > b : a < b; };
-  for (std::size_t i = first_map; i < maps.size(); ++i)
-    for (const Map::Cell& cell : maps[i].cells)
-      if (cell.value && (!best || beats(*cell.value, *best))) best = cell.value;
-  for (std::size_t i = first_map; i < maps.size(); ++i)
-    for (Map::Cell& cell : maps[i].cells) cell.is_best = cell.value && cell.value == best;
+  return common;
 }
 
-}  // namespace
+/// The map of the settings that are alike in their facets.
+Map make_map(const std::vector<const Setting*>& members, const Axes& axes, const std::set<Place>& places) {
+  std::vector<Setting> copies;
+  for (const Setting* member : members) copies.push_back({member->values, {}});
+  Map map;
+  map.x = axes.x;
+  map.y = axes.y;
+  map.xs = values_of(copies, axes.x);
+  map.ys = axes.y.empty() ? std::vector<std::string>{""} : values_of(copies, axes.y);
+  map.cells.resize(map.xs.size() * map.ys.size());
+  map.places = places.size();
+  for (const std::string& facet : axes.facets) map.facet.emplace_back(facet, members.front()->values.at(facet));
+  const auto index = [](const std::vector<std::string>& values, const std::string& value) {
+    return static_cast<std::size_t>(std::find(values.begin(), values.end(), value) - values.begin());
+  };
+  for (const Setting* member : members) {
+    double sum = 0;
+    for (const Place& place : places) sum += member->measured.at(place);
+    const std::size_t row = axes.y.empty() ? 0 : index(map.ys, member->values.at(axes.y));
+    map.cells[row * map.xs.size() + index(map.xs, member->values.at(axes.x))].value = sum / static_cast<double>(places.size());
+  }
+  return map;
+}
 
-std::vector<Map> make_maps(std::span<const Record> records, const MapOptions& options) {
-  require_quantity(records, options.metric);
+/// Marks the cells that no other one of these maps is better than.
+void mark_best(std::span<Map> maps, std::string_view direction) {
+  if (direction.empty()) return;
+  std::optional<double> best;
+  for (const Map& map : maps)
+    for (const Map::Cell& cell : map.cells)
+      if (cell.value && (!best || (direction == "higher" ? *cell.value > *best : *cell.value < *best))) best = cell.value;
+  for (Map& map : maps)
+    for (Map::Cell& cell : map.cells) cell.is_best = cell.value && cell.value == best;
+}
+
+void make_technique_maps(const std::string& technique, const std::vector<Setting>& settings,
+                         const std::vector<std::string>& declared, const MapOptions& options, std::vector<Map>& maps) {
+  const Axes axes = choose_axes(settings, declared, options);
+  if (axes.x.empty()) return;
+  const std::set<Place> places = common_places(settings);
+  if (places.empty()) return;
+  const std::size_t first_map = maps.size();
+  std::vector<std::pair<std::vector<std::string>, std::vector<const Setting*>>> by_facet;  // in order of appearance
+  for (const Setting& setting : settings) {
+    std::vector<std::string> key;
+    for (const std::string& facet : axes.facets) key.push_back(setting.values.at(facet));
+    const auto found = std::find_if(by_facet.begin(), by_facet.end(), [&](const auto& one) { return one.first == key; });
+    (found == by_facet.end() ? by_facet.emplace_back(key, std::vector<const Setting*>()) : *found).second.push_back(&setting);
+  }
+  for (const auto& [key, members] : by_facet) {
+    maps.push_back(make_map(members, axes, places));
+    maps.back().technique = technique;
+  }
+  mark_best(std::span(maps).subspan(first_map), better(options.metric));
+}
+
+/// The rows of one technique as settings, in order of appearance, with the parameters that any of them has.
+struct TechniqueRows {
+  std::string id;
+  std::vector<std::string> parameters;
+  std::vector<std::string> order;           ///< keys of `settings`
+  std::map<std::string, Setting> settings;  ///< by all values
+};
+
+/// Throws Error on a parameter that stands for two axes.
+void require_different_axes(const MapOptions& options) {
   const std::pair<const char*, const std::string&> axes[] = {
       {"--x", options.x}, {"--y", options.y}, {"--facet", options.facet}};
   for (const auto& [first, parameter] : axes)
     for (const auto& [second, again] : axes)
       if (std::strcmp(first, second) != 0 && !parameter.empty() && parameter == again)
         throw Error("{} and {} are both {}; each wants a parameter of its own", first, second, parameter);
-  std::vector<std::string> techniques, known{"scene", "light"};
-  std::map<std::string, std::vector<std::string>> declared;  // by technique, parameters in their order
-  std::map<std::string, std::map<std::string, Setting>> settings;
-  std::map<std::string, std::vector<std::string>> order;  // of the settings of a technique
-  const std::set<std::string> wanted{options.x, options.y, options.facet};
+}
+
+void add_once(std::vector<std::string>& list, const std::string& one) {
+  if (std::find(list.begin(), list.end(), one) == list.end()) list.push_back(one);
+}
+
+/// Enters a row. A scene or light that is an axis is no part of the place that a mean is taken over.
+void add_row(const Record& r, double value, const std::set<std::string>& axes, TechniqueRows& technique) {
+  Values values;
+  for (const auto& [parameter, one] : r.parameters.items()) {
+    add_once(technique.parameters, parameter);
+    values[parameter] = shown_value(one);
+  }
+  Place place = place_of(r);
+  const std::pair<const char*, std::string&> parts_of_place[] = {{"scene", place.scene}, {"light", place.light}};
+  for (const auto& [axis, part] : parts_of_place) {
+    if (!axes.contains(axis)) continue;
+    add_once(technique.parameters, axis);
+    values[axis] = std::exchange(part, "");
+  }
+  std::string key;
+  for (const auto& [parameter, one] : values) key += fmt::format("{}={}\n", parameter, one);
+  Setting& setting = technique.settings[key];
+  if (setting.measured.empty()) technique.order.push_back(key);
+  setting.values = std::move(values);
+  setting.measured[place] = value;
+}
+
+}  // namespace
+
+std::vector<Map> make_maps(std::span<const Record> records, const MapOptions& options) {
+  require_quantity(records, options.metric);
+  require_different_axes(options);
+  std::vector<TechniqueRows> techniques;
+  const std::set<std::string> axes{options.x, options.y, options.facet};
   for (const Record& r : records) {
     const std::optional<double> value = quantity(r, options.metric);
     if (r.status != Status::ok || !value) continue;
-    if (!declared.contains(r.technique)) techniques.push_back(r.technique);
-    std::vector<std::string>& parameters = declared[r.technique];
-    const auto declare = [&](const std::string& parameter) {
-      if (std::find(parameters.begin(), parameters.end(), parameter) == parameters.end()) parameters.push_back(parameter);
-      if (std::find(known.begin(), known.end(), parameter) == known.end()) known.push_back(parameter);
-    };
-    Values values;
-    for (const auto& [parameter, one] : r.parameters.items()) {
-      declare(parameter);
-      values[parameter] = shown_value(one);
-    }
-    // A scene or light that is an axis is no part of the mean.
-    Place place = place_of(r);
-    const std::pair<const char*, std::string&> parts_of_place[] = {{"scene", place.scene}, {"light", place.light}};
-    for (const auto& [axis, part] : parts_of_place) {
-      if (!wanted.contains(axis)) continue;
-      declare(axis);
-      values[axis] = std::exchange(part, "");
-    }
-    std::string key;
-    for (const auto& [parameter, one] : values) key += fmt::format("{}={}\n", parameter, one);
-    Setting& setting = settings[r.technique][key];
-    if (setting.measured.empty()) order[r.technique].push_back(key);
-    setting.values = std::move(values);
-    setting.measured[place] = *value;
+    const auto found = std::ranges::find(techniques, r.technique, &TechniqueRows::id);
+    add_row(r, *value, axes, found == techniques.end() ? techniques.emplace_back(TechniqueRows{.id = r.technique}) : *found);
   }
+  std::vector<std::string> known{"scene", "light"};
+  for (const TechniqueRows& technique : techniques)
+    for (const std::string& parameter : technique.parameters) add_once(known, parameter);
   for (const std::string& name : {options.x, options.y, options.facet})
     if (!name.empty() && std::find(known.begin(), known.end(), name) == known.end())
       throw Error("there is no parameter {}; did you mean {}? There are: {}", name, nearest_word(name, known),
                   fmt::join(known, ", "));
 
   std::vector<Map> maps;
-  for (const std::string& technique : techniques) {
+  for (TechniqueRows& technique : techniques) {
     std::vector<Setting> all;
-    for (const std::string& key : order[technique]) all.push_back(settings[technique][key]);
+    for (const std::string& key : technique.order) all.push_back(std::move(technique.settings[key]));
     // Every setting must have every parameter: records of two versions may differ in them.
-    for (const std::string& parameter : declared[technique])
+    for (const std::string& parameter : technique.parameters)
       for (Setting& setting : all) setting.values.try_emplace(parameter, "-");
-    if (all.size() > 1) make_technique_maps(technique, all, declared[technique], options, maps);
+    if (all.size() > 1) make_technique_maps(technique.id, all, technique.parameters, options, maps);
   }
   if (maps.empty())
     throw Error("there is nothing to map: no technique has two settings that finished the same scenes{}; {}",

@@ -61,6 +61,48 @@ double footprint(const GBuffer& gbuffer, std::size_t i) {
   return glm::distance(glm::dvec3(gbuffer.position(i)), glm::dvec3(gbuffer.view.eye)) * height / gbuffer.height;
 }
 
+/// The pixels to decide exactly, counted in the certificate: all that face the light near the shadow boundary, and the random
+/// share of the others.
+std::vector<Sample> choose_pixels(const Scene& scene, const Light& light, const GBuffer& gbuffer,
+                                  std::span<const float> reference, const CertifyOptions& options, Certificate& result) {
+  std::vector<char> facing(gbuffer.size());
+  for (std::size_t i = 0; i < gbuffer.size(); ++i) facing[i] = faces_light(scene, gbuffer, light, i);
+  std::vector<Sample> samples;
+  Random random(options.seed);
+  for (std::size_t i = 0; i < gbuffer.size(); ++i) {
+    const bool drawn = random.uniform(0, 1) < options.random_share;
+    if (!facing[i]) continue;
+    ++result.facing_count;
+    const bool in_band = near_boundary(facing, reference, gbuffer.width, gbuffer.height, i, options.band);
+    result.band_count += in_band;
+    result.random_count += drawn && !in_band;
+    if (drawn || in_band) samples.push_back({.pixel = i, .answer = {}, .margin = {}});
+  }
+  result.query_count = samples.size();
+  return samples;
+}
+
+/// Counts how the exact answers agree with the reference. M0 and the margin carry an edge's clearance to the receiver by the
+/// same factor, so it cancels.
+void compare(std::span<const Sample> samples, const GBuffer& gbuffer, const CertifyOptions& options, Certificate& result) {
+  for (const Sample& sample : samples) {
+    const bool is_close = sample.margin.clearance < result.clearance_floor;
+    const bool is_uncertain =
+        is_close || sample.answer.degenerate || (options.is_uncertain && options.is_uncertain(sample.pixel));
+    result.close_count += is_close;
+    result.degenerate_count += sample.answer.degenerate;
+    result.uncertain_count += is_uncertain;
+    if (!sample.disagrees) continue;
+    if (!is_uncertain) {
+      result.disagreements.push_back(sample.pixel);
+      continue;
+    }
+    ++result.uncertain_disagreement_count;
+    result.worst_margin = std::max(result.worst_margin, sample.margin.carried);
+    result.worst_margin_pixels = std::max(result.worst_margin_pixels, sample.margin.carried / footprint(gbuffer, sample.pixel));
+  }
+}
+
 }  // namespace
 
 double upper_bound_95(std::size_t count, std::size_t total) {
@@ -101,23 +143,9 @@ Certificate certify(const Scene& scene, const Light& light, const GBuffer& gbuff
   result.clearance_floor = 4 * 0x1p-24 * extent(scene, light, gbuffer.view);
   result.lattice_exponent = lattice_exponent(scene, l);
 
-  // Choose the pixels.
-  std::vector<char> facing(gbuffer.size());
-  for (std::size_t i = 0; i < gbuffer.size(); ++i) facing[i] = faces_light(scene, gbuffer, light, i);
-  std::vector<Sample> samples;
-  Random random(options.seed);
-  for (std::size_t i = 0; i < gbuffer.size(); ++i) {
-    const bool drawn = random.uniform(0, 1) < options.random_share;
-    if (!facing[i]) continue;
-    ++result.facing_count;
-    const bool in_band = near_boundary(facing, reference, gbuffer.width, gbuffer.height, i, options.band);
-    result.band_count += in_band;
-    result.random_count += drawn && !in_band;
-    if (drawn || in_band) samples.push_back({.pixel = i, .answer = {}, .margin = {}});
-  }
-  result.query_count = samples.size();
+  std::vector<Sample> samples = choose_pixels(scene, light, gbuffer, reference, options, result);
 
-  // Decide them, on all threads.
+  // On all threads.
   const ExactScene exact(scene);
   const auto decide = [&](const tbb::blocked_range<std::size_t>& range, ExactTally tally) {
     for (std::size_t k = range.begin(); k < range.end(); ++k) {
@@ -132,23 +160,7 @@ Certificate certify(const Scene& scene, const Light& light, const GBuffer& gbuff
   result.tally = tbb::parallel_reduce(tbb::blocked_range<std::size_t>(0, samples.size(), 64), ExactTally{}, decide,
                                       [](ExactTally a, const ExactTally& b) { return a += b; });
 
-  // Compare. M0 and the margin carry an edge's clearance to the receiver by the same factor, so it cancels.
-  for (const Sample& sample : samples) {
-    const bool is_close = sample.margin.clearance < result.clearance_floor;
-    const bool is_uncertain =
-        is_close || sample.answer.degenerate || (options.is_uncertain && options.is_uncertain(sample.pixel));
-    result.close_count += is_close;
-    result.degenerate_count += sample.answer.degenerate;
-    result.uncertain_count += is_uncertain;
-    if (!sample.disagrees) continue;
-    if (!is_uncertain) {
-      result.disagreements.push_back(sample.pixel);
-      continue;
-    }
-    ++result.uncertain_disagreement_count;
-    result.worst_margin = std::max(result.worst_margin, sample.margin.carried);
-    result.worst_margin_pixels = std::max(result.worst_margin_pixels, sample.margin.carried / footprint(gbuffer, sample.pixel));
-  }
+  compare(samples, gbuffer, options, result);
   result.bound = upper_bound_95(result.disagreements.size(), result.query_count - result.uncertain_count);
   return result;
 }

@@ -8,8 +8,8 @@ namespace gnomon {
 
 // Shadow rays of the pixels that are asked about a second time: sixteen at once, as the ray tracer wants them.
 
-/// Lane `lane` of the packet becomes a ray from `origin` along `direction`, both rounded to float32: as long as `direction` for a
-/// light at a place, without end for a directional one. Hits before `nearest` of that length do not count.
+/// Lane `lane` of the packet becomes a ray from `origin` along `direction`, both rounded to float32: as long as `direction` for
+/// a light at a place, without end for a directional one. Hits before `nearest` of that length do not count.
 inline void set_ray(ShadowPacket& packet, int lane, const glm::vec3& origin, const glm::vec3& direction, bool ends_at_light,
                     float nearest = 0) {
   packet.ox[lane] = origin.x;

@@ -204,53 +204,56 @@ std::span<const MetricInfo> metric_infos() {
   return rows;
 }
 
+namespace {
+
+/// What `make` answers, made at the first call.
+template <class Value, class Make>
+const Value& once(std::optional<Value>& value, const Make& make) {
+  if (!value) value = make();
+  return *value;
+}
+
+}  // namespace
+
 const ErrorCounts& Scoring::error_counts() const {
-  if (!error_counts_) error_counts_ = count(evidence_);
-  return *error_counts_;
+  return once(error_counts_, [&] { return count(evidence_); });
 }
 
 const Displacement& Scoring::displacement() const {
-  if (!displacement_) displacement_ = measure_displacement(evidence_);
-  return *displacement_;
+  return once(displacement_, [&] { return measure_displacement(evidence_); });
 }
 
 const std::vector<float>& Scoring::edge_distance() const {
   const Evidence& e = evidence_;
-  if (!edge_distance_)
-    edge_distance_ = distance_transform(shadow_boundary(e.reference, e.classes, e.width, e.height), e.width, e.height);
-  return *edge_distance_;
+  return once(edge_distance_, [&] {
+    return distance_transform(shadow_boundary(e.reference, e.classes, e.width, e.height), e.width, e.height);
+  });
 }
 
 const std::vector<BinCount>& Scoring::edge_bins() const {
-  if (!edge_bins_) {
-    const std::vector<float>& distance = edge_distance();
-    edge_bins_ = count_bins(evidence_, edge_bins_table, [&](std::size_t i) { return distance[i]; });
-  }
-  return *edge_bins_;
+  return once(edge_bins_, [&] {
+    return count_bins(evidence_, edge_bins_table, [&distance = edge_distance()](std::size_t i) { return distance[i]; });
+  });
 }
 
 const std::vector<BinCount>& Scoring::angle_bins() const {
-  if (angle_bins_) return *angle_bins_;
-  angle_bins_.emplace();
-  const Evidence& e = evidence_;
-  if (e.gbuffer && e.light) {
+  return once(angle_bins_, [&]() -> std::vector<BinCount> {
+    const Evidence& e = evidence_;
+    if (!e.gbuffer || !e.light) return {};
     const glm::dvec4 light = homogeneous(*e.light);
-    angle_bins_ = count_bins(e, angle_bins_table, [&](std::size_t i) {
+    return count_bins(e, angle_bins_table, [&](std::size_t i) {
       const glm::dvec3 to = to_light(light, e.gbuffer->position(i));
       return glm::dot(glm::dvec3(e.gbuffer->normal(i)), to) / glm::length(to);
     });
-  }
-  return *angle_bins_;
+  });
 }
 
 const Softness& Scoring::softness() const {
-  if (!softness_) softness_ = measure_softness(evidence_);
-  return *softness_;
+  return once(softness_, [&] { return measure_softness(evidence_); });
 }
 
 const Likeness& Scoring::likeness() const {
-  if (!likeness_) likeness_ = measure_likeness(evidence_);
-  return *likeness_;
+  return once(likeness_, [&] { return measure_likeness(evidence_); });
 }
 
 }  // namespace gnomon

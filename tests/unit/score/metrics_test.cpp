@@ -55,7 +55,7 @@ const std::vector<float> mask = mask_of("#...#.#.....#...#.#......");
 TEST(metrics, tally_counts_tested_and_facing_pixels_apart) {
   const Evidence e = evidence(5, 5, classes, reference, mask);
   const Scoring s(e);
-  const Tally t = s.error_counts();
+  const ErrorCounts t = s.error_counts();
   EXPECT_EQ(t.facing, 23u);  // 25 less one B and one F
   EXPECT_EQ(t.tested, 20u);  // less U, S and G
   EXPECT_EQ(t.wrong, 2u);
@@ -75,7 +75,7 @@ TEST(metrics, wrong_is_off_by_more_than_one_half) {
   const std::vector<PixelClass> all(4, PixelClass::T);
   const std::vector<float> truth{1, 1, 0, 0}, answer{0.5f, 0.49f, 0.5f, 0.51f};
   const Evidence e = evidence(4, 1, all, truth, answer);
-  const Tally t = Scoring(e).error_counts();
+  const ErrorCounts t = Scoring(e).error_counts();
   EXPECT_EQ(t.wrong, 2u);
   EXPECT_EQ(t.false_dark, 1u);
   EXPECT_EQ(t.false_lit, 1u);
