@@ -108,8 +108,8 @@ void expect_as_rendered(const Wish& wish, const EngineState& state) {
   ASSERT_EQ(side.phase, Phase::done) << side.words;
   EXPECT_EQ(side.answer->mask, row.answer.mask);
   ASSERT_TRUE(side.verdict && side.verdict->has_causes);
-  EXPECT_EQ(side.verdict->errors.wrong, row.tally.wrong);
-  EXPECT_EQ(side.verdict->errors.false_dark, row.tally.false_dark);
+  EXPECT_EQ(side.verdict->errors.wrong, row.errors.wrong);
+  EXPECT_EQ(side.verdict->errors.false_dark, row.errors.false_dark);
   EXPECT_EQ(side.verdict->causes, row.answer.causes);
   EXPECT_TRUE(std::ranges::equal(state.reference->mask, row.answer.reference.mask));
   EXPECT_TRUE(std::ranges::equal(state.reference->classes, row.answer.reference.classes));
