@@ -8,7 +8,7 @@ namespace gnomon::app {
 
 namespace {
 
-/// By kind of analysis or figure, the options that it takes beside those of every kind.
+/// For each kind of analysis or figure: the options that it takes beside those that every kind takes.
 const std::map<std::string, std::vector<std::string>> taken_options{
     {"growth", {"--x"}},
     {"front", {"--error", "--cost", "--all"}},
@@ -28,7 +28,7 @@ bool takes(const std::string& kind, const std::string& option) {
 }  // namespace
 
 void require_taken(const Command& command, const std::string& kind, const std::vector<std::string>& kinds) {
-  if (!taken_options.contains(kind)) return;  // who knows the kinds says which there are
+  if (!taken_options.contains(kind)) return;  // an unknown kind: analyze() and figure_script() say which there are
   for (const auto& [other, options] : taken_options)
     for (const std::string& name : options) {
       if (!command.is_given(name) || takes(kind, name)) continue;
@@ -54,7 +54,8 @@ void add_analysis_options(Command& command, AnalysisOptions& options, std::strin
 
 std::vector<Record> read_runs(const std::vector<std::string>& dirs, const std::string& filter) {
   std::vector<Record> all;
-  std::unordered_map<std::string, std::pair<std::size_t, std::string>> first;  // by job: which of `all`, and its folder
+  std::unordered_map<std::string, std::pair<std::size_t, std::string>>
+      first;  // by job: index into `all`, and the folder it came from
   std::size_t twice = 0;
   for (const std::string& dir : dirs)
     for (Record& record : matching(read_records(dir), filter)) {
@@ -107,25 +108,23 @@ int print_analysis(Options& options, const Command& command) {
 }  // namespace
 
 void add_analyze(Program& program) {
-  Command command = program.line.command(
-      "analyze",
-      "What a run says of growth, fronts, budgets, parameters and motion: DIR... growth|front|best|map|motion|sweep");
-  auto options = std::make_shared<Options>();
-  command.option("words", &options->words, "Folders of runs, then the kind: growth, front, best, map, motion or sweep")
+  auto [command, options] = program.line.command<Options>(
+      "analyze", "What a run says of growth, fronts, budgets, parameters and motion: DIR... growth|front|best|map|motion|sweep",
+      print_analysis);
+  command.option("words", &options.words, "Folders of runs, then the kind: growth, front, best, map, motion or sweep")
       .required()
       .type_name("DIR... KIND");
-  command.option("--format", &options->format, "terminal, md, csv, tex or json").shows_default();
-  command.option("--filter", &options->filter,
+  command.option("--format", &options.format, "terminal, md, csv, tex or json").shows_default();
+  command.option("--filter", &options.filter,
                  "Only rows whose 'SCENE LIGHT [PATH] TECHNIQUE:SETTINGS' matches this expression");
-  add_analysis_options(command, options->analysis, options->cost);
-  command.option("--times", &options->analysis.times, "best: budgets in ms").delimiter(',').check(above_zero());
-  command.option("--memories", &options->analysis.memories, "best: budgets in MiB").delimiter(',').check(above_zero());
-  command.option("--errors", &options->analysis.errors, "best: budgets in the unit that tables show")
+  add_analysis_options(command, options.analysis, options.cost);
+  command.option("--times", &options.analysis.times, "best: budgets in ms").delimiter(',').check(above_zero());
+  command.option("--memories", &options.analysis.memories, "best: budgets in MiB").delimiter(',').check(above_zero());
+  command.option("--errors", &options.analysis.errors, "best: budgets in the unit that tables show")
       .delimiter(',')
       .check(above_zero());
-  command.flag("--all", &options->analysis.all, "front: beaten settings too");
-  command.option("--caption", &options->table.caption, "Caption of the LaTeX table");
-  command.action([options, command] { return print_analysis(*options, command); });
+  command.flag("--all", &options.analysis.all, "front: beaten settings too");
+  command.option("--caption", &options.table.caption, "Caption of the LaTeX table");
 }
 
 }  // namespace gnomon::app

@@ -16,7 +16,7 @@ struct Options : SuiteOptions {
   std::string base, contender, format = "terminal";
   CompareOptions compare;
   bool all = false, quiet = false;
-  // Of --live, like the suite's:
+  // Only with --live:
   std::string other;
   fs::path out;
 };
@@ -61,11 +61,12 @@ int run(Options options, const Program& program) {
 }  // namespace
 
 void add_compare(Program& program) {
-  Command command = program.line.command("compare", "Two runs row by row: what became slower, faster, wrong or right");
-  auto options = std::make_shared<Options>();
-  CompareOptions& compare = options->compare;
-  command.option("base", &options->base, "Folder of the run to compare with");
-  command.option("contender", &options->contender, "Folder of the run that is judged");
+  auto [command, options] =
+      program.line.command<Options>("compare", "Two runs row by row: what became slower, faster, wrong or right",
+                                    [&program](const Options& read) { return run(read, program); });
+  CompareOptions& compare = options.compare;
+  command.option("base", &options.base, "Folder of the run to compare with");
+  command.option("contender", &options.contender, "Folder of the run that is judged");
   command.option("--floor", &compare.floor, "Share that a time must differ by to be called different")
       .shows_default()
       .check(number_in(0, 10));
@@ -78,38 +79,37 @@ void add_compare(Program& program) {
   command.option("--error-threshold", &compare.error_threshold, "A wrong rate that rises by more is a regression")
       .shows_default()
       .check(number_in(0, 1));
-  command.option("--format", &options->format, "terminal, md, csv or json").shows_default();
-  command.flag("--all", &options->all, "Also what does not differ");
+  command.option("--format", &options.format, "terminal, md, csv or json").shows_default();
+  command.flag("--all", &options.all, "Also what does not differ");
   command.flag("--force", &compare.force, "Judge times of different processors, too");
   const Option live =
-      command.option("--live", &options->other, "Another gnomon: runs both side by side and compares, this one the contender")
+      command.option("--live", &options.other, "Another gnomon: runs both side by side and compares, this one the contender")
           .type_name("PROGRAM");
-  command.option("--suite", &options->suite, "With --live: suite name or .toml file; quick by default").needs(live);
-  command.option("--scene", &options->scenes, "With --live: scene ids or files, instead of a suite").needs(live);
-  command.option("--technique", &options->techniques, "With --live: ID:param=value,...; {a,b} sweeps a value")
+  command.option("--suite", &options.suite, "With --live: suite name or .toml file; quick by default").needs(live);
+  command.option("--scene", &options.scenes, "With --live: scene ids or files, instead of a suite").needs(live);
+  command.option("--technique", &options.techniques, "With --live: ID:param=value,...; {a,b} sweeps a value")
       .delimiter(';')
       .needs(live);
-  command.option("--light", &options->lights, "With --live: light names").delimiter(',').needs(live);
-  command.option("--filter", &options->filter, "With --live: only rows whose 'SCENE LIGHT [PATH] TECHNIQUE:SETTINGS' matches")
+  command.option("--light", &options.lights, "With --live: light names").delimiter(',').needs(live);
+  command.option("--filter", &options.filter, "With --live: only rows whose 'SCENE LIGHT [PATH] TECHNIQUE:SETTINGS' matches")
       .needs(live);
-  command.option("--size", &options->size, "With --live: picture size in pixels, WxH").needs(live);
-  command.option("--processes", &options->processes, "With --live: fresh processes per contender and program")
+  command.option("--size", &options.size, "With --live: picture size in pixels, WxH").needs(live);
+  command.option("--processes", &options.processes, "With --live: fresh processes per contender and program")
       .check(whole_in(1, 1000))
       .needs(live);
-  command.option("--repetitions", &options->repetitions, "With --live: timed repetitions per process")
+  command.option("--repetitions", &options.repetitions, "With --live: timed repetitions per process")
       .check(whole_in(1, 1000))
       .needs(live);
-  command.option("--interval", &options->interval, "With --live: more processes until intervals are this share of the time")
+  command.option("--interval", &options.interval, "With --live: more processes until intervals are this share of the time")
       .check(number_in(0.001, 10))
       .needs(live);
-  command.option("--budget", &options->budget, "With --live: seconds that those may take").check(seconds()).needs(live);
-  command.option("--threads", &options->threads, "With --live: pin workers to this many cores; all by default").needs(live);
-  command.option("--timeout", &options->timeout, "With --live: seconds that one step of a worker may take")
+  command.option("--budget", &options.budget, "With --live: seconds that those may take").check(seconds()).needs(live);
+  command.option("--threads", &options.threads, "With --live: pin workers to this many cores; all by default").needs(live);
+  command.option("--timeout", &options.timeout, "With --live: seconds that one step of a worker may take")
       .check(seconds())
       .needs(live);
-  command.option("--out", &options->out, "With --live: folder for the two runs; runs/live-TIME by default").needs(live);
-  command.flag("--quiet", &options->quiet, "No progress");
-  command.action([&program, options] { return run(*options, program); });
+  command.option("--out", &options.out, "With --live: folder for the two runs; runs/live-TIME by default").needs(live);
+  command.flag("--quiet", &options.quiet, "No progress");
 }
 
 }  // namespace gnomon::app

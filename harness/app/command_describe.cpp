@@ -78,11 +78,9 @@ int describe(const Options& options) {
 }  // namespace
 
 void add_describe(Program& program) {
-  auto options = std::make_shared<Options>();
-  Command command = program.line.command("describe", "All about one technique or scene");
-  command.option("id", &options->id, "Technique id, scene id or scene file").required();
-  command.flag("--json", &options->json, "A technique as JSON");
-  command.action([options] { return describe(*options); });
+  auto [command, options] = program.line.command<Options>("describe", "All about one technique or scene", describe);
+  command.option("id", &options.id, "Technique id, scene id or scene file").required();
+  command.flag("--json", &options.json, "A technique as JSON");
 }
 
 }  // namespace gnomon::app

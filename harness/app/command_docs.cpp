@@ -26,11 +26,10 @@ int write_docs(const Options& options) {
 }  // namespace
 
 void add_docs(Program& program) {
-  Command command = program.line.command("docs", "Write docs/techniques from the techniques themselves");
-  auto options = std::make_shared<Options>();
-  command.flag("--check", &options->check, "Write nothing; exit 1 when a page is stale");
-  command.option("--out", &options->out, "Folder of the pages; docs/techniques by default");
-  command.action([options] { return write_docs(*options); });
+  auto [command, options] =
+      program.line.command<Options>("docs", "Write docs/techniques from the techniques themselves", write_docs);
+  command.flag("--check", &options.check, "Write nothing; exit 1 when a page is stale");
+  command.option("--out", &options.out, "Folder of the pages; docs/techniques by default");
 }
 
 }  // namespace gnomon::app

@@ -36,23 +36,21 @@ int make_figure(Options& options, const Command& command) {
 }  // namespace
 
 void add_figure(Program& program) {
-  Command command = program.line.command(
-      "figure", "A figure of a run, by gnuplot: DIR... front|growth|stages|map|causes|motion|sweep --out FILE.svg|.pdf|.png");
-  auto options = std::make_shared<Options>();
-  command
-      .option("words", &options->words, "Folders of runs, then the kind: front, growth, stages, map, causes, motion or sweep")
+  auto [command, options] = program.line.command<Options>(
+      "figure", "A figure of a run, by gnuplot: DIR... front|growth|stages|map|causes|motion|sweep --out FILE.svg|.pdf|.png",
+      make_figure);
+  command.option("words", &options.words, "Folders of runs, then the kind: front, growth, stages, map, causes, motion or sweep")
       .required()
       .type_name("DIR... KIND");
-  command.option("--out", &options->out, "File to write; .svg, .pdf or .png");
-  command.flag("--script", &options->script, "Print the gnuplot program instead of running it");
-  command.option("--filter", &options->filter,
+  command.option("--out", &options.out, "File to write; .svg, .pdf or .png");
+  command.flag("--script", &options.script, "Print the gnuplot program instead of running it");
+  command.option("--filter", &options.filter,
                  "Only rows whose 'SCENE LIGHT [PATH] TECHNIQUE:SETTINGS' matches this expression");
-  command.option("--title", &options->figure.title, "Title above the figure; none by default: papers have captions");
-  command.option("--width", &options->figure.width_cm, "Width in cm; the height follows")
+  command.option("--title", &options.figure.title, "Title above the figure; none by default: papers have captions");
+  command.option("--width", &options.figure.width_cm, "Width in cm; the height follows")
       .check(number_in(5, 100))
       .shows_default();
-  add_analysis_options(command, options->figure.analysis, options->cost);
-  command.action([options, command] { return make_figure(*options, command); });
+  add_analysis_options(command, options.figure.analysis, options.cost);
 }
 
 }  // namespace gnomon::app

@@ -6,6 +6,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -79,6 +81,20 @@ class CommandLine {
   void early_option(const std::string& name, std::vector<std::string>* target, const std::string& type_name,
                     const std::string& description, std::function<void(const std::string&)> use);
   Command command(const std::string& name, const std::string& description);
+  /// The same for a command that keeps what it read in a struct, which is answered with its defaults. `work` does what the
+  /// command is for, called with the options, or with the options and the command; answers the exit status.
+  template <class Options, class Work>
+  std::pair<Command, Options&> command(const std::string& name, const std::string& description, Work work) {
+    Command added = command(name, description);
+    const auto options = std::make_shared<Options>();
+    added.action([=] {
+      if constexpr (std::is_invocable_v<Work, Options&, const Command&>)
+        return work(*options, added);
+      else
+        return work(*options);
+    });
+    return {added, *options};
+  }
 
   /// Reads the words and runs the command that they name; answers its exit status. Prints the help or the version where that
   /// is wanted. Throws Error, which says what there is instead, when the words name no command or not what it takes.

@@ -72,11 +72,10 @@ int list(const Options& options) {
 }  // namespace
 
 void add_list(Program& program) {
-  auto options = std::make_shared<Options>();
-  Command command = program.line.command("list", "What there is: techniques, scenes, suites, metrics or causes");
-  command.option("what", &options->what, "techniques, scenes, suites, metrics or causes").shows_default();
-  command.flag("--json", &options->json, "As JSON");
-  command.action([options] { return list(*options); });
+  auto [command, options] =
+      program.line.command<Options>("list", "What there is: techniques, scenes, suites, metrics or causes", list);
+  command.option("what", &options.what, "techniques, scenes, suites, metrics or causes").shows_default();
+  command.flag("--json", &options.json, "As JSON");
 }
 
 }  // namespace gnomon::app

@@ -61,12 +61,11 @@ int merge(const Options& options) {
 }  // namespace
 
 void add_merge(Program& program) {
-  Command command = program.line.command("merge", "Runs of shards as one run: records, pictures, tables");
-  auto options = std::make_shared<Options>();
-  command.option("dirs", &options->dirs, "Folders of runs").required();
-  command.option("--out", &options->out, "Folder to write to; it may not hold records").required();
-  command.flag("--prefer-last", &options->prefer_last, "Where folders disagree on a row, take the last one's");
-  command.action([options] { return merge(*options); });
+  auto [command, options] =
+      program.line.command<Options>("merge", "Runs of shards as one run: records, pictures, tables", merge);
+  command.option("dirs", &options.dirs, "Folders of runs").required();
+  command.option("--out", &options.out, "Folder to write to; it may not hold records").required();
+  command.flag("--prefer-last", &options.prefer_last, "Where folders disagree on a row, take the last one's");
 }
 
 }  // namespace gnomon::app

@@ -26,12 +26,11 @@ int make_page(const Options& options) {
 }  // namespace
 
 void add_report(Program& program) {
-  Command command = program.line.command("report", "One HTML page of a run: table, plots and pictures to compare");
-  auto options = std::make_shared<Options>();
-  command.option("dir", &options->dir, "Folder of the run").required();
-  command.option("--out", &options->out, "The page; report.html in the run's folder unless given").type_name("FILE");
-  command.flag("--no-pictures", &options->without_pictures, "Leave out the pictures: a small page without the comparer");
-  command.action([options] { return make_page(*options); });
+  auto [command, options] =
+      program.line.command<Options>("report", "One HTML page of a run: table, plots and pictures to compare", make_page);
+  command.option("dir", &options.dir, "Folder of the run").required();
+  command.option("--out", &options.out, "The page; report.html in the run's folder unless given").type_name("FILE");
+  command.flag("--no-pictures", &options.without_pictures, "Leave out the pictures: a small page without the comparer");
 }
 
 }  // namespace gnomon::app

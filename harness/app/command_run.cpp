@@ -1,6 +1,7 @@
 #include <fmt/chrono.h>
 
 #include <algorithm>
+#include <set>
 
 #include "app/app.h"
 #include "app/run_tables.h"
@@ -61,6 +62,21 @@ void print_rows(const RunOptions& options, SceneLibrary& library) {
   if (suite.interval > 0) fmt::print("and up to {} more for narrow intervals\n", duration_text(suite.budget));
 }
 
+/// Says on stderr which scenes are not fetched, for their rows hold no answer. Whether any row has one.
+bool has_answers(std::span<const Record> records) {
+  std::set<std::string> missing;
+  const auto is_answered = [&](const Record& record) {
+    if (!context_text(record, "scene_hash").empty()) return true;
+    missing.insert(record.scene);
+    return false;
+  };
+  const auto answered = std::ranges::count_if(records, is_answered);
+  if (!missing.empty())
+    fmt::print(stderr, "{}: {} of {} rows measured; not fetched: {}. scripts/fetch_scenes --all fetches them\n",
+               answered > 0 ? "note" : "gnomon", answered, records.size(), fmt::join(missing, ", "));
+  return answered > 0;
+}
+
 int run(const Options& options, const Program& program) {
   RunOptions run_options;
   run_options.suite = make_suite(options, "run");
@@ -96,6 +112,7 @@ int run(const Options& options, const Program& program) {
   if (summary.done_before) fmt::print("; {} were done before", summary.done_before);
   fmt::print("; {}\n\n", duration_text(summary.seconds));
   print_contents(run_options.out);
+  if (!has_answers(records) && run_options.shard_count == 1) return 1;  // of a shard, the others may have what it lacks
   // Failed rows of an earlier, resumed run count too.
   return std::any_of(records.begin(), records.end(), [](const Record& r) { return r.status == Status::failed; }) ? 1 : 0;
 }
@@ -103,30 +120,29 @@ int run(const Options& options, const Program& program) {
 }  // namespace
 
 void add_run(Program& program) {
-  Command command = program.line.command("run", "A suite, or any scenes and techniques: costs, errors, tables");
-  auto options = std::make_shared<Options>();
-  command.option("suite", &options->suite, "Suite name, or a .toml file");
-  command.option("--scene", &options->scenes, "Scene ids or files, instead of a suite");
-  command.option("--technique", &options->techniques, "ID:param=value,...; {a,b} sweeps a value").delimiter(';');
-  command.option("--light", &options->lights, "Light names; the suite's, or all of each scene, by default").delimiter(',');
-  command.option("--out", &options->out, "Folder to write to; runs/NAME-TIME by default");
-  command.option("--filter", &options->filter,
+  auto [command, options] = program.line.command<Options>("run", "A suite, or any scenes and techniques: costs, errors, tables",
+                                                          [&program](const Options& read) { return run(read, program); });
+  command.option("suite", &options.suite, "Suite name, or a .toml file");
+  command.option("--scene", &options.scenes, "Scene ids or files, instead of a suite");
+  command.option("--technique", &options.techniques, "ID:param=value,...; {a,b} sweeps a value").delimiter(';');
+  command.option("--light", &options.lights, "Light names; the suite's, or all of each scene, by default").delimiter(',');
+  command.option("--out", &options.out, "Folder to write to; runs/NAME-TIME by default");
+  command.option("--filter", &options.filter,
                  "Only rows whose 'SCENE LIGHT [PATH] TECHNIQUE:SETTINGS' matches this expression");
-  command.option("--size", &options->size, "Picture size in pixels, WxH");
-  command.option("--truth", &options->truth, "What counts in the headline: shape | mesh");
-  command.option("--repetitions", &options->repetitions, "Timed repetitions per process").check(whole_in(1, 1000));
-  command.option("--processes", &options->processes, "Fresh processes per contender").check(whole_in(1, 1000));
-  command.option("--threads", &options->threads, "Pin workers to this many cores; all by default");
-  command.option("--interval", &options->interval, "More processes until intervals are this share of the time wide")
+  command.option("--size", &options.size, "Picture size in pixels, WxH");
+  command.option("--truth", &options.truth, "What counts in the headline: shape | mesh");
+  command.option("--repetitions", &options.repetitions, "Timed repetitions per process").check(whole_in(1, 1000));
+  command.option("--processes", &options.processes, "Fresh processes per contender").check(whole_in(1, 1000));
+  command.option("--threads", &options.threads, "Pin workers to this many cores; all by default");
+  command.option("--interval", &options.interval, "More processes until intervals are this share of the time wide")
       .check(number_in(0.001, 10));
-  command.option("--budget", &options->budget, "Seconds that those processes may take").check(seconds());
-  command.option("--timeout", &options->timeout, "Seconds that one step of a worker may take").check(seconds());
-  command.option("--shard", &options->shard, "I/N: part I of N of the rows, 0 <= I < N; gnomon merge joins them");
-  const Option resume = command.flag("--resume", &options->resume, "Continue in --out; rows that are there are not run again");
-  command.flag("--retry-failed", &options->retry_failed, "With --resume: rows that failed are run again").needs(resume);
-  command.flag("--dry-run", &options->dry_run, "Print the rows and how long they may take; run nothing");
-  command.flag("--quiet", &options->quiet, "No progress");
-  command.action([&program, options] { return run(*options, program); });
+  command.option("--budget", &options.budget, "Seconds that those processes may take").check(seconds());
+  command.option("--timeout", &options.timeout, "Seconds that one step of a worker may take").check(seconds());
+  command.option("--shard", &options.shard, "I/N: part I of N of the rows, 0 <= I < N; gnomon merge joins them");
+  const Option resume = command.flag("--resume", &options.resume, "Continue in --out; rows that are there are not run again");
+  command.flag("--retry-failed", &options.retry_failed, "With --resume: rows that failed are run again").needs(resume);
+  command.flag("--dry-run", &options.dry_run, "Print the rows and how long they may take; run nothing");
+  command.flag("--quiet", &options.quiet, "No progress");
 }
 
 }  // namespace gnomon::app

@@ -14,10 +14,10 @@ struct TableCommand {
   std::vector<Record> records() const {
     if (is_saved && !is_rescored) throw Error("--save keeps what --rescore finds; give both");
     if (!is_rescored) return read_records(dir);
-    // Nobody else may write between reading and replacing.
+    // The writer locks the folder, so that no other program writes between reading and replacing.
     std::optional<RecordWriter> writer;
     if (is_saved) {
-      if (!std::filesystem::exists(records_file(dir))) read_records(dir);  // says so
+      if (!std::filesystem::exists(records_file(dir))) read_records(dir);  // throws the Error that says so
       writer.emplace(dir);
     }
     std::vector<Record> records = read_records(dir);
@@ -49,16 +49,14 @@ int print_table(TableCommand& options) {
 }  // namespace
 
 void add_table(Program& program) {
-  Command command = program.line.command("table", "The comparison table of a run, in any format, on stdout");
-  auto options = std::make_shared<TableCommand>();
-  command.option("dir", &options->dir, "Folder of the run").required();
-  command.option("--format", &options->format, "terminal, md, csv, tex or json").shows_default();
-  command.option("--columns", &options->table.columns, "Names of columns in their order; 'list' prints them all")
-      .delimiter(',');
-  command.option("--caption", &options->table.caption, "Caption of the LaTeX table");
-  command.flag("--rescore", &options->is_rescored, "Compute today's metrics from the masks of the run; nothing runs again");
-  command.flag("--save", &options->is_saved, "With --rescore: keep the new metrics in the run's records");
-  command.action([options] { return print_table(*options); });
+  auto [command, options] =
+      program.line.command<TableCommand>("table", "The comparison table of a run, in any format, on stdout", print_table);
+  command.option("dir", &options.dir, "Folder of the run").required();
+  command.option("--format", &options.format, "terminal, md, csv, tex or json").shows_default();
+  command.option("--columns", &options.table.columns, "Names of columns in their order; 'list' prints them all").delimiter(',');
+  command.option("--caption", &options.table.caption, "Caption of the LaTeX table");
+  command.flag("--rescore", &options.is_rescored, "Compute today's metrics from the masks of the run; nothing runs again");
+  command.flag("--save", &options.is_saved, "With --rescore: keep the new metrics in the run's records");
 }
 
 }  // namespace gnomon::app

@@ -7,7 +7,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import ProgramTest, records  # noqa: E402
+from program import SMALL, ProgramTest, records  # noqa: E402
 
 ROW = re.compile(r"^[0-9a-f]{16}  (\S+) (\S+) (\S+)", re.MULTILINE)
 
@@ -35,10 +35,17 @@ class Suites(ProgramTest):
     def test_rows_of_scenes_that_are_not_fetched_say_so(self):
         text = self.succeed("run", "quick", "--dry-run")  # the cache of this test is empty
         self.assertRegex(text, r"(?m)^\S+  bunny sun .*unsupported: scene bunny is not fetched: run scripts/fetch_scenes bunny$")
-        self.succeed("run", "quick", "--filter", "^bunny sun (unshadowed|shadow_map)$", "--out", "out")
+        done = self.gnomon("run", "quick", "--filter", "^bunny sun (unshadowed|shadow_map)$", "--quiet", "--out", "out")
+        self.assertEqual(done.returncode, 1, done.stderr)  # nothing was measured
+        self.assertEqual(done.stderr, "gnomon: 0 of 2 rows measured; not fetched: bunny. scripts/fetch_scenes --all fetches them\n")
         for row in records(self.dir / "out"):
             self.assertEqual(row["status"], "unsupported")
             self.assertIn("scripts/fetch_scenes bunny", row["reason"])
+
+    def test_a_run_that_lacks_some_scenes_does_the_others_and_says_so(self):
+        done = self.gnomon("run", "quick", "--filter", "^(bunny|contact) sun unshadowed$", "--quiet", *SMALL, "--out", "out")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(done.stderr, "note: 1 of 2 rows measured; not fetched: bunny. scripts/fetch_scenes --all fetches them\n")
 
     def show_failures(self, suite):
         """Runs the rows of a suite that are there to be wrong, and their neighbors with the default bias, at the suite's size.
