@@ -12,7 +12,21 @@ Parameter::Parameter(Parametrized* owner, std::string_view name, std::string_vie
   owner->parameters_.push_back(this);
 }
 
+namespace {
+
+/// "12.5" or "1e3": a number, but not one that is written as a whole number.
+bool is_fraction(std::string_view text) {
+  double number = 0;
+  const char* const last = text.data() + text.size();
+  const auto [end, code] = std::from_chars(text.data(), last, number);
+  return code == std::errc{} && end == last && text.find_first_not_of("0123456789", text.starts_with('-')) != text.npos;
+}
+
+}  // namespace
+
 void Parameter::refuse(std::string_view value) const {
+  if (dynamic_cast<const Number<int>*>(this) && is_fraction(value))
+    throw Error("{}.{} = {} is not a whole number in digits; allowed are {}", owner_->id(), name_, value, allowed());
   throw Error("{}.{} = {} is outside {}", owner_->id(), name_, value.empty() ? "(nothing)" : value, allowed());
 }
 

@@ -1,5 +1,6 @@
 #!/usr/bin/python3 -IB
 """--resume: one run at a time in a folder, and only rows that may stand in one table."""
+# Runs alone: a run has to be at work while two others are refused.
 
 import json
 import re
@@ -93,6 +94,29 @@ class Resume(ProgramTest):
         self.succeed(*run)
         table = json.loads(self.succeed("table", "out", "--format", "json"))
         self.assertEqual([row["scene"] for row in table["rows"]], ["single_triangle"] * 2 + ["contact"] * 2)
+
+    def test_a_folder_of_other_rows_is_refused(self):
+        self.succeed("run", *ROWS, *SMALL, "--out", "out")
+        before = self.lines()
+        new = ["--out", "out", "--resume", "--processes", "1", "--repetitions", "1"]
+        none = ["out cannot go on: none of its 4 rows is in suite adhoc as it is now", "another --out"]
+        self.refuse("run", "--scene", "contact", "--technique", "unshadowed", "--size", "160x90", *new, says=none)
+        self.refuse("run", *ROWS, "--size", "64x36", *new, says=none)
+        self.refuse("run", *ROWS, "--size", "64x36", *new, "--dry-run", says=none)
+        mine = self.write("mine.toml", SUITE.format('["single_triangle"]'))  # has one of the rows
+        self.refuse("run", mine, "--out", "out", "--resume", says=["it holds rows of suite adhoc, not mine", "another --out"])
+        self.assertEqual(self.lines(), before)
+
+    def test_a_suite_that_has_grown_goes_on_and_rows_that_it_lost_are_said(self):
+        run = ["run", *SMALL, "--out", "out", "--resume", "--scene", "single_triangle", "--light", "sun"]
+        self.succeed(*run, "--technique", "unshadowed;shadow_map:resolution=256")
+        grown = self.gnomon(*run, "--technique", "unshadowed;shadow_map:resolution={256,512}")
+        self.assertEqual((grown.returncode, grown.stderr.count("note:")), (0, 0), grown.stderr)
+        self.assertIn("2 were done before", grown.stdout)
+        other = self.gnomon(*run, "--technique", "shadow_map:resolution={512,128}")
+        self.assertEqual(other.returncode, 0, other.stderr)
+        self.assertIn("note: 2 of the rows in out are not in suite adhoc as it is now; they stay in its tables\n", other.stderr)
+        self.assertEqual(len(self.lines()), 4)
 
     def test_a_dry_run_prints_what_is_left(self):
         run = ["run", *ROWS, *SMALL, "--out", "out"]

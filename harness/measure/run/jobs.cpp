@@ -3,7 +3,6 @@
 #include <gnomon/param.h>
 
 #include <algorithm>
-#include <set>
 
 #include "measure/scene/blob.h"
 #include "measure/scene/load.h"
@@ -74,7 +73,7 @@ void require_names(const std::string& reference, const Scene& scene, const std::
 
 std::vector<Job> expand_jobs(const Suite& suite, SceneLibrary& library) {
   std::vector<Job> jobs;
-  std::set<std::string> seen;
+  std::map<std::string, std::size_t> places;  // by hash
   for (const SuiteGroup& group : suite.groups)
     for (const std::string& reference : group.scenes) {
       const SceneLibrary::Entry& entry = library.get(reference);
@@ -102,7 +101,11 @@ std::vector<Job> expand_jobs(const Suite& suite, SceneLibrary& library) {
                 const std::string asked = fmt::format("{}|{}|{}|{}|{}x{}|{}{}", reference, light, view, contender.name(), width,
                                                       height, name(suite.truth), path.empty() ? "" : "|" + path);
                 job.hash = content_hash(asked).substr(0, 16);
-                if (seen.insert(job.hash).second) jobs.push_back(std::move(job));
+                const auto [known, is_new] = places.try_emplace(job.hash, jobs.size());
+                if (is_new)
+                  jobs.push_back(std::move(job));
+                else if (std::string& label = jobs[known->second].contender.label; label.empty())
+                  label = contender.label;
               }
     }
   return jobs;

@@ -63,6 +63,7 @@ std::vector<std::string> changes(std::span<const Record> kept, const Record& now
 Earlier earlier_rows(const RunOptions& options, SceneLibrary& library, std::span<const Job> suite, std::span<const Job> jobs) {
   Earlier earlier;
   if (!fs::exists(records_file(options.out))) return earlier;
+  std::size_t foreign_count = 0;
   std::map<std::string, std::size_t> places;
   for (const Job& job : suite) places.emplace(job.hash, job.place);
   std::set<std::string> wanted;
@@ -87,17 +88,27 @@ Earlier earlier_rows(const RunOptions& options, SceneLibrary& library, std::span
     if (const std::string commit = context_text(record, "commit"); !commit.empty() && commit != context_text(now, "commit"))
       throw Error("{} holds rows of commit {}, and this program is {}: continue them with that one, or name another --out",
                   options.out.string(), commit, context_text(now, "commit"));
-    if (record.suite == options.suite.name && record.truth != options.suite.truth)
+    if (record.suite != options.suite.name)
+      refuse(options.out, fmt::format("it holds rows of suite {}, not {}", record.suite, options.suite.name));
+    if (record.truth != options.suite.truth)
       refuse(options.out, fmt::format("its rows have the truth {}, not {}", name(record.truth), name(options.suite.truth)));
     if (wanted.contains(record.job)) require_effort(options.out, record, options.suite);
-    if (const auto place = places.find(record.job); record.suite == options.suite.name && place != places.end()) {
+    if (const auto place = places.find(record.job); place != places.end()) {
       earlier.is_changed = earlier.is_changed || record.place != place->second;
       record.place = place->second;
+    } else if (entry.scene) {  // the rows of a scene that is not here now are not known
+      ++foreign_count;
     }
     earlier.done.insert(record.job);
     earlier.kept.push_back(std::move(record));
   }
+  if (foreign_count > 0 && foreign_count == earlier.kept.size())
+    refuse(options.out, fmt::format("none of its {} rows is in suite {} as it is now, with its scenes, settings and sizes",
+                                    foreign_count, options.suite.name));
   earlier.notes = changes(earlier.kept, now);
+  if (foreign_count > 0)
+    earlier.notes.push_back(fmt::format("note: {} of the rows in {} are not in suite {} as it is now; they stay in its tables",
+                                        foreign_count, options.out.string(), options.suite.name));
   return earlier;
 }
 

@@ -94,6 +94,29 @@ std::pair<int, int> parse_size(const std::string& text, const std::string& what)
   return {size[0], size[1]};
 }
 
+namespace {
+
+/// Labels those rows of a sweep whose `name()` leaves out a swept parameter, because its value is the default:
+/// "shadow_map:resolution=1024" beside "shadow_map:resolution=256". They are the same jobs as without the label.
+void name_defaults(std::vector<Contender>& contenders, std::span<const std::unique_ptr<Technique>> techniques) {
+  for (std::size_t k = 0; k < contenders.size(); ++k) {
+    const auto is_swept = [&](std::size_t parameter) {
+      return std::ranges::any_of(techniques, [&](const auto& other) {
+        return other->id() == techniques[k]->id() &&
+               other->parameters()[parameter]->text() != techniques[k]->parameters()[parameter]->text();
+      });
+    };
+    std::vector<std::string> shown;
+    for (std::size_t p = 0; p < techniques[k]->parameters().size(); ++p)
+      if (const Parameter& row = *techniques[k]->parameters()[p]; row.text() != row.default_text() || is_swept(p))
+        shown.push_back(fmt::format("{}={}", row.name(), row.text()));
+    const std::string name = contenders[k].technique + (shown.empty() ? "" : ":") + fmt::format("{}", fmt::join(shown, ","));
+    if (name != contenders[k].name()) contenders[k].label = name;
+  }
+}
+
+}  // namespace
+
 std::vector<Contender> parse_contenders(const std::string& text, const std::string& label) {
   if (text == "*") {
     if (!label.empty()) throw Error("label {} would name every technique", label);
@@ -104,13 +127,15 @@ std::vector<Contender> parse_contenders(const std::string& text, const std::stri
   const std::vector<std::string> plain = expand_braces(text);
   if (plain.size() > 1 && !label.empty()) throw Error("label {} would name {} rows of the sweep {}", label, plain.size(), text);
   std::vector<Contender> contenders;
+  std::vector<std::unique_ptr<Technique>> techniques;
   for (const std::string& one : plain) {
     const std::size_t colon = one.find(':');
     const std::string id = one.substr(0, colon);
-    const auto technique = registry().technique(id).make();
-    if (colon != std::string::npos) technique->apply(one.substr(colon + 1));
-    contenders.push_back({id, technique->settings(), label});
+    techniques.push_back(registry().technique(id).make());
+    if (colon != std::string::npos) techniques.back()->apply(one.substr(colon + 1));
+    contenders.push_back({id, techniques.back()->settings(), label});
   }
+  name_defaults(contenders, techniques);
   return contenders;
 }
 

@@ -22,7 +22,8 @@ std::vector<std::string> expand_braces(const std::string& text);
 std::pair<int, int> parse_size(const std::string& text, const std::string& what);
 
 /// Reads `id:param=value,...`; a comma list in braces is a sweep: `shadow_map:resolution={256,1024}` gives two contenders,
-/// two braces their product; `*` alone is every registered technique. Throws Error on unknown techniques and parameters and on
+/// two braces their product; `*` alone is every registered technique. A row of a sweep that has the default of what is swept
+/// gets a label that says so. Throws Error on unknown techniques and parameters and on
 /// values out of range.
 std::vector<Contender> parse_contenders(const std::string& text, const std::string& label = "");
 

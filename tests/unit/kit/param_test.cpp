@@ -54,9 +54,17 @@ TEST(param, values_outside_their_range_are_refused_with_what_value_and_range) {
 }
 
 TEST(param, what_is_no_number_is_refused_whole) {
-  for (const char* text : {"8.0", "8x", " 8", "8 ", "+8", "0x10", "99999999999999999999", "eight", "-"})
+  for (const char* text : {"8x", " 8", "8 ", "+8", "0x10", "99999999999999999999", "eight", "-"})
     EXPECT_EQ(refused(std::string("size=") + text), fmt::format("rows.size = {} is outside 2 .. 64 texel", text));
   for (const char* text : {"nan", "inf", "1e400", "0.5m", "0,5"}) EXPECT_NE(refused(std::string("bias=") + text), "") << text;
+}
+
+TEST(param, a_number_that_is_not_written_as_a_whole_one_is_not_called_out_of_range) {
+  for (const char* text : {"8.0", "12.5", "1e1", "-0.5", "80.5", "inf"})
+    EXPECT_EQ(refused(std::string("size=") + text),
+              fmt::format("rows.size = {} is not a whole number in digits; allowed are 2 .. 64 texel", text));
+  EXPECT_EQ(refused("size=-8"), "rows.size = -8 is outside 2 .. 64 texel");
+  EXPECT_EQ(refused("bias=12.5"), "");
 }
 
 TEST(param, both_ends_of_a_range_are_allowed_and_are_the_probes) {

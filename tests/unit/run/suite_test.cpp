@@ -97,6 +97,32 @@ TEST(contenders, a_brace_list_is_a_sweep_and_two_are_their_product) {
   EXPECT_EQ(names("{unshadowed,embree_rays}"), (std::vector<std::string>{"unshadowed", "embree_rays"}));
 }
 
+TEST(contenders, a_sweep_names_the_default_of_what_it_sweeps_and_asks_for_the_same_job) {
+  const std::string size = registry().technique("shadow_map").make()->parameter("resolution").default_text();
+  const std::vector<Contender> sizes = parse_contenders("shadow_map:resolution={256," + size + "},depth_bias=7");
+  EXPECT_EQ(sizes[0].label, "");
+  EXPECT_EQ(sizes[1].label, "shadow_map:resolution=" + size + ",depth_bias=7");
+  EXPECT_EQ(sizes[1].name(), "shadow_map:depth_bias=7");
+  const std::vector<Contender> flags = parse_contenders("{unshadowed,shadow_map:second_depth={false,true},resolution=" + size + "}");
+  EXPECT_EQ(flags[0].label, "");
+  EXPECT_EQ(flags[1].label, "shadow_map:second_depth=false");
+  EXPECT_EQ(flags[2].label, "");
+  for (const char* text : {"shadow_map", "shadow_map:resolution={256,512}", "{unshadowed,shadow_map}"})
+    for (const Contender& contender : parse_contenders(text)) EXPECT_EQ(contender.label, "") << text;
+}
+
+TEST(jobs, a_row_that_two_groups_have_runs_once_with_the_first_label_that_either_gives_it) {
+  Suite suite;
+  suite.groups = {{{"contact"}, {"sun"}, {}, parse_contenders("shadow_map")},
+                  {{"contact"}, {"sun"}, {}, parse_contenders("shadow_map:second_depth={false,true}")},
+                  {{"contact"}, {"sun"}, {}, parse_contenders("shadow_map", "late")}};
+  SceneLibrary library;
+  const std::vector<Job> jobs = expand_jobs(suite, library);
+  ASSERT_EQ(jobs.size(), 2u);
+  EXPECT_EQ(jobs[0].contender.label, "shadow_map:second_depth=false");
+  EXPECT_EQ(jobs[1].contender.label, "");
+}
+
 TEST(contenders, a_label_belongs_to_one_contender_not_to_a_sweep) {
   EXPECT_EQ(parse_contenders("shadow_map:resolution=256", "coarse")[0].label, "coarse");
   EXPECT_THROW(parse_contenders("shadow_map:resolution={256,512}", "coarse"), Error);
