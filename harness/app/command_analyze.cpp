@@ -25,8 +25,7 @@ bool takes(const std::string& kind, const std::string& option) {
   return found != taken_options.end() && std::ranges::find(found->second, option) != found->second.end();
 }
 
-}  // namespace
-
+/// Throws Error when an option of analyses was given that this kind does not take.
 void require_taken(const Command& command, const std::string& kind, const std::vector<std::string>& kinds) {
   if (!taken_options.contains(kind)) return;  // an unknown kind: analyze() and figure_script() say which there are
   for (const auto& [other, options] : taken_options)
@@ -40,6 +39,17 @@ void require_taken(const Command& command, const std::string& kind, const std::v
       throw Error("{} is for {}{}{}; {} does not take it", name, fmt::join(takers, ", "), takers.empty() ? "" : " and ", last,
                   kind);
     }
+}
+
+}  // namespace
+
+std::string take_kind(std::vector<std::string>& words, const Command& command, const std::string& name,
+                      const std::vector<std::string>& kinds) {
+  const std::string kind = words.back();
+  words.pop_back();
+  if (words.empty()) throw Error("{} takes a run's folder and a kind; kinds are: {}", name, fmt::join(kinds, ", "));
+  require_taken(command, kind, kinds);
+  return kind;
 }
 
 void add_analysis_options(Command& command, AnalysisOptions& options, std::string& cost) {
@@ -91,18 +101,13 @@ struct Options {
   TableOptions table;
 };
 
-int print_analysis(Options& options, const Command& command) {
+void print_analysis(Options& options, const Command& command) {
   const Format format = format_named(options.format);
-  const std::string kind = options.words.back();
-  options.words.pop_back();
-  if (options.words.empty())
-    throw Error("analyze takes a run's folder and a kind; kinds are: {}", fmt::join(analysis_kinds(), ", "));
-  require_taken(command, kind, analysis_kinds());
+  const std::string kind = take_kind(options.words, command, "analyze", analysis_kinds());
   options.analysis.cost = cost_named(options.cost);
   const std::vector<Record> records = read_runs(options.words, options.filter);
   options.table.width = terminal_width();
   fmt::print("{}", analyze(records, kind, options.analysis, format, options.table));
-  return 0;
 }
 
 }  // namespace

@@ -56,12 +56,12 @@ struct Options {
   bool json = false;
 };
 
-int describe(const Options& options) {
+void describe(const Options& options) {
   std::vector<std::string> names;
   for (const TechniqueEntry& entry : registry().techniques()) {
     if (entry.id == options.id) {
       fmt::print("{}", options.json ? describe_json(entry).dump(2) + "\n" : describe_text(entry, terminal_width()));
-      return 0;
+      return;
     }
     names.push_back(entry.id);
   }
@@ -72,7 +72,6 @@ int describe(const Options& options) {
     throw Error("there is no technique or scene {}; did you mean {}? There are: {}", options.id, nearest_word(stem, names),
                 fmt::join(names, ", "));
   describe_scene(options.id);
-  return 0;
 }
 
 }  // namespace

@@ -14,12 +14,8 @@ struct Options {
   FigureOptions figure;
 };
 
-int make_figure(Options& options, const Command& command) {
-  const std::string kind = options.words.back();
-  options.words.pop_back();
-  if (options.words.empty())
-    throw Error("figure takes a run's folder and a kind; kinds are: {}", fmt::join(figure_kinds(), ", "));
-  require_taken(command, kind, figure_kinds());
+void make_figure(Options& options, const Command& command) {
+  const std::string kind = take_kind(options.words, command, "figure", figure_kinds());
   if (options.out.empty() && !options.script) throw Error("figure needs --out FILE.svg, .pdf or .png, or --script");
   const std::filesystem::path out = options.out.empty() ? "figure.svg" : options.out;
   options.figure.analysis.cost = cost_named(options.cost);
@@ -30,7 +26,6 @@ int make_figure(Options& options, const Command& command) {
   } else {
     run_gnuplot(program_text, out);
   }
-  return 0;
 }
 
 }  // namespace

@@ -82,16 +82,21 @@ class CommandLine {
                     const std::string& description, std::function<void(const std::string&)> use);
   Command command(const std::string& name, const std::string& description);
   /// The same for a command that keeps what it read in a struct, which is answered with its defaults. `work` does what the
-  /// command is for, called with the options, or with the options and the command; answers the exit status.
+  /// command is for, called with the options, or with the options and the command; answers the exit status, or nothing for 0.
   template <class Options, class Work>
   std::pair<Command, Options&> command(const std::string& name, const std::string& description, Work work) {
     Command added = command(name, description);
     const auto options = std::make_shared<Options>();
-    added.action([=] {
+    const auto call = [=] {
       if constexpr (std::is_invocable_v<Work, Options&, const Command&>)
         return work(*options, added);
       else
         return work(*options);
+    };
+    added.action([=] {
+      if constexpr (!std::is_void_v<decltype(call())>) return call();
+      call();
+      return 0;
     });
     return {added, *options};
   }

@@ -49,7 +49,7 @@ struct Options {
   bool json = false;
 };
 
-int list(const Options& options) {
+void list(const Options& options) {
   const auto techniques = std::span(registry().techniques());
   if (options.what == "techniques")
     print(list_text(techniques, terminal_width()), list_json(techniques), options.json);
@@ -66,7 +66,6 @@ int list(const Options& options) {
     throw Error("there is no list {}; did you mean {}? There are: {}", options.what, nearest_word(options.what, lists),
                 fmt::join(lists, ", "));
   }
-  return 0;
 }
 
 }  // namespace

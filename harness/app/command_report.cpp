@@ -11,7 +11,7 @@ struct Options {
   bool without_pictures = false;
 };
 
-int make_page(const Options& options) {
+void make_page(const Options& options) {
   const std::filesystem::path out =
       options.out.empty() ? std::filesystem::path(options.dir) / "report.html" : std::filesystem::path(options.out);
   if (std::filesystem::is_directory(out)) throw Error("--out {} is a folder; the name of a file is wanted", out.string());
@@ -20,7 +20,6 @@ int make_page(const Options& options) {
   write_file(out, report.html);
   for (const std::string& note : report.notes) fmt::print(stderr, "{}\n", note);
   fmt::print("{}\n", out.string());
-  return 0;
 }
 
 }  // namespace

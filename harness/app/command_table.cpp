@@ -34,16 +34,15 @@ struct TableCommand {
   }
 };
 
-int print_table(TableCommand& options) {
+void print_table(TableCommand& options) {
   const Format format = format_named(options.format);
   const std::vector<Record> records = options.records();
   if (options.table.columns == std::vector<std::string>{"list"}) {
     for (const std::string& name : column_names(records)) fmt::print("{}\n", name);
-    return 0;
+    return;
   }
   options.table.width = terminal_width();
   fmt::print("{}", render_table(records, format, options.table));
-  return 0;
 }
 
 }  // namespace
