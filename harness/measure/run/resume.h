@@ -20,7 +20,8 @@ struct Earlier {
 /// Reads options.out; nothing where there are no records. A scene that was not fetched then and is now is run, and its old row
 /// goes; so does a failed row of `jobs` when failed ones are to be tried again. Rows that cannot stand in one table with new
 /// ones are an Error: of a scene that has changed since, of another commit, of another suite, and of the same one with other
-/// processes, repetitions or truth; so is a folder none of whose rows the suite has. Where it has some, a note counts the rest. `suite` are all jobs of the suite, `jobs` those that are asked for.
+/// processes, repetitions or truth; so is a folder none of whose rows the suite has. Where it has some, a note counts the rest.
+/// `suite` are all jobs of the suite, `jobs` those that are asked for.
 Earlier earlier_rows(const RunOptions& options, SceneLibrary& library, std::span<const Job> suite, std::span<const Job> jobs);
 
 }  // namespace gnomon

@@ -103,7 +103,8 @@ TEST(contenders, a_sweep_names_the_default_of_what_it_sweeps_and_asks_for_the_sa
   EXPECT_EQ(sizes[0].label, "");
   EXPECT_EQ(sizes[1].label, "shadow_map:resolution=" + size + ",depth_bias=7");
   EXPECT_EQ(sizes[1].name(), "shadow_map:depth_bias=7");
-  const std::vector<Contender> flags = parse_contenders("{unshadowed,shadow_map:second_depth={false,true},resolution=" + size + "}");
+  const std::vector<Contender> flags =
+      parse_contenders("{unshadowed,shadow_map:second_depth={false,true},resolution=" + size + "}");
   EXPECT_EQ(flags[0].label, "");
   EXPECT_EQ(flags[1].label, "shadow_map:second_depth=false");
   EXPECT_EQ(flags[2].label, "");
