@@ -1,4 +1,3 @@
-#include <gnomon/kit/camera.h>
 #include <gnomon/kit/lines.h>
 
 #include <algorithm>
@@ -25,6 +24,12 @@ glm::dvec3 seen(const Camera& camera, const glm::dvec3& point) {
   const double z = glm::dot(v, camera.forward), aspect = static_cast<double>(camera.width) / camera.height;
   return {camera.width / 2.0 * (z + glm::dot(v, camera.right) / (camera.tan_y * aspect)),
           camera.height / 2.0 * (z - glm::dot(v, camera.up) / camera.tan_y), z};
+}
+
+/// Whether the surface that pixel i shows hides a point behind that pixel, `inverse_z` = 1 / its distance along the view.
+bool hides(const GBuffer& gbuffer, std::size_t i, const glm::dvec3& point, double inverse_z) {
+  return !gbuffer.is_background(i) &&
+         glm::dot(glm::dvec3(gbuffer.normal(i)), point - glm::dvec3(gbuffer.position(i))) * inverse_z < -beneath;
 }
 
 /// What of a line is in the picture and before the eye: a point in pixels and 1 / z at either end.
@@ -74,26 +79,23 @@ void for_pixels(const Camera& camera, const Line& line, const GBuffer& gbuffer, 
     const glm::dvec3 point = camera.eye + camera.ray(place.x, place.y) / place.z;
     const int lower = static_cast<int>(std::floor(place[across] - 0.5)), nearest = static_cast<int>(std::floor(place[across]));
     for (int k = std::max(lower, 0); k <= std::min(lower + 1, size[across] - 1); ++k) {
-      glm::ivec2 pixel;
-      pixel[along] = at, pixel[across] = k;
+      const glm::ivec2 pixel = along == 0 ? glm::ivec2(at, k) : glm::ivec2(k, at);
       const std::size_t i = static_cast<std::size_t>(pixel.y) * size.x + pixel.x;
-      const bool is_hidden =
-          !gbuffer.is_background(i) &&
-          glm::dot(glm::dvec3(gbuffer.normal(i)), point - glm::dvec3(gbuffer.position(i))) * place.z < -beneath;
-      put(i, is_hidden, k == nearest && at % dot_step < dot_step / 2);
+      put(i, hides(gbuffer, i, point, place.z), k == nearest && at % dot_step < dot_step / 2);
     }
   }
 }
 
-struct Fold {
+/// The color of silhouette edges where up to `last` side quads start, and more than in the class before.
+struct EdgeClass {
   Swatch swatch;
-  int last;  // count
+  int last;
 };
 
 /// sRGB 255, 225, 60; 255, 96, 208; 96, 232, 255.
-const std::array<Fold, 3> folds{{{{"1 side quad", {1.0, 0.7529, 0.0452}}, 1},
-                                 {{"2 side quads", {1.0, 0.1170, 0.6308}}, 2},
-                                 {{"3 and more", {0.1170, 0.8069, 1.0}}, std::numeric_limits<int>::max()}}};
+const std::array<EdgeClass, 3> edge_classes{{{{"1 side quad", {1.0, 0.7529, 0.0452}}, 1},
+                                             {{"2 side quads", {1.0, 0.1170, 0.6308}}, 2},
+                                             {{"3 and more", {0.1170, 0.8069, 1.0}}, std::numeric_limits<int>::max()}}};
 
 }  // namespace
 
@@ -109,10 +111,22 @@ void draw_lines(std::span<const Line> lines, const GBuffer& gbuffer, std::span<f
   for (const Line& line : lines)
     for_pixels(camera, line, gbuffer, [&](std::size_t i, bool is_hidden, bool is_dot) {
       const std::uint8_t kind = !is_hidden ? 2 : is_dot ? 1 : 0;
-      if (kind > 0 && kind >= kinds[i]) kinds[i] = kind, colors[i] = line.color;
+      if (kind == 0 || kind < kinds[i]) return;
+      kinds[i] = kind;
+      colors[i] = line.color;
     });
   for (std::size_t i = 0; i < kinds.size(); ++i)
     if (kinds[i] > 0) put(i, colors[i], kinds[i] == 2 ? 1 : hidden_share);
+}
+
+bool SeenPoints::operator()(const glm::dvec3& point) const {
+  const glm::dvec3 p = seen(camera_, point);
+  if (!(p.z > 0 && p.x >= 0 && p.y >= 0 && p.x < camera_.width * p.z && p.y < camera_.height * p.z)) return false;
+  const int x = static_cast<int>(p.x / p.z), y = static_cast<int>(p.y / p.z);
+  for (int v = std::max(y - 1, 0); v <= std::min(y + 1, camera_.height - 1); ++v)
+    for (int u = std::max(x - 1, 0); u <= std::min(x + 1, camera_.width - 1); ++u)
+      if (!hides(gbuffer_, static_cast<std::size_t>(v) * camera_.width + u, point, 1 / p.z)) return true;
+  return false;
 }
 
 std::vector<Line> silhouette_lines(const EdgeAdjacency& adjacency, const Silhouette& silhouette) {
@@ -125,7 +139,7 @@ std::vector<Line> silhouette_lines(const EdgeAdjacency& adjacency, const Silhoue
 }
 
 glm::vec3 silhouette_color(int count) {
-  return std::ranges::find_if(folds, [count](const Fold& fold) { return count <= fold.last; })->swatch.color;
+  return std::ranges::find_if(edge_classes, [count](const EdgeClass& c) { return count <= c.last; })->swatch.color;
 }
 
 DebugLayer silhouette_layer() {
@@ -134,7 +148,7 @@ DebugLayer silhouette_layer() {
                        "Silhouette edges over the shaded picture, colored by the side quads that start at each: one "
                        "around a closed body and where a surface ends, two where an open surface folds; what a surface "
                        "hides from the eye is dotted."};
-  for (const Fold& fold : folds) layer.legend.push_back(fold.swatch);
+  for (const EdgeClass& c : edge_classes) layer.legend.push_back(c.swatch);
   return layer;
 }
 

@@ -151,27 +151,10 @@ void draw_notices(const PictureDrawing& drawing, const Session& session, const S
   }
 }
 
-/// Edges that the eye sees are bright, the others dark: as the G-buffer tells at two points of each. In the window's own
-/// pixels, and quick enough for every picture; the debug layers of techniques decide pixel by pixel.
-void draw_silhouettes(const PictureDrawing& drawing, std::span<const Line> lines, const GBuffer& g) {
-  constexpr double tolerance = 0.005;  // of the distance from the eye
-  const auto is_seen = [&](const glm::dvec3& point) {
-    const auto p = project(drawing.camera, point);
-    if (!p) return false;
-    const int x = static_cast<int>(p->x * g.width / drawing.camera.width),
-              y = static_cast<int>(p->y * g.height / drawing.camera.height);
-    if (p->x < 0 || p->y < 0 || x >= g.width || y >= g.height) return false;
-    const double distance = glm::distance(point, drawing.camera.eye);
-    // An outline seen from the eye lies beside its mesh as often as on it: any neighbor will do.
-    for (int dy = -1; dy <= 1; ++dy)
-      for (int dx = -1; dx <= 1; ++dx) {
-        const int u = std::clamp(x + dx, 0, g.width - 1), v = std::clamp(y + dy, 0, g.height - 1);
-        const std::size_t i = static_cast<std::size_t>(v) * g.width + u;
-        if (g.is_background(i) || glm::distance(glm::dvec3(g.position(i)), drawing.camera.eye) >= distance * (1 - tolerance))
-          return true;
-      }
-    return false;
-  };
+/// Edges that the eye sees are bright, the others dark: each half of an edge as its middle is. In the window's own pixels, and
+/// quick enough for every picture; the debug layers of techniques decide pixel by pixel.
+void draw_silhouettes(const PictureDrawing& drawing, std::span<const Line> lines, const GBuffer& gbuffer) {
+  const SeenPoints is_seen(gbuffer);
   const auto draw = [&](const Line& line, const glm::dvec3& from, const glm::dvec3& to) {
     const bool is_bright = is_seen((from + to) / 2.0);
     const auto part = [&](double linear) { return is_bright ? srgb(linear) : srgb(linear) * 2 / 5; };

@@ -112,6 +112,22 @@ TEST_F(Lines, what_is_behind_the_eye_or_beside_the_picture_is_not_drawn) {
   EXPECT_EQ(state(picture, width * 20 + 43, red), untouched);
 }
 
+// Points at the middle of a pixel of the square, of the background, beside the picture and behind the eye. Beneath the square a
+// point is hidden from 4 mm on, as a line is; and just inside the square's border the pixel beside it shows nothing that hides.
+TEST_F(Lines, points_are_seen_by_the_rule_of_lines) {
+  const SeenPoints is_seen(gbuffer);
+  EXPECT_TRUE(is_seen({0.05, 0, 0.05}));
+  EXPECT_TRUE(is_seen({0.05, 1, 0.05}));
+  EXPECT_TRUE(is_seen({0.05, -0.003, 0.05}));
+  EXPECT_FALSE(is_seen({0.05, -0.005, 0.05}));
+  EXPECT_FALSE(is_seen({0.05, -1, 0.05}));
+  EXPECT_TRUE(is_seen({2.05, -1, 0.05}));     // beside the square
+  EXPECT_TRUE(is_seen({0.95, -0.01, 0.05}));  // in its last column of pixels
+  EXPECT_FALSE(is_seen({0.85, -0.01, 0.05}));
+  for (const glm::dvec3& p : {glm::dvec3(4.05, 0, 0), {0, 0, -2.05}, {0, 5, 0}, {0, 4, 0}, glm::dvec3(NAN)})
+    EXPECT_FALSE(is_seen(p));
+}
+
 // Random lines and planes, against the definition: a pixel is painted only if the line passes it by less than one pixel; and
 // one whose center the line passes within a half, with both ends well in the picture, is painted unless something hides it.
 TEST_F(Lines, random_lines_paint_the_pixels_that_they_pass) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <gnomon/gbuffer.h>
+#include <gnomon/kit/camera.h>
 #include <gnomon/kit/edges.h>
 #include <gnomon/technique.h>
 
@@ -21,6 +22,20 @@ struct Line {
 /// distance from the eye counts as lying on it, so that edges of surfaces, and of the triangles inscribed in a curve, are
 /// visible. What is behind the eye is clipped off. Visible parts are drawn over hidden ones, later lines over earlier ones.
 void draw_lines(std::span<const Line> lines, const GBuffer& gbuffer, std::span<float> picture);
+
+/// Which points the eye of a G-buffer sees, by the same rule. For lines that a window draws itself, a few points of each, where
+/// deciding pixel by pixel would take too long.
+class SeenPoints {
+ public:
+  explicit SeenPoints(const GBuffer& gbuffer) : gbuffer_(gbuffer), camera_(gbuffer.view, gbuffer.width, gbuffer.height) {}
+  /// Whether the point is in the picture and not hidden at its pixel or one of the eight around it: an outline lies beside its
+  /// mesh as often as on it.
+  bool operator()(const glm::dvec3& point) const;
+
+ private:
+  const GBuffer& gbuffer_;
+  Camera camera_;
+};
 
 /// The edges of a silhouette as lines, colored by how many side quads start there: the absolute value of SilhouetteEdge::count.
 std::vector<Line> silhouette_lines(const EdgeAdjacency& adjacency, const Silhouette& silhouette);
