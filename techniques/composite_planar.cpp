@@ -1,15 +1,5 @@
 // Analytic composite shadow: every caster is a simple shape, whose shadow on a plane is known in closed form; the shadow of
 // what is composed of shapes is the union of theirs. A pixel asks only the shapes whose outlines reach its part of the picture.
-//
-// Source: Pljaskovic et al., Sphere and cone composite realtime shadows (equations 1 to 9); exact forms: docs/planar_shadow.md.
-// Error:  form = exact is exact up to float32 rounding at the pixel's point.
-//         form = paper takes a sphere's shadow for that of its great circle along the plane, whose area is
-//         K^1.5 / (h^2 sqrt(x_i^2 + K)) of the true one, K = h^2 - r^2 (0.81 with the light 4 m aside and 6 m above a ball of
-//         1 m), and cuts inside the tangents of a cone, by up to a few percent of the area.
-//         form = printed leaves the base of a triangle under the object as well.
-// Fails:  casters without an exact shape, receivers that are not flat; sheets nearer to each other than float32 tells (25 units
-//         of 2^-24 of the scene's extent) are one plane; paper and printed: all but spheres, discs along the plane, upright
-//         cones and triangles, below the light.
 #include <gnomon/kit/gl.h>
 #include <gnomon/kit/parallel.h>
 #include <gnomon/registry.h>
@@ -24,6 +14,25 @@ namespace {
 using namespace gnomon;
 using namespace composite_planar;
 
+constexpr About about{
+    .title = "Analytic composite shadow",
+    .summary = "Shadows of simple shapes on planes in closed form, and their union.",
+    .source =
+        "Pljaskovic et al., Sphere and cone composite realtime shadows (equations 1 to 9); exact forms: "
+        "docs/planar_shadow.md.",
+    .error =
+        "form = exact is exact up to float32 rounding at the pixel's point. form = paper takes a sphere's shadow for that of "
+        "its great circle along the plane, whose area is K^1.5 / (h^2 sqrt(x_i^2 + K)) of the true one, K = h^2 - r^2 (0.81 "
+        "with the light 4 m aside and 6 m above a ball of 1 m), and cuts inside the tangents of a cone, by up to a few "
+        "percent of the area. form = printed leaves the base of a triangle under the object as well.",
+    .fails =
+        "Casters without an exact shape; receivers that are not flat: pixels off the planes are lit and not covered; sheets "
+        "nearer to each other than float32 tells (25 units of 2^-24 of the scene's extent) are one plane. The forms paper "
+        "and printed: all but spheres, discs along the plane, upright cones and triangles, below the light.",
+    .promise = Promise::exact,
+    .sees = Truth::shape,
+    .needs_gl = true};
+
 class CompositePlanar final : public Technique {
   Choice form{this,           "form",
               "exact",        {"printed", "paper", "exact"},
@@ -36,7 +45,11 @@ class CompositePlanar final : public Technique {
  public:
   Support supports(const Scene& scene, const Light& light, const View&) const override;
   void setup() override;
-  void build(const Scene& scene) override;
+  void build(const Scene& scene) override {
+    scene_ = &scene;
+    casters_ = casters_of(scene);
+    receivers_ = find_receivers(scene, min_share);
+  }
   void relight(const Light& light) override;
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
   Counts counts() const override;
@@ -45,7 +58,7 @@ class CompositePlanar final : public Technique {
   std::vector<float> draw_debug(std::string_view layer) const override;
 
  private:
-  struct Caster {
+  struct ShapeCaster {
     std::uint32_t mesh;
     Shape shape;
   };
@@ -56,13 +69,9 @@ class CompositePlanar final : public Technique {
     Polygon polygon;
   };
   ShadowForm shadow_form() const { return static_cast<ShadowForm>(form.index()); }
-  /// Turned toward the light; nothing for a light in the plane, as far as float32 can tell.
-  static std::optional<Receiver> facing(const Receiver& receiver, const glm::dvec4& light, double tolerance);
-  /// Whether some of the shape lies over the plane and below the light.
-  static bool may_cast(const Shape& shape, const glm::dvec4& light, const glm::dvec4& plane, double tolerance);
-  static std::vector<Caster> casters_of(const Scene& scene);
+  static std::vector<ShapeCaster> casters_of(const Scene& scene);
   /// Adds the tests of a form under the light, plane after plane.
-  void add_reaches(ShadowForm asked, std::vector<Reach>& reaches) const;
+  void add_reaches(ShadowForm used, std::vector<Reach>& reaches) const;
   std::optional<std::size_t> receiver_of(std::size_t index) const;
   std::vector<Holders> find_holders() const;
   void find_patches(const GBuffer& gbuffer);
@@ -72,13 +81,13 @@ class CompositePlanar final : public Technique {
   Framebuffer framebuffer_;
   const Scene* scene_ = nullptr;
   const GBuffer* gbuffer_ = nullptr;
-  std::vector<Caster> casters_;
-  Receivers receivers_;
+  std::vector<ShapeCaster> casters_;
+  ReceiverSet receivers_;
   Light light_;
   std::vector<std::optional<Receiver>> facing_;  // of each receiver
   std::vector<TestData> test_data_;
   std::vector<Reach> reaches_;                       // of each test, by plane
-  mutable std::optional<std::vector<Reach>> exact_;  // what the exact form says; made when somebody asks
+  mutable std::optional<std::vector<Reach>> exact_;  // the same of the exact form, made by the first `explain` of another
   Tiles tiles_;
   Patches patches_;
   std::uint32_t list_limit_ = Patches::most;
@@ -86,8 +95,8 @@ class CompositePlanar final : public Technique {
   VertexArray vertex_array_;
 };
 
-std::vector<CompositePlanar::Caster> CompositePlanar::casters_of(const Scene& scene) {
-  std::vector<Caster> casters;
+std::vector<CompositePlanar::ShapeCaster> CompositePlanar::casters_of(const Scene& scene) {
+  std::vector<ShapeCaster> casters;
   for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
     const Mesh& mesh = scene.meshes[m];
     if (mesh.casts && mesh.shape) casters.push_back({m, *mesh.shape});
@@ -95,35 +104,22 @@ std::vector<CompositePlanar::Caster> CompositePlanar::casters_of(const Scene& sc
   return casters;
 }
 
-std::optional<Receiver> CompositePlanar::facing(const Receiver& receiver, const glm::dvec4& light, double tolerance) {
-  Receiver turned = receiver;
-  if (glm::dot(turned.plane, light) < 0) turned.plane = -turned.plane;
-  const bool is_edge_on = glm::dot(turned.plane, light) <= (light.w != 0 ? tolerance : 0x1p-24 * glm::length(light));
-  return is_edge_on ? std::nullopt : std::optional(turned);
-}
-
-bool CompositePlanar::may_cast(const Shape& shape, const glm::dvec4& light, const glm::dvec4& plane, double tolerance) {
-  const auto [low, high] = heights_over(shape, plane);
-  return high > tolerance && (light.w == 0 || low < glm::dot(plane, light));
-}
-
 Support CompositePlanar::supports(const Scene& scene, const Light& light, const View&) const {
   if (has_area(light)) return Support::unsupported("the formulas are of one point: lights with area have none");
   for (const Mesh& mesh : scene.meshes)
     if (mesh.casts && !mesh.shape) return Support::unsupported(fmt::format("{} has no exact shape", mesh.name));
-  const Receivers receivers = find_receivers(scene, min_share);
+  const ReceiverSet receivers = find_receivers(scene, min_share);
   if (receivers.planes.empty())
     return Support::unsupported(fmt::format("no plane holds {} of the receiving area", min_share.value()));
   const glm::dvec4 l = homogeneous(light);
-  const std::vector<Caster> casters = casters_of(scene);
+  const std::vector<ShapeCaster> casters = casters_of(scene);
   for (const Receiver& receiver : receivers.planes) {
     const auto turned = facing(receiver, l, receivers.tolerance);
     if (!turned) continue;
-    for (const Caster& caster : casters) {
+    for (const ShapeCaster& caster : casters) {
       // A finite light touches what it touches whatever the plane; the rest matters where a shadow may fall.
-      const ShadowForm asked =
-          may_cast(caster.shape, l, turned->plane, receivers.tolerance) ? shadow_form() : ShadowForm::exact;
-      const std::string why = PlanarShadow::objection(caster.shape, l, turned->plane, asked);
+      const ShadowForm used = may_cast(caster.shape, l, turned->plane, receivers.tolerance) ? shadow_form() : ShadowForm::exact;
+      const std::string why = PlanarShadow::objection(caster.shape, l, turned->plane, used);
       if (!why.empty()) return Support::unsupported(fmt::format("{}: {}", scene.meshes[caster.mesh].name, why));
     }
   }
@@ -160,16 +156,13 @@ void CompositePlanar::setup() {
   form.set(chosen);
 }
 
-void CompositePlanar::build(const Scene& scene) {
-  scene_ = &scene;
-  casters_ = casters_of(scene);
-  receivers_ = find_receivers(scene, min_share);
-}
-
 void CompositePlanar::relight(const Light& light) {
   light_ = light;
   const glm::dvec4 l = homogeneous(light);
-  facing_.clear(), test_data_.clear(), reaches_.clear(), exact_.reset();
+  facing_.clear();
+  test_data_.clear();
+  reaches_.clear();
+  exact_.reset();
   std::vector<std::array<glm::vec4, 2>> planes;
   for (const Receiver& receiver : receivers_.planes) {
     facing_.push_back(facing(receiver, l, receivers_.tolerance));
@@ -183,15 +176,15 @@ void CompositePlanar::relight(const Light& light) {
   glFinish();
 }
 
-void CompositePlanar::add_reaches(ShadowForm asked, std::vector<Reach>& reaches) const {
+void CompositePlanar::add_reaches(ShadowForm used, std::vector<Reach>& reaches) const {
   const glm::dvec4 l = homogeneous(light_);
   for (std::uint32_t r = 0; r < facing_.size(); ++r) {
     if (!facing_[r]) continue;
-    for (const Caster& caster : casters_) {
+    for (const ShapeCaster& caster : casters_) {
       if (!may_cast(caster.shape, l, facing_[r]->plane, receivers_.tolerance)) continue;
-      const PlanarShadow shadow(caster.shape, l, facing_[r]->plane, asked);
+      const PlanarShadow shadow(caster.shape, l, facing_[r]->plane, used);
       for (std::size_t i = 0; i < shadow.parts().size(); ++i) {
-        const Polygon polygon = bound_of(shadow.parts()[i], asked != ShadowForm::exact, l, *facing_[r]);
+        const Polygon polygon = bound_of(shadow.parts()[i], used != ShadowForm::exact, l, *facing_[r]);
         if (polygon.size() > 0) reaches.push_back({r, caster.mesh, shadow.tests()[i], polygon});
       }
     }
@@ -227,7 +220,10 @@ void CompositePlanar::find_patches(const GBuffer& gbuffer) {
     const auto& [plane, mesh, test, polygon] = reaches_[t];
     // Seen from behind, the plane shows its unlit side.
     if (glm::dot(facing_[plane]->plane, eye) <= 0) continue;
-    if (begun != plane) tiles_.begin_plane(plane, facing_[plane]->plane), begun = plane;
+    if (begun != plane) {
+      tiles_.begin_plane(plane, facing_[plane]->plane);
+      begun = plane;
+    }
     tiles_.add(t, test, polygon);
   }
   patches_.make(tiles_.sorted(), tiles_.columns(), gbuffer.width, gbuffer.height, list_limit_);
@@ -262,11 +258,15 @@ void CompositePlanar::draw(const GBuffer& gbuffer) {
 }
 
 Counts CompositePlanar::counts() const {
-  double fill = 0, asked = 0;
+  double fill = 0, tests = 0;
   for (const auto* kind : {&patches_.whole, &patches_.single, &patches_.several})
-    for (const Patch& patch : *kind) fill += patch.pixel_count(), asked += patch.pixel_count() * patch.count;
+    for (const Patch& patch : *kind) {
+      fill += patch.pixel_count();
+      tests += patch.pixel_count() * patch.count;
+    }
   const auto discs = std::ranges::count_if(test_data_, [](const TestData& test) { return test.anchor.w != 0; });
-  std::size_t bytes = tests_.bytes + planes_.bytes + lists_.bytes + instances_.bytes + casters_.capacity() * sizeof(Caster);
+  std::size_t bytes =
+      tests_.bytes + planes_.bytes + lists_.bytes + instances_.bytes + casters_.capacity() * sizeof(ShapeCaster);
   bytes += receivers_.planes.capacity() * sizeof(Receiver) + facing_.capacity() * sizeof(facing_[0]);
   bytes += test_data_.capacity() * sizeof(TestData) + reaches_.capacity() * sizeof(Reach) + tiles_.bytes() + patches_.bytes();
   if (exact_) bytes += exact_->capacity() * sizeof(Reach);
@@ -276,7 +276,7 @@ Counts CompositePlanar::counts() const {
           {"polygons", double(test_data_.size() - discs), ""},
           {"patches", double(patches_.size()), ""},
           {"fill", fill, "pixel"},
-          {"asked", asked, "test"},
+          {"asked", tests, "test"},
           {"bytes", double(bytes), "byte"}};
 }
 
@@ -331,15 +331,4 @@ std::vector<float> CompositePlanar::draw_debug(std::string_view layer) const {
 
 }  // namespace
 
-GNOMON_TECHNIQUE(composite_planar, CompositePlanar,
-                 {.title = "Analytic composite shadow",
-                  .summary = "Shadows of simple shapes on planes in closed form, and their union.",
-                  .source = "Pljaskovic et al.",
-                  .error = "Float32 rounding with form=exact. form=paper: spheres' shadows are too small (0.81 of the area "
-                           "with the light 4 m aside and 6 m above a ball of 1 m), cones lose slivers. form=printed: bases "
-                           "of triangles are misplaced, too.",
-                  .fails = "Casters without an exact shape; receivers that are not flat: pixels off the planes are lit and "
-                           "not covered.",
-                  .promise = Promise::exact,
-                  .sees = Truth::shape,
-                  .needs_gl = true})
+GNOMON_TECHNIQUE(composite_planar, CompositePlanar, about)

@@ -1,32 +1,37 @@
 // Stencil shadow volumes: faces of the casters' shadow volumes, counted per pixel by the rasterizer.
-//
-// Source: Crow 1977; Heidmann 1991 (zpass); Everitt and Kilgard 2002 (zfail, infinite far plane, caps); Hornus, Hoberock,
-//         Lefebvre and Hart 2005 (zpass_plus); Bergeron 1986 and Kim, Kim and Jung 2008 (open and non-manifold meshes: edges
-//         with multiplicity); Lengyel 2011, Table 10.1 (winding of side quads).
-// Error:  exact up to the rasterizer's snapping of vertices to 1/256 pixel: the share of pixels that a shift by half of that
-//         would flip is the row's snapping_floor. Light caps and lit surfaces tie bit for bit, so there is no bias.
-// Fails:  zpass with the eye in a shadow volume (every pixel is off by the volumes around the eye), and says so. An edge that
-//         meets the middle of another one (T-junction) is a crack of the input: single pixels along its side quad may be wrong.
-//         A closed mesh that winds around some region the wrong way (self-intersecting) lights receivers inside that region.
 #include <gnomon/kit/box_tree.h>
 #include <gnomon/kit/camera.h>
 #include <gnomon/kit/depth_bound.h>
-#include <gnomon/kit/gl_volumes.h>
-#include <gnomon/kit/lines.h>
+#include <gnomon/kit/volume_technique.h>
 #include <gnomon/registry.h>
 
 #include <memory>
 
 #include "stencil_volume/eye_place.h"
-#include "stencil_volume/faces.h"
 #include "stencil_volume/gpu_finder.h"
 #include "stencil_volume/shaders.h"
 
 namespace {
 using namespace gnomon;
-using stencil_volume::Commands;
 
-class StencilVolume final : public Technique {
+constexpr About about{
+    .title = "Stencil shadow volumes",
+    .summary = "Faces of the casters' shadow volumes, counted per pixel by the rasterizer.",
+    .source =
+        "Crow 1977; Heidmann 1991 (zpass); Everitt and Kilgard 2002 (zfail, infinite far plane, caps); Hornus, Hoberock, "
+        "Lefebvre and Hart 2005 (zpass_plus); Bergeron 1986 and Kim, Kim and Jung 2008 (open and non-manifold meshes: "
+        "edges with multiplicity); Lengyel 2011, Table 10.1 (winding of side quads).",
+    .error =
+        "Exact up to the rasterizer's snapping of vertices to 1/256 pixel: the share of pixels that a shift by half of "
+        "that would flip is the row's snapping_floor. Light caps and lit surfaces tie bit for bit, so there is no bias.",
+    .fails =
+        "The count zpass with the eye in a shadow volume: every pixel is off by the volumes around the eye, and the row "
+        "says so. An edge that meets the middle of another one (T-junction) is a crack of the input: single pixels along "
+        "its side quad may be wrong. A closed mesh that winds around some region the wrong way (self-intersecting) lights "
+        "receivers inside that region.",
+    .needs_gl = true};
+
+class StencilVolume final : public VolumeTechnique {
   Choice count{this,           "count",
                "zfail",        {"zpass", "zfail", "zpass_plus"},
                Stage::relight, "Faces before the surface, behind it, or before it with the volumes around the eye added."};
@@ -52,17 +57,17 @@ class StencilVolume final : public Technique {
  public:
   Support supports(const Scene& scene, const Light& light, const View& view) const override;
   void setup() override;
-  void build(const Scene& scene) override;
+  void build(const Scene& scene) override {
+    scene_ = &scene;
+    casters_.reset();
+    scene_buffers(scene);
+    adjacency_ = EdgeAdjacency(scene);
+    if (finder.is("gpu")) gpu_finder_.build(adjacency_);
+  }
   void relight(const Light& light) override;
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
   Counts counts() const override;
   std::optional<Explanation> explain(std::size_t index) const override;
-  std::vector<DebugLayer> debug_layers() const override {
-    std::vector<DebugLayer> layers = volume_layers();
-    layers.push_back(silhouette_layer());
-    return layers;
-  }
-  std::vector<float> draw_debug(std::string_view layer) const override;
 
  private:
   CountWhere where() const { return count.is("zfail") ? CountWhere::behind_surface : CountWhere::before_surface; }
@@ -71,36 +76,21 @@ class StencilVolume final : public Technique {
   bool uses_near_rectangle(const View& view) const {
     return near_rectangle() && !stencil_volume::is_in_near_plane(homogeneous(light_), view);
   }
-  /// The mask of `gbuffer_`.
-  void answer(VisibilityMask& mask) const;
-  /// Begins a pass, draws every face, and leaves the pass open.
-  void draw(VolumeCounter::Pass pass) const;
+  void draw(Pass pass) const override;
   void draw_near_cap() const;
-  void draw_faces() const;
 
-  VolumeProgram sides_, triangle_sides_, fan_, far_triangles_, caps_, near_cap_program_;
-  mutable VolumeCounter counter_;
-  VertexArray vertex_array_;
-
-  const Scene* scene_ = nullptr;
-  EdgeAdjacency adjacency_;
-  Silhouette silhouette_;
-  stencil_volume::Faces faces_;
+  VolumeProgram triangle_sides_, near_cap_program_;
   stencil_volume::GpuFinder gpu_finder_;
-  Commands commands_;
-  Light light_;
   std::int64_t depth_bound_ = 0;
-  bool wide_ = false;
   bool counts_wide_ = false;  // while setup warms the wide pass
-  const GBuffer* gbuffer_ = nullptr;
   std::int64_t volumes_at_eye_ = 0;
-  mutable std::unique_ptr<BoxTree> casters_;  // for questions only
+  mutable std::unique_ptr<BoxTree> casters_;  // made by the first `explain`
 };
 
 Support StencilVolume::supports(const Scene& scene, const Light& light, const View& view) const {
   if (has_area(light)) return Support::unsupported("a shadow volume has one apex: lights with area have none");
   if (count.is("zfail")) return Support::full();
-  const stencil_volume::EyePlace eye = stencil_volume::EyePlaceFinder(scene, light, view)();
+  const stencil_volume::EyePlace eye = stencil_volume::find_eye_place(scene, light, view);
   if (eye.boundary) return Support::approximate("the eye lies on the boundary of a shadow volume, within rounding");
   if (eye.inside && count.is("zpass"))
     return Support::approximate("the eye is inside a shadow volume, which zpass does not count");
@@ -113,24 +103,12 @@ Support StencilVolume::supports(const Scene& scene, const Light& light, const Vi
 }
 
 void StencilVolume::setup() {
-  const auto program = [](std::string_view title, std::string_view body) {
-    std::string vertex(position_snippet);
-    vertex += stencil_volume::fetch_head, vertex += stencil_volume::quad_head, vertex += body;
-    return VolumeProgram(title, vertex);
-  };
-  sides_ = program("stencil_volume sides", stencil_volume::sides_body);
-  triangle_sides_ = program("stencil_volume triangle sides", stencil_volume::triangle_sides_body);
-  fan_ = program("stencil_volume fan", stencil_volume::fan_body);
-  far_triangles_ = program("stencil_volume far triangles", stencil_volume::far_triangles_body);
-  caps_ = VolumeProgram("stencil_volume caps", std::string(position_snippet) + std::string(stencil_volume::caps_body));
+  drawer_.setup("stencil_volume");
+  triangle_sides_ = FaceDrawer::program("stencil_volume triangle sides", stencil_volume::triangle_sides_body);
   near_cap_program_ =
       VolumeProgram("stencil_volume near cap", std::string(position_snippet) + std::string(stencil_volume::near_cap_body));
   counter_.setup();
   if (finder.is("gpu")) gpu_finder_.setup();
-  vertex_array_ = make_vertex_array();
-  glVertexArrayAttribFormat(vertex_array_.name(), 0, 3, GL_FLOAT, GL_FALSE, 0);
-  glVertexArrayAttribBinding(vertex_array_.name(), 0, 0);
-  glEnableVertexArrayAttrib(vertex_array_.name(), 0);
   counts_wide_ = true;  // the pass of deep scenes, and of counts()
   warm_up(*this);
   counter_.drop_pictures();
@@ -138,24 +116,15 @@ void StencilVolume::setup() {
   warm_up(*this);
 }
 
-void StencilVolume::build(const Scene& scene) {
-  scene_ = &scene;
-  casters_.reset();
-  scene_buffers(scene);
-  adjacency_ = EdgeAdjacency(scene);
-  if (finder.is("gpu")) gpu_finder_.build(adjacency_);
-}
-
 void StencilVolume::relight(const Light& light) {
   const StateGuard guard;
   light_ = light;
   const glm::dvec4 l = homogeneous(light);
   const bool behind = where() == CountWhere::behind_surface;
-  const stencil_volume::Wanted wanted{
+  const WantedFaces wanted{
       .outline = extrusion.is("silhouette"), .light_caps = behind || near_rectangle(), .dark_caps = behind && l.w != 0};
   if (finder.is("gpu")) {
-    gpu_finder_.use_positions(scene_buffers(*scene_));
-    commands_ = gpu_finder_.find(adjacency_, l, wanted, faces_, silhouette_);
+    commands_ = gpu_finder_.find(scene_buffers(*scene_), adjacency_, l, wanted, faces_, silhouette_);
   } else {
     adjacency_.find_silhouette(l, silhouette_);
     commands_ = write_faces(adjacency_, silhouette_, wanted, faces_);
@@ -174,28 +143,18 @@ void StencilVolume::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   answer(mask);
 }
 
-void StencilVolume::answer(VisibilityMask& mask) const {
-  draw(wide_ ? VolumeCounter::Pass::wide : VolumeCounter::Pass::stencil);
-  counter_.write_mask(gbuffer_textures(*gbuffer_, *scene_), light_, mask);
-  glFinish();
-}
-
-void StencilVolume::draw(VolumeCounter::Pass pass) const {
+void StencilVolume::draw(Pass pass) const {
   counter_.begin(depth_stencil(*scene_, *gbuffer_), pass, where(), static_cast<int>(volumes_at_eye_));
-  const SceneBuffers& buffers = scene_buffers(*scene_);
-  glVertexArrayVertexBuffer(vertex_array_.name(), 0, buffers.positions.name(), 0, sizeof(glm::vec3));
-  if (faces_.caps.name()) glVertexArrayElementBuffer(vertex_array_.name(), faces_.caps.name());
-  glBindVertexArray(vertex_array_.name());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, buffers.positions.name());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, faces_.sides.name());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, faces_.triangles.name());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, faces_.hubs.name());
-  glBindBuffer(GL_DRAW_INDIRECT_BUFFER, faces_.commands.name());
-  if (uses_near_rectangle(gbuffer_->view) && pass != VolumeCounter::Pass::layer) {
+  bind_faces(scene_buffers(*scene_).positions);
+  if (uses_near_rectangle(gbuffer_->view) && pass != Pass::layer) {
     draw_near_cap();
     glDisable(GL_DEPTH_CLAMP);  // what lies before the near plane is in the near cap
   }
-  draw_faces();
+  if (extrusion.is("silhouette"))
+    drawer_.draw_sides(counter_);
+  else
+    drawer_.draw_arrays(counter_, triangle_sides_, VolumeFace::side, offsetof(FaceCommands, triangle_sides));
+  if (where() == CountWhere::behind_surface) drawer_.draw_caps(counter_);
   glBindVertexArray(0);
 }
 
@@ -218,68 +177,27 @@ void StencilVolume::draw_near_cap() const {
   glEnable(GL_CLIP_DISTANCE0);
   glEnable(GL_CLIP_DISTANCE1);
   // Seen with the light they keep their turn, seen against it they change it.
-  counter_.use(near_cap_program_, VolumeFace::light_cap, !behind);
-  glDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, reinterpret_cast<const void*>(offsetof(Commands, caps)));
-  counter_.use(near_cap_program_, VolumeFace::light_cap, behind);
-  glDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, reinterpret_cast<const void*>(offsetof(Commands, reversed_caps)));
+  drawer_.draw_light_caps(counter_, near_cap_program_, !behind);
   glDisable(GL_CLIP_DISTANCE0);
   glDisable(GL_CLIP_DISTANCE1);
-}
-
-void StencilVolume::draw_faces() const {
-  const glm::mat4 clip(clip_from_world(gbuffer_->view, gbuffer_->width, gbuffer_->height));
-  const glm::vec4 light(homogeneous(light_));
-  const auto prepare = [&](const VolumeProgram& program, VolumeFace face, bool reversed = false) {
-    program.each([&](const Program& p) {
-      p.set("clip_from_world", clip);
-      if (p.uses("light")) p.set("light", light);
-      if (p.uses("directional")) p.set("directional", light.w == 0);
-    });
-    counter_.use(program, face, reversed);
-  };
-  const auto arrays = [&](const VolumeProgram& program, VolumeFace face, std::size_t command) {
-    prepare(program, face);
-    glDrawArraysIndirect(GL_TRIANGLES, reinterpret_cast<const void*>(command));
-  };
-  const auto elements = [&](bool reversed, std::size_t command) {
-    prepare(caps_, VolumeFace::light_cap, reversed);
-    glDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, reinterpret_cast<const void*>(command));
-  };
-  if (extrusion.is("silhouette"))
-    arrays(sides_, VolumeFace::side, offsetof(Commands, sides));
-  else
-    arrays(triangle_sides_, VolumeFace::side, offsetof(Commands, triangle_sides));
-  if (where() == CountWhere::before_surface) return;
-  elements(false, offsetof(Commands, caps));
-  elements(true, offsetof(Commands, reversed_caps));
-  if (light.w == 0) return;  // the volume of a directional light ends in one point
-  arrays(fan_, VolumeFace::dark_cap, offsetof(Commands, fan));
-  arrays(far_triangles_, VolumeFace::dark_cap, offsetof(Commands, far_triangles));
 }
 
 Counts StencilVolume::counts() const {
   std::size_t closed = 0;
   for (const EdgeAdjacency::Part& part : adjacency_.parts()) closed += part.closed;
-  const double corners = commands_.sides.count + commands_.fan.count + commands_.triangle_sides.count +
-                         commands_.far_triangles.count + commands_.caps.count + commands_.reversed_caps.count;
   double edges = 0;  // with multiplicity
   for (const SilhouetteEdge& edge : silhouette_.edges) edges += std::abs(edge.count);
   Counts counts{{"closed_parts", double(closed), ""},
                 {"open_parts", double(adjacency_.parts().size() - closed), ""},
                 {"silhouette_edges", edges, ""},
-                {"triangles", corners / 3, ""},
+                {"triangles", double(commands_.triangle_count()), ""},
                 {"depth_bound", double(depth_bound_), ""}};
   counts.push_back({"bytes",
                     double(adjacency_.bytes() + silhouette_.bytes() + faces_.bytes() + gpu_finder_.bytes() + counter_.bytes()),
                     "byte"});
   if (!gbuffer_) return counts;
 
-  // What the stencil cannot tell, by a pass in 32 bits that is thrown away.
-  const StateGuard guard;
-  draw(VolumeCounter::Pass::wide);
-  const auto [fill, deepest] = counter_.work();
-  counter_.end();
-  if (!wide_) counter_.drop_pictures();
+  const auto [fill, deepest] = measure_work();
   counts.push_back({"fill", fill, "pixel"});
   counts.push_back({"deepest", deepest, "volume"});
   counts.push_back({"volumes_at_eye", double(volumes_at_eye_), "volume"});
@@ -312,44 +230,6 @@ std::optional<Explanation> StencilVolume::explain(std::size_t index) const {
   return why;
 }
 
-std::vector<float> StencilVolume::draw_debug(std::string_view layer) const {
-  if (layer != "volumes" && layer != "counts" && layer != "silhouette") return Technique::draw_debug(layer);
-  std::vector<float> picture;
-  if (layer == "counts") {
-    const StateGuard guard;
-    draw(VolumeCounter::Pass::wide);
-    std::vector<float> counts;
-    for (const VolumeCounter::WideCount& pixel : counter_.wide_counts()) counts.push_back(pixel.count);
-    picture = heat_layer(*gbuffer_, counts);
-    counter_.end();
-  } else {
-    VisibilityMask mask(gbuffer_->width, gbuffer_->height);
-    {
-      const StateGuard guard;
-      answer(mask);
-    }
-    picture = shaded_layer(*scene_, *gbuffer_, light_, mask.read());
-    if (layer == "silhouette") {
-      draw_lines(silhouette_lines(adjacency_, silhouette_), *gbuffer_, picture);
-    } else {
-      const StateGuard guard;
-      draw(VolumeCounter::Pass::layer);
-      paint_volumes(counter_.layer_faces(), gbuffer_->width, picture);
-      counter_.end();
-    }
-  }
-  if (!wide_) counter_.drop_pictures();
-  return picture;
-}
-
 }  // namespace
 
-GNOMON_TECHNIQUE(
-    stencil_volume, StencilVolume,
-    {.title = "Stencil shadow volumes",
-     .summary = "Faces of the casters' shadow volumes, counted per pixel by the rasterizer.",
-     .source = "Crow 1977; Heidmann 1991; Everitt and Kilgard 2002; Hornus et al. 2005",
-     .error = "Exact up to the rasterizer's snapping of vertices to 1/256 pixel; no bias.",
-     .fails = "The count zpass with the eye in a shadow volume; single pixels at T-junctions of the mesh; receivers inside a "
-              "closed mesh that is turned inside out there.",
-     .needs_gl = true})
+GNOMON_TECHNIQUE(stencil_volume, StencilVolume, about)

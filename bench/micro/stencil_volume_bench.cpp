@@ -14,6 +14,7 @@
 #include <gnomon/kit/gl.h>
 #include <gnomon/kit/parallel.h>
 #include <gnomon/kit/shapes.h>
+#include <gnomon/kit/volume_faces.h>
 #include <gnomon/registry.h>
 #include <tbb/global_control.h>
 
@@ -24,7 +25,6 @@
 #include "device/context.h"
 #include "measure/frame/gbuffer_maker.h"
 #include "measure/scene/load.h"
-#include "techniques/stencil_volume/faces.h"
 
 namespace {
 using namespace gnomon;
@@ -225,7 +225,7 @@ class BareVolumes {
     const glm::dvec4& light = silhouette.light;
     for_copies(silhouette, [&](const SilhouetteEdge& edge) {
       const EdgeAdjacency::Part& part = adjacency.parts()[edge.part];
-      if (!stencil_volume::has_hub(part, light)) return;
+      if (!has_hub(part, light)) return;
       const glm::vec4 apex(extruded((part.bounds.min + part.bounds.max) / 2.0f, light));
       const glm::vec4 low = far(adjacency, edge.low, light), high = far(adjacency, edge.high, light);
       edge.count > 0 ? add({apex, high, low}) : add({apex, low, high});
@@ -233,7 +233,7 @@ class BareVolumes {
     end_draw(false);
     for (std::size_t t = 0; t < silhouette.facing.size(); ++t) {
       if (silhouette.facing[t] == 0) continue;
-      if (stencil_volume::has_hub(adjacency.parts()[adjacency.part_of()[t]], light)) continue;
+      if (has_hub(adjacency.parts()[adjacency.part_of()[t]], light)) continue;
       glm::uvec3 v = adjacency.triangles()[t];
       if (silhouette.facing[t] > 0) std::swap(v.y, v.z);
       for (int k = 0; k < 3; ++k) add({far(adjacency, v[k], light)});

@@ -81,7 +81,9 @@ void VolumeCounter::setup() {
 }
 
 void VolumeCounter::begin(const DepthStencil& depth, Pass pass, CountWhere where, int start) {
-  depth_ = &depth, pass_ = pass, where_ = where;
+  depth_ = &depth;
+  pass_ = pass;
+  where_ = where;
   const GLuint target = framebuffer_.name();
   glNamedFramebufferTexture(target, GL_DEPTH_STENCIL_ATTACHMENT, depth.texture.name(), 0);
   Texture* const gathered = pass == Pass::wide ? &wide_ : pass == Pass::layer ? &layer_ : nullptr;
@@ -159,7 +161,10 @@ void VolumeCounter::end() const {
   glNamedFramebufferTexture(framebuffer_.name(), GL_DEPTH_STENCIL_ATTACHMENT, 0, 0);
 }
 
-void VolumeCounter::drop_pictures() { wide_ = {}, layer_ = {}; }
+void VolumeCounter::drop_pictures() {
+  wide_ = {};
+  layer_ = {};
+}
 
 std::vector<VolumeCounter::WideCount> VolumeCounter::wide_counts() const {
   std::vector<WideCount> counts(std::size_t(wide_.width) * wide_.height);

@@ -11,15 +11,11 @@ namespace {
 
 // --- What the light sees of a shape, as flat parts -------------------------------------------------------------------------
 
-/// The disc that the circle of tangents bounds: whoever is behind it in the cone of tangents, and not in the ball, is behind
-/// the ball.
+/// The disc that the circle of tangents bounds: a point behind it in the cone of tangents, and not in the ball, is behind the
+/// ball.
 std::size_t exact_parts(const Sphere& sphere, const glm::dvec4& light, Parts& parts) {
-  const glm::dvec3 center = sphere.center, to_sphere = light.w * center - glm::dvec3(light);
-  const double radius = sphere.radius, distance = glm::length(to_sphere);
-  const glm::dvec3 axis = to_sphere / distance;
-  // The sine of the half angle of the tangents; 0 from infinity.
-  const double sine = light.w * radius / distance, cosine = std::sqrt(std::max(0.0, (1 - sine) * (1 + sine)));
-  parts[0] = disc_part(center - radius * sine * axis, axis, radius * cosine);
+  const TangencyCircle circle = tangency_circle(sphere, light);
+  parts[0] = disc_part(circle.center, circle.axis, circle.radius);
   return 1;
 }
 
@@ -29,20 +25,12 @@ std::size_t exact_parts(const Disc& disc, const glm::dvec4&, Parts& parts) {
 }
 
 /// The base, and the triangle of the peak and the two points of the base's rim where tangents from its image touch: together
-/// the hull of base and peak. A generator at angle b off the light's side faces the light when h e cos b > r (h w - l), with l
-/// the light's height over the base and e its distance from the axis.
+/// the hull of base and peak.
 std::size_t exact_parts(const Cone& cone, const glm::dvec4& light, Parts& parts) {
-  const glm::dvec3 axis = glm::normalize(glm::dvec3(cone.axis)), base = cone.base;
-  const double h = cone.height, r = cone.radius;
-  parts[0] = disc_part(base, axis, r);
-  const Across frame(axis);
-  const glm::dvec3 to = glm::dvec3(light) - light.w * base;
-  const double x = glm::dot(to, frame.u), y = glm::dot(to, frame.v), reach = h * std::hypot(x, y);
-  const double limit = r * (light.w * h - glm::dot(to, axis));
-  if (limit <= -reach || limit >= reach) return 1;
-  const double side = std::atan2(y, x), half = std::acos(limit / reach);
-  const auto rim = [&](double angle) { return base + r * (std::cos(angle) * frame.u + std::sin(angle) * frame.v); };
-  parts[1] = triangle_part(base + h * axis, rim(side - half), rim(side + half));
+  const ConeOutline outline(cone, light);
+  parts[0] = disc_part(outline.base, outline.axis, outline.radius);
+  if (outline.is_circle) return 1;
+  parts[1] = triangle_part(outline.peak(), outline.rim(outline.side - outline.half), outline.rim(outline.side + outline.half));
   return 2;
 }
 
@@ -102,10 +90,8 @@ bool touches(const Shape& shape, const glm::dvec3& light) {
     return std::abs(glm::dot(x, glm::normalize(glm::dvec3(disc->normal)))) <= slack && glm::length(x) <= disc->radius + slack;
   }
   if (const auto* cone = std::get_if<Cone>(&shape)) {
-    const glm::dvec3 axis = glm::normalize(glm::dvec3(cone->axis)), x = light - glm::dvec3(cone->base);
-    const double h = cone->height, r = cone->radius, along = glm::dot(x, axis);
-    const double off = (glm::length(x - along * axis) * h - r * (h - along)) / std::hypot(h, r);
-    return along >= -slack && along <= h + slack && off <= slack;
+    const auto [along, off] = ConePlace(*cone, light);
+    return along >= -slack && along <= cone->height + slack && off <= slack;
   }
   if (const auto* box = std::get_if<Box>(&shape))
     return glm::all(glm::greaterThanEqual(light, glm::dvec3(box->min) - slack)) &&
@@ -143,40 +129,6 @@ double scale_of(const FlatPart& part, const glm::dvec4& plane) {
 }
 
 }  // namespace
-
-std::pair<double, double> heights_over(const Shape& shape, const glm::dvec4& plane) {
-  const glm::dvec3 up(plane);
-  const auto circle = [&](const glm::vec3& center, const glm::vec3& axis, double radius) {
-    const double slope = glm::dot(glm::normalize(glm::dvec3(axis)), up), middle = height_of(plane, center);
-    const double half = radius * std::sqrt(std::max(0.0, 1 - slope * slope));
-    return std::pair(middle - half, middle + half);
-  };
-  if (const auto* sphere = std::get_if<Sphere>(&shape)) {
-    const double middle = height_of(plane, sphere->center);
-    return {middle - sphere->radius, middle + sphere->radius};
-  }
-  if (const auto* disc = std::get_if<Disc>(&shape)) return circle(disc->center, disc->normal, disc->radius);
-  if (const auto* cone = std::get_if<Cone>(&shape)) {
-    const auto [low, high] = circle(cone->base, cone->axis, cone->radius);
-    const double peak =
-        height_of(plane, glm::dvec3(cone->base) + double(cone->height) * glm::normalize(glm::dvec3(cone->axis)));
-    return {std::min(low, peak), std::max(high, peak)};
-  }
-  std::pair<double, double> range(INFINITY, -INFINITY);
-  const auto add = [&](const glm::dvec3& p) {
-    range.first = std::min(range.first, height_of(plane, p)), range.second = std::max(range.second, height_of(plane, p));
-  };
-  if (const auto* triangle = std::get_if<Triangle>(&shape))
-    for (const glm::vec3& p : triangle->points) add(p);
-  if (const auto* rectangle = std::get_if<Plane>(&shape))
-    for (const double u : {-1.0, 1.0})
-      for (const double v : {-1.0, 1.0})
-        add(glm::dvec3(rectangle->center) + u * glm::dvec3(rectangle->half_u) + v * glm::dvec3(rectangle->half_v));
-  if (const auto* box = std::get_if<Box>(&shape))
-    for (int i = 0; i < 8; ++i)
-      add({(i & 1 ? box->max : box->min).x, (i & 2 ? box->max : box->min).y, (i & 4 ? box->max : box->min).z});
-  return range;
-}
 
 bool ShadowTest::contains(const glm::dvec3& point) const {
   const glm::dvec4 x(point - anchor, 1);
@@ -243,7 +195,8 @@ void PlanarShadow::add(const FlatPart& part, bool is_image) {
       const glm::dvec3 u = rim / radius;
       return anchored((is_image ? u : u * sine - n * (glm::dot(u, to_light) / distance)) / radius, part.points[0], 0);
     };
-    test.rows[0] = row(a), test.rows[1] = row(b);
+    test.rows[0] = row(a);
+    test.rows[1] = row(b);
     test.rows[2] = is_image ? glm::dvec4(0, 0, 0, 1) : anchored(-light_.w / distance * n, part.points[0], sine);
   } else {
     test.rows.fill({0, 0, 0, 1});
@@ -256,7 +209,8 @@ void PlanarShadow::add(const FlatPart& part, bool is_image) {
       test.rows[k] = anchored(side / length, from, 0);
     }
   }
-  parts_[count_] = part, tests_[count_++] = test;
+  parts_[count_] = part;
+  tests_[count_++] = test;
 }
 
 bool PlanarShadow::contains(const glm::dvec3& point) const {

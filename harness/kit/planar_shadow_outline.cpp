@@ -33,25 +33,27 @@ std::vector<glm::dvec3> corners(const FlatPart& part, int segments) {
 }
 
 /// A point of a caster as the light sees it: two coordinates across the axis of its view, and what rounding may add to them.
-struct Seen {
+struct ProjectedPoint {
   glm::dvec2 at;
   double blur;
   glm::dvec3 point;
 };
 
-double turn(const Seen& a, const Seen& b, const Seen& c) {
+double turn(const ProjectedPoint& a, const ProjectedPoint& b, const ProjectedPoint& c) {
   const glm::dvec2 u = b.at - a.at, v = c.at - b.at;
   return u.x * v.y - u.y * v.x;
 }
 
 /// Corners of the convex hull, counter-clockwise (Andrew 1979). Of corners that are one but for rounding the first stays: the
 /// edge between two of them would point anywhere.
-std::vector<Seen> hull(std::vector<Seen> points) {
-  std::ranges::sort(points, [](const Seen& a, const Seen& b) { return std::pair(a.at.x, a.at.y) < std::pair(b.at.x, b.at.y); });
-  std::vector<Seen> loop;
+std::vector<ProjectedPoint> hull(std::vector<ProjectedPoint> points) {
+  std::ranges::sort(points, [](const ProjectedPoint& a, const ProjectedPoint& b) {
+    return std::pair(a.at.x, a.at.y) < std::pair(b.at.x, b.at.y);
+  });
+  std::vector<ProjectedPoint> loop;
   const auto walk = [&](const auto& range) {
     const std::size_t start = loop.size();
-    for (const Seen& p : range) {
+    for (const ProjectedPoint& p : range) {
       while (loop.size() >= start + 2 && turn(loop[loop.size() - 2], loop.back(), p) <= 0) loop.pop_back();
       loop.push_back(p);
     }
@@ -60,7 +62,9 @@ std::vector<Seen> hull(std::vector<Seen> points) {
   walk(points);
   std::ranges::reverse(points);
   walk(points);
-  const auto are_one = [](const Seen& a, const Seen& b) { return glm::distance(a.at, b.at) <= std::max(a.blur, b.blur); };
+  const auto are_one = [](const ProjectedPoint& a, const ProjectedPoint& b) {
+    return glm::distance(a.at, b.at) <= std::max(a.blur, b.blur);
+  };
   loop.erase(std::unique(loop.begin(), loop.end(), are_one), loop.end());
   while (loop.size() > 1 && are_one(loop.front(), loop.back())) loop.pop_back();
   return loop;
@@ -71,12 +75,13 @@ std::vector<Seen> hull(std::vector<Seen> points) {
 class LightChart {
  public:
   LightChart(const glm::dvec4& light, const glm::dvec3& axis) : light_(light), axis_(axis) {
-    // Seen from the light: u, v and the way back to it are right-handed.
+    // ProjectedPoint from the light: u, v and the way back to it are right-handed.
     const Across frame(-axis_);
-    u_ = frame.u, v_ = frame.v;
+    u_ = frame.u;
+    v_ = frame.v;
   }
   /// A hundred roundings of the point's coordinates, by what the projection makes of them.
-  Seen see(const glm::dvec3& point) const {
+  ProjectedPoint see(const glm::dvec3& point) const {
     const glm::dvec3 x = light_.w != 0 ? point - glm::dvec3(light_) / light_.w : point;
     const double scale = light_.w != 0 ? glm::dot(axis_, x) : 1;
     const glm::dvec2 at(glm::dot(u_, x) / scale, glm::dot(v_, x) / scale);
@@ -139,11 +144,11 @@ std::vector<std::vector<glm::dvec4>> PlanarShadow::outlines(int segments) const 
   }
   if (over.size() < 3) return loops;
   const LightChart chart(light_, chart_axis(light_, over, parts(), tests()));
-  std::vector<Seen> seen;
+  std::vector<ProjectedPoint> seen;
   for (const glm::dvec3& p : over) seen.push_back(chart.see(p));
   const double horizon = 0x1p-44 * glm::dot(plane_, light_);  // to this a clipped point on the light's horizon rounds
   std::vector<glm::dvec4> loop;
-  for (const Seen& corner : hull(std::move(seen))) {
+  for (const ProjectedPoint& corner : hull(std::move(seen))) {
     glm::dvec4 image = image_on_plane(corner.point, light_, plane_);
     if (image.w < horizon) image.w = 0;
     loop.push_back(image);

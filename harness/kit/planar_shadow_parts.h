@@ -1,6 +1,6 @@
 #pragma once
 // Private to kit/planar_shadow: the flat parts of a shape or of its image.
-#include <gnomon/kit/across.h>
+#include <gnomon/kit/contour.h>
 #include <gnomon/kit/planar_shadow.h>
 
 namespace gnomon {

@@ -1,5 +1,6 @@
 #include <embree3/rtcore.h>
 #include <gnomon/error.h>
+#include <gnomon/kit/contour.h>
 #include <gnomon/kit/rays.h>
 #include <gnomon/kit/vectorized.h>
 #include <tbb/blocked_range.h>

@@ -60,8 +60,8 @@ GNOMON_VECTORIZED void unpack(std::uint32_t blocked, float* visibility) {
   for (int k = 0; k < lanes; ++k) visibility[k] = blocked & 1u << k ? 0.0f : 1.0f;
 }
 
-/// Everything about a scene and light that is the same for all pixels.
-struct Question {
+/// Fills packets with the shadow rays of pixels: what is the same for all of them is found once.
+struct PacketFiller {
   const Scene& scene;
   const GBuffer& gbuffer;
   const Light& light;
@@ -96,12 +96,12 @@ struct Question {
 
 std::uint32_t fill_packet(const Scene& scene, const GBuffer& gbuffer, const Light& light, std::size_t first,
                           ShadowPacket& packet) {
-  return Question{scene, gbuffer, light}.fill(first, packet);
+  return PacketFiller{scene, gbuffer, light}.fill(first, packet);
 }
 
 std::size_t trace_shadows(const RayScene& casters, const Scene& scene, const GBuffer& gbuffer, const Light& light,
                           std::span<float> visibility) {
-  const Question question{scene, gbuffer, light};
+  const PacketFiller filler{scene, gbuffer, light};
   const std::size_t group_count = (gbuffer.size() + lanes - 1) / lanes;
   const auto trace = [&](const tbb::blocked_range<std::size_t>& groups, std::size_t rays) {
     ShadowPacket packet;
@@ -110,7 +110,7 @@ std::size_t trace_shadows(const RayScene& casters, const Scene& scene, const GBu
     for (std::size_t group = groups.begin(); group < groups.end(); ++group) {
       const std::size_t first = group * lanes;
       const std::size_t count = std::min<std::size_t>(lanes, gbuffer.size() - first);
-      const std::uint32_t valid = question.fill(first, packet);
+      const std::uint32_t valid = filler.fill(first, packet);
       std::uint32_t blocked = 0;
       if (valid) {
         Receivers receivers{&gbuffer.mesh[first], &gbuffer.triangle[first]};

@@ -83,17 +83,6 @@ ShapeHit first_hit(const Shape& shape, const glm::dvec3& origin, const glm::dvec
   return nearest.best;
 }
 
-bool contains(const Shape& shape, const glm::dvec3& point) {
-  if (const auto* sphere = std::get_if<Sphere>(&shape))
-    return glm::distance(point, glm::dvec3(sphere->center)) < static_cast<double>(sphere->radius);
-  if (const auto* cone = std::get_if<Cone>(&shape)) {
-    const glm::dvec3 axis = glm::normalize(glm::dvec3(cone->axis)), x = point - glm::dvec3(cone->base);
-    const double height = cone->height, along = glm::dot(x, axis);
-    return along > 0 && glm::length(x - along * axis) * height < cone->radius * (height - along);
-  }
-  return false;
-}
-
 Bounds shape_bounds(const Shape& shape) {
   const auto disc_half = [](const glm::vec3& normal, double radius) {
     const glm::dvec3 n = glm::normalize(glm::dvec3(normal));

@@ -12,9 +12,6 @@ struct ShapeHit {
 /// First crossing of origin + t * direction, tnear <= t <= tfar, with the surface of a curved shape, in double.
 ShapeHit first_hit(const Shape& shape, const glm::dvec3& origin, const glm::dvec3& direction, double tnear, double tfar);
 
-/// Whether `point` lies inside the solid that a curved shape bounds; a disc bounds none.
-bool contains(const Shape& shape, const glm::dvec3& point);
-
 /// Box around a curved shape, rounded outward.
 Bounds shape_bounds(const Shape& shape);
 

@@ -61,8 +61,10 @@ void EdgeAdjacency::find_planes() {
       const glm::dvec3 unit = normal * std::ldexp(1.0, -std::ilogb(length));  // exact
       const double offset = -glm::dot(unit, a);
       if (!(std::abs(offset) <= 0x1p120)) continue;
-      planes_.x[t] = static_cast<float>(unit.x), planes_.y[t] = static_cast<float>(unit.y);
-      planes_.z[t] = static_cast<float>(unit.z), planes_.offset[t] = static_cast<float>(offset);
+      planes_.x[t] = static_cast<float>(unit.x);
+      planes_.y[t] = static_cast<float>(unit.y);
+      planes_.z[t] = static_cast<float>(unit.z);
+      planes_.offset[t] = static_cast<float>(offset);
     }
   });
 }
@@ -179,7 +181,10 @@ EdgeAdjacency::Depth EdgeAdjacency::depth_at(const glm::vec3& point, const Silho
         block.volumes += of_point != 0;
       }
     });
-    for (const Depth& block : blocks) sum.volumes += block.volumes, sum.degenerate |= block.degenerate;
+    for (const Depth& block : blocks) {
+      sum.volumes += block.volumes;
+      sum.degenerate |= block.degenerate;
+    }
   }
   return sum;
 }

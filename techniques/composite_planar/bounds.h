@@ -6,8 +6,7 @@
 
 namespace composite_planar {
 
-/// A convex polygon of homogeneous points, w >= 0, that is clipped in place:
-/// eight corners and one more for each half-space.
+/// A convex polygon of homogeneous points, w >= 0, that is clipped in place: eight corners and one more for each half-space.
 class Polygon {
  public:
   std::size_t size() const { return count_; }
@@ -51,8 +50,7 @@ inline Polygon around(const FlatPart& part) {
   return polygon;
 }
 
-/// A polygon on a receiver that holds the shadow of a flat part on it, in world
-/// space with w = 1; empty where there is none.
+/// A polygon on a receiver that holds the shadow of a flat part on it, in world space with w = 1; empty where there is none.
 inline Polygon bound_of(const FlatPart& part, bool is_image, const glm::dvec4& light, const Receiver& receiver) {
   Polygon polygon = around(part);
   if (!is_image) {
@@ -62,8 +60,7 @@ inline Polygon bound_of(const FlatPart& part, bool is_image, const glm::dvec4& l
     for (std::size_t i = 0; i < polygon.size(); ++i) {
       const glm::dvec4 p = polygon[i];
       polygon[i] = light_height * p - glm::dot(receiver.plane, p) * light;
-      polygon[i].w = std::max(polygon[i].w,
-                              0.0);  // on the light's horizon, but for rounding
+      polygon[i].w = std::max(polygon[i].w, 0.0);  // on the light's horizon, but for rounding
     }
   }
   for (const glm::dvec4& side : receiver.sides) polygon.clip(side);

@@ -3,7 +3,7 @@
 
 namespace composite_planar {
 
-/// A rectangle of pixels, to be asked for the tests of a list where it shows a plane; without a list all of that is dark.
+/// A rectangle of pixels. Where it shows a plane, its pixels evaluate the tests of a list; without a list they are all dark.
 struct Patch {
   std::uint32_t left, top, right, bottom;  ///< pixels
   std::uint32_t plane, first, count;       ///< receiver; where the list is in `lists`
@@ -23,9 +23,13 @@ class Patches {
   /// patches go without a list.
   void make(std::span<const Entry> entries, std::uint32_t columns, std::uint32_t width, std::uint32_t height,
             std::uint32_t limit = most) {
-    columns_ = columns, width_ = width, height_ = height, limit_ = limit;
+    columns_ = columns;
+    width_ = width;
+    height_ = height;
+    limit_ = limit;
     for (auto* kind : {&whole, &single, &several}) kind->clear();
-    lists.clear(), before_.clear();
+    lists.clear();
+    before_.clear();
     for (std::size_t i = 0; i < entries.size();) {
       const std::size_t first = i;
       bool is_whole = limit == 0;

@@ -23,7 +23,8 @@ class Tiles {
   void begin(const GBuffer& gbuffer) {
     camera_ = Camera(gbuffer.view, gbuffer.width, gbuffer.height);
     clip_from_world_ = clip_from_world(gbuffer.view, gbuffer.width, gbuffer.height);
-    columns_ = (gbuffer.width + side - 1) / side, rows_ = (gbuffer.height + side - 1) / side;
+    columns_ = (gbuffer.width + side - 1) / side;
+    rows_ = (gbuffer.height + side - 1) / side;
     entries_.clear();
   }
 
@@ -35,7 +36,7 @@ class Tiles {
     for (int row = 0; row <= rows_; ++row)
       for (int column = 0; column <= columns_; ++column) {
         const glm::dvec3 ray = camera_.ray(std::min(column * side, camera_.width), std::min(row * side, camera_.height));
-        // Nothing where the ray rises from the plane: no shadow holds it.
+        // Not a number where the ray rises from the plane: no shadow holds such a corner.
         const double down = -glm::dot(glm::dvec3(plane), ray);
         corners_[row * (columns_ + 1) + column] = down > 0 ? camera_.eye + eye_height / down * ray : glm::dvec3(NAN);
       }
@@ -52,27 +53,30 @@ class Tiles {
       const glm::dvec4 p = polygon[i];
       if (!(p.w > 0)) return;  // seen from within its plane
       polygon[i] = {(1 + p.x / p.w) / 2 * camera_.width, (1 - p.y / p.w) / 2 * camera_.height, 0, 1};
-      top = std::min(top, polygon[i].y), bottom = std::max(bottom, polygon[i].y);
+      top = std::min(top, polygon[i].y);
+      bottom = std::max(bottom, polygon[i].y);
     }
     if (polygon.size() == 0) return;
     const int first = tile(top - 1, rows_), last = tile(bottom + 1, rows_);
     // Whether the corners above and below a row of tiles are in the shadow, which is convex.
-    above_.assign(columns_ + 1, 0), below_.assign(columns_ + 1, 0);
-    const auto ask = [&](int row, int from, int to, std::vector<std::uint8_t>& inside) {
+    above_.assign(columns_ + 1, 0);
+    below_.assign(columns_ + 1, 0);
+    const auto test_corners = [&](int row, int from, int to, std::vector<std::uint8_t>& inside) {
       std::ranges::fill(inside, 0);
       for (int column = from; column <= to; ++column) inside[column] = test.contains(corners_[row * (columns_ + 1) + column]);
     };
-    int asked_from = 0, asked_to = -1;
+    int known_from = 0, known_to = -1;
     for (int row = first; row <= last; ++row) {
       const auto [left, right] = reach(polygon, row * side - 1, (row + 1) * side + 1);
       if (left > right) continue;
       const int from = tile(left - 1, columns_), to = tile(right + 1, columns_);
-      if (row == first || from < asked_from || to + 1 > asked_to)
-        ask(row, from, to + 1, above_);
+      if (row == first || from < known_from || to + 1 > known_to)
+        test_corners(row, from, to + 1, above_);
       else
         std::swap(above_, below_);
-      ask(row + 1, from, to + 1, below_);
-      asked_from = from, asked_to = to + 1;
+      test_corners(row + 1, from, to + 1, below_);
+      known_from = from;
+      known_to = to + 1;
       for (int column = from; column <= to; ++column) {
         const bool is_whole = above_[column] && above_[column + 1] && below_[column] && below_[column + 1];
         entries_.push_back({static_cast<std::uint32_t>(row * columns_ + column), plane_, number, is_whole});
@@ -109,7 +113,8 @@ class Tiles {
       for (const double y : {low, high}) {
         const double share = a.y == b.y ? 0 : std::clamp((y - a.y) / (b.y - a.y), 0.0, 1.0);
         const double x = a.x + share * (b.x - a.x);
-        left = std::min(left, x), right = std::max(right, x);
+        left = std::min(left, x);
+        right = std::max(right, x);
       }
     }
     return {left, right};

@@ -28,7 +28,7 @@ struct VolumeProgram {
   /// Calls set(program) for all three.
   template <class Set>
   void each(Set&& set) const {
-    set(stencil), set(wide), set(layer);
+    for (const Program* program : {&stencil, &wide, &layer}) set(*program);
   }
 };
 

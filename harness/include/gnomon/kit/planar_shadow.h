@@ -4,7 +4,6 @@
 #include <array>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace gnomon {
@@ -94,9 +93,6 @@ inline glm::dvec4 image_on_plane(const glm::dvec3& point, const glm::dvec4& ligh
   const double height = glm::dot(plane, glm::dvec4(point, 1)), light_height = glm::dot(plane, light);
   return light_height * glm::dvec4(point, 1) - height * light;
 }
-
-/// Heights of the lowest and the highest point of a shape over a plane (of unit normal).
-std::pair<double, double> heights_over(const Shape& shape, const glm::dvec4& plane);
 
 /// Keeps the points of a convex polygon where dot(half_space, (p, 1)) >= 0.
 std::vector<glm::dvec3> clipped(std::span<const glm::dvec3> polygon, const glm::dvec4& half_space);

@@ -1,0 +1,114 @@
+#pragma once
+#include <gnomon/kit/edges.h>
+#include <gnomon/kit/gl_volumes.h>
+
+#include <span>
+
+namespace gnomon {
+
+// The faces of the shadow volumes of triangles: what is drawn of a scene under one light, on the device, and its drawing in the
+// passes of a VolumeCounter. A face names vertices of the scene, so that a light changes a list of edges and one of triangles
+// and nothing else. Under a light at a finite point a volume has a side quad for every silhouette edge, light caps, which are
+// the triangles that face the light, and dark caps at infinity: a fan over the outline where the part has a hub, its triangles
+// elsewhere. Under a directional light a volume ends in one point and has no dark cap.
+
+struct DrawArrays {
+  std::uint32_t count = 0, instances = 1, first = 0, base_instance = 0;
+};
+struct DrawElements {
+  std::uint32_t count = 0, instances = 1, first_index = 0, base_vertex = 0, base_instance = 0;
+};
+/// What is drawn, as the device reads it from a buffer of indirect draws. Counts are of corners.
+struct FaceCommands {
+  DrawArrays sides;            ///< side quads of the outline
+  DrawArrays fan;              ///< dark caps over the outline
+  DrawArrays triangle_sides;   ///< side quads triangle by triangle
+  DrawArrays far_triangles;    ///< dark caps triangle by triangle
+  DrawElements caps;           ///< light caps, counter-clockwise seen from the light
+  DrawElements reversed_caps;  ///< clockwise
+
+  std::size_t triangle_count() const {
+    return (std::size_t{sides.count} + fan.count + triangle_sides.count + far_triangles.count + caps.count +
+            reversed_caps.count) /
+           3;
+  }
+};
+
+/// A buffer that is written anew by every light, and grows when it must.
+class RewrittenBuffer {
+ public:
+  /// Makes room for `count` elements of T, and calls fill(span<T>) on the mapped memory, whose old contents are gone.
+  template <class T, class Fill>
+  void rewrite(std::size_t count, Fill&& fill) {
+    reserve(count * sizeof(T));
+    if (count == 0) return;
+    fill(std::span<T>(static_cast<T*>(map(count * sizeof(T))), count));
+    unmap();
+  }
+  void reserve(std::size_t bytes);
+  GLuint name() const { return buffer_.name(); }
+  std::size_t bytes() const { return buffer_.bytes; }
+
+ private:
+  void* map(std::size_t bytes);
+  void unmap();
+  Buffer buffer_;
+};
+
+/// The faces of all volumes under one light, on the device.
+struct FaceBuffers {
+  RewrittenBuffer sides;      ///< uvec4: low, high, part, 1 where high comes first
+  RewrittenBuffer triangles;  ///< three uint32 a triangle, turned to the light: for sides and dark caps triangle by triangle
+  RewrittenBuffer caps;       ///< three uint32 a triangle, as its mesh winds it
+  RewrittenBuffer hubs;       ///< vec4 of each part: the point that its fan turns about, w = 0 where it has none
+  RewrittenBuffer commands;   ///< FaceCommands
+  std::size_t bytes() const { return sides.bytes() + triangles.bytes() + caps.bytes() + hubs.bytes() + commands.bytes(); }
+};
+
+/// Which faces a count needs.
+struct WantedFaces {
+  bool outline = true;     ///< side quads of the outline, else of every triangle
+  bool light_caps = true;  ///< for z-fail, and for a near cap
+  bool dark_caps = true;   ///< for z-fail under a light at a finite point
+};
+
+/// Whether the dark cap of a part can be a fan about the middle of its bounds: if the light is at a finite point outside them,
+/// no caster lies in the direction opposite to the fan's middle, where fan and caps would disagree.
+bool has_hub(const EdgeAdjacency::Part& part, const glm::dvec4& light);
+/// The hubs of all parts.
+void write_hubs(const EdgeAdjacency& adjacency, const glm::dvec4& light, FaceBuffers& faces);
+
+/// Fills all buffers from a silhouette, on all threads; the order of faces does not depend on their number.
+FaceCommands write_faces(const EdgeAdjacency& adjacency, const Silhouette& silhouette, const WantedFaces& wanted,
+                         FaceBuffers& faces);
+
+/// Draws the faces.
+class FaceDrawer {
+ public:
+  /// A program of a vertex shader that fetches vertices by number. Its source has, behind position_snippet, the buffers of
+  /// FaceBuffers at bindings 1 to 3 and `vec4 light`, and offers `vec3 fetch(uint vertex)`, `vec4 extruded(vec3 p)` and
+  /// `vec4 quad_corner(uint low, uint high, bool high_first, int corner)`, a corner of the six (directional: three) of a side.
+  static VolumeProgram program(std::string_view title, std::string_view body);
+
+  void setup(std::string_view title);
+  /// Before any draw of a pass. `positions` holds the vertices of the adjacency's scene, tightly packed.
+  void bind(const Buffer& positions, const FaceBuffers& faces, const glm::mat4& clip_from_world, const glm::dvec4& light);
+  /// Side quads of the outline.
+  void draw_sides(const VolumeCounter& counter) const {
+    draw_arrays(counter, sides_, VolumeFace::side, offsetof(FaceCommands, sides));
+  }
+  /// Light caps, and dark ones unless the light is directional.
+  void draw_caps(const VolumeCounter& counter) const;
+  /// The two draws of light caps alone, with a program of one's own; `reversed` turns both about.
+  void draw_light_caps(const VolumeCounter& counter, const VolumeProgram& program, bool reversed = false) const;
+  /// One command, `offset` into FaceCommands, with a program that `program` made.
+  void draw_arrays(const VolumeCounter& counter, const VolumeProgram& program, VolumeFace face, std::size_t offset) const;
+
+ private:
+  VolumeProgram sides_, fan_, far_triangles_, caps_;
+  VertexArray vertex_array_;
+  glm::mat4 clip_from_world_{1};
+  glm::vec4 light_{0};
+};
+
+}  // namespace gnomon

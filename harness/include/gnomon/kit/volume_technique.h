@@ -1,0 +1,42 @@
+#pragma once
+#include <gnomon/kit/lines.h>
+#include <gnomon/kit/volume_faces.h>
+
+namespace gnomon {
+
+/// What techniques share that let the rasterizer count the shadow volumes of triangles: the debug layers `volumes`, `counts`
+/// and `silhouette`, and the work of a pass. A technique sets the protected members in its stages and draws in `draw`.
+class VolumeTechnique : public Technique {
+ public:
+  std::vector<DebugLayer> debug_layers() const override;
+  std::vector<float> draw_debug(std::string_view layer) const override;
+
+ protected:
+  using Pass = VolumeCounter::Pass;
+
+  /// Begins a pass, draws every face, and leaves the pass open.
+  virtual void draw(Pass pass) const = 0;
+  /// The mask of `gbuffer_`.
+  virtual void answer(VisibilityMask& mask) const;
+  /// The lines of the layer `silhouette`.
+  virtual std::vector<Line> outlines() const { return silhouette_lines(adjacency_, silhouette_); }
+
+  /// What the stencil cannot tell, by a pass in 32 bits that is thrown away.
+  VolumeCounter::Work measure_work() const;
+  Pass mask_pass() const { return wide_ ? Pass::wide : Pass::stencil; }
+  /// Binds the faces to `drawer_` as `gbuffer_` sees them; `positions` are those of `adjacency_`.
+  void bind_faces(const Buffer& positions) const;
+
+  mutable VolumeCounter counter_;
+  mutable FaceDrawer drawer_;
+  const Scene* scene_ = nullptr;
+  const GBuffer* gbuffer_ = nullptr;
+  Light light_;
+  EdgeAdjacency adjacency_;
+  Silhouette silhouette_;
+  FaceBuffers faces_;
+  FaceCommands commands_;
+  bool wide_ = false;  ///< the mask is counted in 32 bits instead of the stencil's eight
+};
+
+}  // namespace gnomon

@@ -1,0 +1,266 @@
+#include <gnomon/error.h>
+#include <gnomon/kit/parallel.h>
+#include <gnomon/kit/volume_faces.h>
+
+#include <algorithm>
+
+namespace gnomon {
+
+namespace {
+
+constexpr std::size_t block_size = std::size_t{1} << 15;
+
+/// Gives numbers 0 .. count - 1 places, in order and on all threads: those with key(t) = 1 from place 0 up, behind them those
+/// with key(t) = 2; none to those with key(t) = 0. Calls make_room(ones, twos, write_all) once, and in write_all, which that
+/// must call, write(t, place) for each.
+template <class Key, class MakeRoom, class Write>
+void place_in_order(std::size_t count, const Key& key, const MakeRoom& make_room, const Write& write) {
+  struct Places {
+    std::size_t ones = 0, twos = 0;
+  };
+  std::vector<Places> first((count + block_size - 1) / block_size + 1);
+  for_blocks(count, block_size, [&](std::size_t begin, std::size_t end) {
+    Places found;
+    for (std::size_t t = begin; t < end; ++t) {
+      found.ones += key(t) == 1;
+      found.twos += key(t) == 2;
+    }
+    first[begin / block_size + 1] = found;
+  });
+  for (std::size_t i = 1; i < first.size(); ++i) {
+    first[i].ones += first[i - 1].ones;
+    first[i].twos += first[i - 1].twos;
+  }
+  make_room(first.back().ones, first.back().twos, [&] {
+    for_blocks(count, block_size, [&](std::size_t begin, std::size_t end) {
+      auto [one, two] = first[begin / block_size];
+      two += first.back().ones;
+      for (std::size_t t = begin; t < end; ++t)
+        if (const int k = key(t)) write(t, k == 1 ? one++ : two++);
+    });
+  });
+}
+
+/// A side for every volume that starts at an edge.
+void write_sides(const Silhouette& silhouette, bool dark_caps, FaceBuffers& faces, FaceCommands& commands) {
+  std::size_t copies = 0;
+  for (const SilhouetteEdge& edge : silhouette.edges) copies += std::abs(edge.count);
+  faces.sides.rewrite<glm::uvec4>(copies, [&](std::span<glm::uvec4> sides) {
+    std::size_t place = 0;
+    for (const SilhouetteEdge& edge : silhouette.edges)
+      for (int i = 0; i < std::abs(edge.count); ++i) sides[place++] = {edge.low, edge.high, edge.part, edge.count > 0};
+  });
+  commands.sides.count = static_cast<std::uint32_t>(copies * (silhouette.light.w != 0 ? 6 : 3));
+  if (dark_caps) commands.fan.count = static_cast<std::uint32_t>(copies * 3);
+}
+
+/// Triangles turned to the light: every one that takes part, or with an outline those of parts without a fan.
+void write_turned_triangles(const EdgeAdjacency& adjacency, const Silhouette& silhouette, const WantedFaces& wanted,
+                            FaceBuffers& faces, FaceCommands& commands) {
+  const glm::dvec4& light = silhouette.light;
+  std::vector<std::uint8_t> without_fan;
+  for (const EdgeAdjacency::Part& part : adjacency.parts()) without_fan.push_back(light.w != 0 && !has_hub(part, light));
+  if (wanted.outline && !(wanted.dark_caps && std::ranges::find(without_fan, 1) != without_fan.end())) return;
+  const auto& facing = silhouette.facing;
+  const auto first = adjacency.first_at_position();
+  std::span<glm::uvec3> out;
+  place_in_order(
+      facing.size(),
+      [&](std::size_t t) { return facing[t] != 0 && (!wanted.outline || without_fan[adjacency.part_of()[t]]) ? 1 : 0; },
+      [&](std::size_t count, std::size_t, const auto& write_all) {
+        faces.triangles.rewrite<glm::uvec3>(count, [&](std::span<glm::uvec3> mapped) {
+          out = mapped;
+          write_all();
+        });
+        if (!wanted.outline) commands.triangle_sides.count = static_cast<std::uint32_t>((light.w != 0 ? 18 : 9) * count);
+        if (wanted.dark_caps) commands.far_triangles.count = static_cast<std::uint32_t>(3 * count);
+      },
+      [&](std::size_t t, std::size_t place) {
+        glm::uvec3 v = adjacency.triangles()[t];
+        if (facing[t] < 0) std::swap(v.y, v.z);
+        out[place] = {first[v.x], first[v.y], first[v.z]};
+      });
+}
+
+/// The counter-clockwise triangles, then the clockwise ones.
+void write_light_caps(const EdgeAdjacency& adjacency, const Silhouette& silhouette, FaceBuffers& faces,
+                      FaceCommands& commands) {
+  const std::span<const std::int8_t> facing = silhouette.facing;
+  std::span<glm::uvec3> out;
+  place_in_order(
+      facing.size(), [&](std::size_t t) { return facing[t] > 0   ? 1
+                                                 : facing[t] < 0 ? 2
+                                                                 : 0; },
+      [&](std::size_t up, std::size_t down, const auto& write_all) {
+        faces.caps.rewrite<glm::uvec3>(up + down, [&](std::span<glm::uvec3> mapped) {
+          out = mapped;
+          write_all();
+        });
+        commands.caps.count = static_cast<std::uint32_t>(3 * up);
+        commands.reversed_caps.first_index = commands.caps.count;
+        commands.reversed_caps.count = static_cast<std::uint32_t>(3 * down);
+      },
+      [&](std::size_t t, std::size_t place) { out[place] = adjacency.triangles()[t]; });
+}
+
+constexpr std::string_view fetch_snippet = R"(
+layout(std430, binding = 0) readonly buffer Positions { float positions[]; };
+layout(std430, binding = 1) readonly buffer Sides { uvec4 sides[]; };          // low, high, part, 1 when high comes first
+layout(std430, binding = 2) readonly buffer Triangles { uint triangles[]; };  // three a triangle, turned to the light
+layout(std430, binding = 3) readonly buffer Hubs { vec4 hubs[]; };        // of each part; w = 0: it has none
+uniform vec4 light;  // homogeneous
+vec3 fetch(uint v) { return vec3(positions[3 * v], positions[3 * v + 1], positions[3 * v + 2]); }
+vec4 extruded(vec3 p) { return vec4(light.w * p - light.xyz, 0); }
+)";
+
+/// Both copies of a quad that two volumes share are cut along the same diagonal and begin at the same vertex: they differ in
+/// their turn only, and so cover the very same pixels. A directional light's quad is a triangle. A quad for `high_first` runs
+/// high, low, low at infinity, high at infinity.
+constexpr std::string_view quad_snippet = R"(
+uniform bool directional;
+vec4 quad_corner(uint low, uint high, bool high_first, int corner) {
+  if (directional) {
+    const int places[6] = int[](0, 2, 1, 0, 1, 2);
+    int which = places[corner + (high_first ? 0 : 3)];
+    return which == 0 ? vec4(fetch(low), 1) : which == 1 ? vec4(fetch(high), 1) : vec4(-light.xyz, 0);
+  }
+  const int places[12] = int[](0, 2, 3, 0, 3, 1, 0, 3, 2, 0, 1, 3);
+  int which = places[corner + (high_first ? 0 : 6)];
+  vec3 p = fetch((which & 1) == 0 ? low : high);
+  return which < 2 ? vec4(p, 1) : extruded(p);
+}
+)";
+
+/// Six vertices an edge, three under a directional light.
+constexpr std::string_view sides_body = R"(
+void main() {
+  int corners = directional ? 3 : 6;
+  uvec4 side = sides[gl_VertexID / corners];
+  gl_Position = place(quad_corner(side.x, side.y, side.w != 0, gl_VertexID % corners));
+}
+)";
+
+/// The dark cap of a whole part as a fan at infinity over its outline: at infinity a cap is flat, so only its outline counts.
+constexpr std::string_view fan_body = R"(
+void main() {
+  uvec4 side = sides[gl_VertexID / 3];
+  vec4 hub = hubs[side.z];
+  int corner = gl_VertexID % 3;
+  uint v = (corner == 1) == (side.w != 0) ? side.y : side.x;
+  gl_Position = place(hub.w == 0 ? vec4(0) : extruded(corner == 0 ? hub.xyz : fetch(v)));
+}
+)";
+
+/// Dark caps triangle by triangle, turned away from the light.
+constexpr std::string_view far_triangles_body = R"(
+void main() {
+  int corner = gl_VertexID % 3;
+  gl_Position = place(extruded(fetch(triangles[gl_VertexID - corner + (3 - corner) % 3])));
+}
+)";
+
+/// Light caps: the triangles of the scene as the depth of the view was drawn, so that they tie with it.
+constexpr std::string_view caps_body = "void main() { gl_Position = place(vec4(position, 1)); }";
+
+const void* at(std::size_t offset) { return reinterpret_cast<const void*>(offset); }
+
+}  // namespace
+
+void RewrittenBuffer::reserve(std::size_t bytes) {
+  if (buffer_ && buffer_.bytes >= bytes) return;
+  buffer_ = {};
+  buffer_ = Buffer(nullptr, bytes + bytes / 4, GL_MAP_WRITE_BIT | GL_MAP_READ_BIT | GL_DYNAMIC_STORAGE_BIT);
+}
+
+void* RewrittenBuffer::map(std::size_t bytes) {
+  void* const data =
+      glMapNamedBufferRange(buffer_.name(), 0, static_cast<GLsizeiptr>(bytes), GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
+  if (!data) throw Error("a buffer of {} bytes cannot be mapped", bytes);
+  return data;
+}
+
+void RewrittenBuffer::unmap() { glUnmapNamedBuffer(buffer_.name()); }
+
+bool has_hub(const EdgeAdjacency::Part& part, const glm::dvec4& light) {
+  const glm::dvec3 position = glm::dvec3(light) / light.w;
+  return light.w != 0 && (glm::any(glm::lessThan(position, glm::dvec3(part.bounds.min))) ||
+                          glm::any(glm::greaterThan(position, glm::dvec3(part.bounds.max))));
+}
+
+void write_hubs(const EdgeAdjacency& adjacency, const glm::dvec4& light, FaceBuffers& faces) {
+  faces.hubs.rewrite<glm::vec4>(std::max<std::size_t>(adjacency.parts().size(), 1), [&](std::span<glm::vec4> hubs) {
+    for (std::size_t i = 0; i < adjacency.parts().size(); ++i) {
+      const EdgeAdjacency::Part& part = adjacency.parts()[i];
+      hubs[i] = has_hub(part, light) ? glm::vec4((part.bounds.min + part.bounds.max) / 2.0f, 1) : glm::vec4(0);
+    }
+  });
+}
+
+FaceCommands write_faces(const EdgeAdjacency& adjacency, const Silhouette& silhouette, const WantedFaces& wanted,
+                         FaceBuffers& faces) {
+  FaceCommands commands;
+  write_hubs(adjacency, silhouette.light, faces);
+  if (wanted.outline) write_sides(silhouette, wanted.dark_caps, faces, commands);
+  write_turned_triangles(adjacency, silhouette, wanted, faces, commands);
+  if (wanted.light_caps) write_light_caps(adjacency, silhouette, faces, commands);
+  faces.commands.rewrite<FaceCommands>(1, [&](std::span<FaceCommands> mapped) { mapped[0] = commands; });
+  return commands;
+}
+
+VolumeProgram FaceDrawer::program(std::string_view title, std::string_view body) {
+  return VolumeProgram(title, fmt::format("{}{}{}{}", position_snippet, fetch_snippet, quad_snippet, body));
+}
+
+void FaceDrawer::setup(std::string_view title) {
+  const auto titled = [&](const char* faces) { return fmt::format("{} {}", title, faces); };
+  sides_ = program(titled("sides"), sides_body);
+  fan_ = program(titled("fan"), fan_body);
+  far_triangles_ = program(titled("far triangles"), far_triangles_body);
+  caps_ = VolumeProgram(titled("caps"), std::string(position_snippet) + std::string(caps_body));
+  vertex_array_ = make_vertex_array();
+  glVertexArrayAttribFormat(vertex_array_.name(), 0, 3, GL_FLOAT, GL_FALSE, 0);
+  glVertexArrayAttribBinding(vertex_array_.name(), 0, 0);
+  glEnableVertexArrayAttrib(vertex_array_.name(), 0);
+}
+
+void FaceDrawer::bind(const Buffer& positions, const FaceBuffers& faces, const glm::mat4& clip_from_world,
+                      const glm::dvec4& light) {
+  clip_from_world_ = clip_from_world;
+  light_ = glm::vec4(light);
+  glVertexArrayVertexBuffer(vertex_array_.name(), 0, positions.name(), 0, sizeof(glm::vec3));
+  if (faces.caps.name()) glVertexArrayElementBuffer(vertex_array_.name(), faces.caps.name());
+  glBindVertexArray(vertex_array_.name());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, positions.name());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, faces.sides.name());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, faces.triangles.name());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, faces.hubs.name());
+  glBindBuffer(GL_DRAW_INDIRECT_BUFFER, faces.commands.name());
+}
+
+void FaceDrawer::draw_arrays(const VolumeCounter& counter, const VolumeProgram& program, VolumeFace face,
+                             std::size_t offset) const {
+  program.each([&](const Program& p) {
+    p.set("clip_from_world", clip_from_world_);
+    if (p.uses("light")) p.set("light", light_);
+    if (p.uses("directional")) p.set("directional", light_.w == 0);
+  });
+  counter.use(program, face);
+  glDrawArraysIndirect(GL_TRIANGLES, at(offset));
+}
+
+void FaceDrawer::draw_light_caps(const VolumeCounter& counter, const VolumeProgram& program, bool reversed) const {
+  counter.use(program, VolumeFace::light_cap, reversed);
+  glDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, at(offsetof(FaceCommands, caps)));
+  counter.use(program, VolumeFace::light_cap, !reversed);
+  glDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, at(offsetof(FaceCommands, reversed_caps)));
+}
+
+void FaceDrawer::draw_caps(const VolumeCounter& counter) const {
+  caps_.each([&](const Program& p) { p.set("clip_from_world", clip_from_world_); });
+  draw_light_caps(counter, caps_);
+  if (light_.w == 0) return;
+  draw_arrays(counter, fan_, VolumeFace::dark_cap, offsetof(FaceCommands, fan));
+  draw_arrays(counter, far_triangles_, VolumeFace::dark_cap, offsetof(FaceCommands, far_triangles));
+}
+
+}  // namespace gnomon
