@@ -33,12 +33,12 @@ class DepthBound {
       std::int64_t& column_most = most[i / (fine_columns / columns)];
       column_most = std::max(column_most, quick[i]);
     }
-    std::vector<int> asked(columns);
-    std::iota(asked.begin(), asked.end(), 0);
-    std::ranges::stable_sort(asked, [&](int a, int b) { return most[a] > most[b]; });
-    std::erase_if(asked, [&](int c) { return most[c] <= enough_; });
-    const std::size_t worst = std::min<std::size_t>(asked.size(), 4);
-    for (const std::span<const int> some : {std::span(asked).first(worst), std::span(asked).subspan(worst)}) {
+    std::vector<int> over(columns);
+    std::iota(over.begin(), over.end(), 0);
+    std::ranges::stable_sort(over, [&](int a, int b) { return most[a] > most[b]; });
+    std::erase_if(over, [&](int c) { return most[c] <= enough_; });
+    const std::size_t worst = std::min<std::size_t>(over.size(), 4);
+    for (const std::span<const int> some : {std::span(over).first(worst), std::span(over).subspan(worst)}) {
       sort_columns(some, most);
       if (std::ranges::any_of(some, [&](int c) { return most[c] > enough_; })) return bound;
     }
@@ -64,22 +64,22 @@ class DepthBound {
 
   /// Line by line. The number at a point beside a column's middle line differs from that on the line at the same height by at
   /// most the edges that pass this height inside the column.
-  void sort_columns(std::span<const int> asked, std::span<std::int64_t> most) const {
-    constexpr std::uint32_t not_asked = 0xffffffffu;
-    std::vector<std::uint32_t> list_of(columns, not_asked);
-    for (std::uint32_t k = 0; k < asked.size(); ++k) list_of[asked[k]] = k;
-    std::vector<std::vector<std::uint32_t>> edges(asked.size());  // that touch each column
+  void sort_columns(std::span<const int> over, std::span<std::int64_t> most) const {
+    constexpr std::uint32_t not_listed = 0xffffffffu;
+    std::vector<std::uint32_t> list_of(columns, not_listed);
+    for (std::uint32_t k = 0; k < over.size(); ++k) list_of[over[k]] = k;
+    std::vector<std::vector<std::uint32_t>> edges(over.size());  // that touch each column
     for (std::uint32_t e = 0; e < silhouette_.edges.size(); ++e)
       for_pieces(silhouette_.edges[e], [&](const Piece& piece) {
         const int last = column(piece.to.x + slack * width_, columns, 0);
         for (int c = column(piece.from.x - slack * width_, columns, 0); c <= last; ++c) {
-          if (list_of[c] == not_asked) continue;
+          if (list_of[c] == not_listed) continue;
           std::vector<std::uint32_t>& list = edges[list_of[c]];
           if (list.empty() || list.back() != e) list.push_back(e);
         }
       });
-    for_blocks(asked.size(), 1, [&](std::size_t k, std::size_t) {
-      most[asked[k]] = at_ends_ + most_in_column(edges[k], (asked[k] + 0.5) * width_ / columns, width_ / columns);
+    for_blocks(over.size(), 1, [&](std::size_t k, std::size_t) {
+      most[over[k]] = at_ends_ + most_in_column(edges[k], (over[k] + 0.5) * width_ / columns, width_ / columns);
     });
   }
 
@@ -108,7 +108,10 @@ class DepthBound {
         return piece.from.y + share * (piece.to.y - piece.from.y);
       };
       double low = height(left), high = height(right);
-      if (!(span > slack * width_)) low = piece.from.y, high = piece.to.y;  // steep: the whole of it
+      if (!(span > slack * width_)) {  // steep: the whole of it
+        low = piece.from.y;
+        high = piece.to.y;
+      }
       if (low > high) std::swap(low, high);
       const double reach = 1e-9 * (std::abs(low) + std::abs(high)) + 1e-300;
       events.push_back({low - reach, 0, piece.count});
@@ -122,7 +125,8 @@ class DepthBound {
     });
     std::int64_t winding = 0, passing = 0, most = 0;
     for (const Event& event : events) {
-      winding += event.turn, passing += event.passing;
+      winding += event.turn;
+      passing += event.passing;
       most = std::max(most, std::abs(winding) + passing);
     }
     return most;
@@ -132,25 +136,29 @@ class DepthBound {
   void choose_axes() {
     Bounds all;
     for (const EdgeAdjacency::Part& part : adjacency_.parts())
-      if (!part.bounds.empty()) all.add(part.bounds.min), all.add(part.bounds.max);
+      if (!part.bounds.empty())
+        for (const glm::vec3& corner : {part.bounds.min, part.bounds.max}) all.add(corner);
     if (all.empty()) return;
     if (light_.w == 0) {
       const glm::dvec3 along = glm::normalize(glm::dvec3(light_));
-      u_ = Across(-along).u, axis_ = glm::cross(along, u_);
+      u_ = Across(-along).u;
+      axis_ = glm::cross(along, u_);
       const glm::dvec3 middle = (glm::dvec3(all.min) + glm::dvec3(all.max)) / 2.0, half = glm::dvec3(all.max) - middle;
       const double reach = glm::dot(glm::abs(u_), half) * (1 + 1e-9) + 1e-300;
-      left_ = glm::dot(u_, middle) - reach, width_ = 2 * reach;
+      left_ = glm::dot(u_, middle) - reach;
+      width_ = 2 * reach;
       return;
     }
     light_ /= light_.w;
     const glm::dvec3 l(light_);
-    int axis = 0;
-    bool past = false;
-    for (int k = 0; k < 3 && !past; ++k)
-      if (l[k] < all.min[k] || l[k] > all.max[k]) past = true, axis = (k + 1) % 3;
-    axis_[axis] = 1, u_[(axis + 1) % 3] = 1, v_[(axis + 2) % 3] = 1;
+    int beside = 0;  // the axis along which the light is beside all casters
+    while (beside < 3 && l[beside] >= all.min[beside] && l[beside] <= all.max[beside]) ++beside;
+    const int axis = beside < 3 ? (beside + 1) % 3 : 0;
+    axis_[axis] = 1;
+    u_[(axis + 1) % 3] = 1;
+    v_[(axis + 2) % 3] = 1;
     width_ = 4;
-    if (!past) at_ends_ = near_axis();
+    if (beside == 3) at_ends_ = near_axis();
   }
 
   /// At least as many triangles as the axis meets on both sides of the light.
@@ -162,7 +170,8 @@ class DepthBound {
       for (int k = 0; k < 3; ++k) {
         const glm::dvec3 p = from_light(adjacency_.triangles()[t][k]);
         const glm::dvec2 q(glm::dot(u_, p), glm::dot(v_, p));
-        low = glm::min(low, q), high = glm::max(high, q);
+        low = glm::min(low, q);
+        high = glm::max(high, q);
       }
       count += low.x <= 0 && high.x >= 0 && low.y <= 0 && high.y >= 0;
     }

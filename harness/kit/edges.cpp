@@ -27,7 +27,9 @@ std::vector<std::uint32_t> weld(std::span<const glm::vec3> positions, std::span<
     if (!wanted[v]) continue;
     const auto b = bits(positions[v]);
     std::uint64_t hash = b[0] * 0x9e3779b97f4a7c15ull ^ b[1] * 0xc2b2ae3d27d4eb4full ^ b[2] * 0x165667b19e3779f9ull;
-    hash ^= hash >> 29, hash *= 0xbf58476d1ce4e5b9ull, hash ^= hash >> 32;
+    hash ^= hash >> 29;
+    hash *= 0xbf58476d1ce4e5b9ull;
+    hash ^= hash >> 32;
     for (std::size_t place = hash & (table.size() - 1);; place = (place + 1) & (table.size() - 1)) {
       if (table[place] == empty) {
         table[place] = v;
@@ -61,18 +63,46 @@ EdgeAdjacency::EdgeAdjacency(const Scene& scene) {
   first_at_position_ = weld(positions_, casts);
   join_edges();
   find_parts();
-
   find_planes();
 }
 
-/// Half-edges fall into one bucket per lower end; a bucket is a few entries, sorted by the higher end and then by triangle, so
-/// that the outcome has one order.
-void EdgeAdjacency::join_edges() {
+/// Half-edges by their lower ends: those of vertex v are `of(v)`, a few, in the order of their triangles.
+struct EdgeAdjacency::HalfEdges {
   struct HalfEdge {
     std::uint32_t high;
     Side side;
     bool operator<(const HalfEdge& other) const { return high != other.high ? high < other.high : side < other.side; }
   };
+  std::vector<std::uint32_t> begin;
+  std::vector<HalfEdge> all;
+
+  std::span<HalfEdge> of(std::size_t vertex) { return {all.begin() + begin[vertex], all.begin() + begin[vertex + 1]}; }
+};
+
+/// What one thread finds at some vertices.
+struct EdgeAdjacency::JoinedEdges {
+  std::vector<Edge> edges;
+  std::vector<IrregularEdge> irregular;
+  std::vector<Side> sides;
+
+  /// Joins the half-edges of one vertex, sorted by the higher end and then by triangle, so that the outcome has one order.
+  void add(std::uint32_t low, std::span<HalfEdges::HalfEdge> halves) {
+    std::sort(halves.begin(), halves.end());
+    for (std::size_t i = 0, j; i < halves.size(); i = j) {
+      const std::uint32_t high = halves[i].high;
+      for (j = i + 1; j < halves.size() && halves[j].high == high;) ++j;
+      if (j == i + 2 && (halves[i].side & 1) != (halves[i + 1].side & 1)) {
+        const bool in_order = halves[i].side & 1;
+        edges.push_back({low, high, halves[in_order ? i : i + 1].side / 2, halves[in_order ? i + 1 : i].side / 2});
+      } else {
+        irregular.push_back({low, high, static_cast<std::uint32_t>(sides.size()), static_cast<std::uint32_t>(j - i)});
+        for (std::size_t k = i; k < j; ++k) sides.push_back(halves[k].side);
+      }
+    }
+  }
+};
+
+EdgeAdjacency::HalfEdges EdgeAdjacency::find_half_edges() const {
   const auto for_half_edges = [&](auto&& visit) {
     for (const MeshTriangles& mesh : meshes_) {
       if (!mesh.casts) continue;
@@ -83,50 +113,28 @@ void EdgeAdjacency::join_edges() {
         }
     }
   };
-  std::vector<std::uint32_t> begin(positions_.size() + 1, 0);
-  for_half_edges([&](std::uint32_t low, std::uint32_t, Side) { ++begin[low + 1]; });
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<HalfEdge> halves(begin.back());
-  std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
-  for_half_edges([&](std::uint32_t low, std::uint32_t high, Side side) { halves[next[low]++] = {high, side}; });
+  HalfEdges halves;
+  halves.begin.assign(positions_.size() + 1, 0);
+  for_half_edges([&](std::uint32_t low, std::uint32_t, Side) { ++halves.begin[low + 1]; });
+  std::partial_sum(halves.begin.begin(), halves.begin.end(), halves.begin.begin());
+  halves.all.resize(halves.begin.back());
+  std::vector<std::uint32_t> next(halves.begin.begin(), halves.begin.end() - 1);
+  for_half_edges([&](std::uint32_t low, std::uint32_t high, Side side) { halves.all[next[low]++] = {high, side}; });
+  return halves;
+}
 
-  struct Found {
-    std::vector<Edge> edges;
-    std::vector<IrregularEdge> irregular;
-    std::vector<Side> sides;
-  };
-  std::vector<Found> found((positions_.size() + block_size - 1) / block_size);
+void EdgeAdjacency::join_edges() {
+  HalfEdges halves = find_half_edges();
+  std::vector<JoinedEdges> blocks((positions_.size() + block_size - 1) / block_size);
   for_blocks(positions_.size(), block_size, [&](std::size_t first, std::size_t last) {
-    Found& out = found[first / block_size];
-    out.edges.reserve((begin[last] - begin[first]) / 2);
-    for (std::size_t low = first; low < last; ++low) {
-      const std::span bucket(halves.begin() + begin[low], halves.begin() + begin[low + 1]);
-      std::sort(bucket.begin(), bucket.end());
-      for (std::size_t i = 0, j; i < bucket.size(); i = j) {
-        for (j = i + 1; j < bucket.size() && bucket[j].high == bucket[i].high;) ++j;
-        const auto ends = [&]<class E>(E edge) {
-          return edge.low = static_cast<std::uint32_t>(low), edge.high = bucket[i].high, edge;
-        };
-        if (j == i + 2 && (bucket[i].side & 1) != (bucket[i + 1].side & 1)) {
-          const bool in_order = bucket[i].side & 1;
-          out.edges.push_back(ends(Edge{.low = 0,
-                                        .high = 0,
-                                        .first = bucket[in_order ? i : i + 1].side / 2,
-                                        .second = bucket[in_order ? i + 1 : i].side / 2}));
-        } else {
-          out.irregular.push_back(ends(IrregularEdge{.low = 0,
-                                                     .high = 0,
-                                                     .first_side = static_cast<std::uint32_t>(out.sides.size()),
-                                                     .side_count = static_cast<std::uint32_t>(j - i)}));
-          for (std::size_t k = i; k < j; ++k) out.sides.push_back(bucket[k].side);
-        }
-      }
-    }
+    JoinedEdges& block = blocks[first / block_size];
+    block.edges.reserve((halves.begin[last] - halves.begin[first]) / 2);
+    for (std::size_t low = first; low < last; ++low) block.add(static_cast<std::uint32_t>(low), halves.of(low));
   });
   std::size_t edge_count = 0;
-  for (const Found& block : found) edge_count += block.edges.size();
+  for (const JoinedEdges& block : blocks) edge_count += block.edges.size();
   edges_.reserve(edge_count);
-  for (const Found& block : found) {
+  for (const JoinedEdges& block : blocks) {
     edges_.insert(edges_.end(), block.edges.begin(), block.edges.end());
     for (IrregularEdge edge : block.irregular) {
       edge.first_side += static_cast<std::uint32_t>(sides_.size());
@@ -145,7 +153,8 @@ void EdgeAdjacency::find_parts() {
   };
   // The smaller number leads, so parts are numbered in the order of their first triangles.
   const auto join = [&](std::uint32_t a, std::uint32_t b) {
-    a = find(a), b = find(b);
+    a = find(a);
+    b = find(b);
     leader[std::max(a, b)] = std::min(a, b);
   };
   for (const Edge& edge : edges_) join(edge.first, edge.second);

@@ -10,15 +10,15 @@ namespace gnomon {
 
 namespace {
 
-/// One row of a determinant: the vector between two float32 points, with the points, so that it can be had exactly. All
+/// The vector between two float32 points, a row of a determinant, with the points, so that it can be had exactly. All
 /// coordinates are float32 values in doubles.
-struct Row {
+struct PointDifference {
   glm::dvec3 from, to, vector;
-  Row(const glm::dvec3& a, const glm::dvec3& b) : from(a), to(b), vector(b - a) {}
+  PointDifference(const glm::dvec3& a, const glm::dvec3& b) : from(a), to(b), vector(b - a) {}
 };
 
 /// From a point to a homogeneous one: the difference of two points, or the direction itself.
-Row row(const glm::dvec3& from, const glm::dvec4& to) {
+PointDifference difference(const glm::dvec3& from, const glm::dvec4& to) {
   assert(to.w == 0 || to.w == 1);
   assert(glm::dvec3(glm::vec3(to)) == glm::dvec3(to));
   return {to.w == 0 ? glm::dvec3(0) : from, glm::dvec3(to)};
@@ -40,7 +40,7 @@ int sign(const Number& x) {
 struct LatticeRow {
   __int128 k[3];
 };
-std::optional<LatticeRow> on_lattice(const Row& row) {
+std::optional<LatticeRow> on_lattice(const PointDifference& row) {
   double largest = 0;
   for (int i = 0; i < 3; ++i) largest = std::max({largest, std::abs(row.from[i]), std::abs(row.to[i])});
   if (largest == 0) return LatticeRow{};
@@ -60,7 +60,7 @@ std::optional<LatticeRow> on_lattice(const Row& row) {
 /// Every float32 is an integer times 2^-149.
 struct BigRow {
   mpz_class k[3];
-  explicit BigRow(const Row& row) {
+  explicit BigRow(const PointDifference& row) {
     for (int i = 0; i < 3; ++i) k[i] = mpz_class(row.to[i] * 0x1p149) - mpz_class(row.from[i] * 0x1p149);
   }
 };
@@ -69,7 +69,8 @@ struct BigRow {
 ///
 /// On the lattice: coordinates are at most 2^40, so differences are at most 2^41, their products 2^82, a difference of two
 /// products 2^83, times a difference 2^124, and the sum of three of those stays below 2^126 < 2^127.
-[[gnu::noinline]] int exact_sign(const Row& u, const Row& v, const Row& w, SignTally* tally) {
+[[gnu::noinline]] int exact_sign(const PointDifference& u, const PointDifference& v, const PointDifference& w,
+                                 SignTally* tally) {
   const auto ku = on_lattice(u), kv = on_lattice(v), kw = on_lattice(w);
   if (ku && kv && kw) {
     if (tally) ++tally->lattice;
@@ -93,7 +94,8 @@ struct BigRow {
 /// between 2^-149 and 2^129, products of two between 2^-298 and 2^258 and thus on the lattice 2^-351 (53 bits below), their
 /// differences too, and products of three lie between 2^-500 and 2^389.
 /// All products zero means each term is truly zero, and so is the determinant.
-inline int determinant_sign(const Row& row_u, const Row& row_v, const Row& row_w, SignTally* tally) {
+inline int determinant_sign(const PointDifference& row_u, const PointDifference& row_v, const PointDifference& row_w,
+                            SignTally* tally) {
   const glm::dvec3 &u = row_u.vector, &v = row_v.vector, &w = row_w.vector;
   const double yz = v.y * w.z, zy = v.z * w.y, zx = v.z * w.x, xz = v.x * w.z, xy = v.x * w.y, yx = v.y * w.x;
   const double value = u.x * (yz - zy) + u.y * (zx - xz) + u.z * (xy - yx);
@@ -114,7 +116,7 @@ SignTally& SignTally::operator+=(const SignTally& other) {
 }
 
 int orient3d_sign(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::dvec4& d, SignTally* tally) {
-  return determinant_sign({a, b}, {a, c}, row(a, d), tally);
+  return determinant_sign({a, b}, {a, c}, difference(a, d), tally);
 }
 
 int orient3d_sign(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& d, SignTally* tally) {
@@ -138,7 +140,7 @@ bool coplanar(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const 
 // A ray that meets the triangle does so before a light at finite distance when that light is strictly beyond the plane.
 Crossing crosses(const Segment& segment, const Triangle& triangle, SignTally* tally) {
   const glm::dvec3 p(segment.point), a(triangle.points[0]), b(triangle.points[1]), c(triangle.points[2]);
-  const Row u(p, a), v(p, b), w(p, c), d = row(p, segment.light);
+  const PointDifference u(p, a), v(p, b), w(p, c), d = difference(p, segment.light);
   const int ab = determinant_sign(u, v, d, tally), bc = determinant_sign(v, w, d, tally);
   if (ab * bc < 0) return Crossing::none;
   const int ca = determinant_sign(w, u, d, tally);
@@ -146,7 +148,8 @@ Crossing crosses(const Segment& segment, const Triangle& triangle, SignTally* ta
   const int side = determinant_sign(u, v, w, tally);
   if (side == 0 || ab + bc + ca == 0 || side * (ab + bc + ca) < 0) return Crossing::none;
   // orient3d(a, b, c, point) is -side, since ((b - a) x (c - a)) . (-a) = -det(a, b, c).
-  if (segment.light.w != 0 && determinant_sign({a, b}, {a, c}, row(a, segment.light), tally) != side) return Crossing::none;
+  if (segment.light.w != 0 && determinant_sign({a, b}, {a, c}, difference(a, segment.light), tally) != side)
+    return Crossing::none;
   return ab * bc * ca == 0 ? Crossing::degenerate : Crossing::crosses;
 }
 

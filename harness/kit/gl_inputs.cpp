@@ -19,14 +19,15 @@ double drained_ms(const Work& work) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Tells a new scene at an old address from the old one without reading all of it: addresses and sizes of its arrays, flags,
-/// and four vertices of some meshes. An edit in place of others goes unseen: call release_inputs after such an edit.
+/// A hash that tells a new scene at an old address from the old one without reading all of it: of addresses and sizes of its
+/// arrays, flags, and four vertices of some meshes. It misses an edit of other vertices in place: call release_inputs after
+/// one.
 std::uint64_t stamp(const Scene& scene) {
   std::uint64_t hash = 0xcbf29ce484222325u;
   const auto mix = [&](std::uint64_t value) { hash = (hash ^ value) * 0x100000001b3u ^ hash >> 29; };
   mix(std::bit_cast<std::uintptr_t>(&scene));
   mix(scene.meshes.size());
-  // At most 32 meshes: it is asked in timed stages.
+  // At most 32 meshes: timed stages compute this, too.
   const std::size_t step = scene.meshes.size() / 32 + 1;
   for (std::size_t m = 0; m < scene.meshes.size(); m += step) {
     const Mesh& mesh = scene.meshes[m];
@@ -64,7 +65,7 @@ struct GBufferSlot {
   }
 };
 
-/// How many scenes and how many G-buffers are held; the least recently asked for goes first.
+/// How many scenes and how many G-buffers are held; the least recently used goes first.
 constexpr std::size_t slot_count = 4;
 
 /// What is held for the one context; slots from most to least recently used.

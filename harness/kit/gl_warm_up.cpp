@@ -11,8 +11,8 @@ namespace {
 /// do. All have exact shapes, for techniques that see nothing else.
 struct TinyScene {
   Scene scene;
-  std::vector<float> x, y, z, zero, one;
-  std::vector<std::uint32_t> mesh, triangle;
+  std::vector<float> x, z, zero, one;
+  std::vector<std::uint32_t> first;  // mesh and triangle
   GBuffer gbuffer;
 
   TinyScene() {
@@ -26,10 +26,13 @@ struct TinyScene {
     scene.views = {View{.eye = {0, 5, 5}}};
     constexpr int side = 8;
     for (int i = 0; i < side * side; ++i) {
-      x.push_back(i % side * 0.25f - 1), y.push_back(0), z.push_back(i / side * 0.25f - 1);
-      zero.push_back(0), one.push_back(1), mesh.push_back(0), triangle.push_back(0);
+      x.push_back(i % side * 0.25f - 1);
+      z.push_back(i / side * 0.25f - 1);
     }
-    gbuffer = {scene.views[0], Truth::mesh, side, side, x, y, z, zero, one, zero, mesh, triangle, nullptr};
+    zero.assign(x.size(), 0);
+    one.assign(x.size(), 1);
+    first.assign(x.size(), 0);
+    gbuffer = {scene.views[0], Truth::mesh, side, side, x, zero, z, zero, one, zero, first, first, nullptr};
   }
 };
 

@@ -97,6 +97,9 @@ class EdgeAdjacency {
     bool casts;
     Bounds bounds;
   };
+  struct HalfEdges;
+  struct JoinedEdges;
+  HalfEdges find_half_edges() const;
   void join_edges();
   void find_parts();
   void find_planes();

@@ -162,7 +162,8 @@ void warm_up(Technique& technique);
 
 // --- State -----------------------------------------------------------------------------------------------------------------
 
-/// What differs from the house state, one line each ("blend is on"); empty is right. The viewport is everybody's own.
+/// What differs from the house state, one line each ("blend is on"); empty where nothing does. The viewport is not part of it:
+/// every pass sets its own.
 std::vector<std::string> state_differences();
 
 /// Puts back, when it goes, what a technique may change: bindings of program, vertex array, framebuffers, buffers, the first

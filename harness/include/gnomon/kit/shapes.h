@@ -7,7 +7,7 @@
 
 namespace gnomon {
 
-/// How finely a curved shape is tessellated when nobody says otherwise.
+/// Segments around a curved shape where a scene does not say how many.
 inline constexpr int default_segments = 64;
 
 /// The triangles of a shape, counter-clockwise seen from outside, with `shape` set and facts measured. Curved shapes are

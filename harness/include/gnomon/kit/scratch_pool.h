@@ -1,0 +1,37 @@
+#pragma once
+#include <memory>
+#include <mutex>
+#include <vector>
+
+namespace gnomon {
+
+/// Scratch memory that tasks on many threads borrow and give back, so that it is allocated once a thread at most and kept for
+/// the next stage.
+template <class Scratch>
+class ScratchPool {
+ public:
+  /// Lends one for as long as the result lives.
+  auto borrow() {
+    auto give_back = [this](Scratch* scratch) {
+      const std::lock_guard lock(mutex_);
+      idle_.emplace_back(scratch);
+    };
+    const std::lock_guard lock(mutex_);
+    if (idle_.empty()) idle_.push_back(std::make_unique<Scratch>());
+    std::unique_ptr<Scratch, decltype(give_back)> lent(idle_.back().release(), give_back);
+    idle_.pop_back();
+    return lent;
+  }
+  /// Of what is not lent, by Scratch::bytes.
+  std::size_t bytes() const {
+    std::size_t sum = 0;
+    for (const auto& scratch : idle_) sum += scratch->bytes();
+    return sum;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Scratch>> idle_;
+};
+
+}  // namespace gnomon
