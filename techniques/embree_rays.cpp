@@ -1,17 +1,25 @@
 // Shadow rays: one ray from every visible point to the light, traced by Embree. The reference.
-// Source: Wald et al. 2014 (Embree); the ray recipe is measured, see docs/method.md.
-// Error: none on the points it sees, away from rays that graze an edge closer than float32 rounding (class U).
-// Fails: nowhere known; it is certified against exact_rays by `gnomon certify`.
+#include <gnomon/kit/hard_light.h>
 #include <gnomon/kit/rays.h>
 #include <gnomon/registry.h>
 
-namespace gnomon {
+namespace {
+using namespace gnomon;
+
+constexpr About about{
+    .title = "Shadow rays",
+    .summary = "One shadow ray from every visible point to the light, traced by Embree in packets of 16.",
+    .source = "Wald et al. 2014 (Embree); the ray recipe is measured, see docs/method.md.",
+    .error = "None on the points it sees, away from rays that graze an edge closer than float32 rounding (class U).",
+    .fails = "Nowhere known; it is certified against exact_rays by gnomon certify.",
+    .promise = Promise::exact,
+    .sees = Truth::shape,
+    .role = Role::reference};
 
 class EmbreeRays final : public Technique {
  public:
   Support supports(const Scene&, const Light& light, const View&) const override {
-    if (has_area(light)) return Support::unsupported("one ray per pixel cannot see part of an area light");
-    return Support::full();
+    return hard_lights_only(light, "one ray per pixel cannot see part of an area light");
   }
   void setup() override {}
   void build(const Scene& scene) override {
@@ -38,14 +46,6 @@ class EmbreeRays final : public Technique {
   std::size_t ray_count_ = 0;
 };
 
-}  // namespace gnomon
+}  // namespace
 
-GNOMON_TECHNIQUE(embree_rays, gnomon::EmbreeRays,
-                 {.title = "Shadow rays",
-                  .summary = "One shadow ray from every visible point to the light, traced by Embree in packets of 16.",
-                  .source = "Wald et al. 2014",
-                  .error = "None away from rays that graze an edge within float32 rounding (class U).",
-                  .fails = "Nowhere known; certified against exact_rays.",
-                  .promise = gnomon::Promise::exact,
-                  .sees = gnomon::Truth::shape,
-                  .role = gnomon::Role::reference})
+GNOMON_TECHNIQUE(embree_rays, EmbreeRays, about)

@@ -1,19 +1,27 @@
 // Exact rays: one segment from every visible point to the light, against every triangle near it, by exact signs of
-// determinants. Source: none to cite for the whole; the filter is of the kind of Shewchuk 1997, derived in kit/exact.cpp.
-// Error: none on the points it is given, which are float32. A point may so lie below its own triangle by a rounding; then a
-//   neighbor across an edge, closer than that rounding, blocks it by right. Edges and vertices count as blocking.
-// Fails: nothing it supports; it is slow. It sees triangles: against exact spheres, cones and discs it errs by the
-// tessellation. It is the independent witness for the ray tracer: no offset, no epsilon, no code in common with it.
+// determinants. The independent witness for the ray tracer: no offset, no epsilon, no code in common with it.
 #include <gnomon/kit/exact_scene.h>
+#include <gnomon/kit/hard_light.h>
 #include <gnomon/registry.h>
 
-namespace gnomon {
+namespace {
+using namespace gnomon;
+
+constexpr About about{
+    .title = "Exact rays",
+    .summary = "One segment per visible point against the triangles near it, decided without rounding or epsilon.",
+    .source = "None to cite for the whole; the filter is of the kind of Shewchuk 1997, derived in kit/exact.cpp.",
+    .error =
+        "None on the points it is given, which are float32. A point may so lie below its own triangle by a rounding; then a "
+        "neighbor across an edge, closer than that rounding, blocks it by right. Edges and vertices count as blocking. It "
+        "sees triangles: against exact spheres, cones and discs it errs by the tessellation.",
+    .fails = "Nothing it supports; it is slow.",
+    .promise = Promise::exact};
 
 class ExactRays final : public Technique {
  public:
   Support supports(const Scene&, const Light& light, const View&) const override {
-    if (has_area(light)) return Support::unsupported("one exact segment per pixel cannot see part of an area light");
-    return Support::full();
+    return hard_lights_only(light, "one exact segment per pixel cannot see part of an area light");
   }
   void setup() override {}
   void build(const Scene& scene) override { casters_.emplace(scene); }
@@ -37,15 +45,6 @@ class ExactRays final : public Technique {
   ExactTally tally_;
 };
 
-}  // namespace gnomon
+}  // namespace
 
-GNOMON_TECHNIQUE(
-    exact_rays, gnomon::ExactRays,
-    {.title = "Exact rays",
-     .summary = "One segment per visible point against the triangles near it, decided without rounding or epsilon.",
-     .source = "Shewchuk 1997",
-     .error = "None on the float32 points it is given; tessellation on curved shapes.",
-     .fails = "Nothing it supports; it is slow.",
-     .promise = gnomon::Promise::exact,
-     .sees = gnomon::Truth::mesh,
-     .role = gnomon::Role::contender})
+GNOMON_TECHNIQUE(exact_rays, ExactRays, about)

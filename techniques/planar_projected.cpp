@@ -1,26 +1,4 @@
 // Planar projected shadow: casters flattened onto each receiver plane by a matrix and drawn there from the eye.
-//
-// Source: Blinn 1988. Homogeneous, so that point and directional lights are one case: with the plane P = (n, d), n toward the
-//         light L, M = (P.L) I - L P^T. The image of a caster's point p has w = P.L - (light's w) P.p: positive between the
-//         plane and the light, zero at the light's height. Lecture notes print the matrix of the plane z = 0 with the last row
-//         (0, 0, 1, -l_z): that w has the other sign, and the shadow comes out reflected in the origin.
-//         Casters behind the plane (false shadow) and behind the light (anti-shadow) are clipped, and so are triangles that
-//         pass the one or the other, before anything is divided.
-// Error:  exact up to the rasterizer's snapping of edges to 1/256 pixel: wrong pixels are those whose center lies on an edge
-//         (at most 1 in 10 000 of the tested pixels in our scenes, none farther than 1/100 pixel from an edge).
-// Fails:  every receiver that is not flat: pixels off the receiver planes are lit and reported as not covered.
-//
-// Each pixel knows its receiver plane, and each plane takes all casters on its light's side: receivers end where they end,
-// occlude each other, and have the shadows of what stands on them. A pixel is dark or it is not, however many triangles cover
-// it. Two settings do what textbooks warn of:
-//   unclipped     divides by w and clips nothing. A caster behind the light casts a mirrored anti-shadow, one behind the plane
-//                 a false shadow, a triangle through the light's height the wrong part of its plane. Whatever lies behind a
-//                 plane darkens it: the ground does so to every table, a solid's far sides to its near ones.
-//   double_blend  halves what is there for every triangle: n of them leave 1/2^n. A closed convex caster has n = 2, its near
-//                 side and its far one, or 1 where the plane cuts it open; where shadows overlap, they add up.
-// Where they answer otherwise than without them by more than one half, the account of a pixel says that the formula differs. A
-// mask of 1/2 is as near to dark as to lit: double_blend shows in the mean error and in the shaded picture, hardly in wrong
-// pixels.
 #include <gnomon/kit/gl.h>
 #include <gnomon/kit/planes.h>
 #include <gnomon/registry.h>
@@ -33,6 +11,34 @@ namespace {
 using namespace gnomon;
 using namespace planar_projected;
 
+constexpr About about{
+    .title = "Planar projected shadow",
+    .summary = "Casters flattened onto each receiver plane by a matrix and drawn there from the eye.",
+    .source = "Blinn 1988, in homogeneous form, so that point and directional lights are one case.",
+    .error =
+        "Exact up to the rasterizer's snapping of edges to 1/256 pixel: wrong pixels are those whose center lies on an edge "
+        "(at most 1 in 10 000 of the tested pixels in our scenes, none farther than 1/100 pixel from an edge). Wrong on "
+        "purpose with a textbook artefact on.",
+    .fails = "Receivers that are not flat: pixels off the receiver planes are lit and reported as not covered.",
+    .needs_gl = true};
+
+// With the plane P = (n, d), n toward the light L, M = (P.L) I - L P^T. The image of a caster's point p has w = P.L - (light's
+// w) P.p: positive between the plane and the light, zero at the light's height. Lecture notes print the matrix of the plane
+// z = 0 with the last row (0, 0, 1, -l_z): that w has the other sign, and the shadow comes out reflected in the origin. Casters
+// behind the plane (false shadow) and behind the light (anti-shadow) are clipped, and so are triangles that pass the one or the
+// other, before anything is divided.
+//
+// Each pixel knows its receiver plane, and each plane takes all casters on its light's side: receivers end where they end,
+// occlude each other, and have the shadows of what stands on them. A pixel is dark or it is not, however many triangles cover
+// it. Two settings do what textbooks warn of:
+//   unclipped     divides by w and clips nothing. A caster behind the light casts a mirrored anti-shadow, one behind the plane
+//                 a false shadow, a triangle through the light's height the wrong part of its plane. Whatever lies behind a
+//                 plane darkens it: the ground does so to every table, a solid's far sides to its near ones.
+//   double_blend  halves what is there for every triangle: n of them leave 1/2^n. A closed convex caster has n = 2, its near
+//                 side and its far one, or 1 where the plane cuts it open; where shadows overlap, they add up.
+// Where they answer otherwise than without them by more than one half, the account of a pixel says that the formula differs. A
+// mask of 1/2 is as near to dark as to lit: double_blend shows in the mean error and in the shaded picture, hardly in wrong
+// pixels.
 class PlanarProjected final : public Technique {
   Number<double> min_share{
       this,         "min_share",
@@ -90,7 +96,7 @@ class PlanarProjected final : public Technique {
   Artefacts artefacts_;
   Texture receivers_;
   Work work_;
-  mutable std::vector<std::uint8_t> differs_;  // of each pixel; made when somebody asks
+  mutable std::vector<std::uint8_t> differs_;  // of each pixel; made by the first `explain`
 };
 
 Support PlanarProjected::supports(const Scene& scene, const Light& light, const View&) const {
@@ -265,7 +271,7 @@ std::uint32_t PlanarProjected::plane_of(const GBuffer& gbuffer, std::size_t pixe
   return planes_.plane_of[planes_.first_triangle[mesh] + gbuffer.triangle[pixel]];
 }
 
-/// Draws the picture again, with and without the artefacts, when it is first asked after a resolve.
+/// Draws the picture again, with and without the artefacts, at the first call after a resolve.
 bool PlanarProjected::artefacts_differ(std::size_t pixel) const {
   if (!artefacts_.unclipped && !artefacts_.double_blend) return false;
   if (differs_.empty()) {
@@ -295,11 +301,4 @@ std::optional<Explanation> PlanarProjected::explain(std::size_t index) const {
 
 }  // namespace
 
-GNOMON_TECHNIQUE(
-    planar_projected, PlanarProjected,
-    {.title = "Planar projected shadow",
-     .summary = "Casters flattened onto each receiver plane by a matrix and drawn there from the eye.",
-     .source = "Blinn 1988",
-     .error = "Exact up to the rasterizer's snapping of edges to 1/256 pixel; wrong on purpose with a textbook artefact on.",
-     .fails = "Receivers that are not flat: pixels off the receiver planes are lit and not covered.",
-     .needs_gl = true})
+GNOMON_TECHNIQUE(planar_projected, PlanarProjected, about)

@@ -1,11 +1,17 @@
-// Unshadowed: every point is lit. The floor of cost and the ceiling of error.
-// Source: none.  Error: every shadow is missing.  Fails: wherever there is a shadow.
+// Unshadowed: every point is lit.
 #include <gnomon/registry.h>
 
 #include <algorithm>
 
 namespace {
 using namespace gnomon;
+
+constexpr About about{.title = "Unshadowed",
+                      .summary = "Every point is lit: the floor of cost and the ceiling of error.",
+                      .source = "none",
+                      .error = "Every shadow is missing.",
+                      .fails = "Wherever there is a shadow.",
+                      .role = Role::baseline};
 
 class Unshadowed final : public Technique {
  public:
@@ -19,10 +25,4 @@ class Unshadowed final : public Technique {
 
 }  // namespace
 
-GNOMON_TECHNIQUE(unshadowed, Unshadowed,
-                 {.title = "Unshadowed",
-                  .summary = "Every point is lit: the floor of cost and the ceiling of error.",
-                  .source = "none",
-                  .error = "Every shadow is missing.",
-                  .fails = "Wherever there is a shadow.",
-                  .role = Role::baseline})
+GNOMON_TECHNIQUE(unshadowed, Unshadowed, about)

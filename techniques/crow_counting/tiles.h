@@ -9,7 +9,7 @@ namespace gnomon::crow_counting {
 /// the largest distance.
 struct Tile {
   double x0 = INFINITY, x1 = -INFINITY, y0 = INFINITY, y1 = -INFINITY, z0 = INFINITY, z1 = 0, farthest = 0;
-  std::uint32_t asked = 0;  ///< pixels that are to be decided
+  std::uint32_t undecided = 0;  ///< pixels
 
   /// A point that is not clearly in front of the start makes the tile boundless: nothing is then left out for it.
   ///
@@ -18,7 +18,7 @@ struct Tile {
   /// takes 32 times as much: 28 * 2^-24 max|P| < 2^-18 max|P|.
   void add(const glm::dvec3& p, double largest_coordinate) {
     const double distance = glm::length(p);
-    ++asked;
+    ++undecided;
     if (p.z > 0x1p-20 * distance) {
       const double margin = 0x1p-18 * largest_coordinate / p.z, x = p.x / p.z, y = p.y / p.z;
       add(Tile{x - margin, x + margin, y - margin, y + margin, p.z, p.z, distance, 0});
@@ -27,8 +27,14 @@ struct Tile {
     }
   }
   void add(const Tile& t) {
-    x0 = std::min(x0, t.x0), x1 = std::max(x1, t.x1), y0 = std::min(y0, t.y0), y1 = std::max(y1, t.y1);
-    z0 = std::min(z0, t.z0), z1 = std::max(z1, t.z1), farthest = std::max(farthest, t.farthest), asked += t.asked;
+    x0 = std::min(x0, t.x0);
+    x1 = std::max(x1, t.x1);
+    y0 = std::min(y0, t.y0);
+    y1 = std::max(y1, t.y1);
+    z0 = std::min(z0, t.z0);
+    z1 = std::max(z1, t.z1);
+    farthest = std::max(farthest, t.farthest);
+    undecided += t.undecided;
   }
 
   bool misses(const Outline& o) const { return o.x0 > x1 || o.x1 < x0 || o.y0 > y1 || o.y1 < y0 || o.z0 > z1; }
@@ -52,7 +58,8 @@ class Pyramid {
   /// Shape of the tiles for a picture; the top level has at most 128 tiles, of 64 x 64 pixels or more.
   void fit(int width, int height) {
     if (width == width_ && height == height_) return;
-    width_ = width, height_ = height;
+    width_ = width;
+    height_ = height;
     levels_.clear();
     for (int side = leaf;; side *= 2) {
       const int columns = (width + side - 1) / side, rows = (height + side - 1) / side;

@@ -20,8 +20,10 @@ class Volumes {
     // Sized to measure: growing by doubling would hold twice of what is most of the memory.
     const std::size_t count = silhouette_.edges.size() + caps_.size();
     if (polygons_.capacity() < count) {
-      polygons_ = {}, outlines_ = {};
-      polygons_.reserve(count), outlines_.reserve(count);
+      polygons_ = {};
+      outlines_ = {};
+      polygons_.reserve(count);
+      outlines_.reserve(count);
     }
     polygons_.resize(count);
     outlines_.resize(count);
