@@ -3,6 +3,7 @@
 #include "app/app.h"
 #include "measure/frame/certify.h"
 #include "measure/frame/frame.h"
+#include "measure/frame/reference_support.h"
 #include "measure/paths.h"
 #include "measure/run/jobs.h"
 #include "measure/run/progress.h"
@@ -28,6 +29,8 @@ int run_certify(const Options& options) {
   const auto wanted = [](const std::vector<std::string>& names, const std::string& name) {
     return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
   };
+  for (const Light& light : scene.lights)
+    if (wanted(options.lights, light.name)) require_reference(scene, light, scene.views.front());
   for (const View& view : scene.views) {
     // Without --view, the first: the one that suites use.
     if (options.views.empty() ? &view != &scene.views.front() : !wanted(options.views, view.name)) continue;

@@ -8,9 +8,10 @@
 #include "measure/picture/detail_export.h"
 #include "measure/picture/picture.h"
 #include "measure/run/context.h"
-#include "measure/run/row.h"
+#include "measure/run/row_record.h"
 #include "measure/scene/load.h"
 #include "measure/score/error_picture.h"
+#include "measure/scratch_folder.h"
 
 namespace gnomon::app {
 
@@ -71,12 +72,8 @@ void check_detail_file(const Contender& contender, const fs::path& file) {
                 file.string());
 }
 
-/// The surface detail of the light that the seat stands at, as an OBJ file and its materials.
-void write_detail(Seat& seat, const SceneRun& run, const Job& job, const Light& light, double timeout,
-                  const fs::path& obj_file) {
-  const fs::path raw = run.scratch / "detail.raw";
-  seat.worker().ask({{"do", "detail"}, {"out", raw.string()}}, timeout);
-  const SurfaceDetail detail = detail_from_bytes(MappedFile::open(raw)->bytes());
+/// What the first lines of a file with surface detail say of it.
+std::vector<std::string> detail_notes(const Job& job, const Light& light) {
   const glm::dvec4 l = homogeneous(light);
   std::string place = fmt::format("{} {:.9g} {:.9g} {:.9g}", l.w == 0 ? "toward" : "at", l.x, l.y, l.z);
   if (const auto* const spot = std::get_if<SpotLight>(&light.kind)) {
@@ -84,13 +81,118 @@ void write_detail(Seat& seat, const SceneRun& run, const Job& job, const Light& 
     place += fmt::format(", shining along {:.9g} {:.9g} {:.9g} within {:.9g} degrees, at which no polygon is cut", d.x, d.y,
                          d.z, spot->outer_degrees);
   }
-  const std::vector<std::string> notes{fmt::format("scene: {}", job.scene),
-                                       fmt::format("light: {}, a {} light {}", light.name, kind_name(light), place),
-                                       fmt::format("technique: {}", job.contender.name())};
-  const fs::path mtl_file = fs::path(obj_file).replace_extension(".mtl");
-  write_file(obj_file, detail_obj(run.scene, detail, notes, mtl_file.filename().string()));
-  write_file(mtl_file, detail_mtl());
+  return {fmt::format("scene: {}", job.scene), fmt::format("light: {}, a {} light {}", light.name, kind_name(light), place),
+          fmt::format("technique: {}", job.contender.name())};
 }
+
+/// A suite of what is asked for: one technique on one scene and view.
+Suite render_suite(const RenderOptions& options, const Contender& contender) {
+  Suite suite;
+  suite.name = "render";
+  std::tie(suite.width, suite.height) = parse_size(options.size, "--size");
+  suite.truth = parse_truth(options.truth);
+  suite.timeout = options.timeout;
+  suite.groups = {{{options.scene}, options.lights, {}, {contender}}};
+  if (!options.view.empty()) suite.groups[0].views = {options.view};
+  return suite;
+}
+
+/// Renders the lights of a scene one after the other and writes what came out into the folders, which are published when all
+/// of it is there.
+class Rendering {
+ public:
+  Rendering(const RenderOptions& options, const WorkerOptions& options_of_worker, std::optional<DebugLayer> layer,
+            const std::vector<Job>& jobs, const Scene& scene, const Suite& suite)
+      : options_(options),
+        layer_(std::move(layer)),
+        jobs_(jobs),
+        detail_folder_(options.detail.empty() ? nullptr : new StagedFolder(StagedFolder::for_file(options.detail))),
+        folder_(StagedFolder::beside(options.out)),
+        scratch_(ScratchFolder::at(folder_.path / "scratch")),
+        run_(options.scene, scene, suite, cache_root() / "frames", scratch_.path()),
+        context_(machine_context(options_of_worker.threads)),
+        worker_(run_, jobs[0].contender, options_of_worker) {
+    context_["scene_hash"] = run_.frames.scene_hash();
+    context_["frames"] = frame_version();
+    worker_.begin_load();
+    worker_.end_load();
+  }
+
+  void render(const Job& job) {
+    const RowFrame frame = run_.first_frame(job);
+    const auto require = [&](const Support& support) {
+      if (!support) throw Error("{} does not support {} {}: {}", job.contender.name(), job.scene, job.light, support.why());
+    };
+    const Support support = worker_.go(frame, run_.suite.truth);
+    require(support);
+    if (support.kind() == Support::Kind::approximate) fmt::print(stderr, "note: {}: {}\n", job.light, support.why());
+    Record record = start_record(job, run_.suite, &run_.scene, context_);
+    record.support = support.kind();
+    record.reason = support.why();
+    record.times(Stage::setup) = {{worker_.setup_ms()}};
+    const auto measured = measure(record, run_, worker_, frame);
+    if (!measured) require(Support::unsupported(record.reason));
+    // One warm call each: `gnomon run` is for timing.
+    for (const Stage stage : {Stage::build, Stage::relight, Stage::resolve})
+      record.times(stage) = {{worker_.client().time(stage)}};
+    write_pictures_of(job, *measured);
+    record.mask = "mask.exr";
+    record.error_picture = "error" + tail_of(job) + ".png";
+    record.shaded_picture = "shaded" + tail_of(job) + ".png";
+    names_.push_back(job.light + ".V");
+    masks_.push_back(measured->answer.mask);
+    records_.push_back(record);
+    const ErrorCounts& errors = measured->errors;
+    fmt::print("{:<12} wrong {:.4f} % of {} tested pixels, false dark {}, false lit {}\n", job.light,
+               errors.tested ? 100.0 * errors.wrong / errors.tested : 0.0, errors.tested, errors.false_dark, errors.false_lit);
+  }
+
+  void publish() {
+    const std::vector<std::span<const float>> channels(masks_.begin(), masks_.end());
+    write_exr(folder_.path / "mask.exr", run_.suite.width, run_.suite.height, names_, channels);
+    write_file(folder_.path / "record.json", records_.dump(2) + "\n");
+    if (detail_folder_) detail_folder_->publish();
+    folder_.publish();
+  }
+
+ private:
+  /// The first light's files have plain names; every further light's are marked with it.
+  std::string tail_of(const Job& job) const { return &job == jobs_.data() ? "" : "_" + job.light; }
+
+  void write_pictures_of(const Job& job, const MeasuredRow& measured) {
+    const Answer& answer = measured.answer;
+    const int width = run_.suite.width, height = run_.suite.height;
+    const auto picture_file = [&](const std::string& name) { return folder_.path / (name + tail_of(job) + ".png"); };
+    write_png(picture_file("mask"), draw_mask(answer.mask, width, height));
+    write_png(picture_file("shaded"), shade(run_.scene, answer.gbuffer, measured.light, answer.mask));
+    write_png(picture_file("error"), draw_errors(answer.evidence(run_.scene, measured.light), job.contender.name()));
+    if (layer_)
+      write_png(picture_file(layer_->name), draw_layer(worker_.client().debug_layer(layer_->name), width, height, *layer_));
+    if (detail_folder_) write_detail(job, measured.light);
+  }
+
+  /// The surface detail of the light that was measured last, as an OBJ file and its materials.
+  void write_detail(const Job& job, const Light& light) {
+    const fs::path obj_file = detail_folder_->path / detail_file_of(options_.detail, tail_of(job)).filename();
+    const fs::path mtl_file = fs::path(obj_file).replace_extension(".mtl");
+    const SurfaceDetail detail = worker_.client().surface_detail();
+    write_file(obj_file, detail_obj(run_.scene, detail, detail_notes(job, light), mtl_file.filename().string()));
+    write_file(mtl_file, detail_mtl());
+  }
+
+  const RenderOptions& options_;
+  const std::optional<DebugLayer> layer_;
+  const std::vector<Job>& jobs_;
+  const std::unique_ptr<StagedFolder> detail_folder_;
+  const StagedFolder folder_;
+  const ScratchFolder scratch_;
+  SceneRun run_;
+  Json context_;
+  ContenderWorker worker_;
+  std::vector<std::string> names_;  ///< channels of mask.exr
+  std::vector<std::vector<float>> masks_;
+  Json records_ = Json::array();
+};
 
 int render(const RenderOptions& options, const WorkerOptions& worker) {
   const std::vector<Contender> contenders = parse_contenders(options.technique);
@@ -98,82 +200,19 @@ int render(const RenderOptions& options, const WorkerOptions& worker) {
     throw Error("--technique {} is a sweep of {}; render takes one", options.technique, contenders.size());
   const std::optional<DebugLayer> layer = find_layer(contenders[0], options.debug);
   if (!options.detail.empty()) check_detail_file(contenders[0], options.detail);
-  Suite suite;
-  suite.name = "render";
-  std::tie(suite.width, suite.height) = parse_size(options.size, "--size");
-  suite.truth = parse_truth(options.truth);
-  suite.timeout = options.timeout;
-  suite.groups = {{{options.scene}, options.lights, {}, contenders}};
-  if (!options.view.empty()) suite.groups[0].views = {options.view};
+  const Suite suite = render_suite(options, contenders[0]);
   SceneLibrary library;
   const std::vector<Job> jobs = expand_jobs(suite, library);
   const SceneLibrary::Entry& entry = library.get(options.scene);
   if (!entry.scene) throw Error("{}", entry.missing);
-  // The first light's files have plain names; every further light's are marked with it.
-  const auto tail_of = [&](const Job& job) { return &job == jobs.data() ? "" : "_" + job.light; };
   if (!options.detail.empty())
-    for (const Job& job : jobs) check_replaced(detail_file_of(options.detail, tail_of(job)), options.scene);
+    for (const Job& job : jobs)
+      check_replaced(detail_file_of(options.detail, &job == jobs.data() ? "" : "_" + job.light), options.scene);
   for (const std::string& note : entry.scene->notes) fmt::print(stderr, "note: {}\n", note);
 
-  std::unique_ptr<StagedFolder> detail_folder;
-  if (!options.detail.empty()) detail_folder.reset(new StagedFolder(StagedFolder::for_file(options.detail)));
-  const StagedFolder folder = StagedFolder::beside(options.out);
-  SceneRun run(options.scene, *entry.scene, suite, cache_root() / "frames", folder.path / "scratch");
-  fs::create_directories(run.scratch);
-  const Json context = machine_context(worker.threads);
-  Seat seat(run, contenders[0], worker);
-  seat.open_begin();
-  seat.open_end();
-
-  std::vector<std::string> names;
-  std::vector<std::vector<float>> masks;
-  Json records = Json::array();
-  for (const Job& job : jobs) {
-    const Standpoint place = run.place(job);
-    const Support support = seat.go(place, suite.truth);
-    if (!support) throw Error("{} does not support {} {}: {}", job.contender.name(), job.scene, job.light, support.why());
-    if (support.kind() == Support::Kind::approximate) fmt::print(stderr, "note: {}: {}\n", job.light, support.why());
-    Record record = start_record(job, suite, &*entry.scene, context);
-    record.support = support.kind();
-    record.reason = support.why();
-    record.context["scene_hash"] = run.frames.scene_hash();
-    record.context["frames"] = frame_version();
-    record.times(Stage::setup) = {{seat.setup_ms()}};
-    const auto result = measure(record, run, seat, place);
-    if (!result) throw Error("{} does not support {} {}: {}", job.contender.name(), job.scene, job.light, record.reason);
-    const MeasuredRow& measured = *result;
-    const Answer& answer = measured.answer;
-    const ErrorCounts& counts = measured.errors;
-    // One warm call each: `gnomon run` is for timing.
-    for (const Stage stage : {Stage::build, Stage::relight, Stage::resolve}) record.times(stage) = {{seat.time(stage)}};
-    const std::string tail = tail_of(job);
-    write_png(folder.path / ("mask" + tail + ".png"), draw_mask(answer.mask, suite.width, suite.height));
-    write_png(folder.path / ("shaded" + tail + ".png"), shade(run.scene, answer.gbuffer, measured.light, answer.mask));
-    write_png(folder.path / ("error" + tail + ".png"),
-              draw_errors(answer.evidence(run.scene, measured.light), job.contender.name()));
-    if (layer) {
-      const fs::path raw = run.scratch / "layer.raw";
-      seat.worker().ask({{"do", "debug"}, {"layer", layer->name}, {"out", raw.string()}}, suite.timeout);
-      write_png(folder.path / (layer->name + tail + ".png"), draw_layer(raw, suite.width, suite.height, *layer));
-    }
-    if (detail_folder) {
-      const fs::path file = detail_folder->path / detail_file_of(options.detail, tail).filename();
-      write_detail(seat, run, job, measured.light, suite.timeout, file);
-    }
-    record.mask = "mask.exr";
-    record.error_picture = "error" + tail + ".png";
-    record.shaded_picture = "shaded" + tail + ".png";
-    names.push_back(job.light + ".V");
-    masks.push_back(answer.mask);
-    records.push_back(record);
-    fmt::print("{:<12} wrong {:.4f} % of {} tested pixels, false dark {}, false lit {}\n", job.light,
-               counts.tested ? 100.0 * counts.wrong / counts.tested : 0.0, counts.tested, counts.false_dark, counts.false_lit);
-  }
-  const std::vector<std::span<const float>> channels(masks.begin(), masks.end());
-  write_exr(folder.path / "mask.exr", suite.width, suite.height, names, channels);
-  write_file(folder.path / "record.json", records.dump(2) + "\n");
-  if (detail_folder) detail_folder->publish();
-  folder.publish();
+  Rendering rendering(options, worker, layer, jobs, *entry.scene, suite);
+  for (const Job& job : jobs) rendering.render(job);
+  rendering.publish();
   fmt::print("{}\n", (options.out / "mask.exr").string());
   return 0;
 }

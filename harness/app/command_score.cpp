@@ -2,6 +2,7 @@
 #include "app/staged_folder.h"
 #include "measure/cause/causes.h"
 #include "measure/frame/frame.h"
+#include "measure/frame/reference_support.h"
 #include "measure/paths.h"
 #include "measure/picture/image_files.h"
 #include "measure/picture/picture.h"
@@ -92,6 +93,7 @@ int score(const ScoreOptions& options) {
   const View& view = options.view.empty() ? scene.views.front()
                                           : *std::ranges::find(scene.views, options.view, [](const View& v) { return v.name; });
   const std::vector<Channel> channels = channels_of(options, scene);
+  for (const Channel& channel : channels) require_reference(scene, channel.light, view);
   const auto [width, height] = image_files().exr_size(options.mask);
   const FrameKey key{view, width, height, parse_truth(options.truth)};
   FrameStore frames(scene, cache_root() / "frames");

@@ -3,12 +3,15 @@
 # Runs alone: steps have two seconds before they count as hung.
 
 import json
+import shutil
+import subprocess
 import sys
+import time
 import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import FAULTS, SMALL, ProgramTest, records, workers  # noqa: E402
+from program import FAULTS, PROGRAM, SMALL, ProgramTest, records, workers  # noqa: E402
 
 REASONS = {
     "crashes": r"^crashed in resolve: Segmentation fault \(signal 11\)",
@@ -76,6 +79,24 @@ class Faults(ProgramTest):
         self.assertEqual(done.returncode, 1)
         self.assertRegex(done.stderr, r"^gnomon: crashed in \w+: Segmentation fault \(signal 11\)\n$")
         self.assertEqual(list(self.dir.iterdir()), [])
+
+    def test_a_program_that_goes_away_while_it_runs_is_named(self):
+        # As a build does it: the file of the running program is removed. The second process of the row finds none to start.
+        program = self.dir / "gnomon"
+        shutil.copy(PROGRAM, program)
+        call = [program, "--plugin", FAULTS, "run", "--scene", "single_triangle", "--light", "sun", "--technique", "sleeps",
+                "--processes", "2", "--repetitions", "1", "--size", "64x36", "--out", self.dir / "out"]
+        environment = dict(self.environment, GNOMON_TEST_RELIGHT_MS="400")
+        run = subprocess.Popen(list(map(str, call)), env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        while run.poll() is None and len(workers(program)) < 2:  # itself and its first worker
+            time.sleep(0.01)
+        program.unlink()
+        text, words = run.communicate(timeout=120)
+        self.assertEqual(run.returncode, 1, words)
+        row = records(self.dir / "out")[0]
+        self.assertEqual(row["status"], "failed")
+        self.assertIn(f"program {program} was removed or replaced while it ran", row["reason"])
+        self.assertIn("start again", text)
 
     def test_a_plugin_is_listed_and_described_like_what_is_built_in(self):
         ids = [entry["id"] for entry in json.loads(self.succeed("--plugin", FAULTS, "list", "--json"))]

@@ -1,64 +1,18 @@
 #include "app/viewer/engine.h"
 
 #include <gnomon/error.h>
-#include <signal.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include <charconv>
 #include <utility>
 
-#include "app/viewer/engine_body.h"
+#include "app/viewer/engine_side.h"
 #include "measure/scene/load.h"
 
 namespace gnomon::viewer {
 
 namespace fs = std::filesystem;
-
-namespace {
-
-constexpr std::string_view scratch_prefix = "gnomon-view-";
-
-/// Whether the folder is of a viewer that is gone: its name ends in the number of the process.
-bool is_left_over(const fs::path& folder) {
-  const std::string name = folder.filename().string();
-  if (!name.starts_with(scratch_prefix)) return false;
-  int process = 0;
-  const char* const end = name.data() + name.size();
-  const auto [stop, code] = std::from_chars(name.data() + scratch_prefix.size(), end, process);
-  return code == std::errc{} && stop == end && process > 0 && kill(process, 0) != 0 && errno == ESRCH;
-}
-
-fs::path make_scratch() {
-  std::error_code code;
-  for (const fs::path& root : {fs::path("/dev/shm"), fs::temp_directory_path(code)}) {
-    if (access(root.c_str(), W_OK) != 0) continue;
-    for (const fs::directory_entry& entry : fs::directory_iterator(root, code))
-      if (is_left_over(entry.path())) fs::remove_all(entry.path(), code);
-    const fs::path folder = root / fmt::format("{}{}", scratch_prefix, getpid());
-    fs::create_directories(folder, code);
-    if (!code) return folder;
-  }
-  throw Error(
-      "there is no folder for files between the viewer and its workers: neither memory nor the temporary folder is "
-      "writable");
-}
-
-}  // namespace
-
-ScratchFolder::ScratchFolder() : path(make_scratch()) {}
-ScratchFolder::~ScratchFolder() {
-  std::error_code ignored;
-  fs::remove_all(path, ignored);
-}
-
-std::vector<std::byte> stand_bytes(const Light& light, const View& view) {
-  Scene stand;
-  stand.lights = {light};
-  stand.views = {view};
-  return scene_bytes(stand);
-}
 
 Engine::Body::Body(WorkerOptions the_workers, double timeout, std::function<void()> on_change)
     : workers(std::move(the_workers)), timeout_seconds(timeout), changed(std::move(on_change)) {
@@ -77,7 +31,7 @@ Engine::Body::~Body() {
   for (std::thread& thread : threads) thread.join();
 }
 
-void Engine::Body::stir() {
+void Engine::Body::wake_threads() {
   ++state.number;
   state.is_finished = false;
   std::ranges::fill(is_idle, false);
@@ -135,9 +89,12 @@ Engine::Body::Work Engine::Body::next_scene() {
       loaded->reference = reference;
       const auto given = std::exchange(offered, nullptr);
       loaded->scene = given && given->reference == reference ? std::move(given->scene) : load_scene(reference);
-      auto store = std::make_unique<FrameStore>(loaded->scene, scratch.path);
+      auto store = std::make_unique<FrameStore>(loaded->scene, scratch.path());
       // Made here, because they are made on first use, and not for two threads at once.
-      for (const Truth truth : {Truth::shape, Truth::mesh}) store->everything(truth), store->casters(truth);
+      for (const Truth truth : {Truth::shape, Truth::mesh}) {
+        store->everything(truth);
+        store->casters(truth);
+      }
       // Its file for the workers goes with it.
       const auto end = [file = store->scene_file()](FrameStore* gone) {
         std::error_code ignored;
@@ -170,11 +127,11 @@ void Engine::offer(const std::string& reference, Scene scene) {
 
 std::uint64_t Engine::wish(const Wish& wish) {
   const std::lock_guard lock(body_->mutex);
-  for (const auto& side : body_->sides) side->outdated_by(wish);
+  for (const auto& side : body_->sides) side->drop_work_before(wish);
   if (wish.scene != body_->wish.scene) body_->state.scene_error.clear();
   body_->wish = wish;
   ++body_->state.wish;
-  body_->stir();
+  body_->wake_threads();
   return body_->state.wish;
 }
 

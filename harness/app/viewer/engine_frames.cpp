@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "app/viewer/compose.h"
-#include "app/viewer/engine_body.h"
+#include "app/viewer/engine_side.h"
 
 namespace gnomon::viewer {
 
@@ -42,8 +42,8 @@ void Divisor::took(double ms) {
 
 void Divisor::forget() { ms_ = {}; }
 
-std::shared_ptr<const fs::path> Engine::Body::share(const GBuffer& gbuffer) {
-  const fs::path file = scratch.path / fmt::format("{}.gbuffer", ++shared);
+std::shared_ptr<const fs::path> Engine::Body::write_shared(const GBuffer& gbuffer) {
+  const fs::path file = scratch.path() / fmt::format("{}.gbuffer", ++gbuffer_count);
   write_gbuffer(file, gbuffer);
   return {new fs::path(file), [](const fs::path* path) {
             std::error_code ignored;
@@ -57,7 +57,7 @@ Engine::Body::Work Engine::Body::next_frame() {
   const Frame* const newest = state.frame.get();
   const bool is_there = newest && newest->loaded == wish.loaded && newest->picture_width == wish.width &&
                         newest->picture_height == wish.height && newest->gbuffer.truth == truth_of(wish) &&
-                        stand == stand_bytes(wish.light, wish.view);
+                        light_and_view == light_and_view_bytes(wish.light, wish.view);
   if (is_there && (newest->is_full() || (wish.is_moving && !wish.full_while_moving))) return {};
   if (state.wish == failed_wish) return {};
   return [this, wish = wish, number = state.wish] { make_frame(wish, number); };
@@ -68,10 +68,13 @@ void Engine::Body::make_frame(const Wish& wish, std::uint64_t number) {
   const std::shared_ptr<const Frame> before = state.frame;  // only this thread makes frames
   const bool same_view = before && before->loaded == wish.loaded && before->picture_width == wish.width &&
                          before->picture_height == wish.height && before->gbuffer.truth == truth_of(wish) &&
-                         stand_bytes({}, before->gbuffer.view) == stand_bytes({}, wish.view);
+                         light_and_view_bytes({}, before->gbuffer.view) == light_and_view_bytes({}, wish.view);
   Divisor& fitting = same_view ? light_divisor : camera_divisor;
   const bool may_shrink = wish.is_moving && !wish.full_while_moving;
-  if (!may_shrink) camera_divisor.forget(), light_divisor.forget();
+  if (!may_shrink) {
+    camera_divisor.forget();
+    light_divisor.forget();
+  }
   const int divisor = may_shrink ? fitting.value() : 1;
   const int width = divided(wish.width, divisor), height = divided(wish.height, divisor);
 
@@ -89,7 +92,7 @@ void Engine::Body::make_frame(const Wish& wish, std::uint64_t number) {
       const Scene& scene = wish.loaded->scene;
       frame->gbuffer =
           make_gbuffer(scene, wish.loaded->store->everything(truth_of(wish)), wish.view, width, height, truth_of(wish));
-      frame->file = share(frame->gbuffer);
+      frame->file = write_shared(frame->gbuffer);
     }
     frame->received = received_light(frame->gbuffer, wish.light);
   } catch (const std::exception& error) {
@@ -103,7 +106,7 @@ void Engine::Body::make_frame(const Wish& wish, std::uint64_t number) {
   change([&](EngineState& s) {
     s.frame = frame;
     s.trouble.clear();
-    stand = stand_bytes(wish.light, wish.view);
+    light_and_view = light_and_view_bytes(wish.light, wish.view);
     for (const auto& side : sides) side->new_frame();
     refinement.give_up();
   });
@@ -117,7 +120,7 @@ void Engine::Body::make_frame(const Wish& wish, std::uint64_t number) {
 void Engine::Body::wait_for_sides(std::uint64_t frame) {
   const auto deadline = Clock::now() + std::chrono::milliseconds(100);
   std::unique_lock lock(mutex);
-  news.wait_until(lock, deadline, [&] { return stop || (sides[0]->is_through(frame) && sides[1]->is_through(frame)); });
+  news.wait_until(lock, deadline, [&] { return stop || (sides[0]->has_finished(frame) && sides[1]->has_finished(frame)); });
 }
 
 }  // namespace gnomon::viewer

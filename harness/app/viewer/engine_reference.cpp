@@ -1,16 +1,15 @@
 // Computes the reference at each frame, coarse first, and what scoring needs of it.
-#include <gnomon/registry.h>
-
 #include <algorithm>
 
 #include "app/viewer/engine_body.h"
 #include "measure/frame/light_rays.h"
+#include "measure/frame/reference_support.h"
 
 namespace gnomon::viewer {
 
 namespace {
 
-constexpr std::size_t kept_count = 8, kept_pixels = std::size_t{8} << 20;  // of references before the present one
+constexpr std::size_t most_known = 8, most_known_pixels = std::size_t{8} << 20;  // references that are remembered
 constexpr double long_ms = 60;  // a reference that takes longer is shown coarse first
 
 /// Every `step`-th pixel of a G-buffer.
@@ -33,13 +32,6 @@ GBuffer thinned(const GBuffer& g, int step) {
   const Arrays& a = *arrays;
   return {g.view,      g.truth,     width,       height,   a.floats[0], a.floats[1], a.floats[2],
           a.floats[3], a.floats[4], a.floats[5], a.ids[0], a.ids[1],    arrays};
-}
-
-/// What the reference technique says of scene, light and view.
-Support reference_support(const Frame& frame) {
-  for (const TechniqueEntry& entry : registry().techniques())
-    if (entry.about.role == Role::reference) return entry.make()->supports(frame.scene(), frame.light, frame.gbuffer.view);
-  return Support::unsupported("no technique has the role of the reference");
 }
 
 }  // namespace
@@ -65,7 +57,7 @@ Engine::Body::Work Engine::Body::next_reference() {
   };
 }
 
-/// Tells everybody.
+/// Makes it the newest of the state.
 std::shared_ptr<const ReferenceState> Engine::Body::publish(ReferenceState reference) {
   const auto published = std::make_shared<const ReferenceState>(std::move(reference));
   change([&](EngineState& s) {
@@ -79,7 +71,7 @@ std::shared_ptr<const ReferenceState> Engine::Body::publish(ReferenceState refer
 void Engine::Body::trace_reference(const std::shared_ptr<const Frame>& frame, std::uint64_t ticket) {
   ReferenceState reference;
   reference.frame = frame;
-  if (const Support support = reference_support(*frame); !support) {
+  if (const Support support = reference_support(frame->scene(), frame->light, frame->gbuffer.view); !support) {
     reference.why_not = support.why();
     reference.is_complete = true;
     publish(std::move(reference));
@@ -87,14 +79,16 @@ void Engine::Body::trace_reference(const std::shared_ptr<const Frame>& frame, st
   }
   const Scene& scene = frame->scene();
   const GBuffer& g = frame->gbuffer;
-  std::erase_if(kept, [&](const Kept& k) { return k.loaded != frame->loaded; });  // a scene may be large
-  const std::vector<std::byte> stand = stand_bytes(frame->light, g.view);
-  const auto is_same = [&](const Kept& k) {
-    return k.truth == g.truth && k.reference->width == g.width && k.reference->height == g.height && k.stand == stand;
+  std::erase_if(known_references,
+                [&](const KnownReference& known) { return known.loaded != frame->loaded; });  // a scene may be large
+  const std::vector<std::byte> seen = light_and_view_bytes(frame->light, g.view);
+  const auto is_same = [&](const KnownReference& known) {
+    return known.truth == g.truth && known.reference->width == g.width && known.reference->height == g.height &&
+           known.light_and_view == seen;
   };
-  if (const auto found = std::ranges::find_if(kept, is_same); found != kept.end()) {
-    std::rotate(kept.begin(), found, found + 1);
-    reference = *kept.front().reference;
+  if (const auto found = std::ranges::find_if(known_references, is_same); found != known_references.end()) {
+    std::rotate(known_references.begin(), found, found + 1);
+    reference = *known_references.front().reference;
     reference.frame = frame;
     publish(std::move(reference));
     return;
@@ -146,7 +140,7 @@ void Engine::Body::complete_reference(ReferenceState reference, std::uint64_t ti
     on_mesh->mask.resize(g.size());
     trace_shadows(frame->loaded->store->casters(Truth::mesh), scene, mesh_frame->gbuffer, frame->light, on_mesh->mask);
     on_mesh->frame = mesh_frame;
-    mesh_frame->file = share(mesh_frame->gbuffer);
+    mesh_frame->file = write_shared(mesh_frame->gbuffer);
   });
   if (!is_done) return;
   reference.nearest_caster = std::move(nearest_caster);
@@ -154,12 +148,12 @@ void Engine::Body::complete_reference(ReferenceState reference, std::uint64_t ti
   reference.is_complete = true;
   auto bare = std::make_shared<ReferenceState>(*publish(std::move(reference)));
   bare->frame.reset();
-  kept.push_front({frame->loaded, stand_bytes(frame->light, g.view), g.truth, bare});
+  known_references.push_front({frame->loaded, light_and_view_bytes(frame->light, g.view), g.truth, bare});
   std::size_t pixels = 0;
-  for (const Kept& k : kept) pixels += k.reference->mask.size();
-  while (kept.size() > 1 && (kept.size() > kept_count || pixels > kept_pixels)) {
-    pixels -= kept.back().reference->mask.size();
-    kept.pop_back();
+  for (const KnownReference& known : known_references) pixels += known.reference->mask.size();
+  while (known_references.size() > 1 && (known_references.size() > most_known || pixels > most_known_pixels)) {
+    pixels -= known_references.back().reference->mask.size();
+    known_references.pop_back();
   }
 }
 

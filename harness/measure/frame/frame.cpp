@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "measure/frame/light_rays.h"
+#include "measure/frame/reference_support.h"
 #include "measure/frame/snapping.h"
 
 namespace gnomon {
@@ -108,6 +109,7 @@ const RayScene& FrameStore::casters(Truth truth) { return rays(truth, RayScene::
 const RayScene& FrameStore::everything(Truth truth) { return rays(truth, RayScene::Which::all); }
 
 Reference FrameStore::reference(const FrameKey& key, const Light& light) {
+  require_reference(scene_, light, key.view);
   const fs::path path = folder_ / (hash(key, &light) + ".reference");
   if (!is_whole(path, pixel_count(key) * reference_pixel)) {
     const GBuffer g = gbuffer(key);

@@ -43,7 +43,7 @@ class FrameStore {
   std::filesystem::path scene_file() const;
   std::filesystem::path gbuffer_file(const FrameKey& key);
   GBuffer gbuffer(const FrameKey& key);
-  Reference reference(const FrameKey& key, const Light& light);
+  Reference reference(const FrameKey& key, const Light& light);  ///< throws Error as require_reference does
   /// All casters under a truth; built on first use.
   const RayScene& casters(Truth truth);
   /// All meshes under a truth; the same as the casters where all cast.

@@ -3,11 +3,11 @@
 #include <gnomon/error.h>
 
 #include <algorithm>
+#include <cassert>
 
 #include "measure/picture/image_files.h"
 #include "measure/picture/legend.h"
 #include "measure/picture/shading.h"
-#include "measure/scene/blob.h"
 
 namespace gnomon {
 
@@ -33,19 +33,15 @@ Picture draw_mask(std::span<const float> visibility, int width, int height) {
   return picture;
 }
 
-Picture draw_layer(const fs::path& raw, int width, int height, const DebugLayer& layer) {
-  const auto file = MappedFile::open(raw);
-  const std::size_t size = static_cast<std::size_t>(width) * height * 3;
-  if (file->bytes().size() != size * sizeof(float))
-    throw Error("debug layer has {} bytes; {} are wanted", file->bytes().size(), size * sizeof(float));
-  const auto* linear = reinterpret_cast<const float*>(file->bytes().data());
+Picture draw_layer(std::span<const float> linear, int width, int height, const DebugLayer& layer) {
+  assert(linear.size() == static_cast<std::size_t>(width) * height * 3);
   Legend legend(width);
   legend.add_sentence(layer.sentence, 3);
   for (const Swatch& s : layer.legend) legend.add(Color{srgb(s.color.r), srgb(s.color.g), srgb(s.color.b)}, s.name);
   Picture picture{width, height + legend.height(), {}};
   picture.rgb.resize(static_cast<std::size_t>(width) * picture.height * 3, 255);
   const SrgbSteps& steps = srgb_steps();
-  for (std::size_t k = 0; k < size; ++k) picture.rgb[k] = srgb_fast(steps, linear[k]);
+  for (std::size_t k = 0; k < linear.size(); ++k) picture.rgb[k] = srgb_fast(steps, linear[k]);
   legend.draw(picture, height);
   return picture;
 }

@@ -20,9 +20,9 @@ Picture shade(const Scene& scene, const GBuffer& gbuffer, const Light& light, st
 /// Visibility as gray, black in shadow.
 Picture draw_mask(std::span<const float> visibility, int width, int height);
 
-/// A technique's debug layer: width * height * 3 linear floats in a raw file, and below them its sentence, in three lines at
-/// most, and its legend. Throws Error when the size is wrong.
-Picture draw_layer(const std::filesystem::path& raw, int width, int height, const DebugLayer& layer);
+/// A technique's debug layer, width * height * 3 linear floats, and below it its sentence, in three lines at most, and its
+/// legend.
+Picture draw_layer(std::span<const float> linear, int width, int height, const DebugLayer& layer);
 
 /// PNG. Throws Error when it cannot be written; nothing half-written stays.
 void write_png(const std::filesystem::path& path, const Picture& picture);

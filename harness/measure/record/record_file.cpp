@@ -12,6 +12,7 @@
 #include <unordered_map>
 
 #include "measure/record/record.h"
+#include "measure/record/withdraw.h"
 #include "measure/scene/blob.h"
 
 namespace gnomon {
@@ -64,6 +65,7 @@ RecordFile read_record_file(const fs::path& file) {
     }
     try {
       Record record = Json::parse(line).get<Record>();
+      withdraw_false_reference(record);
       const auto [place, is_new] = place_of_job.try_emplace(record.job, result.records.size());
       if (is_new || record.job.empty())
         result.records.push_back(std::move(record));

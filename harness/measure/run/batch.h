@@ -12,8 +12,8 @@ struct Side {
   std::filesystem::path out;
 };
 
-/// One row on its way: its record, and the seat that works for it.
-struct Row {
+/// One row on its way: its record, and where it is in its batch.
+struct PendingRow {
   Job job;
   Record record;
   std::size_t contender = 0;  ///< index into the contenders of its batch
@@ -24,14 +24,14 @@ struct Row {
 
 /// A scene's rows in batches of about equally many contenders: all workers of a batch live at once and each holds the scene, so
 /// a long sweep takes turns. Contenders of one batch are interleaved. A job's rows of both sides stay together.
-std::vector<std::vector<Row>> split(std::vector<Row> rows);
+std::vector<std::vector<PendingRow>> split(std::vector<PendingRow> rows);
 
 /// Runs the rows of one batch: each comes back with its record complete, or failed with the reason. When the suite asks for an
 /// interval, rows that need it get more processes, of at most `budget` seconds in all. Answers the seconds that those took.
-double run_batch(SceneRun& run, std::span<const Side> sides, std::vector<Row>& rows, Progress& progress, double budget);
+double run_batch(SceneRun& run, std::span<const Side> sides, std::vector<PendingRow>& rows, Progress& progress, double budget);
 
 /// What the batch took beside its rows (opening workers, loading the scene) belongs to them: shared out by processes, so that
 /// the seconds of all rows are those of the run. Answers the share of one process.
-double share_overhead(std::vector<Row>& batch, double seconds);
+double share_overhead(std::vector<PendingRow>& batch, double seconds);
 
 }  // namespace gnomon

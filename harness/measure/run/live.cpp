@@ -9,6 +9,7 @@
 #include "measure/run/rows.h"
 #include "measure/run/run.h"
 #include "measure/scene/blob.h"
+#include "measure/scratch_folder.h"
 
 namespace gnomon {
 
@@ -45,17 +46,17 @@ void run_live(const LiveOptions& options, SceneLibrary& library, Progress& progr
   std::array<RecordWriter, 2> writers{RecordWriter(sides[0].out), RecordWriter(sides[1].out)};
   for (const Side& side : sides) refuse_records(side.out);  // of a run that ended just now
 
-  std::vector<Row> rows;
+  std::vector<PendingRow> rows;
   for (const Job& job : jobs)
     for (std::size_t side = 0; side < sides.size(); ++side) {
-      Row row;
+      PendingRow row;
       row.job = job;
       row.side = side;
       rows.push_back(std::move(row));
     }
   const Json now = machine_context(options.worker.threads);
   const std::string mark = content_hash(fmt::format("{} {}", options.out.string(), now.dump())).substr(0, 16);
-  std::optional<ScratchFolder> scratch(options.out / ".scratch");
+  std::optional<ScratchFolder> scratch(ScratchFolder::at(options.out / ".scratch"));
   const auto contexts = [&] {
     std::vector<Json> by_side{context_of(build, options.worker.threads), machine_context(options.worker.threads)};
     for (Json& context : by_side) {
@@ -66,7 +67,7 @@ void run_live(const LiveOptions& options, SceneLibrary& library, Progress& progr
     return by_side;
   };
   const auto keep = [&](const BatchDone& batch) {
-    for (const Row& row : batch.rows) writers[row.side].append(row.record);
+    for (const PendingRow& row : batch.rows) writers[row.side].append(row.record);
   };
   run_rows(std::move(rows), {options.suite, library, sides, scratch->path(), contexts, keep}, progress);
   scratch.reset();  // while both folders are ours

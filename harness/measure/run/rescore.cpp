@@ -6,9 +6,11 @@
 #include <map>
 #include <memory>
 
+#include "measure/frame/reference_support.h"
 #include "measure/paths.h"
 #include "measure/picture/image_files.h"
 #include "measure/picture/picture.h"
+#include "measure/record/withdraw.h"
 #include "measure/scene/load.h"
 #include "measure/score/score.h"
 
@@ -63,6 +65,11 @@ class Row {
     view_ = find_named(today_.scene->views, record_.view);
     if (!light_) return fmt::format("the scene has no light {} any more", record_.light);
     if (!view_) return fmt::format("the scene has no view {} any more", record_.view);
+    // An old row of a light that the reference does not know; reading withdraws those that say what kind of light it was.
+    if (const Support support = reference_support(*today_.scene, *light_, *view_); !support) {
+      withdraw(record_, support.why());
+      return {};
+    }
     // Without a hash the classes vouch for the scene: they depend on scene, light, view and truth alone.
     if (!has_hash && !record_.classes.empty() && class_counts(reference(record_.truth).classes) != record_.classes)
       return "the scene is not the one that was measured: its pixel classes differ";
@@ -71,6 +78,7 @@ class Row {
 
   /// Answers why the row lost its causes; empty when it did not.
   std::string measure() {
+    if (record_.status != Status::ok) return {};  // withdrawn
     const Truth truth = record_.truth, other = truth == Truth::shape ? Truth::mesh : Truth::shape;
     Answer answer = read_answer(truth, record_.light + ".V");
     const std::string lost = take_causes(answer);

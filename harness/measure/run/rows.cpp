@@ -5,26 +5,18 @@
 #include <optional>
 
 #include "measure/paths.h"
+#include "measure/run/row_record.h"
 
 namespace gnomon {
 
-namespace fs = std::filesystem;
-
-ScratchFolder::ScratchFolder(fs::path path) : path_(std::move(path)) { fs::create_directories(path_); }
-
-ScratchFolder::~ScratchFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-}
-
-void run_rows(std::vector<Row> rows, const RowsPlan& plan, Progress& progress) {
+void run_rows(std::vector<PendingRow> rows, const RowsPlan& plan, Progress& progress) {
   using Clock = std::chrono::steady_clock;
   std::size_t rows_left = rows.size();
   double budget = plan.suite.budget;
   progress.expect(static_cast<double>(rows_left) * plan.suite.processes);
   std::vector<std::string> scenes;
-  std::map<std::string, std::vector<Row>> by_scene;
-  for (Row& row : rows) {
+  std::map<std::string, std::vector<PendingRow>> by_scene;
+  for (PendingRow& row : rows) {
     const std::string scene = row.job.scene;
     if (!by_scene.contains(scene)) scenes.push_back(scene);
     by_scene[scene].push_back(std::move(row));
@@ -33,9 +25,9 @@ void run_rows(std::vector<Row> rows, const RowsPlan& plan, Progress& progress) {
     const SceneLibrary::Entry& entry = plan.library.get(scene);
     std::optional<SceneRun> run;
     if (entry.scene) run.emplace(scene, *entry.scene, plan.suite, cache_root() / "frames", plan.scratch);
-    for (std::vector<Row>& batch : split(std::move(by_scene[scene]))) {
+    for (std::vector<PendingRow>& batch : split(std::move(by_scene[scene]))) {
       const std::vector<Json> contexts = plan.contexts();
-      for (Row& row : batch) {
+      for (PendingRow& row : batch) {
         row.record = start_record(row.job, plan.suite, run ? &*entry.scene : nullptr, contexts[row.side]);
         if (run) {
           row.record.context["scene_hash"] = run->frames.scene_hash();

@@ -11,6 +11,7 @@
 #include "measure/run/estimate.h"
 #include "measure/run/resume.h"
 #include "measure/run/rows.h"
+#include "measure/scratch_folder.h"
 
 namespace gnomon {
 
@@ -84,18 +85,18 @@ RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress&
   remove_leftovers(options.out);
   RunSummary summary;
 
-  std::vector<Row> rows;
+  std::vector<PendingRow> rows;
   for (const Job& job : jobs) {
     if (earlier.done.contains(job.hash))
       ++summary.done_before;
     else
       rows.push_back({job, {}, 0, false});
   }
-  std::optional<ScratchFolder> scratch(options.out / ".scratch");
+  std::optional<ScratchFolder> scratch(ScratchFolder::at(options.out / ".scratch"));
   const Side side{options.worker, options.out};
   const auto keep = [&](const BatchDone& batch) {
     std::vector<RowCost> costs;
-    for (const Row& row : batch.rows) {
+    for (const PendingRow& row : batch.rows) {
       writer.append(row.record);
       if (batch.was_run) costs.push_back(cost_of(row.record, options.suite.warmups, batch.opening));
       ++(row.record.status == Status::ok       ? summary.ok

@@ -22,14 +22,29 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+/// The file whose processes the workers are. Throws WorkerFailure when it cannot be started: said here, because a failed exec
+/// has nothing but an exit status to say it with.
+std::string program_to_start(const WorkerOptions& options) {
+  constexpr std::string_view advice = "start again when it is in place; rows that are done are safe";
+  std::string program = options.program.empty() ? program_path().string() : options.program;
+  constexpr std::string_view gone = " (deleted)";  // as Linux marks the file of a running program that was removed or replaced
+  if (options.program.empty() && program.ends_with(gone) && access(program.c_str(), F_OK) != 0)
+    throw WorkerFailure(
+        fmt::format("no worker could be started: program {} was removed or replaced while it ran (is it being "
+                    "built?): {}",
+                    program.substr(0, program.size() - gone.size()), advice));
+  if (access(program.c_str(), X_OK) != 0)
+    throw WorkerFailure(fmt::format("no worker could be started: program {}: {}: {}", program, std::strerror(errno), advice));
+  return program;
+}
+
 /// Environment and arguments are prepared before the fork: between fork and exec only plain system calls are safe.
 struct Launch {
   std::string program;
   std::vector<std::string> arguments, environment;
   std::vector<char*> argv, envp;
 
-  Launch(const WorkerOptions& options, int socket)
-      : program(options.program.empty() ? program_path().string() : options.program) {
+  Launch(const WorkerOptions& options, int socket) : program(program_to_start(options)) {
     arguments = {program};
     for (const std::string& plugin : options.plugins) arguments.insert(arguments.end(), {"--plugin", plugin});
     arguments.insert(arguments.end(), {"worker", std::to_string(socket), std::to_string(options.threads)});
@@ -57,8 +72,11 @@ void enter_worker(int owner, int threads, int errors) {
     CPU_ZERO(&cores);
     bool pinned = sched_getaffinity(0, sizeof allowed, &allowed) == 0;
     int left = threads;
-    for (int k = 0; k < CPU_SETSIZE && pinned && left > 0; ++k)
-      if (CPU_ISSET(k, &allowed)) CPU_SET(k, &cores), --left;
+    for (int k = 0; k < CPU_SETSIZE && pinned && left > 0; ++k) {
+      if (!CPU_ISSET(k, &allowed)) continue;
+      CPU_SET(k, &cores);
+      --left;
+    }
     pinned = pinned && left == 0 && sched_setaffinity(0, sizeof cores, &cores) == 0;
     if (!pinned) {
       dprintf(STDERR_FILENO, "this process may not use %d cores\n", threads);
@@ -79,46 +97,58 @@ void enter_worker(int owner, int threads, int errors) {
 
 }  // namespace
 
-Worker::Worker(const WorkerOptions& options) {
+WorkerProcess::WorkerProcess(const WorkerOptions& options) {
   int sockets[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, sockets) != 0)
     throw Error("no socket for a worker: {}", std::strerror(errno));
   socket_ = sockets[0];
   errors_ = memfd_create("worker-stderr", MFD_CLOEXEC);
-  Launch launch(options, sockets[1]);
-  const int owner = getpid();
-  process_ = fork();
-  if (process_ == 0) {
-    enter_worker(owner, options.threads, errors_);
-    fcntl(sockets[1], F_SETFD, 0);
-    execve(launch.program.c_str(), launch.argv.data(), launch.envp.data());
-    _exit(127);
+  const auto close_ours = [&] {
+    close(socket_);
+    close(errors_);
+  };
+  try {
+    Launch launch(options, sockets[1]);
+    const int owner = getpid();
+    process_ = fork();
+    if (process_ == 0) {
+      enter_worker(owner, options.threads, errors_);
+      fcntl(sockets[1], F_SETFD, 0);
+      execve(launch.program.c_str(), launch.argv.data(), launch.envp.data());
+      dprintf(STDERR_FILENO, "program %s cannot be started: %s\n", launch.argv[0], std::strerror(errno));
+      _exit(127);
+    }
+    const int code = errno;
+    if (process_ < 0) throw Error("no process for a worker: {}", std::strerror(code));
+  } catch (...) {
+    close(sockets[1]);
+    close_ours();
+    throw;
   }
-  const int code = errno;
   close(sockets[1]);
-  if (process_ >= 0) return;
-  close(socket_);
-  close(errors_);
-  throw Error("no process for a worker: {}", std::strerror(code));
 }
 
-Worker::~Worker() {
-  if (process_ > 0) {
-    kill(-process_, SIGKILL);
-    kill(process_, SIGKILL);  // before it had a group of its own
-    waitpid(process_, nullptr, 0);
-  }
+WorkerProcess::~WorkerProcess() {
+  end_process();
   close(socket_);
   close(errors_);
 }
 
-void Worker::interrupt() {
+void WorkerProcess::end_process() {
+  if (process_ <= 0) return;
+  kill(-process_, SIGKILL);
+  kill(process_, SIGKILL);  // before it had a group of its own
+  waitpid(process_, nullptr, 0);
+  process_ = -1;
+}
+
+void WorkerProcess::interrupt() {
   is_interrupted_ = true;
   shutdown(socket_, SHUT_RDWR);
 }
 
-void Worker::send(const Json& request) {
-  doing_ = request.value("stage", request.value("do", "?"));
+void WorkerProcess::send(const Json& request, const std::string& doing) {
+  doing_ = doing;
   const std::string line = request.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
   for (std::size_t sent = 0; sent < line.size();) {
     const ssize_t n = ::send(socket_, line.data() + sent, line.size() - sent, MSG_NOSIGNAL);
@@ -128,12 +158,14 @@ void Worker::send(const Json& request) {
   }
 }
 
-Json Worker::receive(double timeout_seconds) {
+Json WorkerProcess::receive(double timeout_seconds) {
+  if (process_ <= 0) throw WorkerFailure(fmt::format("was asked for {} after it had ended", doing_));
   const auto deadline = Clock::now() + std::chrono::duration<double>(timeout_seconds);
   for (;;) {
     if (const std::size_t end = pending_.find('\n'); end != std::string::npos) {
-      const Json answer = Json::parse(pending_.substr(0, end));
+      const Json answer = Json::parse(pending_.substr(0, end), nullptr, false);
       pending_.erase(0, end + 1);
+      if (!answer.is_object()) fail(fmt::format("answered {} with a line that is no JSON object", doing_));
       if (answer.contains("error")) fail(fmt::format("threw in {}: {}", doing_, answer["error"].get<std::string>()));
       return answer;
     }
@@ -145,39 +177,36 @@ Json Worker::receive(double timeout_seconds) {
     char chunk[65536];
     const ssize_t n = read(socket_, chunk, sizeof chunk);
     if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) {
-      if (is_interrupted_) fail(fmt::format("was interrupted in {}", doing_));
-      // The socket is closed, so the worker is gone or soon will be; one that lingers is put down.
-      int status = 0;
-      bool ended = false;
-      for (int wait = 0; wait < 100 && !ended; ++wait) {
-        ended = waitpid(process_, &status, WNOHANG) == process_;
-        if (!ended) usleep(10000);
-      }
-      if (!ended) fail(fmt::format("crashed in {}: it closed its connection and went on", doing_));
-      kill(-process_, SIGKILL);
-      process_ = -1;
-      if (WIFSIGNALED(status))
-        fail(fmt::format("crashed in {}: {} (signal {})", doing_, strsignal(WTERMSIG(status)), WTERMSIG(status)));
-      fail(fmt::format("crashed in {}: exit status {}", doing_, WEXITSTATUS(status)));
-    }
+    if (n <= 0) fail_as_it_ended();
     pending_.append(chunk, static_cast<std::size_t>(n));
   }
 }
 
-void Worker::fail(const std::string& how) {
-  if (process_ > 0) {
-    kill(-process_, SIGKILL);
-    kill(process_, SIGKILL);  // before it had a group of its own
-    waitpid(process_, nullptr, 0);
-    process_ = -1;
+/// The socket is closed, so the worker is gone or soon will be; one that lingers is put down.
+void WorkerProcess::fail_as_it_ended() {
+  if (is_interrupted_) fail(fmt::format("was interrupted in {}", doing_));
+  int status = 0;
+  bool has_ended = false;
+  for (int wait = 0; wait < 100 && !has_ended; ++wait) {
+    has_ended = waitpid(process_, &status, WNOHANG) == process_;
+    if (!has_ended) usleep(10000);
   }
+  if (!has_ended) fail(fmt::format("crashed in {}: it closed its connection and went on", doing_));
+  kill(-process_, SIGKILL);  // what the technique started
+  process_ = -1;
+  if (WIFSIGNALED(status))
+    fail(fmt::format("crashed in {}: {} (signal {})", doing_, strsignal(WTERMSIG(status)), WTERMSIG(status)));
+  fail(fmt::format("crashed in {}: exit status {}", doing_, WEXITSTATUS(status)));
+}
+
+void WorkerProcess::fail(const std::string& how) {
+  end_process();
   const std::string words = last_words();
   throw WorkerFailure(words.empty() ? how : how + "; it said: " + words);
 }
 
 /// The last line that the worker wrote to its stderr, shortened.
-std::string Worker::last_words() const {
+std::string WorkerProcess::last_words() const {
   char text[400];
   const off_t size = lseek(errors_, 0, SEEK_END);
   const off_t from = std::max<off_t>(0, size - static_cast<off_t>(sizeof text));
@@ -186,26 +215,6 @@ std::string Worker::last_words() const {
   while (!words.empty() && std::isspace(static_cast<unsigned char>(words.back()))) words.pop_back();
   if (const std::size_t start = words.rfind('\n'); start != std::string::npos) words.erase(0, start + 1);
   return words;
-}
-
-Json ask_program(const WorkerOptions& options) {
-  if (access(options.program.c_str(), X_OK) != 0)
-    throw Error("program {} cannot be started: {}", options.program, std::strerror(errno));
-  constexpr double patience = 20;  // seconds to start; a program that is no gnomon may wait for ever
-  Json answer;
-  try {
-    answer = Worker(options).ask({{"do", "protocol"}}, patience);
-  } catch (const WorkerFailure& failure) {
-    throw Error("program {} cannot work for this one, it is no gnomon or one of another version: it {}", options.program,
-                failure.what());
-  } catch (const Json::exception&) {
-    throw Error("program {} cannot work for this one, it is no gnomon: it answered something else than JSON", options.program);
-  }
-  const Json protocol = answer.is_object() ? answer.value("protocol", Json()) : Json();
-  if (protocol != worker_protocol)
-    throw Error("program {} speaks worker protocol {}, this one {}: build both from versions that agree", options.program,
-                protocol.dump(), worker_protocol);
-  return answer.value("context", Json::object());
 }
 
 }  // namespace gnomon

@@ -12,7 +12,8 @@ namespace gnomon {
 
 using Json = nlohmann::ordered_json;
 
-/// A worker that crashed, hung, threw or ran out of memory. It costs its own row only; the text is the row's reason.
+/// A worker that could not be started, crashed, hung, threw, ran out of memory or answered nonsense. It costs its own row only;
+/// the text is the row's reason.
 class WorkerFailure : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -20,41 +21,39 @@ class WorkerFailure : public std::runtime_error {
 struct WorkerOptions {
   int threads = 0;  ///< pins the worker to this many cores and tells llvmpipe, Embree and TBB before any starts; 0: all
   std::vector<std::string> plugins;
-  std::string program = {};  ///< that workers are processes of; empty: this one
+  std::string program = {};  ///< whose processes the workers are; empty: this one
 };
 
 /// Version of what is said between a program and its workers, and of the files that pass between them. One more with every
 /// change that an older worker would misunderstand.
 inline constexpr int worker_protocol = 3;
 
-/// What a program says of itself before it may work for this one: the context of its build (context.h). Throws Error when it
-/// cannot be started, is no gnomon, or speaks another protocol.
-Json ask_program(const WorkerOptions& options);
-
-/// A fresh process of a program that holds one technique and does what it is asked, one request at a time. Requests and
-/// answers are single lines of JSON over a socket; worker_main documents them. Dies with its owner.
-class Worker {
+/// A fresh process of a program that serves one technique: requests and answers are single lines of JSON over a socket, one
+/// answer to each request. It dies with its owner. What may be asked, and what is answered, is WorkerClient's business.
+class WorkerProcess {
  public:
-  explicit Worker(const WorkerOptions& options);
-  ~Worker();
-  Worker(const Worker&) = delete;
-  Worker& operator=(const Worker&) = delete;
+  /// Throws WorkerFailure that names the program when there is none to start: it was moved, or is being built.
+  explicit WorkerProcess(const WorkerOptions& options);
+  ~WorkerProcess();
+  WorkerProcess(const WorkerProcess&) = delete;
+  WorkerProcess& operator=(const WorkerProcess&) = delete;
 
-  void send(const Json& request);
-  /// Waits for the answer to the last request. Throws WorkerFailure; the worker is dead then.
+  /// `doing` names the work in the reason of a failure: "relight".
+  void send(const Json& request, const std::string& doing);
+  /// Waits for the answer to the last request. Throws WorkerFailure, as `fail` does.
   Json receive(double timeout_seconds);
-  /// From any thread: ends the worker, and whoever waits in `receive` gets its WorkerFailure at once.
+  /// From any thread: ends the process, and whoever waits in `receive` gets its WorkerFailure at once.
   void interrupt();
-  Json ask(const Json& request, double timeout_seconds) {
-    send(request);
-    return receive(timeout_seconds);
-  }
+  /// Ends the process and throws WorkerFailure with this reason and the last line that the process wrote to its stderr.
+  [[noreturn]] void fail(const std::string& how);
 
  private:
-  [[noreturn]] void fail(const std::string& how);
+  void end_process();
+  [[noreturn]] void fail_as_it_ended();
   std::string last_words() const;
 
-  int process_ = -1, socket_ = -1, errors_ = -1;
+  int process_ = -1;  ///< -1: it has ended
+  int socket_ = -1, errors_ = -1;
   std::atomic<bool> is_interrupted_ = false;
   std::string pending_, doing_;
 };
@@ -73,9 +72,9 @@ class Worker {
 ///   {"do": "explain", "pixels": FILE, "out": FILE}                          -> {"explained": bool}
 ///   {"do": "debug", "layer": NAME, "out": FILE}                             -> {}
 ///   {"do": "detail", "out": FILE}                                           -> {}          detail_bytes of the last relight
-/// A stand is the scene_bytes of a scene without meshes that holds one light and one view, wherever they are: they count
-/// instead of the scene's. `fresh` is how many stages, from setup on, are up to date. `pixels` holds uint32 indices of the mask
-/// last answered; `out` gets the explanation_bytes of them, in their order. An exception is answered as {"error": text}.
+/// `stand` is a file with the scene_bytes of a scene without meshes that holds one light and one view, wherever they are: they
+/// count instead of the scene's. `fresh` is how many stages, from setup on, are up to date. `pixels` holds uint32 indices of
+/// the mask answered last; `out` gets their explanation_bytes, in the same order. An exception is answered as {"error": text}.
 int worker_main(int socket, int threads);
 
 }  // namespace gnomon

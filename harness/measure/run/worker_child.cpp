@@ -30,8 +30,8 @@ double peak_bytes() {
   return 0;
 }
 
-/// One technique with its scene and frame, and how far its stages are up to date.
-class Post {
+/// Serves requests for one technique: it has the scene and the frame, and knows which stages are up to date.
+class TechniqueServer {
  public:
   Json handle(const Json& request) {
     const std::string what = request.at("do");
@@ -78,41 +78,16 @@ class Post {
   }
 
   Json frame(const Json& request) {
-    FrameKey key;
-    key.width = request.at("width");
-    key.height = request.at("height");
-    key.truth = request.at("truth") == "mesh" ? Truth::mesh : Truth::shape;
-    Light light;
-    std::string lit_by;
-    const std::string file = request.at("gbuffer");
-    if (request.contains("stand")) {
-      Scene stand = scene_from_bytes(MappedFile::open(request.at("stand").get<std::string>())->bytes());
-      light = stand.lights.at(0);
-      key.view = stand.views.at(0);
-      stand.views.clear();
-      lit_by = content_hash(scene_bytes(stand));
-      // There is no end of them, and none comes back.
-      std::erase_if(gbuffers_, [&](const auto& held) { return held.first != file; });
-    } else {
-      key.view = scene_.views.at(request.at("view").get<std::size_t>());
-      light = scene_.lights.at(request.at("light").get<std::size_t>());
-      lit_by = light.name;
-      if (const std::string name = request.value("path", ""); !name.empty()) {
-        const Path path = find_path(scene_, name, light, key.view);
-        const int frame = request.at("frame");
-        light = light_at(path, light, frame);
-        key.view = view_at(path, key.view, frame);
-        if (path.moves == Path::Moves::light) lit_by += fmt::format(" {} {}", name, frame);
-      }
-    }
-    fresh_ = std::min(fresh_, static_cast<int>(lit_by == lit_by_ ? Stage::relight : Stage::build));
-    if (lit_by != lit_by_) light_ = std::make_unique<Light>(light);
-    lit_by_ = lit_by;
+    const Frame asked = asked_frame(request);
+    fresh_ = std::min(fresh_, static_cast<int>(asked.lit_by == lit_by_ ? Stage::relight : Stage::build));
+    if (asked.lit_by != lit_by_) light_ = std::make_unique<Light>(asked.light);
+    lit_by_ = asked.lit_by;
     // The same G-buffer under another light stays mapped, and uploaded.
-    if (!gbuffers_.contains(file)) gbuffers_[file] = map_gbuffer(file, key);
+    const std::string file = request.at("gbuffer");
+    if (!gbuffers_.contains(file)) gbuffers_[file] = map_gbuffer(file, asked.key);
     gbuffer_ = gbuffers_[file];
-    mask_.emplace(key.width, key.height);
-    const Support support = fresh_technique()->supports(scene_, *light_, key.view);
+    mask_.emplace(asked.key.width, asked.key.height);
+    const Support support = fresh_technique()->supports(scene_, *light_, asked.key.view);
     Json result{{"support", name(support.kind())}, {"why", support.why()}, {"fresh", fresh_ + 1}};
     if (uses_gl_ && support) {
       const SceneBuffers& buffers = scene_buffers(scene_);
@@ -122,6 +97,42 @@ class Post {
       result["upload_ms"] = buffers.upload_ms + textures.upload_ms + depth.upload_ms;
     }
     return result;
+  }
+
+  /// A frame as a request describes it.
+  struct Frame {
+    FrameKey key;
+    Light light;
+    std::string lit_by;  ///< differs between any two lights: relight is out of date when it changes
+  };
+
+  Frame asked_frame(const Json& request) {
+    Frame asked;
+    FrameKey& key = asked.key;
+    key.width = request.at("width");
+    key.height = request.at("height");
+    key.truth = request.at("truth") == "mesh" ? Truth::mesh : Truth::shape;
+    if (request.contains("stand")) {
+      Scene holder = scene_from_bytes(MappedFile::open(request.at("stand").get<std::string>())->bytes());
+      asked.light = holder.lights.at(0);
+      key.view = holder.views.at(0);
+      holder.views.clear();
+      asked.lit_by = content_hash(scene_bytes(holder));
+      // A viewer makes a new G-buffer with every move of the camera and does not come back to an old one.
+      std::erase_if(gbuffers_, [&](const auto& known) { return known.first != request.at("gbuffer"); });
+      return asked;
+    }
+    key.view = scene_.views.at(request.at("view").get<std::size_t>());
+    asked.light = scene_.lights.at(request.at("light").get<std::size_t>());
+    asked.lit_by = asked.light.name;
+    if (const std::string name = request.value("path", ""); !name.empty()) {
+      const Path path = find_path(scene_, name, asked.light, key.view);
+      const int frame = request.at("frame");
+      asked.light = light_at(path, asked.light, frame);
+      key.view = view_at(path, key.view, frame);
+      if (path.moves == Path::Moves::light) asked.lit_by += fmt::format(" {} {}", name, frame);
+    }
+    return asked;
   }
 
   static int stage_named(const std::string& name) {
@@ -230,8 +241,8 @@ class Post {
   std::string settings_;
   std::unique_ptr<Technique> technique_;
   bool uses_gl_ = false;
-  std::string lit_by_;                       ///< name, path and frame of the light
-  std::unique_ptr<Light> light_;             ///< the one that the technique was given last
+  std::string lit_by_;                       ///< of the light that the technique was given last
+  std::unique_ptr<Light> light_;             ///< that light
   std::map<std::string, GBuffer> gbuffers_;  ///< by file: one for each view and truth
   GBuffer gbuffer_;
   std::optional<VisibilityMask> mask_;
@@ -254,7 +265,7 @@ int worker_main(int socket, int threads) {
   std::optional<tbb::global_control> limit;
   if (threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
   // Leaked on purpose: the process ends by being killed, and a technique's destructor is no part of a measurement.
-  Post& post = *new Post;
+  TechniqueServer& server = *new TechniqueServer;
   std::string pending;
   for (;;) {
     const std::size_t end = pending.find('\n');
@@ -268,7 +279,7 @@ int worker_main(int socket, int threads) {
     }
     Json answer;
     try {
-      answer = post.handle(Json::parse(pending.substr(0, end)));
+      answer = server.handle(Json::parse(pending.substr(0, end)));
     } catch (const std::bad_alloc&) {
       answer = {{"error", "out of memory"}};
     } catch (const std::exception& error) {

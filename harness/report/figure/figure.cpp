@@ -10,6 +10,7 @@
 #include <cstring>
 #include <fstream>
 
+#include "measure/scratch_folder.h"
 #include "report/figure/figure_script.h"
 
 extern char** environ;
@@ -26,20 +27,6 @@ struct Kind {
 };
 constexpr Kind kinds[] = {{"front", draw_front},   {"growth", draw_growth}, {"stages", draw_stages}, {"map", draw_map},
                           {"causes", draw_causes}, {"motion", draw_motion}, {"sweep", draw_sweep}};
-
-/// A folder of its own, gone at the end of the scope.
-struct ScratchFolder {
-  fs::path path;
-  explicit ScratchFolder(const fs::path& beside) {
-    std::string name = (beside / ".gnomon-figure-XXXXXX").string();
-    if (!mkdtemp(name.data())) throw Error("{} cannot be written: {}", beside.string(), std::strerror(errno));
-    path = name;
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-};
 
 std::string contents(const fs::path& file) {
   std::ifstream stream(file);
@@ -68,14 +55,13 @@ std::string figure_script(std::span<const Record> records, const std::string& ki
 
 void run_gnuplot(const std::string& script, const fs::path& out) {
   const fs::path folder = out.has_parent_path() ? out.parent_path() : fs::path(".");
-  fs::create_directories(folder);
   // gnuplot writes where the program says; it runs in a folder of its own, from which the finished file is moved.
-  const ScratchFolder scratch(folder);
-  const fs::path program = scratch.path / "figure.gp", said = scratch.path / "said";
+  const ScratchFolder scratch = ScratchFolder::in(folder, ".gnomon-figure");
+  const fs::path program = scratch.path() / "figure.gp", said = scratch.path() / "said";
   std::ofstream(program) << script;
   const std::string command =
-      fmt::format("cd {} && exec gnuplot figure.gp > said 2>&1 < /dev/null", FigureScript::quoted(scratch.path.string()));
-  if (scratch.path.string().find('\'') != std::string::npos)
+      fmt::format("cd {} && exec gnuplot figure.gp > said 2>&1 < /dev/null", FigureScript::quoted(scratch.path().string()));
+  if (scratch.path().string().find('\'') != std::string::npos)
     throw Error("--out {} has a quote in its path, which is not allowed", out.string());
   const char* const arguments[] = {"sh", "-c", command.c_str(), nullptr};
   pid_t child = 0;
@@ -85,7 +71,7 @@ void run_gnuplot(const std::string& script, const fs::path& out) {
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  const fs::path made = scratch.path / out.filename();
+  const fs::path made = scratch.path() / out.filename();
   if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
     throw Error(
         "there is no gnuplot, which draws the figures; the Debian package gnuplot-nox has it. --script prints the "

@@ -10,6 +10,7 @@
 
 #include "measure/run/row.h"
 #include "measure/scene/load.h"
+#include "measure/scratch_folder.h"
 #include "places.h"
 
 namespace gnomon::viewer {
@@ -86,20 +87,17 @@ MeasuredRow rendered(const Wish& wish, int side) {
   suite.timeout = 60;
   const Contender contender{wish.sides[side].technique, wish.sides[side].settings, {}};
   suite.groups = {{{"scene"}, {}, {}, {contender}}};
-  const std::filesystem::path folder = std::filesystem::temp_directory_path() / fmt::format("gnomon-engine-test-{}", getpid());
-  SceneRun run("scene", scene, suite, folder, folder / "scratch");
-  std::filesystem::create_directories(run.scratch);
-  Seat seat(run, contender, {.threads = 0, .plugins = {}, .program = tested_program()});
-  seat.open_begin();
-  seat.open_end();
-  const Standpoint place{0, 0, wish.width, wish.height, std::nullopt, 0};
-  seat.go(place, suite.truth);
+  const ScratchFolder folder = ScratchFolder::temporary("gnomon_engine_test");
+  SceneRun run("scene", scene, suite, folder.path(), folder.path());
+  ContenderWorker worker(run, contender, {.threads = 0, .plugins = {}, .program = tested_program()});
+  worker.begin_load();
+  worker.end_load();
+  const RowFrame frame{.width = wish.width, .height = wish.height, .path = {}};
+  worker.go(frame, suite.truth);
   Record record;
   record.technique = contender.technique;
   record.truth = suite.truth;
-  MeasuredRow row = *measure(record, run, seat, place);
-  std::filesystem::remove_all(folder);
-  return row;
+  return *measure(record, run, worker, frame);
 }
 
 void expect_as_rendered(const Wish& wish, const EngineState& state) {

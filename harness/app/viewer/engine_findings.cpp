@@ -1,0 +1,118 @@
+// What a side finds out about its answer: counts, layers, explanations, wrong pixels and their causes.
+#include <gnomon/registry.h>
+
+#include <algorithm>
+
+#include "app/viewer/engine_side.h"
+#include "measure/score/score.h"
+
+namespace gnomon::viewer {
+
+/// What the technique counts may take it as long as its answer: only asked at rest.
+void Engine::Body::Side::count(const std::shared_ptr<const SideAnswer>& answer) {
+  const auto counts = std::make_shared<const Counts>(Call(*this, "counts")->answer().counts);
+  body_.change([&](EngineState&) {
+    state().counts = counts;
+    state().counted_answer = answer;
+    state().words = support_.why();
+  });
+}
+
+void Engine::Body::Side::draw_layer(const std::shared_ptr<const SideAnswer>& answer, const std::string& name) {
+  const auto technique = registry().technique(loaded_->technique).make();
+  technique->apply(settings_);
+  const std::vector<DebugLayer> layers = technique->debug_layers();
+  const auto found = std::ranges::find(layers, name, &DebugLayer::name);
+  if (found == layers.end()) throw Error("{} has no debug layer {}", loaded_->technique, name);
+  auto picture = std::make_shared<LayerPicture>();
+  picture->frame = answer->frame;
+  picture->answer = answer;
+  picture->layer = *found;
+  picture->rgb = Call(*this, "layer " + name)->debug_layer(name);
+  body_.change([&](EngineState&) {
+    state().layer = picture;
+    state().words = support_.why();
+  });
+}
+
+std::vector<std::optional<Explanation>> Engine::Body::Side::explain(std::span<const std::uint32_t> pixels) {
+  return Call(*this, "explain")->explain(pixels);
+}
+
+void Engine::Body::Side::explain_picked(const std::shared_ptr<const SideAnswer>& answer, std::optional<std::uint32_t> pixel) {
+  std::shared_ptr<const Explanation> explanation;
+  if (pixel && *pixel < answer->mask.size()) {
+    const std::uint32_t index[] = {*pixel};
+    if (const auto why = explain(index)[0]) explanation = std::make_shared<Explanation>(*why);
+  }
+  body_.change([&](EngineState&) {
+    state().explanation = explanation;
+    state().explained = pixel;
+    state().explained_answer = answer;
+    state().words = support_.why();
+  });
+}
+
+/// Counts the wrong pixels; their causes come later.
+void Engine::Body::Side::count_wrong(const std::shared_ptr<const SideAnswer>& answer,
+                                     const std::shared_ptr<const ReferenceState>& reference) {
+  auto verdict = std::make_shared<Verdict>();
+  verdict->answer = answer;
+  verdict->reference = reference;
+  const GBuffer& g = answer->frame->gbuffer;
+  const Evidence evidence{.width = g.width,
+                          .height = g.height,
+                          .classes = reference->classes,
+                          .reference = reference->mask,
+                          .mask = answer->mask,
+                          .causes = {}};
+  verdict->errors = Scoring(evidence).error_counts();
+  body_.change([&](EngineState&) { state().verdict = verdict; });
+}
+
+/// Pixels where the same technique is right on the meshes against the reference there; empty where it does not take them. The
+/// worker is back at `frame` afterwards.
+std::vector<std::uint8_t> Engine::Body::Side::right_on_mesh(const Frame& frame, const ReferenceState& on_mesh) {
+  std::vector<std::uint8_t> right;
+  if (ask_support(*on_mesh.frame, "causes")) {
+    const std::vector<float> mask = resolve_mask(false);
+    right.resize(mask.size());
+    for (std::size_t i = 0; i < mask.size(); ++i) right[i] = !is_wrong(mask[i], on_mesh.mask[i]);
+  }
+  ask_support(frame, "causes");
+  resolve_mask(false);
+  return right;
+}
+
+/// Names the cause of every wrong pixel, as `gnomon render` does.
+void Engine::Body::Side::find_causes_of(const std::shared_ptr<const Verdict>& verdict,
+                                        const std::shared_ptr<const ReferenceState>& truth) {
+  std::uint64_t ticket = 0;
+  {
+    const std::lock_guard lock(body_.mutex);
+    if (body_.state.frame != verdict->answer->frame || body_.stop) return;
+    ticket = causes_.ticket();
+  }
+  const Frame& frame = *verdict->answer->frame;
+  std::vector<std::uint8_t> right;
+  if (truth->on_mesh && registry().technique(loaded_->technique).about.sees == Truth::mesh)
+    right = right_on_mesh(frame, *truth->on_mesh);
+  const Reference reference{truth->mask, truth->classes, truth->nearest_caster, truth};
+  auto complete = std::make_shared<Verdict>(*verdict);
+  const bool is_done = causes_.run(ticket, [&] {
+    complete->causes =
+        find_causes({frame.scene(), frame.loaded->store->casters(frame.gbuffer.truth), frame.gbuffer, frame.light, reference,
+                     verdict->answer->mask, right, [&](std::span<const std::uint32_t> pixels) { return explain(pixels); }});
+  });
+  if (!is_done) return;
+  complete->cause_counts = count_causes(complete->causes);
+  complete->has_causes = true;
+  complete->reference = truth;
+  body_.change([&](EngineState&) {
+    SideState& s = state();
+    if (s.verdict == verdict) s.verdict = complete;
+    s.words = support_.why();
+  });
+}
+
+}  // namespace gnomon::viewer

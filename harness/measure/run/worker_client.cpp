@@ -1,0 +1,206 @@
+#include "measure/run/worker_client.h"
+
+#include <gnomon/error.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "measure/cause/causes.h"
+#include "measure/picture/detail_export.h"
+#include "measure/scene/blob.h"
+#include "measure/score/score.h"
+
+namespace gnomon {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Starting a process, loading the scene and finding a device is the harness's own work: a short timeout is not meant for it.
+constexpr double least_load_seconds = 60;
+
+constexpr Stage all_stages[] = {Stage::setup, Stage::build, Stage::relight, Stage::resolve};
+
+Support support_of(const std::string& kind, const std::string& why) {
+  for (const Support& support : {Support::full(), Support::approximate(why), Support::unsupported(why)})
+    if (kind == name(support.kind())) return support;
+  throw Error("there is no support {}", kind);
+}
+
+}  // namespace
+
+std::vector<std::byte> light_and_view_bytes(const Light& light, const View& view) {
+  Scene scene;
+  scene.lights = {light};
+  scene.views = {view};
+  return scene_bytes(scene);
+}
+
+WorkerClient::WorkerClient(const WorkerOptions& options, fs::path files, double timeout_seconds)
+    : process_(options), files_(std::move(files)), timeout_seconds_(timeout_seconds) {}
+
+fs::path WorkerClient::file(const char* ending) const { return fs::path(files_) += fmt::format(".{}", ending); }
+
+Json WorkerClient::ask(const Json& request, const std::string& doing) {
+  process_.send(request, doing);
+  return process_.receive(timeout_seconds_);
+}
+
+/// What `read` makes of an answer and of the files that came with it; what it cannot make anything of is the worker's failure.
+template <class Read>
+auto WorkerClient::checked(const std::string& doing, const Read& read) {
+  try {
+    return read();
+  } catch (const Json::exception& problem) {
+    process_.fail(fmt::format("answered {} with something else than was asked: {}", doing, problem.what()));
+  } catch (const Error& problem) {
+    process_.fail(problem.what());
+  }
+}
+
+void WorkerClient::begin_load(const LoadRequest& request) {
+  process_.send({{"do", "open"},
+                 {"scene", request.scene_file.string()},
+                 {"technique", request.technique},
+                 {"settings", request.settings}},
+                "open");
+}
+
+void WorkerClient::end_load() {
+  const Json reply = process_.receive(std::max(timeout_seconds_, least_load_seconds));
+  fresh_count_ = 0;
+  checked("open", [&] {
+    if (const Json& gl = reply.at("gl"); !gl.is_null()) gl_ = WorkerGl{gl.at("renderer"), gl.at("version")};
+  });
+}
+
+void WorkerClient::set(const std::string& settings) {
+  const Json reply = ask({{"do", "set"}, {"settings", settings}}, "set");
+  checked("set", [&] { fresh_count_ = reply.at("fresh"); });
+}
+
+FrameReply WorkerClient::frame(const FrameRequest& request) {
+  Json question{{"do", "frame"},
+                {"gbuffer", request.gbuffer_file.string()},
+                {"width", request.width},
+                {"height", request.height},
+                {"truth", name(request.truth)}};
+  if (const auto* const seen = std::get_if<SceneLightAndView>(&request.seen)) {
+    question.update({{"view", seen->view}, {"light", seen->light}, {"path", seen->path}, {"frame", seen->path_frame}});
+  } else {
+    const fs::path light_and_view = file("light_and_view");
+    const auto& [light, view] = std::get<FreeLightAndView>(request.seen);
+    write_file(light_and_view, light_and_view_bytes(light, view));
+    question["stand"] = light_and_view.string();
+  }
+  const Json reply = ask(question, "frame");
+  pixel_count_ = static_cast<std::size_t>(request.width) * request.height;
+  return checked("frame", [&] {
+    fresh_count_ = reply.at("fresh");
+    FrameReply result{.support = support_of(reply.at("support"), reply.at("why")), .upload = {}};
+    if (reply.contains("input_bytes")) result.upload = {reply.at("input_bytes"), reply.at("upload_ms")};
+    return result;
+  });
+}
+
+double WorkerClient::time(Stage stage) {
+  const std::string doing(name(stage));
+  const Json reply = ask({{"do", "time"}, {"stage", doing}}, doing);
+  fresh_count_ = static_cast<int>(stage) + 1;
+  return checked(doing, [&] { return reply.at("ms").get<double>(); });
+}
+
+void WorkerClient::bring_up(Stage last) {
+  // One request for each stage, so that a failure names the stage that it happened in.
+  for (const Stage stage : all_stages) {
+    if (stage > last) return;
+    if (fresh_count_ > static_cast<int>(stage)) continue;
+    ask({{"do", "bring_up"}, {"stage", name(stage)}}, std::string(name(stage)));
+    fresh_count_ = static_cast<int>(stage) + 1;
+  }
+}
+
+std::vector<float> WorkerClient::mask() {
+  bring_up(Stage::resolve);
+  ask({{"do", "mask"}, {"mask", file("mask").string()}}, "mask");
+  return checked("mask", [&] { return read_mask_file(file("mask"), pixel_count_); });
+}
+
+MaskReply WorkerClient::answer() {
+  bring_up(Stage::resolve);
+  const Json reply = ask({{"do", "answer"}, {"mask", file("mask").string()}}, "answer");
+  return checked("answer", [&] {
+    MaskReply result{read_mask_file(file("mask"), pixel_count_), {}, 0};
+    for (const Json& count : reply.at("counts"))
+      result.counts.push_back({count.at("name"), count.at("value"), count.at("unit")});
+    result.peak_bytes = static_cast<std::uint64_t>(reply.at("peak_bytes").get<double>());
+    return result;
+  });
+}
+
+std::vector<std::optional<Explanation>> WorkerClient::explain(std::span<const std::uint32_t> pixels) {
+  constexpr std::size_t portion = 4096;  // pixels of one request: a filter has hundreds of taps a pixel
+  bring_up(Stage::resolve);
+  const fs::path asked = file("pixels"), answered = file("explanations");
+  std::vector<std::optional<Explanation>> result;
+  while (result.size() < pixels.size()) {
+    const auto some = pixels.subspan(result.size(), std::min(portion, pixels.size() - result.size()));
+    write_file(asked, std::as_bytes(some));
+    const Json reply = ask({{"do", "explain"}, {"pixels", asked.string()}, {"out", answered.string()}}, "explain");
+    const auto explanations = checked("explain", [&] {
+      if (!reply.at("explained").get<bool>()) return std::vector<std::optional<Explanation>>();
+      auto known = explanations_from_bytes(MappedFile::open(answered)->bytes());
+      if (known.size() != some.size()) throw Error("{} explanations came for {} pixels", known.size(), some.size());
+      return known;
+    });
+    if (explanations.empty()) {  // a technique without samples to show has none for any pixel
+      result.resize(pixels.size());
+      break;
+    }
+    result.insert(result.end(), explanations.begin(), explanations.end());
+  }
+  return result;
+}
+
+std::vector<float> WorkerClient::debug_layer(const std::string& layer) {
+  bring_up(Stage::resolve);
+  const fs::path answered = file("layer");
+  ask({{"do", "debug"}, {"layer", layer}, {"out", answered.string()}}, "debug");
+  return checked("debug", [&] {
+    const auto drawn = MappedFile::open(answered);
+    std::vector<float> rgb(3 * pixel_count_);
+    if (drawn->bytes().size() != rgb.size() * sizeof(float))
+      throw Error("debug layer {} has {} bytes; {} are wanted", layer, drawn->bytes().size(), rgb.size() * sizeof(float));
+    std::memcpy(rgb.data(), drawn->bytes().data(), drawn->bytes().size());
+    return rgb;
+  });
+}
+
+SurfaceDetail WorkerClient::surface_detail() {
+  bring_up(Stage::relight);
+  ask({{"do", "detail"}, {"out", file("detail").string()}}, "detail");
+  return checked("detail", [&] { return detail_from_bytes(MappedFile::open(file("detail"))->bytes()); });
+}
+
+Json ask_program(const WorkerOptions& options) {
+  if (access(options.program.c_str(), X_OK) != 0)
+    throw Error("program {} cannot be started: {}", options.program, std::strerror(errno));
+  constexpr double patience = 20;  // seconds to start; a program that is no gnomon may wait for ever
+  Json answer;
+  try {
+    WorkerProcess process(options);
+    process.send({{"do", "protocol"}}, "protocol");
+    answer = process.receive(patience);
+  } catch (const WorkerFailure& failure) {
+    throw Error("program {} cannot work for this one, it is no gnomon or one of another version: it {}", options.program,
+                failure.what());
+  }
+  const Json protocol = answer.value("protocol", Json());
+  if (protocol != worker_protocol)
+    throw Error("program {} speaks worker protocol {}, this one {}: build both from versions that agree", options.program,
+                protocol.dump(), worker_protocol);
+  return answer.value("context", Json::object());
+}
+
+}  // namespace gnomon

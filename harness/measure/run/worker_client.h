@@ -1,0 +1,126 @@
+#pragma once
+#include <gnomon/technique.h>
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <variant>
+#include <vector>
+
+#include "measure/run/worker.h"
+
+namespace gnomon {
+
+/// What a worker is to hold: one technique with its settings, on one scene.
+struct LoadRequest {
+  std::filesystem::path scene_file;  ///< with scene_bytes
+  std::string technique, settings;   ///< id; "a=1,b=2"
+};
+
+/// A light and a view of the worker's scene; on a path, where that has moved one of them to.
+struct SceneLightAndView {
+  std::size_t light = 0, view = 0;  ///< indices in the scene
+  std::string path = {};            ///< its name; empty: both stand still
+  int path_frame = 0;
+};
+/// A light and a view that need not be the scene's.
+struct FreeLightAndView {
+  Light light;
+  View view;
+};
+
+/// Both as bytes: the same for the same numbers and names.
+std::vector<std::byte> light_and_view_bytes(const Light& light, const View& view);
+
+/// What a technique is to answer next.
+struct FrameRequest {
+  std::filesystem::path gbuffer_file;  ///< as write_gbuffer writes it
+  int width = 0, height = 0;
+  Truth truth = Truth::shape;
+  std::variant<SceneLightAndView, FreeLightAndView> seen;
+};
+
+/// What the technique says of a frame before it does anything.
+struct FrameReply {
+  Support support;
+  /// Scene and G-buffer on the GL side, outside all stages; nothing without GL, and where it is unsupported.
+  struct Upload {
+    std::uint64_t bytes = 0;
+    double ms = 0;
+  };
+  std::optional<Upload> upload;
+};
+
+/// What a worker draws with.
+struct WorkerGl {
+  std::string renderer, version;
+};
+
+struct MaskReply {
+  std::vector<float> mask;  ///< 1 lit, 0 umbra; one a pixel of the frame
+  Counts counts;
+  std::uint64_t peak_bytes = 0;  ///< largest resident memory of the worker so far
+};
+
+/// One worker, asked and answered in types: load, go to a frame, do stages, read what came out. Calls wait for their answer and
+/// come from one thread, but for `interrupt`. Whatever goes wrong on the worker's side (no program, a crash, a hang, an
+/// exception, an answer of another shape or size, a mask outside 0 .. 1) is a WorkerFailure with its reason; the worker has
+/// ended then.
+class WorkerClient {
+ public:
+  /// Starts the process. Files between both sides are named `files` and an ending: "scratch/0" gives scratch/0.mask. An answer
+  /// may take `timeout_seconds`.
+  WorkerClient(const WorkerOptions& options, std::filesystem::path files, double timeout_seconds);
+
+  /// Both parts of a load, so that several workers can be at it at once.
+  void begin_load(const LoadRequest& request);
+  void end_load();
+  void load(const LoadRequest& request) {
+    begin_load(request);
+    end_load();
+  }
+  /// After a load; nothing for a technique that does not draw.
+  const std::optional<WorkerGl>& gl() const { return gl_; }
+  /// Other settings of the same technique: what they spoil is out of date, the rest stays.
+  void set(const std::string& settings);
+  FrameReply frame(const FrameRequest& request);
+
+  /// Stages that are up to date, from setup on: 0 .. 4.
+  int fresh_count() const { return fresh_count_; }
+  /// Does one stage once more, those before it untimed where they are out of date. Milliseconds by the worker's own clock.
+  double time(Stage stage);
+  /// Does what is out of date up to this stage.
+  void bring_up(Stage stage);
+
+  // Each brings up what it needs first.
+  std::vector<float> mask();
+  MaskReply answer();
+  /// What the technique says of pixels of the last answer, one for each; nothing where it says nothing.
+  std::vector<std::optional<Explanation>> explain(std::span<const std::uint32_t> pixels);
+  /// Three linear floats a pixel of the frame.
+  std::vector<float> debug_layer(const std::string& name);
+  /// Of the last relight.
+  SurfaceDetail surface_detail();
+
+  /// From any thread: ends the worker; a call that waits fails at once.
+  void interrupt() { process_.interrupt(); }
+
+ private:
+  Json ask(const Json& request, const std::string& doing);
+  template <class Read>
+  auto checked(const std::string& doing, const Read& read);
+  std::filesystem::path file(const char* ending) const;
+
+  WorkerProcess process_;
+  std::filesystem::path files_;
+  double timeout_seconds_;
+  std::optional<WorkerGl> gl_;
+  std::size_t pixel_count_ = 0;  ///< of the frame
+  int fresh_count_ = 0;
+};
+
+/// What a program says of itself before it may work for this one: the context of its build (context.h). Throws Error when it
+/// cannot be started, is no gnomon, or speaks another protocol.
+Json ask_program(const WorkerOptions& options);
+
+}  // namespace gnomon
