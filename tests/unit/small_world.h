@@ -124,7 +124,7 @@ inline GBuffer make_gbuffer(const Scene& scene, const View& view, int width, int
 }
 
 /// Distance along the ray to the light of the nearest caster, infinity when there is none. Rays start `offset` meters off.
-inline double occluder_distance(const Scene& scene, const Light& light, const glm::dvec3& point, double offset = 1e-5) {
+inline double caster_distance(const Scene& scene, const Light& light, const glm::dvec3& point, double offset = 1e-5) {
   const glm::dvec4 l = homogeneous(light);
   const glm::dvec3 to = to_light(l, point);
   const double length = glm::length(to);

@@ -47,7 +47,7 @@ BruteForce brute_force(const Scene& scene, const Silhouette& s, const glm::vec3&
 // through vertices and edges, points lie on triangles and lights in their planes. Two facts: the depth is the number of
 // triangles taking part that the way to the light crosses; and it is above zero where any casting triangle blocks, taking
 // part or not.
-TEST(EdgesDepth, depth_counts_the_triangles_in_the_way_and_sees_every_blocker) {
+TEST(EdgesDepth, depth_counts_the_triangles_in_the_way_and_sees_every_caster) {
   Random random(5);
   int deep = 0, lit = 0, degenerate = 0, left_out = 0;
   for (int round = 0; round < 120; ++round) {

@@ -153,7 +153,7 @@ TEST(trace_shadows, equals_one_ray_at_a_time_in_double_away_from_edges) {
         const glm::dvec3 u = glm::normalize(glm::cross(n, std::abs(n.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
         int dark = 0;
         for (const glm::dvec3& shift : {glm::dvec3(0), u, -u, glm::cross(n, u), -glm::cross(n, u)})
-          dark += std::isfinite(small_world::occluder_distance(world.scene, light, p + 1e-4 * shift));
+          dark += std::isfinite(small_world::caster_distance(world.scene, light, p + 1e-4 * shift));
         if (dark % 5 != 0) continue;
         ++compared;
         ASSERT_EQ(mask[i], dark ? 0 : 1) << light.name << " seed " << seed << " pixel " << i;

@@ -102,7 +102,7 @@ struct World {
     mask.assign(gbuffer.size(), 1);
     for (std::size_t i = 0; i < gbuffer.size(); ++i)
       if (faces_light(scene, gbuffer, light, i) && gbuffer.mesh[i] != 0)
-        mask[i] = std::isinf(small_world::occluder_distance(scene, light, gbuffer.position(i)));
+        mask[i] = std::isinf(small_world::caster_distance(scene, light, gbuffer.position(i)));
   }
   /// Whether triangle and answer are the same at all pixels around.
   bool is_plain(std::size_t i) const {

@@ -160,9 +160,8 @@ TEST(shadow_area, a_rectangle_s_shadow_has_its_area_on_paper_at_any_slant) {
     const Seen seen(view, 1280, 720);
     std::vector<float> traced;
     for (std::size_t i = 0; i < seen.gbuffer.size(); ++i)
-      traced.push_back(!seen.gbuffer.is_background(i) && std::isfinite(occluder_distance(scene, sun, seen.gbuffer.position(i)))
-                           ? 0.0f
-                           : 1.0f);
+      traced.push_back(
+          !seen.gbuffer.is_background(i) && std::isfinite(caster_distance(scene, sun, seen.gbuffer.position(i))) ? 0.0f : 1.0f);
     const double bound = seen.bound(shadow);
     EXPECT_LT(bound, 0.025 * shadow.area()) << "or the next line would say little";
     EXPECT_NEAR(seen.area(traced), shadow.area(), bound);

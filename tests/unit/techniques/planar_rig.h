@@ -62,7 +62,7 @@ inline bool near_edge(const Question& is_dark, const GBuffer& g, std::size_t i, 
 }
 
 inline Question by_rays(const Scene& scene, const Light& light) {
-  return [&](const glm::dvec3& point) { return small_world::occluder_distance(scene, light, point) < INFINITY; };
+  return [&](const glm::dvec3& point) { return small_world::caster_distance(scene, light, point) < INFINITY; };
 }
 
 /// How a mask compares with rays on the pixels that face the light by more than a degree.

@@ -134,7 +134,7 @@ TEST_F(PlanarProjected, agrees_with_rays_on_every_receiver_plane) {
           continue;
         }
         ++tested;
-        const bool reference = small_world::occluder_distance(scene, light, g.position(i)) < INFINITY;
+        const bool reference = small_world::caster_distance(scene, light, g.position(i)) < INFINITY;
         dark += reference;
         if (reference == (planar.mask[i] == 0)) continue;
         ++wrong;

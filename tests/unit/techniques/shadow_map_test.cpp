@@ -47,7 +47,7 @@ bool near_shadow_edge(const Scene& scene, const Light& light, const glm::dvec3& 
       const glm::dvec3 moved = point + (u * std::cos(angle) + v * std::sin(angle)) * r;
       const glm::dvec3 ray = to_light(l, moved);
       const glm::dvec3 cut = moved + ray * (glm::dot(normal, point - moved) / glm::dot(normal, ray));
-      if ((small_world::occluder_distance(scene, light, cut) < INFINITY) != dark) return true;
+      if ((small_world::caster_distance(scene, light, cut) < INFINITY) != dark) return true;
     }
   return false;
 }
@@ -140,7 +140,7 @@ TEST_F(ShadowMap, receiver_plane_bias_alone_leaves_no_acne_on_flat_receivers) {
           if (shadow_map.mask[i] == 1) continue;
           ++dark;
           const double reach = 1.5 * std::sqrt(2.0) * (radius + 1) * shadow_map.technique->explain(i)->texel_width;
-          acne += small_world::occluder_distance(moved, light, g.position(i), 1e-3) == INFINITY &&
+          acne += small_world::caster_distance(moved, light, g.position(i), 1e-3) == INFINITY &&
                   !near_shadow_edge(moved, light, g.position(i), g.normal(i), reach, false);
         }
         EXPECT_GT(dark, 20);
@@ -164,7 +164,7 @@ TEST_F(ShadowMap, fitted_window_never_loses_a_shadow) {
           EXPECT_EQ(shadow_map.mask[i], 1);
           continue;
         }
-        const double distance = small_world::occluder_distance(scene, light, g.position(i));
+        const double distance = small_world::caster_distance(scene, light, g.position(i));
         const bool reference = distance < INFINITY;
         dark += reference;
         if (reference == (shadow_map.mask[i] == 0)) continue;

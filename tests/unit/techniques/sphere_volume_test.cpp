@@ -50,7 +50,7 @@ struct ShapeWorld : shape_world::ShapeWorld {
     Scene flat;
     for (const Mesh& mesh : scene.meshes)
       if (mesh.casts && !mesh.has_curved_shape()) flat.meshes.push_back(mesh);
-    return small_world::occluder_distance(flat, light, p) < INFINITY;
+    return small_world::caster_distance(flat, light, p) < INFINITY;
   }
 };
 
