@@ -5,16 +5,26 @@
 namespace gnomon {
 namespace {
 
-TechniqueEntry technique(const std::string& id, const About& about) { return {id, about, nullptr}; }
-SceneEntry scene(const std::string& id, const SceneAbout& about) { return {id, about, nullptr}; }
+TechniqueEntry technique(const std::string& id, bool is_default, Role role = Role::contender) {
+  About about;
+  about.role = role;
+  about.is_default = is_default;
+  return {id, about, nullptr};
+}
+
+SceneEntry scene(const std::string& id, bool is_default) {
+  SceneAbout about;
+  about.is_default = is_default;
+  return {id, about, nullptr};
+}
 
 TEST(registry, the_default_is_the_first_whose_data_sheet_says_so) {
   Registry registry;
-  registry.add(technique("zebra", {.is_default = true}));
-  registry.add(technique("yak", {.is_default = true}));
-  registry.add(technique("ant", {.role = Role::reference}));
-  registry.add(scene("dune", {.is_default = true}));
-  registry.add(scene("cave", {}));
+  registry.add(technique("zebra", true));
+  registry.add(technique("yak", true));
+  registry.add(technique("ant", false, Role::reference));
+  registry.add(scene("dune", true));
+  registry.add(scene("cave", false));
   EXPECT_EQ(registry.default_technique().id, "yak");
   EXPECT_EQ(registry.default_scene().id, "dune");
   EXPECT_EQ(registry.reference().id, "ant");
@@ -22,8 +32,8 @@ TEST(registry, the_default_is_the_first_whose_data_sheet_says_so) {
 
 TEST(registry, without_such_a_data_sheet_the_default_is_the_first_of_all) {
   Registry registry;
-  registry.add(technique("zebra", {}));
-  registry.add(technique("yak", {}));
+  registry.add(technique("zebra", false));
+  registry.add(technique("yak", false));
   EXPECT_EQ(registry.default_technique().id, "yak");
   EXPECT_THROW(registry.default_scene(), Error);
   EXPECT_THROW(registry.reference(), Error);
