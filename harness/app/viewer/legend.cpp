@@ -21,7 +21,7 @@ void add_mask(const Composition& composition, int side, std::vector<LegendEntry>
   entries.push_back({{0, 0, 0}, "umbra", {}, {}});
 }
 
-/// Tested pixels where the sides are more than one half apart.
+/// Tested pixels where one side would be wrong if the other were the reference.
 void add_difference(const Composition& composition, int side, std::vector<LegendEntry>& entries) {
   const ComposeSide &here = composition.sides[side], &there = composition.sides[1 - side];
   const std::span<const ErrorKind> kinds = error_kinds(false);
@@ -32,8 +32,7 @@ void add_difference(const Composition& composition, int side, std::vector<Legend
     for (std::size_t i = 0; i < here.mask.size(); ++i) {
       if (reference->classes[i] != PixelClass::T) continue;
       ++tested;
-      darker_count += here.mask[i] - there.mask[i] < -0.5f;
-      lighter_count += here.mask[i] - there.mask[i] > 0.5f;
+      if (is_wrong(here.mask[i], there.mask[i])) ++(here.mask[i] < there.mask[i] ? darker_count : lighter_count);
     }
     darker.share = share_of(darker_count, tested);
     lighter.share = share_of(lighter_count, tested);

@@ -186,7 +186,7 @@ void draw_shadow_ray(const PictureDrawing& drawing, const Session& session, cons
   const glm::dvec3 point = frame->gbuffer.position(index), light = light_place(*session.scene(), frame->light);
   const auto& reference = shown.state.reference;
   const bool is_known = reference && reference->frame == frame && !reference->classes.empty();
-  const bool is_dark = is_known && reference->mask[index] < 0.5f;
+  const bool is_dark = is_known && !is_lit(reference->mask[index]);
   // A pixel that is turned away from the light has no shadow ray: its line is thin and gray.
   const bool has_ray = !is_known || reference->classes[index] > PixelClass::F;
   const auto end = is_dark && has_ray ? find_caster_point(*frame, index) : std::nullopt;
