@@ -55,7 +55,7 @@ Candidate mean_of(const std::vector<const Record*>& rows, const FieldOptions& op
       if (!samples.back().is_timed()) return std::nullopt;
     }
     if (cost != Cost::bytes) return bootstrap(samples, geometric_mean);
-    // Nothing held is nothing, wherever else something is.
+    // One zero makes a geometric mean zero: a technique that holds no bytes on some scene costs none.
     const bool is_nothing = std::any_of(sizes.begin(), sizes.end(), [](double size) { return size <= 0; });
     return ValueWithInterval(is_nothing ? 0 : geometric_mean(sizes));
   };
@@ -93,8 +93,8 @@ Field overall(std::vector<std::pair<std::string, Rows>> settings, const FieldOpt
   return field;
 }
 
-/// 1, 2, 5, 10, ... x 10^k within a factor of 2.5 of both ends, so that the first budget shuts somebody out and the last
-/// nobody.
+/// 1, 2, 5, 10, ... x 10^k within a factor of 2.5 of both ends, so that the first budget shuts out a contender and the last one
+/// admits all.
 std::vector<double> round_numbers(double least, double greatest, std::size_t most) {
   std::vector<double> numbers;
   if (!(least > 0) || !std::isfinite(greatest)) return numbers;

@@ -86,6 +86,23 @@ std::string text_of(const Metrics& metrics, const std::map<std::string, std::uin
   return table.text(terminal_width());
 }
 
+nlohmann::ordered_json json_of(const Metrics& metrics) {
+  nlohmann::ordered_json values = nlohmann::ordered_json::object();
+  for (const MetricInfo& info : metric_infos()) {
+    const std::optional<double> value = metrics.at(std::string(info.name));
+    values[std::string(info.name)] = value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+  }
+  return values;
+}
+
+/// Wrong pixels by cause, causes that occur only.
+std::map<std::string, std::uint64_t> causes_that_occur(std::span<const Cause> causes) {
+  std::map<std::string, std::uint64_t> counts;
+  for (const Cause cause : causes)
+    if (cause != Cause::none) ++counts[std::string(name(cause))];
+  return counts;
+}
+
 int score(const ScoreOptions& options) {
   const Scene scene = load_scene(options.scene);
   require_names(options.scene, scene, options.lights,
@@ -106,15 +123,13 @@ int score(const ScoreOptions& options) {
     answer.gbuffer = frames.gbuffer(key);
     answer.reference = frames.reference(key, light);
     answer.mask = read_mask(options.mask, channel.name, width, height);
-    // Nobody explains a pixel of a file: causes are those of its place and its company.
+    // A file explains no pixel: causes follow from where wrong pixels lie and how many hang together.
     answer.causes =
         find_causes({scene, frames.casters(key.truth), answer.gbuffer, light, answer.reference, answer.mask, {}, nullptr});
     const Evidence evidence = answer.evidence(scene, light);
     const Scoring scoring(evidence);
     const Metrics metrics = measure_metrics(scoring);
-    std::map<std::string, std::uint64_t> causes;
-    for (const Cause cause : answer.causes)
-      if (cause != Cause::none) ++causes[std::string(name(cause))];
+    const std::map<std::string, std::uint64_t> causes = causes_that_occur(answer.causes);
     if (folder) {
       const std::string tail = channels.size() == 1 ? "" : "_" + light.name;
       write_png(folder->path / ("error" + tail + ".png"), draw_errors(evidence, options.mask.filename().string()));
@@ -127,11 +142,6 @@ int score(const ScoreOptions& options) {
                  text_of(metrics, causes, std::max<std::size_t>(1, scoring.error_counts().tested)));
       continue;
     }
-    nlohmann::ordered_json values = nlohmann::ordered_json::object();
-    for (const MetricInfo& info : metric_infos()) {
-      const std::optional<double> value = metrics.at(std::string(info.name));
-      values[std::string(info.name)] = value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
-    }
     list.push_back({{"scene", options.scene},
                     {"light", light.name},
                     {"view", view.name},
@@ -140,7 +150,7 @@ int score(const ScoreOptions& options) {
                     {"truth", options.truth},
                     {"mask", options.mask.string()},
                     {"channel", channel.name},
-                    {"metrics", values},
+                    {"metrics", json_of(metrics)},
                     {"classes", class_counts(answer.reference.classes)},
                     {"causes", causes}});
   }

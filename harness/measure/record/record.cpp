@@ -19,12 +19,56 @@ namespace {
 
 // --- values to JSON ---------------------------------------------------------------------------------------------------
 
-/// JSON has no NaN and no infinity: null.
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 template <class T>
-Json or_null(const std::optional<T>& value) {
-  return value ? Json(*value) : Json(nullptr);
+Json written(const T& value) {
+  return value;
+}
+/// JSON has no NaN and no infinity: null.
+Json written(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json written(Status value) { return name(value); }
+Json written(Role value) { return name(value); }
+Json written(Truth value) { return name(value); }
+Json written(Support::Kind value) { return name(value); }
+Json written(const Count& count) { return {{"name", count.name}, {"value", written(count.value)}, {"unit", count.unit}}; }
+Json written(const Record::GlInputs& gl) { return {{"input_bytes", gl.input_bytes}, {"upload_ms", written(gl.upload_ms)}}; }
+Json written(const Record::SceneFacts& facts) {
+  return {{"meshes", facts.meshes},
+          {"triangles", facts.triangles},
+          {"closed", facts.closed},
+          {"boundary_edges", facts.boundary_edges},
+          {"nonmanifold_edges", facts.nonmanifold_edges},
+          {"misoriented_edges", facts.misoriented_edges},
+          {"degenerate", facts.degenerate}};
+}
+template <class T>
+Json written(const std::optional<T>& value) {
+  return value ? written(*value) : Json(nullptr);
+}
+template <class T>
+Json written(const std::vector<std::optional<T>>& values) {
+  Json array = Json::array();
+  for (const std::optional<T>& value : values) array.push_back(written(value));
+  return array;
+}
+Json written(const Counts& counts) {
+  Json array = Json::array();
+  for (const Count& count : counts) array.push_back(written(count));
+  return array;
+}
+std::string key_of(const std::string& key) { return key; }
+std::string key_of(Truth truth) { return std::string(name(truth)); }
+template <class Key, class Value, class... Rest>
+Json written(const std::map<Key, Value, Rest...>& map) {
+  Json object = Json::object();
+  for (const auto& [key, value] : map) object[key_of(key)] = written(value);
+  return object;
+}
+/// Stages that were timed, by name.
+Json written(const decltype(Record::stages)& stages) {
+  Json object = Json::object();
+  for (std::size_t stage = 0; stage < stages.size(); ++stage)
+    if (!stages[stage].empty()) object[std::string(stage_names[stage])] = stages[stage];
+  return object;
 }
 
 // --- JSON to values ---------------------------------------------------------------------------------------------------
@@ -117,6 +161,19 @@ void read(std::string_view field, const Json& value, std::map<std::string, Value
   for (const auto& [key, element] : value.items()) read(fmt::format("{}.{}", field, key), element, into[key]);
 }
 
+/// Other names than the two truths' are passed over.
+void read(std::string_view field, const Json& value, std::map<Truth, Metrics>& into) {
+  std::map<std::string, Metrics> by_name;
+  read(field, value, by_name);
+  for (const Truth truth : {Truth::shape, Truth::mesh})
+    if (const auto found = by_name.find(std::string(name(truth))); found != by_name.end()) into[truth] = found->second;
+}
+void read(std::string_view field, const Json& value, decltype(Record::stages)& into) {
+  std::map<std::string, ProcessTimes> by_name;
+  read(field, value, by_name);
+  for (std::size_t stage = 0; stage < into.size(); ++stage) into[stage] = by_name[std::string(stage_names[stage])];
+}
+
 /// Takes fields out of an object; what is left at the end was not known.
 class Fields {
  public:
@@ -167,6 +224,48 @@ void read(std::string_view field, const Json& value, Record::SceneFacts& into) {
   fields.take("degenerate", into.degenerate);
 }
 
+/// Calls use(key, member) for every field but `schema` in the order that the file has them, for writing and for reading.
+template <class AnyRecord, class Use>
+void for_each_field(AnyRecord& r, const Use& use) {
+  use("job", r.job);
+  use("suite", r.suite);
+  use("scene", r.scene);
+  use("light", r.light);
+  use("light_kind", r.light_kind);
+  use("view", r.view);
+  use("technique", r.technique);
+  use("settings", r.settings);
+  use("label", r.label);
+  use("role", r.role);
+  use("parameters", r.parameters);
+  use("width", r.width);
+  use("height", r.height);
+  use("truth", r.truth);
+  use("path", r.path);
+  use("place", r.place);
+  use("status", r.status);
+  use("support", r.support);
+  use("reason", r.reason);
+  use("stages", r.stages);
+  use("iterations", r.iterations);
+  use("stop", r.stop);
+  use("counts", r.counts);
+  use("bytes", r.bytes);
+  use("peak_bytes", r.peak_bytes);
+  use("gl", r.gl);
+  use("classes", r.classes);
+  use("metrics", r.metrics);
+  use("causes", r.causes);
+  use("frames", r.frames);
+  use("mask", r.mask);
+  use("error_picture", r.error_picture);
+  use("shaded_picture", r.shaded_picture);
+  use("scene_facts", r.scene_facts);
+  use("notes", r.notes);
+  use("context", r.context);
+  use("seconds", r.seconds);
+}
+
 }  // namespace
 
 std::string setting_key(const Record& r) { return r.technique + (r.settings.empty() ? "" : ":" + r.settings); }
@@ -193,68 +292,7 @@ std::optional<double> Record::metric(Truth of, std::string_view name) const {
 void to_json(Json& json, const Record& r) {
   json = Json::object();
   json["schema"] = record_schema;
-  json["job"] = r.job;
-  json["suite"] = r.suite;
-  json["scene"] = r.scene;
-  json["light"] = r.light;
-  json["light_kind"] = r.light_kind;
-  json["view"] = r.view;
-  json["technique"] = r.technique;
-  json["settings"] = r.settings;
-  json["label"] = or_null(r.label);
-  json["role"] = name(r.role);
-  json["parameters"] = r.parameters;
-  json["width"] = r.width;
-  json["height"] = r.height;
-  json["truth"] = name(r.truth);
-  json["path"] = r.path;
-  json["place"] = r.place;
-  json["status"] = name(r.status);
-  json["support"] = r.support ? Json(name(*r.support)) : Json(nullptr);
-  json["reason"] = r.reason;
-
-  Json& stages = json["stages"] = Json::object();
-  for (std::size_t stage = 0; stage < r.stages.size(); ++stage) {
-    if (r.stages[stage].empty()) continue;
-    stages[std::string(stage_names[stage])] = r.stages[stage];
-  }
-  json["iterations"] = r.iterations;
-  json["stop"] = r.stop;
-  Json& counts = json["counts"] = Json::array();
-  for (const Count& count : r.counts)
-    counts.push_back({{"name", count.name}, {"value", number(count.value)}, {"unit", count.unit}});
-  json["bytes"] = or_null(r.bytes);
-  json["peak_bytes"] = or_null(r.peak_bytes);
-  json["gl"] = r.gl ? Json{{"input_bytes", r.gl->input_bytes}, {"upload_ms", number(r.gl->upload_ms)}} : Json(nullptr);
-
-  json["classes"] = r.classes;
-  Json& metrics = json["metrics"] = Json::object();
-  for (const auto& [truth, values] : r.metrics) {
-    Json& against = metrics[std::string(name(truth))] = Json::object();
-    for (const auto& [metric, value] : values) against[metric] = value ? number(*value) : Json(nullptr);
-  }
-  json["causes"] = or_null(r.causes);
-  Json& frames = json["frames"] = Json::object();
-  for (const auto& [metric, values] : r.frames) {
-    Json& series = frames[metric] = Json::array();
-    for (const auto& value : values) series.push_back(value ? number(*value) : Json(nullptr));
-  }
-  json["mask"] = or_null(r.mask);
-  json["error_picture"] = or_null(r.error_picture);
-  json["shaded_picture"] = or_null(r.shaded_picture);
-
-  json["scene_facts"] = nullptr;
-  if (const auto& facts = r.scene_facts)
-    json["scene_facts"] = {{"meshes", facts->meshes},
-                           {"triangles", facts->triangles},
-                           {"closed", facts->closed},
-                           {"boundary_edges", facts->boundary_edges},
-                           {"nonmanifold_edges", facts->nonmanifold_edges},
-                           {"misoriented_edges", facts->misoriented_edges},
-                           {"degenerate", facts->degenerate}};
-  json["notes"] = r.notes;
-  json["context"] = r.context;
-  json["seconds"] = or_null(r.seconds);
+  for_each_field(r, [&](const char* key, const auto& value) { json[key] = written(value); });
   for (const auto& [key, value] : r.unknown.items()) json[key] = value;
 }
 
@@ -264,49 +302,12 @@ void from_json(const Json& json, Record& record) {
   int schema = 0;
   fields.require("schema", schema);
   if (schema < 1 || schema > record_schema) throw Error("schema = {} is outside 1 .. {}", schema, record_schema);
-  fields.take("job", r.job);
-  fields.take("suite", r.suite);
-  fields.require("scene", r.scene);
-  fields.take("light", r.light);
-  fields.take("light_kind", r.light_kind);
-  fields.take("view", r.view);
-  fields.require("technique", r.technique);
-  fields.take("settings", r.settings);
-  fields.take("label", r.label);
-  fields.take("role", r.role);
-  fields.take("parameters", r.parameters);
-  fields.take("width", r.width);
-  fields.take("height", r.height);
-  fields.take("truth", r.truth);
-  fields.take("path", r.path);
-  fields.take("place", r.place);
-  fields.require("status", r.status);
-  fields.take("support", r.support);
-  fields.take("reason", r.reason);
-
-  std::map<std::string, ProcessTimes> stages;
-  fields.take("stages", stages);
-  for (std::size_t stage = 0; stage < r.stages.size(); ++stage) r.stages[stage] = stages[std::string(stage_names[stage])];
-  fields.take("iterations", r.iterations);
-  fields.take("stop", r.stop);
-  fields.take("counts", r.counts);
-  fields.take("bytes", r.bytes);
-  fields.take("peak_bytes", r.peak_bytes);
-  fields.take("gl", r.gl);
-  fields.take("classes", r.classes);
-  std::map<std::string, Metrics> metrics;
-  fields.take("metrics", metrics);
-  for (const Truth truth : {Truth::shape, Truth::mesh})
-    if (const auto found = metrics.find(std::string(name(truth))); found != metrics.end()) r.metrics[truth] = found->second;
-  fields.take("causes", r.causes);
-  fields.take("frames", r.frames);
-  fields.take("mask", r.mask);
-  fields.take("error_picture", r.error_picture);
-  fields.take("shaded_picture", r.shaded_picture);
-  fields.take("scene_facts", r.scene_facts);
-  fields.take("notes", r.notes);
-  fields.take("context", r.context);
-  fields.take("seconds", r.seconds);
+  for_each_field(r, [&](std::string_view key, auto& value) {
+    if (key == "scene" || key == "technique" || key == "status")
+      fields.require(key.data(), value);
+    else
+      fields.take(key.data(), value);
+  });
   r.unknown = fields.rest();
   record = std::move(r);
 }

@@ -106,7 +106,8 @@ RecordWriter::RecordWriter(const fs::path& dir) : file_(records_file(dir)) {
     throw Error("{} {}", file_.string(), why);
   };
   if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) refuse("is being written by another run");
-  // Rescoring puts a new file in its place; what was opened just before is nobody's any more.
+  // Rescoring renames a new file into its place; a writer that opened the old one just before would add to a file without a
+  // name.
   struct stat held {};
   struct stat there {};
   const bool is_there = fstat(descriptor_, &held) == 0 && stat(file_.c_str(), &there) == 0;
