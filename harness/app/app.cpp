@@ -17,9 +17,11 @@ int run_program(int argc, char** argv) {
     Program program{
         {"Gnomon: shadow techniques side by side, by cost and by error against ray-traced truth", "gnomon", GNOMON_VERSION},
         {}};
-    program.line.early_option("--plugin", &program.plugins, "FILE.so",
-                              "Load techniques from a plugin built with gnomon_add_plugin",
-                              [](const std::string& path) { load_plugin(path); });
+    program.line.early_option("--plugin", "FILE.so", "Load techniques from a plugin built with gnomon_add_plugin",
+                              [&](const std::string& path) {
+                                load_plugin(path);
+                                program.plugins.push_back(path);
+                              });
     for (auto* add : {add_list, add_describe, add_render, add_run, add_table, add_compare, add_merge, add_report, add_analyze,
                       add_figure, add_certify, add_docs, add_score, add_view, add_worker})
       add(program);

@@ -57,14 +57,13 @@ int run_certify(const Options& options) {
 }  // namespace
 
 void add_certify(Program& program) {
-  Command command = program.line.command("certify", "How far the reference may be trusted: exact answers beside it");
-  auto options = std::make_shared<Options>();
-  command.option("--scene", &options->scene, "Scene id, ID:param=value, or a scene or mesh file").required();
-  command.option("--light", &options->lights, "Light names; all by default").delimiter(',');
-  command.option("--view", &options->views, "View names; the first by default").delimiter(',');
-  command.option("--size", &options->size, "Picture size in pixels, WxH").shows_default();
-  command.flag("--json", &options->json, "As JSON");
-  command.action([options] { return run_certify(*options); });
+  auto [command, options] =
+      program.line.command<Options>("certify", "How far the reference may be trusted: exact answers beside it", run_certify);
+  command.option("--scene", &options.scene, "Scene id, ID:param=value, or a scene or mesh file").required();
+  command.option("--light", &options.lights, "Light names; all by default").delimiter(',');
+  command.option("--view", &options.views, "View names; the first by default").delimiter(',');
+  command.option("--size", &options.size, "Picture size in pixels, WxH").shows_default();
+  command.flag("--json", &options.json, "As JSON");
 }
 
 }  // namespace gnomon::app

@@ -52,7 +52,7 @@ std::string usage_error(const CLI::App& cli, const CLI::ParseError& error, int a
   if (word && !command)
     return fmt::format("there is no command {}; did you mean {}? There are: {}", word, nearest_word(word, names),
                        fmt::join(names, ", "));
-  const std::string who = command ? "gnomon " + command->get_name() : "gnomon";
+  const std::string who = command ? cli.get_name() + " " + command->get_name() : cli.get_name();
   const std::vector<std::string> extra = cli.remaining(true);
   if (!extra.empty() && extra.front().starts_with("-")) {
     std::vector<std::string> options;
@@ -157,9 +157,10 @@ CommandLine::CommandLine(const std::string& description, const std::string& prog
 
 CommandLine::~CommandLine() = default;
 
-void CommandLine::early_option(const std::string& name, std::vector<std::string>* target, const std::string& type_name,
-                               const std::string& description, std::function<void(const std::string&)> use) {
-  cli_->add_option(name, *target, description)->type_name(type_name)->expected(1)->trigger_on_parse()->each(std::move(use));
+void CommandLine::early_option(const std::string& name, const std::string& type_name, const std::string& description,
+                               std::function<void(const std::string&)> use) {
+  // Without a target: one is cleared when the option comes again.
+  cli_->add_option(name, description)->type_name(type_name)->expected(1)->trigger_on_parse()->each(std::move(use));
 }
 
 Command CommandLine::command(const std::string& name, const std::string& description) {

@@ -78,8 +78,8 @@ class CommandLine {
   ~CommandLine();
 
   /// An option before the command that may be given again; `use` gets each value at once, before anything else is read.
-  void early_option(const std::string& name, std::vector<std::string>* target, const std::string& type_name,
-                    const std::string& description, std::function<void(const std::string&)> use);
+  void early_option(const std::string& name, const std::string& type_name, const std::string& description,
+                    std::function<void(const std::string&)> use);
   Command command(const std::string& name, const std::string& description);
   /// The same for a command that keeps what it read in a struct, which is answered with its defaults. `work` does what the
   /// command is for, called with the options, or with the options and the command; answers the exit status, or nothing for 0.

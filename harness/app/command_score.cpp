@@ -162,20 +162,19 @@ int score(const ScoreOptions& options) {
 }  // namespace
 
 void add_score(Program& program) {
-  Command command = program.line.command("score", "A mask that another program made, against the reference");
-  auto options = std::make_shared<ScoreOptions>();
-  command.option("--scene", &options->scene, "Scene id, ID:param=value, or a scene or mesh file").required();
-  command.option("--mask", &options->mask, "Image of visibilities, 1 lit and 0 in shadow; its size is the picture's")
+  auto [command, options] =
+      program.line.command<ScoreOptions>("score", "A mask that another program made, against the reference", score);
+  command.option("--scene", &options.scene, "Scene id, ID:param=value, or a scene or mesh file").required();
+  command.option("--mask", &options.mask, "Image of visibilities, 1 lit and 0 in shadow; its size is the picture's")
       .required()
       .check(not_empty());
-  command.option("--light", &options->lights, "Light names; by default every light of which the mask has a channel LIGHT.V")
+  command.option("--light", &options.lights, "Light names; by default every light of which the mask has a channel LIGHT.V")
       .delimiter(',');
-  command.option("--channel", &options->channel, "Channel of the one light asked for").check(not_empty());
-  command.option("--view", &options->view, "View name; the first by default");
-  command.option("--truth", &options->truth, "What counts: exact shapes or the meshes; shape | mesh").shows_default();
-  command.option("--out", &options->out, "Folder for error and shaded pictures");
-  command.flag("--json", &options->json, "As JSON");
-  command.action([options] { return score(*options); });
+  command.option("--channel", &options.channel, "Channel of the one light asked for").check(not_empty());
+  command.option("--view", &options.view, "View name; the first by default");
+  command.option("--truth", &options.truth, "What counts: exact shapes or the meshes; shape | mesh").shows_default();
+  command.option("--out", &options.out, "Folder for error and shaded pictures");
+  command.flag("--json", &options.json, "As JSON");
 }
 
 }  // namespace gnomon::app
