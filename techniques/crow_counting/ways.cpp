@@ -98,8 +98,9 @@ CountingWork WayCounter::descend(int level, int x, int y, std::span<const std::u
   if (tile.undecided == 0) return {};
   std::vector<std::uint32_t>& near = scratch.polygons[level];
   near.clear();
+  const Volumes& volumes = *volumes_;
   for (const std::uint32_t p : polygons)
-    if (!tile.misses(volumes_->outline(p)) && !tile.misses(volumes_->polygon(p))) near.push_back(p);
+    if (!tile.misses(volumes.outline(p)) && !tile.misses(volumes.polygon(p))) near.push_back(p);
   if (level == 0) return decide_tile(x, y, near, scratch);
   const Pyramid::Level& lower = pyramid_.level(level - 1);
   CountingWork sum;
@@ -122,7 +123,8 @@ CountingWork WayCounter::decide_tile(int x, int y, std::span<const std::uint32_t
   scratch.caps.clear();
   for (const std::uint32_t p : polygons) {
     if (!volumes_->is_side(p)) scratch.caps.push_back(volumes_->cap(p));
-    for (int k = 0; k < count; ++k) meet(p, queries[k], scratch.met[k], work);
+    const Polygon& polygon = volumes_->polygon(p);
+    for (int k = 0; k < count; ++k) meet(p, polygon, queries[k], scratch.met[k], work);
   }
   for (int k = 0; k < count; ++k) {
     const Query& a = queries[k];
@@ -138,8 +140,8 @@ CountingWork WayCounter::decide_tile(int x, int y, std::span<const std::uint32_t
   return work;
 }
 
-void WayCounter::meet(std::uint32_t p, Query& query, std::vector<MetPolygon>& met, CountingWork& work) const {
-  const Polygon& polygon = volumes_->polygon(p);
+void WayCounter::meet(std::uint32_t p, const Polygon& polygon, Query& query, std::vector<MetPolygon>& met,
+                      CountingWork& work) const {
   const double along = glm::dot(polygon.plane, query.seen), beyond = along - polygon.distance;
   if (beyond < -(polygon.slack + query.error)) return;
   const glm::dvec3* n = polygon.inside;

@@ -65,8 +65,8 @@ class WayCounter {
   /// Hands each tile of a tile the polygons that it does not miss, down to the smallest.
   CountingWork descend(int level, int x, int y, std::span<const std::uint32_t> polygons, Scratch& scratch);
   CountingWork decide_tile(int x, int y, std::span<const std::uint32_t> polygons, Scratch& scratch);
-  /// Appends to `met` the way from the start to a pixel's point, if it meets the polygon.
-  void meet(std::uint32_t polygon, Query& query, std::vector<MetPolygon>& met, CountingWork& work) const;
+  /// Appends to `met` the way from the start to a pixel's point, if it meets the polygon of that number.
+  void meet(std::uint32_t number, const Polygon& polygon, Query& query, std::vector<MetPolygon>& met, CountingWork& work) const;
   /// The count front to back; says whether the point is in shadow.
   bool walk(const Query& query, std::vector<MetPolygon>& met, std::span<const std::uint32_t> caps, CountingWork& work);
 
