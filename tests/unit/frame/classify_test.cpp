@@ -3,10 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
 #include "hand_made.h"
+#include "measure/frame/light_rays.h"
+#include "measure/frame/ray_packets.h"
 
 namespace {
 
@@ -199,6 +202,60 @@ TEST(classify, a_reference_that_is_wrong_makes_uncertain_and_nothing_else) {
   EXPECT_EQ(counts[std::size_t(PixelClass::B)], 1u);
   EXPECT_EQ(counts[0] + counts[1] + counts[2] + counts[3] + counts[4] + counts[5], 40u);
   EXPECT_GT(counts[std::size_t(PixelClass::T)], 20u);
+}
+
+TEST(classify, a_class_is_known_by_its_letter_in_the_order_of_the_classes) {
+  std::string letters;
+  for (const ClassInfo& info : class_infos()) letters += info.letter;
+  EXPECT_EQ(letters, "BFGSUT");
+  EXPECT_EQ(class_infos()[std::size_t(PixelClass::T)].word, "tested");
+}
+
+TEST(wrong, is_off_by_more_than_one_half) {
+  for (const float reference : {0.0f, 1.0f}) {
+    EXPECT_FALSE(is_wrong(0.5f, reference)) << "one half is wrong on neither side";
+    EXPECT_FALSE(is_wrong(reference, reference));
+    EXPECT_TRUE(is_wrong(1 - reference, reference));
+  }
+  EXPECT_TRUE(is_wrong(std::nextafter(0.5f, 1.0f), 0));
+  EXPECT_FALSE(is_lit(0.5f)) << "a tie counts as shadow";
+  EXPECT_TRUE(is_lit(std::nextafter(0.5f, 1.0f)));
+}
+
+TEST(moved_rays, go_aside_across_the_ray_and_back_to_the_plane) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  const auto unit = [&] { return glm::normalize(glm::dvec3(normal(random), normal(random), normal(random))); };
+  for (int k = 0; k < 1000; ++k) {
+    const glm::dvec3 ray = unit(), n = unit();
+    const auto [u, v] = across(ray);
+    EXPECT_NEAR(glm::length(u), 1, 1e-14);
+    EXPECT_NEAR(glm::length(v), 1, 1e-14);
+    EXPECT_NEAR(std::max({std::abs(glm::dot(u, v)), std::abs(glm::dot(u, ray)), std::abs(glm::dot(v, ray))}), 0, 1e-14);
+    const glm::dvec3 back = back_to_plane(u, ray, n);
+    if (std::abs(glm::dot(ray, n)) > 2e-3) {
+      EXPECT_NEAR(glm::dot(u + back, n), 0, 1e-12) << "the point lies on the plane again";
+      EXPECT_NEAR(glm::length(glm::cross(back, ray)), 0, 1e-12) << "it came along the ray";
+    }
+  }
+  EXPECT_EQ(back_to_plane({0, 1, 0}, {1, 0, 0}, {0, 1, 0}), glm::dvec3(0)) << "a ray in the plane brings nothing back";
+}
+
+TEST(pixel_packets, take_sixteen_and_the_rest) {
+  for (const std::size_t count : {0u, 1u, 16u, 17u, 40u}) {
+    std::vector<std::size_t> sizes, pixels;
+    const auto decide = [&](std::span<const std::size_t> some) {
+      sizes.push_back(some.size());
+      pixels.insert(pixels.end(), some.begin(), some.end());
+    };
+    PixelPackets packets(decide);
+    for (std::size_t i = 0; i < count; ++i) packets.add(3 * i);
+    packets.finish();
+    ASSERT_EQ(pixels.size(), count);
+    for (std::size_t i = 0; i < count; ++i) EXPECT_EQ(pixels[i], 3 * i);
+    EXPECT_EQ(sizes.size(), (count + 15) / 16);
+    EXPECT_TRUE(std::ranges::all_of(sizes, [](std::size_t size) { return size > 0 && size <= 16; }));
+  }
 }
 
 }  // namespace

@@ -105,7 +105,7 @@ TEST(frame, meshes_that_do_not_cast_are_seen_and_block_nothing) {
   }
 }
 
-TEST(frame, dark_pixels_know_their_nearest_occluder) {
+TEST(frame, dark_pixels_know_their_nearest_caster) {
   // Two plates over the ground, the lower one smaller: under both, the lower one is nearer. A ball lies beside them.
   const Folder folder;
   Scene scene;
