@@ -1,5 +1,7 @@
 #include "measure/statistics/statistics.h"
 
+#include <gnomon/kit/random.h>
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -9,22 +11,9 @@ namespace gnomon {
 
 namespace {
 
-/// PCG32 (O'Neill 2014, XSH RR): the same stream on every machine and library, unlike the distributions of <random>.
-class Pcg32 {
- public:
-  std::uint32_t next() {
-    const std::uint64_t old = state_;
-    state_ = old * 6364136223846793005u + 1442695040888963407u;
-    const auto shifted = static_cast<std::uint32_t>(((old >> 18) ^ old) >> 27);
-    const auto turn = static_cast<int>(old >> 59);
-    return (shifted >> turn) | (shifted << (-turn & 31));
-  }
-  /// Below `count`, by the high half of a product; the bias is below count / 2^32.
-  std::size_t below(std::size_t count) { return (static_cast<std::uint64_t>(next()) * count) >> 32; }
-
- private:
-  std::uint64_t state_ = 0x853c49e6748fea9bu;
-};
+/// The random numbers of every bootstrap: PCG32's own first state and increment, written as seed and stream. Intervals of all
+/// records were made with them.
+Random resampling() { return Random(0xe5505758d9003cadu, 0xa02bdbf7bb3c0a7u); }
 
 /// Sorts in place.
 double sorted_quantile(std::span<double> values, double q) {
@@ -50,11 +39,11 @@ class Resampler {
  public:
   explicit Resampler(ProcessTimes times) : times_(std::move(times)), medians_(times_.size()) {}
 
-  double draw(Pcg32& random) {
+  double draw(Random& random) {
     for (double& process_median : medians_) {
-      const std::vector<double>& process = times_[random.below(times_.size())];
+      const std::vector<double>& process = times_[random.below(static_cast<std::uint32_t>(times_.size()))];
       repetitions_.resize(process.size());
-      for (double& repetition : repetitions_) repetition = process[random.below(process.size())];
+      for (double& repetition : repetitions_) repetition = process[random.below(static_cast<std::uint32_t>(process.size()))];
       process_median = sorted_quantile(repetitions_, 0.5);
     }
     return sorted_quantile(medians_, 0.5);
@@ -129,7 +118,7 @@ std::optional<double> median_of_medians(const ProcessTimes& times) {
 std::optional<Estimate> bootstrap(const ProcessTimes& times) {
   const ProcessTimes kept = without_empty(times);
   if (kept.size() < 2) return std::nullopt;
-  Pcg32 random;
+  Random random = resampling();
   Resampler resampler(kept);
   return estimate(*median_of_medians(kept), [&] { return resampler.draw(random); });
 }
@@ -140,7 +129,7 @@ std::optional<Estimate> bootstrap_ratio(const ProcessTimes& contender, const Pro
   for (const std::vector<double>& process : bottom)
     for (const double time : process)
       if (!(time > 0)) return std::nullopt;
-  Pcg32 random;
+  Random random = resampling();
   Resampler top_resampler(top), bottom_resampler(bottom);
   return estimate(*median_of_medians(top) / *median_of_medians(bottom), [&] {
     const double numerator = top_resampler.draw(random);
