@@ -7,6 +7,9 @@ namespace gnomon::app {
 /// Options that `analyze` and `figure` share; `cost` is the word of --cost.
 void add_analysis_options(Command& command, AnalysisOptions& options, std::string& cost);
 
+/// The positional words of `analyze` and `figure`: folders and a kind; `kinds` lists the command's for the help.
+void add_kind_words(Command& command, std::vector<std::string>& words, const std::string& kinds);
+
 /// Takes the kind of analysis or figure, the last of `words`, off the folders before it. Throws Error, which begins with `name`
 /// of the command, when there is no folder or the words hold an option that this kind does not take; `kinds` are the command's.
 std::string take_kind(std::vector<std::string>& words, const Command& command, const std::string& name,

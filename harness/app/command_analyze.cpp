@@ -43,6 +43,10 @@ void require_taken(const Command& command, const std::string& kind, const std::v
 
 }  // namespace
 
+void add_kind_words(Command& command, std::vector<std::string>& words, const std::string& kinds) {
+  command.option("words", &words, "Folders of runs, then the kind: " + kinds).required().type_name("DIR... KIND");
+}
+
 std::string take_kind(std::vector<std::string>& words, const Command& command, const std::string& name,
                       const std::vector<std::string>& kinds) {
   const std::string kind = words.back();
@@ -116,9 +120,7 @@ void add_analyze(Program& program) {
   auto [command, options] = program.line.command<Options>(
       "analyze", "What a run says of growth, fronts, budgets, parameters and motion: DIR... growth|front|best|map|motion|sweep",
       print_analysis);
-  command.option("words", &options.words, "Folders of runs, then the kind: growth, front, best, map, motion or sweep")
-      .required()
-      .type_name("DIR... KIND");
+  add_kind_words(command, options.words, "growth, front, best, map, motion or sweep");
   command.option("--format", &options.format, "terminal, md, csv, tex or json").shows_default();
   command.option("--filter", &options.filter,
                  "Only rows whose 'SCENE LIGHT [PATH] TECHNIQUE:SETTINGS' matches this expression");

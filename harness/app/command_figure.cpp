@@ -34,9 +34,7 @@ void add_figure(Program& program) {
   auto [command, options] = program.line.command<Options>(
       "figure", "A figure of a run, by gnuplot: DIR... front|growth|stages|map|causes|motion|sweep --out FILE.svg|.pdf|.png",
       make_figure);
-  command.option("words", &options.words, "Folders of runs, then the kind: front, growth, stages, map, causes, motion or sweep")
-      .required()
-      .type_name("DIR... KIND");
+  add_kind_words(command, options.words, "front, growth, stages, map, causes, motion or sweep");
   command.option("--out", &options.out, "File to write; .svg, .pdf or .png");
   command.flag("--script", &options.script, "Print the gnuplot program instead of running it");
   command.option("--filter", &options.filter,
