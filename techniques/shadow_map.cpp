@@ -1,11 +1,5 @@
 // Shadow map: one depth image from the light (six around a point light), compared once or a few times per visible point.
 //
-// Source: Williams 1978; Reeves, Salesin and Cook 1987 (pcf); Wang and Molnar 1994 (second depth).
-// Error:  stair steps of one texel diagonal along every shadow edge; acne where the bias is less than the depth spread of a
-//         texel, peter-panning where an occluder is nearer than the bias. `receiver_plane` has no acne on flat receivers at
-//         depth_bias 0.
-// Fails:  a long shadow at a grazing angle, a fine mesh of wires, and every large scene: texels are spread over all of it.
-//
 // The faces of a cube are layers of one array, drawn one by one: only faces with casters and receivers are allocated, each is
 // fitted and culls meshes for itself, and a 3 x 2 atlas of the largest faces would exceed the largest texture (16384).
 //
@@ -14,16 +8,30 @@
 // The bias is a length along the axis of the image. Its parameters are in texels because acne is: a texel's world width at the
 // point, times the parameter, gives meters.
 #include <gnomon/kit/gl.h>
+#include <gnomon/kit/hard_light.h>
 #include <gnomon/registry.h>
 
 #include <optional>
 
+#include "shadow_map/explain.h"
 #include "shadow_map/layers.h"
 #include "shadow_map/shaders.h"
 
 namespace {
 using namespace gnomon;
 using shadow_map::Face;
+
+constexpr About about{
+    .title = "Shadow map",
+    .summary = "One depth image from the light, compared once per visible point.",
+    .source = "Williams 1978; Reeves, Salesin and Cook 1987 (filter=pcf); Wang and Molnar 1994 (second_depth)",
+    .error =
+        "Stair steps of one texel diagonal along every shadow edge; acne where the bias is less than the depth spread of a "
+        "texel, peter-panning where an occluder is nearer than the bias. bias=receiver_plane has no acne on flat "
+        "receivers at depth_bias 0.",
+    .fails = "A long shadow at a grazing angle, a fine mesh of wires, and every large scene: texels are spread over all of it.",
+    .needs_gl = true,
+    .is_default = true};
 
 class ShadowMap final : public Technique {
   Number<int> resolution{this,           "resolution",
@@ -64,8 +72,7 @@ class ShadowMap final : public Technique {
 
  public:
   Support supports(const Scene&, const Light& light, const View&) const override {
-    if (has_area(light)) return Support::unsupported("a shadow map has one center: lights with area have none");
-    return Support::full();
+    return hard_lights_only(light, "a shadow map has one center: lights with area have none");
   }
   void setup() override;
   void build(const Scene& scene) override;
@@ -81,8 +88,8 @@ class ShadowMap final : public Technique {
   /// Texels that a look-up may leave the fitted window by: the filter, the normal offset, and one for rounding.
   int margin() const { return radius() + 1 + (bias.is("normal_offset") ? static_cast<int>(std::ceil(normal_offset)) : 0); }
   const Texture& map() const { return second_depth ? second_ : first_; }
-  int face_of(const glm::dvec3& from_light) const;
-  double stored(int face, const glm::ivec2& texel) const;
+  /// Texels of a face; none where it is not drawn.
+  std::span<const float> layer_depths(std::size_t face) const;
   const std::vector<float>& depths() const;
   const std::vector<glm::vec2>& looked_up() const;
   std::vector<float> answer() const;
@@ -94,7 +101,9 @@ class ShadowMap final : public Technique {
   }
 
   int projection() const {
-    return faces_.size() == 6 ? shadow_map::cube : faces_[0].perspective ? shadow_map::perspective : shadow_map::orthographic;
+    return faces_.size() == 6         ? shadow_map::cube
+           : faces_[0].is_perspective ? shadow_map::perspective
+                                      : shadow_map::orthographic;
   }
 
   Program depth_program_, second_program_;
@@ -105,7 +114,8 @@ class ShadowMap final : public Technique {
   double extent_ = 0;    // largest coordinate of the scene
   double rounding_ = 0;  // float32 error of a depth, meters
   Light light_;
-  std::vector<Face> faces_;
+  LightSpace space_;
+  std::vector<Face> faces_;  // of that space
   std::vector<int> layers_;  // of each face; -1 when it is not drawn
   Texture first_, second_;   // arrays with one layer per drawn face
   int drawn_faces_ = 0;
@@ -147,7 +157,8 @@ void ShadowMap::build(const Scene& scene) {
     for (const glm::vec3& p : mesh.positions) box.bounds.add(p);
     // A flat mesh gets a box with an inside, and rounding cannot push a vertex out of it.
     const glm::vec3 slack(static_cast<float>(extent_ * 0x1p-20));
-    box.bounds.min -= slack, box.bounds.max += slack;
+    box.bounds.min -= slack;
+    box.bounds.max += slack;
     boxes_.push_back(box);
   }
 }
@@ -156,7 +167,8 @@ void ShadowMap::relight(const Light& light) {
   const StateGuard guard;
   light_ = light;
   depths_.clear();
-  faces_ = shadow_map::fit_faces(light, boxes_, resolution, margin());
+  space_ = shadow_map::space_of(light, boxes_);
+  faces_ = shadow_map::fit_faces(light, space_, boxes_, resolution, margin());
   layers_.clear();
   drawn_faces_ = 0;
   for (const Face& face : faces_) layers_.push_back(face.casters.empty() ? -1 : drawn_faces_++);
@@ -215,16 +227,20 @@ void ShadowMap::look_up(const Program& p, unsigned target) const {
   for (std::size_t i = 0; i < faces_.size(); ++i) {
     Face face = faces_[i];
     // Where nothing casts, every look-up falls off the image.
-    if (layers_[i] < 0) face.scale = glm::dvec2(0), face.offset = glm::dvec2(-1), face.near = face.far = 1;
+    if (layers_[i] < 0) {
+      face.scale = glm::dvec2(0);
+      face.offset = glm::dvec2(-1);
+      face.near = face.far = 1;
+    }
     const double texel_width = 1 / std::min(face.scale.x, face.scale.y);
     set(fmt::format("window[{}]", i), glm::vec4(face.scale, face.offset));
     const double diagonal = glm::length(1.0 / face.scale);
-    const double fourth = !face.perspective ? face.far : bias.is("slope") ? diagonal : rounding_ / (face.near * face.far);
+    const double fourth = !face.is_perspective ? face.far : bias.is("slope") ? diagonal : rounding_ / (face.near * face.far);
     set("diagonal", static_cast<float>(diagonal));
     set(fmt::format("texel[{}]", i), glm::vec4(std::max(layers_[i], 0), texel_width, face.near, fourth));
     if (faces_.size() == 6) continue;
-    const glm::dmat3 axes = glm::transpose(face.frame);  // right, down, axis
-    const glm::dvec2 along_axis = face.perspective ? face.offset : glm::dvec2(0);
+    const glm::dvec3 axes[] = {face.axis(0), face.axis(1), face.axis(2)};  // right, down, axis
+    const glm::dvec2 along_axis = face.is_perspective ? face.offset : glm::dvec2(0);
     const glm::dmat3 rows(axes[0] * face.scale.x + axes[2] * along_axis.x, axes[1] * face.scale.y + axes[2] * along_axis.y,
                           axes[2]);
     set("texel_from_light", glm::mat3(glm::transpose(rows)));
@@ -253,13 +269,6 @@ Counts ShadowMap::counts() const {
           {"faces", double(drawn_faces_), ""},
           {"triangles", double(drawn_triangles_), ""},
           {"bytes", bytes, "byte"}};
-}
-
-int ShadowMap::face_of(const glm::dvec3& from_light) const {
-  if (faces_.size() == 1) return 0;
-  const glm::dvec3 a = glm::abs(from_light);
-  const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
-  return 2 * axis + (from_light[axis] < 0);
 }
 
 const std::vector<float>& ShadowMap::depths() const {
@@ -296,88 +305,40 @@ std::vector<float> ShadowMap::answer() const {
   return {pixels.begin(), pixels.end()};
 }
 
-/// Axis distance of the stored surface; infinity when nothing is stored or the texel is off the image.
-double ShadowMap::stored(int face, const glm::ivec2& texel) const {
-  if (glm::any(glm::lessThan(texel, glm::ivec2(0))) || glm::any(glm::greaterThanEqual(texel, glm::ivec2(resolution))))
-    return INFINITY;
-  const float depth = depths()[(std::size_t(layers_[face]) * resolution + texel.y) * resolution + texel.x];
-  return shadow_map::axis_distance(faces_[face], depth);
+std::optional<Explanation> ShadowMap::explain(std::size_t index) const {
+  if (!faces_light(*scene_, *gbuffer_, light_, index)) return Explanation();
+  const glm::dvec3 point = gbuffer_->position(index);
+  const int face = space_.face_of(point);
+  if (layers_[face] < 0) return Explanation();  // nothing casts there
+  const shadow_map::Image image{faces_[face], resolution, layer_depths(face)};
+  const shadow_map::Comparison comparison{.bias = shadow_map::Bias(bias.index()),
+                                          .depth_bias = depth_bias,
+                                          .slope_bias = slope_bias,
+                                          .normal_offset = normal_offset,
+                                          .rounding = rounding_,
+                                          .radius = radius()};
+  return shadow_map::explain(image, comparison, point, gbuffer_->normal(index), glm::ivec2(looked_up()[index]));
 }
 
-// The shader's arithmetic in double, but for the texel: they may differ where stored and expected depth agree to float32
-// rounding.
-std::optional<Explanation> ShadowMap::explain(std::size_t index) const {
-  Explanation why;
-  if (!faces_light(*scene_, *gbuffer_, light_, index)) return why;
-  const glm::dvec3 point = gbuffer_->position(index), normal = gbuffer_->normal(index);
-  const int which = face_of(point - faces_[0].origin);
-  const Face& face = faces_[which];
-  if (layers_[which] < 0) return why;  // nothing casts there
-  glm::dvec3 q = face.to_light_space(point);
-  const glm::dvec3 n = face.frame * normal;
-  const glm::dvec3 ray = face.perspective ? q / q.z : glm::dvec3(0, 0, 1);
-  const double facing = -glm::dot(n, ray);
-  const glm::dvec2 width = face.texel_width(q.z);
-  why.texel_width = std::max(width.x, width.y);
-  double axis_bias = depth_bias * why.texel_width;
-  if (bias.is("slope"))
-    axis_bias += slope_bias * glm::length(width) / 2 * glm::length(glm::cross(n, ray)) / (facing * glm::length(ray));
-  if (bias.is("receiver_plane")) {
-    const double error = rounding_ * (face.perspective ? 1 + q.z * q.z / (face.near * face.far) : 1);
-    axis_bias += (error + why.texel_width / 128) / facing;
-  }
-  if (bias.is("normal_offset")) {
-    const double z = q.z;
-    q += n * (normal_offset * why.texel_width);
-    why.shifted = face.to_world(q);
-    axis_bias += z - q.z;  // what the look-up point is nearer to the light by
-  }
-  why.bias = axis_bias * glm::length(ray);
-  const glm::ivec2 center(looked_up()[index]);
-  // A point that nothing shadows may be looked up beside the image; where something does, its shadow is not in there.
-  why.covered =
-      glm::all(glm::greaterThanEqual(center, glm::ivec2(0))) && glm::all(glm::lessThan(center, glm::ivec2(resolution)));
-  const int r = radius();
-  for (int y = -r; y <= r; ++y)
-    for (int x = -r; x <= r; ++x) {
-      const glm::ivec2 texel = center + glm::ivec2(x, y);
-      const glm::dvec2 window = (glm::dvec2(texel) + 0.5 - face.offset) / face.scale;
-      const double z = stored(which, texel);
-      Tap tap{.weight = 1.0 / ((2 * r + 1) * (2 * r + 1))};
-      if (face.perspective) {
-        const glm::dvec3 through(window, 1);
-        tap = {face.origin, glm::normalize(through * face.frame), tap.weight, z * glm::length(through)};
-      } else {
-        tap = {face.to_world({window, face.near}), glm::dvec3(0, 0, 1) * face.frame, tap.weight, z - face.near};
-      }
-      why.taps.push_back(tap);
-    }
-  return why;
+std::span<const float> ShadowMap::layer_depths(std::size_t face) const {
+  const std::size_t texels = std::size_t(resolution) * resolution;
+  return layers_[face] < 0 ? std::span<const float>() : std::span(depths()).subspan(layers_[face] * texels, texels);
 }
 
 std::vector<float> ShadowMap::draw_debug(std::string_view layer) const {
   if (layer == "map") {
-    const std::size_t texels = std::size_t(resolution) * resolution;
-    return shadow_map::paint_map(faces_, resolution, gbuffer_->width, gbuffer_->height, [&](std::size_t face) {
-      return layers_[face] < 0 ? std::span<const float>() : std::span(depths()).subspan(layers_[face] * texels, texels);
-    });
+    return shadow_map::paint_map(faces_, resolution, gbuffer_->width, gbuffer_->height,
+                                 [&](std::size_t face) { return layer_depths(face); });
   }
   if (layer != "texels") return Technique::draw_debug(layer);
   std::vector<shadow_map::LookUp> look_ups(gbuffer_->size());
   const std::vector<glm::vec2>& texels = looked_up();
   for (std::size_t i = 0; i < look_ups.size(); ++i)
     if (faces_light(*scene_, *gbuffer_, light_, i))
-      look_ups[i] = {face_of(glm::dvec3(gbuffer_->position(i)) - faces_[0].origin), glm::ivec2(texels[i])};
+      look_ups[i] = {space_.face_of(gbuffer_->position(i)), glm::ivec2(texels[i])};
   return shadow_map::paint_texels(faces_, resolution, *scene_, *gbuffer_, light_, look_ups, answer());
 }
 
 }  // namespace
 
-GNOMON_TECHNIQUE(shadow_map, ShadowMap,
-                 {.title = "Shadow map",
-                  .summary = "One depth image from the light, compared once per visible point.",
-                  .source = "Williams 1978; Reeves, Salesin and Cook 1987",
-                  .error = "Stair steps of one texel diagonal; acne or peter-panning with the wrong bias.",
-                  .fails = "Long shadows at grazing angles, wires thinner than a texel, large scenes.",
-                  .needs_gl = true,
-                  .is_default = true})
+GNOMON_TECHNIQUE(shadow_map, ShadowMap, about)

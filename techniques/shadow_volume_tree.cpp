@@ -1,17 +1,10 @@
 // Shadow volume tree: the shadow volumes of all triangles as planes of one tree, in which each visible point is located.
 //
-// Source: Gerhards et al. 2015, partitioned shadow volumes; of Mora et al. 2016 the ideas to pass by a tree that is farther
-// from
-//         the light than the point, and one whose triangles do not reach as far from the plane that they cross. What a triangle
-//         shades is inside its three shadow planes and behind its own plane: four nodes. Each has a tree on either side and a
-//         third one, visited from both, for triangles that lie across: they go there whole, nothing is ever split. Any
-//         triangles will do, and memory is fixed.
-// Error:  none on the float32 points that it is given: a sign that float32 does not prove is taken in double, and exactly where
-//         that does not prove it either. A way to the light through an edge or a vertex is blocked. Tessellation on curved
-//         shapes.
-// Fails:  nothing it supports. A plane's third tree is visited from as far away as its largest triangle reaches; many small and
-//         large ones side by side, and layer on layer as the light sees them, cost queries most.
-#include <gnomon/kit/layers.h>
+// What a triangle shades is inside its three shadow planes and behind its own plane: four nodes. Each has a tree on either side
+// and a third one, visited from both, for triangles that lie across: they go there whole, nothing is ever split. Any triangles
+// will do, and memory is fixed.
+#include <gnomon/kit/point_technique.h>
+#include <gnomon/kit/random.h>
 #include <gnomon/registry.h>
 
 #include "shadow_volume_tree/order.h"
@@ -21,7 +14,22 @@ namespace {
 using namespace gnomon;
 using namespace gnomon::shadow_volume_tree;
 
-class ShadowVolumeTree final : public Technique {
+constexpr About about{
+    .title = "Shadow volume tree",
+    .summary = "The shadow volumes of all triangles, unsplit, in one tree of planes; each visible point is located in it.",
+    .source =
+        "Gerhards et al. 2015, partitioned shadow volumes; of Mora et al. 2016 the ideas to pass by a tree that is farther "
+        "from the light than the point, and one whose triangles do not reach as far from the plane that they cross",
+    .error =
+        "None on the float32 points it is given: a sign that float32 does not prove is taken in double, and exactly where "
+        "that does not prove it either. A way to the light through an edge or a vertex is blocked. Tessellation on curved "
+        "shapes.",
+    .fails =
+        "Nothing it supports. A plane's third tree is visited from as far away as its largest triangle reaches; many small "
+        "and large ones side by side, and layer on layer as the light sees them, cost queries most.",
+    .promise = Promise::exact};
+
+class ShadowVolumeTree final : public PointTechnique {
  public:
   Choice order{
       this,
@@ -41,60 +49,48 @@ class ShadowVolumeTree final : public Technique {
   Flag wedge{this, "wedge", true, Stage::relight,
              "Queries pass by the trees of triangles across a plane where none of these reaches as far from the plane."};
 
-  Support supports(const Scene&, const Light& light, const View&) const override {
-    if (has_area(light))
-      return Support::unsupported("a shadow plane goes through one point: it cannot see part of an area light");
-    return Support::full();
-  }
-  void setup() override {}
   void build(const Scene& scene) override;
   void relight(const Light& light) override;
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
   Counts counts() const override;
-  std::optional<Explanation> explain(std::size_t index) const override;
   std::vector<DebugLayer> debug_layers() const override {
-    return {{"visits", "Nodes visited to locate each point: gray none, else colors as in the legend.", heat_legend()}};
+    return {heat_debug_layer("visits", "Nodes visited to locate each point")};
   }
   std::vector<float> draw_debug(std::string_view layer) const override;
 
  private:
-  Asked asked(const GBuffer& gbuffer, std::size_t i) const;
-  /// Calls decide(pixel, stack, tally) for every pixel that faces the light, on all threads, tile by tile.
-  template <class Decide>
-  Tally for_pixels(const GBuffer& gbuffer, const Decide& decide) const;
+  const char* why_no_area() const override {
+    return "a shadow plane goes through one point: it cannot see part of an area light";
+  }
+  std::uint32_t shading_triangle(std::size_t index) const override {
+    QueryWork work = tree_.make_work();
+    return tree_.shading_triangle(*scene_, receiver(*gbuffer_, index), work);
+  }
 
-  const Scene* scene_ = nullptr;
-  const GBuffer* gbuffer_ = nullptr;
-  Light light_;
   Bounds bounds_;                                         // of the casters
   bool is_sorted_ = false;                                // nearest first
   std::vector<Caster> casters_;                           // in order of insertion, but for `near_first`
-  std::vector<std::uint32_t> first_triangle_;             // of each mesh
   std::vector<std::pair<float, std::uint32_t>> nearest_;  // for `near_first`
   Tree tree_;
-  Tally tally_;
+  QueryWork work_;
 };
 
 void ShadowVolumeTree::build(const Scene& scene) {
-  scene_ = &scene;
-  casters_.clear(), first_triangle_.clear();
+  remember(scene);
+  casters_.clear();
   casters_.reserve(scene.triangle_count());
   bounds_ = {};
   is_sorted_ = order.is("near_first");
-  std::uint32_t first = 0;
   for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
     const Mesh& mesh = scene.meshes[m];
-    first_triangle_.push_back(first);
-    if (mesh.casts) {
-      for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-        const glm::uvec3& v = mesh.triangles[t];
-        casters_.push_back({{mesh.positions[v.x], mesh.positions[v.y], mesh.positions[v.z]}, m, first + t});
-        for (const glm::vec3& p : casters_.back().corners) bounds_.add(p);
-      }
+    if (!mesh.casts) continue;
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+      const glm::uvec3& v = mesh.triangles[t];
+      casters_.push_back({{mesh.positions[v.x], mesh.positions[v.y], mesh.positions[v.z]}, m, numbers_.first_of(m) + t});
+      for (const glm::vec3& p : casters_.back().corners) bounds_.add(p);
     }
-    first += static_cast<std::uint32_t>(mesh.triangles.size());
   }
-  if (order.is("random") || order.is("large_first")) shuffle(casters_, static_cast<std::uint64_t>(seed.value()));
+  if (order.is("random") || order.is("large_first")) Random(static_cast<std::uint64_t>(seed.value())).shuffle(casters_);
   if (order.is("large_first")) put_large_first(casters_);
   tree_.reserve(casters_.size());
 }
@@ -138,99 +134,40 @@ void ShadowVolumeTree::relight(const Light& light) {
   tree_.grow(begin.back(), frame, early_out, wedge);
 }
 
-Asked ShadowVolumeTree::asked(const GBuffer& gbuffer, std::size_t i) const {
-  const std::uint32_t m = gbuffer.mesh[i];
-  const Mesh& mesh = scene_->meshes[m];
-  Asked asked{.point = gbuffer.position(i)};
-  // A curved body is convex: none shades a point of its own that faces the light.
-  if (gbuffer.truth == Truth::shape && mesh.has_curved_shape()) {
-    asked.own_mesh = m;
-    return asked;
-  }
-  const glm::uvec3& corners = mesh.triangles[gbuffer.triangle[i]];
-  asked.own_triangle = first_triangle_[m] + gbuffer.triangle[i];
-  for (int k = 0; k < 3; ++k) asked.own[k] = mesh.positions[corners[k]];
-  return asked;
-}
-
-template <class Decide>
-Tally ShadowVolumeTree::for_pixels(const GBuffer& gbuffer, const Decide& decide) const {
-  // Neighbors take much the same ways.
-  constexpr int side = 16;
-  const std::size_t columns = (gbuffer.width + side - 1) / side, rows = (gbuffer.height + side - 1) / side;
-  std::vector<Tally> tallies(columns * rows);
-  for_blocks(tallies.size(), 8, [&](std::size_t begin, std::size_t end) {
-    Tree::Stack stack = tree_.make_stack();
-    for (std::size_t tile = begin; tile < end; ++tile) {
-      const int left = static_cast<int>(tile % columns) * side, top = static_cast<int>(tile / columns) * side;
-      for (int y = top; y < std::min(top + side, gbuffer.height); ++y)
-        for (int x = left; x < std::min(left + side, gbuffer.width); ++x) {
-          const std::size_t i = static_cast<std::size_t>(y) * gbuffer.width + x;
-          if (faces_light(*scene_, gbuffer, light_, i)) decide(i, stack, tallies[tile]);
-        }
-    }
-  });
-  Tally sum;
-  for (const Tally& tally : tallies) sum += tally;
-  return sum;
-}
-
 void ShadowVolumeTree::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   gbuffer_ = &gbuffer;
   const std::span<float> pixels = mask.pixels();
   std::ranges::fill(pixels, 1.0f);
-  tally_ = for_pixels(gbuffer, [&](std::size_t i, Tree::Stack& stack, Tally& tally) {
-    if (tree_.occluder(asked(gbuffer, i), stack, tally) != none) pixels[i] = 0;
+  work_ = for_facing_pixels(gbuffer, tree_.make_work(), [&](std::size_t i, QueryWork& work) {
+    if (tree_.shading_triangle(*scene_, receiver(gbuffer, i), work) != nothing) pixels[i] = 0;
   });
 }
 
 Counts ShadowVolumeTree::counts() const {
-  std::size_t bytes = casters_.capacity() * sizeof(Caster) + nearest_.capacity() * sizeof(nearest_[0]) + tree_.bytes();
-  const auto count = [](const char* name, auto value) { return Count{name, static_cast<double>(value), ""}; };
+  const std::size_t bytes = bytes_of(casters_) + bytes_of(nearest_) + tree_.bytes();
   SignCounts signs = tree_.signs();
-  signs += tally_.signs;
-  return {count("triangles", tree_.triangles()),
-          count("nodes", 4 * tree_.triangles()),
-          count("depth", tree_.depth()),
-          count("queries", tally_.queries),
-          count("visits", static_cast<double>(tally_.visits) / static_cast<double>(std::max<std::uint64_t>(tally_.queries, 1))),
-          count("longest_stack", tally_.longest_stack),
-          count("signs_in_double", signs.in_double),
-          count("signs_by_int128", signs.exact.lattice),
-          count("signs_by_gmp", signs.exact.big),
+  signs += work_.signs;
+  return {count_of("triangles", tree_.triangles()),
+          count_of("nodes", 4 * tree_.triangles()),
+          count_of("depth", tree_.depth()),
+          count_of("queries", work_.queries),
+          mean_of("visits", work_.visits, work_.queries),
+          count_of("longest_stack", work_.longest_stack),
+          count_of("signs_in_double", signs.in_double),
+          count_of("signs_by_int128", signs.exact.lattice),
+          count_of("signs_by_gmp", signs.exact.big),
           {"bytes", static_cast<double>(bytes), "byte"}};
-}
-
-std::optional<Explanation> ShadowVolumeTree::explain(std::size_t index) const {
-  if (!faces_light(*scene_, *gbuffer_, light_, index)) return std::nullopt;
-  Explanation why;
-  Tree::Stack stack = tree_.make_stack();
-  Tally tally;
-  if (const std::uint32_t triangle = tree_.occluder(asked(*gbuffer_, index), stack, tally); triangle != none)
-    why.element = triangle;
-  return why;
 }
 
 std::vector<float> ShadowVolumeTree::draw_debug(std::string_view layer) const {
   if (layer != "visits") return Technique::draw_debug(layer);
-  std::vector<float> visits(gbuffer_->size(), 0);
-  for_pixels(*gbuffer_, [&](std::size_t i, Tree::Stack& stack, Tally& tally) {
-    const std::uint64_t before = tally.visits;
-    tree_.occluder(asked(*gbuffer_, i), stack, tally);
-    visits[i] = static_cast<float>(tally.visits - before);
+  return heat_of([&](std::size_t i) {
+    QueryWork work = tree_.make_work();
+    tree_.shading_triangle(*scene_, receiver(*gbuffer_, i), work);
+    return work.visits;
   });
-  return heat_layer(*gbuffer_, visits);
 }
 
 }  // namespace
 
-GNOMON_TECHNIQUE(
-    shadow_volume_tree, ShadowVolumeTree,
-    {.title = "Shadow volume tree",
-     .summary = "The shadow volumes of all triangles, unsplit, in one tree of planes; each visible point is located in it.",
-     .source = "Gerhards et al. 2015, Mora et al. 2016",
-     .error = "None on the float32 points it is given; tessellation on curved shapes.",
-     .fails = "Nothing it supports; large triangles among many small ones, layer on layer, cost queries most.",
-     .promise = gnomon::Promise::exact,
-     .sees = gnomon::Truth::mesh,
-     .role = gnomon::Role::contender})
+GNOMON_TECHNIQUE(shadow_volume_tree, ShadowVolumeTree, about)

@@ -9,7 +9,7 @@
 #include "bench/micro/alternate.h"
 #include "device/context.h"
 #include "measure/frame/gbuffer_maker.h"
-#include "techniques/shadow_map/light_faces.h"
+#include "techniques/shadow_map/faces.h"
 
 extern "C" void gnomon_technique_shadow_map(gnomon::Registry&);
 
@@ -68,7 +68,8 @@ class BareMap {
       boxes.push_back({.bounds = {}, .casts = mesh.casts, .receives = mesh.receives});
       for (const glm::vec3& p : mesh.positions) boxes.back().bounds.add(p);
     }
-    faces_ = shadow_map::fit_faces(light, boxes, resolution, 1);
+    space_ = shadow_map::space_of(light, boxes);
+    faces_ = shadow_map::fit_faces(light, space_, boxes, resolution, 1);
     depth_ = Texture(GL_DEPTH_COMPONENT32F, resolution, resolution, static_cast<int>(faces_.size()));
   }
 
@@ -96,10 +97,9 @@ class BareMap {
     std::vector<glm::vec4> at(gbuffer.size(), glm::vec4(0, 0, -1, 1));
     for (std::size_t i = 0; i < at.size(); ++i) {
       if (gbuffer.is_background(i)) continue;
-      const glm::dvec3 point = gbuffer.position(i), v = point - faces_[0].origin, a = glm::abs(v);
-      const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
-      const std::size_t face = faces_.size() == 1 ? 0 : static_cast<std::size_t>(2 * axis + (v[axis] < 0));
-      at[i] = {glm::floor(faces_[face].texel(faces_[face].to_light_space(point))), face, 1};
+      const int which = space_.face_of(gbuffer.position(i));
+      const shadow_map::Face& face = faces_[which];
+      at[i] = {glm::floor(face.place_of(gbuffer.position(i)) * face.scale + face.offset), which, 1};
     }
     Texture texture(GL_RGBA32F, gbuffer.width, gbuffer.height);
     glTextureSubImage2D(texture.name(), 0, 0, 0, gbuffer.width, gbuffer.height, GL_RGBA, GL_FLOAT, at.data());
@@ -110,6 +110,7 @@ class BareMap {
 
  private:
   const Scene& scene_;
+  LightSpace space_;
   std::vector<shadow_map::Face> faces_;
   Texture depth_;
   Framebuffer framebuffer_ = make_framebuffer();

@@ -133,6 +133,11 @@ bool coplanar(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const 
   return orient3d_sign(a, b, c, d) == 0;
 }
 
+bool coplanar(const Triangle& triangle, const glm::vec3* other) {
+  const glm::vec3* p = triangle.points;
+  return std::all_of(other, other + 3, [p](const glm::vec3& q) { return coplanar(p[0], p[1], p[2], q); });
+}
+
 // With the point at the origin let u, v, w be the corners and d the way to the light. If u, v, w are independent, write
 // d = i u + j v + k w; by Cramer's rule det(v, w, d), det(w, u, d), det(u, v, d) are i, j, k times det(u, v, w). The ray meets
 // the closed triangle exactly when i, j, k >= 0, that is, when no determinant has the sign opposite to det(u, v, w); a zero

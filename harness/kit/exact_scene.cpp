@@ -50,12 +50,6 @@ ExactTally& ExactTally::operator+=(const ExactTally& other) {
   return *this;
 }
 
-ExactReceiver exact_receiver(const Scene& scene, const GBuffer& gbuffer, std::size_t i) {
-  const std::uint32_t mesh = gbuffer.mesh[i];
-  const bool on_shape = mesh != no_mesh && gbuffer.truth == Truth::shape && scene.meshes[mesh].has_curved_shape();
-  return {gbuffer.position(i), mesh, on_shape ? ExactReceiver::whole_mesh : gbuffer.triangle[i]};
-}
-
 ExactScene::ExactScene(const Scene& scene) : scene_(&scene) {
   std::vector<Caster> casters;
   casters.reserve(scene.triangle_count());
@@ -72,23 +66,14 @@ ExactScene::ExactScene(const Scene& scene) : scene_(&scene) {
   for (const std::uint32_t i : tree_.order()) casters_.push_back(casters[i]);
 }
 
-bool ExactScene::is_own(const Caster& caster, const ExactReceiver& receiver) const {
-  if (receiver.mesh == no_mesh) return false;
-  if (receiver.triangle == ExactReceiver::whole_mesh) return caster.mesh == receiver.mesh;
-  if (caster.mesh == receiver.mesh && caster.triangle == receiver.triangle) return true;
-  const Triangle own = corners(scene_->meshes[receiver.mesh], receiver.triangle);
-  return std::all_of(std::begin(caster.corners.points), std::end(caster.corners.points),
-                     [&](const glm::vec3& p) { return coplanar(own.points[0], own.points[1], own.points[2], p); });
-}
-
-ExactAnswer ExactScene::occluded(const ExactReceiver& receiver, const glm::dvec4& light, ExactTally& tally) const {
+ExactAnswer ExactScene::occluded(const Receiver& receiver, const glm::dvec4& light, ExactTally& tally) const {
   const Segment segment{receiver.point, light};
   bool touched = false;
   const bool crossed = tree_.any(SegmentSlabs(segment), 0, [&](std::uint32_t place) {
     const Caster& caster = casters_[place];
     ++tally.triangles;
     const Crossing crossing = crosses(segment, caster.corners, &tally.signs);
-    if (crossing == Crossing::none || is_own(caster, receiver)) return false;
+    if (crossing == Crossing::none || leaves_out(receiver, caster)) return false;
     touched |= crossing == Crossing::degenerate;
     return crossing == Crossing::crosses;
   });
@@ -104,7 +89,7 @@ ExactTally ExactScene::decide(const GBuffer& gbuffer, const Light& light, std::s
   const auto decide_range = [&](const tbb::blocked_range<std::size_t>& pixels, ExactTally tally) {
     for (std::size_t i = pixels.begin(); i < pixels.end(); ++i) {
       const bool blocked =
-          faces_light(*scene_, gbuffer, light, i) && occluded(exact_receiver(*scene_, gbuffer, i), l, tally).blocked;
+          faces_light(*scene_, gbuffer, light, i) && occluded(receiver_at(*scene_, gbuffer, i), l, tally).blocked;
       visibility[i] = blocked ? 0.0f : 1.0f;
     }
     return tally;
@@ -113,7 +98,7 @@ ExactTally ExactScene::decide(const GBuffer& gbuffer, const Light& light, std::s
   return tbb::parallel_reduce(tbb::blocked_range<std::size_t>(0, gbuffer.size(), 256), ExactTally{}, decide_range, sum);
 }
 
-EdgeMargin ExactScene::edge_margin(const ExactReceiver& receiver, const glm::dvec4& light, double limit) const {
+EdgeMargin ExactScene::edge_margin(const Receiver& receiver, const glm::dvec4& light, double limit) const {
   const Segment segment{receiver.point, light};
   const SegmentSlabs slabs(segment);
   const glm::dvec3 way = to_light(light, slabs.origin);
@@ -122,7 +107,7 @@ EdgeMargin ExactScene::edge_margin(const ExactReceiver& receiver, const glm::dve
   double reach = limit;
   tree_.any(slabs, reach, [&](std::uint32_t place) {
     const Caster& caster = casters_[place];
-    if (is_own(caster, receiver)) return false;
+    if (leaves_out(receiver, caster)) return false;
     for (int k = 0; k < 3; ++k) {
       const glm::dvec3 a(caster.corners.points[k]), b(caster.corners.points[(k + 1) % 3]);
       const Approach nearest = approach(slabs.origin, way, slabs.end, a, b - a);

@@ -32,7 +32,8 @@ Painter::Painter(const Camera& camera)
 
 template <class Point>
 std::span<const PixelSpan> Painter::spans_of(std::span<const Point> corners) {
-  spans_.clear(), polygon_.clear();
+  spans_.clear();
+  polygon_.clear();
   // Clipping by planes through the eye that only cut what is far outside the picture leaves most polygons as they are, and what
   // is left of an edge is the same for both polygons on it. All four together leave nothing behind the eye.
   const auto beyond = [this](const glm::dvec3& p) {
@@ -50,15 +51,17 @@ std::span<const PixelSpan> Painter::spans_of(std::span<const Point> corners) {
     const glm::dvec3 p(glm::dot(from_eye, right_), glm::dot(from_eye, down_), glm::dot(from_eye, forward_));
     assert(std::isfinite(p.x + p.y + p.z));
     polygon_.push_back({p});
-    some |= beyond(p), all &= beyond(p);
-    nearest = std::min(nearest, p.z), farthest = std::max(farthest, p.z);
+    some |= beyond(p);
+    all &= beyond(p);
+    nearest = std::min(nearest, p.z);
+    farthest = std::max(farthest, p.z);
   }
   if (polygon_.size() < 3 || all || farthest <= 0) return {};
   if (some & 1) cut_off({{1, 0, guard_.x}});
   if (some & 2) cut_off({{-1, 0, guard_.x}});
   if (some & 4) cut_off({{0, 1, guard_.y}});
   if (some & 8) cut_off({{0, -1, guard_.y}});
-  // Only what holds the eye itself is left so near to it.
+  // So near to the eye there are only polygons whose plane holds it.
   if (nearest < 1e-12 * farthest) cut_off({{0, 0, 1}, -1e-12 * farthest});
   if (polygon_.size() >= 3) scan();
   return spans_;
@@ -70,7 +73,8 @@ template std::span<const PixelSpan> Painter::spans_of(std::span<const glm::dvec3
 /// Leaves the part of the polygon on the positive side.
 void Painter::cut_off(const ClipPlane& plane) {
   values_.resize(polygon_.size());
-  before_.resize(polygon_.size() + 1), behind_.resize(polygon_.size() + 1);
+  before_.resize(polygon_.size() + 1);
+  behind_.resize(polygon_.size() + 1);
   switch (classify(polygon_, plane, 0, values_.data())) {
     case Lies::across:
       before_.resize(cut_polygon(polygon_, values_.data(), 0, 0, behind_.data(), before_.data()).positive);
@@ -90,7 +94,8 @@ void Painter::scan() {
   for (const Corner& corner : polygon_) {
     const glm::dvec3& p = corner.at;
     places_.push_back({p.x / p.z + 0.5 * width_, p.y / p.z + 0.5 * height_});
-    highest = std::min(highest, places_.back().y), lowest = std::max(lowest, places_.back().y);
+    highest = std::min(highest, places_.back().y);
+    lowest = std::max(lowest, places_.back().y);
   }
   const int top = first_from(highest, height_), bottom = first_from(lowest, height_);
   if (top >= bottom) return;
@@ -103,7 +108,8 @@ void Painter::scan() {
       const double across = a.x + (y + 0.5 - a.y) * ((b.x - a.x) / (b.y - a.y));
       const int x = first_from(std::clamp(across, std::min(a.x, b.x), std::max(a.x, b.x)), width_);
       auto& [begin, finish] = rows_[static_cast<std::size_t>(y - top)];
-      begin = std::min(begin, x), finish = std::max(finish, x);
+      begin = std::min(begin, x);
+      finish = std::max(finish, x);
     }
   }
   for (int y = top; y < bottom; ++y) {

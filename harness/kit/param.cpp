@@ -101,7 +101,7 @@ void Parametrized::apply(std::string_view settings) {
       throw Error("{}.{} is given twice", id_, row.name());
     items.emplace_back(&row, item.substr(equals + 1));
   }
-  // All or nothing: what a refused value comes after goes back to what it was.
+  // All or nothing: where one value is refused, those set before it go back to what they were.
   std::vector<std::string> before;
   try {
     for (const auto& [row, value] : items) {

@@ -12,7 +12,7 @@ namespace gnomon {
 
 namespace {
 
-constexpr std::uint32_t nobody = 0xffffffffu;
+constexpr std::uint32_t no_polygon = 0xffffffffu;
 
 const Swatch& swatch(bool is_lit) {
   // sRGB 244, 178, 84 and 62, 96, 184.
@@ -24,11 +24,12 @@ std::span<const glm::dvec3> corners_of(const SurfaceDetail& detail, const Detail
   return std::span(detail.corners).subspan(polygon.first, polygon.count);
 }
 
-struct Face {
+/// A triangle's plane, by a normal of any length and a point on it.
+struct PointNormal {
   glm::dvec3 normal, point;
 };
 
-Face face_of(const Scene& scene, const DetailPolygon& polygon) {
+PointNormal plane_of(const Scene& scene, const DetailPolygon& polygon) {
   const Mesh& mesh = scene.meshes[polygon.mesh];
   const glm::uvec3& t = mesh.triangles[polygon.triangle];
   const glm::dvec3 a(mesh.positions[t.x]), b(mesh.positions[t.y]), c(mesh.positions[t.z]);
@@ -46,12 +47,12 @@ double distance_outside(std::span<const glm::dvec3> corners, const glm::dvec3& n
   return largest;
 }
 
-/// The polygon that each pixel shows, or nobody; also nobody where `is_wanted`(pixel) is false.
+/// The polygon that each pixel shows; no_polygon where there is none, or where is_wanted(pixel) is false.
 template <class Wanted>
 std::vector<std::uint32_t> find_owners(const Scene& scene, const GBuffer& gbuffer, const SurfaceDetail& detail,
                                        const Wanted& is_wanted) {
   const Camera camera(gbuffer.view, gbuffer.width, gbuffer.height);
-  std::vector<std::uint32_t> owners(gbuffer.size(), nobody);
+  std::vector<std::uint32_t> owners(gbuffer.size(), no_polygon);
   std::vector<double> distances(gbuffer.size(), std::numeric_limits<double>::infinity());
   const auto is_curve = [&](std::uint32_t mesh) {
     return gbuffer.truth == Truth::shape && scene.meshes[mesh].has_curved_shape();
@@ -66,34 +67,39 @@ std::vector<std::uint32_t> find_owners(const Scene& scene, const GBuffer& gbuffe
         if (gbuffer.triangle[i] == polygon.triangle) owners[i] = k;
         return;
       }
-      const Face face = face_of(scene, polygon);
+      const PointNormal plane = plane_of(scene, polygon);
       const glm::dvec3 ray =
           camera.ray(static_cast<double>(i % gbuffer.width) + 0.5, static_cast<double>(i / gbuffer.width) + 0.5);
-      const double t = glm::dot(face.normal, face.point - camera.eye) / glm::dot(face.normal, ray);
+      const double t = glm::dot(plane.normal, plane.point - camera.eye) / glm::dot(plane.normal, ray);
       const double distance = glm::distance(camera.eye + t * ray, glm::dvec3(gbuffer.position(i)));
-      if (distance < distances[i]) distances[i] = distance, owners[i] = k;
+      if (distance < distances[i]) {
+        distances[i] = distance;
+        owners[i] = k;
+      }
     });
   }
   const auto triangle_of = [](const DetailPolygon& p) { return std::pair(p.mesh, p.triangle); };
   for (std::size_t i = 0; i < gbuffer.size(); ++i) {
     if (gbuffer.is_background(i) || !is_wanted(i)) {
-      owners[i] = nobody;
-    } else if (owners[i] == nobody && !is_curve(gbuffer.mesh[i])) {
+      owners[i] = no_polygon;
+    } else if (owners[i] == no_polygon && !is_curve(gbuffer.mesh[i])) {
       const auto own =
           std::ranges::equal_range(detail.polygons, std::pair(gbuffer.mesh[i], gbuffer.triangle[i]), {}, triangle_of);
       for (const DetailPolygon& polygon : own) {
         const double distance =
-            distance_outside(corners_of(detail, polygon), face_of(scene, polygon).normal, gbuffer.position(i));
-        if (distance < distances[i])
-          distances[i] = distance, owners[i] = static_cast<std::uint32_t>(&polygon - detail.polygons.data());
+            distance_outside(corners_of(detail, polygon), plane_of(scene, polygon).normal, gbuffer.position(i));
+        if (distance < distances[i]) {
+          distances[i] = distance;
+          owners[i] = static_cast<std::uint32_t>(&polygon - detail.polygons.data());
+        }
       }
     }
   }
   return owners;
 }
 
-/// Of each polygon, 0 .. 1, by its triangle and its place among that one's polygons. Multiples of the golden section are spread
-/// evenly, and those of neighbors lie far apart; so are those of the root of x^3 = x + 1, inverted, that triangles have.
+/// A tone for each polygon, 0 .. 1: multiples of the golden section for its place among the polygons of its triangle, plus
+/// multiples of the inverse root of x^3 = x + 1 for the triangle. Both spread evenly, and neighbors get tones far apart.
 std::vector<float> make_tones(const SurfaceDetail& detail) {
   constexpr double golden = 0.6180339887498949, plastic = 0.7548776662466927;
   std::vector<float> tones;
@@ -108,7 +114,7 @@ std::vector<float> make_tones(const SurfaceDetail& detail) {
   return tones;
 }
 
-/// What lies between a pixel and the one to its right or below it; the last one that is true of either.
+/// The border between a pixel and the one to its right, or the one below it: of the two, the kind that stands last here.
 enum class Border { none, edge, split, shadow };
 
 /// The borders of what pixels show, one pixel wide: seen from the pixel on their left or above.
@@ -117,17 +123,18 @@ class Borders {
   Borders(const GBuffer& gbuffer, const SurfaceDetail& detail, std::span<const std::uint32_t> owners)
       : kinds_(owners.size(), Border::none), all_(detail.polygons.size(), 0), border_(detail.polygons.size(), 0) {
     const auto between = [&](std::uint32_t a, std::uint32_t b) {
-      if (a == b || a == nobody || b == nobody) return Border::none;
+      if (a == b || a == no_polygon || b == no_polygon) return Border::none;
       const DetailPolygon &p = detail.polygons[a], &q = detail.polygons[b];
       if (p.mesh != q.mesh || p.triangle != q.triangle) return Border::edge;
       return p.is_lit == q.is_lit ? Border::split : Border::shadow;
     };
     const std::size_t width = gbuffer.width;
     for (std::size_t i = 0; i < owners.size(); ++i) {
-      if (owners[i] == nobody) continue;
+      if (owners[i] == no_polygon) continue;
       if (i % width + 1 < width) kinds_[i] = between(owners[i], owners[i + 1]);
       if (i + width < owners.size()) kinds_[i] = std::max(kinds_[i], between(owners[i], owners[i + width]));
-      ++all_[owners[i]], border_[owners[i]] += kinds_[i] != Border::none;
+      ++all_[owners[i]];
+      border_[owners[i]] += kinds_[i] != Border::none;
     }
   }
 
@@ -156,7 +163,7 @@ void paint_borders(const GBuffer& gbuffer, const SurfaceDetail& detail, std::spa
   const std::vector<float> tones = make_tones(detail);
   for (std::size_t i = 0; i < owners.size(); ++i) {
     const std::uint32_t k = owners[i];
-    if (k == nobody) continue;
+    if (k == no_polygon) continue;
     const Border kind = borders.kind(i);
     const double share = kind == Border::none ? 0 : kind == Border::shadow ? 1 : borders.room(k), left = 0.7 + 0.3 * tones[k];
     for (int c = 0; c < 3; ++c) {
@@ -208,7 +215,7 @@ std::vector<float> paint_detail(const Scene& scene, const GBuffer& gbuffer, cons
   const glm::dvec3 eye = gbuffer.view.eye;
   for (std::size_t i = 0; i < owners.size(); ++i) {
     const std::uint32_t k = owners[i];
-    if (k == nobody) continue;
+    if (k == no_polygon) continue;
     const glm::dvec3 to_eye = glm::normalize(eye - glm::dvec3(gbuffer.position(i)));
     double brightness = (1 - 0.3 * tones[k]) * (0.7 + 0.3 * std::abs(glm::dot(glm::dvec3(gbuffer.normal(i)), to_eye)));
     if (borders.kind(i) != Border::none) brightness *= 1 - (1 - left_on_border) * borders.room(k);
@@ -232,35 +239,14 @@ std::vector<float> paint_splits(const Scene& scene, const GBuffer& gbuffer, cons
       find_owners(scene, gbuffer, detail, [&](std::size_t i) { return faces_light(scene, gbuffer, light, i); });
   std::vector<float> mask(gbuffer.size(), 1.0f);
   for (std::size_t i = 0; i < owners.size(); ++i)
-    if (owners[i] != nobody && !detail.polygons[owners[i]].is_lit) mask[i] = 0;
+    if (owners[i] != no_polygon && !detail.polygons[owners[i]].is_lit) mask[i] = 0;
   std::vector<float> picture = shaded_layer(scene, gbuffer, light, mask);
   paint_borders(gbuffer, detail, owners, picture);
   return picture;
 }
 
-DebugLayer bsp_layer() {
-  return {"bsp",
-          "The polygons of the regular BSP tree of the scene, without shadows: the edges of triangles, and where planes of the "
-          "tree split them.",
-          {swatch(Border::edge), swatch(Border::split)}};
-}
-
-std::vector<float> paint_bsp(const Scene& scene, const GBuffer& gbuffer, const Light& light, const Bsp& bsp) {
-  std::vector<const BspPolygon*> sorted;
-  for (const BspPolygon& polygon : bsp.polygons()) sorted.push_back(&polygon);
-  std::ranges::stable_sort(sorted, {}, [](const BspPolygon* p) { return p->triangle; });
-  SurfaceDetail detail;
-  std::uint32_t mesh = 0, first = 0;  // of the mesh, over the scene
-  for (const BspPolygon* const polygon : sorted) {
-    while (polygon->triangle - first >= scene.meshes[mesh].triangles.size())
-      first += static_cast<std::uint32_t>(scene.meshes[mesh++].triangles.size());
-    detail.polygons.push_back({.mesh = mesh,
-                               .triangle = polygon->triangle - first,
-                               .is_lit = true,
-                               .first = static_cast<std::uint32_t>(detail.corners.size()),
-                               .count = polygon->count});
-    for (const Corner& corner : bsp.corners(*polygon)) detail.corners.push_back(corner.at);
-  }
+std::vector<float> paint_division(const Scene& scene, const GBuffer& gbuffer, const Light& light, const SurfaceDetail& detail) {
+  check_detail(scene, detail);
   std::vector<float> picture = shaded_layer(scene, gbuffer, light, std::vector<float>(gbuffer.size(), 1.0f));
   paint_borders(gbuffer, detail, find_owners(scene, gbuffer, detail, [](std::size_t) { return true; }), picture);
   return picture;

@@ -1,14 +1,12 @@
 #pragma once
-#include <gnomon/scene.h>
-
-#include "projection.h"
+#include "footprint.h"
 
 namespace gnomon::alias_free_map {
 
 /// Error of a plane's value, of the product of the lengths that made it. With e = 2^-53, points are off by 9 e of their
-/// distance (Projection), so the cross product of two by 18 e, and by 6 e for its own rounding; its product with a third point
-/// adds 9 e for that one and 4 e for rounding: 37 e. A plane off the origin takes another 9 e + 4 e on the side of its offset.
-/// 2^-46 is three times as much.
+/// distance (kit/light_space.h), so the cross product of two by 18 e, and by 6 e for its own rounding; its product with a third
+/// point adds 9 e for that one and 4 e for rounding: 37 e. A plane off the origin takes another 9 e + 4 e on the side of its
+/// offset. 2^-46 is three times as much.
 constexpr double plane_error = 0x1p-46;
 
 /// A linear function of a sample in the frame of its face, raised by its error: where it is negative, its true value is. Where
@@ -25,20 +23,19 @@ struct Shadow {
   Side sides[4];
 };
 
-inline Shadow make_shadow(const Projection& projection, int face, const glm::dvec4& light, const glm::vec3* points, int facing,
-                          double reach) {
+inline Shadow make_shadow(const LightFace& face, const glm::dvec4& light, const glm::vec3* points, int facing, double reach) {
   Shadow shadow;
   const auto side = [](const glm::dvec3& n, double offset, double error) { return Side{n.x, n.y, n.z, offset + error, error}; };
-  const auto turned = [&](const glm::dvec3& v) { return projection.turned(face, v); };
+  const auto turned = [&](const glm::dvec3& v) { return face.turned(v); };
   glm::dvec3 corner[3];
   double length[3];
   for (int k = 0; k < 3; ++k) {
-    corner[k] = projection.seen(face, points[k]);
+    corner[k] = face.seen(points[k]);
     length[k] = norm1(corner[k]);
   }
   const glm::dvec3 a(points[0]), b(points[1]), c(points[2]);
   const glm::dvec3 edges[3] = {turned(b - a), turned(c - b), turned(a - c)};
-  if (projection.is_parallel()) {
+  if (!face.is_perspective) {
     // P = a + i (b - a) + j (c - a) - t l is in shadow when i, j, 1 - i - j >= 0 and t > 0, and
     // ((b - a) x l) . (P - a) = -j ((b - a) x (c - a)) . l.
     const glm::dvec3 l = turned(glm::dvec3(light));

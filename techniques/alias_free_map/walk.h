@@ -52,7 +52,8 @@ inline int find_runs(const Grid::Face& face, const Tile& tile, int cells, const 
       if (misses) continue;
       const double beside = 0x1p-20 * face.column_width + face.rounding;
       if (x0 - beside > x1 + beside) continue;
-      from = std::max(from, face.column(x0 - beside) - tile.column), to = std::min(to, face.column(x1 + beside) - tile.column);
+      from = std::max(from, face.column(x0 - beside) - tile.column);
+      to = std::min(to, face.column(x1 + beside) - tile.column);
     }
     if (from > to) continue;
     const Run run{begins[r * cells + from], begins[r * cells + to + 1]};

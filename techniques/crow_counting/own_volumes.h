@@ -1,28 +1,22 @@
 #pragma once
-#include <gnomon/gbuffer.h>
 #include <gnomon/kit/box_tree.h>
+#include <gnomon/kit/receiver.h>
 
 #include <algorithm>
-#include <optional>
 
 #include "volumes.h"
 
 namespace gnomon::crow_counting {
 
-/// Volumes that hold a point only because the surface that it lies on is not where the point is, and which therefore never
-/// shade it. A point is rounded: half of them lie below their own triangle, in its shadow volume. Left out, by exact signs, are
-/// the volumes of the own triangle and of those exactly coplanar with it. On an exact sphere, cone or disc, where the triangles
-/// only come near, those of the whole own mesh: these bodies are convex, none shades a point of its own that faces the light.
+/// Volumes that hold a point only because of the surface that it lies on, and which therefore never shade it: those of the
+/// triangles that kit/receiver.h leaves out.
 class OwnVolumes {
  public:
   void build(const Scene& scene) {
     scene_ = &scene;
-    first_triangle_.clear();
+    numbers_ = TriangleNumbers(scene);
     curved_.clear();
-    std::uint32_t first = 0;
     for (const Mesh& mesh : scene.meshes) {
-      first_triangle_.push_back(first);
-      first += static_cast<std::uint32_t>(mesh.triangles.size());
       curved_.emplace_back();
       if (!mesh.has_curved_shape() || !mesh.casts) continue;
       std::vector<Bounds> bounds(mesh.triangles.size());
@@ -32,17 +26,8 @@ class OwnVolumes {
     }
   }
 
-  /// The surface of pixel i.
-  struct Surface {
-    glm::vec3 point;
-    std::uint32_t mesh;
-    std::optional<std::uint32_t> triangle;  ///< of the scene; none on an exact curved shape
-  };
-  Surface surface(const GBuffer& gbuffer, std::size_t i) const {
-    const std::uint32_t mesh = gbuffer.mesh[i];
-    if (gbuffer.truth == Truth::shape && scene_->meshes[mesh].has_curved_shape()) return {gbuffer.position(i), mesh, {}};
-    return {gbuffer.position(i), mesh, first_triangle_[mesh] + gbuffer.triangle[i]};
-  }
+  using Surface = NumberedReceiver;
+  Surface surface(const GBuffer& gbuffer, std::size_t i) const { return numbers_.numbered(receiver_at(*scene_, gbuffer, i)); }
 
   /// How many of them hold the point, seen from the start that the volumes were counted from: where the way to the light goes
   /// exactly through an edge, the point is taken a vanishing step nearer to the start, as the count takes it. `near` are
@@ -64,51 +49,46 @@ class OwnVolumes {
       return std::abs(turns) == 3;
     };
     int sum = 0;
-    if (!surface.triangle) {
+    if (!surface.has_triangle()) {
       const BoxTree& tree = curved_[surface.mesh];
       tree.any(SegmentSlabs(Segment{surface.point, light}), 0, [&](std::uint32_t place) {
-        sum += holds(first_triangle_[surface.mesh] + tree.order()[place]);
+        sum += holds(surface.first_own + tree.order()[place]);
         return false;
       });
       return sum;
     }
-    const Triangle own = volumes.corners(*surface.triangle);
+    const Triangle own = volumes.corners(surface.first_own);
     const glm::vec3* p = own.points;
     // From the plane itself or the light's side of it, no way to the light crosses the plane.
     const int of_light = orient3d_sign(p[0], p[1], p[2], light);
     if (orient3d_sign(p[0], p[1], p[2], surface.point) * of_light >= 0) return 0;
-    sum = holds(*surface.triangle);
+    sum = holds(surface.first_own);
     for (const std::uint32_t triangle : orient3d_sign(p[0], p[1], p[2], start) == of_light ? near : volumes.caps())
-      if (triangle != *surface.triangle && is_coplanar(own, volumes.corners(triangle))) sum += holds(triangle);
+      if (!surface.is_own(triangle) && coplanar(own, volumes.corners(triangle).points)) sum += holds(triangle);
     return sum;
   }
 
   /// Whether the edge a b is one of what is left out.
   bool is_own_edge(const Volumes& volumes, const Surface& surface, const glm::vec3& a, const glm::vec3& b) const {
-    if (!surface.triangle) {
+    if (!surface.has_triangle()) {
       const std::vector<glm::vec3>& positions = scene_->meshes[surface.mesh].positions;
       return std::ranges::find(positions, a) != positions.end() && std::ranges::find(positions, b) != positions.end();
     }
-    const Triangle own = volumes.corners(*surface.triangle);
+    const Triangle own = volumes.corners(surface.first_own);
     const auto on_plane = [&](const glm::vec3& p) { return coplanar(own.points[0], own.points[1], own.points[2], p); };
     return on_plane(a) && on_plane(b);
   }
 
   std::size_t bytes() const {
-    std::size_t sum = first_triangle_.capacity() * sizeof(std::uint32_t) + curved_.capacity() * sizeof(BoxTree);
+    std::size_t sum = curved_.capacity() * (sizeof(BoxTree) + sizeof(std::uint32_t));  // and the numbers of meshes
     for (const BoxTree& tree : curved_) sum += tree.bytes();
     return sum;
   }
 
  private:
-  static bool is_coplanar(const Triangle& own, const Triangle& other) {
-    const glm::vec3* p = own.points;
-    return std::ranges::all_of(other.points, [&](const glm::vec3& q) { return coplanar(p[0], p[1], p[2], q); });
-  }
-
   const Scene* scene_ = nullptr;
-  std::vector<std::uint32_t> first_triangle_;  // of each mesh
-  std::vector<BoxTree> curved_;                // of each mesh with an exact curved shape
+  TriangleNumbers numbers_;
+  std::vector<BoxTree> curved_;  // of each mesh with an exact curved shape
 };
 
 }  // namespace gnomon::crow_counting

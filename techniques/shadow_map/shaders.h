@@ -1,7 +1,7 @@
 #pragma once
 #include <gnomon/kit/gl.h>
 
-namespace shadow_map {
+namespace gnomon::shadow_map {
 
 inline const std::string depth_vertex =
     std::string(gnomon::position_snippet) + "void main() { gl_Position = place(vec4(position, 1)); }";
@@ -21,7 +21,7 @@ void main() {
 enum Projection { orthographic, perspective, cube };
 inline constexpr int projection_count = 3;
 
-/// Mirrors shadow_map::Face and ShadowMap::explain; see there for the meaning of each quantity. The head defines PROJECTION,
+/// Mirrors shadow_map::Face and shadow_map::explain; see there for the meaning of each quantity. The head defines PROJECTION,
 /// BIAS and PCF: a branch on a uniform would be paid in full on llvmpipe, which executes both sides of every branch. With
 /// EXPLAIN it writes the texel that it would look up instead of the visibility.
 inline const std::string resolve_fragment = std::string(gnomon::faces_light_snippet) + R"(
@@ -151,4 +151,4 @@ void main() {
 }
 )";
 
-}  // namespace shadow_map
+}  // namespace gnomon::shadow_map

@@ -52,7 +52,8 @@ struct SignCounts {
   std::uint64_t in_double = 0;  ///< of these, double decided all but `exact`
   SignTally exact;
   SignCounts& operator+=(const SignCounts& other) {
-    in_double += other.in_double, exact += other.exact;
+    in_double += other.in_double;
+    exact += other.exact;
     return *this;
   }
 };
@@ -86,7 +87,10 @@ struct Frame {
   float nearest(const Caster& caster) const {
     const glm::vec3* p = caster.corners;
     double least = INFINITY, error = 0;
-    for (int k = 0; k < 3; ++k) least = std::min(least, depth(p[k])), error = std::max(error, slack(p[k]));
+    for (int k = 0; k < 3; ++k) {
+      least = std::min(least, depth(p[k]));
+      error = std::max(error, slack(p[k]));
+    }
     if (light.w != 0) {
       double edge = 0;
       for (int k = 0; k < 3; ++k) {
@@ -144,7 +148,8 @@ struct Planes {
       const double permanent = au.y * av.z + au.z * av.y + au.z * av.x + au.x * av.z + au.x * av.y + au.y * av.x;
       const double sum = std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z);
       if (!(sum > 0 && sum * 0x1p24 >= permanent)) continue;
-      x[k] = static_cast<float>(normal.x / sum), y[k] = static_cast<float>(normal.y / sum);
+      x[k] = static_cast<float>(normal.x / sum);
+      y[k] = static_cast<float>(normal.y / sum);
       z[k] = static_cast<float>(normal.z / sum);
       offset[k] = static_cast<float>(-glm::dot(normal, from - glm::dvec3(frame.center)) / sum);
     }
@@ -205,7 +210,8 @@ inline Way way_of(const Caster& caster, const Caster& other, const Planes& plane
         const bool is_corner =
             p == other.corners[k % 3] || p == other.corners[(k + 1) % 3] || (k == 3 && p == other.corners[2]);
         const int sign = is_corner ? 0 : exact_sign(other, k, p, frame, counts);
-        lowest = std::min(lowest, sign), highest = std::max(highest, sign);
+        lowest = std::min(lowest, sign);
+        highest = std::max(highest, sign);
       }
       if (k == 3 && lowest == 0 && highest == 0) return caster.mesh == other.mesh ? no_way : before_cap;
       is_out = lowest < 0 && highest <= 0;

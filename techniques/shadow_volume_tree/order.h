@@ -1,6 +1,5 @@
 #pragma once
 #include <gnomon/kit/parallel.h>
-#include <gnomon/kit/random.h>
 
 #include <utility>
 #include <vector>
@@ -8,12 +7,6 @@
 #include "nodes.h"
 
 namespace gnomon::shadow_volume_tree {
-
-inline void shuffle(std::vector<Caster>& casters, std::uint64_t seed) {
-  Random random(seed);
-  for (std::size_t i = casters.size(); i > 1; --i)
-    std::swap(casters[i - 1], casters[random.below(static_cast<std::uint32_t>(i))]);
-}
 
 /// The larger casters before the smaller ones, in classes by their longest edges, each four times as long as the next; within a
 /// class in the order they came in. Where a large caster lies across a plane, the whole tree of that plane is visited from

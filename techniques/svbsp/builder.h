@@ -9,29 +9,35 @@ enum class Drop { none, cut, shared };
 struct Rules {
   Epsilons epsilon;
   Drop drop =
-      Drop::shared;  ///< edges that get no shadow plane: none; those made by cuts; also own ones on the plane of a node above
+      Drop::shared;  ///< edges without a shadow plane: none; those made by cuts; also own ones on the plane of a node above
   bool is_ordered = false;     ///< pieces come front to back: what reaches an IN cell is in shadow
   std::size_t tile_size = 16;  ///< pieces of a tile on average; those with more are split. 0: no tiles
 };
 
 /// Work of making a tree.
-struct Tally {
+struct TreeWork {
   std::uint64_t planes = 0;                       ///< shadow planes
   std::uint64_t tile_cuts = 0;                    ///< of pieces by the borders of tiles
   std::uint64_t cuts = 0;                         ///< by shadow planes
   std::uint64_t crossings = 0;                    ///< by the plane of another triangle
   std::uint64_t lit = 0, shadowed = 0, thin = 0;  ///< fragments, when they reached their cells
   std::uint64_t hidden = 0;                       ///< pieces left out of tiles that nearer ones hide
-  Tally& operator+=(const Tally& t) {
-    planes += t.planes, tile_cuts += t.tile_cuts, cuts += t.cuts, crossings += t.crossings;
-    lit += t.lit, shadowed += t.shadowed, thin += t.thin, hidden += t.hidden;
+  TreeWork& operator+=(const TreeWork& t) {
+    planes += t.planes;
+    tile_cuts += t.tile_cuts;
+    cuts += t.cuts;
+    crossings += t.crossings;
+    lit += t.lit;
+    shadowed += t.shadowed;
+    thin += t.thin;
+    hidden += t.hidden;
     return *this;
   }
 };
 
-/// What lies where on a fragment, as seen from the light, at the plane of another triangle. Corners within epsilon of it get
-/// the value zero.
-inline Lies lies_at(const ClipPlane& plane, const LightSpace& space, std::span<const Corner> fragment, double epsilon,
+/// On which side of another triangle's plane a fragment lies: positive is nearer to the light. Writes the corners' values, zero
+/// for those within epsilon of the plane.
+inline Lies lies_at(const ClipPlane& plane, const ProjectedSpace& space, std::span<const Corner> fragment, double epsilon,
                     double* values) {
   unsigned lies = 0;
   for (std::size_t i = 0; i < fragment.size(); ++i) {
@@ -42,24 +48,27 @@ inline Lies lies_at(const ClipPlane& plane, const LightSpace& space, std::span<c
   return static_cast<Lies>(lies);
 }
 
-/// Adds polygons to the trees of one face. Every IN cell knows the triangle that is nearest to the light there; its plane is
-/// the last of the cell, so to speak: what lies before it becomes a part of the tree, too, in whatever order pieces come.
+/// Adds polygons to the trees of one face. Every IN cell knows the triangle that is nearest to the light there, whose plane
+/// bounds the cell: a later piece that lies before it takes its place there, so that pieces may come in any order.
 template <class PlaneOf>
 class Builder {
  public:
   /// plane_of(triangle) is a triangle's plane in light space.
-  Builder(const LightSpace& space, const Rules& rules, PlaneOf plane_of, std::vector<Node>& nodes, Tally& tally)
-      : space_(space), rules_(rules), plane_of_(plane_of), nodes_(nodes), tally_(tally) {}
+  Builder(const ProjectedSpace& space, const Rules& rules, PlaneOf plane_of, std::vector<Node>& nodes, TreeWork& work)
+      : space_(space), rules_(rules), plane_of_(plane_of), nodes_(nodes), work_(work) {}
 
   /// Starts a tree.
-  void start() { out_count_ = 1, farthest_ = INFINITY; }
+  void start() {
+    out_count_ = 1;
+    farthest_ = INFINITY;
+  }
   /// Whether the tree's cells are all IN, and what is no nearer to the light than `nearest` is in shadow everywhere.
   bool hides(double nearest) const { return out_count_ == 0 && nearest <= farthest_; }
 
-  /// `polygon` is the part of a triangle that the tree at `root` is about.
+  /// `polygon` is the part of a triangle inside the tile of the tree at `root`.
   void add(std::span<const Corner> polygon, std::uint32_t triangle, Link& root) {
-    tally_.cuts += filter_.run(
-        nodes_, root, polygon, rules_.epsilon.across, tally_.thin,
+    work_.cuts += filter_.run(
+        nodes_, root, polygon, rules_.epsilon.across, work_.thin,
         [&](const Place& place, Link cell, std::span<const Corner> fragment) { reach(place, cell, fragment, triangle, root); });
   }
 
@@ -67,25 +76,28 @@ class Builder {
   void reach(const Place& place, Link cell, std::span<const Corner> fragment, std::uint32_t triangle, Link& root) {
     if (!is_in_cell(cell)) return attach(place, cell, fragment, triangle, root);
     if (rules_.is_ordered) {
-      ++tally_.shadowed;
+      ++work_.shadowed;
       return;
     }
-    if (values_.size() < fragment.size()) values_.resize(2 * fragment.size()), parts_.resize(4 * fragment.size() + 2);
+    if (values_.size() < fragment.size()) {
+      values_.resize(2 * fragment.size());
+      parts_.resize(4 * fragment.size() + 2);
+    }
     const Lies lies = lies_at(plane_of_(triangle_in(cell)), space_, fragment, rules_.epsilon.meters, values_.data());
     if (lies == Lies::positive) return attach(place, cell, fragment, triangle, root);
-    ++tally_.shadowed;
+    ++work_.shadowed;
     if (lies != Lies::across) return;
-    ++tally_.crossings;
+    ++work_.crossings;
     Corner* const nearer = parts_.data() + fragment.size() + 1;
     const CutCounts cut = cut_polygon(fragment, values_.data(), 0, own_edge, parts_.data(), nearer);
     // A tip with no width: most of its edges would get no plane, and the rest bound far more than the tip.
-    if (is_thin({nearer, cut.positive}, rules_.epsilon.across)) return void(++tally_.thin);
+    if (is_thin({nearer, cut.positive}, rules_.epsilon.across)) return void(++work_.thin);
     attach(place, cell, {nearer, cut.positive}, triangle, root);
   }
 
   /// One shadow plane for each edge: beyond it all stays as it was, inside the last one the triangle is nearest.
   void attach(Place place, Link cell, std::span<const Corner> fragment, std::uint32_t triangle, Link& root) {
-    ++tally_.lit;
+    ++work_.lit;
     std::int64_t made_count = 0;
     const auto put = [&](Link link) { (place.parent < 0 ? root : nodes_[place.parent].sides[place.side]) = link; };
     for (std::size_t i = 0; i < fragment.size(); ++i) {
@@ -105,16 +117,16 @@ class Builder {
       ++made_count;
     }
     put(in_cell(triangle));
-    tally_.planes += static_cast<std::uint64_t>(made_count);
+    work_.planes += static_cast<std::uint64_t>(made_count);
     if (cell == out_cell) out_count_ += made_count - 1;
     for (const Corner& corner : fragment) farthest_ = std::min(farthest_, corner.at.z);
   }
 
-  const LightSpace& space_;
+  const ProjectedSpace& space_;
   const Rules& rules_;
   PlaneOf plane_of_;
   std::vector<Node>& nodes_;
-  Tally& tally_;
+  TreeWork& work_;
   Filter filter_;
   std::vector<double> values_;
   std::vector<Corner> parts_;

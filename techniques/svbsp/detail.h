@@ -8,110 +8,25 @@ namespace gnomon::svbsp {
 /// Divides polygons into what the light sees of them and what it does not, by the trees of a forest.
 class Divider {
  public:
-  Divider(const LightSpace& space, const Forest& forest, const Facing& facing)
+  Divider(const ProjectedSpace& space, const Forest& forest, const Facing& facing)
       : space_(space), forest_(forest), facing_(facing) {}
 
   /// Appends the lit and the shadowed parts of `polygon`, a convex part of a triangle, `whole` but for its corners. `merges`:
   /// the polygon itself where all of it is lit, or all shadowed.
-  void divide(std::span<const Corner> polygon, std::uint32_t triangle, DetailPolygon whole, bool merges,
-              SurfaceDetail& detail) {
-    const std::size_t first_corner = detail.corners.size(), first_polygon = detail.polygons.size();
-    out_ = &detail, part_ = whole, is_clockwise_ = space_.is_clockwise(facing_.signs[triangle]);
-    projector_.run(space_, polygon, facing_.signs[triangle], [&](int face, std::span<const Corner> seen) {
-      face_ = face;
-      divide_face({seen.begin(), seen.end()});
-    });
-    const auto made = std::span(detail.polygons).subspan(first_polygon);
-    const bool is_lit = made.empty() ? is_lit_in_the_middle(polygon) : made[0].is_lit;
-    const auto is_alike = [&](const DetailPolygon& p) { return p.is_lit == is_lit; };
-    if (!made.empty() && (!merges || !std::ranges::all_of(made, is_alike))) return;
-    detail.corners.resize(first_corner), detail.polygons.resize(first_polygon);
-    whole.is_lit = is_lit;
-    whole.first = static_cast<std::uint32_t>(first_corner), whole.count = static_cast<std::uint32_t>(polygon.size());
-    for (const Corner& corner : polygon) detail.corners.push_back(corner.at);
-    detail.polygons.push_back(whole);
-  }
+  void divide(std::span<const Corner> polygon, std::uint32_t triangle, DetailPolygon whole, bool merges, SurfaceDetail& detail);
 
  private:
   using Polygon = std::vector<Corner>;
-
   /// For a polygon so narrow, as the light sees it, that no fragment is left of it.
-  bool is_lit_in_the_middle(std::span<const Corner> polygon) const {
-    glm::dvec3 middle(0);
-    for (const Corner& corner : polygon) middle += corner.at / static_cast<double>(polygon.size());
-    const int face = space_.face_of(middle);
-    const glm::dvec3 seen = space_.of_world(face, middle);
-    Query query = forest_.query(face, seen);
-    std::uint64_t visits = 0;
-    locate<1>({&query, 1}, visits);
-    return !is_in_cell(query.link) ||
-           facing_.plane(space_, face, triangle_in(query.link)).at(seen) >= -forest_.epsilon().meters * space_.meter(seen);
-  }
-
+  bool is_lit_in_the_middle(std::span<const Corner> polygon) const;
   /// What lies below and above a line in x or y; empty where nothing does.
-  std::pair<Polygon, Polygon> cut(const Polygon& polygon, int axis, double at) {
-    glm::dvec3 normal(0);
-    normal[axis] = 1;
-    values_.resize(polygon.size());
-    const double epsilon = forest_.epsilon().across;
-    const Lies lies = classify(polygon, {normal, -at}, epsilon, values_.data());
-    if (lies == Lies::negative) return {polygon, {}};
-    if (lies != Lies::across) return {{}, polygon};
-    std::pair<Polygon, Polygon> parts{Polygon(polygon.size() + 1), Polygon(polygon.size() + 1)};
-    const CutCounts counts = cut_polygon(polygon, values_.data(), epsilon, shadow_cut, parts.first.data(), parts.second.data());
-    parts.first.resize(counts.negative), parts.second.resize(counts.positive);
-    return parts;
-  }
-
+  std::pair<Polygon, Polygon> cut(const Polygon& polygon, int axis, double at);
   /// Tile by tile. Around the tiles all is lit.
-  void divide_face(Polygon rest) {
-    const Grid& grid = forest_.grid(face_);
-    if (grid.is_empty()) return append(rest, true);
-    for (int axis = 0; axis < 2 && !rest.empty(); ++axis) {
-      Polygon around;
-      std::tie(around, rest) = cut(rest, axis, grid.low[axis]);
-      append(around, true);
-      if (!rest.empty()) std::tie(rest, around) = cut(rest, axis, grid.high[axis]), append(around, true);
-    }
-    for (int row = 0; row < grid.rows && !rest.empty(); ++row) {
-      Polygon strip = std::move(rest);
-      rest.clear();
-      if (row + 1 < grid.rows) std::tie(strip, rest) = cut(strip, 1, grid.row_side(row + 1));
-      for (int column = 0; column < grid.columns && !strip.empty(); ++column) {
-        Polygon part = std::move(strip);
-        strip.clear();
-        if (column + 1 < grid.columns) std::tie(part, strip) = cut(part, 0, grid.column_side(column + 1));
-        if (!part.empty()) filter(part, grid.tile(column, row));
-      }
-    }
-  }
+  void divide_face(Polygon rest);
+  void filter(const Polygon& polygon, std::uint32_t tile);
+  void append(std::span<const Corner> polygon, bool is_lit);
 
-  void filter(const Polygon& polygon, std::uint32_t tile) {
-    std::uint64_t thin = 0;
-    filter_.run(forest_.nodes(tile), forest_.root(tile), polygon, forest_.epsilon().across, thin,
-                [&](const Place&, Link cell, std::span<const Corner> fragment) {
-                  if (!is_in_cell(cell)) return append(fragment, true);
-                  values_.resize(fragment.size());
-                  const Lies lies = lies_at(facing_.plane(space_, face_, triangle_in(cell)), space_, fragment,
-                                            forest_.epsilon().meters, values_.data());
-                  if (lies != Lies::across) return append(fragment, lies != Lies::negative);
-                  Polygon beyond(fragment.size() + 1), before(fragment.size() + 1);
-                  const CutCounts counts = cut_polygon(fragment, values_.data(), 0, own_edge, beyond.data(), before.data());
-                  append({beyond.data(), counts.negative}, false);
-                  append({before.data(), counts.positive}, true);
-                });
-  }
-
-  void append(std::span<const Corner> polygon, bool is_lit) {
-    if (polygon.size() < 3) return;
-    part_.is_lit = is_lit;
-    part_.first = static_cast<std::uint32_t>(out_->corners.size()), part_.count = static_cast<std::uint32_t>(polygon.size());
-    for (std::size_t i = 0; i < polygon.size(); ++i)
-      out_->corners.push_back(space_.to_world(face_, polygon[is_clockwise_ ? polygon.size() - 1 - i : i].at));
-    out_->polygons.push_back(part_);
-  }
-
-  const LightSpace& space_;
+  const ProjectedSpace& space_;
   const Forest& forest_;
   const Facing& facing_;
   Projector projector_;
@@ -122,5 +37,11 @@ class Divider {
   bool is_clockwise_ = false;
   int face_ = 0;
 };
+
+/// Those triangles of a scene for which `is_wanted` is set, which receive and are not edge-on, divided; on all threads. `named`
+/// gives the mesh, and the triangle's number there.
+SurfaceDetail divide_triangles(const Scene& scene, const ProjectedSpace& space, const Forest& forest, const Facing& facing,
+                               std::span<const std::uint8_t> is_wanted, bool merges,
+                               const std::function<DetailPolygon(std::uint32_t triangle)>& named);
 
 }  // namespace gnomon::svbsp

@@ -3,15 +3,15 @@
 
 namespace gnomon::svbsp {
 
-/// Splits a tile as long as that deals its pieces out, by lines in x or y through the middle of their centers, and makes a tree
-/// of each part. Where many pieces meet in one point no line does, and the tile stays as it is.
+/// Splits a tile by lines in x or y through the middle of its pieces' centers, as long as that leaves fewer pieces in each
+/// part, and makes a tree of each part. Where many pieces meet in one point no line helps, and the tile stays as it is.
 template <class PlaneOf>
 class Tiler {
  public:
-  Tiler(const LightSpace& space, const Rules& rules, PlaneOf plane_of, std::vector<Node>& nodes, Tally& tally)
-      : rules_(rules), nodes_(nodes), tally_(tally), builder_(space, rules, plane_of, nodes, tally) {}
+  Tiler(const ProjectedSpace& space, const Rules& rules, PlaneOf plane_of, std::vector<Node>& nodes, TreeWork& work)
+      : rules_(rules), nodes_(nodes), work_(work), builder_(space, rules, plane_of, nodes, work) {}
 
-  /// The tree of those pieces whose indices are given, in a tile.
+  /// The tree of a tile, from low to high, with the pieces whose indices are given.
   Link grow(std::span<const Piece> pieces, std::span<const std::uint32_t> indices, const glm::dvec2& low,
             const glm::dvec2& high) {
     pieces_ = pieces;
@@ -31,7 +31,8 @@ class Tiler {
   static constexpr double worth = 1.2;  ///< most items on both sides together, as a multiple of those before
 
   void add(Item item, const glm::dvec2& low, const glm::dvec2& high) {
-    item.low = glm::max(item.low, low), item.high = glm::min(item.high, high);
+    item.low = glm::max(item.low, low);
+    item.high = glm::min(item.high, high);
     item.nearest = pieces_[item.piece].nearest(item.low, item.high);
     items_.push_back(item);
   }
@@ -50,10 +51,13 @@ class Tiler {
     Line lines[2];
     for (int axis = 0; axis < 2; ++axis) {
       Line& line = lines[axis];
-      line.axis = axis, line.at = 0.5 * sum[axis] / static_cast<double>(end - begin);
+      line.axis = axis;
+      line.at = 0.5 * sum[axis] / static_cast<double>(end - begin);
       std::size_t below = 0, above = 0;
-      for (std::size_t i = begin; i < end; ++i)
-        below += items_[i].high[axis] <= line.at, above += items_[i].low[axis] >= line.at;
+      for (std::size_t i = begin; i < end; ++i) {
+        below += items_[i].high[axis] <= line.at;
+        above += items_[i].low[axis] >= line.at;
+      }
       line.crossing = end - begin - below - above;
       line.divides = below > 0 && above > 0;
     }
@@ -61,7 +65,7 @@ class Tiler {
     return lines[lines[1].crossing < lines[0].crossing];
   }
 
-  /// Of items begin .. end, the last ones.
+  /// The tree of items begin .. end; these are the last ones.
   Link grow(std::size_t begin, std::size_t end, const glm::dvec2& low, const glm::dvec2& high, int depth) {
     const std::size_t count = end - begin;
     if (count <= rules_.tile_size || depth == deepest) return fill(begin, end, low, high);
@@ -83,7 +87,8 @@ class Tiler {
     return made;
   }
 
-  /// Those first that may be nearest, so that little of what comes later is nearer, and nothing once they hide the tile.
+  /// Adds first what may be nearest to the light: little of what comes later is nearer then, and once the tile is hidden
+  /// nothing.
   Link fill(std::size_t begin, std::size_t end, const glm::dvec2& low, const glm::dvec2& high) {
     std::sort(items_.begin() + static_cast<std::ptrdiff_t>(begin), items_.begin() + static_cast<std::ptrdiff_t>(end),
               [](const Item& a, const Item& b) { return a.nearest != b.nearest ? a.nearest > b.nearest : a.piece < b.piece; });
@@ -91,41 +96,35 @@ class Tiler {
     builder_.start();
     for (std::size_t i = begin; i < end; ++i) {
       if (builder_.hides(items_[i].nearest)) {
-        tally_.hidden += end - i;
+        work_.hidden += end - i;
         break;
       }
-      if (clip(pieces_[items_[i].piece], low, high)) builder_.add(part_, pieces_[items_[i].piece].triangle, root);
+      if (clip(pieces_[items_[i].piece], low, high)) builder_.add(part_.corners(), pieces_[items_[i].piece].triangle, root);
     }
     return root;
   }
 
   /// Makes the part of a piece that a tile holds; says whether there is one.
   bool clip(const Piece& piece, const glm::dvec2& low, const glm::dvec2& high) {
-    part_.assign(piece.corners, piece.corners + piece.count);
+    part_.start(piece.polygon());
     return (!(piece.low.x < low.x) || cut_off({{1, 0, 0}, -low.x})) &&
            (!(piece.high.x > high.x) || cut_off({{-1, 0, 0}, high.x})) &&
            (!(piece.low.y < low.y) || cut_off({{0, 1, 0}, -low.y})) &&
            (!(piece.high.y > high.y) || cut_off({{0, -1, 0}, high.y}));
   }
   bool cut_off(const ClipPlane& line) {
-    if (values_.size() < part_.size()) values_.resize(2 * part_.size());
-    const Lies lies = classify(part_, line, rules_.epsilon.across, values_.data());
-    if (lies != Lies::across) return lies == Lies::positive;
-    ++tally_.tile_cuts;
-    kept_.resize(part_.size() + 1), rest_.resize(part_.size() + 1);
-    kept_.resize(cut_polygon(part_, values_.data(), rules_.epsilon.across, shadow_cut, rest_.data(), kept_.data()).positive);
-    std::swap(part_, kept_);
-    return true;
+    const Lies lies = part_.keep_positive(line, rules_.epsilon.across, shadow_cut);
+    work_.tile_cuts += lies == Lies::across;
+    return has_inside(lies);
   }
 
   const Rules& rules_;
   std::vector<Node>& nodes_;
-  Tally& tally_;
+  TreeWork& work_;
   Builder<PlaneOf> builder_;
   std::span<const Piece> pieces_;
   std::vector<Item> items_;
-  std::vector<Corner> part_, kept_, rest_;
-  std::vector<double> values_;
+  Clipper part_;
 };
 
 }  // namespace gnomon::svbsp

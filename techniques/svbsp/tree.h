@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "light_space.h"
+#include "projected_space.h"
 
 namespace gnomon::svbsp {
 
@@ -65,7 +65,7 @@ void locate(std::span<Query> queries, std::uint64_t& visits) {
 /// What a tree knows about an edge of a polygon.
 enum EdgeMark : std::uint32_t {
   own_edge = 0,    ///< of the triangle itself, or where it meets another triangle's plane
-  bsp_cut = 1,     ///< made by the regular BSP tree, as kit/bsp.h marks it: on no shadow plane
+  bsp_cut = 1,     ///< made by the regular BSP tree, as bsp.h marks it: on no shadow plane
   shadow_cut = 2,  ///< made by a node above: a shadow plane there would divide nothing
   shared_edge = 3  ///< found to lie on the plane of a node above: nor would it there
 };
@@ -105,7 +105,8 @@ class Filter {
           const CutCounts cut = cut_polygon({corners_.data() + first, count}, values_.data(), epsilon, shadow_cut,
                                             corners_.data() + negative, corners_.data() + positive);
           waiting_.push_back({{link, 0}, negative, cut.negative});
-          first = positive, count = cut.positive;
+          first = positive;
+          count = cut.positive;
         } else {
           mark_shared({corners_.data() + first, count}, epsilon);
         }
@@ -116,7 +117,9 @@ class Filter {
       else
         visit(place, link, std::span<const Corner>(corners_.data() + first, count));
       if (waiting_.empty()) return cuts;
-      place = waiting_.back().place, first = waiting_.back().first, count = waiting_.back().count;
+      place = waiting_.back().place;
+      first = waiting_.back().first;
+      count = waiting_.back().count;
       waiting_.pop_back();
       link = nodes[place.parent].sides[place.side];
     }

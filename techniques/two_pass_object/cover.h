@@ -4,13 +4,14 @@
 
 namespace gnomon::two_pass_object {
 
-/// What casters leave open of a cell for all that lies beyond them: the cell as one more receiver, behind everything, from
-/// which they are taken away in the order of their far ends. Once nothing is left, all that lies beyond is in shadow.
+/// The part of a cell that no caster covers yet: the cell is one more receiver, behind everything, and the shadows of casters
+/// are taken away from it in the order of their far ends. Once nothing is left, all that lies beyond is in shadow.
 class Cover {
  public:
   void start() {
     casters_.clear();
-    next_ = taken_ = 0, area_ = expected_ = 0;
+    next_ = taken_ = 0;
+    area_ = expected_ = 0;
     is_started_ = false;
   }
   /// Adds a caster that lies before `farthest` and covers `area` of the places at most.
@@ -19,10 +20,10 @@ class Cover {
     expected_ += area;
   }
 
-  /// Takes the casters before a depth away, as soon as they may cover the cell. Depths must not fall from call to call.
-  /// planes_of(member) gives the shadow planes of a caster, none if it is not in the cell.
+  /// Takes away the shadows of the casters before a depth, as soon as they may cover the cell. Depths must not fall from call
+  /// to call. planes_of(member) gives the shadow planes of a caster, none if it is not in the cell.
   template <class PlanesOf>
-  void take(const LightSpace& space, int face, const Places& cell, double depth, PlanesOf&& planes_of) {
+  void take(const SceneLightSpace& space, int face, const Places& cell, double depth, PlanesOf&& planes_of) {
     if (expected_ < cell.area()) return;
     if (next_ == 0) std::sort(casters_.begin(), casters_.end());
     for (; next_ < casters_.size() && casters_[next_].farthest < depth; ++next_) area_ += casters_[next_].area;
@@ -50,7 +51,8 @@ class Cover {
   }
 
  private:
-  /// Of small casters with gaps between them, more would only cost time; fewer are as true.
+  /// Small casters with gaps between them make many pieces. No more are cut then: the cover is smaller than it could be, and
+  /// true.
   static constexpr std::size_t most_pieces = 24;
   struct Caster {
     double farthest, area;

@@ -3,9 +3,15 @@
 
 namespace gnomon::two_pass_object {
 
-/// What a cell knows of a triangle that it sees.
+/// A triangle in a cell.
 struct Entry {
-  enum class Kind : std::uint8_t { absent, lit, dark, pieces, asks };  ///< absent: not a receiver; asks: every point is asked
+  enum class Kind : std::uint8_t {
+    absent,
+    lit,
+    dark,
+    pieces,
+    asks
+  };  ///< absent: not a receiver; asks: every point is decided by exact signs
   std::uint32_t triangle;
   std::uint32_t first_piece = 0, first_near = 0;
   std::uint16_t piece_count = 0, near_count = 0;
@@ -19,29 +25,39 @@ struct LitPiece {
   std::uint32_t first_mark, mark_count;
 };
 
-/// Cells, one after the other, and all they hold.
+/// Some neighboring cells of the grid, with the triangles and lit pieces in them.
 struct Patch {
   std::vector<Node> nodes;
   std::vector<Entry> entries;  ///< of each leaf, by triangle
   std::vector<LitPiece> pieces;
   std::vector<std::uint32_t> marks;
-  std::vector<std::uint32_t> near;  ///< casters that lie so near to a receiver's plane that each point is asked
+  std::vector<std::uint32_t> near;  ///< casters so near to a receiver's plane that exact signs decide for each point
   std::size_t bytes() const {
     return nodes.capacity() * sizeof(Node) + entries.capacity() * sizeof(Entry) + pieces.capacity() * sizeof(LitPiece) +
            (marks.capacity() + near.capacity()) * sizeof(std::uint32_t);
   }
   void fit() {
-    nodes.shrink_to_fit(), entries.shrink_to_fit(), pieces.shrink_to_fit(), marks.shrink_to_fit(), near.shrink_to_fit();
+    nodes.shrink_to_fit();
+    entries.shrink_to_fit();
+    pieces.shrink_to_fit();
+    marks.shrink_to_fit();
+    near.shrink_to_fit();
   }
 };
 
-/// What was done. `lit` and `shadowed` are the fragments that clipping leaves and takes away.
+/// Work of making a map. `lit` and `shadowed` are the fragments that clipping leaves and takes away.
 struct Work {
   std::uint64_t cells = 0, pairs_tested = 0, pairs_clipped = 0, splits = 0, lit = 0, shadowed = 0, near = 0;
   std::uint64_t hidden = 0;  ///< triangles beyond what covers their places in a cell: no fragments, for they are not clipped
   Work& operator+=(const Work& w) {
-    cells += w.cells, pairs_tested += w.pairs_tested, pairs_clipped += w.pairs_clipped, splits += w.splits;
-    lit += w.lit, shadowed += w.shadowed, near += w.near, hidden += w.hidden;
+    cells += w.cells;
+    pairs_tested += w.pairs_tested;
+    pairs_clipped += w.pairs_clipped;
+    splits += w.splits;
+    lit += w.lit;
+    shadowed += w.shadowed;
+    near += w.near;
+    hidden += w.hidden;
     return *this;
   }
 };

@@ -17,7 +17,7 @@ struct Mark {
   explicit Mark(std::uint32_t mark) : triangle(mark / 8 - 1), plane(static_cast<int>(mark / 2 % 4)), is_inner(mark % 2 != 0) {}
 };
 
-/// Whether one of some planes has a polygon on its outer side, but for epsilon.
+/// Whether a polygon lies on the outer side of one of the planes, but for epsilon.
 inline bool is_outside(std::span<const Corner> polygon, std::span<const ClipPlane> planes, double epsilon) {
   return std::ranges::any_of(planes, [&](const ClipPlane& plane) {
     return std::ranges::all_of(polygon, [&](const Corner& corner) { return plane.at(corner.at) <= epsilon; });
@@ -32,7 +32,8 @@ class Pieces {
   };
 
   void start(std::span<const Corner> polygon) {
-    used_ = 0, pieces_.clear();
+    used_ = 0;
+    pieces_.clear();
     add(polygon);
   }
   std::size_t size() const { return pieces_.size(); }
@@ -55,7 +56,8 @@ class Pieces {
       const std::size_t used = used_, added = pieces_.size();
       switch (take(piece, planes, triangle, epsilon)) {
         case Outcome::untouched:
-          used_ = used, pieces_.resize(added);
+          used_ = used;
+          pieces_.resize(added);
           pieces_[kept++] = piece;
           break;
         case Outcome::cut:
@@ -72,18 +74,10 @@ class Pieces {
 
   /// The part of a polygon on the inner side of all planes; empty when none is.
   std::span<const Corner> part_inside(std::span<const Corner> polygon, std::span<const ClipPlane> planes, double epsilon) {
-    inner_.assign(polygon.begin(), polygon.end());
-    for (const ClipPlane& plane : planes) {
-      values_.resize(inner_.size());
-      const Lies lies = classify(inner_, plane, epsilon, values_.data());
-      if (lies == Lies::positive) continue;
-      if (lies != Lies::across) return {};
-      other_.resize(inner_.size() + 1), lost_.resize(inner_.size() + 1);
-      const CutCounts counts = cut_polygon(inner_, values_.data(), epsilon, 0, lost_.data(), other_.data());
-      other_.resize(counts.positive);
-      inner_.swap(other_);
-    }
-    return inner_;
+    clipper_.start(polygon);
+    for (const ClipPlane& plane : planes)
+      if (!has_inside(clipper_.keep_positive(plane, epsilon))) return {};
+    return clipper_.corners();
   }
 
  private:
@@ -124,6 +118,7 @@ class Pieces {
   std::size_t used_ = 0;
   std::vector<Piece> pieces_;
   std::vector<Corner> inner_, other_, lost_;
+  Clipper clipper_;
   std::vector<double> values_;
 };
 

@@ -150,7 +150,7 @@ Certificate certify(const Scene& scene, const Light& light, const GBuffer& gbuff
   const auto decide = [&](const tbb::blocked_range<std::size_t>& range, ExactTally tally) {
     for (std::size_t k = range.begin(); k < range.end(); ++k) {
       Sample& sample = samples[k];
-      const ExactReceiver receiver = exact_receiver(scene, gbuffer, sample.pixel);
+      const Receiver receiver = receiver_at(scene, gbuffer, sample.pixel);
       sample.answer = exact.occluded(receiver, l, tally);
       sample.disagrees = sample.answer.blocked != is_dark(reference[sample.pixel]);
       sample.margin = exact.edge_margin(receiver, l, sample.disagrees ? INFINITY : result.clearance_floor);

@@ -1,5 +1,6 @@
 #include "measure/frame/light_rays.h"
 
+#include <gnomon/kit/across.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -11,9 +12,8 @@
 namespace gnomon {
 
 std::array<glm::dvec3, 2> across(const glm::dvec3& axis) {
-  const glm::dvec3 helper = std::abs(axis.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
-  const glm::dvec3 u = glm::normalize(glm::cross(axis, helper));
-  return {u, glm::cross(axis, u)};
+  const auto [u, v] = Across::by_x(axis, 0.7);
+  return {-u, -v};
 }
 
 glm::dvec3 back_to_plane(const glm::dvec3& move, const glm::dvec3& ray, const glm::dvec3& n) {

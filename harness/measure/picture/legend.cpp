@@ -36,7 +36,7 @@ std::vector<std::string> break_lines(const std::string& text, int width, std::si
 
 }  // namespace
 
-void Legend::add_sentence(const std::string& sentence, std::size_t most_lines) {
+void PictureLegend::add_sentence(const std::string& sentence, std::size_t most_lines) {
   for (const std::string& line : break_lines(sentence, width_ - 2 * margin, most_lines)) {
     if (x_ > margin) ++line_;
     entries_.push_back({std::nullopt, line, margin, line_});
@@ -44,7 +44,7 @@ void Legend::add_sentence(const std::string& sentence, std::size_t most_lines) {
   }
 }
 
-void Legend::add(std::optional<Color> swatch, const std::string& words) {
+void PictureLegend::add(std::optional<Color> swatch, const std::string& words) {
   const int width = (swatch ? swatch_width + 6 : 0) + text_width(words);
   if (x_ > margin && x_ + width + margin > width_) {
     x_ = margin;
@@ -54,9 +54,9 @@ void Legend::add(std::optional<Color> swatch, const std::string& words) {
   x_ += width + 16;
 }
 
-int Legend::height() const { return 10 + line_height * (line_ + 1); }
+int PictureLegend::height() const { return 10 + line_height * (line_ + 1); }
 
-void Legend::draw(Picture& picture, int top) const {
+void PictureLegend::draw(Picture& picture, int top) const {
   for (const Entry& entry : entries_) {
     const int y = top + 9 + line_height * entry.line;
     int x = entry.x;

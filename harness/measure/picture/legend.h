@@ -9,9 +9,9 @@
 namespace gnomon {
 
 /// Words and swatches below a picture, in lines as full as the width allows: entries are added first, then all are drawn.
-class Legend {
+class PictureLegend {
  public:
-  explicit Legend(int width) : width_(width) {}
+  explicit PictureLegend(int width) : width_(width) {}
   /// A sentence in lines of its own, `most_lines` at most; what does not fit is cut off at a word and ends in dots.
   void add_sentence(const std::string& sentence, std::size_t most_lines);
   /// Words after a swatch of this color, or words alone.

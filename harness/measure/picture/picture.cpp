@@ -35,7 +35,7 @@ Picture draw_mask(std::span<const float> visibility, int width, int height) {
 
 Picture draw_layer(std::span<const float> linear, int width, int height, const DebugLayer& layer) {
   assert(linear.size() == static_cast<std::size_t>(width) * height * 3);
-  Legend legend(width);
+  PictureLegend legend(width);
   legend.add_sentence(layer.sentence, 3);
   for (const Swatch& s : layer.legend) legend.add(Color{srgb(s.color.r), srgb(s.color.g), srgb(s.color.b)}, s.name);
   Picture picture{width, height + legend.height(), {}};

@@ -33,7 +33,7 @@ Picture draw_errors(const Evidence& evidence, const std::string& title) {
   for (std::size_t i = 0; i < gbuffer.size(); ++i)
     if (kind_of[i] = error_kind(evidence, i); kind_of[i] >= 0) ++counts[kind_of[i]];
   const auto tested = static_cast<double>(std::ranges::count(evidence.classes, PixelClass::T));
-  Legend legend(gbuffer.width);
+  PictureLegend legend(gbuffer.width);
   if (!title.empty()) legend.add(std::nullopt, title);
   for (std::size_t k = 0; k < kinds.size(); ++k)
     if (counts[k] > 0) legend.add(kinds[k].color, kinds[k].label + " " + percent(static_cast<double>(counts[k]) / tested));

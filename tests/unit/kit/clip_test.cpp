@@ -229,5 +229,27 @@ TEST(Clip, neighbors_get_the_same_point_on_their_edge) {
   EXPECT_GT(across, 3000);
 }
 
+// The square 0 .. 4 loses what is left of x = 1 and above y = 3; a plane beyond it changes nothing and one before it says so.
+// Then another polygon in the same clipper.
+TEST(Clip, a_clipper_keeps_what_is_inside_all_planes) {
+  Clipper clipper;
+  const std::vector<Corner> square = {{{0, 0, 0}, 1}, {{4, 0, 0}, 2}, {{4, 4, 0}, 3}, {{0, 4, 0}, 4}};
+  clipper.start(square);
+  EXPECT_EQ(clipper.keep_positive({{1, 0, 0}, -1}, epsilon, cut), Lies::across);
+  EXPECT_EQ(clipper.keep_positive({{1, 0, 0}, 5}, epsilon, cut), Lies::positive);
+  EXPECT_EQ(clipper.keep_positive(-ClipPlane{{0, 1, 0}, -3}, epsilon, cut), Lies::across);
+  const std::vector<Corner> kept(clipper.corners().begin(), clipper.corners().end());
+  EXPECT_EQ(points(kept), (std::vector<glm::dvec3>{{1, 0, 0}, {4, 0, 0}, {4, 3, 0}, {1, 3, 0}}));
+  EXPECT_EQ(kept[2].edge, cut);
+  EXPECT_EQ(kept[3].edge, cut);
+  EXPECT_FALSE(has_inside(clipper.keep_positive({{1, 0, 0}, -9}, epsilon)));
+  EXPECT_EQ(clipper.corners().size(), 4u);
+  clipper.start();
+  for (const glm::dvec3& p : {glm::dvec3(0, 0, 0), glm::dvec3(2, 0, 0), glm::dvec3(0, 2, 0)}) clipper.add({p});
+  EXPECT_EQ(clipper.keep_positive({{0, 0, 1}}, epsilon), Lies::within);
+  EXPECT_TRUE(has_inside(clipper.keep_positive({{-1, 0, 0}, 1}, epsilon)));
+  EXPECT_EQ(clipper.corners().size(), 4u);
+}
+
 }  // namespace
 }  // namespace gnomon

@@ -162,12 +162,15 @@ TEST(AliasFreeMapParts, a_footprint_holds_all_that_its_triangle_shades) {
     if (orient3d_sign(t.points[0], t.points[1], t.points[2], l) == 0) continue;
     Bounds bounds;
     for (const glm::vec3& p : t.points) bounds.add(p);
-    const Projection projection(light, bounds);
-    const glm::dvec3 corners[3] = {projection.seen(t.points[0]), projection.seen(t.points[1]), projection.seen(t.points[2])};
+    const LightSpace space = space_of(light, bounds);
+    double extent = 0;
+    for (const glm::vec3& p : t.points) extent = std::max(extent, norm1(space.main().seen(p)));
     Footprint footprints[6];
     bool has[6] = {};
-    project(projection, corners, std::max({norm1(corners[0]), norm1(corners[1]), norm1(corners[2])}), 7,
-            [&](int face, const Footprint& f) { footprints[face] = f, has[face] = true; });
+    for (const auto& [face, footprint] : footprints_of(space, t.points, extent, 7)) {
+      footprints[face] = footprint;
+      has[face] = true;
+    }
     several += std::count(has, has + 6, true) > 1;
     left_out += std::count(has, has + 6, true) < 3;
     for (int k = 0; k < 8; ++k) {
@@ -177,12 +180,10 @@ TEST(AliasFreeMapParts, a_footprint_holds_all_that_its_triangle_shades) {
       const glm::vec3 p = kind == 4 ? lattice_point(random) : glm::vec3(hit - random.uniform(0, 1) * to_light(l, hit));
       if (crosses({p, l}, t) == Crossing::none) continue;
       ++shaded;
-      const glm::dvec3 seen = projection.seen(p);
-      const int face = projection.face_of(seen);
+      const int face = space.face_of(p);
       ASSERT_TRUE(has[face]) << "triangle " << i;
-      const glm::dvec3 q = projection.seen(face, p);
-      EXPECT_EQ(q, projection.in_face(face, seen));
-      const glm::dvec2 place = projection.place(q);
+      const glm::dvec3 q = space[face].seen(p);
+      const glm::dvec2 place = space[face].place(q);
       const Footprint& f = footprints[face];
       EXPECT_EQ(f.caster, 7u);
       ASSERT_TRUE(f.x0 <= place.x && place.x <= f.x1 && f.y0 <= place.y && place.y <= f.y1 && f.z0 <= q.z) << "triangle " << i;
@@ -211,10 +212,10 @@ TEST(AliasFreeMapParts, the_sides_of_a_shadow_never_contradict_exact_signs) {
       const glm::dvec3 a(t.points[0]), hit = a + u * (glm::dvec3(t.points[1]) - a) + v * (glm::dvec3(t.points[2]) - a);
       p = hit - (aimed ? random.uniform(0, 1) : 0) * to_light(l, hit);
     }
-    const Projection projection(light, {});
-    const int face = projection.face_of(projection.seen(p));
-    const glm::dvec3 q = projection.seen(face, p);
-    const Shadow shadow = make_shadow(projection, face, l, t.points, facing, 2 * norm1(q));
+    const LightSpace space = space_of(light, {});
+    const LightFace& face = space[space.face_of(p)];
+    const glm::dvec3 q = face.seen(p);
+    const Shadow shadow = make_shadow(face, l, t.points, facing, 2 * norm1(q));
     const auto at = [&](const Side& s) { return s.at(q.x, q.y, q.z); };
     const bool outside = std::ranges::any_of(shadow.sides, [&](const Side& s) { return at(s) < 0; });
     const bool inside = std::ranges::all_of(shadow.sides, [&](const Side& s) { return at(s) > 2 * s.error; });
@@ -246,7 +247,7 @@ void compare(const Scene& scene, const Light& light, const GBuffer& gbuffer, con
       continue;
     }
     ExactTally tally;
-    const ExactAnswer answer = exact.occluded(exact_receiver(scene, gbuffer, i), homogeneous(light), tally);
+    const ExactAnswer answer = exact.occluded(receiver_at(scene, gbuffer, i), homogeneous(light), tally);
     d.degenerate += answer.degenerate;
     ++(answer.blocked ? d.dark : d.lit);
     if ((done.mask[i] == 0) != answer.blocked && d.wrong++ == 0) {

@@ -215,7 +215,7 @@ void compare(const Scene& scene, const Light& light, const GBuffer& gbuffer, Dif
       continue;
     }
     ExactTally tally;
-    const ExactAnswer answer = exact.occluded(exact_receiver(scene, gbuffer, i), homogeneous(light), tally);
+    const ExactAnswer answer = exact.occluded(receiver_at(scene, gbuffer, i), homogeneous(light), tally);
     if (answer.degenerate) {
       ++d.degenerate;
       continue;

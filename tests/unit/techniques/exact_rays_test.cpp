@@ -20,8 +20,8 @@ Triangle corners(const Mesh& mesh, const glm::uvec3& t) {
   return {{mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]}};
 }
 
-/// Every triangle asked, in order; own ones left out as ExactReceiver says.
-ExactAnswer brute_force(const Scene& scene, const ExactReceiver& receiver, const glm::dvec4& light) {
+/// Every triangle asked, in order; own ones left out as Receiver says.
+ExactAnswer brute_force(const Scene& scene, const Receiver& receiver, const glm::dvec4& light) {
   bool crossed = false, touched = false;
   for (std::uint32_t m = 0; m < scene.meshes.size(); ++m)
     for (std::uint32_t t = 0; t < scene.meshes[m].triangles.size(); ++t) {
@@ -80,7 +80,7 @@ TEST(ExactScene, the_tree_answers_like_brute_force) {
     const Scene scene = soup(random, round < 5 ? round : 40);
     const ExactScene exact(scene);
     for (int i = 0; i < 150; ++i) {
-      ExactReceiver receiver{{random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-2, 2)}};
+      Receiver receiver{{random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-2, 2)}};
       const auto m = random.below(2);
       const Mesh& mesh = scene.meshes[m];
       if (!mesh.triangles.empty() && random.below(4)) {
@@ -129,7 +129,7 @@ TEST(ExactScene, all_threads_give_the_answers_of_one) {
     EXPECT_EQ(mask, again);
     EXPECT_EQ(tally.rays, mask.size());
     for (std::size_t i = 0; i < mask.size(); ++i)
-      ASSERT_EQ(mask[i] == 0, brute_force(scene, exact_receiver(scene, picture.gbuffer, i), homogeneous(light)).blocked)
+      ASSERT_EQ(mask[i] == 0, brute_force(scene, receiver_at(scene, picture.gbuffer, i), homogeneous(light)).blocked)
           << "pixel " << i;
   }
 }

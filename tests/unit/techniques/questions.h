@@ -48,7 +48,7 @@ inline double distance(const glm::dvec3& p, const Triangle& triangle) {
 }
 
 /// Whether the point lies on, or almost on, a caster out of the plane of its own triangle.
-inline bool touches_another(const Scene& scene, const ExactReceiver& receiver, double limit) {
+inline bool touches_another(const Scene& scene, const Receiver& receiver, double limit) {
   const Triangle own = corners(scene.meshes[receiver.mesh], receiver.triangle);
   for (const Mesh& mesh : scene.meshes)
     for (std::uint32_t t = 0; mesh.casts && t < mesh.triangles.size(); ++t) {
@@ -69,7 +69,7 @@ inline void ask(Case& c) {
   ExactTally tally;
   for (std::size_t i = 0; i < c.picture.gbuffer.size(); ++i) {
     if (!faces_light(c.scene, c.picture.gbuffer, c.light, i)) continue;
-    const ExactReceiver receiver = exact_receiver(c.scene, c.picture.gbuffer, i);
+    const Receiver receiver = receiver_at(c.scene, c.picture.gbuffer, i);
     const ExactAnswer answer = exact.occluded(receiver, light, tally);
     const bool clear = !answer.degenerate && exact.edge_margin(receiver, light, limit).clearance > limit &&
                        !touches_another(c.scene, receiver, limit);

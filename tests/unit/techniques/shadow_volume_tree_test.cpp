@@ -1,5 +1,6 @@
 // The shadow volume tree: ways and visits on paper, and the technique against the exact oracle on scenes that are hard on it.
 #include <gnomon/kit/exact_scene.h>
+#include <gnomon/kit/random.h>
 #include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
 #include <gtest/gtest.h>
@@ -137,7 +138,8 @@ TEST(ShadowVolumeTree, larger_casters_go_first) {
   for (const Caster& caster : casters) order.push_back(caster.triangle);
   EXPECT_EQ(order, (std::vector<std::uint32_t>{2, 4, 0, 3, 5, 1}));
   std::vector<Caster> same = casters;
-  shuffle(casters, 3), shuffle(same, 3);
+  Random(3).shuffle(casters);
+  Random(3).shuffle(same);
   std::vector<std::uint32_t> shuffled, sorted;
   for (const Caster& caster : casters) shuffled.push_back(caster.triangle);
   for (const Caster& caster : same) sorted.push_back(caster.triangle);
@@ -155,11 +157,11 @@ TEST(ShadowVolumeTree, visits_on_paper) {
   tree.reserve(4);
   tree.casters()[0] = paper.first;
   tree.grow(1, paper.frame, true, true);
-  Tree::Stack stack = tree.make_stack();
+  const Scene scene{.meshes = {{.positions = {{0, 1, 0}, {0, 1, 4}, {4, 1, 0}}, .triangles = {{0, 1, 2}}}}};
   const auto visits = [&](const glm::vec3& point, std::uint32_t expected) {
-    Tally tally;
-    EXPECT_EQ(tree.occluder({.point = point}, stack, tally), expected);
-    return tally.visits;
+    QueryWork work = tree.make_work();
+    EXPECT_EQ(tree.shading_triangle(scene, {{.point = point}}, work), expected);
+    return work.visits;
   };
   EXPECT_EQ(visits({-1, 0, 1}, none), 1u);
   EXPECT_EQ(visits({3, 0, 3}, none), 2u);
@@ -177,12 +179,9 @@ TEST(ShadowVolumeTree, visits_on_paper) {
   tree.grow(4, paper.frame, true, true);
   EXPECT_EQ(tree.triangles(), 4u);
   EXPECT_EQ(tree.depth(), 2u);
-  stack = tree.make_stack();
   EXPECT_EQ(visits({1.2f, -1, 1.2f}, 0), 4u);
-  Tally tally;
-  EXPECT_EQ(
-      tree.occluder({.point = {1.2f, -1, 1.2f}, .own_triangle = 0, .own = {{0, 1, 0}, {0, 1, 4}, {4, 1, 0}}}, stack, tally),
-      1u);
+  QueryWork work = tree.make_work();
+  EXPECT_EQ(tree.shading_triangle(scene, TriangleNumbers(scene).numbered({{1.2f, -1, 1.2f}, 0, 0}), work), 1u);
   EXPECT_EQ(visits({-0.5f, -1, 1.1f}, 2), 1u + 2u + 4u);  // inside x = -3, and outside the second plane of caster 3
   EXPECT_EQ(visits({-2.9f, -1, 1.05f}, 3), 1u + 4u);      // beyond the wedge of caster 2
   EXPECT_EQ(visits({-2.9f, 0.5f, 1.05f}, none), 1u);      // and before all there
@@ -207,7 +206,7 @@ std::vector<float> compare(const std::string& settings, const Scene& scene, cons
       continue;
     }
     ExactTally tally;
-    const ExactAnswer answer = exact.occluded(exact_receiver(scene, gbuffer, i), homogeneous(light), tally);
+    const ExactAnswer answer = exact.occluded(receiver_at(scene, gbuffer, i), homogeneous(light), tally);
     ++(answer.blocked ? sum.dark : sum.lit);
     sum.degenerate += answer.degenerate;
     if ((done.mask[i] == 0) != answer.blocked && sum.wrong++ == 0) {
@@ -380,7 +379,7 @@ TEST(ShadowVolumeTree, an_exact_shape_is_not_shaded_by_its_own_triangles) {
 
 // Trees large enough that threads share the first splits and the rest: masks, counts and occluders are the same, and each
 // occluder blocks the way.
-TEST(ShadowVolumeTree, threads_change_nothing_and_occluders_occlude) {
+TEST(ShadowVolumeTree, threads_change_nothing_and_what_is_named_shades) {
   std::mt19937 engine(12);
   Scene scene;
   scene.meshes = {square(3, 0), small_world::random_soup(engine, 12'000, 2, 0.1f, 2, 0.05f)};

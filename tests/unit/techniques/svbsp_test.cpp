@@ -29,8 +29,7 @@ TEST(Svbsp, orders_and_rules_change_no_answer) {
     const ExactScene exact(scene);
     std::vector<bool> is_plain(picture.gbuffer.size());
     for (std::size_t i = 0; i < is_plain.size(); ++i)
-      is_plain[i] =
-          std::isinf(exact.edge_margin(exact_receiver(scene, picture.gbuffer, i), homogeneous(light), 1e-6).clearance);
+      is_plain[i] = std::isinf(exact.edge_margin(receiver_at(scene, picture.gbuffer, i), homogeneous(light), 1e-6).clearance);
     const auto wanted = run("", scene, light, picture.gbuffer).mask;
     for (const char* const settings :
          {"drop_edges=cut", "drop_edges=none", "tile_size=1", "tile_size=4096", "order=bsp", "order=bsp,drop_edges=cut",

@@ -13,7 +13,7 @@ using namespace svbsp;
 // A lamp at (1, 2, 3) sees (1, 6, 3) straight along +y at the distance 4, (2, 6, 1) where y's face has z / y = -2 / 4 and x
 // / y = 1 / 4; and (-4, 2, 3) straight along -x.
 TEST(Svbsp, a_lamp_sees_in_perspective) {
-  const LightSpace space({1, 2, 3, 1}, {});
+  const ProjectedSpace space({1, 2, 3, 1}, {});
   EXPECT_EQ(space.face_count(), 6);
   ASSERT_EQ(space.face_of({1, 6, 3}), 2);
   EXPECT_EQ(space.of_world(2, {1, 6, 3}), glm::dvec3(0, 0, 0.25));
@@ -38,7 +38,7 @@ TEST(Svbsp, planes_are_planes_in_light_space) {
   for (int i = 0; i < 300; ++i) {
     const Light light = hard_scenes::hard_light(random);
     const glm::dvec4 at = homogeneous(light);
-    const LightSpace space(at, {{-2, -2, -2}, {2, 2, 2}});
+    const ProjectedSpace space(at, {{-2, -2, -2}, {2, 2, 2}});
     glm::vec3 corners[3];
     for (glm::vec3& p : corners) p = glm::vec3(random.uniform(glm::dvec3(-2), glm::dvec3(2)));
     const int facing = orient3d_sign(corners[0], corners[1], corners[2], at);
@@ -60,17 +60,17 @@ TEST(Svbsp, planes_are_planes_in_light_space) {
 
 /// Pieces at a height over x and y, in a tree of their own.
 struct Paper {
-  LightSpace space{{0, 0, 1, 0}, {}};
+  ProjectedSpace space{{0, 0, 1, 0}, {}};
   Rules rules{.epsilon = {1e-10, 1e-10}};
   std::vector<Node> nodes;
-  Tally tally;
+  TreeWork work;
   std::vector<double> heights;
   Link root = out_cell;
   struct Plane {
     const std::vector<double>* heights;
     ClipPlane operator()(std::uint32_t piece) const { return {{0, 0, 1}, -(*heights)[piece]}; }
   };
-  Builder<Plane> builder{space, rules, {&heights}, nodes, tally};
+  Builder<Plane> builder{space, rules, {&heights}, nodes, work};
 
   void add(double height, std::vector<Corner> corners) {
     for (Corner& corner : corners) corner.at.z = height;
@@ -96,8 +96,8 @@ TEST(Svbsp, an_edge_in_common_has_one_plane) {
   EXPECT_EQ(shared.nodes.size(), 3u);
   shared.add(1, right_half);
   EXPECT_EQ(shared.nodes.size(), 5u);
-  EXPECT_EQ(shared.tally.cuts, 0u);
-  EXPECT_EQ(shared.tally.lit, 2u);
+  EXPECT_EQ(shared.work.cuts, 0u);
+  EXPECT_EQ(shared.work.lit, 2u);
   for (const Drop drop : {Drop::cut, Drop::none}) {
     Paper all;
     all.rules.drop = drop;
@@ -117,9 +117,9 @@ TEST(Svbsp, cuts_make_no_planes) {
     paper.rules.drop = drop;
     paper.add(2, left_half), paper.add(1, square);
     EXPECT_EQ(paper.nodes.size(), 3 + planes);
-    EXPECT_EQ(paper.tally.cuts, 1u);
-    EXPECT_EQ(paper.tally.lit, 2u);
-    EXPECT_EQ(paper.tally.shadowed, 1u);
+    EXPECT_EQ(paper.work.cuts, 1u);
+    EXPECT_EQ(paper.work.lit, 2u);
+    EXPECT_EQ(paper.work.shadowed, 1u);
     EXPECT_EQ(paper.at(-0.5, 2.5), in_cell(1));
     EXPECT_EQ(paper.at(0.5, 2.5), in_cell(0));
     EXPECT_EQ(paper.at(-1.5, 2.5), out_cell);
@@ -160,8 +160,8 @@ TEST(Svbsp, cells_know_what_is_nearest_in_any_order) {
     EXPECT_EQ(near_first.at(x, y), in_cell(is_small ? 0 : 1));
     EXPECT_EQ(far_first.at(x, y), in_cell(is_small ? 1 : 0));
   }
-  EXPECT_EQ(far_first.tally.shadowed, 0u);
-  EXPECT_EQ(near_first.tally.shadowed, 1u);
+  EXPECT_EQ(far_first.work.shadowed, 0u);
+  EXPECT_EQ(near_first.work.shadowed, 1u);
 }
 
 // All cells IN, the least height 1: what is no higher is hidden, and only that. An OUT cell remains until the square is

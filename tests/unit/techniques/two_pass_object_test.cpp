@@ -155,7 +155,7 @@ void compare(const std::string& settings, const Scene& scene, const Light& light
       continue;
     }
     ExactTally tally;
-    const ExactAnswer answer = exact.occluded(exact_receiver(scene, gbuffer, i), homogeneous(light), tally);
+    const ExactAnswer answer = exact.occluded(receiver_at(scene, gbuffer, i), homogeneous(light), tally);
     ++(answer.blocked ? sum.dark : sum.lit);
     sum.degenerate += answer.degenerate;
     if ((done.mask[i] == 0) == answer.blocked || sum.wrong++ > 0) continue;
@@ -298,7 +298,7 @@ TEST(TwoPassObject, surface_detail_is_what_the_oracle_says) {
         const double weight = random.uniform(0.02, 1);
         p += weight * corner, sum += weight;
       }
-      const ExactReceiver receiver{glm::vec3(p / sum), polygon.mesh, polygon.triangle};
+      const Receiver receiver{glm::vec3(p / sum), polygon.mesh, polygon.triangle};
       bool is_clear = exact.edge_margin(receiver, homogeneous(light), 1e-6 * extent).clearance > 3e-7 * extent;
       for (std::uint32_t m = 0; m < scene.meshes.size() && is_clear; ++m)
         for (std::uint32_t t = 0; t < scene.meshes[m].triangles.size(); ++t) {
@@ -350,7 +350,7 @@ TEST(TwoPassObject, an_exact_shape_is_not_shaded_by_its_own_triangles) {
 }
 
 // Masks, counts and polygons are the same on one thread and on all, and what is named as shading a point blocks its way.
-TEST(TwoPassObject, threads_change_nothing_and_occluders_occlude) {
+TEST(TwoPassObject, threads_change_nothing_and_what_is_named_shades) {
   std::mt19937 engine(12);
   Scene scene;
   scene.meshes = {square(3, 0), small_world::random_soup(engine, 8'000, 2, 0.1f, 2, 0.05f)};

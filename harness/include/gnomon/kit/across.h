@@ -1,20 +1,35 @@
 #pragma once
-#include <gnomon/scene.h>
+#include <glm/glm.hpp>
 
 namespace gnomon {
 
-/// Two unit vectors across a unit axis; u, v, axis is right-handed. The coordinate axis farthest from it makes the best
-/// conditioned pair.
+/// Two unit vectors across a unit axis; u, v, axis is right-handed.
 struct Across {
   glm::dvec3 u, v;
 
-  explicit Across(const glm::dvec3& axis) {
+  /// By the coordinate axis that the axis is farthest from, which makes the best conditioned pair.
+  explicit Across(const glm::dvec3& axis) : Across(axis, least(axis)) {}
+  /// u lies across `helper`, too: any direction but that of the axis.
+  Across(const glm::dvec3& axis, const glm::dvec3& helper)
+      : u(glm::normalize(glm::cross(helper, axis))), v(glm::cross(axis, u)) {}
+  /// By the x axis, or by the y axis where |axis.x| is not below the limit.
+  static Across by_x(const glm::dvec3& axis, double limit) {
+    return {axis, glm::abs(axis.x) < limit ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)};
+  }
+
+ private:
+  static glm::dvec3 least(const glm::dvec3& axis) {
     const glm::dvec3 a = glm::abs(axis);
-    const glm::dvec3 helper = a.x <= a.y && a.x <= a.z ? glm::dvec3(1, 0, 0)
-                              : a.y <= a.z             ? glm::dvec3(0, 1, 0)
-                                                       : glm::dvec3(0, 0, 1);
-    u = glm::normalize(glm::cross(helper, axis)), v = glm::cross(axis, u);
+    return a.x <= a.y && a.x <= a.z ? glm::dvec3(1, 0, 0) : a.y <= a.z ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1);
   }
 };
+
+/// To the side of a unit direction, across an `up` of any length; not normalized. Where the two run along each other any side
+/// will do, and it is the same one every time.
+inline glm::dvec3 sideways(const glm::dvec3& forward, const glm::dvec3& up) {
+  const glm::dvec3 side = glm::cross(forward, up);
+  if (glm::dot(side, side) > 1e-12 * glm::dot(up, up)) return side;
+  return glm::cross(forward, glm::abs(forward.x) < 0.9 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 0, 1));
+}
 
 }  // namespace gnomon

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
+#include <utility>
+#include <vector>
 
 namespace gnomon {
 
@@ -21,10 +23,13 @@ struct ClipPlane {
   glm::dvec3 normal{0};
   double offset = 0;
   double at(const glm::dvec3& x) const { return normal.x * x.x + normal.y * x.y + normal.z * x.z + offset; }
+  ClipPlane operator-() const { return {-normal, -offset}; }
 };
 
 /// Where a polygon lies from a plane: bit 0, some corner is farther than epsilon on the negative side; bit 1, on the positive.
 enum class Lies : unsigned { within = 0, negative = 1, positive = 2, across = 3 };
+/// Whether it has a part on the positive side that is farther than epsilon from the plane.
+inline bool has_inside(Lies lies) { return (static_cast<unsigned>(lies) & 2) != 0; }
 
 /// Writes every corner's value at the plane to `values`, which has room for as many; those within epsilon count as on the
 /// plane.
@@ -72,5 +77,42 @@ inline CutCounts cut_polygon(std::span<const Corner> polygon, const double* valu
   }
   return {static_cast<std::size_t>(n - negative), static_cast<std::size_t>(p - positive)};
 }
+
+/// A polygon that planes cut down, one after the other. Keeps its memory from one polygon to the next.
+class Clipper {
+ public:
+  void start() { count_ = 0; }
+  void add(const Corner& corner) {
+    if (polygon_.size() == count_) polygon_.resize(2 * count_ + 8);
+    polygon_[count_++] = corner;
+  }
+  void start(std::span<const Corner> corners) {
+    start();
+    for (const Corner& corner : corners) add(corner);
+  }
+
+  /// Leaves what lies on the positive side of a plane, if the polygon lies across it, with `cut` as the mark of the edge along
+  /// the plane. Says how it lay; of what does not lie across a plane nothing is cut off.
+  Lies keep_positive(const ClipPlane& plane, double epsilon, std::uint32_t cut = 0) {
+    if (kept_.size() <= polygon_.size()) {
+      kept_.resize(polygon_.size() + 1);
+      rest_.resize(polygon_.size() + 1);
+      values_.resize(polygon_.size() + 1);
+    }
+    const Lies lies = classify(corners(), plane, epsilon, values_.data());
+    if (lies != Lies::across) return lies;
+    count_ = cut_polygon(corners(), values_.data(), epsilon, cut, rest_.data(), kept_.data()).positive;
+    std::swap(polygon_, kept_);
+    return lies;
+  }
+
+  std::span<const Corner> corners() const { return {polygon_.data(), count_}; }
+  std::span<Corner> corners() { return {polygon_.data(), count_}; }
+
+ private:
+  std::vector<Corner> polygon_, kept_, rest_;
+  std::vector<double> values_;
+  std::size_t count_ = 0;
+};
 
 }  // namespace gnomon

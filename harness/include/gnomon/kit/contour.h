@@ -1,5 +1,6 @@
 #pragma once
 #include <gnomon/kit/across.h>
+#include <gnomon/scene.h>
 
 #include <utility>
 

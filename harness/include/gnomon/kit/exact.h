@@ -28,6 +28,9 @@ bool collinear(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c);
 /// Whether four points lie in a plane.
 bool coplanar(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& d);
 
+/// Whether the three corners of another triangle lie in the plane of a triangle.
+bool coplanar(const Triangle& triangle, const glm::vec3* other);
+
 /// From a receiver's point to a homogeneous light: a segment, or a ray toward a directional light.
 struct Segment {
   glm::vec3 point;

@@ -1,21 +1,8 @@
 #pragma once
-#include <gnomon/gbuffer.h>
 #include <gnomon/kit/box_tree.h>
+#include <gnomon/kit/receiver.h>
 
 namespace gnomon {
-
-/// A point that asks for its light, and the surface it lies on. Its coordinates are taken as exact, so the point is in general
-/// not on the plane of its own triangle: that triangle, and every caster exactly coplanar with it, never occludes it.
-struct ExactReceiver {
-  static constexpr std::uint32_t whole_mesh = 0xffffffffu;
-  glm::vec3 point{0};
-  std::uint32_t mesh = no_mesh;         ///< no_mesh: a point in space, everything may occlude it
-  std::uint32_t triangle = whole_mesh;  ///< whole_mesh: no triangle of the mesh occludes it
-};
-
-/// The receiver of a pixel. On an exact sphere, cone or disc there is no own triangle, and the whole own mesh is left out:
-/// these bodies are convex, so none shades a point of its own surface that faces the light.
-ExactReceiver exact_receiver(const Scene& scene, const GBuffer& gbuffer, std::size_t i);
 
 struct ExactAnswer {
   bool blocked = false;
@@ -44,7 +31,7 @@ class ExactScene {
 
   /// Whether a caster blocks the way to a homogeneous light. Triangles are closed: a way through an edge or a vertex is
   /// blocked.
-  ExactAnswer occluded(const ExactReceiver& receiver, const glm::dvec4& light, ExactTally& tally) const;
+  ExactAnswer occluded(const Receiver& receiver, const glm::dvec4& light, ExactTally& tally) const;
 
   /// The same for every pixel that faces the light, on all threads: 1 lit, 0 blocked, 1 where not facing.
   ExactTally decide(const GBuffer& gbuffer, const Light& light, std::span<float> visibility) const;
@@ -52,7 +39,7 @@ class ExactScene {
   /// Margin of a segment to the edges of the casters that can occlude the receiver, looking `limit` meters far. An edge between
   /// the receiver's triangle and a neighbor out of its plane is among them: a receiver that rounding put below its plane may
   /// be blocked by that neighbor. In double, so its own rounding is eight digits below that of the coordinates.
-  EdgeMargin edge_margin(const ExactReceiver& receiver, const glm::dvec4& light, double limit) const;
+  EdgeMargin edge_margin(const Receiver& receiver, const glm::dvec4& light, double limit) const;
 
   std::size_t bytes() const { return tree_.bytes() + casters_.capacity() * sizeof(Caster); }
 
@@ -61,8 +48,9 @@ class ExactScene {
     Triangle corners;
     std::uint32_t mesh, triangle;
   };
-  /// Whether the caster is the receiver's own triangle, one coplanar with it, or of a mesh left out whole.
-  bool is_own(const Caster& caster, const ExactReceiver& receiver) const;
+  bool leaves_out(const Receiver& receiver, const Caster& caster) const {
+    return receiver.is_own(caster.mesh, caster.triangle) || receiver.is_coplanar(*scene_, caster.corners.points);
+  }
 
   const Scene* scene_;
   BoxTree tree_;

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <utility>
 
 namespace gnomon {
 
@@ -32,6 +33,12 @@ class Random {
 
   /// In 0 .. count - 1, by multiplication; the bias is below count / 2^32.
   std::uint32_t below(std::uint32_t count) { return static_cast<std::uint32_t>(std::uint64_t{next()} * count >> 32); }
+
+  /// Every order is as likely, but for that bias (Fisher and Yates).
+  template <class Items>
+  void shuffle(Items&& items) {
+    for (std::size_t i = items.size(); i > 1; --i) std::swap(items[i - 1], items[below(static_cast<std::uint32_t>(i))]);
+  }
 
  private:
   std::uint64_t state_ = 0;

@@ -1,11 +1,14 @@
+#include "paint_bsp.h"
+
 #include <gnomon/kit/exact.h>
 #include <gnomon/kit/layers.h>
 #include <gnomon/kit/painter.h>
+#include <gnomon/kit/receiver.h>
 #include <gnomon/kit/surface_detail.h>
 
 #include <algorithm>
 
-namespace gnomon {
+namespace gnomon::svbsp {
 
 namespace {
 
@@ -33,6 +36,32 @@ class Canvas final : public DetailBrush {
 
 }  // namespace
 
+DebugLayer bsp_layer() {
+  const std::vector<Swatch> borders = splits_layer().legend;
+  return {"bsp",
+          "The polygons of the regular BSP tree of the scene, without shadows: the edges of triangles, and where planes of the "
+          "tree split them.",
+          {borders[0], borders[2]}};
+}
+
+std::vector<float> paint_bsp(const Scene& scene, const GBuffer& gbuffer, const Light& light, const Bsp& bsp) {
+  std::vector<const BspPolygon*> sorted;
+  for (const BspPolygon& polygon : bsp.polygons()) sorted.push_back(&polygon);
+  std::ranges::stable_sort(sorted, {}, [](const BspPolygon* p) { return p->triangle; });
+  const TriangleNumbers numbers(scene);
+  SurfaceDetail detail;
+  for (const BspPolygon* const polygon : sorted) {
+    const std::uint32_t mesh = numbers.mesh_of(polygon->triangle);
+    detail.polygons.push_back({.mesh = mesh,
+                               .triangle = polygon->triangle - numbers.first_of(mesh),
+                               .is_lit = true,
+                               .first = static_cast<std::uint32_t>(detail.corners.size()),
+                               .count = polygon->count});
+    for (const Corner& corner : bsp.corners(*polygon)) detail.corners.push_back(corner.at);
+  }
+  return paint_division(scene, gbuffer, light, detail);
+}
+
 DebugLayer painter_layer() {
   return {"painter",
           "The polygons with their surface detail, drawn back to front through the BSP tree, without a depth buffer; shaded by "
@@ -41,22 +70,16 @@ DebugLayer painter_layer() {
 
 std::vector<float> paint_back_to_front(const Scene& scene, const GBuffer& gbuffer, const Light& light, const Bsp& bsp,
                                        const DetailOf& detail_of) {
-  std::vector<std::uint32_t> first_triangle;  // of each mesh
-  std::uint32_t count = 0;
-  for (const Mesh& mesh : scene.meshes) {
-    first_triangle.push_back(count);
-    count += static_cast<std::uint32_t>(mesh.triangles.size());
-  }
-  struct Face {
+  const TriangleNumbers numbers(scene);
+  struct Triangle {
     const Mesh& mesh;
     glm::vec3 a, b, c;
   };
-  const auto face_of = [&](std::uint32_t triangle) {
-    // The last mesh that begins here or before: one without triangles begins where the next one does.
-    const auto m = std::ranges::upper_bound(first_triangle, triangle) - first_triangle.begin() - 1;
-    const Mesh& mesh = scene.meshes[static_cast<std::size_t>(m)];
-    const glm::uvec3& t = mesh.triangles[triangle - first_triangle[static_cast<std::size_t>(m)]];
-    return Face{mesh, mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]};
+  const auto triangle_of = [&](std::uint32_t number) {
+    const std::uint32_t m = numbers.mesh_of(number);
+    const Mesh& mesh = scene.meshes[m];
+    const glm::uvec3& t = mesh.triangles[number - numbers.first_of(m)];
+    return Triangle{mesh, mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]};
   };
 
   const Camera camera(gbuffer.view, gbuffer.width, gbuffer.height);
@@ -64,7 +87,7 @@ std::vector<float> paint_back_to_front(const Scene& scene, const GBuffer& gbuffe
   Canvas canvas(camera, gbuffer.size());
   bsp.back_to_front(eye, [&](std::span<const BspPolygon> coplanar) {
     for (const BspPolygon& polygon : coplanar) {
-      const Face face = face_of(polygon.triangle);
+      const Triangle face = triangle_of(polygon.triangle);
       const int seen = orient3d_sign(face.a, face.b, face.c, eye);
       if (seen == 0) continue;
       canvas.triangle = polygon.triangle;
@@ -77,7 +100,7 @@ std::vector<float> paint_back_to_front(const Scene& scene, const GBuffer& gbuffe
   for (std::size_t i = 0; i < gbuffer.size(); ++i) {
     glm::vec3 color = background_color();
     if (const Paint paint = canvas.pixels[i]; paint != nothing) {
-      const Face face = face_of(paint / 2);
+      const Triangle face = triangle_of(paint / 2);
       const glm::dvec3 a(face.a), across = glm::cross(glm::dvec3(face.b) - a, glm::dvec3(face.c) - a);
       const glm::dvec3 ray =
           camera.ray(static_cast<double>(i % gbuffer.width) + 0.5, static_cast<double>(i / gbuffer.width) + 0.5);
@@ -91,4 +114,4 @@ std::vector<float> paint_back_to_front(const Scene& scene, const GBuffer& gbuffe
   return picture;
 }
 
-}  // namespace gnomon
+}  // namespace gnomon::svbsp

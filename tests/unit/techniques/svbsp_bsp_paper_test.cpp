@@ -2,8 +2,8 @@
 #include <gnomon/error.h>
 #include <gtest/gtest.h>
 
-#include "bsp_rig.h"
-#include "kit/bsp_dividing.h"
+#include "svbsp_bsp_rig.h"
+#include "techniques/svbsp/bsp_dividing.h"
 
 namespace gnomon {
 namespace {

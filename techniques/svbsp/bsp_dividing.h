@@ -1,14 +1,14 @@
 #pragma once
-// Private to kit/bsp.cpp: how a plane is chosen for a list of pieces, and what it makes of them.
-#include <gnomon/kit/bsp.h>
-#include <gnomon/kit/exact.h>
+// Private to bsp.cpp: how a plane is chosen for a list of pieces, and what it makes of them.
+#include <gnomon/kit/receiver.h>
 
 #include <limits>
 #include <tuple>
 
+#include "bsp.h"
 #include "bsp_pieces.h"
 
-namespace gnomon::bsp {
+namespace gnomon::svbsp::bsp {
 
 /// What divides a list of pieces: the plane of one of their triangles, or a free cut.
 struct Divider {
@@ -53,14 +53,14 @@ inline void set_free_cut(Divider& divider, int axis, float place) {
 struct Source {
   const Scene& scene;
   const BspOptions& options;
-  double epsilon;                             ///< meters
-  std::vector<std::uint32_t> first_triangle;  ///< of each mesh
+  double epsilon;  ///< meters
+  TriangleNumbers numbers;
 
   Triangle triangle(const Piece& piece) const {
     if (!piece.corners) return {{glm::vec3(piece.corner(0)), glm::vec3(piece.corner(1)), glm::vec3(piece.corner(2))}};
-    const auto after = std::ranges::upper_bound(first_triangle, piece.triangle);
-    const Mesh& mesh = scene.meshes[static_cast<std::size_t>(after - first_triangle.begin()) - 1];
-    const glm::uvec3& t = mesh.triangles[piece.triangle - after[-1]];
+    const std::uint32_t m = numbers.mesh_of(piece.triangle);
+    const Mesh& mesh = scene.meshes[m];
+    const glm::uvec3& t = mesh.triangles[piece.triangle - numbers.first_of(m)];
     return {{mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]}};
   }
 };
@@ -70,7 +70,7 @@ class Dividing {
  public:
   static constexpr std::size_t fewest_for_free_cuts = 48;
 
-  Dividing(const Source& source, Arena& arena) : source_(source), lot_(arena) {}
+  Dividing(const Source& source, Arena& arena) : source_(source), room_(arena) {}
 
   /// Chooses what divides a list of two pieces or more, and does it. The pieces on its negative side are in the front of the
   /// list then, those on the positive side in positive(), both in their order; what lies in the plane is appended to `set`.
@@ -107,7 +107,11 @@ class Dividing {
     if (!piece.corners) {
       const double a = divider.plane.at(piece.corner(0)), b = divider.plane.at(piece.corner(1)),
                    c = divider.plane.at(piece.corner(2));
-      if (!is_estimate) values_[0] = a, values_[1] = b, values_[2] = c;
+      if (!is_estimate) {
+        values_[0] = a;
+        values_[1] = b;
+        values_[2] = c;
+      }
       const unsigned is_negative = (a < -epsilon) | (b < -epsilon) | (c < -epsilon),
                      is_positive = (a > epsilon) | (b > epsilon) | (c > epsilon);
       return static_cast<Lies>(is_negative | is_positive << 1);
@@ -136,7 +140,8 @@ class Dividing {
       const glm::vec3* const t = divider.triangle.points;
       const int sign = divider.axis < 0 ? orient3d_sign(t[0], t[1], t[2], p)
                                         : (p[divider.axis] > divider.place) - (p[divider.axis] < divider.place);
-      low = std::min(low, sign), high = std::max(high, sign);
+      low = std::min(low, sign);
+      high = std::max(high, sign);
     }
     if (low >= 0 && high > 0) return Lies::positive;
     if (high <= 0 && low < 0) return Lies::negative;
@@ -153,7 +158,7 @@ class Dividing {
   void cut(const Piece& piece, Piece& negative, Piece& positive);
 
   const Source& source_;
-  Arena::Lot lot_;
+  Arena::Room room_;
   Divider best_, candidate_;
   std::tuple<std::size_t, std::size_t> least_;  ///< score of best_
   std::vector<const Piece*> sample_;
@@ -188,7 +193,8 @@ inline void Dividing::choose(std::span<const Piece> list, bool with_free_cuts) {
   glm::vec3 low(INFINITY), high(-INFINITY);
   for (const Piece* const piece : sample_) {
     const glm::vec3 corner(piece->low(0), piece->low(1), piece->low(2));
-    low = glm::min(low, corner), high = glm::max(high, corner);
+    low = glm::min(low, corner);
+    high = glm::max(high, corner);
   }
   const glm::vec3 size = high - low;
   for (int axis = 0; axis < 3; ++axis) {
@@ -217,7 +223,10 @@ bool Dividing::consider() {
   const std::tuple score = is_balanced
                                ? std::tuple(8 * counts[3] + imbalance + (is_free ? sample_.size() / 4 : 0), std::size_t{0})
                                : std::tuple(counts[3], imbalance);
-  if (score < least_) least_ = score, best_ = candidate_;
+  if (score < least_) {
+    least_ = score;
+    best_ = candidate_;
+  }
   return counts[3] == 0 && imbalance <= 1 + sample_.size() / 4;
 }
 
@@ -229,10 +238,10 @@ inline void Dividing::cut(const Piece& piece, Piece& negative, Piece& positive) 
     polygon = own;
   }
   if (part_.size() <= polygon.size()) part_.resize(polygon.size() + 1);
-  Corner* const room = lot_.reserve(2 * polygon.size() + 2);
+  Corner* const room = room_.reserve(2 * polygon.size() + 2);
   const CutCounts counts = cut_polygon(polygon, values_.data(), source_.epsilon, 1, room, part_.data());
   std::copy_n(part_.data(), counts.positive, room + counts.negative);
-  lot_.keep(counts.negative + counts.positive);
+  room_.keep(counts.negative + counts.positive);
   const std::uint32_t triangle = piece.triangle;
   negative = piece_of(triangle, room, counts.negative);
   positive = piece_of(triangle, room + counts.negative, counts.positive);
@@ -265,4 +274,4 @@ std::size_t Dividing::part(std::span<Piece> list, std::vector<Piece>& set) {
   return negative;
 }
 
-}  // namespace gnomon::bsp
+}  // namespace gnomon::svbsp::bsp

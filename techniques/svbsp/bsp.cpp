@@ -1,14 +1,14 @@
+#include "bsp.h"
+
 #include <gnomon/error.h>
-#include <gnomon/kit/bsp.h>
 #include <gnomon/kit/parallel.h>
-#include <tbb/parallel_for_each.h>
 
 #include <atomic>
 #include <deque>
 
 #include "bsp_dividing.h"
 
-namespace gnomon {
+namespace gnomon::svbsp {
 
 using namespace bsp;
 
@@ -57,9 +57,12 @@ UnsetVector<Piece> Bsp::Builder::all_triangles() const {
       for (std::size_t i = begin; i < end; ++i) {
         const Triangle t{
             {mesh.positions[mesh.triangles[i].x], mesh.positions[mesh.triangles[i].y], mesh.positions[mesh.triangles[i].z]}};
-        const auto index = source.first_triangle[m] + static_cast<std::uint32_t>(i);
+        const auto index = source.numbers.first_of(m) + static_cast<std::uint32_t>(i);
         pieces[index] = piece_of(index, t.points[0], t.points[1], t.points[2]);
-        if (normal_of(t) == glm::dvec3(0)) pieces[index].count = 0, all_have_area = false;
+        if (normal_of(t) == glm::dvec3(0)) {
+          pieces[index].count = 0;
+          all_have_area = false;
+        }
       }
     });
   }
@@ -85,7 +88,8 @@ void Bsp::Builder::grow_whole(Task& task, Dividing& dividing) {
     bool with_free_cuts;
   };
   UnsetVector<Piece>& list = task.pieces;
-  task.nodes.reserve(list.size() + list.size() / 8), task.polygons.reserve(list.size() + list.size() / 8);
+  task.nodes.reserve(list.size() + list.size() / 8);
+  task.polygons.reserve(list.size() + list.size() / 8);
   std::vector<Part> parts{{0, task.depth, none, 0, task.with_free_cuts}};
   while (!parts.empty()) {
     const Part part = parts.back();
@@ -117,7 +121,7 @@ void Bsp::Builder::grow() {
   root->pieces = all_triangles();
   root->with_free_cuts = source.options.free_cuts;
   if (root->pieces.empty()) return tasks.clear();
-  tbb::parallel_for_each(&root, &root + 1, [&](Task* task, tbb::feeder<Task*>& feeder) {
+  for_tasks<Task*>(root, [&](Task* task, const auto& add) {
     Dividing dividing(source, arena);
     const std::size_t size = task->pieces.size();
     if (size < large) {
@@ -132,7 +136,7 @@ void Bsp::Builder::grow() {
         child->with_free_cuts = dividing.may_cut_freely(list.size(), size);
         child->pieces = std::move(list);
         child->depth = task->depth + 1;
-        feeder.add(child);
+        add(child);
       }
     }
     task->cuts = dividing.cuts();
@@ -148,8 +152,12 @@ void Bsp::Builder::collect(Bsp& bsp) {
     Task* const task = stack.back();
     stack.pop_back();
     order.push_back(task);
-    task->first_node = nodes, task->first_polygon = polygons, task->first_corner = corners;
-    nodes += task->nodes.size(), polygons += task->polygons.size(), corners += task->corners;
+    task->first_node = nodes;
+    task->first_polygon = polygons;
+    task->first_corner = corners;
+    nodes += task->nodes.size();
+    polygons += task->polygons.size();
+    corners += task->corners;
     bsp.split_count_ += task->cuts;
     bsp.depth_ = std::max(bsp.depth_, task->deepest);
     for (Task* const child : {task->children[0], task->children[1]})
@@ -157,7 +165,9 @@ void Bsp::Builder::collect(Bsp& bsp) {
   }
   if (nodes > none / 2 || corners > none)
     throw Error("a BSP tree of {} nodes and {} corners is beyond {} and {}", nodes, corners, none / 2, none);
-  bsp.nodes_.resize(nodes), bsp.polygons_.resize(polygons), bsp.corners_.resize(corners);
+  bsp.nodes_.resize(nodes);
+  bsp.polygons_.resize(polygons);
+  bsp.corners_.resize(corners);
   for_blocks(order.size(), 1, [&](std::size_t index, std::size_t) {
     Task& task = *order[index];
     const auto first_node = static_cast<std::uint32_t>(task.first_node);
@@ -188,14 +198,9 @@ Bsp::Bsp(const Scene& scene, const BspOptions& options) {
   if (bounds.empty()) return;
   const glm::vec3 largest = glm::max(glm::abs(bounds.min), glm::abs(bounds.max));
   epsilon_ = 1e-10 * std::max({largest.x, largest.y, largest.z});
-  Builder builder{.source = {scene, options, epsilon_, {}}, .arena = {}, .mutex = {}, .tasks = {}};
-  std::uint32_t first = 0;
-  for (const Mesh& mesh : scene.meshes) {
-    builder.source.first_triangle.push_back(first);
-    first += static_cast<std::uint32_t>(mesh.triangles.size());
-  }
+  Builder builder{.source = {scene, options, epsilon_, TriangleNumbers(scene)}, .arena = {}, .mutex = {}, .tasks = {}};
   builder.grow();
   if (!builder.tasks.empty()) builder.collect(*this);
 }
 
-}  // namespace gnomon
+}  // namespace gnomon::svbsp

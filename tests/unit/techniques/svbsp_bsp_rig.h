@@ -1,12 +1,14 @@
 #pragma once
 // Regular BSP trees looked at from outside: scenes for them, and what must be true of every one.
-#include <gnomon/kit/bsp.h>
 #include <gnomon/kit/shapes.h>
 #include <gtest/gtest.h>
 
 #include "hard_scenes.h"
+#include "techniques/svbsp/bsp.h"
 
 namespace gnomon::bsp_rig {
+
+using namespace svbsp;
 
 using Choice = BspOptions::Choice;
 

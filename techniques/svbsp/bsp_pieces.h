@@ -1,5 +1,5 @@
 #pragma once
-// Private to kit/bsp.cpp: triangles and their parts on the way down a BSP tree that is being made.
+// Private to bsp.cpp: triangles and their parts on the way down a BSP tree that is being made.
 #include <gnomon/kit/clip.h>
 #include <gnomon/scene.h>
 
@@ -9,7 +9,7 @@
 #include <mutex>
 #include <vector>
 
-namespace gnomon::bsp {
+namespace gnomon::svbsp::bsp {
 
 /// A triangle, or a part of one. It carries what most tests need, so that a list is read in a row.
 struct Piece {
@@ -30,7 +30,10 @@ inline Piece piece_of(std::uint32_t triangle, const glm::vec3& a, const glm::vec
 inline Piece piece_of(std::uint32_t triangle, const Corner* corners, std::size_t count) {
   Piece made{{}, triangle, corners, static_cast<std::uint32_t>(count)};
   glm::dvec3 low = corners[0].at, high = low;
-  for (std::size_t i = 1; i < count; ++i) low = glm::min(low, corners[i].at), high = glm::max(high, corners[i].at);
+  for (std::size_t i = 1; i < count; ++i) {
+    low = glm::min(low, corners[i].at);
+    high = glm::max(high, corners[i].at);
+  }
   for (int k = 0; k < 3; ++k) {
     const auto down = static_cast<float>(low[k]), up = static_cast<float>(high[k]);
     made.at[k] = down > low[k] ? std::nextafter(down, -INFINITY) : down;
@@ -39,12 +42,13 @@ inline Piece piece_of(std::uint32_t triangle, const Corner* corners, std::size_t
   return made;
 }
 
-/// Corners of parts, taken in lots by many threads. They stay where they are as long as the arena lives.
+/// Memory for the corners of parts, for many threads. They stay where they are as long as the arena lives.
 class Arena {
  public:
-  class Lot {
+  /// What one thread takes from it.
+  class Room {
    public:
-    explicit Lot(Arena& arena) : arena_(arena) {}
+    explicit Room(Arena& arena) : arena_(arena) {}
     /// Room for as many, of which `keep` takes the first ones.
     Corner* reserve(std::size_t count) {
       if (static_cast<std::size_t>(end_ - next_) < count) {
@@ -63,13 +67,13 @@ class Arena {
 
  private:
   Corner* take(std::size_t size) {
-    std::unique_ptr<Corner[]> lot(new Corner[size]);
+    std::unique_ptr<Corner[]> block(new Corner[size]);
     const std::scoped_lock lock(mutex_);
-    lots_.push_back(std::move(lot));
-    return lots_.back().get();
+    blocks_.push_back(std::move(block));
+    return blocks_.back().get();
   }
   std::mutex mutex_;
-  std::vector<std::unique_ptr<Corner[]>> lots_;
+  std::vector<std::unique_ptr<Corner[]>> blocks_;
 };
 
-}  // namespace gnomon::bsp
+}  // namespace gnomon::svbsp::bsp

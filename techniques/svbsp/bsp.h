@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace gnomon {
+namespace gnomon::svbsp {
 
 /// A triangle of the scene, or a part of one: convex, wound as the triangle is.
 struct BspPolygon {
@@ -107,4 +107,4 @@ class Bsp {
   double epsilon_ = 0;
 };
 
-}  // namespace gnomon
+}  // namespace gnomon::svbsp

@@ -4,7 +4,7 @@
 
 #include <numeric>
 
-#include "bsp_rig.h"
+#include "svbsp_bsp_rig.h"
 
 namespace gnomon {
 namespace {

@@ -1,0 +1,102 @@
+#include "footprint.h"
+
+#include <gnomon/kit/across.h>
+#include <gnomon/kit/clip.h>
+
+#include <algorithm>
+
+namespace gnomon::alias_free_map {
+
+LightSpace space_of(const Light& light, const Bounds& casters) {
+  const glm::dvec4 l = homogeneous(light);
+  const glm::dvec3 center = casters.empty() ? glm::dvec3(0) : (glm::dvec3(casters.min) + glm::dvec3(casters.max)) / 2.0;
+  const bool is_parallel = l.w == 0;
+  glm::dvec3 away = is_parallel ? -glm::dvec3(l) : center - glm::dvec3(l);
+  if (const auto* spot = std::get_if<SpotLight>(&light.kind)) away = spot->direction;
+  const double length = glm::length(away);
+  away = length > 0 ? away / length : glm::dvec3(0, -1, 0);
+  const auto [u, v] = Across(away);
+  const glm::dmat3 frame = frame_of(u, v, away);
+  if (!is_parallel) return {glm::dvec3(l), frame, OppositeFaces::swapped, 2};
+  return LightSpace(LightFace{glm::dvec3(glm::vec3(center)), frame, false});
+}
+
+namespace {
+
+struct Box {
+  glm::dvec3 low{INFINITY}, high{-INFINITY};
+  void add(const glm::dvec3& p) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+};
+
+Footprint footprint_of(const Box& box, double margin, double z_margin, std::uint32_t caster) {
+  return {static_cast<float>(box.low.x - margin),
+          static_cast<float>(box.high.x + margin),
+          static_cast<float>(box.low.y - margin),
+          static_cast<float>(box.high.y + margin),
+          static_cast<float>(box.low.z - place_margin * std::abs(box.low.z) - z_margin),
+          caster};
+}
+
+/// Whether all corners lie clearly within a face of a cube.
+bool is_within(const LightFace& face, const glm::vec3* corners) {
+  return std::all_of(corners, corners + 3, [&](const glm::dvec3& corner) {
+    const glm::dvec3 p = face.seen(corner);
+    return std::max(std::abs(p.x), std::abs(p.y)) * face_margin < p.z;
+  });
+}
+
+/// Places and z of what a cube's face, or a slightly wider one, sees of a triangle: a box around them; none if it sees nothing.
+/// Where the triangle comes so close to the light that its place is lost in rounding, it may be anywhere. A point of the true
+/// part lies inside the wider face by 2^-10 of its z, far more than a clip rounds.
+bool find_box(const LightFace& face, const glm::vec3* corners, double extent, Box& box) {
+  thread_local Clipper clipper;
+  clipper.start();
+  bool is_in_front = true;
+  for (int k = 0; k < 3; ++k) {
+    const glm::dvec3 p = face.seen(corners[k]);
+    clipper.add({p});
+    is_in_front &= p.z > 0x1p-10 * norm1(p);
+  }
+  if (!is_in_front)
+    for (const glm::dvec3& side : {glm::dvec3(-1, 0, face_margin), glm::dvec3(1, 0, face_margin),
+                                   glm::dvec3(0, -1, face_margin), glm::dvec3(0, 1, face_margin)})
+      if (clipper.keep_positive({side, 0}, 0) == Lies::negative) return false;
+  for (const Corner& corner : clipper.corners()) {
+    const glm::dvec3& p = corner.at;
+    if (!is_in_front && !(p.z > 0x1p-28 * extent)) {
+      box = {{-2, -2, 0}, {2, 2, 0}};
+      break;
+    }
+    box.add({face.place(p), p.z});
+  }
+  return box.low.x <= face_margin && box.high.x >= -face_margin && box.low.y <= face_margin && box.high.y >= -face_margin;
+}
+
+}  // namespace
+
+Footprints footprints_of(const LightSpace& space, const glm::vec3* corners, double extent, std::uint32_t caster) {
+  Footprints found;
+  if (space.is_parallel()) {
+    Box box;
+    for (int k = 0; k < 3; ++k) box.add(space[0].seen(corners[k]));
+    const double margin = place_margin * extent;
+    found.items[found.count++] = {0, footprint_of(box, margin, margin, caster)};
+    return found;
+  }
+  // Most triangles lie clearly within one face.
+  const int first = space.face_of(corners[0]);
+  const bool is_on_one = is_within(space[first], corners);
+  for (int face = is_on_one ? first : 0; face <= (is_on_one ? first : 5); ++face) {
+    Box box;
+    if (!find_box(space[face], corners, extent, box)) continue;
+    box.low = glm::max(box.low, glm::dvec3(-2, -2, 0));
+    box.high = glm::min(box.high, glm::dvec3(2, 2, INFINITY));
+    found.items[found.count++] = {face, footprint_of(box, 2 * place_margin, 0, caster)};
+  }
+  return found;
+}
+
+}  // namespace gnomon::alias_free_map

@@ -1,0 +1,198 @@
+#include "tree.h"
+
+#include <gnomon/kit/parallel.h>
+
+#include <utility>
+
+namespace gnomon::shadow_volume_tree {
+
+void Tree::grow(std::size_t count, const Frame& frame, bool early_out, bool wedge) {
+  frame_ = frame;
+  Grown sum;
+  const std::size_t large = std::max<std::size_t>(2048, count / 64);
+  std::vector<Task> tasks, small, rest;
+  std::vector<std::uint32_t> tops;
+  if (count > 0) tasks.push_back({0, static_cast<std::uint32_t>(count), 1, false});
+  while (!tasks.empty()) {
+    const Task task = tasks.back();
+    tasks.pop_back();
+    if (task.count <= large) {
+      small.push_back(task);
+      continue;
+    }
+    rest.clear();
+    split(task, true, rest, sum);
+    tops.push_back(task.begin);
+    tasks.insert(tasks.end(), rest.begin(), rest.end());
+  }
+  std::vector<Grown> grown(small.size());
+  for_blocks(small.size(), 1, [&](std::size_t k, std::size_t) {
+    const Task& whole = small[k];
+    std::vector<Task> waiting{whole};
+    while (!waiting.empty()) {
+      const Task task = waiting.back();
+      waiting.pop_back();
+      split(task, false, waiting, grown[k]);
+    }
+    for (std::uint32_t i = whole.begin + whole.count; i-- > whole.begin;) finish(i, early_out, wedge);
+  });
+  std::ranges::sort(tops);
+  while (!tops.empty()) {
+    finish(tops.back(), early_out, wedge);
+    tops.pop_back();
+  }
+  for (const Grown& g : grown) {
+    sum.depth = std::max(sum.depth, g.depth);
+    sum.used += g.used;
+    sum.signs += g.signs;
+  }
+  used_ = sum.used;
+  depth_ = sum.depth;
+  signs_ = sum.signs;
+}
+
+namespace {
+
+/// How many casters of a block go each way; then the place of the next one of each way.
+struct BlockWays {
+  std::uint32_t to[way_count + 1] = {};
+  Wedges wedges;
+  SignCounts signs;
+};
+
+}  // namespace
+
+void Tree::split(const Task& task, bool on_all_threads, std::vector<Task>& rest, Grown& grown) {
+  const std::vector<Caster>& from = casters_[task.flipped];
+  std::vector<Caster>& to = casters_[!task.flipped];
+  const Caster placed = from[task.begin];
+  casters_[0][task.begin] = placed;
+  Group& group = groups_[task.begin];
+  group.planes = Planes(placed, frame_);
+  group.wedges = {};
+  group.triangle = placed.triangle;
+  for (Link& link : group.links) link = {NAN, 0};
+  nearest_[task.begin] = frame_.nearest(placed);
+  ++grown.used;
+  grown.depth = std::max<std::size_t>(grown.depth, task.depth);
+  if (task.count == 1) return;
+
+  // Count how many go each way, block by block, then move them there: each way keeps their order.
+  constexpr std::size_t block = 4096;
+  const std::size_t first = task.begin + 1, size = task.count - 1, block_count = (size + block - 1) / block;
+  BlockWays one;
+  std::vector<BlockWays> many(block_count > 1 ? block_count : 0);
+  const std::span<BlockWays> blocks = block_count > 1 ? std::span(many) : std::span(&one, 1);
+  const float error = Planes::error(frame_.reach);
+  const auto for_all = [&](const auto& work) {
+    if (on_all_threads) return for_blocks(size, block, work);
+    for (std::size_t begin = 0; begin < size; begin += block) work(begin, std::min(size, begin + block));
+  };
+  for_all([&](std::size_t begin, std::size_t end) {
+    BlockWays& mine = blocks[begin / block];
+    for (std::size_t i = first + begin; i < first + end; ++i) {
+      const Way way = way_of(from[i], placed, group.planes, frame_, error, mine.wedges, mine.signs);
+      ways_[i] = static_cast<std::uint8_t>(way);
+      ++mine.to[way];
+    }
+  });
+  auto next = static_cast<std::uint32_t>(first);
+  for (unsigned way = 0; way < way_count; ++way) {
+    const std::uint32_t begin = next;
+    for (BlockWays& ways : blocks) next += std::exchange(ways.to[way], next);
+    if (next == begin) continue;
+    group.links[way] = {0, begin};
+    rest.push_back({begin, next - begin, task.depth + 1, !task.flipped});
+  }
+  for_all([&](std::size_t begin, std::size_t end) {
+    BlockWays& mine = blocks[begin / block];
+    for (std::size_t i = first + begin; i < first + end; ++i)
+      if (ways_[i] != no_way) to[mine.to[ways_[i]]++] = from[i];
+  });
+  for (const BlockWays& ways : blocks) {
+    group.wedges.add(ways.wedges);
+    grown.signs += ways.signs;
+  }
+  for (std::size_t i = next; i < first + size; ++i) groups_[i].triangle = none;
+}
+
+// Ways are pushed in order, so that k - 1 others wait while a query is in the kth.
+void Tree::finish(std::uint32_t place, bool early_out, bool wedge) {
+  Group& group = groups_[place];
+  if (group.triangle == none) return;
+  std::uint32_t waiting = 0, most = 0;
+  for (Link& link : group.links) {
+    if (link.group == 0) continue;
+    link.nearest = early_out ? nearest_[link.group] : -INFINITY;
+    nearest_[place] = std::min(nearest_[place], nearest_[link.group]);
+    most = std::max(most, waiting + stack_[link.group]);
+    ++waiting;
+  }
+  stack_[place] = std::max(most, waiting);
+  for (unsigned k = 0; k < 4; ++k)
+    if ((!wedge || k == 3) && group.links[crosses_plane + 2 * k].group != 0) {
+      group.wedges.low[k] = -INFINITY;
+      group.wedges.high[k] = INFINITY;
+    }
+}
+
+/// A point on a shadow plane looks at both sides of it: it is then shaded through an edge or vertex. A point on the capping
+/// plane is not shaded by what is behind that, nor is one before it. A point behind it is, and done, unless the caster is its
+/// own: then all of the caster's trees remain.
+std::uint32_t Tree::shading_triangle(const Scene& scene, const NumberedReceiver& receiver, QueryWork& work) const {
+  ++work.queries;
+  if (used_ == 0) return none;
+  const glm::vec3 p(glm::dvec3(receiver.point) - glm::dvec3(frame_.center));
+  const float error = Planes::error(std::max(frame_.reach, Frame::largest(p))), depth = frame_.farthest(receiver.point),
+              steepness = frame_.steepness(receiver.point);
+  const unsigned unknown = error < INFINITY && steepness < INFINITY ? 0 : 7;
+  std::uint32_t* const waiting = work.stack.data();
+  std::size_t size = 1, longest = 1;
+  std::uint64_t visits = 0;
+  waiting[0] = 0;
+  std::uint32_t found = none;
+  while (size > 0) {
+    const std::uint32_t place = waiting[--size];
+    const Group& group = groups_[place];
+    const auto push = [&](unsigned way) {
+      waiting[size] = group.links[way].group;
+      size += depth >= group.links[way].nearest;
+    };
+    const Four values = group.planes.at(p);
+    const unsigned inside = bits(values > error), outside = bits(values < -error);
+    unsigned crossed = group.wedges.hold(values, error, steepness) | unknown, k = 0;
+    for (; k < 3; ++k) {
+      if (crossed >> k & 1) push(crosses_plane + 2 * k);
+      if (inside >> k & 1) continue;
+      if (outside >> k & 1) break;
+      const int sign = exact_sign(casters_[0][place], k, receiver.point, frame_, work.signs);
+      if (sign < 0) break;
+      if (sign == 0) push(outside_plane + 2 * k);
+    }
+    visits += k + 1;
+    if (k < 3) {
+      push(outside_plane + 2 * k);
+    } else {
+      const bool is_own = receiver.is_own(group.triangle);
+      bool is_behind = false;
+      if (!is_own) {
+        is_behind = outside >> 3 & 1;
+        if (!is_behind && !(inside >> 3 & 1))
+          is_behind = exact_sign(casters_[0][place], 3, receiver.point, frame_, work.signs) < 0;
+        if (is_behind && !receiver.is_coplanar(scene, casters_[0][place].corners)) {
+          found = group.triangle;
+          break;
+        }
+      }
+      push(crosses_cap);
+      if (is_own || is_behind) push(behind_cap);
+      push(before_cap);
+    }
+    longest = std::max(longest, size);
+  }
+  work.visits += visits;
+  work.longest_stack = std::max<std::uint64_t>(work.longest_stack, longest);
+  return found;
+}
+
+}  // namespace gnomon::shadow_volume_tree
