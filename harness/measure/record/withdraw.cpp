@@ -1,24 +1,14 @@
 #include "measure/record/withdraw.h"
 
 #include <cstdlib>
+#include <type_traits>
 
 namespace gnomon {
 
-void forget_results(Record& record) {
-  record.stages = {};
-  record.iterations.clear();
-  record.stop.clear();
-  record.counts.clear();
-  record.bytes.reset();
-  record.peak_bytes.reset();
-  record.gl.reset();
-  record.classes.clear();
-  record.metrics.clear();
-  record.causes.reset();
-  record.frames.clear();
-  record.mask.reset();
-  record.error_picture.reset();
-  record.shaded_picture.reset();
+void forget_results(Record& r) {
+  const auto empty = [](auto&... fields) { ((fields = std::decay_t<decltype(fields)>()), ...); };
+  empty(r.stages, r.iterations, r.stop, r.counts, r.bytes, r.peak_bytes, r.gl, r.classes, r.metrics, r.causes, r.frames, r.mask,
+        r.error_picture, r.shaded_picture);
 }
 
 void withdraw(Record& record, const std::string& reason) {

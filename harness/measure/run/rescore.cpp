@@ -125,11 +125,11 @@ class Row {
       fit = causes_fit(answer, causes);
     } else if (record_.causes) {
       const Evidence evidence = answer.evidence(*today_.scene, *light_);
-      std::uint64_t wrong = 0, told = 0;
+      std::uint64_t wrong = 0, with_cause = 0;
       for (std::size_t i = 0; i < answer.mask.size(); ++i)
         wrong += evidence.classes[i] == PixelClass::T && evidence.is_wrong(i);
-      for (const auto& [cause, pixels] : *record_.causes) told += pixels;
-      fit = wrong == told;
+      for (const auto& [cause, pixels] : *record_.causes) with_cause += pixels;
+      fit = wrong == with_cause;
     } else {
       return {};
     }

@@ -6,6 +6,8 @@
 #include <fstream>
 #include <thread>
 
+#include "measure/scratch_folder.h"
+
 namespace {
 
 using namespace gnomon;
@@ -152,12 +154,8 @@ TEST(estimate, says_where_it_comes_from) {
 
 class HistoryTest : public testing::Test {
  protected:
-  HistoryTest() {
-    std::string pattern = (fs::temp_directory_path() / "gnomon_history_XXXXXX").string();
-    dir = mkdtemp(pattern.data());
-  }
-  ~HistoryTest() override { fs::remove_all(dir); }
-  fs::path dir;
+  const ScratchFolder scratch = ScratchFolder::temporary("gnomon_history");
+  const fs::path dir = scratch.path();
 };
 
 TEST_F(HistoryTest, remembers_the_last_cost_of_a_job_and_skips_what_it_cannot_read) {
