@@ -24,7 +24,7 @@ struct ViewerOptions {
 };
 
 /// The one technique that an option names.
-viewer::SideWish parse_side(const std::string& option, const std::string& text) {
+viewer::SideSelection parse_side(const std::string& option, const std::string& text) {
   const std::vector<Contender> contenders = parse_contenders(text);
   if (contenders.size() != 1) throw Error("{} {} is a sweep of {}; a side shows one", option, text, contenders.size());
   return {.technique = contenders[0].technique, .settings = contenders[0].settings, .layer = ""};
@@ -34,12 +34,12 @@ int view(const ViewerOptions& options, const WorkerOptions& workers) {
   viewer::ViewOptions result;
   result.workers = workers;
   result.timeout_seconds = options.timeout;
-  viewer::Wish& wish = result.wish;
-  wish.scene = options.scene;
-  wish.sides[0] = parse_side("--technique", options.technique);
-  wish.sides[1] = parse_side("--against", options.against.empty() ? registry().reference().id : options.against);
-  std::tie(wish.width, wish.height) = parse_size(options.size, "--size");
-  wish.truth = parse_truth(options.truth);
+  viewer::Selection& selection = result.selection;
+  selection.scene = options.scene;
+  selection.sides[0] = parse_side("--technique", options.technique);
+  selection.sides[1] = parse_side("--against", options.against.empty() ? registry().reference().id : options.against);
+  std::tie(selection.width, selection.height) = parse_size(options.size, "--size");
+  selection.truth = parse_truth(options.truth);
   result.keys = viewer::key_table().parse(options.keys);
   if (!options.screenshot.empty() && options.screenshot.extension() != ".png")
     throw Error("--screenshot {} is no name that ends in .png", options.screenshot.string());
@@ -49,8 +49,8 @@ int view(const ViewerOptions& options, const WorkerOptions& workers) {
   const auto named = [](const auto& items, const std::string& name) {
     return name.empty() ? items.front() : *std::ranges::find(items, name, [](const auto& item) { return item.name; });
   };
-  wish.light = named(result.scene.lights, options.light);
-  wish.view = named(result.scene.views, options.view);
+  selection.light = named(result.scene.lights, options.light);
+  selection.view = named(result.scene.views, options.view);
   for (const std::string& note : result.scene.notes) fmt::print(stderr, "note: {}\n", note);
   result.out = options.out.empty() ? fs::path("runs") / fmt::format("view-{:%Y%m%d-%H%M%S}", fmt::localtime(std::time(nullptr)))
                                    : options.out;

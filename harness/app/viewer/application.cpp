@@ -1,5 +1,5 @@
-// The loop of the viewer: events change what is wished, the engine computes that, and what it has computed so far is drawn. The
-// loop sleeps while nothing changes.
+// The loop of the viewer: events change what is selected, the engine computes that, and what it has computed so far is drawn.
+// The loop sleeps while nothing changes.
 #include "app/viewer/application.h"
 
 #include <gnomon/error.h>
@@ -47,7 +47,7 @@ class Application {
   void take_state();
   void expect_frames(const std::vector<WindowEvent>& events);
   void arrange_window();
-  void send_wish();
+  void send_selection();
   void use_keys(const std::vector<WindowEvent>& events);
   void press_scripted();
   void act(const KeyRow& row, double count = 1);
@@ -57,7 +57,7 @@ class Application {
   void save();
   bool is_working() const;
   void attempt(const std::function<void()>& work);
-  bool is_finished() const { return state_.is_finished && state_.wish == wish_number_; }
+  bool is_finished() const { return state_.is_finished && state_.selection_number == selection_number_; }
 
   const ViewOptions& options_;
   Window window_;
@@ -77,15 +77,15 @@ class Application {
   ControlPlaces places_;
   Arrangement arrangement_;
   EngineState state_;
-  std::optional<Wish> sent_wish_;  // to the engine, the last one
-  std::uint64_t wish_number_ = 0;
+  std::optional<Selection> sent_selection_;  // to the engine, the last one
+  std::uint64_t selection_number_ = 0;
   std::uint64_t drawn_state_ = 0;
   FramePace pace_;
   FrameRate rate_;
   std::optional<double> tooltip_time_;  // when a tooltip may appear though nothing happens
   std::size_t next_key_ = 0;
   bool is_over_ = false;
-  bool has_drawn_finished_ = false;  // the last picture showed all that is computed for the wish
+  bool has_drawn_finished_ = false;  // the last picture showed all that is computed for the selection
   bool save_is_announced_ = false;   // a request to save waits, and the status line says so
   bool has_failed_ = false;          // something that a script asked for
   std::optional<SpeedTrial> trial_;
@@ -94,15 +94,15 @@ class Application {
 
 Application::Application(const ViewOptions& options)
     : options_(options),
-      window_("Gnomon: " + options.wish.scene),
-      session_(options.wish, options.scene),
+      window_("Gnomon: " + options.selection.scene),
+      session_(options.selection, options.scene),
       files_(options.out, options.workers.plugins),
       engine_(options.workers, options.timeout_seconds, Window::wake) {
-  engine_.offer(options.wish.scene, options.scene);
+  engine_.offer(options.selection.scene, options.scene);
   if (options.speed_seconds > 0) trial_.emplace(options.speed_seconds);
   const double scale = window_.scale();
-  window_.show(options.wish.width + static_cast<int>(std::lround(panel_width * scale)),
-               options.wish.height + static_cast<int>(std::lround(strip_height * scale)));
+  window_.show(options.selection.width + static_cast<int>(std::lround(panel_width * scale)),
+               options.selection.height + static_cast<int>(std::lround(strip_height * scale)));
 }
 
 /// Seconds until something changes without an event: an animation, a clock that is shown, a held key. Below 0: never.
@@ -128,7 +128,7 @@ bool Application::is_working() const {
   return !state_.is_finished && std::ranges::any_of(state_.sides, works);
 }
 
-double Application::next_frame() const { return pace_.next(session_.wish().is_moving && !canvas_.is_outdated(state_)); }
+double Application::next_frame() const { return pace_.next(session_.selection().is_moving && !canvas_.is_outdated(state_)); }
 
 int Application::run() {
   while (!window_.is_closing() && !is_over_) {
@@ -173,7 +173,7 @@ void Application::use_keys(const std::vector<WindowEvent>& events) {
       held_.release(event.code);
       continue;
     }
-    const KeyRow* const row = key_table().find(event.code, event.modifiers, scene_id(session_.wish().scene));
+    const KeyRow* const row = key_table().find(event.code, event.modifiers, scene_id(session_.selection().scene));
     if (!row || (ImGui::GetIO().WantTextInput && !works_while_typing(*row))) continue;
     if (row->is_held)
       held_.press(*row, Window::now());
@@ -185,12 +185,12 @@ void Application::use_keys(const std::vector<WindowEvent>& events) {
 
 /// The next key of the script, when all that went before has had its effect.
 void Application::press_scripted() {
-  if (!options_.ends_by_itself || !is_finished() || !has_drawn_finished_ || session_.wish().is_moving) return;
+  if (!options_.ends_by_itself || !is_finished() || !has_drawn_finished_ || session_.selection().is_moving) return;
   const Requests& requests = session_.requests;
   if (requests.save || requests.copy_command || requests.screenshot) return;
   if (next_key_ < options_.keys.size()) {
     const KeyRow& key = *options_.keys[next_key_++];
-    act(*key_table().find(key.key, key.modifiers, scene_id(session_.wish().scene)));
+    act(*key_table().find(key.key, key.modifiers, scene_id(session_.selection().scene)));
     has_drawn_finished_ = false;
     pace_.need(FramePace::settling);
     return;
@@ -207,14 +207,14 @@ void Application::update() {
   use_keys(events);
   press_scripted();
   if (trial_ && next_key_ == options_.keys.size()) trial_->steer(session_, state_, is_finished(), Window::now());
-  if (session_.repeats && has_drawn_finished_ && is_finished() && !session_.wish().is_moving) session_.do_again();
+  if (session_.repeats && has_drawn_finished_ && is_finished() && !session_.selection().is_moving) session_.do_again();
   session_.settle();
   const bool flicker = session_.layout == Layout::flicker && std::fmod(Window::now(), 2 * flicker_seconds) >= flicker_seconds;
   if (flicker != session_.flicker_is_right) pace_.need(1);
   session_.flicker_is_right = flicker;
   if (session_.requests.quit || stop_.is_asked()) is_over_ = true;
   arrange_window();
-  send_wish();
+  send_selection();
 }
 
 void Application::take_state() {
@@ -222,7 +222,7 @@ void Application::take_state() {
   if (fresh.number != state_.number) pace_.need(1);
   state_ = fresh;
   session_.adopt(state_);
-  times_.note(session_.wish(), state_);
+  times_.note(session_.selection(), state_);
 }
 
 /// Whatever shows that time goes by, or may change with these events, takes new frames.
@@ -245,10 +245,10 @@ void Application::arrange_window() {
   session_.set_size(arrangement_.picture.width, arrangement_.picture.height);
 }
 
-void Application::send_wish() {
-  if (sent_wish_ && are_same(*sent_wish_, session_.wish())) return;
-  sent_wish_ = session_.wish();
-  wish_number_ = engine_.wish(*sent_wish_);
+void Application::send_selection() {
+  if (sent_selection_ && are_same(*sent_selection_, session_.selection())) return;
+  sent_selection_ = session_.selection();
+  selection_number_ = engine_.select(*sent_selection_);
   has_drawn_finished_ = false;
   pace_.need(1);
 }
@@ -312,19 +312,19 @@ void Application::serve_requests() {
   }
   if (requests.save) save();
   const bool is_last = options_.ends_by_itself && has_drawn_finished_ && next_key_ == options_.keys.size();
-  if (is_last && pace_.left() == 0 && !options_.screenshot.empty() && !requests.save && !session_.wish().is_moving) {
+  if (is_last && pace_.left() == 0 && !options_.screenshot.empty() && !requests.save && !session_.selection().is_moving) {
     write_window(options_.screenshot, window_.read_picture());
     is_over_ = true;
   }
 }
 
-/// Saves when the picture that was just drawn is the one that is wished, whole and at rest; else leaves the request for a later
-/// picture. A control may have changed the wish while this picture was drawn.
+/// Saves when the picture that was just drawn is the selected one, whole and at rest; else leaves the request for a later
+/// picture. A control may have changed the selection while this picture was drawn.
 void Application::save() {
-  const bool is_as_wished = has_drawn_finished_ && !window_.has_button_events() && are_same(*sent_wish_, session_.wish()) &&
-                            !session_.wish().is_moving && canvas_.composition().layout == session_.layout &&
-                            canvas_.composition().paint == session_.paint;
-  if (!is_as_wished) {
+  const bool shows_selection = has_drawn_finished_ && !window_.has_button_events() &&
+                               are_same(*sent_selection_, session_.selection()) && !session_.selection().is_moving &&
+                               canvas_.composition().layout == session_.layout && canvas_.composition().paint == session_.paint;
+  if (!shows_selection) {
     if (!save_is_announced_) session_.say("saves as soon as all is computed");
     save_is_announced_ = true;
     return;

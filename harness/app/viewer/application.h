@@ -9,8 +9,8 @@
 namespace gnomon::viewer {
 
 struct ViewOptions {
-  Wish wish;    ///< what is shown at first: all of it checked
-  Scene scene;  ///< that the wish names
+  Selection selection;  ///< what is shown at first: all of it checked
+  Scene scene;          ///< that the selection names
   WorkerOptions workers;
   double timeout_seconds = 120;
   std::filesystem::path out;         ///< for what is saved

@@ -76,12 +76,12 @@ void Engine::Body::serve(Lane lane) {
 }
 
 Engine::Body::Work Engine::Body::next_scene() {
-  if (wish.scene.empty() || wish.scene == tried_scene) return {};
-  tried_scene = wish.scene;
+  if (selection.scene.empty() || selection.scene == tried_scene) return {};
+  tried_scene = selection.scene;
   state.scene_error.clear();
-  if (state.loaded && state.loaded->reference == wish.scene) return {};
+  if (state.loaded && state.loaded->reference == selection.scene) return {};
   state.is_loading = true;
-  return [this, reference = wish.scene] {
+  return [this, reference = selection.scene] {
     changed();  // it may take long
     auto loaded = std::make_shared<LoadedScene>();
     std::string trouble;
@@ -125,14 +125,14 @@ void Engine::offer(const std::string& reference, Scene scene) {
   body_->offered->scene = std::move(scene);
 }
 
-std::uint64_t Engine::wish(const Wish& wish) {
+std::uint64_t Engine::select(const Selection& selection) {
   const std::lock_guard lock(body_->mutex);
-  for (const auto& side : body_->sides) side->drop_work_before(wish);
-  if (wish.scene != body_->wish.scene) body_->state.scene_error.clear();
-  body_->wish = wish;
-  ++body_->state.wish;
+  for (const auto& side : body_->sides) side->drop_work_before(selection);
+  if (selection.scene != body_->selection.scene) body_->state.scene_error.clear();
+  body_->selection = selection;
+  ++body_->state.selection_number;
   body_->wake_threads();
-  return body_->state.wish;
+  return body_->state.selection_number;
 }
 
 EngineState Engine::state() const {

@@ -9,18 +9,18 @@
 namespace gnomon::viewer {
 
 /// A technique on one side of the picture.
-struct SideWish {
+struct SideSelection {
   std::string technique, settings;  ///< settings as `Parametrized::settings` writes them
   std::string layer;                ///< debug layer to draw; empty: none
   int attempt = 0;                  ///< raised to start the technique again after it failed
-  friend bool operator==(const SideWish&, const SideWish&) = default;
+  friend bool operator==(const SideSelection&, const SideSelection&) = default;
 };
 
-/// What the person wants to see: a plain value that the window edits and the engine follows.
-struct Wish {
+/// What is selected to be shown: a plain value that the window edits and the engine follows.
+struct Selection {
   std::string scene;  ///< as `--scene`; when it is another one than before it is loaded
   /// The scene that light and view are of, as EngineState gave it; null until one is loaded. What was made of another one stays
-  /// until the wish names the new one here.
+  /// until the selection names the new one here.
   std::shared_ptr<const LoadedScene> loaded;
   Truth truth = Truth::shape;
   Light light;  ///< one of the scene's, perhaps moved
@@ -28,7 +28,7 @@ struct Wish {
   int width = 960, height = 540;
   bool is_moving = false;          ///< camera or light is under way: smaller frames will do
   bool full_while_moving = false;  ///< they will not
-  std::array<SideWish, 2> sides;
+  std::array<SideSelection, 2> sides;
   std::optional<std::uint32_t> picked;  ///< pixel of the full picture to be explained
   std::uint64_t repeat = 0;             ///< raised to have both sides do resolve once more, for its time
 };
@@ -56,9 +56,9 @@ struct SideState {
 /// All that is known now. Copies are cheap.
 struct EngineState {
   std::uint64_t number = 0;                   ///< counts up with every change
-  std::uint64_t wish = 0;                     ///< the wish that it follows: how often `wish` was called
+  std::uint64_t selection_number = 0;         ///< of the selection that it follows: how often `select` was called
   std::shared_ptr<const LoadedScene> loaded;  ///< the scene loaded last
-  std::string scene_error;                    ///< why the scene that is wished could not be loaded; the one before stays
+  std::string scene_error;                    ///< why the selected scene could not be loaded; the one before stays
   bool is_loading = false;
   std::string trouble;                              ///< what keeps the viewer itself from working: no memory, a full disk
   std::shared_ptr<const Frame> frame;               ///< the newest
@@ -67,8 +67,8 @@ struct EngineState {
   bool is_finished = false;  ///< nothing is left to do: full frame, both sides, reference, classes, causes
 };
 
-/// Follows wishes in the background: loads scenes, makes frames, has a worker process for each side, computes the reference and
-/// refines it. No call waits for any of that.
+/// Follows what is selected, in the background: loads scenes, makes frames, has a worker process for each side, computes the
+/// reference and refines it. No call waits for any of that.
 class Engine {
  public:
   /// `changed` is called from any thread after every change of the state.
@@ -77,10 +77,10 @@ class Engine {
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;
 
-  /// Before the first wish: a scene that is loaded already, so that a wish for it need not load it again.
+  /// Before the first selection: a scene that is loaded already, so that it need not be loaded again.
   void offer(const std::string& reference, Scene scene);
-  /// Answers the number of this wish.
-  std::uint64_t wish(const Wish& wish);
+  /// Answers the number of this selection.
+  std::uint64_t select(const Selection& selection);
   EngineState state() const;
 
  private:

@@ -62,7 +62,7 @@ struct Engine::Body {
   Work next_frame();
   Work next_reference();
 
-  void make_frame(const Wish& wish, std::uint64_t number);
+  void make_frame(const Selection& selection, std::uint64_t number);
   void wait_for_sides(std::uint64_t frame);
   void trace_reference(const std::shared_ptr<const Frame>& frame, std::uint64_t ticket);
   void complete_reference(ReferenceState reference, std::uint64_t ticket);
@@ -79,16 +79,16 @@ struct Engine::Body {
   std::condition_variable news;
   bool stop = false;
   bool is_idle[lane_count] = {};
-  Wish wish;
+  Selection selection;
   EngineState state;
 
-  std::shared_ptr<LoadedScene> offered;          ///< before the first wish; the loading thread's then
+  std::shared_ptr<LoadedScene> offered;          ///< before the first selection; the loading thread's then
   std::string tried_scene;                       ///< the scene that was loaded last, or could not be
   std::atomic<std::uint64_t> gbuffer_count = 0;  ///< files written for the workers so far
 
   // Of the thread that makes frames.
   std::vector<std::byte> light_and_view;  ///< of the newest frame, as bytes; guarded by the lock
-  std::uint64_t failed_wish = 0;          ///< the last one that no frame could be made for; guarded by the lock
+  std::uint64_t failed_selection = 0;     ///< the last one that no frame could be made for; guarded by the lock
   std::uint64_t frame_count = 0;
   Divisor camera_divisor{2}, light_divisor{1};  ///< while these move
 

@@ -1,4 +1,4 @@
-// Makes frames for what is wished: smaller ones while something moves, so that they keep up.
+// Makes frames of what is selected: smaller ones while something moves, so that they keep up.
 #include <algorithm>
 #include <cmath>
 
@@ -14,7 +14,9 @@ namespace {
 constexpr double frame_budget_ms = 40;  // with what the window itself takes: 20 pictures a second
 
 /// As for `gnomon render`: without curved shapes both truths are one.
-Truth truth_of(const Wish& wish) { return wish.loaded->scene.has_curved_shapes() ? wish.truth : Truth::shape; }
+Truth truth_of(const Selection& selection) {
+  return selection.loaded->scene.has_curved_shapes() ? selection.truth : Truth::shape;
+}
 
 int divided(int size, int divisor) { return std::max(1, (size + divisor - 1) / divisor); }
 
@@ -53,60 +55,60 @@ std::shared_ptr<const fs::path> Engine::Body::write_shared(const GBuffer& gbuffe
 }
 
 Engine::Body::Work Engine::Body::next_frame() {
-  if (!wish.loaded) return {};
+  if (!selection.loaded) return {};
   const Frame* const newest = state.frame.get();
-  const bool is_there = newest && newest->loaded == wish.loaded && newest->picture_width == wish.width &&
-                        newest->picture_height == wish.height && newest->gbuffer.truth == truth_of(wish) &&
-                        light_and_view == light_and_view_bytes(wish.light, wish.view);
-  if (is_there && (newest->is_full() || (wish.is_moving && !wish.full_while_moving))) return {};
-  if (state.wish == failed_wish) return {};
-  return [this, wish = wish, number = state.wish] { make_frame(wish, number); };
+  const bool is_there = newest && newest->loaded == selection.loaded && newest->picture_width == selection.width &&
+                        newest->picture_height == selection.height && newest->gbuffer.truth == truth_of(selection) &&
+                        light_and_view == light_and_view_bytes(selection.light, selection.view);
+  if (is_there && (newest->is_full() || (selection.is_moving && !selection.full_while_moving))) return {};
+  if (state.selection_number == failed_selection) return {};
+  return [this, selection = selection, number = state.selection_number] { make_frame(selection, number); };
 }
 
-void Engine::Body::make_frame(const Wish& wish, std::uint64_t number) {
+void Engine::Body::make_frame(const Selection& selection, std::uint64_t number) {
   const auto start = Clock::now();
   const std::shared_ptr<const Frame> before = state.frame;  // only this thread makes frames
-  const bool same_view = before && before->loaded == wish.loaded && before->picture_width == wish.width &&
-                         before->picture_height == wish.height && before->gbuffer.truth == truth_of(wish) &&
-                         light_and_view_bytes({}, before->gbuffer.view) == light_and_view_bytes({}, wish.view);
+  const bool same_view = before && before->loaded == selection.loaded && before->picture_width == selection.width &&
+                         before->picture_height == selection.height && before->gbuffer.truth == truth_of(selection) &&
+                         light_and_view_bytes({}, before->gbuffer.view) == light_and_view_bytes({}, selection.view);
   Divisor& fitting = same_view ? light_divisor : camera_divisor;
-  const bool may_shrink = wish.is_moving && !wish.full_while_moving;
+  const bool may_shrink = selection.is_moving && !selection.full_while_moving;
   if (!may_shrink) {
     camera_divisor.forget();
     light_divisor.forget();
   }
   const int divisor = may_shrink ? fitting.value() : 1;
-  const int width = divided(wish.width, divisor), height = divided(wish.height, divisor);
+  const int width = divided(selection.width, divisor), height = divided(selection.height, divisor);
 
   auto frame = std::make_shared<Frame>();
   frame->number = ++frame_count;
-  frame->loaded = wish.loaded;
-  frame->light = wish.light;
-  frame->picture_width = wish.width;
-  frame->picture_height = wish.height;
+  frame->loaded = selection.loaded;
+  frame->light = selection.light;
+  frame->picture_width = selection.width;
+  frame->picture_height = selection.height;
   try {
     if (same_view && before->gbuffer.width == width && before->gbuffer.height == height) {
       frame->gbuffer = before->gbuffer;
       frame->file = before->file;
     } else {
-      const Scene& scene = wish.loaded->scene;
-      frame->gbuffer =
-          make_gbuffer(scene, wish.loaded->store->everything(truth_of(wish)), wish.view, width, height, truth_of(wish));
+      const Scene& scene = selection.loaded->scene;
+      frame->gbuffer = make_gbuffer(scene, selection.loaded->store->everything(truth_of(selection)), selection.view, width,
+                                    height, truth_of(selection));
       frame->file = write_shared(frame->gbuffer);
     }
-    frame->received = received_light(frame->gbuffer, wish.light);
+    frame->received = received_light(frame->gbuffer, selection.light);
   } catch (const std::exception& error) {
-    // A full disk or no memory: said, and tried again with the next wish.
+    // A full disk or no memory: said, and tried again with the next selection.
     change([&](EngineState& s) {
       s.trouble = error.what();
-      failed_wish = number;
+      failed_selection = number;
     });
     return;
   }
   change([&](EngineState& s) {
     s.frame = frame;
     s.trouble.clear();
-    light_and_view = light_and_view_bytes(wish.light, wish.view);
+    light_and_view = light_and_view_bytes(selection.light, selection.view);
     for (const auto& side : sides) side->new_frame();
     refinement.give_up();
   });

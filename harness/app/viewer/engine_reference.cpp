@@ -42,7 +42,7 @@ Engine::Body::Work Engine::Body::next_reference() {
   const auto& known = state.reference;
   const bool is_traced = known && known->frame == frame && known->mask.size() == frame->gbuffer.size();
   // Classes and the rest are worth their time only when they stay.
-  if (is_traced && wish.is_moving) return {};
+  if (is_traced && selection.is_moving) return {};
   return [this, frame, known = is_traced ? known : nullptr, ticket = refinement.ticket()] {
     try {
       known ? complete_reference(*known, ticket) : trace_reference(frame, ticket);

@@ -10,9 +10,9 @@ namespace gnomon::viewer {
 namespace {
 
 /// Whether the side shows the reference, which the engine has anyway: as it is, and without its debug layers.
-bool shows_reference(const SideWish& wish) {
-  if (!wish.settings.empty() || !wish.layer.empty()) return false;
-  return registry().technique(wish.technique).about.role == gnomon::Role::reference;
+bool shows_reference(const SideSelection& selection) {
+  if (!selection.settings.empty() || !selection.layer.empty()) return false;
+  return registry().technique(selection.technique).about.role == gnomon::Role::reference;
 }
 
 }  // namespace
@@ -29,25 +29,25 @@ void Engine::Body::Side::interrupt() {
   if (worker_) worker_->interrupt();
 }
 
-Engine::Body::Side::LoadedTechnique Engine::Body::Side::wished_technique(const Wish& wish) const {
-  return {wish.loaded, wish.sides[index_].technique, wish.sides[index_].attempt};
+Engine::Body::Side::LoadedTechnique Engine::Body::Side::selected_technique(const Selection& selection) const {
+  return {selection.loaded, selection.sides[index_].technique, selection.sides[index_].attempt};
 }
 
-void Engine::Body::Side::drop_work_before(const Wish& wish) {
-  if (!(body_.wish.sides[index_] == wish.sides[index_])) causes_.give_up();
-  if (!loaded_ || *loaded_ == wished_technique(wish)) return;
+void Engine::Body::Side::drop_work_before(const Selection& selection) {
+  if (!(body_.selection.sides[index_] == selection.sides[index_])) causes_.give_up();
+  if (!loaded_ || *loaded_ == selected_technique(selection)) return;
   is_given_up_ = true;
   if (worker_) worker_->interrupt();
 }
 
 Engine::Body::Work Engine::Body::Side::next() {
-  const SideWish& wish = body_.wish.sides[index_];
+  const SideSelection& selection = body_.selection.sides[index_];
   const std::shared_ptr<const Frame>& frame = body_.state.frame;
-  // What is shown is of the scene that is wished, or there is nothing to do yet.
-  if (!frame || frame->loaded != body_.wish.loaded || wish.technique.empty()) return {};
-  if (shows_reference(wish)) return show_reference(frame);
-  if (Work work = next_answer(wish, frame)) return work;
-  return is_answered(*frame) ? next_finding(wish, frame) : Work{};
+  // What is shown is of the selected scene, or there is nothing to do yet.
+  if (!frame || frame->loaded != body_.selection.loaded || selection.technique.empty()) return {};
+  if (shows_reference(selection)) return show_reference(frame);
+  if (Work work = next_answer(selection, frame)) return work;
+  return is_answered(*frame) ? next_finding(selection, frame) : Work{};
 }
 
 /// The state of the reference is the side's, and no worker is needed.
@@ -70,19 +70,19 @@ Engine::Body::Work Engine::Body::Side::show_reference(const std::shared_ptr<cons
 }
 
 /// On the way to the mask of the frame: the worker, its settings, the frame, the stages.
-Engine::Body::Work Engine::Body::Side::next_answer(const SideWish& wish, const std::shared_ptr<const Frame>& frame) {
-  const LoadedTechnique wished = wished_technique(body_.wish);
-  const auto restart = [&]() -> Work { return [this, wished, settings = wish.settings] { start(wished, settings); }; };
-  if (loaded_ != wished || is_given_up_) return restart();
-  if (settings_ != wish.settings) {
+Engine::Body::Work Engine::Body::Side::next_answer(const SideSelection& selection, const std::shared_ptr<const Frame>& frame) {
+  const LoadedTechnique selected = selected_technique(body_.selection);
+  const auto restart = [&]() -> Work { return [this, selected, settings = selection.settings] { start(selected, settings); }; };
+  if (loaded_ != selected || is_given_up_) return restart();
+  if (settings_ != selection.settings) {
     if (has_failed_) return restart();
-    return guarded([this, settings = wish.settings] { set(settings); });
+    return guarded([this, settings = selection.settings] { set(settings); });
   }
   if (has_failed_) return {};
   if (frame_ != frame->number) return guarded([this, frame] { go_to(frame); });
   if (!is_supported_) return {};
-  if (fresh_ < 4 || repeat_ != body_.wish.repeat)
-    return guarded([this, frame, repeat = body_.wish.repeat] { answer(frame, repeat); });
+  if (fresh_ < 4 || repeat_ != body_.selection.repeat)
+    return guarded([this, frame, repeat = body_.selection.repeat] { answer(frame, repeat); });
   return {};
 }
 
@@ -92,20 +92,20 @@ bool Engine::Body::Side::is_answered(const Frame& frame) const {
 }
 
 /// What is found out about an answer, by what it takes: a layer, wrong pixels, counts, the picked pixel, causes.
-Engine::Body::Work Engine::Body::Side::next_finding(const SideWish& wish, const std::shared_ptr<const Frame>& frame) {
+Engine::Body::Work Engine::Body::Side::next_finding(const SideSelection& selection, const std::shared_ptr<const Frame>& frame) {
   SideState& s = state();
   const std::shared_ptr<const SideAnswer>& last = s.answer;
-  if (wish.layer.empty()) s.layer = nullptr;
-  if (!wish.layer.empty() && (!s.layer || s.layer->answer != last || s.layer->layer.name != wish.layer))
-    return guarded([this, last, layer = wish.layer] { draw_layer(last, layer); });
+  if (selection.layer.empty()) s.layer = nullptr;
+  if (!selection.layer.empty() && (!s.layer || s.layer->answer != last || s.layer->layer.name != selection.layer))
+    return guarded([this, last, layer = selection.layer] { draw_layer(last, layer); });
   if (!frame->is_full()) return {};
   const std::shared_ptr<const ReferenceState>& reference = body_.state.reference;
   const bool has_classes = reference && reference->frame == frame && !reference->classes.empty();
   if (has_classes && (!s.verdict || s.verdict->answer != last))
     return guarded([this, last, reference] { count_wrong(last, reference); });
-  if (body_.wish.is_moving) return {};
+  if (body_.selection.is_moving) return {};
   if (s.counted_answer != last) return guarded([this, last] { count(last); });
-  const auto& picked = body_.wish.picked;
+  const auto& picked = body_.selection.picked;
   if (s.explained != picked || (picked && s.explained_answer != last))
     return guarded([this, last, picked] { explain_picked(last, picked); });
   if (has_classes && !s.verdict->has_causes && reference->is_complete)
@@ -130,7 +130,7 @@ void Engine::Body::Side::fail(const std::string& why) {
     since_.reset();
     causes_.give_up();
     gone = std::move(worker_);
-    // Interrupted, because something else was wished: no failure of the technique.
+    // Interrupted, because something else was selected: no failure of the technique.
     if (body_.stop || is_given_up_) {
       loaded_.reset();
       return;
@@ -157,14 +157,14 @@ Engine::Body::Side::Call::~Call() {
   side_.fresh_ = side_.worker_->fresh_count();
 }
 
-void Engine::Body::Side::start(const LoadedTechnique& wished, const std::string& settings) {
+void Engine::Body::Side::start(const LoadedTechnique& selected, const std::string& settings) {
   std::unique_ptr<WorkerClient> gone;
-  bool is_wished = false;
+  bool is_selected = false;
   body_.change([&](EngineState&) {
     gone = std::move(worker_);
-    is_wished = wished == wished_technique(body_.wish);
-    if (!is_wished) return;
-    loaded_ = wished;
+    is_selected = selected == selected_technique(body_.selection);
+    if (!is_selected) return;
+    loaded_ = selected;
     is_given_up_ = false;
     settings_ = settings;
     has_failed_ = false;
@@ -175,7 +175,7 @@ void Engine::Body::Side::start(const LoadedTechnique& wished, const std::string&
     state().words = "start";
   });
   gone.reset();
-  if (!is_wished) return;
+  if (!is_selected) return;
   guarded([&] {
     auto worker =
         std::make_unique<WorkerClient>(body_.workers, body_.scratch.path() / fmt::format("{}", index_), body_.timeout_seconds);
@@ -185,7 +185,7 @@ void Engine::Body::Side::start(const LoadedTechnique& wished, const std::string&
       if (body_.stop || is_given_up_) worker_->interrupt();
     }
     Call(*this, "start")
-        ->load({.scene_file = wished.scene->store->scene_file(), .technique = wished.technique, .settings = settings});
+        ->load({.scene_file = selected.scene->store->scene_file(), .technique = selected.technique, .settings = settings});
     body_.change([&](EngineState&) {
       if (worker_->gl()) state().renderer = worker_->gl()->renderer;
     });

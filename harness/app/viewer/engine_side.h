@@ -11,8 +11,8 @@ class Engine::Body::Side {
 
   /// Under the lock: the most urgent thing to do, empty when there is nothing.
   Work next();
-  /// Under the lock, before the wish changes: gives up the work, and the worker, that the new wish has no use for.
-  void drop_work_before(const Wish& wish);
+  /// Under the lock, before the selection changes: gives up the work, and the worker, that the new selection has no use for.
+  void drop_work_before(const Selection& selection);
   /// Under the lock: causes of an older frame are given up.
   void new_frame() { causes_.give_up(); }
   /// Under the lock: whether it has answered, or will not answer, about the frame.
@@ -38,11 +38,11 @@ class Engine::Body::Side {
     Side& side_;
   };
   bool is_answered(const Frame& frame) const;
-  LoadedTechnique wished_technique(const Wish& wish) const;
-  Work next_answer(const SideWish& wish, const std::shared_ptr<const Frame>& frame);
-  Work next_finding(const SideWish& wish, const std::shared_ptr<const Frame>& frame);
+  LoadedTechnique selected_technique(const Selection& selection) const;
+  Work next_answer(const SideSelection& selection, const std::shared_ptr<const Frame>& frame);
+  Work next_finding(const SideSelection& selection, const std::shared_ptr<const Frame>& frame);
   Work show_reference(const std::shared_ptr<const Frame>& frame);
-  void start(const LoadedTechnique& wished, const std::string& settings);
+  void start(const LoadedTechnique& selected, const std::string& settings);
   void set(const std::string& settings);
   void go_to(const std::shared_ptr<const Frame>& frame);
   void answer(const std::shared_ptr<const Frame>& frame, std::uint64_t repeat);
@@ -66,7 +66,7 @@ class Engine::Body::Side {
   std::optional<LoadedTechnique> loaded_;  ///< what the worker was started for; stays when it failed
   std::string settings_;
   bool has_failed_ = false;
-  bool is_given_up_ = false;  ///< something else was wished since the worker was started, perhaps only for a moment
+  bool is_given_up_ = false;  ///< something else was selected since the worker was started, perhaps only for a moment
   int fresh_ = 0;             ///< stages up to date
   std::uint64_t frame_ = 0;   ///< number of the frame that the worker was asked about last
   bool is_supported_ = false;

@@ -135,7 +135,7 @@ void draw_notices(const PictureDrawing& drawing, const Session& session, const S
   const EngineState& state = shown.state;
   const Columns all{0, static_cast<double>(drawing.place.width)};
   if (!state.trouble.empty()) return draw_notice(drawing, all, state.trouble, warning_text);
-  if (state.is_loading) return draw_notice(drawing, all, "loading " + session.wish().scene, IM_COL32(235, 235, 235, 255));
+  if (state.is_loading) return draw_notice(drawing, all, "loading " + session.selection().scene, IM_COL32(235, 235, 235, 255));
   for (int side = 0; side < 2; ++side) {
     const SideState& s = state.sides[side];
     const Columns columns = columns_of(shown.composition, side);
@@ -181,7 +181,7 @@ std::optional<glm::dvec3> find_caster_point(const Frame& frame, std::size_t pixe
 /// explanation found something stored.
 void draw_shadow_ray(const PictureDrawing& drawing, const Session& session, const Shown& shown) {
   const std::shared_ptr<const Frame>& frame = shown.state.frame;
-  const std::size_t index = *session.wish().picked;
+  const std::size_t index = *session.selection().picked;
   if (!frame || !frame->is_full() || index >= frame->gbuffer.size() || frame->gbuffer.is_background(index)) return;
   const glm::dvec3 point = frame->gbuffer.position(index), light = light_place(*session.scene(), frame->light);
   const auto& reference = shown.state.reference;
@@ -197,7 +197,7 @@ void draw_shadow_ray(const PictureDrawing& drawing, const Session& session, cons
     if (const auto p = project(drawing.camera, *end)) drawing.disc(*p, 3, blocked_color);
   }
   const SideState& side = shown.state.sides[shown.side];
-  if (!side.explanation || side.explained != session.wish().picked) return;
+  if (!side.explanation || side.explained != session.selection().picked) return;
   for (const Tap& tap : side.explanation->taps) {
     if (!std::isfinite(tap.stored)) continue;
     if (const auto p = project(drawing.camera, tap.origin + tap.stored * tap.direction)) drawing.disc(*p, 2.5f, tap_color);
@@ -230,7 +230,7 @@ void Overlays::draw(const PixelRect& place, const Session& session, const Shown&
   }
   draw_titles(drawing, session, shown);
   draw_divider(drawing, composition);
-  draw_light(drawing, *scene, session.wish().light, shown_handle(session, composition, drawing.scale * unit));
+  draw_light(drawing, *scene, session.selection().light, shown_handle(session, composition, drawing.scale * unit));
   draw_notices(drawing, session, shown);
   list.PopClipRect();
 }

@@ -16,7 +16,7 @@ namespace {
 bool section(const char* title) { return ImGui::CollapsingHeader(title, ImGuiTreeNodeFlags_DefaultOpen); }
 
 void draw_scene_list(Session& session, std::span<const SceneListing> scenes, Widgets& widgets) {
-  const std::string id = scene_id(session.wish().scene);
+  const std::string id = scene_id(session.selection().scene);
   widgets.label("scene", "A generated or described scene, or below the path of a .toml or mesh file.");
   const bool is_open = ImGui::BeginCombo("##scene", id.c_str(), ImGuiComboFlags_HeightLarge);
   widgets.note("scene");
@@ -47,7 +47,7 @@ void draw_scene(Session& session, const Shown& shown, std::span<const SceneListi
   for (const Truth truth : {Truth::shape, Truth::mesh}) {
     if (truth == Truth::mesh) ImGui::SameLine();
     const std::string words(name(truth));
-    if (ImGui::RadioButton(words.c_str(), session.wish().truth == truth)) session.set_truth(truth);
+    if (ImGui::RadioButton(words.c_str(), session.selection().truth == truth)) session.set_truth(truth);
     widgets.note("truth." + words);
   }
 }
@@ -123,14 +123,14 @@ void draw_light_and_view(Session& session, Widgets& widgets) {
   if (!scene) return;
   const Bounds bounds = scene->bounds();
   const float speed = glm::length(bounds.max - bounds.min) / 1000;
-  if (const auto name = draw_names("light", scene->lights, session.wish().light.name, session.is_light_moved(), widgets))
+  if (const auto name = draw_names("light", scene->lights, session.selection().light.name, session.is_light_moved(), widgets))
     session.choose_light(*name);
-  Light light = session.wish().light;
+  Light light = session.selection().light;
   if (draw_light_fields(light, speed, widgets))
     if (widgets.attempt([&] { session.set_light(light); })) session.mark_moving();
-  if (const auto name = draw_names("view", scene->views, session.wish().view.name, session.is_view_moved(), widgets))
+  if (const auto name = draw_names("view", scene->views, session.selection().view.name, session.is_view_moved(), widgets))
     session.choose_view(*name);
-  View view = session.wish().view;
+  View view = session.selection().view;
   widgets.label("field of view", "Of the picture's height, in degrees.");
   if (ImGui::SliderFloat("##fov", &view.fov_y_degrees, 5, 120, "%.4g degree", ImGuiSliderFlags_AlwaysClamp))
     if (widgets.attempt([&] { session.set_view(view); })) session.mark_moving();
@@ -186,7 +186,7 @@ void draw_picture_controls(Session& session, Widgets& widgets) {
   ImGui::SameLine();
   draw_flag("magnifier", "magnifier", session.shows_magnifier, "The pixels around one, and what is known of it (Z).", widgets);
   widgets.label("frames", "", 0.6f);
-  bool is_full = session.wish().full_while_moving;
+  bool is_full = session.selection().full_while_moving;
   if (draw_flag("full_frames", "full size", is_full,
                 "While the camera or the light moves, frames have all the pixels of the picture, however long they take.",
                 widgets))

@@ -42,7 +42,8 @@ void draw_pixels(const Shown& shown, float pixel) {
 
 void draw_facts(const Shown& shown, const Session& session) {
   const SideState& side = shown.state.sides[shown.side];
-  const bool is_explained = session.picked() && side.explanation && side.explained && side.explained == session.wish().picked;
+  const bool is_explained =
+      session.picked() && side.explanation && side.explained && side.explained == session.selection().picked;
   const std::vector<PixelFact> facts =
       pixel_facts(shown.composition, shown.side, shown.pixel.x, shown.pixel.y, shown.state.reference.get(),
                   is_explained ? side.explanation.get() : nullptr);

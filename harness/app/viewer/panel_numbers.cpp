@@ -105,8 +105,8 @@ void draw_phase(const SideState& state, bool is_right) {
 }
 
 /// As the command line writes it.
-std::string reference_of(const SideWish& wish) {
-  return wish.settings.empty() ? wish.technique : wish.technique + ":" + wish.settings;
+std::string reference_of(const SideSelection& selection) {
+  return selection.settings.empty() ? selection.technique : selection.technique + ":" + selection.settings;
 }
 
 void draw_heads(const Shown& shown, const Session& session) {
@@ -115,7 +115,7 @@ void draw_heads(const Shown& shown, const Session& session) {
   for (int side = 0; side < 2; ++side) {
     ImGui::TableNextColumn();
     draw_words(title_of(session, side));
-    Widgets::tooltip(reference_of(session.wish().sides[side]));
+    Widgets::tooltip(reference_of(session.selection().sides[side]));
   }
   ImGui::TableNextRow();
   ImGui::TableNextColumn();
@@ -128,7 +128,7 @@ void draw_heads(const Shown& shown, const Session& session) {
 /// The head of the only side that has numbers.
 void draw_head(const Shown& shown, const Session& session, int side) {
   ImGui::TextUnformatted(title_of(session, side).c_str());
-  Widgets::tooltip(reference_of(session.wish().sides[side]));
+  Widgets::tooltip(reference_of(session.selection().sides[side]));
   ImGui::SameLine(0, 2 * lengths().gap);
   draw_phase(shown.state.sides[side], false);
 }

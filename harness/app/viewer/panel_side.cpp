@@ -11,7 +11,7 @@ namespace {
 void draw_layers(int side, Session& session, Widgets& widgets) {
   const std::vector<DebugLayer> layers = session.technique(side).debug_layers();
   const std::string prefix = side_name(side);
-  const std::string& chosen = session.wish().sides[side].layer;
+  const std::string& chosen = session.selection().sides[side].layer;
   std::string sentence = layers.empty() ? "This technique has no debug layers." : "A picture of what the technique did.";
   for (const DebugLayer& layer : layers)
     if (layer.name == chosen) sentence = layer.sentence;
@@ -36,7 +36,7 @@ void draw_layers(int side, Session& session, Widgets& widgets) {
 }  // namespace
 
 std::string title_of(const Session& session, int side) {
-  return std::string(registry().technique(session.wish().sides[side].technique).about.title);
+  return std::string(registry().technique(session.selection().sides[side].technique).about.title);
 }
 
 void draw_technique(int side, Session& session, Widgets& widgets) {

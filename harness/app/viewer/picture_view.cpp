@@ -20,13 +20,13 @@ const Frame* shown_frame(const Composition& composition) {
 
 View shown_view(const Session& session, const Composition& composition) {
   const Frame* const newest = shown_frame(composition);
-  return newest ? newest->gbuffer.view : session.wish().view;
+  return newest ? newest->gbuffer.view : session.selection().view;
 }
 
 std::optional<Handle> shown_handle(const Session& session, const Composition& composition, double scale) {
   if (!session.scene() || composition.width <= 0) return std::nullopt;
   const Camera camera(shown_view(session, composition), composition.width, composition.height);
-  return light_handle(camera, light_place(*session.scene(), session.wish().light), handle_margin * scale);
+  return light_handle(camera, light_place(*session.scene(), session.selection().light), handle_margin * scale);
 }
 
 GrabTargets PictureView::targets(const Composition& shown, const Session& session, double scale) const {
@@ -79,7 +79,7 @@ void PictureView::use(std::span<const WindowEvent> events, const PixelRect& plac
         break;
       case WindowEvent::Kind::wheel:
         if (!is_inside || gesture_.kind() != DragKind::nothing) break;
-        session.set_view(zoom(session.wish().view, event.wheel));
+        session.set_view(zoom(session.selection().view, event.wheel));
         session.mark_moving();
         break;
       case WindowEvent::Kind::motion:
@@ -90,8 +90,8 @@ void PictureView::use(std::span<const WindowEvent> events, const PixelRect& plac
         if (!event.is_pressed) {
           if (const auto clicked = gesture_.release(event.code, p, now)) session.pick(glm::ivec2(glm::floor(*clicked)));
         } else if (is_inside && gesture_.kind() == DragKind::nothing) {
-          view_ = session.wish().view;
-          light_ = session.wish().light;
+          view_ = session.selection().view;
+          light_ = session.selection().light;
           camera_.emplace(shown_view(session, shown), shown.width, shown.height);
           if (const auto handle = shown_handle(session, shown, scale)) beside_ = handle->at - handle->shown;
           gesture_.press(event.code, event.modifiers, p, now, targets(shown, session, scale));

@@ -10,7 +10,7 @@ namespace gnomon::viewer {
 
 /// The newest frame that a side shows; null where none does.
 const Frame* shown_frame(const Composition& composition);
-/// The view that the picture shows: of that frame, else the one that is wished.
+/// The view that the picture shows: of that frame, else the selected one.
 View shown_view(const Session& session, const Composition& composition);
 /// The light's handle, in pixels of the picture; nothing when the light is behind the eye.
 std::optional<Handle> shown_handle(const Session& session, const Composition& composition, double scale);

@@ -6,14 +6,14 @@
 
 namespace gnomon::viewer {
 
-void ResolveTimes::note(const Wish& wish, const EngineState& state) {
+void ResolveTimes::note(const Selection& selection, const EngineState& state) {
   for (int k = 0; k < 2; ++k) {
     Side& side = sides_[k];
     const SideState& now = state.sides[k];
-    SideWish wished = wish.sides[k];
-    wished.layer.clear();
-    if (!(side.wish == wished) || side.loaded != wish.loaded || now.answer_count < side.answer_count)
-      side = {.wish = wished, .loaded = wish.loaded, .answer_count = now.answer_count, .ms = {}};
+    SideSelection selected = selection.sides[k];
+    selected.layer.clear();
+    if (!(side.selection == selected) || side.loaded != selection.loaded || now.answer_count < side.answer_count)
+      side = {.selection = selected, .loaded = selection.loaded, .answer_count = now.answer_count, .ms = {}};
     const auto ms = now.newest_ms[static_cast<int>(Stage::resolve)];
     if (now.answer_count == side.answer_count || !now.answer || !ms) continue;
     side.answer_count = now.answer_count;

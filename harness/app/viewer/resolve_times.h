@@ -14,7 +14,7 @@ class ResolveTimes {
   static constexpr std::size_t most = 240;  ///< that are kept of a side
 
   /// Takes over the times that are new in the state. Those of another technique, setting or scene are forgotten.
-  void note(const Wish& wish, const EngineState& state);
+  void note(const Selection& selection, const EngineState& state);
 
   /// Milliseconds, the oldest first.
   std::span<const float> last(int side) const { return sides_[side].ms; }
@@ -28,7 +28,7 @@ class ResolveTimes {
 
  private:
   struct Side {
-    SideWish wish;  // without its layer
+    SideSelection selection;  // without its layer
     std::shared_ptr<const LoadedScene> loaded;
     std::uint64_t answer_count = 0, frame = 0;
     std::vector<float> ms;

@@ -44,9 +44,9 @@ Json window_json(glm::ivec2 window, double scale, const PixelRect& picture, cons
   Json named = Json::object(), sides = Json::object();
   for (const auto& [name, place] : controls) named[name] = json_of(place);
   for (int side = 0; side < 2; ++side)
-    sides[side_name(side)] = {{"technique", session.wish().sides[side].technique},
-                              {"settings", session.wish().sides[side].settings},
-                              {"layer", session.wish().sides[side].layer},
+    sides[side_name(side)] = {{"technique", session.selection().sides[side].technique},
+                              {"settings", session.selection().sides[side].settings},
+                              {"layer", session.selection().sides[side].layer},
                               {"phase", phases[static_cast<int>(state.sides[side].phase)]},
                               {"words", state.sides[side].words}};
   return {{"window", {{"width", window.x}, {"height", window.y}, {"scale", scale}}},
@@ -78,17 +78,17 @@ fs::path SavedFiles::next(const std::string& before, const std::string& after) c
 }
 
 SavedState SavedFiles::saved_state(const Session& session) const {
-  const Wish& wish = session.wish();
-  // A scene that could not be loaded is only wished.
-  return {.scene = wish.loaded ? wish.loaded->reference : wish.scene,
-          .light = wish.light,
-          .view = wish.view,
+  const Selection& selection = session.selection();
+  // A scene that could not be loaded is selected, but not shown.
+  return {.scene = selection.loaded ? selection.loaded->reference : selection.scene,
+          .light = selection.light,
+          .view = selection.view,
           .plugins = plugins_,
-          .technique = wish.sides[0].technique,
-          .settings = wish.sides[0].settings,
-          .width = wish.width,
-          .height = wish.height,
-          .truth = wish.truth};
+          .technique = selection.sides[0].technique,
+          .settings = selection.sides[0].settings,
+          .width = selection.width,
+          .height = selection.height,
+          .truth = selection.truth};
 }
 
 std::string SavedFiles::write_command(const Session& session, const fs::path& staged, const fs::path& folder) {
@@ -101,24 +101,24 @@ std::string SavedFiles::write_command(const Session& session, const fs::path& st
 
 fs::path SavedFiles::save(const Session& session, const EngineState& state, std::span<const std::uint32_t> rgba,
                           const Picture& window, const Json& places) {
-  const Wish& wish = session.wish();
+  const Selection& selection = session.selection();
   const SideState& left = state.sides[0];
   std::span<const float> mask;
   if (left.is_reference && state.reference)
     mask = state.reference->mask;
   else if (left.answer)
     mask = left.answer->mask;
-  const auto pixels = static_cast<std::size_t>(wish.width) * wish.height;
+  const auto pixels = static_cast<std::size_t>(selection.width) * selection.height;
   if (left.phase != Phase::done || mask.size() != pixels)
-    throw Error("the left side, {}, has no mask to save: {}", wish.sides[0].technique,
+    throw Error("the left side, {}, has no mask to save: {}", selection.sides[0].technique,
                 left.words.empty() ? "it is not done" : left.words);
   const fs::path folder = next("", "");
   const app::StagedFolder staged = app::StagedFolder::beside(folder);
   write_command(session, staged.path, folder);
-  const std::vector<std::string> names = {wish.light.name + ".V"};
+  const std::vector<std::string> names = {selection.light.name + ".V"};
   const std::vector<std::span<const float>> channels = {mask};
-  write_exr(staged.path / "mask.exr", wish.width, wish.height, names, channels);
-  write_png(staged.path / "picture.png", picture_of(rgba, wish.width, wish.height));
+  write_exr(staged.path / "mask.exr", selection.width, selection.height, names, channels);
+  write_png(staged.path / "picture.png", picture_of(rgba, selection.width, selection.height));
   write_png(staged.path / "window.png", window);
   write_file(staged.path / "window.json", places.dump(2) + "\n");
   staged.publish();

@@ -36,7 +36,7 @@ class SavedFiles {
 };
 
 /// What is where in the window and what it says, for window.json: rectangles in framebuffer pixels, the picked pixel, how far
-/// each side is, the last message, why the wished scene could not be loaded, whether text is typed into a field.
+/// each side is, the last message, why the selected scene could not be loaded, whether text is typed into a field.
 nlohmann::ordered_json window_json(glm::ivec2 window, double scale, const PixelRect& picture, const ControlPlaces& controls,
                                    const Session& session, const EngineState& state);
 

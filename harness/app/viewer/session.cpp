@@ -34,13 +34,14 @@ const Item& named_or_first(const std::vector<Item>& items, const std::string& na
 
 std::string scene_id(const std::string& reference) { return reference.substr(0, reference.find(':')); }
 
-Session::Session(Wish wish, const Scene& scene) : wish_(std::move(wish)), generator_(generator_of(wish_.scene)) {
+Session::Session(Selection selection, const Scene& scene)
+    : selection_(std::move(selection)), generator_(generator_of(selection_.scene)) {
   auto loaded = std::make_shared<LoadedScene>();
-  loaded->reference = wish_.scene;
+  loaded->reference = selection_.scene;
   loaded->scene = scene;
   loaded_ = std::move(loaded);
   for (int side = 0; side < 2; ++side) {
-    const SideWish start = wish_.sides[side];
+    const SideSelection start = selection_.sides[side];
     choose_technique(side, start.technique);
     technique(side).apply(start.settings);
     technique_changed(side);
@@ -51,69 +52,69 @@ Session::Session(Wish wish, const Scene& scene) : wish_(std::move(wish)), genera
 void Session::choose_scene(const std::string& reference) {
   auto generator = generator_of(reference);
   // Other settings of the same generator: a light or view that was moved stays where it is.
-  keeps_moved_ = generator && scene_id(reference) == scene_id(wish_.scene);
+  keeps_moved_ = generator && scene_id(reference) == scene_id(selection_.scene);
   generator_ = std::move(generator);
-  wish_.scene = reference;
+  selection_.scene = reference;
   pick({});
 }
 
 void Session::generator_changed() {
   const std::string settings = generator_->settings();
   keeps_moved_ = true;
-  wish_.scene = settings.empty() ? generator_->id() : generator_->id() + ":" + settings;
+  selection_.scene = settings.empty() ? generator_->id() : generator_->id() + ":" + settings;
 }
 
 void Session::adopt(const EngineState& state) {
-  if (!state.loaded || state.loaded == loaded_ || state.loaded->reference != wish_.scene) return;
+  if (!state.loaded || state.loaded == loaded_ || state.loaded->reference != selection_.scene) return;
   loaded_ = state.loaded;
-  wish_.loaded = loaded_;
-  if (!(keeps_moved_ && light_moved_)) choose_light(named_or_first(scene()->lights, wish_.light.name).name);
-  if (!(keeps_moved_ && view_moved_)) choose_view(named_or_first(scene()->views, wish_.view.name).name);
+  selection_.loaded = loaded_;
+  if (!(keeps_moved_ && light_moved_)) choose_light(named_or_first(scene()->lights, selection_.light.name).name);
+  if (!(keeps_moved_ && view_moved_)) choose_view(named_or_first(scene()->views, selection_.view.name).name);
   keeps_moved_ = true;
 }
 
 void Session::choose_light(const std::string& name) {
-  wish_.light = named_or_first(scene()->lights, name);
+  selection_.light = named_or_first(scene()->lights, name);
   light_moved_ = false;
 }
 
 void Session::choose_view(const std::string& name) {
-  wish_.view = named_or_first(scene()->views, name);
+  selection_.view = named_or_first(scene()->views, name);
   view_moved_ = false;
 }
 
 void Session::set_light(const Light& light) {
   check(light, "window");
-  light_moved_ = light_moved_ || !are_same(light, wish_.light);
-  wish_.light = light;
+  light_moved_ = light_moved_ || !are_same(light, selection_.light);
+  selection_.light = light;
 }
 
 void Session::set_view(const View& view) {
   check(view, "window");
-  view_moved_ = view_moved_ || !are_same(view, wish_.view);
-  wish_.view = view;
+  view_moved_ = view_moved_ || !are_same(view, selection_.view);
+  selection_.view = view;
 }
 
 void Session::set_size(int width, int height) {
-  if (width == wish_.width && height == wish_.height) return;
-  wish_.width = width;
-  wish_.height = height;
+  if (width == selection_.width && height == selection_.height) return;
+  selection_.width = width;
+  selection_.height = height;
   if (picked_ && (picked_->x >= width || picked_->y >= height)) picked_.reset();
   pick(picked_);
 }
 
 void Session::mark_moving() {
-  wish_.is_moving = true;
+  selection_.is_moving = true;
   moving_until_ = Window::now() + motion_rest;
 }
 
 std::optional<double> Session::motion_left() const {
-  if (!wish_.is_moving) return std::nullopt;
+  if (!selection_.is_moving) return std::nullopt;
   return std::max(0.0, moving_until_ - Window::now());
 }
 
 void Session::settle() {
-  if (wish_.is_moving && Window::now() >= moving_until_) wish_.is_moving = false;
+  if (selection_.is_moving && Window::now() >= moving_until_) selection_.is_moving = false;
 }
 
 void Session::choose_technique(int side, const std::string& id) {
@@ -122,24 +123,24 @@ void Session::choose_technique(int side, const std::string& id) {
   technique_[side] = known;
   technique_changed(side);
   const auto layers = known->debug_layers();
-  if (std::ranges::find(layers, wish_.sides[side].layer, &DebugLayer::name) == layers.end()) choose_layer(side, "");
+  if (std::ranges::find(layers, selection_.sides[side].layer, &DebugLayer::name) == layers.end()) choose_layer(side, "");
 }
 
 void Session::technique_changed(int side) {
-  wish_.sides[side].technique = technique_[side]->id();
-  wish_.sides[side].settings = technique_[side]->settings();
+  selection_.sides[side].technique = technique_[side]->id();
+  selection_.sides[side].settings = technique_[side]->settings();
 }
 
 void Session::swap_sides() {
   std::swap(known_[0], known_[1]);
   std::swap(technique_[0], technique_[1]);
-  std::swap(wish_.sides[0], wish_.sides[1]);
+  std::swap(selection_.sides[0], selection_.sides[1]);
 }
 
 void Session::pick(std::optional<glm::ivec2> pixel) {
   picked_ = pixel;
-  wish_.picked.reset();
-  if (picked_) wish_.picked = static_cast<std::uint32_t>(picked_->y) * wish_.width + picked_->x;
+  selection_.picked.reset();
+  if (picked_) selection_.picked = static_cast<std::uint32_t>(picked_->y) * selection_.width + picked_->x;
 }
 
 void Session::say(const std::string& text, bool is_warning) {
@@ -165,7 +166,7 @@ bool are_same(const View& a, const View& b) {
   return a.name == b.name && a.eye == b.eye && a.target == b.target && a.up == b.up && a.fov_y_degrees == b.fov_y_degrees;
 }
 
-bool are_same(const Wish& a, const Wish& b) {
+bool are_same(const Selection& a, const Selection& b) {
   return a.scene == b.scene && a.loaded == b.loaded && a.truth == b.truth && are_same(a.light, b.light) &&
          are_same(a.view, b.view) && a.width == b.width && a.height == b.height && a.is_moving == b.is_moving &&
          a.full_while_moving == b.full_while_moving && a.sides == b.sides && a.picked == b.picked && a.repeat == b.repeat;

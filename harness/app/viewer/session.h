@@ -17,13 +17,13 @@ struct Requests {
   bool save = false, copy_command = false, screenshot = false, quit = false;
 };
 
-/// All that the person has chosen. Panels, keys and mouse edit it through these calls; the engine follows its wish.
+/// All that the person has chosen. Panels, keys and mouse edit it through these calls; the engine follows its selection.
 class Session {
  public:
-  /// `scene` is the one that the wish names.
-  Session(Wish wish, const Scene& scene);
+  /// `scene` is the one that the selection names.
+  Session(Selection selection, const Scene& scene);
 
-  const Wish& wish() const { return wish_; }
+  const Selection& selection() const { return selection_; }
   Layout layout = Layout::split;
   Paint paint = Paint::shaded;
   double divider = 0.5;
@@ -37,8 +37,8 @@ class Session {
   /// Whoever sets its parameters calls `generator_changed` afterward. Null for scenes that are files.
   SceneGenerator* generator() { return generator_.get(); }
   void generator_changed();
-  void set_truth(Truth truth) { wish_.truth = truth; }
-  /// Takes over the scene that is wished when the engine has loaded it.
+  void set_truth(Truth truth) { selection_.truth = truth; }
+  /// Takes over the selected scene when the engine has loaded it.
   void adopt(const EngineState& state);
   /// The scene that light and view belong to; null before the first.
   const Scene* scene() const { return loaded_ ? &loaded_->scene : nullptr; }
@@ -48,8 +48,8 @@ class Session {
   void choose_view(const std::string& name);
   void set_light(const Light& light);
   void set_view(const View& view);
-  void reset_light() { choose_light(wish_.light.name); }
-  void reset_view() { choose_view(wish_.view.name); }
+  void reset_light() { choose_light(selection_.light.name); }
+  void reset_view() { choose_view(selection_.view.name); }
   bool is_light_moved() const { return light_moved_; }
   bool is_view_moved() const { return view_moved_; }
   void set_size(int width, int height);
@@ -60,9 +60,9 @@ class Session {
   /// Ends the motion when that time is over.
   void settle();
   /// Frames of full size while something moves.
-  void set_full_while_moving(bool is_full) { wish_.full_while_moving = is_full; }
+  void set_full_while_moving(bool is_full) { selection_.full_while_moving = is_full; }
   /// Both sides do resolve once more, for its time.
-  void do_again() { ++wish_.repeat; }
+  void do_again() { ++selection_.repeat; }
   /// Whether they do so whenever all is computed.
   bool repeats = false;
 
@@ -70,9 +70,9 @@ class Session {
   Technique& technique(int side) { return *technique_[side]; }
   void choose_technique(int side, const std::string& id);
   void technique_changed(int side);
-  void choose_layer(int side, const std::string& layer) { wish_.sides[side].layer = layer; }
+  void choose_layer(int side, const std::string& layer) { selection_.sides[side].layer = layer; }
   /// Starts a technique that failed anew.
-  void start_again(int side) { ++wish_.sides[side].attempt; }
+  void start_again(int side) { ++selection_.sides[side].attempt; }
   void swap_sides();
 
   /// The pixel that is explained, of the full picture.
@@ -95,7 +95,7 @@ class Session {
   void step_technique(int step);
   void next_layer();
 
-  Wish wish_;
+  Selection selection_;
   std::shared_ptr<const LoadedScene> loaded_;
   std::unique_ptr<SceneGenerator> generator_;
   bool light_moved_ = false, view_moved_ = false, keeps_moved_ = false;
@@ -115,6 +115,6 @@ std::string scene_id(const std::string& reference);
 /// Whether engine and workers would do the same for both.
 bool are_same(const Light& a, const Light& b);
 bool are_same(const View& a, const View& b);
-bool are_same(const Wish& a, const Wish& b);
+bool are_same(const Selection& a, const Selection& b);
 
 }  // namespace gnomon::viewer

@@ -15,7 +15,7 @@ void Session::set_scene_parameter(const SceneSetting& to) {
 
 void Session::step_technique(int step) {
   const auto& all = registry().techniques();
-  const auto found = std::ranges::find(all, wish_.sides[0].technique, &TechniqueEntry::id);
+  const auto found = std::ranges::find(all, selection_.sides[0].technique, &TechniqueEntry::id);
   const auto count = static_cast<std::ptrdiff_t>(all.size());
   choose_technique(0, all[(found - all.begin() + step + count) % count].id);
 }
@@ -23,7 +23,7 @@ void Session::step_technique(int step) {
 void Session::next_layer() {
   const std::vector<DebugLayer> layers = technique(0).debug_layers();
   if (layers.empty()) return say(fmt::format("{} has no debug layers", technique(0).id()), true);
-  const auto found = std::ranges::find(layers, wish_.sides[0].layer, &DebugLayer::name);
+  const auto found = std::ranges::find(layers, selection_.sides[0].layer, &DebugLayer::name);
   if (found == layers.end())
     choose_layer(0, layers.front().name);
   else
@@ -32,8 +32,8 @@ void Session::next_layer() {
 
 void Session::act(const KeyEffect& effect, double count) {
   if (scene()) {
-    const std::optional<View> view = moved_by_key(wish_.view, *scene(), effect, count);
-    const std::optional<Light> light = moved_by_key(wish_.light, *scene(), effect, count);
+    const std::optional<View> view = moved_by_key(selection_.view, *scene(), effect, count);
+    const std::optional<Light> light = moved_by_key(selection_.light, *scene(), effect, count);
     if (view) set_view(*view);
     if (light) set_light(*light);
     if (view || light) return mark_moving();

@@ -32,7 +32,7 @@ void SpeedTrial::step(Session& session) {
       break;
     }
     default:
-      session.set_view(orbit(view_, {200 * swing, 0}, session.wish().height));
+      session.set_view(orbit(view_, {200 * swing, 0}, session.selection().height));
       session.set_full_while_moving(situation_ == full_frames);
       session.mark_moving();
   }
@@ -41,12 +41,12 @@ void SpeedTrial::step(Session& session) {
 void SpeedTrial::steer(Session& session, const EngineState& state, bool is_finished, double now) {
   if (is_over() || !state.frame) return;
   if (!is_running_) {
-    if (!is_finished || session.wish().is_moving) return;
+    if (!is_finished || session.selection().is_moving) return;
     is_running_ = true;
     has_stepped_ = false;
     start_ = last_picture_ = now;
-    view_ = session.wish().view;
-    light_ = session.wish().light;
+    view_ = session.selection().view;
+    light_ = session.selection().light;
     steps_ = 0;
   }
   if (now - start_ >= seconds_) {

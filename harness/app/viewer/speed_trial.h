@@ -10,7 +10,7 @@ class SpeedTrial {
  public:
   explicit SpeedTrial(double seconds) : seconds_(seconds) {}
 
-  /// Before the engine is told what is wished.
+  /// Before the selection is sent to the engine.
   void steer(Session& session, const EngineState& state, bool is_finished, double now);
   /// A picture of this state was presented.
   void presented(const EngineState& state, double now);

@@ -1,4 +1,4 @@
-// The viewer without its window: what is wished comes, as `gnomon render` would make it, and nothing waits for it.
+// The viewer without its window: what is selected comes, as `gnomon render` would make it, and nothing waits for it.
 #include "app/viewer/engine.h"
 
 #include <gnomon/registry.h>
@@ -23,28 +23,28 @@ using std::chrono::seconds;
 class Rig {
  public:
   Rig() : engine_({.threads = 0, .plugins = {}, .program = tested_program()}, 60, [this] { wake(); }) {
-    wish.sides = {SideWish{.technique = "shadow_map", .settings = "resolution=256", .layer = ""},
-                  SideWish{.technique = "embree_rays", .settings = "", .layer = ""}};
-    wish.width = 160;
-    wish.height = 90;
+    selection.sides = {SideSelection{.technique = "shadow_map", .settings = "resolution=256", .layer = ""},
+                       SideSelection{.technique = "embree_rays", .settings = "", .layer = ""}};
+    selection.width = 160;
+    selection.height = 90;
   }
 
   /// Opens a scene at its own first light and view.
   void open(const std::string& scene) {
-    wish.scene = scene;
-    engine_.wish(wish);
+    selection.scene = scene;
+    engine_.select(selection);
     const EngineState state = until([&](const EngineState& s) {
       if (!s.scene_error.empty()) throw Error("{}", s.scene_error);
       return s.loaded && s.loaded->reference == scene;
     });
-    wish.loaded = state.loaded;
-    wish.light = state.loaded->scene.lights[0];
-    wish.view = state.loaded->scene.views[0];
+    selection.loaded = state.loaded;
+    selection.light = state.loaded->scene.lights[0];
+    selection.view = state.loaded->scene.views[0];
   }
-  /// Tells the wish and waits until nothing is left to do.
+  /// Selects and waits until nothing is left to do.
   EngineState finish() {
-    const std::uint64_t number = engine_.wish(wish);
-    return until([&](const EngineState& s) { return s.wish == number && s.is_finished; });
+    const std::uint64_t number = engine_.select(selection);
+    return until([&](const EngineState& s) { return s.selection_number == number && s.is_finished; });
   }
   EngineState until(const std::function<bool(const EngineState&)>& is_there) {
     const auto deadline = Clock::now() + seconds(60);
@@ -61,7 +61,7 @@ class Rig {
   }
   Engine& engine() { return engine_; }
 
-  Wish wish;
+  Selection selection;
 
  private:
   void wake() {
@@ -76,23 +76,23 @@ class Rig {
 };
 
 /// The mask and causes of the same state by the way that `gnomon render` goes.
-MeasuredRow rendered(const Wish& wish, int side) {
-  Scene scene = wish.loaded->scene;
-  scene.lights = {wish.light};
-  scene.views = {wish.view};
+MeasuredRow rendered(const Selection& selection, int side) {
+  Scene scene = selection.loaded->scene;
+  scene.lights = {selection.light};
+  scene.views = {selection.view};
   Suite suite;
-  suite.width = wish.width;
-  suite.height = wish.height;
-  suite.truth = wish.truth;
+  suite.width = selection.width;
+  suite.height = selection.height;
+  suite.truth = selection.truth;
   suite.timeout = 60;
-  const Contender contender{wish.sides[side].technique, wish.sides[side].settings, {}};
+  const Contender contender{selection.sides[side].technique, selection.sides[side].settings, {}};
   suite.groups = {{{"scene"}, {}, {}, {contender}}};
   const ScratchFolder folder = ScratchFolder::temporary("gnomon_engine_test");
   SceneRun run("scene", scene, suite, folder.path(), folder.path());
   ContenderWorker worker(run, contender, {.threads = 0, .plugins = {}, .program = tested_program()});
   worker.begin_load();
   worker.end_load();
-  const RowFrame frame{.width = wish.width, .height = wish.height, .path = {}};
+  const RowFrame frame{.width = selection.width, .height = selection.height, .path = {}};
   worker.go(frame, suite.truth);
   Record record;
   record.technique = contender.technique;
@@ -100,8 +100,8 @@ MeasuredRow rendered(const Wish& wish, int side) {
   return *measure(record, run, worker, frame);
 }
 
-void expect_as_rendered(const Wish& wish, const EngineState& state) {
-  const MeasuredRow row = rendered(wish, 0);
+void expect_as_rendered(const Selection& selection, const EngineState& state) {
+  const MeasuredRow row = rendered(selection, 0);
   const SideState& side = state.sides[0];
   ASSERT_EQ(side.phase, Phase::done) << side.words;
   EXPECT_EQ(side.answer->mask, row.answer.mask);
@@ -118,12 +118,12 @@ void expect_as_rendered(const Wish& wish, const EngineState& state) {
 TEST(viewer_engine, shows_what_render_makes) {
   Rig rig;
   rig.open("composite:object=sphere");
-  expect_as_rendered(rig.wish, rig.finish());
-  rig.wish.view.eye += glm::vec3(0.7f, -0.3f, 0.4f);
-  std::get<PointLight>(rig.wish.light.kind).position += glm::vec3(-1, 0.5f, 2);
-  rig.wish.sides[0].settings = "resolution=64";
+  expect_as_rendered(rig.selection, rig.finish());
+  rig.selection.view.eye += glm::vec3(0.7f, -0.3f, 0.4f);
+  std::get<PointLight>(rig.selection.light.kind).position += glm::vec3(-1, 0.5f, 2);
+  rig.selection.sides[0].settings = "resolution=64";
   const EngineState state = rig.finish();
-  expect_as_rendered(rig.wish, state);
+  expect_as_rendered(rig.selection, state);
   EXPECT_GT(state.sides[0].verdict->errors.wrong, 0u);
 }
 
@@ -132,21 +132,21 @@ TEST(viewer_engine, full_frames_come_back_at_rest) {
   Rig rig;
   rig.open("composite:object=cone");
   rig.finish();
-  rig.wish.is_moving = true;
+  rig.selection.is_moving = true;
   std::uint64_t last = 0;
   for (int k = 0; k < 12; ++k) {
-    rig.wish.view.eye.x += 0.05f;
-    const std::uint64_t number = rig.engine().wish(rig.wish);
+    rig.selection.view.eye.x += 0.05f;
+    const std::uint64_t number = rig.engine().select(rig.selection);
     const EngineState state = rig.until([&](const EngineState& s) {
-      return s.wish == number && s.frame->number > last && s.frame->gbuffer.view.eye == rig.wish.view.eye;
+      return s.selection_number == number && s.frame->number > last && s.frame->gbuffer.view.eye == rig.selection.view.eye;
     });
     last = state.frame->number;
     EXPECT_FALSE(state.frame->is_full() && k == 0);
   }
-  rig.wish.is_moving = false;
+  rig.selection.is_moving = false;
   const EngineState state = rig.finish();
   EXPECT_TRUE(state.frame->is_full());
-  expect_as_rendered(rig.wish, state);
+  expect_as_rendered(rig.selection, state);
 }
 
 // A parameter of resolve leaves build and relight alone: their times stay those that they were.
@@ -159,27 +159,27 @@ TEST(viewer_engine, redoes_only_what_a_parameter_spoils) {
   const std::string other = probes[0] != (*row)->text() ? probes[0] : probes[1];
   Rig rig;
   rig.open("composite:object=sphere");
-  rig.wish.sides[0].settings = "";
+  rig.selection.sides[0].settings = "";
   const EngineState before = rig.finish();
-  rig.wish.sides[0].settings = fmt::format("{}={}", (*row)->name(), other);
+  rig.selection.sides[0].settings = fmt::format("{}={}", (*row)->name(), other);
   const EngineState after = rig.finish();
   const auto &then = before.sides[0].newest_ms, &now = after.sides[0].newest_ms;
   for (const Stage kept : {Stage::setup, Stage::build, Stage::relight})
     EXPECT_EQ(then[static_cast<int>(kept)], now[static_cast<int>(kept)]) << name(kept);
   EXPECT_NE(then[3], now[3]);
   EXPECT_EQ(after.sides[0].answer_count, before.sides[0].answer_count + 1);
-  expect_as_rendered(rig.wish, after);
+  expect_as_rendered(rig.selection, after);
 }
 
 TEST(viewer_engine, says_why_a_side_is_unsupported_and_goes_on) {
   Rig rig;
   rig.open("fence");
-  rig.wish.sides[0] = {.technique = "composite_planar", .settings = "", .layer = ""};
+  rig.selection.sides[0] = {.technique = "composite_planar", .settings = "", .layer = ""};
   const EngineState state = rig.finish();
   EXPECT_EQ(state.sides[0].phase, Phase::unsupported);
   EXPECT_FALSE(state.sides[0].words.empty());
   EXPECT_EQ(state.sides[1].phase, Phase::done);
-  rig.wish.sides[0] = {.technique = "unshadowed", .settings = "", .layer = ""};
+  rig.selection.sides[0] = {.technique = "unshadowed", .settings = "", .layer = ""};
   EXPECT_EQ(rig.finish().sides[0].phase, Phase::done);
 }
 
@@ -190,13 +190,13 @@ TEST(viewer_engine, a_technique_left_for_a_moment_comes_back) {
   rig.open("composite:object=sphere");
   rig.finish();
   for (const int ms : {0, 0, 1, 5, 20, 60}) {
-    Wish away = rig.wish;
+    Selection away = rig.selection;
     away.sides[0] = {.technique = "exact_rays", .settings = "", .layer = ""};
-    rig.wish.view.eye.x += 0.01f;
-    rig.engine().wish(rig.wish);
+    rig.selection.view.eye.x += 0.01f;
+    rig.engine().select(rig.selection);
     std::this_thread::sleep_for(std::chrono::milliseconds(ms));
-    rig.engine().wish(away);
-    rig.engine().wish(rig.wish);
+    rig.engine().select(away);
+    rig.engine().select(rig.selection);
     const EngineState state = rig.finish();
     EXPECT_EQ(state.sides[0].phase, Phase::done) << ms << " ms: " << state.sides[0].words;
     ASSERT_TRUE(state.sides[0].verdict && state.sides[0].verdict->has_causes);
@@ -208,7 +208,7 @@ TEST(viewer_engine, a_scene_that_cannot_be_loaded_leaves_the_one_before) {
   Rig rig;
   rig.open("composite:object=sphere");
   rig.finish();
-  rig.wish.scene = "composit";
+  rig.selection.scene = "composit";
   const EngineState state = rig.finish();
   EXPECT_NE(state.scene_error.find("did you mean composite"), std::string::npos) << state.scene_error;
   EXPECT_EQ(state.loaded->reference, "composite:object=sphere");
@@ -222,18 +222,18 @@ TEST(viewer_engine, draws_layers_and_explains_the_picked_pixel) {
   rig.open("composite:object=sphere");
   const EngineState plain = rig.finish();
   const auto tested = std::ranges::find(plain.reference->classes, PixelClass::T);
-  rig.wish.picked = static_cast<std::uint32_t>(tested - plain.reference->classes.begin());
-  rig.wish.sides[0].layer = "map";
+  rig.selection.picked = static_cast<std::uint32_t>(tested - plain.reference->classes.begin());
+  rig.selection.sides[0].layer = "map";
   const EngineState state = rig.finish();
   const SideState& side = state.sides[0];
   ASSERT_TRUE(side.layer);
   EXPECT_EQ(side.layer->layer.name, "map");
   EXPECT_EQ(side.layer->rgb.size(), 3u * 160 * 90);
-  EXPECT_EQ(side.explained, rig.wish.picked);
+  EXPECT_EQ(side.explained, rig.selection.picked);
   ASSERT_TRUE(side.explanation);
   EXPECT_FALSE(side.explanation->taps.empty());
-  rig.wish.sides[0].layer = "";
-  rig.wish.picked.reset();
+  rig.selection.sides[0].layer = "";
+  rig.selection.picked.reset();
   const EngineState bare = rig.finish();
   EXPECT_FALSE(bare.sides[0].layer);
   EXPECT_FALSE(bare.sides[0].explanation);
@@ -246,10 +246,10 @@ TEST(viewer_engine, ends_in_the_middle_of_work) {
     {
       Rig rig;
       rig.open("soup");
-      rig.wish.width = 960;
-      rig.wish.height = 540;
-      rig.wish.sides[0] = {.technique = "exact_rays", .settings = "", .layer = ""};
-      rig.engine().wish(rig.wish);
+      rig.selection.width = 960;
+      rig.selection.height = 540;
+      rig.selection.sides[0] = {.technique = "exact_rays", .settings = "", .layer = ""};
+      rig.engine().select(rig.selection);
       std::this_thread::sleep_for(std::chrono::milliseconds(ms));
     }
     EXPECT_LT(Clock::now() - start, seconds(20));

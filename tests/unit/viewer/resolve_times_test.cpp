@@ -7,7 +7,7 @@ namespace {
 
 /// A left side that has resolved so many times, the last one at a frame of that number.
 struct Side {
-  Wish wish;
+  Selection selection;
   EngineState state;
   ResolveTimes times;
 
@@ -20,7 +20,7 @@ struct Side {
     side.answer = answer;
     side.newest_ms[static_cast<int>(Stage::resolve)] = ms;
     ++side.answer_count;
-    times.note(wish, state);
+    times.note(selection, state);
   }
 };
 
@@ -46,18 +46,18 @@ TEST(resolve_times, median_is_of_the_frame_that_is_shown) {
 TEST(resolve_times, a_state_that_is_seen_twice_counts_once) {
   Side side;
   side.resolve(5, 1);
-  for (int k = 0; k < 3; ++k) side.times.note(side.wish, side.state);
+  for (int k = 0; k < 3; ++k) side.times.note(side.selection, side.state);
   EXPECT_EQ(side.times.last(0).size(), 1u);
 }
 
 TEST(resolve_times, another_setting_begins_anew_and_another_layer_does_not) {
   Side side;
   side.resolve(5, 1);
-  side.wish.sides[0].layer = "map";
+  side.selection.sides[0].layer = "map";
   side.resolve(6, 1);
   EXPECT_EQ(side.times.last(0).size(), 2u);
-  side.wish.sides[0].settings = "resolution=64";
-  side.times.note(side.wish, side.state);
+  side.selection.sides[0].settings = "resolution=64";
+  side.times.note(side.selection, side.state);
   EXPECT_TRUE(side.times.last(0).empty());
   side.resolve(1, 1);
   EXPECT_EQ(side.times.last(0).size(), 1u);
@@ -67,7 +67,7 @@ TEST(resolve_times, a_worker_that_was_started_again_begins_anew) {
   Side side;
   for (int k = 0; k < 5; ++k) side.resolve(5, 1);
   side.state.sides[0] = {};
-  side.times.note(side.wish, side.state);
+  side.times.note(side.selection, side.state);
   EXPECT_TRUE(side.times.last(0).empty());
 }
 
