@@ -23,8 +23,10 @@ struct CountingWork {
   CountingWork& operator+=(const CountingWork& other);
 };
 
-/// Counts volumes along the ways from a start to the points of all pixels, tile by tile on all threads.
-class WayCounter {
+/// Counts volumes along the ways from a start to the points of all pixels, tile by tile on all threads. Hidden, because
+/// position independent code inlines no function that another library could replace: `meet` is called for every polygon of
+/// every pixel.
+class [[gnu::visibility("hidden")]] WayCounter {
  public:
   /// Begins a picture: every pixel that faces the light is undecided, and lit until it is decided.
   void begin(const Scene& scene, const GBuffer& gbuffer, const Light& light, Volumes& volumes, const OwnVolumes& own,
