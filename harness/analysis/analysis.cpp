@@ -99,7 +99,7 @@ std::string_view sentence(Cost cost) {
 Cost cost_named(std::string_view wanted) {
   for (const Cost cost : {Cost::resolve, Cost::light, Cost::geometry, Cost::bytes})
     if (name(cost) == wanted) return cost;
-  throw Error("there is no cost {}; there are: {}", wanted, fmt::join(cost_names, ", "));
+  throw Error("there is no cost {}; there are: {}", wanted, joined(cost_names, ", "));
 }
 
 std::vector<Stage> stages_of(Cost cost) {
@@ -222,7 +222,7 @@ void require_quantity(std::span<const Record> records, std::string_view wanted) 
   const std::vector<std::string> names = quantity_names(records);
   if (std::find(names.begin(), names.end(), wanted) != names.end()) return;
   if (names.empty()) throw Error("there is no {}: no row of these records was measured", wanted);
-  throw Error("there is no {}; did you mean {}? There are: {}", wanted, nearest_word(wanted, names), fmt::join(names, ", "));
+  throw Error("there is no {}; did you mean {}? There are: {}", wanted, nearest_word(wanted, names), joined(names, ", "));
 }
 
 std::string_view better(std::string_view wanted) {
@@ -248,7 +248,7 @@ std::vector<Record> matching(std::vector<Record> records, const std::string& exp
     // All parameters too: what is at its default does not stand in the settings.
     std::string full = where + r.technique + ":";
     for (const auto& [parameter, value] : r.parameters.items())
-      full += fmt::format("{}={},", parameter, value.is_string() ? value.get<std::string>() : value.dump());
+      full += fmt::format("{}={},", parameter, plain_text(value));
     return !std::regex_search(title(r), pattern) && !std::regex_search(where + setting_name(r), pattern) &&
            !std::regex_search(full, pattern);
   });

@@ -15,7 +15,7 @@ std::string starred(const std::string& scene, const std::set<std::string>& varyi
   for (const auto& [key, value] : split_settings(settings))
     if (!varying.contains(key)) parts.push_back(fmt::format("{}={}", key, value));
   for (const std::string& key : varying) parts.push_back(key + "=*");
-  return parts.empty() ? id : fmt::format("{}:{}", id, fmt::join(parts, ","));
+  return parts.empty() ? id : fmt::format("{}:{}", id, joined(parts, ","));
 }
 
 /// By scene id, the numeric parameters that change how many triangles the scene has: what one family of scenes differs in.
@@ -56,7 +56,7 @@ std::string setting_without(const Record& r, const std::string& parameter) {
   std::vector<std::string> kept;
   for (const auto& [key, value] : split_settings(r.settings))
     if (key != parameter) kept.push_back(fmt::format("{}={}", key, value));
-  return kept.empty() ? r.technique : fmt::format("{}:{}", r.technique, fmt::join(kept, ","));
+  return kept.empty() ? r.technique : fmt::format("{}:{}", r.technique, joined(kept, ","));
 }
 
 /// What a series along a parameter of techniques is called: by the label that all of its rows have, else by its settings. A
@@ -148,7 +148,7 @@ std::vector<AxisSeries> join_series(std::span<const Record> records, const std::
       if (found != r.parameters.end() && found->is_number()) x = found->get<double>();
       Json rest = r.parameters;
       rest.erase(axis);
-      key = r.technique + rest.dump();
+      key = r.technique + json_text(rest);
     } else {
       x = scene_parameter(r.scene, axis);
       place.scene = starred(r.scene, {axis});

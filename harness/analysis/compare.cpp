@@ -55,7 +55,7 @@ namespace {
 
 std::string plain(const Json& value) {
   if (value.is_null()) return "-";
-  return value.is_string() ? value.get<std::string>() : value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return plain_text(value);
 }
 
 /// A key of the context in all records, each value once; "-" where none has it.
@@ -65,7 +65,7 @@ std::string all_values(std::span<const Record> records, const char* key) {
     if (const auto found = record.context.find(key); found != record.context.end() && !found->is_null())
       if (std::string text = plain(*found); std::find(values.begin(), values.end(), text) == values.end())
         values.push_back(std::move(text));
-  return values.empty() ? "-" : fmt::format("{}", fmt::join(values, ", "));
+  return values.empty() ? "-" : fmt::format("{}", joined(values, ", "));
 }
 
 double median_load(std::span<const Record> records) {
@@ -118,7 +118,7 @@ void compare_parameters(RowChange& row) {
   }
   for (const auto& [key, value] : contender.items())
     if (!base.contains(key)) changes.push_back(fmt::format("{} is new: {}", key, plain(value)));
-  if (!changes.empty()) row.notes.push_back(fmt::format("parameters changed: {}", fmt::join(changes, ", ")));
+  if (!changes.empty()) row.notes.push_back(fmt::format("parameters changed: {}", joined(changes, ", ")));
 }
 
 /// Metrics against one truth that both runs have: one that only the newer program knows has not changed.

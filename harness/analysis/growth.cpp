@@ -151,7 +151,7 @@ PowerLaw fit_power_law(std::span<const double> x, std::span<const double> y) {
 Growths find_growth(std::span<const Record> records, const std::string& axis) {
   const std::vector<std::string> names = axis_names(records);
   if (std::find(names.begin(), names.end(), axis) == names.end())
-    throw Error("there is no axis {}; did you mean {}? There are: {}", axis, nearest_word(axis, names), fmt::join(names, ", "));
+    throw Error("there is no axis {}; did you mean {}? There are: {}", axis, nearest_word(axis, names), joined(names, ", "));
   std::vector<AxisSeries> all = join_series(records, axis, [](const Record& r) { return r.status == Status::ok; });
   // No logarithm, no point.
   for (AxisSeries& series : all) std::erase_if(series.rows, [](const auto& row) { return !(row.first > 0); });

@@ -11,7 +11,6 @@ namespace {
 
 using Values = std::map<std::string, std::string>;  // by parameter
 
-std::string text_of(const Json& value) { return value.is_string() ? value.get<std::string>() : value.dump(); }
 
 std::optional<double> number_of(const std::string& text) {
   double value = 0;
@@ -21,7 +20,7 @@ std::optional<double> number_of(const std::string& text) {
 
 /// "1.0" and "1" are the same number: the shorter one is shown.
 std::string shown_value(const Json& value) {
-  if (!value.is_number()) return text_of(value);
+  if (!value.is_number()) return plain_text(value);
   return fmt::format("{}", value.get<double>());
 }
 
@@ -219,7 +218,7 @@ std::vector<Map> make_maps(std::span<const Record> records, const MapOptions& op
   for (const std::string& name : {options.x, options.y, options.facet})
     if (!name.empty() && std::find(known.begin(), known.end(), name) == known.end())
       throw Error("there is no parameter {}; did you mean {}? There are: {}", name, nearest_word(name, known),
-                  fmt::join(known, ", "));
+                  joined(known, ", "));
 
   std::vector<Map> maps;
   for (TechniqueRows& technique : techniques) {

@@ -43,7 +43,7 @@ std::vector<Motion> find_motion(std::span<const Record> records, const std::stri
   if (rows.empty()) throw Error("no row of these records follows a path; a suite asks for it with paths = [...] in a group");
   const std::vector<std::string> known(metrics.begin(), metrics.end());
   if (!metrics.contains(error))
-    throw Error("no frame has {}; did you mean {}? There are: {}", error, nearest_word(error, known), fmt::join(known, ", "));
+    throw Error("no frame has {}; did you mean {}? There are: {}", error, nearest_word(error, known), joined(known, ", "));
   return rows;
 }
 

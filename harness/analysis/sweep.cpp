@@ -35,7 +35,7 @@ std::vector<std::string> swept_parameters(std::span<const Record> records) {
 std::string what_is_swept(std::span<const Record> records) {
   const std::vector<std::string> swept = swept_parameters(records);
   return swept.empty() ? "no parameter is swept in these records; " + how_to_sweep("PARAMETER")
-                       : fmt::format("swept are: {}", fmt::join(swept, ", "));
+                       : fmt::format("swept are: {}", joined(swept, ", "));
 }
 
 Sweep sweep_of(const AxisSeries& series, std::string_view quantity, std::size_t& repeated) {
@@ -74,7 +74,7 @@ Sweeps find_sweeps(std::span<const Record> records, const std::string& parameter
     throw Error("there is no parameter {}: nothing in these records has a numeric one", parameter);
   if (!is_known)
     throw Error("there is no numeric parameter {}; did you mean {}? There are: {}", parameter, nearest_word(parameter, names),
-                fmt::join(names, ", "));
+                joined(names, ", "));
   require_quantity(records, quantity);
 
   Sweeps sweeps{.parameter = parameter,

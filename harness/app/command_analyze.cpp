@@ -36,7 +36,7 @@ void require_taken(const Command& command, const std::string& kind, const std::v
         if (takes(one, name)) takers.push_back(one);
       const std::string last = takers.back();
       takers.pop_back();
-      throw Error("{} is for {}{}{}; {} does not take it", name, fmt::join(takers, ", "), takers.empty() ? "" : " and ", last,
+      throw Error("{} is for {}{}{}; {} does not take it", name, joined(takers, ", "), takers.empty() ? "" : " and ", last,
                   kind);
     }
 }
@@ -51,7 +51,7 @@ std::string take_kind(std::vector<std::string>& words, const Command& command, c
                       const std::vector<std::string>& kinds) {
   const std::string kind = words.back();
   words.pop_back();
-  if (words.empty()) throw Error("{} takes a run's folder and a kind; kinds are: {}", name, fmt::join(kinds, ", "));
+  if (words.empty()) throw Error("{} takes a run's folder and a kind; kinds are: {}", name, joined(kinds, ", "));
   require_taken(command, kind, kinds);
   return kind;
 }
@@ -91,7 +91,7 @@ std::vector<Record> read_runs(const std::vector<std::string>& dirs, const std::s
     fmt::print(stderr, "note: {} row{} in more than one folder with the same answer; each counts once, by its first folder\n",
                twice, twice == 1 ? " stands" : "s stand");
   if (all.empty())
-    throw Error("{} hold{} no record{}", fmt::join(dirs, ", "), dirs.size() == 1 ? "s" : "",
+    throw Error("{} hold{} no record{}", joined(dirs, ", "), dirs.size() == 1 ? "s" : "",
                 filter.empty() ? "" : fmt::format(" that matches {}", filter));
   return all;
 }

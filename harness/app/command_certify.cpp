@@ -50,7 +50,7 @@ int run_certify(const Options& options) {
         fmt::print("{}\n", text(certificate));
     }
   }
-  if (options.json) fmt::print("{}\n", list.dump(2));
+  if (options.json) fmt::print("{}\n", json_text(list, 2));
   return all_hold ? 0 : 1;
 }
 

@@ -25,7 +25,7 @@ void describe_scene(const std::string& reference) {
   fmt::print("lights  {}\n", light_names(scene));
   std::vector<std::string> views;
   for (const View& view : scene.views) views.push_back(view.name);
-  fmt::print("views   {}\n", fmt::join(views, ", "));
+  fmt::print("views   {}\n", joined(views, ", "));
   for (const std::string& note : scene.notes) fmt::print("note    {}\n", note);
   if (const SceneEntry* entry = registry().find_scene(reference.substr(0, reference.find(':')))) {
     fmt::print("\n{}\n\n{}", entry->about.summary, parameters_text(*entry->make(), terminal_width()));
@@ -60,7 +60,7 @@ void describe(const Options& options) {
   std::vector<std::string> names;
   for (const TechniqueEntry& entry : registry().techniques()) {
     if (entry.id == options.id) {
-      fmt::print("{}", options.json ? describe_json(entry).dump(2) + "\n" : describe_text(entry, terminal_width()));
+      fmt::print("{}", options.json ? json_text(describe_json(entry), 2) + "\n" : describe_text(entry, terminal_width()));
       return;
     }
     names.push_back(entry.id);
@@ -70,7 +70,7 @@ void describe(const Options& options) {
   const bool is_file = options.id.find_first_of("./") != std::string::npos;
   if (!is_file && std::find(names.begin(), names.end(), stem) == names.end())
     throw Error("there is no technique or scene {}; did you mean {}? There are: {}", options.id, nearest_word(stem, names),
-                fmt::join(names, ", "));
+                joined(names, ", "));
   describe_scene(options.id);
 }
 

@@ -51,7 +51,7 @@ std::string usage_error(const CLI::App& cli, const CLI::ParseError& error, int a
   const auto [word, command] = named_command(cli, argc, argv);
   if (word && !command)
     return fmt::format("there is no command {}; did you mean {}? There are: {}", word, nearest_word(word, names),
-                       fmt::join(names, ", "));
+                       joined(names, ", "));
   const std::string who = command ? cli.get_name() + " " + command->get_name() : cli.get_name();
   const std::vector<std::string> extra = cli.remaining(true);
   if (!extra.empty() && extra.front().starts_with("-")) {
@@ -59,11 +59,11 @@ std::string usage_error(const CLI::App& cli, const CLI::ParseError& error, int a
     for (const CLI::Option* option : (command ? *command : cli).get_options())
       for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
     return fmt::format("{} has no option {}; did you mean {}? It has: {}", who, extra.front(),
-                       nearest_word(extra.front(), options), fmt::join(options, ", "));
+                       nearest_word(extra.front(), options), joined(options, ", "));
   }
   if (!extra.empty())
     return fmt::format("{} does not know what to do with '{}'; {} --help says what it takes", who, extra.front(), who);
-  if (!command) return fmt::format("a command is wanted; there are: {}", fmt::join(names, ", "));
+  if (!command) return fmt::format("a command is wanted; there are: {}", joined(names, ", "));
   return fmt::format("{}; {} --help says what is allowed", error.what(), who);
 }
 

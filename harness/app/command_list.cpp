@@ -11,7 +11,7 @@ namespace gnomon::app {
 
 namespace {
 
-void print(const std::string& text, const Json& json, bool as_json) { fmt::print("{}", as_json ? json.dump(2) + "\n" : text); }
+void print(const std::string& text, const Json& json, bool as_json) { fmt::print("{}", as_json ? json_text(json, 2) + "\n" : text); }
 
 void print_scenes(bool as_json) {
   Json list = Json::array();
@@ -64,7 +64,7 @@ void list(const Options& options) {
   else {
     const std::vector<std::string> lists = {"techniques", "scenes", "suites", "metrics", "causes"};
     throw Error("there is no list {}; did you mean {}? There are: {}", options.what, nearest_word(options.what, lists),
-                fmt::join(lists, ", "));
+                joined(lists, ", "));
   }
 }
 

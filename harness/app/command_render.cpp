@@ -40,7 +40,7 @@ std::optional<DebugLayer> find_layer(const Contender& contender, const std::stri
   }
   if (layers.empty()) throw Error("{} has no debug layer {}; it has none at all", contender.technique, layer);
   throw Error("{} has no debug layer {}; did you mean {}? It has: {}", contender.technique, layer, nearest_word(layer, layers),
-              fmt::join(layers, ", "));
+              joined(layers, ", "));
 }
 
 /// Where a light's surface detail goes: the first light's to the file that is asked for, every further one's beside it.
@@ -150,7 +150,7 @@ class Rendering {
   void publish() {
     const std::vector<std::span<const float>> channels(masks_.begin(), masks_.end());
     write_exr(folder_.path / "mask.exr", run_.suite.width, run_.suite.height, names_, channels);
-    write_file(folder_.path / "record.json", records_.dump(2) + "\n");
+    write_file(folder_.path / "record.json", json_text(records_, 2) + "\n");
     if (detail_folder_) detail_folder_->publish();
     folder_.publish();
   }

@@ -52,7 +52,7 @@ void print_rows(const RunOptions& options, SceneLibrary& library) {
   const Suite& suite = options.suite;
   if (asked > jobs.size()) fmt::print("{} are done\n", asked - jobs.size());
   fmt::print("{} rows, {} processes x {} repetitions each", jobs.size(), suite.processes, suite.repetitions);
-  fmt::print("{}\n", sizes.empty() ? "" : fmt::format(", {} pixels", fmt::join(sizes, ", ")));
+  fmt::print("{}\n", sizes.empty() ? "" : fmt::format(", {} pixels", joined(sizes, ", ")));
   std::erase_if(jobs, [&](const Job& job) { return !library.get(job.scene).missing.empty(); });
   if (jobs.empty()) return;
   std::vector<RowCost> costs = own_history().read();
@@ -73,7 +73,7 @@ bool has_answers(std::span<const Record> records) {
   const auto answered = std::ranges::count_if(records, is_answered);
   if (!missing.empty())
     fmt::print(stderr, "{}: {} of {} rows measured; not fetched: {}. scripts/fetch_scenes --all fetches them\n",
-               answered > 0 ? "note" : "gnomon", answered, records.size(), fmt::join(missing, ", "));
+               answered > 0 ? "note" : "gnomon", answered, records.size(), joined(missing, ", "));
   return answered > 0;
 }
 

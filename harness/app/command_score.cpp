@@ -40,7 +40,7 @@ std::vector<Channel> channels_of(const ScoreOptions& options, const Scene& scene
   for (const Light& light : scene.lights)
     if (options.lights.empty() || std::ranges::find(options.lights, light.name) != options.lights.end())
       asked.push_back(&light);
-  const std::string file = options.mask.string(), names = fmt::format("{}", fmt::join(present, ", "));
+  const std::string file = options.mask.string(), names = fmt::format("{}", joined(present, ", "));
   if (!options.channel.empty()) {
     if (asked.size() != 1)
       throw Error("--channel {} is of one light, and {} are asked for: name one with --light", options.channel, asked.size());
@@ -86,11 +86,11 @@ std::string text_of(const Metrics& metrics, const std::map<std::string, std::uin
   return table.text(terminal_width());
 }
 
-nlohmann::ordered_json json_of(const Metrics& metrics) {
-  nlohmann::ordered_json values = nlohmann::ordered_json::object();
+Json json_of(const Metrics& metrics) {
+  Json values = Json::object();
   for (const MetricInfo& info : metric_infos()) {
     const std::optional<double> value = metrics.at(std::string(info.name));
-    values[std::string(info.name)] = value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+    values[std::string(info.name)] = value ? Json(*value) : Json(nullptr);
   }
   return values;
 }
@@ -116,7 +116,7 @@ int score(const ScoreOptions& options) {
   FrameStore frames(scene, cache_root() / "frames");
   std::unique_ptr<StagedFolder> folder;
   if (!options.out.empty()) folder.reset(new StagedFolder(StagedFolder::beside(options.out)));
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  Json list = Json::array();
   for (const Channel& channel : channels) {
     const Light& light = channel.light;
     Answer answer;
@@ -154,7 +154,7 @@ int score(const ScoreOptions& options) {
                     {"classes", class_counts(answer.reference.classes)},
                     {"causes", causes}});
   }
-  if (options.json) fmt::print("{}\n", list.dump(2));
+  if (options.json) fmt::print("{}\n", json_text(list, 2));
   if (folder) folder->publish();
   return 0;
 }

@@ -15,7 +15,7 @@ Suite chosen_suite(const SuiteOptions& options, const std::string& command) {
     return read_suite(options.suite);
   }
   if (options.scenes.empty() || options.techniques.empty())
-    throw Error("{} needs a suite ({}), or --scene and --technique", command, fmt::join(suite_names(), ", "));
+    throw Error("{} needs a suite ({}), or --scene and --technique", command, joined(suite_names(), ", "));
   Suite suite;
   suite.name = "adhoc";
   SuiteGroup group{options.scenes, {}, {}, {}};

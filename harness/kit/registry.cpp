@@ -37,7 +37,7 @@ const TechniqueEntry& Registry::technique(std::string_view id) const {
   if (const TechniqueEntry* entry = find(techniques_, id)) return *entry;
   std::vector<std::string> ids;
   for (const TechniqueEntry& entry : techniques_) ids.push_back(entry.id);
-  throw Error("there is no technique {}; did you mean {}? There are: {}", id, nearest_word(id, ids), fmt::join(ids, ", "));
+  throw Error("there is no technique {}; did you mean {}? There are: {}", id, nearest_word(id, ids), joined(ids, ", "));
 }
 
 const SceneEntry* Registry::find_scene(std::string_view id) const { return find(scenes_, id); }

@@ -13,7 +13,7 @@ std::vector<float> Technique::draw_debug(std::string_view layer) const {
   std::vector<std::string> layers;
   for (const DebugLayer& known : debug_layers()) layers.push_back(known.name);
   if (layers.empty()) throw Error("{} has no debug layer {}; it has none at all", id(), layer);
-  throw Error("{} has no debug layer {}; it has: {}", id(), layer, fmt::join(layers, ", "));
+  throw Error("{} has no debug layer {}; it has: {}", id(), layer, joined(layers, ", "));
 }
 
 }  // namespace gnomon

@@ -153,7 +153,7 @@ std::vector<const KeyRow*> KeyTable::parse(const std::string& text) const {
         plain.push_back(folded(known.name));
       }
       const std::size_t nearest = std::ranges::find(plain, nearest_word(folded(words[i]), plain)) - plain.begin();
-      throw Error("there is no key {}; did you mean {}? There are: {}", words[i], names[nearest], fmt::join(names, " "));
+      throw Error("there is no key {}; did you mean {}? There are: {}", words[i], names[nearest], joined(names, " "));
     }
     keys.push_back(row);
   }

@@ -1,3 +1,4 @@
+#include "measure/json.h"
 #include "app/viewer/saved_state.h"
 
 #include <gnomon/error.h>
@@ -5,7 +6,6 @@
 #include <cassert>
 #include <charconv>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "measure/scene/load.h"
 

@@ -11,8 +11,6 @@
 namespace gnomon::viewer {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 namespace {
 
 Json json_of(const PixelRect& rect) { return {{"x", rect.x}, {"y", rect.y}, {"width", rect.width}, {"height", rect.height}}; }
@@ -120,7 +118,7 @@ fs::path SavedFiles::save(const Session& session, const EngineState& state, std:
   write_exr(staged.path / "mask.exr", selection.width, selection.height, names, channels);
   write_png(staged.path / "picture.png", picture_of(rgba, selection.width, selection.height));
   write_png(staged.path / "window.png", window);
-  write_file(staged.path / "window.json", places.dump(2) + "\n");
+  write_file(staged.path / "window.json", json_text(places, 2) + "\n");
   staged.publish();
   return folder;
 }

@@ -1,10 +1,10 @@
 #pragma once
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "measure/json.h"
 #include "app/viewer/panels.h"
 #include "app/viewer/saved_state.h"
 #include "measure/picture/picture.h"
@@ -20,7 +20,7 @@ class SavedFiles {
   /// The whole state: scene.toml, command.txt, mask.exr, picture.png, window.png, window.json. Needs a finished state. Answers
   /// the folder. Throws Error when it cannot be written.
   std::filesystem::path save(const Session& session, const EngineState& state, std::span<const std::uint32_t> rgba,
-                             const Picture& window, const nlohmann::ordered_json& places);
+                             const Picture& window, const Json& places);
   /// Only scene.toml and command.txt. Answers the command.
   std::string save_command(const Session& session);
   /// The window. Answers the file.
@@ -37,7 +37,7 @@ class SavedFiles {
 
 /// What is where in the window and what it says, for window.json: rectangles in framebuffer pixels, the picked pixel, how far
 /// each side is, the last message, why the selected scene could not be loaded, whether text is typed into a field.
-nlohmann::ordered_json window_json(glm::ivec2 window, double scale, const PixelRect& picture, const ControlPlaces& controls,
+Json window_json(glm::ivec2 window, double scale, const PixelRect& picture, const ControlPlaces& controls,
                                    const Session& session, const EngineState& state);
 
 /// A PNG that appears whole or not at all; its folder is made. Throws Error.

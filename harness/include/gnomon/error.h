@@ -1,9 +1,14 @@
 #pragma once
 #include <fmt/format.h>
 
+#include <iterator>
+#include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
+#include <type_traits>
 #include <utility>
+#include <vector>
 
 namespace gnomon {
 
@@ -16,5 +21,14 @@ class Error : public std::runtime_error {
   explicit Error(fmt::format_string<Args...> format, Args&&... args)
       : std::runtime_error(fmt::format(format, std::forward<Args>(args)...)) {}
 };
+
+/// Words as one text: "a, b, c". fmt::join does the same and is compiled anew wherever it is used.
+std::string joined(std::span<const std::string> words, std::string_view between = ", ");
+/// Of anything else that holds texts.
+template <class Texts>
+  requires(!std::is_convertible_v<const Texts&, std::span<const std::string>>)
+std::string joined(const Texts& texts, std::string_view between = ", ") {
+  return joined(std::vector<std::string>(std::begin(texts), std::end(texts)), between);
+}
 
 }  // namespace gnomon

@@ -1,3 +1,4 @@
+#include "measure/json.h"
 #include "measure/frame/certify.h"
 
 #include <fmt/format.h>
@@ -9,7 +10,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "measure/frame/classify.h"
 

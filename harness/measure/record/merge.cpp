@@ -94,7 +94,7 @@ void note_missing_scenes(Merge& merge) {
   for (const auto& [scene, folders] : missing)
     if (there.contains(scene))
       merge.notes.push_back(fmt::format("scene {} was there for some rows and not for {}: fetch it there and --resume that run",
-                                        scene, fmt::join(folders, ", ")));
+                                        scene, joined(folders, ", ")));
 }
 
 /// A hole in the numbering of a suite's rows. Rows after the last one that is there cannot be known to be missing.
@@ -123,7 +123,7 @@ std::vector<std::string> differences(const Record& a, const Record& b) {
   const Json left = content(a), right = content(b);
   std::vector<std::string> result;
   const auto text = [](const Json& json, const std::string& key) {
-    return json.contains(key) ? json[key].dump(-1, ' ', false, Json::error_handler_t::replace) : "nothing";
+    return json.contains(key) ? json_text(json[key]) : "nothing";
   };
   for (const auto& [key, value] : left.items())
     if (!right.contains(key) || right[key] != value)

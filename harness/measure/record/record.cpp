@@ -74,7 +74,7 @@ Json written(const decltype(Record::stages)& stages) {
 // --- JSON to values ---------------------------------------------------------------------------------------------------
 
 [[noreturn]] void refuse(std::string_view field, const Json& value, std::string_view allowed) {
-  throw Error("{} = {} is not {}", field, value.dump(-1, ' ', false, Json::error_handler_t::replace), allowed);
+  throw Error("{} = {} is not {}", field, json_text(value), allowed);
 }
 
 void read(std::string_view field, const Json& value, std::string& into) {
@@ -279,7 +279,7 @@ std::string title(const Record& r) {
 std::string context_text(const Record& record, std::string_view key) {
   const auto found = record.context.find(key);
   if (found == record.context.end() || found->is_null()) return "";
-  return found->is_string() ? found->get<std::string>() : found->dump();
+  return plain_text(*found);
 }
 
 std::optional<double> Record::metric(Truth of, std::string_view name) const {
@@ -314,7 +314,7 @@ void from_json(const Json& json, Record& record) {
 
 std::string record_line(const Record& record) {
   // Text from outside (paths, an importer's message) may not be UTF-8: what is not becomes U+FFFD.
-  return Json(record).dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
+  return json_text(Json(record)) + '\n';
 }
 
 }  // namespace gnomon

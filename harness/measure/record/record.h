@@ -5,17 +5,15 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "measure/json.h"
 #include "measure/statistics/statistics.h"
 
 namespace gnomon {
-
-using Json = nlohmann::ordered_json;
 
 /// Version of the record's fields. A reader refuses a newer one; an older one is never written again.
 inline constexpr int record_schema = 2;

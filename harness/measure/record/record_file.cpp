@@ -64,7 +64,7 @@ RecordFile read_record_file(const fs::path& file) {
       break;
     }
     try {
-      Record record = Json::parse(line).get<Record>();
+      Record record = parse_json(line).get<Record>();
       withdraw_false_reference(record);
       const auto [place, is_new] = place_of_job.try_emplace(record.job, result.records.size());
       if (is_new || record.job.empty())

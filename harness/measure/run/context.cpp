@@ -26,7 +26,7 @@ std::string processor() {
 
 }  // namespace
 
-nlohmann::ordered_json machine_context(int threads) {
+Json machine_context(int threads) {
   const int cores = static_cast<int>(std::thread::hardware_concurrency());
   double load[3] = {};
   getloadavg(load, 3);

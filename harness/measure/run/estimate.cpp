@@ -103,7 +103,7 @@ double RowCost::seconds(const Effort& effort) const {
 }
 
 std::string machine_name(const Json& context) {
-  const auto text = [&](const char* key) { return context.contains(key) ? context[key].dump() : "null"; };
+  const auto text = [&](const char* key) { return context.contains(key) ? json_text(context[key]) : "null"; };
   return fmt::format("{} cores {} threads {}", text("processor"), text("cores"), text("threads"));
 }
 
@@ -141,7 +141,7 @@ std::vector<RowCost> History::read() const {
   std::vector<RowCost> costs;
   std::ifstream stream(file_, std::ios::binary);
   for (std::string line; std::getline(stream, line);) try {
-      costs.push_back(from_line(Json::parse(line)));
+      costs.push_back(from_line(parse_json(line)));
     } catch (const Json::exception&) {  // of another version, or damaged: it is learned again
     }
   return costs;
@@ -157,7 +157,7 @@ void History::add(std::span<const RowCost> costs) const {
   all.insert(all.end(), costs.begin(), costs.end());
   if (all.size() > most_rows) all.erase(all.begin(), all.end() - static_cast<std::ptrdiff_t>(most_rows));
   std::string text;
-  for (const RowCost& cost : all) text += to_line(cost).dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
+  for (const RowCost& cost : all) text += json_text(to_line(cost)) + '\n';
   write_file(file_, text);
 }
 
@@ -254,7 +254,7 @@ std::string text(const TimeEstimate& estimate) {
   if (parts.empty()) return "estimated time: nothing is known yet; a run that ends here is remembered";
   const std::size_t space = parts.front().find(' ');
   parts.front().insert(space, parts.front().starts_with("1 ") ? " row" : " rows");
-  return fmt::format("estimated time: {} (from {})", duration_text(estimate.seconds), fmt::join(parts, ", "));
+  return fmt::format("estimated time: {} (from {})", duration_text(estimate.seconds), joined(parts, ", "));
 }
 
 }  // namespace gnomon

@@ -38,7 +38,7 @@ void require(const std::vector<std::string>& wanted, const std::vector<std::stri
   for (const std::string& name : wanted)
     if (std::find(there.begin(), there.end(), name) == there.end())
       throw Error("scene {} has no {} {}; did you mean {}? It has: {}", scene, what, name, nearest_word(name, there),
-                  fmt::join(there, ", "));
+                  joined(there, ", "));
 }
 
 const auto& named(const auto& items, const std::string& name) {

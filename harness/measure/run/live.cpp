@@ -55,7 +55,7 @@ void run_live(const LiveOptions& options, SceneLibrary& library, Progress& progr
       rows.push_back(std::move(row));
     }
   const Json now = machine_context(options.worker.threads);
-  const std::string mark = content_hash(fmt::format("{} {}", options.out.string(), now.dump())).substr(0, 16);
+  const std::string mark = content_hash(fmt::format("{} {}", options.out.string(), json_text(now))).substr(0, 16);
   std::optional<ScratchFolder> scratch(ScratchFolder::at(options.out / ".scratch"));
   const auto contexts = [&] {
     std::vector<Json> by_side{context_of(build, options.worker.threads), machine_context(options.worker.threads)};

@@ -53,7 +53,7 @@ std::vector<std::string> changes(std::span<const Record> kept, const Record& now
         before.insert(std::move(value));
     if (!before.empty())
       notes.push_back(fmt::format("note: rows that are done had another {}: {}, now {}; their times are not comparable", what,
-                                  fmt::join(before, ", "), context_text(now, key)));
+                                  joined(before, ", "), context_text(now, key)));
   }
   return notes;
 }

@@ -110,7 +110,7 @@ void name_defaults(std::vector<Contender>& contenders, std::span<const std::uniq
     for (std::size_t p = 0; p < techniques[k]->parameters().size(); ++p)
       if (const Parameter& row = *techniques[k]->parameters()[p]; row.text() != row.default_text() || is_swept(p))
         shown.push_back(fmt::format("{}={}", row.name(), row.text()));
-    const std::string name = contenders[k].technique + (shown.empty() ? "" : ":") + fmt::format("{}", fmt::join(shown, ","));
+    const std::string name = contenders[k].technique + (shown.empty() ? "" : ":") + fmt::format("{}", joined(shown, ","));
     if (name != contenders[k].name()) contenders[k].label = name;
   }
 }
@@ -153,7 +153,7 @@ Suite read_suite(const std::string& name_or_path) {
     const std::vector<std::string> names = suite_names();
     if (std::find(names.begin(), names.end(), name_or_path) == names.end())
       throw Error("there is no suite {}; did you mean {}? There are: {}", name_or_path, nearest_word(name_or_path, names),
-                  fmt::join(names, ", "));
+                  joined(names, ", "));
     path = data_root() / "bench/suites" / (name_or_path + ".toml");
   }
   if (!fs::is_regular_file(path)) throw Error("suite {} is not a file", path.string());

@@ -149,7 +149,7 @@ void WorkerProcess::interrupt() {
 
 void WorkerProcess::send(const Json& request, const std::string& doing) {
   doing_ = doing;
-  const std::string line = request.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  const std::string line = json_text(request) + "\n";
   for (std::size_t sent = 0; sent < line.size();) {
     const ssize_t n = ::send(socket_, line.data() + sent, line.size() - sent, MSG_NOSIGNAL);
     if (n < 0 && errno == EINTR) continue;

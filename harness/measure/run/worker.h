@@ -3,14 +3,13 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
-namespace gnomon {
+#include "measure/json.h"
 
-using Json = nlohmann::ordered_json;
+namespace gnomon {
 
 /// A worker that could not be started, crashed, hung, threw, ran out of memory or answered nonsense. It costs its own row only;
 /// the text is the row's reason.

@@ -279,7 +279,7 @@ int worker_main(int socket, int threads) {
     }
     Json answer;
     try {
-      answer = server.handle(Json::parse(pending.substr(0, end)));
+      answer = server.handle(parse_json(pending.substr(0, end)));
     } catch (const std::bad_alloc&) {
       answer = {{"error", "out of memory"}};
     } catch (const std::exception& error) {
@@ -288,7 +288,7 @@ int worker_main(int socket, int threads) {
       answer = {{"error", "an exception that is no std::exception"}};
     }
     pending.erase(0, end + 1);
-    if (!write_line(socket, answer.dump() + "\n")) _exit(0);
+    if (!write_line(socket, json_text(answer) + "\n")) _exit(0);
   }
 }
 

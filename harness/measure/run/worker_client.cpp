@@ -199,7 +199,7 @@ Json ask_program(const WorkerOptions& options) {
   const Json protocol = answer.value("protocol", Json());
   if (protocol != worker_protocol)
     throw Error("program {} speaks worker protocol {}, this one {}: build both from versions that agree", options.program,
-                protocol.dump(), worker_protocol);
+                json_text(protocol), worker_protocol);
   return answer.value("context", Json::object());
 }
 

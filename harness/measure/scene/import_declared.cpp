@@ -4,9 +4,9 @@
 #include <cctype>
 #include <charconv>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "measure/json.h"
 #include "measure/scene/import.h"
 
 namespace gnomon::importing {
@@ -181,9 +181,8 @@ Declared read_stl(const fs::path& file) {
 
 /// Buffers must hold their views, and views their accessors; `binary_size` is that of the GLB's own buffer.
 void check_gltf(const fs::path& file, const std::string& text, std::size_t binary_size) {
-  using Json = nlohmann::json;
   try {
-    const Json json = Json::parse(text);
+    const Json json = parse_json(text);
     const auto size_of = [](const Json& object, const char* key) { return object.value(key, std::uint64_t{0}); };
     const Json none = Json::array();
     const auto items = [&](const char* key) -> const Json& { return json.contains(key) ? json.at(key) : none; };

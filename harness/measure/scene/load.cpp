@@ -70,7 +70,7 @@ Scene load_by_id(const std::string& reference, const Descriptions& above) {
   }
   std::sort(ids.begin(), ids.end());
   throw Error("scene {} does not exist; did you mean {}? There are: {}; or give a .toml or mesh file", id,
-              nearest_word(id, ids), fmt::join(ids, ", "));
+              nearest_word(id, ids), joined(ids, ", "));
 }
 
 Scene load_mesh_file(const fs::path& file) {

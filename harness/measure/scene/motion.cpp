@@ -76,7 +76,7 @@ Path find_path(const Scene& scene, const std::string& name, const Light& light, 
   if (name == "light_slide") return light_slide(scene, light);
   const std::vector<std::string> names = path_names(scene);
   throw Error("scene {} has no path {}; did you mean {}? It has: {}", scene.name, name, nearest_word(name, names),
-              fmt::join(names, ", "));
+              joined(names, ", "));
 }
 
 Light light_at(const Path& path, const Light& light, int frame) {

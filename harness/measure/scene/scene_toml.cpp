@@ -20,7 +20,7 @@ std::string kind_of(const toml::table& table, const fs::path& file, const std::s
   if (!table.contains("kind")) throw Error("{} lacks the key 'kind' ({}:{})", what, file.string(), line);
   const std::string kind = table["kind"].value_or(std::string());
   if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
-    throw Error("{}.kind = '{}' is not one of {}; did you mean {}? ({}:{})", what, kind, fmt::join(kinds, ", "),
+    throw Error("{}.kind = '{}' is not one of {}; did you mean {}? ({}:{})", what, kind, joined(kinds, ", "),
                 nearest_word(kind, kinds), file.string(), table.get("kind")->source().begin.line);
   return kind;
 }

@@ -29,7 +29,7 @@ class Table {
     for (const auto& [key, value] : table)
       if (std::find(known.begin(), known.end(), key.str()) == known.end())
         throw Error("{} has no key '{}'; did you mean '{}'? It has: {} ({}:{})", what_, key.str(),
-                    nearest_word(key.str(), known), fmt::join(known, ", "), file.string(), key.source().begin.line);
+                    nearest_word(key.str(), known), joined(known, ", "), file.string(), key.source().begin.line);
   }
 
   /// A table whose keys were checked before.

@@ -26,7 +26,7 @@ std::string analyze(std::span<const Record> records, const std::string& kind, co
   const std::vector<std::string> kinds = analysis_kinds();
   if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
     throw Error("there is no analysis {}; did you mean {}? There are: {}", kind, nearest_word(kind, kinds),
-                fmt::join(kinds, ", "));
+                joined(kinds, ", "));
   if (kind == "map") return analysis::map_text(records, options, format, table);
   if (kind == "sweep") return analysis::sweep_text(records, options, format, table);
   AnalysisOptions here = options;

@@ -11,7 +11,7 @@ std::string map_heading(const Map& map) {
   std::vector<std::string> parts;
   for (const auto& [name, value] : map.facet) parts.push_back(fmt::format("{}={}", name, value));
   const std::string what = map.y.empty() ? map.x : fmt::format("{} (rows) against {} (columns)", map.y, map.x);
-  return fmt::format("{}: {}{}{}", map.technique, what, parts.empty() ? "" : "; ", fmt::join(parts, ", "));
+  return fmt::format("{}: {}{}{}", map.technique, what, parts.empty() ? "" : "; ", joined(parts, ", "));
 }
 
 std::string map_title(const Map& map, const std::string& metric) {

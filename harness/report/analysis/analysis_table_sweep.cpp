@@ -94,7 +94,7 @@ std::vector<std::string> sweep_notes(const Sweeps& sweeps) {
   for (const auto& [count, what] :
        {std::pair(unsupported, "not supported"), {failed, "failed"}, {undefined, "not defined"}, {absent, "not run"}})
     if (count > 0) why.push_back(fmt::format("{} {}", count, what));
-  if (!why.empty()) notes.push_back(fmt::format("-: no value; {}", fmt::join(why, ", ")));
+  if (!why.empty()) notes.push_back(fmt::format("-: no value; {}", joined(why, ", ")));
   if (sweeps.single > 0)
     notes.push_back(fmt::format("{} setting{} with a single value of {} {} left out", sweeps.single,
                                 sweeps.single == 1 ? "" : "s", sweeps.parameter, sweeps.single == 1 ? "is" : "are"));

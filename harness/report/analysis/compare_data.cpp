@@ -64,13 +64,13 @@ std::string comparison_csv(const Comparison& comparison) {
     const auto line = [&](std::vector<std::string> cells) {
       cells.insert(cells.begin(), {r.job, r.scene, r.light, r.view, r.path, r.technique, r.settings});
       for (std::string& cell : cells) cell = csv_field(cell);
-      text += fmt::format("{}\r\n", fmt::join(cells, ","));
+      text += fmt::format("{}\r\n", joined(cells, ","));
     };
     const auto yes = [](bool is) { return std::string(is ? "true" : "false"); };
     const auto status = [](const Record* record) { return record ? std::string(name(record->status)) : ""; };
     const std::string presence = !row.base ? "new" : !row.contender ? "missing" : "matched";
     line({"row", "status", "", status(row.base), status(row.contender), "", "", "", "", "", presence, yes(row.is_regression),
-          fmt::format("{}", fmt::join(row.notes, "; "))});
+          fmt::format("{}", joined(row.notes, "; "))});
     for (const StageChange& s : row.stages) {
       const bool is_judged = s.verdict != Verdict::not_judged;
       const auto ratio = [&](double Estimate::*part) { return s.ratio ? number((*s.ratio).*part) : ""; };
@@ -129,7 +129,7 @@ std::string comparison_json(const Comparison& comparison, const CompareTableOpti
                     {"regressions", n.regressions}};
   Json& rows = json["rows"] = Json::array();
   for (const RowChange& row : comparison.rows) rows.push_back(row_json(row));
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+  return json_text(json, 2) + '\n';
 }
 
 }  // namespace gnomon

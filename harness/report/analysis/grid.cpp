@@ -109,7 +109,7 @@ std::string csv_form(const Grid& grid) {
   const std::vector<std::size_t> seen = seen_by(grid, Grid::Audience::programs);
   std::vector<std::string> fields;
   for (const std::size_t i : seen) fields.push_back(csv_field(grid.heads[i].column.name));
-  std::string text = fmt::format("{}\r\n", fmt::join(fields, ","));
+  std::string text = fmt::format("{}\r\n", joined(fields, ","));
   for (const Grid::Group& group : grid.groups)
     for (const auto& row : group.rows) {
       fields.clear();
@@ -118,7 +118,7 @@ std::string csv_form(const Grid& grid) {
         const auto* words = std::get_if<std::string>(&cell.value);
         fields.push_back(cell.number() ? exact(*cell.number()) : words ? csv_field(*words) : "");
       }
-      text += fmt::format("{}\r\n", fmt::join(fields, ","));
+      text += fmt::format("{}\r\n", joined(fields, ","));
     }
   return text;
 }
@@ -139,7 +139,7 @@ std::string json_form(const Grid& grid) {
   table["notes"] = grid.notes;
   Json& made = table["provenance"] = Json::array();
   for (const auto& [topic, what] : grid.provenance) made.push_back({{"topic", topic}, {"text", what}});
-  return table.dump(1, ' ', false, Json::error_handler_t::replace) + '\n';
+  return json_text(table, 1) + '\n';
 }
 
 }  // namespace

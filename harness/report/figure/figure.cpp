@@ -47,7 +47,7 @@ std::string figure_script(std::span<const Record> records, const std::string& ki
   const std::vector<std::string> names = figure_kinds();
   if (found == std::end(kinds))
     throw Error("there is no figure {}; did you mean {}? There are: {}", kind, nearest_word(kind, names),
-                fmt::join(names, ", "));
+                joined(names, ", "));
   FigureScript script;
   found->draw(records, options, script);
   return script.text(options, out);

@@ -12,14 +12,14 @@ namespace {
 std::string facet_text(const Map& map) {
   std::vector<std::string> parts;
   for (const auto& [name, value] : map.facet) parts.push_back(fmt::format("{}={}", name, value));
-  return fmt::format("{}", fmt::join(parts, ", "));
+  return fmt::format("{}", joined(parts, ", "));
 }
 
 /// "name value at place" for tics.
 std::string tics(const std::vector<std::string>& values) {
   std::vector<std::string> all;
   for (std::size_t i = 0; i < values.size(); ++i) all.push_back(fmt::format("{} {}", FigureScript::quoted(values[i]), i));
-  return fmt::format("({})", fmt::join(all, ", "));
+  return fmt::format("({})", joined(all, ", "));
 }
 
 void draw_lines(const std::vector<Map>& maps, const Column& column, const FigureOptions& options, FigureScript& script) {

@@ -161,7 +161,7 @@ std::string log_tics(double least, double greatest, std::size_t most) {
           tics.push_back(fmt::format("'' {} 1", at));
         }
       }
-    text = fmt::format("({})", fmt::join(tics, ", "));
+    text = fmt::format("({})", joined(tics, ", "));
     if (labels <= most) break;
   }
   return text;
@@ -175,7 +175,7 @@ std::string value_tics(std::vector<double> values, double share) {
     if (std::log(values[i] / values[i - 1]) < share * std::log(values.back() / values.front())) return "";
   std::vector<std::string> tics;
   for (const double value : values) tics.push_back(fmt::format("{} {}", FigureScript::quoted(short_number(value)), value));
-  return fmt::format("({})", fmt::join(tics, ", "));
+  return fmt::format("({})", joined(tics, ", "));
 }
 
 void require_panels(std::size_t panels, std::string_view what) {

@@ -159,7 +159,7 @@ Json report_data(const Layout& layout, std::span<const Record> records) {
 }
 
 std::string script_text(const Json& json) {
-  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  const std::string text = json_text(json);
   std::string safe;
   safe.reserve(text.size());
   for (const char c : text)

@@ -262,7 +262,7 @@ Cell parameter_cell(const Record& record, const std::string& parameter) {
   const auto found = record.parameters.find(parameter);
   if (found == record.parameters.end() || found->is_null()) return {};
   if (found->is_number()) return {.value = found->get<double>()};
-  return {.value = found->is_string() ? found->get<std::string>() : found->dump()};
+  return {.value = plain_text(*found)};
 }
 
 void add_parameters(std::vector<Column>& columns, std::span<const Record> records) {
@@ -321,7 +321,7 @@ std::string top_causes(const Record& record, std::size_t most) {
     if (parts.size() == most || percent < 0.5) break;
     parts.push_back(fmt::format("{} {:.0f} %", cause, percent));
   }
-  return fmt::format("{}", fmt::join(parts, ", "));
+  return fmt::format("{}", joined(parts, ", "));
 }
 
 std::string shown(const Column& column, const Cell& cell) {
@@ -345,7 +345,7 @@ std::vector<Column> select(const std::vector<Column>& columns, std::span<const s
     const auto found = std::find(known.begin(), known.end(), name);
     if (found == known.end())
       throw Error("there is no column {}; did you mean {}? There are: {}", name, nearest_word(name, known),
-                  fmt::join(known, ", "));
+                  joined(known, ", "));
     selected.push_back(columns[static_cast<std::size_t>(found - known.begin())]);
   }
   return selected;

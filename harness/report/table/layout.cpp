@@ -49,7 +49,6 @@ void mark_best(const Column& column, std::size_t index, const std::vector<std::v
   for (const Competitor& c : competitors) group.rows[c.row].entries[index].is_best = is_best(c);
 }
 
-std::string text_of(const Json& value) { return value.is_string() ? value.get<std::string>() : value.dump(); }
 
 /// The different values of a context key, in order of appearance.
 std::string distinct(std::span<const Record> records, const char* key) {
@@ -57,10 +56,10 @@ std::string distinct(std::span<const Record> records, const char* key) {
   for (const Record& r : records) {
     const auto found = r.context.find(key);
     if (found == r.context.end() || found->is_null()) continue;
-    std::string value = text_of(*found);
+    std::string value = plain_text(*found);
     if (std::find(values.begin(), values.end(), value) == values.end()) values.push_back(std::move(value));
   }
-  return fmt::format("{}", fmt::join(values, "; "));
+  return fmt::format("{}", joined(values, "; "));
 }
 
 /// Older records do not have it: a column of nothing would stand beside their wrong rates.
@@ -79,7 +78,7 @@ std::string repetition_plan(std::span<const Record> records) {
       std::string plan = fmt::format("{} x {}", r.times(stage).size(), repetitions);
       if (std::find(plans.begin(), plans.end(), plan) == plans.end()) plans.push_back(std::move(plan));
     }
-  return fmt::format("{}", fmt::join(plans, ", "));
+  return fmt::format("{}", joined(plans, ", "));
 }
 
 }  // namespace

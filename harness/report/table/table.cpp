@@ -11,7 +11,7 @@ Format format_named(std::string_view name) {
   if (name == "tex") return Format::latex;
   if (name == "json") return Format::json;
   const std::vector<std::string> names = {"terminal", "md", "csv", "tex", "json"};
-  throw Error("there is no format {}; did you mean {}? There are: {}", name, nearest_word(name, names), fmt::join(names, ", "));
+  throw Error("there is no format {}; did you mean {}? There are: {}", name, nearest_word(name, names), joined(names, ", "));
 }
 
 std::vector<std::string> column_names(std::span<const Record> records) {
@@ -43,7 +43,7 @@ std::string fitted_table(std::span<const Record> records, std::size_t width) {
     left_out.emplace_back(name);
     text = terminal_table(lay_out(records, names), width);
   }
-  if (!left_out.empty()) text += fmt::format("left out for want of room: {}\n", fmt::join(left_out, ", "));
+  if (!left_out.empty()) text += fmt::format("left out for want of room: {}\n", joined(left_out, ", "));
   return text;
 }
 

@@ -72,7 +72,7 @@ std::string json_table(std::span<const Record> records, std::span<const Column> 
   }
   Json& made = table["provenance"] = Json::array();
   for (const auto& [topic, what] : provenance(records)) made.push_back({{"topic", topic}, {"text", what}});
-  return table.dump(1, ' ', false, Json::error_handler_t::replace) + '\n';
+  return json_text(table, 1) + '\n';
 }
 
 }  // namespace gnomon

@@ -168,7 +168,7 @@ std::string latex_floats(const LatexRows& rows, const std::string& caption, cons
         is_first = false;
         open();
       }
-      for (const auto& line : lines) blocks.back().text += fmt::format("    {} \\\\\n", fmt::join(line, " & "));
+      for (const auto& line : lines) blocks.back().text += fmt::format("    {} \\\\\n", joined(line, " & "));
       blocks.back().lines += lines.size();
     }
   }

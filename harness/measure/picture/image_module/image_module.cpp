@@ -57,7 +57,7 @@ std::vector<float> read_exr(const fs::path& path, const std::string& channel, in
   if (spec.width != width || spec.height != height)
     throw Error("{} is {}x{}; {}x{} is wanted", path.string(), spec.width, spec.height, width, height);
   const int index = spec.channelindex(channel);
-  if (index < 0) throw Error("{} has no channel {}; it has: {}", path.string(), channel, fmt::join(spec.channelnames, ", "));
+  if (index < 0) throw Error("{} has no channel {}; it has: {}", path.string(), channel, joined(spec.channelnames, ", "));
   std::vector<float> pixels(static_cast<std::size_t>(width) * height);
   if (!input->read_image(0, 0, index, index + 1, OIIO::TypeDesc::FLOAT, pixels.data()))
     throw Error("{} cannot be read: {}", path.string(), input->geterror());

@@ -1,0 +1,24 @@
+#pragma once
+// JSON for everybody. nlohmann/json.hpp is included here alone, without its literals: they make each file that includes it compile the
+// whole parser, 0.4 s of processor time, whether it uses them or not.
+#include <string>
+
+// The name of the literal operator becomes a declaration, and its body that of a template which nobody calls.
+#define _json _unused(const char*, std::size_t) = delete; \
+  template <class>                                         \
+  nlohmann::json unused_literal
+#define JSON_USE_GLOBAL_UDLS 0
+#include <nlohmann/json.hpp>
+#undef _json
+
+namespace gnomon {
+
+/// Keeps its keys in the order in which they were added.
+/// As text: on one line, or indented by that many spaces. Bytes that are no UTF-8 are replaced.
+std::string json_text(const Json& json, int indent = -1);
+/// A text as it is, without quotes; anything else as json_text.
+std::string plain_text(const Json& json);
+/// Throws nlohmann::json::parse_error.
+Json parse_json(const std::string& text);
+
+}  // namespace gnomon
