@@ -247,8 +247,7 @@ std::vector<Record> matching(std::vector<Record> records, const std::string& exp
     const std::string where = fmt::format("{} {}{}{} ", r.scene, r.light, r.path.empty() ? "" : " ", r.path);
     // All parameters too: what is at its default does not stand in the settings.
     std::string full = where + r.technique + ":";
-    for (const auto& [parameter, value] : r.parameters.items())
-      full += fmt::format("{}={},", parameter, plain_text(value));
+    for (const auto& [parameter, value] : r.parameters.items()) full += fmt::format("{}={},", parameter, plain_text(value));
     return !std::regex_search(title(r), pattern) && !std::regex_search(where + setting_name(r), pattern) &&
            !std::regex_search(full, pattern);
   });

@@ -11,7 +11,6 @@ namespace {
 
 using Values = std::map<std::string, std::string>;  // by parameter
 
-
 std::optional<double> number_of(const std::string& text) {
   double value = 0;
   const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);

@@ -11,7 +11,9 @@ namespace gnomon::app {
 
 namespace {
 
-void print(const std::string& text, const Json& json, bool as_json) { fmt::print("{}", as_json ? json_text(json, 2) + "\n" : text); }
+void print(const std::string& text, const Json& json, bool as_json) {
+  fmt::print("{}", as_json ? json_text(json, 2) + "\n" : text);
+}
 
 void print_scenes(bool as_json) {
   Json list = Json::array();

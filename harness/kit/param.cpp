@@ -76,8 +76,7 @@ Parameter& Parametrized::parameter(std::string_view name) const {
     names.emplace_back(row->name());
   }
   if (names.empty()) throw Error("{} has no parameter {}; it has none at all", id_, name);
-  throw Error("{} has no parameter {}; did you mean {}? It has: {}", id_, name, nearest_word(name, names),
-              joined(names, ", "));
+  throw Error("{} has no parameter {}; did you mean {}? It has: {}", id_, name, nearest_word(name, names), joined(names, ", "));
 }
 
 std::string Parametrized::settings() const {

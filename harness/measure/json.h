@@ -1,11 +1,12 @@
 #pragma once
-// JSON for everybody. nlohmann/json.hpp is included here alone, without its literals: they make each file that includes it compile the
-// whole parser, 0.4 s of processor time, whether it uses them or not.
+// JSON for everybody. nlohmann/json.hpp is included here alone, without its literals: they make each file that includes it
+// compile the whole parser, 0.4 s of processor time, whether it uses them or not.
 #include <string>
 
 // The name of the literal operator becomes a declaration, and its body that of a template which nobody calls.
-#define _json _unused(const char*, std::size_t) = delete; \
-  template <class>                                         \
+#define _json                                 \
+  _unused(const char*, std::size_t) = delete; \
+  template <class>                            \
   nlohmann::json unused_literal
 #define JSON_USE_GLOBAL_UDLS 0
 #include <nlohmann/json.hpp>

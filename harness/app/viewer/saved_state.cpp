@@ -1,4 +1,3 @@
-#include "measure/json.h"
 #include "app/viewer/saved_state.h"
 
 #include <gnomon/error.h>
@@ -7,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "measure/json.h"
 #include "measure/scene/load.h"
 
 namespace gnomon::viewer {

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "measure/json.h"
 #include "app/viewer/panels.h"
 #include "app/viewer/saved_state.h"
+#include "measure/json.h"
 #include "measure/picture/picture.h"
 
 namespace gnomon::viewer {
@@ -38,7 +38,7 @@ class SavedFiles {
 /// What is where in the window and what it says, for window.json: rectangles in framebuffer pixels, the picked pixel, how far
 /// each side is, the last message, why the selected scene could not be loaded, whether text is typed into a field.
 Json window_json(glm::ivec2 window, double scale, const PixelRect& picture, const ControlPlaces& controls,
-                                   const Session& session, const EngineState& state);
+                 const Session& session, const EngineState& state);
 
 /// A PNG that appears whole or not at all; its folder is made. Throws Error.
 void write_window(const std::filesystem::path& file, const Picture& picture);

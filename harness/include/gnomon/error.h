@@ -26,8 +26,8 @@ class Error : public std::runtime_error {
 std::string joined(std::span<const std::string> words, std::string_view between = ", ");
 /// Of anything else that holds texts.
 template <class Texts>
-  requires(!std::is_convertible_v<const Texts&, std::span<const std::string>>)
-std::string joined(const Texts& texts, std::string_view between = ", ") {
+requires(!std::is_convertible_v<const Texts&, std::span<const std::string>>) std::string
+    joined(const Texts& texts, std::string_view between = ", ") {
   return joined(std::vector<std::string>(std::begin(texts), std::end(texts)), between);
 }
 

@@ -1,4 +1,3 @@
-#include "measure/json.h"
 #include "measure/frame/certify.h"
 
 #include <fmt/format.h>
@@ -12,6 +11,7 @@
 #include <cmath>
 
 #include "measure/frame/classify.h"
+#include "measure/json.h"
 
 namespace gnomon {
 

@@ -46,8 +46,7 @@ std::string figure_script(std::span<const Record> records, const std::string& ki
   const auto found = std::find_if(std::begin(kinds), std::end(kinds), [&](const Kind& k) { return k.name == kind; });
   const std::vector<std::string> names = figure_kinds();
   if (found == std::end(kinds))
-    throw Error("there is no figure {}; did you mean {}? There are: {}", kind, nearest_word(kind, names),
-                joined(names, ", "));
+    throw Error("there is no figure {}; did you mean {}? There are: {}", kind, nearest_word(kind, names), joined(names, ", "));
   FigureScript script;
   found->draw(records, options, script);
   return script.text(options, out);

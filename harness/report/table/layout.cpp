@@ -49,7 +49,6 @@ void mark_best(const Column& column, std::size_t index, const std::vector<std::v
   for (const Competitor& c : competitors) group.rows[c.row].entries[index].is_best = is_best(c);
 }
 
-
 /// The different values of a context key, in order of appearance.
 std::string distinct(std::span<const Record> records, const char* key) {
   std::vector<std::string> values;
