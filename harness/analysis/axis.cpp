@@ -74,7 +74,7 @@ bool is_of_techniques(std::span<const Record> records, const std::string& axis) 
   std::map<std::string, std::set<std::string>> values;  // by technique
   bool is_of_scenes = false;
   for (const Record& r : records) {
-    if (const auto found = r.parameters.find(axis); found != r.parameters.end()) values[r.technique].insert(found->dump());
+    if (const auto found = r.parameters.find(axis); found != r.parameters.end()) values[r.technique].insert(json_text(*found));
     is_of_scenes = is_of_scenes || scene_parameter(r.scene, axis).has_value();
   }
   return std::any_of(values.begin(), values.end(), [&](const auto& one) { return one.second.size() > 1 || !is_of_scenes; });

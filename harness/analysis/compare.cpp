@@ -65,7 +65,7 @@ std::string all_values(std::span<const Record> records, const char* key) {
     if (const auto found = record.context.find(key); found != record.context.end() && !found->is_null())
       if (std::string text = plain(*found); std::find(values.begin(), values.end(), text) == values.end())
         values.push_back(std::move(text));
-  return values.empty() ? "-" : fmt::format("{}", joined(values, ", "));
+  return values.empty() ? "-" : joined(values, ", ");
 }
 
 double median_load(std::span<const Record> records) {

@@ -40,7 +40,7 @@ std::vector<Channel> channels_of(const ScoreOptions& options, const Scene& scene
   for (const Light& light : scene.lights)
     if (options.lights.empty() || std::ranges::find(options.lights, light.name) != options.lights.end())
       asked.push_back(&light);
-  const std::string file = options.mask.string(), names = fmt::format("{}", joined(present, ", "));
+  const std::string file = options.mask.string(), names = joined(present, ", ");
   if (!options.channel.empty()) {
     if (asked.size() != 1)
       throw Error("--channel {} is of one light, and {} are asked for: name one with --light", options.channel, asked.size());

@@ -124,7 +124,7 @@ class Choice final : public Parameter {
   bool is(std::string_view choice) const { return value() == choice; }
   std::string text() const override { return std::string(value()); }
   std::string default_text() const override { return std::string(choices_[default_]); }
-  std::string allowed() const override { return fmt::format("{}", joined(choices_, " | ")); }
+  std::string allowed() const override { return joined(choices_, " | "); }
   std::vector<std::string> probes() const override { return {choices_.begin(), choices_.end()}; }
   void set(std::string_view value) override;
 

@@ -110,7 +110,7 @@ void name_defaults(std::vector<Contender>& contenders, std::span<const std::uniq
     for (std::size_t p = 0; p < techniques[k]->parameters().size(); ++p)
       if (const Parameter& row = *techniques[k]->parameters()[p]; row.text() != row.default_text() || is_swept(p))
         shown.push_back(fmt::format("{}={}", row.name(), row.text()));
-    const std::string name = contenders[k].technique + (shown.empty() ? "" : ":") + fmt::format("{}", joined(shown, ","));
+    const std::string name = contenders[k].technique + (shown.empty() ? "" : ":") + joined(shown, ",");
     if (name != contenders[k].name()) contenders[k].label = name;
   }
 }

@@ -137,7 +137,7 @@ Grid best_grid(std::span<const Record> records, const AnalysisOptions& options) 
         row.push_back({winner.bytes ? Cell{.value = *winner.bytes} : Cell{}});
         std::vector<std::string> also;
         for (const std::size_t i : best.also) also.push_back(field.candidates[i].setting);
-        const std::string all = fmt::format("{}", joined(also, "; "));
+        const std::string all = joined(also, "; ");
         const bool is_long = also.size() > 3;
         row.push_back({also.empty() ? Cell{} : shown_text(all, is_long ? fmt::format("{} others", also.size()) : all)});
       }

@@ -70,7 +70,7 @@ std::string comparison_csv(const Comparison& comparison) {
     const auto status = [](const Record* record) { return record ? std::string(name(record->status)) : ""; };
     const std::string presence = !row.base ? "new" : !row.contender ? "missing" : "matched";
     line({"row", "status", "", status(row.base), status(row.contender), "", "", "", "", "", presence, yes(row.is_regression),
-          fmt::format("{}", joined(row.notes, "; "))});
+          joined(row.notes, "; ")});
     for (const StageChange& s : row.stages) {
       const bool is_judged = s.verdict != Verdict::not_judged;
       const auto ratio = [&](double Estimate::*part) { return s.ratio ? number((*s.ratio).*part) : ""; };

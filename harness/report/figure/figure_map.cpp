@@ -12,7 +12,7 @@ namespace {
 std::string facet_text(const Map& map) {
   std::vector<std::string> parts;
   for (const auto& [name, value] : map.facet) parts.push_back(fmt::format("{}={}", name, value));
-  return fmt::format("{}", joined(parts, ", "));
+  return joined(parts, ", ");
 }
 
 /// "name value at place" for tics.

@@ -34,7 +34,7 @@ std::string title_of(const fs::path& dir, std::span<const Record> records) {
   std::vector<std::string> suites;
   for (const Record& r : records)
     if (!r.suite.empty() && std::find(suites.begin(), suites.end(), r.suite) == suites.end()) suites.push_back(r.suite);
-  if (!suites.empty()) return fmt::format("{}", joined(suites, ", "));
+  if (!suites.empty()) return joined(suites, ", ");
   const fs::path folder = dir.has_filename() ? dir.filename() : dir.parent_path().filename();
   return folder.string();
 }

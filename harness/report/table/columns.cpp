@@ -321,7 +321,7 @@ std::string top_causes(const Record& record, std::size_t most) {
     if (parts.size() == most || percent < 0.5) break;
     parts.push_back(fmt::format("{} {:.0f} %", cause, percent));
   }
-  return fmt::format("{}", joined(parts, ", "));
+  return joined(parts, ", ");
 }
 
 std::string shown(const Column& column, const Cell& cell) {

@@ -58,7 +58,7 @@ std::string distinct(std::span<const Record> records, const char* key) {
     std::string value = plain_text(*found);
     if (std::find(values.begin(), values.end(), value) == values.end()) values.push_back(std::move(value));
   }
-  return fmt::format("{}", joined(values, "; "));
+  return joined(values, "; ");
 }
 
 /// Older records do not have it: a column of nothing would stand beside their wrong rates.
@@ -77,7 +77,7 @@ std::string repetition_plan(std::span<const Record> records) {
       std::string plan = fmt::format("{} x {}", r.times(stage).size(), repetitions);
       if (std::find(plans.begin(), plans.end(), plan) == plans.end()) plans.push_back(std::move(plan));
     }
-  return fmt::format("{}", joined(plans, ", "));
+  return joined(plans, ", ");
 }
 
 }  // namespace
