@@ -15,6 +15,7 @@
 namespace gnomon {
 
 /// Keeps its keys in the order in which they were added.
+using Json = nlohmann::ordered_json;
 /// As text: on one line, or indented by that many spaces. Bytes that are no UTF-8 are replaced.
 std::string json_text(const Json& json, int indent = -1);
 /// A text as it is, without quotes; anything else as json_text.
