@@ -94,7 +94,7 @@ class AreaLight(ProgramTest):
                 self.succeed("report", "out", "--out", "report.html")
                 self.assertIn("hard shadow of the light's center", (self.dir / "report.html").read_text())
             # Rescoring looks at the scene, whatever the record says. The mask has a channel for the bulb only.
-            self.succeed("table", "out", "--rescore", "--format", "json")
+            self.succeed("table", "out", "--rescore", "--save", "--format", "json")
             row = records(self.dir / "out")[0]
             self.assertEqual((row["light"], row["status"]), ("lamp", "unsupported"))
             self.assertFalse(row["metrics"])
