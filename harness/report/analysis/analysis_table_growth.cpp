@@ -6,10 +6,9 @@
 
 namespace gnomon::analysis {
 
-Grid growth_grid(std::span<const Record> records, const AnalysisOptions& options) {
-  const Growths growths = find_growth(records, options.x.empty() ? "triangles" : options.x);
-  Grid grid;
-  grid.title = fmt::format("Growth of cost with {}: time = coefficient * {}^exponent", growths.axis, growths.axis);
+namespace {
+
+void add_heads(Grid& grid, const Growths& growths) {
   add_place_heads(grid);
   grid.heads.push_back(words("setting", "technique"));
   grid.heads.push_back(words("stage", "stage"));
@@ -24,32 +23,41 @@ Grid growth_grid(std::span<const Record> records, const AnalysisOptions& options
   grid.heads.push_back(number("ms_from", "ms", "time from"));
   grid.heads.push_back(number("ms_to", "ms", "to"));
   grid.heads.push_back(words("why_not", "why not", Audience::programs));
+}
 
+Entries growth_row(const Growth& growth) {
+  Entries row;
+  add_place(row, growth.place);
+  row.push_back({text(growth.setting)});
+  row.push_back({text(growth.stage)});
+  const std::optional<ValueWithInterval>& e = growth.exponent;
+  const auto fixed = [](double value) { return fmt::format("{:.2f}", std::abs(value) < 0.005 ? 0.0 : value); };  // never -0.00
+  row.push_back({e ? Cell{.value = e->value, .shown = fixed(e->value)} : Cell{.value = {}, .shown = growth.why_not}});
+  row.push_back({text(e && e->has_interval ? fixed(e->low) + " .. " + fixed(e->high) : "-")});
+  for (const auto which : {&ValueWithInterval::low, &ValueWithInterval::high}) row.push_back({e ? end(*e, which) : Cell{}});
+  row.push_back({e ? Cell{.value = growth.coefficient} : Cell{}});
+  row.push_back({e ? Cell{.value = growth.r2, .shown = fmt::format("{:.3f}", growth.r2)} : Cell{}});
+  row.push_back({{.value = static_cast<double>(growth.points.size())}});
+  const Growth::Point &first = growth.points.front(), &last = growth.points.back();
+  for (const double value : {first.x, last.x, first.ms.value, last.ms.value}) row.push_back({{.value = value}});
+  row.push_back({text(growth.why_not)});
+  return row;
+}
+
+}  // namespace
+
+Grid growth_grid(std::span<const Record> records, const AnalysisOptions& options) {
+  const Growths growths = find_growth(records, options.x.empty() ? "triangles" : options.x);
+  Grid grid;
+  grid.title = fmt::format("Growth of cost with {}: time = coefficient * {}^exponent", growths.axis, growths.axis);
+  add_heads(grid, growths);
   std::vector<Place> places;
   for (const Growth& growth : growths.rows)
     if (std::find(places.begin(), places.end(), growth.place) == places.end()) places.push_back(growth.place);
   for (const Place& place : places) {
     Grid::Group group{.heading = title(place, places), .rows = {}};
-    for (const Growth& growth : growths.rows) {
-      if (growth.place != place) continue;
-      Row row;
-      add_place(row, growth.place);
-      row.push_back({text(growth.setting)});
-      row.push_back({text(growth.stage)});
-      const auto& e = growth.exponent;
-      const auto fixed = [](double value) { return fmt::format("{:.2f}", std::abs(value) < 0.005 ? 0.0 : value); };
-      row.push_back({e ? Cell{.value = e->value, .shown = fixed(e->value)} : Cell{.value = {}, .shown = growth.why_not}});
-      row.push_back({text(e && e->has_interval ? fixed(e->low) + " .. " + fixed(e->high) : "-")});
-      row.push_back({e ? end(*e, &ValueWithInterval::low) : Cell{}});
-      row.push_back({e ? end(*e, &ValueWithInterval::high) : Cell{}});
-      row.push_back({e ? Cell{.value = growth.coefficient} : Cell{}});
-      row.push_back({e ? Cell{.value = growth.r2, .shown = fmt::format("{:.3f}", growth.r2)} : Cell{}});
-      row.push_back({{.value = static_cast<double>(growth.points.size())}});
-      const auto& [first, last] = std::pair(growth.points.front(), growth.points.back());
-      for (const double value : {first.x, last.x, first.ms.value, last.ms.value}) row.push_back({{.value = value}});
-      row.push_back({text(growth.why_not)});
-      group.rows.push_back(std::move(row));
-    }
+    for (const Growth& growth : growths.rows)
+      if (growth.place == place) group.rows.push_back(growth_row(growth));
     grid.groups.push_back(std::move(group));
   }
   grid.notes.push_back(fmt::format("exponent: slope of the least-squares line through log time and log {}", growths.axis));

@@ -41,7 +41,7 @@ Grid map_rows(const std::vector<Map>& maps, const AnalysisOptions& options) {
       for (std::size_t x = 0; x < map.xs.size(); ++x) {
         const Map::Cell& cell = map.at(x, y);
         if (!cell.value) continue;
-        Row row{{text(map.technique)}};
+        Entries row{{text(map.technique)}};
         for (const std::string& parameter : parameters) {
           std::string value = parameter == map.x ? map.xs[x] : parameter == map.y ? map.ys[y] : "";
           for (const auto& [name, fixed] : map.facet)
@@ -82,7 +82,7 @@ std::string map_text(std::span<const Record> records, const AnalysisOptions& opt
     Grid::Group& group = grid.groups.emplace_back();
     group.heading = map_heading(map);
     for (std::size_t y = 0; y < map.ys.size(); ++y) {
-      Row row{{{.value = map.ys[y]}}};
+      Entries row{{{.value = map.ys[y]}}};
       for (std::size_t x = 0; x < map.xs.size(); ++x) {
         const Map::Cell& cell = map.at(x, y);
         row.push_back({cell.value ? Cell{.value = *cell.value} : Cell{}, cell.is_best});

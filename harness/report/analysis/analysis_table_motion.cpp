@@ -26,7 +26,7 @@ Grid motion_grid(std::span<const Record> records, const AnalysisOptions& options
     Grid::Group group{.heading = title(place, places), .rows = {}};
     for (const Motion& motion : motions) {
       if (place_of(*motion.record) != place) continue;
-      Row row;
+      Entries row;
       add_place(row, place);
       row.push_back({text(setting_name(*motion.record))});
       row.push_back({{.value = static_cast<double>(motion.frames)}});

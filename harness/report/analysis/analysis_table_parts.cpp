@@ -38,11 +38,13 @@ void add_place_heads(Grid& grid) {
 Cell text(const std::string& value) { return value.empty() ? Cell{} : Cell{.value = value}; }
 Cell shown_text(const std::string& value, std::string shown) { return {.value = value, .shown = std::move(shown)}; }
 
+Cell value_of(const std::optional<ValueWithInterval>& measured) { return measured ? Cell{.value = measured->value} : Cell{}; }
+
 Cell end(const ValueWithInterval& measured, double ValueWithInterval::*which) {
   return measured.has_interval ? Cell{.value = measured.*which} : Cell{};
 }
 
-void add_place(Row& row, const std::optional<Place>& place) {
+void add_place(Entries& row, const std::optional<Place>& place) {
   const Place at = place.value_or(Place{});
   for (const std::string& part : {at.scene, at.light, at.view, at.path}) row.push_back({text(part)});
   for (const int size : {at.width, at.height}) row.push_back({size > 0 ? Cell{.value = double(size)} : Cell{}});

@@ -9,7 +9,7 @@ namespace gnomon::analysis {
 // What the tables of analyses are made of: heads, cells, and the place of a row.
 
 using Audience = Grid::Audience;
-using Row = std::vector<Grid::Entry>;
+using Entries = std::vector<Grid::Entry>;  ///< of one row, one for each head
 
 Grid::Head words(std::string name, std::string heading, Audience audience = Audience::all);
 Grid::Head number(std::string name, std::string unit, std::string heading, Audience audience = Audience::all,
@@ -19,6 +19,8 @@ Grid::Head of_quantity(const std::string& quantity, const std::string& suffix = 
 
 Cell text(const std::string& value);
 Cell shown_text(const std::string& value, std::string shown);
+/// The value of a measurement; null where there is none.
+Cell value_of(const std::optional<ValueWithInterval>& measured);
 /// One end of an interval; null where there is none.
 Cell end(const ValueWithInterval& measured, double ValueWithInterval::*which);
 /// "4.1 .. 4.9" in the digits of the column.
@@ -29,7 +31,7 @@ std::string with_unit(const std::string& quantity);
 /// Scene, light, view, path, size and truth: for programs, people read them above the rows.
 void add_place_heads(Grid& grid);
 /// Their cells; nulls for a row over all places.
-void add_place(Row& row, const std::optional<Place>& place);
+void add_place(Entries& row, const std::optional<Place>& place);
 
 inline constexpr const char* interval_note = "interval: 95 %, hierarchical bootstrap over processes";
 

@@ -32,12 +32,12 @@ Grid sweep_rows(const Sweeps& sweeps) {
   Grid::Group& group = grid.groups.emplace_back();
   for (const Sweep& sweep : sweeps.rows)
     for (const Sweep::Point& point : sweep.points) {
-      Row row;
+      Entries row;
       add_place(row, sweep.place);
       row.push_back({text(sweep.setting)});
       row.push_back({text(std::string(name(sweep.role)))});
       row.push_back({{.value = point.x}});
-      row.push_back({point.value ? Cell{.value = point.value->value} : Cell{}});
+      row.push_back({value_of(point.value)});
       if (is_time)
         for (const auto which : {&ValueWithInterval::low, &ValueWithInterval::high})
           row.push_back({point.value ? end(*point.value, which) : Cell{}});
@@ -63,7 +63,7 @@ Grid sweep_grid(const Sweeps& sweeps, std::span<const double> xs, std::span<cons
     group.heading = title(place, sweeps.places);
     for (const Sweep& sweep : sweeps.rows) {
       if (sweep.place != place) continue;
-      Row row{{text(sweep.setting)}};
+      Entries row{{text(sweep.setting)}};
       for (const double x : xs) {
         const auto point = std::find_if(sweep.points.begin(), sweep.points.end(), [&](const auto& p) { return p.x == x; });
         const bool has_value = point != sweep.points.end() && point->value;

@@ -1,6 +1,7 @@
 // The two forms of a comparison for programs: everything, unrounded.
 #include <cmath>
 
+#include "measure/json.h"
 #include "report/analysis/compare_table.h"
 #include "report/table/digits.h"
 #include "report/table/layout.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "measure/json.h"
 #include "report/table/digits.h"
 #include "report/table/layout.h"
 

@@ -18,7 +18,7 @@ struct Bar {
   std::vector<const Record*> rows;
 };
 
-/// The settings that have what `has` asks, over the places that all of them share, and how many these are.
+/// The settings of the finished rows for which `has` is true, over the places that all of them share, and how many these are.
 std::pair<std::vector<Bar>, std::size_t> bars_of(std::span<const Record> records, auto has) {
   std::vector<std::pair<std::string, std::map<Place, const Record*>>> settings;
   for (const Record& r : records) {
@@ -69,7 +69,47 @@ std::string box_line(double from, double to, std::size_t bar) {
   return fmt::format("{}\t{}\t{}\t{}\t{}\t{}", (from + to) / 2, row, from, to, row - 0.32, row + 0.32);
 }
 
+/// ", mean over 5 places"; nothing to say of a single one.
 std::string over_text(std::size_t places) { return places == 1 ? "" : fmt::format(", mean over {} places", places); }
+
+/// Causes of the wrong pixels of one setting.
+struct CauseShares {
+  std::map<std::string, double, std::less<>> by_cause;  ///< each place counting by its wrong rate; their sum is 1, or 0
+  double wrong_rate = 0;                                ///< mean over the places
+};
+
+CauseShares shares_of(const Bar& bar) {
+  CauseShares shares;
+  for (const Record* row : bar.rows) {
+    shares.wrong_rate += *row->metric("wrong_rate") / static_cast<double>(bar.rows.size());
+    for (const CauseInfo& info : cause_infos())
+      shares.by_cause[std::string(info.name)] += quantity(*row, fmt::format("cause.{}", info.name)).value_or(0);
+  }
+  double sum = 0;
+  for (const auto& [cause, share] : shares.by_cause) sum += share;
+  if (sum > 0)
+    for (auto& [cause, share] : shares.by_cause) share /= sum;
+  return shares;
+}
+
+/// The boxes of each cause behind those of the causes before it.
+PlotCommand plot_causes(std::span<const CauseShares> bars, FigureScript& script, Legend& legend) {
+  PlotCommand plot;
+  std::vector<double> ends(bars.size(), 0);
+  for (const CauseInfo& info : cause_infos()) {
+    std::vector<std::string> lines;
+    for (std::size_t k = 0; k < bars.size(); ++k) {
+      const double percent = bars[k].by_cause.find(info.name)->second * 100;
+      if (percent > 0) lines.push_back(box_line(ends[k], ends[k] + percent, k));
+      ends[k] += percent;
+    }
+    if (lines.empty()) continue;
+    const std::string color = fmt::format("#{:02x}{:02x}{:02x}", info.color[0], info.color[1], info.color[2]);
+    plot.add("{} using 1:2:3:4:5:6 with boxxyerror lc rgb '{}' notitle", script.data(lines), color);
+    legend.entries.push_back({fmt::format("with points pt 5 ps 1.15 lc rgb '{}'", color), with_blanks(info.name)});
+  }
+  return plot;
+}
 
 }  // namespace
 
@@ -101,72 +141,38 @@ void draw_stages(std::span<const Record> records, const FigureOptions& options, 
     });
     totals.push_back(fmt::format("{}\t{}\t{}\t{}", total.value, k + 1, total.low, total.high));
   }
-  std::string plot;
+  PlotCommand plot;
   for (std::size_t stage = 0; stage < stages.size(); ++stage) {
-    plot += fmt::format("{}{} using 1:2:3:4:5:6 with boxxyerror lc rgb '{}' notitle", stage == 0 ? "" : ", ",
-                        script.data(boxes[stage]), colors[stage]);
+    plot.add("{} using 1:2:3:4:5:6 with boxxyerror lc rgb '{}' notitle", script.data(boxes[stage]), colors[stage]);
     legend.entries.push_back(
         {fmt::format("with points pt 5 ps 1.15 lc rgb '{}'", colors[stage]), std::string(name(stages[stage]))});
   }
-  plot += fmt::format(", {} using 1:2:3:4 with xerrorbars pt -1 lw 1.2 lc rgb '#222222' notitle", script.data(totals));
+  plot.add("{} using 1:2:3:4 with xerrorbars pt -1 lw 1.2 lc rgb '#222222' notitle", script.data(totals));
   legend.entries.push_back({"with lines lw 1.2 lc rgb '#222222'", "95 % interval of the sum"});
   open_bars(script, bars, legend, options);
   script.add("set xrange [0:*]; set xlabel {}", FigureScript::quoted("time (ms)" + over_text(places)));
-  script.add("plot {}", plot);
+  script.add("{}", plot.text());
   close_panels(script, legend, options);
 }
 
 void draw_causes(std::span<const Record> records, const FigureOptions& options, FigureScript& script) {
   auto [bars, places] = bars_of(records, [](const Record& r) { return r.causes && r.metric("wrong_rate"); });
-  struct Composition {
-    std::map<std::string, double, std::less<>> share;  ///< of the wrong pixels, each place counting by its wrong rate
-    double wrong = 0;                                  ///< mean wrong rate
-  };
-  std::vector<Composition> compositions;
   std::erase_if(bars, [](const Bar& bar) { return bar.role != Role::contender; });
-  for (const Bar& bar : bars) {
-    Composition all;
-    for (const Record* row : bar.rows) {
-      all.wrong += *row->metric("wrong_rate") / static_cast<double>(places);
-      for (const CauseInfo& info : cause_infos())
-        all.share[std::string(info.name)] += quantity(*row, fmt::format("cause.{}", info.name)).value_or(0);
-    }
-    double sum = 0;
-    for (const auto& [cause, share] : all.share) sum += share;
-    if (sum > 0)
-      for (auto& [cause, share] : all.share) share /= sum;
-    compositions.push_back(std::move(all));
-  }
   if (bars.empty()) throw Error("there is nothing to draw: no place has the causes of every setting");
-
+  std::vector<CauseShares> shares;
+  for (const Bar& bar : bars) shares.push_back(shares_of(bar));
   Legend legend;
-  std::string plot;
-  std::vector<double> ends(bars.size(), 0);
-  for (const CauseInfo& info : cause_infos()) {
-    std::vector<std::string> lines;
-    for (std::size_t k = 0; k < bars.size(); ++k) {
-      const double share = compositions[k].share[std::string(info.name)] * 100;
-      if (share > 0) lines.push_back(box_line(ends[k], ends[k] + share, k));
-      ends[k] += share;
-    }
-    if (lines.empty()) continue;
-    const std::string color = fmt::format("#{:02x}{:02x}{:02x}", info.color[0], info.color[1], info.color[2]);
-    plot += fmt::format("{}{} using 1:2:3:4:5:6 with boxxyerror lc rgb '{}' notitle", plot.empty() ? "" : ", ",
-                        script.data(lines), color);
-    std::string words(info.name);
-    std::replace(words.begin(), words.end(), '_', ' ');
-    legend.entries.push_back({fmt::format("with points pt 5 ps 1.15 lc rgb '{}'", color), words});
-  }
-  if (plot.empty()) throw Error("there is nothing to draw: no setting has a wrong pixel with a cause");
+  const PlotCommand plot = plot_causes(shares, script, legend);
+  if (plot.is_empty()) throw Error("there is nothing to draw: no setting has a wrong pixel with a cause");
   open_bars(script, bars, legend, options);
   script.add("set rmargin at screen {:.4f}", 1 - 2.2 / options.width_cm);
   for (std::size_t k = 0; k < bars.size(); ++k)
     script.add("set label {} at 101.5,{} left textcolor rgb '#222222'",
-               FigureScript::quoted(measured(100 * compositions[k].wrong) + " %"), k + 1);
+               FigureScript::quoted(measured(100 * shares[k].wrong_rate) + " %"), k + 1);
   script.add("set label 'wrong' at 101.5,0.2 left textcolor rgb '#666666'");
   script.add("set yrange [{}:-0.2]", static_cast<double>(bars.size()) + 0.6);
   script.add("set xrange [0:100]; set xlabel {}", FigureScript::quoted("share of the wrong pixels (%)" + over_text(places)));
-  script.add("plot {}", plot);
+  script.add("{}", plot.text());
   close_panels(script, legend, options);
 }
 

@@ -8,117 +8,146 @@ namespace gnomon {
 
 namespace {
 
-constexpr std::size_t most_named = 16;  // settings with a color of their own
+/// Settings with a color of their own, and marks with a number, are at most so many.
+constexpr std::size_t most_named = 16;
 
-/// Color and mark: of the setting while they are few, of its technique otherwise.
+/// Marks of one color: of one setting while these are few, of a technique otherwise.
 struct Series {
   std::string name;
-  std::vector<std::size_t> members;  ///< candidates
+  std::vector<const Candidate*> candidates;
 };
+
+/// What is drawn, in the units that people see. The data go into the script before the panel is opened, its axes after.
+class FrontFigure {
+ public:
+  /// Throws Error where no contender has a cost.
+  FrontFigure(const Field& field, const AnalysisOptions& options);
+
+  void add_staircase(FigureScript& script);
+  void add_series(FigureScript& script);
+  void number_front();
+  void set_axes(FigureScript& script) const;
+
+  Legend legend;
+  PlotCommand plot;
+
+ private:
+  double x(const Candidate& c) const { return c.cost->value * cost_column_.shown_scale; }
+  /// No error at all has no place on a logarithmic axis: it stands below the least, at `zero_`.
+  double y(const Candidate& c) const { return is_log_ && c.error <= 0 ? zero_ : c.error * error_column_.shown_scale; }
+
+  const Field& field_;
+  const AnalysisOptions& options_;
+  Column error_column_, cost_column_;
+  bool is_higher_better_;
+  std::vector<const Candidate*> shown_;  ///< those with a cost but the baseline
+  std::vector<const Candidate*> front_;  ///< by cost
+  bool is_named_ = false;                ///< each setting has a color of its own
+  bool is_log_ = false, has_zero_ = false;
+  Extent errors_, costs_;  ///< errors above 0
+  double zero_ = 0, top_ = 0;
+  std::vector<std::string> numbers_;  ///< commands that write numbers beside marks
+};
+
+FrontFigure::FrontFigure(const Field& field, const AnalysisOptions& options)
+    : field_(field),
+      options_(options),
+      error_column_(quantity_column(options.metric)),
+      cost_column_(quantity_column(options.cost == Cost::bytes ? "bytes" : "resolve_ms")),
+      is_higher_better_(better(options.metric) == "higher") {
+  const std::vector<FrontEntry> stands = find_front(field, better(options.metric));
+  for (std::size_t i = 0; i < field.candidates.size(); ++i) {
+    const Candidate& c = field.candidates[i];
+    if (c.role == Role::baseline || !c.cost || c.cost->value <= 0) continue;
+    shown_.push_back(&c);
+    if (stands[i].standing == Standing::front) front_.push_back(&c);
+    if (c.error > 0) errors_.add(c.error * error_column_.shown_scale);
+    has_zero_ = has_zero_ || c.error <= 0;
+    costs_.add(c.cost->low * cost_column_.shown_scale);
+    costs_.add(c.cost->high * cost_column_.shown_scale);
+  }
+  if (shown_.empty())
+    throw Error("there is nothing to draw: no contender has {} and {}", options.metric, sentence(options.cost));
+  std::sort(front_.begin(), front_.end(), [](const auto* a, const auto* b) { return a->cost->value < b->cost->value; });
+  is_named_ = shown_.size() <= most_named;
+  const double greatest_error = std::max(errors_.greatest, 0.0);
+  is_log_ = greatest_error > 0 && !is_higher_better_;
+  zero_ = is_log_ ? errors_.least / 4 : 0;
+  top_ = is_log_ ? greatest_error * 2 : greatest_error * 1.08;
+}
+
+/// The front, from the top to the right edge.
+void FrontFigure::add_staircase(FigureScript& script) {
+  if (front_.empty()) return;
+  std::vector<std::string> lines{fmt::format("{}\t{}", x(*front_.front()), is_higher_better_ ? 0 : top_)};
+  for (const Candidate* c : front_) lines.push_back(fmt::format("{}\t{}", x(*c), y(*c)));
+  lines.push_back(fmt::format("{}\t{}", costs_.greatest * 1.3, y(*front_.back())));
+  plot.add("{} using 1:2 with steps lw 1.6 lc rgb '#bbbbbb' notitle", script.data(lines));
+  legend.entries.push_back({"with lines lw 1.6 lc rgb '#bbbbbb'", "front"});
+}
+
+void FrontFigure::add_series(FigureScript& script) {
+  std::vector<Series> all;
+  for (const Candidate* c : shown_) {
+    const std::string& name = is_named_ ? c->setting : c->technique;
+    const auto known = std::find_if(all.begin(), all.end(), [&](const Series& s) { return s.name == name; });
+    (known == all.end() ? all.emplace_back(Series{name, {}}) : *known).candidates.push_back(c);
+  }
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    std::vector<std::string> lines;
+    for (const Candidate* c : all[k].candidates)
+      lines.push_back(fmt::format("{}\t{}\t{}\t{}", x(*c), y(*c), c->cost->low * cost_column_.shown_scale,
+                                  c->cost->high * cost_column_.shown_scale));
+    const bool is_contender = all[k].candidates.front()->role == Role::contender;
+    const std::string style =
+        is_contender ? fmt::format("pt {} ps {} lc rgb '{}'", series_mark(k), is_named_ ? 1.0 : 0.6, series_color(k))
+                     : "pt 2 ps 0.9 lw 1.4 lc rgb '#555555'";
+    plot.add("{} using 1:2:3:4 with xerrorbars {} notitle", script.data(lines), style);
+    legend.entries.push_back({"with points " + style, all[k].name + (is_contender ? "" : " (reference)")});
+  }
+}
+
+/// Where settings are too many to name them all, those on the front have a number that the legend explains.
+void FrontFigure::number_front() {
+  if (is_named_ || front_.size() > most_named) return;
+  for (std::size_t k = 0; k < front_.size(); ++k) {
+    numbers_.push_back(fmt::format("set label '{}' at {},{} right offset -0.3,-0.7 textcolor rgb '#222222'", k + 1,
+                                   x(*front_[k]), y(*front_[k])));
+    legend.entries.push_back({"with points pt 0 lc rgb '#ffffff'", fmt::format("{}: {}", k + 1, front_[k]->setting)});
+  }
+}
+
+void FrontFigure::set_axes(FigureScript& script) const {
+  const std::string over = field_.place ? "" : fmt::format(", geometric mean over {} places", field_.places);
+  script.add("set xlabel {}",
+             FigureScript::quoted(fmt::format("{} ({}){}", sentence(options_.cost), cost_column_.shown_unit, over)));
+  script.add("set ylabel {}", FigureScript::quoted(axis_label(error_column_) + (field_.place ? "" : ", mean")));
+  const double left = costs_.least / 1.3, right = costs_.greatest * 1.3;
+  script.add("set logscale x; set xtics {}; set xrange [{}:{}]", log_tics(left, right, 8), left, right);
+  if (is_log_) {
+    const double bottom = has_zero_ ? zero_ / 1.5 : errors_.least / 2;
+    const double first_tic = has_zero_ ? errors_.least / 1.5 : bottom;
+    script.add("set logscale y; set ytics {}; set yrange [{}:{}]", log_tics(first_tic, top_, 8), bottom, top_);
+    if (has_zero_) script.add("set ytics add ('0' {})", zero_);
+  } else {
+    script.add("set yrange [0:{}]", is_higher_better_ ? "*" : fmt::format("{}", top_ > 0 ? top_ : 1));
+  }
+  for (const std::string& number : numbers_) script.add("{}", number);
+}
 
 }  // namespace
 
 void draw_front(std::span<const Record> records, const FigureOptions& options, FigureScript& script) {
-  const std::string& metric = options.analysis.metric;
-  const Cost cost = options.analysis.cost;
-  const std::vector<Field> fields = find_fields(records, {.error = metric, .cost = cost});
-  const Field& field = fields.back();  // over all places, or the only one
-  const std::vector<FrontEntry> stands = find_front(field, better(metric));
-  const Column error = quantity_column(metric), size = quantity_column(cost == Cost::bytes ? "bytes" : "resolve_ms");
-
-  std::vector<std::size_t> shown;
-  for (std::size_t i = 0; i < field.candidates.size(); ++i) {
-    const Candidate& c = field.candidates[i];
-    if (c.role != Role::baseline && c.cost && c.cost->value > 0) shown.push_back(i);
-  }
-  if (shown.empty()) throw Error("there is nothing to draw: no contender has {} and {}", metric, sentence(cost));
-  double least_error = INFINITY, greatest_error = 0, least_cost = INFINITY, greatest_cost = 0;
-  bool has_zero = false;
-  for (const std::size_t i : shown) {
-    const Candidate& c = field.candidates[i];
-    has_zero = has_zero || c.error <= 0;
-    if (c.error > 0) least_error = std::min(least_error, c.error * error.shown_scale);
-    greatest_error = std::max(greatest_error, c.error * error.shown_scale);
-    least_cost = std::min(least_cost, c.cost->low * size.shown_scale);
-    greatest_cost = std::max(greatest_cost, c.cost->high * size.shown_scale);
-  }
-  // No error at all has no place on a logarithmic axis: it gets one below the least, named 0.
-  const bool is_log = greatest_error > 0 && better(metric) != "higher";
-  const double zero = is_log ? least_error / 4 : 0;
-  const auto height = [&](const Candidate& c) {
-    const double value = c.error * error.shown_scale;
-    return is_log && value <= 0 ? zero : value;
-  };
-
-  std::vector<Series> series;
-  const bool is_named = shown.size() <= most_named;
-  for (const std::size_t i : shown) {
-    const Candidate& c = field.candidates[i];
-    const std::string& name = is_named ? c.setting : c.technique;
-    const auto known = std::find_if(series.begin(), series.end(), [&](const Series& s) { return s.name == name; });
-    (known == series.end() ? series.emplace_back(Series{name, {}}) : *known).members.push_back(i);
-  }
-
-  Legend legend;
-  std::string plot;
-  // The front below everything: a staircase from the top to the right edge.
-  std::vector<std::size_t> front;
-  for (const std::size_t i : shown)
-    if (stands[i].standing == Standing::front) front.push_back(i);
-  std::sort(front.begin(), front.end(),
-            [&](std::size_t a, std::size_t b) { return field.candidates[a].cost->value < field.candidates[b].cost->value; });
-  const double right = greatest_cost * 1.3, left = least_cost / 1.3;
-  const double top = is_log ? greatest_error * 2 : greatest_error * 1.08;
-  if (!front.empty()) {
-    std::vector<std::string> lines;
-    const auto x = [&](std::size_t i) { return field.candidates[i].cost->value * size.shown_scale; };
-    lines.push_back(fmt::format("{}\t{}", x(front.front()), better(metric) == "higher" ? 0 : top));
-    for (const std::size_t i : front) lines.push_back(fmt::format("{}\t{}", x(i), height(field.candidates[i])));
-    lines.push_back(fmt::format("{}\t{}", right, height(field.candidates[front.back()])));
-    plot += fmt::format("{} using 1:2 with steps lw 1.6 lc rgb '#bbbbbb' notitle", script.data(lines));
-    legend.entries.push_back({"with lines lw 1.6 lc rgb '#bbbbbb'", "front"});
-  }
-  for (std::size_t k = 0; k < series.size(); ++k) {
-    std::vector<std::string> lines;
-    const bool is_aside = field.candidates[series[k].members.front()].role != Role::contender;
-    for (const std::size_t i : series[k].members) {
-      const Candidate& c = field.candidates[i];
-      lines.push_back(fmt::format("{}\t{}\t{}\t{}", c.cost->value * size.shown_scale, height(c), c.cost->low * size.shown_scale,
-                                  c.cost->high * size.shown_scale));
-    }
-    const std::string style =
-        is_aside ? "pt 2 ps 0.9 lw 1.4 lc rgb '#555555'"
-                 : fmt::format("pt {} ps {} lc rgb '{}'", series_mark(k), is_named ? 1.0 : 0.6, series_color(k));
-    plot += fmt::format(",{} using 1:2:3:4 with xerrorbars {} notitle", script.data(lines), style);
-    legend.entries.push_back({"with points " + style, series[k].name + (is_aside ? " (reference)" : "")});
-  }
-
-  // Too many to name them all: those on the front are numbered.
-  std::vector<std::string> labels;
-  for (std::size_t k = 0; !is_named && k < front.size() && front.size() <= most_named; ++k) {
-    const Candidate& c = field.candidates[front[k]];
-    labels.push_back(fmt::format("set label '{}' at {},{} right offset -0.3,-0.7 textcolor rgb '#222222'", k + 1,
-                                 c.cost->value * size.shown_scale, height(c)));
-    legend.entries.push_back({"with points pt 0 lc rgb '#ffffff'", fmt::format("{}: {}", k + 1, c.setting)});
-  }
-
-  open_panels(script, 1, 1, options.width_cm * 0.55, legend, options);
-  const std::string over = field.place ? "" : fmt::format(", geometric mean over {} places", field.places);
-  script.add("set xlabel {}", FigureScript::quoted(fmt::format("{} ({}){}", sentence(cost), size.shown_unit, over)));
-  script.add("set ylabel {}", FigureScript::quoted(axis_label(error) + (field.place ? "" : ", mean")));
-  script.add("set logscale x; set xtics {}; set xrange [{}:{}]", log_tics(left, right, 8), left, right);
-  if (is_log) {
-    const double bottom = has_zero ? zero / 1.5 : least_error / 2;
-    script.add("set logscale y; set ytics {}; set yrange [{}:{}]", log_tics(has_zero ? least_error / 1.5 : bottom, top, 8),
-               bottom, top);
-    if (has_zero) script.add("set ytics add ('0' {})", zero);
-  } else {
-    script.add("set yrange [0:{}]", better(metric) == "higher" ? "*" : fmt::format("{}", top > 0 ? top : 1));
-  }
-  for (const std::string& label : labels) script.add("{}", label);
-  if (plot.starts_with(",")) plot.erase(0, 1);
-  script.add("plot {}", plot);
-  close_panels(script, legend, options);
+  const AnalysisOptions& wanted = options.analysis;
+  const std::vector<Field> fields = find_fields(records, {.error = wanted.metric, .cost = wanted.cost});
+  FrontFigure figure(fields.back(), wanted);  // over all places, or the only one
+  figure.add_staircase(script);
+  figure.add_series(script);
+  figure.number_front();
+  open_panels(script, 1, 1, options.width_cm * 0.55, figure.legend, options);
+  figure.set_axes(script);
+  script.add("{}", figure.plot.text());
+  close_panels(script, figure.legend, options);
 }
 
 }  // namespace gnomon

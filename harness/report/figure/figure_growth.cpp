@@ -6,115 +6,136 @@
 
 namespace gnomon {
 
-void draw_growth(std::span<const Record> records, const FigureOptions& options, FigureScript& script) {
-  const std::string axis = options.analysis.x.empty() ? "triangles" : options.analysis.x;
-  const Growths growths = find_growth(records, axis);
+namespace {
+
+/// The series to draw and what they differ in: each stage has a panel, each setting a color, each place a mark.
+struct DrawnGrowths {
+  std::vector<const Growth*> rows;
   std::vector<Place> places;
   std::vector<std::string> settings, stages;
-  const auto add = [](auto& list, const auto& value) {
-    if (std::find(list.begin(), list.end(), value) == list.end()) list.push_back(value);
-  };
-  const auto is_drawn = [](const Growth& g) {
-    return g.role != Role::baseline && g.points.size() >= 2 && (g.exponent || g.too_fast == 0);
-  };
-  double first_x = INFINITY, last_x = 0;
-  double least = INFINITY, greatest = 0;
+  Extent x, ms;  ///< of the points that the clock can see
+};
+
+/// The exponent of a fitted line, written at the line's end.
+struct ExponentLabel {
+  double y;
+  std::string text, color;
+};
+
+/// One stage.
+struct GrowthPanel {
+  PlotCommand plot;
+  std::vector<ExponentLabel> exponents;
+};
+
+bool is_drawn(const Growth& growth) {
+  return growth.role != Role::baseline && growth.points.size() >= 2 && (growth.exponent || growth.too_fast == 0);
+}
+
+DrawnGrowths choose(const Growths& growths) {
+  DrawnGrowths drawn;
   for (const Growth& growth : growths.rows) {
     if (!is_drawn(growth)) continue;
-    add(places, growth.place);
-    add(settings, growth.setting);
-    add(stages, growth.stage);
+    drawn.rows.push_back(&growth);
+    add_once(drawn.places, growth.place);
+    add_once(drawn.settings, growth.setting);
+    add_once(drawn.stages, growth.stage);
     for (const Growth::Point& point : growth.points) {
       if (point.ms.value < clock_ms) continue;
-      first_x = std::min(first_x, point.x);
-      last_x = std::max(last_x, point.x);
-      least = std::min(least, point.ms.low);
-      greatest = std::max(greatest, point.ms.high);
+      drawn.x.add(point.x);
+      drawn.ms.add(point.ms.low);
+      drawn.ms.add(point.ms.high);
     }
   }
-  if (stages.empty()) throw Error("there is nothing to draw: no setting has times at two values of {}", axis);
-  static constexpr std::string_view stage_order[] = {"build", "relight", "resolve", "total"};
-  std::sort(stages.begin(), stages.end(), [](const std::string& a, const std::string& b) {
-    return std::find(std::begin(stage_order), std::end(stage_order), a) <
-           std::find(std::begin(stage_order), std::end(stage_order), b);
-  });
+  static const std::vector<std::string> stage_order{"build", "relight", "resolve", "total"};
+  std::sort(drawn.stages.begin(), drawn.stages.end(),
+            [](const auto& a, const auto& b) { return index_of(stage_order, a) < index_of(stage_order, b); });
+  return drawn;
+}
 
-  // Color tells the setting, shape the place; of a single setting color tells the place too.
-  const auto style_of = [&](const Growth& growth) {
-    const auto setting =
-        static_cast<std::size_t>(std::find(settings.begin(), settings.end(), growth.setting) - settings.begin());
-    const auto place = static_cast<std::size_t>(std::find(places.begin(), places.end(), growth.place) - places.begin());
-    static constexpr int marks[] = {7, 5, 9, 11, 13, 6, 4, 8, 10, 12};
-    const std::size_t color = settings.size() > 1 ? setting : place;
-    return std::pair(series_color(color), places.size() > 1 ? marks[place % std::size(marks)] : series_mark(setting));
-  };
+/// Color and mark of a series. Color tells the setting, mark the place; of a single setting color tells the place too.
+std::pair<std::string, int> style_of(const Growth& growth, const DrawnGrowths& drawn) {
+  static constexpr int marks[] = {7, 5, 9, 11, 13, 6, 4, 8, 10, 12};
+  const std::size_t setting = index_of(drawn.settings, growth.setting), place = index_of(drawn.places, growth.place);
+  return {series_color(drawn.settings.size() > 1 ? setting : place),
+          drawn.places.size() > 1 ? marks[place % std::size(marks)] : series_mark(setting)};
+}
+
+Legend legend_of(const DrawnGrowths& drawn) {
   Legend legend;
-  for (const Growth& growth : growths.rows) {
-    if (!is_drawn(growth)) continue;
-    const auto [color, mark] = style_of(growth);
-    Legend::Entry entry{fmt::format("with linespoints pt {} lc rgb '{}'", mark, color),
-                        growth.setting + (places.size() > 1 ? fmt::format(" ({})", title(growth.place, places)) : "")};
+  for (const Growth* growth : drawn.rows) {
+    const auto [color, mark] = style_of(*growth, drawn);
+    Legend::Entry entry{
+        fmt::format("with linespoints pt {} lc rgb '{}'", mark, color),
+        growth->setting + (drawn.places.size() > 1 ? fmt::format(" ({})", title(growth->place, drawn.places)) : "")};
     const bool is_known =
         std::any_of(legend.entries.begin(), legend.entries.end(), [&](const auto& e) { return e.text == entry.text; });
     if (!is_known) legend.entries.push_back(std::move(entry));
   }
+  return legend;
+}
 
-  // The data first: a multiplot takes none.
-  std::vector<std::string> plots(stages.size());
-  struct Label {
-    double y;  ///< where the line ends
-    std::string text, color;
-  };
-  std::vector<std::vector<Label>> labels(stages.size());
-  for (const Growth& growth : growths.rows) {
-    if (!is_drawn(growth)) continue;
-    const auto panel = static_cast<std::size_t>(std::find(stages.begin(), stages.end(), growth.stage) - stages.begin());
-    const auto [color, mark] = style_of(growth);
-    std::vector<std::string> lines;
-    for (const Growth::Point& point : growth.points)
-      if (point.ms.value >= clock_ms)
-        lines.push_back(fmt::format("{}\t{}\t{}\t{}", point.x, point.ms.value, point.ms.low, point.ms.high));
-    std::string& plot = plots[panel];
-    plot += fmt::format("{}{} using 1:2:3:4 with yerrorbars pt {} ps 0.7 lc rgb '{}' notitle", plot.empty() ? "" : ", \\\n  ",
-                        script.data(lines), mark, color);
-    if (!growth.exponent) continue;
-    const double from = growth.points.front().x, to = growth.points.back().x, exponent = growth.exponent->value;
-    const auto at = [&](double x) { return growth.coefficient * std::pow(x, exponent); };
-    plot += fmt::format(", \\\n  {} using 1:2 with lines lw 1.2 lc rgb '{}' notitle",
-                        script.data({fmt::format("{}\t{}", from, at(from)), fmt::format("{}\t{}", to, at(to))}), color);
-    // Never "-0.00".
-    labels[panel].push_back({at(to), fmt::format("{:.2f}", std::abs(exponent) < 0.005 ? 0.0 : exponent), color});
+/// Marks with their intervals, and the fitted line where there is one.
+void add_series(const Growth& growth, const DrawnGrowths& drawn, FigureScript& script, GrowthPanel& panel) {
+  const auto [color, mark] = style_of(growth, drawn);
+  std::vector<std::string> lines;
+  for (const Growth::Point& point : growth.points)
+    if (point.ms.value >= clock_ms)
+      lines.push_back(fmt::format("{}\t{}\t{}\t{}", point.x, point.ms.value, point.ms.low, point.ms.high));
+  panel.plot.add("{} using 1:2:3:4 with yerrorbars pt {} ps 0.7 lc rgb '{}' notitle", script.data(lines), mark, color);
+  if (!growth.exponent) return;
+  const double from = growth.points.front().x, to = growth.points.back().x, exponent = growth.exponent->value;
+  const auto at = [&](double x) { return growth.coefficient * std::pow(x, exponent); };
+  panel.plot.add("{} using 1:2 with lines lw 1.2 lc rgb '{}' notitle",
+                 script.data({fmt::format("{}\t{}", from, at(from)), fmt::format("{}\t{}", to, at(to))}), color);
+  // Never "-0.00".
+  panel.exponents.push_back({at(to), fmt::format("{:.2f}", std::abs(exponent) < 0.005 ? 0.0 : exponent), color});
+}
+
+/// Exponents stand where their lines end, pushed apart upward where they would cover one another. More than a few would stand
+/// far from their lines and are left out; the table has them all.
+void label_exponents(std::vector<ExponentLabel> labels, double x, double bottom, double top, FigureScript& script) {
+  if (labels.size() > 8) return;
+  std::sort(labels.begin(), labels.end(), [](const auto& a, const auto& b) { return a.y < b.y; });
+  const double step = std::pow(top / bottom, 0.062);
+  double highest = top / std::pow(step, static_cast<double>(labels.size()));  // leaves room for those above
+  for (std::size_t k = 0; k < labels.size(); ++k, highest *= step) {
+    if (k > 0) labels[k].y = std::max(labels[k].y, labels[k - 1].y * step);
+    script.add("set label {} at {},{} left offset 0.8,0 textcolor rgb '{}'", FigureScript::quoted(labels[k].text), x,
+               std::min(labels[k].y, highest), labels[k].color);
   }
-  const double bottom = least / 1.6, top = greatest * 1.6;
-  const std::size_t columns = open_panels(script, stages.size(), 3, options.width_cm / 2.3, legend, options);
-  const double left = first_x / std::pow(last_x / first_x, 0.06), right = last_x * std::pow(last_x / first_x, 0.3);
+}
+
+}  // namespace
+
+void draw_growth(std::span<const Record> records, const FigureOptions& options, FigureScript& script) {
+  const std::string axis = options.analysis.x.empty() ? "triangles" : options.analysis.x;
+  const Growths growths = find_growth(records, axis);
+  const DrawnGrowths drawn = choose(growths);
+  if (drawn.rows.empty()) throw Error("there is nothing to draw: no setting has times at two values of {}", axis);
+  std::vector<GrowthPanel> panels(drawn.stages.size());
   std::vector<double> xs;
-  for (const Growth& growth : growths.rows)
-    for (const Growth::Point& point : growth.points)
-      if (is_drawn(growth)) xs.push_back(point.x);
-  const std::string at_values = value_tics(std::move(xs), stages.size() > 2 ? 0.2 : 0.1);
-  script.add("set logscale xy; set xtics {}; set ytics {}", at_values.empty() ? log_tics(left, last_x, 4) : at_values,
+  for (const Growth* growth : drawn.rows) {
+    add_series(*growth, drawn, script, panels[index_of(drawn.stages, growth->stage)]);
+    for (const Growth::Point& point : growth->points) xs.push_back(point.x);
+  }
+
+  const Legend legend = legend_of(drawn);
+  const std::size_t columns = open_panels(script, panels.size(), 3, options.width_cm / 2.3, legend, options);
+  const double bottom = drawn.ms.least / 1.6, top = drawn.ms.greatest * 1.6;
+  const double span = drawn.x.greatest / drawn.x.least;  // the right margin holds the exponents
+  const double left = drawn.x.least / std::pow(span, 0.06), right = drawn.x.greatest * std::pow(span, 0.3);
+  const std::string at_values = value_tics(std::move(xs), panels.size() > 2 ? 0.2 : 0.1);
+  script.add("set logscale xy; set xtics {}; set ytics {}", at_values.empty() ? log_tics(left, drawn.x.greatest, 4) : at_values,
              log_tics(bottom, top, 8));
   script.add("set xrange [{}:{}]", left, right);
   script.add("set yrange [{}:{}]", bottom, top);
-  script.add("set xlabel {}", FigureScript::quoted(axis == "pixels" ? "pixels" : axis));
-  for (std::size_t panel = 0; panel < stages.size(); ++panel) {
-    script.add("set title {} offset 0,-0.6", FigureScript::quoted(stages[panel]));
-    script.add("set ylabel {}", panel % columns == 0 ? "'time (ms)'" : "''");
+  script.add("set xlabel {}", FigureScript::quoted(axis));
+  for (std::size_t k = 0; k < panels.size(); ++k) {
+    open_panel(script, drawn.stages[k], k % columns == 0 ? "time (ms)" : "");
     script.add("unset label");
-    // Exponents stand where their lines end, pushed apart upward where they would cover one another.
-    // More than a few would stand far from their lines; the table has them all.
-    std::vector<Label>& ends = labels[panel];
-    if (ends.size() > 8) ends.clear();
-    std::sort(ends.begin(), ends.end(), [](const Label& a, const Label& b) { return a.y < b.y; });
-    const double step = std::pow(top / bottom, 0.062);
-    double room = top / std::pow(step, static_cast<double>(ends.size()));
-    for (std::size_t k = 0; k < ends.size(); ++k, room *= step) {
-      if (k > 0) ends[k].y = std::max(ends[k].y, ends[k - 1].y * step);
-      script.add("set label {} at {},{} left offset 0.8,0 textcolor rgb '{}'", FigureScript::quoted(ends[k].text), last_x,
-                 std::min(ends[k].y, room), ends[k].color);
-    }
-    script.add("plot {}", plots[panel]);
+    label_exponents(panels[k].exponents, drawn.x.greatest, bottom, top, script);
+    script.add("{}", panels[k].plot.text());
   }
   close_panels(script, legend, options);
 }

@@ -13,10 +13,8 @@ void draw_motion(std::span<const Record> records, const FigureOptions& options, 
   std::vector<std::string> settings;
   for (const Motion& motion : motions) {
     if (motion.record->role != Role::contender) continue;
-    const Place place = place_of(*motion.record);
-    if (std::find(places.begin(), places.end(), place) == places.end()) places.push_back(place);
-    const std::string setting = setting_name(*motion.record);
-    if (std::find(settings.begin(), settings.end(), setting) == settings.end()) settings.push_back(setting);
+    add_once(places, place_of(*motion.record));
+    add_once(settings, setting_name(*motion.record));
   }
   if (places.empty()) throw Error("there is nothing to draw: no contender follows a path");
   require_panels(places.size(), "scenes, lights and paths");
@@ -26,31 +24,25 @@ void draw_motion(std::span<const Record> records, const FigureOptions& options, 
   };
   for (std::size_t k = 0; k < settings.size(); ++k) legend.entries.push_back({style(k), settings[k]});
 
-  std::vector<std::string> plots(places.size());
+  std::vector<PlotCommand> plots(places.size());
+  std::size_t last = 1;
   for (const Motion& motion : motions) {
-    if (motion.record->role != Role::contender) continue;
-    const auto panel =
-        static_cast<std::size_t>(std::find(places.begin(), places.end(), place_of(*motion.record)) - places.begin());
-    const auto k =
-        static_cast<std::size_t>(std::find(settings.begin(), settings.end(), setting_name(*motion.record)) - settings.begin());
+    last = std::max(last, motion.frames - 1);
     const auto found = motion.record->frames.find(metric);
-    if (found == motion.record->frames.end()) continue;
+    if (motion.record->role != Role::contender || found == motion.record->frames.end()) continue;
     std::vector<std::string> lines;
     for (std::size_t frame = 0; frame < found->second.size(); ++frame)
       if (const auto& value = found->second[frame]) lines.push_back(fmt::format("{}\t{}", frame, *value * column.shown_scale));
     if (lines.empty()) continue;
-    std::string& plot = plots[panel];
-    plot += fmt::format("{}{} using 1:2 {} notitle", plot.empty() ? "" : ", \\\n  ", script.data(lines), style(k));
+    plots[index_of(places, place_of(*motion.record))].add("{} using 1:2 {} notitle", script.data(lines),
+                                                          style(index_of(settings, setting_name(*motion.record))));
   }
   const std::size_t columns =
       open_panels(script, places.size(), 2, options.width_cm * (places.size() == 1 ? 0.5 : 0.36), legend, options);
-  std::size_t last = 1;
-  for (const Motion& motion : motions) last = std::max(last, motion.frames - 1);
   script.add("set xrange [0:{}]; set yrange [0:*]; set xlabel 'frame' offset 0,0.4", last);
   for (std::size_t panel = 0; panel < places.size(); ++panel) {
-    script.add("set title {} offset 0,-0.6", FigureScript::quoted(title(places[panel], places)));
-    script.add("set ylabel {}", panel % columns == 0 ? FigureScript::quoted(axis_label(column)) : "''");
-    script.add("plot {}", plots[panel].empty() ? "NaN notitle" : plots[panel]);
+    open_panel(script, title(places[panel], places), panel % columns == 0 ? axis_label(column) : "");
+    script.add("{}", plots[panel].text());
   }
   close_panels(script, legend, options);
 }

@@ -85,6 +85,10 @@ std::string FigureScript::text(const FigureOptions& options, const std::filesyst
   return text + body_;
 }
 
+std::string PlotCommand::text() const {
+  return is_empty() ? "plot NaN notitle" : fmt::format("plot {}", fmt::join(curves_, ", \\\n  "));
+}
+
 std::string series_color(std::size_t index) {
   static constexpr std::string_view colors[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                                 "#e69f00", "#56b4e9", "#7a5c00", "#555555"};
@@ -114,6 +118,11 @@ std::size_t open_panels(FigureScript& script, std::size_t panels, std::size_t mo
   return columns;
 }
 
+void open_panel(FigureScript& script, std::string_view title, std::string_view y_label) {
+  script.add("set title {} offset 0,-0.6", FigureScript::quoted(title));
+  script.add("set ylabel {}", FigureScript::quoted(y_label));
+}
+
 void close_panels(FigureScript& script, const Legend& legend, const FigureOptions& options) {
   if (!legend.entries.empty()) {
     script.add(
@@ -124,10 +133,11 @@ void close_panels(FigureScript& script, const Legend& legend, const FigureOption
     script.add("set lmargin at screen 0.01; set rmargin at screen 0.99; set bmargin at screen 0; set tmargin at screen 1");
     script.add("set key at screen 0.5,{:.4f} center center vertical maxrows {} Left reverse samplen 1.2 spacing 1.15",
                strip(script, legend, options) / 2, legend_rows(legend, options.width_cm));
-    std::string plot = "plot [0:1][0:1] NaN notitle";
+    PlotCommand plot;
+    plot.add("[0:1][0:1] NaN notitle");
     for (const Legend::Entry& entry : legend.entries)
-      plot += fmt::format(", \\\n  keyentry {} title {}", entry.style, FigureScript::quoted(entry.text));
-    script.add("{}", plot);
+      plot.add("keyentry {} title {}", entry.style, FigureScript::quoted(entry.text));
+    script.add("{}", plot.text());
   }
   script.add("unset multiplot");
 }

@@ -1,14 +1,15 @@
 #pragma once
+#include <algorithm>
+#include <cmath>
+
 #include "report/figure/figure.h"
 
 namespace gnomon {
 
-/// A gnuplot program on its way: its text, and what every kind of figure shares.
+/// The gnuplot program of one figure, written line by line. Terminal and style come first in its text, but last in time: the
+/// terminal needs the height.
 class FigureScript {
  public:
-  /// Opens with style and fonts; the terminal comes when the height is known.
-  FigureScript() = default;
-
   template <class... Args>
   void add(fmt::format_string<Args...> format, Args&&... args) {
     body_ += fmt::format(format, std::forward<Args>(args)...) + '\n';
@@ -26,6 +27,41 @@ class FigureScript {
   std::string body_;
   std::size_t blocks_ = 0;
 };
+
+/// The `plot` command of one panel, curve by curve. Blocks of data that it names are written before a multiplot opens.
+class PlotCommand {
+ public:
+  /// One curve: "$d3 using 1:2 with lines notitle".
+  template <class... Args>
+  void add(fmt::format_string<Args...> format, Args&&... args) {
+    curves_.push_back(fmt::format(format, std::forward<Args>(args)...));
+  }
+  bool is_empty() const { return curves_.empty(); }
+  /// "plot ..."; without any curve an empty panel.
+  std::string text() const;
+
+ private:
+  std::vector<std::string> curves_;
+};
+
+/// The least and the greatest of the values added.
+struct Extent {
+  double least = INFINITY, greatest = -INFINITY;
+  void add(double value) {
+    least = std::min(least, value);
+    greatest = std::max(greatest, value);
+  }
+};
+
+/// The index of a value in a list, or the list's size where it is not there.
+template <class T>
+std::size_t index_of(const std::vector<T>& list, const T& value) {
+  return static_cast<std::size_t>(std::find(list.begin(), list.end(), value) - list.begin());
+}
+template <class T>
+void add_once(std::vector<T>& list, const T& value) {
+  if (index_of(list, value) == list.size()) list.push_back(value);
+}
 
 /// Colors that people with any color vision tell apart (Okabe and Ito 2008), "#0072b2", then again from the start.
 std::string series_color(std::size_t index);
@@ -47,6 +83,8 @@ struct Legend {
 /// Returns the number of columns.
 std::size_t open_panels(FigureScript& script, std::size_t panels, std::size_t most_columns, double panel_cm,
                         const Legend& legend, const FigureOptions& options);
+/// Titles the next panel and names its vertical axis; empty: it has no name.
+void open_panel(FigureScript& script, std::string_view title, std::string_view y_label);
 /// Draws the legend into its strip and ends the multiplot.
 void close_panels(FigureScript& script, const Legend& legend, const FigureOptions& options);
 

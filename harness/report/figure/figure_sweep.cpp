@@ -1,7 +1,4 @@
 // A quantity against a parameter as lines, one panel for each place.
-#include <algorithm>
-#include <cmath>
-
 #include "analysis/growth.h"
 #include "analysis/sweep.h"
 #include "report/figure/figure_script.h"
@@ -36,15 +33,6 @@ std::vector<std::string> line_of(const Sweep& sweep, const Column& column) {
   return lines;
 }
 
-/// Ends of an axis a little beyond the values.
-struct Extent {
-  double least = INFINITY, greatest = -INFINITY;
-  void add(double value) {
-    least = std::min(least, value);
-    greatest = std::max(greatest, value);
-  }
-};
-
 /// "set xrange ..." for these x, with marks and tics apart from the ends: linear unless they span more than two decades.
 std::string x_axis(const Extent& xs, std::vector<double> values, std::size_t columns) {
   if (xs.least > 0 && xs.greatest / xs.least > 100) {
@@ -67,10 +55,62 @@ std::string y_axis(Extent ys, const Column& column) {
   const bool has_zero = column.shown_unit == "%" || is_cost(column);
   if (has_zero && ys.least >= 0)
     return fmt::format("unset logscale y; set ytics autofreq; set yrange [0:{}]", ys.greatest > 0 ? ys.greatest * 1.06 : 1);
-  if (column.unit == "ratio") ys.add(0.95), ys.add(1.05);
+  if (column.unit == "ratio") {
+    ys.add(0.95);
+    ys.add(1.05);
+  }
   const double span = ys.greatest - ys.least;
   const double margin = span > 0 ? span * 0.06 : std::max(std::abs(ys.greatest) * 0.05, 0.05);
   return fmt::format("unset logscale y; set ytics autofreq; set yrange [{}:{}]", ys.least - margin, ys.greatest + margin);
+}
+
+/// The sweeps to draw and what they differ in: each place has a panel, each setting a color and mark.
+struct DrawnSweeps {
+  std::vector<const Sweep*> rows;
+  std::vector<Place> places;
+  std::vector<std::string> settings;
+  std::vector<double> xs;
+  Extent x;
+};
+
+DrawnSweeps choose(const Sweeps& sweeps, const Column& column) {
+  DrawnSweeps drawn;
+  for (const Sweep& sweep : sweeps.rows) {
+    if (!is_drawn(sweep, column)) continue;
+    drawn.rows.push_back(&sweep);
+    add_once(drawn.places, sweep.place);
+    add_once(drawn.settings, sweep.setting);
+    for (const Sweep::Point& point : sweep.points) {
+      drawn.x.add(point.x);
+      drawn.xs.push_back(point.x);
+    }
+  }
+  return drawn;
+}
+
+/// Color and mark of a setting, in every panel the same. Lines that coincide nest: the first is the widest, beneath.
+std::string style_of(std::size_t setting, std::size_t count) {
+  const double beneath = count > 1 ? 1 - static_cast<double>(setting) / static_cast<double>(count - 1) : 0;
+  return fmt::format("pt {} ps {:.2f} lw {:.2f} lc rgb '{}'", series_mark(setting), 0.55 + 0.65 * beneath, 1.1 + 2.4 * beneath,
+                     series_color(setting));
+}
+
+/// One place.
+struct SweepPanel {
+  PlotCommand plot;
+  Extent y;
+};
+
+void add_sweep(const Sweep& sweep, const Column& column, const std::string& style, FigureScript& script, SweepPanel& panel) {
+  bool has_interval = false;
+  for (const Sweep::Point& point : sweep.points) {
+    if (!point.value) continue;
+    has_interval = has_interval || point.value->has_interval;
+    panel.y.add(shown_value(point.value->low, column));
+    panel.y.add(shown_value(point.value->high, column));
+  }
+  panel.plot.add("{} using {} {} notitle", script.data(line_of(sweep, column)),
+                 has_interval ? "1:2:3:4 with yerrorlines" : "1:2 with linespoints", style);
 }
 
 }  // namespace
@@ -79,65 +119,29 @@ void draw_sweep(std::span<const Record> records, const FigureOptions& options, F
   const std::string& quantity = options.analysis.metric;
   const Sweeps sweeps = find_sweeps(records, options.analysis.x, quantity);
   const Column column = quantity_column(quantity);
-  std::vector<const Sweep*> drawn;
-  std::vector<Place> places;
-  std::vector<std::string> settings;
-  const auto index_in = [](auto& list, const auto& value) {
-    const auto found = std::find(list.begin(), list.end(), value);
-    const auto index = static_cast<std::size_t>(found - list.begin());
-    if (found == list.end()) list.push_back(value);
-    return index;
-  };
-  Extent xs;
-  std::vector<double> values;
-  for (const Sweep& sweep : sweeps.rows) {
-    if (!is_drawn(sweep, column)) continue;
-    drawn.push_back(&sweep);
-    index_in(places, sweep.place);
-    index_in(settings, sweep.setting);
-    for (const Sweep::Point& point : sweep.points) {
-      xs.add(point.x);
-      values.push_back(point.x);
-    }
-  }
-  if (drawn.empty())
+  const DrawnSweeps drawn = choose(sweeps, column);
+  const auto& [rows, places, settings, xs, x] = drawn;
+  if (rows.empty())
     throw Error("there is nothing to draw: no contender of the sweep of {} has a {}", sweeps.parameter, quantity);
   require_panels(places.size(), "scenes, lights and views");
 
-  // Color and mark tell the setting, in every panel the same. Lines that coincide nest: the first is the widest, beneath.
-  const auto style = [&](std::size_t k) {
-    const double beneath = settings.size() > 1 ? 1 - static_cast<double>(k) / static_cast<double>(settings.size() - 1) : 0;
-    return fmt::format("pt {} ps {:.2f} lw {:.2f} lc rgb '{}'", series_mark(k), 0.55 + 0.65 * beneath, 1.1 + 2.4 * beneath,
-                       series_color(k));
-  };
   Legend legend;
-  for (std::size_t k = 0; k < settings.size(); ++k) legend.entries.push_back({"with linespoints " + style(k), settings[k]});
-  std::vector<std::string> plots(places.size());
-  std::vector<Extent> ys(places.size());
-  for (const Sweep* sweep : drawn) {
-    const std::size_t panel = index_in(places, sweep->place), k = index_in(settings, sweep->setting);
-    bool has_interval = false;
-    for (const Sweep::Point& point : sweep->points) {
-      if (!point.value) continue;
-      has_interval = has_interval || point.value->has_interval;
-      ys[panel].add(shown_value(point.value->low, column));
-      ys[panel].add(shown_value(point.value->high, column));
-    }
-    plots[panel] +=
-        fmt::format("{}{} using {} {} notitle", plots[panel].empty() ? "" : ", \\\n  ", script.data(line_of(*sweep, column)),
-                    has_interval ? "1:2:3:4 with yerrorlines" : "1:2 with linespoints", style(k));
-  }
+  for (std::size_t k = 0; k < settings.size(); ++k)
+    legend.entries.push_back({"with linespoints " + style_of(k, settings.size()), settings[k]});
+  std::vector<SweepPanel> panels(places.size());
+  for (const Sweep* sweep : rows)
+    add_sweep(*sweep, column, style_of(index_of(settings, sweep->setting), settings.size()), script,
+              panels[index_of(places, sweep->place)]);
   const std::size_t columns =
-      open_panels(script, places.size(), 2, options.width_cm * (places.size() == 1 ? 0.5 : 0.36), legend, options);
-  script.add("{}", x_axis(xs, std::move(values), columns));
+      open_panels(script, panels.size(), 2, options.width_cm * (panels.size() == 1 ? 0.5 : 0.36), legend, options);
+  script.add("{}", x_axis(x, xs, columns));
   script.add(
       "set xlabel {} offset 0,0.4",
       FigureScript::quoted(sweeps.unit.empty() ? sweeps.parameter : fmt::format("{} ({})", sweeps.parameter, sweeps.unit)));
-  for (std::size_t panel = 0; panel < places.size(); ++panel) {
-    script.add("set title {} offset 0,-0.6", FigureScript::quoted(title(places[panel], places)));
-    script.add("set ylabel {}", panel % columns == 0 ? FigureScript::quoted(axis_label(column)) : "''");
-    script.add("{}", y_axis(ys[panel], column));
-    script.add("plot {}", plots[panel]);
+  for (std::size_t k = 0; k < panels.size(); ++k) {
+    open_panel(script, title(places[k], places), k % columns == 0 ? axis_label(column) : "");
+    script.add("{}", y_axis(panels[k].y, column));
+    script.add("{}", panels[k].plot.text());
   }
   close_panels(script, legend, options);
 }

@@ -8,6 +8,7 @@
 #include "analysis/growth.h"
 #include "measure/cause/causes.h"
 #include "measure/frame/classify.h"
+#include "measure/json.h"
 #include "measure/score/metrics.h"
 
 namespace gnomon {

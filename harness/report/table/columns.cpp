@@ -4,10 +4,11 @@
 #include <cmath>
 #include <map>
 #include <memory>
-#include <regex>
 
 #include "analysis/analysis.h"
 #include "measure/cause/causes.h"
+#include "measure/frame/classify.h"
+#include "measure/json.h"
 #include "measure/score/metrics.h"
 #include "report/table/digits.h"
 
@@ -26,33 +27,37 @@ Cell number(const std::optional<T>& value) {
 /// Empty text is null: nobody gave it.
 Cell text(const std::string& value) { return value.empty() ? Cell{} : Cell{.value = value}; }
 
-Column text_column(std::string name, std::string heading, std::function<Cell(const Record&)> cell) {
+/// A plain function, so that a list of columns costs one std::function type and not one for each of its lambdas.
+using CellOf = Cell (*)(const Record&);
+
+Column text_column(std::string name, std::string heading, CellOf cell = nullptr) {
   return {.name = std::move(name),
           .unit = "",
           .heading = std::move(heading),
           .shown_unit = "",
           .alignment = Align::left,
-          .cell = std::move(cell)};
+          .cell = cell};
 }
 
-Column whole_column(std::string name, std::string unit, std::string heading, std::function<Cell(const Record&)> cell) {
-  return {.name = std::move(name),
-          .unit = unit,
-          .heading = std::move(heading),
-          .shown_unit = unit,
-          .is_exact = true,
-          .cell = std::move(cell)};
+Column number_column(std::string name, const std::string& unit, std::string heading, CellOf cell = nullptr) {
+  return {.name = std::move(name), .unit = unit, .heading = std::move(heading), .shown_unit = unit, .cell = cell};
 }
 
-Column bytes_column(std::string name, std::string heading, std::string better, std::function<Cell(const Record&)> cell) {
-  return {.name = std::move(name),
-          .unit = "byte",
-          .heading = std::move(heading),
-          .shown_unit = "MiB",
-          .shown_scale = 1 / mebibyte,
-          .better = std::move(better),
-          .cell = std::move(cell)};
+Column whole_column(std::string name, const std::string& unit, std::string heading, CellOf cell = nullptr) {
+  Column column = number_column(std::move(name), unit, std::move(heading), cell);
+  column.is_exact = true;
+  return column;
 }
+
+Column bytes_column(std::string name, std::string heading, CellOf cell) {
+  Column column = number_column(std::move(name), "byte", std::move(heading), cell);
+  column.shown_unit = "MiB";
+  column.shown_scale = 1 / mebibyte;
+  return column;
+}
+
+/// The number of something; 0 is null: there is none.
+Cell count_cell(std::size_t count) { return count > 0 ? Cell{.value = static_cast<double>(count)} : Cell{}; }
 
 /// Label, else id with settings: what tells two rows of a group apart.
 Cell technique_cell(const Record& r) {
@@ -82,7 +87,7 @@ void add_identity(std::vector<Column>& columns) {
   columns.push_back(whole_column("frames", "", "frames", [](const Record& r) {
     std::size_t most = 0;
     for (const auto& [metric, values] : r.frames) most = std::max(most, values.size());
-    return most > 0 ? Cell{.value = static_cast<double>(most)} : Cell{};
+    return count_cell(most);
   }));
   columns.push_back(text_column("technique", "technique", technique_cell));
   columns.push_back(text_column("settings", "settings", [](const Record& r) { return text(r.settings); }));
@@ -129,49 +134,44 @@ std::optional<double> spread(const ProcessTimes& times) {
 void add_times(std::vector<Column>& columns) {
   for (const Stage stage : {Stage::setup, Stage::build, Stage::relight, Stage::resolve}) {
     const std::string stage_name(name(stage));
-    const auto add = [&](const char* suffix, const char* heading, const char* better, std::function<Cell(const Record&)> cell) {
-      columns.push_back({.name = stage_name + "_ms" + suffix,
-                         .unit = "ms",
-                         .heading = stage_name + heading,
-                         .shown_unit = "ms",
-                         .better = better,
-                         .cell = std::move(cell)});
+    const auto add = [&](const char* suffix, const char* heading) -> Column& {
+      columns.push_back(number_column(stage_name + "_ms" + suffix, "ms", stage_name + heading));
+      return columns.back();
     };
     const auto intervals = std::make_shared<Intervals>(stage);
-    add("", "", "lower", [stage](const Record& r) { return number(median_of_medians(r.times(stage))); });
-    columns.back().interval = [intervals](const Record& r) { return intervals->of(r); };
-    add("_low", " low", "", [intervals](const Record& r) {
-      const std::optional<Estimate> estimate = intervals->of(r);
-      return estimate ? Cell{.value = estimate->low} : Cell{};
-    });
-    add("_high", " high", "", [intervals](const Record& r) {
-      const std::optional<Estimate> estimate = intervals->of(r);
-      return estimate ? Cell{.value = estimate->high} : Cell{};
-    });
-    add("_mad", " MAD", "", [stage](const Record& r) { return number(spread(r.times(stage))); });
+    const auto add_end = [&](const char* suffix, const char* heading, double Estimate::*end) {
+      add(suffix, heading).cell = [intervals, end](const Record& r) {
+        const std::optional<Estimate> estimate = intervals->of(r);
+        return estimate ? Cell{.value = (*estimate).*end} : Cell{};
+      };
+    };
+    Column& median = add("", "");
+    median.better = "lower";
+    median.cell = [stage](const Record& r) { return number(median_of_medians(r.times(stage))); };
+    median.interval = [intervals](const Record& r) { return intervals->of(r); };
+    add_end("_low", " low", &Estimate::low);
+    add_end("_high", " high", &Estimate::high);
+    add("_mad", " MAD").cell = [stage](const Record& r) { return number(spread(r.times(stage))); };
   }
-  columns.push_back(whole_column("processes", "", "processes", [](const Record& r) {
-    const std::size_t count = r.times(Stage::resolve).size();
-    return count > 0 ? Cell{.value = static_cast<double>(count)} : Cell{};
-  }));
+  columns.push_back(
+      whole_column("processes", "", "processes", [](const Record& r) { return count_cell(r.times(Stage::resolve).size()); }));
   columns.push_back(whole_column("repetitions", "", "repetitions", [](const Record& r) {
     std::size_t most = 0;
     for (const std::vector<double>& process : r.times(Stage::resolve)) most = std::max(most, process.size());
-    return most > 0 ? Cell{.value = static_cast<double>(most)} : Cell{};
+    return count_cell(most);
   }));
   columns.push_back(text_column("stop", "stopped by", [](const Record& r) { return text(r.stop); }));
 }
 
 void add_memory(std::vector<Column>& columns) {
-  columns.push_back(bytes_column("bytes", "memory", "lower", [](const Record& r) { return number(r.bytes); }));
-  columns.push_back(bytes_column("peak_bytes", "peak", "", [](const Record& r) { return number(r.peak_bytes); }));
-  columns.push_back(bytes_column("gl_input_bytes", "GL inputs", "", [](const Record& r) {
+  columns.push_back(bytes_column("bytes", "memory", [](const Record& r) { return number(r.bytes); }));
+  columns.back().better = "lower";
+  columns.push_back(bytes_column("peak_bytes", "peak", [](const Record& r) { return number(r.peak_bytes); }));
+  columns.push_back(bytes_column("gl_input_bytes", "GL inputs", [](const Record& r) {
     return r.gl ? Cell{.value = static_cast<double>(r.gl->input_bytes)} : Cell{};
   }));
-  columns.push_back(
-      {.name = "gl_upload_ms", .unit = "ms", .heading = "GL upload", .shown_unit = "ms", .cell = [](const Record& r) {
-         return r.gl ? Cell{.value = r.gl->upload_ms} : Cell{};
-       }});
+  columns.push_back(number_column("gl_upload_ms", "ms", "GL upload",
+                                  [](const Record& r) { return r.gl ? Cell{.value = r.gl->upload_ms} : Cell{}; }));
 }
 
 /// "false_dark_rate" -> "false dark": the unit says that it is a rate. "displacement" is too wide for two columns of a table.
@@ -179,82 +179,70 @@ std::string heading_of(std::string metric) {
   if (metric.ends_with("_rate")) metric.resize(metric.size() - 5);
   if (const std::size_t rate = metric.find("_rate_"); rate != metric.npos) metric.erase(rate, 5);
   if (metric.starts_with("displacement")) metric.replace(0, 12, "displ.");
-  // "wrong_rate_edge_0_1" -> "wrong edge 0..1".
-  static const std::regex bounds("_([0-9]+)_([0-9]+|up)$");
-  metric = std::regex_replace(metric, bounds, " $1..$2");
-  std::replace(metric.begin(), metric.end(), '_', ' ');
-  return metric;
+  // "wrong_edge_0_1" -> "wrong edge 0..1", "wrong_edge_8_up" -> "wrong edge 8..up".
+  const std::size_t last = metric.rfind('_');
+  const auto is_digit = [&](std::size_t i) { return i < metric.size() && metric[i] >= '0' && metric[i] <= '9'; };
+  if (last != metric.npos && is_digit(last - 1) && (is_digit(last + 1) || metric.ends_with("_up")))
+    metric.replace(last, 1, "..");
+  return with_blanks(metric);
 }
 
-/// A metric without unit is a share of 1 and shown in percent.
-Column metric_column(const MetricInfo& info, const std::string& prefix, std::function<Truth(const Record&)> truth) {
+/// A metric without unit is a share of 1 and shown in percent. `truth`: nothing for the record's headline truth.
+Column metric_column(const MetricInfo& info, std::optional<Truth> truth) {
   const std::string metric(info.name);
-  const bool is_share = info.unit.empty();
-  return {.name = prefix + metric,
-          .unit = std::string(info.unit),
-          .heading = heading_of(metric),
-          .shown_unit = is_share ? "%" : std::string(info.unit),
-          .shown_scale = is_share ? 100.0 : 1.0,
-          .better = std::string(info.better),
-          .sentence = std::string(info.sentence),
-          .cell = [metric, truth = std::move(truth)](const Record& r) {
-            Cell cell = number(r.metric(truth(r), metric));
-            cell.is_flagged = metric == "tested_share" && cell.number() && *cell.number() < least_tested_share;
-            return cell;
-          }};
+  Column column = number_column(metric, std::string(info.unit), heading_of(metric));
+  if (info.unit.empty()) {
+    column.shown_unit = "%";
+    column.shown_scale = 100;
+  }
+  if (truth) {
+    column.name = fmt::format("{}.{}", name(*truth), metric);
+    column.heading += fmt::format(" ({})", name(*truth));
+  }
+  column.better = info.better;
+  column.sentence = info.sentence;
+  column.cell = [metric, truth](const Record& r) {
+    Cell cell = number(r.metric(truth.value_or(r.truth), metric));
+    cell.is_flagged = metric == "tested_share" && cell.number() && *cell.number() < least_tested_share;
+    return cell;
+  };
+  return column;
 }
 
 void add_metrics(std::vector<Column>& columns) {
-  for (const MetricInfo& info : metric_infos())
-    columns.push_back(metric_column(info, "", [](const Record& r) { return r.truth; }));
-  for (const Truth truth : {Truth::shape, Truth::mesh})
-    for (const MetricInfo& info : metric_infos()) {
-      Column column = metric_column(info, std::string(name(truth)) + ".", [truth](const Record&) { return truth; });
-      column.heading += fmt::format(" ({})", name(truth));
-      columns.push_back(std::move(column));
-    }
-}
-
-/// "edge_resolution" -> "edge resolution".
-std::string words_of(std::string_view cause) {
-  std::string words(cause);
-  std::replace(words.begin(), words.end(), '_', ' ');
-  return words;
+  for (const std::optional<Truth> truth : {std::optional<Truth>(), std::optional(Truth::shape), std::optional(Truth::mesh)})
+    for (const MetricInfo& info : metric_infos()) columns.push_back(metric_column(info, truth));
 }
 
 void add_causes(std::vector<Column>& columns) {
   columns.push_back(text_column("causes", "causes", [](const Record& r) { return text(top_causes(r)); }));
   columns.back().sentence = "The most frequent causes of the wrong pixels, with their shares of them.";
   for (const CauseInfo& info : cause_infos()) {
-    const std::string quantity_name = fmt::format("cause.{}", info.name);
-    columns.push_back({.name = quantity_name,
-                       .unit = "",
-                       .heading = words_of(info.name),
-                       .shown_unit = "%",
-                       .shown_scale = 100,
-                       .better = "lower",
-                       .sentence = std::string(info.sentence),
-                       .cell = [quantity_name](const Record& r) { return number(quantity(r, quantity_name)); }});
+    Column column = number_column(fmt::format("cause.{}", info.name), "", with_blanks(info.name));
+    column.shown_unit = "%";
+    column.shown_scale = 100;
+    column.better = "lower";
+    column.sentence = info.sentence;
+    column.cell = [share = column.name](const Record& r) { return number(quantity(r, share)); };
+    columns.push_back(std::move(column));
   }
 }
 
 void add_facts(std::vector<Column>& columns) {
-  for (const ClassInfo& info : class_infos())
-    columns.push_back(whole_column(fmt::format("class.{}", info.letter), "px", fmt::format("class {}", info.letter),
-                                   [letter = std::string(info.letter)](const Record& r) {
-                                     const auto found = r.classes.find(letter);
-                                     return found == r.classes.end() ? Cell{}
-                                                                     : Cell{.value = static_cast<double>(found->second)};
-                                   }));
+  for (const ClassInfo& info : class_infos()) {
+    columns.push_back(whole_column(fmt::format("class.{}", info.letter), "px", fmt::format("class {}", info.letter)));
+    columns.back().cell = [letter = std::string(info.letter)](const Record& r) {
+      const auto found = r.classes.find(letter);
+      return found == r.classes.end() ? Cell{} : Cell{.value = static_cast<double>(found->second)};
+    };
+  }
   columns.push_back(whole_column("triangles", "", "triangles", [](const Record& r) {
     return r.scene_facts ? Cell{.value = static_cast<double>(r.scene_facts->triangles)} : Cell{};
   }));
   columns.push_back(text_column("closed", "closed", [](const Record& r) {
     return r.scene_facts ? text(r.scene_facts->closed ? "true" : "false") : Cell{};
   }));
-  columns.push_back({.name = "seconds", .unit = "s", .heading = "took", .shown_unit = "s", .cell = [](const Record& r) {
-                       return number(r.seconds);
-                     }});
+  columns.push_back(number_column("seconds", "s", "took", [](const Record& r) { return number(r.seconds); }));
   columns.push_back(text_column("mask", "mask", [](const Record& r) { return text(r.mask.value_or("")); }));
 }
 
@@ -273,9 +261,9 @@ void add_parameters(std::vector<Column>& columns, std::span<const Record> record
       place->second = place->second && value.is_number();
     }
   for (const auto& [parameter, is_number] : are_numbers) {
-    const auto cell = [parameter = parameter](const Record& r) { return parameter_cell(r, parameter); };
-    columns.push_back(is_number ? whole_column("parameter." + parameter, "", parameter, cell)
-                                : text_column("parameter." + parameter, parameter, cell));
+    const std::string name = "parameter." + parameter;
+    columns.push_back(is_number ? whole_column(name, "", parameter) : text_column(name, parameter));
+    columns.back().cell = [parameter = parameter](const Record& r) { return parameter_cell(r, parameter); };
   }
 }
 
@@ -283,12 +271,14 @@ void add_counts(std::vector<Column>& columns, std::span<const Record> records) {
   std::map<std::string, std::string> units;  // by count, in alphabetical order
   for (const Record& record : records)
     for (const Count& count : record.counts) units.try_emplace(count.name, count.unit);
-  for (const auto& [count, unit] : units)
-    columns.push_back(whole_column("count." + count, unit, count, [count = count](const Record& r) {
+  for (const auto& [count, unit] : units) {
+    columns.push_back(whole_column("count." + count, unit, count));
+    columns.back().cell = [count = count](const Record& r) {
       for (const Count& candidate : r.counts)
         if (candidate.name == count) return number(std::optional(candidate.value));
       return Cell{};
-    }));
+    };
+  }
 }
 
 }  // namespace
@@ -306,13 +296,19 @@ std::vector<Column> all_columns(std::span<const Record> records) {
   return columns;
 }
 
+std::string with_blanks(std::string_view name) {
+  std::string words(name);
+  std::replace(words.begin(), words.end(), '_', ' ');
+  return words;
+}
+
 std::string top_causes(const Record& record, std::size_t most) {
   if (!record.causes) return "";
   std::uint64_t wrong = 0;
   std::vector<std::pair<std::uint64_t, std::string>> counted;
   for (const auto& [cause, pixels] : *record.causes) {
     wrong += pixels;
-    if (pixels > 0) counted.emplace_back(pixels, words_of(cause));
+    if (pixels > 0) counted.emplace_back(pixels, with_blanks(cause));
   }
   std::stable_sort(counted.begin(), counted.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<std::string> parts;

@@ -39,12 +39,14 @@ struct Column {
 
 /// Every column that the records can fill: identity, times with their intervals, memory, metrics against the headline truth
 /// (`wrong_rate`) and against each (`shape.wrong_rate`, `mesh.wrong_rate`), causes of wrong pixels (`cause.acne`), pixel
-/// classes
-/// (`class.T`), and one for each parameter (`parameter.resolution`) and count (`count.texels`) that occurs.
+/// classes (`class.T`), and one for each parameter (`parameter.resolution`) and count (`count.texels`) that occurs.
 std::vector<Column> all_columns(std::span<const Record> records);
 
 /// Below this share of tested pixels a wrong rate speaks for too small a part of the picture; such cells are flagged.
 inline constexpr double least_tested_share = 0.90;
+
+/// A name for people: "edge resolution" of "edge_resolution".
+std::string with_blanks(std::string_view name);
 
 /// The most frequent causes of the wrong pixels with their shares of them: "acne 78 %, crack 22 %"; empty when no wrong pixel
 /// has a cause. What rounds to nothing is left out.

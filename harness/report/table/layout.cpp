@@ -4,6 +4,7 @@
 #include <set>
 #include <tuple>
 
+#include "measure/json.h"
 #include "report/table/digits.h"
 
 namespace gnomon {

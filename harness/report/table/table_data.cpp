@@ -1,6 +1,7 @@
 // The two forms for programs: plain values in the columns' own units, nothing rounded, nothing marked.
 #include <cmath>
 
+#include "measure/json.h"
 #include "report/table/digits.h"
 #include "report/table/layout.h"
 

@@ -81,23 +81,25 @@ std::vector<std::vector<std::string>> lines_of(const std::vector<LatexRows::Entr
   return lines;
 }
 
+/// Characters of a row with the gaps between its columns.
+std::size_t width_across(const std::vector<std::size_t>& widths) {
+  std::size_t sum = 0;
+  for (const std::size_t width : widths) sum += width + 2;
+  return sum;
+}
+
 /// Widths of the columns in characters, such that the whole fits the page: the widest columns of words give way.
 std::vector<std::size_t> fitting_widths(const LatexRows& rows) {
   std::vector<std::size_t> widths;
   for (std::size_t i = 0; i < rows.columns.size(); ++i) {
-    std::size_t width = std::max(display_width(rows.columns[i].heading), display_width(rows.columns[i].shown_unit));
     // Headings wrap at their blanks.
-    width = std::max(display_width(rows.columns[i].shown_unit), std::min<std::size_t>(width, 8));
+    std::size_t width = std::min<std::size_t>(display_width(rows.columns[i].heading), 8);
+    width = std::max(width, display_width(rows.columns[i].shown_unit));
     for (const LatexRows::Group& group : rows.groups)
       for (const auto& row : group.rows) width = std::max(width, display_width(row[i].text));
     widths.push_back(width);
   }
-  const auto total = [&] {
-    std::size_t sum = 0;
-    for (const std::size_t width : widths) sum += width + 2;
-    return sum;
-  };
-  while (total() > page_width) {
+  while (width_across(widths) > page_width) {
     std::size_t widest = widths.size();
     for (std::size_t i = 0; i < widths.size(); ++i)
       if (rows.columns[i].alignment == Align::left && widths[i] > least_text &&
@@ -138,40 +140,36 @@ std::string head_lines(const LatexRows& rows, const std::vector<std::size_t>& wi
   return text;
 }
 
-}  // namespace
+/// Lines of the body that stay together: a group with its heading, or a page of it.
+struct Block {
+  std::string text;
+  std::size_t lines = 0;
+};
 
-std::string latex_floats(const LatexRows& rows, const std::string& caption, const std::string& label) {
-  const std::vector<std::size_t> widths = fitting_widths(rows);
-  std::string alignments;
-  for (const Column& column : rows.columns) alignments += column.alignment == Align::right ? 'r' : 'l';
-
-  // Blocks of lines that stay together: a group with its heading, or a page of it.
-  struct Block {
-    std::string text;
-    std::size_t lines = 0;
-  };
+std::vector<Block> blocks_of(const LatexRows& rows, const std::vector<std::size_t>& widths) {
   std::vector<Block> blocks;
   for (const LatexRows::Group& group : rows.groups) {
-    bool is_first = true;
-    const auto open = [&] {
+    const auto open = [&](std::string_view remark) {
       Block& block = blocks.emplace_back();
       block.text = "    \\midrule\n";
       if (group.heading.empty()) return;
       block.text += fmt::format("    \\multicolumn{{{}}}{{@{{}}l}}{{\\emph{{{}{}}}}} \\\\\n", rows.columns.size(),
-                                latex_text(group.heading), is_first ? "" : " (continued)");
+                                latex_text(group.heading), remark);
       block.lines = 1;
     };
-    open();
+    open("");
     for (const auto& row : group.rows) {
       const auto lines = lines_of(row, widths, rows.columns);
-      if (blocks.back().lines + lines.size() > page_lines) {
-        is_first = false;
-        open();
-      }
+      if (blocks.back().lines + lines.size() > page_lines) open(" (continued)");
       for (const auto& line : lines) blocks.back().text += fmt::format("    {} \\\\\n", joined(line, " & "));
       blocks.back().lines += lines.size();
     }
   }
+  return blocks;
+}
+
+/// The bodies of the floats: as many blocks in each as its page holds.
+std::vector<std::string> pages_of(std::span<const Block> blocks) {
   std::vector<std::string> pages{""};
   std::size_t used = 0;
   for (const Block& block : blocks) {
@@ -182,10 +180,17 @@ std::string latex_floats(const LatexRows& rows, const std::string& caption, cons
     pages.back() += block.text;
     used += block.lines + 1;  // the rule
   }
+  return pages;
+}
 
-  std::size_t across = 0;
-  for (const std::size_t width : widths) across += width + 2;
-  const std::string_view size = across <= page_width * 4 / 5 ? "footnotesize" : "scriptsize";
+}  // namespace
+
+std::string latex_floats(const LatexRows& rows, const std::string& caption, const std::string& label) {
+  const std::vector<std::size_t> widths = fitting_widths(rows);
+  const std::vector<std::string> pages = pages_of(blocks_of(rows, widths));
+  std::string alignments;
+  for (const Column& column : rows.columns) alignments += column.alignment == Align::right ? 'r' : 'l';
+  const std::string_view size = width_across(widths) <= page_width * 4 / 5 ? "footnotesize" : "scriptsize";
   std::string text = "% Needs \\usepackage{booktabs} and a page in landscape.\n";
   for (std::size_t page = 0; page < pages.size(); ++page) {
     const std::string part = pages.size() > 1 ? fmt::format(" ({} of {})", page + 1, pages.size()) : "";

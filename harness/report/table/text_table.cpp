@@ -53,6 +53,24 @@ void finish_line(std::string& all, std::string& line) {
   line.clear();
 }
 
+/// The rows of the table's head: headings, wrapped, which end on the line above the units.
+std::vector<std::vector<std::string>> heading_rows(const std::vector<TextTable::Column>& columns,
+                                                   const std::vector<std::size_t>& widths) {
+  std::vector<std::vector<std::string>> blocks;  // by column: its lines
+  std::size_t height = 0;
+  const bool has_unit = std::any_of(columns.begin(), columns.end(), [](const auto& column) { return !column.unit.empty(); });
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    blocks.push_back(wrap(columns[i].heading, std::max<std::size_t>(widths[i], 1)));
+    if (has_unit) blocks.back().push_back(columns[i].unit);
+    height = std::max(height, blocks.back().size());
+  }
+  std::vector<std::vector<std::string>> rows(height, std::vector<std::string>(columns.size()));
+  for (std::size_t i = 0; i < columns.size(); ++i)
+    for (std::size_t line = 0; line < blocks[i].size(); ++line)
+      rows[height - blocks[i].size() + line][i] = std::move(blocks[i][line]);
+  return rows;
+}
+
 }  // namespace
 
 std::size_t display_width(std::string_view text) {
@@ -94,7 +112,7 @@ std::vector<std::size_t> TextTable::widths(std::size_t width) const {
   std::vector<std::size_t> result;
   for (std::size_t i = 0; i < columns_.size(); ++i) {
     result.push_back(std::max(longest_piece(columns_[i].heading), display_width(columns_[i].unit)));
-    for (const Row& row : rows_)
+    for (const HeadingOrRow& row : rows_)
       if (i < row.cells.size()) result[i] = std::max(result[i], display_width(row.cells[i]));
   }
   if (width == 0 || columns_.empty()) return result;
@@ -104,7 +122,7 @@ std::vector<std::size_t> TextTable::widths(std::size_t width) const {
   // Take from the widest wrappable column until the line fits or nothing more can be taken.
   std::vector<std::size_t> least(columns_.size(), least_width);
   for (std::size_t i = 0; i < columns_.size(); ++i)
-    for (const Row& row : rows_)
+    for (const HeadingOrRow& row : rows_)
       if (i < row.cells.size()) least[i] = std::max(least[i], std::min(longest_piece(row.cells[i]), whole_width));
   const auto can_shrink = [&](std::size_t i) { return columns_[i].align == Align::left && result[i] > least[i]; };
   while (total > width) {
@@ -149,28 +167,9 @@ std::string TextTable::text(std::size_t width) const {
     }
   };
 
-  // Headings end on the line above the units.
-  std::vector<std::vector<std::string>> headings;
-  std::size_t heading_height = 0;
-  bool has_unit = false;
-  for (std::size_t i = 0; i < columns_.size(); ++i) {
-    headings.push_back(wrap(columns_[i].heading, std::max<std::size_t>(column_widths[i], 1)));
-    if (!columns_[i].unit.empty()) headings.back().push_back(columns_[i].unit), has_unit = true;
-  }
-  for (std::size_t i = 0; i < columns_.size(); ++i) {
-    if (has_unit && columns_[i].unit.empty()) headings[i].emplace_back();
-    heading_height = std::max(heading_height, headings[i].size());
-  }
-  for (std::size_t l = 0; l < heading_height; ++l) {
-    std::vector<std::string> cells;
-    for (const std::vector<std::string>& block : headings) {
-      const std::size_t above = heading_height - block.size();
-      cells.push_back(l < above ? "" : block[l - above]);
-    }
-    write_row(cells, "");
-  }
+  for (const std::vector<std::string>& cells : heading_rows(columns_, column_widths)) write_row(cells, "");
   if (!columns_.empty()) all += std::string(starts.back() - gap, '-') + '\n';
-  for (const Row& row : rows_) {
+  for (const HeadingOrRow& row : rows_) {
     if (row.is_heading)
       all += '\n' + row.rest + '\n';
     else

@@ -35,15 +35,15 @@ class TextTable {
   std::string text(std::size_t width = 0) const;
 
  private:
-  struct Row {
+  struct HeadingOrRow {
     bool is_heading = false;
-    std::vector<std::string> cells;
-    std::string rest;
+    std::vector<std::string> cells;  ///< of a row
+    std::string rest;                ///< what runs on behind them; the text of a heading
   };
   std::vector<std::size_t> widths(std::size_t width) const;
 
   std::vector<Column> columns_;
-  std::vector<Row> rows_;
+  std::vector<HeadingOrRow> rows_;
 };
 
 }  // namespace gnomon
