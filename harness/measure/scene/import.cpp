@@ -76,29 +76,29 @@ std::vector<std::byte> ask_child(const fs::path& file) {
   return output_of_fork(name, [&](int out_fd) { return import_child_main(name, out_fd); });
 }
 
-RawFile receive(const fs::path& file) {
+ImportedFile receive(const fs::path& file) {
   const std::vector<std::byte> answer = ask_child(file);
-  Receiver receiver(answer, file.string());
-  RawFile raw;
-  for (Tag tag{};;) {
-    receiver(tag);
-    switch (tag) {
-      case Tag::mesh:
-        transfer(receiver, raw.meshes.emplace_back());
+  FieldReader reader(answer, file.string() + ": the importer's answer breaks off");
+  ImportedFile raw;
+  for (AnswerPart part{};;) {
+    reader(part);
+    switch (part) {
+      case AnswerPart::mesh:
+        visit_part(reader, raw.meshes.emplace_back());
         break;
-      case Tag::camera:
-        transfer(receiver, raw.cameras.emplace_back());
+      case AnswerPart::camera:
+        visit_part(reader, raw.cameras.emplace_back());
         break;
-      case Tag::light:
-        transfer(receiver, raw.lights.emplace_back());
+      case AnswerPart::light:
+        visit_part(reader, raw.lights.emplace_back());
         break;
-      case Tag::complaint:
-        transfer(receiver, raw.complaints.emplace_back());
+      case AnswerPart::complaint:
+        visit_part(reader, raw.complaints.emplace_back());
         break;
-      case Tag::failure:
-        transfer(receiver, raw.failure);
+      case AnswerPart::failure:
+        visit_part(reader, raw.failure);
         break;
-      case Tag::end:
+      case AnswerPart::end:
         return raw;
       default:
         throw Error("{}: the importer's answer is garbled", file.string());
@@ -106,9 +106,9 @@ RawFile receive(const fs::path& file) {
   }
 }
 
-void check_counts(const fs::path& file, const RawFile& raw, const Declared& declared) {
+void check_counts(const fs::path& file, const ImportedFile& raw, const DeclaredCounts& declared) {
   std::size_t vertex_count = 0, face_count = 0;
-  for (const RawMesh& mesh : raw.meshes) {
+  for (const ImportedMesh& mesh : raw.meshes) {
     vertex_count += mesh.positions.size();
     face_count += mesh.corner_counts.size();
   }
@@ -120,13 +120,14 @@ void check_counts(const fs::path& file, const RawFile& raw, const Declared& decl
   compare("faces", declared.face_count, face_count);
 }
 
-/// What was left out or split anew, for the notes.
-struct Tally {
-  std::size_t points_and_lines = 0, crooked = 0, textured = 0, transparent = 0;
+/// What the scene's notes say of a file, counted over its meshes.
+struct NoteCounts {
+  std::size_t points_and_lines = 0, self_crossing_polygons = 0;  ///< faces: left out, split as fans
+  std::size_t textured = 0, transparent = 0;                     ///< triangles
 };
 
 /// Checks, places, welds and triangulates one mesh.
-Mesh convert(const fs::path& file, const RawMesh& raw, const Placement& placement, Tally& tally) {
+Mesh convert(const fs::path& file, const ImportedMesh& raw, const Placement& placement, NoteCounts& counts) {
   Mesh mesh;
   mesh.name = raw.name.empty() ? file.stem().string() : raw.name;
   const std::string where = fmt::format("{}: mesh '{}'", file.string(), mesh.name);
@@ -164,11 +165,11 @@ Mesh convert(const fs::path& file, const RawMesh& raw, const Placement& placemen
       face.push_back(welded[corner]);
     }
     corners = corners.subspan(count);
-    if (count < 3) ++tally.points_and_lines;
-    if (!triangulate(mesh.positions, face, mesh.triangles)) ++tally.crooked;
+    if (count < 3) ++counts.points_and_lines;
+    if (!triangulate(mesh.positions, face, mesh.triangles)) ++counts.self_crossing_polygons;
   }
-  if (raw.has_texture) tally.textured += mesh.triangles.size();
-  if (raw.is_transparent) tally.transparent += mesh.triangles.size();
+  if (raw.has_texture) counts.textured += mesh.triangles.size();
+  if (raw.is_transparent) counts.transparent += mesh.triangles.size();
   return mesh;
 }
 
@@ -191,7 +192,8 @@ glm::dvec3 placed_direction(const Placement& placement, const glm::dvec3& direct
 }
 
 /// A camera without a target looks at the point of its axis that is nearest to the middle of the scene.
-void add_camera(const fs::path& file, const RawCamera& raw, const Placement& placement, const Bounds& bounds, Scene& scene) {
+void add_camera(const fs::path& file, const ImportedCamera& raw, const Placement& placement, const Bounds& bounds,
+                Scene& scene) {
   if (!(raw.fov_y > 0 && raw.fov_y < std::numbers::pi)) {
     scene.notes.push_back(fmt::format("{}: camera '{}' is not a perspective one and is left out", file.string(), raw.name));
     return;
@@ -207,17 +209,17 @@ void add_camera(const fs::path& file, const RawCamera& raw, const Placement& pla
                          .fov_y_degrees = static_cast<float>(glm::degrees(raw.fov_y))});
 }
 
-void add_light(const fs::path& file, const RawLight& raw, const Placement& placement, Scene& scene) {
+void add_light(const fs::path& file, const ImportedLight& raw, const Placement& placement, Scene& scene) {
   const glm::vec3 position(placement.apply(raw.position));
   const glm::vec3 direction(placed_direction(placement, raw.direction));
   Light light{.name = free_name(raw.name, scene.lights, "light"), .kind = PointLight{position}};
-  if (raw.kind == RawKind::directional) light.kind = DirectionalLight{direction};
-  if (raw.kind == RawKind::spot)
+  if (raw.kind == ImportedLightKind::directional) light.kind = DirectionalLight{direction};
+  if (raw.kind == ImportedLightKind::spot)
     light.kind = SpotLight{.position = position,
                            .direction = direction,
                            .inner_degrees = static_cast<float>(glm::degrees(raw.inner)),
                            .outer_degrees = static_cast<float>(glm::degrees(raw.outer))};
-  if (raw.kind == RawKind::other)
+  if (raw.kind == ImportedLightKind::other)
     scene.notes.push_back(fmt::format("{}: light '{}' is of no punctual kind and is left out", file.string(), raw.name));
   else
     scene.lights.push_back(light);
@@ -231,20 +233,20 @@ bool is_mesh_file_name(const fs::path& file) {
 
 void import_file(const fs::path& file, const Placement& placement, Scene& scene) {
   check_file(file);
-  const Declared declared = read_declared(file);
-  const RawFile raw = receive(file);
-  const auto is_about_range = [](const std::string& words) { return words.find("range") != std::string::npos; };
-  if (is_about_range(raw.failure) || std::ranges::any_of(raw.complaints, is_about_range)) blame_index(file);
+  const DeclaredCounts declared = read_declared(file);
+  const ImportedFile raw = receive(file);
+  const auto speaks_of_range = [](const std::string& words) { return words.find("range") != std::string::npos; };
+  if (speaks_of_range(raw.failure) || std::ranges::any_of(raw.complaints, speaks_of_range)) blame_index(file);
   if (!raw.failure.empty()) throw Error("{}: cannot be read: {}", file.string(), raw.failure);
   for (const std::string& complaint : raw.complaints)
-    if (is_about_range(complaint)) throw Error("{}: {}", file.string(), complaint);
+    if (speaks_of_range(complaint)) throw Error("{}: {}", file.string(), complaint);
   check_counts(file, raw, declared);
 
-  Tally tally;
+  NoteCounts counts;
   std::size_t triangle_count = 0;
   Bounds bounds;
-  for (const RawMesh& raw_mesh : raw.meshes) {
-    Mesh mesh = convert(file, raw_mesh, placement, tally);
+  for (const ImportedMesh& raw_mesh : raw.meshes) {
+    Mesh mesh = convert(file, raw_mesh, placement, counts);
     triangle_count += mesh.triangles.size();
     if (triangle_count > max_triangle_count) throw Error("{}: more than {} triangles", file.string(), max_triangle_count);
     if (mesh.triangles.empty()) continue;
@@ -255,16 +257,15 @@ void import_file(const fs::path& file, const Placement& placement, Scene& scene)
   const auto note = [&](std::size_t count, const char* what) {
     if (count > 0) scene.notes.push_back(fmt::format("{}: {} {}", file.filename().string(), count, what));
   };
-  note(tally.points_and_lines, "points and lines are left out");
-  note(tally.crooked, "polygons cross themselves and are split as fans");
-  note(tally.textured, "triangles have textures, which are not used: cut-out leaves and grids are opaque");
-
-  note(tally.transparent, "triangles are of transparent material and stop light all the same");
+  note(counts.points_and_lines, "points and lines are left out");
+  note(counts.self_crossing_polygons, "polygons cross themselves and are split as fans");
+  note(counts.textured, "triangles have textures, which are not used: cut-out leaves and grids are opaque");
+  note(counts.transparent, "triangles are of transparent material and stop light all the same");
 
   // Only glTF says what its cameras and lights mean; other importers fill these fields by their own conventions.
   if (const std::string extension = lower_extension(file); extension != ".gltf" && extension != ".glb") return;
-  for (const RawCamera& camera : raw.cameras) add_camera(file, camera, placement, bounds, scene);
-  for (const RawLight& light : raw.lights) add_light(file, light, placement, scene);
+  for (const ImportedCamera& camera : raw.cameras) add_camera(file, camera, placement, bounds, scene);
+  for (const ImportedLight& light : raw.lights) add_light(file, light, placement, scene);
 }
 
 }  // namespace gnomon

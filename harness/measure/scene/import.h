@@ -1,10 +1,8 @@
 #pragma once
 // Private to the importer: what the child reads from a mesh file, how it crosses the pipe, and the helpers of both sides.
-#include <gnomon/error.h>
 #include <gnomon/scene.h>
 
 #include <cstddef>
-#include <cstring>
 #include <filesystem>
 #include <functional>
 #include <glm/glm.hpp>
@@ -14,10 +12,14 @@
 #include <type_traits>
 #include <vector>
 
+#include "measure/scene/fields.h"
+
 namespace gnomon::importing {
 
-/// One mesh of one node, just as the file has it: nothing is checked, no face is split.
-struct RawMesh {
+// What a file holds, just as it has it: nothing is checked, no face is split.
+
+/// One mesh of one node.
+struct ImportedMesh {
   std::string name;
   glm::dmat4 world_from_mesh{1};
   bool has_color = false, has_texture = false, is_transparent = false;
@@ -27,74 +29,44 @@ struct RawMesh {
   std::vector<std::uint32_t> corners;        ///< vertex indices of all faces, one after the other
 };
 /// Perspective camera; fov_y in radians, 0 for an orthographic one.
-struct RawCamera {
+struct ImportedCamera {
   std::string name;
   glm::dvec3 eye{0}, forward{0, 0, -1}, up{0, 1, 0};
   double fov_y = 0;
 };
-enum class RawKind : std::uint32_t { point, spot, directional, other };
+enum class ImportedLightKind : std::uint32_t { point, spot, directional, other };
 /// Half-angles in radians.
-struct RawLight {
+struct ImportedLight {
   std::string name;
-  RawKind kind = RawKind::other;
+  ImportedLightKind kind = ImportedLightKind::other;
   glm::dvec3 position{0}, direction{0, 0, -1};
   double inner = 0, outer = 0;
 };
-struct RawFile {
-  std::vector<RawMesh> meshes;
-  std::vector<RawCamera> cameras;
-  std::vector<RawLight> lights;
+struct ImportedFile {
+  std::vector<ImportedMesh> meshes;
+  std::vector<ImportedCamera> cameras;
+  std::vector<ImportedLight> lights;
   std::vector<std::string> complaints;  ///< errors that assimp logged and went on after
-  std::string failure;                  ///< why there is nothing else, or empty
+  std::string failure;                  ///< why nothing could be read; empty where something was
 };
 
-// The fields of a record in the order in which they cross the pipe: written once, used to send and to receive.
-template <class Wire, class Record>
-void transfer(Wire& wire, Record& record) {
-  using R = std::remove_const_t<Record>;
-  if constexpr (std::is_same_v<R, RawMesh>)
-    wire(record.name)(record.world_from_mesh)(record.has_color)(record.has_texture)(record.is_transparent)(record.color)(
-        record.positions)(record.corner_counts)(record.corners);
-  else if constexpr (std::is_same_v<R, RawCamera>)
-    wire(record.name)(record.eye)(record.forward)(record.up)(record.fov_y);
-  else if constexpr (std::is_same_v<R, RawLight>)
-    wire(record.name)(record.kind)(record.position)(record.direction)(record.inner)(record.outer);
+/// The fields of a part of the answer, for FieldWriter and FieldReader alike.
+template <class Part>
+void visit_part(auto& io, Part& part) {
+  using P = std::remove_const_t<Part>;
+  if constexpr (std::is_same_v<P, ImportedMesh>)
+    io(part.name, part.world_from_mesh, part.has_color, part.has_texture, part.is_transparent, part.color, part.positions,
+       part.corner_counts, part.corners);
+  else if constexpr (std::is_same_v<P, ImportedCamera>)
+    io(part.name, part.eye, part.forward, part.up, part.fov_y);
+  else if constexpr (std::is_same_v<P, ImportedLight>)
+    io(part.name, part.kind, part.position, part.direction, part.inner, part.outer);
   else
-    wire(record);
+    io(part);
 }
 
-/// What a record on the pipe is. `end` comes last: an answer without it broke off.
-enum class Tag : std::uint32_t { mesh, camera, light, complaint, failure, end };
-
-/// Takes fields from the child's answer. It believes no count that the rest of the answer cannot hold.
-class Receiver {
- public:
-  Receiver(std::span<const std::byte> bytes, std::string file) : bytes_(bytes), file_(std::move(file)) {}
-  template <class T>
-  Receiver& operator()(T& value) {
-    if constexpr (requires { value.resize(0); }) {
-      std::uint64_t count = 0;
-      (*this)(count);
-      if (count > bytes_.size() / sizeof(value[0])) broken();
-      value.resize(count);
-      take(value.data(), count * sizeof(value[0]));
-    } else {
-      static_assert(std::is_trivially_copyable_v<T>);
-      take(&value, sizeof(T));
-    }
-    return *this;
-  }
-
- private:
-  [[noreturn]] void broken() const { throw Error("{}: the importer's answer breaks off", file_); }
-  void take(void* target, std::size_t size) {
-    if (size > bytes_.size()) broken();
-    if (size > 0) std::memcpy(target, bytes_.data(), size);
-    bytes_ = bytes_.subspan(size);
-  }
-  std::span<const std::byte> bytes_;
-  std::string file_;
-};
+/// What follows on the pipe. `end` comes last: an answer without it broke off.
+enum class AnswerPart : std::uint32_t { mesh, camera, light, complaint, failure, end };
 
 /// Runs `body` in a forked child and returns all that it wrote to `out_fd`. Throws Error, opening with `what`, when the child
 /// crashes, aborts, exceeds its time or memory, or returns anything but 0.
@@ -106,12 +78,12 @@ std::vector<std::byte> output_of_program(const std::string& what, const std::fil
 /// ".ply" of "A.PLY".
 std::string lower_extension(const std::filesystem::path& file);
 
-/// What the head of a file promises; empty where the format promises nothing.
-struct Declared {
+/// What the head of a file says that the file holds; empty where the format says nothing.
+struct DeclaredCounts {
   std::optional<std::size_t> vertex_count, face_count;
 };
 /// Reads the head (PLY, OFF, STL, glTF, GLB, 3DS, IFC) and throws Error when the file is shorter than it says.
-Declared read_declared(const std::filesystem::path& file);
+DeclaredCounts read_declared(const std::filesystem::path& file);
 
 /// For a file that the importer refused because of an index out of range, without saying which: throws Error with line, index
 /// and what is allowed, where the format is text and the index is found (OBJ, OFF); else does nothing.

@@ -31,56 +31,41 @@ void limit_self() {
 #endif
 }
 
-/// Puts fields into the pipe; a parent that is gone ends the child by SIGPIPE.
+/// Puts the parts of the answer into the pipe; a parent that is gone ends the child by SIGPIPE.
 class Sender {
  public:
   explicit Sender(int fd) : fd_(fd) {}
   ~Sender() { flush(); }
-  template <class T>
-  Sender& operator()(const T& value) {
-    if constexpr (requires { value.data(); }) {
-      (*this)(static_cast<std::uint64_t>(value.size()));
-      put(value.data(), value.size() * sizeof(value[0]));
-    } else {
-      static_assert(std::is_trivially_copyable_v<T>);
-      put(&value, sizeof(T));
-    }
-    return *this;
-  }
-  template <class Record>
-  void send(Tag tag, const Record& record) {
-    (*this)(tag);
-    transfer(*this, record);
+  template <class Part>
+  void send(AnswerPart kind, const Part& part) {
+    writer_(kind);
+    visit_part(writer_, part);
+    if (writer_.bytes.size() >= (std::size_t{1} << 20)) flush();
   }
   void end() {
-    (*this)(Tag::end);
+    writer_(AnswerPart::end);
     flush();
   }
 
  private:
-  void put(const void* data, std::size_t size) {
-    const auto* bytes = static_cast<const char*>(data);
-    buffer_.insert(buffer_.end(), bytes, bytes + size);
-    if (buffer_.size() >= (std::size_t{1} << 20)) flush();
-  }
   void flush() {
-    for (std::size_t sent = 0; sent < buffer_.size();) {
-      const ssize_t count = write(fd_, buffer_.data() + sent, buffer_.size() - sent);
+    for (std::span<const std::byte> rest = writer_.bytes; !rest.empty();) {
+      const ssize_t count = write(fd_, rest.data(), rest.size());
       if (count < 0 && errno == EINTR) continue;
       if (count <= 0) _exit(3);
-      sent += static_cast<std::size_t>(count);
+      rest = rest.subspan(static_cast<std::size_t>(count));
     }
-    buffer_.clear();
+    writer_.bytes.clear();
   }
   int fd_;
-  std::vector<char> buffer_;
+  FieldWriter writer_;
 };
 
 /// Assimp repairs some damage without a word but for its log (an OFF index out of range is replaced): keep those words.
 class Complaints : public Assimp::LogStream {
  public:
   explicit Complaints(Sender& sender) : sender_(sender) {}
-  void write(const char* message) override { sender_.send(Tag::complaint, std::string(message)); }
+  void write(const char* message) override { sender_.send(AnswerPart::complaint, std::string(message)); }
 
  private:
   Sender& sender_;
@@ -99,7 +84,7 @@ glm::dmat4 world_from_node(const aiNode* node) {
   return matrix;
 }
 
-void read_material(const aiScene& scene, unsigned index, RawMesh& raw) {
+void read_material(const aiScene& scene, unsigned index, ImportedMesh& raw) {
   if (index >= scene.mNumMaterials) return;
   const aiMaterial& material = *scene.mMaterials[index];
   aiString name;
@@ -117,7 +102,7 @@ void send_meshes(const aiScene& scene, const aiNode& node, const glm::dmat4& wor
   const glm::dmat4 world_from_mesh = world_from_parent * widened(node.mTransformation);
   for (unsigned i = 0; i < node.mNumMeshes; ++i) {
     const aiMesh& mesh = *scene.mMeshes[node.mMeshes[i]];
-    RawMesh raw;
+    ImportedMesh raw;
     raw.name = mesh.mName.length > 0 ? mesh.mName.C_Str() : node.mName.C_Str();
     raw.world_from_mesh = world_from_mesh;
     read_material(scene, mesh.mMaterialIndex, raw);
@@ -131,7 +116,7 @@ void send_meshes(const aiScene& scene, const aiNode& node, const glm::dmat4& wor
       raw.corner_counts.push_back(face.mNumIndices);
       raw.corners.insert(raw.corners.end(), face.mIndices, face.mIndices + face.mNumIndices);
     }
-    sender.send(Tag::mesh, raw);
+    sender.send(AnswerPart::mesh, raw);
   }
   for (unsigned i = 0; i < node.mNumChildren; ++i) send_meshes(scene, *node.mChildren[i], world_from_mesh, sender);
 }
@@ -145,33 +130,33 @@ void send_camera(const aiScene& scene, const aiCamera& camera, Sender& sender) {
   const glm::dmat4 matrix = world_from_node(scene.mRootNode->FindNode(camera.mName));
   // Assimp 5.2 keeps yfov times the aspect ratio under the name of a horizontal angle; yfov itself where no ratio is given.
   const double aspect = camera.mAspect > 0 ? camera.mAspect : 1;
-  sender.send(Tag::camera, RawCamera{.name = camera.mName.C_Str(),
-                                     .eye = glm::dvec3(matrix[3]),
-                                     .forward = glm::dmat3(matrix) * forward_node,
-                                     .up = glm::dmat3(matrix) * up_node,
-                                     .fov_y = camera.mHorizontalFOV / aspect});
+  sender.send(AnswerPart::camera, ImportedCamera{.name = camera.mName.C_Str(),
+                                                 .eye = glm::dvec3(matrix[3]),
+                                                 .forward = glm::dmat3(matrix) * forward_node,
+                                                 .up = glm::dmat3(matrix) * up_node,
+                                                 .fov_y = camera.mHorizontalFOV / aspect});
 }
 
 void send_light(const aiScene& scene, const aiLight& light, Sender& sender) {
   const auto kind = [&] {
     switch (light.mType) {
       case aiLightSource_POINT:
-        return RawKind::point;
+        return ImportedLightKind::point;
       case aiLightSource_SPOT:
-        return RawKind::spot;
+        return ImportedLightKind::spot;
       case aiLightSource_DIRECTIONAL:
-        return RawKind::directional;
+        return ImportedLightKind::directional;
       default:
-        return RawKind::other;
+        return ImportedLightKind::other;
     }
   }();
   const glm::dmat4 matrix = world_from_node(scene.mRootNode->FindNode(light.mName));
-  sender.send(Tag::light, RawLight{.name = light.mName.C_Str(),
-                                   .kind = kind,
-                                   .position = glm::dvec3(matrix[3]),
-                                   .direction = glm::dmat3(matrix) * forward_node,
-                                   .inner = light.mAngleInnerCone,
-                                   .outer = light.mAngleOuterCone});
+  sender.send(AnswerPart::light, ImportedLight{.name = light.mName.C_Str(),
+                                               .kind = kind,
+                                               .position = glm::dvec3(matrix[3]),
+                                               .direction = glm::dmat3(matrix) * forward_node,
+                                               .inner = light.mAngleInnerCone,
+                                               .outer = light.mAngleOuterCone});
 }
 
 }  // namespace
@@ -187,14 +172,14 @@ int import_child_main(const std::string& file, int out_fd) {
     // No post-processing: some of its steps abort on truncated files, and the parent checks and splits faces itself.
     const aiScene* scene = importer.ReadFile(file, 0);
     if (!scene || !scene->mRootNode) {
-      sender.send(Tag::failure, std::string(importer.GetErrorString()));
+      sender.send(AnswerPart::failure, std::string(importer.GetErrorString()));
     } else {
       send_meshes(*scene, *scene->mRootNode, glm::dmat4(1), sender);
       for (unsigned i = 0; i < scene->mNumCameras; ++i) send_camera(*scene, *scene->mCameras[i], sender);
       for (unsigned i = 0; i < scene->mNumLights; ++i) send_light(*scene, *scene->mLights[i], sender);
     }
   } catch (const std::bad_alloc&) {
-    sender.send(Tag::failure, std::string("it needs more memory than three quarters of this machine's"));
+    sender.send(AnswerPart::failure, std::string("it needs more memory than three quarters of this machine's"));
   }
   sender.end();
   return 0;

@@ -102,7 +102,7 @@ void need_ply_bytes(const fs::path& file, std::istream& in, const std::vector<Pl
       }
 }
 
-Declared read_ply(const fs::path& file) {
+DeclaredCounts read_ply(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   std::vector<PlyElement> elements;
   std::string format, first;
@@ -123,7 +123,7 @@ Declared read_ply(const fs::path& file) {
     }
   }
   if (first != "end_header") throw Error("{}: its header has no end_header; it is truncated", file.string());
-  Declared declared;
+  DeclaredCounts declared;
   std::size_t lines = 0;
   for (const PlyElement& element : elements) {
     if (element.name == "vertex") declared.vertex_count = element.count;
@@ -138,7 +138,7 @@ Declared read_ply(const fs::path& file) {
 }
 
 /// `OFF`, with a prefix for extra vertex data, then the counts of vertices, faces and edges; # opens a comment.
-Declared read_off(const fs::path& file) {
+DeclaredCounts read_off(const fs::path& file) {
   std::ifstream in(file);
   std::vector<std::string> words;
   for (std::string line; words.size() < 4 && std::getline(in, line);) {
@@ -159,7 +159,7 @@ Declared read_off(const fs::path& file) {
 }
 
 /// Binary: 80 bytes of anything, a count, 50 bytes a facet. Many binary files open with `solid` too, so length decides.
-Declared read_stl(const fs::path& file) {
+DeclaredCounts read_stl(const fs::path& file) {
   const std::string head = read_bytes(file, 0, 84);
   const std::uint64_t count = word_at(head, 80), length = 84 + 50 * count;
   if (!head.starts_with("solid") || fs::file_size(file) == length) {
@@ -168,7 +168,7 @@ Declared read_stl(const fs::path& file) {
     return {.vertex_count = std::nullopt, .face_count = count};
   }
   std::ifstream in(file);
-  Declared declared{.vertex_count = std::nullopt, .face_count = 0};
+  DeclaredCounts declared{.vertex_count = std::nullopt, .face_count = 0};
   bool ended = false;
   for (std::string word; in >> word;) {
     std::transform(word.begin(), word.end(), word.begin(), [](unsigned char c) { return std::tolower(c); });
@@ -243,7 +243,7 @@ std::string lower_extension(const fs::path& file) {
   return extension;
 }
 
-Declared read_declared(const fs::path& file) {
+DeclaredCounts read_declared(const fs::path& file) {
   const std::string extension = lower_extension(file);
   if (extension == ".ply") return read_ply(file);
   if (extension == ".off") return read_off(file);

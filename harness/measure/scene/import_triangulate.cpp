@@ -67,13 +67,22 @@ bool triangulate(std::span<const glm::vec3> positions, std::span<const std::uint
   const auto fan = [&](std::span<const std::uint32_t> rest) {
     for (std::size_t i = 1; i + 1 < rest.size(); ++i) triangles.emplace_back(rest[0], rest[i], rest[i + 1]);
   };
-  if (n == 3) return fan(loop), true;
+  if (n == 3) {
+    fan(loop);
+    return true;
+  }
   const std::vector<glm::dvec2> flat = flatten(positions, loop);
-  if (is_convex(flat)) return fan(loop), true;
+  if (is_convex(flat)) {
+    fan(loop);
+    return true;
+  }
 
   // Cut ears off a ring of links. `idle` counts corners passed without a cut: a full round of them is the end.
   std::vector<std::uint32_t> next(n), previous(n);
-  for (std::uint32_t i = 0; i < n; ++i) next[i] = (i + 1) % n, previous[i] = (i + n - 1) % n;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    next[i] = (i + 1) % n;
+    previous[i] = (i + n - 1) % n;
+  }
   std::uint32_t left = n, idle = 0, b = 0;
   while (left > 3 && idle < left) {
     const std::uint32_t a = previous[b], c = next[b];

@@ -1,4 +1,4 @@
-// The importer's parts that need no file: the pipe's receiver and the triangulation of polygons.
+// The importer's parts that need no file: what reads the pipe, and the triangulation of polygons.
 #include "measure/scene/import.h"
 
 #include <gtest/gtest.h>
@@ -11,11 +11,11 @@ namespace {
 
 using namespace gnomon;
 
-TEST(Receiver, believes_no_count_that_the_answer_cannot_hold) {
+TEST(FieldReader, believes_no_count_that_the_rest_cannot_hold) {
   const std::uint64_t count = std::uint64_t{1} << 60;
-  importing::Receiver receiver(std::as_bytes(std::span(&count, 1)), "file.obj");
+  FieldReader reader(std::as_bytes(std::span(&count, 1)), "too short");
   std::vector<glm::vec3> positions;
-  EXPECT_THROW(receiver(positions), Error);
+  EXPECT_THROW(reader(positions), Error);
 }
 
 // A star-shaped polygon with random radii is simple; its triangles must cover its area, which the shoelace formula gives.

@@ -1,13 +1,15 @@
 // What the plots share: axes that stay readable over decades, colors and symbols of techniques, tips.
 
+import { pointer, ruleX, ruleY, tip } from "@observablehq/plot";
+
 import { techniques } from "./data.js";
 import { tick } from "./digits.js";
 
 /**
  * A logarithmic axis for values that may be 0: zeros stand on the low end, below everything else, under the tick "0". Linear
  * when values differ by less than a factor of 3, or when nothing is positive. `at(value)` is where a value goes on the axis,
- * `share(value)` the same as a part of its length, `zero` the place of zeros or null, `isLog` which of both it is. The scale itself is linear, over
- * logarithms: the plotting library leaves out labels of logarithmic scales as it sees fit.
+ * `share(value)` the same as a part of its length, `zero` the place of zeros or null, `isLog` which of both it is. The scale
+ * itself is linear, over logarithms: the plotting library leaves out labels of logarithmic scales as it sees fit.
  */
 export function logAxis(values) {
   const positive = values.filter((value) => value > 0);
@@ -77,12 +79,34 @@ export function settingsOf(points) {
   return titles.length > 16 ? seriesOf(points) : { name: "title", ...scalesOver(titles) };
 }
 
-/** The part of a scale that some points use. */
+/** The part of a scale that the techniques of some points use. */
 export function usedBy(points, { domain, range }) {
   const used = new Set(points.map((point) => point.technique));
-  const kept = (_, index) => used.has(domain[index]);
-  return { domain: domain.filter(kept), range: range.filter(kept) };
+  const isUsed = (_, index) => used.has(domain[index]);
+  return { domain: domain.filter(isUsed), range: range.filter(isUsed) };
 }
+
+/** Options of an axis with its name: `acrossOptions` for x, `upOptions` for y. */
+export const acrossOptions = (axis, label) => ({
+  ...axis.options,
+  label: `${label} \u2192`,
+  labelAnchor: "right",
+  labelArrow: "none",
+  grid: true,
+});
+export const upOptions = (axis, label) => ({ ...axis.options, label, labelArrow: "none", grid: true });
+
+/** Dashed lines where zeros stand on logarithmic axes. */
+export function zeroLines(across, up) {
+  const style = { stroke: "var(--muted)", strokeDasharray: "2 4" };
+  return [
+    ...(up.zero === null ? [] : [ruleY([up.zero], style)]),
+    ...(across.zero === null ? [] : [ruleX([across.zero], style)]),
+  ];
+}
+
+/** Tells about the point under the pointer: `says(point)` are its lines. */
+export const tipOf = (points, at, says) => tip(points, pointer({ ...at, title: (point) => says(point).join("\n"), fontSize: 12 }));
 
 /** Options of every plot. */
 export function frame(width) {

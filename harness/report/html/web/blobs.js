@@ -1,6 +1,6 @@
 // Pictures behind the script: base64 of deflated bytes, inflated by the browser when first shown.
 
-const kept = new Map();
+const read = new Map();
 const parsed =
   document.readyState === "loading" ? new Promise((done) => addEventListener("DOMContentLoaded", done)) : Promise.resolve();
 
@@ -21,8 +21,8 @@ async function inflated(number) {
 
 /** The bytes of a picture. */
 export function blob(number) {
-  if (!kept.has(number)) kept.set(number, inflated(number));
-  return kept.get(number);
+  if (!read.has(number)) read.set(number, inflated(number));
+  return read.get(number);
 }
 
 /** Colors from three planes of differences: 3 bytes a pixel. */

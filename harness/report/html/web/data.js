@@ -50,7 +50,7 @@ const namesOfGroups = (() => {
 
 export const groupName = (index) => namesOfGroups[index];
 
-/** Wrong pixels of a row as a share of the tested ones, by cause in the order of data.causes; null when nobody asked. */
+/** Wrong pixels of a row as a share of the tested ones, by cause in the order of data.causes; null where the run did not look for causes. */
 export function causeShares(row) {
   return row.causes && row.tested > 0 ? row.causes.map((count) => count / row.tested) : null;
 }

@@ -25,9 +25,9 @@ const wordsOf = (row) =>
 const words = data.rows.map(wordsOf);
 
 function matches(row) {
-  const asked = state.text.toLowerCase().split(/\s+/).filter(Boolean);
+  const wanted = state.text.toLowerCase().split(/\s+/).filter(Boolean);
   return (
-    asked.every((word) => words[row.index].includes(word)) &&
+    wanted.every((word) => words[row.index].includes(word)) &&
     ["scene", "light", "technique", "status"].every((key) => !state[key] || row[key] === state[key])
   );
 }

@@ -1,6 +1,6 @@
 // What a mask costs, by the stage that is paid for it.
 
-import { barX, plot, text, tip, pointerY, stackX } from "@observablehq/plot";
+import { barX, plot, pointerY, stackX, text, tip } from "@observablehq/plot";
 
 import { between, frame } from "./axes.js";
 import { data, isOk } from "./data.js";

@@ -1,8 +1,8 @@
 // Rows that follow a path: what changes from frame to frame.
 
-import { dot, line, plot, tip, pointer } from "@observablehq/plot";
+import { dot, line, plot } from "@observablehq/plot";
 
-import { frame, settingsOf } from "./axes.js";
+import { frame, settingsOf, tipOf } from "./axes.js";
 import { columnNamed, data, distinct, isOk } from "./data.js";
 import { measured, tick } from "./digits.js";
 import { chooser } from "./dom.js";
@@ -66,15 +66,11 @@ export function framesCard(redraw) {
         marks: [
           line(points, { x: "frame", y: "value", z: (point) => point.row.index, stroke: by.name, strokeWidth: 1.75 }),
           dot(there, { x: "frame", y: "value", stroke: by.name, fill: by.name, symbol: by.name, r: 2.5 }),
-          tip(
-            there,
-            pointer({
-              x: "frame",
-              y: "value",
-              title: ({ row, frame: index, value }) => `${row.title}\nframe ${index}\n${measured(value)} ${unit}`,
-              fontSize: 12,
-            }),
-          ),
+          tipOf(there, { x: "frame", y: "value" }, ({ row, frame: index, value }) => [
+            row.title,
+            `frame ${index}`,
+            `${measured(value)} ${unit}`,
+          ]),
         ],
       }),
       caption: "Frames count from 0. A metric that looks at the frame before has no value at the first.",

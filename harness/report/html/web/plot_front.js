@@ -1,8 +1,8 @@
 // Error against cost: each point a setting, the line through those that no other beats in both.
 
-import { dot, line, plot, ruleX, ruleY, text, tip, pointer } from "@observablehq/plot";
+import { dot, line, plot, ruleY, text } from "@observablehq/plot";
 
-import { between, colorScale, frame, logAxis, symbolScale, usedBy } from "./axes.js";
+import { acrossOptions, between, colorScale, frame, logAxis, symbolScale, tipOf, upOptions, usedBy, zeroLines } from "./axes.js";
 import { distinct, isOk } from "./data.js";
 import { chooser, plural } from "./dom.js";
 import { placeList } from "./places.js";
@@ -63,13 +63,93 @@ function pointsOverAll(rows, cost, metric) {
 
 /** Points whose names have room: none so near to the one before that its name would run into it. */
 function labeled(front, left, top) {
-  const kept = [];
+  const chosen = [];
   for (const point of front) {
-    const is_near = (other) => Math.abs(left(point) - left(other)) < 130 && Math.abs(top(point) - top(other)) < 15;
-    if (!kept.some(is_near)) kept.push(point);
+    const isNear = (other) => Math.abs(left(point) - left(other)) < 130 && Math.abs(top(point) - top(other)) < 15;
+    if (!chosen.some(isNear)) chosen.push(point);
   }
-  return kept;
+  return chosen;
 }
+
+/** Names beside points: to the right of those on the left of the plot, to the left of the others. */
+function nameMarks(points, at, isLeft) {
+  const mark = (some, place) =>
+    text(some, {
+      ...at,
+      ...place,
+      text: "title",
+      fill: "var(--ink)",
+      stroke: "var(--surface)",
+      strokeWidth: 4,
+      lineWidth: 17,
+      textOverflow: "ellipsis",
+    });
+  return [
+    mark(points.filter(isLeft), { dx: 8, dy: -10, textAnchor: "start" }),
+    mark(
+      points.filter((point) => !isLeft(point)),
+      { dx: -8, dy: 11, textAnchor: "end" },
+    ),
+  ];
+}
+
+/** Points with their intervals, and the line through the front. `x` and `y` are the quantities. */
+function frontPlot(points, x, y, width) {
+  const isFlipped = y.better === "higher";
+  points.forEach((point) => (point.error = isFlipped ? -point.y : point.y));
+  const front = frontOf(points.filter((point) => point.role === "contender"));
+  const across = logAxis(points.flatMap((point) => [point.x, point.low, point.high].filter((value) => value !== null))),
+    up = logAxis(points.map((point) => point.y));
+  const at = { x: (point) => across.at(point.x), y: (point) => up.at(point.y) };
+  const height = Math.max(320, Math.min(480, width * 0.62));
+  const names = labeled(
+    front,
+    (point) => across.share(point.x) * width,
+    (point) => up.share(point.y) * height,
+  );
+  const bars = { x1: (point) => across.at(point.low), x2: (point) => across.at(point.high), y: at.y };
+  return plot({
+    ...frame(width),
+    height,
+    x: acrossOptions(across, x.label),
+    y: { ...upOptions(up, isFlipped ? `${y.label}, higher is better` : `\u2191 ${y.label}`), reverse: isFlipped },
+    color: usedBy(points, colorScale),
+    symbol: { ...usedBy(points, symbolScale), legend: true },
+    marks: [
+      ...zeroLines(across, up),
+      line(front, { ...at, curve: "step-after", stroke: "var(--ink)", strokeOpacity: 0.55, strokeWidth: 1.5 }),
+      ruleY(
+        points.filter((point) => point.low !== null),
+        { ...bars, stroke: "technique", strokeWidth: 1.5, strokeOpacity: 0.8 },
+      ),
+      dot(points, {
+        ...at,
+        stroke: "technique",
+        fill: "technique",
+        fillOpacity: (point) => (point.role === "contender" ? 0.85 : 0.15),
+        symbol: "technique",
+        r: 5,
+      }),
+      ...nameMarks(names, at, (point) => across.share(point.x) < 0.4),
+      tipOf(points, at, (point) => [
+        point.title,
+        `${y.text}: ${y.shown(point.y)} ${y.unit}`,
+        `${x.text}: ${x.shown(point.x)}${point.note} ${x.unit}`,
+      ]),
+    ],
+  });
+}
+
+/** What the plot shows; `groups` are those of means, undefined where a single place is shown. */
+const captionOf = (points, groups) =>
+  [
+    groups
+      ? `Mean error and geometric mean cost over ${plural(groups.length, "place", "places")} that every setting here finished. `
+      : "",
+    "The line joins contenders that none beats in both. ",
+    points.some((point) => point.low !== null) ? "Bars are 95 % intervals. " : "",
+    points.some((point) => point.role !== "contender") ? "Hollow: baseline and reference." : "",
+  ].join("");
 
 export function frontCard(redraw) {
   const costs = [...events, ...stages.filter((stage) => stage.name !== "resolve"), ...memory];
@@ -85,98 +165,15 @@ export function frontCard(redraw) {
     const x = named(costs, cost.value),
       y = named(metrics, error.value);
     const rows = where.rows();
-    const over = where.isAll ? pointsOverAll(rows, x, y) : { points: rows.map((row) => pointOf(row, x, y)).filter(Boolean) };
-    if (over.points.length === 0)
-      return {
-        empty:
-          over.groups && rows.length
-            ? "No scene and light were finished by every setting that passes the filter: choose one of them, or filter the settings."
-            : "No row here has both.",
-      };
-    const flip = y.better === "higher" ? -1 : 1;
-    over.points.forEach((point) => (point.error = flip * point.y));
-    const front = frontOf(over.points.filter((point) => point.role === "contender"));
-    const ends = over.points.flatMap((point) => [point.x, point.low, point.high].filter((value) => value !== null));
-    const across = logAxis(ends),
-      up = logAxis(over.points.map((point) => point.y));
-    const at = { x: (point) => across.at(point.x), y: (point) => up.at(point.y) };
-    const says = (point) =>
-      [point.title, `${y.text}: ${y.shown(point.y)} ${y.unit}`, `${x.text}: ${x.shown(point.x)}${point.note} ${x.unit}`].join(
-        "\n",
-      );
-    const height = Math.max(320, Math.min(480, width * 0.62));
-    const labels = labeled(
-      front,
-      (point) => across.share(point.x) * width,
-      (point) => up.share(point.y) * height,
-    );
-    const label = (points, place) =>
-      text(points, {
-        ...at,
-        ...place,
-        text: "title",
-        fill: "var(--ink)",
-        stroke: "var(--surface)",
-        strokeWidth: 4,
-        lineWidth: 17,
-        textOverflow: "ellipsis",
-      });
+    const { points, groups } = where.isAll
+      ? pointsOverAll(rows, x, y)
+      : { points: rows.map((row) => pointOf(row, x, y)).filter(Boolean) };
+    if (points.length > 0) return { plot: frontPlot(points, x, y, width), caption: captionOf(points, groups) };
     return {
-      plot: plot({
-        ...frame(width),
-        height,
-        x: { ...across.options, label: `${x.label} \u2192`, labelAnchor: "right", labelArrow: "none", grid: true },
-        y: {
-          ...up.options,
-          reverse: flip < 0,
-          label: flip < 0 ? `${y.label}, higher is better` : `\u2191 ${y.label}`,
-          labelArrow: "none",
-          grid: true,
-        },
-        color: usedBy(over.points, colorScale),
-        symbol: { ...usedBy(over.points, symbolScale), legend: true },
-        marks: [
-          up.zero !== null && ruleY([up.zero], { stroke: "var(--muted)", strokeDasharray: "2 4" }),
-          across.zero !== null && ruleX([across.zero], { stroke: "var(--muted)", strokeDasharray: "2 4" }),
-          line(front, { ...at, curve: "step-after", stroke: "var(--ink)", strokeOpacity: 0.55, strokeWidth: 1.5 }),
-          ruleY(
-            over.points.filter((point) => point.low !== null),
-            {
-              x1: (point) => across.at(point.low),
-              x2: (point) => across.at(point.high),
-              y: at.y,
-              stroke: "technique",
-              strokeWidth: 1.5,
-              strokeOpacity: 0.8,
-            },
-          ),
-          dot(over.points, {
-            ...at,
-            stroke: "technique",
-            fill: "technique",
-            fillOpacity: (point) => (point.role === "contender" ? 0.85 : 0.15),
-            symbol: "technique",
-            r: 5,
-          }),
-          label(
-            labels.filter((point) => across.share(point.x) < 0.4),
-            { dx: 8, dy: -10, textAnchor: "start" },
-          ),
-          label(
-            labels.filter((point) => across.share(point.x) >= 0.4),
-            { dx: -8, dy: 11, textAnchor: "end" },
-          ),
-          tip(over.points, pointer({ ...at, title: says, fontSize: 12 })),
-        ].filter(Boolean),
-      }),
-      caption: [
-        where.isAll
-          ? `Mean error and geometric mean cost over ${plural(over.groups.length, "place", "places")} that every setting here finished. `
-          : "",
-        "The line joins contenders that none beats in both. ",
-        over.points.some((point) => point.low !== null) ? "Bars are 95 % intervals. " : "",
-        over.points.some((point) => point.role !== "contender") ? "Hollow: baseline and reference." : "",
-      ].join(""),
+      empty:
+        groups && rows.length
+          ? "No scene and light were finished by every setting that passes the filter: choose one of them, or filter the settings."
+          : "No row here has both.",
     };
   }
   return {

@@ -1,8 +1,8 @@
 // How a cost or an error grows with triangles, pixels or a parameter.
 
-import { dot, line, plot, ruleX, ruleY, tip, pointer } from "@observablehq/plot";
+import { dot, line, plot, ruleX } from "@observablehq/plot";
 
-import { between, frame, logAxis, seriesOf } from "./axes.js";
+import { acrossOptions, between, frame, logAxis, seriesOf, tipOf, upOptions, zeroLines } from "./axes.js";
 import { data, distinct, isOk, valueOf } from "./data.js";
 import { chooser } from "./dom.js";
 import { filteredRows } from "./filter.js";
@@ -53,24 +53,60 @@ function lineOf(row, x) {
   ]);
 }
 
+/** Points joined where only x differs, with their intervals. `x` is what grows along, `y` the quantity. */
+function scalingPlot(points, across, up, x, y, width) {
+  const at = { x: (point) => across.at(point.x), y: (point) => up.at(point.estimate.value) };
+  const by = seriesOf(points);
+  const bars = { x: at.x, y1: ({ estimate }) => up.at(estimate.low), y2: ({ estimate }) => up.at(estimate.high) };
+  return plot({
+    ...frame(width),
+    height: Math.max(300, Math.min(440, width * 0.58)),
+    x: acrossOptions(across, x.text),
+    y: upOptions(up, `\u2191 ${y.label}`),
+    color: by.color,
+    symbol: { ...by.symbol, legend: true },
+    marks: [
+      ...zeroLines({ zero: null }, up),
+      line(points, { ...at, z: "line", stroke: by.name, strokeOpacity: 0.65, strokeWidth: 1.5 }),
+      ruleX(points.filter(hasInterval), { ...bars, stroke: by.name, strokeWidth: 1.5, strokeOpacity: 0.7 }),
+      dot(points, { ...at, stroke: by.name, fill: by.name, fillOpacity: 0.6, symbol: by.name, r: 3.5 }),
+      tipOf(points, at, ({ row, x: value, estimate }) => [
+        row.title,
+        `${row.scene}, ${row.light}`,
+        `${x.text}: ${value.toLocaleString("en")}`,
+        `${y.text}: ${y.shown(estimate.value)}${between(estimate, y.shown)} ${y.unit}`,
+      ]),
+    ],
+  });
+}
+
+const hasInterval = ({ estimate }) => estimate.low !== null;
+
+function captionOf(points, across, up, x) {
+  const logarithmic =
+    across.isLog && up.isLog ? "Both axes are logarithmic. " : across.isLog ? "The horizontal axis is logarithmic. " : "";
+  const bars = points.some(hasInterval) ? " Bars are 95 % intervals." : "";
+  return `${logarithmic}A line joins rows that differ in ${x.text} alone.${bars}`;
+}
+
 export function scalingCard(redraw) {
   const xs = growing();
   const ys = [...stages, ...events.filter((event) => event.name !== "resolve"), ...memory, ...metrics];
   if (xs.length === 0 || ys.length === 0) return null;
   const lights = distinct(data.rows.filter(isOk).map((row) => row.light));
-  const x_list = chooser("along", optionsOf(xs), redraw, { name: "along" });
-  const y_list = chooser("what", optionsOf(ys), redraw, { name: "what" });
+  const along = chooser("along", optionsOf(xs), redraw, { name: "along" });
+  const what = chooser("what", optionsOf(ys), redraw, { name: "what" });
   const light = chooser("light", [{ value: "", text: "all" }, ...lights.map((value) => ({ value, text: value }))], redraw, {
     name: "light",
   });
   // What was swept most.
   const most = (least) => xs.reduce((best, x) => (lines(x, least) > lines(best, least) ? x : best), xs[0]);
-  x_list.value = (lines(most(3), 3) > 0 ? most(3) : most(2)).name;
-  y_list.value = ys.some(({ name }) => name === "resolve") ? "resolve" : ys[0].name;
+  along.value = (lines(most(3), 3) > 0 ? most(3) : most(2)).name;
+  what.value = ys.some(({ name }) => name === "resolve") ? "resolve" : ys[0].name;
 
   function draw(width) {
-    const x = xs.find(({ name }) => name === x_list.value),
-      y = named(ys, y_list.value);
+    const x = xs.find(({ name }) => name === along.value),
+      y = named(ys, what.value);
     const all = filteredRows()
       .filter((row) => isOk(row) && (!light.value || row.light === light.value))
       .map((row) => ({
@@ -91,49 +127,13 @@ export function scalingCard(redraw) {
     );
     const across = logAxis(points.map((point) => point.x)),
       up = logAxis(ends);
-    const at = { x: (point) => across.at(point.x), y: (point) => up.at(point.estimate.value) };
-    const by = seriesOf(points);
-    const says = ({ row, x: value, estimate }) =>
-      [
-        `${row.title}`,
-        `${row.scene}, ${row.light}`,
-        `${x.text}: ${value.toLocaleString("en")}`,
-        `${y.text}: ${y.shown(estimate.value)}${between(estimate, y.shown)} ${y.unit}`,
-      ].join("\n");
-    return {
-      plot: plot({
-        ...frame(width),
-        height: Math.max(300, Math.min(440, width * 0.58)),
-        x: { ...across.options, label: `${x.text} \u2192`, labelAnchor: "right", labelArrow: "none", grid: true },
-        y: { ...up.options, label: `\u2191 ${y.label}`, labelArrow: "none", grid: true },
-        color: by.color,
-        symbol: { ...by.symbol, legend: true },
-        marks: [
-          up.zero !== null && ruleY([up.zero], { stroke: "var(--muted)", strokeDasharray: "2 4" }),
-          line(points, { ...at, z: "line", stroke: by.name, strokeOpacity: 0.65, strokeWidth: 1.5 }),
-          ruleX(
-            points.filter(({ estimate }) => estimate.low !== null),
-            {
-              x: at.x,
-              y1: ({ estimate }) => up.at(estimate.low),
-              y2: ({ estimate }) => up.at(estimate.high),
-              stroke: by.name,
-              strokeWidth: 1.5,
-              strokeOpacity: 0.7,
-            },
-          ),
-          dot(points, { ...at, stroke: by.name, fill: by.name, fillOpacity: 0.6, symbol: by.name, r: 3.5 }),
-          tip(points, pointer({ ...at, title: says, fontSize: 12 })),
-        ].filter(Boolean),
-      }),
-      caption: `${across.isLog && up.isLog ? "Both axes are logarithmic. " : across.isLog ? "The horizontal axis is logarithmic. " : ""}A line joins rows that differ in ${x.text} alone.${points.some(({ estimate }) => estimate.low !== null) ? " Bars are 95 % intervals." : ""}`,
-    };
+    return { plot: scalingPlot(points, across, up, x, y, width), caption: captionOf(points, across, up, x) };
   }
   return {
     name: "scaling",
     title: "Scaling",
     lead: "How cost and error grow.",
-    controls: [x_list.element, y_list.element, light.element],
+    controls: [along.element, what.element, light.element],
     draw,
   };
 }

@@ -1,0 +1,127 @@
+#pragma once
+// Private to this room: values as bytes, one behind the other. One function names the fields of a struct in their order, for a
+// writer and for a reader, so that the two cannot disagree: `io(mesh.name, mesh.positions, mesh.casts)`.
+#include <gnomon/error.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace gnomon {
+
+template <class T>
+concept HasIndex = requires(const T& value) {
+  value.valueless_by_exception();
+};  // std::variant
+template <class T>
+concept HasItems = requires(const T& value) {
+  value.data();
+  value.size();
+};
+
+/// Appends values to `bytes`: numbers and plain structs as they lie in memory, texts and vectors of such behind their count
+/// (64 bits), variants behind their index (32 bits).
+class FieldWriter {
+ public:
+  std::vector<std::byte> bytes;
+
+  template <class... T>
+  void operator()(const T&... values) {
+    (put(values), ...);
+  }
+  /// Items that are no plain structs: their count, then each as `visit(io, item)` writes it.
+  template <class T, class Visit>
+  void list(const std::vector<T>& items, Visit visit) {
+    put(static_cast<std::uint64_t>(items.size()));
+    for (const T& item : items) visit(*this, item);
+  }
+  /// Whether a list that older bytes lack follows.
+  template <class T>
+  bool has_more(const std::vector<T>& items) const {
+    return !items.empty();
+  }
+
+ private:
+  template <class T>
+  void put(const T& value) {
+    if constexpr (HasIndex<T>) {
+      put(static_cast<std::uint32_t>(value.index()));
+      std::visit([&](const auto& alternative) { put(alternative); }, value);
+    } else if constexpr (HasItems<T>) {
+      put(static_cast<std::uint64_t>(value.size()));
+      append(value.data(), value.size() * sizeof(*value.data()));
+    } else {
+      static_assert(std::is_trivially_copyable_v<T>);
+      append(&value, sizeof(T));
+    }
+  }
+  void append(const void* data, std::size_t size) {
+    const auto* begin = static_cast<const std::byte*>(data);
+    bytes.insert(bytes.end(), begin, begin + size);
+  }
+};
+
+/// The inverse, of bytes that may be damaged: no count is believed that the rest cannot hold. Throws Error with the words
+/// `too_short` where bytes are missing.
+class FieldReader {
+ public:
+  FieldReader(std::span<const std::byte> bytes, std::string too_short) : bytes_(bytes), too_short_(std::move(too_short)) {}
+
+  template <class... T>
+  void operator()(T&... values) {
+    (take(values), ...);
+  }
+  template <class T, class Visit>
+  void list(std::vector<T>& items, Visit visit) {
+    items.resize(count_of(1));
+    for (T& item : items) visit(*this, item);
+  }
+  template <class T>
+  bool has_more(const std::vector<T>&) const {
+    return !bytes_.empty();
+  }
+
+ private:
+  template <class T>
+  void take(T& value) {
+    if constexpr (HasIndex<T>) {
+      std::uint32_t index = 0;
+      take(index);
+      take_alternative(value, index, std::make_index_sequence<std::variant_size_v<T>>{});
+    } else if constexpr (HasItems<T>) {
+      value.resize(count_of(sizeof(*value.data())));
+      copy(value.data(), value.size() * sizeof(*value.data()));
+    } else {
+      static_assert(std::is_trivially_copyable_v<T>);
+      copy(&value, sizeof(T));
+    }
+  }
+  template <class Variant, std::size_t... I>
+  void take_alternative(Variant& value, std::uint32_t index, std::index_sequence<I...>) {
+    const bool is_known = ((index == I && (take(value.template emplace<I>()), true)) || ...);
+    if (!is_known) throw Error("scene bytes hold an unknown kind {}", index);
+  }
+  std::size_t count_of(std::size_t item_size) {
+    std::uint64_t count = 0;
+    take(count);
+    if (count > bytes_.size() / item_size) end_early();
+    return count;
+  }
+  void copy(void* target, std::size_t size) {
+    if (size > bytes_.size()) end_early();
+    if (size > 0) std::memcpy(target, bytes_.data(), size);
+    bytes_ = bytes_.subspan(size);
+  }
+  [[noreturn]] void end_early() const { throw Error("{}", too_short_); }
+
+  std::span<const std::byte> bytes_;
+  std::string too_short_;
+};
+
+}  // namespace gnomon
