@@ -8,7 +8,7 @@
 
 namespace gnomon {
 
-/// What `gnomon analyze` and `gnomon figure` may be told beside the kind.
+/// Options of `gnomon analyze` and `gnomon figure` beside the kind.
 struct AnalysisOptions {
   std::string x = {}, y = {}, facet = {};  ///< growth: the axis, `triangles` by default; map, sweep: parameters
   std::string metric = "wrong_rate";       ///< a quantity, see analysis.h

@@ -34,7 +34,10 @@ std::array<std::string, 3> metric_texts(const MetricChange& change) {
   const std::string unit = is_share ? " %" : "";
   const auto text = [&](std::optional<double> value, auto round) { return value ? round(scale * *value) + unit : "-"; };
   std::string base = text(change.base, measured), contender = text(change.contender, measured);
-  if (base == contender) base = text(change.base, exact), contender = text(change.contender, exact);
+  if (base == contender) {
+    base = text(change.base, exact);
+    contender = text(change.contender, exact);
+  }
   std::string difference = "-";
   if (change.base && change.contender) {
     const double step = *change.contender - *change.base;
@@ -74,7 +77,10 @@ void add_row(std::vector<Line>& lines, const RowChange& row, bool all) {
                    fmt::format("{}x{}", record.width, record.height), setting_name(record)};
   const std::size_t before = lines.size();
   const auto add = [&](Line line) {
-    line.scene = start.scene, line.light = start.light, line.size = start.size, line.technique = start.technique;
+    line.scene = start.scene;
+    line.light = start.light;
+    line.size = start.size;
+    line.technique = start.technique;
     lines.push_back(std::move(line));
   };
   if (const std::string text = presence(row); !text.empty()) add({.note = text});
@@ -108,7 +114,7 @@ std::vector<Line> lines_of(const Comparison& comparison, bool all) {
   return lines;
 }
 
-/// What is said once about the whole comparison: topic and text.
+/// Remarks about the whole comparison: topic and text.
 std::vector<std::pair<std::string, std::string>> remarks(const Comparison& comparison) {
   std::vector<std::pair<std::string, std::string>> lines = comparison.differences;
   if (!comparison.refusal.empty())

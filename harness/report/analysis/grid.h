@@ -22,7 +22,7 @@ struct Grid {
   std::string title;
   std::vector<Head> heads;
   std::vector<Group> groups;
-  std::vector<std::string> notes;                               ///< said below
+  std::vector<std::string> notes;                               ///< stand below the rows
   std::vector<std::pair<std::string, std::string>> provenance;  ///< the same, topic and text
 };
 

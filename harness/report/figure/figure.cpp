@@ -56,10 +56,10 @@ void run_gnuplot(const std::string& script, const fs::path& out) {
   const fs::path folder = out.has_parent_path() ? out.parent_path() : fs::path(".");
   // gnuplot writes where the program says; it runs in a folder of its own, from which the finished file is moved.
   const ScratchFolder scratch = ScratchFolder::in(folder, ".gnomon-figure");
-  const fs::path program = scratch.path() / "figure.gp", said = scratch.path() / "said";
+  const fs::path program = scratch.path() / "figure.gp", output = scratch.path() / "output";
   std::ofstream(program) << script;
   const std::string command =
-      fmt::format("cd {} && exec gnuplot figure.gp > said 2>&1 < /dev/null", FigureScript::quoted(scratch.path().string()));
+      fmt::format("cd {} && exec gnuplot figure.gp > output 2>&1 < /dev/null", FigureScript::quoted(scratch.path().string()));
   if (scratch.path().string().find('\'') != std::string::npos)
     throw Error("--out {} has a quote in its path, which is not allowed", out.string());
   const char* const arguments[] = {"sh", "-c", command.c_str(), nullptr};
@@ -75,7 +75,7 @@ void run_gnuplot(const std::string& script, const fs::path& out) {
     throw Error(
         "there is no gnuplot, which draws the figures; the Debian package gnuplot-nox has it. --script prints the "
         "program that it would run");
-  const std::string complaint = contents(said);
+  const std::string complaint = contents(output);
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || !fs::exists(made) || fs::file_size(made) == 0)
     throw Error("gnuplot could not draw {}: {}", out.string(), complaint.empty() ? "it said nothing" : complaint);
   fs::rename(made, out);

@@ -48,7 +48,7 @@ Json value_json(const Cell& cell) {
   return {};
 }
 
-/// Wrong pixels by cause in the order of cause_infos(); null when nobody asked.
+/// Wrong pixels by cause in the order of cause_infos(); null where the run did not look for causes.
 Json causes_json(const Record& record) {
   if (!record.causes) return {};
   Json counts = Json::array();

@@ -7,7 +7,7 @@
 
 namespace gnomon {
 
-// What the page is told, as JSON; harness/report/html/web/data.js reads it. docs/report.md is for people who want the numbers:
+// What the page shows, as JSON; harness/report/html/web/data.js reads it. docs/report.md is for people who want the numbers:
 // they take `gnomon table --format json`.
 
 /// Columns, rows, groups, legends, provenance: everything but pictures. The rows are those of the layout in its order, which

@@ -24,7 +24,7 @@ Cell number(const std::optional<T>& value) {
   return value && std::isfinite(static_cast<double>(*value)) ? Cell{.value = static_cast<double>(*value)} : Cell{};
 }
 
-/// Empty text is null: nobody gave it.
+/// Empty text is null.
 Cell text(const std::string& value) { return value.empty() ? Cell{} : Cell{.value = value}; }
 
 /// A plain function, so that a list of columns costs one std::function type and not one for each of its lambdas.
@@ -101,7 +101,7 @@ void add_identity(std::vector<Column>& columns) {
   columns.push_back(text_column("reason", "reason", [](const Record& r) { return text(r.reason); }));
 }
 
-/// Intervals of one stage, made once for each record that is asked about: both ends and the best mark want the same one.
+/// Intervals of one stage, each computed once: the columns of both ends and the mark of the best need the same one.
 class Intervals {
  public:
   explicit Intervals(Stage stage) : stage_(stage) {}

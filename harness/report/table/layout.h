@@ -9,7 +9,7 @@
 
 namespace gnomon {
 
-/// A table for people before it takes a form: which rows stand together, which cells are marked, what is said below.
+/// A table for people before it takes a form: which rows stand together, which cells are marked, what stands below.
 struct Layout {
   struct Entry {
     std::string text;
@@ -27,10 +27,10 @@ struct Layout {
   std::vector<Column> columns;
   std::vector<Group> groups;
   std::vector<std::string> notes;                               ///< reasons, each once
-  std::vector<std::pair<std::string, std::string>> provenance;  ///< said below the table: topic, text
+  std::vector<std::pair<std::string, std::string>> provenance;  ///< stands below the table: topic, text
 };
 
-/// The columns for people when nobody asked for others. With `with_group` scene and light lead, and view, size and truth
+/// The columns for people unless others are named. With `with_group` scene and light lead, and view, size and truth
 /// where they vary; without, the group's heading says them.
 std::vector<std::string> headline_columns(std::span<const Record> records, bool with_group);
 
