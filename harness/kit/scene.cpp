@@ -1,8 +1,8 @@
+#include <gnomon/kit/weld.h>
 #include <gnomon/scene.h>
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace gnomon {
 
@@ -41,23 +41,6 @@ double extent(const Scene& scene, const Light& light, const View& view) {
 }
 
 namespace {
-
-/// Index of the first vertex with the same position, for every vertex. -0 equals 0.
-std::vector<std::uint32_t> weld(const std::vector<glm::vec3>& positions) {
-  const auto less = [&](std::uint32_t a, std::uint32_t b) {
-    const glm::vec3 &p = positions[a], &q = positions[b];
-    if (p.x != q.x) return p.x < q.x;
-    if (p.y != q.y) return p.y < q.y;
-    if (p.z != q.z) return p.z < q.z;
-    return a < b;
-  };
-  std::vector<std::uint32_t> order(positions.size()), first(positions.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::sort(order.begin(), order.end(), less);
-  for (std::size_t i = 0; i < order.size(); ++i)
-    first[order[i]] = i > 0 && positions[order[i]] == positions[order[i - 1]] ? first[order[i - 1]] : order[i];
-  return first;
-}
 
 /// Exact: float differences and their products are exact in quadruple precision unless exponents differ by more than 60 bits,
 /// where no float32 scene of finite size lives.

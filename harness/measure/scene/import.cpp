@@ -2,6 +2,8 @@
 // nothing it is told, and places, rounds and triangulates itself.
 #include "measure/scene/import.h"
 
+#include <gnomon/kit/weld.h>
+
 #include <algorithm>
 #include <assimp/Importer.hpp>
 #include <cctype>
@@ -10,7 +12,6 @@
 #include <fstream>
 #include <iterator>
 #include <numbers>
-#include <unordered_map>
 
 #include "measure/paths.h"
 #include "measure/scene/load.h"
@@ -135,22 +136,19 @@ Mesh convert(const fs::path& file, const ImportedMesh& raw, const Placement& pla
   if (raw.has_color && is_share(raw.color.r) && is_share(raw.color.g) && is_share(raw.color.b)) mesh.albedo = raw.color;
 
   // Importers repeat a vertex for every face; one position becomes one vertex again.
-  const auto hash = [](const glm::vec3& p) {
-    std::size_t h = 0;
-    for (int k = 0; k < 3; ++k) h = (h ^ std::hash<float>{}(p[k])) * 0x9e3779b97f4a7c15u;
-    return h ^ h >> 32;
-  };
-  std::unordered_map<glm::vec3, std::uint32_t, decltype(hash)> index_of(raw.positions.size(), hash);
-  std::vector<std::uint32_t> welded;
-  welded.reserve(raw.positions.size());
-  for (std::size_t i = 0; i < raw.positions.size(); ++i) {
-    const glm::vec3& p = raw.positions[i];
+  std::vector<glm::vec3> positions;
+  positions.reserve(raw.positions.size());
+  for (const glm::vec3& p : raw.positions) {
     const glm::dvec3 placed = placement.apply(glm::dvec3(raw.world_from_mesh * glm::dvec4(glm::dvec3(p), 1)));
     if (!is_sound(p) || !is_sound(placed))
-      throw Error("{}, vertex {}: position = ({}, {}, {}) is outside -1e30 .. 1e30", where, i, p.x, p.y, p.z);
-    const auto [entry, is_new] = index_of.try_emplace(glm::vec3(placed), static_cast<std::uint32_t>(mesh.positions.size()));
-    if (is_new) mesh.positions.push_back(entry->first);
-    welded.push_back(entry->second);
+      throw Error("{}, vertex {}: position = ({}, {}, {}) is outside -1e30 .. 1e30", where, positions.size(), p.x, p.y, p.z);
+    positions.emplace_back(placed);
+  }
+  std::vector<std::uint32_t> welded = weld(positions);
+  for (std::uint32_t v = 0; v < welded.size(); ++v) {
+    const bool is_new = welded[v] == v;
+    welded[v] = is_new ? static_cast<std::uint32_t>(mesh.positions.size()) : welded[welded[v]];
+    if (is_new) mesh.positions.push_back(positions[v]);
   }
 
   std::span<const std::uint32_t> corners = raw.corners;
