@@ -1,5 +1,7 @@
 #include "polygon.h"
 
+#include <gnomon/kit/across.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -10,10 +12,7 @@ namespace gnomon::crow_counting {
 Frame::Frame(const View& view, const glm::vec3& start) : start(start) {
   const glm::dvec3 gaze = glm::dvec3(view.target) - glm::dvec3(view.eye);
   if (glm::dot(gaze, gaze) > 0) forward = glm::normalize(gaze);
-  glm::dvec3 side = glm::cross(forward, glm::dvec3(view.up));
-  if (!(glm::dot(side, side) > 1e-12 * glm::dot(glm::dvec3(view.up), glm::dvec3(view.up))))
-    side = glm::cross(forward, std::abs(forward.x) < 0.9 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 0, 1));
-  right = glm::normalize(side);
+  right = glm::normalize(sideways(forward, view.up));
   right = glm::normalize(right - glm::dot(right, forward) * forward);  // a short `side` leaves more than a few units
   up = glm::cross(right, forward);
 }

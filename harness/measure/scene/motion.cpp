@@ -1,6 +1,7 @@
 #include "measure/scene/motion.h"
 
 #include <gnomon/error.h>
+#include <gnomon/kit/across.h>
 #include <gnomon/param.h>
 
 #include <algorithm>
@@ -16,16 +17,13 @@ namespace {
 constexpr int slide_frames = 16;
 constexpr double slide_share = 0.01;
 
-glm::dvec3 sideways(const glm::dvec3& along, const glm::dvec3& up) {
-  const glm::dvec3 a = glm::normalize(along);
-  glm::dvec3 side = glm::cross(a, up);
-  if (glm::dot(side, side) < 1e-12) side = glm::cross(a, std::abs(a.x) < 0.9 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 0, 1));
-  return glm::normalize(side);
+glm::dvec3 unit_sideways(const glm::dvec3& along, const glm::dvec3& up) {
+  return glm::normalize(sideways(glm::normalize(along), up));
 }
 
 Path camera_slide(const View& view) {
   const glm::dvec3 eye = view.eye, along = glm::dvec3(view.target) - eye;
-  const glm::dvec3 end = eye + sideways(along, view.up) * (slide_share * glm::length(along));
+  const glm::dvec3 end = eye + unit_sideways(along, view.up) * (slide_share * glm::length(along));
   return {"camera_slide", Path::Moves::camera, {view.eye, glm::vec3(end)}, slide_frames};
 }
 
@@ -49,7 +47,7 @@ Path light_slide(const Scene& scene, Light light) {
   const bool is_directional = std::holds_alternative<DirectionalLight>(light.kind);
   glm::dvec3 along = is_directional ? glm::dvec3(start) : middle - glm::dvec3(start);
   if (glm::length(along) == 0) along = glm::dvec3(0, -glm::length(glm::dvec3(bounds.max) - middle), 0);
-  const glm::dvec3 end = glm::dvec3(start) + sideways(along, {0, 1, 0}) * (slide_share * glm::length(along));
+  const glm::dvec3 end = glm::dvec3(start) + unit_sideways(along, {0, 1, 0}) * (slide_share * glm::length(along));
   return {"light_slide", Path::Moves::light, {start, glm::vec3(end)}, slide_frames};
 }
 
