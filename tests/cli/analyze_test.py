@@ -170,7 +170,7 @@ class Analyze(ProgramTest):
         self.refuse("analyze", run, "sweep", "--x", "count", says=["there is no sweep of count", "swept are: a"])
         self.refuse("analyze", run, "sweep", "--x", "aa", says=["there is no numeric parameter aa; did you mean a?"])
         self.refuse("analyze", run, "sweep", "--x", "a", "--error", "wrong", says=["there is no wrong; did you mean wrong_rate?"])
-        self.refuse("analyze", run, "growth", says=["there is no growth with triangles", "two values of it"])
+        self.refuse("analyze", run, "growth", says=["there is no growth with triangles", "no row that was measured has a positive one", "sphere_field:count="])
 
     def test_motion_takes_rows_on_paths(self):
         run = self.run_of(record(path="slide", frames={"wrong_rate": [0.1, 0.3], "instability": [None, 0.02]}), record())
