@@ -1,8 +1,11 @@
+// gnomon analyze and gnomon figure: what a run says, as a table and as a picture.
 #include <map>
 #include <unordered_map>
 
-#include "app/analysis_options.h"
+#include "app/app.h"
 #include "measure/record/merge.h"
+#include "report/analysis/analysis_table.h"
+#include "report/figure/figure.h"
 
 namespace gnomon::app {
 
@@ -41,38 +44,56 @@ void require_taken(const Command& command, const std::string& kind, const std::v
     }
 }
 
-}  // namespace
+/// What both commands take.
+struct Options {
+  std::vector<std::string> words;
+  std::string filter, cost = "light";
+};
+struct AnalyzeOptions : Options {
+  std::string format = "terminal";
+  AnalysisOptions analysis;
+  TableOptions table;
+};
+struct PictureOptions : Options {
+  std::string out;
+  bool script = false;
+  FigureOptions figure;
+};
 
-void add_kind_words(Command& command, std::vector<std::string>& words, const std::string& kinds) {
-  command.option("words", &words, "Folders of runs, then the kind: " + kinds).required().type_name("DIR... KIND");
+void add_shared_options(Command& command, const std::string& kinds, Options& options, AnalysisOptions& analysis) {
+  command.option("words", &options.words, "Folders of runs, then the kind: " + kinds).required().type_name("DIR... KIND");
+  command.option("--filter", &options.filter,
+                 "Only rows whose 'SCENE LIGHT [PATH] TECHNIQUE:SETTINGS' matches this expression");
+  command.option("--x", &analysis.x,
+                 "growth: triangles, pixels, lights or a numeric parameter; map: a parameter; sweep: a numeric one");
+  command.option("--y", &analysis.y, "map: the second parameter");
+  command.option("--facet", &analysis.facet, "map: the third parameter, one map for each of its values");
+  command.option("--error,--metric", &analysis.metric, "What is compared: a metric, cause.NAME, STAGE_ms, bytes")
+      .shows_default();
+  command.option("--cost", &options.cost, "resolve, light (relight + resolve), geometry (with build) or bytes").shows_default();
 }
 
-std::string take_kind(std::vector<std::string>& words, const Command& command, const std::string& name,
+/// Takes the kind of analysis or figure, the last of the words, off the folders before it. Throws Error, which begins with
+/// `name` of the command, when there is no folder or the words hold an option that this kind does not take; `kinds` are the
+/// command's.
+std::string take_kind(Options& options, const Command& command, const std::string& name,
                       const std::vector<std::string>& kinds) {
-  const std::string kind = words.back();
-  words.pop_back();
-  if (words.empty()) throw Error("{} takes a run's folder and a kind; kinds are: {}", name, joined(kinds, ", "));
+  const std::string kind = options.words.back();
+  options.words.pop_back();
+  if (options.words.empty()) throw Error("{} takes a run's folder and a kind; kinds are: {}", name, joined(kinds, ", "));
   require_taken(command, kind, kinds);
   return kind;
 }
 
-void add_analysis_options(Command& command, AnalysisOptions& options, std::string& cost) {
-  command.option("--x", &options.x,
-                 "growth: triangles, pixels, lights or a numeric parameter; map: a parameter; sweep: a numeric one");
-  command.option("--y", &options.y, "map: the second parameter");
-  command.option("--facet", &options.facet, "map: the third parameter, one map for each of its values");
-  command.option("--error,--metric", &options.metric, "What is compared: a metric, cause.NAME, STAGE_ms, bytes")
-      .shows_default();
-  command.option("--cost", &cost, "resolve, light (relight + resolve), geometry (with build) or bytes").shows_default();
-}
-
-std::vector<Record> read_runs(const std::vector<std::string>& dirs, const std::string& filter) {
+/// The records of these folders, in order, that match --filter. A row that stands in several folders counts once, by its first
+/// record, and stderr says how many did. Throws Error when two folders answer a job differently, and when there is no record.
+std::vector<Record> read_runs(const Options& options) {
   std::vector<Record> all;
   std::unordered_map<std::string, std::pair<std::size_t, std::string>>
       first;  // by job: index into `all`, and the folder it came from
   std::size_t twice = 0;
-  for (const std::string& dir : dirs)
-    for (Record& record : matching(read_records(dir), filter)) {
+  for (const std::string& dir : options.words)
+    for (Record& record : matching(read_records(dir), options.filter)) {
       if (!record.job.empty()) {
         const auto [known, is_new] = first.try_emplace(record.job, all.size(), dir);
         if (!is_new) {
@@ -91,40 +112,40 @@ std::vector<Record> read_runs(const std::vector<std::string>& dirs, const std::s
     fmt::print(stderr, "note: {} row{} in more than one folder with the same answer; each counts once, by its first folder\n",
                twice, twice == 1 ? " stands" : "s stand");
   if (all.empty())
-    throw Error("{} hold{} no record{}", joined(dirs, ", "), dirs.size() == 1 ? "s" : "",
-                filter.empty() ? "" : fmt::format(" that matches {}", filter));
+    throw Error("{} hold{} no record{}", joined(options.words, ", "), options.words.size() == 1 ? "s" : "",
+                options.filter.empty() ? "" : fmt::format(" that matches {}", options.filter));
   return all;
 }
 
-namespace {
-
-struct Options {
-  std::vector<std::string> words;
-  std::string format = "terminal", filter, cost = "light";
-  AnalysisOptions analysis;
-  TableOptions table;
-};
-
-void print_analysis(Options& options, const Command& command) {
+void print_analysis(AnalyzeOptions& options, const Command& command) {
   const Format format = format_named(options.format);
-  const std::string kind = take_kind(options.words, command, "analyze", analysis_kinds());
+  const std::string kind = take_kind(options, command, "analyze", analysis_kinds());
   options.analysis.cost = cost_named(options.cost);
-  const std::vector<Record> records = read_runs(options.words, options.filter);
+  const std::vector<Record> records = read_runs(options);
   options.table.width = terminal_width();
   fmt::print("{}", analyze(records, kind, options.analysis, format, options.table));
+}
+
+void make_figure(PictureOptions& options, const Command& command) {
+  const std::string kind = take_kind(options, command, "figure", figure_kinds());
+  if (options.out.empty() && !options.script) throw Error("figure needs --out FILE.svg, .pdf or .png, or --script");
+  const std::filesystem::path out = options.out.empty() ? "figure.svg" : options.out;
+  options.figure.analysis.cost = cost_named(options.cost);
+  const std::string program_text = figure_script(read_runs(options), kind, options.figure, out);
+  if (options.script)
+    fmt::print("{}", program_text);
+  else
+    run_gnuplot(program_text, out);
 }
 
 }  // namespace
 
 void add_analyze(Program& program) {
-  auto [command, options] = program.line.command<Options>(
+  auto [command, options] = program.line.command<AnalyzeOptions>(
       "analyze", "What a run says of growth, fronts, budgets, parameters and motion: DIR... growth|front|best|map|motion|sweep",
       print_analysis);
-  add_kind_words(command, options.words, "growth, front, best, map, motion or sweep");
+  add_shared_options(command, "growth, front, best, map, motion or sweep", options, options.analysis);
   command.option("--format", &options.format, "terminal, md, csv, tex or json").shows_default();
-  command.option("--filter", &options.filter,
-                 "Only rows whose 'SCENE LIGHT [PATH] TECHNIQUE:SETTINGS' matches this expression");
-  add_analysis_options(command, options.analysis, options.cost);
   command.option("--times", &options.analysis.times, "best: budgets in ms").delimiter(',').check(above_zero());
   command.option("--memories", &options.analysis.memories, "best: budgets in MiB").delimiter(',').check(above_zero());
   command.option("--errors", &options.analysis.errors, "best: budgets in the unit that tables show")
@@ -132,6 +153,19 @@ void add_analyze(Program& program) {
       .check(above_zero());
   command.flag("--all", &options.analysis.all, "front: beaten settings too");
   command.option("--caption", &options.table.caption, "Caption of the LaTeX table");
+}
+
+void add_figure(Program& program) {
+  auto [command, options] = program.line.command<PictureOptions>(
+      "figure", "A figure of a run, by gnuplot: DIR... front|growth|stages|map|causes|motion|sweep --out FILE.svg|.pdf|.png",
+      make_figure);
+  add_shared_options(command, "front, growth, stages, map, causes, motion or sweep", options, options.figure.analysis);
+  command.option("--out", &options.out, "File to write; .svg, .pdf or .png");
+  command.flag("--script", &options.script, "Print the gnuplot program instead of running it");
+  command.option("--title", &options.figure.title, "Title above the figure; none by default: papers have captions");
+  command.option("--width", &options.figure.width_cm, "Width in cm; the height follows")
+      .check(number_in(5, 100))
+      .shows_default();
 }
 
 }  // namespace gnomon::app

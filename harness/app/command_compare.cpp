@@ -86,28 +86,7 @@ void add_compare(Program& program) {
       command.option("--live", &options.other, "Another gnomon: runs both side by side and compares, this one the contender")
           .type_name("PROGRAM");
   command.option("--suite", &options.suite, "With --live: suite name or .toml file; quick by default").needs(live);
-  command.option("--scene", &options.scenes, "With --live: scene ids or files, instead of a suite").needs(live);
-  command.option("--technique", &options.techniques, "With --live: ID:param=value,...; {a,b} sweeps a value")
-      .delimiter(';')
-      .needs(live);
-  command.option("--light", &options.lights, "With --live: light names").delimiter(',').needs(live);
-  command.option("--filter", &options.filter, "With --live: only rows whose 'SCENE LIGHT [PATH] TECHNIQUE:SETTINGS' matches")
-      .needs(live);
-  command.option("--size", &options.size, "With --live: picture size in pixels, WxH").needs(live);
-  command.option("--processes", &options.processes, "With --live: fresh processes per contender and program")
-      .check(whole_in(1, 1000))
-      .needs(live);
-  command.option("--repetitions", &options.repetitions, "With --live: timed repetitions per process")
-      .check(whole_in(1, 1000))
-      .needs(live);
-  command.option("--interval", &options.interval, "With --live: more processes until intervals are this share of the time")
-      .check(number_in(0.001, 10))
-      .needs(live);
-  command.option("--budget", &options.budget, "With --live: seconds that those may take").check(seconds()).needs(live);
-  command.option("--threads", &options.threads, "With --live: pin workers to this many cores; all by default").needs(live);
-  command.option("--timeout", &options.timeout, "With --live: seconds that one step of a worker may take")
-      .check(seconds())
-      .needs(live);
+  add_suite_options(command, options, "With --live: ", live);
   command.option("--out", &options.out, "With --live: folder for the two runs; runs/live-TIME by default").needs(live);
   command.flag("--quiet", &options.quiet, "No progress");
 }

@@ -123,21 +123,9 @@ void add_run(Program& program) {
   auto [command, options] = program.line.command<Options>("run", "A suite, or any scenes and techniques: costs, errors, tables",
                                                           [&program](const Options& read) { return run(read, program); });
   command.option("suite", &options.suite, "Suite name, or a .toml file");
-  command.option("--scene", &options.scenes, "Scene ids or files, instead of a suite");
-  command.option("--technique", &options.techniques, "ID:param=value,...; {a,b} sweeps a value").delimiter(';');
-  command.option("--light", &options.lights, "Light names; the suite's, or all of each scene, by default").delimiter(',');
+  add_suite_options(command, options);
   command.option("--out", &options.out, "Folder to write to; runs/NAME-TIME by default");
-  command.option("--filter", &options.filter,
-                 "Only rows whose 'SCENE LIGHT [PATH] TECHNIQUE:SETTINGS' matches this expression");
-  command.option("--size", &options.size, "Picture size in pixels, WxH");
   command.option("--truth", &options.truth, "What counts in the headline: shape | mesh");
-  command.option("--repetitions", &options.repetitions, "Timed repetitions per process").check(whole_in(1, 1000));
-  command.option("--processes", &options.processes, "Fresh processes per contender").check(whole_in(1, 1000));
-  command.option("--threads", &options.threads, "Pin workers to this many cores; all by default");
-  command.option("--interval", &options.interval, "More processes until intervals are this share of the time wide")
-      .check(number_in(0.001, 10));
-  command.option("--budget", &options.budget, "Seconds that those processes may take").check(seconds());
-  command.option("--timeout", &options.timeout, "Seconds that one step of a worker may take").check(seconds());
   command.option("--shard", &options.shard, "I/N: part I of N of the rows, 0 <= I < N; gnomon merge joins them");
   const Option resume = command.flag("--resume", &options.resume, "Continue in --out; rows that are there are not run again");
   command.flag("--retry-failed", &options.retry_failed, "With --resume: rows that failed are run again").needs(resume);

@@ -9,29 +9,20 @@ namespace gnomon::app {
 
 namespace fs = std::filesystem;
 
-StagedFolder::StagedFolder(fs::path staged, fs::path out) : path(std::move(staged)), out_(std::move(out)) {}
-
-StagedFolder StagedFolder::beside(const fs::path& out) {
+StagedFolder::StagedFolder(const fs::path& target, bool is_file)
+    : path(fs::absolute(target).parent_path() / fmt::format(".{}.{}.part", target.filename().string(), getpid())),
+      out_(is_file ? path.parent_path() : target) {
   std::error_code code;
-  const fs::path parent = fs::absolute(out).parent_path();
-  fs::create_directories(parent, code);
-  if (!code && fs::exists(out) && !fs::is_directory(out)) code = std::make_error_code(std::errc::not_a_directory);
-  const fs::path staged = parent / fmt::format(".{}.{}.part", out.filename().string(), getpid());
-  if (!code) fs::create_directories(staged, code);
-  if (code) throw Error("output folder {} cannot be made: {}", out.string(), code.message());
-  return StagedFolder(staged, out);
+  fs::create_directories(path.parent_path(), code);
+  if (!code && fs::exists(target) && fs::is_directory(target) == is_file)
+    code = std::make_error_code(is_file ? std::errc::is_a_directory : std::errc::not_a_directory);
+  if (!code) fs::create_directories(path, code);
+  if (code && is_file) throw Error("{} cannot be written: {}", target.string(), code.message());
+  if (code) throw Error("output folder {} cannot be made: {}", target.string(), code.message());
 }
 
-StagedFolder StagedFolder::for_file(const fs::path& file) {
-  std::error_code code;
-  const fs::path parent = fs::absolute(file).parent_path();
-  fs::create_directories(parent, code);
-  if (!code && fs::is_directory(file)) code = std::make_error_code(std::errc::is_a_directory);
-  const fs::path staged = parent / fmt::format(".{}.{}.part", file.filename().string(), getpid());
-  if (!code) fs::create_directories(staged, code);
-  if (code) throw Error("{} cannot be written: {}", file.string(), code.message());
-  return StagedFolder(staged, parent);
-}
+StagedFolder StagedFolder::beside(const fs::path& out) { return {out, false}; }
+StagedFolder StagedFolder::for_file(const fs::path& file) { return {file, true}; }
 
 StagedFolder::~StagedFolder() {
   std::error_code ignored;

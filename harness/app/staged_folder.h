@@ -20,7 +20,7 @@ class StagedFolder {
   const std::filesystem::path path;
 
  private:
-  StagedFolder(std::filesystem::path staged, std::filesystem::path out);
+  StagedFolder(const std::filesystem::path& target, bool is_file);
 
   const std::filesystem::path out_;
 };

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "app/command_line.h"
 #include "measure/run/suite.h"
 
 namespace gnomon::app {
@@ -14,6 +15,11 @@ struct SuiteOptions {
   int repetitions = 0, processes = 0, threads = 0;  ///< 0: as the suite says; for threads, all cores
   std::optional<double> timeout, interval, budget;
 };
+
+/// Adds what both commands take; `when`, "With --live: ", stands before what the help says of each. Where they are for another
+/// option only, `needed` is that one.
+void add_suite_options(Command& command, SuiteOptions& options, const std::string& when = "",
+                       const std::optional<Option>& needed = std::nullopt);
 
 /// The suite with what the options change of it; a light, a size or a truth that is given replaces those of all its groups.
 /// Throws Error, which begins with `command`, when the options name neither a suite nor scenes and techniques.
