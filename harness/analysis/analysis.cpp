@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <regex>
 
 #include "measure/cause/causes.h"
@@ -22,12 +21,6 @@ double median_in_place(std::span<double> values) {
   std::nth_element(values.begin(), middle, values.end());
   if (values.size() % 2 == 1) return *middle;
   return (*middle + *std::max_element(values.begin(), middle)) / 2;
-}
-
-std::optional<double> number_from(std::string_view text) {
-  double value = 0;
-  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return code == std::errc{} && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
 }
 
 }  // namespace
@@ -151,6 +144,12 @@ std::string title(const Place& place, std::span<const Place> all) {
   if (varies(&Place::width) || varies(&Place::height)) text += fmt::format(", {} x {}", place.width, place.height);
   if (varies(&Place::truth)) text += fmt::format(", {} truth", name(place.truth));
   return text;
+}
+
+std::optional<double> number_from(std::string_view text) {
+  double value = 0;
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return code == std::errc{} && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
 }
 
 std::vector<std::pair<std::string, std::string>> split_settings(std::string_view settings) {

@@ -75,6 +75,8 @@ std::vector<Place> places_of(std::span<const Record> records);
 /// "bunny, point", and of view, path, size and truth what varies among `all`.
 std::string title(const Place& place, std::span<const Place> all);
 
+/// The number that the whole text is; nothing when it is none.
+std::optional<double> number_from(std::string_view text);
 /// "a=1,b=2" into pairs.
 std::vector<std::pair<std::string, std::string>> split_settings(std::string_view settings);
 /// "soup:count=5,seed=2" is "soup" and "count=5,seed=2"; a file's path has no settings.

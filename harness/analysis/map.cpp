@@ -1,7 +1,6 @@
 #include "analysis/map.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cstring>
 #include <map>
 
@@ -10,12 +9,6 @@ namespace gnomon {
 namespace {
 
 using Values = std::map<std::string, std::string>;  // by parameter
-
-std::optional<double> number_of(const std::string& text) {
-  double value = 0;
-  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return code == std::errc{} && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
-}
 
 /// "1.0" and "1" are the same number: the shorter one is shown.
 std::string shown_value(const Json& value) {
@@ -31,9 +24,10 @@ struct Setting {
 
 /// Values of one parameter in the order that people expect.
 std::vector<std::string> ordered(std::vector<std::string> values) {
-  const bool are_numbers = std::all_of(values.begin(), values.end(), [](const auto& v) { return number_of(v).has_value(); });
+  const bool are_numbers = std::all_of(values.begin(), values.end(), [](const auto& v) { return number_from(v).has_value(); });
   if (are_numbers)
-    std::stable_sort(values.begin(), values.end(), [](const auto& a, const auto& b) { return *number_of(a) < *number_of(b); });
+    std::stable_sort(values.begin(), values.end(),
+                     [](const auto& a, const auto& b) { return *number_from(a) < *number_from(b); });
   return values;
 }
 
@@ -55,7 +49,7 @@ std::vector<std::string> natural_axes(const std::vector<Setting>& settings, cons
   for (const std::string& parameter : declared) {
     if (std::find(taken.begin(), taken.end(), parameter) != taken.end()) continue;
     const std::vector<std::string> values = values_of(settings, parameter);
-    if (values.size() > 1 && number_of(values.front())) candidates.emplace_back(values.size(), parameter);
+    if (values.size() > 1 && number_from(values.front())) candidates.emplace_back(values.size(), parameter);
   }
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<std::string> names;

@@ -3,7 +3,6 @@
 #include "app/app.h"
 #include "measure/frame/certify.h"
 #include "measure/frame/frame.h"
-#include "measure/frame/reference_support.h"
 #include "measure/paths.h"
 #include "measure/run/jobs.h"
 #include "measure/run/progress.h"

@@ -2,7 +2,6 @@
 #include "app/staged_folder.h"
 #include "measure/cause/causes.h"
 #include "measure/frame/frame.h"
-#include "measure/frame/reference_support.h"
 #include "measure/paths.h"
 #include "measure/picture/image_files.h"
 #include "measure/picture/picture.h"
@@ -107,8 +106,7 @@ int score(const ScoreOptions& options) {
   const Scene scene = load_scene(options.scene);
   require_names(options.scene, scene, options.lights,
                 options.view.empty() ? std::vector<std::string>() : std::vector{options.view});
-  const View& view = options.view.empty() ? scene.views.front()
-                                          : *std::ranges::find(scene.views, options.view, [](const View& v) { return v.name; });
+  const View& view = named_or_first(scene.views, options.view);
   const std::vector<Channel> channels = channels_of(options, scene);
   for (const Channel& channel : channels) require_reference(scene, channel.light, view);
   const auto [width, height] = image_files().exr_size(options.mask);

@@ -2,8 +2,6 @@
 #include <fmt/chrono.h>
 #include <gnomon/registry.h>
 
-#include <algorithm>
-
 #include "app/app.h"
 #include "app/viewer/application.h"
 #include "measure/run/jobs.h"
@@ -46,11 +44,8 @@ int view(const ViewerOptions& options, const WorkerOptions& workers) {
   result.scene = load_scene(options.scene);
   const auto names = [](const std::string& name) { return name.empty() ? std::vector<std::string>{} : std::vector{name}; };
   require_names(options.scene, result.scene, names(options.light), names(options.view));
-  const auto named = [](const auto& items, const std::string& name) {
-    return name.empty() ? items.front() : *std::ranges::find(items, name, [](const auto& item) { return item.name; });
-  };
-  selection.light = named(result.scene.lights, options.light);
-  selection.view = named(result.scene.views, options.view);
+  selection.light = named_or_first(result.scene.lights, options.light);
+  selection.view = named_or_first(result.scene.views, options.view);
   for (const std::string& note : result.scene.notes) fmt::print(stderr, "note: {}\n", note);
   result.out = options.out.empty() ? fs::path("runs") / fmt::format("view-{:%Y%m%d-%H%M%S}", fmt::localtime(std::time(nullptr)))
                                    : options.out;

@@ -1,6 +1,5 @@
 // Makes frames of what is selected: smaller ones while something moves, so that they keep up.
 #include <algorithm>
-#include <cmath>
 
 #include "app/viewer/compose.h"
 #include "app/viewer/engine_side.h"

@@ -2,8 +2,8 @@
 #include <algorithm>
 
 #include "app/viewer/engine_body.h"
+#include "measure/frame/frame.h"
 #include "measure/frame/light_rays.h"
-#include "measure/frame/reference_support.h"
 
 namespace gnomon::viewer {
 

@@ -1,6 +1,8 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <deque>
+#include <utility>
 
 namespace gnomon::viewer {
 
@@ -12,12 +14,18 @@ class FramePace {
   static constexpr double least_seconds = 1 / 60.0;  ///< from one frame to the next
 
   /// The window draws at least so many more frames.
-  void need(int count);
+  void need(int count) { left_ = std::max(left_, count); }
   int left() const { return left_; }
   /// When the next frame may be drawn. `is_waiting`: something moves, and there is no new answer to show yet.
-  double next(bool is_waiting) const;
+  double next(bool is_waiting) const {
+    constexpr double waiting_seconds = 1 / 25.0;
+    return begun_ + std::max(is_waiting ? waiting_seconds : least_seconds, 2 * cost_);
+  }
   /// Around drawing one.
-  void begin(double now);
+  void begin(double now) {
+    begun_ = now;
+    --left_;
+  }
   void end(double now) { cost_ = now - begun_; }
 
  private:
@@ -29,7 +37,10 @@ class FramePace {
 class FrameRate {
  public:
   /// What is shown now: the number of its frame, 0 for none.
-  void note(std::uint64_t number, double now);
+  void note(std::uint64_t number, double now) {
+    if (number > 0 && std::exchange(last_, number) != number) times_.push_back(now);
+    while (!times_.empty() && times_.front() < now - 1) times_.pop_front();
+  }
   std::size_t count() const { return times_.size(); }
 
  private:

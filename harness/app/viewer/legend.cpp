@@ -1,4 +1,3 @@
-#include <algorithm>
 
 #include "app/viewer/compose_parts.h"
 #include "measure/score/error_picture.h"

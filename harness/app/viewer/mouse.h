@@ -1,5 +1,4 @@
 #pragma once
-#include <cstddef>
 #include <glm/glm.hpp>
 #include <optional>
 #include <span>

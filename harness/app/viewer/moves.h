@@ -31,6 +31,8 @@ View look(const View& view, glm::dvec2 pixels, int height);
 /// Moves eye and target by `steps` of `step` meters: to the right, along the view's `up`, forward.
 View fly(const View& view, glm::dvec3 steps, double step);
 
+/// The position or center of a light; null of a directional one.
+glm::vec3* position_of(Light& light);
 /// Where the handle of the light is: its position, or center. That of a directional light is on an ellipsoid just around the
 /// scene's bounds, on the side that the light comes from.
 glm::dvec3 light_place(const Scene& scene, const Light& light);

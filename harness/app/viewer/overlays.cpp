@@ -5,6 +5,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "app/viewer/moves.h"
@@ -17,6 +18,7 @@ namespace gnomon::viewer {
 
 namespace {
 
+constexpr double quick_ms = 6;       // a search for silhouettes that takes no longer is waited for
 constexpr double near_share = 1e-3;  // what is nearer to the eye than this share of a segment's farther end is cut off
 
 /// Draws in pixels of the picture onto a list in units of Dear ImGui.
@@ -233,6 +235,51 @@ void Overlays::draw(const PixelRect& place, const Session& session, const Shown&
   draw_light(drawing, *scene, session.selection().light, shown_handle(session, composition, drawing.scale * unit));
   draw_notices(drawing, session, shown);
   list.PopClipRect();
+}
+
+SilhouetteFinder::~SilhouetteFinder() {
+  if (thread_.joinable()) thread_.join();
+}
+
+std::shared_ptr<const std::vector<Line>> SilhouetteFinder::find(const std::shared_ptr<const LoadedScene>& loaded,
+                                                                const Light& light) {
+  if (!is_searching_ && (searched_scene_ != loaded || !are_same(searched_light_, light))) {
+    if (thread_.joinable()) thread_.join();
+    const bool is_quick = adjacency_scene_ == loaded && search_ms_ < quick_ms;
+    searched_scene_ = loaded;
+    searched_light_ = light;
+    is_searching_ = true;
+    thread_ = std::thread([this, loaded, light] { search(loaded, light); });
+    if (is_quick) thread_.join();
+  }
+  const std::lock_guard lock(mutex_);
+  return found_for_ == loaded && are_same(found_light_, light) ? found_ : nullptr;
+}
+
+void SilhouetteFinder::search(std::shared_ptr<const LoadedScene> loaded, Light light) {
+  auto start = std::chrono::steady_clock::now();
+  auto lines = std::make_shared<std::vector<Line>>();
+  try {
+    if (adjacency_scene_ != loaded) {
+      adjacency_ = EdgeAdjacency(loaded->scene);
+      adjacency_scene_ = loaded;
+      start = std::chrono::steady_clock::now();
+    }
+    adjacency_.find_silhouette(homogeneous(light), silhouette_);
+    *lines = silhouette_lines(adjacency_, silhouette_);
+  } catch (const std::exception&) {
+    lines->clear();  // out of memory: the window goes on without silhouettes
+    adjacency_scene_.reset();
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    found_ = std::move(lines);
+    found_for_ = std::move(loaded);
+    found_light_ = light;
+  }
+  search_ms_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  is_searching_ = false;
+  changed_();
 }
 
 }  // namespace gnomon::viewer

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 
 #include "app/viewer/panels.h"
 #include "app/viewer/style.h"

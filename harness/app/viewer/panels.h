@@ -3,7 +3,6 @@
 
 #include <span>
 #include <string>
-#include <vector>
 
 #include "app/viewer/compose.h"
 #include "app/viewer/engine.h"
@@ -50,12 +49,10 @@ void draw_strip(const PixelRect& place, const Session& session, const Shown& sho
 /// All keys and what the mouse does, over everything.
 void draw_help(glm::ivec2 window, Session& session);
 
-// Parts of the two.
+// Parts of the strip.
 void draw_numbers(const Shown& shown, const Session& session);
 void draw_legend(const Shown& shown);
 void draw_magnifier(const Shown& shown, const Session& session);
-void draw_technique(int side, Session& session, Widgets& widgets);
-void draw_side_controls(int side, Session& session, const Shown& shown, Widgets& widgets);
 
 std::string title_of(const Session& session, int side);
 inline const char* side_name(int side) { return side == 0 ? "left" : "right"; }

@@ -5,7 +5,6 @@
 #include <imgui.h>
 
 #include "app/staged_folder.h"
-#include "measure/picture/picture.h"
 #include "measure/scene/blob.h"
 
 namespace gnomon::viewer {

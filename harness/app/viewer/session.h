@@ -86,8 +86,6 @@ class Session {
   void say(const std::string& text, bool is_warning = false);
   const std::string& message() const { return message_; }
   bool is_warning() const { return is_warning_; }
-  /// Seconds since the message.
-  double message_age() const;
 
  private:
   void carry_out(Action action);
@@ -103,7 +101,6 @@ class Session {
   double moving_until_ = 0;
   std::string message_;
   bool is_warning_ = false;
-  double message_time_ = -1e9;
   /// Techniques that were on a side keep their settings.
   std::map<std::string, std::shared_ptr<Technique>> known_[2];
   std::shared_ptr<Technique> technique_[2];

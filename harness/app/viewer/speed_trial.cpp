@@ -1,6 +1,5 @@
 #include "app/viewer/speed_trial.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "app/viewer/moves.h"

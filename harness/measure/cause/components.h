@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -14,6 +15,32 @@ struct Components {
 };
 
 /// 8-connected pixels with equal keys are one component; pixels whose key is `none` belong to nothing.
-Components connect(std::span<const std::uint32_t> keys, std::uint32_t none, int width, int height);
+inline Components connect(std::span<const std::uint32_t> keys, std::uint32_t none, int width, int height) {
+  Components result;
+  result.of.assign(keys.size(), no_component);
+  std::vector<std::size_t> open;
+  for (std::size_t seed = 0; seed < keys.size(); ++seed) {
+    if (keys[seed] == none || result.of[seed] != no_component) continue;
+    const auto number = static_cast<std::uint32_t>(result.size.size());
+    std::uint32_t size = 0;
+    open.push_back(seed);
+    result.of[seed] = number;
+    while (!open.empty()) {
+      const std::size_t i = open.back();
+      open.pop_back();
+      ++size;
+      const int x = static_cast<int>(i % width), y = static_cast<int>(i / width);
+      for (int ny = std::max(0, y - 1); ny <= std::min(height - 1, y + 1); ++ny)
+        for (int nx = std::max(0, x - 1); nx <= std::min(width - 1, x + 1); ++nx) {
+          const std::size_t j = static_cast<std::size_t>(ny) * width + nx;
+          if (keys[j] != keys[seed] || result.of[j] != no_component) continue;
+          result.of[j] = number;
+          open.push_back(j);
+        }
+    }
+    result.size.push_back(size);
+  }
+  return result;
+}
 
 }  // namespace gnomon

@@ -2,8 +2,6 @@
 
 #include <tbb/parallel_for.h>
 
-#include <cmath>
-
 #include "measure/frame/light_rays.h"
 #include "measure/frame/ray_packets.h"
 

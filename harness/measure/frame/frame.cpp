@@ -1,11 +1,11 @@
 #include "measure/frame/frame.h"
 
 #include <gnomon/error.h>
+#include <gnomon/registry.h>
 
 #include <algorithm>
 
 #include "measure/frame/light_rays.h"
-#include "measure/frame/reference_support.h"
 #include "measure/frame/snapping.h"
 
 namespace gnomon {
@@ -134,6 +134,16 @@ Reference FrameStore::reference(const FrameKey& key, const Light& light) {
   reference.snapping = slice<std::uint8_t>(*file, offset, n);
   reference.storage = file;
   return reference;
+}
+
+Support reference_support(const Scene& scene, const Light& light, const View& view) {
+  const Support support = registry().reference().make()->supports(scene, light, view);
+  return support ? support : Support::unsupported(fmt::format("the reference has no answer: {}", support.why()));
+}
+
+void require_reference(const Scene& scene, const Light& light, const View& view) {
+  if (const Support support = reference_support(scene, light, view); !support)
+    throw Error("scene {}, light {}: {}", scene.name, light.name, support.why());
 }
 
 }  // namespace gnomon

@@ -8,11 +8,9 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <sstream>
 #include <unordered_map>
 
 #include "measure/record/record.h"
-#include "measure/record/withdraw.h"
 #include "measure/scene/blob.h"
 
 namespace gnomon {

@@ -5,7 +5,6 @@
 #include <map>
 #include <set>
 
-#include "measure/record/withdraw.h"
 #include "measure/run/enough.h"
 #include "measure/run/row_record.h"
 #include "measure/run/timing.h"

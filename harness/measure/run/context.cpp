@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 #include <tbb/version.h>
 
-#include <cstdlib>
 #include <fstream>
 #include <thread>
 

@@ -6,11 +6,10 @@
 #include <map>
 #include <memory>
 
-#include "measure/frame/reference_support.h"
+#include "measure/frame/frame.h"
 #include "measure/paths.h"
 #include "measure/picture/image_files.h"
 #include "measure/picture/picture.h"
-#include "measure/record/withdraw.h"
 #include "measure/scene/load.h"
 #include "measure/score/score.h"
 

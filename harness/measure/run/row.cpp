@@ -3,7 +3,7 @@
 #include <gnomon/registry.h>
 
 #include "measure/cause/causes.h"
-#include "measure/frame/reference_support.h"
+#include "measure/frame/frame.h"
 
 namespace gnomon {
 

@@ -3,7 +3,6 @@
 #include <gnomon/error.h>
 #include <gnomon/registry.h>
 
-#include <algorithm>
 #include <charconv>
 #include <regex>
 

@@ -3,7 +3,6 @@
 
 #include <gnomon/registry.h>
 
-#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <set>

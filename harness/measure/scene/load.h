@@ -2,6 +2,7 @@
 #include <gnomon/error.h>
 #include <gnomon/scene.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -17,6 +18,13 @@ class SceneNotFetched : public Error {
 /// described scene (stem of a file in scenes/*.toml), or the path of a .toml or mesh file. Lights and views are there
 /// afterwards: the scene's own, else the framing default, stated in `notes`. Throws Error on bad input, SceneNotFetched.
 Scene load_scene(const std::string& reference);
+
+/// The light or view of that name, else the first.
+template <class Item>
+const Item& named_or_first(const std::vector<Item>& items, const std::string& name) {
+  const auto found = std::ranges::find(items, name, &Item::name);
+  return found == items.end() ? items.front() : *found;
+}
 
 /// Whether a reference names a file, of a description, of meshes, or anything with a slash in it; else it is an id.
 bool names_file(const std::string& reference);

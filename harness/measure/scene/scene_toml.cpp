@@ -2,7 +2,6 @@
 #include <gnomon/kit/shapes.h>
 
 #include <fstream>
-#include <set>
 
 #include "measure/scene/base_scene.h"
 #include "measure/scene/load.h"

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "measure/frame/boundary.h"
 #include "measure/score/metrics_area.h"

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "measure/cause/causes.h"
-#include "measure/score/metrics_displacement.h"
 
 namespace gnomon {
 
@@ -48,6 +47,11 @@ struct Softness {
   std::optional<double> band_mean, band_rms;        ///< of |mask - reference| over T in the band
   std::optional<double> outside_mean, outside_rms;  ///< over the rest of T
   std::optional<double> umbra_ratio, penumbra_ratio, width_ratio, shift, noise;
+};
+
+/// Distances in pixels between the shadow boundaries of technique and reference, both ways; none when one side has none.
+struct Displacement {
+  std::optional<double> mean, p95;
 };
 
 /// How different the shaded pictures of mask and reference look.
@@ -90,6 +94,7 @@ struct MetricInfo {
 std::span<const MetricInfo> metric_infos();
 
 // The bodies of what a Scoring makes, where they fill a file of their own.
+Displacement measure_displacement(const Evidence& evidence);
 Softness measure_softness(const Evidence& evidence);
 Likeness measure_likeness(const Evidence& evidence);
 

@@ -1,6 +1,4 @@
 // How far the technique's shadow boundary lies from the reference's.
-#include "measure/score/metrics_displacement.h"
-
 #include <algorithm>
 #include <numeric>
 

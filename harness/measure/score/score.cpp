@@ -3,7 +3,6 @@
 #include <gnomon/error.h>
 
 #include <cassert>
-#include <cmath>
 #include <cstring>
 
 namespace gnomon {

@@ -123,20 +123,6 @@ std::optional<Estimate> bootstrap(const ProcessTimes& times) {
   return estimate(*median_of_medians(kept), [&] { return resampler.draw(random); });
 }
 
-std::optional<Estimate> bootstrap_ratio(const ProcessTimes& contender, const ProcessTimes& base) {
-  const ProcessTimes top = without_empty(contender), bottom = without_empty(base);
-  if (top.size() < 2 || bottom.size() < 2) return std::nullopt;
-  for (const std::vector<double>& process : bottom)
-    for (const double time : process)
-      if (!(time > 0)) return std::nullopt;
-  Random random = resampling();
-  Resampler top_resampler(top), bottom_resampler(bottom);
-  return estimate(*median_of_medians(top) / *median_of_medians(bottom), [&] {
-    const double numerator = top_resampler.draw(random);
-    return numerator / bottom_resampler.draw(random);
-  });
-}
-
 double student_tail(double t, double freedom) {
   assert(freedom > 0);
   if (std::isnan(t)) return t;

@@ -36,10 +36,6 @@ std::optional<double> median_of_medians(const ProcessTimes& times);
 /// nothing about the next. n processes can cover at most 1 - 2^(1-n): 94 % for 5, but 75 % for 3. Same times, same interval.
 std::optional<Estimate> bootstrap(const ProcessTimes& times);
 
-/// contender / base of the medians of process medians, with the interval from resampling both independently; nothing below
-/// two processes on either side, or when a base time is not positive.
-std::optional<Estimate> bootstrap_ratio(const ProcessTimes& contender, const ProcessTimes& base);
-
 /// P(T > t) for Student's t with `freedom` > 0 degrees of freedom, which need not be whole.
 double student_tail(double t, double freedom);
 /// The t with P(T > t) = tail, 0 < tail < 1.

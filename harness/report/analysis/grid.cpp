@@ -1,7 +1,6 @@
 #include "report/analysis/grid.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "measure/json.h"
 #include "report/table/digits.h"

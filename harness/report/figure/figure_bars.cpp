@@ -1,6 +1,5 @@
 // Bars in pieces, one a setting: cost by stage, and wrong pixels by cause.
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "measure/cause/causes.h"

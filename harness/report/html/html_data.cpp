@@ -1,6 +1,5 @@
 #include "report/html/html_data.h"
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>

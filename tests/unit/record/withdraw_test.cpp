@@ -1,7 +1,6 @@
-#include "measure/record/withdraw.h"
-
 #include <gtest/gtest.h>
 
+#include "measure/record/record.h"
 #include "measure/scene/blob.h"
 #include "measure/scratch_folder.h"
 

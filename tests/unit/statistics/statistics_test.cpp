@@ -103,23 +103,6 @@ TEST(bootstrap, repetitions_do_not_narrow_the_interval_below_the_spread_of_proce
   EXPECT_NEAR(coverage(5, 5, 1, 0.1, 500), 0.9375, 0.042);
 }
 
-TEST(bootstrap, ratio_is_that_of_the_medians_and_scales_with_either_side) {
-  const ProcessTimes base{{2}, {2.2}, {1.8}, {2.1}, {1.9}}, slow{{6}, {6.6}, {5.4}, {6.3}, {5.7}};
-  const Estimate ratio = *bootstrap_ratio(slow, base);
-  EXPECT_DOUBLE_EQ(ratio.value, 3);
-  // Each side lies in [min, max], so the ratio lies in [5.4 / 2.2, 6.6 / 1.8]; 3 must be inside.
-  EXPECT_GE(ratio.low, 5.4 / 2.2);
-  EXPECT_LE(ratio.high, 6.6 / 1.8);
-  EXPECT_LT(ratio.low, 3);
-  EXPECT_GT(ratio.high, 3);
-}
-
-TEST(bootstrap, ratio_without_its_interval_is_not_given) {
-  EXPECT_EQ(bootstrap_ratio({{1, 2}}, {{1}, {2}}), std::nullopt);
-  EXPECT_EQ(bootstrap_ratio({{1}, {2}}, {{1}}), std::nullopt);
-  EXPECT_EQ(bootstrap_ratio({{1}, {2}}, {{1}, {0}}), std::nullopt);
-}
-
 TEST(student, tails_are_those_of_the_tables) {
   // One degree of freedom is Cauchy's distribution: 1/2 - atan(t) / pi. Two: 1/2 - t / (2 sqrt(2 + t^2)).
   for (const double t : {-3.0, -0.5, 0.0, 0.1, 1.0, 7.0, 1000.0}) {
