@@ -30,11 +30,11 @@ Sample::Sample(std::vector<ProcessTimes> stages) : stages_(std::move(stages)) {
 }
 
 bool Sample::is_timed() const {
-  return !stages_.empty() && std::none_of(stages_.begin(), stages_.end(), [](const auto& stage) { return stage.empty(); });
+  return !stages_.empty() && std::ranges::none_of(stages_, [](const auto& stage) { return stage.empty(); });
 }
 
 bool Sample::has_processes() const {
-  return is_timed() && std::all_of(stages_.begin(), stages_.end(), [](const auto& stage) { return stage.size() >= 2; });
+  return is_timed() && std::ranges::all_of(stages_, [](const auto& stage) { return stage.size() >= 2; });
 }
 
 double Sample::value() const {
@@ -69,7 +69,7 @@ ValueWithInterval bootstrap(std::span<const Sample> samples, const std::function
   std::vector<double> values;
   for (const Sample& sample : samples) values.push_back(sample.value());
   const double value = statistic(values);
-  const bool has_interval = std::all_of(samples.begin(), samples.end(), [](const Sample& s) { return s.has_processes(); });
+  const bool has_interval = std::ranges::all_of(samples, [](const Sample& s) { return s.has_processes(); });
   if (!has_interval || samples.empty()) return ValueWithInterval(value);
   Random random(1);
   std::vector<double> resamples(resample_count);
@@ -135,7 +135,7 @@ std::vector<Place> places_of(std::span<const Record> records) {
 
 std::string title(const Place& place, std::span<const Place> all) {
   const auto varies = [&](auto member) {
-    return std::any_of(all.begin(), all.end(), [&](const Place& other) { return other.*member != place.*member; });
+    return std::ranges::any_of(all, [&](const Place& other) { return other.*member != place.*member; });
   };
   std::string text = place.scene;
   if (!place.light.empty()) text += ", " + place.light;
@@ -219,7 +219,7 @@ std::vector<std::string> quantity_names(std::span<const Record> records) {
 
 void require_quantity(std::span<const Record> records, std::string_view wanted) {
   const std::vector<std::string> names = quantity_names(records);
-  if (std::find(names.begin(), names.end(), wanted) != names.end()) return;
+  if (std::ranges::find(names, wanted) != names.end()) return;
   if (names.empty()) throw Error("there is no {}: no row of these records was measured", wanted);
   throw Error("there is no {}; did you mean {}? There are: {}", wanted, nearest_word(wanted, names), joined(names, ", "));
 }

@@ -43,8 +43,7 @@ std::map<std::string, std::set<std::string>> growing_parameters(std::span<const 
             }
           if (triangles_a == triangles_b || differing.empty() || (is_single && differing.size() > 1)) continue;
           std::set<std::string>& known = growing[id];
-          const bool is_explained =
-              std::any_of(differing.begin(), differing.end(), [&](const std::string& key) { return known.contains(key); });
+          const bool is_explained = std::ranges::any_of(differing, [&](const std::string& key) { return known.contains(key); });
           if (!is_explained) known.insert(differing.begin(), differing.end());
         }
   }
@@ -63,8 +62,8 @@ std::string setting_without(const Record& r, const std::string& parameter) {
 /// label that some rows have names a value of the axis.
 std::string series_name(const AxisSeries& series, const std::string& parameter) {
   const Record& first = *series.rows.front().second;
-  const bool share_label = first.label && std::all_of(series.rows.begin(), series.rows.end(),
-                                                      [&](const auto& row) { return row.second->label == first.label; });
+  const bool share_label =
+      first.label && std::ranges::all_of(series.rows, [&](const auto& row) { return row.second->label == first.label; });
   return share_label && series.rows.size() > 1 ? *first.label : setting_without(first, parameter);
 }
 
@@ -77,7 +76,7 @@ bool is_of_techniques(std::span<const Record> records, const std::string& axis) 
     if (const auto found = r.parameters.find(axis); found != r.parameters.end()) values[r.technique].insert(json_text(*found));
     is_of_scenes = is_of_scenes || scene_parameter(r.scene, axis).has_value();
   }
-  return std::any_of(values.begin(), values.end(), [&](const auto& one) { return one.second.size() > 1 || !is_of_scenes; });
+  return std::ranges::any_of(values, [&](const auto& one) { return one.second.size() > 1 || !is_of_scenes; });
 }
 
 std::string unit_in(const Parametrized& owner, std::string_view parameter) {

@@ -17,13 +17,12 @@ std::string_view name(Verdict verdict) {
 
 bool RowChange::differs() const {
   const auto called = [](const StageChange& s) { return s.verdict == Verdict::faster || s.verdict == Verdict::slower; };
-  return !base || !contender || !notes.empty() || !metrics.empty() || std::any_of(stages.begin(), stages.end(), called);
+  return !base || !contender || !notes.empty() || !metrics.empty() || std::ranges::any_of(stages, called);
 }
 
 bool RowChange::regressed() const {
   const auto is_bad = [](const auto& change) { return change.is_regression; };
-  return is_regression || std::any_of(stages.begin(), stages.end(), is_bad) ||
-         std::any_of(metrics.begin(), metrics.end(), is_bad);
+  return is_regression || std::ranges::any_of(stages, is_bad) || std::ranges::any_of(metrics, is_bad);
 }
 
 Comparison::Counts Comparison::counts() const {
@@ -63,8 +62,7 @@ std::string all_values(std::span<const Record> records, const char* key) {
   std::vector<std::string> values;
   for (const Record& record : records)
     if (const auto found = record.context.find(key); found != record.context.end() && !found->is_null())
-      if (std::string text = plain(*found); std::find(values.begin(), values.end(), text) == values.end())
-        values.push_back(std::move(text));
+      if (std::string text = plain(*found); std::ranges::find(values, text) == values.end()) values.push_back(std::move(text));
   return values.empty() ? "-" : joined(values, ", ");
 }
 

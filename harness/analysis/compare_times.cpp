@@ -64,7 +64,7 @@ void judge_contenders(Comparison& result, const std::vector<LogDifference>& diff
   const auto enter = [&](std::size_t k, const std::string& contender) {
     const auto stage = static_cast<Stage>(differences[k].kind);
     const auto same = [&](const OverallChange& c) { return c.contender == contender && c.stage == stage; };
-    const auto found = std::find_if(changes.begin(), changes.end(), same);
+    const auto found = std::ranges::find_if(changes, same);
     groups.push_back(static_cast<int>(found - changes.begin()));
     members.push_back(differences[k]);
     if (found == changes.end()) {

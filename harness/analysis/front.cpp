@@ -56,7 +56,7 @@ Candidate mean_of(const std::vector<const Record*>& rows, const FieldOptions& op
     }
     if (cost != Cost::bytes) return bootstrap(samples, geometric_mean);
     // One zero makes a geometric mean zero: a technique that holds no bytes on some scene costs none.
-    const bool is_nothing = std::any_of(sizes.begin(), sizes.end(), [](double size) { return size <= 0; });
+    const bool is_nothing = std::ranges::any_of(sizes, [](double size) { return size <= 0; });
     return ValueWithInterval(is_nothing ? 0 : geometric_mean(sizes));
   };
   for (const Record* row : rows) candidate.error += *quantity(*row, options.error) / static_cast<double>(rows.size());
@@ -76,8 +76,8 @@ Field overall(std::vector<std::pair<std::string, Rows>> settings, const FieldOpt
     for (const auto& [key, rows] : settings)
       std::erase_if(common, [&, &rows = rows](const Place& place) { return !rows.contains(place); });
     if (!common.empty()) break;
-    const auto fewest = std::min_element(settings.begin(), settings.end(),
-                                         [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
+    const auto fewest =
+        std::ranges::min_element(settings, [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
     field.notes.push_back(fmt::format("left out: {}, which finished only {} of the places",
                                       setting_name(*fewest->second.begin()->second), fewest->second.size()));
     settings.erase(fewest);
@@ -129,12 +129,12 @@ std::vector<Field> find_fields(std::span<const Record> records, const FieldOptio
     const auto [found, is_new] = places.try_emplace(place_of(r), fields.size());
     if (is_new) fields.push_back({.place = place_of(r), .places = 1, .candidates = {}, .notes = {}});
     fields[found->second].candidates.push_back(candidate_of(r, options));
-    const auto known = std::find_if(settings.begin(), settings.end(), [&](const auto& s) { return s.first == setting_key(r); });
+    const auto known = std::ranges::find_if(settings, [&](const auto& s) { return s.first == setting_key(r); });
     Rows& rows = known == settings.end() ? settings.emplace_back(setting_key(r), Rows()).second : known->second;
     rows.try_emplace(place_of(r), &r);
   }
   const auto competes = [](const Candidate& c) { return c.role == Role::contender; };
-  if (std::none_of(fields.begin(), fields.end(), [&](const Field& f) { return std::ranges::any_of(f.candidates, competes); }))
+  if (std::ranges::none_of(fields, [&](const Field& f) { return std::ranges::any_of(f.candidates, competes); }))
     throw Error("there is nothing to rank: no contender finished with a {}", options.error);
   for (Field& field : fields) add_relative_costs(field);
   if (fields.size() > 1) fields.push_back(overall(std::move(settings), options));

@@ -16,7 +16,7 @@ struct Points {
 
 Growth fit(const AxisSeries& series, std::string stage, Points points) {
   Growth growth{.place = series.place, .setting = series.setting, .role = series.role, .stage = std::move(stage)};
-  std::stable_sort(points.sums.begin(), points.sums.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::ranges::stable_sort(points.sums, [](const auto& a, const auto& b) { return a.first < b.first; });
   const auto sum_of = [](std::span<const double> values, const std::vector<std::size_t>& terms) {
     double sum = 0;
     for (const std::size_t term : terms) sum += values[term];
@@ -99,8 +99,7 @@ void add_lights(const std::vector<AxisSeries>& all, Growths& growths) {
         points.samples.push_back(Sample(std::move(times)));
         points.sums.push_back({x, terms});
       }
-      const bool is_timed =
-          std::all_of(points.samples.begin(), points.samples.end(), [](const Sample& s) { return s.is_timed(); });
+      const bool is_timed = std::ranges::all_of(points.samples, [](const Sample& s) { return s.is_timed(); });
       if (is_timed) growths.rows.push_back(fit(series, std::string(stage), std::move(points)));
     }
   }
@@ -150,7 +149,7 @@ PowerLaw fit_power_law(std::span<const double> x, std::span<const double> y) {
 
 Growths find_growth(std::span<const Record> records, const std::string& axis) {
   const std::vector<std::string> names = axis_names(records);
-  if (std::find(names.begin(), names.end(), axis) == names.end())
+  if (std::ranges::find(names, axis) == names.end())
     throw Error("there is no axis {}; did you mean {}? There are: {}", axis, nearest_word(axis, names), joined(names, ", "));
   std::vector<AxisSeries> all = join_series(records, axis, [](const Record& r) { return r.status == Status::ok; });
   // No logarithm, no point.

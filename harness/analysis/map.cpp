@@ -24,10 +24,9 @@ struct Setting {
 
 /// Values of one parameter in the order that people expect.
 std::vector<std::string> ordered(std::vector<std::string> values) {
-  const bool are_numbers = std::all_of(values.begin(), values.end(), [](const auto& v) { return number_from(v).has_value(); });
+  const bool are_numbers = std::ranges::all_of(values, [](const auto& v) { return number_from(v).has_value(); });
   if (are_numbers)
-    std::stable_sort(values.begin(), values.end(),
-                     [](const auto& a, const auto& b) { return *number_from(a) < *number_from(b); });
+    std::ranges::stable_sort(values, [](const auto& a, const auto& b) { return *number_from(a) < *number_from(b); });
   return values;
 }
 
@@ -36,7 +35,7 @@ std::vector<std::string> values_of(const std::vector<Setting>& settings, const s
   std::vector<std::string> values;
   for (const Setting& setting : settings) {
     const auto found = setting.values.find(parameter);
-    if (found != setting.values.end() && std::find(values.begin(), values.end(), found->second) == values.end())
+    if (found != setting.values.end() && std::ranges::find(values, found->second) == values.end())
       values.push_back(found->second);
   }
   return ordered(std::move(values));
@@ -47,11 +46,11 @@ std::vector<std::string> natural_axes(const std::vector<Setting>& settings, cons
                                       std::span<const std::string> taken) {
   std::vector<std::pair<std::size_t, std::string>> candidates;
   for (const std::string& parameter : declared) {
-    if (std::find(taken.begin(), taken.end(), parameter) != taken.end()) continue;
+    if (std::ranges::find(taken, parameter) != taken.end()) continue;
     const std::vector<std::string> values = values_of(settings, parameter);
     if (values.size() > 1 && number_from(values.front())) candidates.emplace_back(values.size(), parameter);
   }
-  std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::ranges::stable_sort(candidates, [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<std::string> names;
   for (const auto& [count, parameter] : candidates) names.push_back(parameter);
   return names;
@@ -73,7 +72,7 @@ Axes choose_axes(const std::vector<Setting>& settings, const std::vector<std::st
   std::vector<std::string> varying;
   for (const std::string& parameter : declared)
     if (values_of(settings, parameter).size() > 1) varying.push_back(parameter);
-  const auto varies = [&](const std::string& p) { return std::find(varying.begin(), varying.end(), p) != varying.end(); };
+  const auto varies = [&](const std::string& p) { return std::ranges::find(varying, p) != varying.end(); };
   if (axes.x.empty() && !varying.empty()) axes.x = varying.front();
   if (!varies(axes.x)) return {};
   if (!varies(axes.y)) axes.y.clear();
@@ -105,7 +104,7 @@ Map make_map(const std::vector<const Setting*>& members, const Axes& axes, const
   map.places = places.size();
   for (const std::string& facet : axes.facets) map.facet.emplace_back(facet, members.front()->values.at(facet));
   const auto index = [](const std::vector<std::string>& values, const std::string& value) {
-    return static_cast<std::size_t>(std::find(values.begin(), values.end(), value) - values.begin());
+    return static_cast<std::size_t>(std::ranges::find(values, value) - values.begin());
   };
   for (const Setting* member : members) {
     double sum = 0;
@@ -138,7 +137,7 @@ void make_technique_maps(const std::string& technique, const std::vector<Setting
   for (const Setting& setting : settings) {
     std::vector<std::string> key;
     for (const std::string& facet : axes.facets) key.push_back(setting.values.at(facet));
-    const auto found = std::find_if(by_facet.begin(), by_facet.end(), [&](const auto& one) { return one.first == key; });
+    const auto found = std::ranges::find_if(by_facet, [&](const auto& one) { return one.first == key; });
     (found == by_facet.end() ? by_facet.emplace_back(key, std::vector<const Setting*>()) : *found).second.push_back(&setting);
   }
   for (const auto& [key, members] : by_facet) {
@@ -151,9 +150,9 @@ void make_technique_maps(const std::string& technique, const std::vector<Setting
 /// The rows of one technique as settings, in order of appearance, with the parameters that any of them has.
 struct TechniqueRows {
   std::string id;
-  std::vector<std::string> parameters;
-  std::vector<std::string> order;           ///< keys of `settings`
-  std::map<std::string, Setting> settings;  ///< by all values
+  std::vector<std::string> parameters = {};
+  std::vector<std::string> order = {};           ///< keys of `settings`
+  std::map<std::string, Setting> settings = {};  ///< by all values
 };
 
 /// Throws Error on a parameter that stands for two axes.
@@ -167,7 +166,7 @@ void require_different_axes(const MapOptions& options) {
 }
 
 void add_once(std::vector<std::string>& list, const std::string& one) {
-  if (std::find(list.begin(), list.end(), one) == list.end()) list.push_back(one);
+  if (std::ranges::find(list, one) == list.end()) list.push_back(one);
 }
 
 /// Enters a row. A scene or light that is an axis is no part of the place that a mean is taken over.
@@ -209,7 +208,7 @@ std::vector<Map> make_maps(std::span<const Record> records, const MapOptions& op
   for (const TechniqueRows& technique : techniques)
     for (const std::string& parameter : technique.parameters) add_once(known, parameter);
   for (const std::string& name : {options.x, options.y, options.facet})
-    if (!name.empty() && std::find(known.begin(), known.end(), name) == known.end())
+    if (!name.empty() && std::ranges::find(known, name) == known.end())
       throw Error("there is no parameter {}; did you mean {}? There are: {}", name, nearest_word(name, known),
                   joined(known, ", "));
 

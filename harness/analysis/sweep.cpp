@@ -23,9 +23,8 @@ std::vector<std::string> swept_parameters(std::span<const Record> records) {
   std::vector<std::string> swept;
   for (std::string& parameter : numeric_parameters(records)) {
     const std::vector<AxisSeries> all = join_series(records, parameter, [](const Record&) { return true; });
-    const bool varies = std::any_of(all.begin(), all.end(), [](const AxisSeries& series) {
-      return std::any_of(series.rows.begin(), series.rows.end(),
-                         [&](const auto& row) { return row.first != series.rows.front().first; });
+    const bool varies = std::ranges::any_of(all, [](const AxisSeries& series) {
+      return std::ranges::any_of(series.rows, [&](const auto& row) { return row.first != series.rows.front().first; });
     });
     if (varies) swept.push_back(std::move(parameter));
   }
@@ -41,7 +40,7 @@ std::string what_is_swept(std::span<const Record> records) {
 Sweep sweep_of(const AxisSeries& series, std::string_view quantity, std::size_t& repeated) {
   Sweep sweep{.place = series.place, .setting = series.setting, .role = series.role};
   for (const auto& [x, record] : series.rows) {
-    const bool is_known = std::any_of(sweep.points.begin(), sweep.points.end(), [&, x = x](const auto& p) { return p.x == x; });
+    const bool is_known = std::ranges::any_of(sweep.points, [&, x = x](const auto& p) { return p.x == x; });
     if (is_known) {
       ++repeated;
       continue;
@@ -49,7 +48,7 @@ Sweep sweep_of(const AxisSeries& series, std::string_view quantity, std::size_t&
     const bool is_measured = record->status == Status::ok;
     sweep.points.push_back({x, is_measured ? measured_quantity(*record, quantity) : std::nullopt, record->status});
   }
-  std::sort(sweep.points.begin(), sweep.points.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
+  std::ranges::sort(sweep.points, [](const auto& a, const auto& b) { return a.x < b.x; });
   return sweep;
 }
 
@@ -67,9 +66,9 @@ Sweeps find_sweeps(std::span<const Record> records, const std::string& parameter
   if (parameter.empty()) throw Error("sweep wants --x PARAMETER; {}", what_is_swept(records));
   const std::vector<std::string> names = numeric_parameters(records);
   // A scene has more parameters than its reference names.
-  const bool is_known = std::find(names.begin(), names.end(), parameter) != names.end() ||
-                        std::any_of(records.begin(), records.end(),
-                                    [&](const Record& r) { return scene_parameter(r.scene, parameter).has_value(); });
+  const bool is_known =
+      std::ranges::find(names, parameter) != names.end() ||
+      std::ranges::any_of(records, [&](const Record& r) { return scene_parameter(r.scene, parameter).has_value(); });
   if (!is_known && names.empty())
     throw Error("there is no parameter {}: nothing in these records has a numeric one", parameter);
   if (!is_known)
@@ -92,15 +91,14 @@ Sweeps find_sweeps(std::span<const Record> records, const std::string& parameter
       continue;
     }
     sweeps.repeated += repeated;
-    if (std::find(sweeps.places.begin(), sweeps.places.end(), sweep.place) == sweeps.places.end())
-      sweeps.places.push_back(sweep.place);
+    if (std::ranges::find(sweeps.places, sweep.place) == sweeps.places.end()) sweeps.places.push_back(sweep.place);
     sweeps.rows.push_back(std::move(sweep));
   }
   if (sweeps.rows.empty())
     throw Error("there is no sweep of {} in these records: no setting has two values of it in one place; {}", parameter,
                 what_is_swept(records));
-  const bool has_value = std::any_of(sweeps.rows.begin(), sweeps.rows.end(), [](const Sweep& sweep) {
-    return std::any_of(sweep.points.begin(), sweep.points.end(), [](const auto& point) { return point.value.has_value(); });
+  const bool has_value = std::ranges::any_of(sweeps.rows, [](const Sweep& sweep) {
+    return std::ranges::any_of(sweep.points, [](const auto& point) { return point.value.has_value(); });
   });
   if (!has_value) throw Error("there is nothing to show: no row of the sweep of {} has a {}", parameter, quantity);
   return sweeps;

@@ -16,7 +16,7 @@ struct Program {
   std::vector<std::string> plugins;
 };
 
-// One function per command, each in command_NAME.cpp: adds the command, what it takes and what it does.
+// One function per command, each in command_NAME.cpp (figure with analyze): adds the command, what it takes and what it does.
 void add_list(Program& program);
 void add_describe(Program& program);
 void add_render(Program& program);

@@ -26,7 +26,7 @@ int run_certify(const Options& options) {
   bool all_hold = true;
   nlohmann::json list = nlohmann::json::array();
   const auto wanted = [](const std::vector<std::string>& names, const std::string& name) {
-    return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
+    return names.empty() || std::ranges::find(names, name) != names.end();
   };
   for (const Light& light : scene.lights)
     if (wanted(options.lights, light.name)) require_reference(scene, light, scene.views.front());

@@ -68,7 +68,7 @@ void describe(const Options& options) {
   for (const SceneListing& scene : list_scenes()) names.push_back(scene.id);
   const std::string stem = options.id.substr(0, options.id.find(':'));
   const bool is_file = options.id.find_first_of("./") != std::string::npos;
-  if (!is_file && std::find(names.begin(), names.end(), stem) == names.end())
+  if (!is_file && std::ranges::find(names, stem) == names.end())
     throw Error("there is no technique or scene {}; did you mean {}? There are: {}", options.id, nearest_word(stem, names),
                 joined(names, ", "));
   describe_scene(options.id);

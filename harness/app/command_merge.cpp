@@ -55,7 +55,7 @@ int merge(const Options& options) {
   fmt::print("{}\n{} from {} folders\n\n", render_table(records, Format::terminal, {.width = terminal_width()}),
              count_text(records), options.dirs.size());
   print_contents(options.out);
-  return std::any_of(records.begin(), records.end(), [](const Record& r) { return r.status == Status::failed; }) ? 1 : 0;
+  return std::ranges::any_of(records, [](const Record& r) { return r.status == Status::failed; }) ? 1 : 0;
 }
 
 }  // namespace

@@ -42,8 +42,7 @@ void print_rows(const RunOptions& options, SceneLibrary& library) {
   std::erase_if(jobs, [&](const Job& job) { return earlier.done.contains(job.hash); });
   std::vector<std::string> sizes;
   for (const Job& job : jobs) {
-    if (std::string size = fmt::format("{}x{}", job.width, job.height);
-        std::find(sizes.begin(), sizes.end(), size) == sizes.end())
+    if (std::string size = fmt::format("{}x{}", job.width, job.height); std::ranges::find(sizes, size) == sizes.end())
       sizes.push_back(std::move(size));
     const std::string& missing = library.get(job.scene).missing;
     fmt::print("{}  {}{}{}\n", job.hash, job.title(), job.contender.label.empty() ? "" : "  (" + job.contender.label + ")",
@@ -114,7 +113,7 @@ int run(const Options& options, const Program& program) {
   print_contents(run_options.out);
   if (!has_answers(records) && run_options.shard_count == 1) return 1;  // of a shard, the others may have what it lacks
   // Failed rows of an earlier, resumed run count too.
-  return std::any_of(records.begin(), records.end(), [](const Record& r) { return r.status == Status::failed; }) ? 1 : 0;
+  return std::ranges::any_of(records, [](const Record& r) { return r.status == Status::failed; }) ? 1 : 0;
 }
 
 }  // namespace

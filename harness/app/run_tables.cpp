@@ -26,7 +26,7 @@ void print_contents(const fs::path& folder) {
 
 std::string count_text(std::span<const Record> records) {
   const auto count = [&](Status status) {
-    return std::count_if(records.begin(), records.end(), [&](const Record& r) { return r.status == status; });
+    return std::ranges::count_if(records, [&](const Record& r) { return r.status == status; });
   };
   return fmt::format("{} rows: {} ok, {} unsupported, {} failed", records.size(), count(Status::ok), count(Status::unsupported),
                      count(Status::failed));

@@ -63,7 +63,8 @@ class Figure(ProgramTest):
         self.refuse("figure", SHIPPED, "motion", "--out", "f.svg", says=["no row of these records follows a path"])
         self.refuse("figure", SHIPPED, "sweep", "--x", "resolutoin", "--out", "f.svg", says=["did you mean resolution?"])
         self.refuse("figure", SHIPPED, "sweep", "--x", "slope_bias", "--out", "f.svg", says=["there is no sweep of slope_bias"])
-        self.refuse("figure", SHIPPED, "growth", "--out", "f.svg", says=["nothing to draw", "triangles"])
+        self.refuse("figure", SHIPPED, "growth", "--out", "f.svg",
+                    says=["there is no growth with triangles", "two values of it"])
         self.assertEqual(self.names(self.dir), [])
 
 

@@ -1,4 +1,6 @@
 #pragma once
+#include <gnomon/technique.h>
+
 #include <filesystem>
 #include <map>
 #include <optional>

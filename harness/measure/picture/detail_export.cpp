@@ -6,22 +6,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <iterator>
-#include <type_traits>
 #include <unordered_map>
 #include <unordered_set>
+
+#include "measure/scene/fields.h"
 
 namespace gnomon {
 
 namespace {
 
-constexpr std::uint64_t magic = 0x31'6c'74'64'6d'6e'67ull;  // "gnmdtl1"
-
-struct Head {
-  std::uint64_t magic, corner_count, polygon_count;
-};
-static_assert(std::is_trivially_copyable_v<DetailPolygon> && sizeof(glm::dvec3) == 24);
+constexpr std::uint64_t magic = 0x32'6c'74'64'6d'6e'67ull;  // "gnmdtl2"
 
 /// Coordinates as they are written. Rounding noise beside zero would be digits of its own.
 class Digits {
@@ -56,37 +51,20 @@ using Face = std::vector<std::uint32_t>;
 }  // namespace
 
 std::vector<std::byte> detail_bytes(const SurfaceDetail& detail) {
-  const Head head{magic, detail.corners.size(), detail.polygons.size()};
-  const std::size_t corner_size = detail.corners.size() * sizeof(glm::dvec3),
-                    polygon_size = detail.polygons.size() * sizeof(DetailPolygon);
-  std::vector<std::byte> bytes(sizeof head + corner_size + polygon_size);
-  std::memcpy(bytes.data(), &head, sizeof head);
-  if (corner_size > 0) std::memcpy(bytes.data() + sizeof head, detail.corners.data(), corner_size);
-  if (polygon_size > 0) std::memcpy(bytes.data() + sizeof head + corner_size, detail.polygons.data(), polygon_size);
-  return bytes;
+  FieldWriter io;
+  io(magic, detail.corners, detail.polygons);
+  return std::move(io.bytes);
 }
 
 SurfaceDetail detail_from_bytes(std::span<const std::byte> bytes) {
-  Head head{};
-  if (bytes.size() < sizeof head) throw Error("surface detail ends early: it has {} bytes", bytes.size());
-  std::memcpy(&head, bytes.data(), sizeof head);
-  if (head.magic != magic)
-    throw Error("these bytes are no surface detail: they begin with {:#x}, not {:#x}", head.magic, magic);
-  bytes = bytes.subspan(sizeof head);
-  // Divided, not multiplied: the product of a wrong count may overflow.
-  const bool fits = head.corner_count <= bytes.size() / sizeof(glm::dvec3) &&
-                    head.polygon_count <= bytes.size() / sizeof(DetailPolygon) &&
-                    head.corner_count * sizeof(glm::dvec3) + head.polygon_count * sizeof(DetailPolygon) == bytes.size();
-  if (!fits)
-    throw Error("surface detail of {} corners and {} polygons has {} bytes", head.corner_count, head.polygon_count,
-                bytes.size());
+  FieldReader io(bytes, fmt::format("surface detail ends early: it has {} bytes", bytes.size()));
+  std::uint64_t mark = 0;
+  io(mark);
+  if (mark != magic) throw Error("these bytes are no surface detail: they begin with {:#x}, not {:#x}", mark, magic);
   SurfaceDetail detail;
-  detail.corners.resize(head.corner_count);
-  detail.polygons.resize(head.polygon_count);
-  const std::size_t corner_size = head.corner_count * sizeof(glm::dvec3);
-  if (corner_size > 0) std::memcpy(static_cast<void*>(detail.corners.data()), bytes.data(), corner_size);
-  if (head.polygon_count > 0)
-    std::memcpy(static_cast<void*>(detail.polygons.data()), bytes.data() + corner_size, bytes.size() - corner_size);
+  io(detail.corners, detail.polygons);
+  if (io.left() > 0)
+    throw Error("{} bytes are left after the {} polygons of a surface detail", io.left(), detail.polygons.size());
   return detail;
 }
 

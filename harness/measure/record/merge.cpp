@@ -32,14 +32,13 @@ Json content(const Record& record) {
 /// "/metrics/shape/wrong_rate" as people write it.
 std::string dotted(std::string path) {
   path.erase(0, 1);
-  std::replace(path.begin(), path.end(), '/', '.');
+  std::ranges::replace(path, '/', '.');
   return path;
 }
 
 /// A path in a record may not lead out of its folder.
 void require_inside(const fs::path& path, const MergedRow& row) {
-  const bool is_inside =
-      path.is_relative() && !path.empty() && std::find(path.begin(), path.end(), fs::path("..")) == path.end();
+  const bool is_inside = path.is_relative() && !path.empty() && std::ranges::find(path, fs::path("..")) == path.end();
   if (!is_inside)
     throw Error("picture {} is not a path below the run's folder ({}, job {})", path.string(), row.folder.string(),
                 row.record.job);
@@ -153,7 +152,7 @@ Merge merge_records(std::span<const std::pair<fs::path, std::vector<Record>>> ru
         merge.conflicts.push_back({record.job, title(record), kept.folder, folder, std::move(different)});
       if (prefer_last) kept = {record, folder};
     }
-  std::stable_sort(merge.rows.begin(), merge.rows.end(), [&](const MergedRow& a, const MergedRow& b) {
+  std::ranges::stable_sort(merge.rows, [&](const MergedRow& a, const MergedRow& b) {
     return std::pair(suites[a.record.suite], a.record.place) < std::pair(suites[b.record.suite], b.record.place);
   });
   note_mixture(merge);

@@ -82,7 +82,7 @@ RecordFile read_record_file(const fs::path& file) {
 void sort_by_place(std::vector<Record>& records) {
   std::unordered_map<std::string, std::size_t> suites;
   for (const Record& record : records) suites.try_emplace(record.suite, suites.size());
-  std::stable_sort(records.begin(), records.end(), [&](const Record& a, const Record& b) {
+  std::ranges::stable_sort(records, [&](const Record& a, const Record& b) {
     return std::pair(suites[a.suite], a.place) < std::pair(suites[b.suite], b.place);
   });
 }

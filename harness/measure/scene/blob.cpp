@@ -8,7 +8,6 @@
 #include <xxhash.h>
 
 #include <cstring>
-#include <type_traits>
 
 #include "measure/scene/fields.h"
 
@@ -19,19 +18,11 @@ namespace {
 constexpr std::uint32_t layout_version = 1;
 
 /// The layout, for FieldWriter (const objects) and FieldReader alike.
-void visit_mesh(auto& io, auto& mesh) {
-  io(mesh.name, mesh.positions, mesh.triangles, mesh.casts, mesh.receives, mesh.albedo, mesh.facts);
-  bool has_shape = mesh.shape.has_value();
-  io(has_shape);
-  if constexpr (!std::is_const_v<std::remove_reference_t<decltype(mesh)>>) {
-    if (has_shape) mesh.shape.emplace();
-  }
-  if (has_shape) io(*mesh.shape);
-}
-
 void visit_scene(auto& io, auto& scene) {
   io(scene.name, scene.ambient);
-  io.list(scene.meshes, [](auto& sub, auto& mesh) { visit_mesh(sub, mesh); });
+  io.list(scene.meshes, [](auto& sub, auto& mesh) {
+    sub(mesh.name, mesh.positions, mesh.triangles, mesh.casts, mesh.receives, mesh.albedo, mesh.facts, mesh.shape);
+  });
   io.list(scene.lights, [](auto& sub, auto& light) { sub(light.name, light.intensity, light.kind); });
   io.list(scene.views, [](auto& sub, auto& view) { sub(view.name, view.eye, view.target, view.up, view.fov_y_degrees); });
   io.list(scene.notes, [](auto& sub, auto& note) { sub(note); });

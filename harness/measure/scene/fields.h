@@ -1,5 +1,5 @@
 #pragma once
-// Private to this room: values as bytes, one behind the other. One function names the fields of a struct in their order, for a
+// Values as bytes, one behind the other. One function names the fields of a struct in their order, for a
 // writer and for a reader, so that the two cannot disagree: `io(mesh.name, mesh.positions, mesh.casts)`.
 #include <gnomon/error.h>
 
@@ -20,13 +20,17 @@ concept HasIndex = requires(const T& value) {
   value.valueless_by_exception();
 };  // std::variant
 template <class T>
+concept MayBeMissing = requires(const T& value) {
+  value.has_value();
+};  // std::optional
+template <class T>
 concept HasItems = requires(const T& value) {
   value.data();
   value.size();
 };
 
 /// Appends values to `bytes`: numbers and plain structs as they lie in memory, texts and vectors of such behind their count
-/// (64 bits), variants behind their index (32 bits).
+/// (64 bits), variants behind their index (32 bits), what may be missing behind whether it is there (bool).
 class FieldWriter {
  public:
   std::vector<std::byte> bytes;
@@ -36,10 +40,10 @@ class FieldWriter {
     (put(values), ...);
   }
   /// Items that are no plain structs: their count, then each as `visit(io, item)` writes it.
-  template <class T, class Visit>
-  void list(const std::vector<T>& items, Visit visit) {
+  template <class Items, class Visit>
+  void list(const Items& items, Visit visit) {
     put(static_cast<std::uint64_t>(items.size()));
-    for (const T& item : items) visit(*this, item);
+    for (const auto& item : items) visit(*this, item);
   }
   /// Whether a list that older bytes lack follows.
   template <class T>
@@ -53,6 +57,9 @@ class FieldWriter {
     if constexpr (HasIndex<T>) {
       put(static_cast<std::uint32_t>(value.index()));
       std::visit([&](const auto& alternative) { put(alternative); }, value);
+    } else if constexpr (MayBeMissing<T>) {
+      put(value.has_value());
+      if (value) put(*value);
     } else if constexpr (HasItems<T>) {
       put(static_cast<std::uint64_t>(value.size()));
       append(value.data(), value.size() * sizeof(*value.data()));
@@ -86,6 +93,7 @@ class FieldReader {
   bool has_more(const std::vector<T>&) const {
     return !bytes_.empty();
   }
+  std::size_t left() const { return bytes_.size(); }
 
  private:
   template <class T>
@@ -94,6 +102,10 @@ class FieldReader {
       std::uint32_t index = 0;
       take(index);
       take_alternative(value, index, std::make_index_sequence<std::variant_size_v<T>>{});
+    } else if constexpr (MayBeMissing<T>) {
+      bool is_there = false;
+      take(is_there);
+      if (is_there) take(value.emplace());
     } else if constexpr (HasItems<T>) {
       value.resize(count_of(sizeof(*value.data())));
       copy(value.data(), value.size() * sizeof(*value.data()));
