@@ -1,6 +1,6 @@
 #pragma once
 #include <gnomon/gbuffer.h>
-#include <gnomon/kit/edges.h>
+#include <gnomon/kit/across.h>
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +16,13 @@ struct Frame {
   glm::dvec3 right{1, 0, 0}, up{0, 1, 0}, forward{0, 0, -1};
 
   Frame() = default;
-  Frame(const View& view, const glm::vec3& start);
+  Frame(const View& view, const glm::vec3& start) : start(start) {
+    const glm::dvec3 gaze = glm::dvec3(view.target) - glm::dvec3(view.eye);
+    if (glm::dot(gaze, gaze) > 0) forward = glm::normalize(gaze);
+    right = glm::normalize(sideways(forward, view.up));
+    right = glm::normalize(right - glm::dot(right, forward) * forward);  // a short one leaves more than a few units
+    up = glm::cross(right, forward);
+  }
   glm::dvec3 turned(const glm::dvec3& v) const { return {glm::dot(right, v), glm::dot(up, v), glm::dot(forward, v)}; }
   glm::dvec3 seen(const glm::vec3& p) const { return turned(glm::dvec3(p) - glm::dvec3(start)); }
 };
@@ -35,10 +41,49 @@ struct Polygon {
   int step = 0;  ///< what crossing it adds to the number of volumes; 0 where the start lies on the plane of a side quad
 };
 
-Polygon side_polygon(const Frame& frame, const glm::vec3& a, const glm::vec3& b, const glm::dvec4& light, int count);
+inline Polygon side_polygon(const Frame& frame, const glm::vec3& a, const glm::vec3& b, const glm::dvec4& light, int count) {
+  const glm::dvec3 start(frame.start), pa = glm::dvec3(a) - start, pb = glm::dvec3(b) - start,
+                                       ab = glm::dvec3(b) - glm::dvec3(a);
+  const glm::dvec3 to_l = to_light(light, start), al = to_light(light, glm::dvec3(a));
+  const int of_start = orient3d_sign(frame.start, a, b, light);
+  Polygon polygon;
+  polygon.step = step_through_side(of_start, count);
+  // [x a b l] = -(ab x al) . (x - a), of which the point must have the other sign than the start.
+  const double turn = of_start == 0 ? 1 : -of_start;
+  const glm::dvec3 normal = -turn / (glm::length(ab) * glm::length(al)) * glm::cross(ab, al);
+  polygon.plane = frame.turned(normal);
+  polygon.distance = glm::dot(normal, pa);
+  polygon.slack = relative_error * glm::length(pa);
+  if (of_start == 0) return polygon;  // the other planes are not defined: leave all to the exact signs
+  const double length_a = glm::length(pa), length_b = glm::length(pb), length_l = glm::length(to_l);
+  polygon.inside[0] = frame.turned(turn / (length_a * length_b) * glm::cross(pa, pb));
+  polygon.inside[1] = frame.turned(turn / (length_a * length_l) * glm::cross(pa, to_l));
+  polygon.inside[2] = frame.turned(-turn / (length_b * length_l) * glm::cross(pb, to_l));
+  return polygon;
+}
 
 /// Nothing crosses a cap with step 0: the start lies on its plane.
-Polygon cap_polygon(const Frame& frame, const Triangle& triangle, int facing);
+inline Polygon cap_polygon(const Frame& frame, const Triangle& triangle, int facing) {
+  const glm::vec3* p = triangle.points;
+  const glm::dvec3 start(frame.start);
+  const int of_start = orient3d_sign(p[0], p[1], p[2], frame.start);
+  Polygon polygon;
+  polygon.step = step_through_cap(of_start, facing);
+  if (polygon.step == 0) return polygon;
+  const double turn = -of_start;
+  const glm::dvec3 corner[3] = {glm::dvec3(p[0]) - start, glm::dvec3(p[1]) - start, glm::dvec3(p[2]) - start};
+  const glm::dvec3 u = glm::dvec3(p[1]) - glm::dvec3(p[0]), v = glm::dvec3(p[2]) - glm::dvec3(p[0]);
+  const glm::dvec3 normal = turn / (glm::length(u) * glm::length(v)) * glm::cross(u, v);
+  const double length[3] = {glm::length(corner[0]), glm::length(corner[1]), glm::length(corner[2])};
+  polygon.plane = frame.turned(normal);
+  polygon.distance = glm::dot(normal, corner[0]);
+  polygon.slack = relative_error * length[0];
+  for (int k = 0; k < 3; ++k) {
+    const int next = (k + 1) % 3;
+    polygon.inside[k] = frame.turned(turn / (length[k] * length[next]) * glm::cross(corner[k], corner[next]));
+  }
+  return polygon;
+}
 
 /// Where a polygon appears in the picture plane z = 1 of the start, and how far in front of it it begins; grown by rounding.
 /// Everywhere where a corner is not in front of the start.
@@ -48,6 +93,19 @@ struct Outline {
 };
 
 /// Of the hull of corners in the frame; w = 0 is a direction.
-Outline outline_of(std::span<const glm::dvec4> corners);
+inline Outline outline_of(std::span<const glm::dvec4> corners) {
+  double x0 = INFINITY, x1 = -INFINITY, y0 = INFINITY, y1 = -INFINITY, z0 = INFINITY;
+  for (const glm::dvec4& c : corners) {
+    if (!(c.z > 0x1p-20 * std::max(std::abs(c.x), std::abs(c.y)))) return {};
+    x0 = std::min(x0, c.x / c.z);
+    x1 = std::max(x1, c.x / c.z);
+    y0 = std::min(y0, c.y / c.z);
+    y1 = std::max(y1, c.y / c.z);
+    if (c.w != 0) z0 = std::min(z0, c.z);
+  }
+  const auto below = [](double v) { return static_cast<float>(v - 0x1p-20 * (std::abs(v) + 0x1p-20)); };
+  const auto above = [](double v) { return static_cast<float>(v + 0x1p-20 * (std::abs(v) + 0x1p-20)); };
+  return {below(x0), above(x1), below(y0), above(y1), static_cast<float>(z0 * (1 - 0x1p-20))};
+}
 
 }  // namespace gnomon::crow_counting

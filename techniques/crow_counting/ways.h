@@ -20,25 +20,85 @@ struct PixelCount {
 struct CountingWork {
   std::uint64_t rays = 0, crossings = 0, longest = 0, tests = 0, exact = 0, again = 0, touching = 0;
   std::int64_t deepest = 0;
-  CountingWork& operator+=(const CountingWork& other);
+  CountingWork& operator+=(const CountingWork& other) {
+    rays += other.rays;
+    crossings += other.crossings;
+    tests += other.tests;
+    exact += other.exact;
+    again += other.again;
+    touching += other.touching;
+    longest = std::max(longest, other.longest);
+    deepest = std::max(deepest, other.deepest);
+    return *this;
+  }
 };
 
-/// Counts volumes along the ways from a start to the points of all pixels, tile by tile on all threads. Hidden, because
-/// position independent code inlines no function that another library could replace: `meet` is called for every polygon of
-/// every pixel.
-class [[gnu::visibility("hidden")]] WayCounter {
+/// Counts volumes along the ways from a start to the points of all pixels, tile by tile on all threads. All of it is here,
+/// where the compiler can put `meet`, which is called for every polygon of every pixel, into its loop.
+class WayCounter {
  public:
   /// Begins a picture: every pixel that faces the light is undecided, and lit until it is decided.
   void begin(const Scene& scene, const GBuffer& gbuffer, const Light& light, Volumes& volumes, const OwnVolumes& own,
-             std::span<float> mask);
+             std::span<float> mask) {
+    gbuffer_ = &gbuffer;
+    volumes_ = &volumes;
+    own_ = &own;
+    mask_ = mask;
+    work_ = {};
+    found_.assign(gbuffer.size(), {});
+    is_undecided_.resize(gbuffer.size());
+    for_blocks(gbuffer.size(), 4096, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        is_undecided_[i] = faces_light(scene, gbuffer, light, i);
+        mask_[i] = 1;
+      }
+    });
+    pyramid_.fit(gbuffer.width, gbuffer.height);
+  }
+
   /// Decides what is left to decide, from one start. Returns how many pixels that leaves.
-  std::size_t count_from(const Frame& frame, std::int64_t volumes_at_start);
+  std::size_t count_from(const Frame& frame, std::int64_t volumes_at_start) {
+    frame_ = frame;
+    volumes_at_start_ = volumes_at_start;
+    volumes_->look_from(frame);
+    bound_tiles();
+    const int level = pyramid_.top();
+    const Pyramid::Level& top = pyramid_.level(level);
+    std::vector<CountingWork> works(top.tiles.size());
+    for_blocks(top.tiles.size(), 1, [&](std::size_t k, std::size_t) {
+      if (top.tiles[k].undecided == 0) return;
+      const auto scratch = scratch_.borrow();
+      scratch->polygons.resize(std::max<std::size_t>(scratch->polygons.size(), level + 2));
+      std::vector<std::uint32_t>& list = scratch->polygons[level + 1];
+      list.clear();
+      for (std::uint32_t p = 0; p < volumes_->count(); ++p)
+        if (!top.tiles[k].misses(volumes_->outline(p))) list.push_back(p);
+      const int x = static_cast<int>(k) % top.columns, y = static_cast<int>(k) / top.columns;
+      works[k] = descend(level, x, y, list, *scratch);
+    });
+    std::size_t left = 0;
+    for (const CountingWork& work : works) {
+      work_ += work;
+      left += work.again;
+    }
+    return left;
+  }
+
   /// Makes the pixels dark that no start decides: they lie on the border of a volume.
-  void darken_rest();
+  void darken_rest() {
+    for (std::size_t i = 0; i < is_undecided_.size(); ++i) {
+      if (!is_undecided_[i]) continue;
+      mask_[i] = 0;
+      ++work_.touching;
+      ++work_.rays;
+    }
+  }
 
   std::span<const PixelCount> found() const { return found_; }
   const CountingWork& work() const { return work_; }
-  std::size_t bytes() const;
+  std::size_t bytes() const {
+    return pyramid_.bytes() + found_.capacity() * sizeof(PixelCount) + is_undecided_.capacity() + scratch_.bytes();
+  }
 
  private:
   static constexpr int tile_size = Pyramid::leaf * Pyramid::leaf;
@@ -61,16 +121,122 @@ class [[gnu::visibility("hidden")]] WayCounter {
       return sum;
     }
   };
-  struct Query;
+  /// A pixel of a tile while its polygons are looked for.
+  struct Query {
+    std::size_t pixel;
+    glm::dvec3 seen;  ///< the point in the frame of the start
+    double error;     ///< of a plane's value there
+    bool unclear = false, touches = false;
+  };
 
-  void bound_tiles();
+  void bound_tiles() {
+    Pyramid::Level& leaves = pyramid_.level(0);
+    for_blocks(leaves.rows, 1, [&](std::size_t row, std::size_t) {
+      for (int column = 0; column < leaves.columns; ++column) {
+        Tile& tile = leaves.at(column, static_cast<int>(row)) = Tile{};
+        pyramid_.for_pixels(column, static_cast<int>(row), [&](std::size_t i) {
+          if (!is_undecided_[i]) return;
+          const glm::vec3 p = gbuffer_->position(i);
+          tile.add(frame_.seen(p), std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}));
+        });
+      }
+    });
+    pyramid_.join();
+  }
+
   /// Hands each tile of a tile the polygons that it does not miss, down to the smallest.
-  CountingWork descend(int level, int x, int y, std::span<const std::uint32_t> polygons, Scratch& scratch);
-  CountingWork decide_tile(int x, int y, std::span<const std::uint32_t> polygons, Scratch& scratch);
+  CountingWork descend(int level, int x, int y, std::span<const std::uint32_t> polygons, Scratch& scratch) {
+    const Tile& tile = pyramid_.level(level).at(x, y);
+    if (tile.undecided == 0) return {};
+    std::vector<std::uint32_t>& near = scratch.polygons[level];
+    near.clear();
+    const Volumes& volumes = *volumes_;
+    for (const std::uint32_t p : polygons)
+      if (!tile.misses(volumes.outline(p)) && !tile.misses(volumes.polygon(p))) near.push_back(p);
+    if (level == 0) return decide_tile(x, y, near, scratch);
+    const Pyramid::Level& lower = pyramid_.level(level - 1);
+    CountingWork sum;
+    for (int v = 2 * y; v < std::min(2 * y + 2, lower.rows); ++v)
+      for (int u = 2 * x; u < std::min(2 * x + 2, lower.columns); ++u) sum += descend(level - 1, u, v, near, scratch);
+    return sum;
+  }
+
+  CountingWork decide_tile(int x, int y, std::span<const std::uint32_t> polygons, Scratch& scratch) {
+    Query queries[tile_size];
+    int count = 0;
+    pyramid_.for_pixels(x, y, [&](std::size_t i) {
+      if (!is_undecided_[i]) return;
+      const glm::dvec3 seen = frame_.seen(gbuffer_->position(i));
+      scratch.met[count].clear();
+      queries[count++] = {i, seen, relative_error * glm::length(seen)};
+    });
+    CountingWork work;
+    work.tests = static_cast<std::uint64_t>(count) * polygons.size();
+    scratch.caps.clear();
+    for (const std::uint32_t p : polygons) {
+      if (!volumes_->is_side(p)) scratch.caps.push_back(volumes_->cap(p));
+      const Polygon& polygon = volumes_->polygon(p);
+      for (int k = 0; k < count; ++k) meet(p, polygon, queries[k], scratch.met[k], work);
+    }
+    for (int k = 0; k < count; ++k) {
+      const Query& a = queries[k];
+      if (a.unclear && !a.touches) {
+        ++work.again;
+        continue;
+      }
+      const bool in_shadow = walk(a, scratch.met[k], scratch.caps, work);
+      mask_[a.pixel] = in_shadow || a.touches ? 0.0f : 1.0f;
+      work.touching += a.touches;
+      is_undecided_[a.pixel] = 0;
+    }
+    return work;
+  }
+
   /// Appends to `met` the way from the start to a pixel's point, if it meets the polygon of that number.
-  void meet(std::uint32_t number, const Polygon& polygon, Query& query, std::vector<MetPolygon>& met, CountingWork& work) const;
+  void meet(std::uint32_t p, const Polygon& polygon, Query& query, std::vector<MetPolygon>& met, CountingWork& work) const {
+    const double along = glm::dot(polygon.plane, query.seen), beyond = along - polygon.distance;
+    if (beyond < -(polygon.slack + query.error)) return;
+    const glm::dvec3* n = polygon.inside;
+    const double inside = std::min({glm::dot(n[0], query.seen), glm::dot(n[1], query.seen), glm::dot(n[2], query.seen)});
+    if (inside < -query.error) return;
+    if (!(beyond > polygon.slack + query.error && inside > query.error)) {
+      ++work.exact;
+      const Meeting meeting = volumes_->meet(p, frame_.start, gbuffer_->position(query.pixel));
+      query.unclear |= meeting == Meeting::unclear;
+      if (meeting == Meeting::touches) {
+        const auto [low, high] = volumes_->ends(p);
+        query.touches |= !own_->is_own_edge(*volumes_, own_->surface(*gbuffer_, query.pixel), low, high);
+      }
+      if (meeting != Meeting::crosses) return;
+    }
+    const double share = polygon.distance / along;
+    met.push_back({std::isfinite(share) ? share : 1.0, p, polygon.step});
+  }
+
   /// The count front to back; says whether the point is in shadow.
-  bool walk(const Query& query, std::vector<MetPolygon>& met, std::span<const std::uint32_t> caps, CountingWork& work);
+  bool walk(const Query& query, std::vector<MetPolygon>& met, std::span<const std::uint32_t> caps, CountingWork& work) {
+    std::ranges::sort(met, [](const MetPolygon& one, const MetPolygon& other) {
+      return one.share != other.share ? one.share < other.share : one.polygon < other.polygon;
+    });
+    PixelCount& found = found_[query.pixel];
+    found.crossings = static_cast<std::uint32_t>(met.size());
+    std::int64_t depth = volumes_at_start_, deepest = depth;
+    for (const MetPolygon& m : met) {
+      depth += m.step;
+      deepest = std::max(deepest, depth);
+      if (m.step > 0) found.entered = m.polygon;
+    }
+    // The volumes of the triangle that the point lies on do not count: a point rounded to below it is in them.
+    const std::int64_t own =
+        depth > 0 ? own_->count(*volumes_, own_->surface(*gbuffer_, query.pixel), frame_.start, caps) : std::int64_t{0};
+    found.depth = static_cast<std::int32_t>(depth - own);
+    found.crossings -= static_cast<std::uint32_t>(std::clamp<std::int64_t>(own, 0, found.crossings));
+    ++work.rays;
+    work.crossings += met.size();
+    work.longest = std::max<std::uint64_t>(work.longest, met.size());
+    work.deepest = std::max(work.deepest, deepest);
+    return depth > own;
+  }
 
   const GBuffer* gbuffer_ = nullptr;
   Volumes* volumes_ = nullptr;
