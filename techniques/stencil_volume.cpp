@@ -1,7 +1,6 @@
 // Stencil shadow volumes: faces of the casters' shadow volumes, counted per pixel by the rasterizer.
 #include <gnomon/kit/box_tree.h>
 #include <gnomon/kit/camera.h>
-#include <gnomon/kit/depth_bound.h>
 #include <gnomon/kit/volume_technique.h>
 #include <gnomon/registry.h>
 
@@ -9,7 +8,6 @@
 
 #include "stencil_volume/eye_place.h"
 #include "stencil_volume/gpu_finder.h"
-#include "stencil_volume/shaders.h"
 
 namespace {
 using namespace gnomon;
@@ -30,6 +28,29 @@ constexpr About about{
         "its side quad may be wrong. A closed mesh that winds around some region the wrong way (self-intersecting) lights "
         "receivers inside that region.",
     .needs_gl = true};
+
+/// Eighteen vertices a triangle, nine under a directional light.
+constexpr std::string_view triangle_sides_body = R"(
+void main() {
+  int corners = directional ? 3 : 6, side = gl_VertexID / corners, triangle = side / 3, k = side % 3;
+  uint from = triangles[3 * triangle + k], to = triangles[3 * triangle + (k + 1) % 3];
+  gl_Position = place(quad_corner(min(from, to), max(from, to), from < to, gl_VertexID % corners));
+}
+)";
+
+/// Casters between the light and the near plane, thrown onto that plane from the light. `clip_from_world` holds the projection.
+constexpr std::string_view near_cap_body = R"(
+uniform vec4 plane;            // near plane, turned to the light
+uniform float light_height;    // of the homogeneous light over it
+uniform float light_w;
+out float gl_ClipDistance[2];
+void main() {
+  float height = dot(plane.xyz, position) + plane.w;
+  gl_ClipDistance[0] = height;
+  gl_ClipDistance[1] = light_height - height * light_w;
+  gl_Position = place(vec4(position, 1));
+}
+)";
 
 class StencilVolume final : public VolumeTechnique {
   Choice count{this,           "count",
@@ -104,9 +125,8 @@ Support StencilVolume::supports(const Scene& scene, const Light& light, const Vi
 
 void StencilVolume::setup() {
   drawer_.setup("stencil_volume");
-  triangle_sides_ = FaceDrawer::program("stencil_volume triangle sides", stencil_volume::triangle_sides_body);
-  near_cap_program_ =
-      VolumeProgram("stencil_volume near cap", std::string(position_snippet) + std::string(stencil_volume::near_cap_body));
+  triangle_sides_ = FaceDrawer::program("stencil_volume triangle sides", triangle_sides_body);
+  near_cap_program_ = VolumeProgram("stencil_volume near cap", std::string(position_snippet) + std::string(near_cap_body));
   counter_.setup();
   if (finder.is("gpu")) gpu_finder_.setup();
   counts_wide_ = true;  // the pass of deep scenes, and of counts()

@@ -50,9 +50,8 @@ bool contains(const Shape& shape, const glm::dvec3& point) {
   if (const auto* sphere = std::get_if<Sphere>(&shape))
     return glm::distance(point, glm::dvec3(sphere->center)) < double(sphere->radius);
   if (const auto* cone = std::get_if<Cone>(&shape)) {
-    const glm::dvec3 axis = glm::normalize(glm::dvec3(cone->axis)), x = point - glm::dvec3(cone->base);
-    const double height = cone->height, along = glm::dot(x, axis);
-    return along > 0 && glm::length(x - along * axis) * height < cone->radius * (height - along);
+    const auto [along, off] = ConePlace(*cone, point);
+    return along > 0 && off < 0;
   }
   return false;
 }

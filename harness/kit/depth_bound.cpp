@@ -1,5 +1,5 @@
 #include <gnomon/kit/across.h>
-#include <gnomon/kit/depth_bound.h>
+#include <gnomon/kit/edges.h>
 #include <gnomon/kit/parallel.h>
 
 #include <algorithm>

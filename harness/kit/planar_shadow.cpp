@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planar_shadow_parts.h"
+#include "planar_shadow_paper.h"
 
 namespace gnomon {
 

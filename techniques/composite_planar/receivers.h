@@ -1,8 +1,12 @@
 #pragma once
+#include <gnomon/kit/across.h>
+#include <gnomon/kit/contour.h>
 #include <gnomon/kit/planes.h>
 
+#include <algorithm>
 #include <array>
 #include <optional>
+#include <span>
 
 namespace composite_planar {
 using namespace gnomon;
@@ -22,12 +26,95 @@ struct ReceiverSet {
   double covered_share = 0;  ///< of the receiving area
 };
 
-ReceiverSet find_receivers(const Scene& scene, double min_share);
+inline bool is_sheet(const Mesh& mesh) { return !mesh.has_curved_shape() || std::holds_alternative<Disc>(*mesh.shape); }
+
+inline double area_of(const Mesh& mesh) {
+  double area = 0;
+  for (const glm::uvec3& t : mesh.triangles) {
+    const glm::dvec3 a(mesh.positions[t.x]), b(mesh.positions[t.y]), c(mesh.positions[t.z]);
+    area += glm::length(glm::cross(b - a, c - a)) / 2;
+  }
+  return area;
+}
+
+/// A receiver whose rectangle is still empty.
+inline Receiver begin(const glm::dvec4& plane) {
+  const auto [u, v] = Across(glm::dvec3(plane));
+  return {plane, {glm::dvec4(u, -INFINITY), glm::dvec4(-u, -INFINITY), glm::dvec4(v, -INFINITY), glm::dvec4(-v, -INFINITY)}};
+}
+
+/// Each side of the rectangle goes through the point that is farthest out.
+inline void reach(Receiver& receiver, const glm::vec3& p, double radius) {
+  for (glm::dvec4& side : receiver.sides) side.w = std::max(side.w, radius - glm::dot(glm::dvec3(side), glm::dvec3(p)));
+}
+
+/// G-buffer and shader round three numbers up to 1 each.
+inline void turn_to(Receiver& receiver, const glm::dvec3& normal) {
+  const glm::dvec3 n = glm::normalize(normal), up(receiver.plane);
+  receiver.turn = std::max(receiver.turn, std::min(glm::distance(n, up), glm::distance(n, -up)) + 0x1p-21);
+}
+
+/// What of a sheet lies on the planes. A disc reaches beyond its triangles, which are inscribed.
+inline void add_sheet(const Mesh& mesh, std::span<const std::uint32_t> plane_of, ReceiverSet& receivers) {
+  const auto* disc = mesh.shape ? std::get_if<Disc>(&*mesh.shape) : nullptr;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (plane_of[t] == no_plane) continue;
+    Receiver& receiver = receivers.planes[plane_of[t]];
+    const glm::uvec3& v = mesh.triangles[t];
+    const glm::dvec3 a(mesh.positions[v.x]), b(mesh.positions[v.y]), c(mesh.positions[v.z]);
+    turn_to(receiver, glm::cross(b - a, c - a));
+    if (disc) {
+      turn_to(receiver, disc->normal);
+      reach(receiver, disc->center, receivers.tolerance + disc->radius);
+    }
+    for (const std::uint32_t corner : {v.x, v.y, v.z}) reach(receiver, mesh.positions[corner], receivers.tolerance);
+  }
+}
+
+/// The base of a cone counts for no plane, but it may lie in one.
+inline void add_base(const Cone& cone, ReceiverSet& receivers) {
+  for (Receiver& receiver : receivers.planes) {
+    const glm::dvec3 lean = glm::cross(glm::normalize(glm::dvec3(cone.axis)), glm::dvec3(receiver.plane));
+    const double off = std::abs(glm::dot(receiver.plane, glm::dvec4(cone.base, 1))) + cone.radius * glm::length(lean);
+    if (off <= receivers.tolerance) reach(receiver, cone.base, receivers.tolerance + cone.radius);
+  }
+}
+
+inline ReceiverSet find_receivers(const Scene& scene, double min_share) {
+  Scene flat;
+  double curved_area = 0;
+  for (const Mesh& mesh : scene.meshes) {
+    if (!mesh.receives) continue;
+    if (is_sheet(mesh))
+      flat.meshes.push_back(mesh);
+    else
+      curved_area += area_of(mesh);
+  }
+  const ReceiverPlanes found = find_receiver_planes(flat, min_share);
+  ReceiverSet receivers;
+  receivers.tolerance = found.tolerance + height_rounding(scene);
+  const double whole = found.receiving_area + curved_area;
+  receivers.covered_share = whole > 0 ? found.planar_area / whole : 0;
+  for (const ReceiverPlane& plane : found.planes) receivers.planes.push_back(begin(plane.plane));
+  for (std::size_t m = 0; m < flat.meshes.size(); ++m)
+    add_sheet(flat.meshes[m], std::span(found.plane_of).subspan(found.first_triangle[m]), receivers);
+  for (const Mesh& mesh : scene.meshes)
+    if (const auto* cone = mesh.receives && mesh.shape ? std::get_if<Cone>(&*mesh.shape) : nullptr) add_base(*cone, receivers);
+  return receivers;
+}
 
 /// The receiver turned toward the light; nothing for a light in the plane, as far as float32 can tell.
-std::optional<Receiver> facing(const Receiver& receiver, const glm::dvec4& light, double tolerance);
+inline std::optional<Receiver> facing(const Receiver& receiver, const glm::dvec4& light, double tolerance) {
+  Receiver turned = receiver;
+  if (glm::dot(turned.plane, light) < 0) turned.plane = -turned.plane;
+  const bool is_edge_on = glm::dot(turned.plane, light) <= (light.w != 0 ? tolerance : 0x1p-24 * glm::length(light));
+  return is_edge_on ? std::nullopt : std::optional(turned);
+}
 
 /// Whether some of the shape lies over the plane and below the light.
-bool may_cast(const Shape& shape, const glm::dvec4& light, const glm::dvec4& plane, double tolerance);
+inline bool may_cast(const Shape& shape, const glm::dvec4& light, const glm::dvec4& plane, double tolerance) {
+  const auto [low, high] = heights_over(shape, plane);
+  return high > tolerance && (light.w == 0 || low < glm::dot(plane, light));
+}
 
 }  // namespace composite_planar

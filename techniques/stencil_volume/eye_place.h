@@ -1,16 +1,38 @@
 #pragma once
 #include <gnomon/kit/edges.h>
+#include <gnomon/kit/gl.h>
+
+#include <algorithm>
+#include <cmath>
 
 namespace stencil_volume {
 using namespace gnomon;
 
 /// How many shadow volumes hold the eye. Where its way to the light goes exactly through an edge, triangles beside the edge
 /// cannot be told apart, and a point a rounding away is asked instead.
-std::int64_t volumes_at(const EdgeAdjacency& adjacency, const glm::vec3& eye, const Silhouette& silhouette);
+inline std::int64_t volumes_at(const EdgeAdjacency& adjacency, const glm::vec3& eye, const Silhouette& silhouette) {
+  constexpr glm::vec3 asides[] = {{0, 0, 0},   {3, 5, 7},  {-5, 3, -2}, {2, -7, 3},
+                                  {-3, -2, 5}, {7, 2, -3}, {-2, 7, 2},  {5, -3, -7}};
+  float largest = std::max({std::abs(eye.x), std::abs(eye.y), std::abs(eye.z)});
+  for (const EdgeAdjacency::Part& part : adjacency.parts())
+    for (const glm::vec3& p : {part.bounds.min, part.bounds.max})
+      largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  EdgeAdjacency::Depth depth;
+  for (const glm::vec3& aside : asides) {
+    depth = adjacency.depth_at(eye + aside * (largest * 0x1p-24f), silhouette);
+    if (!depth.degenerate) break;
+  }
+  return depth.volumes;
+}
 
 /// Whether the light lies in the near plane of a view, as far as float32 tells: seen from it the near rectangle is a line, and
 /// nothing can be thrown onto it.
-bool is_in_near_plane(const glm::dvec4& light, const View& view);
+inline bool is_in_near_plane(const glm::dvec4& light, const View& view) {
+  const glm::dvec3 eye(view.eye), forward = glm::normalize(glm::dvec3(view.target) - eye);
+  const glm::dvec4 plane(forward, -glm::dot(forward, eye) - double(near_plane));
+  const double size = glm::length(glm::dvec3(light)) + std::abs(light.w * plane.w);
+  return std::abs(glm::dot(plane, light)) < 0x1p-16 * size;
+}
 
 /// Where the eye lies among the shadow volumes.
 struct EyePlace {
@@ -21,6 +43,69 @@ struct EyePlace {
 
 /// In double. Rounding is taken as 2^-16 of the scene's extent, 256 float32 roundings of its largest coordinate: a side quad
 /// seen so nearly edge-on was seen to be off by 2^-18 of it.
-EyePlace find_eye_place(const Scene& scene, const Light& light, const View& view);
+class EyePlaceFinder {
+ public:
+  EyePlaceFinder(const Scene& scene, const Light& light, const View& view)
+      : adjacency_(scene),
+        light_(homogeneous(light)),
+        eye_(view.eye),
+        tan_y_(std::tan(glm::radians(double(view.fov_y_degrees)) / 2)),
+        rounding_(0x1p-16 * extent(scene, light, view)) {
+    adjacency_.find_silhouette(light_, silhouette_);
+    place_.inside = volumes_at(adjacency_, view.eye, silhouette_) > 0;
+    for (const SilhouetteEdge& edge : silhouette_.edges) meet_side(at(edge.low), at(edge.high));
+    for (std::size_t t = 0; t < silhouette_.facing.size(); ++t)
+      if (silhouette_.facing[t] != 0) meet_cap(adjacency_.triangles()[t]);
+  }
+  const EyePlace& place() const { return place_; }
+
+ private:
+  glm::dvec3 at(std::uint32_t vertex) const { return adjacency_.positions()[vertex]; }
+  /// From the eye to a corner of the near rectangle of a picture up to four times as wide as high.
+  double reach() const { return double(near_plane) * std::sqrt(1 + 17 * tan_y_ * tan_y_) + rounding_; }
+
+  void meet(double distance) {
+    place_.near_plane |= distance <= reach();
+    place_.boundary |= distance <= rounding_;
+  }
+
+  /// The distance to a convex face is at least that to its plane, and to each half-plane that it lies in.
+  void meet_side(const glm::dvec3& a, const glm::dvec3& b) {
+    const glm::dvec3 away_a = -to_light(light_, a), away_b = -to_light(light_, b), normal = glm::cross(b - a, away_a);
+    const double size = glm::length(normal);
+    if (size == 0) return;  // the edge points to the light: no face
+    const glm::dvec3 n = normal / size;
+    double distance = std::abs(glm::dot(n, eye_ - a));
+    if (distance > reach()) return;
+    // Outward in the plane of the face: beyond the edge toward the light, beyond the ray from a, beyond the ray from b.
+    const glm::dvec3 toward = glm::cross(n, b - a), inward = glm::dot(toward, away_a) > 0 ? toward : -toward;
+    distance = std::max(distance, -glm::dot(glm::normalize(inward), eye_ - a));
+    for (const auto& [p, other, away] : {std::tuple(a, b, away_a), std::tuple(b, a, away_b)}) {
+      const glm::dvec3 across = glm::cross(n, away), outward = glm::dot(across, other - p) > 0 ? -across : across;
+      if (glm::length(outward) > 0) distance = std::max(distance, glm::dot(glm::normalize(outward), eye_ - p));
+    }
+    meet(distance);
+  }
+
+  void meet_cap(const glm::uvec3& triangle) {
+    const glm::dvec3 p[3] = {at(triangle.x), at(triangle.y), at(triangle.z)};
+    const glm::dvec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]), n = normal / glm::length(normal);
+    double distance = std::abs(glm::dot(n, eye_ - p[0]));
+    for (int k = 0; k < 3 && distance <= reach(); ++k)
+      distance = std::max(distance, glm::dot(glm::normalize(glm::cross(p[(k + 1) % 3] - p[k], n)), eye_ - p[k]));
+    meet(distance);
+  }
+
+  EdgeAdjacency adjacency_;
+  Silhouette silhouette_;
+  glm::dvec4 light_;
+  glm::dvec3 eye_;
+  double tan_y_, rounding_;
+  EyePlace place_;
+};
+
+inline EyePlace find_eye_place(const Scene& scene, const Light& light, const View& view) {
+  return EyePlaceFinder(scene, light, view).place();
+}
 
 }  // namespace stencil_volume

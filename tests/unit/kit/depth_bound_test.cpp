@@ -1,5 +1,5 @@
 // The bound on overlapping shadow volumes, against the exact depth of many points.
-#include <gnomon/kit/depth_bound.h>
+#include <gnomon/kit/edges.h>
 #include <gnomon/kit/shapes.h>
 #include <gtest/gtest.h>
 

@@ -1,14 +1,29 @@
-// The formulas of the paper, in its letters, in any frame.
+#pragma once
+// Private to kit/planar_shadow: flat parts, and the formulas of the paper, in its letters, in any frame.
 #include <fmt/format.h>
+#include <gnomon/kit/contour.h>
+#include <gnomon/kit/planar_shadow.h>
 
 #include <cmath>
 #include <optional>
 
-#include "planar_shadow_parts.h"
-
 namespace gnomon {
 
-namespace {
+using Parts = std::array<FlatPart, 3>;
+
+/// Angles and lengths that differ from what a form wants by less than this share do so by rounding of float32 coordinates.
+inline constexpr double alike = 1e-5;
+
+inline double height_of(const glm::dvec4& plane, const glm::dvec3& point) { return glm::dot(plane, glm::dvec4(point, 1)); }
+
+inline FlatPart disc_part(const glm::dvec3& center, const glm::dvec3& normal, double radius) {
+  const auto [u, v] = Across(normal);
+  return {.corner_count = 0, .points = {center, center + radius * u, center + radius * v, center}};
+}
+
+inline FlatPart triangle_part(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+  return {.corner_count = 3, .points = {a, b, c, a}};
+}
 
 /// The paper puts the plane at y = 0 and the object over its origin, the foot; x_i is where the light is, along the plane.
 struct PaperFrame {
@@ -26,24 +41,26 @@ struct PaperFrame {
   glm::dvec3 x_s3(double h_p) const { return x_i * (h_p + d) / (w * (d + h_p) - y_i); }  // (9)
 };
 
-std::size_t image_of_circle(const glm::dvec3& center, double r, const glm::dvec4& light, const glm::dvec4& plane,
-                            Parts& parts) {
+inline std::size_t image_of_circle(const glm::dvec3& center, double r, const glm::dvec4& light, const glm::dvec4& plane,
+                                   Parts& parts) {
   const PaperFrame frame(center, light, plane);
   parts[0] = disc_part(frame.foot + frame.x_s(), frame.up, frame.grown(r));
   return 1;
 }
 
-std::size_t parts_of(const Disc& disc, const glm::dvec4& light, const glm::dvec4& plane, ShadowForm, Parts& parts) {
+inline std::size_t paper_parts(const Disc& disc, const glm::dvec4& light, const glm::dvec4& plane, ShadowForm, Parts& parts) {
   return image_of_circle(disc.center, disc.radius, light, plane, parts);
 }
 
 /// "The equations for the shadow of the sphere are given before in circle part."
-std::size_t parts_of(const Sphere& sphere, const glm::dvec4& light, const glm::dvec4& plane, ShadowForm, Parts& parts) {
+inline std::size_t paper_parts(const Sphere& sphere, const glm::dvec4& light, const glm::dvec4& plane, ShadowForm,
+                               Parts& parts) {
   return image_of_circle(sphere.center, sphere.radius, light, plane, parts);
 }
 
 /// Circle and triangle, whose base is the diameter across the light's way. As printed the triangle's base stays at x = 0.
-std::size_t parts_of(const Cone& cone, const glm::dvec4& light, const glm::dvec4& plane, ShadowForm form, Parts& parts) {
+inline std::size_t paper_parts(const Cone& cone, const glm::dvec4& light, const glm::dvec4& plane, ShadowForm form,
+                               Parts& parts) {
   image_of_circle(cone.base, cone.radius, light, plane, parts);
   const PaperFrame frame(cone.base, light, plane);
   const double r_1 = frame.grown(cone.radius);
@@ -60,7 +77,7 @@ struct Upright {
   double height;
 };
 
-std::optional<Upright> upright(const Triangle& triangle, const glm::dvec4& plane) {
+inline std::optional<Upright> upright(const Triangle& triangle, const glm::dvec4& plane) {
   for (int k = 0; k < 3; ++k) {
     const glm::dvec3 a(triangle.points[k]), b(triangle.points[(k + 1) % 3]), peak(triangle.points[(k + 2) % 3]);
     const glm::dvec3 middle = (a + b) / 2.0, up(plane), rise = peak - middle;
@@ -71,8 +88,8 @@ std::optional<Upright> upright(const Triangle& triangle, const glm::dvec4& plane
   return std::nullopt;
 }
 
-std::size_t parts_of(const Triangle& triangle, const glm::dvec4& light, const glm::dvec4& plane, ShadowForm form,
-                     Parts& parts) {
+inline std::size_t paper_parts(const Triangle& triangle, const glm::dvec4& light, const glm::dvec4& plane, ShadowForm form,
+                               Parts& parts) {
   if (form == ShadowForm::paper) {
     std::array<glm::dvec3, 3> images;
     for (int k = 0; k < 3; ++k) {
@@ -92,15 +109,16 @@ std::size_t parts_of(const Triangle& triangle, const glm::dvec4& light, const gl
   return 1;
 }
 
-std::size_t parts_of(const auto&, const glm::dvec4&, const glm::dvec4&, ShadowForm, Parts&) { return 0; }
+std::size_t paper_parts(const auto&, const glm::dvec4&, const glm::dvec4&, ShadowForm, Parts&) { return 0; }
 
-}  // namespace
-
-std::size_t image_parts(const Shape& shape, const glm::dvec4& light, const glm::dvec4& plane, ShadowForm form, Parts& parts) {
-  return std::visit([&](const auto& s) { return parts_of(s, light, plane, form, parts); }, shape);
+/// The paper's formulas of a form other than exact, in `parts`; says how many. There must be no objection.
+inline std::size_t image_parts(const Shape& shape, const glm::dvec4& light, const glm::dvec4& plane, ShadowForm form,
+                               Parts& parts) {
+  return std::visit([&](const auto& s) { return paper_parts(s, light, plane, form, parts); }, shape);
 }
 
-std::string paper_objection(const Shape& shape, const glm::dvec4& plane, ShadowForm form) {
+/// What the paper asks of the shape and its place; it knows four shapes.
+inline std::string paper_objection(const Shape& shape, const glm::dvec4& plane, ShadowForm form) {
   const auto leans = [&](const glm::vec3& axis) {
     return glm::length(glm::cross(glm::normalize(glm::dvec3(axis)), glm::dvec3(plane))) > alike;
   };
