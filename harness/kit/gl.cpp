@@ -7,14 +7,6 @@
 
 namespace gnomon {
 
-namespace gl_detail {
-void delete_program(GLuint name) { glDeleteProgram(name); }
-void delete_buffer(GLuint name) { glDeleteBuffers(1, &name); }
-void delete_texture(GLuint name) { glDeleteTextures(1, &name); }
-void delete_framebuffer(GLuint name) { glDeleteFramebuffers(1, &name); }
-void delete_vertex_array(GLuint name) { glDeleteVertexArrays(1, &name); }
-}  // namespace gl_detail
-
 namespace {
 
 GLuint created(void (*create)(GLsizei, GLuint*)) {
@@ -55,6 +47,15 @@ std::string numbered(std::string_view source) {
   return text;
 }
 
+/// What the driver says about a shader or program.
+std::string log_of(const auto& get, const auto& get_log, GLuint name) {
+  GLint length = 0;
+  get(name, GL_INFO_LOG_LENGTH, &length);
+  std::string log(std::max(length, 1), '\0');
+  get_log(name, length, nullptr, log.data());
+  return log.c_str();
+}
+
 /// A shader object, attached to `program`; it lives as long as the program.
 void attach(GLuint program, GLenum stage, std::string_view title, std::string_view body) {
   const std::string source = "#version 450 core\n" + std::string(body);
@@ -64,17 +65,14 @@ void attach(GLuint program, GLenum stage, std::string_view title, std::string_vi
   glCompileShader(shader);
   glAttachShader(program, shader);
   glDeleteShader(shader);
-  GLint ok = 0, length = 0;
+  GLint ok = 0;
   glGetShaderiv(shader, GL_COMPILE_STATUS, &ok);
   if (ok) return;
-  glGetShaderiv(shader, GL_INFO_LOG_LENGTH, &length);
-  std::string log(std::max(length, 1), '\0');
-  glGetShaderInfoLog(shader, length, nullptr, log.data());
   throw Error("shader {} ({}) does not compile:\n{}\n{}", title,
               stage == GL_VERTEX_SHADER     ? "vertex"
               : stage == GL_FRAGMENT_SHADER ? "fragment"
                                             : "compute",
-              log.c_str(), numbered(source));
+              log_of(glGetShaderiv, glGetShaderInfoLog, shader), numbered(source));
 }
 
 }  // namespace
@@ -125,13 +123,10 @@ Program Program::compute(std::string_view title, std::string_view source) {
 
 void Program::link(std::string_view title, std::string_view sources) {
   glLinkProgram(name());
-  GLint ok = 0, length = 0;
+  GLint ok = 0;
   glGetProgramiv(name(), GL_LINK_STATUS, &ok);
   if (ok) return;
-  glGetProgramiv(name(), GL_INFO_LOG_LENGTH, &length);
-  std::string log(std::max(length, 1), '\0');
-  glGetProgramInfoLog(name(), length, nullptr, log.data());
-  throw Error("program {} does not link:\n{}\n{}", title, log.c_str(), sources);
+  throw Error("program {} does not link:\n{}\n{}", title, log_of(glGetProgramiv, glGetProgramInfoLog, name()), sources);
 }
 
 GLint Program::location(const char* uniform) const {

@@ -1,21 +1,155 @@
 #pragma once
 #include <gnomon/kit/volume_faces.h>
 
+#include <algorithm>
+#include <string>
+
 namespace stencil_volume {
 using namespace gnomon;
+
+/// Bytes of `work_` before the facing of the triangles: the commands, counted there and read back.
+inline constexpr GLintptr work_header = 128;
+static_assert(sizeof(FaceCommands) <= work_header && offsetof(FaceCommands, fan) == 16 && offsetof(FaceCommands, caps) == 64 &&
+              offsetof(FaceCommands, reversed_caps) == 84);
+
+inline constexpr std::string_view finder_head = R"(
+layout(local_size_x = 256) in;
+layout(std430, binding = 1) readonly buffer Triangles { uvec4 triangles[]; };  // corners and part
+layout(std430, binding = 5) buffer Work { uint commands[32]; int facing[]; };
+uniform int count;
+uniform vec4 light;  // homogeneous
+const int sides_count = 0, fan_count = 4, triangle_sides_count = 8, far_count = 12;
+const int caps_count = 16, reversed_count = 21, reversed_first = 23;
+int item() { return int(gl_GlobalInvocationID.x + gl_GlobalInvocationID.y * 32768u * 256u); }
+uint corners() { return light.w != 0 ? 6u : 3u; }
+)";
+
+inline constexpr std::string_view facing_body = R"(
+layout(std430, binding = 0) readonly buffer Positions { float positions[]; };
+layout(std430, binding = 2) readonly buffer First { uint first[]; };
+layout(std430, binding = 3) readonly buffer Hubs { vec4 hubs[]; };
+layout(std430, binding = 4) readonly buffer Halves { int halves[]; };
+layout(std430, binding = 6) writeonly buffer Caps { uint caps[]; };
+layout(std430, binding = 7) writeonly buffer Turned { uint turned[]; };
+uniform bool outline, light_caps, dark_caps;
+dvec3 fetch(uint v) { return dvec3(positions[3 * v], positions[3 * v + 1], positions[3 * v + 2]); }
+void main() {
+  int t = item();
+  if (t >= count) return;
+  uvec4 triangle = triangles[t];
+  int turn = 0;
+  if (triangle.w != 0xffffffffu) {
+    dvec3 a = fetch(triangle.x);
+    double side = dot(cross(fetch(triangle.y) - a, fetch(triangle.z) - a), dvec3(light.xyz) - double(light.w) * a);
+    turn = side > 0 ? 1 : side < 0 ? -1 : 0;
+    int wanted = halves[triangle.w];
+    if (wanted != 0 && turn != wanted) turn = 0;
+  }
+  facing[t] = turn;
+  if (turn == 0) return;
+  if (light_caps) {
+    uint place = turn > 0 ? atomicAdd(commands[caps_count], 3u) : atomicAdd(commands[reversed_first], 0xfffffffdu) - 3u;
+    if (turn < 0) atomicAdd(commands[reversed_count], 3u);
+    caps[place] = triangle.x, caps[place + 1] = triangle.y, caps[place + 2] = triangle.z;
+  }
+  bool far = dark_caps && (!outline || hubs[triangle.w].w == 0);
+  if (!outline || far) {
+    uint place = outline ? atomicAdd(commands[far_count], 3u) : 0;
+    if (!outline) {
+      place = atomicAdd(commands[triangle_sides_count], 3u * corners()) / corners();
+      if (far) atomicAdd(commands[far_count], 3u);
+    }
+    uvec3 v = turn > 0 ? triangle.xyz : triangle.xzy;
+    turned[place] = first[v.x], turned[place + 1] = first[v.y], turned[place + 2] = first[v.z];
+  }
+}
+)";
+
+inline constexpr std::string_view add_side = R"(
+layout(std430, binding = 6) writeonly buffer Sides { uvec4 sides[]; };
+uniform bool dark_caps;
+uniform int side_capacity;
+void add(uint low, uint high, uint part, int times) {
+  uint copies = uint(abs(times)), place = atomicAdd(commands[sides_count], corners() * copies) / corners();
+  if (dark_caps) atomicAdd(commands[fan_count], 3u * copies);
+  for (uint i = 0; i < copies; ++i)
+    if (place + i < uint(side_capacity)) sides[place + i] = uvec4(low, high, part, times > 0);
+}
+)";
+
+inline const std::string edges_body = std::string(add_side) + R"(
+layout(std430, binding = 0) readonly buffer Edges { uvec4 edges[]; };  // low, high, first, second
+void main() {
+  int e = item();
+  if (e >= count) return;
+  uvec4 edge = edges[e];
+  int times = facing[edge.z] - facing[edge.w];
+  if (times != 0) add(edge.x, edge.y, triangles[edge.z].w, times);
+}
+)";
+
+inline const std::string irregular_body = std::string(add_side) + R"(
+layout(std430, binding = 0) readonly buffer Edges { uvec4 edges[]; };  // low, high, first of `at`, how many
+layout(std430, binding = 2) readonly buffer At { uint at[]; };         // triangle times two, plus one for low to high
+void main() {
+  int e = item();
+  if (e >= count) return;
+  uvec4 edge = edges[e];
+  int times = 0;
+  for (uint i = edge.z; i < edge.z + edge.w; ++i) times += (at[i] & 1u) != 0 ? facing[at[i] / 2] : -facing[at[i] / 2];
+  if (times != 0) add(edge.x, edge.y, triangles[at[edge.z] / 2].w, times);
+}
+)";
 
 /// The relight of `finder=gpu`: facing, outline and caps by compute shaders. Facing is decided in double without the exact
 /// fallback: a triangle so nearly edge-on that this matters casts a shadow thinner than rounding, whichever way it is turned.
 /// The order of faces in the buffers is open, the set of faces is not, so neither are the counts.
 class GpuFinder {
  public:
-  void setup();
-  void build(const EdgeAdjacency& adjacency);
+  void setup() {
+    facing_program_ = Program::compute("stencil_volume facing", std::string(finder_head) + std::string(facing_body));
+    edges_program_ = Program::compute("stencil_volume edges", std::string(finder_head) + std::string(edges_body));
+    irregular_program_ =
+        Program::compute("stencil_volume irregular edges", std::string(finder_head) + std::string(irregular_body));
+  }
+
+  void build(const EdgeAdjacency& adjacency) {
+    std::vector<glm::uvec4> triangles;
+    triangles.reserve(adjacency.triangles().size());
+    for (std::size_t t = 0; t < adjacency.triangles().size(); ++t)
+      triangles.emplace_back(adjacency.triangles()[t], adjacency.part_of()[t]);
+    const auto upload = [](const auto& values) { return Buffer(values.data(), values.size() * sizeof(values[0])); };
+    for (Buffer* const old : {&triangles_, &first_, &edges_, &irregular_, &at_irregular_}) *old = {};
+    triangles_ = upload(triangles);
+    first_ = upload(adjacency.first_at_position());
+    edges_ = upload(adjacency.edges());
+    irregular_ = upload(adjacency.irregular_edges());
+    at_irregular_ = upload(adjacency.sides());
+  }
 
   /// Finds the silhouette of the scene whose buffers these are. Fills the buffers of faces, and `out` with what they hold, for
   /// the questions that the processor asks.
   FaceCommands find(const SceneBuffers& buffers, const EdgeAdjacency& adjacency, const glm::dvec4& light,
-                    const WantedFaces& wanted, FaceBuffers& faces, Silhouette& out);
+                    const WantedFaces& wanted, FaceBuffers& faces, Silhouette& out) {
+    out.light = light;
+    write_hubs(adjacency, light, faces);
+    halves_.rewrite<std::int32_t>(std::max<std::size_t>(adjacency.parts().size(), 1), [&](std::span<std::int32_t> halves) {
+      for (std::size_t i = 0; i < adjacency.parts().size(); ++i)
+        halves[i] = static_cast<std::int32_t>(adjacency.half(adjacency.parts()[i], light));
+    });
+    make_room(adjacency, wanted, faces);
+
+    FaceCommands commands = run(buffers, adjacency, light, wanted, faces);
+    const std::size_t corners = light.w != 0 ? 6 : 3, found = commands.sides.count / corners;
+    if (found * sizeof(glm::uvec4) > faces.sides.bytes()) {
+      faces.sides.reserve(found * sizeof(glm::uvec4));
+      commands = run(buffers, adjacency, light, wanted, faces);
+    }
+    read_silhouette(faces, found, adjacency.triangles().size(), out);
+    if (!wanted.outline) commands.sides.count = commands.fan.count = 0;
+    faces.commands.rewrite<FaceCommands>(1, [&](std::span<FaceCommands> mapped) { mapped[0] = commands; });
+    return commands;
+  }
 
   std::size_t bytes() const {
     return triangles_.bytes + first_.bytes + edges_.bytes + irregular_.bytes + at_irregular_.bytes + halves_.bytes() +
@@ -23,12 +157,76 @@ class GpuFinder {
   }
 
  private:
-  void make_room(const EdgeAdjacency& adjacency, const WantedFaces& wanted, FaceBuffers& faces);
+  void make_room(const EdgeAdjacency& adjacency, const WantedFaces& wanted, FaceBuffers& faces) {
+    const std::size_t triangle_count = adjacency.triangles().size();
+    const std::size_t triangle_bytes = std::max<std::size_t>(triangle_count, 1) * sizeof(glm::uvec3);
+    if (wanted.light_caps) faces.caps.reserve(triangle_bytes);
+    if (!wanted.outline || wanted.dark_caps) faces.triangles.reserve(triangle_bytes);
+    faces.sides.reserve(sizeof(glm::uvec4) * (adjacency.edges().size() / 8 + adjacency.sides().size() + 1));
+    work_.reserve(work_header + triangle_count * sizeof(std::int32_t));
+  }
+
   /// Counts all faces, and writes them as far as there is room.
   FaceCommands run(const SceneBuffers& buffers, const EdgeAdjacency& adjacency, const glm::dvec4& light,
-                   const WantedFaces& wanted, const FaceBuffers& faces);
+                   const WantedFaces& wanted, const FaceBuffers& faces) {
+    FaceCommands commands;
+    commands.reversed_caps.first_index = static_cast<std::uint32_t>(3 * adjacency.triangles().size());
+    glNamedBufferSubData(work_.name(), 0, sizeof(commands), &commands);
+    const auto dispatch = [&](const Program& program, std::size_t count,
+                              std::initializer_list<std::pair<GLuint, GLuint>> buffers) {
+      if (count == 0) return;
+      for (const auto& [binding, name] : buffers) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, name);
+      const auto set = [&](const char* uniform, const auto& value) {
+        if (program.uses(uniform)) program.set(uniform, value);
+      };
+      set("count", static_cast<int>(count));
+      set("light", glm::vec4(light));  // exact: the light's floats
+      set("outline", wanted.outline ? 1 : 0);
+      set("light_caps", wanted.light_caps ? 1 : 0);
+      set("dark_caps", wanted.dark_caps ? 1 : 0);
+      set("side_capacity", static_cast<int>(faces.sides.bytes() / sizeof(glm::uvec4)));
+      glUseProgram(program.name());
+      // Rows of groups: one row holds no more than every device allows.
+      const auto groups = static_cast<GLuint>((count + 255) / 256), rows = (groups + 32767) / 32768;
+      glDispatchCompute(rows > 1 ? 32768 : groups, rows, 1);
+      glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    };
+    dispatch(facing_program_, adjacency.triangles().size(),
+             {{0, buffers.positions.name()},
+              {1, triangles_.name()},
+              {2, first_.name()},
+              {3, faces.hubs.name()},
+              {4, halves_.name()},
+              {5, work_.name()},
+              {6, faces.caps.name()},
+              {7, faces.triangles.name()}});
+    dispatch(edges_program_, adjacency.edges().size(),
+             {{0, edges_.name()}, {1, triangles_.name()}, {5, work_.name()}, {6, faces.sides.name()}});
+    dispatch(irregular_program_, adjacency.irregular_edges().size(),
+             {{0, irregular_.name()},
+              {1, triangles_.name()},
+              {2, at_irregular_.name()},
+              {5, work_.name()},
+              {6, faces.sides.name()}});
+    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT | GL_ELEMENT_ARRAY_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+    glGetNamedBufferSubData(work_.name(), 0, sizeof(commands), &commands);
+    return commands;
+  }
+
   /// Reads back the outline, of `side_count` sides, and how the triangles face.
-  void read_silhouette(const FaceBuffers& faces, std::size_t side_count, std::size_t triangle_count, Silhouette& out) const;
+  void read_silhouette(const FaceBuffers& faces, std::size_t side_count, std::size_t triangle_count, Silhouette& out) const {
+    const auto read = [](auto& values, GLuint buffer, GLintptr offset) {
+      if (!values.empty())
+        glGetNamedBufferSubData(buffer, offset, static_cast<GLsizeiptr>(values.size() * sizeof(values[0])), values.data());
+    };
+    std::vector<glm::uvec4> sides(side_count);
+    read(sides, faces.sides.name(), 0);
+    out.edges.clear();
+    for (const glm::uvec4& side : sides) out.edges.push_back({side.x, side.y, side.w != 0 ? 1 : -1, side.z});
+    std::vector<std::int32_t> facing(triangle_count);
+    read(facing, work_.name(), work_header);
+    out.facing.assign(facing.begin(), facing.end());
+  }
 
   Program facing_program_, edges_program_, irregular_program_;
   Buffer triangles_, first_, edges_, irregular_, at_irregular_;

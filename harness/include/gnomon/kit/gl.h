@@ -14,15 +14,8 @@ namespace gnomon {
 
 // --- Objects: move-only owners of one GL name ------------------------------------------------------------------------------
 
-namespace gl_detail {
-void delete_program(GLuint name);
-void delete_buffer(GLuint name);
-void delete_texture(GLuint name);
-void delete_framebuffer(GLuint name);
-void delete_vertex_array(GLuint name);
-}  // namespace gl_detail
-
-template <void (*Delete)(GLuint)>
+/// `Delete` is the function of OpenGL that deletes it: of one name, or of an array of names.
+template <auto& Delete>
 class GlObject {
  public:
   GlObject() = default;
@@ -33,7 +26,11 @@ class GlObject {
     return *this;
   }
   ~GlObject() {
-    if (name_) Delete(name_);
+    if (name_ == 0) return;
+    if constexpr (requires { Delete(name_); })
+      Delete(name_);
+    else
+      Delete(1, &name_);
   }
   GLuint name() const { return name_; }
   explicit operator bool() const { return name_ != 0; }
@@ -42,20 +39,20 @@ class GlObject {
   GLuint name_ = 0;
 };
 
-using Framebuffer = GlObject<gl_detail::delete_framebuffer>;
-using VertexArray = GlObject<gl_detail::delete_vertex_array>;
+using Framebuffer = GlObject<glDeleteFramebuffers>;
+using VertexArray = GlObject<glDeleteVertexArrays>;
 Framebuffer make_framebuffer();
 VertexArray make_vertex_array();
 
 /// Immutable storage of `bytes` bytes; `data` may be null. At least four bytes are allocated.
-struct Buffer : GlObject<gl_detail::delete_buffer> {
+struct Buffer : GlObject<glDeleteBuffers> {
   Buffer() = default;
   Buffer(const void* data, std::size_t bytes, GLbitfield flags = 0);
   std::size_t bytes = 0;
 };
 
 /// One level, nearest filtering, clamped to the edge; an array when it has layers. Throws Error when there is no memory for it.
-struct Texture : GlObject<gl_detail::delete_texture> {
+struct Texture : GlObject<glDeleteTextures> {
   Texture() = default;
   Texture(GLenum format, int width, int height, int layers = 0);
   int width = 0, height = 0, layers = 0;
@@ -63,7 +60,7 @@ struct Texture : GlObject<gl_detail::delete_texture> {
 };
 
 /// A linked program. Sources come without their version line. Throws Error with the log and the numbered source.
-class Program : public GlObject<gl_detail::delete_program> {
+class Program : public GlObject<glDeleteProgram> {
  public:
   Program() = default;
   Program(std::string_view title, std::string_view vertex, std::string_view fragment);
