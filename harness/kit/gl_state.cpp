@@ -91,6 +91,12 @@ constexpr Setting textures[] = {{GL_TEXTURE_BINDING_1D, "1D texture"},
                                 {GL_TEXTURE_BINDING_2D_MULTISAMPLE, "multisample texture"},
                                 {GL_SAMPLER_BINDING, "sampler"}};
 
+GLint integer(GLenum query) {
+  GLint value[4] = {};  // the polygon mode writes two
+  glGetIntegerv(query, value);
+  return value[0];
+}
+
 constexpr int clip_distance_count = 8, texture_unit_count = 16, image_unit_count = 8, buffer_unit_count = 8;
 
 }  // namespace
@@ -104,16 +110,9 @@ std::vector<std::string> state_differences() {
     if (bool(glIsEnabled(s.capability)) != s.on) differences.push_back(fmt::format("{} is {}", s.name, s.on ? "off" : "on"));
   for (int i = 0; i < clip_distance_count; ++i)
     if (glIsEnabled(GL_CLIP_DISTANCE0 + i)) differences.push_back(fmt::format("clip distance {} is on", i));
-  for (const auto& [query, name, wanted] : integers) {
-    GLint value[4] = {};  // the polygon mode writes two
-    glGetIntegerv(query, value);
-    compare(name, value[0], wanted);
-  }
-  for (const auto& [query, name, wanted] : stencil_masks) {
-    GLint value = 0;
-    glGetIntegerv(query, &value);
-    compare(name, value & 0xff, wanted);  // implementations return 8 or 32 bits of the default
-  }
+  for (const auto& [query, name, wanted] : integers) compare(name, integer(query), wanted);
+  for (const auto& [query, name, wanted] : stencil_masks)
+    compare(name, integer(query) & 0xff, wanted);  // implementations return 8 or 32 bits of the default
   GLboolean color[4];
   glGetBooleanv(GL_COLOR_WRITEMASK, color);
   for (int i = 0; i < 4; ++i) compare(fmt::format("color mask {}", "rgba"[i]), color[i], GL_TRUE);
@@ -121,15 +120,11 @@ std::vector<std::string> state_differences() {
   glGetFloatv(GL_DEPTH_RANGE, range);
   if (range[0] != 0 || range[1] != 1) differences.push_back(fmt::format("depth range is {} .. {}", range[0], range[1]));
 
-  GLint active = 0;
-  glGetIntegerv(GL_ACTIVE_TEXTURE, &active);
+  const GLint active = integer(GL_ACTIVE_TEXTURE);
   for (int unit = 0; unit < texture_unit_count; ++unit) {
     glActiveTexture(GL_TEXTURE0 + unit);
-    for (const auto& [query, name, wanted] : textures) {
-      GLint value = 0;
-      glGetIntegerv(query, &value);
-      compare(fmt::format("{} of unit {}", name, unit), value, wanted);
-    }
+    for (const auto& [query, name, wanted] : textures)
+      compare(fmt::format("{} of unit {}", name, unit), integer(query), wanted);
   }
   glActiveTexture(active);
   const auto compare_indexed = [&](GLenum query, const char* name, int count) {

@@ -62,6 +62,14 @@ void make_room(Texture& texture, GLenum format, const Texture& like) {
   texture = Texture(format, like.width, like.height);
 }
 
+/// The floats of a texture, read back.
+template <class Texel>
+std::vector<Texel> texels(const Texture& texture, GLenum channels) {
+  std::vector<Texel> all(std::size_t(texture.width) * texture.height);
+  glGetTextureImage(texture.name(), 0, channels, GL_FLOAT, static_cast<GLsizei>(all.size() * sizeof(Texel)), all.data());
+  return all;
+}
+
 }  // namespace
 
 VolumeProgram::VolumeProgram(std::string_view title, std::string_view vertex, bool own_mesh) {
@@ -81,7 +89,6 @@ void VolumeCounter::setup() {
 }
 
 void VolumeCounter::begin(const DepthStencil& depth, Pass pass, CountWhere where, int start) {
-  depth_ = &depth;
   pass_ = pass;
   where_ = where;
   const GLuint target = framebuffer_.name();
@@ -166,11 +173,7 @@ void VolumeCounter::drop_pictures() {
   layer_ = {};
 }
 
-std::vector<VolumeCounter::WideCount> VolumeCounter::wide_counts() const {
-  std::vector<WideCount> counts(std::size_t(wide_.width) * wide_.height);
-  glGetTextureImage(wide_.name(), 0, GL_RG, GL_FLOAT, static_cast<GLsizei>(counts.size() * sizeof(counts[0])), counts.data());
-  return counts;
-}
+std::vector<VolumeCounter::WideCount> VolumeCounter::wide_counts() const { return texels<WideCount>(wide_, GL_RG); }
 
 VolumeCounter::Work VolumeCounter::work() const {
   Work work;
@@ -181,10 +184,6 @@ VolumeCounter::Work VolumeCounter::work() const {
   return work;
 }
 
-std::vector<VolumeFaces> VolumeCounter::layer_faces() const {
-  std::vector<VolumeFaces> faces(std::size_t(layer_.width) * layer_.height);
-  glGetTextureImage(layer_.name(), 0, GL_RGBA, GL_FLOAT, static_cast<GLsizei>(faces.size() * sizeof(faces[0])), faces.data());
-  return faces;
-}
+std::vector<VolumeFaces> VolumeCounter::layer_faces() const { return texels<VolumeFaces>(layer_, GL_RGBA); }
 
 }  // namespace gnomon

@@ -73,7 +73,6 @@ class VolumeCounter {
   Texture wide_, layer_;
   Pass pass_ = Pass::stencil;
   CountWhere where_ = CountWhere::before_surface;
-  const DepthStencil* depth_ = nullptr;
 };
 
 }  // namespace gnomon
