@@ -21,7 +21,7 @@ constexpr About about{
         "Pljaskovic et al., Sphere and cone composite realtime shadows (equations 1 to 9); exact forms: "
         "docs/planar_shadow.md.",
     .error =
-        "form = exact is exact up to float32 rounding at the pixel's point. form = paper takes a sphere's shadow for that of "
+        "Exact up to float32 rounding at the pixel's point with form = exact. form = paper takes a sphere's shadow for that of "
         "its great circle along the plane, whose area is K^1.5 / (h^2 sqrt(x_i^2 + K)) of the true one, K = h^2 - r^2 (0.81 "
         "with the light 4 m aside and 6 m above a ball of 1 m), and cuts inside the tangents of a cone, by up to a few "
         "percent of the area. form = printed leaves the base of a triangle under the object as well.",

@@ -14,18 +14,19 @@ Parameter::Parameter(Parametrized* owner, std::string_view name, std::string_vie
 
 namespace {
 
-/// "12.5" or "1e3": a number, but not one that is written as a whole number.
-bool is_fraction(std::string_view text) {
+/// "12.5" or "1e1": a number, but not one that is written as a whole number, nor one that is whole and out of range ("1e300").
+bool is_fraction(std::string_view text, const Range<int>& range) {
   double number = 0;
   const char* const last = text.data() + text.size();
   const auto [end, code] = std::from_chars(text.data(), last, number);
+  if (std::isfinite(number) && number == std::trunc(number) && (number < range.min || number > range.max)) return false;
   return code == std::errc{} && end == last && text.find_first_not_of("0123456789", text.starts_with('-')) != text.npos;
 }
 
 }  // namespace
 
 void Parameter::refuse(std::string_view value) const {
-  if (dynamic_cast<const Number<int>*>(this) && is_fraction(value))
+  if (const auto* whole = dynamic_cast<const Number<int>*>(this); whole && is_fraction(value, whole->range()))
     throw Error("{}.{} = {} is not a whole number in digits; allowed are {}", owner_->id(), name_, value, allowed());
   throw Error("{}.{} = {} is outside {}", owner_->id(), name_, value.empty() ? "(nothing)" : value, allowed());
 }
