@@ -8,9 +8,6 @@
 
 namespace gnomon {
 
-namespace {
-
-/// Keeps the points of a convex polygon where dot(half_space, (p, 1)) >= 0.
 std::vector<glm::dvec3> clipped(std::span<const glm::dvec3> polygon, const glm::dvec4& half_space) {
   std::vector<glm::dvec3> kept;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -21,6 +18,8 @@ std::vector<glm::dvec3> clipped(std::span<const glm::dvec3> polygon, const glm::
   }
   return kept;
 }
+
+namespace {
 
 std::vector<glm::dvec3> corners(const FlatPart& part, int segments) {
   if (!part.is_disc()) return {part.points.begin(), part.points.begin() + part.corner_count};

@@ -94,4 +94,7 @@ inline glm::dvec4 image_on_plane(const glm::dvec3& point, const glm::dvec4& ligh
   return light_height * glm::dvec4(point, 1) - height * light;
 }
 
+/// Keeps the points of a convex polygon where dot(half_space, (p, 1)) >= 0.
+std::vector<glm::dvec3> clipped(std::span<const glm::dvec3> polygon, const glm::dvec4& half_space);
+
 }  // namespace gnomon
