@@ -4,6 +4,7 @@
 // Here on the processor: a triangle walks the cells that its shadow may touch, and the points in them are tested against the
 // planes through the light and its edges and against its own plane, in double with a proven bound, by exact signs where double
 // cannot decide.
+#include <gnomon/kit/add_up.h>
 #include <gnomon/kit/point_technique.h>
 #include <gnomon/kit/scratch_pool.h>
 #include <gnomon/registry.h>
@@ -28,8 +29,7 @@ constexpr About about{
 
 constexpr std::size_t caster_block = 16384;
 
-struct Caster {
-  glm::vec3 points[3];
+struct Caster : Triangle {
   std::uint32_t triangle;  ///< counted over the scene
 };
 
@@ -42,12 +42,7 @@ struct PixelAnswer {
 
 struct Work {
   std::uint64_t walked = 0, tests = 0, exact = 0;  ///< triangles with samples to test; tests; those by exact signs
-  Work& operator+=(const Work& w) {
-    walked += w.walked;
-    tests += w.tests;
-    exact += w.exact;
-    return *this;
-  }
+  Work& operator+=(const Work& w) { return add_up(*this, w, &Work::walked, &Work::tests, &Work::exact); }
 };
 
 /// What one thread works with.
@@ -118,16 +113,11 @@ void AliasFreeMap::build(const Scene& scene) {
   for (const Mesh& mesh : scene.meshes) count += mesh.casts ? mesh.triangles.size() : 0;
   if (casters_.capacity() < count) casters_ = {};
   casters_.reserve(count);
-  for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
-    const Mesh& mesh = scene.meshes[m];
-    if (!mesh.casts) continue;
-    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-      const glm::uvec3& corner = mesh.triangles[t];
-      casters_.push_back(
-          {{mesh.positions[corner.x], mesh.positions[corner.y], mesh.positions[corner.z]}, numbers_.first_of(m) + t});
-      for (const glm::vec3& p : casters_.back().points) bounds_.add(p);
-    }
-  }
+  for_triangles(scene, [&](const Triangle& triangle, std::uint32_t mesh, std::uint32_t number) {
+    if (!scene.meshes[mesh].casts) return;
+    casters_.push_back({triangle, number});
+    for (const glm::vec3& p : triangle.points) bounds_.add(p);
+  });
 }
 
 void AliasFreeMap::relight(const Light& light) {
@@ -145,17 +135,15 @@ void AliasFreeMap::find_footprints() {
       const glm::vec3 corner((k & 1 ? high : low).x, (k & 2 ? high : low).y, (k & 4 ? high : low).z);
       extent = std::max(extent, norm1(space_.main().seen(corner)));
     }
-  facing_.resize(casters_.size());
+  facing_ = facing_of<Caster>(casters_, homogeneous_);
   const std::size_t blocks = (casters_.size() + caster_block - 1) / caster_block;
   std::vector<std::vector<Footprint>> found[6];  // of each face and block
   for (auto& face : found) face.resize(blocks);
   for_blocks(casters_.size(), caster_block, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const glm::vec3* p = casters_[i].points;
-      facing_[i] = static_cast<std::int8_t>(orient3d_sign(p[0], p[1], p[2], homogeneous_));
       if (facing_[i] == 0) continue;
-      for (const auto& [face, footprint] : footprints_of(space_, p, extent, static_cast<std::uint32_t>(i)))
-        found[face][begin / caster_block].push_back(footprint);
+      const auto add = [&](int face, const Footprint& f) { found[face][begin / caster_block].push_back(f); };
+      for_footprints(space_, casters_[i].points, extent, static_cast<std::uint32_t>(i), add);
     }
   });
   for (int face = 0; face < 6; ++face) {
@@ -280,8 +268,7 @@ bool AliasFreeMap::shades(const Caster& caster, std::uint32_t pixel, bool clearl
   if (own.is_own(caster.triangle)) return false;
   if (!clearly) {
     ++work.exact;
-    const Triangle triangle{{caster.points[0], caster.points[1], caster.points[2]}};
-    if (crosses({own.point, homogeneous_}, triangle) == Crossing::none) return false;
+    if (crosses({own.point, homogeneous_}, caster) == Crossing::none) return false;
   }
   return !own.is_coplanar(*scene_, caster.points);
 }

@@ -7,7 +7,6 @@
 #include <gnomon/kit/random.h>
 #include <gnomon/registry.h>
 
-#include "shadow_volume_tree/order.h"
 #include "shadow_volume_tree/tree.h"
 
 namespace {
@@ -81,15 +80,12 @@ void ShadowVolumeTree::build(const Scene& scene) {
   casters_.reserve(scene.triangle_count());
   bounds_ = {};
   is_sorted_ = order.is("near_first");
-  for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
-    const Mesh& mesh = scene.meshes[m];
-    if (!mesh.casts) continue;
-    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-      const glm::uvec3& v = mesh.triangles[t];
-      casters_.push_back({{mesh.positions[v.x], mesh.positions[v.y], mesh.positions[v.z]}, m, numbers_.first_of(m) + t});
-      for (const glm::vec3& p : casters_.back().corners) bounds_.add(p);
-    }
-  }
+  for_triangles(scene, [&](const Triangle& triangle, std::uint32_t mesh, std::uint32_t number) {
+    if (!scene.meshes[mesh].casts) return;
+    const auto [a, b, c] = triangle.points;
+    casters_.push_back({{a, b, c}, mesh, number});
+    for (const glm::vec3& p : triangle.points) bounds_.add(p);
+  });
   if (order.is("random") || order.is("large_first")) Random(static_cast<std::uint64_t>(seed.value())).shuffle(casters_);
   if (order.is("large_first")) put_large_first(casters_);
   tree_.reserve(casters_.size());
@@ -100,15 +96,9 @@ void ShadowVolumeTree::relight(const Light& light) {
   const Frame frame(homogeneous(light), bounds_);
   // Edge-on triangles cast nothing.
   constexpr std::size_t block = 8192;
-  std::vector<std::int8_t> facing(casters_.size());
+  const std::vector<std::int8_t> facing = facing_of<Caster>(casters_, frame.light);
   std::vector<std::size_t> begin((casters_.size() + block - 1) / block + 1, 0);
-  for_blocks(casters_.size(), block, [&](std::size_t low, std::size_t high) {
-    for (std::size_t i = low; i < high; ++i) {
-      const glm::vec3* p = casters_[i].corners;
-      facing[i] = static_cast<std::int8_t>(orient3d_sign(p[0], p[1], p[2], frame.light));
-      begin[low / block + 1] += facing[i] != 0;
-    }
-  });
+  for (std::size_t i = 0; i < facing.size(); ++i) begin[i / block + 1] += facing[i] != 0;
   for (std::size_t b = 1; b < begin.size(); ++b) begin[b] += begin[b - 1];
 
   if (is_sorted_) {
@@ -126,7 +116,7 @@ void ShadowVolumeTree::relight(const Light& light) {
       const std::size_t from = is_sorted_ ? nearest_[i].second : i;
       if (facing[from] == 0) continue;
       into[next] = casters_[from];
-      if (facing[from] < 0) std::swap(into[next].corners[1], into[next].corners[2]);
+      if (facing[from] < 0) std::swap(into[next].points[1], into[next].points[2]);
       into[next].steepness = frame.steepness(into[next]);
       ++next;
     }

@@ -119,11 +119,6 @@ class Svbsp final : public PointTechnique {
   }
   /// The triangle that shades a pixel's point, or `nothing`; the query is in its cell.
   std::uint32_t shading_triangle(const GBuffer& gbuffer, const Query& query) const;
-  /// Triangle of its mesh, and the mesh.
-  DetailPolygon named(std::uint32_t triangle) const {
-    const std::uint32_t mesh = triangles_[triangle].mesh;
-    return {.mesh = mesh, .triangle = triangle - numbers_.first_of(mesh), .is_lit = false, .first = 0, .count = 0};
-  }
 
   Bounds bounds_;                         // of the casters
   std::vector<SceneTriangle> triangles_;  // of all meshes
@@ -143,14 +138,11 @@ void Svbsp::build(const Scene& scene) {
   triangles_.clear();
   triangles_.reserve(scene.triangle_count());
   bounds_ = {};
-  for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
-    const Mesh& mesh = scene.meshes[m];
-    for (const glm::uvec3& v : mesh.triangles) {
-      triangles_.push_back({{mesh.positions[v.x], mesh.positions[v.y], mesh.positions[v.z]}, m});
-      if (mesh.casts)
-        for (const glm::vec3& p : triangles_.back().corners) bounds_.add(p);
-    }
-  }
+  for_triangles(scene, [&](const Triangle& triangle, std::uint32_t mesh, std::uint32_t) {
+    triangles_.push_back({triangle, mesh});
+    if (scene.meshes[mesh].casts)
+      for (const glm::vec3& p : triangle.points) bounds_.add(p);
+  });
   bsp_.reset();
   drawn_bsp_.reset();
   if (order.is("bsp")) bsp_.emplace(scene, bsp_options());
@@ -160,13 +152,7 @@ void Svbsp::relight(const Light& light) {
   light_ = light;
   const glm::dvec4 at = homogeneous(light);
   space_ = ProjectedSpace(at, bounds_);
-  signs_.resize(triangles_.size());
-  for_blocks(triangles_.size(), 8192, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const glm::vec3* p = triangles_[i].corners;
-      signs_[i] = static_cast<std::int8_t>(orient3d_sign(p[0], p[1], p[2], at));
-    }
-  });
+  signs_ = facing_of<SceneTriangle>(triangles_, at);
   polygon_count_ = 0;
   for (std::uint32_t i = 0; i < triangles_.size(); ++i) polygon_count_ += casts(i);
   make_pieces(at);
@@ -186,7 +172,7 @@ void Svbsp::make_pieces(const glm::dvec4& light) {
     pieces_.make(space_, facing(), triangles_.size(), [&](std::size_t i, Corner* scratch) -> Pieces::Part {
       const auto triangle = static_cast<std::uint32_t>(i);
       if (!casts(triangle)) return {triangle, {}};
-      for (int k = 0; k < 3; ++k) scratch[k] = {glm::dvec3(triangles_[i].corners[k]), own_edge};
+      for (int k = 0; k < 3; ++k) scratch[k] = {glm::dvec3(triangles_[i].points[k]), own_edge};
       return {triangle, {scratch, 3}};
     });
     return;
@@ -214,7 +200,7 @@ std::uint32_t Svbsp::shading_triangle(const GBuffer& gbuffer, const Query& query
   const std::uint32_t nearest = triangle_in(query.link);
   const NumberedReceiver receiver = this->receiver(gbuffer, query.pixel);
   if (receiver.is_own(nearest)) return nothing;
-  const glm::vec3* p = triangles_[nearest].corners;
+  const glm::vec3* p = triangles_[nearest].points;
   if (orient3d_sign(p[0], p[1], p[2], receiver.point) != -signs_[nearest]) return nothing;
   return receiver.is_coplanar(*scene_, p) ? nothing : nearest;
 }
@@ -290,8 +276,7 @@ std::vector<std::uint8_t> Svbsp::find_shown(const GBuffer& gbuffer) const {
 
 SurfaceDetail Svbsp::divide(bool merges, const GBuffer* shown) const {
   const std::vector<std::uint8_t> is_shown = shown ? find_shown(*shown) : std::vector<std::uint8_t>(triangles_.size(), 1);
-  return divide_triangles(*scene_, space_, forest_, facing(), is_shown, merges,
-                          [&](std::uint32_t triangle) { return named(triangle); });
+  return divide_triangles(*scene_, numbers_, space_, forest_, facing(), is_shown, merges);
 }
 
 const Bsp& Svbsp::regular_tree() const {
@@ -304,12 +289,12 @@ const Bsp& Svbsp::regular_tree() const {
 std::vector<float> Svbsp::paint() const {
   const Bsp& bsp = regular_tree();
   const Facing facing = this->facing();
-  Divider divider(space_, forest_, facing);
+  Divider divider(space_, forest_, facing, numbers_);
   SurfaceDetail detail;
   return paint_back_to_front(*scene_, *gbuffer_, light_, bsp, [&](const BspPolygon& polygon, DetailBrush& brush) {
     detail.corners.clear();
     detail.polygons.clear();
-    divider.divide(bsp.corners(polygon), polygon.triangle, named(polygon.triangle), merge, detail);
+    divider.divide(bsp.corners(polygon), polygon.triangle, merge, detail);
     for (const DetailPolygon& part : detail.polygons)
       brush.paint(std::span<const glm::dvec3>(detail.corners).subspan(part.first, part.count), part.is_lit);
   });

@@ -33,7 +33,7 @@ Painter::Painter(const Camera& camera)
 template <class Point>
 std::span<const PixelSpan> Painter::spans_of(std::span<const Point> corners) {
   spans_.clear();
-  polygon_.clear();
+  polygon_.start();
   // Clipping by planes through the eye that only cut what is far outside the picture leaves most polygons as they are, and what
   // is left of an edge is the same for both polygons on it. All four together leave nothing behind the eye.
   const auto beyond = [this](const glm::dvec3& p) {
@@ -50,48 +50,31 @@ std::span<const PixelSpan> Painter::spans_of(std::span<const Point> corners) {
       from_eye = corner - eye_;
     const glm::dvec3 p(glm::dot(from_eye, right_), glm::dot(from_eye, down_), glm::dot(from_eye, forward_));
     assert(std::isfinite(p.x + p.y + p.z));
-    polygon_.push_back({p});
+    polygon_.add({p});
     some |= beyond(p);
     all &= beyond(p);
     nearest = std::min(nearest, p.z);
     farthest = std::max(farthest, p.z);
   }
-  if (polygon_.size() < 3 || all || farthest <= 0) return {};
-  if (some & 1) cut_off({{1, 0, guard_.x}});
-  if (some & 2) cut_off({{-1, 0, guard_.x}});
-  if (some & 4) cut_off({{0, 1, guard_.y}});
-  if (some & 8) cut_off({{0, -1, guard_.y}});
+  if (corners.size() < 3 || all || farthest <= 0) return {};
   // So near to the eye there are only polygons whose plane holds it.
-  if (nearest < 1e-12 * farthest) cut_off({{0, 0, 1}, -1e-12 * farthest});
-  if (polygon_.size() >= 3) scan();
+  if (nearest < 1e-12 * farthest) some |= 16;
+  const ClipPlane planes[] = {
+      {{1, 0, guard_.x}}, {{-1, 0, guard_.x}}, {{0, 1, guard_.y}}, {{0, -1, guard_.y}}, {{0, 0, 1}, -1e-12 * farthest}};
+  for (unsigned k = 0; k < 5; ++k)
+    if ((some >> k & 1) && !has_inside(polygon_.keep_positive(planes[k], 0))) return {};
+  scan();
   return spans_;
 }
 
 template std::span<const PixelSpan> Painter::spans_of(std::span<const Corner> corners);
 template std::span<const PixelSpan> Painter::spans_of(std::span<const glm::dvec3> corners);
 
-/// Leaves the part of the polygon on the positive side.
-void Painter::cut_off(const ClipPlane& plane) {
-  values_.resize(polygon_.size());
-  before_.resize(polygon_.size() + 1);
-  behind_.resize(polygon_.size() + 1);
-  switch (classify(polygon_, plane, 0, values_.data())) {
-    case Lies::across:
-      before_.resize(cut_polygon(polygon_, values_.data(), 0, 0, behind_.data(), before_.data()).positive);
-      polygon_.swap(before_);
-      break;
-    case Lies::positive:
-      break;
-    default:
-      polygon_.clear();
-  }
-}
-
 /// Where the polygon's edges cross the middle of each row.
 void Painter::scan() {
   places_.clear();
   double highest = std::numeric_limits<double>::infinity(), lowest = -highest;
-  for (const Corner& corner : polygon_) {
+  for (const Corner& corner : polygon_.corners()) {
     const glm::dvec3& p = corner.at;
     places_.push_back({p.x / p.z + 0.5 * width_, p.y / p.z + 0.5 * height_});
     highest = std::min(highest, places_.back().y);

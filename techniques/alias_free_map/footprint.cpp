@@ -77,14 +77,13 @@ bool find_box(const LightFace& face, const glm::vec3* corners, double extent, Bo
 
 }  // namespace
 
-Footprints footprints_of(const LightSpace& space, const glm::vec3* corners, double extent, std::uint32_t caster) {
-  Footprints found;
+void for_footprints(const LightSpace& space, const glm::vec3* corners, double extent, std::uint32_t caster,
+                    const std::function<void(int, const Footprint&)>& visit) {
   if (space.is_parallel()) {
     Box box;
     for (int k = 0; k < 3; ++k) box.add(space[0].seen(corners[k]));
     const double margin = place_margin * extent;
-    found.items[found.count++] = {0, footprint_of(box, margin, margin, caster)};
-    return found;
+    return visit(0, footprint_of(box, margin, margin, caster));
   }
   // Most triangles lie clearly within one face.
   const int first = space.face_of(corners[0]);
@@ -94,9 +93,8 @@ Footprints footprints_of(const LightSpace& space, const glm::vec3* corners, doub
     if (!find_box(space[face], corners, extent, box)) continue;
     box.low = glm::max(box.low, glm::dvec3(-2, -2, 0));
     box.high = glm::min(box.high, glm::dvec3(2, 2, INFINITY));
-    found.items[found.count++] = {face, footprint_of(box, 2 * place_margin, 0, caster)};
+    visit(face, footprint_of(box, 2 * place_margin, 0, caster));
   }
-  return found;
 }
 
 }  // namespace gnomon::alias_free_map

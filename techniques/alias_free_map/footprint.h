@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 
 namespace gnomon::alias_free_map {
 
@@ -28,20 +29,9 @@ constexpr double face_margin = 1 + 0x1p-10;
 
 inline double norm1(const glm::dvec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
 
-/// Footprints of one caster, at most one on a face.
-struct Footprints {
-  struct OnFace {
-    int face;
-    Footprint footprint;
-  };
-  std::array<OnFace, 6> items;
-  int count = 0;
-  const OnFace* begin() const { return items.data(); }
-  const OnFace* end() const { return items.data() + count; }
-};
-
-/// On each face that the shadow of a triangle may touch. `extent`: largest distance of anything from the light, or for parallel
-/// rays from the origin, as `norm1` has it.
-Footprints footprints_of(const LightSpace& space, const glm::vec3* corners, double extent, std::uint32_t caster);
+/// Calls visit with the footprint on each face that the shadow of a triangle may touch. `extent`: largest distance of anything
+/// from the light, or for parallel rays from the origin, as `norm1` has it.
+void for_footprints(const LightSpace& space, const glm::vec3* corners, double extent, std::uint32_t caster,
+                    const std::function<void(int face, const Footprint& footprint)>& visit);
 
 }  // namespace gnomon::alias_free_map

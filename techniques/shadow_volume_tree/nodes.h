@@ -29,7 +29,7 @@ inline unsigned bits(FourFlags flags) {
 
 /// A casting triangle, its corners counter-clockwise seen from the light once it is in the tree.
 struct Caster {
-  glm::vec3 corners[3];
+  glm::vec3 points[3];
   std::uint32_t mesh;
   std::uint32_t triangle;  ///< counted over the scene
   float steepness = 0;     ///< see Wedges; set with the order of the corners
@@ -85,7 +85,7 @@ struct Frame {
   ///   |X - L|^2 = i |A - L|^2 + j |B - L|^2 + k |C - L|^2 - (ij |A - B|^2 + jk |B - C|^2 + ki |C - A|^2),
   /// and ij + jk + ki <= 1/3: so it is at least the nearest corner's square less a third of the longest edge's.
   float nearest(const Caster& caster) const {
-    const glm::vec3* p = caster.corners;
+    const glm::vec3* p = caster.points;
     double least = INFINITY, error = 0;
     for (int k = 0; k < 3; ++k) {
       least = std::min(least, depth(p[k]));
@@ -140,7 +140,7 @@ struct Planes {
   /// A normal that loses more than 24 of 53 bits to cancellation is left at zero, and so are all values of that plane, so that
   /// no sign is taken from them. The others err by 4 * 2^-53 * 2^24 < e / 8 of their sum.
   Planes(const Caster& caster, const Frame& frame) {
-    const glm::dvec3 a[] = {caster.corners[0], caster.corners[1], caster.corners[2]};
+    const glm::dvec3 a[] = {caster.points[0], caster.points[1], caster.points[2]};
     for (int k = 0; k < 4; ++k) {
       const glm::dvec3 from = a[k % 3];
       const glm::dvec3 u = k < 3 ? to_light(frame.light, from) : a[1] - from, v = (k < 3 ? a[(k + 1) % 3] : a[2]) - from;
@@ -162,7 +162,7 @@ struct Planes {
 
 /// Sign of a point at a node of a caster, exact.
 inline int exact_sign(const Caster& caster, unsigned node, const glm::vec3& point, const Frame& frame, SignCounts& counts) {
-  const glm::vec3* p = caster.corners;
+  const glm::vec3* p = caster.points;
   ++counts.in_double;
   if (node == 3) return orient3d_sign(p[0], p[1], p[2], point, &counts.exact);
   return orient3d_sign(p[node], p[(node + 1) % 3], point, frame.light, &counts.exact);
@@ -195,8 +195,8 @@ struct Wedges {
 /// on the same sides of a shadow plane as the caster, and only what is behind the capping plane is beyond what is behind it.
 inline Way way_of(const Caster& caster, const Caster& other, const Planes& planes, const Frame& frame, float error,
                   Wedges& wedges, SignCounts& counts) {
-  const Four a = planes.at(caster.corners[0] - frame.center), b = planes.at(caster.corners[1] - frame.center),
-             c = planes.at(caster.corners[2] - frame.center);
+  const Four a = planes.at(caster.points[0] - frame.center), b = planes.at(caster.points[1] - frame.center),
+             c = planes.at(caster.points[2] - frame.center);
   const Four ab_low = a < b ? a : b, ab_high = a < b ? b : a;
   const Four low = ab_low < c ? ab_low : c, high = ab_high < c ? c : ab_high;
   const unsigned inside = bits(low > error), outside = bits(high < -error), crossing = bits((low < -error) & (high > error));
@@ -205,10 +205,9 @@ inline Way way_of(const Caster& caster, const Caster& other, const Planes& plane
     bool is_out = outside >> k & 1, is_crossing = crossing >> k & 1;
     if (!is_out && !is_crossing) {
       int lowest = 1, highest = -1;
-      for (const glm::vec3& p : caster.corners) {
+      for (const glm::vec3& p : caster.points) {
         // A corner in common is the usual reason.
-        const bool is_corner =
-            p == other.corners[k % 3] || p == other.corners[(k + 1) % 3] || (k == 3 && p == other.corners[2]);
+        const bool is_corner = p == other.points[k % 3] || p == other.points[(k + 1) % 3] || (k == 3 && p == other.points[2]);
         const int sign = is_corner ? 0 : exact_sign(other, k, p, frame, counts);
         lowest = std::min(lowest, sign);
         highest = std::max(highest, sign);

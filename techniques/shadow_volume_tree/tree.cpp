@@ -6,6 +6,27 @@
 
 namespace gnomon::shadow_volume_tree {
 
+void put_large_first(std::vector<Caster>& casters) {
+  constexpr int smallest = -300, count = (300 + 260) / 4;  // squares of float32 lengths are 2^-298 .. 2^259
+  std::vector<std::uint8_t> classes(casters.size());
+  for_blocks(casters.size(), 8192, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      double square = 0;
+      for (int k = 0; k < 3; ++k) {
+        const glm::dvec3 edge = glm::dvec3(casters[i].points[(k + 1) % 3]) - glm::dvec3(casters[i].points[k]);
+        square = std::max(square, glm::dot(edge, edge));
+      }
+      classes[i] = static_cast<std::uint8_t>(count - 1 - (std::clamp(std::ilogb(square), smallest, 259) - smallest) / 4);
+    }
+  });
+  std::size_t next[count + 1] = {};
+  for (const std::uint8_t c : classes) ++next[c + 1];
+  for (int c = 0; c < count; ++c) next[c + 1] += next[c];
+  std::vector<Caster> sorted(casters.size());
+  for (std::size_t i = 0; i < casters.size(); ++i) sorted[next[classes[i]]++] = casters[i];
+  casters = std::move(sorted);
+}
+
 void Tree::grow(std::size_t count, const Frame& frame, bool early_out, bool wedge) {
   frame_ = frame;
   Grown sum;
@@ -179,7 +200,7 @@ std::uint32_t Tree::shading_triangle(const Scene& scene, const NumberedReceiver&
         is_behind = outside >> 3 & 1;
         if (!is_behind && !(inside >> 3 & 1))
           is_behind = exact_sign(casters_[0][place], 3, receiver.point, frame_, work.signs) < 0;
-        if (is_behind && !receiver.is_coplanar(scene, casters_[0][place].corners)) {
+        if (is_behind && !receiver.is_coplanar(scene, casters_[0][place].points)) {
           found = group.triangle;
           break;
         }

@@ -11,6 +11,11 @@ namespace gnomon::shadow_volume_tree {
 
 inline constexpr std::uint32_t none = 0xffffffffu;
 
+/// The larger casters before the smaller ones, in classes by their longest edges, each four times as long as the next; within a
+/// class in the order they came in. Where a large caster lies across a plane, the whole tree of that plane is visited from
+/// everywhere; so it gets its own place before there are many planes.
+void put_large_first(std::vector<Caster>& casters);
+
 /// Work of queries, and what they need from one to the next.
 struct QueryWork {
   std::vector<std::uint32_t> stack;  ///< room for Tree::longest_stack()

@@ -1,7 +1,7 @@
 #pragma once
 #include <gnomon/kit/clip.h>
+#include <gnomon/kit/receiver.h>
 #include <gnomon/kit/unset_vector.h>
-#include <gnomon/scene.h>
 
 #include <span>
 #include <vector>
@@ -14,6 +14,14 @@ struct BspPolygon {
   /// Corners of the tree, see Bsp::corners(). Corner::edge is 0 on the triangle's own edges, 1 on those that cuts made.
   std::uint32_t first, count;
 };
+
+/// A triangle of a scene, by its number over all meshes.
+inline Triangle triangle_of(const Scene& scene, const TriangleNumbers& numbers, std::uint32_t number) {
+  const std::uint32_t m = numbers.mesh_of(number);
+  const Mesh& mesh = scene.meshes[m];
+  const glm::uvec3& t = mesh.triangles[number - numbers.first_of(m)];
+  return {{mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]}};
+}
 
 /// What a tree is made by.
 struct BspOptions {

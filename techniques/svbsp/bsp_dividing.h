@@ -1,7 +1,5 @@
 #pragma once
 // Private to bsp.cpp: how a plane is chosen for a list of pieces, and what it makes of them.
-#include <gnomon/kit/receiver.h>
-
 #include <limits>
 #include <tuple>
 
@@ -58,10 +56,7 @@ struct Source {
 
   Triangle triangle(const Piece& piece) const {
     if (!piece.corners) return {{glm::vec3(piece.corner(0)), glm::vec3(piece.corner(1)), glm::vec3(piece.corner(2))}};
-    const std::uint32_t m = numbers.mesh_of(piece.triangle);
-    const Mesh& mesh = scene.meshes[m];
-    const glm::uvec3& t = mesh.triangles[piece.triangle - numbers.first_of(m)];
-    return {{mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]}};
+    return triangle_of(scene, numbers, piece.triangle);
   }
 };
 

@@ -1,4 +1,6 @@
 #pragma once
+#include <gnomon/kit/add_up.h>
+
 #include "pieces.h"
 
 namespace gnomon::svbsp {
@@ -23,15 +25,8 @@ struct TreeWork {
   std::uint64_t lit = 0, shadowed = 0, thin = 0;  ///< fragments, when they reached their cells
   std::uint64_t hidden = 0;                       ///< pieces left out of tiles that nearer ones hide
   TreeWork& operator+=(const TreeWork& t) {
-    planes += t.planes;
-    tile_cuts += t.tile_cuts;
-    cuts += t.cuts;
-    crossings += t.crossings;
-    lit += t.lit;
-    shadowed += t.shadowed;
-    thin += t.thin;
-    hidden += t.hidden;
-    return *this;
+    using W = TreeWork;
+    return add_up(*this, t, &W::planes, &W::tile_cuts, &W::cuts, &W::crossings, &W::lit, &W::shadowed, &W::thin, &W::hidden);
   }
 };
 

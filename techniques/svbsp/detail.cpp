@@ -4,10 +4,11 @@
 
 namespace gnomon::svbsp {
 
-void Divider::divide(std::span<const Corner> polygon, std::uint32_t triangle, DetailPolygon whole, bool merges,
-                     SurfaceDetail& detail) {
+void Divider::divide(std::span<const Corner> polygon, std::uint32_t triangle, bool merges, SurfaceDetail& detail) {
   const std::size_t first_corner = detail.corners.size(), first_polygon = detail.polygons.size();
   out_ = &detail;
+  const std::uint32_t mesh = facing_.triangles[triangle].mesh;
+  DetailPolygon whole{.mesh = mesh, .triangle = triangle - numbers_.first_of(mesh), .is_lit = false, .first = 0, .count = 0};
   part_ = whole;
   is_clockwise_ = space_.is_clockwise(facing_.signs[triangle]);
   projector_.run(space_, polygon, facing_.signs[triangle], [&](int face, std::span<const Corner> seen) {
@@ -42,16 +43,12 @@ bool Divider::is_lit_in_the_middle(std::span<const Corner> polygon) const {
 std::pair<Divider::Polygon, Divider::Polygon> Divider::cut(const Polygon& polygon, int axis, double at) {
   glm::dvec3 normal(0);
   normal[axis] = 1;
-  values_.resize(polygon.size());
-  const double epsilon = forest_.epsilon().across;
-  const Lies lies = classify(polygon, {normal, -at}, epsilon, values_.data());
+  clipper_.start(polygon);
+  const Lies lies = clipper_.keep_positive({normal, -at}, forest_.epsilon().across, shadow_cut);
   if (lies == Lies::negative) return {polygon, {}};
   if (lies != Lies::across) return {{}, polygon};
-  std::pair<Polygon, Polygon> parts{Polygon(polygon.size() + 1), Polygon(polygon.size() + 1)};
-  const CutCounts counts = cut_polygon(polygon, values_.data(), epsilon, shadow_cut, parts.first.data(), parts.second.data());
-  parts.first.resize(counts.negative);
-  parts.second.resize(counts.positive);
-  return parts;
+  const std::span<const Corner> below = clipper_.cut_off(), above = clipper_.corners();
+  return {{below.begin(), below.end()}, {above.begin(), above.end()}};
 }
 
 void Divider::divide_face(Polygon rest) {
@@ -104,20 +101,19 @@ void Divider::append(std::span<const Corner> polygon, bool is_lit) {
   out_->polygons.push_back(part_);
 }
 
-SurfaceDetail divide_triangles(const Scene& scene, const ProjectedSpace& space, const Forest& forest, const Facing& facing,
-                               std::span<const std::uint8_t> is_wanted, bool merges,
-                               const std::function<DetailPolygon(std::uint32_t triangle)>& named) {
+SurfaceDetail divide_triangles(const Scene& scene, const TriangleNumbers& numbers, const ProjectedSpace& space,
+                               const Forest& forest, const Facing& facing, std::span<const std::uint8_t> is_wanted,
+                               bool merges) {
   constexpr std::size_t block = 4096;
   const std::span<const SceneTriangle> triangles = facing.triangles;
   std::vector<SurfaceDetail> parts((triangles.size() + block - 1) / block);
   for_blocks(triangles.size(), block, [&](std::size_t begin, std::size_t end) {
-    Divider divider(space, forest, facing);
+    Divider divider(space, forest, facing, numbers);
     for (std::size_t i = begin; i < end; ++i) {
       if (!is_wanted[i] || facing.signs[i] == 0 || !scene.meshes[triangles[i].mesh].receives) continue;
       Corner corners[3];
-      for (int k = 0; k < 3; ++k) corners[k] = {glm::dvec3(triangles[i].corners[k]), own_edge};
-      const auto triangle = static_cast<std::uint32_t>(i);
-      divider.divide(corners, triangle, named(triangle), merges, parts[begin / block]);
+      for (int k = 0; k < 3; ++k) corners[k] = {glm::dvec3(triangles[i].points[k]), own_edge};
+      divider.divide(corners, static_cast<std::uint32_t>(i), merges, parts[begin / block]);
     }
   });
   SurfaceDetail all;

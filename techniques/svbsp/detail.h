@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/kit/receiver.h>
 #include <gnomon/technique.h>
 
 #include "forest.h"
@@ -8,12 +9,12 @@ namespace gnomon::svbsp {
 /// Divides polygons into what the light sees of them and what it does not, by the trees of a forest.
 class Divider {
  public:
-  Divider(const ProjectedSpace& space, const Forest& forest, const Facing& facing)
-      : space_(space), forest_(forest), facing_(facing) {}
+  Divider(const ProjectedSpace& space, const Forest& forest, const Facing& facing, const TriangleNumbers& numbers)
+      : space_(space), forest_(forest), facing_(facing), numbers_(numbers) {}
 
-  /// Appends the lit and the shadowed parts of `polygon`, a convex part of a triangle, `whole` but for its corners. `merges`:
-  /// the polygon itself where all of it is lit, or all shadowed.
-  void divide(std::span<const Corner> polygon, std::uint32_t triangle, DetailPolygon whole, bool merges, SurfaceDetail& detail);
+  /// Appends the lit and the shadowed parts of `polygon`, a convex part of a triangle. `merges`: the polygon itself where all
+  /// of it is lit, or all shadowed.
+  void divide(std::span<const Corner> polygon, std::uint32_t triangle, bool merges, SurfaceDetail& detail);
 
  private:
   using Polygon = std::vector<Corner>;
@@ -29,8 +30,10 @@ class Divider {
   const ProjectedSpace& space_;
   const Forest& forest_;
   const Facing& facing_;
+  const TriangleNumbers& numbers_;
   Projector projector_;
   Filter filter_;
+  Clipper clipper_;
   std::vector<double> values_;
   SurfaceDetail* out_ = nullptr;
   DetailPolygon part_{};
@@ -38,10 +41,9 @@ class Divider {
   int face_ = 0;
 };
 
-/// Those triangles of a scene for which `is_wanted` is set, which receive and are not edge-on, divided; on all threads. `named`
-/// gives the mesh, and the triangle's number there.
-SurfaceDetail divide_triangles(const Scene& scene, const ProjectedSpace& space, const Forest& forest, const Facing& facing,
-                               std::span<const std::uint8_t> is_wanted, bool merges,
-                               const std::function<DetailPolygon(std::uint32_t triangle)>& named);
+/// Those triangles of a scene for which `is_wanted` is set, which receive and are not edge-on, divided; on all threads.
+SurfaceDetail divide_triangles(const Scene& scene, const TriangleNumbers& numbers, const ProjectedSpace& space,
+                               const Forest& forest, const Facing& facing, std::span<const std::uint8_t> is_wanted,
+                               bool merges);
 
 }  // namespace gnomon::svbsp

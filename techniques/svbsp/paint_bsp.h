@@ -1,5 +1,6 @@
 #pragma once
 #include <gnomon/gbuffer.h>
+#include <gnomon/kit/painter.h>
 #include <gnomon/technique.h>
 
 #include <functional>
@@ -23,10 +24,21 @@ DebugLayer painter_layer();
 /// Paints the parts of one polygon over what is there.
 class DetailBrush {
  public:
-  virtual ~DetailBrush() = default;
+  /// Twice the triangle, counted over the scene, plus one where it is lit; or `nothing`.
+  using Paint = std::uint32_t;
+  static constexpr Paint nothing = 0xffffffffu;
+
+  DetailBrush(const Camera& camera, std::size_t size) : pixels(size, nothing), painter_(camera) {}
   /// Corners of a convex part in world space, wound either way.
-  virtual void paint(std::span<const glm::dvec3> corners, bool is_lit) = 0;
-  virtual void paint(std::span<const Corner> corners, bool is_lit) = 0;
+  template <class Point>
+  void paint(std::span<const Point> corners, bool is_lit) {
+    for_covered_pixels(painter_, corners, [this, is_lit](std::size_t i) { pixels[i] = 2 * triangle + is_lit; });
+  }
+  std::vector<Paint> pixels;
+  std::uint32_t triangle = 0;  ///< that is painted now
+
+ private:
+  Painter painter_;
 };
 
 /// Gives the lit and shadowed parts of a polygon of the tree to the brush.

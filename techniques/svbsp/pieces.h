@@ -8,8 +8,7 @@
 namespace gnomon::svbsp {
 
 /// A triangle of the scene.
-struct SceneTriangle {
-  glm::vec3 corners[3];
+struct SceneTriangle : Triangle {
   std::uint32_t mesh;
 };
 
@@ -19,7 +18,7 @@ struct Facing {
   std::span<const std::int8_t> signs;  ///< orient3d_sign of the corners and the light; 0 edge-on
 
   ClipPlane plane(const ProjectedSpace& space, int face, std::uint32_t triangle) const {
-    return space.plane(face, triangles[triangle].corners, signs[triangle]);
+    return space.plane(face, triangles[triangle].points, signs[triangle]);
   }
 };
 

@@ -125,10 +125,6 @@ class Filter {
     }
   }
 
-  std::size_t bytes() const {
-    return corners_.capacity() * sizeof(Corner) + values_.capacity() * sizeof(double) + waiting_.capacity() * sizeof(Waiting);
-  }
-
  private:
   /// A fragment on the other side of a plane; its corners lie above those of the ones that wait longer.
   struct Waiting {

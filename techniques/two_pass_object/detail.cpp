@@ -10,11 +10,10 @@ namespace {
 struct Part {
   std::uint32_t triangle;
   bool is_lit;
-  std::uint32_t first, count;  ///< corners, of its patch
+  std::uint32_t first, count;  ///< corners
 };
 
-/// All parts that the cells of a patch hold.
-struct PatchParts {
+struct Parts {
   std::vector<Part> parts;
   std::vector<glm::dvec3> corners;
 
@@ -25,11 +24,12 @@ struct PatchParts {
   std::span<const glm::dvec3> corners_of(const Part& part) const { return {corners.data() + part.first, part.count}; }
 };
 
-/// Clips the cells once more, now without a margin and for the dark parts too.
-std::vector<PatchParts> find_parts(const Triangles& triangles, const LightMap& map) {
-  std::vector<PatchParts> found(map.patch_count());
+/// Clips the cells once more, now without a margin and for the dark parts too. By triangle; the parts of one are in the order
+/// of the cells.
+Parts find_parts(const Triangles& triangles, const LightMap& map) {
+  std::vector<Parts> found(map.patch_count());
   for_blocks(found.size(), 1, [&](std::size_t patch, std::size_t) {
-    PatchParts& mine = found[patch];
+    Parts& mine = found[patch];
     map.for_leaves(triangles, patch, [&](int face, const Node& cell, std::span<const Footprint* const> footprints) {
       CellClipper clipper(triangles, face);
       clipper.clip(
@@ -42,38 +42,20 @@ std::vector<PatchParts> find_parts(const Triangles& triangles, const LightMap& m
           });
     });
   });
-  return found;
+  Parts all;
+  for (const Parts& some : found) {
+    const auto first = static_cast<std::uint32_t>(all.corners.size());
+    for (const Part& p : some.parts) all.parts.push_back({p.triangle, p.is_lit, first + p.first, p.count});
+    all.corners.insert(all.corners.end(), some.corners.begin(), some.corners.end());
+  }
+  std::ranges::stable_sort(all.parts, {}, &Part::triangle);
+  return all;
 }
-
-/// The parts by triangle; those of one stay in the order of the cells.
-class SortedParts {
- public:
-  struct Place {
-    std::uint32_t patch, part;
-  };
-  SortedParts(const std::vector<PatchParts>& found, std::size_t triangle_count) : begin_(triangle_count + 1, 0) {
-    for (const PatchParts& some : found)
-      for (const Part& part : some.parts) ++begin_[part.triangle + 1];
-    for (std::size_t i = 1; i < begin_.size(); ++i) begin_[i] += begin_[i - 1];
-    places_.resize(begin_.back());
-    std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
-    for (std::uint32_t p = 0; p < found.size(); ++p)
-      for (std::uint32_t k = 0; k < found[p].parts.size(); ++k) places_[next[found[p].parts[k].triangle]++] = {p, k};
-  }
-  std::span<const Place> of(std::uint32_t triangle) const {
-    return {places_.data() + begin_[triangle], begin_[triangle + 1] - begin_[triangle]};
-  }
-
- private:
-  std::vector<std::uint32_t> begin_;
-  std::vector<Place> places_;
-};
 
 }  // namespace
 
 SurfaceDetail make_detail(const Scene& scene, const Triangles& triangles, const LightMap& map, bool merge) {
-  const std::vector<PatchParts> found = find_parts(triangles, map);
-  const SortedParts sorted(found, triangles.size());
+  const Parts found = find_parts(triangles, map);
   const TriangleNumbers& numbers = triangles.numbers();
   SurfaceDetail detail;
   for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
@@ -85,8 +67,7 @@ SurfaceDetail make_detail(const Scene& scene, const Triangles& triangles, const 
                                    static_cast<std::uint32_t>(std::size(corners))});
         for (const auto& corner : corners) detail.corners.emplace_back(corner);
       };
-      const std::span<const SortedParts::Place> parts = sorted.of(i);
-      const auto part_of = [&](const SortedParts::Place& p) -> const Part& { return found[p.patch].parts[p.part]; };
+      const auto parts = std::ranges::equal_range(found.parts, i, {}, &Part::triangle);
       if (parts.empty()) {
         // Nothing of it is wider than epsilon: one point stands for all.
         glm::dvec3 center(0);
@@ -95,11 +76,11 @@ SurfaceDetail make_detail(const Scene& scene, const Triangles& triangles, const 
         add(map.shading(triangles, receiver) == LightMap::none, triangles[i].points);
         continue;
       }
-      const bool is_lit = part_of(parts[0]).is_lit;
-      if (merge && std::ranges::all_of(parts, [&](const auto& p) { return part_of(p).is_lit == is_lit; }))
+      const bool is_lit = parts.front().is_lit;
+      if (merge && std::ranges::all_of(parts, [&](const Part& part) { return part.is_lit == is_lit; }))
         add(is_lit, triangles[i].points);
       else
-        for (const SortedParts::Place& p : parts) add(part_of(p).is_lit, found[p.patch].corners_of(part_of(p)));
+        for (const Part& part : parts) add(part.is_lit, found.corners_of(part));
     }
   }
   return detail;

@@ -29,49 +29,33 @@ bool cut_to_face(const SceneLightSpace& space, int face, const Triangle& triangl
 }
 
 /// The footprint of a triangle's part with these corners.
-class FootprintMaker {
- public:
-  FootprintMaker(const Triangles& triangles, std::uint32_t i)
-      : space_(triangles.space()),
-        i_(i),
-        is_doubtful_(triangles.is(i, Triangles::doubtful)),
-        own_(triangles.cap(i).unit()),
-        on_plane_(triangles[i].points[0]),
-        height_(space_.height(own_)) {}
-
-  Footprint make(int face, std::span<const Corner> corners) const {
-    Footprint f{INFINITY, INFINITY, -INFINITY, -INFINITY, i_, INFINITY, -INFINITY};
-    double farthest = 0, area = 0;
-    PlaceAndDepth first{}, last{};
-    for (std::size_t k = 0; k < corners.size(); ++k) {
-      const PlaceAndDepth p = space_.seen(face, corners[k].at);
-      f.u0 = std::min(f.u0, p.u);
-      f.u1 = std::max(f.u1, p.u);
-      f.v0 = std::min(f.v0, p.v);
-      f.v1 = std::max(f.v1, p.v);
-      f.nearest = std::min(f.nearest, p.depth);
-      f.farthest = std::max(f.farthest, p.depth);
-      if (!space_.is_parallel()) farthest = std::max(farthest, glm::distance(corners[k].at, glm::dvec3(space_.light())));
-      if (k > 1) area += (last.u - first.u) * (p.v - first.v) - (p.u - first.u) * (last.v - first.v);
-      if (k == 0) first = p;
-      last = p;
-    }
-    if (is_doubtful_) return Footprint{f.u0, f.v0, f.u1, f.v1, i_};
-    f.area = std::abs(area) / 2;
-    // A plane that is off by a quarter of the doubt adds less than the second half of this.
-    f.reach = 2 * space_.rounding() * (space_.is_parallel() ? 1 : farthest) / std::abs(height_);
-    f.rise = space_.line(face, own_.normal, on_plane_) / (space_.is_parallel() ? height_ : -height_);
-    return f;
+Footprint footprint_of(const Triangles& triangles, std::uint32_t i, int face, std::span<const Corner> corners) {
+  const SceneLightSpace& space = triangles.space();
+  Footprint f{INFINITY, INFINITY, -INFINITY, -INFINITY, i, INFINITY, -INFINITY};
+  double farthest = 0, area = 0;
+  PlaceAndDepth first{}, last{};
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const PlaceAndDepth p = space.seen(face, corners[k].at);
+    f.u0 = std::min(f.u0, p.u);
+    f.u1 = std::max(f.u1, p.u);
+    f.v0 = std::min(f.v0, p.v);
+    f.v1 = std::max(f.v1, p.v);
+    f.nearest = std::min(f.nearest, p.depth);
+    f.farthest = std::max(f.farthest, p.depth);
+    if (!space.is_parallel()) farthest = std::max(farthest, glm::distance(corners[k].at, glm::dvec3(space.light())));
+    if (k > 1) area += (last.u - first.u) * (p.v - first.v) - (p.u - first.u) * (last.v - first.v);
+    if (k == 0) first = p;
+    last = p;
   }
-
- private:
-  const SceneLightSpace& space_;
-  std::uint32_t i_;
-  bool is_doubtful_;
-  ClipPlane own_;
-  glm::dvec3 on_plane_;
-  double height_;
-};
+  if (triangles.is(i, Triangles::doubtful)) return Footprint{f.u0, f.v0, f.u1, f.v1, i};
+  const ClipPlane own = triangles.cap(i).unit();
+  const double height = space.height(own);
+  f.area = std::abs(area) / 2;
+  // A plane that is off by a quarter of the doubt adds less than the second half of this.
+  f.reach = 2 * space.rounding() * (space.is_parallel() ? 1 : farthest) / std::abs(height);
+  f.rise = space.line(face, own.normal, glm::dvec3(triangles[i].points[0])) / (space.is_parallel() ? height : -height);
+  return f;
+}
 
 /// Whether a cube's face clearly sees all corners.
 bool is_clearly_in(const SceneLightSpace& space, int face, std::span<const Corner> corners) {
@@ -86,12 +70,11 @@ bool is_clearly_in(const SceneLightSpace& space, int face, std::span<const Corne
 
 void for_footprints(const Triangles& triangles, std::uint32_t i, const std::function<void(int, const Footprint&)>& visit) {
   const SceneLightSpace& space = triangles.space();
-  const FootprintMaker maker(triangles, i);
   const glm::vec3* p = triangles[i].points;
   const Corner corners[3] = {{p[0]}, {p[1]}, {p[2]}};
-  if (space.is_parallel()) return visit(0, maker.make(0, corners));
+  if (space.is_parallel()) return visit(0, footprint_of(triangles, i, 0, corners));
   if (const int only = space.face_of(corners[0].at); is_clearly_in(space, only, corners))
-    return visit(only, maker.make(only, corners));
+    return visit(only, footprint_of(triangles, i, only, corners));
   const Footprint anywhere{-1, -1, 1, 1, i};
   Clipper clipper;
   for (int face = 0; face < 6; ++face) {
@@ -103,7 +86,7 @@ void for_footprints(const Triangles& triangles, std::uint32_t i, const std::func
     // So near to the light places are lost in rounding.
     const bool is_near =
         std::ranges::any_of(clipper.corners(), [&](const Corner& c) { return !space.has_place(space.depth(face, c.at)); });
-    Footprint f = is_near ? anywhere : maker.make(face, clipper.corners());
+    Footprint f = is_near ? anywhere : footprint_of(triangles, i, face, clipper.corners());
     if (f.u0 > 1 || f.u1 < -1 || f.v0 > 1 || f.v1 < -1) continue;
     f.u0 = std::max(f.u0, -1.0);
     f.u1 = std::min(f.u1, 1.0);

@@ -60,8 +60,4 @@ void for_cells(const Triangles& triangles, int face, const Node& node, double ma
   }
 }
 
-/// The first division of a face: its rectangle fits the footprints, and there is about one cell for each `share` of them; there
-/// are fewer where large triangles would lie in too many.
-Node divide_face(std::span<const Footprint> footprints, double share, bool is_cube);
-
 }  // namespace gnomon::two_pass_object

@@ -1,16 +1,12 @@
 #pragma once
-#include "maker.h"
+#include "cell.h"
 
 namespace gnomon::two_pass_object {
 
 /// How points were decided.
 struct PointWork {
   std::uint64_t points = 0, asked = 0;  ///< points located; those decided by exact signs of the triangles in their cell
-  PointWork& operator+=(const PointWork& w) {
-    points += w.points;
-    asked += w.asked;
-    return *this;
-  }
+  PointWork& operator+=(const PointWork& w) { return add_up(*this, w, &PointWork::points, &PointWork::asked); }
 };
 
 /// The triangles as the light sees them, in the cells of a grid whose crowded cells have grids of their own, and in each cell

@@ -1,4 +1,6 @@
 #pragma once
+#include <gnomon/kit/add_up.h>
+
 #include "grid.h"
 
 namespace gnomon::two_pass_object {
@@ -50,15 +52,8 @@ struct Work {
   std::uint64_t cells = 0, pairs_tested = 0, pairs_clipped = 0, splits = 0, lit = 0, shadowed = 0, near = 0;
   std::uint64_t hidden = 0;  ///< triangles beyond what covers their places in a cell: no fragments, for they are not clipped
   Work& operator+=(const Work& w) {
-    cells += w.cells;
-    pairs_tested += w.pairs_tested;
-    pairs_clipped += w.pairs_clipped;
-    splits += w.splits;
-    lit += w.lit;
-    shadowed += w.shadowed;
-    near += w.near;
-    hidden += w.hidden;
-    return *this;
+    return add_up(*this, w, &Work::cells, &Work::pairs_tested, &Work::pairs_clipped, &Work::splits, &Work::lit, &Work::shadowed,
+                  &Work::near, &Work::hidden);
   }
 };
 

@@ -54,17 +54,14 @@ class Pieces {
     for (std::size_t i = 0; i < before; ++i) {
       const Piece piece = pieces_[i];
       const std::size_t used = used_, added = pieces_.size();
-      switch (take(piece, planes, triangle, epsilon)) {
-        case Outcome::untouched:
-          used_ = used;
-          pieces_.resize(added);
-          pieces_[kept++] = piece;
-          break;
-        case Outcome::cut:
-          cut.splits += static_cast<std::uint32_t>(pieces_.size() - added);
-          ++cut.shadowed;
-          dark(std::span<const Corner>(inner_));
-          break;
+      if (take(piece, planes, triangle, epsilon)) {
+        cut.splits += static_cast<std::uint32_t>(pieces_.size() - added);
+        ++cut.shadowed;
+        dark(std::span<const Corner>(clipper_.corners()));
+      } else {
+        used_ = used;
+        pieces_.resize(added);
+        pieces_[kept++] = piece;
       }
     }
     if (kept < before)
@@ -81,8 +78,6 @@ class Pieces {
   }
 
  private:
-  enum class Outcome { untouched, cut };
-
   void add(std::span<const Corner> polygon) {
     if (corners_.size() < used_ + polygon.size()) corners_.resize(2 * (used_ + polygon.size()));
     std::copy(polygon.begin(), polygon.end(), corners_.begin() + static_cast<std::ptrdiff_t>(used_));
@@ -90,36 +85,28 @@ class Pieces {
     used_ += polygon.size();
   }
 
-  Outcome take(const Piece& piece, std::span<const ClipPlane> planes, std::uint32_t triangle, double epsilon) {
-    std::span<const Corner> inner(corners_.data() + piece.first, piece.count);
+  /// Whether anything is taken away; what is, the clipper holds then.
+  bool take(const Piece& piece, std::span<const ClipPlane> planes, std::uint32_t triangle, double epsilon) {
+    const std::span<const Corner> whole(corners_.data() + piece.first, piece.count);
     // Most pieces lie outside one plane as they are; cutting by the others first would be in vain.
-    if (is_outside(inner, planes, epsilon)) return Outcome::untouched;
+    if (is_outside(whole, planes, epsilon)) return false;
+    clipper_.start(whole);
     for (std::size_t k = 0; k < planes.size(); ++k) {
-      values_.resize(std::max<std::size_t>(values_.size(), inner.size()));
-      const Lies lies = classify(inner, planes[k], epsilon, values_.data());
-      if (lies == Lies::positive) continue;
-      if (lies != Lies::across) return Outcome::untouched;
-      if (lost_.size() <= inner.size()) lost_.resize(2 * inner.size() + 1);
-      other_.resize(inner.size() + 1);
       const std::uint32_t mark = mark_of(triangle, static_cast<int>(k));
-      const CutCounts counts = cut_polygon(inner, values_.data(), epsilon, mark, lost_.data(), other_.data());
-      other_.resize(counts.positive);
-      for (Corner& corner : other_)
+      const Lies lies = clipper_.keep_positive(planes[k], epsilon, mark);
+      if (!has_inside(lies)) return false;
+      if (lies != Lies::across) continue;
+      for (Corner& corner : clipper_.corners())
         if (corner.edge == mark) corner.edge = mark + 1;
-      add({lost_.data(), counts.negative});
-      inner_.swap(other_);
-      inner = inner_;
+      add(clipper_.cut_off());
     }
-    if (inner.data() != inner_.data()) inner_.assign(inner.begin(), inner.end());
-    return Outcome::cut;
+    return true;
   }
 
   std::vector<Corner> corners_;
   std::size_t used_ = 0;
   std::vector<Piece> pieces_;
-  std::vector<Corner> inner_, other_, lost_;
   Clipper clipper_;
-  std::vector<double> values_;
 };
 
 }  // namespace gnomon::two_pass_object

@@ -1,6 +1,6 @@
 #include "triangles.h"
 
-#include <gnomon/kit/parallel.h>
+#include <gnomon/kit/point_technique.h>
 
 namespace gnomon::two_pass_object {
 
@@ -13,20 +13,18 @@ void Triangles::build(const Scene& scene) {
   bounds_ = scene.bounds();
   corners_.reserve(scene.triangle_count());
   flags_.reserve(scene.triangle_count());
-  for (const Mesh& mesh : scene.meshes)
-    for (const glm::uvec3& t : mesh.triangles) {
-      corners_.push_back({{mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]}});
-      flags_.push_back(static_cast<std::uint8_t>((mesh.casts ? casts : 0) | (mesh.receives ? receives : 0)));
-    }
+  for_triangles(scene, [&](const Triangle& triangle, std::uint32_t m, std::uint32_t) {
+    const Mesh& mesh = scene.meshes[m];
+    corners_.push_back(triangle);
+    flags_.push_back(static_cast<std::uint8_t>((mesh.casts ? casts : 0) | (mesh.receives ? receives : 0)));
+  });
 }
 
 void Triangles::relight(const glm::dvec4& light) {
   space_ = SceneLightSpace(light, bounds_);
-  facing_.resize(corners_.size());
+  facing_ = facing_of<Triangle>(corners_, light);
   for_blocks(corners_.size(), 8192, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const glm::vec3* p = corners_[i].points;
-      facing_[i] = static_cast<std::int8_t>(orient3d_sign(p[0], p[1], p[2], light));
       flags_[i] &= static_cast<std::uint8_t>(~doubtful);
       if (facing_[i] != 0 && is_doubtful(static_cast<std::uint32_t>(i))) flags_[i] |= doubtful;
     }

@@ -55,6 +55,21 @@ using Edges = std::vector<std::uint32_t>;
 
 const std::vector<Corner> square = {{{0, 0, 0}, 1}, {{4, 0, 0}, 2}, {{4, 4, 0}, 3}, {{0, 4, 0}, 4}};
 
+// x >= 1 of the square, and what is left of it; a plane beside the polygon takes nothing.
+TEST(Clip, a_clipper_holds_both_parts_of_a_cut) {
+  Clipper clipper;
+  clipper.start(square);
+  EXPECT_EQ(clipper.keep_positive({.normal = {1, 0, 0}, .offset = -1}, epsilon, cut), Lies::across);
+  const Parts parts = cut_by(square, {.normal = {1, 0, 0}, .offset = -1});
+  const std::span<const Corner> kept = clipper.corners(), taken = clipper.cut_off();
+  EXPECT_EQ(points({kept.begin(), kept.end()}), points(parts.positive));
+  EXPECT_EQ(edges({kept.begin(), kept.end()}), edges(parts.positive));
+  EXPECT_EQ(points({taken.begin(), taken.end()}), points(parts.negative));
+  EXPECT_EQ(edges({taken.begin(), taken.end()}), edges(parts.negative));
+  EXPECT_EQ(clipper.keep_positive({.normal = {1, 0, 0}, .offset = 9}, epsilon, cut), Lies::positive);
+  EXPECT_EQ(clipper.corners().size(), 4u);
+}
+
 TEST(Clip, a_polygon_lies_on_sides_within_epsilon_or_across) {
   double values[4];
   const auto lies = [&](double offset) { return classify(square, {.normal = {1, 0, 0}, .offset = offset}, 0.5, values); };

@@ -7,7 +7,6 @@
 #include <tbb/global_control.h>
 
 #include "hard_scenes.h"
-#include "techniques/shadow_volume_tree/order.h"
 #include "techniques/shadow_volume_tree/tree.h"
 
 extern "C" void gnomon_technique_shadow_volume_tree(gnomon::Registry& registry);

@@ -101,18 +101,22 @@ class Clipper {
     }
     const Lies lies = classify(corners(), plane, epsilon, values_.data());
     if (lies != Lies::across) return lies;
-    count_ = cut_polygon(corners(), values_.data(), epsilon, cut, rest_.data(), kept_.data()).positive;
+    const CutCounts counts = cut_polygon(corners(), values_.data(), epsilon, cut, rest_.data(), kept_.data());
+    count_ = counts.positive;
+    rest_count_ = counts.negative;
     std::swap(polygon_, kept_);
     return lies;
   }
 
   std::span<const Corner> corners() const { return {polygon_.data(), count_}; }
   std::span<Corner> corners() { return {polygon_.data(), count_}; }
+  /// What the last cut took away.
+  std::span<const Corner> cut_off() const { return {rest_.data(), rest_count_}; }
 
  private:
   std::vector<Corner> polygon_, kept_, rest_;
   std::vector<double> values_;
-  std::size_t count_ = 0;
+  std::size_t count_ = 0, rest_count_ = 0;
 };
 
 }  // namespace gnomon

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <glm/glm.hpp>
+#include <utility>
 
 namespace gnomon {
 
@@ -55,7 +56,18 @@ class LightSpace {
   explicit LightSpace(const LightFace& only) : face_count_(1) { faces_[0] = only; }
   /// A cube around a light. A point exactly between faces falls on the one whose axis comes first, counted cyclically from
   /// `first_axis`: with 0 in the order x, y, z, with 2 in the order z, x, y.
-  LightSpace(const glm::dvec3& light, const glm::dmat3& frame, OppositeFaces opposite, int first_axis);
+  LightSpace(const glm::dvec3& light, const glm::dmat3& frame, OppositeFaces opposite, int first_axis)
+      : face_count_(6), first_axis_(first_axis) {
+    const LightFace own{light, frame, true};
+    for (int k = 0; k < 3; ++k) {
+      glm::dvec3 x = own.axis((k + 1) % 3), y = own.axis((k + 2) % 3);
+      const glm::dvec3 z = own.axis(k);
+      faces_[2 * k] = {light, frame_of(x, y, z), true};
+      if (opposite == OppositeFaces::turned) y = -y;
+      if (opposite == OppositeFaces::swapped) std::swap(x, y);
+      faces_[2 * k + 1] = {light, frame_of(x, y, -z), true};
+    }
+  }
 
   int face_count() const { return face_count_; }
   const LightFace& operator[](int face) const { return faces_[face]; }

@@ -32,16 +32,13 @@ class Painter {
  private:
   template <class Point>
   std::span<const PixelSpan> spans_of(std::span<const Point> corners);
-  void cut_off(const ClipPlane& plane);
   void scan();
 
   glm::dvec3 eye_, right_, down_, forward_;
   int width_, height_;
   glm::dvec2 guard_;  // pixels from the middle of the picture, well outside
   // Seen by the eye: pixels to the right and down from the middle, times z; and z, forward.
-  std::vector<Corner> polygon_;
-  std::vector<Corner> before_, behind_;
-  std::vector<double> values_;
+  Clipper polygon_;
   std::vector<glm::dvec2> places_;
   std::vector<PixelSpan> spans_;
   std::vector<std::pair<int, int>> rows_;
