@@ -6,7 +6,7 @@
 #include <charconv>
 #include <regex>
 
-#include "measure/cause/causes.h"
+#include "analysis/in_order.h"
 #include "measure/score/metrics.h"
 
 namespace gnomon {
@@ -65,6 +65,10 @@ double Sample::draw(Random& random) const {
   return sum;
 }
 
+ValueWithInterval Sample::estimate() const {
+  return bootstrap({this, 1}, [](std::span<const double> values) { return values[0]; });
+}
+
 ValueWithInterval bootstrap(std::span<const Sample> samples, const std::function<double(std::span<const double>)>& statistic) {
   std::vector<double> values;
   for (const Sample& sample : samples) values.push_back(sample.value());
@@ -120,18 +124,10 @@ std::optional<ValueWithInterval> cost_of(const Record& record, Cost cost) {
     return record.bytes ? std::optional(ValueWithInterval(static_cast<double>(*record.bytes))) : std::nullopt;
   const Sample sample = sample_of(record, stages_of(cost));
   if (!sample.is_timed()) return std::nullopt;
-  return bootstrap({&sample, 1}, [](std::span<const double> values) { return values[0]; });
+  return sample.estimate();
 }
 
 Place place_of(const Record& r) { return {r.scene, r.light, r.view, r.path, r.width, r.height, r.truth}; }
-
-std::vector<Place> places_of(std::span<const Record> records) {
-  std::vector<Place> places;
-  std::set<Place> seen;
-  for (const Record& record : records)
-    if (seen.insert(place_of(record)).second) places.push_back(place_of(record));
-  return places;
-}
 
 std::string title(const Place& place, std::span<const Place> all) {
   const auto varies = [&](auto member) {
@@ -198,12 +194,12 @@ std::optional<double> quantity(const Record& r, std::string_view wanted) {
   return r.metric(wanted);
 }
 
+namespace {
+
+/// The names that `quantity` knows for these records.
 std::vector<std::string> quantity_names(std::span<const Record> records) {
   std::vector<std::string> names;
-  std::set<std::string> seen;
-  const auto add = [&](std::string one) {
-    if (seen.insert(one).second) names.push_back(std::move(one));
-  };
+  const auto add = [&](const std::string& one) { add_once(names, one); };
   for (const Record& r : records) {
     if (const auto found = r.metrics.find(r.truth); found != r.metrics.end())
       for (const auto& [metric, value] : found->second) add(metric);
@@ -217,17 +213,23 @@ std::vector<std::string> quantity_names(std::span<const Record> records) {
   return names;
 }
 
+}  // namespace
+
 void require_quantity(std::span<const Record> records, std::string_view wanted) {
   const std::vector<std::string> names = quantity_names(records);
-  if (std::ranges::find(names, wanted) != names.end()) return;
   if (names.empty()) throw Error("there is no {}: no row of these records was measured", wanted);
-  throw Error("there is no {}; did you mean {}? There are: {}", wanted, nearest_word(wanted, names), joined(names, ", "));
+  require_word("there is no", wanted, names);
 }
 
 std::string_view better(std::string_view wanted) {
   for (const MetricInfo& info : metric_infos())
     if (info.name == wanted) return info.better;
   return "lower";
+}
+
+void require_word(std::string_view lead, std::string_view word, std::span<const std::string> names) {
+  if (std::ranges::find(names, word) == names.end())
+    throw Error("{} {}; did you mean {}? There are: {}", lead, word, nearest_word(word, names), joined(names, ", "));
 }
 
 std::string how_to_sweep(std::string_view parameter) {

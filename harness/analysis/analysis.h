@@ -33,6 +33,7 @@ class Sample {
   bool is_timed() const;       ///< every stage has a time
   bool has_processes() const;  ///< every stage has at least two processes: there is an interval
   double value() const;
+  ValueWithInterval estimate() const;  ///< see `bootstrap`
   /// Processes are drawn with replacement, the same ones for all stages; then the repetitions within each.
   double draw(Random& random) const;
 
@@ -70,12 +71,10 @@ struct Place {
   auto operator<=>(const Place&) const = default;
 };
 Place place_of(const Record& record);
-/// Every Place once, in order of its first record.
-std::vector<Place> places_of(std::span<const Record> records);
 /// "bunny, point", and of view, path, size and truth what varies among `all`.
 std::string title(const Place& place, std::span<const Place> all);
 
-/// The number that the whole text is; nothing when it is none.
+/// The number that the whole text is, if it is one.
 std::optional<double> number_from(std::string_view text);
 /// "a=1,b=2" into pairs.
 std::vector<std::pair<std::string, std::string>> split_settings(std::string_view settings);
@@ -87,13 +86,14 @@ std::optional<double> scene_parameter(const std::string& scene, std::string_view
 
 /// Anything in a record that has one number: a metric (headline truth), `cause.NAME` (share of T), STAGE_ms, bytes, peak_bytes.
 std::optional<double> quantity(const Record& record, std::string_view name);
-/// The names that `quantity` knows for these records.
-std::vector<std::string> quantity_names(std::span<const Record> records);
 /// Throws Error with the nearest name when no record has it.
 void require_quantity(std::span<const Record> records, std::string_view name);
 /// "lower" or "higher"; "lower" for times, sizes and causes, "" where a metric has no direction.
 std::string_view better(std::string_view quantity);
 
+/// Throws Error unless the word is one of these: "there is no axis X; did you mean Y? There are: Y, Z" with the `lead` "there
+/// is no axis".
+void require_word(std::string_view lead, std::string_view word, std::span<const std::string> names);
 /// What an error says to do where a parameter has one value only.
 std::string how_to_sweep(std::string_view parameter);
 

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "analysis/in_order.h"
 #include "measure/score/metrics.h"
 
 namespace gnomon {
@@ -62,7 +63,7 @@ std::string all_values(std::span<const Record> records, const char* key) {
   std::vector<std::string> values;
   for (const Record& record : records)
     if (const auto found = record.context.find(key); found != record.context.end() && !found->is_null())
-      if (std::string text = plain(*found); std::ranges::find(values, text) == values.end()) values.push_back(std::move(text));
+      add_once(values, plain(*found));
   return values.empty() ? "-" : joined(values, ", ");
 }
 

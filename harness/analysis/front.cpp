@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "analysis/in_order.h"
+
 namespace gnomon {
 
 namespace {
@@ -36,8 +38,6 @@ Candidate candidate_of(const Record& r, const FieldOptions& options) {
   return candidate;
 }
 
-using Rows = std::map<Place, const Record*>;
-
 /// Over all places: means of what the rows of one setting measured.
 Candidate mean_of(const std::vector<const Record*>& rows, const FieldOptions& options) {
   const Record& first = *rows.front();
@@ -67,14 +67,11 @@ Candidate mean_of(const std::vector<const Record*>& rows, const FieldOptions& op
 }
 
 /// The field over all places, from the rows of each setting in order of appearance.
-Field overall(std::vector<std::pair<std::string, Rows>> settings, const FieldOptions& options) {
+Field overall(RowsBySetting settings, const FieldOptions& options) {
   Field field;
   std::set<Place> common;
   while (!settings.empty()) {
-    common.clear();
-    for (const auto& [place, row] : settings.front().second) common.insert(place);
-    for (const auto& [key, rows] : settings)
-      std::erase_if(common, [&, &rows = rows](const Place& place) { return !rows.contains(place); });
+    common = common_places(settings, &RowsBySetting::value_type::second);
     if (!common.empty()) break;
     const auto fewest =
         std::ranges::min_element(settings, [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
@@ -123,21 +120,18 @@ std::vector<Field> find_fields(std::span<const Record> records, const FieldOptio
   if (better(options.error).empty()) throw Error("{} has no better side: front and best cannot rank by it", options.error);
   std::vector<Field> fields;
   std::map<Place, std::size_t> places;
-  std::vector<std::pair<std::string, Rows>> settings;
+  const auto has_error = [&](const Record& r) { return quantity(r, options.error).has_value(); };
   for (const Record& r : records) {
-    if (r.status != Status::ok || !quantity(r, options.error)) continue;
+    if (r.status != Status::ok || !has_error(r)) continue;
     const auto [found, is_new] = places.try_emplace(place_of(r), fields.size());
     if (is_new) fields.push_back({.place = place_of(r), .places = 1, .candidates = {}, .notes = {}});
     fields[found->second].candidates.push_back(candidate_of(r, options));
-    const auto known = std::ranges::find_if(settings, [&](const auto& s) { return s.first == setting_key(r); });
-    Rows& rows = known == settings.end() ? settings.emplace_back(setting_key(r), Rows()).second : known->second;
-    rows.try_emplace(place_of(r), &r);
   }
   const auto competes = [](const Candidate& c) { return c.role == Role::contender; };
   if (std::ranges::none_of(fields, [&](const Field& f) { return std::ranges::any_of(f.candidates, competes); }))
     throw Error("there is nothing to rank: no contender finished with a {}", options.error);
   for (Field& field : fields) add_relative_costs(field);
-  if (fields.size() > 1) fields.push_back(overall(std::move(settings), options));
+  if (fields.size() > 1) fields.push_back(overall(rows_by_setting(records, has_error), options));
   return fields;
 }
 

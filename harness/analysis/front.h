@@ -41,7 +41,7 @@ enum class Standing {
   front,    ///< no contender is at least as good in both and better in one
   unclear,  ///< beaten by value, but the costs' intervals overlap with those of all who beat it
   beaten,
-  aside,  ///< reference, baseline, or without a cost: competes with nobody
+  aside,  ///< reference, baseline, or without a cost: no contender that can be placed
 };
 std::string_view name(Standing standing);
 

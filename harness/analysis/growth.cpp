@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numeric>
+
+#include "analysis/in_order.h"
 
 namespace gnomon {
 
@@ -27,11 +30,8 @@ Growth fit(const AxisSeries& series, std::string stage, Points points) {
   for (const auto& [x, terms] : points.sums) {
     std::vector<Sample> summed;
     for (const std::size_t term : terms) summed.push_back(points.samples[term]);
-    const ValueWithInterval ms = bootstrap(summed, [](std::span<const double> values) {
-      double sum = 0;
-      for (const double value : values) sum += value;
-      return sum;
-    });
+    const ValueWithInterval ms =
+        bootstrap(summed, [](std::span<const double> values) { return std::accumulate(values.begin(), values.end(), 0.0); });
     growth.points.push_back({x, ms});
     if (ms.value < clock_ms) {
       ++growth.too_fast;
@@ -60,10 +60,6 @@ Growth fit(const AxisSeries& series, std::string stage, Points points) {
 
 void add_stages(const std::vector<AxisSeries>& all, Growths& growths) {
   for (const AxisSeries& series : all) {
-    if (series.rows.size() < 2) {
-      ++growths.single;
-      continue;
-    }
     for (const Stage stage : {Stage::build, Stage::relight, Stage::resolve}) {
       Points points;
       for (const auto& [x, record] : series.rows) {
@@ -79,10 +75,6 @@ void add_stages(const std::vector<AxisSeries>& all, Growths& growths) {
 
 void add_lights(const std::vector<AxisSeries>& all, Growths& growths) {
   for (const AxisSeries& series : all) {
-    if (series.rows.size() < 2) {
-      ++growths.single;
-      continue;
-    }
     for (const char* what : {"relight", "resolve", "total"}) {
       const std::string_view stage = what;
       Points points;
@@ -148,15 +140,14 @@ PowerLaw fit_power_law(std::span<const double> x, std::span<const double> y) {
 }
 
 Growths find_growth(std::span<const Record> records, const std::string& axis) {
-  const std::vector<std::string> names = axis_names(records);
-  if (std::ranges::find(names, axis) == names.end())
-    throw Error("there is no axis {}; did you mean {}? There are: {}", axis, nearest_word(axis, names), joined(names, ", "));
+  require_word("there is no axis", axis, axis_names(records));
   std::vector<AxisSeries> all = join_series(records, axis, [](const Record& r) { return r.status == Status::ok; });
   // No logarithm, no point.
   for (AxisSeries& series : all) std::erase_if(series.rows, [](const auto& row) { return !(row.first > 0); });
   std::erase_if(all, [](const AxisSeries& series) { return series.rows.empty(); });
 
   Growths growths{.axis = axis, .unit = axis == "pixels" ? "px" : "", .rows = {}, .single = 0};
+  growths.single = std::erase_if(all, [](const AxisSeries& series) { return series.rows.size() < 2; });
   axis == "lights" ? add_lights(all, growths) : add_stages(all, growths);
   if (growths.rows.empty())
     throw Error("there is no growth with {} in these records: {}", axis, why_no_growth(records, axis, growths.single));

@@ -4,6 +4,8 @@
 #include <cstring>
 #include <map>
 
+#include "analysis/in_order.h"
+
 namespace gnomon {
 
 namespace {
@@ -24,9 +26,8 @@ struct Setting {
 
 /// Values of one parameter in the order that people expect.
 std::vector<std::string> ordered(std::vector<std::string> values) {
-  const bool are_numbers = std::ranges::all_of(values, [](const auto& v) { return number_from(v).has_value(); });
-  if (are_numbers)
-    std::ranges::stable_sort(values, [](const auto& a, const auto& b) { return *number_from(a) < *number_from(b); });
+  if (std::ranges::all_of(values, [](const auto& v) { return number_from(v).has_value(); }))
+    std::ranges::stable_sort(values, {}, [](const auto& v) { return *number_from(v); });
   return values;
 }
 
@@ -34,9 +35,7 @@ std::vector<std::string> ordered(std::vector<std::string> values) {
 std::vector<std::string> values_of(const std::vector<Setting>& settings, const std::string& parameter) {
   std::vector<std::string> values;
   for (const Setting& setting : settings) {
-    const auto found = setting.values.find(parameter);
-    if (found != setting.values.end() && std::ranges::find(values, found->second) == values.end())
-      values.push_back(found->second);
+    if (const auto found = setting.values.find(parameter); found != setting.values.end()) add_once(values, found->second);
   }
   return ordered(std::move(values));
 }
@@ -82,15 +81,6 @@ Axes choose_axes(const std::vector<Setting>& settings, const std::vector<std::st
   return axes;
 }
 
-/// The places that every setting finished.
-std::set<Place> common_places(const std::vector<Setting>& settings) {
-  std::set<Place> common;
-  for (const auto& [place, value] : settings.front().measured) common.insert(place);
-  for (const Setting& setting : settings)
-    std::erase_if(common, [&](const Place& place) { return !setting.measured.contains(place); });
-  return common;
-}
-
 /// The map of the settings that are alike in their facets.
 Map make_map(const std::vector<const Setting*>& members, const Axes& axes, const std::set<Place>& places) {
   std::vector<Setting> copies;
@@ -103,14 +93,12 @@ Map make_map(const std::vector<const Setting*>& members, const Axes& axes, const
   map.cells.resize(map.xs.size() * map.ys.size());
   map.places = places.size();
   for (const std::string& facet : axes.facets) map.facet.emplace_back(facet, members.front()->values.at(facet));
-  const auto index = [](const std::vector<std::string>& values, const std::string& value) {
-    return static_cast<std::size_t>(std::ranges::find(values, value) - values.begin());
-  };
   for (const Setting* member : members) {
     double sum = 0;
     for (const Place& place : places) sum += member->measured.at(place);
-    const std::size_t row = axes.y.empty() ? 0 : index(map.ys, member->values.at(axes.y));
-    map.cells[row * map.xs.size() + index(map.xs, member->values.at(axes.x))].value = sum / static_cast<double>(places.size());
+    const std::size_t row = axes.y.empty() ? 0 : index_of(map.ys, member->values.at(axes.y));
+    map.cells[row * map.xs.size() + index_of(map.xs, member->values.at(axes.x))].value =
+        sum / static_cast<double>(places.size());
   }
   return map;
 }
@@ -130,15 +118,14 @@ void make_technique_maps(const std::string& technique, const std::vector<Setting
                          const std::vector<std::string>& declared, const MapOptions& options, std::vector<Map>& maps) {
   const Axes axes = choose_axes(settings, declared, options);
   if (axes.x.empty()) return;
-  const std::set<Place> places = common_places(settings);
+  const std::set<Place> places = common_places(settings, &Setting::measured);
   if (places.empty()) return;
   const std::size_t first_map = maps.size();
   std::vector<std::pair<std::vector<std::string>, std::vector<const Setting*>>> by_facet;  // in order of appearance
   for (const Setting& setting : settings) {
     std::vector<std::string> key;
     for (const std::string& facet : axes.facets) key.push_back(setting.values.at(facet));
-    const auto found = std::ranges::find_if(by_facet, [&](const auto& one) { return one.first == key; });
-    (found == by_facet.end() ? by_facet.emplace_back(key, std::vector<const Setting*>()) : *found).second.push_back(&setting);
+    value_of_key(by_facet, key).push_back(&setting);
   }
   for (const auto& [key, members] : by_facet) {
     maps.push_back(make_map(members, axes, places));
@@ -165,10 +152,6 @@ void require_different_axes(const MapOptions& options) {
         throw Error("{} and {} are both {}; each wants a parameter of its own", first, second, parameter);
 }
 
-void add_once(std::vector<std::string>& list, const std::string& one) {
-  if (std::ranges::find(list, one) == list.end()) list.push_back(one);
-}
-
 /// Enters a row. A scene or light that is an axis is no part of the place that a mean is taken over.
 void add_row(const Record& r, double value, const std::set<std::string>& axes, TechniqueRows& technique) {
   Values values;
@@ -180,7 +163,7 @@ void add_row(const Record& r, double value, const std::set<std::string>& axes, T
   const std::pair<const char*, std::string&> parts_of_place[] = {{"scene", place.scene}, {"light", place.light}};
   for (const auto& [axis, part] : parts_of_place) {
     if (!axes.contains(axis)) continue;
-    add_once(technique.parameters, axis);
+    add_once(technique.parameters, std::string(axis));
     values[axis] = std::exchange(part, "");
   }
   std::string key;
@@ -192,6 +175,12 @@ void add_row(const Record& r, double value, const std::set<std::string>& axes, T
 }
 
 }  // namespace
+
+std::string Map::facet_text() const {
+  std::vector<std::string> parts;
+  for (const auto& [name, value] : facet) parts.push_back(fmt::format("{}={}", name, value));
+  return joined(parts, ", ");
+}
 
 std::vector<Map> make_maps(std::span<const Record> records, const MapOptions& options) {
   require_quantity(records, options.metric);
@@ -208,9 +197,7 @@ std::vector<Map> make_maps(std::span<const Record> records, const MapOptions& op
   for (const TechniqueRows& technique : techniques)
     for (const std::string& parameter : technique.parameters) add_once(known, parameter);
   for (const std::string& name : {options.x, options.y, options.facet})
-    if (!name.empty() && std::ranges::find(known, name) == known.end())
-      throw Error("there is no parameter {}; did you mean {}? There are: {}", name, nearest_word(name, known),
-                  joined(known, ", "));
+    if (!name.empty()) require_word("there is no parameter", name, known);
 
   std::vector<Map> maps;
   for (TechniqueRows& technique : techniques) {

@@ -25,6 +25,7 @@ struct Map {
   std::vector<Cell> cells;  ///< xs.size() * ys.size(), row by row of y
   std::size_t places = 0;   ///< that the means cover
 
+  std::string facet_text() const;  ///< "size=1024, pcf=3"
   const Cell& at(std::size_t x_index, std::size_t y_index) const { return cells[y_index * xs.size() + x_index]; }
 };
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "analysis/in_order.h"
+
 namespace gnomon {
 
 namespace {
@@ -11,8 +13,7 @@ std::optional<ValueWithInterval> measured_quantity(const Record& record, std::st
   for (const Stage stage : {Stage::setup, Stage::build, Stage::relight, Stage::resolve}) {
     if (wanted != fmt::format("{}_ms", name(stage))) continue;
     const Sample sample = sample_of(record, {&stage, 1});
-    if (!sample.is_timed()) return std::nullopt;
-    return bootstrap({&sample, 1}, [](std::span<const double> values) { return values[0]; });
+    return sample.is_timed() ? std::optional(sample.estimate()) : std::nullopt;
   }
   const std::optional<double> value = quantity(record, wanted);
   return value ? std::optional(ValueWithInterval(*value)) : std::nullopt;
@@ -40,15 +41,14 @@ std::string what_is_swept(std::span<const Record> records) {
 Sweep sweep_of(const AxisSeries& series, std::string_view quantity, std::size_t& repeated) {
   Sweep sweep{.place = series.place, .setting = series.setting, .role = series.role};
   for (const auto& [x, record] : series.rows) {
-    const bool is_known = std::ranges::any_of(sweep.points, [&, x = x](const auto& p) { return p.x == x; });
-    if (is_known) {
+    if (std::ranges::find(sweep.points, x, &Sweep::Point::x) != sweep.points.end()) {
       ++repeated;
       continue;
     }
     const bool is_measured = record->status == Status::ok;
     sweep.points.push_back({x, is_measured ? measured_quantity(*record, quantity) : std::nullopt, record->status});
   }
-  std::ranges::sort(sweep.points, [](const auto& a, const auto& b) { return a.x < b.x; });
+  std::ranges::sort(sweep.points, {}, &Sweep::Point::x);
   return sweep;
 }
 
@@ -66,14 +66,12 @@ Sweeps find_sweeps(std::span<const Record> records, const std::string& parameter
   if (parameter.empty()) throw Error("sweep wants --x PARAMETER; {}", what_is_swept(records));
   const std::vector<std::string> names = numeric_parameters(records);
   // A scene has more parameters than its reference names.
-  const bool is_known =
-      std::ranges::find(names, parameter) != names.end() ||
-      std::ranges::any_of(records, [&](const Record& r) { return scene_parameter(r.scene, parameter).has_value(); });
+  const bool is_known = index_of(names, parameter) < names.size() || std::ranges::any_of(records, [&](const Record& r) {
+                          return scene_parameter(r.scene, parameter).has_value();
+                        });
   if (!is_known && names.empty())
     throw Error("there is no parameter {}: nothing in these records has a numeric one", parameter);
-  if (!is_known)
-    throw Error("there is no numeric parameter {}; did you mean {}? There are: {}", parameter, nearest_word(parameter, names),
-                joined(names, ", "));
+  if (!is_known) require_word("there is no numeric parameter", parameter, names);
   require_quantity(records, quantity);
 
   Sweeps sweeps{.parameter = parameter,
@@ -91,7 +89,7 @@ Sweeps find_sweeps(std::span<const Record> records, const std::string& parameter
       continue;
     }
     sweeps.repeated += repeated;
-    if (std::ranges::find(sweeps.places, sweep.place) == sweeps.places.end()) sweeps.places.push_back(sweep.place);
+    add_once(sweeps.places, sweep.place);
     sweeps.rows.push_back(std::move(sweep));
   }
   if (sweeps.rows.empty())

@@ -147,7 +147,4 @@ std::vector<std::string> stale_pages(const fs::path& dir, std::span<const Techni
   return stale;
 }
 
-void write_pages(const fs::path& dir) { write_pages(dir, registry().techniques()); }
-std::vector<std::string> stale_pages(const fs::path& dir) { return stale_pages(dir, registry().techniques()); }
-
 }  // namespace gnomon

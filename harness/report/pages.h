@@ -19,11 +19,9 @@ std::string technique_page(const TechniqueEntry& entry);
 /// docs/techniques/README.md: one line for each technique.
 std::string technique_index(std::span<const TechniqueEntry> entries);
 /// Writes the index and every page into `dir` and removes generated pages of techniques that are gone. Throws Error.
-void write_pages(const std::filesystem::path& dir, std::span<const TechniqueEntry> entries);
+void write_pages(const std::filesystem::path& dir, std::span<const TechniqueEntry> entries = registry().techniques());
 /// Names of files in `dir` that `write_pages` would change, make or remove.
-std::vector<std::string> stale_pages(const std::filesystem::path& dir, std::span<const TechniqueEntry> entries);
-/// The same for all registered techniques.
-void write_pages(const std::filesystem::path& dir);
-std::vector<std::string> stale_pages(const std::filesystem::path& dir);
+std::vector<std::string> stale_pages(const std::filesystem::path& dir,
+                                     std::span<const TechniqueEntry> entries = registry().techniques());
 
 }  // namespace gnomon

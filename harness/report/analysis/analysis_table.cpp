@@ -1,7 +1,5 @@
 #include "report/analysis/analysis_table.h"
 
-#include <algorithm>
-
 #include "report/analysis/analysis_table_parts.h"
 #include "report/table/layout.h"
 
@@ -23,10 +21,7 @@ Column quantity_column(const std::string& quantity) {
 
 std::string analyze(std::span<const Record> records, const std::string& kind, const AnalysisOptions& options, Format format,
                     const TableOptions& table) {
-  const std::vector<std::string> kinds = analysis_kinds();
-  if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
-    throw Error("there is no analysis {}; did you mean {}? There are: {}", kind, nearest_word(kind, kinds),
-                joined(kinds, ", "));
+  require_word("there is no analysis", kind, analysis_kinds());
   if (kind == "map") return analysis::map_text(records, options, format, table);
   if (kind == "sweep") return analysis::sweep_text(records, options, format, table);
   AnalysisOptions here = options;

@@ -68,8 +68,7 @@ Entries front_row(const Field& field, const Candidate& c, const FrontEntry& stan
   row.push_back({{.value = c.error}});
   row.push_back({value_of(c.cost)});
   row.push_back({text(c.cost ? interval_text(cost, *c.cost) : "-")});
-  for (const auto which : {&ValueWithInterval::low, &ValueWithInterval::high})
-    row.push_back({c.cost ? end(*c.cost, which) : Cell{}});
+  for (const auto which : {&ValueWithInterval::low, &ValueWithInterval::high}) row.push_back({end(c.cost, which)});
   row.push_back({c.cost && c.relative_cost.value > 0 ? Cell{.value = c.relative_cost.value} : Cell{}});
   row.push_back({shown_text(std::string(name(stand.standing)), standing_text(c, stand))});
   row.push_back({text(stand.beaten_by)});

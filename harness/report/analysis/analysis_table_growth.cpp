@@ -34,7 +34,7 @@ Entries growth_row(const Growth& growth) {
   const auto fixed = [](double value) { return fmt::format("{:.2f}", std::abs(value) < 0.005 ? 0.0 : value); };  // never -0.00
   row.push_back({e ? Cell{.value = e->value, .shown = fixed(e->value)} : Cell{.value = {}, .shown = growth.why_not}});
   row.push_back({text(e && e->has_interval ? fixed(e->low) + " .. " + fixed(e->high) : "-")});
-  for (const auto which : {&ValueWithInterval::low, &ValueWithInterval::high}) row.push_back({e ? end(*e, which) : Cell{}});
+  for (const auto which : {&ValueWithInterval::low, &ValueWithInterval::high}) row.push_back({end(e, which)});
   row.push_back({e ? Cell{.value = growth.coefficient} : Cell{}});
   row.push_back({e ? Cell{.value = growth.r2, .shown = fmt::format("{:.3f}", growth.r2)} : Cell{}});
   row.push_back({{.value = static_cast<double>(growth.points.size())}});
@@ -51,15 +51,7 @@ Grid growth_grid(std::span<const Record> records, const AnalysisOptions& options
   Grid grid;
   grid.title = fmt::format("Growth of cost with {}: time = coefficient * {}^exponent", growths.axis, growths.axis);
   add_heads(grid, growths);
-  std::vector<Place> places;
-  for (const Growth& growth : growths.rows)
-    if (std::find(places.begin(), places.end(), growth.place) == places.end()) places.push_back(growth.place);
-  for (const Place& place : places) {
-    Grid::Group group{.heading = title(place, places), .rows = {}};
-    for (const Growth& growth : growths.rows)
-      if (growth.place == place) group.rows.push_back(growth_row(growth));
-    grid.groups.push_back(std::move(group));
-  }
+  add_groups(grid, growths.rows, &Growth::place, growth_row);
   grid.notes.push_back(fmt::format("exponent: slope of the least-squares line through log time and log {}", growths.axis));
   grid.notes.emplace_back(interval_note);
   grid.notes.push_back(fmt::format("too few points: below {} different {}; below the clock: faster than {} ms", least_points,

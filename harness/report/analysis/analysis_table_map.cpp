@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "report/analysis/analysis_table_parts.h"
 #include "report/table/layout.h"
 
@@ -8,10 +6,8 @@ namespace gnomon::analysis {
 namespace {
 
 std::string map_heading(const Map& map) {
-  std::vector<std::string> parts;
-  for (const auto& [name, value] : map.facet) parts.push_back(fmt::format("{}={}", name, value));
   const std::string what = map.y.empty() ? map.x : fmt::format("{} (rows) against {} (columns)", map.y, map.x);
-  return fmt::format("{}: {}{}{}", map.technique, what, parts.empty() ? "" : "; ", joined(parts, ", "));
+  return fmt::format("{}: {}{}{}", map.technique, what, map.facet.empty() ? "" : "; ", map.facet_text());
 }
 
 std::string map_title(const Map& map, const std::string& metric) {
@@ -27,8 +23,7 @@ Grid map_rows(const std::vector<Map>& maps, const AnalysisOptions& options) {
     std::vector<std::string> here{map.x, map.y};
     for (const auto& [name, value] : map.facet) here.push_back(name);
     for (const std::string& name : here)
-      if (!name.empty() && std::find(parameters.begin(), parameters.end(), name) == parameters.end())
-        parameters.push_back(name);
+      if (!name.empty()) add_once(parameters, name);
   }
   grid.heads.push_back(words("technique", "technique"));
   for (const std::string& parameter : parameters) grid.heads.push_back(words("parameter." + parameter, parameter));

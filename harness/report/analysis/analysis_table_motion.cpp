@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "report/analysis/analysis_table_parts.h"
 
 namespace gnomon::analysis {
@@ -18,28 +16,20 @@ Grid motion_grid(std::span<const Record> records, const AnalysisOptions& options
   grid.heads.push_back(of_quantity(options.metric, "_min", "min"));
   grid.heads.push_back(of_quantity(options.metric, "_max", "max"));
   grid.heads.push_back(number(options.metric + "_frame", "", "worst at frame", Audience::all, true));
-  std::vector<Place> places;
-  for (const Motion& motion : motions)
-    if (std::find(places.begin(), places.end(), place_of(*motion.record)) == places.end())
-      places.push_back(place_of(*motion.record));
-  for (const Place& place : places) {
-    Grid::Group group{.heading = title(place, places), .rows = {}};
-    for (const Motion& motion : motions) {
-      if (place_of(*motion.record) != place) continue;
-      Entries row;
-      add_place(row, place);
-      row.push_back({text(setting_name(*motion.record))});
-      row.push_back({{.value = static_cast<double>(motion.frames)}});
-      const auto add = [&](const std::optional<Motion::Range>& range, std::initializer_list<double Motion::Range::*> parts) {
-        for (const auto part : parts) row.push_back({range ? Cell{.value = (*range).*part} : Cell{}});
-        row.push_back({range ? Cell{.value = static_cast<double>(range->worst)} : Cell{}});
-      };
-      add(motion.instability, {&Motion::Range::mean, &Motion::Range::greatest});
-      add(motion.error, {&Motion::Range::mean, &Motion::Range::least, &Motion::Range::greatest});
-      group.rows.push_back(std::move(row));
-    }
-    grid.groups.push_back(std::move(group));
-  }
+  const auto place = [](const Motion& motion) { return place_of(*motion.record); };
+  add_groups(grid, motions, place, [&](const Motion& motion) {
+    Entries row;
+    add_place(row, place(motion));
+    row.push_back({text(setting_name(*motion.record))});
+    row.push_back({{.value = static_cast<double>(motion.frames)}});
+    const auto add = [&](const std::optional<Motion::Range>& range, std::initializer_list<double Motion::Range::*> parts) {
+      for (const auto part : parts) row.push_back({range ? Cell{.value = (*range).*part} : Cell{}});
+      row.push_back({range ? Cell{.value = static_cast<double>(range->worst)} : Cell{}});
+    };
+    add(motion.instability, {&Motion::Range::mean, &Motion::Range::greatest});
+    add(motion.error, {&Motion::Range::mean, &Motion::Range::least, &Motion::Range::greatest});
+    return row;
+  });
   grid.notes.emplace_back(
       "instability: share of the tested pixels that flip from one frame to the next where the reference does not");
   grid.notes.emplace_back("frames are counted from 0");

@@ -40,8 +40,8 @@ Cell shown_text(const std::string& value, std::string shown) { return {.value = 
 
 Cell value_of(const std::optional<ValueWithInterval>& measured) { return measured ? Cell{.value = measured->value} : Cell{}; }
 
-Cell end(const ValueWithInterval& measured, double ValueWithInterval::*which) {
-  return measured.has_interval ? Cell{.value = measured.*which} : Cell{};
+Cell end(const std::optional<ValueWithInterval>& measured, double ValueWithInterval::*which) {
+  return measured && measured->has_interval ? Cell{.value = (*measured).*which} : Cell{};
 }
 
 void add_place(Entries& row, const std::optional<Place>& place) {

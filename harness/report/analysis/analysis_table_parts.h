@@ -1,6 +1,7 @@
 #pragma once
 #include <optional>
 
+#include "analysis/in_order.h"
 #include "report/analysis/analysis_table.h"
 #include "report/analysis/grid.h"
 
@@ -22,7 +23,7 @@ Cell shown_text(const std::string& value, std::string shown);
 /// The value of a measurement; null where there is none.
 Cell value_of(const std::optional<ValueWithInterval>& measured);
 /// One end of an interval; null where there is none.
-Cell end(const ValueWithInterval& measured, double ValueWithInterval::*which);
+Cell end(const std::optional<ValueWithInterval>& measured, double ValueWithInterval::*which);
 /// "4.1 .. 4.9" in the digits of the column.
 std::string interval_text(const Column& column, const ValueWithInterval& measured);
 /// "wrong in %".
@@ -32,6 +33,18 @@ std::string with_unit(const std::string& quantity);
 void add_place_heads(Grid& grid);
 /// Their cells; nulls for a row over all places.
 void add_place(Entries& row, const std::optional<Place>& place);
+
+/// One group for each place that an item lies in, with the items' rows.
+template <class T>
+void add_groups(Grid& grid, const std::vector<T>& items, auto place, auto row_of) {
+  std::vector<Place> places;
+  for (const T& item : items) add_once(places, Place(std::invoke(place, item)));
+  for (const Place& here : places) {
+    Grid::Group& group = grid.groups.emplace_back(Grid::Group{.heading = title(here, places), .rows = {}});
+    for (const T& item : items)
+      if (std::invoke(place, item) == here) group.rows.push_back(row_of(item));
+  }
+}
 
 inline constexpr const char* interval_note = "interval: 95 %, hierarchical bootstrap over processes";
 

@@ -39,8 +39,7 @@ Grid sweep_rows(const Sweeps& sweeps) {
       row.push_back({{.value = point.x}});
       row.push_back({value_of(point.value)});
       if (is_time)
-        for (const auto which : {&ValueWithInterval::low, &ValueWithInterval::high})
-          row.push_back({point.value ? end(*point.value, which) : Cell{}});
+        for (const auto which : {&ValueWithInterval::low, &ValueWithInterval::high}) row.push_back({end(point.value, which)});
       row.push_back({text(std::string(name(point.status)))});
       group.rows.push_back(std::move(row));
     }
@@ -115,11 +114,7 @@ std::string sweep_text(std::span<const Record> records, const AnalysisOptions& o
   } else {
     // Places that were swept over the same values share columns.
     std::vector<std::pair<std::vector<double>, std::vector<Place>>> alike;
-    for (const Place& place : sweeps.places) {
-      const std::vector<double> xs = sweeps.xs(place);
-      const auto known = std::find_if(alike.begin(), alike.end(), [&](const auto& one) { return one.first == xs; });
-      (known == alike.end() ? alike.emplace_back(xs, std::vector<Place>()) : *known).second.push_back(place);
-    }
+    for (const Place& place : sweeps.places) value_of_key(alike, sweeps.xs(place)).push_back(place);
     for (const auto& [xs, places] : alike) {
       const bool is_cut = format != Format::markdown;
       const std::size_t parts = is_cut ? (xs.size() + most_columns - 1) / most_columns : 1;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "measure/json.h"
 #include "report/table/digits.h"
 #include "report/table/layout.h"
 
@@ -59,26 +58,20 @@ std::string terminal_form(const Grid& grid, std::size_t width) {
 
 std::string markdown_form(const Grid& grid) {
   const std::vector<std::size_t> seen = seen_by(grid, Grid::Audience::people);
-  std::string head = "|", rule = "|";
-  for (const std::size_t i : seen) {
-    const Column& column = grid.heads[i].column;
-    head += fmt::format(" {}{} |", markdown_text(column.heading),
-                        column.shown_unit.empty() ? "" : fmt::format(" ({})", markdown_text(column.shown_unit)));
-    rule += column.alignment == Align::right ? " ---: |" : " --- |";
-  }
+  std::vector<Column> columns;
+  for (const std::size_t i : seen) columns.push_back(grid.heads[i].column);
   std::string text = grid.title.empty() ? "" : fmt::format("{}\n\n", markdown_text(grid.title));
   for (const Grid::Group& group : grid.groups) {
     if (!group.heading.empty()) text += fmt::format("**{}**\n\n", markdown_text(group.heading));
-    text += head + '\n' + rule + '\n';
+    std::vector<std::vector<std::string>> rows;
     for (const auto& row : group.rows) {
-      text += '|';
+      std::vector<std::string>& cells = rows.emplace_back();
       for (const std::size_t i : seen) {
         const std::string cell = markdown_text(entry_text(grid, i, row[i]));
-        text += row[i].is_best ? fmt::format(" **{}** |", cell) : fmt::format(" {} |", cell);
+        cells.push_back(row[i].is_best ? fmt::format("**{}**", cell) : cell);
       }
-      text += '\n';
     }
-    text += '\n';
+    text += markdown_lines(columns, rows);
   }
   if (has_best(grid)) text += "- **bold**: best\n";
   for (const std::string& note : grid.notes) text += fmt::format("- {}\n", markdown_text(note));
@@ -105,41 +98,16 @@ std::string latex_form(const Grid& grid, const TableOptions& options) {
   return latex_floats(rows, options.caption.empty() ? grid.title : options.caption, options.label);
 }
 
-std::string csv_form(const Grid& grid) {
+TableForPrograms for_programs(const Grid& grid) {
   const std::vector<std::size_t> seen = seen_by(grid, Grid::Audience::programs);
-  std::vector<std::string> fields;
-  for (const std::size_t i : seen) fields.push_back(csv_field(grid.heads[i].column.name));
-  std::string text = fmt::format("{}\r\n", joined(fields, ","));
+  TableForPrograms table{.columns = {}, .rows = {}, .title = grid.title, .notes = grid.notes, .provenance = grid.provenance};
+  for (const std::size_t i : seen) table.columns.push_back(grid.heads[i].column);
   for (const Grid::Group& group : grid.groups)
     for (const auto& row : group.rows) {
-      fields.clear();
-      for (const std::size_t i : seen) {
-        const Cell& cell = row[i].cell;
-        const auto* words = std::get_if<std::string>(&cell.value);
-        fields.push_back(cell.number() ? exact(*cell.number()) : words ? csv_field(*words) : "");
-      }
-      text += fmt::format("{}\r\n", joined(fields, ","));
+      std::vector<Cell>& cells = table.rows.emplace_back();
+      for (const std::size_t i : seen) cells.push_back(row[i].cell);
     }
-  return text;
-}
-
-std::string json_form(const Grid& grid) {
-  const std::vector<std::size_t> seen = seen_by(grid, Grid::Audience::programs);
-  Json table;
-  table["schema"] = table_schema;
-  table["title"] = grid.title;
-  Json& heads = table["columns"] = Json::array();
-  for (const std::size_t i : seen) heads.push_back(column_json(grid.heads[i].column));
-  Json& rows = table["rows"] = Json::array();
-  for (const Grid::Group& group : grid.groups)
-    for (const auto& row : group.rows) {
-      Json& object = rows.emplace_back(Json::object());
-      for (const std::size_t i : seen) object[grid.heads[i].column.name] = cell_json(row[i].cell);
-    }
-  table["notes"] = grid.notes;
-  Json& made = table["provenance"] = Json::array();
-  for (const auto& [topic, what] : grid.provenance) made.push_back({{"topic", topic}, {"text", what}});
-  return json_text(table, 1) + '\n';
+  return table;
 }
 
 }  // namespace
@@ -153,11 +121,11 @@ std::string render_grid(const Grid& grid, Format format, const TableOptions& opt
     case Format::latex:
       return latex_form(grid, options);
     case Format::csv:
-      return csv_form(grid);
+      return csv_table(for_programs(grid));
     case Format::json:
       break;
   }
-  return json_form(grid);
+  return json_table(for_programs(grid));
 }
 
 }  // namespace gnomon

@@ -43,12 +43,9 @@ std::vector<std::string> figure_kinds() {
 
 std::string figure_script(std::span<const Record> records, const std::string& kind, const FigureOptions& options,
                           const fs::path& out) {
-  const auto found = std::find_if(std::begin(kinds), std::end(kinds), [&](const Kind& k) { return k.name == kind; });
-  const std::vector<std::string> names = figure_kinds();
-  if (found == std::end(kinds))
-    throw Error("there is no figure {}; did you mean {}? There are: {}", kind, nearest_word(kind, names), joined(names, ", "));
+  require_word("there is no figure", kind, figure_kinds());
   FigureScript script;
-  found->draw(records, options, script);
+  std::ranges::find(kinds, kind, &Kind::name)->draw(records, options, script);
   return script.text(options, out);
 }
 

@@ -1,6 +1,7 @@
 // Bars in pieces, one a setting: cost by stage, and wrong pixels by cause.
 #include <algorithm>
 #include <map>
+#include <numeric>
 
 #include "measure/cause/causes.h"
 #include "report/figure/figure_script.h"
@@ -19,18 +20,8 @@ struct Bar {
 
 /// The settings of the finished rows for which `has` is true, over the places that all of them share, and how many these are.
 std::pair<std::vector<Bar>, std::size_t> bars_of(std::span<const Record> records, auto has) {
-  std::vector<std::pair<std::string, std::map<Place, const Record*>>> settings;
-  for (const Record& r : records) {
-    if (r.status != Status::ok || !has(r)) continue;
-    const auto known = std::find_if(settings.begin(), settings.end(), [&](const auto& s) { return s.first == setting_key(r); });
-    (known == settings.end() ? settings.emplace_back(setting_key(r), std::map<Place, const Record*>()) : *known)
-        .second.try_emplace(place_of(r), &r);
-  }
-  std::set<Place> common;
-  if (!settings.empty())
-    for (const auto& [place, row] : settings.front().second) common.insert(place);
-  for (const auto& [key, rows] : settings)
-    std::erase_if(common, [&, &rows = rows](const Place& place) { return !rows.contains(place); });
+  const RowsBySetting settings = rows_by_setting(records, has);
+  const std::set<Place> common = common_places(settings, &RowsBySetting::value_type::second);
   std::vector<Bar> bars;
   for (const auto& [key, rows] : settings) {
     Bar bar{setting_name(*rows.begin()->second), rows.begin()->second->role, {}};
@@ -134,9 +125,7 @@ void draw_stages(std::span<const Record> records, const FigureOptions& options, 
     std::vector<Sample> samples;
     for (const Record* row : bars[k].rows) samples.push_back(sample_of(*row, stages));
     const ValueWithInterval total = bootstrap(samples, [](std::span<const double> values) {
-      double sum = 0;
-      for (const double value : values) sum += value;
-      return sum / static_cast<double>(values.size());
+      return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
     });
     totals.push_back(fmt::format("{}\t{}\t{}\t{}", total.value, k + 1, total.low, total.high));
   }

@@ -11,12 +11,6 @@ namespace {
 /// Settings with a color of their own, and marks with a number, are at most so many.
 constexpr std::size_t most_named = 16;
 
-/// Marks of one color: of one setting while these are few, of a technique otherwise.
-struct Series {
-  std::string name;
-  std::vector<const Candidate*> candidates;
-};
-
 /// What is drawn, in the units that people see. The data go into the script before the panel is opened, its axes after.
 class FrontFigure {
  public:
@@ -87,23 +81,21 @@ void FrontFigure::add_staircase(FigureScript& script) {
 }
 
 void FrontFigure::add_series(FigureScript& script) {
-  std::vector<Series> all;
-  for (const Candidate* c : shown_) {
-    const std::string& name = is_named_ ? c->setting : c->technique;
-    const auto known = std::find_if(all.begin(), all.end(), [&](const Series& s) { return s.name == name; });
-    (known == all.end() ? all.emplace_back(Series{name, {}}) : *known).candidates.push_back(c);
-  }
+  // Marks of one color: of one setting while these are few, of a technique otherwise.
+  std::vector<std::pair<std::string, std::vector<const Candidate*>>> all;
+  for (const Candidate* c : shown_) value_of_key(all, is_named_ ? c->setting : c->technique).push_back(c);
   for (std::size_t k = 0; k < all.size(); ++k) {
+    const auto& [name, candidates] = all[k];
     std::vector<std::string> lines;
-    for (const Candidate* c : all[k].candidates)
+    for (const Candidate* c : candidates)
       lines.push_back(fmt::format("{}\t{}\t{}\t{}", x(*c), y(*c), c->cost->low * cost_column_.shown_scale,
                                   c->cost->high * cost_column_.shown_scale));
-    const bool is_contender = all[k].candidates.front()->role == Role::contender;
+    const bool is_contender = candidates.front()->role == Role::contender;
     const std::string style =
         is_contender ? fmt::format("pt {} ps {} lc rgb '{}'", series_mark(k), is_named_ ? 1.0 : 0.6, series_color(k))
                      : "pt 2 ps 0.9 lw 1.4 lc rgb '#555555'";
     plot.add("{} using 1:2:3:4 with xerrorbars {} notitle", script.data(lines), style);
-    legend.entries.push_back({"with points " + style, all[k].name + (is_contender ? "" : " (reference)")});
+    legend.entries.push_back({"with points " + style, name + (is_contender ? "" : " (reference)")});
   }
 }
 

@@ -9,12 +9,6 @@ namespace gnomon {
 
 namespace {
 
-std::string facet_text(const Map& map) {
-  std::vector<std::string> parts;
-  for (const auto& [name, value] : map.facet) parts.push_back(fmt::format("{}={}", name, value));
-  return joined(parts, ", ");
-}
-
 /// "name value at place" for tics.
 std::string tics(const std::vector<std::string>& values) {
   std::vector<std::string> all;
@@ -33,7 +27,7 @@ void draw_lines(const std::vector<Map>& maps, const Column& column, const Figure
         lines.push_back(fmt::format("{}\t{}", x, *cell.value * column.shown_scale));
     const std::string style = fmt::format("with linespoints pt {} ps 0.8 lw 1.4 lc rgb '{}'", series_mark(k), series_color(k));
     plot.add("{} using 1:2 {} notitle", script.data(lines), style);
-    const std::string facet = facet_text(maps[k]);
+    const std::string facet = maps[k].facet_text();
     legend.entries.push_back({style, maps[k].technique + (facet.empty() ? "" : " " + facet)});
   }
   open_panels(script, 1, 1, options.width_cm * 0.5, legend, options);
@@ -91,7 +85,7 @@ DrawnMap draw_cells(const Map& map, double scale, const Palette& palette, bool w
 
 /// "size=1024, pcf=3", with the technique where maps are of several or nothing else is to be said.
 std::string heading_of(const Map& map, bool with_technique) {
-  const std::string facet = facet_text(map);
+  const std::string facet = map.facet_text();
   if (facet.empty()) return map.technique;
   return with_technique ? map.technique + ": " + facet : facet;
 }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/in_order.h"
 #include "report/figure/figure.h"
 
 namespace gnomon {
@@ -52,16 +53,6 @@ struct Extent {
     greatest = std::max(greatest, value);
   }
 };
-
-/// The index of a value in a list, or the list's size where it is not there.
-template <class T>
-std::size_t index_of(const std::vector<T>& list, const T& value) {
-  return static_cast<std::size_t>(std::find(list.begin(), list.end(), value) - list.begin());
-}
-template <class T>
-void add_once(std::vector<T>& list, const T& value) {
-  if (index_of(list, value) == list.size()) list.push_back(value);
-}
 
 /// Colors that people with any color vision tell apart (Okabe and Ito 2008), "#0072b2", then again from the start.
 std::string series_color(std::size_t index);

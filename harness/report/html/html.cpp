@@ -2,8 +2,7 @@
 
 #include <gnomon/error.h>
 
-#include <algorithm>
-
+#include "analysis/in_order.h"
 #include "report/html/html_data.h"
 #include "report/html/html_page.h"
 #include "report/html/html_pictures.h"
@@ -33,7 +32,7 @@ std::string filled(std::string_view page, std::span<const std::pair<std::string_
 std::string title_of(const fs::path& dir, std::span<const Record> records) {
   std::vector<std::string> suites;
   for (const Record& r : records)
-    if (!r.suite.empty() && std::find(suites.begin(), suites.end(), r.suite) == suites.end()) suites.push_back(r.suite);
+    if (!r.suite.empty()) add_once(suites, r.suite);
   if (!suites.empty()) return joined(suites, ", ");
   const fs::path folder = dir.has_filename() ? dir.filename() : dir.parent_path().filename();
   return folder.string();
@@ -46,9 +45,7 @@ Report make_report(const fs::path& dir, std::span<const Record> records, const R
     throw Error("this program was built without the report's page (GNOMON_REPORT=OFF); `gnomon table` has the same numbers");
   if (records.empty()) throw Error("{} holds no records; a report wants at least one", dir.string());
 
-  std::vector<std::string> names;
-  for (const Column& column : all_columns(records)) names.push_back(column.name);
-  const Layout layout = lay_out(records, names);
+  const Layout layout = lay_out(records, column_names(records));
 
   Report report;
   Json data = report_data(layout, records);

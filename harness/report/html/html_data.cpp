@@ -28,7 +28,7 @@ Json finite(double value) { return std::isfinite(value) ? Json(value) : Json(); 
 Json time_json(const Record& record, std::span<const Stage> stages) {
   const Sample sample = sample_of(record, stages);
   if (!sample.is_timed()) return {};
-  const ValueWithInterval time = bootstrap(std::span(&sample, 1), [](std::span<const double> values) { return values[0]; });
+  const ValueWithInterval time = sample.estimate();
   if (!std::isfinite(time.value)) return {};
   return time.has_interval ? Json::array({time.value, finite(time.low), finite(time.high)}) : Json::array({time.value});
 }

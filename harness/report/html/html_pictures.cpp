@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "analysis/in_order.h"
 #include "measure/frame/frame.h"
 #include "measure/paths.h"
 #include "measure/picture/picture.h"
@@ -115,9 +116,7 @@ class Collector {
 
   void note(const std::string& what, const std::string& why) { say(fmt::format("no pictures of {}: {}", what, why)); }
 
-  void say(std::string text) {
-    if (std::find(set_.notes.begin(), set_.notes.end(), text) == set_.notes.end()) set_.notes.push_back(std::move(text));
-  }
+  void say(const std::string& text) { add_once(set_.notes, text); }
 
   /// Frame and light of the row's mask; on a path those of its last frame.
   std::pair<FrameKey, Light> place(const Record& r) {

@@ -60,9 +60,7 @@ Column bytes_column(std::string name, std::string heading, CellOf cell) {
 Cell count_cell(std::size_t count) { return count > 0 ? Cell{.value = static_cast<double>(count)} : Cell{}; }
 
 /// Label, else id with settings: what tells two rows of a group apart.
-Cell technique_cell(const Record& r) {
-  return {.value = r.technique, .shown = r.label ? *r.label : r.technique + (r.settings.empty() ? "" : ":" + r.settings)};
-}
+Cell technique_cell(const Record& r) { return {.value = r.technique, .shown = setting_name(r)}; }
 
 Cell support_cell(const Record& r) {
   Cell cell;
@@ -338,11 +336,8 @@ std::vector<Column> select(const std::vector<Column>& columns, std::span<const s
   for (const Column& column : columns) known.push_back(column.name);
   std::vector<Column> selected;
   for (const std::string& name : names) {
-    const auto found = std::find(known.begin(), known.end(), name);
-    if (found == known.end())
-      throw Error("there is no column {}; did you mean {}? There are: {}", name, nearest_word(name, known),
-                  joined(known, ", "));
-    selected.push_back(columns[static_cast<std::size_t>(found - known.begin())]);
+    require_word("there is no column", name, known);
+    selected.push_back(*std::ranges::find(columns, name, &Column::name));
   }
   return selected;
 }

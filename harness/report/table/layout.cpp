@@ -2,17 +2,13 @@
 
 #include <algorithm>
 #include <set>
-#include <tuple>
 
-#include "measure/json.h"
+#include "analysis/in_order.h"
 #include "report/table/digits.h"
 
 namespace gnomon {
 
 namespace {
-
-/// What makes rows comparable: everything but the technique.
-auto group_key(const Record& r) { return std::tie(r.scene, r.light, r.view, r.path, r.width, r.height, r.truth); }
 
 std::string group_heading(const Record& r) {
   std::string text = fmt::format("scene {}", r.scene);
@@ -56,8 +52,7 @@ std::string distinct(std::span<const Record> records, const char* key) {
   for (const Record& r : records) {
     const auto found = r.context.find(key);
     if (found == r.context.end() || found->is_null()) continue;
-    std::string value = plain_text(*found);
-    if (std::find(values.begin(), values.end(), value) == values.end()) values.push_back(std::move(value));
+    add_once(values, plain_text(*found));
   }
   return joined(values, "; ");
 }
@@ -75,8 +70,7 @@ std::string repetition_plan(std::span<const Record> records) {
       std::size_t repetitions = 0;
       for (const std::vector<double>& process : r.times(stage)) repetitions = std::max(repetitions, process.size());
       if (repetitions == 0) continue;
-      std::string plan = fmt::format("{} x {}", r.times(stage).size(), repetitions);
-      if (std::find(plans.begin(), plans.end(), plan) == plans.end()) plans.push_back(std::move(plan));
+      add_once(plans, fmt::format("{} x {}", r.times(stage).size(), repetitions));
     }
   return joined(plans, ", ");
 }
@@ -129,14 +123,10 @@ std::vector<std::pair<std::string, std::string>> provenance(std::span<const Reco
   add("version", distinct(records, "version"));
   add("commit", distinct(records, "commit"));
   add("processes x repetitions", repetition_plan(records));
-  std::vector<std::string> seen;
+  std::vector<std::string> notes;
   for (const Record& r : records)
-    for (const std::string& note : r.notes) {
-      std::string text = fmt::format("{}: {}", r.scene, note);
-      if (std::find(seen.begin(), seen.end(), text) != seen.end()) continue;
-      add("note", text);
-      seen.push_back(std::move(text));
-    }
+    for (const std::string& note : r.notes) add_once(notes, fmt::format("{}: {}", r.scene, note));
+  for (const std::string& note : notes) add("note", note);
   return lines;
 }
 
@@ -178,7 +168,7 @@ Layout lay_out(std::span<const Record> records, std::span<const std::string> col
   std::vector<std::vector<std::vector<Cell>>> cells;  // by group, row, column
   for (const Record& record : records) {
     auto place = std::find_if(layout.groups.begin(), layout.groups.end(), [&](const Layout::Group& group) {
-      return group_key(*group.rows.front().record) == group_key(record);
+      return place_of(*group.rows.front().record) == place_of(record);
     });
     if (place == layout.groups.end()) {
       layout.groups.push_back({group_heading(record), {}});
@@ -193,9 +183,8 @@ Layout lay_out(std::span<const Record> records, std::span<const std::string> col
       row_cells.push_back(cell);
     }
     if (!record.reason.empty()) {
-      const auto known = std::find(layout.notes.begin(), layout.notes.end(), record.reason);
-      row.note = static_cast<std::size_t>(known - layout.notes.begin()) + 1;
-      if (known == layout.notes.end()) layout.notes.push_back(record.reason);
+      add_once(layout.notes, record.reason);
+      row.note = index_of(layout.notes, record.reason) + 1;
     }
     place->rows.push_back(std::move(row));
     cells[static_cast<std::size_t>(place - layout.groups.begin())].push_back(std::move(row_cells));

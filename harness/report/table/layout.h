@@ -49,12 +49,17 @@ std::vector<std::pair<std::string, std::string>> legend(const Layout& layout, st
 std::string terminal_table(const Layout& layout, std::size_t width);
 std::string markdown_table(const Layout& layout);
 std::string latex_table(const Layout& layout, const TableOptions& options);
-std::string csv_table(std::span<const Record> records, std::span<const Column> columns);
-std::string json_table(std::span<const Record> records, std::span<const Column> columns);
 
-/// A column and a value in the JSON of tables.
-Json column_json(const Column& column);
-Json cell_json(const Cell& cell);
+/// A table in the two forms for programs. In JSON a table with a title has notes too.
+struct TableForPrograms {
+  std::vector<Column> columns;
+  std::vector<std::vector<Cell>> rows;
+  std::optional<std::string> title = {};
+  std::vector<std::string> notes = {};
+  std::vector<std::pair<std::string, std::string>> provenance = {};  ///< topic and text
+};
+std::string csv_table(const TableForPrograms& table);
+std::string json_table(const TableForPrograms& table);
 
 /// Rows on their way into LaTeX floats.
 struct LatexRows {
@@ -81,5 +86,7 @@ std::string csv_field(std::string_view text);
 std::string latex_text(std::string_view text);
 /// Text that stays in one cell of a Markdown table.
 std::string markdown_text(std::string_view text);
+/// The lines of a Markdown table whose cells are Markdown already.
+std::string markdown_lines(std::span<const Column> columns, std::span<const std::vector<std::string>> rows);
 
 }  // namespace gnomon

@@ -1,17 +1,16 @@
 #include "report/table/table.h"
 
+#include <algorithm>
+
+#include "analysis/analysis.h"
 #include "report/table/layout.h"
 
 namespace gnomon {
 
 Format format_named(std::string_view name) {
-  if (name == "terminal") return Format::terminal;
-  if (name == "md") return Format::markdown;
-  if (name == "csv") return Format::csv;
-  if (name == "tex") return Format::latex;
-  if (name == "json") return Format::json;
-  const std::vector<std::string> names = {"terminal", "md", "csv", "tex", "json"};
-  throw Error("there is no format {}; did you mean {}? There are: {}", name, nearest_word(name, names), joined(names, ", "));
+  static const std::vector<std::string> names = {"terminal", "md", "csv", "tex", "json"};  // in the order of Format
+  require_word("there is no format", name, names);
+  return static_cast<Format>(std::ranges::find(names, name) - names.begin());
 }
 
 std::vector<std::string> column_names(std::span<const Record> records) {
@@ -53,7 +52,12 @@ std::string render_table(std::span<const Record> records, Format format, const T
   if (format == Format::csv || format == Format::json) {
     std::vector<Column> columns = all_columns(records);
     if (!options.columns.empty()) columns = select(columns, options.columns);
-    return format == Format::csv ? csv_table(records, columns) : json_table(records, columns);
+    TableForPrograms table{.columns = std::move(columns), .rows = {}, .provenance = provenance(records)};
+    for (const Record& record : records) {
+      std::vector<Cell>& row = table.rows.emplace_back();
+      for (const Column& column : table.columns) row.push_back(column.cell(record));
+    }
+    return format == Format::csv ? csv_table(table) : json_table(table);
   }
   if (format == Format::terminal && options.columns.empty()) return fitted_table(records, options.width);
   std::vector<std::string> names = options.columns;

@@ -15,8 +15,6 @@ Json as_number(double value) {
   return is_whole ? Json(static_cast<std::int64_t>(value)) : Json(value);
 }
 
-}  // namespace
-
 Json column_json(const Column& column) {
   return {{"name", column.name},
           {"unit", column.unit},
@@ -31,6 +29,8 @@ Json cell_json(const Cell& cell) {
   return nullptr;
 }
 
+}  // namespace
+
 std::string csv_field(std::string_view text) {
   if (text.find_first_of(",\"\r\n") == text.npos) return std::string(text);
   std::string quoted = "\"";
@@ -41,39 +41,35 @@ std::string csv_field(std::string_view text) {
   return quoted + '"';
 }
 
-std::string csv_table(std::span<const Record> records, std::span<const Column> columns) {
-  std::string text;
-  const auto end_line = [&] {
-    if (!columns.empty()) text.pop_back();
-    text += "\r\n";  // RFC 4180
-  };
-  for (const Column& column : columns) text += csv_field(column.name) + ',';
-  end_line();
-  for (const Record& record : records) {
-    for (const Column& column : columns) {
-      const Cell cell = column.cell(record);
-      if (const double* value = cell.number()) text += exact(*value);
-      if (const auto* words = std::get_if<std::string>(&cell.value)) text += csv_field(*words);
-      text += ',';
+std::string csv_table(const TableForPrograms& table) {
+  std::vector<std::string> fields;
+  for (const Column& column : table.columns) fields.push_back(csv_field(column.name));
+  std::string text = fmt::format("{}\r\n", joined(fields, ","));  // RFC 4180
+  for (const std::vector<Cell>& row : table.rows) {
+    fields.clear();
+    for (const Cell& cell : row) {
+      const auto* words = std::get_if<std::string>(&cell.value);
+      fields.push_back(cell.number() ? exact(*cell.number()) : words ? csv_field(*words) : "");
     }
-    end_line();
+    text += fmt::format("{}\r\n", joined(fields, ","));
   }
   return text;
 }
 
-std::string json_table(std::span<const Record> records, std::span<const Column> columns) {
-  Json table;
-  table["schema"] = table_schema;
-  Json& heads = table["columns"] = Json::array();
-  for (const Column& column : columns) heads.push_back(column_json(column));
-  Json& rows = table["rows"] = Json::array();
-  for (const Record& record : records) {
+std::string json_table(const TableForPrograms& table) {
+  Json json = {{"schema", table_schema}};
+  if (table.title) json["title"] = *table.title;
+  Json& heads = json["columns"] = Json::array();
+  for (const Column& column : table.columns) heads.push_back(column_json(column));
+  Json& rows = json["rows"] = Json::array();
+  for (const std::vector<Cell>& cells : table.rows) {
     Json& row = rows.emplace_back(Json::object());
-    for (const Column& column : columns) row[column.name] = cell_json(column.cell(record));
+    for (std::size_t i = 0; i < cells.size(); ++i) row[table.columns[i].name] = cell_json(cells[i]);
   }
-  Json& made = table["provenance"] = Json::array();
-  for (const auto& [topic, what] : provenance(records)) made.push_back({{"topic", topic}, {"text", what}});
-  return json_text(table, 1) + '\n';
+  if (table.title) json["notes"] = table.notes;
+  Json& made = json["provenance"] = Json::array();
+  for (const auto& [topic, what] : table.provenance) made.push_back({{"topic", topic}, {"text", what}});
+  return json_text(json, 1) + '\n';
 }
 
 }  // namespace gnomon

@@ -15,29 +15,33 @@ std::string markdown_text(std::string_view text) {
   return safe;
 }
 
-std::string markdown_table(const Layout& layout) {
+std::string markdown_lines(std::span<const Column> columns, std::span<const std::vector<std::string>> rows) {
   std::string text = "|", rule = "|";
-  for (const Column& column : layout.columns) {
+  for (const Column& column : columns) {
     text += fmt::format(" {}{} |", markdown_text(column.heading),
                         column.shown_unit.empty() ? "" : fmt::format(" ({})", markdown_text(column.shown_unit)));
     rule += column.alignment == Align::right ? " ---: |" : " --- |";
   }
   text += '\n' + rule + '\n';
+  for (const std::vector<std::string>& row : rows) text += fmt::format("| {} |\n", joined(row, " | "));
+  return text + '\n';
+}
+
+std::string markdown_table(const Layout& layout) {
+  std::vector<std::vector<std::string>> rows;
   for (const Layout::Group& group : layout.groups)
     for (const Layout::Row& row : group.rows) {
-      text += '|';
+      std::vector<std::string>& cells = rows.emplace_back();
       for (std::size_t i = 0; i < row.entries.size(); ++i) {
         const Layout::Entry& entry = row.entries[i];
         std::string cell = markdown_text(entry.text);
         if (entry.is_best) cell = "**" + cell + "**";
         if (entry.is_flagged) cell += " (!)";
         if (row.note > 0 && layout.columns[i].name == "support") cell += fmt::format(" ({})", row.note);
-        text += fmt::format(" {} |", cell);
+        cells.push_back(std::move(cell));
       }
-      text += '\n';
     }
-
-  text += '\n';
+  std::string text = markdown_lines(layout.columns, rows);
   for (std::size_t i = 0; i < layout.notes.size(); ++i)
     text += fmt::format("- ({}) {}\n", i + 1, markdown_text(layout.notes[i]));
   // A bare dash would open a list in the list.
