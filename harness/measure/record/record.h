@@ -60,7 +60,7 @@ struct Record {
 
   std::map<std::string, std::uint64_t> classes;  ///< pixels of class "B", "F", "G", "S", "U", "T"
   std::map<Truth, Metrics> metrics;              ///< on a path: means over its frames
-  /// Wrong pixels of T by cause, headline truth, on a path summed over its frames; nothing when nobody asked.
+  /// Wrong pixels of T by cause, headline truth, on a path summed over its frames; nothing when the run sought none.
   std::optional<std::map<std::string, std::uint64_t>> causes;
   /// On a path: by metric, its value at every frame, headline truth.
   std::map<std::string, std::vector<std::optional<double>>> frames;
@@ -100,7 +100,7 @@ std::string context_text(const Record& record, std::string_view key);
 void to_json(Json& json, const Record& record);
 void from_json(const Json& json, Record& record);
 
-/// Leaves what was asked, where, and what the technique said of its support: all that was measured goes.
+/// Removes all that was measured. The job, where it was to run, and what the technique said of its support stay.
 void forget_results(Record& record);
 
 /// Makes it an unsupported row with this reason and without results.

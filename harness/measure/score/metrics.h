@@ -16,13 +16,13 @@ struct Evidence {
   int width = 0, height = 0;
   std::span<const PixelClass> classes;
   std::span<const float> reference, mask;
-  std::span<const Cause> causes;  ///< of wrong pixels of T, `none` elsewhere; empty when nobody asked
+  std::span<const Cause> causes;  ///< of wrong pixels of T, `none` elsewhere; empty when they were not looked for
   /// What the pixels show; null where a test has none. Metrics that need it are then not defined.
   const Scene* scene = nullptr;
   const GBuffer* gbuffer = nullptr;
   const Light* light = nullptr;
   const Evidence* previous = nullptr;  ///< the frame before, on a path
-  /// 1 where a rasterizer's rounding may turn the answer over (see find_snapping); empty when nobody asked.
+  /// 1 where a rasterizer's rounding may turn the answer over (see find_snapping); empty when it was not found.
   std::span<const std::uint8_t> snapping = {};
 
   bool faces_light(std::size_t i) const { return classes[i] > PixelClass::F; }

@@ -10,7 +10,7 @@ struct Answer {
   GBuffer gbuffer;
   Reference reference;
   std::vector<float> mask;
-  std::vector<Cause> causes;  ///< empty until somebody asked
+  std::vector<Cause> causes;  ///< empty until they are looked for
 
   /// Scene and light must outlive it, as this must.
   Evidence evidence(const Scene& scene, const Light& light) const {
