@@ -8,7 +8,7 @@
 #include "measure/picture/detail_export.h"
 #include "measure/picture/picture.h"
 #include "measure/run/context.h"
-#include "measure/run/row_record.h"
+#include "measure/run/row.h"
 #include "measure/scene/load.h"
 #include "measure/score/error_picture.h"
 #include "measure/scratch_folder.h"

@@ -136,13 +136,18 @@ void Engine::Body::Side::fail(const std::string& why) {
       return;
     }
     has_failed_ = true;
-    SideState& s = state();
-    s.phase = Phase::failed;
-    s.words = why;
-    s.answer = nullptr;
-    s.verdict = nullptr;
-    s.layer = nullptr;
+    show_nothing(Phase::failed, why);
   });
+}
+
+/// Under the lock: there is no answer, for this reason.
+void Engine::Body::Side::show_nothing(Phase phase, const std::string& why) {
+  SideState& s = state();
+  s.phase = phase;
+  s.words = why;
+  s.answer = nullptr;
+  s.verdict = nullptr;
+  s.layer = nullptr;
 }
 
 Engine::Body::Side::Call::Call(Side& side, const std::string& words) : side_(side) {
@@ -217,16 +222,10 @@ void Engine::Body::Side::go_to(const std::shared_ptr<const Frame>& frame) {
   body_.change([&](EngineState&) {
     frame_ = frame->number;
     is_supported_ = static_cast<bool>(support_);
-    SideState& s = state();
-    if (is_supported_) {
-      s.phase = Phase::working;
-    } else {
-      s.phase = Phase::unsupported;
-      s.words = support_.why();
-      s.answer = nullptr;
-      s.verdict = nullptr;
-      s.layer = nullptr;
-    }
+    if (is_supported_)
+      state().phase = Phase::working;
+    else
+      show_nothing(Phase::unsupported, support_.why());
   });
 }
 

@@ -58,6 +58,7 @@ class Engine::Body::Side {
   std::vector<std::optional<Explanation>> explain(std::span<const std::uint32_t> pixels);
   Work guarded(std::function<void()> work);
   void fail(const std::string& why);
+  void show_nothing(Phase phase, const std::string& why);
   SideState& state() { return body_.state.sides[index_]; }
 
   Body& body_;

@@ -1,7 +1,5 @@
 #include "measure/frame/classify.h"
 
-#include <tbb/parallel_for.h>
-
 #include "measure/frame/light_rays.h"
 #include "measure/frame/ray_packets.h"
 
@@ -97,29 +95,22 @@ std::vector<PixelClass> classify(const Scene& scene, const RayScene& casters, co
   const glm::dvec4 l = homogeneous(light);
   const MovedRays moved(scene, casters, gbuffer, l, extent(scene, light, gbuffer.view));
   std::vector<PixelClass> classes(gbuffer.size(), PixelClass::T);
-  tbb::parallel_for(0, gbuffer.height, [&](int y) {
-    const auto decide = [&](std::span<const std::size_t> pixels) {
-      const std::uint32_t unstable = moved.unstable(pixels, reference);
-      for (std::size_t k = 0; k < pixels.size(); ++k)
-        if (unstable >> k & 1) classes[pixels[k]] = PixelClass::U;
-    };
-    PixelPackets pending(decide);
-    for (int x = 0; x < gbuffer.width; ++x) {
-      const std::size_t i = static_cast<std::size_t>(y) * gbuffer.width + x;
-      if (gbuffer.is_background(i)) {
-        classes[i] = PixelClass::B;
-      } else if (!faces_light(scene, gbuffer, light, i)) {
-        classes[i] = PixelClass::F;
-      } else if (const glm::dvec3 to = to_light(l, gbuffer.position(i));
-                 glm::dot(glm::dvec3(gbuffer.normal(i)), to) < 0.035 * glm::length(to)) {
-        classes[i] = PixelClass::G;
-      } else if (is_silhouette(gbuffer, x, y)) {
-        classes[i] = PixelClass::S;
-      } else {
-        pending.add(i);
-      }
-    }
-    pending.finish();
+  const auto is_asked = [&](std::size_t i, int x, int y) {
+    if (gbuffer.is_background(i))
+      classes[i] = PixelClass::B;
+    else if (!faces_light(scene, gbuffer, light, i))
+      classes[i] = PixelClass::F;
+    else if (const glm::dvec3 to = to_light(l, gbuffer.position(i));
+             glm::dot(glm::dvec3(gbuffer.normal(i)), to) < 0.035 * glm::length(to))
+      classes[i] = PixelClass::G;
+    else if (is_silhouette(gbuffer, x, y))
+      classes[i] = PixelClass::S;
+    return classes[i] == PixelClass::T;
+  };
+  decide_in_packets(gbuffer.width, gbuffer.height, is_asked, [&](std::span<const std::size_t> pixels) {
+    const std::uint32_t unstable = moved.unstable(pixels, reference);
+    for (std::size_t k = 0; k < pixels.size(); ++k)
+      if (unstable >> k & 1) classes[pixels[k]] = PixelClass::U;
   });
   return classes;
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include <gnomon/kit/rays.h>
+#include <tbb/parallel_for.h>
 
 #include <array>
 #include <span>
@@ -26,24 +27,21 @@ inline void set_ray(ShadowPacket& packet, int lane, const glm::vec3& origin, con
   packet.flags[lane] = 0;
 }
 
-/// Gathers pixels and calls decide(span of pixels) whenever sixteen have come together, and at the end with the rest.
-template <class Decide>
-class PixelPackets {
- public:
-  explicit PixelPackets(const Decide& decide) : decide_(decide) {}
-  void add(std::size_t pixel) {
-    pixels_[count_++] = pixel;
-    if (count_ == pixels_.size()) finish();
-  }
-  void finish() {
-    if (count_ > 0) decide_(std::span<const std::size_t>(pixels_.data(), count_));
-    count_ = 0;
-  }
-
- private:
-  const Decide& decide_;
-  std::array<std::size_t, 16> pixels_;
-  std::size_t count_ = 0;
-};
+/// Calls decide(span of pixels) with all pixels i at (x, y) for which is_asked(i, x, y), up to sixteen of a row at once, rows
+/// on all threads.
+template <class IsAsked, class Decide>
+void decide_in_packets(int width, int height, const IsAsked& is_asked, const Decide& decide) {
+  tbb::parallel_for(0, height, [&](int y) {
+    std::array<std::size_t, 16> pixels;
+    std::size_t count = 0;
+    for (int x = 0; x < width; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * width + x;
+      if (is_asked(i, x, y)) pixels[count++] = i;
+      if (count == 0 || (count < pixels.size() && x + 1 < width)) continue;
+      decide(std::span<const std::size_t>(pixels.data(), count));
+      count = 0;
+    }
+  });
+}
 
 }  // namespace gnomon

@@ -1,7 +1,5 @@
 #include "measure/frame/snapping.h"
 
-#include <tbb/parallel_for.h>
-
 #include "measure/frame/gbuffer_maker.h"
 #include "measure/frame/ray_packets.h"
 
@@ -75,17 +73,10 @@ std::vector<std::uint8_t> find_snapping(const Scene& scene, const RayScene& ever
                                         std::span<const PixelClass> classes) {
   const SnappedRays snapped(scene, everything, casters, gbuffer, light);
   std::vector<std::uint8_t> snapping(gbuffer.size());
-  tbb::parallel_for(0, gbuffer.height, [&](int y) {
-    const auto decide = [&](std::span<const std::size_t> pixels) {
-      const std::uint32_t flips = snapped.flips(pixels, reference);
-      for (std::size_t k = 0; k < pixels.size(); ++k) snapping[pixels[k]] = flips >> k & 1;
-    };
-    PixelPackets pending(decide);
-    for (int x = 0; x < gbuffer.width; ++x) {
-      const std::size_t i = static_cast<std::size_t>(y) * gbuffer.width + x;
-      if (classes[i] == PixelClass::T) pending.add(i);
-    }
-    pending.finish();
+  const auto is_asked = [&](std::size_t i, int, int) { return classes[i] == PixelClass::T; };
+  decide_in_packets(gbuffer.width, gbuffer.height, is_asked, [&](std::span<const std::size_t> pixels) {
+    const std::uint32_t flips = snapped.flips(pixels, reference);
+    for (std::size_t k = 0; k < pixels.size(); ++k) snapping[pixels[k]] = flips >> k & 1;
   });
   return snapping;
 }

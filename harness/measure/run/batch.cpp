@@ -5,8 +5,6 @@
 #include <map>
 #include <set>
 
-#include "measure/run/enough.h"
-#include "measure/run/row_record.h"
 #include "measure/run/timing.h"
 
 namespace gnomon {
@@ -63,11 +61,16 @@ class Batch {
   void execute_process() {
     start_workers();
     build_ms_.clear();
-    for (const std::string& frame : frames()) {
-      std::vector<PendingRow*> group;
-      for (PendingRow& row : rows_)
-        if (row.is_wanted && !row.over && frame_of(row) == frame) group.push_back(&row);
-      time_group(group);
+    std::vector<std::string> frames;  // in order of first appearance
+    std::map<std::string, std::vector<PendingRow*>> groups;
+    for (PendingRow& row : rows_) {
+      std::vector<PendingRow*>& group = groups[frame_of(row)];
+      if (group.empty()) frames.push_back(frame_of(row));
+      group.push_back(&row);
+    }
+    for (const std::string& frame : frames) {
+      std::erase_if(groups[frame], [](const PendingRow* row) { return !is_due(*row); });
+      time_group(groups[frame]);
     }
     workers_.clear();
   }
@@ -78,21 +81,15 @@ class Batch {
     for (const PendingRow& row : rows_)
       if (!row.over && !is_narrow(row.record, run_.suite.interval)) jobs.insert(row.job.hash);
     for (PendingRow& row : rows_) row.is_wanted = jobs.contains(row.job.hash);
-    return std::any_of(rows_.begin(), rows_.end(), [](const PendingRow& row) { return row.is_wanted && !row.over; });
+    return std::ranges::any_of(rows_, is_due);
   }
+
+  /// Whether the row takes part in the process that runs now.
+  static bool is_due(const PendingRow& row) { return row.is_wanted && !row.over; }
 
   /// Light, view, size and path. Rows that have them in common are timed together.
   static std::string frame_of(const PendingRow& row) {
     return fmt::format("{} {} {}x{} {}", row.job.light, row.job.view, row.job.width, row.job.height, row.job.path);
-  }
-
-  /// In order of first appearance.
-  std::vector<std::string> frames() const {
-    std::vector<std::string> result;
-    for (const PendingRow& row : rows_)
-      if (std::string frame = frame_of(row); std::ranges::find(result, frame) == result.end())
-        result.push_back(std::move(frame));
-    return result;
   }
 
   /// Numbers of a row that is not ok would be taken for results: they go, and so do its pictures.
@@ -110,11 +107,6 @@ class Batch {
     workers_[row.contender].reset();
   }
 
-  bool needed(std::size_t contender) const {
-    return std::any_of(rows_.begin(), rows_.end(),
-                       [&](const PendingRow& row) { return row.contender == contender && row.is_wanted && !row.over; });
-  }
-
   /// Starts a worker for every contender, all at once: loading is untimed and may share the cores.
   void start_workers() {
     workers_.resize(contenders_.size());
@@ -126,7 +118,8 @@ class Batch {
         }
     };
     each([&](std::size_t c) {
-      if (needed(c)) workers_[c] = loading_worker(c);
+      const auto needs_it = [&](const PendingRow& row) { return row.contender == c && is_due(row); };
+      if (std::ranges::any_of(rows_, needs_it)) workers_[c] = loading_worker(c);
     });
     each([&](std::size_t c) {
       if (workers_[c]) workers_[c]->end_load();
@@ -142,7 +135,7 @@ class Batch {
 
   void fail_all(std::size_t contender, const std::string& reason) {
     for (PendingRow& row : rows_)
-      if (row.contender == contender && row.is_wanted && !row.over) fail(row, reason);
+      if (row.contender == contender && is_due(row)) fail(row, reason);
   }
 
   /// The worker of a row; a new one when the last one failed in an earlier row.
@@ -261,21 +254,31 @@ class Batch {
 
 }  // namespace
 
+bool is_narrow(const Record& record, double interval) {
+  for (const Stage stage : {Stage::relight, Stage::resolve}) {
+    const ProcessTimes& times = record.times(stage);
+    const auto time = median_of_medians(times);
+    if (!time || *time < least_time) continue;
+    if (times.size() < least_processes) return false;
+    const auto estimate = bootstrap(times);
+    if (!estimate || estimate->high - estimate->low > interval * estimate->value) return false;
+  }
+  return true;
+}
+
+int most_processes(const Suite& suite) { return std::max(4 * suite.processes, 8); }
+
 std::vector<std::vector<PendingRow>> split(std::vector<PendingRow> rows) {
   std::size_t sides = 1;
-  std::vector<std::string> names;
+  std::map<std::string, std::size_t> places;  // of contenders, in order of first appearance
   for (const PendingRow& row : rows) {
     sides = std::max(sides, row.side + 1);
-    if (const std::string name = row.job.contender.name(); std::find(names.begin(), names.end(), name) == names.end())
-      names.push_back(name);
+    places.try_emplace(row.job.contender.name(), places.size());
   }
   const std::size_t most_contenders = 16 / sides;
-  std::vector<std::vector<PendingRow>> batches((names.size() + most_contenders - 1) / most_contenders);
-  for (PendingRow& row : rows) {
-    const auto place =
-        static_cast<std::size_t>(std::find(names.begin(), names.end(), row.job.contender.name()) - names.begin());
-    batches[place * batches.size() / names.size()].push_back(std::move(row));
-  }
+  std::vector<std::vector<PendingRow>> batches((places.size() + most_contenders - 1) / most_contenders);
+  for (PendingRow& row : rows)
+    batches[places[row.job.contender.name()] * batches.size() / places.size()].push_back(std::move(row));
   return batches;
 }
 

@@ -41,24 +41,20 @@ void require(const std::vector<std::string>& wanted, const std::vector<std::stri
                   joined(there, ", "));
 }
 
-const auto& named(const auto& items, const std::string& name) {
-  return *std::find_if(items.begin(), items.end(), [&](const auto& item) { return item.name == name; });
-}
-
 /// Every frame of the path, for each of these lights and views, must be one that can be drawn: nothing runs before that.
 void check_path(const Scene& scene, const std::string& reference, const std::string& name,
                 const std::vector<std::string>& lights, const std::vector<std::string>& views) {
-  const Light& some_light = named(scene.lights, lights.front());
-  const View& some_view = named(scene.views, views.front());
+  const Light& some_light = *find_named(scene.lights, lights.front());
+  const View& some_view = *find_named(scene.views, views.front());
   // A path moves one of both and does not look at the other.
   if (find_path(scene, name, some_light, some_view).moves == Path::Moves::camera)
     for (const std::string& view_name : views) {
-      const View& view = named(scene.views, view_name);
+      const View& view = *find_named(scene.views, view_name);
       check_frames(find_path(scene, name, some_light, view), some_light, view, reference);
     }
   else
     for (const std::string& light_name : lights) {
-      const Light& light = named(scene.lights, light_name);
+      const Light& light = *find_named(scene.lights, light_name);
       check_frames(find_path(scene, name, light, some_view), light, some_view, reference);
     }
 }

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <optional>
@@ -33,6 +34,13 @@ class SceneLibrary {
  private:
   std::map<std::string, std::unique_ptr<Entry>> entries_;
 };
+
+/// The item of this name; null where there is none.
+template <class Item>
+const Item* find_named(const std::vector<Item>& items, const std::string& name) {
+  const auto found = std::ranges::find(items, name, &Item::name);
+  return found == items.end() ? nullptr : &*found;
+}
 
 /// Throws Error with the nearest name when the scene lacks one of these lights or views.
 void require_names(const std::string& reference, const Scene& scene, const std::vector<std::string>& lights,

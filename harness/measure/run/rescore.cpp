@@ -10,6 +10,7 @@
 #include "measure/paths.h"
 #include "measure/picture/image_files.h"
 #include "measure/picture/picture.h"
+#include "measure/run/jobs.h"
 #include "measure/scene/load.h"
 #include "measure/score/score.h"
 
@@ -35,12 +36,6 @@ struct SceneToday {
     }
   }
 };
-
-template <class Item>
-const Item* find_named(const std::vector<Item>& items, const std::string& name) {
-  const auto found = std::ranges::find(items, name, &Item::name);
-  return found == items.end() ? nullptr : &*found;
-}
 
 std::string full_title(const Record& record) { return fmt::format("{} ({})", title(record), record.job); }
 

@@ -49,4 +49,12 @@ struct MeasuredRow {
 /// when one is unsupported.
 std::optional<MeasuredRow> measure(Record& record, SceneRun& run, ContenderWorker& worker, const RowFrame& first);
 
+/// A record with all that is known before anything runs. `scene` is null where it is not fetched.
+Record start_record(const Job& job, const Suite& suite, const Scene* scene, const Json& context);
+
+/// Writes mask, error and shaded picture below `out` and names them in the record.
+void write_pictures(Record& record, const SceneRun& run, const MeasuredRow& measured, const std::filesystem::path& out);
+/// Removes those that the record names.
+void remove_pictures(const Record& record, const std::filesystem::path& out);
+
 }  // namespace gnomon

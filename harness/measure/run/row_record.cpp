@@ -1,7 +1,7 @@
-#include "measure/run/row_record.h"
-
+// What a row's record says before and after its measurement, and the pictures that it names.
 #include <gnomon/registry.h>
 
+#include "measure/run/row.h"
 #include "measure/score/error_picture.h"
 
 namespace gnomon {
@@ -60,8 +60,7 @@ Record start_record(const Job& job, const Suite& suite, const Scene* scene, cons
   record.truth = suite.truth;
   record.context = context;
   if (scene) {
-    for (const Light& light : scene->lights)
-      if (light.name == job.light) record.light_kind = kind_name(light);
+    if (const Light* light = find_named(scene->lights, job.light)) record.light_kind = kind_name(*light);
     record.scene_facts = facts_of(*scene);
     record.notes = scene->notes;
   }

@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "measure/paths.h"
-#include "measure/run/row_record.h"
 
 namespace gnomon {
 

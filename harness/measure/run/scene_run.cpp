@@ -2,8 +2,6 @@
 
 #include <gnomon/error.h>
 
-#include <algorithm>
-
 #include "measure/scene/motion.h"
 
 namespace gnomon {
@@ -12,9 +10,9 @@ namespace {
 
 template <class Item>
 std::size_t index_of(const std::vector<Item>& items, const std::string& name) {
-  const auto found = std::ranges::find(items, name, &Item::name);
-  if (found == items.end()) throw Error("there is no {}", name);
-  return static_cast<std::size_t>(found - items.begin());
+  const Item* found = find_named(items, name);
+  if (!found) throw Error("there is no {}", name);
+  return static_cast<std::size_t>(found - items.data());
 }
 
 }  // namespace

@@ -39,9 +39,9 @@ class TechniqueServer {
     if (what == "open") return open(request);
     if (what == "set") return set(request.at("settings"));
     if (what == "frame") return frame(request);
-    if (what == "setup") return {{"ms", time(Stage::setup)}};
-    if (what == "time") return time_stage(request.at("stage"));
-    if (what == "bring_up") return bring_up_to(request.at("stage"));
+    if (what == "setup") return time_stage(static_cast<int>(Stage::setup));
+    if (what == "time") return time_stage(stage_named(request.at("stage")));
+    if (what == "bring_up") return bring_up(stage_named(request.at("stage")));
     if (what == "answer") return answer(request.at("mask"));
     if (what == "mask") return write_mask(request.at("mask"));
     if (what == "explain") return explain(request.at("pixels"), request.at("out"));
@@ -59,9 +59,7 @@ class TechniqueServer {
     uses_gl_ = entry_->about.needs_gl;
     if (!uses_gl_) return {{"gl", nullptr}};
     const GlInfo& info = process_context().info();
-    return {
-        {"gl",
-         {{"vendor", info.vendor}, {"renderer", info.renderer}, {"version", info.version}, {"software", info.is_software}}}};
+    return {{"gl", {{"renderer", info.renderer}, {"version", info.version}}}};
   }
 
   /// What a parameter spoils is out of date from then on; the rest stays.
@@ -141,19 +139,14 @@ class TechniqueServer {
     throw Error("there is no stage {}", name);
   }
 
-  Json time_stage(const std::string& name) {
-    const int stage = stage_named(name);
+  Json time_stage(int stage) {
     bring_up(stage - 1);
     return {{"ms", time(static_cast<Stage>(stage))}};
   }
 
-  Json bring_up_to(const std::string& name) {
-    bring_up(stage_named(name));
-    return Json::object();
-  }
-
-  void bring_up(int stage) {
+  Json bring_up(int stage) {
     for (int s = fresh_ + 1; s <= stage; ++s) time(static_cast<Stage>(s));
+    return Json::object();
   }
 
   /// Does one stage and returns its milliseconds; what follows it is out of date then.

@@ -42,21 +42,23 @@ WorkerClient::WorkerClient(const WorkerOptions& options, fs::path files, double 
 
 fs::path WorkerClient::file(const char* ending) const { return fs::path(files_) += fmt::format(".{}", ending); }
 
-Json WorkerClient::ask(const Json& request, const std::string& doing) {
-  process_.send(request, doing);
-  return process_.receive(timeout_seconds_);
-}
-
-/// What `read` makes of an answer and of the files that came with it; what it cannot make anything of is the worker's failure.
+/// What `read` makes of the answer and of the files that came with it; what it cannot make anything of is the worker's failure.
 template <class Read>
-auto WorkerClient::checked(const std::string& doing, const Read& read) {
+auto WorkerClient::receive(double timeout_seconds, const std::string& doing, const Read& read) {
+  const Json reply = process_.receive(timeout_seconds);
   try {
-    return read();
+    return read(reply);
   } catch (const Json::exception& problem) {
     process_.fail(fmt::format("answered {} with something else than was asked: {}", doing, problem.what()));
   } catch (const Error& problem) {
     process_.fail(problem.what());
   }
+}
+
+template <class Read>
+auto WorkerClient::ask(const Json& request, const std::string& doing, const Read& read) {
+  process_.send(request, doing);
+  return receive(timeout_seconds_, doing, read);
 }
 
 void WorkerClient::begin_load(const LoadRequest& request) {
@@ -68,16 +70,14 @@ void WorkerClient::begin_load(const LoadRequest& request) {
 }
 
 void WorkerClient::end_load() {
-  const Json reply = process_.receive(std::max(timeout_seconds_, least_load_seconds));
   fresh_count_ = 0;
-  checked("open", [&] {
+  receive(std::max(timeout_seconds_, least_load_seconds), "open", [&](const Json& reply) {
     if (const Json& gl = reply.at("gl"); !gl.is_null()) gl_ = WorkerGl{gl.at("renderer"), gl.at("version")};
   });
 }
 
 void WorkerClient::set(const std::string& settings) {
-  const Json reply = ask({{"do", "set"}, {"settings", settings}}, "set");
-  checked("set", [&] { fresh_count_ = reply.at("fresh"); });
+  ask({{"do", "set"}, {"settings", settings}}, "set", [&](const Json& reply) { fresh_count_ = reply.at("fresh"); });
 }
 
 FrameReply WorkerClient::frame(const FrameRequest& request) {
@@ -94,9 +94,8 @@ FrameReply WorkerClient::frame(const FrameRequest& request) {
     write_file(light_and_view, light_and_view_bytes(light, view));
     question["stand"] = light_and_view.string();
   }
-  const Json reply = ask(question, "frame");
   pixel_count_ = static_cast<std::size_t>(request.width) * request.height;
-  return checked("frame", [&] {
+  return ask(question, "frame", [&](const Json& reply) {
     fresh_count_ = reply.at("fresh");
     FrameReply result{.support = support_of(reply.at("support"), reply.at("why")), .upload = {}};
     if (reply.contains("input_bytes")) result.upload = {reply.at("input_bytes"), reply.at("upload_ms")};
@@ -105,10 +104,10 @@ FrameReply WorkerClient::frame(const FrameRequest& request) {
 }
 
 double WorkerClient::time(Stage stage) {
-  const std::string doing(name(stage));
-  const Json reply = ask({{"do", "time"}, {"stage", doing}}, doing);
-  fresh_count_ = static_cast<int>(stage) + 1;
-  return checked(doing, [&] { return reply.at("ms").get<double>(); });
+  return ask({{"do", "time"}, {"stage", name(stage)}}, std::string(name(stage)), [&](const Json& reply) {
+    fresh_count_ = static_cast<int>(stage) + 1;
+    return reply.at("ms").get<double>();
+  });
 }
 
 void WorkerClient::bring_up(Stage last) {
@@ -116,21 +115,20 @@ void WorkerClient::bring_up(Stage last) {
   for (const Stage stage : all_stages) {
     if (stage > last) return;
     if (fresh_count_ > static_cast<int>(stage)) continue;
-    ask({{"do", "bring_up"}, {"stage", name(stage)}}, std::string(name(stage)));
-    fresh_count_ = static_cast<int>(stage) + 1;
+    ask({{"do", "bring_up"}, {"stage", name(stage)}}, std::string(name(stage)),
+        [&](const Json&) { fresh_count_ = static_cast<int>(stage) + 1; });
   }
 }
 
 std::vector<float> WorkerClient::mask() {
   bring_up(Stage::resolve);
-  ask({{"do", "mask"}, {"mask", file("mask").string()}}, "mask");
-  return checked("mask", [&] { return read_mask_file(file("mask"), pixel_count_); });
+  return ask({{"do", "mask"}, {"mask", file("mask").string()}}, "mask",
+             [&](const Json&) { return read_mask_file(file("mask"), pixel_count_); });
 }
 
 MaskReply WorkerClient::answer() {
   bring_up(Stage::resolve);
-  const Json reply = ask({{"do", "answer"}, {"mask", file("mask").string()}}, "answer");
-  return checked("answer", [&] {
+  return ask({{"do", "answer"}, {"mask", file("mask").string()}}, "answer", [&](const Json& reply) {
     MaskReply result{read_mask_file(file("mask"), pixel_count_), {}, 0};
     for (const Json& count : reply.at("counts"))
       result.counts.push_back({count.at("name"), count.at("value"), count.at("unit")});
@@ -147,8 +145,8 @@ std::vector<std::optional<Explanation>> WorkerClient::explain(std::span<const st
   while (result.size() < pixels.size()) {
     const auto some = pixels.subspan(result.size(), std::min(portion, pixels.size() - result.size()));
     write_file(asked, std::as_bytes(some));
-    const Json reply = ask({{"do", "explain"}, {"pixels", asked.string()}, {"out", answered.string()}}, "explain");
-    const auto explanations = checked("explain", [&] {
+    const Json request{{"do", "explain"}, {"pixels", asked.string()}, {"out", answered.string()}};
+    const auto explanations = ask(request, "explain", [&](const Json& reply) {
       if (!reply.at("explained").get<bool>()) return std::vector<std::optional<Explanation>>();
       auto known = explanations_from_bytes(MappedFile::open(answered)->bytes());
       if (known.size() != some.size()) throw Error("{} explanations came for {} pixels", known.size(), some.size());
@@ -166,8 +164,7 @@ std::vector<std::optional<Explanation>> WorkerClient::explain(std::span<const st
 std::vector<float> WorkerClient::debug_layer(const std::string& layer) {
   bring_up(Stage::resolve);
   const fs::path answered = file("layer");
-  ask({{"do", "debug"}, {"layer", layer}, {"out", answered.string()}}, "debug");
-  return checked("debug", [&] {
+  return ask({{"do", "debug"}, {"layer", layer}, {"out", answered.string()}}, "debug", [&](const Json&) {
     const auto drawn = MappedFile::open(answered);
     std::vector<float> rgb(3 * pixel_count_);
     if (drawn->bytes().size() != rgb.size() * sizeof(float))
@@ -179,8 +176,8 @@ std::vector<float> WorkerClient::debug_layer(const std::string& layer) {
 
 SurfaceDetail WorkerClient::surface_detail() {
   bring_up(Stage::relight);
-  ask({{"do", "detail"}, {"out", file("detail").string()}}, "detail");
-  return checked("detail", [&] { return detail_from_bytes(MappedFile::open(file("detail"))->bytes()); });
+  return ask({{"do", "detail"}, {"out", file("detail").string()}}, "detail",
+             [&](const Json&) { return detail_from_bytes(MappedFile::open(file("detail"))->bytes()); });
 }
 
 Json ask_program(const WorkerOptions& options) {

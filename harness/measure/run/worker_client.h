@@ -106,9 +106,10 @@ class WorkerClient {
   void interrupt() { process_.interrupt(); }
 
  private:
-  Json ask(const Json& request, const std::string& doing);
   template <class Read>
-  auto checked(const std::string& doing, const Read& read);
+  auto ask(const Json& request, const std::string& doing, const Read& read);
+  template <class Read>
+  auto receive(double timeout_seconds, const std::string& doing, const Read& read);
   std::filesystem::path file(const char* ending) const;
 
   WorkerProcess process_;

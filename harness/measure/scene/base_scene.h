@@ -1,5 +1,6 @@
 #pragma once
-// Private to the loaders: a description may name the scene that it starts from, whose description may name another.
+// Private to the loaders: what a coordinate may be; a description may name the scene that it starts from, whose description
+// may name another.
 #include <gnomon/scene.h>
 
 #include <filesystem>
@@ -7,6 +8,11 @@
 #include <vector>
 
 namespace gnomon {
+
+/// No coordinate is larger, meters: squares and triple products of it stay finite in double.
+inline constexpr float largest_coordinate = 1e30f;
+/// Whether all three are finite and within `largest_coordinate`.
+bool is_sound(const glm::dvec3& p);
 
 /// Descriptions that are being read, outermost first: each names the next as its `scene`.
 using Descriptions = std::vector<std::filesystem::path>;

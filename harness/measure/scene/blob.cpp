@@ -31,15 +31,13 @@ void visit_scene(auto& io, auto& scene) {
     io.list(scene.paths, [](auto& sub, auto& path) { sub(path.name, path.moves, path.positions, path.frame_count); });
 }
 
-std::string hash_hex(const void* data, std::size_t size) {
-  const XXH128_hash_t hash = XXH3_128bits(data, size);
-  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
-}
-
 }  // namespace
 
-std::string content_hash(std::span<const std::byte> bytes) { return hash_hex(bytes.data(), bytes.size()); }
-std::string content_hash(const std::string& text) { return hash_hex(text.data(), text.size()); }
+std::string content_hash(std::span<const std::byte> bytes) {
+  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
+  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+}
+std::string content_hash(const std::string& text) { return content_hash(std::as_bytes(std::span(text))); }
 
 std::vector<std::byte> scene_bytes(const Scene& scene) {
   FieldWriter writer;
@@ -61,19 +59,16 @@ Scene scene_from_bytes(std::span<const std::byte> bytes) {
 std::shared_ptr<const MappedFile> MappedFile::open(const std::filesystem::path& path) {
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   struct stat status {};
-  if (file < 0 || fstat(file, &status) != 0) {
+  const auto fail = [&](const char* what) {
     const int code = errno;
     if (file >= 0) close(file);
-    throw Error("{} cannot be read: {}", path.string(), std::strerror(code));
-  }
+    throw Error("{} cannot be {}: {}", path.string(), what, std::strerror(code));
+  };
+  if (file < 0 || fstat(file, &status) != 0) fail("read");
   auto mapped = std::make_shared<MappedFile>();
   if (status.st_size > 0) {
     void* address = mmap(nullptr, static_cast<std::size_t>(status.st_size), PROT_READ, MAP_SHARED, file, 0);
-    if (address == MAP_FAILED) {
-      const int code = errno;
-      close(file);
-      throw Error("{} cannot be mapped: {}", path.string(), std::strerror(code));
-    }
+    if (address == MAP_FAILED) fail("mapped");
     mapped->bytes_ = {static_cast<const std::byte*>(address), static_cast<std::size_t>(status.st_size)};
   }
   close(file);
@@ -110,7 +105,7 @@ void write_file(const std::filesystem::path& path, std::span<const std::byte> by
 }
 
 void write_file(const std::filesystem::path& path, const std::string& text, Durable durable) {
-  write_file(path, std::as_bytes(std::span(text.data(), text.size())), durable);
+  write_file(path, std::as_bytes(std::span(text)), durable);
 }
 
 void sync_folder_of(const std::filesystem::path& path) {

@@ -14,6 +14,7 @@
 #include <numbers>
 
 #include "measure/paths.h"
+#include "measure/scene/base_scene.h"
 #include "measure/scene/load.h"
 
 namespace gnomon {
@@ -41,13 +42,7 @@ glm::dvec3 Placement::apply(const glm::dvec3& p) const {
 
 namespace {
 
-constexpr double largest_coordinate = 1e30;  // squares and triple products of it stay finite in double
 constexpr std::size_t max_triangle_count = 200'000'000;
-
-bool is_sound(const glm::dvec3& p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) &&
-         std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= largest_coordinate;
-}
 
 void check_file(const fs::path& file) {
   const std::string name = file.string();
@@ -81,30 +76,8 @@ ImportedFile receive(const fs::path& file) {
   const std::vector<std::byte> answer = ask_child(file);
   FieldReader reader(answer, file.string() + ": the importer's answer breaks off");
   ImportedFile raw;
-  for (AnswerPart part{};;) {
-    reader(part);
-    switch (part) {
-      case AnswerPart::mesh:
-        visit_part(reader, raw.meshes.emplace_back());
-        break;
-      case AnswerPart::camera:
-        visit_part(reader, raw.cameras.emplace_back());
-        break;
-      case AnswerPart::light:
-        visit_part(reader, raw.lights.emplace_back());
-        break;
-      case AnswerPart::complaint:
-        visit_part(reader, raw.complaints.emplace_back());
-        break;
-      case AnswerPart::failure:
-        visit_part(reader, raw.failure);
-        break;
-      case AnswerPart::end:
-        return raw;
-      default:
-        throw Error("{}: the importer's answer is garbled", file.string());
-    }
-  }
+  visit_file(reader, raw);
+  return raw;
 }
 
 void check_counts(const fs::path& file, const ImportedFile& raw, const DeclaredCounts& declared) {

@@ -9,7 +9,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 #include "measure/scene/fields.h"
@@ -50,23 +49,19 @@ struct ImportedFile {
   std::string failure;                  ///< why nothing could be read; empty where something was
 };
 
-/// The fields of a part of the answer, for FieldWriter and FieldReader alike.
-template <class Part>
-void visit_part(auto& io, Part& part) {
-  using P = std::remove_const_t<Part>;
-  if constexpr (std::is_same_v<P, ImportedMesh>)
-    io(part.name, part.world_from_mesh, part.has_color, part.has_texture, part.is_transparent, part.color, part.positions,
-       part.corner_counts, part.corners);
-  else if constexpr (std::is_same_v<P, ImportedCamera>)
-    io(part.name, part.eye, part.forward, part.up, part.fov_y);
-  else if constexpr (std::is_same_v<P, ImportedLight>)
-    io(part.name, part.kind, part.position, part.direction, part.inner, part.outer);
-  else
-    io(part);
+/// The fields in the order in which they cross the pipe, for FieldWriter and FieldReader alike.
+void visit_file(auto& io, auto& file) {
+  io.list(file.meshes, [](auto& sub, auto& mesh) {
+    sub(mesh.name, mesh.world_from_mesh, mesh.has_color, mesh.has_texture, mesh.is_transparent, mesh.color, mesh.positions,
+        mesh.corner_counts, mesh.corners);
+  });
+  io.list(file.cameras, [](auto& sub, auto& camera) { sub(camera.name, camera.eye, camera.forward, camera.up, camera.fov_y); });
+  io.list(file.lights, [](auto& sub, auto& light) {
+    sub(light.name, light.kind, light.position, light.direction, light.inner, light.outer);
+  });
+  io.list(file.complaints, [](auto& sub, auto& complaint) { sub(complaint); });
+  io(file.failure);
 }
-
-/// What follows on the pipe. `end` comes last: an answer without it broke off.
-enum class AnswerPart : std::uint32_t { mesh, camera, light, complaint, failure, end };
 
 /// Runs `body` in a forked child and returns all that it wrote to `out_fd`. Throws Error, opening with `what`, when the child
 /// crashes, aborts, exceeds its time or memory, or returns anything but 0.

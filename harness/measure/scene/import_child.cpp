@@ -1,5 +1,5 @@
-// The child's side of an import: assimp reads the file, the nodes are walked in double, records go down the pipe. Whatever
-// goes wrong here, corrupted memory included, stays here.
+// The child's side of an import: assimp reads the file, the nodes are walked in double, what they hold goes down the pipe.
+// Whatever goes wrong here, corrupted memory included, stays here.
 #include <assimp/config.h>
 #include <assimp/scene.h>
 #include <sys/resource.h>
@@ -31,44 +31,26 @@ void limit_self() {
 #endif
 }
 
-/// Puts the parts of the answer into the pipe; a parent that is gone ends the child by SIGPIPE.
-class Sender {
- public:
-  explicit Sender(int fd) : fd_(fd) {}
-  ~Sender() { flush(); }
-  template <class Part>
-  void send(AnswerPart kind, const Part& part) {
-    writer_(kind);
-    visit_part(writer_, part);
-    if (writer_.bytes.size() >= (std::size_t{1} << 20)) flush();
+/// Writes the answer into the pipe; a parent that is gone ends the child by SIGPIPE.
+void send(const ImportedFile& answer, int fd) {
+  FieldWriter writer;
+  visit_file(writer, answer);
+  for (std::span<const std::byte> rest = writer.bytes; !rest.empty();) {
+    const ssize_t count = write(fd, rest.data(), rest.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) _exit(3);
+    rest = rest.subspan(static_cast<std::size_t>(count));
   }
-  void end() {
-    writer_(AnswerPart::end);
-    flush();
-  }
-
- private:
-  void flush() {
-    for (std::span<const std::byte> rest = writer_.bytes; !rest.empty();) {
-      const ssize_t count = write(fd_, rest.data(), rest.size());
-      if (count < 0 && errno == EINTR) continue;
-      if (count <= 0) _exit(3);
-      rest = rest.subspan(static_cast<std::size_t>(count));
-    }
-    writer_.bytes.clear();
-  }
-  int fd_;
-  FieldWriter writer_;
-};
+}
 
 /// Assimp repairs some damage without a word but for its log (an OFF index out of range is replaced): keep those words.
 class Complaints : public Assimp::LogStream {
  public:
-  explicit Complaints(Sender& sender) : sender_(sender) {}
-  void write(const char* message) override { sender_.send(AnswerPart::complaint, std::string(message)); }
+  explicit Complaints(ImportedFile& answer) : answer_(answer) {}
+  void write(const char* message) override { answer_.complaints.emplace_back(message); }
 
  private:
-  Sender& sender_;
+  ImportedFile& answer_;
 };
 
 glm::dmat4 widened(const aiMatrix4x4& m) {
@@ -98,11 +80,11 @@ void read_material(const aiScene& scene, unsigned index, ImportedMesh& raw) {
   raw.has_texture = material.GetTextureCount(aiTextureType_DIFFUSE) + material.GetTextureCount(aiTextureType_OPACITY) > 0;
 }
 
-void send_meshes(const aiScene& scene, const aiNode& node, const glm::dmat4& world_from_parent, Sender& sender) {
+void add_meshes(const aiScene& scene, const aiNode& node, const glm::dmat4& world_from_parent, ImportedFile& answer) {
   const glm::dmat4 world_from_mesh = world_from_parent * widened(node.mTransformation);
   for (unsigned i = 0; i < node.mNumMeshes; ++i) {
     const aiMesh& mesh = *scene.mMeshes[node.mMeshes[i]];
-    ImportedMesh raw;
+    ImportedMesh& raw = answer.meshes.emplace_back();
     raw.name = mesh.mName.length > 0 ? mesh.mName.C_Str() : node.mName.C_Str();
     raw.world_from_mesh = world_from_mesh;
     read_material(scene, mesh.mMaterialIndex, raw);
@@ -116,28 +98,27 @@ void send_meshes(const aiScene& scene, const aiNode& node, const glm::dmat4& wor
       raw.corner_counts.push_back(face.mNumIndices);
       raw.corners.insert(raw.corners.end(), face.mIndices, face.mIndices + face.mNumIndices);
     }
-    sender.send(AnswerPart::mesh, raw);
   }
-  for (unsigned i = 0; i < node.mNumChildren; ++i) send_meshes(scene, *node.mChildren[i], world_from_mesh, sender);
+  for (unsigned i = 0; i < node.mNumChildren; ++i) add_meshes(scene, *node.mChildren[i], world_from_mesh, answer);
 }
 
-// Cameras and lights are sent as glTF means them, the only format whose ones are used: at the origin of their node, along its
+// Cameras and lights are given as glTF means them, the only format whose ones are used: at the origin of their node, along its
 // -z, half-angles for cones. Assimp's own position and direction are no help: it adds the node's translation to the camera a
 // second time.
 constexpr glm::dvec3 forward_node{0, 0, -1}, up_node{0, 1, 0};
 
-void send_camera(const aiScene& scene, const aiCamera& camera, Sender& sender) {
+void add_camera(const aiScene& scene, const aiCamera& camera, ImportedFile& answer) {
   const glm::dmat4 matrix = world_from_node(scene.mRootNode->FindNode(camera.mName));
   // Assimp 5.2 keeps yfov times the aspect ratio under the name of a horizontal angle; yfov itself where no ratio is given.
   const double aspect = camera.mAspect > 0 ? camera.mAspect : 1;
-  sender.send(AnswerPart::camera, ImportedCamera{.name = camera.mName.C_Str(),
-                                                 .eye = glm::dvec3(matrix[3]),
-                                                 .forward = glm::dmat3(matrix) * forward_node,
-                                                 .up = glm::dmat3(matrix) * up_node,
-                                                 .fov_y = camera.mHorizontalFOV / aspect});
+  answer.cameras.push_back({.name = camera.mName.C_Str(),
+                            .eye = glm::dvec3(matrix[3]),
+                            .forward = glm::dmat3(matrix) * forward_node,
+                            .up = glm::dmat3(matrix) * up_node,
+                            .fov_y = camera.mHorizontalFOV / aspect});
 }
 
-void send_light(const aiScene& scene, const aiLight& light, Sender& sender) {
+void add_light(const aiScene& scene, const aiLight& light, ImportedFile& answer) {
   const auto kind = [&] {
     switch (light.mType) {
       case aiLightSource_POINT:
@@ -151,37 +132,39 @@ void send_light(const aiScene& scene, const aiLight& light, Sender& sender) {
     }
   }();
   const glm::dmat4 matrix = world_from_node(scene.mRootNode->FindNode(light.mName));
-  sender.send(AnswerPart::light, ImportedLight{.name = light.mName.C_Str(),
-                                               .kind = kind,
-                                               .position = glm::dvec3(matrix[3]),
-                                               .direction = glm::dmat3(matrix) * forward_node,
-                                               .inner = light.mAngleInnerCone,
-                                               .outer = light.mAngleOuterCone});
+  answer.lights.push_back({.name = light.mName.C_Str(),
+                           .kind = kind,
+                           .position = glm::dvec3(matrix[3]),
+                           .direction = glm::dmat3(matrix) * forward_node,
+                           .inner = light.mAngleInnerCone,
+                           .outer = light.mAngleOuterCone});
 }
 
 }  // namespace
 
 int import_child_main(const std::string& file, int out_fd) {
   limit_self();
-  Sender sender(out_fd);
+  ImportedFile answer;
   try {
     Assimp::DefaultLogger::create("", Assimp::Logger::NORMAL, 0);
-    Assimp::DefaultLogger::get()->attachStream(new Complaints(sender), Assimp::Logger::Err);
+    Assimp::DefaultLogger::get()->attachStream(new Complaints(answer), Assimp::Logger::Err);
     Assimp::Importer importer;
     importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
     // No post-processing: some of its steps abort on truncated files, and the parent checks and splits faces itself.
     const aiScene* scene = importer.ReadFile(file, 0);
     if (!scene || !scene->mRootNode) {
-      sender.send(AnswerPart::failure, std::string(importer.GetErrorString()));
+      answer.failure = importer.GetErrorString();
     } else {
-      send_meshes(*scene, *scene->mRootNode, glm::dmat4(1), sender);
-      for (unsigned i = 0; i < scene->mNumCameras; ++i) send_camera(*scene, *scene->mCameras[i], sender);
-      for (unsigned i = 0; i < scene->mNumLights; ++i) send_light(*scene, *scene->mLights[i], sender);
+      add_meshes(*scene, *scene->mRootNode, glm::dmat4(1), answer);
+      for (unsigned i = 0; i < scene->mNumCameras; ++i) add_camera(*scene, *scene->mCameras[i], answer);
+      for (unsigned i = 0; i < scene->mNumLights; ++i) add_light(*scene, *scene->mLights[i], answer);
     }
+    send(answer, out_fd);
   } catch (const std::bad_alloc&) {
-    sender.send(AnswerPart::failure, std::string("it needs more memory than three quarters of this machine's"));
+    answer.meshes = {};
+    answer.failure = "it needs more memory than three quarters of this machine's";
+    send(answer, out_fd);
   }
-  sender.end();
   return 0;
 }
 

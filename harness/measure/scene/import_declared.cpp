@@ -23,11 +23,6 @@ std::string read_bytes(const fs::path& file, std::size_t offset, std::size_t siz
   return bytes;
 }
 
-std::string read_tail(const fs::path& file, std::size_t size) {
-  const std::size_t length = fs::file_size(file);
-  return read_bytes(file, length - std::min(length, size), size);
-}
-
 /// Little-endian 32 bits at `offset`; 0 beyond the end.
 std::uint32_t word_at(const std::string& bytes, std::size_t offset) {
   std::uint32_t word = 0;
@@ -171,7 +166,7 @@ DeclaredCounts read_stl(const fs::path& file) {
   DeclaredCounts declared{.vertex_count = std::nullopt, .face_count = 0};
   bool ended = false;
   for (std::string word; in >> word;) {
-    std::transform(word.begin(), word.end(), word.begin(), [](unsigned char c) { return std::tolower(c); });
+    std::ranges::transform(word, word.begin(), [](unsigned char c) { return std::tolower(c); });
     if (word == "facet") ++*declared.face_count;
     ended = ended || word == "endsolid";
   }
@@ -239,7 +234,7 @@ void check_glb(const fs::path& file) {
 
 std::string lower_extension(const fs::path& file) {
   std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
   return extension;
 }
 
@@ -251,7 +246,9 @@ DeclaredCounts read_declared(const fs::path& file) {
   if (extension == ".glb") check_glb(file);
   if (extension == ".gltf") check_gltf(file, read_bytes(file, 0, fs::file_size(file)), 0);
   if (extension == ".3ds") need_length(file, word_at(read_bytes(file, 0, 6), 2));  // the outermost chunk is the file
-  if (extension == ".ifc" && read_tail(file, 1024).find("END-ISO-10303-21;") == std::string::npos)
+  constexpr std::size_t tail = 1024;
+  if (extension == ".ifc" &&
+      read_bytes(file, std::max(fs::file_size(file), tail) - tail, tail).find("END-ISO-10303-21;") == std::string::npos)
     throw Error("{}: does not end in END-ISO-10303-21; it is truncated", file.string());
   return {};
 }

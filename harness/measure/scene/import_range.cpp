@@ -41,14 +41,13 @@ void check_off(std::ifstream& in, const std::string& name) {
   std::string line;
   long number = 0;
   const auto next = [&](std::istringstream& words) {
-    while (std::getline(in, line)) {
+    do {
+      if (!std::getline(in, line)) return false;
       ++number;
       line = line.substr(0, line.find('#'));
-      if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-      words = std::istringstream(line);
-      return true;
-    }
-    return false;
+    } while (line.find_first_not_of(" \t\r") == std::string::npos);
+    words = std::istringstream(line);
+    return true;
   };
   std::istringstream words;
   long vertices = 0, faces = 0, corners = 0, index = 0;
@@ -67,9 +66,9 @@ void check_off(std::ifstream& in, const std::string& name) {
 
 void blame_index(const std::filesystem::path& file) {
   std::ifstream in(file);
-  const std::string extension = file.extension().string();
-  if (extension == ".obj" || extension == ".OBJ") check_obj(in, file.string());
-  if (extension == ".off" || extension == ".OFF") check_off(in, file.string());
+  const std::string extension = lower_extension(file);
+  if (extension == ".obj") check_obj(in, file.string());
+  if (extension == ".off") check_off(in, file.string());
 }
 
 }  // namespace gnomon::importing

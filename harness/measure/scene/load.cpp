@@ -16,14 +16,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr float largest_coordinate = 1e30f;
-
-bool is_sound(const glm::vec3& p) {
-  for (int k = 0; k < 3; ++k)
-    if (!(std::abs(p[k]) <= largest_coordinate)) return false;
-  return true;
-}
-
 /// Files of described scenes, in the order of their ids.
 std::vector<fs::path> described_scenes() {
   std::vector<fs::path> files;
@@ -102,6 +94,8 @@ void check_vertices(const Mesh& mesh, const std::string& where) {
 }
 
 }  // namespace
+
+bool is_sound(const glm::dvec3& p) { return glm::all(glm::lessThanEqual(glm::abs(p), glm::dvec3(largest_coordinate))); }
 
 bool is_plain_name(std::string_view name) {
   return !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == std::string_view::npos;

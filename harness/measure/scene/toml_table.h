@@ -12,11 +12,10 @@
 #include <string>
 #include <vector>
 
+#include "measure/scene/base_scene.h"
 #include "measure/scene/load.h"
 
 namespace gnomon {
-
-inline constexpr double largest_coordinate = 1e30;
 
 /// One TOML table whose keys are all known: anything else is refused when it is opened.
 class Table {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "measure/run/enough.h"
+#include "measure/run/batch.h"
 #include "measure/score/metrics.h"
 #include "report/analysis/compare_table.h"
 

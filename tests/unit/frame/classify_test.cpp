@@ -243,18 +243,24 @@ TEST(moved_rays, go_aside_across_the_ray_and_back_to_the_plane) {
 
 TEST(pixel_packets, take_sixteen_and_the_rest) {
   for (const std::size_t count : {0u, 1u, 16u, 17u, 40u}) {
-    std::vector<std::size_t> sizes, pixels;
-    const auto decide = [&](std::span<const std::size_t> some) {
-      sizes.push_back(some.size());
-      pixels.insert(pixels.end(), some.begin(), some.end());
+    // Two rows; every third pixel is asked about, but not the last one.
+    const int width = static_cast<int>(3 * count + 1);
+    std::vector<std::size_t> sizes[2], pixels[2];
+    const auto is_asked = [&](std::size_t i, int x, int y) {
+      EXPECT_EQ(i, static_cast<std::size_t>(y * width + x));
+      return x % 3 == 0 && x < width - 1;
     };
-    PixelPackets packets(decide);
-    for (std::size_t i = 0; i < count; ++i) packets.add(3 * i);
-    packets.finish();
-    ASSERT_EQ(pixels.size(), count);
-    for (std::size_t i = 0; i < count; ++i) EXPECT_EQ(pixels[i], 3 * i);
-    EXPECT_EQ(sizes.size(), (count + 15) / 16);
-    EXPECT_TRUE(std::ranges::all_of(sizes, [](std::size_t size) { return size > 0 && size <= 16; }));
+    decide_in_packets(width, 2, is_asked, [&](std::span<const std::size_t> some) {
+      const std::size_t row = some[0] / width;  // rows may come on different threads
+      sizes[row].push_back(some.size());
+      pixels[row].insert(pixels[row].end(), some.begin(), some.end());
+    });
+    for (const std::size_t row : {0u, 1u}) {
+      ASSERT_EQ(pixels[row].size(), count);
+      for (std::size_t i = 0; i < count; ++i) EXPECT_EQ(pixels[row][i], row * width + 3 * i);
+      EXPECT_EQ(sizes[row].size(), (count + 15) / 16);
+      EXPECT_TRUE(std::ranges::all_of(sizes[row], [](std::size_t size) { return size > 0 && size <= 16; }));
+    }
   }
 }
 

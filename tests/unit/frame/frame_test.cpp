@@ -13,17 +13,12 @@
 #include "measure/frame/light_rays.h"
 #include "measure/frame/snapping.h"
 #include "measure/scene/load.h"
+#include "measure/scratch_folder.h"
 
 namespace {
 
 using namespace gnomon;
 namespace fs = std::filesystem;
-
-struct Folder {
-  fs::path path = fs::temp_directory_path() / fmt::format("gnomon_frame_{}", getpid());
-  Folder() { fs::create_directories(path); }
-  ~Folder() { fs::remove_all(path); }
-};
 
 std::set<std::string> file_names(const fs::path& folder) {
   std::set<std::string> names;
@@ -56,14 +51,14 @@ bool same(const GBuffer& a, const GBuffer& b) {
 }
 
 TEST(frame, what_the_cache_holds_is_what_is_computed) {
-  const Folder folder;
+  const ScratchFolder folder = ScratchFolder::temporary("gnomon_frame");
   const Scene scene = ball_over_ground();
   for (const Truth truth : {Truth::shape, Truth::mesh}) {
     const RayScene everything(scene, truth, RayScene::Which::all), casters(scene, truth, RayScene::Which::casters);
     const GBuffer fresh = make_gbuffer(scene, everything, scene.views[0], 50, 30, truth);
     // The first round makes the files, the second finds them.
     for (int round = 0; round < 2; ++round) {
-      FrameStore frames(scene, folder.path);
+      FrameStore frames(scene, folder.path());
       const FrameKey key{scene.views[0], 50, 30, truth};
       EXPECT_TRUE(same(frames.gbuffer(key), fresh));
       EXPECT_TRUE(same(map_gbuffer(frames.gbuffer_file(key), key), fresh));
@@ -81,11 +76,11 @@ TEST(frame, what_the_cache_holds_is_what_is_computed) {
       }
     }
   }
-  EXPECT_EQ(file_names(folder.path).size(), 6u) << "a G-buffer and two references for each truth";
+  EXPECT_EQ(file_names(folder.path()).size(), 6u) << "a G-buffer and two references for each truth";
 }
 
 TEST(frame, meshes_that_do_not_cast_are_seen_and_block_nothing) {
-  const Folder folder;
+  const ScratchFolder folder = ScratchFolder::temporary("gnomon_frame");
   Scene scene = ball_over_ground();
   scene.meshes.push_back(tessellate(Plane{{0, 2.6f, 0}, {3, 0, 0}, {0, 0, 3}}, 4, "pane"));
   scene.meshes.back().casts = false;
@@ -93,7 +88,7 @@ TEST(frame, meshes_that_do_not_cast_are_seen_and_block_nothing) {
   const RayScene everything(scene, key.truth, RayScene::Which::all), casters(scene, key.truth, RayScene::Which::casters);
   // In either order: the store must not take the rays of one question for those of the other.
   for (const bool casters_first : {true, false}) {
-    FrameStore frames(scene, folder.path / (casters_first ? "a" : "b"));
+    FrameStore frames(scene, folder.path() / (casters_first ? "a" : "b"));
     if (casters_first) frames.casters(key.truth);
     const GBuffer g = frames.gbuffer(key);
     EXPECT_GT(std::ranges::count(g.mesh, 2u), 100);
@@ -107,7 +102,7 @@ TEST(frame, meshes_that_do_not_cast_are_seen_and_block_nothing) {
 
 TEST(frame, dark_pixels_know_their_nearest_caster) {
   // Two plates over the ground, the lower one smaller: under both, the lower one is nearer. A ball lies beside them.
-  const Folder folder;
+  const ScratchFolder folder = ScratchFolder::temporary("gnomon_frame");
   Scene scene;
   scene.name = "plates";
   scene.meshes = {tessellate(ground_plane(4), 4, "ground"), tessellate(Plane{{-3, 3, 0}, {1, 0, 0}, {0, 0, 1}}, 4, "high"),
@@ -116,7 +111,7 @@ TEST(frame, dark_pixels_know_their_nearest_caster) {
   scene.lights = {{.name = "sun", .kind = DirectionalLight{{1, -1, 0}}}, {.name = "point", .kind = PointLight{{-60, 60, 0}}}};
   scene.views = {View{.eye = {0, 12, 0.1f}, .up = {0, 0, -1}}};
   for (const Truth truth : {Truth::shape, Truth::mesh}) {
-    FrameStore frames(scene, folder.path);
+    FrameStore frames(scene, folder.path());
     const FrameKey key{scene.views[0], 128, 128, truth};
     const GBuffer g = frames.gbuffer(key);
     for (const Light& light : scene.lights) {
@@ -150,12 +145,12 @@ TEST(frame, dark_pixels_know_their_nearest_caster) {
 }
 
 TEST(frame, whatever_changes_the_answer_has_a_file_of_its_own) {
-  const Folder folder;
+  const ScratchFolder folder = ScratchFolder::temporary("gnomon_frame");
   Scene scene = ball_over_ground();
   const FrameKey key{scene.views[0], 20, 10, Truth::shape};
   std::set<fs::path> files;
   const auto is_new = [&](const Scene& s, const FrameKey& k) {
-    return files.insert(FrameStore(s, folder.path).gbuffer_file(k)).second;
+    return files.insert(FrameStore(s, folder.path()).gbuffer_file(k)).second;
   };
   EXPECT_TRUE(is_new(scene, key));
   EXPECT_FALSE(is_new(scene, key));
@@ -166,8 +161,8 @@ TEST(frame, whatever_changes_the_answer_has_a_file_of_its_own) {
   scene.meshes[1].positions[0].x += 0.001f;
   EXPECT_TRUE(is_new(scene, key));
   // References: one file a light.
-  FrameStore frames(scene, folder.path);
-  const auto count = [&] { return file_names(folder.path).size(); };
+  FrameStore frames(scene, folder.path());
+  const auto count = [&] { return file_names(folder.path()).size(); };
   const std::size_t before = count();
   Light light = scene.lights[0];
   frames.reference(key, light);
@@ -180,43 +175,43 @@ TEST(frame, whatever_changes_the_answer_has_a_file_of_its_own) {
 }
 
 TEST(frame, a_file_of_the_wrong_size_is_made_again) {
-  const Folder folder;
+  const ScratchFolder folder = ScratchFolder::temporary("gnomon_frame");
   const Scene scene = ball_over_ground();
   const FrameKey key{scene.views[0], 20, 10, Truth::shape};
-  FrameStore frames(scene, folder.path);
+  FrameStore frames(scene, folder.path());
   frames.reference(key, scene.lights[0]);
   frames.scene_file();
-  const std::set<std::string> names = file_names(folder.path);
+  const std::set<std::string> names = file_names(folder.path());
   ASSERT_EQ(names.size(), 3u);
   std::map<std::string, std::string> whole;
-  for (const std::string& name : names) whole[name] = content(folder.path / name);
+  for (const std::string& name : names) whole[name] = content(folder.path() / name);
   for (const std::size_t left : {0, 1, 799, 100000}) {
-    for (const std::string& name : names) fs::resize_file(folder.path / name, left);
-    FrameStore again(scene, folder.path);
+    for (const std::string& name : names) fs::resize_file(folder.path() / name, left);
+    FrameStore again(scene, folder.path());
     again.gbuffer(key);
     again.reference(key, scene.lights[0]);
     again.scene_file();
-    EXPECT_EQ(file_names(folder.path), names);
-    for (const std::string& name : names) EXPECT_TRUE(content(folder.path / name) == whole[name]) << name << ' ' << left;
+    EXPECT_EQ(file_names(folder.path()), names);
+    for (const std::string& name : names) EXPECT_TRUE(content(folder.path() / name) == whole[name]) << name << ' ' << left;
   }
 }
 
 TEST(frame, a_gbuffer_file_that_is_too_short_is_an_error_for_who_only_maps_it) {
-  const Folder folder;
-  std::ofstream(folder.path / "short") << "1234";
-  EXPECT_THROW(map_gbuffer(folder.path / "short", {View{}, 20, 10, Truth::shape}), Error);
+  const ScratchFolder folder = ScratchFolder::temporary("gnomon_frame");
+  std::ofstream(folder.path() / "short") << "1234";
+  EXPECT_THROW(map_gbuffer(folder.path() / "short", {View{}, 20, 10, Truth::shape}), Error);
 }
 
 TEST(frame, processes_that_make_the_same_frames_at_once_do_not_disturb_each_other) {
   const char* program = std::getenv("GNOMON_PROGRAM");
   if (!program) GTEST_SKIP() << "GNOMON_PROGRAM names no program; ctest sets it";
-  const Folder folder;
-  const fs::path cache = folder.path / "cache";
+  const ScratchFolder folder = ScratchFolder::temporary("gnomon_frame");
+  const fs::path cache = folder.path() / "cache";
   std::vector<FILE*> running;
   for (int k = 0; k < 4; ++k) {
     const std::string command =
         fmt::format("GNOMON_CACHE='{}' '{}' render --scene contact --technique unshadowed --size 64x36 --out '{}' 2>&1",
-                    cache.string(), program, (folder.path / fmt::format("out_{}", k)).string());
+                    cache.string(), program, (folder.path() / fmt::format("out_{}", k)).string());
     running.push_back(popen(command.c_str(), "r"));
     ASSERT_TRUE(running.back());
   }
@@ -227,14 +222,14 @@ TEST(frame, processes_that_make_the_same_frames_at_once_do_not_disturb_each_othe
   }
   // What they left is what one process makes alone, with no temporary file beside it.
   const Scene scene = load_scene("contact");
-  FrameStore alone(scene, folder.path / "alone");
+  FrameStore alone(scene, folder.path() / "alone");
   const FrameKey key{scene.views[0], 64, 36, Truth::shape};
   for (const Light& light : scene.lights) alone.reference(key, light);
   alone.scene_file();
   const std::set<std::string> made = file_names(cache / "frames");
-  for (const std::string& name : file_names(folder.path / "alone")) {
+  for (const std::string& name : file_names(folder.path() / "alone")) {
     EXPECT_TRUE(made.contains(name)) << name;
-    EXPECT_TRUE(content(cache / "frames" / name) == content(folder.path / "alone" / name)) << name;
+    EXPECT_TRUE(content(cache / "frames" / name) == content(folder.path() / "alone" / name)) << name;
   }
   for (const std::string& name : made) EXPECT_FALSE(name.ends_with(".part")) << name;
 }

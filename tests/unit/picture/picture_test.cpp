@@ -3,7 +3,6 @@
 #include <OpenImageIO/imageio.h>
 #include <gnomon/error.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <fstream>
 #include <random>
@@ -11,6 +10,7 @@
 #include "hand_made.h"
 #include "measure/scene/blob.h"
 #include "measure/score/error_picture.h"
+#include "measure/scratch_folder.h"
 
 namespace {
 
@@ -18,14 +18,9 @@ using namespace gnomon;
 namespace fs = std::filesystem;
 using Rgb = std::array<int, 3>;
 
-struct Folder {
-  fs::path path = fs::temp_directory_path() / fmt::format("gnomon_picture_{}", getpid());
-  Folder() { fs::create_directories(path); }
-  ~Folder() { fs::remove_all(path); }
-  std::size_t file_count() const {
-    return static_cast<std::size_t>(std::distance(fs::directory_iterator(path), fs::directory_iterator()));
-  }
-};
+std::size_t file_count(const fs::path& folder) {
+  return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+}
 
 Rgb pixel(const Picture& picture, int x, int y) {
   const std::uint8_t* rgb = &picture.rgb[3 * (static_cast<std::size_t>(y) * picture.width + x)];
@@ -266,23 +261,23 @@ TEST(error_picture, a_picture_narrower_than_its_legend_is_drawn) {
 }
 
 TEST(picture_file, png_comes_back_bit_for_bit) {
-  const Folder folder;
+  const ScratchFolder folder = ScratchFolder::temporary("gnomon_picture");
   std::mt19937 random(2);
   Picture picture{31, 17, std::vector<std::uint8_t>(31 * 17 * 3)};
   for (std::uint8_t& byte : picture.rgb) byte = static_cast<std::uint8_t>(random());
-  write_png(folder.path / "made/here.png", picture);
-  const auto input = OIIO::ImageInput::open((folder.path / "made/here.png").string());
+  write_png(folder.path() / "made/here.png", picture);
+  const auto input = OIIO::ImageInput::open((folder.path() / "made/here.png").string());
   ASSERT_TRUE(input);
   ASSERT_EQ(std::tuple(input->spec().width, input->spec().height, input->spec().nchannels), std::tuple(31, 17, 3));
   std::vector<std::uint8_t> back(picture.rgb.size());
   ASSERT_TRUE(input->read_image(0, 0, 0, 3, OIIO::TypeDesc::UINT8, back.data()));
   EXPECT_EQ(back, picture.rgb);
-  EXPECT_EQ(folder.file_count(), 1u);
+  EXPECT_EQ(file_count(folder.path()), 1u);
 }
 
 TEST(picture_file, exr_channels_come_back_bit_for_bit_under_their_names) {
   // Also values that half floats cannot hold: 1/3, 1e-30, 1 - 2^-24.
-  const Folder folder;
+  const ScratchFolder folder = ScratchFolder::temporary("gnomon_picture");
   std::mt19937 random(3);
   std::vector<float> first(23 * 9), second(23 * 9);
   for (float& v : first) v = static_cast<float>(random()) * 0x1p-32f;
@@ -293,24 +288,24 @@ TEST(picture_file, exr_channels_come_back_bit_for_bit_under_their_names) {
   // In an EXR channels lie in the order of their names; "zeta" was written first.
   const std::vector<std::string> names{"zeta.V", "alpha.V"};
   const std::vector<std::span<const float>> channels{first, second};
-  const fs::path file = folder.path / "mask.exr";
+  const fs::path file = folder.path() / "mask.exr";
   write_exr(file, 23, 9, names, channels);
   EXPECT_EQ(read_exr(file, "zeta.V", 23, 9), first);
   EXPECT_EQ(read_exr(file, "alpha.V", 23, 9), second);
   EXPECT_THROW(read_exr(file, "beta.V", 23, 9), Error);
   EXPECT_THROW(read_exr(file, "zeta.V", 9, 23), Error);
-  EXPECT_THROW(read_exr(folder.path / "none.exr", "zeta.V", 23, 9), Error);
+  EXPECT_THROW(read_exr(folder.path() / "none.exr", "zeta.V", 23, 9), Error);
 }
 
 TEST(picture_file, what_cannot_be_written_is_an_error_that_leaves_nothing) {
-  const Folder folder;
+  const ScratchFolder folder = ScratchFolder::temporary("gnomon_picture");
   const Picture picture{2, 2, std::vector<std::uint8_t>(12)};
-  std::ofstream(folder.path / "plain") << "a file, not a folder";
-  EXPECT_THROW(write_png(folder.path / "plain/x.png", picture), Error);
-  fs::create_directories(folder.path / "taken.png/inside");
-  EXPECT_THROW(write_png(folder.path / "taken.png", picture), Error);
+  std::ofstream(folder.path() / "plain") << "a file, not a folder";
+  EXPECT_THROW(write_png(folder.path() / "plain/x.png", picture), Error);
+  fs::create_directories(folder.path() / "taken.png/inside");
+  EXPECT_THROW(write_png(folder.path() / "taken.png", picture), Error);
   EXPECT_THROW(write_png("/dev/null/x.png", picture), Error);
-  EXPECT_EQ(folder.file_count(), 2u) << "the plain file and the folder that was in the way";
+  EXPECT_EQ(file_count(folder.path()), 2u) << "the plain file and the folder that was in the way";
 }
 
 }  // namespace

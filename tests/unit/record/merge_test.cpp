@@ -8,6 +8,8 @@
 #include <numeric>
 #include <sstream>
 
+#include "measure/scratch_folder.h"
+
 namespace {
 
 using namespace gnomon;
@@ -64,11 +66,6 @@ std::string complaint(Work work) {
 /// A folder of its own for each test, gone afterwards.
 class MergeFolderTest : public testing::Test {
  protected:
-  MergeFolderTest() {
-    std::string pattern = (fs::temp_directory_path() / "gnomon_merge_XXXXXX").string();
-    dir = mkdtemp(pattern.data());
-  }
-  ~MergeFolderTest() override { fs::remove_all(dir); }
   void write(const fs::path& path, const std::string& text) const {
     fs::create_directories((dir / path).parent_path());
     std::ofstream(dir / path, std::ios::binary) << text;
@@ -78,7 +75,8 @@ class MergeFolderTest : public testing::Test {
     all << std::ifstream(dir / path, std::ios::binary).rdbuf();
     return all.str();
   }
-  fs::path dir;
+  const ScratchFolder scratch = ScratchFolder::temporary("gnomon_merge");
+  const fs::path& dir = scratch.path();
 };
 
 RC_GTEST_PROP(merge, any_dealing_of_rows_to_folders_in_any_order_gives_the_whole_run_back, ()) {

@@ -3,13 +3,14 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <fstream>
 #include <sstream>
+
+#include "measure/scratch_folder.h"
 
 namespace {
 
@@ -19,12 +20,6 @@ namespace fs = std::filesystem;
 /// A folder of its own for each test, gone afterwards.
 class RecordFileTest : public testing::Test {
  protected:
-  RecordFileTest() {
-    std::string pattern = (fs::temp_directory_path() / "gnomon_record_XXXXXX").string();
-    dir = mkdtemp(pattern.data());
-  }
-  ~RecordFileTest() override { fs::remove_all(dir); }
-
   void write(const std::string& text) const { std::ofstream(records_file(dir), std::ios::binary) << text; }
   std::string text() const {
     std::ostringstream all;
@@ -32,7 +27,8 @@ class RecordFileTest : public testing::Test {
     return all.str();
   }
 
-  fs::path dir;
+  const ScratchFolder scratch = ScratchFolder::temporary("gnomon_record");
+  const fs::path& dir = scratch.path();
 };
 
 Record example(const std::string& job = "00ff") {

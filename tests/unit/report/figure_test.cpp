@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "measure/scratch_folder.h"
 #include "report/figure/figure_script.h"
 
 namespace {
@@ -84,23 +85,21 @@ TEST(figure, no_error_at_all_has_its_place_on_a_logarithmic_axis) {
 
 TEST(figure, gnuplot_draws_every_kind) {
   if (std::system("gnuplot --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "there is no gnuplot";
-  std::string folder = (std::filesystem::temp_directory_path() / "gnomon-figure-XXXXXX").string();
-  ASSERT_TRUE(mkdtemp(folder.data()));
+  const ScratchFolder folder = ScratchFolder::temporary("gnomon_figure");
   for (const std::string& kind : figure_kinds())
     for (const char* ending : {"svg", "pdf", "png"}) {
       FigureOptions options{.title = "it's \"quoted\" & <more>"};
       if (kind == "growth" || kind == "sweep") options.analysis.x = "size";
-      const auto out = std::filesystem::path(folder) / fmt::format("{}.{}", kind, ending);
+      const auto out = folder.path() / fmt::format("{}.{}", kind, ending);
       run_gnuplot(figure_script(some(), kind, options, out), out);
       EXPECT_GT(std::filesystem::file_size(out), 1000u) << out;
     }
-  EXPECT_THROW(run_gnuplot("this is no program\n", std::filesystem::path(folder) / "x.svg"), Error);
-  EXPECT_FALSE(std::filesystem::exists(std::filesystem::path(folder) / "x.svg"));
+  EXPECT_THROW(run_gnuplot("this is no program\n", folder.path() / "x.svg"), Error);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "x.svg"));
   // Nothing else stays beside the figures.
   std::size_t files = 0;
-  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder)) ++files;
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder.path())) ++files;
   EXPECT_EQ(files, figure_kinds().size() * 3);
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 
 #include <gnomon/error.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <fstream>
 
@@ -10,6 +9,7 @@
 #include "measure/picture/picture.h"
 #include "measure/scene/load.h"
 #include "measure/score/score.h"
+#include "measure/scratch_folder.h"
 
 namespace {
 
@@ -19,11 +19,7 @@ namespace fs = std::filesystem;
 /// A run's folder with one record whose mask the test writes by hand.
 class RescoreTest : public testing::Test {
  protected:
-  void SetUp() override {
-    dir_ = fs::temp_directory_path() / fmt::format("gnomon_rescore_{}", getpid());
-    fs::create_directories(dir_ / "masks");
-  }
-  void TearDown() override { fs::remove_all(dir_); }
+  void SetUp() override { fs::create_directories(dir_ / "masks"); }
 
   /// The record of a scene's first view and light, as a run would leave it with no metrics.
   Record row(const std::string& scene_name) {
@@ -75,7 +71,8 @@ class RescoreTest : public testing::Test {
   static std::vector<float> floats(std::span<const float> values) { return {values.begin(), values.end()}; }
 
   static constexpr int width = 64, height = 36;
-  fs::path dir_;
+  const ScratchFolder scratch_ = ScratchFolder::temporary("gnomon_rescore");
+  const fs::path& dir_ = scratch_.path();
   Scene scene_;
 };
 

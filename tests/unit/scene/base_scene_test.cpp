@@ -2,13 +2,13 @@
 #include "measure/scene/base_scene.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstring>
 #include <fstream>
 
 #include "measure/paths.h"
 #include "measure/scene/load.h"
+#include "measure/scratch_folder.h"
 
 namespace {
 
@@ -23,12 +23,6 @@ const std::string sphere = "[[shape]]\nkind = \"sphere\"\ncenter = [0, 1, 0]\nra
 /// Each test writes its descriptions below a folder of its own.
 class BaseScene : public testing::Test {
  protected:
-  BaseScene() {
-    std::string name = (fs::temp_directory_path() / "gnomon_base_XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-  }
-  ~BaseScene() override { fs::remove_all(folder_); }
-
   fs::path write(const std::string& name, const std::string& text) const {
     fs::create_directories((folder_ / name).parent_path());
     std::ofstream(folder_ / name) << text;
@@ -49,7 +43,8 @@ class BaseScene : public testing::Test {
     return "";
   }
 
-  fs::path folder_;
+  const ScratchFolder scratch_ = ScratchFolder::temporary("gnomon_base");
+  const fs::path& folder_ = scratch_.path();
 };
 
 template <class Item>

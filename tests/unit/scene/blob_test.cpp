@@ -3,23 +3,19 @@
 #include <gnomon/error.h>
 #include <gnomon/kit/shapes.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <fstream>
+
+#include "measure/scratch_folder.h"
 
 namespace {
 
 using namespace gnomon;
 namespace fs = std::filesystem;
 
-struct Folder {
-  fs::path path = fs::temp_directory_path() / fmt::format("gnomon_blob_{}", getpid());
-  Folder() { fs::create_directories(path); }
-  ~Folder() { fs::remove_all(path); }
-  std::size_t file_count() const {
-    return static_cast<std::size_t>(std::distance(fs::directory_iterator(path), fs::directory_iterator()));
-  }
-};
+std::size_t file_count(const fs::path& folder) {
+  return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+}
 
 /// Something in every field, every kind of shape and light.
 Scene full_scene() {
@@ -113,8 +109,8 @@ TEST(blob, content_hash_is_32_hex_digits) {
 }
 
 TEST(blob, a_file_is_written_whole_into_folders_made_for_it) {
-  const Folder folder;
-  const fs::path file = folder.path / "a/b/file";
+  const ScratchFolder folder = ScratchFolder::temporary("gnomon_blob");
+  const fs::path file = folder.path() / "a/b/file";
   write_file(file, std::string("old and longer"));
   write_file(file, std::string("new"));
   const auto mapped = MappedFile::open(file);
@@ -125,22 +121,22 @@ TEST(blob, a_file_is_written_whole_into_folders_made_for_it) {
 }
 
 TEST(blob, a_reader_keeps_the_file_that_it_opened) {
-  const Folder folder;
-  write_file(folder.path / "file", std::string("before"));
-  const auto mapped = MappedFile::open(folder.path / "file");
-  write_file(folder.path / "file", std::string("x"));
+  const ScratchFolder folder = ScratchFolder::temporary("gnomon_blob");
+  write_file(folder.path() / "file", std::string("before"));
+  const auto mapped = MappedFile::open(folder.path() / "file");
+  write_file(folder.path() / "file", std::string("x"));
   EXPECT_EQ(std::string(reinterpret_cast<const char*>(mapped->bytes().data()), mapped->bytes().size()), "before");
 }
 
 TEST(blob, what_cannot_be_written_is_an_error_that_leaves_nothing) {
-  const Folder folder;
-  std::ofstream(folder.path / "plain") << "a file, not a folder";
-  EXPECT_THROW(write_file(folder.path / "plain/file", std::string("x")), Error);
-  fs::create_directories(folder.path / "taken/inside");
-  EXPECT_THROW(write_file(folder.path / "taken", std::string("x")), Error);
-  EXPECT_EQ(folder.file_count(), 2u);
+  const ScratchFolder folder = ScratchFolder::temporary("gnomon_blob");
+  std::ofstream(folder.path() / "plain") << "a file, not a folder";
+  EXPECT_THROW(write_file(folder.path() / "plain/file", std::string("x")), Error);
+  fs::create_directories(folder.path() / "taken/inside");
+  EXPECT_THROW(write_file(folder.path() / "taken", std::string("x")), Error);
+  EXPECT_EQ(file_count(folder.path()), 2u);
   EXPECT_THROW(write_file("/dev/full/x", std::string("x")), Error);
-  EXPECT_THROW(MappedFile::open(folder.path / "nothing"), Error);
+  EXPECT_THROW(MappedFile::open(folder.path() / "nothing"), Error);
 }
 
 }  // namespace

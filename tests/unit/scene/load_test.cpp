@@ -15,6 +15,7 @@
 
 #include "measure/paths.h"
 #include "measure/scene/import.h"
+#include "measure/scratch_folder.h"
 
 namespace {
 
@@ -23,12 +24,8 @@ namespace fs = std::filesystem;
 
 /// A folder that is gone at the end of the test.
 struct Folder {
-  fs::path path;
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "gnomon_load_XXXXXX").string();
-    path = mkdtemp(name.data());
-  }
-  ~Folder() { fs::remove_all(path); }
+  ScratchFolder scratch = ScratchFolder::temporary("gnomon_load");
+  const fs::path& path = scratch.path();
   fs::path write(const std::string& name, const std::string& bytes) const {
     std::ofstream(path / name, std::ios::binary) << bytes;
     return path / name;

@@ -3,13 +3,13 @@
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
-#include <unistd.h>
 
 #include <bit>
 #include <cstdio>
 #include <fstream>
 
 #include "measure/scene/load.h"
+#include "measure/scratch_folder.h"
 
 namespace {
 
@@ -19,16 +19,11 @@ namespace fs = std::filesystem;
 
 /// A folder that is gone at the end of the test, and this process works in it until then.
 struct Folder {
-  fs::path path, before = fs::current_path();
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "gnomon_saved_XXXXXX").string();
-    path = mkdtemp(name.data());
-    fs::current_path(path);
-  }
-  ~Folder() {
-    fs::current_path(before);
-    fs::remove_all(path);
-  }
+  ScratchFolder scratch = ScratchFolder::temporary("gnomon_saved");
+  const fs::path& path = scratch.path();
+  const fs::path before = fs::current_path();
+  Folder() { fs::current_path(path); }
+  ~Folder() { fs::current_path(before); }
 };
 
 void write(const fs::path& file, const std::string& text) {
