@@ -33,8 +33,7 @@ struct CountingWork {
   }
 };
 
-/// Counts volumes along the ways from a start to the points of all pixels, tile by tile on all threads. All of it is here,
-/// where the compiler can put `meet`, which is called for every polygon of every pixel, into its loop.
+/// Counts volumes along the ways from a start to the points of all pixels, tile by tile on all threads.
 class WayCounter {
  public:
   /// Begins a picture: every pixel that faces the light is undecided, and lit until it is decided.
@@ -193,7 +192,9 @@ class WayCounter {
   }
 
   /// Appends to `met` the way from the start to a pixel's point, if it meets the polygon of that number.
-  void meet(std::uint32_t p, const Polygon& polygon, Query& query, std::vector<MetPolygon>& met, CountingWork& work) const {
+  /// Called for every polygon of every pixel: put into the loop, where the compiler alone would call it.
+  [[gnu::always_inline]] void meet(std::uint32_t p, const Polygon& polygon, Query& query, std::vector<MetPolygon>& met,
+                                   CountingWork& work) const {
     const double along = glm::dot(polygon.plane, query.seen), beyond = along - polygon.distance;
     if (beyond < -(polygon.slack + query.error)) return;
     const glm::dvec3* n = polygon.inside;
