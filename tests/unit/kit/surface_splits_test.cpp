@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "small_world.h"
+#include "techniques/svbsp/paint_bsp.h"
 
 namespace {
 
@@ -89,6 +90,7 @@ TEST(Splits, the_tree_splits_the_ground_along_the_plane_of_a_wall) {
   world.scene.meshes = {wall, ground(1)};
   const View view = world.gbuffer.view;
   world.gbuffer = make_gbuffer(world.scene, view, 80, 40);
+  using namespace svbsp;
   const Bsp bsp(world.scene, {.choice = BspOptions::Choice::first, .free_cuts = false});
   const std::vector<float> picture = paint_bsp(world.scene, world.gbuffer, world.sun, bsp);
   const DebugLayer layer = bsp_layer();
