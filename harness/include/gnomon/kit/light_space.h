@@ -57,7 +57,7 @@ class LightSpace {
   /// A cube around a light. A point exactly between faces falls on the one whose axis comes first, counted cyclically from
   /// `first_axis`: with 0 in the order x, y, z, with 2 in the order z, x, y.
   LightSpace(const glm::dvec3& light, const glm::dmat3& frame, OppositeFaces opposite, int first_axis)
-      : face_count_(6), first_axis_(first_axis) {
+      : face_count_(6), first_axis_(first_axis), is_of_world_(frame == glm::dmat3(1)) {
     const LightFace own{light, frame, true};
     for (int k = 0; k < 3; ++k) {
       glm::dvec3 x = own.axis((k + 1) % 3), y = own.axis((k + 2) % 3);
@@ -79,16 +79,17 @@ class LightSpace {
   /// counts as positive.
   int face_of(const glm::dvec3& point) const {
     if (face_count_ < 6) return 0;
-    const glm::dvec3 q = faces_[4].seen(point), size = glm::abs(q);
-    int k = first_axis_;
-    for (const int other : {(first_axis_ + 1) % 3, (first_axis_ + 2) % 3})
-      if (size[other] > size[k]) k = other;
+    const glm::dvec3 q = is_of_world_ ? point - faces_[4].origin : faces_[4].seen(point), size = glm::abs(q);
+    const int second = first_axis_ == 2 ? 0 : first_axis_ + 1, third = 3 - first_axis_ - second;
+    int k = size[second] > size[first_axis_] ? second : first_axis_;
+    if (size[third] > size[k]) k = third;
     return 2 * k + (q[k] < 0);
   }
 
  private:
   std::array<LightFace, 6> faces_{};
   int face_count_ = 0, first_axis_ = 0;
+  bool is_of_world_ = false;  // the cube's frame is the world's: nothing to turn
 };
 
 }  // namespace gnomon
