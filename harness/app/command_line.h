@@ -1,6 +1,6 @@
 #pragma once
-// What the commands take, described without the parser: CLI11 costs 20 s in every file that includes it, so that only
-// command_line.cpp does.
+// What the commands take, described without the parser: with CLI11 a command took about twice as long to compile, so that only
+// command_line.cpp includes it.
 #include <filesystem>
 #include <functional>
 #include <memory>
