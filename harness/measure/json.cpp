@@ -8,4 +8,6 @@ std::string plain_text(const Json& json) { return json.is_string() ? json.get<st
 
 Json parse_json(const std::string& text) { return Json::parse(text); }
 
+Json empty_object() { return Json::object(); }
+
 }  // namespace gnomon

@@ -36,7 +36,7 @@ struct Record {
   std::string settings;              ///< "a=1,b=2": what differs from the defaults
   std::optional<std::string> label;  ///< short name that the suite gives the row
   Role role = Role::contender;
-  Json parameters = Json::object();  ///< every parameter of the technique with its value, number or text
+  Json parameters = empty_object();  ///< every parameter of the technique with its value, number or text
   int width = 0, height = 0;
   Truth truth = Truth::shape;  ///< the truth that headline metrics use
   std::string path;            ///< camera or light path that the row follows; empty: it stands still
@@ -75,9 +75,9 @@ struct Record {
   std::vector<std::string> notes;
   /// Free, but these keys have a meaning: version, commit, build_type, compiler, flags, processor, cores, threads,
   /// load_average, started, gl_renderer, gl_version, libraries (object: name -> version).
-  Json context = Json::object();
+  Json context = empty_object();
   std::optional<double> seconds;  ///< wall time that the row took
-  Json unknown = Json::object();  ///< fields that this program does not know, kept as read
+  Json unknown = empty_object();  ///< fields that this program does not know, kept as read
 
   const ProcessTimes& times(Stage stage) const { return stages[static_cast<std::size_t>(stage)]; }
   ProcessTimes& times(Stage stage) { return stages[static_cast<std::size_t>(stage)]; }
