@@ -10,7 +10,39 @@
 #include <system_error>
 #include <thread>
 
+#include "measure/scene/import.h"
+
 namespace gnomon::app {
+
+namespace {
+
+struct ServeOptions {
+  int socket = -1, threads = 0;
+};
+struct ImportOptions {
+  std::string file;
+  int descriptor = -1;
+};
+
+int serve(const ServeOptions& options) { return worker_main(options.socket, options.threads); }
+int import_mesh(const ImportOptions& options) { return import_child_main(options.file, options.descriptor); }
+
+/// The processes that `run` and the importer start; hidden.
+void add_worker(Program& program) {
+  auto [worker, to_serve] =
+      program.line.command<ServeOptions>("worker", "Serve one technique to the program that started this", serve);
+  worker.hide();
+  worker.option("socket", &to_serve.socket, "", {.is_required = true});
+  worker.option("threads", &to_serve.threads, "", {.is_required = true});
+
+  auto [mesh, to_import] =
+      program.line.command<ImportOptions>("import-mesh", "Read a mesh file for the program that started this", import_mesh);
+  mesh.hide();
+  mesh.option("file", &to_import.file, "", {.is_required = true});
+  mesh.option("descriptor", &to_import.descriptor, "", {.is_required = true});
+}
+
+}  // namespace
 
 int run_program(int argc, char** argv) {
   try {

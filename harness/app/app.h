@@ -16,7 +16,8 @@ struct Program {
   std::vector<std::string> plugins;
 };
 
-// One function per command, each in command_NAME.cpp (figure with analyze): adds the command, what it takes and what it does.
+// One function per command: adds it, what it takes and what it does. Each is in command_NAME.cpp, or with a command of its
+// kind: describe and docs with list, merge with run, report with table, figure with analyze, certify with score.
 void add_list(Program& program);
 void add_describe(Program& program);
 void add_render(Program& program);
@@ -31,7 +32,6 @@ void add_certify(Program& program);
 void add_docs(Program& program);
 void add_score(Program& program);
 void add_view(Program& program);
-void add_worker(Program& program);  ///< hidden: the processes that `run` and the importer start
 
 /// The whole program. Exit status: 0 done (unsupported rows included), 1 done but something failed, 2 bad usage or input.
 int run_program(int argc, char** argv);

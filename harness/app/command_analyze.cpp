@@ -61,16 +61,16 @@ struct PictureOptions : Options {
 };
 
 void add_shared_options(Command& command, const std::string& kinds, Options& options, AnalysisOptions& analysis) {
-  command.option("words", &options.words, "Folders of runs, then the kind: " + kinds).required().type_name("DIR... KIND");
+  command.option("words", &options.words, "Folders of runs, then the kind: " + kinds,
+                 {.is_required = true, .type_name = "DIR... KIND"});
   command.option("--filter", &options.filter,
                  "Only rows whose 'SCENE LIGHT [PATH] TECHNIQUE:SETTINGS' matches this expression");
   command.option("--x", &analysis.x,
                  "growth: triangles, pixels, lights or a numeric parameter; map: a parameter; sweep: a numeric one");
   command.option("--y", &analysis.y, "map: the second parameter");
   command.option("--facet", &analysis.facet, "map: the third parameter, one map for each of its values");
-  command.option("--error,--metric", &analysis.metric, "What is compared: a metric, cause.NAME, STAGE_ms, bytes")
-      .shows_default();
-  command.option("--cost", &options.cost, "resolve, light (relight + resolve), geometry (with build) or bytes").shows_default();
+  command.option("--error,--metric", &analysis.metric, "What is compared: a metric, cause.NAME, STAGE_ms, bytes");
+  command.option("--cost", &options.cost, "resolve, light (relight + resolve), geometry (with build) or bytes");
 }
 
 /// Takes the kind of analysis or figure, the last of the words, off the folders before it. Throws Error, which begins with
@@ -145,12 +145,11 @@ void add_analyze(Program& program) {
       "analyze", "What a run says of growth, fronts, budgets, parameters and motion: DIR... growth|front|best|map|motion|sweep",
       print_analysis);
   add_shared_options(command, "growth, front, best, map, motion or sweep", options, options.analysis);
-  command.option("--format", &options.format, "terminal, md, csv, tex or json").shows_default();
-  command.option("--times", &options.analysis.times, "best: budgets in ms").delimiter(',').check(above_zero());
-  command.option("--memories", &options.analysis.memories, "best: budgets in MiB").delimiter(',').check(above_zero());
-  command.option("--errors", &options.analysis.errors, "best: budgets in the unit that tables show")
-      .delimiter(',')
-      .check(above_zero());
+  command.option("--format", &options.format, "terminal, md, csv, tex or json");
+  command.option("--times", &options.analysis.times, "best: budgets in ms", {.check = above_zero(), .delimiter = ','});
+  command.option("--memories", &options.analysis.memories, "best: budgets in MiB", {.check = above_zero(), .delimiter = ','});
+  command.option("--errors", &options.analysis.errors, "best: budgets in the unit that tables show",
+                 {.check = above_zero(), .delimiter = ','});
   command.flag("--all", &options.analysis.all, "front: beaten settings too");
   command.option("--caption", &options.table.caption, "Caption of the LaTeX table");
 }
@@ -163,9 +162,7 @@ void add_figure(Program& program) {
   command.option("--out", &options.out, "File to write; .svg, .pdf or .png");
   command.flag("--script", &options.script, "Print the gnuplot program instead of running it");
   command.option("--title", &options.figure.title, "Title above the figure; none by default: papers have captions");
-  command.option("--width", &options.figure.width_cm, "Width in cm; the height follows")
-      .check(number_in(5, 100))
-      .shows_default();
+  command.option("--width", &options.figure.width_cm, "Width in cm; the height follows", {.check = number_in(5, 100)});
 }
 
 }  // namespace gnomon::app

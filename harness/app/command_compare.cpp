@@ -67,27 +67,23 @@ void add_compare(Program& program) {
   CompareOptions& compare = options.compare;
   command.option("base", &options.base, "Folder of the run to compare with");
   command.option("contender", &options.contender, "Folder of the run that is judged");
-  command.option("--floor", &compare.floor, "Share that a time must differ by to be called different")
-      .shows_default()
-      .check(number_in(0, 10));
-  command.option("--fdr", &compare.fdr, "Rate of false discoveries among all times called different")
-      .shows_default()
-      .check(number_in(1e-9, 0.5));
-  command.option("--threshold", &compare.threshold, "A time called slower is a regression above this ratio")
-      .shows_default()
-      .check(number_in(1, 1e6));
-  command.option("--error-threshold", &compare.error_threshold, "A wrong rate that rises by more is a regression")
-      .shows_default()
-      .check(number_in(0, 1));
-  command.option("--format", &options.format, "terminal, md, csv or json").shows_default();
+  command.option("--floor", &compare.floor, "Share that a time must differ by to be called different",
+                 {.check = number_in(0, 10)});
+  command.option("--fdr", &compare.fdr, "Rate of false discoveries among all times called different",
+                 {.check = number_in(1e-9, 0.5)});
+  command.option("--threshold", &compare.threshold, "A time called slower is a regression above this ratio",
+                 {.check = number_in(1, 1e6)});
+  command.option("--error-threshold", &compare.error_threshold, "A wrong rate that rises by more is a regression",
+                 {.check = number_in(0, 1)});
+  command.option("--format", &options.format, "terminal, md, csv or json");
   command.flag("--all", &options.all, "Also what does not differ");
   command.flag("--force", &compare.force, "Judge times of different processors, too");
-  const Option live =
-      command.option("--live", &options.other, "Another gnomon: runs both side by side and compares, this one the contender")
-          .type_name("PROGRAM");
-  command.option("--suite", &options.suite, "With --live: suite name or .toml file; quick by default").needs(live);
+  const auto live =
+      command.option("--live", &options.other, "Another gnomon: runs both side by side and compares, this one the contender",
+                     {.type_name = "PROGRAM"});
+  command.option("--suite", &options.suite, "With --live: suite name or .toml file; quick by default", {.needs = live});
   add_suite_options(command, options, "With --live: ", live);
-  command.option("--out", &options.out, "With --live: folder for the two runs; runs/live-TIME by default").needs(live);
+  command.option("--out", &options.out, "With --live: folder for the two runs; runs/live-TIME by default", {.needs = live});
   command.flag("--quiet", &options.quiet, "No progress");
 }
 

@@ -92,47 +92,27 @@ Check whole_in(int low, int high) {
   return {[range](const std::string& text) { return range(text); }, range.get_description()};
 }
 
-Option& Option::required() {
-  option_->required();
-  return *this;
+CLI::Option* Command::option(const std::string& names, OptionTarget target, const std::string& description,
+                             const OptionRules& rules) {
+  const auto add = [&](auto* value) {
+    CLI::Option* const option = command_->add_option(names, *value, description);
+    using Value = std::remove_pointer_t<decltype(value)>;
+    if constexpr (std::is_arithmetic_v<Value> || std::is_same_v<Value, std::string>)
+      if (*value != Value()) option->capture_default_str();
+    return option;
+  };
+  CLI::Option* const option = std::visit(add, target)->required(rules.is_required)->delimiter(rules.delimiter);
+  if (rules.check.error) option->check(CLI::Validator(rules.check.error, rules.check.range));
+  if (!rules.type_name.empty()) option->type_name(rules.type_name);
+  if (rules.needs) option->needs(rules.needs);
+  if (rules.excludes) option->excludes(rules.excludes);
+  return option;
 }
 
-Option& Option::check(const Check& condition) {
-  option_->check(CLI::Validator(condition.error, condition.range));
-  return *this;
-}
-
-Option& Option::shows_default() {
-  option_->capture_default_str();
-  return *this;
-}
-
-Option& Option::delimiter(char character) {
-  option_->delimiter(character);
-  return *this;
-}
-
-Option& Option::type_name(const std::string& name) {
-  option_->type_name(name);
-  return *this;
-}
-
-Option& Option::needs(const Option& other) {
-  option_->needs(other.option_);
-  return *this;
-}
-
-Option& Option::excludes(const Option& other) {
-  option_->excludes(other.option_);
-  return *this;
-}
-
-Option Command::option(const std::string& names, OptionTarget target, const std::string& description) {
-  return std::visit([&](auto* value) { return Option(command_->add_option(names, *value, description)); }, target);
-}
-
-Option Command::flag(const std::string& names, bool* target, const std::string& description) {
-  return Option(command_->add_flag(names, *target, description));
+CLI::Option* Command::flag(const std::string& names, bool* target, const std::string& description, CLI::Option* needs) {
+  CLI::Option* const flag = command_->add_flag(names, *target, description);
+  if (needs) flag->needs(needs);
+  return flag;
 }
 
 void Command::action(std::function<int()> action) {
@@ -163,7 +143,7 @@ void CommandLine::early_option(const std::string& name, const std::string& type_
   cli_->add_option(name, description)->type_name(type_name)->expected(1)->trigger_on_parse()->each(std::move(use));
 }
 
-Command CommandLine::command(const std::string& name, const std::string& description) {
+Command CommandLine::add(const std::string& name, const std::string& description) {
   return {cli_->add_subcommand(name, description), &chosen_};
 }
 

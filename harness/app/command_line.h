@@ -22,10 +22,10 @@ namespace gnomon::app {
 using OptionTarget = std::variant<std::string*, std::filesystem::path*, int*, double*, std::optional<double>*,
                                   std::vector<std::string>*, std::vector<std::filesystem::path>*, std::vector<double>*>;
 
-/// A condition that the text of a value must meet.
+/// A condition that the text of a value must meet; one without a function is none.
 struct Check {
-  std::function<std::string(const std::string&)> error;  ///< what is wrong with the text; "" when nothing is
-  std::string range;                                     ///< for the help, beside the kind of the value: "above 0"
+  std::function<std::string(const std::string&)> error = {};  ///< what is wrong with the text; "" when nothing is
+  std::string range = {};                                     ///< for the help, beside the kind of the value: "above 0"
 };
 
 Check not_empty();                         ///< a name: "" is none
@@ -34,31 +34,26 @@ Check number_in(double low, double high);  ///< the whole text is a finite numbe
 Check above_zero();                        ///< the whole text is a finite number above 0
 Check whole_in(int low, int high);         ///< a whole number, `low` and `high` included
 
-/// One option of a command, to say more of it. A handle: copies speak of the same option.
-class Option {
- public:
-  explicit Option(CLI::Option* option) : option_(option) {}
-
-  Option& required();
-  Option& check(const Check& condition);
-  Option& shows_default();                     ///< the help prints the value that its target has now
-  Option& delimiter(char character);           ///< of a list: also splits one text into values
-  Option& type_name(const std::string& name);  ///< what the help writes for the value
-  Option& needs(const Option& other);          ///< given without the other, it is refused
-  Option& excludes(const Option& other);       ///< given with the other, it is refused
-
- private:
-  CLI::Option* option_;
+/// What else holds of an option.
+struct OptionRules {
+  bool is_required = false;
+  Check check = {};
+  char delimiter = 0;               ///< of a list: also splits one text into values
+  std::string type_name = {};       ///< what the help writes for the value
+  CLI::Option* needs = nullptr;     ///< given without that one, it is refused
+  CLI::Option* excludes = nullptr;  ///< given with that one, it is refused
 };
 
-/// One command, to add what it takes. A handle, like Option.
+/// One command, to add what it takes. A handle: copies speak of the same command.
 class Command {
  public:
   Command(CLI::App* command, std::function<int()>* chosen) : command_(command), chosen_(chosen) {}
 
-  /// Names with dashes ("--error,--metric") are an option, one without is a positional argument.
-  Option option(const std::string& names, OptionTarget target, const std::string& description = "");
-  Option flag(const std::string& names, bool* target, const std::string& description);
+  /// Names with dashes ("--error,--metric") are an option, one without is a positional argument. The help prints the text or
+  /// number that the target has now, unless that is empty or 0.
+  CLI::Option* option(const std::string& names, OptionTarget target, const std::string& description = "",
+                      const OptionRules& rules = {});
+  CLI::Option* flag(const std::string& names, bool* target, const std::string& description, CLI::Option* needs = nullptr);
   /// What the command does, after its words were read into their targets; answers the exit status.
   void action(std::function<int()> action);
   /// Leaves the command out of the help and of the lists of commands.
@@ -80,12 +75,11 @@ class CommandLine {
   /// An option before the command that may be given again; `use` gets each value at once, before anything else is read.
   void early_option(const std::string& name, const std::string& type_name, const std::string& description,
                     std::function<void(const std::string&)> use);
-  Command command(const std::string& name, const std::string& description);
-  /// The same for a command that keeps what it read in a struct, which is answered with its defaults. `work` does what the
+  /// A command, which keeps what it read in a struct, and that struct with its defaults. `work` does what the
   /// command is for, called with the options, or with the options and the command; answers the exit status, or nothing for 0.
   template <class Options, class Work>
   std::pair<Command, Options&> command(const std::string& name, const std::string& description, Work work) {
-    Command added = command(name, description);
+    Command added = add(name, description);
     const auto options = std::make_shared<Options>();
     const auto call = [=] {
       if constexpr (std::is_invocable_v<Work, Options&, const Command&>)
@@ -106,6 +100,8 @@ class CommandLine {
   int run(int argc, char** argv);
 
  private:
+  Command add(const std::string& name, const std::string& description);
+
   std::unique_ptr<CLI::App> cli_;
   std::function<int()> chosen_;
 };

@@ -223,20 +223,19 @@ void add_render(Program& program) {
   auto [command, options] = program.line.command<RenderOptions>(
       "render", "One technique on one scene: mask, shaded and error pictures, record",
       [&program](const RenderOptions& read) { return render(read, worker_options(program, read.threads)); });
-  command.option("--scene", &options.scene, "Scene id, ID:param=value, or a scene or mesh file").required();
-  command.option("--technique", &options.technique, "Technique id, or ID:param=value,...").required();
-  command.option("--light", &options.lights, "Light names; all of the scene by default").delimiter(',');
+  command.option("--scene", &options.scene, "Scene id, ID:param=value, or a scene or mesh file", {.is_required = true});
+  command.option("--technique", &options.technique, "Technique id, or ID:param=value,...", {.is_required = true});
+  command.option("--light", &options.lights, "Light names; all of the scene by default", {.delimiter = ','});
   command.option("--view", &options.view, "View name; the first by default");
-  command.option("--size", &options.size, "Picture size in pixels, WxH").shows_default();
-  command.option("--truth", &options.truth, "What counts: exact shapes or the meshes; shape | mesh").shows_default();
-  command.option("--debug", &options.debug, "Also draw this debug layer of the technique").check(not_empty());
-  command
-      .option("--detail", &options.detail,
-              "Also write the technique's lit and shadowed polygons to this Wavefront OBJ file; FILE.obj")
-      .check(not_empty());
+  command.option("--size", &options.size, "Picture size in pixels, WxH");
+  command.option("--truth", &options.truth, "What counts: exact shapes or the meshes; shape | mesh");
+  command.option("--debug", &options.debug, "Also draw this debug layer of the technique", {.check = not_empty()});
+  command.option("--detail", &options.detail,
+                 "Also write the technique's lit and shadowed polygons to this Wavefront OBJ file; FILE.obj",
+                 {.check = not_empty()});
   command.option("--threads", &options.threads, "Cores to use; all by default");
-  command.option("--timeout", &options.timeout, "Seconds that one step may take").check(seconds()).shows_default();
-  command.option("--out", &options.out, "Folder to write to").required();
+  command.option("--timeout", &options.timeout, "Seconds that one step may take", {.check = seconds()});
+  command.option("--out", &options.out, "Folder to write to", {.is_required = true});
 }
 
 }  // namespace gnomon::app

@@ -1,15 +1,17 @@
+// gnomon run and merge: the folder of a run, measured, or put together of several.
 #include <fmt/chrono.h>
 
 #include <algorithm>
 #include <set>
 
 #include "app/app.h"
-#include "app/run_tables.h"
 #include "app/suite_options.h"
+#include "measure/record/merge.h"
 #include "measure/run/context.h"
 #include "measure/run/estimate.h"
 #include "measure/run/resume.h"
 #include "measure/run/run.h"
+#include "measure/scene/blob.h"
 #include "report/table/table.h"
 
 namespace gnomon::app {
@@ -18,11 +20,38 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options : SuiteOptions {
+struct RunCommand : SuiteOptions {
   std::string shard;
   fs::path out;
   bool resume = false, retry_failed = false, dry_run = false, quiet = false;
 };
+
+struct MergeOptions {
+  std::vector<fs::path> dirs;
+  fs::path out;
+  bool prefer_last = false;
+};
+
+/// The tables of a run's folder: table.md, table.csv, table.tex and table.json beside its records. None for no records.
+void write_tables(const fs::path& folder, std::span<const Record> records) {
+  if (records.empty()) return;
+  for (const auto& [format, file] : {std::pair(Format::markdown, "table.md"), std::pair(Format::csv, "table.csv"),
+                                     std::pair(Format::latex, "table.tex"), std::pair(Format::json, "table.json")})
+    write_file(folder / file, render_table(records, format));
+}
+
+/// What a folder of a run holds, for the terminal.
+void print_contents(const fs::path& folder) {
+  fmt::print(
+      "{0}/records.jsonl  every raw repetition and metric\n{0}/masks/         visibility masks, EXR\n"
+      "{0}/errors/        error pictures, PNG\n{0}/shaded/        shaded pictures, PNG\n"
+      "{0}/table.*        this table as md, csv, tex, json\n",
+      folder.string());
+}
+
+std::size_t count(std::span<const Record> records, Status status) {
+  return static_cast<std::size_t>(std::ranges::count(records, status, &Record::status));
+}
 
 /// "I/N" with 0 <= I < N.
 std::pair<int, int> parse_shard(const std::string& text) {
@@ -76,7 +105,7 @@ bool has_answers(std::span<const Record> records) {
   return answered > 0;
 }
 
-int run(const Options& options, const Program& program) {
+int run(const RunCommand& options, const Program& program) {
   RunOptions run_options;
   run_options.suite = make_suite(options, "run");
   run_options.filter = options.filter;
@@ -113,23 +142,75 @@ int run(const Options& options, const Program& program) {
   print_contents(run_options.out);
   if (!has_answers(records) && run_options.shard_count == 1) return 1;  // of a shard, the others may have what it lacks
   // Failed rows of an earlier, resumed run count too.
-  return std::ranges::any_of(records, [](const Record& r) { return r.status == Status::failed; }) ? 1 : 0;
+  return count(records, Status::failed) > 0 ? 1 : 0;
+}
+
+/// Every conflict with what differs, the first few of many.
+void print_conflicts(const Merge& merge) {
+  constexpr std::size_t most = 6;
+  for (const MergeConflict& conflict : merge.conflicts) {
+    fmt::print(stderr, "conflict: job {} {}\n  {}\n  {}\n", conflict.job, conflict.title, conflict.first.string(),
+               conflict.second.string());
+    for (std::size_t k = 0; k < std::min(most, conflict.differences.size()); ++k)
+      fmt::print(stderr, "    {}\n", conflict.differences[k]);
+    if (conflict.differences.size() > most) fmt::print(stderr, "    and {} more\n", conflict.differences.size() - most);
+  }
+}
+
+int merge(const MergeOptions& options) {
+  require_free(options.out);
+  std::vector<std::pair<fs::path, std::vector<Record>>> runs;
+  for (const fs::path& dir : options.dirs) runs.emplace_back(dir, read_records(dir));
+  const Merge merged = merge_records(runs, options.prefer_last);
+  print_conflicts(merged);
+  if (!merged.conflicts.empty() && !options.prefer_last) {
+    fmt::print(stderr, "gnomon: {} of {} jobs have two answers; nothing is written. --prefer-last takes the last one of each\n",
+               merged.conflicts.size(), merged.rows.size());
+    return 1;
+  }
+  for (const std::string& note : merged.notes) fmt::print(stderr, "note: {}\n", note);
+  if (merged.duplicate_count)
+    fmt::print(stderr, "note: {} rows stand in more than one folder with the same answer; each counts once, by its {} one\n",
+               merged.duplicate_count, options.prefer_last ? "last" : "first");
+  std::vector<Record> records;
+  for (const MergedRow& row : merged.rows) records.push_back(row.record);
+  const std::size_t missing = write_merge(merged, options.out, [&](const fs::path& folder) { write_tables(folder, records); });
+  if (missing) fmt::print(stderr, "note: {} pictures that the records name are in none of the folders\n", missing);
+  if (records.empty()) {
+    fmt::print("the folders hold no rows\n");
+    return 0;
+  }
+  const std::size_t failed = count(records, Status::failed);
+  fmt::print("{}\n{} rows: {} ok, {} unsupported, {} failed from {} folders\n\n",
+             render_table(records, Format::terminal, {.width = terminal_width()}), records.size(), count(records, Status::ok),
+             count(records, Status::unsupported), failed, options.dirs.size());
+  print_contents(options.out);
+  return failed > 0 ? 1 : 0;
 }
 
 }  // namespace
 
 void add_run(Program& program) {
-  auto [command, options] = program.line.command<Options>("run", "A suite, or any scenes and techniques: costs, errors, tables",
-                                                          [&program](const Options& read) { return run(read, program); });
+  auto [command, options] =
+      program.line.command<RunCommand>("run", "A suite, or any scenes and techniques: costs, errors, tables",
+                                       [&program](const RunCommand& read) { return run(read, program); });
   command.option("suite", &options.suite, "Suite name, or a .toml file");
   add_suite_options(command, options);
   command.option("--out", &options.out, "Folder to write to; runs/NAME-TIME by default");
   command.option("--truth", &options.truth, "What counts in the headline: shape | mesh");
   command.option("--shard", &options.shard, "I/N: part I of N of the rows, 0 <= I < N; gnomon merge joins them");
-  const Option resume = command.flag("--resume", &options.resume, "Continue in --out; rows that are there are not run again");
-  command.flag("--retry-failed", &options.retry_failed, "With --resume: rows that failed are run again").needs(resume);
+  const auto resume = command.flag("--resume", &options.resume, "Continue in --out; rows that are there are not run again");
+  command.flag("--retry-failed", &options.retry_failed, "With --resume: rows that failed are run again", resume);
   command.flag("--dry-run", &options.dry_run, "Print the rows and how long they may take; run nothing");
   command.flag("--quiet", &options.quiet, "No progress");
+}
+
+void add_merge(Program& program) {
+  auto [command, options] =
+      program.line.command<MergeOptions>("merge", "Runs of shards as one run: records, pictures, tables", merge);
+  command.option("dirs", &options.dirs, "Folders of runs", {.is_required = true});
+  command.option("--out", &options.out, "Folder to write to; it may not hold records", {.is_required = true});
+  command.flag("--prefer-last", &options.prefer_last, "Where folders disagree on a row, take the last one's");
 }
 
 }  // namespace gnomon::app

@@ -1,11 +1,16 @@
+// gnomon score and certify: a mask against the reference, and the reference against exact answers.
+#include <embree3/rtcore_config.h>
+
 #include "app/app.h"
 #include "app/staged_folder.h"
 #include "measure/cause/causes.h"
+#include "measure/frame/certify.h"
 #include "measure/frame/frame.h"
 #include "measure/paths.h"
 #include "measure/picture/image_files.h"
 #include "measure/picture/picture.h"
 #include "measure/run/jobs.h"
+#include "measure/run/progress.h"
 #include "measure/scene/load.h"
 #include "measure/score/error_picture.h"
 #include "measure/score/score.h"
@@ -31,14 +36,20 @@ struct Channel {
   std::string name;
 };
 
+/// The lights or views of these names; all without names.
+template <class Item>
+std::vector<const Item*> chosen(const std::vector<Item>& items, const std::vector<std::string>& names) {
+  std::vector<const Item*> result;
+  for (const Item& item : items)
+    if (names.empty() || std::ranges::find(names, item.name) != names.end()) result.push_back(&item);
+  return result;
+}
+
 /// By the names that this program writes, LIGHT.V; another name only where it is clear whose it is.
 std::vector<Channel> channels_of(const ScoreOptions& options, const Scene& scene) {
   const std::vector<std::string> present = image_files().exr_channels(options.mask);
   const auto has = [&](const std::string& name) { return std::ranges::find(present, name) != present.end(); };
-  std::vector<const Light*> asked;
-  for (const Light& light : scene.lights)
-    if (options.lights.empty() || std::ranges::find(options.lights, light.name) != options.lights.end())
-      asked.push_back(&light);
+  const std::vector<const Light*> asked = chosen(scene.lights, options.lights);
   const std::string file = options.mask.string(), names = joined(present, ", ");
   if (!options.channel.empty()) {
     if (asked.size() != 1)
@@ -47,12 +58,15 @@ std::vector<Channel> channels_of(const ScoreOptions& options, const Scene& scene
     return {{*asked[0], options.channel}};
   }
   std::vector<Channel> channels;
-  for (const Light* light : asked)
-    if (has(light->name + ".V")) channels.push_back({*light, light->name + ".V"});
-  if (channels.size() < asked.size() && !options.lights.empty() && !(asked.size() == 1 && present.size() == 1))
-    for (const Light* light : asked)
-      if (!has(light->name + ".V")) throw Error("{} has no channel {}.V; it has: {}", file, light->name, names);
-  if (channels.empty() && asked.size() == 1 && present.size() == 1) channels.push_back({*asked[0], present[0]});
+  for (const Light* light : asked) {
+    const std::string name = light->name + ".V";
+    if (has(name))
+      channels.push_back({*light, name});
+    else if (asked.size() == 1 && present.size() == 1)
+      channels.push_back({*light, present[0]});
+    else if (!options.lights.empty())
+      throw Error("{} has no channel {}; it has: {}", file, name, names);
+  }
   if (channels.empty())
     throw Error("{} has no channel LIGHT.V for a light of {}; it has: {}. Name one with --light and --channel", file,
                 options.scene, names);
@@ -69,8 +83,7 @@ std::vector<float> read_mask(const fs::path& file, const std::string& channel, i
 }
 
 std::string text_of(const Metrics& metrics, const std::map<std::string, std::uint64_t>& causes, std::uint64_t tested) {
-  TextTable table(
-      {{"metric", "", Align::left}, {"value", "", Align::right}, {"unit", "", Align::left}, {"what it is", "", Align::left}});
+  TextTable table({{"metric", ""}, {"value", "", Align::right}, {"unit", ""}, {"what it is", ""}});
   const auto add = [&](const std::string& name, std::optional<double> value, std::string_view unit, std::string_view sentence) {
     const bool is_share = unit.empty();
     table.add_row({name, value ? measured(is_share ? 100 * *value : *value) : "-", std::string(is_share ? "%" : unit),
@@ -88,8 +101,11 @@ std::string text_of(const Metrics& metrics, const std::map<std::string, std::uin
 Json json_of(const Metrics& metrics) {
   Json values = Json::object();
   for (const MetricInfo& info : metric_infos()) {
-    const std::optional<double> value = metrics.at(std::string(info.name));
-    values[std::string(info.name)] = value ? Json(*value) : Json(nullptr);
+    const std::string name(info.name);
+    if (const std::optional<double> value = metrics.at(name))
+      values[name] = *value;
+    else
+      values[name] = nullptr;
   }
   return values;
 }
@@ -140,21 +156,58 @@ int score(const ScoreOptions& options) {
                  text_of(metrics, causes, std::max<std::size_t>(1, scoring.error_counts().tested)));
       continue;
     }
-    list.push_back({{"scene", options.scene},
-                    {"light", light.name},
-                    {"view", view.name},
-                    {"width", width},
-                    {"height", height},
-                    {"truth", options.truth},
-                    {"mask", options.mask.string()},
-                    {"channel", channel.name},
-                    {"metrics", json_of(metrics)},
-                    {"classes", class_counts(answer.reference.classes)},
-                    {"causes", causes}});
+    Json& row = list.emplace_back();
+    row["scene"] = options.scene;
+    row["light"] = light.name;
+    row["view"] = view.name;
+    row["width"] = width;
+    row["height"] = height;
+    row["truth"] = options.truth;
+    row["mask"] = options.mask.string();
+    row["channel"] = channel.name;
+    row["metrics"] = json_of(metrics);
+    row["classes"] = class_counts(answer.reference.classes);
+    row["causes"] = causes;
   }
   if (options.json) fmt::print("{}\n", json_text(list, 2));
   if (folder) folder->publish();
   return 0;
+}
+
+struct CertifyCommand {
+  std::string scene, size = "640x360";
+  std::vector<std::string> lights, views;
+  bool json = false;
+};
+
+int run_certify(const CertifyCommand& options) {
+  const auto [width, height] = parse_size(options.size, "--size");
+  const Scene scene = load_scene(options.scene);
+  require_names(options.scene, scene, options.lights, options.views);
+  const std::vector<const Light*> lights = chosen(scene.lights, options.lights);
+  std::vector<const View*> views = chosen(scene.views, options.views);
+  if (options.views.empty()) views.resize(1);  // the one that suites use
+  for (const Light* light : lights) require_reference(scene, *light, scene.views.front());
+  FrameStore frames(scene, cache_root() / "frames");
+  bool all_hold = true;
+  nlohmann::json list = nlohmann::json::array();
+  for (const View* view : views)
+    for (const Light* light : lights) {
+      // The oracle knows triangles: the certificate is of mesh truth.
+      const FrameKey key{*view, width, height, Truth::mesh};
+      const Reference reference = frames.reference(key, *light);
+      CertifyOptions certify_options;
+      certify_options.is_uncertain = [&](std::size_t i) { return reference.classes[i] == PixelClass::U; };
+      certify_options.reference = frames.casters(Truth::mesh).description();
+      const Certificate certificate = certify(scene, *light, frames.gbuffer(key), reference.mask, certify_options);
+      all_hold = all_hold && certificate.holds();
+      if (options.json)
+        list.push_back(certificate);
+      else
+        fmt::print("{}\n", text(certificate));
+    }
+  if (options.json) fmt::print("{}\n", json_text(list, 2));
+  return all_hold ? 0 : 1;
 }
 
 }  // namespace
@@ -162,16 +215,25 @@ int score(const ScoreOptions& options) {
 void add_score(Program& program) {
   auto [command, options] =
       program.line.command<ScoreOptions>("score", "A mask that another program made, against the reference", score);
-  command.option("--scene", &options.scene, "Scene id, ID:param=value, or a scene or mesh file").required();
-  command.option("--mask", &options.mask, "Image of visibilities, 1 lit and 0 in shadow; its size is the picture's")
-      .required()
-      .check(not_empty());
-  command.option("--light", &options.lights, "Light names; by default every light of which the mask has a channel LIGHT.V")
-      .delimiter(',');
-  command.option("--channel", &options.channel, "Channel of the one light asked for").check(not_empty());
+  command.option("--scene", &options.scene, "Scene id, ID:param=value, or a scene or mesh file", {.is_required = true});
+  command.option("--mask", &options.mask, "Image of visibilities, 1 lit and 0 in shadow; its size is the picture's",
+                 {.is_required = true, .check = not_empty()});
+  command.option("--light", &options.lights, "Light names; by default every light of which the mask has a channel LIGHT.V",
+                 {.delimiter = ','});
+  command.option("--channel", &options.channel, "Channel of the one light asked for", {.check = not_empty()});
   command.option("--view", &options.view, "View name; the first by default");
-  command.option("--truth", &options.truth, "What counts: exact shapes or the meshes; shape | mesh").shows_default();
+  command.option("--truth", &options.truth, "What counts: exact shapes or the meshes; shape | mesh");
   command.option("--out", &options.out, "Folder for error and shaded pictures");
+  command.flag("--json", &options.json, "As JSON");
+}
+
+void add_certify(Program& program) {
+  auto [command, options] = program.line.command<CertifyCommand>(
+      "certify", "How far the reference may be trusted: exact answers beside it", run_certify);
+  command.option("--scene", &options.scene, "Scene id, ID:param=value, or a scene or mesh file", {.is_required = true});
+  command.option("--light", &options.lights, "Light names; all by default", {.delimiter = ','});
+  command.option("--view", &options.views, "View names; the first by default", {.delimiter = ','});
+  command.option("--size", &options.size, "Picture size in pixels, WxH");
   command.flag("--json", &options.json, "As JSON");
 }
 

@@ -1,5 +1,8 @@
+// gnomon table and report: a run as a table and as a page.
 #include "app/app.h"
 #include "measure/run/rescore.h"
+#include "measure/scene/blob.h"
+#include "report/html/html.h"
 #include "report/table/table.h"
 
 namespace gnomon::app {
@@ -45,17 +48,42 @@ void print_table(TableCommand& options) {
   fmt::print("{}", render_table(records, format, options.table));
 }
 
+struct PageOptions {
+  std::string dir, out;
+  bool without_pictures = false;
+};
+
+void make_page(const PageOptions& options) {
+  const std::filesystem::path out =
+      options.out.empty() ? std::filesystem::path(options.dir) / "report.html" : std::filesystem::path(options.out);
+  if (std::filesystem::is_directory(out)) throw Error("--out {} is a folder; the name of a file is wanted", out.string());
+  const std::vector<Record> records = read_records(options.dir);
+  const Report report = make_report(options.dir, records, {.with_pictures = !options.without_pictures});
+  write_file(out, report.html);
+  for (const std::string& note : report.notes) fmt::print(stderr, "{}\n", note);
+  fmt::print("{}\n", out.string());
+}
+
 }  // namespace
 
 void add_table(Program& program) {
   auto [command, options] =
       program.line.command<TableCommand>("table", "The comparison table of a run, in any format, on stdout", print_table);
-  command.option("dir", &options.dir, "Folder of the run").required();
-  command.option("--format", &options.format, "terminal, md, csv, tex or json").shows_default();
-  command.option("--columns", &options.table.columns, "Names of columns in their order; 'list' prints them all").delimiter(',');
+  command.option("dir", &options.dir, "Folder of the run", {.is_required = true});
+  command.option("--format", &options.format, "terminal, md, csv, tex or json");
+  command.option("--columns", &options.table.columns, "Names of columns in their order; 'list' prints them all",
+                 {.delimiter = ','});
   command.option("--caption", &options.table.caption, "Caption of the LaTeX table");
   command.flag("--rescore", &options.is_rescored, "Compute today's metrics from the masks of the run; nothing runs again");
   command.flag("--save", &options.is_saved, "With --rescore: keep the new metrics in the run's records");
+}
+
+void add_report(Program& program) {
+  auto [command, options] =
+      program.line.command<PageOptions>("report", "One HTML page of a run: table, plots and pictures to compare", make_page);
+  command.option("dir", &options.dir, "Folder of the run", {.is_required = true});
+  command.option("--out", &options.out, "The page; report.html in the run's folder unless given", {.type_name = "FILE"});
+  command.flag("--no-pictures", &options.without_pictures, "Leave out the pictures: a small page without the comparer");
 }
 
 }  // namespace gnomon::app

@@ -63,26 +63,24 @@ void add_view(Program& program) {
       [&program](const ViewerOptions& read) { return view(read, worker_options(program, read.threads)); });
   if (!registry().scenes().empty()) options.scene = registry().default_scene().id;
   if (!registry().techniques().empty()) options.technique = registry().default_technique().id;
-  command.option("--scene", &options.scene, "Scene id, ID:param=value, or a scene or mesh file").shows_default();
-  command.option("--technique", &options.technique, "Technique of the left side: id, or ID:param=value,...").shows_default();
-  command.option("--against", &options.against, "Technique of the right side; the reference by default").check(not_empty());
-  command.option("--light", &options.light, "Light name; the first by default").check(not_empty());
-  command.option("--view", &options.view, "View name; the first by default").check(not_empty());
-  command.option("--size", &options.size, "Size of the picture in pixels, WxH; the window is larger").shows_default();
-  command.option("--truth", &options.truth, "What counts: exact shapes or the meshes; shape | mesh").shows_default();
+  command.option("--scene", &options.scene, "Scene id, ID:param=value, or a scene or mesh file");
+  command.option("--technique", &options.technique, "Technique of the left side: id, or ID:param=value,...");
+  command.option("--against", &options.against, "Technique of the right side; the reference by default",
+                 {.check = not_empty()});
+  command.option("--light", &options.light, "Light name; the first by default", {.check = not_empty()});
+  command.option("--view", &options.view, "View name; the first by default", {.check = not_empty()});
+  command.option("--size", &options.size, "Size of the picture in pixels, WxH; the window is larger");
+  command.option("--truth", &options.truth, "What counts: exact shapes or the meshes; shape | mesh");
   command.option("--threads", &options.threads, "Cores that each technique uses; all by default");
-  command.option("--timeout", &options.timeout, "Seconds that one step may take").check(seconds()).shows_default();
+  command.option("--timeout", &options.timeout, "Seconds that one step may take", {.check = seconds()});
   command.option("--out", &options.out, "Folder for what is saved; runs/view-TIME by default");
   command.option("--keys", &options.keys, "Keys to press one after the other, \"k v v Ctrl+S\"; then it ends");
-  const Option screenshot =
-      command.option("--screenshot", &options.screenshot, "Write the window to this file when all is computed, and end")
-          .check(not_empty());
-  command
-      .option("--speed", &options.speed,
-              "Print how many pictures a second are shown at rest, with the light and with the camera moving, each "
-              "measured for so many seconds, and end")
-      .check(seconds())
-      .excludes(screenshot);
+  const auto screenshot = command.option("--screenshot", &options.screenshot,
+                                         "Write the window to this file when all is computed, and end", {.check = not_empty()});
+  command.option("--speed", &options.speed,
+                 "Print how many pictures a second are shown at rest, with the light and with the camera moving, each "
+                 "measured for so many seconds, and end",
+                 {.check = seconds(), .excludes = screenshot});
 }
 
 }  // namespace gnomon::app

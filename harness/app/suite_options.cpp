@@ -46,24 +46,24 @@ Suite make_suite(const SuiteOptions& options, const std::string& command) {
   return suite;
 }
 
-void add_suite_options(Command& command, SuiteOptions& options, const std::string& when, const std::optional<Option>& needed) {
-  const auto add = [&](const char* name, OptionTarget target, const std::string& sentence) {
-    Option option = command.option(name, target, when + sentence);
-    return needed ? option.needs(*needed) : option;
+void add_suite_options(Command& command, SuiteOptions& options, const std::string& when, CLI::Option* needed) {
+  const auto add = [&](const char* name, OptionTarget target, const std::string& sentence, OptionRules rules = {}) {
+    rules.needs = needed;
+    command.option(name, target, when + sentence, rules);
   };
   add("--scene", &options.scenes, "Scene ids or files, instead of a suite");
-  add("--technique", &options.techniques, "ID:param=value,...; {a,b} sweeps a value").delimiter(';');
-  add("--light", &options.lights, "Light names; the suite's, or all of each scene, by default").delimiter(',');
+  add("--technique", &options.techniques, "ID:param=value,...; {a,b} sweeps a value", {.delimiter = ';'});
+  add("--light", &options.lights, "Light names; the suite's, or all of each scene, by default", {.delimiter = ','});
   add("--filter", &options.filter, "Only rows whose 'SCENE LIGHT [PATH] TECHNIQUE:SETTINGS' matches this expression");
   add("--size", &options.size, "Picture size in pixels, WxH");
-  add("--processes", &options.processes, needed ? "Fresh processes per contender and program" : "Fresh processes per contender")
-      .check(whole_in(1, 1000));
-  add("--repetitions", &options.repetitions, "Timed repetitions per process").check(whole_in(1, 1000));
-  add("--interval", &options.interval, "More processes until intervals are this share of the time wide")
-      .check(number_in(0.001, 10));
-  add("--budget", &options.budget, "Seconds that those processes may take").check(seconds());
+  add("--processes", &options.processes, needed ? "Fresh processes per contender and program" : "Fresh processes per contender",
+      {.check = whole_in(1, 1000)});
+  add("--repetitions", &options.repetitions, "Timed repetitions per process", {.check = whole_in(1, 1000)});
+  add("--interval", &options.interval, "More processes until intervals are this share of the time wide",
+      {.check = number_in(0.001, 10)});
+  add("--budget", &options.budget, "Seconds that those processes may take", {.check = seconds()});
   add("--threads", &options.threads, "Pin workers to this many cores; all by default");
-  add("--timeout", &options.timeout, "Seconds that one step of a worker may take").check(seconds());
+  add("--timeout", &options.timeout, "Seconds that one step of a worker may take", {.check = seconds()});
 }
 
 }  // namespace gnomon::app

@@ -18,8 +18,7 @@ struct SuiteOptions {
 
 /// Adds what both commands take; `when`, "With --live: ", stands before what the help says of each. Where they are for another
 /// option only, `needed` is that one.
-void add_suite_options(Command& command, SuiteOptions& options, const std::string& when = "",
-                       const std::optional<Option>& needed = std::nullopt);
+void add_suite_options(Command& command, SuiteOptions& options, const std::string& when = "", CLI::Option* needed = nullptr);
 
 /// The suite with what the options change of it; a light, a size or a truth that is given replaces those of all its groups.
 /// Throws Error, which begins with `command`, when the options name neither a suite nor scenes and techniques.

@@ -29,13 +29,13 @@ class Painter {
       order.push_back("paint");
       return 3;
     });
-    paint.option("name", &options.name, "What to paint").required();
-    const Option colors = paint.option("--colors", &options.colors, "Colors").delimiter(',');
-    paint.option("--sizes", &options.sizes, "Sizes").delimiter(',').check(above_zero());
-    paint.option("--limit", &options.limit, "Limit").check(number_in(0, 0.5)).needs(colors);
-    paint.option("--file", &options.file, "File").check(not_empty()).excludes(colors);
-    paint.option("--count", &options.count, "Count").check(whole_in(1, 9)).shows_default();
-    paint.option("--mode,--style", &options.mode, "Mode").shows_default().type_name("MODE");
+    paint.option("name", &options.name, "What to paint", {.is_required = true});
+    const auto colors = paint.option("--colors", &options.colors, "Colors", {.delimiter = ','});
+    paint.option("--sizes", &options.sizes, "Sizes", {.check = above_zero(), .delimiter = ','});
+    paint.option("--limit", &options.limit, "Limit", {.check = number_in(0, 0.5), .needs = colors});
+    paint.option("--file", &options.file, "File", {.check = not_empty(), .excludes = colors});
+    paint.option("--count", &options.count, "Count", {.check = whole_in(1, 9)});
+    paint.option("--mode,--style", &options.mode, "Mode", {.type_name = "MODE"});
     paint.flag("--loud", &options.is_loud, "Loud");
     line_.command<Words>("hidden", "Hides", [this](Words&) { order.push_back("hidden"); }).first.hide();
   }
