@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
 #include <system_error>
 #include <thread>
@@ -17,26 +18,25 @@ namespace gnomon::app {
 namespace {
 
 struct ServeOptions {
-  int socket = -1, threads = 0;
+  int socket = 0, threads = 0;
 };
 struct ImportOptions {
   std::string file;
-  int descriptor = -1;
+  int descriptor = 0;
 };
-
-int serve(const ServeOptions& options) { return worker_main(options.socket, options.threads); }
-int import_mesh(const ImportOptions& options) { return import_child_main(options.file, options.descriptor); }
 
 /// The processes that `run` and the importer start; hidden.
 void add_worker(Program& program) {
   auto [worker, to_serve] =
-      program.line.command<ServeOptions>("worker", "Serve one technique to the program that started this", serve);
+      program.line.command<ServeOptions>("worker", "Serve one technique to the program that started this",
+                                         [](const ServeOptions& read) { return worker_main(read.socket, read.threads); });
   worker.hide();
   worker.option("socket", &to_serve.socket, "", {.is_required = true});
   worker.option("threads", &to_serve.threads, "", {.is_required = true});
 
-  auto [mesh, to_import] =
-      program.line.command<ImportOptions>("import-mesh", "Read a mesh file for the program that started this", import_mesh);
+  auto [mesh, to_import] = program.line.command<ImportOptions>(
+      "import-mesh", "Read a mesh file for the program that started this",
+      [](const ImportOptions& read) { return import_child_main(read.file, read.descriptor); });
   mesh.hide();
   mesh.option("file", &to_import.file, "", {.is_required = true});
   mesh.option("descriptor", &to_import.descriptor, "", {.is_required = true});
@@ -63,9 +63,6 @@ int run_program(int argc, char** argv) {
   } catch (const Error& error) {
     fmt::print(stderr, "gnomon: {}\n", error.what());
     return 2;
-  } catch (const WorkerFailure& failure) {
-    fmt::print(stderr, "gnomon: {}\n", failure.what());
-    return 1;
   } catch (const std::filesystem::filesystem_error& error) {
     fmt::print(stderr, "gnomon: {}: {}\n", error.path1().string(), error.code().message());
     return 2;
@@ -89,6 +86,14 @@ Truth parse_truth(const std::string& text) {
 std::size_t terminal_width() {
   winsize window{};
   return ioctl(STDOUT_FILENO, TIOCGWINSZ, &window) == 0 ? window.ws_col : 0;
+}
+
+std::filesystem::path timed_folder(const std::string& name) {
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  char time[32];
+  std::strftime(time, sizeof time, "%Y%m%d-%H%M%S", localtime_r(&now, &local));
+  return std::filesystem::path("runs") / (name + "-" + time);
 }
 
 WorkerOptions worker_options(const Program& program, int threads) {

@@ -42,6 +42,9 @@ Truth parse_truth(const std::string& text);
 /// Columns of the terminal on stdout; 0, no limit, when there is none.
 std::size_t terminal_width();
 
+/// runs/NAME-TIME, where nobody said where to write.
+std::filesystem::path timed_folder(const std::string& name);
+
 /// WorkerOptions from --threads and the plugins. Throws Error on more threads than cores.
 WorkerOptions worker_options(const Program& program, int threads);
 

@@ -48,10 +48,10 @@ void require_taken(const Command& command, const std::string& kind, const std::v
 struct Options {
   std::vector<std::string> words;
   std::string filter, cost = "light";
+  AnalysisOptions analysis;
 };
 struct AnalyzeOptions : Options {
   std::string format = "terminal";
-  AnalysisOptions analysis;
   TableOptions table;
 };
 struct PictureOptions : Options {
@@ -60,7 +60,8 @@ struct PictureOptions : Options {
   FigureOptions figure;
 };
 
-void add_shared_options(Command& command, const std::string& kinds, Options& options, AnalysisOptions& analysis) {
+void add_shared_options(Command& command, const std::string& kinds, Options& options) {
+  AnalysisOptions& analysis = options.analysis;
   command.option("words", &options.words, "Folders of runs, then the kind: " + kinds,
                  {.is_required = true, .type_name = "DIR... KIND"});
   command.option("--filter", &options.filter,
@@ -82,6 +83,7 @@ std::string take_kind(Options& options, const Command& command, const std::strin
   options.words.pop_back();
   if (options.words.empty()) throw Error("{} takes a run's folder and a kind; kinds are: {}", name, joined(kinds, ", "));
   require_taken(command, kind, kinds);
+  options.analysis.cost = cost_named(options.cost);
   return kind;
 }
 
@@ -120,17 +122,15 @@ std::vector<Record> read_runs(const Options& options) {
 void print_analysis(AnalyzeOptions& options, const Command& command) {
   const Format format = format_named(options.format);
   const std::string kind = take_kind(options, command, "analyze", analysis_kinds());
-  options.analysis.cost = cost_named(options.cost);
-  const std::vector<Record> records = read_runs(options);
   options.table.width = terminal_width();
-  fmt::print("{}", analyze(records, kind, options.analysis, format, options.table));
+  fmt::print("{}", analyze(read_runs(options), kind, options.analysis, format, options.table));
 }
 
 void make_figure(PictureOptions& options, const Command& command) {
   const std::string kind = take_kind(options, command, "figure", figure_kinds());
   if (options.out.empty() && !options.script) throw Error("figure needs --out FILE.svg, .pdf or .png, or --script");
   const std::filesystem::path out = options.out.empty() ? "figure.svg" : options.out;
-  options.figure.analysis.cost = cost_named(options.cost);
+  options.figure.analysis = options.analysis;
   const std::string program_text = figure_script(read_runs(options), kind, options.figure, out);
   if (options.script)
     fmt::print("{}", program_text);
@@ -144,7 +144,7 @@ void add_analyze(Program& program) {
   auto [command, options] = program.line.command<AnalyzeOptions>(
       "analyze", "What a run says of growth, fronts, budgets, parameters and motion: DIR... growth|front|best|map|motion|sweep",
       print_analysis);
-  add_shared_options(command, "growth, front, best, map, motion or sweep", options, options.analysis);
+  add_shared_options(command, "growth, front, best, map, motion or sweep", options);
   command.option("--format", &options.format, "terminal, md, csv, tex or json");
   command.option("--times", &options.analysis.times, "best: budgets in ms", {.check = above_zero(), .delimiter = ','});
   command.option("--memories", &options.analysis.memories, "best: budgets in MiB", {.check = above_zero(), .delimiter = ','});
@@ -158,7 +158,7 @@ void add_figure(Program& program) {
   auto [command, options] = program.line.command<PictureOptions>(
       "figure", "A figure of a run, by gnuplot: DIR... front|growth|stages|map|causes|motion|sweep --out FILE.svg|.pdf|.png",
       make_figure);
-  add_shared_options(command, "front, growth, stages, map, causes, motion or sweep", options, options.figure.analysis);
+  add_shared_options(command, "front, growth, stages, map, causes, motion or sweep", options);
   command.option("--out", &options.out, "File to write; .svg, .pdf or .png");
   command.flag("--script", &options.script, "Print the gnuplot program instead of running it");
   command.option("--title", &options.figure.title, "Title above the figure; none by default: papers have captions");

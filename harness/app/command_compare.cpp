@@ -1,4 +1,3 @@
-#include <fmt/chrono.h>
 
 #include "analysis/compare.h"
 #include "app/app.h"
@@ -10,45 +9,37 @@ namespace gnomon::app {
 
 namespace {
 
-namespace fs = std::filesystem;
-
-struct Options : SuiteOptions {
+struct CompareCommand : SuiteOptions {
   std::string base, contender, format = "terminal";
   CompareOptions compare;
   bool all = false, quiet = false;
-  // Only with --live:
-  std::string other;
-  fs::path out;
+  LiveOptions live;
 };
 
-/// Times both programs side by side; answers the folders of base and contender.
-std::pair<fs::path, fs::path> run_both(Options options, const Program& program) {
+/// Times both programs side by side; base and contender become their folders.
+void run_both(CompareCommand& options, const Program& program) {
   if (!options.base.empty())
     throw Error("compare takes two folders, or --live and a program, not both: {} is one folder too many", options.base);
-  LiveOptions live;
+  LiveOptions& live = options.live;
   if (options.suite.empty() && options.scenes.empty() && options.techniques.empty()) options.suite = "quick";
   live.suite = make_suite(options, "compare --live");
   live.filter = options.filter;
   live.worker = worker_options(program, options.threads);
-  live.base_program = options.other;
-  live.out = options.out;
-  if (live.out.empty()) live.out = fs::path("runs") / fmt::format("live-{:%Y%m%d-%H%M%S}", fmt::localtime(std::time(nullptr)));
+  if (live.out.empty()) live.out = timed_folder("live");
   SceneLibrary library;
   Progress progress(options.quiet);
   run_live(live, library, progress);
-  return {live.out / "base", live.out / "contender"};
+  options.base = (live.out / "base").string();
+  options.contender = (live.out / "contender").string();
 }
 
-int run(Options options, const Program& program) {
+int run(CompareCommand& options, const Program& program) {
   const Format format = format_named(options.format);
   if (format == Format::latex) throw Error("--format tex is none of a comparison's: terminal, md, csv, json");
-  if (!options.other.empty()) {
-    const auto [base, contender] = run_both(options, program);
-    options.base = base.string();
-    options.contender = contender.string();
-  } else if (options.base.empty() || options.contender.empty()) {
+  if (!options.live.base_program.empty())
+    run_both(options, program);
+  else if (options.base.empty() || options.contender.empty())
     throw Error("compare needs two folders of runs, BASE and CONTENDER, or --live and a program");
-  }
   const std::vector<Record> base = read_records(options.base), contender = read_records(options.contender);
   const Comparison comparison = compare(base, contender, options.compare);
   if (comparison.counts().matched == 0)
@@ -62,8 +53,8 @@ int run(Options options, const Program& program) {
 
 void add_compare(Program& program) {
   auto [command, options] =
-      program.line.command<Options>("compare", "Two runs row by row: what became slower, faster, wrong or right",
-                                    [&program](const Options& read) { return run(read, program); });
+      program.line.command<CompareCommand>("compare", "Two runs row by row: what became slower, faster, wrong or right",
+                                           [&program](CompareCommand& read) { return run(read, program); });
   CompareOptions& compare = options.compare;
   command.option("base", &options.base, "Folder of the run to compare with");
   command.option("contender", &options.contender, "Folder of the run that is judged");
@@ -79,11 +70,12 @@ void add_compare(Program& program) {
   command.flag("--all", &options.all, "Also what does not differ");
   command.flag("--force", &compare.force, "Judge times of different processors, too");
   const auto live =
-      command.option("--live", &options.other, "Another gnomon: runs both side by side and compares, this one the contender",
-                     {.type_name = "PROGRAM"});
+      command.option("--live", &options.live.base_program,
+                     "Another gnomon: runs both side by side and compares, this one the contender", {.type_name = "PROGRAM"});
   command.option("--suite", &options.suite, "With --live: suite name or .toml file; quick by default", {.needs = live});
   add_suite_options(command, options, "With --live: ", live);
-  command.option("--out", &options.out, "With --live: folder for the two runs; runs/live-TIME by default", {.needs = live});
+  command.option("--out", &options.live.out, "With --live: folder for the two runs; runs/live-TIME by default",
+                 {.needs = live});
   command.flag("--quiet", &options.quiet, "No progress");
 }
 

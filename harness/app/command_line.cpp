@@ -92,10 +92,10 @@ Check whole_in(int low, int high) {
   return {[range](const std::string& text) { return range(text); }, range.get_description()};
 }
 
-CLI::Option* Command::option(const std::string& names, OptionTarget target, const std::string& description,
+CLI::Option* Command::option(std::string_view names, OptionTarget target, std::string_view description,
                              const OptionRules& rules) {
   const auto add = [&](auto* value) {
-    CLI::Option* const option = command_->add_option(names, *value, description);
+    CLI::Option* const option = command_->add_option(std::string(names), *value, std::string(description));
     using Value = std::remove_pointer_t<decltype(value)>;
     if constexpr (std::is_arithmetic_v<Value> || std::is_same_v<Value, std::string>)
       if (*value != Value()) option->capture_default_str();
@@ -109,8 +109,8 @@ CLI::Option* Command::option(const std::string& names, OptionTarget target, cons
   return option;
 }
 
-CLI::Option* Command::flag(const std::string& names, bool* target, const std::string& description, CLI::Option* needs) {
-  CLI::Option* const flag = command_->add_flag(names, *target, description);
+CLI::Option* Command::flag(std::string_view names, bool* target, std::string_view description, CLI::Option* needs) {
+  CLI::Option* const flag = command_->add_flag(std::string(names), *target, std::string(description));
   if (needs) flag->needs(needs);
   return flag;
 }
@@ -119,10 +119,7 @@ void Command::action(std::function<int()> action) {
   command_->callback([chosen = chosen_, action = std::move(action)] { *chosen = action; });
 }
 
-Command& Command::hide() {
-  command_->group("");
-  return *this;
-}
+void Command::hide() { command_->group(""); }
 
 bool Command::is_given(const std::string& name) const {
   const CLI::Option* const option = command_->get_option_no_throw(name);

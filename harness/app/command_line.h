@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -44,6 +45,8 @@ struct OptionRules {
   CLI::Option* excludes = nullptr;  ///< given with that one, it is refused
 };
 
+inline const OptionRules no_rules;
+
 /// One command, to add what it takes. A handle: copies speak of the same command.
 class Command {
  public:
@@ -51,13 +54,13 @@ class Command {
 
   /// Names with dashes ("--error,--metric") are an option, one without is a positional argument. The help prints the text or
   /// number that the target has now, unless that is empty or 0.
-  CLI::Option* option(const std::string& names, OptionTarget target, const std::string& description = "",
-                      const OptionRules& rules = {});
-  CLI::Option* flag(const std::string& names, bool* target, const std::string& description, CLI::Option* needs = nullptr);
+  CLI::Option* option(std::string_view names, OptionTarget target, std::string_view description = "",
+                      const OptionRules& rules = no_rules);
+  CLI::Option* flag(std::string_view names, bool* target, std::string_view description, CLI::Option* needs = nullptr);
   /// What the command does, after its words were read into their targets; answers the exit status.
   void action(std::function<int()> action);
   /// Leaves the command out of the help and of the lists of commands.
-  Command& hide();
+  void hide();
   /// Whether the words hold this option; false also when the command has none of that name.
   bool is_given(const std::string& name) const;
 

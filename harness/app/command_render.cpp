@@ -92,8 +92,11 @@ Suite render_suite(const RenderOptions& options, const Contender& contender) {
   std::tie(suite.width, suite.height) = parse_size(options.size, "--size");
   suite.truth = parse_truth(options.truth);
   suite.timeout = options.timeout;
-  suite.groups = {{{options.scene}, options.lights, {}, {contender}}};
-  if (!options.view.empty()) suite.groups[0].views = {options.view};
+  SuiteGroup& group = suite.groups.emplace_back();
+  group.scenes = {options.scene};
+  group.lights = options.lights;
+  group.contenders = {contender};
+  if (!options.view.empty()) group.views = {options.view};
   return suite;
 }
 
@@ -106,8 +109,8 @@ class Rendering {
       : options_(options),
         layer_(std::move(layer)),
         jobs_(jobs),
-        detail_folder_(options.detail.empty() ? nullptr : new StagedFolder(StagedFolder::for_file(options.detail))),
-        folder_(StagedFolder::beside(options.out)),
+        detail_folder_(options.detail.empty() ? nullptr : new StagedFolder(options.detail, StagedFolder::Target::file)),
+        folder_(options.out),
         scratch_(ScratchFolder::at(folder_.path / "scratch")),
         run_(options.scene, scene, suite, cache_root() / "frames", scratch_.path()),
         context_(machine_context(options_of_worker.threads)),

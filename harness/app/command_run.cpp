@@ -1,5 +1,4 @@
 // gnomon run and merge: the folder of a run, measured, or put together of several.
-#include <fmt/chrono.h>
 
 #include <algorithm>
 #include <set>
@@ -21,9 +20,9 @@ namespace {
 namespace fs = std::filesystem;
 
 struct RunCommand : SuiteOptions {
+  RunOptions run;
   std::string shard;
-  fs::path out;
-  bool resume = false, retry_failed = false, dry_run = false, quiet = false;
+  bool dry_run = false, quiet = false;
 };
 
 struct MergeOptions {
@@ -105,19 +104,15 @@ bool has_answers(std::span<const Record> records) {
   return answered > 0;
 }
 
-int run(const RunCommand& options, const Program& program) {
-  RunOptions run_options;
+int run(RunCommand& options, const Program& program) {
+  RunOptions& run_options = options.run;
   run_options.suite = make_suite(options, "run");
   run_options.filter = options.filter;
-  run_options.resume = options.resume;
-  run_options.retry_failed = options.retry_failed;
   run_options.worker = worker_options(program, options.threads);
   if (!options.shard.empty()) std::tie(run_options.shard_index, run_options.shard_count) = parse_shard(options.shard);
-  run_options.out = options.out;
-  if (options.out.empty()) {
-    if (options.resume) throw Error("--resume needs --out: which folder to continue");
-    run_options.out =
-        fs::path("runs") / fmt::format("{}-{:%Y%m%d-%H%M%S}", run_options.suite.name, fmt::localtime(std::time(nullptr)));
+  if (run_options.out.empty()) {
+    if (run_options.resume) throw Error("--resume needs --out: which folder to continue");
+    run_options.out = timed_folder(run_options.suite.name);
   }
   SceneLibrary library;
   if (options.dry_run) {
@@ -193,14 +188,14 @@ int merge(const MergeOptions& options) {
 void add_run(Program& program) {
   auto [command, options] =
       program.line.command<RunCommand>("run", "A suite, or any scenes and techniques: costs, errors, tables",
-                                       [&program](const RunCommand& read) { return run(read, program); });
+                                       [&program](RunCommand& read) { return run(read, program); });
   command.option("suite", &options.suite, "Suite name, or a .toml file");
   add_suite_options(command, options);
-  command.option("--out", &options.out, "Folder to write to; runs/NAME-TIME by default");
+  command.option("--out", &options.run.out, "Folder to write to; runs/NAME-TIME by default");
   command.option("--truth", &options.truth, "What counts in the headline: shape | mesh");
   command.option("--shard", &options.shard, "I/N: part I of N of the rows, 0 <= I < N; gnomon merge joins them");
-  const auto resume = command.flag("--resume", &options.resume, "Continue in --out; rows that are there are not run again");
-  command.flag("--retry-failed", &options.retry_failed, "With --resume: rows that failed are run again", resume);
+  const auto resume = command.flag("--resume", &options.run.resume, "Continue in --out; rows that are there are not run again");
+  command.flag("--retry-failed", &options.run.retry_failed, "With --resume: rows that failed are run again", resume);
   command.flag("--dry-run", &options.dry_run, "Print the rows and how long they may take; run nothing");
   command.flag("--quiet", &options.quiet, "No progress");
 }

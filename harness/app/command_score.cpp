@@ -129,7 +129,7 @@ int score(const ScoreOptions& options) {
   const FrameKey key{view, width, height, parse_truth(options.truth)};
   FrameStore frames(scene, cache_root() / "frames");
   std::unique_ptr<StagedFolder> folder;
-  if (!options.out.empty()) folder.reset(new StagedFolder(StagedFolder::beside(options.out)));
+  if (!options.out.empty()) folder = std::make_unique<StagedFolder>(options.out);
   Json list = Json::array();
   for (const Channel& channel : channels) {
     const Light& light = channel.light;

@@ -1,5 +1,4 @@
 // gnomon view: the window. Everything that can be wrong with its options is said before it opens.
-#include <fmt/chrono.h>
 #include <gnomon/registry.h>
 
 #include "app/app.h"
@@ -12,13 +11,10 @@ namespace gnomon::app {
 
 namespace {
 
-namespace fs = std::filesystem;
-
-struct ViewerOptions {
-  std::string scene, technique, against, light, view, size = "960x540", truth = "shape", keys;
-  fs::path out, screenshot;
+struct ViewCommand {
+  viewer::ViewOptions view;
+  std::string technique, against, light, view_name, size = "960x540", truth = "shape", keys;
   int threads = 0;
-  double timeout = 120, speed = 0;
 };
 
 /// The one technique that an option names.
@@ -28,56 +24,52 @@ viewer::SideSelection parse_side(const std::string& option, const std::string& t
   return {.technique = contenders[0].technique, .settings = contenders[0].settings, .layer = ""};
 }
 
-int view(const ViewerOptions& options, const WorkerOptions& workers) {
-  viewer::ViewOptions result;
-  result.workers = workers;
-  result.timeout_seconds = options.timeout;
-  viewer::Selection& selection = result.selection;
-  selection.scene = options.scene;
+int view(ViewCommand& options, const Program& program) {
+  viewer::ViewOptions& view = options.view;
+  viewer::Selection& selection = view.selection;
+  view.workers = worker_options(program, options.threads);
   selection.sides[0] = parse_side("--technique", options.technique);
   selection.sides[1] = parse_side("--against", options.against.empty() ? registry().reference().id : options.against);
   std::tie(selection.width, selection.height) = parse_size(options.size, "--size");
   selection.truth = parse_truth(options.truth);
-  result.keys = viewer::key_table().parse(options.keys);
-  if (!options.screenshot.empty() && options.screenshot.extension() != ".png")
-    throw Error("--screenshot {} is no name that ends in .png", options.screenshot.string());
-  result.scene = load_scene(options.scene);
+  view.keys = viewer::key_table().parse(options.keys);
+  if (!view.screenshot.empty() && view.screenshot.extension() != ".png")
+    throw Error("--screenshot {} is no name that ends in .png", view.screenshot.string());
+  view.loaded = std::make_shared<viewer::LoadedScene>(viewer::LoadedScene{selection.scene, load_scene(selection.scene)});
+  const Scene& scene = view.loaded->scene;
   const auto names = [](const std::string& name) { return name.empty() ? std::vector<std::string>{} : std::vector{name}; };
-  require_names(options.scene, result.scene, names(options.light), names(options.view));
-  selection.light = named_or_first(result.scene.lights, options.light);
-  selection.view = named_or_first(result.scene.views, options.view);
-  for (const std::string& note : result.scene.notes) fmt::print(stderr, "note: {}\n", note);
-  result.out = options.out.empty() ? fs::path("runs") / fmt::format("view-{:%Y%m%d-%H%M%S}", fmt::localtime(std::time(nullptr)))
-                                   : options.out;
-  result.screenshot = options.screenshot;
-  result.speed_seconds = options.speed;
-  result.ends_by_itself = !options.keys.empty() || !options.screenshot.empty() || options.speed > 0;
-  return viewer::run_viewer(result);
+  require_names(selection.scene, scene, names(options.light), names(options.view_name));
+  selection.light = named_or_first(scene.lights, options.light);
+  selection.view = named_or_first(scene.views, options.view_name);
+  for (const std::string& note : scene.notes) fmt::print(stderr, "note: {}\n", note);
+  if (view.out.empty()) view.out = timed_folder("view");
+  view.ends_by_itself = !options.keys.empty() || !view.screenshot.empty() || view.speed_seconds > 0;
+  return viewer::run_viewer(view);
 }
 
 }  // namespace
 
 void add_view(Program& program) {
-  auto [command, options] = program.line.command<ViewerOptions>(
-      "view", "A window: any two techniques side by side, or one beside the truth",
-      [&program](const ViewerOptions& read) { return view(read, worker_options(program, read.threads)); });
-  if (!registry().scenes().empty()) options.scene = registry().default_scene().id;
+  auto [command, options] =
+      program.line.command<ViewCommand>("view", "A window: any two techniques side by side, or one beside the truth",
+                                        [&program](ViewCommand& read) { return view(read, program); });
+  if (!registry().scenes().empty()) options.view.selection.scene = registry().default_scene().id;
   if (!registry().techniques().empty()) options.technique = registry().default_technique().id;
-  command.option("--scene", &options.scene, "Scene id, ID:param=value, or a scene or mesh file");
+  command.option("--scene", &options.view.selection.scene, "Scene id, ID:param=value, or a scene or mesh file");
   command.option("--technique", &options.technique, "Technique of the left side: id, or ID:param=value,...");
   command.option("--against", &options.against, "Technique of the right side; the reference by default",
                  {.check = not_empty()});
   command.option("--light", &options.light, "Light name; the first by default", {.check = not_empty()});
-  command.option("--view", &options.view, "View name; the first by default", {.check = not_empty()});
+  command.option("--view", &options.view_name, "View name; the first by default", {.check = not_empty()});
   command.option("--size", &options.size, "Size of the picture in pixels, WxH; the window is larger");
   command.option("--truth", &options.truth, "What counts: exact shapes or the meshes; shape | mesh");
   command.option("--threads", &options.threads, "Cores that each technique uses; all by default");
-  command.option("--timeout", &options.timeout, "Seconds that one step may take", {.check = seconds()});
-  command.option("--out", &options.out, "Folder for what is saved; runs/view-TIME by default");
+  command.option("--timeout", &options.view.timeout_seconds, "Seconds that one step may take", {.check = seconds()});
+  command.option("--out", &options.view.out, "Folder for what is saved; runs/view-TIME by default");
   command.option("--keys", &options.keys, "Keys to press one after the other, \"k v v Ctrl+S\"; then it ends");
-  const auto screenshot = command.option("--screenshot", &options.screenshot,
+  const auto screenshot = command.option("--screenshot", &options.view.screenshot,
                                          "Write the window to this file when all is computed, and end", {.check = not_empty()});
-  command.option("--speed", &options.speed,
+  command.option("--speed", &options.view.speed_seconds,
                  "Print how many pictures a second are shown at rest, with the light and with the camera moving, each "
                  "measured for so many seconds, and end",
                  {.check = seconds(), .excludes = screenshot});

@@ -9,9 +9,10 @@ namespace gnomon::app {
 
 namespace fs = std::filesystem;
 
-StagedFolder::StagedFolder(const fs::path& target, bool is_file)
+StagedFolder::StagedFolder(const fs::path& target, Target kind)
     : path(fs::absolute(target).parent_path() / fmt::format(".{}.{}.part", target.filename().string(), getpid())),
-      out_(is_file ? path.parent_path() : target) {
+      out_(kind == Target::file ? path.parent_path() : target) {
+  const bool is_file = kind == Target::file;
   std::error_code code;
   fs::create_directories(path.parent_path(), code);
   if (!code && fs::exists(target) && fs::is_directory(target) == is_file)
@@ -20,9 +21,6 @@ StagedFolder::StagedFolder(const fs::path& target, bool is_file)
   if (code && is_file) throw Error("{} cannot be written: {}", target.string(), code.message());
   if (code) throw Error("output folder {} cannot be made: {}", target.string(), code.message());
 }
-
-StagedFolder StagedFolder::beside(const fs::path& out) { return {out, false}; }
-StagedFolder StagedFolder::for_file(const fs::path& file) { return {file, true}; }
 
 StagedFolder::~StagedFolder() {
   std::error_code ignored;

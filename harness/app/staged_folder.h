@@ -7,10 +7,10 @@ namespace gnomon::app {
 /// when they are whole.
 class StagedFolder {
  public:
-  /// For the files of a folder that may not be there yet; staged beside it. Throws Error when it cannot be made.
-  static StagedFolder beside(const std::filesystem::path& out);
-  /// For one file and what goes with it; staged in its folder, which is made. Throws Error when that cannot be written.
-  static StagedFolder for_file(const std::filesystem::path& file);
+  /// What is to appear: the files of a folder, staged beside it; or a file and what goes with it, staged in its folder.
+  enum class Target { folder, file };
+  /// Makes the folders that are not there yet. Throws Error when one cannot be made or written.
+  explicit StagedFolder(const std::filesystem::path& target, Target kind = Target::folder);
   ~StagedFolder();
   StagedFolder(const StagedFolder&) = delete;
 
@@ -20,8 +20,6 @@ class StagedFolder {
   const std::filesystem::path path;
 
  private:
-  StagedFolder(const std::filesystem::path& target, bool is_file);
-
   const std::filesystem::path out_;
 };
 

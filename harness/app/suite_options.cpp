@@ -18,10 +18,10 @@ Suite chosen_suite(const SuiteOptions& options, const std::string& command) {
     throw Error("{} needs a suite ({}), or --scene and --technique", command, joined(suite_names(), ", "));
   Suite suite;
   suite.name = "adhoc";
-  SuiteGroup group{options.scenes, {}, {}, {}};
+  SuiteGroup& group = suite.groups.emplace_back();
+  group.scenes = options.scenes;
   for (const std::string& technique : options.techniques)
     for (Contender& contender : parse_contenders(technique)) group.contenders.push_back(std::move(contender));
-  suite.groups = {group};
   return suite;
 }
 

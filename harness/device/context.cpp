@@ -99,11 +99,6 @@ bool GlContext::try_device(void* device, GlChoice choice) {
   return false;
 }
 
-void GlContext::make_current() const {
-  if (!eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_))
-    throw Error("cannot make the OpenGL context of {} current: EGL error {:#x}", info_.renderer, eglGetError());
-}
-
 void GlContext::destroy() {
   eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
   if (context_) eglDestroyContext(display_, context_);

@@ -27,7 +27,6 @@ class GlContext {
   GlContext& operator=(const GlContext&) = delete;
 
   const GlInfo& info() const { return info_; }
-  void make_current() const;
 
  private:
   bool try_device(void* device, GlChoice choice);

@@ -8,8 +8,8 @@
 namespace gnomon::viewer {
 
 struct ViewOptions {
-  Selection selection;  ///< what is shown at first: all of it checked
-  Scene scene;          ///< that the selection names
+  Selection selection;                  ///< what is shown at first: all of it checked
+  std::shared_ptr<LoadedScene> loaded;  ///< that the selection names
   WorkerOptions workers;
   double timeout_seconds = 120;
   std::filesystem::path out;         ///< for what is saved

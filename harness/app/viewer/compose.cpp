@@ -8,7 +8,6 @@
 #include <cassert>
 #include <cmath>
 
-#include "app/viewer/compose_parts.h"
 #include "measure/score/error_picture.h"
 
 namespace gnomon::viewer {
@@ -230,17 +229,8 @@ int divider_column(const Composition& c) {
 }  // namespace
 
 int side_at(const Composition& composition, double x) {
-  switch (composition.layout) {
-    case Layout::left:
-      return 0;
-    case Layout::right:
-      return 1;
-    case Layout::flicker:
-      return composition.flicker_is_right ? 1 : 0;
-    case Layout::split:
-      break;
-  }
-  return x < divider_column(composition) ? 0 : 1;
+  if (composition.layout == Layout::split) return x < divider_column(composition) ? 0 : 1;
+  return composition.layout == Layout::right || (composition.layout == Layout::flicker && composition.flicker_is_right) ? 1 : 0;
 }
 
 std::optional<std::size_t> frame_pixel(const Composition& composition, int side, int x, int y) {

@@ -1,3 +1,5 @@
+// The threads of the engine and their work: scenes are loaded, and frames made of what is selected, smaller ones while
+// something moves, so that they keep up.
 #include "app/viewer/engine.h"
 
 #include <gnomon/error.h>
@@ -5,14 +7,36 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <utility>
 
+#include "app/viewer/compose.h"
 #include "app/viewer/engine_side.h"
 #include "measure/scene/load.h"
 
 namespace gnomon::viewer {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double frame_budget_ms = 40;  // with what the window itself takes: 20 pictures a second
+
+/// As for `gnomon render`: without curved shapes both truths are one.
+Truth truth_of(const Selection& selection) {
+  return selection.loaded->scene.has_curved_shapes() ? selection.truth : Truth::shape;
+}
+
+/// Whether a frame is of the selected scene, size and truth, from the selected view.
+bool shows_view(const Frame* frame, const Selection& selection) {
+  return frame && frame->loaded == selection.loaded && frame->picture_width == selection.width &&
+         frame->picture_height == selection.height && frame->gbuffer.truth == truth_of(selection) &&
+         are_same(frame->gbuffer.view, selection.view);
+}
+
+int divided(int size, int divisor) { return std::max(1, (size + divisor - 1) / divisor); }
+
+}  // namespace
 
 Engine::Body::Body(WorkerOptions the_workers, double timeout, std::function<void()> on_change)
     : workers(std::move(the_workers)), timeout_seconds(timeout), changed(std::move(on_change)) {
@@ -39,16 +63,9 @@ void Engine::Body::wake_threads() {
 }
 
 Engine::Body::Work Engine::Body::next(Lane lane) {
-  switch (lane) {
-    case loading:
-      return next_scene();
-    case framing:
-      return next_frame();
-    case refining:
-      return next_reference();
-    default:
-      return sides[lane - left_side]->next();
-  }
+  if (lane == loading) return next_scene();
+  if (lane == framing) return next_frame();
+  return lane == refining ? next_reference() : sides[lane - left_side]->next();
 }
 
 void Engine::Body::serve(Lane lane) {
@@ -83,12 +100,11 @@ Engine::Body::Work Engine::Body::next_scene() {
   state.is_loading = true;
   return [this, reference = selection.scene] {
     changed();  // it may take long
-    auto loaded = std::make_shared<LoadedScene>();
+    std::shared_ptr<LoadedScene> loaded = std::exchange(offered, nullptr);
     std::string trouble;
     try {
-      loaded->reference = reference;
-      const auto given = std::exchange(offered, nullptr);
-      loaded->scene = given && given->reference == reference ? std::move(given->scene) : load_scene(reference);
+      if (!loaded || loaded->reference != reference)
+        loaded = std::make_shared<LoadedScene>(LoadedScene{reference, load_scene(reference)});
       auto store = std::make_unique<FrameStore>(loaded->scene, scratch.path());
       // Made here, because they are made on first use, and not for two threads at once.
       for (const Truth truth : {Truth::shape, Truth::mesh}) {
@@ -113,16 +129,121 @@ Engine::Body::Work Engine::Body::next_scene() {
   };
 }
 
+int Divisor::next() const {
+  const double now = ms_[value_];
+  if (now == 0) return value_;
+  if (now <= frame_budget_ms) {
+    if (value_ == 1) return 1;
+    const double bigger = ms_[value_ - 1] > 0 ? ms_[value_ - 1] : now * value_ * value_ / ((value_ - 1.0) * (value_ - 1.0));
+    return bigger <= frame_budget_ms ? value_ - 1 : value_;
+  }
+  constexpr double worth = 0.8;  // of the time: what smaller frames must at least save
+  if (value_ < largest && (ms_[value_ + 1] == 0 || ms_[value_ + 1] < worth * now)) return value_ + 1;
+  return value_ > 1 && ms_[value_ - 1] > 0 && now > worth * ms_[value_ - 1] ? value_ - 1 : value_;
+}
+
+void Divisor::took(double ms) {
+  // A frame now and then is slow for reasons of its own.
+  double& known = ms_[value_];
+  known = known == 0 ? ms : 0.7 * known + 0.3 * ms;
+  value_ = next();
+}
+
+void Divisor::forget() { ms_ = {}; }
+
+std::shared_ptr<const fs::path> Engine::Body::write_shared(const GBuffer& gbuffer) {
+  const fs::path file = scratch.path() / fmt::format("{}.gbuffer", ++gbuffer_count);
+  write_gbuffer(file, gbuffer);
+  return {new fs::path(file), [](const fs::path* path) {
+            std::error_code ignored;
+            fs::remove(*path, ignored);
+            delete path;
+          }};
+}
+
+Engine::Body::Work Engine::Body::next_frame() {
+  if (!selection.loaded) return {};
+  const Frame* const newest = state.frame.get();
+  const bool is_there = shows_view(newest, selection) && are_same(newest->light, selection.light);
+  if (is_there && (newest->is_full() || (selection.is_moving && !selection.full_while_moving))) return {};
+  if (state.selection_number == failed_selection) return {};
+  return [this, selection = selection, number = state.selection_number] { make_frame(selection, number); };
+}
+
+void Engine::Body::make_frame(const Selection& selection, std::uint64_t number) {
+  const auto start = Clock::now();
+  const std::shared_ptr<const Frame> before = state.frame;  // only this thread makes frames
+  const bool same_view = shows_view(before.get(), selection);
+  Divisor& fitting = same_view ? light_divisor : camera_divisor;
+  const bool may_shrink = selection.is_moving && !selection.full_while_moving;
+  if (!may_shrink) {
+    camera_divisor.forget();
+    light_divisor.forget();
+  }
+  const int divisor = may_shrink ? fitting.value() : 1;
+  const int width = divided(selection.width, divisor), height = divided(selection.height, divisor);
+
+  auto frame = std::make_shared<Frame>();
+  frame->number = ++frame_count;
+  frame->loaded = selection.loaded;
+  frame->light = selection.light;
+  frame->picture_width = selection.width;
+  frame->picture_height = selection.height;
+  try {
+    if (same_view && before->gbuffer.width == width && before->gbuffer.height == height) {
+      frame->gbuffer = before->gbuffer;
+      frame->file = before->file;
+    } else {
+      const Scene& scene = selection.loaded->scene;
+      frame->gbuffer = make_gbuffer(scene, selection.loaded->store->everything(truth_of(selection)), selection.view, width,
+                                    height, truth_of(selection));
+      frame->file = write_shared(frame->gbuffer);
+    }
+    frame->received = received_light(frame->gbuffer, selection.light);
+  } catch (const std::exception& error) {
+    // A full disk or no memory: said, and tried again with the next selection.
+    change([&](EngineState& s) {
+      s.trouble = error.what();
+      failed_selection = number;
+    });
+    return;
+  }
+  change([&](EngineState& s) {
+    s.frame = frame;
+    s.trouble.clear();
+    for (const auto& side : sides) side->new_frame();
+    refinement.give_up();
+  });
+  if (!may_shrink) return;
+  wait_for_sides(frame->number);
+  fitting.took(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+}
+
+/// The next frame while something moves is not begun before this one is answered, or one that is slow would never be seen. One
+/// that is too slow is left behind.
+void Engine::Body::wait_for_sides(std::uint64_t frame) {
+  const auto deadline = Clock::now() + std::chrono::milliseconds(100);
+  std::unique_lock lock(mutex);
+  news.wait_until(lock, deadline, [&] { return stop || (sides[0]->has_finished(frame) && sides[1]->has_finished(frame)); });
+}
+
+bool are_same(const Light& a, const Light& b) { return light_and_view_bytes(a, {}) == light_and_view_bytes(b, {}); }
+bool are_same(const View& a, const View& b) { return light_and_view_bytes({}, a) == light_and_view_bytes({}, b); }
+
+bool are_same(const Selection& a, const Selection& b) {
+  return a.scene == b.scene && a.loaded == b.loaded && a.truth == b.truth && are_same(a.light, b.light) &&
+         are_same(a.view, b.view) && a.width == b.width && a.height == b.height && a.is_moving == b.is_moving &&
+         a.full_while_moving == b.full_while_moving && a.sides == b.sides && a.picked == b.picked && a.repeat == b.repeat;
+}
+
 Engine::Engine(WorkerOptions workers, double timeout_seconds, std::function<void()> changed)
     : body_(std::make_unique<Body>(std::move(workers), timeout_seconds, std::move(changed))) {}
 
 Engine::~Engine() = default;
 
-void Engine::offer(const std::string& reference, Scene scene) {
+void Engine::offer(std::shared_ptr<LoadedScene> loaded) {
   const std::lock_guard lock(body_->mutex);
-  body_->offered = std::make_shared<LoadedScene>();
-  body_->offered->reference = reference;
-  body_->offered->scene = std::move(scene);
+  body_->offered = std::move(loaded);
 }
 
 std::uint64_t Engine::select(const Selection& selection) {

@@ -16,6 +16,11 @@ struct SideSelection {
   friend bool operator==(const SideSelection&, const SideSelection&) = default;
 };
 
+/// As the command line writes it: ID, or ID:param=value,...
+inline std::string written(const SideSelection& side) {
+  return side.settings.empty() ? side.technique : side.technique + ":" + side.settings;
+}
+
 /// What is selected to be shown: a plain value that the window edits and the engine follows.
 struct Selection {
   std::string scene;  ///< as `--scene`; when it is another one than before it is loaded
@@ -33,7 +38,13 @@ struct Selection {
   std::uint64_t repeat = 0;             ///< raised to have both sides do resolve once more, for its time
 };
 
+/// Whether engine and workers would do the same for both.
+bool are_same(const Light& a, const Light& b);
+bool are_same(const View& a, const View& b);
+bool are_same(const Selection& a, const Selection& b);
+
 enum class Phase { starting, working, done, unsupported, failed };
+inline constexpr const char* phase_names[] = {"starting", "working", "done", "unsupported", "failed"};
 
 struct SideState {
   Phase phase = Phase::starting;
@@ -51,6 +62,8 @@ struct SideState {
   std::array<std::optional<double>, 4> newest_ms;      ///< of each stage, the last time that it was done; by Stage
   std::uint64_t answer_count = 0;                      ///< how often resolve was done since the worker started
   std::string renderer;                                ///< what draws, of a technique that draws; else empty
+
+  bool is_approximate() const { return answer && answer->support.kind() == Support::Kind::approximate; }
 };
 
 /// All that is known now. Copies are cheap.
@@ -77,8 +90,8 @@ class Engine {
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;
 
-  /// Before the first selection: a scene that is loaded already, so that it need not be loaded again.
-  void offer(const std::string& reference, Scene scene);
+  /// Before the first selection: a scene that need not be loaded again. The engine makes its store.
+  void offer(std::shared_ptr<LoadedScene> loaded);
   /// Answers the number of this selection.
   std::uint64_t select(const Selection& selection);
   EngineState state() const;

@@ -6,11 +6,28 @@
 #include <thread>
 
 #include "app/viewer/engine.h"
-#include "app/viewer/interruptible.h"
 #include "measure/run/worker_client.h"
 #include "measure/scratch_folder.h"
 
 namespace gnomon::viewer {
+
+/// Work on TBB that another thread may make give up.
+class Interruptible {
+ public:
+  /// What is done under a ticket is given up at the next call of `give_up`, also when it has not begun by then.
+  std::uint64_t ticket() const {
+    const std::lock_guard lock(mutex_);
+    return ticket_;
+  }
+  /// Does the work unless it was given up; answers whether it was done to its end. What it left is worth nothing otherwise.
+  bool run(std::uint64_t ticket, const std::function<void()>& work);
+  void give_up();
+
+ private:
+  mutable std::mutex mutex_;
+  std::uint64_t ticket_ = 0;
+  std::function<void()> cancel_;  ///< what is being done; empty: nothing is
+};
 
 /// How many times smaller than the picture frames are while something moves, in each direction: as little as keeps them in
 /// time, and no more than helps.
@@ -87,8 +104,7 @@ struct Engine::Body {
   std::atomic<std::uint64_t> gbuffer_count = 0;  ///< files written for the workers so far
 
   // Of the thread that makes frames.
-  std::vector<std::byte> light_and_view;  ///< of the newest frame, as bytes; guarded by the lock
-  std::uint64_t failed_selection = 0;     ///< the last one that no frame could be made for; guarded by the lock
+  std::uint64_t failed_selection = 0;  ///< the last one that no frame could be made for; guarded by the lock
   std::uint64_t frame_count = 0;
   Divisor camera_divisor{2}, light_divisor{1};  ///< while these move
 

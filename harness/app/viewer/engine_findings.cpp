@@ -60,13 +60,7 @@ void Engine::Body::Side::count_wrong(const std::shared_ptr<const SideAnswer>& an
   verdict->answer = answer;
   verdict->reference = reference;
   const GBuffer& g = answer->frame->gbuffer;
-  const Evidence evidence{.width = g.width,
-                          .height = g.height,
-                          .classes = reference->classes,
-                          .reference = reference->mask,
-                          .mask = answer->mask,
-                          .causes = {}};
-  verdict->errors = Scoring(evidence).error_counts();
+  verdict->errors = Scoring(evidence_of(g.width, g.height, answer->mask, *reference)).error_counts();
   body_.change([&](EngineState&) { state().verdict = verdict; });
 }
 

@@ -1,4 +1,6 @@
 // Computes the reference at each frame, coarse first, and what scoring needs of it.
+#include <tbb/task_group.h>
+
 #include <algorithm>
 
 #include "app/viewer/engine_body.h"
@@ -35,6 +37,30 @@ GBuffer thinned(const GBuffer& g, int step) {
 }
 
 }  // namespace
+
+bool Interruptible::run(std::uint64_t ticket, const std::function<void()>& work) {
+  tbb::task_group_context context(tbb::task_group_context::isolated);
+  tbb::task_group group(context);
+  {
+    const std::lock_guard lock(mutex_);
+    if (ticket != ticket_) return false;
+    cancel_ = [&] { context.cancel_group_execution(); };
+  }
+  struct Done {
+    Interruptible& self;
+    ~Done() {
+      const std::lock_guard lock(self.mutex_);
+      self.cancel_ = nullptr;
+    }
+  } const done{*this};
+  return group.run_and_wait(work) != tbb::canceled;
+}
+
+void Interruptible::give_up() {
+  const std::lock_guard lock(mutex_);
+  ++ticket_;
+  if (cancel_) cancel_();
+}
 
 Engine::Body::Work Engine::Body::next_reference() {
   const auto& frame = state.frame;

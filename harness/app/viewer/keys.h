@@ -1,14 +1,67 @@
 #pragma once
 #include <gnomon/registry.h>
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
-#include "app/viewer/key_effects.h"
+#include "app/viewer/compose.h"
 
 namespace gnomon::viewer {
+
+/// What a key does that changes no camera, light, scene or paint.
+enum class Action {
+  technique_before,
+  technique_after,
+  swap_sides,
+  layer_after,
+  silhouettes,
+  magnifier,
+  panels,
+  reset_view,
+  reset_light,
+  save,
+  copy_command,
+  screenshot,
+  help,
+  quit,
+  cancel,
+};
+
+// Steps of the camera and the light; what one step is says `moved_by_key`.
+struct OrbitSteps {
+  int right = 0, up = 0;
+  bool operator==(const OrbitSteps&) const = default;
+};
+struct ZoomSteps {
+  int nearer = 0;
+  bool operator==(const ZoomSteps&) const = default;
+};
+struct FlySteps {
+  int right = 0, up = 0, forward = 0;
+  bool operator==(const FlySteps&) const = default;
+};
+struct LightSteps {
+  int x = 0, y = 0;
+  bool operator==(const LightSteps&) const = default;
+};
+/// Shows a scene with one of its parameters set; that scene declares the key.
+struct SceneSetting {
+  std::string scene, parameter, value;
+  bool operator==(const SceneSetting&) const = default;
+};
+
+/// What a key does.
+using KeyEffect = std::variant<Action, OrbitSteps, ZoomSteps, FlySteps, LightSteps, Layout, Paint, SceneSetting>;
+
+/// The view after `count` steps: 5 degrees around the target, a tenth of the way to it, or `key_step` of flying each. Nothing
+/// for keys that do not move the camera; `reset_view` is the session's.
+std::optional<View> moved_by_key(const View& view, const Scene& scene, const KeyEffect& effect, double count);
+/// The light after `count` steps: its handle moves by `key_step` each along the world's x or y. Nothing for other keys.
+std::optional<Light> moved_by_key(const Light& light, const Scene& scene, const KeyEffect& effect, double count);
 
 /// One key is one row: it drives dispatch, the help, `--keys` and the page.
 struct KeyRow {
@@ -47,5 +100,35 @@ class KeyTable {
 };
 /// That of the registry; made at the first call, which plugins are loaded before. Throws as the constructor does.
 const KeyTable& key_table();
+
+/// The key that bears the letter, digit or sign of this key's cap. GLFW's codes are places on a keyboard of the United States,
+/// where Y is what a German or Serbian one calls Z. `cap` is what glfwGetKeyName says. Keys that print nothing, or nothing that
+/// GLFW has a code for (a Cyrillic letter), keep their place; so does the pad of digits.
+int key_of_cap(int key, std::string_view cap);
+
+/// How many steps held keys make: one when pressed, and 20 a second from a third of a second on.
+class HeldKeys {
+ public:
+  /// A key that is down already stays as it is; rows that are not held count once.
+  void press(const KeyRow& row, double now);
+  void release(int key);
+  void release_all();
+  bool any() const { return !presses_.empty(); }
+  struct Steps {
+    const KeyRow* row;
+    double count;
+  };
+  /// The steps since the last call, one entry a press; the first step of a press counts even when it was released before the
+  /// call. Of a time without a call longer than a quarter of a second, only as much counts: nothing leaps after a pause.
+  std::vector<Steps> take(double now);
+
+ private:
+  struct Press {
+    const KeyRow* row;
+    double repeats_from;  ///< time; later, the time up to which steps are counted
+    bool is_new = true, is_released = false;
+  };
+  std::vector<Press> presses_;
+};
 
 }  // namespace gnomon::viewer

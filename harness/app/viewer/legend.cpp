@@ -1,10 +1,16 @@
-
-#include "app/viewer/compose_parts.h"
+// What a composition has to show, and what its colors mean.
+#include "app/viewer/compose.h"
 #include "measure/score/error_picture.h"
 
 namespace gnomon::viewer {
 
 namespace {
+
+bool is_whole(const ReferenceState& reference) {
+  if (!reference.frame) return false;
+  const std::size_t size = reference.frame->gbuffer.size();
+  return reference.mask.size() == size && reference.classes.size() == size;
+}
 
 constexpr std::string_view of_tested = "of tested pixels", of_all = "of all pixels";
 
@@ -13,15 +19,16 @@ std::optional<double> share_of(std::size_t count, std::size_t all) {
   return static_cast<double>(count) / static_cast<double>(all);
 }
 
-void add_mask(const Composition& composition, int side, std::vector<LegendEntry>& entries) {
+std::vector<LegendEntry> mask_legend(const Composition& composition, int side) {
   const auto& frame = composition.sides[side].frame;
-  entries.push_back({{255, 255, 255}, "lit", {}, {}});
+  std::vector<LegendEntry> entries = {{{255, 255, 255}, "lit", {}, {}}};
   if (frame && has_area(frame->light)) entries.push_back({{128, 128, 128}, "penumbra", {}, {}});
   entries.push_back({{0, 0, 0}, "umbra", {}, {}});
+  return entries;
 }
 
 /// Tested pixels where one side would be wrong if the other were the reference.
-void add_difference(const Composition& composition, int side, std::vector<LegendEntry>& entries) {
+std::vector<LegendEntry> difference_legend(const Composition& composition, int side) {
   const ComposeSide &here = composition.sides[side], &there = composition.sides[1 - side];
   const std::span<const ErrorKind> kinds = error_kinds(false);
   LegendEntry darker{kinds[0].color, "darker here", {}, of_tested}, lighter{kinds[1].color, "lighter here", {}, of_tested};
@@ -36,12 +43,13 @@ void add_difference(const Composition& composition, int side, std::vector<Legend
     darker.share = share_of(darker_count, tested);
     lighter.share = share_of(lighter_count, tested);
   }
-  entries.insert(entries.end(), {darker, lighter});
+  return {darker, lighter};
 }
 
-void add_errors(const Composition& composition, int side, bool with_causes, std::vector<LegendEntry>& entries) {
+std::vector<LegendEntry> errors_legend(const Composition& composition, int side, bool with_causes) {
   const Verdict* const verdict = verdict_of(composition.sides[side]);
-  if (!verdict) return;
+  if (!verdict) return {};
+  std::vector<LegendEntry> entries;
   const std::span<const ErrorKind> kinds = error_kinds(with_causes);
   for (std::size_t k = 0; k < kinds.size(); ++k) {
     std::size_t count = k == 0 ? verdict->errors.false_dark : verdict->errors.false_lit;
@@ -51,43 +59,58 @@ void add_errors(const Composition& composition, int side, bool with_causes, std:
     }
     if (count > 0) entries.push_back({kinds[k].color, kinds[k].label, share_of(count, verdict->errors.tested), of_tested});
   }
+  return entries;
 }
 
-void add_classes(const Composition& composition, int side, std::vector<LegendEntry>& entries) {
+std::vector<LegendEntry> classes_legend(const Composition& composition, int side) {
   const ReferenceState* const reference = reference_of(composition, side);
-  if (!reference) return;
+  if (!reference) return {};
+  std::vector<LegendEntry> entries;
   const std::array<std::size_t, 6> counts = count_classes(reference->classes);
   for (std::size_t k = 0; k < counts.size(); ++k) {
     const ClassInfo& row = class_infos()[k];
     entries.push_back(
         {row.color, fmt::format("{} {}", row.letter, row.word), share_of(counts[k], reference->classes.size()), of_all});
   }
+  return entries;
 }
 
 }  // namespace
 
+const Verdict* verdict_of(const ComposeSide& side) {
+  const Verdict* const v = side.verdict;
+  if (!v || !v->answer || !v->reference || !has_full_mask(side)) return nullptr;
+  return is_same(v->answer->frame, side.frame) && is_same(v->reference->frame, side.frame) && is_whole(*v->reference) ? v
+                                                                                                                      : nullptr;
+}
+
+const ReferenceState* reference_of(const Composition& composition, int side) {
+  const auto& frame = composition.sides[side].frame;
+  if (const Verdict* const own = verdict_of(composition.sides[side])) return own->reference.get();
+  if (composition.reference && is_same(composition.reference->frame, frame) && is_whole(*composition.reference))
+    return composition.reference;
+  const Verdict* const other = verdict_of(composition.sides[1 - side]);
+  return other && is_same(other->reference->frame, frame) ? other->reference.get() : nullptr;
+}
+
+std::optional<Evidence> evidence_of(const Composition& composition, int side, bool with_causes) {
+  const ComposeSide& s = composition.sides[side];
+  const ReferenceState* const reference = reference_of(composition, side);
+  if (!reference || !has_full_mask(s)) return std::nullopt;
+  Evidence evidence = evidence_of(s.mask_width, s.mask_height, s.mask, *reference);
+  if (!with_causes) return evidence;
+  const Verdict* const verdict = verdict_of(s);
+  if (!verdict || verdict->causes.size() != s.mask.size()) return std::nullopt;
+  evidence.causes = verdict->causes;
+  return evidence;
+}
+
 std::vector<LegendEntry> legend(const Composition& composition, int side) {
-  std::vector<LegendEntry> entries;
-  switch (composition.paint) {
-    case Paint::shaded:
-      break;
-    case Paint::mask:
-      add_mask(composition, side, entries);
-      break;
-    case Paint::difference:
-      add_difference(composition, side, entries);
-      break;
-    case Paint::kinds:
-      add_errors(composition, side, false, entries);
-      break;
-    case Paint::causes:
-      add_errors(composition, side, true, entries);
-      break;
-    case Paint::classes:
-      add_classes(composition, side, entries);
-      break;
-  }
-  return entries;
+  const Paint paint = composition.paint;
+  if (paint == Paint::mask) return mask_legend(composition, side);
+  if (paint == Paint::difference) return difference_legend(composition, side);
+  if (paint == Paint::kinds || paint == Paint::causes) return errors_legend(composition, side, paint == Paint::causes);
+  return paint == Paint::classes ? classes_legend(composition, side) : std::vector<LegendEntry>{};
 }
 
 std::vector<LegendEntry> layer_legend(const LayerPicture& layer) {

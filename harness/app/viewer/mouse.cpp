@@ -45,16 +45,4 @@ std::optional<glm::dvec2> Gesture::release(int button, glm::dvec2 cursor, double
   return is_click ? std::optional(pressed_at_) : std::nullopt;
 }
 
-std::span<const MouseRow> mouse_rows() {
-  static constexpr MouseRow rows[] = {
-      {"Left drag", "The camera around the target; at the divider, the divider."},
-      {"Left drag at the light", "The light, across the line of sight; with Shift, up and down."},
-      {"Right drag", "Look around from where the camera is."},
-      {"Middle drag", "Camera and target aside; Shift+left drag too."},
-      {"Wheel", "Nearer and farther."},
-      {"Click", "Pick the pixel."},
-  };
-  return rows;
-}
-
 }  // namespace gnomon::viewer

@@ -1,7 +1,6 @@
 #pragma once
 #include <glm/glm.hpp>
 #include <optional>
-#include <span>
 #include <string_view>
 
 namespace gnomon::viewer {
@@ -60,6 +59,13 @@ class Gesture {
 struct MouseRow {
   std::string_view name, sentence;
 };
-std::span<const MouseRow> mouse_rows();
+inline constexpr MouseRow mouse_rows[] = {
+    {"Left drag", "The camera around the target; at the divider, the divider."},
+    {"Left drag at the light", "The light, across the line of sight; with Shift, up and down."},
+    {"Right drag", "Look around from where the camera is."},
+    {"Middle drag", "Camera and target aside; Shift+left drag too."},
+    {"Wheel", "Nearer and farther."},
+    {"Click", "Pick the pixel."},
+};
 
 }  // namespace gnomon::viewer

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "app/viewer/key_effects.h"
+#include "app/viewer/keys.h"
 #include "measure/scene/load.h"
 
 namespace gnomon::viewer {

@@ -10,7 +10,7 @@
 
 #include "app/viewer/moves.h"
 #include "app/viewer/picture_view.h"
-#include "app/viewer/style.h"
+#include "app/viewer/widgets.h"
 #include "app/viewer/window.h"
 #include "measure/frame/light_rays.h"
 
@@ -114,10 +114,10 @@ void draw_titles(const PictureDrawing& drawing, const Session& session, const Sh
     };
     if (extent(title).x > room) continue;
     drawing.words(place(title, margin), title, IM_COL32(235, 235, 235, 235));
-    const auto& answer = shown.state.sides[side].answer;
-    if (shown.state.sides[side].is_reference || !answer || answer->support.kind() != Support::Kind::approximate) continue;
+    const SideState& state = shown.state.sides[side];
+    if (state.is_reference || !state.is_approximate()) continue;
     const double width = std::min(room / drawing.unit, 30.0 * ImGui::GetFontSize());
-    const std::string words = Widgets::lines("approximate: " + answer->support.why(), static_cast<float>(width));
+    const std::string words = Widgets::lines("approximate: " + state.answer->support.why(), static_cast<float>(width));
     if (extent(words).x <= room) drawing.words(place(words, 1.6 * margin + extent(title).y), words, warning_text);
   }
 }

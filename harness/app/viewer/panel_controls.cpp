@@ -7,7 +7,7 @@
 
 #include "app/viewer/moves.h"
 #include "app/viewer/panels.h"
-#include "app/viewer/style.h"
+#include "app/viewer/widgets.h"
 #include "app/viewer/window.h"
 
 namespace gnomon::viewer {
@@ -18,20 +18,16 @@ bool section(const char* title) { return ImGui::CollapsingHeader(title, ImGuiTre
 
 void draw_scene_list(Session& session, std::span<const SceneListing> scenes, Widgets& widgets) {
   const std::string id = scene_id(session.selection().scene);
-  widgets.label("scene", "A generated or described scene, or below the path of a .toml or mesh file.");
-  const bool is_open = ImGui::BeginCombo("##scene", id.c_str(), ImGuiComboFlags_HeightLarge);
-  widgets.note("scene");
-  if (!is_open) return;
+  std::vector<Widgets::Choice> choices;
   for (const SceneListing& scene : scenes) {
     const std::string words = scene.available ? scene.id : scene.id + "  (not fetched)";
-    if (ImGui::Selectable(words.c_str(), scene.id == id, scene.available ? 0 : ImGuiSelectableFlags_Disabled))
-      widgets.attempt([&] { session.choose_scene(scene.id); });
-    widgets.note("scene." + scene.id);
-    Widgets::tooltip(scene.available ? fmt::format("{}: {}", scene.title, scene.summary)
-                                     : fmt::format("{}: {}\nIts files are not here; scripts/fetch_scenes {} fetches them.",
-                                                   scene.title, scene.summary, scene.id));
+    std::string sentence = fmt::format("{}: {}", scene.title, scene.summary);
+    if (!scene.available) sentence += fmt::format("\nIts files are not here; scripts/fetch_scenes {} fetches them.", scene.id);
+    choices.push_back({"scene." + scene.id, words, std::move(sentence), scene.id == id, scene.available});
   }
-  ImGui::EndCombo();
+  widgets.label("scene", "A generated or described scene, or below the path of a .toml or mesh file.");
+  if (const auto k = widgets.list("scene", id, choices, ImGuiComboFlags_HeightLarge))
+    widgets.attempt([&] { session.choose_scene(scenes[*k].id); });
 }
 
 void draw_scene(Session& session, const Shown& shown, std::span<const SceneListing> scenes, Widgets& widgets) {
@@ -95,16 +91,9 @@ std::optional<std::string> draw_names(const char* what, const std::vector<Item>&
   widgets.label(what);
   const float reset_width = ImGui::CalcTextSize("reset").x + 2 * ImGui::GetStyle().FramePadding.x;
   ImGui::SetNextItemWidth(-reset_width - ImGui::GetStyle().ItemInnerSpacing.x);
-  const std::string shown = is_moved ? chosen + ", moved" : chosen;
-  const bool is_open = ImGui::BeginCombo("##names", shown.c_str());
-  widgets.note(what);
-  if (is_open) {
-    for (const Item& item : items) {
-      if (ImGui::Selectable(item.name.c_str(), item.name == chosen)) result = item.name;
-      widgets.note(std::string(what) + "." + item.name);
-    }
-    ImGui::EndCombo();
-  }
+  std::vector<Widgets::Choice> choices;
+  for (const Item& item : items) choices.push_back({fmt::format("{}.{}", what, item.name), item.name, "", item.name == chosen});
+  if (const auto k = widgets.list(what, is_moved ? chosen + ", moved" : chosen, choices)) result = items[*k].name;
   ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
   ImGui::BeginDisabled(!is_moved);
   if (ImGui::Button("reset")) result = chosen;
@@ -142,12 +131,10 @@ std::optional<int> draw_modes(const char* what, std::span<const ModeRow> rows, s
   const float left = ImGui::GetCursorPosX();
   for (std::size_t first = 0; first < rows.size(); first += count) {
     if (first > 0) ImGui::SetCursorPosX(left);
-    std::vector<std::string> titles;
-    std::vector<Widgets::ButtonRow> buttons;
-    for (const ModeRow& row : rows.subspan(first, std::min(count, rows.size() - first))) titles.emplace_back(row.title);
-    for (std::size_t k = 0; k < titles.size(); ++k)
-      buttons.push_back({fmt::format("{}.{}", what, rows[first + k].id), titles[k].c_str(),
-                         std::string(rows[first + k].sentence), chosen == static_cast<int>(first + k)});
+    std::vector<Widgets::Choice> buttons;
+    for (std::size_t k = first; k < std::min(first + count, rows.size()); ++k)
+      buttons.push_back({fmt::format("{}.{}", what, rows[k].id), std::string(rows[k].title), std::string(rows[k].sentence),
+                         chosen == static_cast<int>(k)});
     if (const auto k = widgets.buttons(buttons, 1)) result = static_cast<int>(first + *k);
   }
   return result;
@@ -162,9 +149,9 @@ bool draw_flag(const std::string& name, const char* words, bool& value, const st
 }
 
 void draw_picture_controls(Session& session, Widgets& widgets) {
-  if (const auto k = draw_modes("layout", layout_rows(), 4, static_cast<int>(session.layout), widgets))
+  if (const auto k = draw_modes("layout", layout_rows, 4, static_cast<int>(session.layout), widgets))
     session.layout = static_cast<Layout>(*k);
-  if (const auto k = draw_modes("paint", paint_rows(), 3, static_cast<int>(session.paint), widgets))
+  if (const auto k = draw_modes("paint", paint_rows, 3, static_cast<int>(session.paint), widgets))
     session.paint = static_cast<Paint>(*k);
   auto divider = static_cast<float>(100 * session.divider);
   widgets.label("divider", "Where the sides meet in a split picture; dragged in the picture, too.");
@@ -199,41 +186,27 @@ void draw_layers(int side, Session& session, Widgets& widgets) {
   std::string sentence = layers.empty() ? "This technique has no debug layers." : "A picture of what the technique did.";
   for (const DebugLayer& layer : layers)
     if (layer.name == chosen) sentence = layer.sentence;
+  std::vector<Widgets::Choice> choices = {{prefix + ".layer.none", "none", "", chosen.empty()}};
+  for (const DebugLayer& layer : layers)
+    choices.push_back({prefix + ".layer." + layer.name, layer.name, layer.sentence, layer.name == chosen});
   widgets.label("debug layer", sentence);
   ImGui::BeginDisabled(layers.empty());
-  const bool is_open = ImGui::BeginCombo("##layer", chosen.empty() ? "none" : chosen.c_str());
-  widgets.note(prefix + ".layer");
-  if (is_open) {
-    if (ImGui::Selectable("none", chosen.empty())) session.choose_layer(side, "");
-    widgets.note(prefix + ".layer.none");
-    for (const DebugLayer& layer : layers) {
-      if (ImGui::Selectable(layer.name.c_str(), layer.name == chosen)) session.choose_layer(side, layer.name);
-      widgets.note(prefix + ".layer." + layer.name);
-      Widgets::tooltip(layer.sentence);
-    }
-    ImGui::EndCombo();
-  }
+  if (const auto k = widgets.list(prefix + ".layer", chosen.empty() ? "none" : chosen, choices))
+    session.choose_layer(side, *k == 0 ? "" : layers[*k - 1].name);
   ImGui::EndDisabled();
   if (!chosen.empty()) Widgets::wrapped(sentence, quiet_text);
 }
 
 void draw_technique(int side, Session& session, Widgets& widgets) {
-  const std::string prefix = side_name(side);
+  const std::string name = fmt::format("{}.technique", side_name(side));
   const TechniqueEntry& chosen = registry().technique(session.technique(side).id());
-  ImGui::PushID(side);
-  widgets.label(prefix, fmt::format("{}: {}", chosen.id, chosen.about.summary), 0.4f);
-  const bool is_open = ImGui::BeginCombo("##technique", std::string(chosen.about.title).c_str(), ImGuiComboFlags_HeightLargest);
-  widgets.note(prefix + ".technique");
-  if (is_open) {
-    for (const TechniqueEntry& entry : registry().techniques()) {
-      if (ImGui::Selectable(std::string(entry.about.title).c_str(), entry.id == chosen.id))
-        session.choose_technique(side, entry.id);
-      widgets.note(prefix + ".technique." + entry.id);
-      Widgets::tooltip(fmt::format("{}: {}", entry.id, entry.about.summary));
-    }
-    ImGui::EndCombo();
-  }
-  ImGui::PopID();
+  const auto said = [](const TechniqueEntry& entry) { return fmt::format("{}: {}", entry.id, entry.about.summary); };
+  std::vector<Widgets::Choice> choices;
+  for (const TechniqueEntry& entry : registry().techniques())
+    choices.push_back({name + "." + entry.id, std::string(entry.about.title), said(entry), entry.id == chosen.id});
+  widgets.label(side_name(side), said(chosen), 0.4f);
+  if (const auto k = widgets.list(name, std::string(chosen.about.title), choices, ImGuiComboFlags_HeightLargest))
+    session.choose_technique(side, registry().techniques()[*k].id);
 }
 
 void draw_side_controls(int side, Session& session, const Shown& shown, Widgets& widgets) {
@@ -255,12 +228,12 @@ void draw_side_controls(int side, Session& session, const Shown& shown, Widgets&
 
 void draw_actions(Session& session, Widgets& widgets) {
   static constexpr Action actions[] = {Action::save, Action::copy_command, Action::screenshot, Action::help};
-  const Widgets::ButtonRow rows[] = {
+  const Widgets::Choice choices[] = {
       {"save", "Save", "Scene, command, mask and pictures into a folder (Ctrl+S)."},
       {"copy_command", "Command", "The command that renders the left side, to the clipboard (Ctrl+C)."},
       {"screenshot", "Screenshot", "A picture of the whole window (F12)."},
       {"help", "Help", "All keys (F1)."}};
-  if (const auto k = widgets.buttons(rows, ImGui::GetStyle().ItemSpacing.x)) session.act(actions[*k]);
+  if (const auto k = widgets.buttons(choices, ImGui::GetStyle().ItemSpacing.x)) session.act(actions[*k]);
 }
 
 }  // namespace
@@ -288,7 +261,7 @@ void draw_controls(const PixelRect& place, Session& session, const Shown& shown,
       ImGui::PopID();
     }
   }
-  end_panel();
+  ImGui::End();
 }
 
 }  // namespace gnomon::viewer

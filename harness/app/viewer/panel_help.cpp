@@ -7,75 +7,55 @@
 #include "app/viewer/keys.h"
 #include "app/viewer/mouse.h"
 #include "app/viewer/panels.h"
-#include "app/viewer/style.h"
+#include "app/viewer/widgets.h"
 #include "app/viewer/window.h"
 
 namespace gnomon::viewer {
 
 namespace {
 
-void draw_row(std::string_view key, std::string_view sentence) {
-  ImGui::TableNextRow();
-  ImGui::TableNextColumn();
-  ImGui::TextUnformatted(key.data(), key.data() + key.size());
-  ImGui::TableNextColumn();
-  ImGui::PushStyleColor(ImGuiCol_Text, quiet_text);
-  ImGui::TextWrapped("%.*s", static_cast<int>(sentence.size()), sentence.data());
-  ImGui::PopStyleColor();
-}
-
-bool begin_group(std::string_view title, float key_width) {
-  ImGui::TextUnformatted(title.data(), title.data() + title.size());
-  ImGui::Separator();
-  ImGui::PushID(title.data());
-  const bool is_begun = ImGui::BeginTable("keys", 2, ImGuiTableFlags_NoSavedSettings);
-  if (is_begun) {
-    ImGui::TableSetupColumn("key", ImGuiTableColumnFlags_WidthFixed, key_width);
-    ImGui::TableSetupColumn("sentence", ImGuiTableColumnFlags_WidthStretch);
-  } else {
-    ImGui::PopID();
-  }
-  return is_begun;
-}
-
-void end_group() {
-  ImGui::EndTable();
-  ImGui::PopID();
-  ImGui::Dummy({0, ImGui::GetFontSize() * 0.3f});
-}
-
-/// Rows first .. end - 1 are one group.
+/// Keys, or uses of the mouse, under one heading.
 struct Group {
-  std::size_t first, end;
-  float lines() const { return static_cast<float>(end - first) + 2; }  // with heading and gap
+  std::string title;
+  float key_width;                                             ///< in heights of the font
+  float row_lines;                                             ///< how many a row takes, about
+  std::vector<std::pair<std::string, std::string>> rows = {};  ///< name and sentence
+
+  float lines() const { return row_lines * static_cast<float>(rows.size()) + 2; }  // with heading and gap
 };
 
-std::vector<Group> key_groups() {
+std::vector<Group> help_groups() {
   std::vector<Group> groups;
-  const std::span<const KeyRow> rows = key_table().rows();
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    if (k == 0 || rows[k].group != rows[k - 1].group) groups.push_back({k, k});
-    groups.back().end = k + 1;
+  const KeyRow* before = nullptr;
+  for (const KeyRow& row : key_table().rows()) {
+    if (!before || row.group != before->group) groups.push_back({row.group, 5.5f, 1});
+    // Keys that do the same share a row.
+    if (before && row.effect == before->effect)
+      groups.back().rows.back().first += ", " + row.name;
+    else
+      groups.back().rows.emplace_back(row.name, row.sentence);
+    before = &row;
   }
+  groups.push_back({"Mouse in the picture", 10, 1.5f});
+  for (const MouseRow& row : mouse_rows) groups.back().rows.emplace_back(row.name, row.sentence);
   return groups;
 }
 
-void draw_keys(const Group& group) {
-  const std::span<const KeyRow> rows = key_table().rows();
-  if (!begin_group(rows[group.first].group, ImGui::GetFontSize() * 5.5f)) return;
-  for (std::size_t k = group.first; k < group.end; ++k) {
-    // Keys that do the same share a row.
-    std::string names(rows[k].name);
-    for (; k + 1 < group.end && rows[k + 1].effect == rows[k].effect; ++k) names += fmt::format(", {}", rows[k + 1].name);
-    draw_row(names, rows[k].sentence);
+void draw_group(const Group& group) {
+  ImGui::TextUnformatted(group.title.c_str());
+  ImGui::Separator();
+  if (!ImGui::BeginTable(group.title.c_str(), 2, ImGuiTableFlags_NoSavedSettings)) return;
+  ImGui::TableSetupColumn("key", ImGuiTableColumnFlags_WidthFixed, group.key_width * ImGui::GetFontSize());
+  ImGui::TableSetupColumn("sentence", ImGuiTableColumnFlags_WidthStretch);
+  for (const auto& [name, sentence] : group.rows) {
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    ImGui::TextUnformatted(name.c_str());
+    ImGui::TableNextColumn();
+    Widgets::wrapped(sentence, quiet_text);
   }
-  end_group();
-}
-
-void draw_mouse() {
-  if (!begin_group("Mouse in the picture", ImGui::GetFontSize() * 10)) return;
-  for (const MouseRow& row : mouse_rows()) draw_row(row.name, row.sentence);
-  end_group();
+  ImGui::EndTable();
+  ImGui::Dummy({0, ImGui::GetFontSize() * 0.3f});
 }
 
 /// Which group each column begins with, so that the highest column is as low as can be. Groups stay in their order.
@@ -101,10 +81,9 @@ std::vector<std::size_t> column_starts(const std::vector<float>& lines, int coun
 
 /// Whole groups in columns of nearly the same height. Answers the height of the highest.
 float draw_columns(int count) {
-  const std::vector<Group> groups = key_groups();
+  const std::vector<Group> groups = help_groups();
   std::vector<float> lines;
   for (const Group& group : groups) lines.push_back(group.lines());
-  lines.push_back(1.5f * static_cast<float>(mouse_rows().size()) + 2);
   std::vector<std::size_t> starts = column_starts(lines, count);
   starts.push_back(lines.size());
   const float gap = ImGui::GetFontSize(),
@@ -115,11 +94,7 @@ float draw_columns(int count) {
     if (column > 0) ImGui::SameLine(0, gap);
     ImGui::PushID(column);
     if (ImGui::BeginChild("column", {width, height})) {
-      for (std::size_t k = starts[column]; k < starts[column + 1]; ++k)
-        if (k < groups.size())
-          draw_keys(groups[k]);
-        else
-          draw_mouse();
+      for (std::size_t k = starts[column]; k < starts[column + 1]; ++k) draw_group(groups[k]);
       highest = std::max(highest, ImGui::GetCursorPosY() + ImGui::GetScrollY());
     }
     ImGui::EndChild();

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "app/viewer/panels.h"
-#include "app/viewer/style.h"
+#include "app/viewer/widgets.h"
 #include "measure/score/error_picture.h"
 
 namespace gnomon::viewer {
@@ -46,12 +46,6 @@ std::string percent_words(double share) {
   return share > 0 && share < 1e-5 ? std::string("<0.001") : fmt::format("{:.3f}", 100 * share);
 }
 
-void draw_right(const std::string& words) {
-  const float room = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(words.c_str()).x;
-  if (room > 0) ImGui::SetCursorPosX(ImGui::GetCursorPosX() + room);
-  ImGui::TextUnformatted(words.c_str());
-}
-
 bool has_layer(const Shown& shown) {
   const Composition& c = shown.composition;
   return (c.sides[0].layer && is_shown(c.layout, 0)) || (c.sides[1].layer && is_shown(c.layout, 1));
@@ -88,7 +82,7 @@ PaintLegend join_legends(const Shown& shown) {
 
 void draw_legend_table(const PaintLegend& legend, const Shown& shown) {
   const Paint paint = shown.composition.paint;
-  const ModeRow& mode = paint_rows()[static_cast<int>(paint)];
+  const ModeRow& mode = paint_rows[static_cast<int>(paint)];
   // Classes are the frame's, the same on both sides.
   const bool has_shares[2] = {legend.has_shares[0], legend.has_shares[1] && !(paint == Paint::classes && legend.has_shares[0])};
   const int columns = 1 + has_shares[0] + has_shares[1];
@@ -110,7 +104,7 @@ void draw_legend_table(const PaintLegend& legend, const Shown& shown) {
   if (columns > 1) sentence += fmt::format("\nShares are {}.", legend.lines[0].entry.of);
   Widgets::tooltip(sentence);
   ImGui::PushStyleColor(ImGuiCol_Text, quiet_text);
-  draw_shares([&](int side) { draw_right(columns == 3 ? fmt::format("{} %", side_name(side)) : "%"); });
+  draw_shares([&](int side) { Widgets::right(columns == 3 ? fmt::format("{} %", side_name(side)) : "%"); });
   ImGui::PopStyleColor();
   for (const LegendLine& line : legend.lines) {
     ImGui::TableNextRow();
@@ -119,7 +113,7 @@ void draw_legend_table(const PaintLegend& legend, const Shown& shown) {
     Widgets::wrapped(line.entry.name);
     Widgets::tooltip(sentence_of(paint, line.entry.name));
     // A color that only one of two sides shows has share 0 in the other.
-    draw_shares([&](int side) { draw_right(percent_words(line.share[side].value_or(0))); });
+    draw_shares([&](int side) { Widgets::right(percent_words(line.share[side].value_or(0))); });
   }
   ImGui::EndTable();
 }
@@ -128,7 +122,7 @@ void draw_paint_legend(const Shown& shown) {
   const PaintLegend legend = join_legends(shown);
   if (!legend.lines.empty()) return draw_legend_table(legend, shown);
   const Paint paint = shown.composition.paint;
-  const ModeRow& mode = paint_rows()[static_cast<int>(paint)];
+  const ModeRow& mode = paint_rows[static_cast<int>(paint)];
   if (paint == Paint::shaded && has_layer(shown)) return;  // the layer has a legend of its own
   ImGui::TextDisabled("%s", std::string(mode.title).c_str());
   const bool is_judged = (paint == Paint::kinds || paint == Paint::causes) && (legend.has_shares[0] || legend.has_shares[1]);

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "app/viewer/panels.h"
-#include "app/viewer/style.h"
+#include "app/viewer/widgets.h"
 #include "report/table/digits.h"
 
 namespace gnomon::viewer {
@@ -28,15 +28,11 @@ std::vector<int> numbered_sides(const EngineState& state) {
 
 /// Words at the right edge where they fit; else in several lines.
 void draw_words(const std::string& words) {
-  const float room = ImGui::GetContentRegionAvail().x;
-  const std::string all = Widgets::lines(words, room);
+  const std::string all = Widgets::lines(words, ImGui::GetContentRegionAvail().x);
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, 0});
   for (std::size_t at = 0; at <= all.size();) {
     const std::size_t end = std::min(all.find('\n', at), all.size());
-    const std::string line = all.substr(at, end - at);
-    const float beside = room - ImGui::CalcTextSize(line.c_str()).x;
-    if (beside > 0) ImGui::SetCursorPosX(ImGui::GetCursorPosX() + beside);
-    ImGui::TextUnformatted(line.c_str());
+    Widgets::right(all.substr(at, end - at));
     at = end + 1;
   }
   ImGui::PopStyleVar();
@@ -46,12 +42,10 @@ void draw_words(const std::string& words) {
 void draw_value(const Value& value) {
   std::string shown = value.words.empty() ? "-" : value.words;
   if (ImGui::CalcTextSize(shown.c_str()).x > ImGui::GetContentRegionAvail().x) shown = shown.substr(0, shown.find(' '));
-  const float room = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(shown.c_str()).x;
-  if (room > 0) ImGui::SetCursorPosX(ImGui::GetCursorPosX() + room);
-  if (value.words.empty() || value.is_old)
-    ImGui::TextDisabled("%s", shown.c_str());
-  else
-    ImGui::TextUnformatted(shown.c_str());
+  const bool is_faint = value.words.empty() || value.is_old;
+  ImGui::PushStyleColor(ImGuiCol_Text, is_faint ? quiet_text : ImGui::GetColorU32(ImGuiCol_Text));
+  Widgets::right(shown);
+  ImGui::PopStyleColor();
   if (shown.size() < value.words.size()) Widgets::tooltip(value.words);
 }
 
@@ -76,20 +70,9 @@ void draw_row(const EngineState& state, const std::string& name, const std::stri
 }
 
 std::string phase_words(const SideState& side) {
-  switch (side.phase) {
-    case Phase::starting:
-      return "starting";
-    case Phase::working:
-      return side.words.empty() ? fmt::format("working {:.1f} s", side.seconds)
-                                : fmt::format("{} {:.1f} s", side.words, side.seconds);
-    case Phase::done:
-      return side.answer && side.answer->support.kind() == Support::Kind::approximate ? "approximate" : "done";
-    case Phase::unsupported:
-      return "unsupported";
-    case Phase::failed:
-      return "failed";
-  }
-  return "";
+  if (side.phase == Phase::working)
+    return fmt::format("{} {:.1f} s", side.words.empty() ? "working" : side.words, side.seconds);
+  return side.phase == Phase::done && side.is_approximate() ? "approximate" : phase_names[static_cast<int>(side.phase)];
 }
 
 void draw_phase(const SideState& state, bool is_right) {
@@ -98,15 +81,9 @@ void draw_phase(const SideState& state, bool is_right) {
   is_right ? draw_words(phase_words(state)) : ImGui::TextUnformatted(phase_words(state).c_str());
   ImGui::PopStyleColor();
   std::string sentence = state.words;
-  if (state.answer && state.answer->support.kind() == Support::Kind::approximate)
-    sentence = "approximate: " + state.answer->support.why();
+  if (state.is_approximate()) sentence = "approximate: " + state.answer->support.why();
   if (!state.renderer.empty()) sentence += (sentence.empty() ? "" : "\n") + state.renderer;
   Widgets::tooltip(sentence);
-}
-
-/// As the command line writes it.
-std::string reference_of(const SideSelection& selection) {
-  return selection.settings.empty() ? selection.technique : selection.technique + ":" + selection.settings;
 }
 
 void draw_heads(const Shown& shown, const Session& session) {
@@ -115,7 +92,7 @@ void draw_heads(const Shown& shown, const Session& session) {
   for (int side = 0; side < 2; ++side) {
     ImGui::TableNextColumn();
     draw_words(title_of(session, side));
-    Widgets::tooltip(reference_of(session.selection().sides[side]));
+    Widgets::tooltip(written(session.selection().sides[side]));
   }
   ImGui::TableNextRow();
   ImGui::TableNextColumn();
@@ -128,7 +105,7 @@ void draw_heads(const Shown& shown, const Session& session) {
 /// The head of the only side that has numbers.
 void draw_head(const Shown& shown, const Session& session, int side) {
   ImGui::TextUnformatted(title_of(session, side).c_str());
-  Widgets::tooltip(reference_of(session.selection().sides[side]));
+  Widgets::tooltip(written(session.selection().sides[side]));
   ImGui::SameLine(0, 2 * lengths().gap);
   draw_phase(shown.state.sides[side], false);
 }

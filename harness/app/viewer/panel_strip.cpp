@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "app/viewer/panels.h"
-#include "app/viewer/style.h"
+#include "app/viewer/widgets.h"
 #include "app/viewer/window.h"
 
 namespace gnomon::viewer {
@@ -25,8 +25,6 @@ bool begin_panel(const char* name, const PixelRect& place) {
                       ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                           ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoNav);
 }
-
-void end_panel() { ImGui::End(); }
 
 namespace {
 
@@ -52,6 +50,96 @@ void draw_status(const Session& session, const Shown& shown) {
   Widgets::tooltip(session.message());
   ImGui::SameLine(std::max(0.f, room - width) + ImGui::GetStyle().WindowPadding.x);
   ImGui::TextDisabled("%s", words.c_str());
+}
+
+constexpr int around = 8;       // pixels to each side of the middle one
+constexpr double enlarged = 8;  // framebuffer pixels of a pixel, at scale 1
+
+/// A square of pixels around the middle one; what lies outside the picture stays dark.
+void draw_pixels(const Shown& shown, float pixel) {
+  const float side = pixel * (2 * around + 1);
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  list.AddRectFilled(at, {at.x + side, at.y + side}, IM_COL32(12, 12, 14, 255));
+  const int width = shown.composition.width, height = shown.composition.height;
+  const glm::ivec2 first = glm::max(shown.pixel - around, glm::ivec2(0));
+  const glm::ivec2 end = glm::min(shown.pixel + around + 1, glm::ivec2(width, height));
+  if (shown.pixel.x >= 0 && first.x < end.x && first.y < end.y) {
+    const glm::vec2 low = glm::vec2(first - shown.pixel + around) * pixel, high = glm::vec2(end - shown.pixel + around) * pixel;
+    list.AddImage(reinterpret_cast<ImTextureID>(static_cast<std::intptr_t>(shown.texture)), {at.x + low.x, at.y + low.y},
+                  {at.x + high.x, at.y + high.y}, {first.x / static_cast<float>(width), first.y / static_cast<float>(height)},
+                  {end.x / static_cast<float>(width), end.y / static_cast<float>(height)});
+    const ImVec2 corner(at.x + around * pixel, at.y + around * pixel);
+    const float line = lengths().panel / panel_width;
+    const auto frame = [&](float beside, ImU32 color) {
+      list.AddRect({corner.x - beside, corner.y - beside}, {corner.x + pixel + beside, corner.y + pixel + beside}, color, 0, 0,
+                   line);
+    };
+    frame(line, IM_COL32(0, 0, 0, 255));
+    frame(2 * line, picked_color);
+  }
+  ImGui::Dummy({side, side});
+}
+
+void draw_facts(const Shown& shown, const Session& session) {
+  const SideState& side = shown.state.sides[shown.side];
+  const bool is_explained =
+      session.picked() && side.explanation && side.explained && side.explained == session.selection().picked;
+  const std::vector<PixelFact> facts =
+      pixel_facts(shown.composition, shown.side, shown.pixel.x, shown.pixel.y, shown.state.reference.get(),
+                  is_explained ? side.explanation.get() : nullptr);
+  Widgets::wrapped(
+      fmt::format("{}, pixel {} {}{}", side_name(shown.side), shown.pixel.x, shown.pixel.y, session.picked() ? ", picked" : ""),
+      quiet_text);
+  Widgets::tooltip("A click in the picture picks its pixel, Escape drops it.");
+  const auto draw_name = [](const PixelFact& fact) { Widgets::wrapped(fact.name, quiet_text); };
+  // What a class means is known to those who look at many pixels.
+  const auto draw_value = [](const PixelFact& fact) {
+    const std::size_t end = fact.name == "class" ? fact.value.find(". ") : std::string::npos;
+    Widgets::wrapped(fact.value.substr(0, end));
+    if (end != std::string::npos) Widgets::tooltip(fact.value.substr(end + 2));
+  };
+  // Where there is no room for two columns, each value is below its name.
+  if (ImGui::GetContentRegionAvail().x < 13 * ImGui::GetFontSize()) {
+    for (const PixelFact& fact : facts) {
+      draw_name(fact);
+      ImGui::Indent(ImGui::GetFontSize() * 0.6f);
+      draw_value(fact);
+      ImGui::Unindent(ImGui::GetFontSize() * 0.6f);
+    }
+    return;
+  }
+  if (!ImGui::BeginTable("facts", 2, ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_NoSavedSettings)) return;
+  float widest = 0;
+  for (const PixelFact& fact : facts) widest = std::max(widest, ImGui::CalcTextSize(fact.name.c_str()).x);
+  ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthFixed, std::min(widest, ImGui::GetFontSize() * 5.5f));
+  ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthStretch);
+  for (const PixelFact& fact : facts) {
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    draw_name(fact);
+    ImGui::TableNextColumn();
+    draw_value(fact);
+  }
+  ImGui::EndTable();
+}
+
+/// The pixels around one, eight times as large, and what is known of it.
+void draw_magnifier(const Shown& shown, const Session& session) {
+  // As large as its place lets it be, in whole pixels.
+  const ImVec2 room = ImGui::GetContentRegionAvail();
+  const double unit = pixels_per_unit(), scale = lengths().panel / panel_width * unit;
+  const double most = std::min<double>(room.y, room.x * 0.42) * unit / (2 * around + 1);
+  const auto pixel = static_cast<float>(std::max(2.0, std::floor(std::min(std::round(enlarged * scale), most))) / unit);
+  draw_pixels(shown, pixel);
+  ImGui::SameLine(0, lengths().gap);
+  if (ImGui::BeginChild("facts", {0, 0})) {
+    if (shown.pixel.x < 0)
+      Widgets::wrapped("The pixel under the mouse is shown here; a click in the picture picks one.", quiet_text);
+    else
+      draw_facts(shown, session);
+  }
+  ImGui::EndChild();
 }
 
 }  // namespace
@@ -86,7 +174,7 @@ void draw_strip(const PixelRect& place, const Session& session, const Shown& sho
     ImGui::Separator();
     draw_status(session, shown);
   }
-  end_panel();
+  ImGui::End();
 }
 
 }  // namespace gnomon::viewer

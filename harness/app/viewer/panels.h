@@ -37,9 +37,8 @@ struct Shown {
   double frames_per_second = 0;             ///< new frames that the picture showed within the last second
 };
 
-/// A fixed panel at a place; `end_panel` ends it whatever it returned.
+/// A fixed panel at a place; `ImGui::End` ends it whatever it returned.
 bool begin_panel(const char* name, const PixelRect& place);
-void end_panel();
 
 /// Choices and parameters. `scenes` is what `list_scenes` says.
 void draw_controls(const PixelRect& place, Session& session, const Shown& shown, std::span<const SceneListing> scenes,
@@ -52,7 +51,6 @@ void draw_help(glm::ivec2 window, Session& session);
 // Parts of the strip.
 void draw_numbers(const Shown& shown, const Session& session);
 void draw_legend(const Shown& shown);
-void draw_magnifier(const Shown& shown, const Session& session);
 
 std::string title_of(const Session& session, int side);
 inline const char* side_name(int side) { return side == 0 ? "left" : "right"; }

@@ -66,6 +66,12 @@ struct Verdict {
   std::map<std::string, std::uint64_t> cause_counts;
 };
 
+/// What a mask is judged by, without causes.
+inline Evidence evidence_of(int width, int height, std::span<const float> mask, const ReferenceState& reference) {
+  return {
+      .width = width, .height = height, .classes = reference.classes, .reference = reference.mask, .mask = mask, .causes = {}};
+}
+
 /// A debug layer as a technique drew it.
 struct LayerPicture {
   std::shared_ptr<const Frame> frame;

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/viewer/compose_parts.h"
+#include "app/viewer/compose.h"
 #include "measure/score/error_picture.h"
 
 namespace gnomon::viewer {

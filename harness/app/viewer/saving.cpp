@@ -4,23 +4,128 @@
 #include <gnomon/error.h>
 #include <imgui.h>
 
+#include <cassert>
+#include <charconv>
+#include <cmath>
+
 #include "app/staged_folder.h"
 #include "measure/scene/blob.h"
+#include "measure/scene/load.h"
 
 namespace gnomon::viewer {
 
 namespace fs = std::filesystem;
 namespace {
 
+bool reads_back(const std::string& text, float value) {
+  double read = 0;
+  std::from_chars(text.data(), text.data() + text.size(), read);
+  return static_cast<float>(read) == value;
+}
+
+/// The fewest digits that read back as this float. The reader rounds to double first, so that for a few floats the shortest
+/// text lands between two of them and falls to the wrong side: 7.038531e-26 is one.
+std::string number(float value) {
+  if (value == 0) return std::signbit(value) ? "-0.0" : "0";  // TOML's -0 is a whole number, which has no sign
+  assert(std::isfinite(value));
+  std::string text = fmt::format("{}", value);
+  for (int digits = 7; digits <= 17 && !reads_back(text, value); ++digits) text = fmt::format("{:.{}g}", value, digits);
+  return text;
+}
+
+std::string vector(const glm::vec3& v) { return fmt::format("[{}, {}, {}]", number(v.x), number(v.y), number(v.z)); }
+
+/// A TOML string. Its escapes are those of JSON, and DEL.
+std::string quoted(const std::string& text) {
+  std::string result = json_text(Json(text));  // replaces what is no UTF-8
+  if (plain_text(parse_json(result)) != text) throw Error("'{}' is not UTF-8 and cannot be named in a scene description", text);
+  for (std::size_t at; (at = result.find('\x7f')) != std::string::npos;) result.replace(at, 1, "\\u007F");
+  return result;
+}
+
+/// The scene as a description in `file` names it. Of the folders between, links are followed, so that `..` leads where it says;
+/// the scene's own name stays, for a description finds its meshes beside the name that it is opened by.
+std::string base_reference(const std::string& scene, const fs::path& file) {
+  if (!names_file(scene)) return scene;
+  const fs::path from = fs::absolute(file).parent_path(), base = fs::absolute(scene);
+  const std::string name = fs::relative(base.parent_path(), from) / base.filename();
+  return name.starts_with('.') ? name : "./" + name;
+}
+
+std::string line(std::string_view key, const std::string& value) { return fmt::format("{} = {}\n", key, value); }
+std::string line(std::string_view key, float value) { return line(key, number(value)); }
+std::string line(std::string_view key, const glm::vec3& value) { return line(key, vector(value)); }
+
+std::string kind_toml(const PointLight& l) { return line("position", l.position); }
+std::string kind_toml(const SpotLight& l) {
+  return line("position", l.position) + line("direction", l.direction) + line("inner_degrees", l.inner_degrees) +
+         line("outer_degrees", l.outer_degrees);
+}
+std::string kind_toml(const DirectionalLight& l) { return line("direction", l.direction); }
+std::string kind_toml(const RectLight& l) {
+  return line("center", l.center) + line("half_u", l.half_u) + line("half_v", l.half_v);
+}
+std::string kind_toml(const DiscLight& l) {
+  return line("center", l.center) + line("normal", l.normal) + line("radius", l.radius);
+}
+std::string kind_toml(const SphereLight& l) { return line("center", l.center) + line("radius", l.radius); }
+
+std::string light_toml(const Light& light) {
+  return "[[light]]\n" + line("name", quoted(light.name)) + line("kind", quoted(std::string(kind_name(light)))) +
+         std::visit([](const auto& kind) { return kind_toml(kind); }, light.kind) + line("intensity", light.intensity);
+}
+
+std::string view_toml(const View& view) {
+  return "[[view]]\n" + line("name", quoted(view.name)) + line("eye", view.eye) + line("target", view.target) +
+         line("up", view.up) + line("fov_y_degrees", view.fov_y_degrees);
+}
+
+/// The word as a POSIX shell reads it back; plain where nothing in it means anything to a shell.
+std::string shell_word(const std::string& word) {
+  constexpr std::string_view plain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_@%+=:,./-";
+  if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
+  std::string result = "'";
+  for (const char c : word) c == '\'' ? result += "'\\''" : result += c;
+  return result + "'";
+}
+
+/// A path that is no option, whatever it begins with.
+std::string path_word(const std::string& path) { return path.starts_with('-') ? "./" + path : path; }
+
 Json json_of(const PixelRect& rect) { return {{"x", rect.x}, {"y", rect.y}, {"width", rect.width}, {"height", rect.height}}; }
 
-Json json_of(const ControlPlace& place) {
-  const auto whole = [](double value) { return static_cast<int>(std::lround(value)); };
-  return {{"x", whole(place.low.x)},
-          {"y", whole(place.low.y)},
-          {"width", whole(place.high.x) - whole(place.low.x)},
-          {"height", whole(place.high.y) - whole(place.low.y)},
-          {"visible", place.is_visible}};
+/// What is where in the window and what it says: rectangles in framebuffer pixels, the picked pixel, how far each side is, the
+/// last message, why the selected scene could not be loaded, whether text is typed into a field.
+Json window_json(const DrawnWindow& window, const Session& session, const EngineState& state) {
+  Json json;
+  json["window"]["width"] = window.pixels.width;
+  json["window"]["height"] = window.pixels.height;
+  json["window"]["scale"] = window.scale;
+  json["picture"] = json_of(window.picture);
+  json["layout"] = layout_rows[static_cast<int>(session.layout)].id;
+  json["paint"] = paint_rows[static_cast<int>(session.paint)].id;
+  json["divider"] = session.divider;
+  json["picked"] = nullptr;
+  if (session.picked()) json["picked"] = {session.picked()->x, session.picked()->y};
+  for (int side = 0; side < 2; ++side) {
+    const SideSelection& selection = session.selection().sides[side];
+    Json& row = json["sides"][side_name(side)];
+    row["technique"] = selection.technique;
+    row["settings"] = selection.settings;
+    row["layer"] = selection.layer;
+    row["phase"] = phase_names[static_cast<int>(state.sides[side].phase)];
+    row["words"] = state.sides[side].words;
+  }
+  json["message"] = session.message();
+  json["scene_error"] = state.scene_error;
+  json["typing"] = ImGui::GetIO().WantTextInput;
+  json["controls"] = Json::object();
+  for (const auto& [name, place] : window.controls) {
+    const glm::ivec2 low = glm::round(place.low), high = glm::round(place.high);
+    json["controls"][name] = json_of(PixelRect{low.x, low.y, high.x - low.x, high.y - low.y});
+    json["controls"][name]["visible"] = place.is_visible;
+  }
+  return json;
 }
 
 Picture picture_of(std::span<const std::uint32_t> rgba, int width, int height) {
@@ -35,32 +140,29 @@ Picture picture_of(std::span<const std::uint32_t> rgba, int width, int height) {
 
 }  // namespace
 
-Json window_json(glm::ivec2 window, double scale, const PixelRect& picture, const ControlPlaces& controls,
-                 const Session& session, const EngineState& state) {
-  static constexpr const char* phases[] = {"starting", "working", "done", "unsupported", "failed"};
-  Json named = Json::object(), sides = Json::object();
-  for (const auto& [name, place] : controls) named[name] = json_of(place);
-  for (int side = 0; side < 2; ++side)
-    sides[side_name(side)] = {{"technique", session.selection().sides[side].technique},
-                              {"settings", session.selection().sides[side].settings},
-                              {"layer", session.selection().sides[side].layer},
-                              {"phase", phases[static_cast<int>(state.sides[side].phase)]},
-                              {"words", state.sides[side].words}};
-  return {{"window", {{"width", window.x}, {"height", window.y}, {"scale", scale}}},
-          {"picture", json_of(picture)},
-          {"layout", layout_rows()[static_cast<int>(session.layout)].id},
-          {"paint", paint_rows()[static_cast<int>(session.paint)].id},
-          {"divider", session.divider},
-          {"picked", session.picked() ? Json{session.picked()->x, session.picked()->y} : Json()},
-          {"sides", sides},
-          {"message", session.message()},
-          {"scene_error", state.scene_error},
-          {"typing", ImGui::GetIO().WantTextInput},
-          {"controls", named}};
+std::string state_toml(const Selection& shown, const fs::path& file) {
+  // A scene that could not be loaded is selected, but not shown.
+  const std::string base = quoted(base_reference(shown.loaded ? shown.loaded->reference : shown.scene, file));
+  return fmt::format("# Saved state: {} under light '{}', seen from view '{}'.\nscene = {}\n\n{}\n{}", base, shown.light.name,
+                     shown.view.name, base, light_toml(shown.light), view_toml(shown.view));
+}
+
+std::string render_command(const Selection& shown, std::span<const std::string> plugins, const fs::path& scene_file,
+                           const fs::path& out) {
+  std::vector<std::string> words = {"gnomon"};
+  for (const std::string& plugin : plugins) words.insert(words.end(), {"--plugin", path_word(plugin)});
+  words.insert(words.end(),
+               {"render", "--scene", path_word(scene_file.string()), "--technique", written(shown.sides[0]), "--light",
+                shown.light.name, "--view", shown.view.name, "--size", fmt::format("{}x{}", shown.width, shown.height)});
+  if (shown.truth != Truth::shape) words.insert(words.end(), {"--truth", std::string(name(shown.truth))});
+  words.insert(words.end(), {"--out", path_word(out.string())});
+  std::string line;
+  for (const std::string& word : words) line += (line.empty() ? "" : " ") + shell_word(word);
+  return line;
 }
 
 void write_window(const fs::path& file, const Picture& picture) {
-  const app::StagedFolder folder = app::StagedFolder::for_file(file);
+  const app::StagedFolder folder(file, app::StagedFolder::Target::file);
   write_png(folder.path / file.filename(), picture);
   folder.publish();
 }
@@ -74,30 +176,16 @@ fs::path SavedFiles::next(const std::string& before, const std::string& after) c
   }
 }
 
-SavedState SavedFiles::saved_state(const Session& session) const {
-  const Selection& selection = session.selection();
-  // A scene that could not be loaded is selected, but not shown.
-  return {.scene = selection.loaded ? selection.loaded->reference : selection.scene,
-          .light = selection.light,
-          .view = selection.view,
-          .plugins = plugins_,
-          .technique = selection.sides[0].technique,
-          .settings = selection.sides[0].settings,
-          .width = selection.width,
-          .height = selection.height,
-          .truth = selection.truth};
-}
-
 std::string SavedFiles::write_command(const Session& session, const fs::path& staged, const fs::path& folder) {
-  const SavedState state = saved_state(session);
-  const std::string command = render_command(state, folder / "scene.toml", folder / "render");
-  write_file(staged / "scene.toml", state_toml(state, folder / "scene.toml"));
+  const fs::path scene_file = folder / "scene.toml";
+  const std::string command = render_command(session.selection(), plugins_, scene_file, folder / "render");
+  write_file(staged / "scene.toml", state_toml(session.selection(), scene_file));
   write_file(staged / "command.txt", command + "\n");
   return command;
 }
 
 fs::path SavedFiles::save(const Session& session, const EngineState& state, std::span<const std::uint32_t> rgba,
-                          const Picture& window, const Json& places) {
+                          const DrawnWindow& window) {
   const Selection& selection = session.selection();
   const SideState& left = state.sides[0];
   std::span<const float> mask;
@@ -110,21 +198,21 @@ fs::path SavedFiles::save(const Session& session, const EngineState& state, std:
     throw Error("the left side, {}, has no mask to save: {}", selection.sides[0].technique,
                 left.words.empty() ? "it is not done" : left.words);
   const fs::path folder = next("", "");
-  const app::StagedFolder staged = app::StagedFolder::beside(folder);
+  const app::StagedFolder staged(folder);
   write_command(session, staged.path, folder);
   const std::vector<std::string> names = {selection.light.name + ".V"};
   const std::vector<std::span<const float>> channels = {mask};
   write_exr(staged.path / "mask.exr", selection.width, selection.height, names, channels);
   write_png(staged.path / "picture.png", picture_of(rgba, selection.width, selection.height));
-  write_png(staged.path / "window.png", window);
-  write_file(staged.path / "window.json", json_text(places, 2) + "\n");
+  write_png(staged.path / "window.png", window.pixels);
+  write_file(staged.path / "window.json", json_text(window_json(window, session, state), 2) + "\n");
   staged.publish();
   return folder;
 }
 
 std::string SavedFiles::save_command(const Session& session) {
   const fs::path folder = next("", "");
-  const app::StagedFolder staged = app::StagedFolder::beside(folder);
+  const app::StagedFolder staged(folder);
   const std::string command = write_command(session, staged.path, folder);
   staged.publish();
   return command;

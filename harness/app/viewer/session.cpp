@@ -2,7 +2,6 @@
 #include "app/viewer/session.h"
 
 #include <algorithm>
-#include <cstring>
 
 #include "app/viewer/window.h"
 #include "measure/scene/load.h"
@@ -27,12 +26,8 @@ std::unique_ptr<SceneGenerator> generator_of(const std::string& reference) {
 
 std::string scene_id(const std::string& reference) { return reference.substr(0, reference.find(':')); }
 
-Session::Session(Selection selection, const Scene& scene)
-    : selection_(std::move(selection)), generator_(generator_of(selection_.scene)) {
-  auto loaded = std::make_shared<LoadedScene>();
-  loaded->reference = selection_.scene;
-  loaded->scene = scene;
-  loaded_ = std::move(loaded);
+Session::Session(Selection selection, std::shared_ptr<const LoadedScene> loaded)
+    : selection_(std::move(selection)), loaded_(std::move(loaded)), generator_(generator_of(selection_.scene)) {
   for (int side = 0; side < 2; ++side) {
     const SideSelection start = selection_.sides[side];
     choose_technique(side, start.technique);
@@ -58,9 +53,8 @@ void Session::generator_changed() {
 }
 
 void Session::adopt(const EngineState& state) {
-  if (!state.loaded || state.loaded == loaded_ || state.loaded->reference != selection_.scene) return;
-  loaded_ = state.loaded;
-  selection_.loaded = loaded_;
+  if (!state.loaded || state.loaded == selection_.loaded || state.loaded->reference != selection_.scene) return;
+  selection_.loaded = loaded_ = state.loaded;
   if (!(keeps_moved_ && light_moved_)) choose_light(named_or_first(scene()->lights, selection_.light.name).name);
   if (!(keeps_moved_ && view_moved_)) choose_view(named_or_first(scene()->views, selection_.view.name).name);
   keeps_moved_ = true;
@@ -183,63 +177,25 @@ void Session::act(const KeyEffect& effect, double count) {
 }
 
 void Session::carry_out(Action action) {
-  const auto flip = [](bool& shown) { shown = !shown; };
-  const auto request = [](bool& wanted) { wanted = true; };
-  switch (action) {
-    case Action::technique_before:
-      return step_technique(-1);
-    case Action::technique_after:
-      return step_technique(1);
-    case Action::swap_sides:
-      return swap_sides();
-    case Action::layer_after:
-      return next_layer();
-    case Action::silhouettes:
-      return flip(shows_silhouettes);
-    case Action::magnifier:
-      return flip(shows_magnifier);
-    case Action::panels:
-      return flip(shows_panels);
-    case Action::reset_view:
-      return reset_view();
-    case Action::reset_light:
-      return reset_light();
-    case Action::save:
-      return request(requests.save);
-    case Action::copy_command:
-      return request(requests.copy_command);
-    case Action::screenshot:
-      return request(requests.screenshot);
-    case Action::quit:
-      return request(requests.quit);
-    case Action::help:
-      return flip(shows_help);
-    case Action::cancel:
-      return shows_help ? flip(shows_help) : pick({});
-  }
-}
-
-// --------------------------------------------------------------------------------------------------------------------------
-
-bool are_same(const Light& a, const Light& b) {
-  if (a.name != b.name || a.intensity != b.intensity || a.kind.index() != b.kind.index()) return false;
-  return std::visit(
-      [&](const auto& one) {
-        using Kind = std::decay_t<decltype(one)>;
-        static_assert(sizeof(Kind) % sizeof(float) == 0);  // nothing but floats
-        return std::memcmp(&one, &std::get<Kind>(b.kind), sizeof(Kind)) == 0;
-      },
-      a.kind);
-}
-
-bool are_same(const View& a, const View& b) {
-  return a.name == b.name && a.eye == b.eye && a.target == b.target && a.up == b.up && a.fov_y_degrees == b.fov_y_degrees;
-}
-
-bool are_same(const Selection& a, const Selection& b) {
-  return a.scene == b.scene && a.loaded == b.loaded && a.truth == b.truth && are_same(a.light, b.light) &&
-         are_same(a.view, b.view) && a.width == b.width && a.height == b.height && a.is_moving == b.is_moving &&
-         a.full_while_moving == b.full_while_moving && a.sides == b.sides && a.picked == b.picked && a.repeat == b.repeat;
+  constexpr std::pair<Action, bool Session::*> flips[] = {{Action::silhouettes, &Session::shows_silhouettes},
+                                                          {Action::magnifier, &Session::shows_magnifier},
+                                                          {Action::panels, &Session::shows_panels},
+                                                          {Action::help, &Session::shows_help}};
+  for (const auto& [flip, shown] : flips)
+    if (action == flip) this->*shown = !(this->*shown);
+  constexpr std::pair<Action, bool Requests::*> requested[] = {{Action::save, &Requests::save},
+                                                               {Action::copy_command, &Requests::copy_command},
+                                                               {Action::screenshot, &Requests::screenshot},
+                                                               {Action::quit, &Requests::quit}};
+  for (const auto& [request, wanted] : requested)
+    if (action == request) requests.*wanted = true;
+  if (action == Action::technique_before) step_technique(-1);
+  if (action == Action::technique_after) step_technique(1);
+  if (action == Action::swap_sides) swap_sides();
+  if (action == Action::layer_after) next_layer();
+  if (action == Action::reset_view) choose_view(selection_.view.name);
+  if (action == Action::reset_light) choose_light(selection_.light.name);
+  if (action == Action::cancel && !std::exchange(shows_help, false)) pick({});
 }
 
 }  // namespace gnomon::viewer

@@ -8,7 +8,7 @@
 
 #include "app/viewer/compose.h"
 #include "app/viewer/engine.h"
-#include "app/viewer/key_effects.h"
+#include "app/viewer/keys.h"
 
 namespace gnomon::viewer {
 
@@ -20,8 +20,8 @@ struct Requests {
 /// All that the person has chosen. Panels, keys and mouse edit it through these calls; the engine follows its selection.
 class Session {
  public:
-  /// `scene` is the one that the selection names.
-  Session(Selection selection, const Scene& scene);
+  /// `loaded` is the scene that the selection names.
+  Session(Selection selection, std::shared_ptr<const LoadedScene> loaded);
 
   const Selection& selection() const { return selection_; }
   Layout layout = Layout::split;
@@ -48,8 +48,6 @@ class Session {
   void choose_view(const std::string& name);
   void set_light(const Light& light);
   void set_view(const View& view);
-  void reset_light() { choose_light(selection_.light.name); }
-  void reset_view() { choose_view(selection_.view.name); }
   bool is_light_moved() const { return light_moved_; }
   bool is_view_moved() const { return view_moved_; }
   void set_size(int width, int height);
@@ -108,10 +106,5 @@ class Session {
 
 /// The part of a scene's reference before its settings: "composite" of "composite:object=cone". Of a file, its path.
 std::string scene_id(const std::string& reference);
-
-/// Whether engine and workers would do the same for both.
-bool are_same(const Light& a, const Light& b);
-bool are_same(const View& a, const View& b);
-bool are_same(const Selection& a, const Selection& b);
 
 }  // namespace gnomon::viewer

@@ -1,4 +1,5 @@
-// Rows of the panels, and the widgets that follow from parameter rows.
+// How the window looks, dark and quiet, so that the picture is what one sees; rows of the panels, and the widgets that follow
+// from parameter rows.
 #include "app/viewer/widgets.h"
 
 #include <gnomon/error.h>
@@ -10,12 +11,13 @@
 #include <type_traits>
 #include <utility>
 
-#include "app/viewer/style.h"
 #include "app/viewer/window.h"
 
 namespace gnomon::viewer {
 
 namespace {
+
+float unit_scale = 1;
 
 constexpr std::size_t longest_inline_unit = 6;  // "texel"
 
@@ -32,6 +34,58 @@ std::string sentence_of(const Parameter& row) {
 }
 
 }  // namespace
+
+void set_style(double scale) {
+  unit_scale = static_cast<float>(scale);
+  ImGuiStyle style;
+  ImGui::StyleColorsDark(&style);
+  style.WindowPadding = {10, 8};
+  style.FramePadding = {6, 3};
+  style.ItemSpacing = {6, 4};
+  style.ItemInnerSpacing = {5, 4};
+  style.CellPadding = {4, 1};
+  style.ScrollbarSize = 11;
+  style.GrabMinSize = 9;
+  style.WindowBorderSize = style.ChildBorderSize = 0;
+  style.PopupBorderSize = 1;
+  style.WindowRounding = 0;
+  style.FrameRounding = style.GrabRounding = style.PopupRounding = style.ScrollbarRounding = 3;
+  const ImVec4 accent(0.33f, 0.58f, 0.80f, 1);
+  const auto gray = [](float value, float alpha = 1) { return ImVec4(value * 0.96f, value, value * 1.06f, alpha); };
+  const auto set = [&](ImGuiCol what, const ImVec4& color) { style.Colors[what] = color; };
+  const auto faded = [](ImVec4 color, float alpha) {
+    color.w = alpha;
+    return color;
+  };
+  set(ImGuiCol_Text, gray(0.86f));
+  set(ImGuiCol_TextDisabled, ImGui::ColorConvertU32ToFloat4(quiet_text));
+  set(ImGuiCol_WindowBg, gray(0.125f));
+  set(ImGuiCol_PopupBg, gray(0.145f, 0.98f));
+  set(ImGuiCol_Border, gray(0.28f));
+  set(ImGuiCol_FrameBg, gray(0.19f));
+  set(ImGuiCol_FrameBgHovered, gray(0.24f));
+  set(ImGuiCol_FrameBgActive, gray(0.27f));
+  set(ImGuiCol_Button, gray(0.23f));
+  set(ImGuiCol_ButtonHovered, gray(0.3f));
+  set(ImGuiCol_ButtonActive, faded(accent, 0.7f));
+  set(ImGuiCol_Header, gray(0.18f));
+  set(ImGuiCol_HeaderHovered, gray(0.24f));
+  set(ImGuiCol_HeaderActive, gray(0.27f));
+  set(ImGuiCol_CheckMark, accent);
+  set(ImGuiCol_SliderGrab, faded(accent, 0.85f));
+  set(ImGuiCol_SliderGrabActive, accent);
+  set(ImGuiCol_Separator, gray(0.22f));
+  set(ImGuiCol_ScrollbarBg, gray(0.11f));
+  set(ImGuiCol_ScrollbarGrab, gray(0.28f));
+  set(ImGuiCol_TextSelectedBg, faded(accent, 0.4f));
+  style.ScaleAllSizes(unit_scale);
+  ImGui::GetStyle() = style;
+}
+
+Lengths lengths() {
+  const auto scaled = [](float value) { return value * unit_scale; };
+  return {.panel = scaled(panel_width), .strip = scaled(strip_height), .label = scaled(112), .gap = scaled(8)};
+}
 
 void Widgets::note(const std::string& name) {
   const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
@@ -104,26 +158,49 @@ bool Widgets::button(const std::string& name, const char* words, const std::stri
   return is_pressed;
 }
 
-std::optional<std::size_t> Widgets::buttons(std::span<const ButtonRow> rows, float gap) {
+std::optional<std::size_t> Widgets::buttons(std::span<const Choice> choices, float gap) {
   std::optional<std::size_t> pressed;
   float wanted = 0;
-  for (const ButtonRow& row : rows) wanted += ImGui::CalcTextSize(row.words).x;
-  const float each =
-      (ImGui::GetContentRegionAvail().x - wanted - gap * static_cast<float>(rows.size() - 1)) / static_cast<float>(rows.size());
+  for (const Choice& choice : choices) wanted += ImGui::CalcTextSize(choice.words.c_str()).x;
+  const float each = (ImGui::GetContentRegionAvail().x - wanted - gap * static_cast<float>(choices.size() - 1)) /
+                     static_cast<float>(choices.size());
   // Words lie in the middle of a button; less than its usual margin does.
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {0, ImGui::GetStyle().FramePadding.y});
-  for (std::size_t k = 0; k < rows.size(); ++k) {
+  for (std::size_t k = 0; k < choices.size(); ++k) {
     if (k > 0) ImGui::SameLine(0, gap);
-    if (rows[k].is_chosen)
+    if (choices[k].is_chosen)
       for (const ImGuiCol color : {ImGuiCol_Button, ImGuiCol_ButtonHovered}) ImGui::PushStyleColor(color, chosen_color);
-    const float width = k + 1 < rows.size() ? std::floor(ImGui::CalcTextSize(rows[k].words).x + each) : -FLT_MIN;
-    if (ImGui::Button(rows[k].words, {width, 0})) pressed = k;
-    if (rows[k].is_chosen) ImGui::PopStyleColor(2);
-    note(rows[k].name);
-    tooltip(rows[k].sentence);
+    const float width = k + 1 < choices.size() ? std::floor(ImGui::CalcTextSize(choices[k].words.c_str()).x + each) : -FLT_MIN;
+    if (ImGui::Button(choices[k].words.c_str(), {width, 0})) pressed = k;
+    if (choices[k].is_chosen) ImGui::PopStyleColor(2);
+    note(choices[k].name);
+    tooltip(choices[k].sentence);
   }
   ImGui::PopStyleVar();
   return pressed;
+}
+
+std::optional<std::size_t> Widgets::list(const std::string& name, const std::string& shown, std::span<const Choice> choices,
+                                         int flags) {
+  std::optional<std::size_t> chosen;
+  const bool is_open = ImGui::BeginCombo(("##" + name).c_str(), shown.c_str(), flags);
+  note(name);
+  if (!is_open) return chosen;
+  for (std::size_t k = 0; k < choices.size(); ++k) {
+    const Choice& choice = choices[k];
+    const ImGuiSelectableFlags row_flags = choice.is_enabled ? 0 : ImGuiSelectableFlags_Disabled;
+    if (ImGui::Selectable(choice.words.c_str(), choice.is_chosen, row_flags)) chosen = k;
+    note(choice.name);
+    tooltip(choice.sentence);
+  }
+  ImGui::EndCombo();
+  return chosen;
+}
+
+void Widgets::right(const std::string& words) {
+  const float room = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(words.c_str()).x;
+  if (room > 0) ImGui::SetCursorPosX(ImGui::GetCursorPosX() + room);
+  ImGui::TextUnformatted(words.c_str());
 }
 
 bool Widgets::attempt(const std::function<void()>& work) {
@@ -167,18 +244,13 @@ bool Widgets::parameter(const std::string& name, Parameter& row) {
     bool value = *flag;
     is_set = ImGui::Checkbox("##value", &value);
     text = value ? "true" : "false";
-  } else if (ImGui::BeginCombo("##value", row.text().c_str())) {
-    note(name);
-    for (const std::string& choice : row.probes()) {
-      if (ImGui::Selectable(choice.c_str(), choice == row.text())) {
-        is_set = true;
-        text = choice;
-      }
-      note(name + "." + choice);
-    }
-    ImGui::EndCombo();
-    ImGui::PopID();
-    return is_set && attempt([&] { row.set(text); });
+  } else {
+    const std::vector<std::string> texts = row.probes();
+    std::vector<Choice> choices;
+    for (const std::string& choice : texts) choices.push_back({name + "." + choice, choice, "", choice == row.text()});
+    const auto chosen = list(name, row.text(), choices);
+    is_set = chosen.has_value();
+    if (chosen) text = texts[*chosen];
   }
   note(name);
   note_dragging();

@@ -10,6 +10,32 @@
 
 namespace gnomon::viewer {
 
+/// Dear ImGui's colors and distances, `scale` times as large.
+void set_style(double scale);
+
+// Colors that mean something, as Dear ImGui packs them (IM_COL32).
+constexpr unsigned packed(unsigned r, unsigned g, unsigned b) { return 0xff000000 | b << 16 | g << 8 | r; }
+inline constexpr unsigned quiet_text = packed(146, 152, 161);
+inline constexpr unsigned warning_text = packed(240, 160, 90);
+inline constexpr unsigned light_color = packed(255, 214, 102);
+inline constexpr unsigned blocked_color = packed(239, 83, 80);
+inline constexpr unsigned picked_color = packed(255, 255, 255);
+/// Of the button that is chosen among several.
+inline constexpr unsigned chosen_color = packed(56, 104, 146);
+inline constexpr unsigned tap_color = packed(102, 204, 255);
+
+/// Width of the controls at the left and height of the strip below, pixels at scale 1.
+inline constexpr int panel_width = 320, strip_height = 220;
+
+/// Of the light's handle, pixels at scale 1: how large it is, and how far inside the border it is shown at least.
+inline constexpr float handle_radius = 6, handle_margin = 36;  // below the titles
+
+/// Lengths that the panels share, in units of Dear ImGui.
+struct Lengths {
+  float panel, strip, label, gap;
+};
+Lengths lengths();
+
 /// Seconds that the mouse rests until a tooltip appears.
 inline constexpr double tooltip_delay = 0.35;
 
@@ -42,14 +68,18 @@ class Widgets {
   static void wrapped(const std::string& words, unsigned color);
   /// A button as wide as the room that is left.
   bool button(const std::string& name, const char* words, const std::string& sentence);
-  struct ButtonRow {
-    std::string name;
-    const char* words;
-    std::string sentence;
-    bool is_chosen = false;
+  /// One of several buttons, or of the rows of a list.
+  struct Choice {
+    std::string name, words, sentence = {};
+    bool is_chosen = false, is_enabled = true;
   };
   /// Buttons that share a row, each as wide as its words want. The one that was pressed, or nothing.
-  std::optional<std::size_t> buttons(std::span<const ButtonRow> rows, float gap);
+  std::optional<std::size_t> buttons(std::span<const Choice> choices, float gap);
+  /// A list that opens at a click on `shown`. The row that was chosen, or nothing.
+  std::optional<std::size_t> list(const std::string& name, const std::string& shown, std::span<const Choice> choices,
+                                  int flags = 0);
+  /// Words at the right edge.
+  static void right(const std::string& words);
   /// Runs what may throw Error.
   bool attempt(const std::function<void()>& work);
 

@@ -6,18 +6,23 @@
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
+#include <fcntl.h>
 #include <gnomon/error.h>
 #include <imgui.h>
+#include <signal.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdlib>
 #include <deque>
 #include <filesystem>
+#include <system_error>
 #include <utility>
 
-#include "app/viewer/keyboard.h"
-#include "app/viewer/style.h"
+#include "app/viewer/keys.h"
+#include "app/viewer/widgets.h"
 
 namespace gnomon::viewer {
 
@@ -38,8 +43,9 @@ void on_error(int, const char* words) { last_error = words; }
 void on_key(GLFWwindow*, int key, int scancode, int action, int modifiers) {
   if (action == GLFW_REPEAT) return;
   if (action == GLFW_PRESS && key >= 0) struck_keys.push_back(key);
+  const char* const cap = glfwGetKeyName(key, scancode);
   events.push_back({.kind = WindowEvent::Kind::key,
-                    .code = layout_key(key, scancode),
+                    .code = cap ? key_of_cap(key, cap) : key,
                     .modifiers = modifiers,
                     .is_pressed = action == GLFW_PRESS,
                     .place = mouse_place});
@@ -74,6 +80,17 @@ void on_focus(GLFWwindow*, int focused) {
 std::string display_words() {
   const char* const display = std::getenv("DISPLAY");
   return display && *display ? fmt::format("DISPLAY is {}", display) : "DISPLAY is not set";
+}
+
+constexpr std::array stopping = {SIGTERM, SIGINT, SIGHUP};
+// A handler may do little more than write to a pipe; a thread reads the other end.
+int ends[2] = {-1, -1};
+std::array<struct sigaction, stopping.size()> before;
+
+void on_signal(int) {
+  const int kept = errno;
+  [[maybe_unused]] const ssize_t ignored = write(ends[1], "", 1);
+  errno = kept;
 }
 
 }  // namespace
@@ -270,5 +287,31 @@ Picture Window::read_picture() const {
 }
 
 void Window::set_clipboard(const std::string& text) { glfwSetClipboardString(window_, text.c_str()); }
+
+StopSignals::StopSignals(std::function<void()> asked) {
+  if (pipe2(ends, O_CLOEXEC) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
+  thread_ = std::thread([this, asked = std::move(asked)] {
+    char ignored = 0;
+    while (const ssize_t count = read(ends[0], &ignored, 1)) {  // 0: the other end is closed
+      if (count < 0) continue;                                  // interrupted
+      is_asked_ = true;
+      asked();
+    }
+  });
+  struct sigaction ours = {};
+  ours.sa_handler = on_signal;
+  ours.sa_flags = SA_RESTART | static_cast<int>(SA_RESETHAND);
+  for (std::size_t k = 0; k < stopping.size(); ++k) {
+    sigaction(stopping[k], nullptr, &before[k]);
+    if (before[k].sa_handler != SIG_IGN) sigaction(stopping[k], &ours, nullptr);
+  }
+}
+
+StopSignals::~StopSignals() {
+  for (std::size_t k = 0; k < stopping.size(); ++k) sigaction(stopping[k], &before[k], nullptr);
+  close(ends[1]);
+  thread_.join();
+  close(ends[0]);
+}
 
 }  // namespace gnomon::viewer

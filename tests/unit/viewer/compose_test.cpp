@@ -301,7 +301,7 @@ TEST(viewer_compose, what_is_not_there_yet_leaves_the_dimmed_scene) {
   c.sides[0].verdict = &later.verdict;
   EXPECT_EQ(pixels_of(c), unjudged);
   c.sides[0] = {};
-  for (std::size_t p = 0; p < paint_rows().size(); ++p) {
+  for (std::size_t p = 0; p < std::size(paint_rows); ++p) {
     c.paint = static_cast<Paint>(p);
     EXPECT_EQ(pixels_of(c), std::vector<Rgb>(3, nothing));
   }
@@ -363,8 +363,8 @@ RC_GTEST_PROP(viewer_compose, every_combination_fills_the_picture_and_nothing_el
   std::vector<float> coarse(12);
   for (float& v : coarse) v = random() % 4 == 0 ? NAN : static_cast<float>(random() % 5) - 2;
   Composition c{.width = size(), .height = size()};
-  c.layout = static_cast<Layout>(random() % layout_rows().size());
-  c.paint = static_cast<Paint>(random() % paint_rows().size());
+  c.layout = static_cast<Layout>(random() % std::size(layout_rows));
+  c.paint = static_cast<Paint>(random() % std::size(paint_rows));
   c.divider = std::uniform_real_distribution<double>(-0.2, 1.2)(random);
   c.flicker_is_right = random() % 2 == 0;
   c.layer_opacity = std::uniform_real_distribution<float>(-1, 2)(random);

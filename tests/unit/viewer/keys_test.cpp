@@ -1,5 +1,5 @@
 // The table of keys: every key that is promised, each once, and what the keyboard makes of it.
-#include "app/viewer/keyboard.h"
+#include "app/viewer/keys.h"
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>

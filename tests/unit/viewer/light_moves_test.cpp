@@ -1,7 +1,7 @@
 // Light moves: where the handle is, where a drag takes it, and what the keys do.
 #include <gtest/gtest.h>
 
-#include "app/viewer/key_effects.h"
+#include "app/viewer/keys.h"
 #include "app/viewer/moves.h"
 #include "world.h"
 

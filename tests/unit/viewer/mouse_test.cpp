@@ -180,7 +180,7 @@ TEST(viewer_mouse, no_row_of_events_clicks_by_accident) {
 
 TEST(viewer_mouse, the_help_names_each_use_once) {
   std::set<std::string_view> names;
-  for (const MouseRow& row : mouse_rows()) {
+  for (const MouseRow& row : mouse_rows) {
     EXPECT_TRUE(names.insert(row.name).second);
     EXPECT_TRUE(row.sentence.ends_with('.'));
   }

@@ -33,13 +33,13 @@ TEST(viewer_page, says_what_the_window_opens_with) {
 
 TEST(viewer_page, lists_every_use_of_the_mouse_as_the_help_does) {
   std::string table = "| mouse | what it does |\n| --- | --- |\n";
-  for (const MouseRow& row : mouse_rows()) table += fmt::format("| {} | {} |\n", row.name, row.sentence);
+  for (const MouseRow& row : mouse_rows) table += fmt::format("| {} | {} |\n", row.name, row.sentence);
   expect_on_page(table);
 }
 
 TEST(viewer_page, names_every_paint_and_says_what_the_buttons_say) {
   std::string text = page();
-  for (const ModeRow& row : paint_rows()) {
+  for (const ModeRow& row : paint_rows) {
     std::string title(row.title);
     title[0] = static_cast<char>(std::tolower(title[0]));
     EXPECT_NE(text.find("\n| " + title + " | "), std::string::npos) << title;

@@ -1,6 +1,4 @@
 // What the viewer saves: descriptions that give back the very floats, and a command line that a shell splits into its words.
-#include "app/viewer/saved_state.h"
-
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -8,13 +6,14 @@
 #include <cstdio>
 #include <fstream>
 
+#include "app/viewer/saving.h"
 #include "measure/scene/load.h"
 #include "measure/scratch_folder.h"
 
 namespace {
 
 using namespace gnomon;
-using viewer::SavedState;
+using viewer::Selection;
 namespace fs = std::filesystem;
 
 /// A folder that is gone at the end of the test, and this process works in it until then.
@@ -37,7 +36,7 @@ std::string read(const fs::path& file) {
 }
 
 /// The state as it is read back from where it was saved.
-Scene saved_and_loaded(const SavedState& state, const fs::path& file) {
+Scene saved_and_loaded(const Selection& state, const fs::path& file) {
   const std::string text = viewer::state_toml(state, file);  // before its folder is there
   write(file, text);
   return load_scene(file.string());
@@ -129,19 +128,15 @@ bool is_sound(const Item& item) {
   }
 }
 
-SavedState some_state() {
-  return {.scene = "single_triangle",
-          .light = {.name = "sun", .kind = DirectionalLight{}},
-          .view = {},
-          .plugins = {},
-          .technique = "shadow_map",
-          .settings = "",
-          .width = 960,
-          .height = 540};
+Selection some_state() {
+  Selection state{
+      .scene = "single_triangle", .light = {.name = "sun", .kind = DirectionalLight{}}, .width = 960, .height = 540};
+  state.sides[0].technique = "shadow_map";
+  return state;
 }
 
 RC_GTEST_PROP(saved_state, every_light_and_view_comes_back_to_the_bit, ()) {
-  SavedState state = some_state();
+  Selection state = some_state();
   state.light = any_light();
   state.view = any_view();
   RC_PRE(is_sound(state.light) && is_sound(state.view));
@@ -157,7 +152,7 @@ RC_GTEST_PROP(saved_state, every_light_and_view_comes_back_to_the_bit, ()) {
 TEST(saved_state, numbers_have_the_fewest_digits_that_come_back) {
   const Folder folder;
   const auto intensity = [&](float value) {
-    SavedState state = some_state();
+    Selection state = some_state();
     state.light.intensity = value;
     const Scene scene = saved_and_loaded(state, "scene.toml");
     EXPECT_EQ(bits(scene.lights.at(0).intensity), bits(value));
@@ -178,7 +173,7 @@ TEST(saved_state, numbers_have_the_fewest_digits_that_come_back) {
 }
 
 TEST(saved_state, zeros_keep_their_sign) {
-  SavedState state = some_state();
+  Selection state = some_state();
   state.light.kind = DirectionalLight{{-0.0f, -1, 0}};
   const Folder folder;
   const Scene scene = saved_and_loaded(state, "scene.toml");
@@ -187,7 +182,7 @@ TEST(saved_state, zeros_keep_their_sign) {
 }
 
 TEST(saved_state, the_first_line_is_title_and_summary) {
-  SavedState state = some_state();
+  Selection state = some_state();
   state.scene = "composite:object=sphere";
   const std::string text = viewer::state_toml(state, "x/scene.toml");
   EXPECT_EQ(text.substr(0, text.find("[[")),
@@ -212,7 +207,7 @@ const std::string lone_sphere = "[[shape]]\nkind = \"sphere\"\ncenter = [0, 1, 0
 
 RC_GTEST_PROP(saved_state, scenes_of_any_file_name_are_found_again, ()) {
   const Folder folder;
-  SavedState state = some_state();
+  Selection state = some_state();
   const fs::path base = any_name() + "_a/" + any_name() + ".toml", saved = any_name() + "_b/01/scene.toml";
   write(base, lone_sphere);
   state.scene = *rc::gen::element(base.string(), fs::absolute(base).string(), "./" + base.string());
@@ -224,7 +219,7 @@ RC_GTEST_PROP(saved_state, scenes_of_any_file_name_are_found_again, ()) {
 TEST(saved_state, folders_move_together) {
   const Folder folder;
   write("all/scenes/base.toml", lone_sphere);
-  SavedState state = some_state();
+  Selection state = some_state();
   state.scene = "all/scenes/base.toml";
   saved_and_loaded(state, "all/saved/01/scene.toml");
   EXPECT_NE(read("all/saved/01/scene.toml").find("scene = \"../../scenes/base.toml\"\n"), std::string::npos);
@@ -243,14 +238,14 @@ TEST(saved_state, links_lead_where_they_did) {
   write("scenes/mesh.toml", lone_sphere);
   write("store/0815.toml", "scene = \"mesh.toml\"\n");
   fs::create_symlink("../store/0815.toml", "scenes/linked.toml");
-  SavedState state = some_state();
+  Selection state = some_state();
   state.scene = "scenes/linked.toml";
   EXPECT_EQ(saved_and_loaded(state, "runs/01/scene.toml").meshes.size(), 1u);
 }
 
 TEST(saved_state, a_saved_state_can_be_saved_again) {
   const Folder folder;
-  SavedState state = some_state();
+  Selection state = some_state();
   saved_and_loaded(state, "out/01/scene.toml");
   state.scene = "out/01/scene.toml";
   state.light = {.name = "moon", .kind = PointLight{{1, 2, 3}}};
@@ -261,20 +256,20 @@ TEST(saved_state, a_saved_state_can_be_saved_again) {
 }
 
 TEST(saved_state, a_name_that_is_no_text_is_refused) {
-  SavedState state = some_state();
+  Selection state = some_state();
   state.scene = "./latin1_\xe9.toml";
   EXPECT_THROW(viewer::state_toml(state, "scene.toml"), Error);
 }
 
 TEST(render_command, is_the_line_that_one_would_type) {
-  SavedState state = some_state();
-  EXPECT_EQ(viewer::render_command(state, "saved/01/scene.toml", "saved/01/again"),
+  Selection state = some_state();
+  EXPECT_EQ(viewer::render_command(state, {}, "saved/01/scene.toml", "saved/01/again"),
             "gnomon render --scene saved/01/scene.toml --technique shadow_map --light sun --view view --size 960x540 "
             "--out saved/01/again");
-  state.plugins = {"./a b.so", "c.so"};
-  state.settings = "resolution=2048,filter=pcf";
+  const std::vector<std::string> plugins = {"./a b.so", "c.so"};
+  state.sides[0].settings = "resolution=2048,filter=pcf";
   state.truth = Truth::mesh;
-  EXPECT_EQ(viewer::render_command(state, "it's.toml", "-out"),
+  EXPECT_EQ(viewer::render_command(state, plugins, "it's.toml", "-out"),
             "gnomon --plugin './a b.so' --plugin c.so render --scene 'it'\\''s.toml' --technique "
             "shadow_map:resolution=2048,filter=pcf --light sun --view view --size 960x540 --truth mesh --out ./-out");
 }
@@ -286,22 +281,21 @@ RC_GTEST_PROP(render_command, a_shell_reads_back_every_word, ()) {
     for (const char c : bytes) text += c == 0 ? '\'' : c;
     return *rc::gen::element(text, any_name());
   };
-  SavedState state = some_state();
-  state.plugins = {word(), word()};
-  state.technique = word();
-  state.settings = word();
+  Selection state = some_state();
+  const std::vector<std::string> plugins = {word(), word()};
+  state.sides[0].technique = word();
+  state.sides[0].settings = word();
   const std::string scene = word(), out = word();
   const Folder folder;
-  write("line.sh", "gnomon() { printf '%s\\0' \"$@\"; }\n" + viewer::render_command(state, scene, out) + "\n");
+  write("line.sh", "gnomon() { printf '%s\\0' \"$@\"; }\n" + viewer::render_command(state, plugins, scene, out) + "\n");
   RC_ASSERT(std::system("LC_ALL=C /bin/sh line.sh > words 2> errors") == 0);
   RC_ASSERT(read("errors").empty());
   const auto path = [](const std::string& text) { return text.starts_with('-') ? "./" + text : text; };
   std::string expected;
-  for (const std::string& w :
-       {std::string("--plugin"), path(state.plugins[0]), std::string("--plugin"), path(state.plugins[1]), std::string("render"),
-        std::string("--scene"), path(scene), std::string("--technique"), state.technique + ":" + state.settings,
-        std::string("--light"), state.light.name, std::string("--view"), state.view.name, std::string("--size"),
-        std::string("960x540"), std::string("--out"), path(out)})
+  for (const std::string& w : {std::string("--plugin"), path(plugins[0]), std::string("--plugin"), path(plugins[1]),
+                               std::string("render"), std::string("--scene"), path(scene), std::string("--technique"),
+                               written(state.sides[0]), std::string("--light"), state.light.name, std::string("--view"),
+                               state.view.name, std::string("--size"), std::string("960x540"), std::string("--out"), path(out)})
     expected += w + '\0';
   RC_ASSERT(read("words") == expected);
 }
