@@ -79,7 +79,7 @@ class AliasFreeMap final : public PointTechnique {
   static bool may_touch(const Footprint& f, const Tile& tile) {
     return tile.count > 0 && f.z0 <= tile.z1 && f.x0 <= tile.x1 && f.x1 >= tile.x0 && f.y0 <= tile.y1 && f.y1 >= tile.y0;
   }
-  void find_footprints();
+  void project_casters();
   void sort_casters();
   Work walk_tile(std::size_t tile, std::span<float> mask, Scratch& scratch);
   /// Darkens the candidates that a caster shades; says how many.
@@ -106,28 +106,30 @@ class AliasFreeMap final : public PointTechnique {
 
 void AliasFreeMap::build(const Scene& scene) {
   remember(scene);
-  bounds_ = {};
+  Bounds bounds;
   all_bounds_ = scene.bounds();
   casters_.clear();
   std::size_t count = 0;
   for (const Mesh& mesh : scene.meshes) count += mesh.casts ? mesh.triangles.size() : 0;
   if (casters_.capacity() < count) casters_ = {};
   casters_.reserve(count);
-  for_triangles(scene, [&](const Triangle& triangle, std::uint32_t mesh, std::uint32_t number) {
-    if (!scene.meshes[mesh].casts) return;
-    casters_.push_back({triangle, number});
-    for (const glm::vec3& p : triangle.points) bounds_.add(p);
-  });
+  for_triangles(scene,
+                [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, std::uint32_t mesh, std::uint32_t number) {
+                  if (!scene.meshes[mesh].casts) return;
+                  casters_.push_back({{{a, b, c}}, number});
+                  for (const glm::vec3& p : {a, b, c}) bounds.add(p);
+                });
+  bounds_ = bounds;
 }
 
 void AliasFreeMap::relight(const Light& light) {
   light_ = light;
   homogeneous_ = homogeneous(light);
   space_ = space_of(light, bounds_);
-  find_footprints();
+  project_casters();
 }
 
-void AliasFreeMap::find_footprints() {
+void AliasFreeMap::project_casters() {
   double extent = 0;
   if (!all_bounds_.empty())
     for (int k = 0; k < 8; ++k) {
@@ -135,15 +137,16 @@ void AliasFreeMap::find_footprints() {
       const glm::vec3 corner((k & 1 ? high : low).x, (k & 2 ? high : low).y, (k & 4 ? high : low).z);
       extent = std::max(extent, norm1(space_.main().seen(corner)));
     }
-  facing_ = facing_of<Caster>(casters_, homogeneous_);
+  find_facing(casters_, homogeneous_, facing_);
   const std::size_t blocks = (casters_.size() + caster_block - 1) / caster_block;
   std::vector<std::vector<Footprint>> found[6];  // of each face and block
   for (auto& face : found) face.resize(blocks);
   for_blocks(casters_.size(), caster_block, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       if (facing_[i] == 0) continue;
-      const auto add = [&](int face, const Footprint& f) { found[face][begin / caster_block].push_back(f); };
-      for_footprints(space_, casters_[i].points, extent, static_cast<std::uint32_t>(i), add);
+      FaceFootprint footprints[6];
+      const int count = find_footprints(space_, casters_[i].points, extent, static_cast<std::uint32_t>(i), footprints);
+      for (const auto& [face, footprint] : std::span(footprints, count)) found[face][begin / caster_block].push_back(footprint);
     }
   });
   for (int face = 0; face < 6; ++face) {

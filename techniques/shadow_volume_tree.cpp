@@ -78,14 +78,15 @@ void ShadowVolumeTree::build(const Scene& scene) {
   remember(scene);
   casters_.clear();
   casters_.reserve(scene.triangle_count());
-  bounds_ = {};
+  Bounds bounds;
   is_sorted_ = order.is("near_first");
-  for_triangles(scene, [&](const Triangle& triangle, std::uint32_t mesh, std::uint32_t number) {
-    if (!scene.meshes[mesh].casts) return;
-    const auto [a, b, c] = triangle.points;
-    casters_.push_back({{a, b, c}, mesh, number});
-    for (const glm::vec3& p : triangle.points) bounds_.add(p);
-  });
+  for_triangles(scene,
+                [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, std::uint32_t mesh, std::uint32_t number) {
+                  if (!scene.meshes[mesh].casts) return;
+                  casters_.push_back({{a, b, c}, mesh, number});
+                  for (const glm::vec3& p : {a, b, c}) bounds.add(p);
+                });
+  bounds_ = bounds;
   if (order.is("random") || order.is("large_first")) Random(static_cast<std::uint64_t>(seed.value())).shuffle(casters_);
   if (order.is("large_first")) put_large_first(casters_);
   tree_.reserve(casters_.size());
@@ -96,7 +97,8 @@ void ShadowVolumeTree::relight(const Light& light) {
   const Frame frame(homogeneous(light), bounds_);
   // Edge-on triangles cast nothing.
   constexpr std::size_t block = 8192;
-  const std::vector<std::int8_t> facing = facing_of<Caster>(casters_, frame.light);
+  std::vector<std::int8_t> facing;
+  find_facing(casters_, frame.light, facing);
   std::vector<std::size_t> begin((casters_.size() + block - 1) / block + 1, 0);
   for (std::size_t i = 0; i < facing.size(); ++i) begin[i / block + 1] += facing[i] != 0;
   for (std::size_t b = 1; b < begin.size(); ++b) begin[b] += begin[b - 1];

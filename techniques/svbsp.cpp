@@ -137,12 +137,13 @@ void Svbsp::build(const Scene& scene) {
   remember(scene);
   triangles_.clear();
   triangles_.reserve(scene.triangle_count());
-  bounds_ = {};
-  for_triangles(scene, [&](const Triangle& triangle, std::uint32_t mesh, std::uint32_t) {
-    triangles_.push_back({triangle, mesh});
+  Bounds bounds;
+  for_triangles(scene, [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, std::uint32_t mesh, std::uint32_t) {
+    triangles_.push_back({{{a, b, c}}, mesh});
     if (scene.meshes[mesh].casts)
-      for (const glm::vec3& p : triangle.points) bounds_.add(p);
+      for (const glm::vec3& p : {a, b, c}) bounds.add(p);
   });
+  bounds_ = bounds;
   bsp_.reset();
   drawn_bsp_.reset();
   if (order.is("bsp")) bsp_.emplace(scene, bsp_options());
@@ -152,7 +153,7 @@ void Svbsp::relight(const Light& light) {
   light_ = light;
   const glm::dvec4 at = homogeneous(light);
   space_ = ProjectedSpace(at, bounds_);
-  signs_ = facing_of<SceneTriangle>(triangles_, at);
+  find_facing(triangles_, at, signs_);
   polygon_count_ = 0;
   for (std::uint32_t i = 0; i < triangles_.size(); ++i) polygon_count_ += casts(i);
   make_pieces(at);
@@ -188,9 +189,8 @@ void Svbsp::make_pieces(const glm::dvec4& light) {
 }
 
 Query Svbsp::query(const GBuffer& gbuffer, std::size_t i) const {
-  const glm::vec3 point = gbuffer.position(i);
-  const int face = space_.face_of(point);
-  Query query = forest_.query(face, space_.of_world(face, point));
+  const auto [face, at] = space_.of_world(gbuffer.position(i));
+  Query query = forest_.query(face, at);
   query.pixel = static_cast<std::uint32_t>(i);
   return query;
 }

@@ -31,6 +31,9 @@ struct Box {
   }
 };
 
+/// The place on a cube's face of a point in its frame, and its z.
+glm::dvec3 projected(const glm::dvec3& p) { return {p.x / p.z, p.y / p.z, p.z}; }
+
 Footprint footprint_of(const Box& box, double margin, double z_margin, std::uint32_t caster) {
   return {static_cast<float>(box.low.x - margin),
           static_cast<float>(box.high.x + margin),
@@ -40,23 +43,20 @@ Footprint footprint_of(const Box& box, double margin, double z_margin, std::uint
           caster};
 }
 
-/// Whether all corners lie clearly within a face of a cube.
-bool is_within(const LightFace& face, const glm::vec3* corners) {
-  return std::all_of(corners, corners + 3, [&](const glm::dvec3& corner) {
-    const glm::dvec3 p = face.seen(corner);
-    return std::max(std::abs(p.x), std::abs(p.y)) * face_margin < p.z;
-  });
+/// Whether all corners, in its frame, lie clearly within a face of a cube.
+bool is_within_face(const glm::dvec3 (&corners)[3]) {
+  return std::ranges::all_of(corners,
+                             [](const glm::dvec3& p) { return std::max(std::abs(p.x), std::abs(p.y)) * face_margin < p.z; });
 }
 
 /// Places and z of what a cube's face, or a slightly wider one, sees of a triangle: a box around them; none if it sees nothing.
 /// Where the triangle comes so close to the light that its place is lost in rounding, it may be anywhere. A point of the true
 /// part lies inside the wider face by 2^-10 of its z, far more than a clip rounds.
-bool find_box(const LightFace& face, const glm::vec3* corners, double extent, Box& box) {
+bool find_box(const glm::dvec3 (&corners)[3], double extent, Box& box) {
   thread_local Clipper clipper;
   clipper.start();
   bool is_in_front = true;
-  for (int k = 0; k < 3; ++k) {
-    const glm::dvec3 p = face.seen(corners[k]);
+  for (const glm::dvec3& p : corners) {
     clipper.add({p});
     is_in_front &= p.z > 0x1p-10 * norm1(p);
   }
@@ -65,36 +65,52 @@ bool find_box(const LightFace& face, const glm::vec3* corners, double extent, Bo
                                    glm::dvec3(0, -1, face_margin), glm::dvec3(0, 1, face_margin)})
       if (clipper.keep_positive({side, 0}, 0) == Lies::negative) return false;
   for (const Corner& corner : clipper.corners()) {
-    const glm::dvec3& p = corner.at;
-    if (!is_in_front && !(p.z > 0x1p-28 * extent)) {
+    if (!is_in_front && !(corner.at.z > 0x1p-28 * extent)) {
       box = {{-2, -2, 0}, {2, 2, 0}};
       break;
     }
-    box.add({face.place(p), p.z});
+    box.add(projected(corner.at));
   }
   return box.low.x <= face_margin && box.high.x >= -face_margin && box.low.y <= face_margin && box.high.y >= -face_margin;
 }
 
 }  // namespace
 
-void for_footprints(const LightSpace& space, const glm::vec3* corners, double extent, std::uint32_t caster,
-                    const std::function<void(int, const Footprint&)>& visit) {
+int find_footprints(const LightSpace& space, const glm::vec3* corners, double extent, std::uint32_t caster,
+                    FaceFootprint (&found)[6]) {
+  const LightFace& own = space.main();
+  const glm::dvec3 seen[3] = {own.seen(corners[0]), own.seen(corners[1]), own.seen(corners[2])};
   if (space.is_parallel()) {
     Box box;
-    for (int k = 0; k < 3; ++k) box.add(space[0].seen(corners[k]));
+    for (const glm::dvec3& p : seen) box.add(p);
     const double margin = place_margin * extent;
-    return visit(0, footprint_of(box, margin, margin, caster));
+    found[0] = {0, footprint_of(box, margin, margin, caster)};
+    return 1;
   }
+  int count = 0;
+  const auto add = [&](int face, const Box& box) {
+    const Box near{glm::max(box.low, glm::dvec3(-2, -2, 0)), glm::min(box.high, glm::dvec3(2, 2, INFINITY))};
+    found[count++] = {face, footprint_of(near, 2 * place_margin, 0, caster)};
+  };
+  const auto in_face = [&](int face, glm::dvec3(&turned)[3]) {
+    for (int k = 0; k < 3; ++k) turned[k] = space[face].from_cube(seen[k]);
+  };
   // Most triangles lie clearly within one face.
-  const int first = space.face_of(corners[0]);
-  const bool is_on_one = is_within(space[first], corners);
-  for (int face = is_on_one ? first : 0; face <= (is_on_one ? first : 5); ++face) {
+  glm::dvec3 turned[3];
+  const int first = space.turn_at(seen[0]).face();
+  in_face(first, turned);
+  if (is_within_face(turned)) {
     Box box;
-    if (!find_box(space[face], corners, extent, box)) continue;
-    box.low = glm::max(box.low, glm::dvec3(-2, -2, 0));
-    box.high = glm::min(box.high, glm::dvec3(2, 2, INFINITY));
-    visit(face, footprint_of(box, 2 * place_margin, 0, caster));
+    for (const glm::dvec3& p : turned) box.add(projected(p));
+    add(first, box);
+    return count;
   }
+  for (int face = 0; face < 6; ++face) {
+    Box box;
+    in_face(face, turned);
+    if (find_box(turned, extent, box)) add(face, box);
+  }
+  return count;
 }
 
 }  // namespace gnomon::alias_free_map

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <functional>
+#include <span>
 
 namespace gnomon::alias_free_map {
 
@@ -29,9 +29,13 @@ constexpr double face_margin = 1 + 0x1p-10;
 
 inline double norm1(const glm::dvec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
 
-/// Calls visit with the footprint on each face that the shadow of a triangle may touch. `extent`: largest distance of anything
-/// from the light, or for parallel rays from the origin, as `norm1` has it.
-void for_footprints(const LightSpace& space, const glm::vec3* corners, double extent, std::uint32_t caster,
-                    const std::function<void(int face, const Footprint& footprint)>& visit);
+struct FaceFootprint {
+  int face;
+  Footprint footprint;
+};
+/// Finds the faces that the shadow of a triangle may touch, and returns how many. `extent`: largest distance of anything from
+/// the light, or for parallel rays from the origin, as `norm1` has it.
+int find_footprints(const LightSpace& space, const glm::vec3* corners, double extent, std::uint32_t caster,
+                    FaceFootprint (&found)[6]);
 
 }  // namespace gnomon::alias_free_map

@@ -31,8 +31,7 @@ void Divider::divide(std::span<const Corner> polygon, std::uint32_t triangle, bo
 bool Divider::is_lit_in_the_middle(std::span<const Corner> polygon) const {
   glm::dvec3 middle(0);
   for (const Corner& corner : polygon) middle += corner.at / static_cast<double>(polygon.size());
-  const int face = space_.face_of(middle);
-  const glm::dvec3 seen = space_.of_world(face, middle);
+  const auto [face, seen] = space_.of_world(middle);
   Query query = forest_.query(face, seen);
   std::uint64_t visits = 0;
   locate<1>({&query, 1}, visits);

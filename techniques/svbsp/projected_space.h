@@ -46,6 +46,11 @@ class ProjectedSpace {
     return {q.x * z, q.y * z, z};
   }
   glm::dvec3 of_world(int face, const glm::dvec3& p) const { return projected(seen(face, p)); }
+  /// The face that sees a point of the world, and its place and nearness there.
+  std::pair<int, glm::dvec3> of_world(const glm::dvec3& p) const {
+    const auto [face, at] = space_.seen(p);
+    return {face, projected(at)};
+  }
   glm::dvec3 to_world(int face, const glm::dvec3& p) const {
     return space_[face].to_world(is_point() ? glm::dvec3(p.x, p.y, 1) / p.z : glm::dvec3(p.x, p.y, -p.z));
   }

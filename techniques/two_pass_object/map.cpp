@@ -222,10 +222,9 @@ void LightMap::make(const Triangles& triangles, double cell_triangles) {
 LightMap::Place LightMap::find(const Triangles& triangles, const glm::dvec3& point) const {
   const SceneLightSpace& space = triangles.space();
   Place place;
-  place.face = space.face_of(point);
+  std::tie(place.face, place.seen) = space.seen(point);
   const Face& face = faces_[place.face];
   if (face.node.is_leaf()) return place;
-  place.seen = space.seen(place.face, point);
   if (!face.node.holds(place.seen.u, place.seen.v)) return place;
   const std::size_t cell =
       static_cast<std::size_t>(face.node.row(place.seen.v)) * face.node.columns + face.node.column(place.seen.u);

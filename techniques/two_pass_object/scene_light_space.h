@@ -56,10 +56,11 @@ class SceneLightSpace {
   int face_of(const glm::dvec3& p) const { return space_.face_of(p); }
   double depth(int face, const glm::dvec3& p) const { return space_[face].seen(p).z; }
   /// In a cube, of points with positive depth.
-  PlaceAndDepth seen(int face, const glm::dvec3& p) const {
-    const glm::dvec3 q = space_[face].seen(p);
-    const double unit = is_parallel() ? extent_ : q.z;
-    return {q.x / unit, q.y / unit, q.z};
+  PlaceAndDepth seen(int face, const glm::dvec3& p) const { return place_of(space_[face].seen(p)); }
+  /// The face that sees a point, and its place there.
+  std::pair<int, PlaceAndDepth> seen(const glm::dvec3& p) const {
+    const auto [face, q] = space_.seen(p);
+    return {face, place_of(q)};
   }
   /// The plane of all points of depth > 0 whose place has `at` as its u (axis 0) or v (axis 1), positive where that is more.
   ClipPlane border(int face, int axis, double at) const {
@@ -87,6 +88,11 @@ class SceneLightSpace {
   }
 
  private:
+  PlaceAndDepth place_of(const glm::dvec3& q) const {
+    const double unit = is_parallel() ? extent_ : q.z;
+    return {q.x / unit, q.y / unit, q.z};
+  }
+
   glm::dvec4 light_{0};
   double extent_ = 0, diagonal_ = 0, deepest_ = 0;
   LightSpace space_;

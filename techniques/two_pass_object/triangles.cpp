@@ -13,16 +13,16 @@ void Triangles::build(const Scene& scene) {
   bounds_ = scene.bounds();
   corners_.reserve(scene.triangle_count());
   flags_.reserve(scene.triangle_count());
-  for_triangles(scene, [&](const Triangle& triangle, std::uint32_t m, std::uint32_t) {
+  for_triangles(scene, [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, std::uint32_t m, std::uint32_t) {
     const Mesh& mesh = scene.meshes[m];
-    corners_.push_back(triangle);
+    corners_.push_back({{a, b, c}});
     flags_.push_back(static_cast<std::uint8_t>((mesh.casts ? casts : 0) | (mesh.receives ? receives : 0)));
   });
 }
 
 void Triangles::relight(const glm::dvec4& light) {
   space_ = SceneLightSpace(light, bounds_);
-  facing_ = facing_of<Triangle>(corners_, light);
+  find_facing(corners_, light, facing_);
   for_blocks(corners_.size(), 8192, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       flags_[i] &= static_cast<std::uint8_t>(~doubtful);

@@ -167,10 +167,12 @@ TEST(AliasFreeMapParts, a_footprint_holds_all_that_its_triangle_shades) {
     for (const glm::vec3& p : t.points) extent = std::max(extent, norm1(space.main().seen(p)));
     Footprint footprints[6];
     bool has[6] = {};
-    for_footprints(space, t.points, extent, 7, [&](int face, const Footprint& footprint) {
-      footprints[face] = footprint;
-      has[face] = true;
-    });
+    FaceFootprint found[6];
+    const int count = find_footprints(space, t.points, extent, 7, found);
+    for (int k = 0; k < count; ++k) {
+      footprints[found[k].face] = found[k].footprint;
+      has[found[k].face] = true;
+    }
     several += std::count(has, has + 6, true) > 1;
     left_out += std::count(has, has + 6, true) < 3;
     for (int k = 0; k < 8; ++k) {

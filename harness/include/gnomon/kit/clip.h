@@ -94,10 +94,10 @@ class Clipper {
   /// Leaves what lies on the positive side of a plane, if the polygon lies across it, with `cut` as the mark of the edge along
   /// the plane. Says how it lay; of what does not lie across a plane nothing is cut off.
   Lies keep_positive(const ClipPlane& plane, double epsilon, std::uint32_t cut = 0) {
-    if (kept_.size() <= polygon_.size()) {
-      kept_.resize(polygon_.size() + 1);
-      rest_.resize(polygon_.size() + 1);
-      values_.resize(polygon_.size() + 1);
+    if (kept_.size() <= count_) kept_.resize(2 * count_ + 8);
+    if (rest_.size() <= count_) {
+      rest_.resize(2 * count_ + 8);
+      values_.resize(2 * count_ + 8);
     }
     const Lies lies = classify(corners(), plane, epsilon, values_.data());
     if (lies != Lies::across) return lies;

@@ -1,5 +1,7 @@
 #pragma once
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <glm/glm.hpp>
 #include <utility>
 
@@ -20,15 +22,41 @@ namespace gnomon {
 // the point's length, so a point in light space is off by less than 9 e of its distance. Along the axes of the world nothing
 // but the difference rounds.
 
+/// How a cube's faces that look against an axis differ from those that look along it, beside their z.
+enum class OppositeFaces {
+  mirrored,  ///< x and y are the same: a left-handed frame
+  turned,    ///< y is reversed: right-handed
+  swapped,   ///< x and y are exchanged: right-handed
+};
+
+/// From the own frame of a cube to that of one of its faces: components change their places and signs, nothing is rounded.
+struct CubeTurn {
+  int axis = 2;  ///< of the cube, along which the face looks, or against it
+  bool is_against = false;
+  OppositeFaces layout = OppositeFaces::mirrored;
+
+  int face() const { return 2 * axis + is_against; }
+  glm::dvec3 operator()(const glm::dvec3& d) const {
+    const glm::dvec3 p = axis == 0 ? glm::dvec3(d.y, d.z, d.x) : axis == 1 ? glm::dvec3(d.z, d.x, d.y) : d;
+    if (!is_against) return p;
+    if (layout == OppositeFaces::swapped) return {p.y, p.x, -p.z};
+    return {p.x, layout == OppositeFaces::turned ? -p.y : p.y, -p.z};
+  }
+};
+
 /// One face.
 struct LightFace {
   glm::dvec3 origin{0};
   glm::dmat3 light_from_world{1};  ///< its rows are x, y, z
   bool is_perspective = true;
+  bool is_along_world = false;  ///< `from_cube` says all of `light_from_world`, with less work
+  CubeTurn from_cube{};         ///< from the own frame of its cube: bit for bit as `turned` has it
 
   glm::dvec3 axis(int k) const { return {light_from_world[0][k], light_from_world[1][k], light_from_world[2][k]}; }
   /// A direction, and a point, of the world in the frame of the face.
-  glm::dvec3 turned(const glm::dvec3& direction) const { return light_from_world * direction; }
+  glm::dvec3 turned(const glm::dvec3& direction) const {
+    return is_along_world ? from_cube(direction) : light_from_world * direction;
+  }
   glm::dvec3 seen(const glm::dvec3& point) const { return turned(point - origin); }
   glm::dvec3 to_world(const glm::dvec3& q) const { return origin + q * light_from_world; }
   /// Of a point in the frame of the face; under perspective of one with z > 0.
@@ -41,13 +69,6 @@ inline glm::dmat3 frame_of(const glm::dvec3& x, const glm::dvec3& y, const glm::
   return glm::transpose(glm::dmat3(x, y, z));
 }
 
-/// How a cube's faces that look against an axis differ from those that look along it, beside their z.
-enum class OppositeFaces {
-  mirrored,  ///< x and y are the same: a left-handed frame
-  turned,    ///< y is reversed: right-handed
-  swapped,   ///< x and y are exchanged: right-handed
-};
-
 /// All faces of a light. Of a cube's, face 2 k looks along axis k of its frame and face 2 k + 1 against it: +x -x +y -y +z -z.
 /// Face 2 k has axis k + 1 for x and axis k + 2 for y (cyclically); so face 4 has the cube's own frame.
 class LightSpace {
@@ -55,17 +76,12 @@ class LightSpace {
   LightSpace() = default;
   explicit LightSpace(const LightFace& only) : face_count_(1) { faces_[0] = only; }
   /// A cube around a light. A point exactly between faces falls on the one whose axis comes first, counted cyclically from
-  /// `first_axis`: with 0 in the order x, y, z, with 2 in the order z, x, y.
+  /// `first_axis`: with 0 in the order x, y, z, with 2 in the order z, x, y; there is no order with 1.
   LightSpace(const glm::dvec3& light, const glm::dmat3& frame, OppositeFaces opposite, int first_axis)
-      : face_count_(6), first_axis_(first_axis), is_of_world_(frame == glm::dmat3(1)) {
-    const LightFace own{light, frame, true};
-    for (int k = 0; k < 3; ++k) {
-      glm::dvec3 x = own.axis((k + 1) % 3), y = own.axis((k + 2) % 3);
-      const glm::dvec3 z = own.axis(k);
-      faces_[2 * k] = {light, frame_of(x, y, z), true};
-      if (opposite == OppositeFaces::turned) y = -y;
-      if (opposite == OppositeFaces::swapped) std::swap(x, y);
-      faces_[2 * k + 1] = {light, frame_of(x, y, -z), true};
+      : face_count_(6), first_axis_(first_axis) {
+    for (int face = 0; face < 6; ++face) {
+      const CubeTurn turn{face / 2, face % 2 != 0, opposite};
+      faces_[face] = {light, {turn(frame[0]), turn(frame[1]), turn(frame[2])}, true, frame == glm::dmat3(1), turn};
     }
   }
 
@@ -77,19 +93,28 @@ class LightSpace {
 
   /// The face that sees a point: of a cube the one along whose axis it is farthest from the light. A component that is zero
   /// counts as positive.
-  int face_of(const glm::dvec3& point) const {
-    if (face_count_ < 6) return 0;
-    const glm::dvec3 q = is_of_world_ ? point - faces_[4].origin : faces_[4].seen(point), size = glm::abs(q);
-    const int second = first_axis_ == 2 ? 0 : first_axis_ + 1, third = 3 - first_axis_ - second;
-    int k = size[second] > size[first_axis_] ? second : first_axis_;
-    if (size[third] > size[k]) k = third;
-    return 2 * k + (q[k] < 0);
+  int face_of(const glm::dvec3& point) const { return face_count_ < 6 ? 0 : turn_at(in_cube(point)).face(); }
+  /// The same, and the point in the frame of that face.
+  std::pair<int, glm::dvec3> seen(const glm::dvec3& point) const {
+    if (face_count_ < 6) return {0, faces_[0].seen(point)};
+    const glm::dvec3 q = in_cube(point);
+    const CubeTurn turn = turn_at(q);
+    return {turn.face(), turn(q)};
+  }
+
+  /// A point in the own frame of a cube, and the face that sees it there.
+  glm::dvec3 in_cube(const glm::dvec3& point) const {
+    return faces_[4].is_along_world ? point - faces_[4].origin : faces_[4].seen(point);
+  }
+  CubeTurn turn_at(const glm::dvec3& q) const {
+    const double x = std::abs(q.x), y = std::abs(q.y), z = std::abs(q.z);
+    const int k = first_axis_ == 0 ? (z > std::max(x, y) ? 2 : y > x ? 1 : 0) : (y > std::max(z, x) ? 1 : x > z ? 0 : 2);
+    return {k, (k == 0 ? q.x : k == 1 ? q.y : q.z) < 0, faces_[4].from_cube.layout};
   }
 
  private:
   std::array<LightFace, 6> faces_{};
   int face_count_ = 0, first_axis_ = 0;
-  bool is_of_world_ = false;  // the cube's frame is the world's: nothing to turn
 };
 
 }  // namespace gnomon

@@ -44,28 +44,26 @@ class PointTechnique : public Technique {
   TriangleNumbers numbers_;
 };
 
-/// Calls visit(corners, mesh, number) for each triangle of a scene, counted mesh after mesh.
-template <std::invocable<const Triangle&, std::uint32_t, std::uint32_t> Visit>
-void for_triangles(const Scene& scene, Visit&& visit) {
+/// Calls visit(a, b, c, mesh, number) with the corners of each triangle of a scene, counted mesh after mesh.
+template <std::invocable<const glm::vec3&, const glm::vec3&, const glm::vec3&, std::uint32_t, std::uint32_t> Visit>
+void for_triangles(const Scene& scene, const Visit& visit) {
   std::uint32_t number = 0;
-  for (std::uint32_t m = 0; m < scene.meshes.size(); ++m)
-    for (const glm::uvec3& t : scene.meshes[m].triangles) {
-      const std::vector<glm::vec3>& p = scene.meshes[m].positions;
-      visit(Triangle{{p[t.x], p[t.y], p[t.z]}}, m, number++);
-    }
+  for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
+    const glm::vec3* const p = scene.meshes[m].positions.data();
+    for (const glm::uvec3& t : scene.meshes[m].triangles) visit(p[t.x], p[t.y], p[t.z], m, number++);
+  }
 }
 
-/// orient3d_sign of each triangle's corners and a homogeneous light, on all threads; 0: edge-on.
+/// Into `signs`: orient3d_sign of each triangle's corners and a homogeneous light, on all threads; 0: edge-on.
 template <class Of>
-std::vector<std::int8_t> facing_of(std::span<const Of> triangles, const glm::dvec4& light) {
-  std::vector<std::int8_t> signs(triangles.size());
+void find_facing(const std::vector<Of>& triangles, const glm::dvec4& light, std::vector<std::int8_t>& signs) {
+  signs.resize(triangles.size());
   for_blocks(triangles.size(), 8192, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const glm::vec3* const p = triangles[i].points;
       signs[i] = static_cast<std::int8_t>(orient3d_sign(p[0], p[1], p[2], light));
     }
   });
-  return signs;
 }
 
 /// A count without unit.

@@ -29,7 +29,11 @@ struct Receiver {
 };
 
 /// The receiver of a pixel that shows a surface.
-Receiver receiver_at(const Scene& scene, const GBuffer& gbuffer, std::size_t i);
+inline Receiver receiver_at(const Scene& scene, const GBuffer& gbuffer, std::size_t i) {
+  const std::uint32_t mesh = gbuffer.mesh[i];
+  const bool is_on_shape = gbuffer.truth == Truth::shape && mesh != no_mesh && scene.meshes[mesh].has_curved_shape();
+  return {gbuffer.position(i), mesh, is_on_shape ? Receiver::whole_mesh : gbuffer.triangle[i]};
+}
 
 /// A receiver for those who count triangles over the scene.
 struct NumberedReceiver : Receiver {
@@ -50,7 +54,12 @@ class TriangleNumbers {
   std::uint32_t end_of(std::size_t mesh) const { return first_[mesh + 1]; }
   std::uint32_t mesh_of(std::uint32_t number) const;
   /// `on_surface` as `receiver_at` gives it.
-  NumberedReceiver numbered(const Receiver& on_surface) const;
+  NumberedReceiver numbered(const Receiver& on_surface) const {
+    const std::uint32_t mesh = on_surface.mesh;
+    if (mesh == no_mesh) return {on_surface, 0, 0};
+    if (on_surface.triangle == Receiver::whole_mesh) return {on_surface, first_of(mesh), end_of(mesh) - first_of(mesh)};
+    return {on_surface, first_of(mesh) + on_surface.triangle, 1};
+  }
   std::size_t bytes() const { return first_.capacity() * sizeof(std::uint32_t); }
 
  private:
