@@ -137,13 +137,29 @@ class Block {
     return moved;
   }
 
-  /// The taps that made the pixel dark (or lit): those whose stored surface stands farthest before (or least before) the point,
-  /// by weight until the mask's value is reached. Taps that the reference agrees with are no part of the error.
+  /// How far a tap's stored surface stands behind the point, along the tap's ray; or behind the receiver's plane there.
+  double behind(const Question& q, std::size_t j, bool is_from_plane) const {
+    const Tap& tap = q.why->taps[j];
+    return tap.stored - glm::dot((is_from_plane ? places_[q.first_tap + j] : q.point) - tap.origin, tap.direction);
+  }
+  /// Whether the mask's value is what comparing with the receiver's plane gives, rather than with the point.
+  bool compares_with_plane(const Question& q) const {
+    const auto error = [&](bool is_from_plane) {
+      double lit = 0;
+      for (std::size_t j = 0; j < q.tap_count(); ++j)
+        if (behind(q, j, is_from_plane) >= -q.why->bias) lit += q.why->taps[j].weight;
+      return std::abs(lit - q.visibility);
+    };
+    return error(true) < error(false);
+  }
+
+  /// The taps that made the pixel dark (or lit): those whose stored surface stands farthest before (or least before) what it is
+  /// compared with, by weight until the mask's value is reached. Taps that the reference agrees with are no part of the error.
   std::vector<std::size_t> guilty(const Question& q) const {
     std::vector<std::pair<double, std::size_t>> by_margin;
+    const bool is_from_plane = compares_with_plane(q);
     for (std::size_t j = 0; j < q.tap_count(); ++j) {
-      const Tap& tap = q.why->taps[j];
-      const double margin = tap.stored - glm::dot(q.point - tap.origin, tap.direction);
+      const double margin = behind(q, j, is_from_plane);
       by_margin.emplace_back(q.is_dark ? margin : -margin, j);
     }
     std::ranges::sort(by_margin);

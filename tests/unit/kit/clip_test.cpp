@@ -266,5 +266,19 @@ TEST(Clip, a_clipper_keeps_what_is_inside_all_planes) {
   EXPECT_EQ(clipper.corners().size(), 4u);
 }
 
+// Its buffers take turns: once they have the size that the polygons ask for, no cut allocates.
+TEST(Clip, a_clipper_does_not_grow) {
+  Clipper clipper;
+  std::set<const Corner*> places;
+  for (int i = 0; i < 1000; ++i) {
+    clipper.start();
+    for (const glm::dvec3& p : {glm::dvec3(0, 0, 0), glm::dvec3(2, 0, 0), glm::dvec3(0, 2, 0)}) clipper.add({p});
+    for (const glm::dvec3& normal : {glm::dvec3(-1, 0, 0), glm::dvec3(0, -1, 0)})
+      EXPECT_EQ(clipper.keep_positive({normal, 1}, epsilon), Lies::across);
+    places.insert(clipper.corners().data());
+  }
+  EXPECT_LE(places.size(), 2u);
+}
+
 }  // namespace
 }  // namespace gnomon

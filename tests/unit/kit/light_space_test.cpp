@@ -77,6 +77,7 @@ TEST(LightSpace, places_are_rays) {
                                         : LightSpace(light, frame, all_layouts[i % 3], i % 4 == 0 ? 0 : 2);
     EXPECT_EQ(space.is_parallel(), i % 5 == 0);
     const glm::dvec3 p = random.uniform(glm::dvec3(-5), glm::dvec3(5));
+    EXPECT_EQ(space.seen(p), std::pair(space.face_of(p), space[space.face_of(p)].seen(p)));
     const LightFace& face = space[space.face_of(p)];
     const glm::dvec3 q = face.seen(p);
     EXPECT_LT(glm::distance(face.to_world(q), p), 1e-14);
@@ -87,6 +88,21 @@ TEST(LightSpace, places_are_rays) {
     EXPECT_GT(q.z, 0);
     EXPECT_LE(glm::max(glm::abs(q.x), glm::abs(q.y)), q.z);
     EXPECT_EQ(space.main().seen(p), space[4].seen(p));
+  }
+}
+
+// The frame of a face, from the cube's own one, bit for bit as from the world; along the world's axes too.
+TEST(LightSpace, faces_of_a_cube_exchange_components) {
+  Random random(3);
+  for (int i = 0; i < 1000; ++i) {
+    const LightSpace space({1, 2, 3}, i % 2 ? random_frame(random) : glm::dmat3(1), all_layouts[i % 3], 2);
+    const glm::dvec3 p = random.uniform(glm::dvec3(-5), glm::dvec3(5)), q = space.in_cube(p);
+    EXPECT_EQ(q, space.main().seen(p));
+    for (int face = 0; face < 6; ++face) {
+      EXPECT_EQ(space[face].from_cube.face(), face);
+      EXPECT_EQ(space[face].from_cube(q), space[face].seen(p));
+      EXPECT_EQ(space[face].from_cube(q), space[face].light_from_world * (p - space[face].origin));
+    }
   }
 }
 
