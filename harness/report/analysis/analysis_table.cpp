@@ -1,38 +1,103 @@
 #include "report/analysis/analysis_table.h"
 
 #include "report/analysis/analysis_table_parts.h"
-#include "report/table/layout.h"
 
 namespace gnomon {
 
-std::vector<std::string> analysis_kinds() { return {"growth", "front", "best", "map", "motion", "sweep"}; }
+namespace {
+
+struct Kind {
+  std::string_view name;
+  analysis::Tables (*tables)(std::span<const Record>, const AnalysisOptions&, Format);
+};
+constexpr Kind kinds[] = {{"growth", analysis::growth_tables}, {"front", analysis::front_tables},
+                          {"best", analysis::best_tables},     {"map", analysis::map_tables},
+                          {"motion", analysis::motion_tables}, {"sweep", analysis::sweep_tables}};
+
+}  // namespace
+
+std::vector<std::string> analysis_kinds() {
+  std::vector<std::string> names;
+  for (const Kind& kind : kinds) names.emplace_back(kind.name);
+  return names;
+}
 
 Column quantity_column(const std::string& quantity) {
   for (const Column& column : all_columns({}))
-    if (column.name == quantity) {
-      Column copy = column;
-      copy.cell = {};
-      copy.interval = {};
-      return copy;
-    }
-  // A metric that another version measured.
-  return {.name = quantity, .unit = "", .heading = quantity, .shown_unit = "", .cell = {}};
+    if (column.name == quantity) return column;
+  return number_column(quantity, "", quantity);  // a metric that another version measured
 }
 
 std::string analyze(std::span<const Record> records, const std::string& kind, const AnalysisOptions& options, Format format,
                     const TableOptions& table) {
   require_word("there is no analysis", kind, analysis_kinds());
-  if (kind == "map") return analysis::map_text(records, options, format, table);
-  if (kind == "sweep") return analysis::sweep_text(records, options, format, table);
-  AnalysisOptions here = options;
+  AnalysisOptions wanted = options;
   // Programs sort out for themselves what they want.
-  here.all = here.all || format == Format::csv || format == Format::json;
-  Grid grid = kind == "growth"  ? analysis::growth_grid(records, here)
-              : kind == "front" ? analysis::front_grid(records, here)
-              : kind == "best"  ? analysis::best_grid(records, here)
-                                : analysis::motion_grid(records, here);
-  grid.provenance = provenance(records);
-  return render_grid(grid, format, table);
+  wanted.all = wanted.all || format == Format::csv || format == Format::json;
+  analysis::Tables tables = std::ranges::find(kinds, kind, &Kind::name)->tables(records, wanted, format);
+  tables.back().provenance = provenance(records);
+  std::string text;
+  for (std::size_t k = 0; k < tables.size(); ++k) {
+    TableOptions here = table;
+    if (format == Format::latex && tables.size() > 1) here.label += fmt::format(":{}", k + 1);
+    text += render_layout(std::move(tables[k]), format, here);
+    if (k + 1 < tables.size() && format != Format::terminal) text += '\n';
+  }
+  return text;
 }
+
+namespace analysis {
+
+Column of_quantity(const std::string& quantity, const std::string& suffix, const std::string& heading) {
+  Column column = quantity_column(quantity);
+  column.name += suffix;
+  if (!heading.empty()) column.heading += ' ' + heading;
+  return column;
+}
+
+Column at_value(const std::string& quantity, const std::string& value) {
+  Column column = quantity_column(quantity);
+  column.heading = value;
+  column.shown_unit = "";
+  return column;
+}
+
+std::string with_unit(const std::string& quantity) {
+  const Column column = quantity_column(quantity);
+  const bool is_said = column.heading.ends_with(column.shown_unit);  // "umbra area ratio" needs no "in ratio"
+  return is_said ? column.heading : fmt::format("{} in {}", column.heading, column.shown_unit);
+}
+
+Cell shown_text(std::string_view value, std::string shown) { return {.value = std::string(value), .shown = std::move(shown)}; }
+
+Cell value_of(const std::optional<ValueWithInterval>& measured) { return measured ? Cell{.value = measured->value} : Cell{}; }
+
+Cell end(const std::optional<ValueWithInterval>& measured, double ValueWithInterval::*which) {
+  return measured && measured->has_interval ? Cell{.value = (*measured).*which} : Cell{};
+}
+
+std::string interval_text(const Column& column, const ValueWithInterval& m) {
+  if (!m.has_interval) return "-";
+  return fmt::format("{} .. {}", shown(column, {.value = m.low}), shown(column, {.value = m.high}));
+}
+
+std::vector<Column> place_columns() {
+  std::vector<Column> columns;
+  for (const char* name : {"scene", "light", "view", "path"}) columns.push_back(for_programs(text_column(name, name)));
+  for (const char* name : {"width", "height"}) columns.push_back(for_programs(whole_column(name, "px", name)));
+  columns.push_back(for_programs(text_column("truth", "truth")));
+  return columns;
+}
+
+Cells place_cells(const std::optional<Place>& place) {
+  const Place at = place.value_or(Place{});
+  Cells cells;
+  for (const std::string* part : {&at.scene, &at.light, &at.view, &at.path}) cells.push_back(text_cell(*part));
+  for (const int size : {at.width, at.height}) cells.push_back(size > 0 ? Cell{.value = double(size)} : Cell{});
+  cells.push_back(place ? text_cell(name(at.truth)) : Cell{});
+  return cells;
+}
+
+}  // namespace analysis
 
 }  // namespace gnomon

@@ -14,13 +14,6 @@ std::string field_heading(const Field& field, std::span<const Place> places) {
   return fmt::format("over all {} places that these settings finished: mean error, geometric mean cost", field.places);
 }
 
-std::vector<Place> places_of(std::span<const Field> fields) {
-  std::vector<Place> places;
-  for (const Field& field : fields)
-    if (field.place) places.push_back(*field.place);
-  return places;
-}
-
 /// The column of a cost in milliseconds or bytes.
 Column cost_column(Cost cost) {
   Column column = quantity_column(cost == Cost::bytes ? "bytes" : "resolve_ms");
@@ -38,18 +31,16 @@ std::vector<std::size_t> order_by_cost(const Field& field) {
   return order;
 }
 
-void add_front_heads(Grid& grid, const AnalysisOptions& options, const Column& cost) {
-  add_place_heads(grid);
-  grid.heads.push_back(words("setting", "technique"));
-  grid.heads.push_back(words("role", "role", Audience::programs));
-  grid.heads.push_back(of_quantity(options.metric));
-  grid.heads.push_back({cost, Audience::all});
-  grid.heads.push_back(words("cost_interval", "interval", Audience::people));
-  for (const char* one : {"cost_low", "cost_high"})
-    grid.heads.push_back(number(one, std::string(unit(options.cost)), one, Audience::programs));
-  grid.heads.push_back(number("relative_cost", "", "relative"));
-  grid.heads.push_back(words("standing", "standing"));
-  grid.heads.push_back(words("beaten_by", "beaten by", Audience::programs));
+std::vector<Column> front_columns(const AnalysisOptions& options, const Column& cost) {
+  std::vector<Column> columns = place_columns();
+  const std::string cost_unit(unit(options.cost));
+  columns.insert(
+      columns.end(),
+      {text_column("setting", "technique"), for_programs(text_column("role", "role")), of_quantity(options.metric), cost,
+       for_people(text_column("cost_interval", "interval")), for_programs(number_column("cost_low", cost_unit, "cost_low")),
+       for_programs(number_column("cost_high", cost_unit, "cost_high")), number_column("relative_cost", "", "relative"),
+       text_column("standing", "standing"), for_programs(text_column("beaten_by", "beaten by"))});
+  return columns;
 }
 
 /// "front", "beaten (SETTING)"; of those that do not compete why: "reference", "baseline", "no cost".
@@ -60,49 +51,52 @@ std::string standing_text(const Candidate& candidate, const FrontEntry& stand) {
   return stand.beaten_by.empty() ? std::string(standing) : fmt::format("{} ({})", standing, stand.beaten_by);
 }
 
-Entries front_row(const Field& field, const Candidate& c, const FrontEntry& stand, const Column& cost) {
-  Entries row;
-  add_place(row, field.place);
-  row.push_back({text(c.setting)});
-  row.push_back({text(std::string(name(c.role)))});
-  row.push_back({{.value = c.error}});
-  row.push_back({value_of(c.cost)});
-  row.push_back({text(c.cost ? interval_text(cost, *c.cost) : "-")});
-  for (const auto which : {&ValueWithInterval::low, &ValueWithInterval::high}) row.push_back({end(c.cost, which)});
-  row.push_back({c.cost && c.relative_cost.value > 0 ? Cell{.value = c.relative_cost.value} : Cell{}});
-  row.push_back({shown_text(std::string(name(stand.standing)), standing_text(c, stand))});
-  row.push_back({text(stand.beaten_by)});
-  return row;
+Cells front_cells(const Field& field, const Candidate& c, const FrontEntry& stand, const Column& cost) {
+  Cells cells = place_cells(field.place);
+  cells.insert(cells.end(), {text_cell(c.setting), text_cell(name(c.role)), Cell{.value = c.error}, value_of(c.cost),
+                             text_cell(c.cost ? interval_text(cost, *c.cost) : "-"), end(c.cost, &ValueWithInterval::low),
+                             end(c.cost, &ValueWithInterval::high),
+                             c.cost && c.relative_cost.value > 0 ? Cell{.value = c.relative_cost.value} : Cell{},
+                             shown_text(name(stand.standing), standing_text(c, stand)), text_cell(stand.beaten_by)});
+  return cells;
+}
+
+/// The table of all fields, a group each, without rows yet.
+Layout table_of(std::span<const Field> fields, std::string title, std::vector<Column> columns) {
+  Layout table{.title = std::move(title), .columns = std::move(columns)};
+  std::vector<Place> places;
+  for (const Field& field : fields)
+    if (field.place) places.push_back(*field.place);
+  for (const Field& field : fields) {
+    table.groups.push_back({.heading = field_heading(field, places)});
+    table.notes.insert(table.notes.end(), field.notes.begin(), field.notes.end());
+  }
+  return table;
 }
 
 }  // namespace
 
-Grid front_grid(std::span<const Record> records, const AnalysisOptions& options) {
+Tables front_tables(std::span<const Record> records, const AnalysisOptions& options, Format) {
   const std::vector<Field> fields = find_fields(records, {.error = options.metric, .cost = options.cost});
-  const std::vector<Place> places = places_of(fields);
   const Column cost = cost_column(options.cost);
-  Grid grid;
-  grid.title = fmt::format("Front of {} against {}", with_unit(options.metric), sentence(options.cost));
-  add_front_heads(grid, options, cost);
+  Layout table = table_of(fields, fmt::format("Front of {} against {}", with_unit(options.metric), sentence(options.cost)),
+                          front_columns(options, cost));
   std::size_t hidden = 0;
-  for (const Field& field : fields) {
-    Grid::Group group{.heading = field_heading(field, places), .rows = {}};
-    const std::vector<FrontEntry> stands = find_front(field, better(options.metric));
-    for (const std::size_t i : order_by_cost(field)) {
+  for (std::size_t k = 0; k < fields.size(); ++k) {
+    const std::vector<FrontEntry> stands = find_front(fields[k], better(options.metric));
+    for (const std::size_t i : order_by_cost(fields[k])) {
       if (options.all || stands[i].standing != Standing::beaten)
-        group.rows.push_back(front_row(field, field.candidates[i], stands[i], cost));
+        table.groups[k].rows.push_back({.cells = front_cells(fields[k], fields[k].candidates[i], stands[i], cost)});
       else
         ++hidden;
     }
-    grid.notes.insert(grid.notes.end(), field.notes.begin(), field.notes.end());
-    grid.groups.push_back(std::move(group));
   }
-  grid.notes.emplace_back("front: no contender is at least as good in both and better in one");
-  grid.notes.emplace_back("unclear: beaten by value, but the intervals of the costs overlap");
-  grid.notes.emplace_back("relative: cost over that of the cheapest contender of the group");
-  if (options.cost != Cost::bytes) grid.notes.emplace_back(interval_note);
-  if (hidden > 0) grid.notes.push_back(fmt::format("{} beaten settings are not shown; --all shows them", hidden));
-  return grid;
+  table.notes.insert(table.notes.end(), {"front: no contender is at least as good in both and better in one",
+                                         "unclear: beaten by value, but the intervals of the costs overlap",
+                                         "relative: cost over that of the cheapest contender of the group"});
+  if (options.cost != Cost::bytes) table.notes.emplace_back(interval_note);
+  if (hidden > 0) table.notes.push_back(fmt::format("{} beaten settings are not shown; --all shows them", hidden));
+  return {table};
 }
 
 namespace {
@@ -125,16 +119,13 @@ Budgets budgets_of(const AnalysisOptions& options, const BestColumns& columns, s
   return budgets;
 }
 
-void add_best_heads(Grid& grid, const AnalysisOptions& options, const BestColumns& columns) {
-  add_place_heads(grid);
-  grid.heads.push_back(words("limited", "limited", Audience::programs));
-  grid.heads.push_back(number("budget", "", "budget", Audience::programs));
-  grid.heads.push_back(words("at", "at", Audience::people));
-  grid.heads.push_back(words("setting", "best"));
-  grid.heads.push_back({columns.error, Audience::all});
-  grid.heads.push_back({cost_column(options.cost), Audience::all});
-  grid.heads.push_back({columns.bytes, Audience::all});
-  grid.heads.push_back(words("also", "as good"));
+std::vector<Column> best_columns(const AnalysisOptions& options, const BestColumns& of) {
+  std::vector<Column> columns = place_columns();
+  columns.insert(columns.end(),
+                 {for_programs(text_column("limited", "limited")), for_programs(number_column("budget", "", "budget")),
+                  for_people(text_column("at", "at")), text_column("setting", "best"), of.error, cost_column(options.cost),
+                  of.bytes, text_column("also", "as good")});
+  return columns;
 }
 
 /// "wrong ≤ 0.5 %", "time ≤ 2 ms".
@@ -145,55 +136,46 @@ std::string budget_text(const Best& best, const BestColumns& columns, std::strin
                      exact(best.budget * limited.shown_scale), limited.shown_unit.empty() ? "" : " ", limited.shown_unit);
 }
 
-Entries best_row(const Field& field, const Best& best, const BestColumns& columns, std::string_view direction) {
-  Entries row;
-  add_place(row, field.place);
-  row.push_back({text(best.what)});
-  row.push_back({{.value = best.budget}});
-  row.push_back({text(budget_text(best, columns, direction))});
+Cells best_cells(const Field& field, const Best& best, const BestColumns& columns, std::string_view direction) {
+  Cells cells = place_cells(field.place);
+  cells.insert(cells.end(),
+               {text_cell(best.what), Cell{.value = best.budget}, text_cell(budget_text(best, columns, direction))});
   if (!best.winner) {
-    row.push_back({Cell{.value = {}, .shown = "none"}});
-    row.resize(row.size() + 4);
-    return row;
+    cells.push_back({.shown = "none"});
+    cells.resize(cells.size() + 4);
+    return cells;
   }
   const Candidate& winner = field.candidates[*best.winner];
-  row.push_back({text(winner.setting)});
-  row.push_back({{.value = winner.error}});
-  row.push_back({value_of(winner.time)});
-  row.push_back({winner.bytes ? Cell{.value = *winner.bytes} : Cell{}});
   std::vector<std::string> also;
   for (const std::size_t i : best.also) also.push_back(field.candidates[i].setting);
   const std::string all = joined(also, "; ");
-  const bool is_long = also.size() > 3;
-  row.push_back({also.empty() ? Cell{} : shown_text(all, is_long ? fmt::format("{} others", also.size()) : all)});
-  return row;
+  cells.insert(cells.end(),
+               {text_cell(winner.setting), Cell{.value = winner.error}, value_of(winner.time),
+                winner.bytes ? Cell{.value = *winner.bytes} : Cell{},
+                also.empty() ? Cell{} : shown_text(all, also.size() > 3 ? fmt::format("{} others", also.size()) : all)});
+  return cells;
 }
 
 }  // namespace
 
-Grid best_grid(std::span<const Record> records, const AnalysisOptions& options) {
+Tables best_tables(std::span<const Record> records, const AnalysisOptions& options, Format) {
   if (options.cost == Cost::bytes)
     throw Error("--cost bytes is for front; best takes resolve, light or geometry, and budgets of memory by --memories");
   const std::vector<Field> fields = find_fields(records, {.error = options.metric, .cost = options.cost});
-  const std::vector<Place> places = places_of(fields);
   const BestColumns columns{quantity_column(options.metric), quantity_column("resolve_ms"), quantity_column("bytes")};
   const Budgets budgets = budgets_of(options, columns, fields);
   const std::string_view direction = better(options.metric);
-  Grid grid;
-  grid.title = fmt::format("Best contender at equal time, equal memory and equal error: {} against {}",
-                           with_unit(options.metric), sentence(options.cost));
-  add_best_heads(grid, options, columns);
-  for (const Field& field : fields) {
-    Grid::Group group{.heading = field_heading(field, places), .rows = {}};
-    for (const Best& best : find_best(field, budgets, direction))
-      group.rows.push_back(best_row(field, best, columns, direction));
-    grid.notes.insert(grid.notes.end(), field.notes.begin(), field.notes.end());
-    grid.groups.push_back(std::move(group));
-  }
-  grid.notes.emplace_back(
+  Layout table = table_of(fields,
+                          fmt::format("Best contender at equal time, equal memory and equal error: {} against {}",
+                                      with_unit(options.metric), sentence(options.cost)),
+                          best_columns(options, columns));
+  for (std::size_t k = 0; k < fields.size(); ++k)
+    for (const Best& best : find_best(fields[k], budgets, direction))
+      table.groups[k].rows.push_back({.cells = best_cells(fields[k], best, columns, direction)});
+  table.notes.emplace_back(
       "at equal time and memory the lowest error within the budget, at equal error the lowest time; as good: the same error, "
       "or a time whose interval overlaps");
-  return grid;
+  return {table};
 }
 
 }  // namespace gnomon::analysis

@@ -1,5 +1,4 @@
 #include "report/analysis/analysis_table_parts.h"
-#include "report/table/layout.h"
 
 namespace gnomon::analysis {
 
@@ -15,9 +14,9 @@ std::string map_title(const Map& map, const std::string& metric) {
 }
 
 /// For programs: one row a cell.
-Grid map_rows(const std::vector<Map>& maps, const AnalysisOptions& options) {
-  Grid grid;
-  grid.title = map_title(maps.front(), options.metric);
+Layout map_rows(const std::vector<Map>& maps, const AnalysisOptions& options) {
+  Layout table;
+  table.title = map_title(maps.front(), options.metric);
   std::vector<std::string> parameters;
   for (const Map& map : maps) {
     std::vector<std::string> here{map.x, map.y};
@@ -25,68 +24,56 @@ Grid map_rows(const std::vector<Map>& maps, const AnalysisOptions& options) {
     for (const std::string& name : here)
       if (!name.empty()) add_once(parameters, name);
   }
-  grid.heads.push_back(words("technique", "technique"));
-  for (const std::string& parameter : parameters) grid.heads.push_back(words("parameter." + parameter, parameter));
-  grid.heads.push_back(of_quantity(options.metric));
-  grid.heads.push_back(number("places", "", "places"));
-  grid.heads.push_back(words("best", "best"));
-  Grid::Group& group = grid.groups.emplace_back();
+  table.columns.push_back(text_column("technique", "technique"));
+  for (const std::string& parameter : parameters) table.columns.push_back(text_column("parameter." + parameter, parameter));
+  table.columns.push_back(of_quantity(options.metric));
+  table.columns.push_back(number_column("places", "", "places"));
+  table.columns.push_back(text_column("best", "best"));
+  Layout::Group& group = table.groups.emplace_back();
   for (const Map& map : maps)
     for (std::size_t y = 0; y < map.ys.size(); ++y)
       for (std::size_t x = 0; x < map.xs.size(); ++x) {
         const Map::Cell& cell = map.at(x, y);
         if (!cell.value) continue;
-        Entries row{{text(map.technique)}};
+        Cells& cells = group.rows.emplace_back().cells;
+        cells.push_back(text_cell(map.technique));
         for (const std::string& parameter : parameters) {
           std::string value = parameter == map.x ? map.xs[x] : parameter == map.y ? map.ys[y] : "";
           for (const auto& [name, fixed] : map.facet)
             if (name == parameter) value = fixed;
-          row.push_back({text(value)});
+          cells.push_back(text_cell(value));
         }
-        row.push_back({{.value = *cell.value}});
-        row.push_back({{.value = static_cast<double>(map.places)}});
-        row.push_back({text(cell.is_best ? "true" : "false")});
-        group.rows.push_back(std::move(row));
+        cells.push_back({.value = *cell.value});
+        cells.push_back({.value = static_cast<double>(map.places)});
+        cells.push_back(text_cell(cell.is_best ? "true" : "false"));
       }
-  return grid;
+  return table;
 }
 
 }  // namespace
 
-/// For people: a grid of its own for every map, its columns the values of x.
-std::string map_text(std::span<const Record> records, const AnalysisOptions& options, Format format,
-                     const TableOptions& table) {
+/// For people: a table of its own for every map, its columns the values of x.
+Tables map_tables(std::span<const Record> records, const AnalysisOptions& options, Format format) {
   const std::vector<Map> maps =
       make_maps(records, {.metric = options.metric, .x = options.x, .y = options.y, .facet = options.facet});
-  if (format == Format::csv || format == Format::json) {
-    Grid grid = map_rows(maps, options);
-    grid.provenance = provenance(records);
-    return render_grid(grid, format, table);
-  }
-  std::vector<Grid> grids;
+  if (format == Format::csv || format == Format::json) return {map_rows(maps, options)};
+  Tables tables;
   for (const Map& map : maps) {
-    Grid& grid = grids.emplace_back();
-    if (&map == &maps.front() || format == Format::latex) grid.title = map_title(map, options.metric);
-    grid.heads.push_back(words(map.y, map.y));
-    for (const std::string& x : map.xs) {
-      Column column = quantity_column(options.metric);
-      column.heading = x;
-      column.shown_unit = "";  // the title says it
-      grid.heads.push_back({std::move(column), Audience::all});
-    }
-    Grid::Group& group = grid.groups.emplace_back();
-    group.heading = map_heading(map);
+    Layout& table = tables.emplace_back();
+    if (&map == &maps.front() || format == Format::latex) table.title = map_title(map, options.metric);
+    table.columns.push_back(text_column(map.y, map.y));
+    for (const std::string& x : map.xs) table.columns.push_back(at_value(options.metric, x));
+    Layout::Group& group = table.groups.emplace_back(Layout::Group{.heading = map_heading(map)});
     for (std::size_t y = 0; y < map.ys.size(); ++y) {
-      Entries row{{{.value = map.ys[y]}}};
+      Cells& cells = group.rows.emplace_back().cells;
+      cells.push_back({.value = map.ys[y]});
       for (std::size_t x = 0; x < map.xs.size(); ++x) {
         const Map::Cell& cell = map.at(x, y);
-        row.push_back({cell.value ? Cell{.value = *cell.value} : Cell{}, cell.is_best});
+        cells.push_back(cell.value ? Cell{.value = *cell.value, .is_best = cell.is_best} : Cell{});
       }
-      group.rows.push_back(std::move(row));
     }
   }
-  grids.back().provenance = provenance(records);
-  return render_grids(grids, format, table);
+  return tables;
 }
 
 }  // namespace gnomon::analysis

@@ -1,9 +1,6 @@
-#include <algorithm>
-
 #include "analysis/sweep.h"
 #include "report/analysis/analysis_table_parts.h"
 #include "report/table/digits.h"
-#include "report/table/layout.h"
 
 namespace gnomon::analysis {
 
@@ -17,65 +14,52 @@ std::string against(const Sweeps& sweeps) {
 }
 
 /// For programs: one row a point.
-Grid sweep_rows(const Sweeps& sweeps) {
-  Grid grid;
-  grid.title = against(sweeps);
+Layout sweep_rows(const Sweeps& sweeps) {
+  Layout table;
+  table.title = against(sweeps);
   const bool is_time = sweeps.quantity.ends_with("_ms");
-  add_place_heads(grid);
-  grid.heads.push_back(words("setting", "technique"));
-  grid.heads.push_back(words("role", "role"));
-  grid.heads.push_back(number("parameter." + sweeps.parameter, sweeps.unit, sweeps.parameter, Audience::all, true));
-  grid.heads.push_back(of_quantity(sweeps.quantity));
+  table.columns = place_columns();
+  table.columns.insert(table.columns.end(), {text_column("setting", "technique"), text_column("role", "role"),
+                                             whole_column("parameter." + sweeps.parameter, sweeps.unit, sweeps.parameter),
+                                             of_quantity(sweeps.quantity)});
   if (is_time)
-    for (const char* one : {"low", "high"}) grid.heads.push_back(of_quantity(sweeps.quantity, fmt::format("_{}", one), one));
-  grid.heads.push_back(words("status", "status"));
-  Grid::Group& group = grid.groups.emplace_back();
+    for (const std::string end : {"low", "high"}) table.columns.push_back(of_quantity(sweeps.quantity, "_" + end, end));
+  table.columns.push_back(text_column("status", "status"));
+  Layout::Group& group = table.groups.emplace_back();
   for (const Sweep& sweep : sweeps.rows)
     for (const Sweep::Point& point : sweep.points) {
-      Entries row;
-      add_place(row, sweep.place);
-      row.push_back({text(sweep.setting)});
-      row.push_back({text(std::string(name(sweep.role)))});
-      row.push_back({{.value = point.x}});
-      row.push_back({value_of(point.value)});
+      Cells cells = place_cells(sweep.place);
+      cells.insert(cells.end(),
+                   {text_cell(sweep.setting), text_cell(name(sweep.role)), Cell{.value = point.x}, value_of(point.value)});
       if (is_time)
-        for (const auto which : {&ValueWithInterval::low, &ValueWithInterval::high}) row.push_back({end(point.value, which)});
-      row.push_back({text(std::string(name(point.status)))});
-      group.rows.push_back(std::move(row));
+        for (const auto which : {&ValueWithInterval::low, &ValueWithInterval::high}) cells.push_back(end(point.value, which));
+      cells.push_back(text_cell(name(point.status)));
+      group.rows.push_back({.cells = std::move(cells)});
     }
-  return grid;
+  return table;
 }
 
 /// For people: one row a setting, one column a value of x, for the places that were swept over the same values.
-Grid sweep_grid(const Sweeps& sweeps, std::span<const double> xs, std::span<const Place> places) {
-  Grid grid;
+Layout sweep_table(const Sweeps& sweeps, std::span<const double> xs, std::span<const Place> places) {
+  Layout table;
   const bool is_ratio = quantity_column(sweeps.quantity).unit == "ratio";
-  grid.heads.push_back(words("setting", "technique"));
-  for (const double x : xs) {
-    Column column = quantity_column(sweeps.quantity);
-    column.heading = exact(x);
-    column.shown_unit = "";  // the title says it
-    grid.heads.push_back({std::move(column), Audience::all});
-  }
+  table.columns.push_back(text_column("setting", "technique"));
+  for (const double x : xs) table.columns.push_back(at_value(sweeps.quantity, exact(x)));
   for (const Place& place : places) {
-    Grid::Group& group = grid.groups.emplace_back();
-    group.heading = title(place, sweeps.places);
+    Layout::Group& group = table.groups.emplace_back(Layout::Group{.heading = title(place, sweeps.places)});
     for (const Sweep& sweep : sweeps.rows) {
       if (sweep.place != place) continue;
-      Entries row{{text(sweep.setting)}};
+      Cells& cells = group.rows.emplace_back().cells;
+      cells.push_back(text_cell(sweep.setting));
       for (const double x : xs) {
-        const auto point = std::find_if(sweep.points.begin(), sweep.points.end(), [&](const auto& p) { return p.x == x; });
-        const bool has_value = point != sweep.points.end() && point->value;
-        Cell cell;
-        if (has_value) cell.value = point->value->value;
+        const auto point = std::ranges::find(sweep.points, x, &Sweep::Point::x);
+        cells.push_back(point != sweep.points.end() ? value_of(point->value) : Cell{});
         // What is near 1 is read by its distance to 1.
-        if (has_value && is_ratio) cell.shown = fmt::format("{:.3f}", point->value->value);
-        row.push_back({std::move(cell)});
+        if (const double* value = cells.back().number(); value && is_ratio) cells.back().shown = fmt::format("{:.3f}", *value);
       }
-      group.rows.push_back(std::move(row));
     }
   }
-  return grid;
+  return table;
 }
 
 /// What stands behind the cells without a value, and what is left out.
@@ -105,29 +89,26 @@ std::vector<std::string> sweep_notes(const Sweeps& sweeps) {
 
 }  // namespace
 
-std::string sweep_text(std::span<const Record> records, const AnalysisOptions& options, Format format,
-                       const TableOptions& table) {
+Tables sweep_tables(std::span<const Record> records, const AnalysisOptions& options, Format format) {
   const Sweeps sweeps = find_sweeps(records, options.x, options.metric);
-  std::vector<Grid> grids;
+  Tables tables;
   if (format == Format::csv || format == Format::json) {
-    grids.push_back(sweep_rows(sweeps));
+    tables.push_back(sweep_rows(sweeps));
   } else {
     // Places that were swept over the same values share columns.
     std::vector<std::pair<std::vector<double>, std::vector<Place>>> alike;
     for (const Place& place : sweeps.places) value_of_key(alike, sweeps.xs(place)).push_back(place);
     for (const auto& [xs, places] : alike) {
-      const bool is_cut = format != Format::markdown;
-      const std::size_t parts = is_cut ? (xs.size() + most_columns - 1) / most_columns : 1;
+      const std::size_t parts = format == Format::markdown ? 1 : (xs.size() + most_columns - 1) / most_columns;
       const std::size_t size = (xs.size() + parts - 1) / parts;
       for (std::size_t from = 0; from < xs.size(); from += size)
-        grids.push_back(sweep_grid(sweeps, std::span(xs).subspan(from, std::min(size, xs.size() - from)), places));
+        tables.push_back(sweep_table(sweeps, std::span(xs).subspan(from, std::min(size, xs.size() - from)), places));
     }
-    for (Grid& grid : grids)
-      if (&grid == &grids.front() || format == Format::latex) grid.title = against(sweeps);
+    for (Layout& table : tables)
+      if (&table == &tables.front() || format == Format::latex) table.title = against(sweeps);
   }
-  grids.back().notes = sweep_notes(sweeps);
-  grids.back().provenance = provenance(records);
-  return render_grids(grids, format, table);
+  tables.back().notes = sweep_notes(sweeps);
+  return tables;
 }
 
 }  // namespace gnomon::analysis

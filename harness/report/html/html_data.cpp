@@ -62,12 +62,13 @@ Json row_json(const Layout& layout, const Layout::Row& row, std::size_t group, c
   const Record& r = *row.record;
   Json values = Json::array(), texts = Json::array(), best = Json::array(), flagged = Json::array();
   for (std::size_t k = 0; k < layout.columns.size(); ++k) {
-    values.push_back(value_json(layout.columns[k].cell(r)));
+    values.push_back(value_json(row.cells[k]));
     // Text is sent once.
-    const bool is_same = values.back().is_string() && values.back() == row.entries[k].text;
-    texts.push_back(is_same ? Json() : Json(row.entries[k].text));
-    if (row.entries[k].is_best) best.push_back(k);
-    if (row.entries[k].is_flagged) flagged.push_back(k);
+    const std::string text = shown(layout.columns[k], row.cells[k]);
+    const bool is_same = values.back().is_string() && values.back() == text;
+    texts.push_back(is_same ? Json() : Json(text));
+    if (row.cells[k].is_best) best.push_back(k);
+    if (row.cells[k].is_flagged) flagged.push_back(k);
   }
   Json stages = Json::object(), costs = Json::object();
   for (const Stage stage : {Stage::setup, Stage::build, Stage::relight, Stage::resolve})
@@ -118,7 +119,7 @@ Json classes_legend() {
   return legend;
 }
 
-Json pairs_json(std::span<const std::pair<std::string, std::string>> pairs) {
+Json pairs_json(const Remarks& pairs) {
   Json lines = Json::array();
   for (const auto& [topic, text] : pairs) lines.push_back({topic, text});
   return lines;

@@ -24,31 +24,6 @@ Cell number(const std::optional<T>& value) {
   return value && std::isfinite(static_cast<double>(*value)) ? Cell{.value = static_cast<double>(*value)} : Cell{};
 }
 
-/// Empty text is null.
-Cell text(const std::string& value) { return value.empty() ? Cell{} : Cell{.value = value}; }
-
-/// A plain function, so that a list of columns costs one std::function type and not one for each of its lambdas.
-using CellOf = Cell (*)(const Record&);
-
-Column text_column(std::string name, std::string heading, CellOf cell = nullptr) {
-  return {.name = std::move(name),
-          .unit = "",
-          .heading = std::move(heading),
-          .shown_unit = "",
-          .alignment = Align::left,
-          .cell = cell};
-}
-
-Column number_column(std::string name, const std::string& unit, std::string heading, CellOf cell = nullptr) {
-  return {.name = std::move(name), .unit = unit, .heading = std::move(heading), .shown_unit = unit, .cell = cell};
-}
-
-Column whole_column(std::string name, const std::string& unit, std::string heading, CellOf cell = nullptr) {
-  Column column = number_column(std::move(name), unit, std::move(heading), cell);
-  column.is_exact = true;
-  return column;
-}
-
 Column bytes_column(std::string name, std::string heading, CellOf cell) {
   Column column = number_column(std::move(name), "byte", std::move(heading), cell);
   column.shown_unit = "MiB";
@@ -75,28 +50,28 @@ Cell support_cell(const Record& r) {
 }
 
 void add_identity(std::vector<Column>& columns) {
-  columns.push_back(text_column("job", "job", [](const Record& r) { return text(r.job); }));
-  columns.push_back(text_column("suite", "suite", [](const Record& r) { return text(r.suite); }));
-  columns.push_back(text_column("scene", "scene", [](const Record& r) { return text(r.scene); }));
-  columns.push_back(text_column("light", "light", [](const Record& r) { return text(r.light); }));
-  columns.push_back(text_column("light_kind", "light kind", [](const Record& r) { return text(r.light_kind); }));
-  columns.push_back(text_column("view", "view", [](const Record& r) { return text(r.view); }));
-  columns.push_back(text_column("path", "path", [](const Record& r) { return text(r.path); }));
+  columns.push_back(text_column("job", "job", [](const Record& r) { return text_cell(r.job); }));
+  columns.push_back(text_column("suite", "suite", [](const Record& r) { return text_cell(r.suite); }));
+  columns.push_back(text_column("scene", "scene", [](const Record& r) { return text_cell(r.scene); }));
+  columns.push_back(text_column("light", "light", [](const Record& r) { return text_cell(r.light); }));
+  columns.push_back(text_column("light_kind", "light kind", [](const Record& r) { return text_cell(r.light_kind); }));
+  columns.push_back(text_column("view", "view", [](const Record& r) { return text_cell(r.view); }));
+  columns.push_back(text_column("path", "path", [](const Record& r) { return text_cell(r.path); }));
   columns.push_back(whole_column("frames", "", "frames", [](const Record& r) {
     std::size_t most = 0;
     for (const auto& [metric, values] : r.frames) most = std::max(most, values.size());
     return count_cell(most);
   }));
   columns.push_back(text_column("technique", "technique", technique_cell));
-  columns.push_back(text_column("settings", "settings", [](const Record& r) { return text(r.settings); }));
-  columns.push_back(text_column("label", "label", [](const Record& r) { return text(r.label.value_or("")); }));
-  columns.push_back(text_column("role", "role", [](const Record& r) { return text(std::string(name(r.role))); }));
+  columns.push_back(text_column("settings", "settings", [](const Record& r) { return text_cell(r.settings); }));
+  columns.push_back(text_column("label", "label", [](const Record& r) { return text_cell(r.label.value_or("")); }));
+  columns.push_back(text_column("role", "role", [](const Record& r) { return text_cell(name(r.role)); }));
   columns.push_back(whole_column("width", "px", "width", [](const Record& r) { return Cell{.value = double(r.width)}; }));
   columns.push_back(whole_column("height", "px", "height", [](const Record& r) { return Cell{.value = double(r.height)}; }));
-  columns.push_back(text_column("truth", "truth", [](const Record& r) { return text(std::string(name(r.truth))); }));
-  columns.push_back(text_column("status", "status", [](const Record& r) { return text(std::string(name(r.status))); }));
+  columns.push_back(text_column("truth", "truth", [](const Record& r) { return text_cell(name(r.truth)); }));
+  columns.push_back(text_column("status", "status", [](const Record& r) { return text_cell(name(r.status)); }));
   columns.push_back(text_column("support", "support", support_cell));
-  columns.push_back(text_column("reason", "reason", [](const Record& r) { return text(r.reason); }));
+  columns.push_back(text_column("reason", "reason", [](const Record& r) { return text_cell(r.reason); }));
 }
 
 /// Intervals of one stage, each computed once: the columns of both ends and the mark of the best need the same one.
@@ -158,7 +133,7 @@ void add_times(std::vector<Column>& columns) {
     for (const std::vector<double>& process : r.times(Stage::resolve)) most = std::max(most, process.size());
     return count_cell(most);
   }));
-  columns.push_back(text_column("stop", "stopped by", [](const Record& r) { return text(r.stop); }));
+  columns.push_back(text_column("stop", "stopped by", [](const Record& r) { return text_cell(r.stop); }));
 }
 
 void add_memory(std::vector<Column>& columns) {
@@ -213,7 +188,7 @@ void add_metrics(std::vector<Column>& columns) {
 }
 
 void add_causes(std::vector<Column>& columns) {
-  columns.push_back(text_column("causes", "causes", [](const Record& r) { return text(top_causes(r)); }));
+  columns.push_back(text_column("causes", "causes", [](const Record& r) { return text_cell(top_causes(r)); }));
   columns.back().sentence = "The most frequent causes of the wrong pixels, with their shares of them.";
   for (const CauseInfo& info : cause_infos()) {
     Column column = number_column(fmt::format("cause.{}", info.name), "", with_blanks(info.name));
@@ -238,10 +213,10 @@ void add_facts(std::vector<Column>& columns) {
     return r.scene_facts ? Cell{.value = static_cast<double>(r.scene_facts->triangles)} : Cell{};
   }));
   columns.push_back(text_column("closed", "closed", [](const Record& r) {
-    return r.scene_facts ? text(r.scene_facts->closed ? "true" : "false") : Cell{};
+    return r.scene_facts ? text_cell(r.scene_facts->closed ? "true" : "false") : Cell{};
   }));
   columns.push_back(number_column("seconds", "s", "took", [](const Record& r) { return number(r.seconds); }));
-  columns.push_back(text_column("mask", "mask", [](const Record& r) { return text(r.mask.value_or("")); }));
+  columns.push_back(text_column("mask", "mask", [](const Record& r) { return text_cell(r.mask.value_or("")); }));
 }
 
 Cell parameter_cell(const Record& record, const std::string& parameter) {
@@ -280,6 +255,34 @@ void add_counts(std::vector<Column>& columns, std::span<const Record> records) {
 }
 
 }  // namespace
+
+Column text_column(std::string name, std::string heading, CellOf cell) {
+  Column column = number_column(std::move(name), "", std::move(heading), cell);
+  column.alignment = Align::left;
+  return column;
+}
+
+Column number_column(std::string name, const std::string& unit, std::string heading, CellOf cell) {
+  return {.name = std::move(name), .unit = unit, .heading = std::move(heading), .shown_unit = unit, .cell = cell};
+}
+
+Column whole_column(std::string name, const std::string& unit, std::string heading, CellOf cell) {
+  Column column = number_column(std::move(name), unit, std::move(heading), cell);
+  column.is_exact = true;
+  return column;
+}
+
+Column for_people(Column column) {
+  column.audience = Audience::people;
+  return column;
+}
+
+Column for_programs(Column column) {
+  column.audience = Audience::programs;
+  return column;
+}
+
+Cell text_cell(std::string_view text) { return text.empty() ? Cell{} : Cell{.value = std::string(text)}; }
 
 std::vector<Column> all_columns(std::span<const Record> records) {
   std::vector<Column> columns;

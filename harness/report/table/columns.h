@@ -16,10 +16,13 @@ struct Cell {
   std::variant<std::monostate, double, std::string> value = {};
   std::string shown = {};   ///< for people, where that differs from the value
   bool is_flagged = false;  ///< needs a second look; the legend says why
+  bool is_best = false;     ///< among those that compete with it
 
-  bool is_null() const { return value.index() == 0; }
   const double* number() const { return std::get_if<double>(&value); }
 };
+
+/// Who sees a column: people read tables, programs read CSV and JSON.
+enum class Audience { all, people, programs };
 
 /// One column of every format: programs get value and unit, people get value * shown_scale in shown_unit under the heading.
 struct Column {
@@ -32,10 +35,23 @@ struct Column {
   bool is_exact = false;    ///< shown with all its digits: sizes, counts, parameters
   std::string better = "";  ///< "lower", "higher", or "" when neither is
   std::string sentence = "";
-  std::function<Cell(const Record&)> cell;
+  std::function<Cell(const Record&)> cell = {};  ///< empty in tables whose rows are no records
   /// The 95 % interval of the cell's value, in the column's unit; empty function where the column has none.
   std::function<std::optional<Estimate>(const Record&)> interval = {};
+  Audience audience = Audience::all;
 };
+
+/// A plain function, so that a list of columns costs one std::function type and not one for each of its lambdas.
+using CellOf = Cell (*)(const Record&);
+Column text_column(std::string name, std::string heading, CellOf cell = nullptr);
+Column number_column(std::string name, const std::string& unit, std::string heading, CellOf cell = nullptr);
+/// A number that is shown with all its digits.
+Column whole_column(std::string name, const std::string& unit, std::string heading, CellOf cell = nullptr);
+Column for_people(Column column);
+Column for_programs(Column column);
+
+/// Empty text is null.
+Cell text_cell(std::string_view text);
 
 /// Every column that the records can fill: identity, times with their intervals, memory, metrics against the headline truth
 /// (`wrong_rate`) and against each (`shape.wrong_rate`, `mesh.wrong_rate`), causes of wrong pixels (`cause.acne`), pixel

@@ -23,19 +23,19 @@ std::string group_heading(const Record& r) {
 
 /// Marks the best contenders of one column in one group; nothing when there is no choice or no difference. Where the column
 /// has intervals, whoever's overlaps that of the best is marked too: the data does not tell them apart.
-void mark_best(const Column& column, std::size_t index, const std::vector<std::vector<Cell>>& cells, Layout::Group& group) {
+void mark_best(const Column& column, std::size_t index, Layout::Group& group) {
   if (column.better.empty()) return;
   struct Competitor {
-    std::size_t row;
+    Cell* cell;
     Estimate estimate;
   };
   std::vector<Competitor> competitors;
-  for (std::size_t row = 0; row < group.rows.size(); ++row) {
-    const Record& record = *group.rows[row].record;
-    const double* value = cells[row][index].number();
+  for (Layout::Row& row : group.rows) {
+    const Record& record = *row.record;
+    const double* value = row.cells[index].number();
     if (!value || record.status != Status::ok || record.role != Role::contender) continue;
     const std::optional<Estimate> interval = column.interval ? column.interval(record) : std::nullopt;
-    competitors.push_back({row, interval.value_or(Estimate{*value, *value, *value})});
+    competitors.push_back({&row.cells[index], interval.value_or(Estimate{*value, *value, *value})});
   }
   if (competitors.empty()) return;
   const auto by_value = [](const Competitor& a, const Competitor& b) { return a.estimate.value < b.estimate.value; };
@@ -43,7 +43,7 @@ void mark_best(const Column& column, std::size_t index, const std::vector<std::v
   const Estimate best = column.better == "lower" ? least->estimate : greatest->estimate;
   const auto is_best = [&](const Competitor& c) { return c.estimate.low <= best.high && c.estimate.high >= best.low; };
   if (std::all_of(competitors.begin(), competitors.end(), is_best)) return;
-  for (const Competitor& c : competitors) group.rows[c.row].entries[index].is_best = is_best(c);
+  for (const Competitor& c : competitors) c.cell->is_best = is_best(c);
 }
 
 /// The different values of a context key, in order of appearance.
@@ -112,8 +112,8 @@ std::vector<std::string> paper_columns(std::span<const Record> records) {
   return names;
 }
 
-std::vector<std::pair<std::string, std::string>> provenance(std::span<const Record> records) {
-  std::vector<std::pair<std::string, std::string>> lines;
+Remarks provenance(std::span<const Record> records) {
+  Remarks lines;
   const auto add = [&](const char* topic, std::string text) {
     lines.emplace_back(topic, text.empty() ? "-" : std::move(text));
   };
@@ -130,70 +130,59 @@ std::vector<std::pair<std::string, std::string>> provenance(std::span<const Reco
   return lines;
 }
 
-std::vector<std::pair<std::string, std::string>> legend(const Layout& layout, std::string_view best, std::string_view flag) {
-  bool has_best = false, has_flag = false, has_null = false;
-  for (const Layout::Group& group : layout.groups)
-    for (const Layout::Row& row : group.rows)
-      for (const Layout::Entry& entry : row.entries) {
-        has_best |= entry.is_best;
-        has_flag |= entry.is_flagged;
-        has_null |= entry.text == "-";
-      }
-  const auto has_column = [&](std::string_view unit) {
-    return std::any_of(layout.columns.begin(), layout.columns.end(), [&](const Column& c) { return c.unit == unit; });
+Remarks legend(const Layout& layout, std::string_view best, std::string_view flag) {
+  const auto has = [&](bool Cell::*mark) {
+    for (const Layout::Group& group : layout.groups)
+      for (const Layout::Row& row : group.rows)
+        if (std::ranges::any_of(row.cells, mark)) return true;
+    return false;
   };
-  std::vector<std::pair<std::string, std::string>> lines;
-  const bool has_intervals =
-      std::any_of(layout.columns.begin(), layout.columns.end(), [](const Column& c) { return c.interval != nullptr; });
-  if (has_best)
-    lines.emplace_back(best, has_intervals
-                                 ? "best contender of its group; of times, all whose 95 % interval overlaps the best one's"
-                                 : "best contender of its group");
-  if (has_flag)
+  Remarks lines;
+  if (has(&Cell::is_best)) lines.emplace_back(best, layout.best);
+  if (has(&Cell::is_flagged))
     lines.emplace_back(flag,
                        fmt::format("less than {} % of the pixels facing the light are tested: read the wrong rate with care",
                                    exact(100 * least_tested_share)));
-  if (has_null) lines.emplace_back("-", "not measured or not defined");
-  if (has_column("ms")) lines.emplace_back("ms", "median of the medians of the processes");
-  if (std::ranges::any_of(layout.columns, [](const Column& c) { return c.name == "snapping_floor"; }))
-    lines.emplace_back("snapping floor",
-                       "what a shift by 1/512 pixel turns over, in every row of a group alike: up to it a rasterizer is right");
+  lines.insert(lines.end(), layout.shorthands.begin(), layout.shorthands.end());
   return lines;
 }
 
-Layout lay_out(std::span<const Record> records, std::span<const std::string> columns) {
-  Layout layout;
-  layout.columns = select(all_columns(records), columns);
+Layout::Row row_of(const Record& record, std::span<const Column> columns) {
+  Layout::Row row{.record = &record};
+  for (const Column& column : columns) row.cells.push_back(column.cell(record));
+  return row;
+}
 
-  std::vector<std::vector<std::vector<Cell>>> cells;  // by group, row, column
+Layout lay_out(std::span<const Record> records, std::span<const std::string> names) {
+  Layout layout{.columns = select(all_columns(records), names), .provenance = provenance(records)};
+  const std::vector<Column>& columns = layout.columns;
+  bool has_null = false;
   for (const Record& record : records) {
-    auto place = std::find_if(layout.groups.begin(), layout.groups.end(), [&](const Layout::Group& group) {
-      return place_of(*group.rows.front().record) == place_of(record);
-    });
-    if (place == layout.groups.end()) {
-      layout.groups.push_back({group_heading(record), {}});
-      cells.emplace_back();
-      place = layout.groups.end() - 1;
+    auto group = std::ranges::find_if(
+        layout.groups, [&](const Layout::Group& one) { return place_of(*one.rows.front().record) == place_of(record); });
+    if (group == layout.groups.end()) {
+      layout.groups.push_back({.heading = group_heading(record)});
+      group = layout.groups.end() - 1;
     }
-    Layout::Row row{.record = &record, .entries = {}};
-    std::vector<Cell> row_cells;
-    for (const Column& column : layout.columns) {
-      const Cell cell = column.cell(record);
-      row.entries.push_back({shown(column, cell), false, cell.is_flagged});
-      row_cells.push_back(cell);
-    }
-    if (!record.reason.empty()) {
-      add_once(layout.notes, record.reason);
-      row.note = index_of(layout.notes, record.reason) + 1;
-    }
-    place->rows.push_back(std::move(row));
-    cells[static_cast<std::size_t>(place - layout.groups.begin())].push_back(std::move(row_cells));
+    Layout::Row& row = group->rows.emplace_back(row_of(record, columns));
+    for (std::size_t i = 0; i < columns.size(); ++i) has_null = has_null || shown(columns[i], row.cells[i]) == "-";
+    if (record.reason.empty()) continue;
+    add_once(layout.reasons, record.reason);
+    row.reason = index_of(layout.reasons, record.reason) + 1;
   }
-  for (std::size_t group = 0; group < layout.groups.size(); ++group)
-    for (std::size_t column = 0; column < layout.columns.size(); ++column)
-      mark_best(layout.columns[column], column, cells[group], layout.groups[group]);
+  for (Layout::Group& group : layout.groups)
+    for (std::size_t i = 0; i < columns.size(); ++i) mark_best(columns[i], i, group);
 
-  layout.provenance = provenance(records);
+  layout.best = "best contender of its group";
+  if (std::ranges::any_of(columns, [](const Column& c) { return c.interval != nullptr; }))
+    layout.best += "; of times, all whose 95 % interval overlaps the best one's";
+  if (has_null) layout.shorthands.emplace_back("-", "not measured or not defined");
+  if (std::ranges::find(columns, "ms", &Column::unit) != columns.end())
+    layout.shorthands.emplace_back("ms", "median of the medians of the processes");
+  if (std::ranges::find(columns, "snapping_floor", &Column::name) != columns.end())
+    layout.shorthands.emplace_back(
+        "snapping floor",
+        "what a shift by 1/512 pixel turns over, in every row of a group alike: up to it a rasterizer is right");
   return layout;
 }
 

@@ -9,26 +9,32 @@
 
 namespace gnomon {
 
-/// A table for people before it takes a form: which rows stand together, which cells are marked, what stands below.
+/// Lines below a table: topic or mark, and text.
+using Remarks = std::vector<std::pair<std::string, std::string>>;
+
+/// A table before it takes a form: which rows stand together, which cells are marked, what stands below.
 struct Layout {
-  struct Entry {
-    std::string text;
-    bool is_best = false, is_flagged = false;
-  };
   struct Row {
-    const Record* record = nullptr;
-    std::vector<Entry> entries;  ///< one per column
-    std::size_t note = 0;        ///< number of the note that gives the reason, from 1; 0: nothing to say
+    std::vector<Cell> cells = {};    ///< one per column
+    const Record* record = nullptr;  ///< that it shows; rows of analyses show none
+    std::size_t reason = 0;          ///< number of the record's reason, from 1; 0: nothing to say
   };
   struct Group {
-    std::string heading;  ///< scene, light, view, size
-    std::vector<Row> rows;
+    std::string heading = {};  ///< for people, a line above the rows; may be empty
+    std::vector<Row> rows = {};
   };
-  std::vector<Column> columns;
-  std::vector<Group> groups;
-  std::vector<std::string> notes;                               ///< reasons, each once
-  std::vector<std::pair<std::string, std::string>> provenance;  ///< stands below the table: topic, text
+  std::string title = {};  ///< in JSON a table with a title has notes, too
+  std::vector<Column> columns = {};
+  std::vector<Group> groups = {};
+  std::vector<std::string> reasons = {};  ///< of records, each once
+  std::string best = "best";              ///< what the mark of the best means
+  Remarks shorthands = {};                ///< other signs that occur
+  std::vector<std::string> notes = {};
+  Remarks provenance = {};
 };
+
+/// Terminal, Markdown and LaTeX round, CSV and JSON do not. The audience decides on the columns.
+std::string render_layout(Layout layout, Format format, const TableOptions& options = {});
 
 /// The columns for people unless others are named. With `with_group` scene and light lead, and view, size and truth
 /// where they vary; without, the group's heading says them.
@@ -37,48 +43,26 @@ std::vector<std::string> headline_columns(std::span<const Record> records, bool 
 /// Those of a table on paper, where a line above each group says scene, light and view: what fits across a page.
 std::vector<std::string> paper_columns(std::span<const Record> records);
 
-/// Groups and rows keep the order of the records. `columns` by name.
+/// A row in these columns.
+Layout::Row row_of(const Record& record, std::span<const Column> columns);
+
+/// Records in groups by scene, light and view; groups and rows keep their order. `columns` by name.
 Layout lay_out(std::span<const Record> records, std::span<const std::string> columns);
 
-/// What the records say of where they were made: topic and text, "-" where they do not say.
-std::vector<std::pair<std::string, std::string>> provenance(std::span<const Record> records);
+/// What the records say of where they were made, "-" where they do not say.
+Remarks provenance(std::span<const Record> records);
 
-/// The marks and shorthands that occur in this table, explained: mark and text.
-std::vector<std::pair<std::string, std::string>> legend(const Layout& layout, std::string_view best, std::string_view flag);
+/// The marks and shorthands that occur in this table, explained.
+Remarks legend(const Layout& layout, std::string_view best, std::string_view flag);
 
+// The forms, of columns that their audience sees.
 std::string terminal_table(const Layout& layout, std::size_t width);
 std::string markdown_table(const Layout& layout);
-std::string latex_table(const Layout& layout, const TableOptions& options);
-
-/// A table in the two forms for programs. In JSON a table with a title has notes too.
-struct TableForPrograms {
-  std::vector<Column> columns;
-  std::vector<std::vector<Cell>> rows;
-  std::optional<std::string> title = {};
-  std::vector<std::string> notes = {};
-  std::vector<std::pair<std::string, std::string>> provenance = {};  ///< topic and text
-};
-std::string csv_table(const TableForPrograms& table);
-std::string json_table(const TableForPrograms& table);
-
-/// Rows on their way into LaTeX floats.
-struct LatexRows {
-  struct Entry {
-    std::string text;  ///< plain
-    bool is_best = false;
-    std::string mark;  ///< LaTeX, behind the text
-  };
-  struct Group {
-    std::string heading;  ///< plain; a line of its own above the rows
-    std::vector<std::vector<Entry>> rows;
-  };
-  std::vector<Column> columns;
-  std::vector<Group> groups;
-  std::vector<std::string> notes;  ///< LaTeX, below the last float
-};
 /// As many `table` floats as the rows need on pages in landscape, each with booktabs only; a group is cut between two of them
 /// only when it is longer than a page. Long texts wrap into further lines.
-std::string latex_floats(const LatexRows& rows, const std::string& caption, const std::string& label);
+std::string latex_table(const Layout& layout, const TableOptions& options);
+std::string csv_table(const Layout& layout);
+std::string json_table(const Layout& layout);
 
 /// A field of RFC 4180: quoted when it holds a comma, a quote or a line break, quotes doubled.
 std::string csv_field(std::string_view text);
@@ -86,7 +70,5 @@ std::string csv_field(std::string_view text);
 std::string latex_text(std::string_view text);
 /// Text that stays in one cell of a Markdown table.
 std::string markdown_text(std::string_view text);
-/// The lines of a Markdown table whose cells are Markdown already.
-std::string markdown_lines(std::span<const Column> columns, std::span<const std::vector<std::string>> rows);
 
 }  // namespace gnomon

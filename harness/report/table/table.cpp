@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "analysis/analysis.h"
+#include "analysis/in_order.h"
 #include "report/table/layout.h"
 
 namespace gnomon {
@@ -48,23 +48,55 @@ std::string fitted_table(std::span<const Record> records, std::size_t width) {
 
 }  // namespace
 
+std::string render_layout(Layout layout, Format format, const TableOptions& options) {
+  const bool for_programs = format == Format::csv || format == Format::json;
+  const Audience hidden = for_programs ? Audience::people : Audience::programs;
+  for (std::ptrdiff_t i = std::ssize(layout.columns) - 1; i >= 0; --i) {
+    if ((layout.columns.begin() + i)->audience != hidden) continue;
+    layout.columns.erase(layout.columns.begin() + i);
+    for (Layout::Group& group : layout.groups)
+      for (Layout::Row& row : group.rows) row.cells.erase(row.cells.begin() + i);
+  }
+  switch (format) {
+    case Format::terminal:
+      return terminal_table(layout, options.width);
+    case Format::markdown:
+      return markdown_table(layout);
+    case Format::latex:
+      return latex_table(layout, options);
+    case Format::csv:
+      return csv_table(layout);
+    case Format::json:
+      break;
+  }
+  return json_table(layout);
+}
+
 std::string render_table(std::span<const Record> records, Format format, const TableOptions& options) {
   if (format == Format::csv || format == Format::json) {
-    std::vector<Column> columns = all_columns(records);
-    if (!options.columns.empty()) columns = select(columns, options.columns);
-    TableForPrograms table{.columns = std::move(columns), .rows = {}, .provenance = provenance(records)};
-    for (const Record& record : records) {
-      std::vector<Cell>& row = table.rows.emplace_back();
-      for (const Column& column : table.columns) row.push_back(column.cell(record));
-    }
-    return format == Format::csv ? csv_table(table) : json_table(table);
+    Layout table{.columns = all_columns(records), .provenance = provenance(records)};
+    if (!options.columns.empty()) table.columns = select(table.columns, options.columns);
+    Layout::Group& group = table.groups.emplace_back();
+    for (const Record& record : records) group.rows.push_back(row_of(record, table.columns));
+    return render_layout(std::move(table), format, options);
   }
   if (format == Format::terminal && options.columns.empty()) return fitted_table(records, options.width);
   std::vector<std::string> names = options.columns;
   if (names.empty()) names = format == Format::latex ? paper_columns(records) : headline_columns(records, true);
-  const Layout layout = lay_out(records, names);
-  if (format == Format::terminal) return terminal_table(layout, options.width);
-  return format == Format::markdown ? markdown_table(layout) : latex_table(layout, options);
+  Layout layout = lay_out(records, names);
+  if (format == Format::markdown) {
+    // Scene and light are columns: one table.
+    Layout::Group all;
+    for (Layout::Group& group : layout.groups) std::ranges::move(group.rows, std::back_inserter(all.rows));
+    layout.groups = {std::move(all)};
+  }
+  TableOptions here = options;
+  if (format == Format::latex) {
+    if (here.caption.empty()) here.caption = "Cost and error of shadow techniques, by scene, light and view.";
+    if (index_of(names, std::string("scene")) < names.size())
+      for (Layout::Group& group : layout.groups) group.heading.clear();
+  }
+  return render_layout(std::move(layout), format, here);
 }
 
 }  // namespace gnomon

@@ -41,32 +41,34 @@ std::string csv_field(std::string_view text) {
   return quoted + '"';
 }
 
-std::string csv_table(const TableForPrograms& table) {
+std::string csv_table(const Layout& table) {
   std::vector<std::string> fields;
   for (const Column& column : table.columns) fields.push_back(csv_field(column.name));
   std::string text = fmt::format("{}\r\n", joined(fields, ","));  // RFC 4180
-  for (const std::vector<Cell>& row : table.rows) {
-    fields.clear();
-    for (const Cell& cell : row) {
-      const auto* words = std::get_if<std::string>(&cell.value);
-      fields.push_back(cell.number() ? exact(*cell.number()) : words ? csv_field(*words) : "");
+  for (const Layout::Group& group : table.groups)
+    for (const Layout::Row& row : group.rows) {
+      fields.clear();
+      for (const Cell& cell : row.cells) {
+        const auto* words = std::get_if<std::string>(&cell.value);
+        fields.push_back(cell.number() ? exact(*cell.number()) : words ? csv_field(*words) : "");
+      }
+      text += fmt::format("{}\r\n", joined(fields, ","));
     }
-    text += fmt::format("{}\r\n", joined(fields, ","));
-  }
   return text;
 }
 
-std::string json_table(const TableForPrograms& table) {
+std::string json_table(const Layout& table) {
   Json json = {{"schema", table_schema}};
-  if (table.title) json["title"] = *table.title;
+  if (!table.title.empty()) json["title"] = table.title;
   Json& heads = json["columns"] = Json::array();
   for (const Column& column : table.columns) heads.push_back(column_json(column));
   Json& rows = json["rows"] = Json::array();
-  for (const std::vector<Cell>& cells : table.rows) {
-    Json& row = rows.emplace_back(Json::object());
-    for (std::size_t i = 0; i < cells.size(); ++i) row[table.columns[i].name] = cell_json(cells[i]);
-  }
-  if (table.title) json["notes"] = table.notes;
+  for (const Layout::Group& group : table.groups)
+    for (const Layout::Row& row : group.rows) {
+      Json& line = rows.emplace_back(Json::object());
+      for (std::size_t i = 0; i < row.cells.size(); ++i) line[table.columns[i].name] = cell_json(row.cells[i]);
+    }
+  if (!table.title.empty()) json["notes"] = table.notes;
   Json& made = json["provenance"] = Json::array();
   for (const auto& [topic, what] : table.provenance) made.push_back({{"topic", topic}, {"text", what}});
   return json_text(json, 1) + '\n';

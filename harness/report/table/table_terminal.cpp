@@ -1,17 +1,19 @@
-#include <algorithm>
-
+#include "analysis/in_order.h"
 #include "report/table/layout.h"
 
 namespace gnomon {
 
 namespace {
 
-/// How many leading columns a row without results fills: up to the first number, when nothing but nulls follows there.
+/// How many leading columns a row fills: of one without results those up to the first number, when nothing but nulls follows
+/// there.
 std::size_t filled_columns(const Layout& layout, const Layout::Row& row) {
+  const std::size_t all = row.cells.size();
+  if (!row.record || row.record->status == Status::ok) return all;
   std::size_t first = 0;
-  while (first < layout.columns.size() && layout.columns[first].alignment == Align::left) ++first;
-  for (std::size_t i = first; i < row.entries.size(); ++i)
-    if (row.entries[i].text != "-") return row.entries.size();
+  while (first < all && layout.columns[first].alignment == Align::left) ++first;
+  for (std::size_t i = first; i < all; ++i)
+    if (shown(layout.columns[i], row.cells[i]) != "-") return all;
   return first;
 }
 
@@ -24,41 +26,39 @@ std::string terminal_table(const Layout& layout, std::size_t width) {
   std::vector<bool> has_mark(columns.size(), false);
   for (const Layout::Group& group : layout.groups)
     for (const Layout::Row& row : group.rows)
-      for (std::size_t i = 0; i < row.entries.size(); ++i)
-        has_mark[i] = has_mark[i] || row.entries[i].is_best || row.entries[i].is_flagged;
+      for (std::size_t i = 0; i < row.cells.size(); ++i)
+        has_mark[i] = has_mark[i] || row.cells[i].is_best || row.cells[i].is_flagged;
 
   TextTable table(std::move(columns));
-  std::vector<std::size_t> noted;  // notes that did not fit into their row, numbered by first use
+  std::vector<std::size_t> noted;  // reasons that did not fit into their row, numbered by first use
   for (const Layout::Group& group : layout.groups) {
-    table.add_heading(group.heading);
+    if (!group.heading.empty()) table.add_heading(group.heading);
     for (const Layout::Row& row : group.rows) {
       std::vector<std::string> cells;
-      for (std::size_t i = 0; i < row.entries.size(); ++i) {
-        const Layout::Entry& entry = row.entries[i];
-        const char* mark = entry.is_flagged ? "!" : entry.is_best ? "*" : has_mark[i] ? " " : "";
-        cells.push_back(entry.text + mark);
-      }
-      const std::size_t filled = row.record->status == Status::ok ? cells.size() : filled_columns(layout, row);
-      const bool has_room = filled < cells.size() && row.note > 0;
-      if (has_room) {
+      for (std::size_t i = 0; i < row.cells.size(); ++i)
+        cells.push_back(shown(layout.columns[i], row.cells[i]) + (row.cells[i].is_flagged ? "!"
+                                                                  : row.cells[i].is_best  ? "*"
+                                                                  : has_mark[i]           ? " "
+                                                                                          : ""));
+      const std::size_t filled = filled_columns(layout, row);
+      if (row.reason > 0 && filled < cells.size()) {
         cells.resize(filled);
         table.add_row(std::move(cells), row.record->reason);
         continue;
       }
-      if (row.note > 0) {
-        const auto place = std::find(noted.begin(), noted.end(), row.note);
-        const auto number = place - noted.begin() + 1;
-        if (place == noted.end()) noted.push_back(row.note);
+      if (row.reason > 0) {
+        add_once(noted, row.reason);
         for (std::size_t i = 0; i < cells.size(); ++i)
-          if (layout.columns[i].name == "support") cells[i] += fmt::format(" [{}]", number);
+          if (layout.columns[i].name == "support") cells[i] += fmt::format(" [{}]", index_of(noted, row.reason) + 1);
       }
       table.add_row(std::move(cells));
     }
   }
 
-  std::string text = table.text(width) + '\n';
-  for (std::size_t i = 0; i < noted.size(); ++i) text += fmt::format("[{}] {}\n", i + 1, layout.notes[noted[i] - 1]);
+  std::string text = (layout.title.empty() ? "" : layout.title + "\n\n") + table.text(width) + '\n';
+  for (std::size_t i = 0; i < noted.size(); ++i) text += fmt::format("[{}] {}\n", i + 1, layout.reasons[noted[i] - 1]);
   for (const auto& [mark, meaning] : legend(layout, "*", "!")) text += fmt::format("{}: {}\n", mark, meaning);
+  for (const std::string& note : layout.notes) text += note + '\n';
   for (const auto& [topic, what] : layout.provenance) text += fmt::format("{}: {}\n", topic, what);
   return text;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <numeric>
 
 namespace gnomon {
 
@@ -53,24 +54,6 @@ void finish_line(std::string& all, std::string& line) {
   line.clear();
 }
 
-/// The rows of the table's head: headings, wrapped, which end on the line above the units.
-std::vector<std::vector<std::string>> heading_rows(const std::vector<TextTable::Column>& columns,
-                                                   const std::vector<std::size_t>& widths) {
-  std::vector<std::vector<std::string>> blocks;  // by column: its lines
-  std::size_t height = 0;
-  const bool has_unit = std::any_of(columns.begin(), columns.end(), [](const auto& column) { return !column.unit.empty(); });
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    blocks.push_back(wrap(columns[i].heading, std::max<std::size_t>(widths[i], 1)));
-    if (has_unit) blocks.back().push_back(columns[i].unit);
-    height = std::max(height, blocks.back().size());
-  }
-  std::vector<std::vector<std::string>> rows(height, std::vector<std::string>(columns.size()));
-  for (std::size_t i = 0; i < columns.size(); ++i)
-    for (std::size_t line = 0; line < blocks[i].size(); ++line)
-      rows[height - blocks[i].size() + line][i] = std::move(blocks[i][line]);
-  return rows;
-}
-
 }  // namespace
 
 std::size_t display_width(std::string_view text) {
@@ -101,6 +84,33 @@ std::vector<std::string> wrap(std::string_view text, std::size_t width) {
   return lines;
 }
 
+std::vector<std::vector<std::string>> heading_rows(const std::vector<TextTable::Column>& columns,
+                                                   const std::vector<std::size_t>& widths) {
+  std::vector<std::vector<std::string>> blocks;  // by column: its lines
+  std::size_t height = 0;
+  const bool has_unit = std::any_of(columns.begin(), columns.end(), [](const auto& column) { return !column.unit.empty(); });
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    blocks.push_back(wrap(columns[i].heading, std::max<std::size_t>(widths[i], 1)));
+    if (has_unit) blocks.back().push_back(columns[i].unit);
+    height = std::max(height, blocks.back().size());
+  }
+  std::vector<std::vector<std::string>> rows(height, std::vector<std::string>(columns.size()));
+  for (std::size_t i = 0; i < columns.size(); ++i)
+    for (std::size_t line = 0; line < blocks[i].size(); ++line)
+      rows[height - blocks[i].size() + line][i] = std::move(blocks[i][line]);
+  return rows;
+}
+
+void shrink(std::vector<std::size_t>& widths, std::span<const std::size_t> least, std::size_t gaps, std::size_t room) {
+  for (std::size_t total = std::accumulate(widths.begin(), widths.end(), gaps); total > room; --total) {
+    std::size_t widest = widths.size();
+    for (std::size_t i = 0; i < widths.size(); ++i)
+      if (widths[i] > least[i] && (widest == widths.size() || widths[i] > widths[widest])) widest = i;
+    if (widest == widths.size()) return;
+    --widths[widest];
+  }
+}
+
 void TextTable::add_row(std::vector<std::string> cells, std::string rest) {
   assert(cells.size() == columns_.size() || (cells.size() < columns_.size() && !rest.empty()));
   rows_.push_back({false, std::move(cells), std::move(rest)});
@@ -117,22 +127,14 @@ std::vector<std::size_t> TextTable::widths(std::size_t width) const {
   }
   if (width == 0 || columns_.empty()) return result;
 
-  std::size_t total = gap * (columns_.size() - 1);
-  for (const std::size_t column : result) total += column;
-  // Take from the widest wrappable column until the line fits or nothing more can be taken.
+  // Numbers stay whole.
   std::vector<std::size_t> least(columns_.size(), least_width);
-  for (std::size_t i = 0; i < columns_.size(); ++i)
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
     for (const HeadingOrRow& row : rows_)
       if (i < row.cells.size()) least[i] = std::max(least[i], std::min(longest_piece(row.cells[i]), whole_width));
-  const auto can_shrink = [&](std::size_t i) { return columns_[i].align == Align::left && result[i] > least[i]; };
-  while (total > width) {
-    std::size_t widest = columns_.size();
-    for (std::size_t i = 0; i < columns_.size(); ++i)
-      if (can_shrink(i) && (widest == columns_.size() || result[i] > result[widest])) widest = i;
-    if (widest == columns_.size()) break;
-    --result[widest];
-    --total;
+    if (columns_[i].align == Align::right) least[i] = result[i];
   }
+  shrink(result, least, gap * (columns_.size() - 1), width);
   return result;
 }
 

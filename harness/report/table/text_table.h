@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,6 +15,9 @@ std::size_t display_width(std::string_view text);
 
 /// `text` broken into lines of at most `width` columns, at blanks and after commas and colons; a longer word is cut.
 std::vector<std::string> wrap(std::string_view text, std::size_t width);
+
+/// Takes from the widest of the columns above their `least` width until all with the `gaps` fit, or no more can be taken.
+void shrink(std::vector<std::size_t>& widths, std::span<const std::size_t> least, std::size_t gaps, std::size_t room);
 
 /// Aligned text for the terminal: the one writer behind every list and table that is printed there.
 class TextTable {
@@ -45,5 +49,9 @@ class TextTable {
   std::vector<Column> columns_;
   std::vector<HeadingOrRow> rows_;
 };
+
+/// The rows of a table's head: headings, wrapped, which end on the line above the units.
+std::vector<std::vector<std::string>> heading_rows(const std::vector<TextTable::Column>& columns,
+                                                   const std::vector<std::size_t>& widths);
 
 }  // namespace gnomon
