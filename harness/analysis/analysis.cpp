@@ -14,6 +14,7 @@ namespace gnomon {
 namespace {
 
 constexpr std::string_view cost_names[] = {"resolve", "light", "geometry", "bytes"};
+constexpr Stage all_stages[] = {Stage::setup, Stage::build, Stage::relight, Stage::resolve};
 
 /// Reorders the values.
 double median_in_place(std::span<double> values) {
@@ -86,31 +87,20 @@ ValueWithInterval bootstrap(std::span<const Sample> samples, const std::function
 
 std::string_view name(Cost cost) { return cost_names[static_cast<int>(cost)]; }
 
-std::string_view unit(Cost cost) { return cost == Cost::bytes ? "byte" : "ms"; }
-
 std::string_view sentence(Cost cost) {
   static constexpr std::string_view sentences[] = {"resolve", "relight + resolve", "build + relight + resolve", "memory"};
   return sentences[static_cast<int>(cost)];
 }
 
 Cost cost_named(std::string_view wanted) {
-  for (const Cost cost : {Cost::resolve, Cost::light, Cost::geometry, Cost::bytes})
-    if (name(cost) == wanted) return cost;
-  throw Error("there is no cost {}; there are: {}", wanted, joined(cost_names, ", "));
+  const auto found = std::ranges::find(cost_names, wanted);
+  if (found == std::end(cost_names)) throw Error("there is no cost {}; there are: {}", wanted, joined(cost_names, ", "));
+  return static_cast<Cost>(found - cost_names);
 }
 
-std::vector<Stage> stages_of(Cost cost) {
-  switch (cost) {
-    case Cost::resolve:
-      return {Stage::resolve};
-    case Cost::light:
-      return {Stage::relight, Stage::resolve};
-    case Cost::geometry:
-      return {Stage::build, Stage::relight, Stage::resolve};
-    case Cost::bytes:
-      break;
-  }
-  return {};
+std::span<const Stage> stages_of(Cost cost) {
+  // Each cost of time has the stage before, too.
+  return std::span(all_stages).last(cost == Cost::bytes ? 0 : static_cast<std::size_t>(cost) + 1);
 }
 
 Sample sample_of(const Record& record, std::span<const Stage> stages) {
@@ -140,6 +130,14 @@ std::string title(const Place& place, std::span<const Place> all) {
   if (varies(&Place::width) || varies(&Place::height)) text += fmt::format(", {} x {}", place.width, place.height);
   if (varies(&Place::truth)) text += fmt::format(", {} truth", name(place.truth));
   return text;
+}
+
+std::vector<std::string> context_values(std::span<const Record> records, const char* key) {
+  std::vector<std::string> values;
+  for (const Record& r : records)
+    if (const auto found = r.context.find(key); found != r.context.end() && !found->is_null())
+      add_once(values, plain_text(*found));
+  return values;
 }
 
 std::optional<double> number_from(std::string_view text) {
@@ -178,6 +176,12 @@ std::optional<double> scene_parameter(const std::string& scene, std::string_view
   return std::nullopt;
 }
 
+std::optional<Stage> stage_of_time(std::string_view quantity) {
+  for (const Stage stage : all_stages)
+    if (quantity.starts_with(name(stage)) && quantity.substr(name(stage).size()) == "_ms") return stage;
+  return std::nullopt;
+}
+
 std::optional<double> quantity(const Record& r, std::string_view wanted) {
   if (wanted.starts_with("cause.")) {
     const auto tested = r.classes.find("T");
@@ -187,8 +191,7 @@ std::optional<double> quantity(const Record& r, std::string_view wanted) {
     // On a path both are sums over its frames.
     return static_cast<double>(found->second) / static_cast<double>(tested->second);
   }
-  for (const Stage stage : {Stage::setup, Stage::build, Stage::relight, Stage::resolve})
-    if (wanted == fmt::format("{}_ms", name(stage))) return median_of_medians(r.times(stage));
+  if (const std::optional<Stage> stage = stage_of_time(wanted)) return median_of_medians(r.times(*stage));
   if (wanted == "bytes" && r.bytes) return static_cast<double>(*r.bytes);
   if (wanted == "peak_bytes" && r.peak_bytes) return static_cast<double>(*r.peak_bytes);
   return r.metric(wanted);
@@ -203,7 +206,7 @@ std::vector<std::string> quantity_names(std::span<const Record> records) {
   for (const Record& r : records) {
     if (const auto found = r.metrics.find(r.truth); found != r.metrics.end())
       for (const auto& [metric, value] : found->second) add(metric);
-    for (const Stage stage : {Stage::setup, Stage::build, Stage::relight, Stage::resolve})
+    for (const Stage stage : all_stages)
       if (!r.times(stage).empty()) add(fmt::format("{}_ms", name(stage)));
     if (r.bytes) add("bytes");
     if (r.peak_bytes) add("peak_bytes");

@@ -53,11 +53,10 @@ enum class Cost {
   bytes,     ///< what the technique says it holds
 };
 std::string_view name(Cost cost);
-std::string_view unit(Cost cost);      ///< "ms", "byte"
 std::string_view sentence(Cost cost);  ///< "relight + resolve"
 /// Throws Error with the list.
 Cost cost_named(std::string_view name);
-std::vector<Stage> stages_of(Cost cost);
+std::span<const Stage> stages_of(Cost cost);
 /// The stages of a row, to be drawn together.
 Sample sample_of(const Record& record, std::span<const Stage> stages);
 /// Nothing where the row did not measure it.
@@ -74,6 +73,9 @@ Place place_of(const Record& record);
 /// "bunny, point", and of view, path, size and truth what varies among `all`.
 std::string title(const Place& place, std::span<const Place> all);
 
+/// The different values of a key of the context, as text, in order of appearance.
+std::vector<std::string> context_values(std::span<const Record> records, const char* key);
+
 /// The number that the whole text is, if it is one.
 std::optional<double> number_from(std::string_view text);
 /// "a=1,b=2" into pairs.
@@ -84,12 +86,16 @@ std::pair<std::string, std::string> split_reference(const std::string& scene);
 /// when it has no such parameter or its value is no number.
 std::optional<double> scene_parameter(const std::string& scene, std::string_view parameter);
 
+/// The stage whose time the quantity is: resolve of "resolve_ms".
+std::optional<Stage> stage_of_time(std::string_view quantity);
 /// Anything in a record that has one number: a metric (headline truth), `cause.NAME` (share of T), STAGE_ms, bytes, peak_bytes.
 std::optional<double> quantity(const Record& record, std::string_view name);
 /// Throws Error with the nearest name when no record has it.
 void require_quantity(std::span<const Record> records, std::string_view name);
 /// "lower" or "higher"; "lower" for times, sizes and causes, "" where a metric has no direction.
 std::string_view better(std::string_view quantity);
+/// Whether a is better than b in a quantity of this direction.
+inline bool is_better(std::string_view direction, double a, double b) { return direction == "higher" ? a > b : a < b; }
 
 /// Throws Error unless the word is one of these: "there is no axis X; did you mean Y? There are: Y, Z" with the `lead` "there
 /// is no axis".

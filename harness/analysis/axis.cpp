@@ -8,14 +8,19 @@ namespace gnomon {
 
 namespace {
 
-/// "id:a=1,b=2" with the values of these parameters starred, or without them.
-std::string starred(const std::string& scene, const std::set<std::string>& varying) {
-  const auto [id, settings] = split_reference(scene);
+/// "id:a=1,b=2" of these settings but the ones in `varying`, which are left out or starred: "id:a=1,b=*".
+std::string fixed(const std::string& id, const std::string& settings, const std::set<std::string>& varying, bool with_stars) {
   std::vector<std::string> parts;
   for (const auto& [key, value] : split_settings(settings))
     if (!varying.contains(key)) parts.push_back(fmt::format("{}={}", key, value));
-  for (const std::string& key : varying) parts.push_back(key + "=*");
+  if (with_stars)
+    for (const std::string& key : varying) parts.push_back(key + "=*");
   return parts.empty() ? id : fmt::format("{}:{}", id, joined(parts, ","));
+}
+
+std::string starred(const std::string& scene, const std::set<std::string>& varying) {
+  const auto [id, settings] = split_reference(scene);
+  return fixed(id, settings, varying, true);
 }
 
 /// By scene id, the numeric parameters that change how many triangles the scene has: what one family of scenes differs in.
@@ -50,21 +55,13 @@ std::map<std::string, std::set<std::string>> growing_parameters(std::span<const 
   return growing;
 }
 
-/// The setting without one parameter.
-std::string setting_without(const Record& r, const std::string& parameter) {
-  std::vector<std::string> kept;
-  for (const auto& [key, value] : split_settings(r.settings))
-    if (key != parameter) kept.push_back(fmt::format("{}={}", key, value));
-  return kept.empty() ? r.technique : fmt::format("{}:{}", r.technique, joined(kept, ","));
-}
-
 /// What a series along a parameter of techniques is called: by the label that all of its rows have, else by its settings. A
 /// label that some rows have names a value of the axis.
 std::string series_name(const AxisSeries& series, const std::string& parameter) {
   const Record& first = *series.rows.front().second;
   const bool share_label =
       first.label && std::ranges::all_of(series.rows, [&](const auto& row) { return row.second->label == first.label; });
-  return share_label && series.rows.size() > 1 ? *first.label : setting_without(first, parameter);
+  return share_label && series.rows.size() > 1 ? *first.label : fixed(first.technique, first.settings, {parameter}, false);
 }
 
 /// Whether the axis is a parameter of techniques. One of scenes may have the same name: what the rows of one technique do not

@@ -53,19 +53,7 @@ Comparison::Counts Comparison::counts() const {
 
 namespace {
 
-std::string plain(const Json& value) {
-  if (value.is_null()) return "-";
-  return plain_text(value);
-}
-
-/// A key of the context in all records, each value once; "-" where none has it.
-std::string all_values(std::span<const Record> records, const char* key) {
-  std::vector<std::string> values;
-  for (const Record& record : records)
-    if (const auto found = record.context.find(key); found != record.context.end() && !found->is_null())
-      add_once(values, plain(*found));
-  return values.empty() ? "-" : joined(values, ", ");
-}
+std::string plain(const Json& value) { return value.is_null() ? "-" : plain_text(value); }
 
 double median_load(std::span<const Record> records) {
   std::vector<double> loads;
@@ -79,10 +67,12 @@ void compare_contexts(Comparison& result, std::span<const Record> base, std::spa
   static constexpr const char* keys[] = {"processor", "cores", "threads",     "version",    "commit",   "build_type",
                                          "compiler",  "flags", "gl_renderer", "gl_version", "libraries"};
   for (const char* key : keys) {
-    const std::string b = all_values(base, key), c = all_values(contender, key);
-    if (b != c) result.differences.emplace_back(key, fmt::format("{} -> {}", b, c));
+    const std::vector<std::string> b = context_values(base, key), c = context_values(contender, key);
+    if (b == c) continue;
+    const auto text = [](const auto& values) { return values.empty() ? "-" : joined(values, ", "); };
+    result.differences.emplace_back(key, fmt::format("{} -> {}", text(b), text(c)));
     // Records without a processor say nothing against each other.
-    if (std::string_view(key) == "processor" && b != c && b != "-" && c != "-" && !result.options.force)
+    if (std::string_view(key) == "processor" && !b.empty() && !c.empty() && !result.options.force)
       result.refusal = "the runs were made by different processors";
   }
   // A machine that was busy in one run and idle in the other explains much.

@@ -113,8 +113,6 @@ std::vector<double> round_numbers(double least, double greatest, std::size_t mos
 
 }  // namespace
 
-bool is_better(std::string_view direction, double a, double b) { return direction == "higher" ? a > b : a < b; }
-
 std::vector<Field> find_fields(std::span<const Record> records, const FieldOptions& options) {
   require_quantity(records, options.error);
   if (better(options.error).empty()) throw Error("{} has no better side: front and best cannot rank by it", options.error);

@@ -33,9 +33,6 @@ struct FieldOptions {
 /// side, and when no contender has it.
 std::vector<Field> find_fields(std::span<const Record> records, const FieldOptions& options);
 
-/// Whether a is better than b in a quantity of this direction.
-bool is_better(std::string_view direction, double a, double b);
-
 /// Where a candidate stands among the contenders of its field.
 enum class Standing {
   front,    ///< no contender is at least as good in both and better in one

@@ -97,13 +97,6 @@ void add_lights(const std::vector<AxisSeries>& all, Growths& growths) {
   }
 }
 
-/// Everything that `--x` can be for these records.
-std::vector<std::string> axis_names(std::span<const Record> records) {
-  std::vector<std::string> all{"triangles", "pixels", "lights"};
-  for (std::string& parameter : numeric_parameters(records)) all.push_back(std::move(parameter));
-  return all;
-}
-
 /// Why a run has no row of growth, and what it would take.
 std::string why_no_growth(std::span<const Record> records, const std::string& axis, std::size_t single) {
   if (std::ranges::none_of(records, [](const Record& r) { return r.status == Status::ok; })) return "no row was measured";
@@ -140,7 +133,9 @@ PowerLaw fit_power_law(std::span<const double> x, std::span<const double> y) {
 }
 
 Growths find_growth(std::span<const Record> records, const std::string& axis) {
-  require_word("there is no axis", axis, axis_names(records));
+  std::vector<std::string> axes = numeric_parameters(records);
+  axes.insert(axes.begin(), {"triangles", "pixels", "lights"});
+  require_word("there is no axis", axis, axes);
   std::vector<AxisSeries> all = join_series(records, axis, [](const Record& r) { return r.status == Status::ok; });
   // No logarithm, no point.
   for (AxisSeries& series : all) std::erase_if(series.rows, [](const auto& row) { return !(row.first > 0); });

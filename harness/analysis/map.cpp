@@ -1,7 +1,6 @@
 #include "analysis/map.h"
 
 #include <algorithm>
-#include <cstring>
 #include <map>
 
 #include "analysis/in_order.h"
@@ -24,20 +23,14 @@ struct Setting {
   std::map<Place, double> measured;
 };
 
-/// Values of one parameter in the order that people expect.
-std::vector<std::string> ordered(std::vector<std::string> values) {
+/// Different values of a parameter among settings: numbers by size, words by appearance.
+std::vector<std::string> values_of(const std::vector<Setting>& settings, const std::string& parameter) {
+  std::vector<std::string> values;
+  for (const Setting& setting : settings)
+    if (const auto found = setting.values.find(parameter); found != setting.values.end()) add_once(values, found->second);
   if (std::ranges::all_of(values, [](const auto& v) { return number_from(v).has_value(); }))
     std::ranges::stable_sort(values, {}, [](const auto& v) { return *number_from(v); });
   return values;
-}
-
-/// Different values of a parameter among settings, ordered.
-std::vector<std::string> values_of(const std::vector<Setting>& settings, const std::string& parameter) {
-  std::vector<std::string> values;
-  for (const Setting& setting : settings) {
-    if (const auto found = setting.values.find(parameter); found != setting.values.end()) add_once(values, found->second);
-  }
-  return ordered(std::move(values));
 }
 
 /// Numeric parameters by their number of values, most first; the order of declaration breaks ties.
@@ -82,22 +75,20 @@ Axes choose_axes(const std::vector<Setting>& settings, const std::vector<std::st
 }
 
 /// The map of the settings that are alike in their facets.
-Map make_map(const std::vector<const Setting*>& members, const Axes& axes, const std::set<Place>& places) {
-  std::vector<Setting> copies;
-  for (const Setting* member : members) copies.push_back({member->values, {}});
+Map make_map(const std::vector<Setting>& members, const Axes& axes, const std::set<Place>& places) {
   Map map;
   map.x = axes.x;
   map.y = axes.y;
-  map.xs = values_of(copies, axes.x);
-  map.ys = axes.y.empty() ? std::vector<std::string>{""} : values_of(copies, axes.y);
+  map.xs = values_of(members, axes.x);
+  map.ys = axes.y.empty() ? std::vector<std::string>{""} : values_of(members, axes.y);
   map.cells.resize(map.xs.size() * map.ys.size());
   map.places = places.size();
-  for (const std::string& facet : axes.facets) map.facet.emplace_back(facet, members.front()->values.at(facet));
-  for (const Setting* member : members) {
+  for (const std::string& facet : axes.facets) map.facet.emplace_back(facet, members.front().values.at(facet));
+  for (const Setting& member : members) {
     double sum = 0;
-    for (const Place& place : places) sum += member->measured.at(place);
-    const std::size_t row = axes.y.empty() ? 0 : index_of(map.ys, member->values.at(axes.y));
-    map.cells[row * map.xs.size() + index_of(map.xs, member->values.at(axes.x))].value =
+    for (const Place& place : places) sum += member.measured.at(place);
+    const std::size_t row = axes.y.empty() ? 0 : index_of(map.ys, member.values.at(axes.y));
+    map.cells[row * map.xs.size() + index_of(map.xs, member.values.at(axes.x))].value =
         sum / static_cast<double>(places.size());
   }
   return map;
@@ -109,7 +100,7 @@ void mark_best(std::span<Map> maps, std::string_view direction) {
   std::optional<double> best;
   for (const Map& map : maps)
     for (const Map::Cell& cell : map.cells)
-      if (cell.value && (!best || (direction == "higher" ? *cell.value > *best : *cell.value < *best))) best = cell.value;
+      if (cell.value && (!best || is_better(direction, *cell.value, *best))) best = cell.value;
   for (Map& map : maps)
     for (Map::Cell& cell : map.cells) cell.is_best = cell.value && cell.value == best;
 }
@@ -121,11 +112,11 @@ void make_technique_maps(const std::string& technique, const std::vector<Setting
   const std::set<Place> places = common_places(settings, &Setting::measured);
   if (places.empty()) return;
   const std::size_t first_map = maps.size();
-  std::vector<std::pair<std::vector<std::string>, std::vector<const Setting*>>> by_facet;  // in order of appearance
+  std::vector<std::pair<std::vector<std::string>, std::vector<Setting>>> by_facet;  // in order of appearance
   for (const Setting& setting : settings) {
     std::vector<std::string> key;
     for (const std::string& facet : axes.facets) key.push_back(setting.values.at(facet));
-    value_of_key(by_facet, key).push_back(&setting);
+    value_of_key(by_facet, key).push_back(setting);
   }
   for (const auto& [key, members] : by_facet) {
     maps.push_back(make_map(members, axes, places));
@@ -144,11 +135,11 @@ struct TechniqueRows {
 
 /// Throws Error on a parameter that stands for two axes.
 void require_different_axes(const MapOptions& options) {
-  const std::pair<const char*, const std::string&> axes[] = {
+  const std::pair<std::string_view, const std::string&> axes[] = {
       {"--x", options.x}, {"--y", options.y}, {"--facet", options.facet}};
   for (const auto& [first, parameter] : axes)
     for (const auto& [second, again] : axes)
-      if (std::strcmp(first, second) != 0 && !parameter.empty() && parameter == again)
+      if (first != second && !parameter.empty() && parameter == again)
         throw Error("{} and {} are both {}; each wants a parameter of its own", first, second, parameter);
 }
 

@@ -4,6 +4,9 @@
 
 namespace gnomon {
 
+namespace {
+
+/// Over the frames where it is defined; nothing when it never is. `direction` says which end is the worst.
 std::optional<Motion::Range> range_of(std::span<const std::optional<double>> values, std::string_view direction) {
   std::optional<Motion::Range> range;
   std::size_t count = 0;
@@ -11,8 +14,7 @@ std::optional<Motion::Range> range_of(std::span<const std::optional<double>> val
     if (!values[frame]) continue;
     const double value = *values[frame];
     if (!range) range = Motion::Range{.mean = 0, .least = value, .greatest = value, .worst = frame};
-    const bool is_worst = direction == "higher" ? value < range->least : value > range->greatest;
-    if (is_worst) range->worst = frame;
+    if (is_better(direction, direction == "higher" ? range->least : range->greatest, value)) range->worst = frame;
     range->mean += value;
     range->least = std::min(range->least, value);
     range->greatest = std::max(range->greatest, value);
@@ -21,6 +23,8 @@ std::optional<Motion::Range> range_of(std::span<const std::optional<double>> val
   if (range) range->mean /= static_cast<double>(count);
   return range;
 }
+
+}  // namespace
 
 std::vector<Motion> find_motion(std::span<const Record> records, const std::string& error) {
   std::vector<Motion> rows;
@@ -41,9 +45,7 @@ std::vector<Motion> find_motion(std::span<const Record> records, const std::stri
     rows.push_back(row);
   }
   if (rows.empty()) throw Error("no row of these records follows a path; a suite asks for it with paths = [...] in a group");
-  const std::vector<std::string> known(metrics.begin(), metrics.end());
-  if (!metrics.contains(error))
-    throw Error("no frame has {}; did you mean {}? There are: {}", error, nearest_word(error, known), joined(known, ", "));
+  require_word("no frame has", error, std::vector<std::string>(metrics.begin(), metrics.end()));
   return rows;
 }
 

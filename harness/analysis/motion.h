@@ -15,9 +15,6 @@ struct Motion {
   std::optional<Range> error;        ///< of the metric asked for
 };
 
-/// Over the frames where it is defined; nothing when it never is. `direction` says which end is the worst.
-std::optional<Motion::Range> range_of(std::span<const std::optional<double>> values, std::string_view direction = "lower");
-
 /// The rows that follow a path, in their order, with the range of `error` over the frames. Throws Error when there is none, or
 /// when none has this metric.
 std::vector<Motion> find_motion(std::span<const Record> records, const std::string& error = "wrong_rate");

@@ -10,9 +10,8 @@ namespace {
 
 /// The quantity with its interval, where it is a time.
 std::optional<ValueWithInterval> measured_quantity(const Record& record, std::string_view wanted) {
-  for (const Stage stage : {Stage::setup, Stage::build, Stage::relight, Stage::resolve}) {
-    if (wanted != fmt::format("{}_ms", name(stage))) continue;
-    const Sample sample = sample_of(record, {&stage, 1});
+  if (const std::optional<Stage> stage = stage_of_time(wanted)) {
+    const Sample sample = sample_of(record, {&*stage, 1});
     return sample.is_timed() ? std::optional(sample.estimate()) : std::nullopt;
   }
   const std::optional<double> value = quantity(record, wanted);
@@ -74,13 +73,7 @@ Sweeps find_sweeps(std::span<const Record> records, const std::string& parameter
   if (!is_known) require_word("there is no numeric parameter", parameter, names);
   require_quantity(records, quantity);
 
-  Sweeps sweeps{.parameter = parameter,
-                .unit = parameter_unit(records, parameter),
-                .quantity = quantity,
-                .rows = {},
-                .single = 0,
-                .repeated = 0,
-                .places = {}};
+  Sweeps sweeps{.parameter = parameter, .unit = parameter_unit(records, parameter), .quantity = quantity};
   for (const AxisSeries& series : join_series(records, parameter, [](const Record&) { return true; })) {
     std::size_t repeated = 0;
     Sweep sweep = sweep_of(series, quantity, repeated);

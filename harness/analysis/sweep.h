@@ -19,10 +19,10 @@ struct Sweep {
 struct Sweeps {
   std::string parameter, unit;  ///< of x
   std::string quantity;
-  std::vector<Sweep> rows;    ///< of two or more x each
-  std::size_t single = 0;     ///< series of one x, left out
-  std::size_t repeated = 0;   ///< rows at an x that their series has already, left out
-  std::vector<Place> places;  ///< of the rows, in their order
+  std::vector<Sweep> rows = {};    ///< of two or more x each
+  std::size_t single = 0;          ///< series of one x, left out
+  std::size_t repeated = 0;        ///< rows at an x that their series has already, left out
+  std::vector<Place> places = {};  ///< of the rows, in their order
 
   /// Every x that a row of this place has, in order.
   std::vector<double> xs(const Place& place) const;

@@ -58,7 +58,7 @@ void make_page(const PageOptions& options) {
       options.out.empty() ? std::filesystem::path(options.dir) / "report.html" : std::filesystem::path(options.out);
   if (std::filesystem::is_directory(out)) throw Error("--out {} is a folder; the name of a file is wanted", out.string());
   const std::vector<Record> records = read_records(options.dir);
-  const Report report = make_report(options.dir, records, {.with_pictures = !options.without_pictures});
+  const Report report = make_report(options.dir, records, !options.without_pictures);
   write_file(out, report.html);
   for (const std::string& note : report.notes) fmt::print(stderr, "{}\n", note);
   fmt::print("{}\n", out.string());

@@ -33,12 +33,11 @@ std::vector<std::size_t> order_by_cost(const Field& field) {
 
 std::vector<Column> front_columns(const AnalysisOptions& options, const Column& cost) {
   std::vector<Column> columns = place_columns();
-  const std::string cost_unit(unit(options.cost));
   columns.insert(
       columns.end(),
       {text_column("setting", "technique"), for_programs(text_column("role", "role")), of_quantity(options.metric), cost,
-       for_people(text_column("cost_interval", "interval")), for_programs(number_column("cost_low", cost_unit, "cost_low")),
-       for_programs(number_column("cost_high", cost_unit, "cost_high")), number_column("relative_cost", "", "relative"),
+       for_people(text_column("cost_interval", "interval")), for_programs(number_column("cost_low", cost.unit, "cost_low")),
+       for_programs(number_column("cost_high", cost.unit, "cost_high")), number_column("relative_cost", "", "relative"),
        text_column("standing", "standing"), for_programs(text_column("beaten_by", "beaten by"))});
   return columns;
 }

@@ -14,6 +14,12 @@ std::string number(std::optional<double> value) { return value && std::isfinite(
 
 Json or_null(std::optional<double> value) { return value && std::isfinite(*value) ? Json(*value) : Json(nullptr); }
 
+/// The ratio or an end of its interval, which times that were not judged do not have.
+std::optional<double> ratio_of(const StageChange& s, double Estimate::*part) {
+  if (!s.ratio || (s.verdict == Verdict::not_judged && part != &Estimate::value)) return std::nullopt;
+  return (*s.ratio).*part;
+}
+
 Json row_json(const RowChange& row) {
   const Record& r = row.record();
   Json json{{"job", r.job},   {"scene", r.scene},         {"light", r.light},      {"view", r.view},
@@ -25,20 +31,18 @@ Json row_json(const RowChange& row) {
   json["differs"] = row.differs();
   json["regression"] = row.regressed();
   Json& times = json["times"] = Json::array();
-  for (const StageChange& s : row.stages) {
-    const bool is_judged = s.verdict != Verdict::not_judged;
+  for (const StageChange& s : row.stages)
     times.push_back({{"stage", name(s.stage)},
                      {"base_ms", or_null(s.base_ms)},
                      {"contender_ms", or_null(s.contender_ms)},
-                     {"ratio", s.ratio ? Json(s.ratio->value) : Json(nullptr)},
-                     {"low", s.ratio && is_judged ? or_null(s.ratio->low) : Json(nullptr)},
-                     {"high", s.ratio && is_judged ? or_null(s.ratio->high) : Json(nullptr)},
+                     {"ratio", or_null(ratio_of(s, &Estimate::value))},
+                     {"low", or_null(ratio_of(s, &Estimate::low))},
+                     {"high", or_null(ratio_of(s, &Estimate::high))},
                      {"p", or_null(s.p)},
                      {"false_discovery", or_null(s.false_discovery)},
                      {"verdict", name(s.verdict)},
                      {"why", s.why},
                      {"regression", s.is_regression}});
-  }
   Json& metrics = json["metrics"] = Json::array();
   for (const MetricChange& m : row.metrics)
     metrics.push_back({{"metric", m.metric},
@@ -72,13 +76,10 @@ std::string comparison_csv(const Comparison& comparison) {
     const std::string presence = !row.base ? "new" : !row.contender ? "missing" : "matched";
     line({"row", "status", "", status(row.base), status(row.contender), "", "", "", "", "", presence, yes(row.is_regression),
           joined(row.notes, "; ")});
-    for (const StageChange& s : row.stages) {
-      const bool is_judged = s.verdict != Verdict::not_judged;
-      const auto ratio = [&](double Estimate::*part) { return s.ratio ? number((*s.ratio).*part) : ""; };
-      line({"time", std::string(name(s.stage)), "", number(s.base_ms), number(s.contender_ms), ratio(&Estimate::value),
-            is_judged ? ratio(&Estimate::low) : "", is_judged ? ratio(&Estimate::high) : "", number(s.p),
-            number(s.false_discovery), std::string(name(s.verdict)), yes(s.is_regression), s.why});
-    }
+    for (const StageChange& s : row.stages)
+      line({"time", std::string(name(s.stage)), "", number(s.base_ms), number(s.contender_ms),
+            number(ratio_of(s, &Estimate::value)), number(ratio_of(s, &Estimate::low)), number(ratio_of(s, &Estimate::high)),
+            number(s.p), number(s.false_discovery), std::string(name(s.verdict)), yes(s.is_regression), s.why});
     for (const MetricChange& m : row.metrics)
       line({"metric", m.metric, std::string(name(m.truth)), number(m.base), number(m.contender), "", "", "", "", "", "changed",
             yes(m.is_regression), ""});

@@ -48,14 +48,19 @@ std::array<std::string, 3> metric_texts(const MetricChange& change) {
 
 /// One line for people: what was compared and how it came out.
 struct Line {
-  std::string scene = "", light = "", size = "";  ///< empty: over all scenes
+  const Record* record = nullptr;  ///< nullptr: over all scenes
   std::string technique = "", what = "";
   std::array<std::string, 3> values = {};  ///< base, contender, change
   std::string verdict = "";
   std::string note = "";  ///< instead of `what` and what follows
 
+  std::string light() const {
+    if (!record) return "";
+    return record->path.empty() ? record->light : record->light + " on " + record->path;
+  }
   std::string heading() const {
-    return scene.empty() ? "over all scenes" : fmt::format("{}, light {}, {}", scene, light, size);
+    if (!record) return "over all scenes";
+    return fmt::format("{}, light {}, {}x{}", record->scene, light(), record->width, record->height);
   }
 };
 
@@ -73,14 +78,10 @@ std::string with_mark(std::string text, bool is_regression) { return is_regressi
 
 void add_row(std::vector<Line>& lines, const RowChange& row, bool all) {
   const Record& record = row.record();
-  const Line start{record.scene, record.path.empty() ? record.light : record.light + " on " + record.path,
-                   fmt::format("{}x{}", record.width, record.height), setting_name(record)};
   const std::size_t before = lines.size();
   const auto add = [&](Line line) {
-    line.scene = start.scene;
-    line.light = start.light;
-    line.size = start.size;
-    line.technique = start.technique;
+    line.record = &record;
+    line.technique = setting_name(record);
     lines.push_back(std::move(line));
   };
   if (const std::string text = presence(row); !text.empty()) add({.note = text});
@@ -161,7 +162,7 @@ std::string markdown(const Comparison& comparison, const CompareTableOptions& op
         "| scene | light | technique | what | base | contender | change | verdict |\n"
         "| --- | --- | --- | --- | ---: | ---: | ---: | --- |\n";
   for (const Line& line : lines) {
-    std::vector<std::string> cells{line.scene.empty() ? "all" : line.scene, line.light, line.technique, line.what};
+    std::vector<std::string> cells{line.record ? line.record->scene : "all", line.light(), line.technique, line.what};
     cells.insert(cells.end(), line.values.begin(), line.values.end());
     cells.push_back(line.note.empty() ? line.verdict : line.note);
     for (const std::string& cell : cells) text += fmt::format("| {} ", markdown_text(cell));

@@ -23,7 +23,7 @@ namespace {
 
 struct Kind {
   std::string_view name;
-  void (*draw)(std::span<const Record>, const FigureOptions&, FigureScript&);
+  void (*draw)(std::span<const Record>, FigureScript&);
 };
 constexpr Kind kinds[] = {{"front", draw_front},   {"growth", draw_growth}, {"stages", draw_stages}, {"map", draw_map},
                           {"causes", draw_causes}, {"motion", draw_motion}, {"sweep", draw_sweep}};
@@ -44,9 +44,9 @@ std::vector<std::string> figure_kinds() {
 std::string figure_script(std::span<const Record> records, const std::string& kind, const FigureOptions& options,
                           const fs::path& out) {
   require_word("there is no figure", kind, figure_kinds());
-  FigureScript script;
-  std::ranges::find(kinds, kind, &Kind::name)->draw(records, options, script);
-  return script.text(options, out);
+  FigureScript script(options);
+  std::ranges::find(kinds, kind, &Kind::name)->draw(records, script);
+  return script.text(out);
 }
 
 void run_gnuplot(const std::string& script, const fs::path& out) {

@@ -33,12 +33,13 @@ std::pair<std::vector<Bar>, std::size_t> bars_of(std::span<const Record> records
 }
 
 /// The frame of a figure of horizontal bars, the first on top.
-void open_bars(FigureScript& script, std::span<const Bar> bars, const Legend& legend, const FigureOptions& options) {
+void open_bars(FigureScript& script, std::span<const Bar> bars) {
+  const FigureOptions& options = script.options;
   if (bars.size() > 60)
     throw Error("{} settings are more than the 60 that one figure holds; --filter chooses among them", bars.size());
   std::size_t longest = 0;
   for (const Bar& bar : bars) longest = std::max(longest, display_width(bar.name));
-  const double legend_cm = legend.height_cm(options.width_cm), title_cm = options.title.empty() ? 0.2 : 0.9;
+  const double legend_cm = script.legend_cm(), title_cm = options.title.empty() ? 0.2 : 0.9;
   script.height_cm = static_cast<double>(bars.size()) * 0.55 + 1.5 + legend_cm + title_cm;
   const double h = script.height_cm;
   script.add("set multiplot{}", options.title.empty() ? "" : " title " + FigureScript::quoted(options.title));
@@ -82,86 +83,86 @@ CauseShares shares_of(const Bar& bar) {
   return shares;
 }
 
-/// The boxes of each cause behind those of the causes before it.
-PlotCommand plot_causes(std::span<const CauseShares> bars, FigureScript& script, Legend& legend) {
+/// A piece of every bar: a stage or a cause.
+struct Piece {
+  std::string name, color;
+  std::vector<double> lengths = {};  ///< one a bar
+};
+
+/// The boxes of each piece behind those of the pieces before it.
+PlotCommand plot_pieces(std::span<const Piece> pieces, FigureScript& script) {
   PlotCommand plot;
-  std::vector<double> ends(bars.size(), 0);
-  for (const CauseInfo& info : cause_infos()) {
+  std::vector<double> ends(pieces.front().lengths.size(), 0);
+  for (const Piece& piece : pieces) {
     std::vector<std::string> lines;
-    for (std::size_t k = 0; k < bars.size(); ++k) {
-      const double percent = bars[k].by_cause.find(info.name)->second * 100;
-      if (percent > 0) lines.push_back(box_line(ends[k], ends[k] + percent, k));
-      ends[k] += percent;
+    for (std::size_t k = 0; k < ends.size(); ++k) {
+      if (piece.lengths[k] > 0) lines.push_back(box_line(ends[k], ends[k] + piece.lengths[k], k));
+      ends[k] += piece.lengths[k];
     }
     if (lines.empty()) continue;
-    const std::string color = fmt::format("#{:02x}{:02x}{:02x}", info.color[0], info.color[1], info.color[2]);
-    plot.add("{} using 1:2:3:4:5:6 with boxxyerror lc rgb '{}' notitle", script.data(lines), color);
-    legend.entries.push_back({fmt::format("with points pt 5 ps 1.15 lc rgb '{}'", color), with_blanks(info.name)});
+    plot.add("{} using 1:2:3:4:5:6 with boxxyerror lc rgb '{}' notitle", script.data(lines), piece.color);
+    script.legend.push_back({fmt::format("with points pt 5 ps 1.15 lc rgb '{}'", piece.color), piece.name});
   }
   return plot;
 }
 
 }  // namespace
 
-void draw_stages(std::span<const Record> records, const FigureOptions& options, FigureScript& script) {
+void draw_stages(std::span<const Record> records, FigureScript& script) {
   static constexpr std::array stages{Stage::build, Stage::relight, Stage::resolve};
   static constexpr std::array colors{"#e69f00", "#56b4e9", "#009e73"};
   auto [bars, places] = bars_of(records, [](const Record& r) { return sample_of(r, stages).is_timed(); });
   std::erase_if(bars, [](const Bar& bar) { return bar.role == Role::baseline; });
   if (bars.empty()) throw Error("there is nothing to draw: no place has build, relight and resolve of every setting");
 
-  Legend legend;
-  std::vector<std::vector<std::string>> boxes(stages.size());
+  std::vector<Piece> pieces;
+  for (std::size_t stage = 0; stage < stages.size(); ++stage)
+    pieces.push_back({std::string(name(stages[stage])), colors[stage]});
   std::vector<std::string> totals;
-  for (std::size_t k = 0; k < bars.size(); ++k) {
-    double from = 0;
-    for (std::size_t stage = 0; stage < stages.size(); ++stage) {
-      double mean = 0;
-      for (const Record* row : bars[k].rows)
-        mean += *median_of_medians(row->times(stages[stage])) / static_cast<double>(places);
-      boxes[stage].push_back(box_line(from, from + mean, k));
-      from += mean;
-    }
+  for (const Bar& bar : bars) {
     std::vector<Sample> samples;
-    for (const Record* row : bars[k].rows) samples.push_back(sample_of(*row, stages));
+    for (const Record* row : bar.rows) samples.push_back(sample_of(*row, stages));
     const ValueWithInterval total = bootstrap(samples, [](std::span<const double> values) {
       return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
     });
-    totals.push_back(fmt::format("{}\t{}\t{}\t{}", total.value, k + 1, total.low, total.high));
+    totals.push_back(fmt::format("{}\t{}\t{}\t{}", total.value, totals.size() + 1, total.low, total.high));
+    for (std::size_t stage = 0; stage < stages.size(); ++stage) {
+      double& mean = pieces[stage].lengths.emplace_back(0);
+      for (const Record* row : bar.rows) mean += *median_of_medians(row->times(stages[stage])) / static_cast<double>(places);
+    }
   }
-  PlotCommand plot;
-  for (std::size_t stage = 0; stage < stages.size(); ++stage) {
-    plot.add("{} using 1:2:3:4:5:6 with boxxyerror lc rgb '{}' notitle", script.data(boxes[stage]), colors[stage]);
-    legend.entries.push_back(
-        {fmt::format("with points pt 5 ps 1.15 lc rgb '{}'", colors[stage]), std::string(name(stages[stage]))});
-  }
+  PlotCommand plot = plot_pieces(pieces, script);
   plot.add("{} using 1:2:3:4 with xerrorbars pt -1 lw 1.2 lc rgb '#222222' notitle", script.data(totals));
-  legend.entries.push_back({"with lines lw 1.2 lc rgb '#222222'", "95 % interval of the sum"});
-  open_bars(script, bars, legend, options);
+  script.legend.push_back({"with lines lw 1.2 lc rgb '#222222'", "95 % interval of the sum"});
+  open_bars(script, bars);
   script.add("set xrange [0:*]; set xlabel {}", FigureScript::quoted("time (ms)" + over_text(places)));
-  script.add("{}", plot.text());
-  close_panels(script, legend, options);
+  plot.into(script);
+  close_panels(script);
 }
 
-void draw_causes(std::span<const Record> records, const FigureOptions& options, FigureScript& script) {
+void draw_causes(std::span<const Record> records, FigureScript& script) {
   auto [bars, places] = bars_of(records, [](const Record& r) { return r.causes && r.metric("wrong_rate"); });
   std::erase_if(bars, [](const Bar& bar) { return bar.role != Role::contender; });
   if (bars.empty()) throw Error("there is nothing to draw: no place has the causes of every setting");
   std::vector<CauseShares> shares;
   for (const Bar& bar : bars) shares.push_back(shares_of(bar));
-  Legend legend;
-  const PlotCommand plot = plot_causes(shares, script, legend);
+  std::vector<Piece> pieces;
+  for (const CauseInfo& info : cause_infos()) {
+    pieces.push_back({with_blanks(info.name), fmt::format("#{:02x}{:02x}{:02x}", info.color[0], info.color[1], info.color[2])});
+    for (const CauseShares& bar : shares) pieces.back().lengths.push_back(bar.by_cause.find(info.name)->second * 100);
+  }
+  const PlotCommand plot = plot_pieces(pieces, script);
   if (plot.is_empty()) throw Error("there is nothing to draw: no setting has a wrong pixel with a cause");
-  open_bars(script, bars, legend, options);
-  script.add("set rmargin at screen {:.4f}", 1 - 2.2 / options.width_cm);
+  open_bars(script, bars);
+  script.add("set rmargin at screen {:.4f}", 1 - 2.2 / script.options.width_cm);
   for (std::size_t k = 0; k < bars.size(); ++k)
     script.add("set label {} at 101.5,{} left textcolor rgb '#222222'",
                FigureScript::quoted(measured(100 * shares[k].wrong_rate) + " %"), k + 1);
   script.add("set label 'wrong' at 101.5,0.2 left textcolor rgb '#666666'");
   script.add("set yrange [{}:-0.2]", static_cast<double>(bars.size()) + 0.6);
   script.add("set xrange [0:100]; set xlabel {}", FigureScript::quoted("share of the wrong pixels (%)" + over_text(places)));
-  script.add("{}", plot.text());
-  close_panels(script, legend, options);
+  plot.into(script);
+  close_panels(script);
 }
 
 }  // namespace gnomon

@@ -19,10 +19,9 @@ class FrontFigure {
 
   void add_staircase(FigureScript& script);
   void add_series(FigureScript& script);
-  void number_front();
+  void number_front(FigureScript& script);
   void set_axes(FigureScript& script) const;
 
-  Legend legend;
   PlotCommand plot;
 
  private:
@@ -77,7 +76,7 @@ void FrontFigure::add_staircase(FigureScript& script) {
   for (const Candidate* c : front_) lines.push_back(fmt::format("{}\t{}", x(*c), y(*c)));
   lines.push_back(fmt::format("{}\t{}", costs_.greatest * 1.3, y(*front_.back())));
   plot.add("{} using 1:2 with steps lw 1.6 lc rgb '#bbbbbb' notitle", script.data(lines));
-  legend.entries.push_back({"with lines lw 1.6 lc rgb '#bbbbbb'", "front"});
+  script.legend.push_back({"with lines lw 1.6 lc rgb '#bbbbbb'", "front"});
 }
 
 void FrontFigure::add_series(FigureScript& script) {
@@ -95,17 +94,17 @@ void FrontFigure::add_series(FigureScript& script) {
         is_contender ? fmt::format("pt {} ps {} lc rgb '{}'", series_mark(k), is_named_ ? 1.0 : 0.6, series_color(k))
                      : "pt 2 ps 0.9 lw 1.4 lc rgb '#555555'";
     plot.add("{} using 1:2:3:4 with xerrorbars {} notitle", script.data(lines), style);
-    legend.entries.push_back({"with points " + style, name + (is_contender ? "" : " (reference)")});
+    script.legend.push_back({"with points " + style, name + (is_contender ? "" : " (reference)")});
   }
 }
 
 /// Where settings are too many to name them all, those on the front have a number that the legend explains.
-void FrontFigure::number_front() {
+void FrontFigure::number_front(FigureScript& script) {
   if (is_named_ || front_.size() > most_named) return;
   for (std::size_t k = 0; k < front_.size(); ++k) {
     numbers_.push_back(fmt::format("set label '{}' at {},{} right offset -0.3,-0.7 textcolor rgb '#222222'", k + 1,
                                    x(*front_[k]), y(*front_[k])));
-    legend.entries.push_back({"with points pt 0 lc rgb '#ffffff'", fmt::format("{}: {}", k + 1, front_[k]->setting)});
+    script.legend.push_back({"with points pt 0 lc rgb '#ffffff'", fmt::format("{}: {}", k + 1, front_[k]->setting)});
   }
 }
 
@@ -129,17 +128,17 @@ void FrontFigure::set_axes(FigureScript& script) const {
 
 }  // namespace
 
-void draw_front(std::span<const Record> records, const FigureOptions& options, FigureScript& script) {
-  const AnalysisOptions& wanted = options.analysis;
+void draw_front(std::span<const Record> records, FigureScript& script) {
+  const AnalysisOptions& wanted = script.options.analysis;
   const std::vector<Field> fields = find_fields(records, {.error = wanted.metric, .cost = wanted.cost});
   FrontFigure figure(fields.back(), wanted);  // over all places, or the only one
   figure.add_staircase(script);
   figure.add_series(script);
-  figure.number_front();
-  open_panels(script, 1, 1, options.width_cm * 0.55, figure.legend, options);
+  figure.number_front(script);
+  open_panels(script, 1, 1, script.options.width_cm * 0.55);
   figure.set_axes(script);
-  script.add("{}", figure.plot.text());
-  close_panels(script, figure.legend, options);
+  figure.plot.into(script);
+  close_panels(script);
 }
 
 }  // namespace gnomon

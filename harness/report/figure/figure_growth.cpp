@@ -61,18 +61,14 @@ std::pair<std::string, int> style_of(const Growth& growth, const DrawnGrowths& d
           drawn.places.size() > 1 ? marks[place % std::size(marks)] : series_mark(setting)};
 }
 
-Legend legend_of(const DrawnGrowths& drawn) {
-  Legend legend;
+void add_legend(const DrawnGrowths& drawn, FigureScript& script) {
   for (const Growth* growth : drawn.rows) {
     const auto [color, mark] = style_of(*growth, drawn);
-    Legend::Entry entry{
-        fmt::format("with linespoints pt {} lc rgb '{}'", mark, color),
-        growth->setting + (drawn.places.size() > 1 ? fmt::format(" ({})", title(growth->place, drawn.places)) : "")};
-    const bool is_known =
-        std::any_of(legend.entries.begin(), legend.entries.end(), [&](const auto& e) { return e.text == entry.text; });
-    if (!is_known) legend.entries.push_back(std::move(entry));
+    const std::string text =
+        growth->setting + (drawn.places.size() > 1 ? fmt::format(" ({})", title(growth->place, drawn.places)) : "");
+    if (std::ranges::find(script.legend, text, &FigureScript::LegendEntry::text) == script.legend.end())
+      script.legend.push_back({fmt::format("with linespoints pt {} lc rgb '{}'", mark, color), text});
   }
-  return legend;
 }
 
 /// Marks with their intervals, and the fitted line where there is one.
@@ -108,8 +104,9 @@ void label_exponents(std::vector<ExponentLabel> labels, double x, double bottom,
 
 }  // namespace
 
-void draw_growth(std::span<const Record> records, const FigureOptions& options, FigureScript& script) {
-  const std::string axis = options.analysis.x.empty() ? "triangles" : options.analysis.x;
+void draw_growth(std::span<const Record> records, FigureScript& script) {
+  const std::string& wanted = script.options.analysis.x;
+  const std::string axis = wanted.empty() ? "triangles" : wanted;
   const Growths growths = find_growth(records, axis);
   const DrawnGrowths drawn = choose(growths);
   if (drawn.rows.empty()) throw Error("there is nothing to draw: no setting has times at two values of {}", axis);
@@ -120,8 +117,8 @@ void draw_growth(std::span<const Record> records, const FigureOptions& options, 
     for (const Growth::Point& point : growth->points) xs.push_back(point.x);
   }
 
-  const Legend legend = legend_of(drawn);
-  const std::size_t columns = open_panels(script, panels.size(), 3, options.width_cm / 2.3, legend, options);
+  add_legend(drawn, script);
+  const std::size_t columns = open_panels(script, panels.size(), 3, script.options.width_cm / 2.3);
   const double bottom = drawn.ms.least / 1.6, top = drawn.ms.greatest * 1.6;
   const double span = drawn.x.greatest / drawn.x.least;  // the right margin holds the exponents
   const double left = drawn.x.least / std::pow(span, 0.06), right = drawn.x.greatest * std::pow(span, 0.3);
@@ -135,9 +132,9 @@ void draw_growth(std::span<const Record> records, const FigureOptions& options, 
     open_panel(script, drawn.stages[k], k % columns == 0 ? "time (ms)" : "");
     script.add("unset label");
     label_exponents(panels[k].exponents, drawn.x.greatest, bottom, top, script);
-    script.add("{}", panels[k].plot.text());
+    panels[k].plot.into(script);
   }
-  close_panels(script, legend, options);
+  close_panels(script);
 }
 
 }  // namespace gnomon

@@ -17,8 +17,7 @@ std::string tics(const std::vector<std::string>& values) {
 }
 
 /// Curves over one parameter, all in one panel.
-void draw_lines(const std::vector<Map>& maps, const Column& column, const FigureOptions& options, FigureScript& script) {
-  Legend legend;
+void draw_lines(const std::vector<Map>& maps, const Column& column, FigureScript& script) {
   PlotCommand plot;
   for (std::size_t k = 0; k < maps.size(); ++k) {
     std::vector<std::string> lines;
@@ -28,15 +27,15 @@ void draw_lines(const std::vector<Map>& maps, const Column& column, const Figure
     const std::string style = fmt::format("with linespoints pt {} ps 0.8 lw 1.4 lc rgb '{}'", series_mark(k), series_color(k));
     plot.add("{} using 1:2 {} notitle", script.data(lines), style);
     const std::string facet = maps[k].facet_text();
-    legend.entries.push_back({style, maps[k].technique + (facet.empty() ? "" : " " + facet)});
+    script.legend.push_back({style, maps[k].technique + (facet.empty() ? "" : " " + facet)});
   }
-  open_panels(script, 1, 1, options.width_cm * 0.5, legend, options);
+  open_panels(script, 1, 1, script.options.width_cm * 0.5);
   script.add("set xtics {}; set xrange [-0.3:{}]; set yrange [0:*]", tics(maps.front().xs),
              static_cast<double>(maps.front().xs.size()) - 0.7);
   script.add("set xlabel {}", FigureScript::quoted(maps.front().x));
   script.add("set ylabel {}", FigureScript::quoted(fmt::format("{}, mean over {}", axis_label(column), maps.front().places)));
-  script.add("{}", plot.text());
-  close_panels(script, legend, options);
+  plot.into(script);
+  close_panels(script);
 }
 
 /// The values of all maps, which share one palette.
@@ -90,7 +89,7 @@ std::string heading_of(const Map& map, bool with_technique) {
   return with_technique ? map.technique + ": " + facet : facet;
 }
 
-void draw_heat_maps(const std::vector<Map>& maps, const Column& column, const FigureOptions& options, FigureScript& script) {
+void draw_heat_maps(const std::vector<Map>& maps, const Column& column, FigureScript& script) {
   const Palette palette(maps, column.shown_scale);
   std::size_t most_columns = 0, most_rows = 2;
   for (const Map& map : maps) {
@@ -99,12 +98,10 @@ void draw_heat_maps(const std::vector<Map>& maps, const Column& column, const Fi
   }
   std::vector<DrawnMap> drawn;
   for (const Map& map : maps) drawn.push_back(draw_cells(map, column.shown_scale, palette, most_columns <= 12, script));
-
-  Legend legend;
-  legend.entries.push_back({"with points pt 4 ps 1.4 lw 2 lc rgb '#d55e00'",
-                            fmt::format("best; {}, mean over {} places", axis_label(column), maps.front().places)});
+  script.legend.push_back({"with points pt 4 ps 1.4 lw 2 lc rgb '#d55e00'",
+                           fmt::format("best; {}, mean over {} places", axis_label(column), maps.front().places)});
   const std::size_t panel_columns = maps.size() == 1 ? 1 : most_columns > 6 ? 2 : 3;
-  open_panels(script, maps.size(), panel_columns, 2.6 + 0.75 * static_cast<double>(most_rows), legend, options);
+  open_panels(script, maps.size(), panel_columns, 2.6 + 0.75 * static_cast<double>(most_rows));
   const auto [least, greatest] = palette.values;
   script.add("set palette defined (0 '#440154', 0.25 '#3b528b', 0.5 '#21918c', 0.75 '#5ec962', 1 '#fde725')");
   script.add("unset colorbox; unset grid; set border 0; set tics scale 0{}", palette.is_log ? "; set logscale cb" : "");
@@ -120,20 +117,20 @@ void draw_heat_maps(const std::vector<Map>& maps, const Column& column, const Fi
                static_cast<double>(map.ys.size()) - 0.5);
     script.add("{}plot {} using 1:2:3:4:5:6:7 with boxxyerror lc palette notitle", drawn[k].marks, drawn[k].data);
   }
-  close_panels(script, legend, options);
+  close_panels(script);
 }
 
 }  // namespace
 
-void draw_map(std::span<const Record> records, const FigureOptions& options, FigureScript& script) {
-  const AnalysisOptions& wanted = options.analysis;
+void draw_map(std::span<const Record> records, FigureScript& script) {
+  const AnalysisOptions& wanted = script.options.analysis;
   const std::vector<Map> maps =
       make_maps(records, {.metric = wanted.metric, .x = wanted.x, .y = wanted.y, .facet = wanted.facet});
   require_panels(maps.size(), "maps");
   const Map& first = maps.front();
   const bool are_lines =
       std::ranges::all_of(maps, [&](const Map& map) { return map.y.empty() && map.x == first.x && map.xs == first.xs; });
-  (are_lines ? draw_lines : draw_heat_maps)(maps, quantity_column(wanted.metric), options, script);
+  (are_lines ? draw_lines : draw_heat_maps)(maps, quantity_column(wanted.metric), script);
 }
 
 }  // namespace gnomon

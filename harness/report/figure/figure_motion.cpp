@@ -5,8 +5,8 @@
 
 namespace gnomon {
 
-void draw_motion(std::span<const Record> records, const FigureOptions& options, FigureScript& script) {
-  const std::string& metric = options.analysis.metric;
+void draw_motion(std::span<const Record> records, FigureScript& script) {
+  const std::string& metric = script.options.analysis.metric;
   const std::vector<Motion> motions = find_motion(records, metric);
   const Column column = quantity_column(metric);
   std::vector<Place> places;
@@ -18,11 +18,10 @@ void draw_motion(std::span<const Record> records, const FigureOptions& options, 
   }
   if (places.empty()) throw Error("there is nothing to draw: no contender follows a path");
   require_panels(places.size(), "scenes, lights and paths");
-  Legend legend;
   const auto style = [](std::size_t k) {
     return fmt::format("with linespoints pt {} ps 0.5 lw 1.3 lc rgb '{}'", series_mark(k), series_color(k));
   };
-  for (std::size_t k = 0; k < settings.size(); ++k) legend.entries.push_back({style(k), settings[k]});
+  for (std::size_t k = 0; k < settings.size(); ++k) script.legend.push_back({style(k), settings[k]});
 
   std::vector<PlotCommand> plots(places.size());
   std::size_t last = 1;
@@ -38,13 +37,13 @@ void draw_motion(std::span<const Record> records, const FigureOptions& options, 
                                                           style(index_of(settings, setting_name(*motion.record))));
   }
   const std::size_t columns =
-      open_panels(script, places.size(), 2, options.width_cm * (places.size() == 1 ? 0.5 : 0.36), legend, options);
+      open_panels(script, places.size(), 2, script.options.width_cm * (places.size() == 1 ? 0.5 : 0.36));
   script.add("set xrange [0:{}]; set yrange [0:*]; set xlabel 'frame' offset 0,0.4", last);
   for (std::size_t panel = 0; panel < places.size(); ++panel) {
     open_panel(script, title(places[panel], places), panel % columns == 0 ? axis_label(column) : "");
-    script.add("{}", plots[panel].text());
+    plots[panel].into(script);
   }
-  close_panels(script, legend, options);
+  close_panels(script);
 }
 
 }  // namespace gnomon

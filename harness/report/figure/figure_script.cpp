@@ -13,25 +13,22 @@ constexpr double points_size = 8.5;  // of the text, on paper
 /// Characters of the text per centimeter of a legend.
 constexpr double characters_per_cm = 5.6;
 
-std::size_t legend_columns(const Legend& legend, double width_cm) {
+std::size_t legend_rows(const FigureScript& script) {
   std::size_t longest = 0;
-  for (const Legend::Entry& entry : legend.entries) longest = std::max(longest, display_width(entry.text));
+  for (const FigureScript::LegendEntry& entry : script.legend) longest = std::max(longest, display_width(entry.text));
   const double column_cm = static_cast<double>(longest) / characters_per_cm + 1.1;
-  return std::clamp<std::size_t>(static_cast<std::size_t>(width_cm / column_cm), 1,
-                                 std::max<std::size_t>(1, legend.entries.size()));
-}
-
-std::size_t legend_rows(const Legend& legend, double width_cm) {
-  const std::size_t columns = legend_columns(legend, width_cm);
-  return (legend.entries.size() + columns - 1) / columns;
+  const std::size_t entries = script.legend.size();
+  const std::size_t columns = std::clamp<std::size_t>(static_cast<std::size_t>(script.options.width_cm / column_cm), 1,
+                                                      std::max<std::size_t>(1, entries));
+  return (entries + columns - 1) / columns;
 }
 
 /// The bottom strip as a share of the figure.
-double strip(const FigureScript& script, const Legend& legend, const FigureOptions& options) {
-  return legend.height_cm(options.width_cm) / script.height_cm;
-}
+double strip(const FigureScript& script) { return script.legend_cm() / script.height_cm; }
 
 }  // namespace
+
+double FigureScript::legend_cm() const { return legend.empty() ? 0 : 0.36 * static_cast<double>(legend_rows(*this)) + 0.2; }
 
 std::string FigureScript::quoted(std::string_view text) {
   std::string safe = "'";
@@ -54,7 +51,7 @@ std::string FigureScript::data(const std::vector<std::string>& lines) {
   return name;
 }
 
-std::string FigureScript::text(const FigureOptions& options, const std::filesystem::path& out) const {
+std::string FigureScript::text(const std::filesystem::path& out) const {
   const std::string ending = out.extension().string();
   std::string terminal;
   const double width = options.width_cm, height = height_cm + (options.title.empty() ? 0 : 0.8);
@@ -85,8 +82,8 @@ std::string FigureScript::text(const FigureOptions& options, const std::filesyst
   return text + body_;
 }
 
-std::string PlotCommand::text() const {
-  return is_empty() ? "plot NaN notitle" : fmt::format("plot {}", fmt::join(curves_, ", \\\n  "));
+void PlotCommand::into(FigureScript& script) const {
+  script.add("plot {}", is_empty() ? "NaN notitle" : joined(curves_, ", \\\n  "));
 }
 
 std::string series_color(std::size_t index) {
@@ -100,20 +97,15 @@ int series_mark(std::size_t index) {
   return marks[(index + index / 8) % std::size(marks)];
 }
 
-double Legend::height_cm(double width_cm) const {
-  if (entries.empty()) return 0;
-  return 0.36 * static_cast<double>(legend_rows(*this, width_cm)) + 0.2;
-}
-
-std::size_t open_panels(FigureScript& script, std::size_t panels, std::size_t most_columns, double panel_cm,
-                        const Legend& legend, const FigureOptions& options) {
+std::size_t open_panels(FigureScript& script, std::size_t panels, std::size_t most_columns, double panel_cm) {
+  const FigureOptions& options = script.options;
   const std::size_t columns = std::min(panels, most_columns), rows = (panels + columns - 1) / columns;
-  script.height_cm = static_cast<double>(rows) * panel_cm + legend.height_cm(options.width_cm);
+  script.height_cm = static_cast<double>(rows) * panel_cm + script.legend_cm();
   // Room on the left for an axis title beside tics as long as 0.0001: what lies off the page is not drawn.
   const double h = script.height_cm, w = options.width_cm, top = options.title.empty() ? 0.7 : 1.3;
   script.add("set multiplot layout {},{} margins {:.4f},{:.4f},{:.4f},{:.4f} spacing {:.4f},{:.4f}{}", rows, columns, 2.1 / w,
-             1 - 0.6 / w, strip(script, legend, options) + 1.2 / h, 1 - top / h, columns > 1 ? 1.7 / w : 0.0,
-             rows > 1 ? 1.9 / h : 0.0, options.title.empty() ? "" : " title " + FigureScript::quoted(options.title));
+             1 - 0.6 / w, strip(script) + 1.2 / h, 1 - top / h, columns > 1 ? 1.7 / w : 0.0, rows > 1 ? 1.9 / h : 0.0,
+             options.title.empty() ? "" : " title " + FigureScript::quoted(options.title));
   script.add("unset key");
   return columns;
 }
@@ -123,8 +115,8 @@ void open_panel(FigureScript& script, std::string_view title, std::string_view y
   script.add("set ylabel {}", FigureScript::quoted(y_label));
 }
 
-void close_panels(FigureScript& script, const Legend& legend, const FigureOptions& options) {
-  if (!legend.entries.empty()) {
+void close_panels(FigureScript& script) {
+  if (!script.legend.empty()) {
     script.add(
         "unset title; unset xlabel; unset ylabel; unset label; unset tics; unset border; unset grid; unset logscale; unset "
         "object");
@@ -132,12 +124,12 @@ void close_panels(FigureScript& script, const Legend& legend, const FigureOption
     script.add("set origin 0,0; set size 1,1");
     script.add("set lmargin at screen 0.01; set rmargin at screen 0.99; set bmargin at screen 0; set tmargin at screen 1");
     script.add("set key at screen 0.5,{:.4f} center center vertical maxrows {} Left reverse samplen 1.2 spacing 1.15",
-               strip(script, legend, options) / 2, legend_rows(legend, options.width_cm));
+               strip(script) / 2, legend_rows(script));
     PlotCommand plot;
     plot.add("[0:1][0:1] NaN notitle");
-    for (const Legend::Entry& entry : legend.entries)
+    for (const FigureScript::LegendEntry& entry : script.legend)
       plot.add("keyentry {} title {}", entry.style, FigureScript::quoted(entry.text));
-    script.add("{}", plot.text());
+    plot.into(script);
   }
   script.add("unset multiplot");
 }

@@ -11,6 +11,8 @@ namespace gnomon {
 /// terminal needs the height.
 class FigureScript {
  public:
+  explicit FigureScript(const FigureOptions& options) : options(options) {}
+
   template <class... Args>
   void add(fmt::format_string<Args...> format, Args&&... args) {
     body_ += fmt::format(format, std::forward<Args>(args)...) + '\n';
@@ -20,9 +22,18 @@ class FigureScript {
   /// Text in single quotes, as gnuplot reads it.
   static std::string quoted(std::string_view text);
 
+  const FigureOptions& options;
   double height_cm = 9;
+  /// Rows of a legend that the panels of a multiplot share, below them.
+  struct LegendEntry {
+    std::string style;  ///< "with points pt 7 lc rgb '#0072b2'"
+    std::string text;
+  };
+  std::vector<LegendEntry> legend;
+  double legend_cm() const;  ///< that the legend takes
+
   /// The whole program.
-  std::string text(const FigureOptions& options, const std::filesystem::path& out) const;
+  std::string text(const std::filesystem::path& out) const;
 
  private:
   std::string body_;
@@ -38,8 +49,8 @@ class PlotCommand {
     curves_.push_back(fmt::format(format, std::forward<Args>(args)...));
   }
   bool is_empty() const { return curves_.empty(); }
-  /// "plot ..."; without any curve an empty panel.
-  std::string text() const;
+  /// Draws them; without any an empty panel.
+  void into(FigureScript& script) const;
 
  private:
   std::vector<std::string> curves_;
@@ -59,25 +70,13 @@ std::string series_color(std::size_t index);
 /// Shape of a series' marks: filled ones that differ, another one each time that the colors start again.
 int series_mark(std::size_t index);
 
-/// Rows of a shared legend below the panels of a multiplot.
-struct Legend {
-  struct Entry {
-    std::string style;  ///< "with points pt 7 lc rgb '#0072b2'"
-    std::string text;
-  };
-  std::vector<Entry> entries;
-  /// Centimeters that it takes in a figure so wide.
-  double height_cm(double width_cm) const;
-};
-
 /// Opens a multiplot of `panels` panels over the figure but for the legend's strip, each `panel_cm` high, and sets the height.
 /// Returns the number of columns.
-std::size_t open_panels(FigureScript& script, std::size_t panels, std::size_t most_columns, double panel_cm,
-                        const Legend& legend, const FigureOptions& options);
+std::size_t open_panels(FigureScript& script, std::size_t panels, std::size_t most_columns, double panel_cm);
 /// Titles the next panel and names its vertical axis; empty: it has no name.
 void open_panel(FigureScript& script, std::string_view title, std::string_view y_label);
 /// Draws the legend into its strip and ends the multiplot.
-void close_panels(FigureScript& script, const Legend& legend, const FigureOptions& options);
+void close_panels(FigureScript& script);
 
 /// More panels than this are no figure but an atlas.
 inline constexpr std::size_t most_panels = 12;
@@ -96,12 +95,12 @@ std::string value_tics(std::vector<double> values, double share);
 std::string axis_label(const Column& column);
 
 // One function per kind.
-void draw_front(std::span<const Record> records, const FigureOptions& options, FigureScript& script);
-void draw_growth(std::span<const Record> records, const FigureOptions& options, FigureScript& script);
-void draw_stages(std::span<const Record> records, const FigureOptions& options, FigureScript& script);
-void draw_causes(std::span<const Record> records, const FigureOptions& options, FigureScript& script);
-void draw_map(std::span<const Record> records, const FigureOptions& options, FigureScript& script);
-void draw_motion(std::span<const Record> records, const FigureOptions& options, FigureScript& script);
-void draw_sweep(std::span<const Record> records, const FigureOptions& options, FigureScript& script);
+void draw_front(std::span<const Record> records, FigureScript& script);
+void draw_growth(std::span<const Record> records, FigureScript& script);
+void draw_stages(std::span<const Record> records, FigureScript& script);
+void draw_causes(std::span<const Record> records, FigureScript& script);
+void draw_map(std::span<const Record> records, FigureScript& script);
+void draw_motion(std::span<const Record> records, FigureScript& script);
+void draw_sweep(std::span<const Record> records, FigureScript& script);
 
 }  // namespace gnomon

@@ -115,9 +115,9 @@ void add_sweep(const Sweep& sweep, const Column& column, const std::string& styl
 
 }  // namespace
 
-void draw_sweep(std::span<const Record> records, const FigureOptions& options, FigureScript& script) {
-  const std::string& quantity = options.analysis.metric;
-  const Sweeps sweeps = find_sweeps(records, options.analysis.x, quantity);
+void draw_sweep(std::span<const Record> records, FigureScript& script) {
+  const std::string& quantity = script.options.analysis.metric;
+  const Sweeps sweeps = find_sweeps(records, script.options.analysis.x, quantity);
   const Column column = quantity_column(quantity);
   const DrawnSweeps drawn = choose(sweeps, column);
   const auto& [rows, places, settings, xs, x] = drawn;
@@ -125,15 +125,14 @@ void draw_sweep(std::span<const Record> records, const FigureOptions& options, F
     throw Error("there is nothing to draw: no contender of the sweep of {} has a {}", sweeps.parameter, quantity);
   require_panels(places.size(), "scenes, lights and views");
 
-  Legend legend;
   for (std::size_t k = 0; k < settings.size(); ++k)
-    legend.entries.push_back({"with linespoints " + style_of(k, settings.size()), settings[k]});
+    script.legend.push_back({"with linespoints " + style_of(k, settings.size()), settings[k]});
   std::vector<SweepPanel> panels(places.size());
   for (const Sweep* sweep : rows)
     add_sweep(*sweep, column, style_of(index_of(settings, sweep->setting), settings.size()), script,
               panels[index_of(places, sweep->place)]);
   const std::size_t columns =
-      open_panels(script, panels.size(), 2, options.width_cm * (panels.size() == 1 ? 0.5 : 0.36), legend, options);
+      open_panels(script, panels.size(), 2, script.options.width_cm * (panels.size() == 1 ? 0.5 : 0.36));
   script.add("{}", x_axis(x, xs, columns));
   script.add(
       "set xlabel {} offset 0,0.4",
@@ -141,9 +140,9 @@ void draw_sweep(std::span<const Record> records, const FigureOptions& options, F
   for (std::size_t k = 0; k < panels.size(); ++k) {
     open_panel(script, title(places[k], places), k % columns == 0 ? axis_label(column) : "");
     script.add("{}", y_axis(panels[k].y, column));
-    script.add("{}", panels[k].plot.text());
+    panels[k].plot.into(script);
   }
-  close_panels(script, legend, options);
+  close_panels(script);
 }
 
 }  // namespace gnomon

@@ -3,10 +3,7 @@
 #include <gnomon/error.h>
 
 #include "analysis/in_order.h"
-#include "report/html/html_data.h"
-#include "report/html/html_page.h"
-#include "report/html/html_pictures.h"
-#include "report/table/layout.h"
+#include "report/html/html_parts.h"
 
 namespace gnomon {
 
@@ -40,7 +37,7 @@ std::string title_of(const fs::path& dir, std::span<const Record> records) {
 
 }  // namespace
 
-Report make_report(const fs::path& dir, std::span<const Record> records, const ReportOptions& options) {
+Report make_report(const fs::path& dir, std::span<const Record> records, bool with_pictures) {
   if (page_template().empty())
     throw Error("this program was built without the report's page (GNOMON_REPORT=OFF); `gnomon table` has the same numbers");
   if (records.empty()) throw Error("{} holds no records; a report wants at least one", dir.string());
@@ -51,7 +48,7 @@ Report make_report(const fs::path& dir, std::span<const Record> records, const R
   Json data = report_data(layout, records);
   data["title"] = title_of(dir, records);
   PictureSet pictures;
-  if (options.with_pictures)
+  if (with_pictures)
     pictures = collect_pictures(dir, layout);
   else
     pictures.notes.push_back("pictures were left out on demand");

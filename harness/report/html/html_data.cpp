@@ -1,5 +1,3 @@
-#include "report/html/html_data.h"
-
 #include <cmath>
 #include <map>
 #include <set>
@@ -9,6 +7,7 @@
 #include "measure/frame/classify.h"
 #include "measure/json.h"
 #include "measure/score/metrics.h"
+#include "report/html/html_parts.h"
 
 namespace gnomon {
 

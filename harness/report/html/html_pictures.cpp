@@ -1,5 +1,3 @@
-#include "report/html/html_pictures.h"
-
 #include <zlib.h>
 
 #include <algorithm>
@@ -13,6 +11,7 @@
 #include "measure/scene/load.h"
 #include "measure/scene/motion.h"
 #include "measure/score/score.h"
+#include "report/html/html_parts.h"
 
 namespace gnomon {
 
@@ -39,6 +38,13 @@ Bytes mask_bytes(std::span<const float> mask) {
   Bytes bytes(mask.size());
   for (std::size_t i = 0; i < mask.size(); ++i)
     bytes[i] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(mask[i], 0.0f, 1.0f)));
+  return bytes;
+}
+
+template <class Enums>
+Bytes index_bytes(const Enums& values) {
+  Bytes bytes;
+  for (const auto value : values) bytes.push_back(static_cast<std::uint8_t>(value));
   return bytes;
 }
 
@@ -137,15 +143,12 @@ class Collector {
     const auto [key, light] = place(r);
     const GBuffer gbuffer = frames_.store().gbuffer(key);
     const Reference reference = frames_.store().reference(key, light);
-    Bytes classes(reference.classes.size());
-    std::transform(reference.classes.begin(), reference.classes.end(), classes.begin(),
-                   [](PixelClass c) { return static_cast<std::uint8_t>(c); });
     const std::vector<float> lit(gbuffer.size(), 1.0f), dark(gbuffer.size(), 0.0f);
     Json json;
     json["lit"] = keep(color_planes(shade(scene, gbuffer, light, lit)));
     json["dark"] = keep(color_planes(shade(scene, gbuffer, light, dark)));
     json["reference"] = keep(mask_bytes(reference.mask));
-    json["classes"] = keep(classes);
+    json["classes"] = keep(index_bytes(reference.classes));
     return json;
   }
 
@@ -181,9 +184,7 @@ class Collector {
       say(fmt::format("no causes of {}: {}", context_text(r, "frames").empty() ? what : "scene " + r.scene, obstacle));
       return {};
     }
-    Bytes bytes(causes.size());
-    std::transform(causes.begin(), causes.end(), bytes.begin(), [](Cause c) { return static_cast<std::uint8_t>(c); });
-    return keep(bytes);
+    return keep(index_bytes(causes));
   }
 
   const fs::path& dir_;

@@ -74,27 +74,14 @@ void add_identity(std::vector<Column>& columns) {
   columns.push_back(text_column("reason", "reason", [](const Record& r) { return text_cell(r.reason); }));
 }
 
-/// Intervals of one stage, each computed once: the columns of both ends and the mark of the best need the same one.
-class Intervals {
- public:
-  explicit Intervals(Stage stage) : stage_(stage) {}
-  std::optional<Estimate> of(const Record& record) {
-    const ProcessTimes& times = record.times(stage_);
-    Known& known = known_[&record];
-    // Another record may stand where one stood before.
-    if (!known.is_made || known.times != times) known = {true, times, bootstrap(times)};
-    return known.interval;
-  }
+/// Intervals by times, each computed once: the columns of both ends and the mark of the best need the same one.
+using Intervals = std::map<ProcessTimes, std::optional<Estimate>>;
 
- private:
-  struct Known {
-    bool is_made = false;
-    ProcessTimes times = {};
-    std::optional<Estimate> interval = {};
-  };
-  Stage stage_;
-  std::map<const Record*, Known> known_;
-};
+std::optional<Estimate> interval_of(const ProcessTimes& times, Intervals& known) {
+  const auto [found, is_new] = known.try_emplace(times);
+  if (is_new) found->second = bootstrap(times);
+  return found->second;
+}
 
 /// Median absolute deviation of the process medians: how far one process is from another.
 std::optional<double> spread(const ProcessTimes& times) {
@@ -111,17 +98,17 @@ void add_times(std::vector<Column>& columns) {
       columns.push_back(number_column(stage_name + "_ms" + suffix, "ms", stage_name + heading));
       return columns.back();
     };
-    const auto intervals = std::make_shared<Intervals>(stage);
+    const auto intervals = std::make_shared<Intervals>();
     const auto add_end = [&](const char* suffix, const char* heading, double Estimate::*end) {
-      add(suffix, heading).cell = [intervals, end](const Record& r) {
-        const std::optional<Estimate> estimate = intervals->of(r);
+      add(suffix, heading).cell = [intervals, stage, end](const Record& r) {
+        const std::optional<Estimate> estimate = interval_of(r.times(stage), *intervals);
         return estimate ? Cell{.value = (*estimate).*end} : Cell{};
       };
     };
     Column& median = add("", "");
     median.better = "lower";
     median.cell = [stage](const Record& r) { return number(median_of_medians(r.times(stage))); };
-    median.interval = [intervals](const Record& r) { return intervals->of(r); };
+    median.interval = [intervals, stage](const Record& r) { return interval_of(r.times(stage), *intervals); };
     add_end("_low", " low", &Estimate::low);
     add_end("_high", " high", &Estimate::high);
     add("_mad", " MAD").cell = [stage](const Record& r) { return number(spread(r.times(stage))); };

@@ -1,7 +1,6 @@
 #include "report/table/layout.h"
 
 #include <algorithm>
-#include <set>
 
 #include "analysis/in_order.h"
 #include "report/table/digits.h"
@@ -46,17 +45,6 @@ void mark_best(const Column& column, std::size_t index, Layout::Group& group) {
   for (const Competitor& c : competitors) c.cell->is_best = is_best(c);
 }
 
-/// The different values of a context key, in order of appearance.
-std::string distinct(std::span<const Record> records, const char* key) {
-  std::vector<std::string> values;
-  for (const Record& r : records) {
-    const auto found = r.context.find(key);
-    if (found == r.context.end() || found->is_null()) continue;
-    add_once(values, plain_text(*found));
-  }
-  return joined(values, "; ");
-}
-
 /// Older records do not have it: a column of nothing would stand beside their wrong rates.
 bool has_snapping_floor(std::span<const Record> records) {
   return std::ranges::any_of(records, [](const Record& r) { return r.metric("snapping_floor").has_value(); });
@@ -78,22 +66,16 @@ std::string repetition_plan(std::span<const Record> records) {
 }  // namespace
 
 std::vector<std::string> headline_columns(std::span<const Record> records, bool with_group) {
-  std::set<std::string> views, paths;
-  std::set<std::pair<int, int>> sizes;
-  std::set<Truth> truths;
-  for (const Record& r : records) {
-    views.insert(r.view);
-    paths.insert(r.path);
-    sizes.insert({r.width, r.height});
-    truths.insert(r.truth);
-  }
+  const auto varies = [&](auto member) {
+    return std::ranges::any_of(records, [&](const Record& r) { return r.*member != records.front().*member; });
+  };
   std::vector<std::string> names;
   if (with_group) {
     names = {"scene", "light"};
-    if (views.size() > 1) names.emplace_back("view");
-    if (paths.size() > 1 || (!paths.empty() && !paths.begin()->empty())) names.emplace_back("path");
-    if (sizes.size() > 1) names.insert(names.end(), {"width", "height"});
-    if (truths.size() > 1) names.emplace_back("truth");
+    if (varies(&Record::view)) names.emplace_back("view");
+    if (std::ranges::any_of(records, [](const Record& r) { return !r.path.empty(); })) names.emplace_back("path");
+    if (varies(&Record::width) || varies(&Record::height)) names.insert(names.end(), {"width", "height"});
+    if (varies(&Record::truth)) names.emplace_back("truth");
   }
   names.insert(names.end(), {"technique", "support", "setup_ms", "build_ms", "relight_ms", "resolve_ms", "bytes", "peak_bytes",
                              "wrong_rate"});
@@ -117,11 +99,12 @@ Remarks provenance(std::span<const Record> records) {
   const auto add = [&](const char* topic, std::string text) {
     lines.emplace_back(topic, text.empty() ? "-" : std::move(text));
   };
-  add("renderer", distinct(records, "gl_renderer"));
-  add("processor", distinct(records, "processor"));
-  add("threads", distinct(records, "threads"));
-  add("version", distinct(records, "version"));
-  add("commit", distinct(records, "commit"));
+  static constexpr std::pair<const char*, const char*> keys[] = {{"renderer", "gl_renderer"},
+                                                                 {"processor", "processor"},
+                                                                 {"threads", "threads"},
+                                                                 {"version", "version"},
+                                                                 {"commit", "commit"}};
+  for (const auto& [topic, key] : keys) add(topic, joined(context_values(records, key), "; "));
   add("processes x repetitions", repetition_plan(records));
   std::vector<std::string> notes;
   for (const Record& r : records)

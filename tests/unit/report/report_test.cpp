@@ -2,9 +2,7 @@
 #include <rapidcheck/gtest.h>
 #include <zlib.h>
 
-#include "report/html/html_data.h"
-#include "report/html/html_page.h"
-#include "report/html/html_pictures.h"
+#include "report/html/html_parts.h"
 
 namespace gnomon {
 

@@ -48,7 +48,7 @@ const literal = (piece) =>
   '"' + piece.replace(/["\\?\x00-\x1f\x7f-\xff]/g, (c) => "\\" + c.charCodeAt(0).toString(8).padStart(3, "0")) + '"';
 writeFileSync(
   out,
-  `// Made from harness/report/html/web by its bundle.js.\n#include "report/html/html_page.h"\n\nnamespace gnomon {\n\n` +
+  `// Made from harness/report/html/web by its bundle.js.\n#include "report/html/html_parts.h"\n\nnamespace gnomon {\n\n` +
     `namespace {\nconstexpr char page[] =\n${pieces.map(literal).join("\n")};\n}  // namespace\n\n` +
     `std::string_view page_template() { return {page, sizeof page - 1}; }\n\n}  // namespace gnomon\n`,
 );

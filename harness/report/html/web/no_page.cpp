@@ -1,4 +1,4 @@
-#include "report/html/html_page.h"
+#include "report/html/html_parts.h"
 
 namespace gnomon {
 

@@ -1,12 +1,33 @@
 #pragma once
 #include <filesystem>
-#include <string>
-#include <vector>
 
-#include "measure/record/record.h"
 #include "report/table/layout.h"
 
 namespace gnomon {
+
+// What the page of a run is put together from: template, numbers, pictures.
+
+/// The page without its data, made from harness/report/html/web by the build: it holds each slot once. Empty when the program
+/// was built without it (GNOMON_REPORT=OFF).
+std::string_view page_template();
+
+// What stands in the template where data belongs.
+inline constexpr std::string_view title_slot = "@GNOMON_TITLE@";
+inline constexpr std::string_view data_slot = "@GNOMON_DATA@";
+inline constexpr std::string_view pictures_slot = "@GNOMON_PICTURES@";
+
+// The numbers as JSON; harness/report/html/web/data.js reads it. docs/report.md is for people who want the numbers:
+// they take `gnomon table --format json`.
+
+/// Columns, rows, groups, legends, provenance: everything but pictures. The rows are those of the layout in its order, which
+/// must have been laid out with every column.
+Json report_data(const Layout& layout, std::span<const Record> records);
+
+/// JSON that may stand inside a script element: no `<` in it, and text that is not UTF-8 mended.
+std::string script_text(const Json& json);
+
+/// Text that may stand between tags or in a quoted attribute.
+std::string html_text(std::string_view text);
 
 /// Pictures for the image comparer: base64 of deflated bytes, each read by the page when it is first shown.
 struct PictureSet {
