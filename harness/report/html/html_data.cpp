@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
@@ -104,20 +105,6 @@ Json row_json(const Layout& layout, const Layout::Row& row, std::size_t group, c
           {"frames", std::move(frames)}};
 }
 
-Json causes_legend() {
-  Json legend = Json::array();
-  for (const CauseInfo& info : cause_infos())
-    legend.push_back({{"name", info.name}, {"sentence", info.sentence}, {"color", info.color}});
-  return legend;
-}
-
-Json classes_legend() {
-  Json legend = Json::array();
-  for (const ClassInfo& info : class_infos())
-    legend.push_back({{"name", info.letter}, {"word", info.word}, {"sentence", info.sentence}, {"color", info.color}});
-  return legend;
-}
-
 Json pairs_json(const Remarks& pairs) {
   Json lines = Json::array();
   for (const auto& [topic, text] : pairs) lines.push_back({topic, text});
@@ -149,8 +136,10 @@ Json report_data(const Layout& layout, std::span<const Record> records) {
   for (const Event& event : events)
     data["costs"].push_back(
         {{"name", name(event.cost)}, {"heading", fmt::format("{}: {}", event.heading, sentence(event.cost))}});
-  data["causes"] = causes_legend();
-  data["classes"] = classes_legend();
+  for (const CauseInfo& info : cause_infos())
+    data["causes"].push_back({{"name", info.name}, {"sentence", info.sentence}, {"color", info.color}});
+  for (const ClassInfo& info : class_infos())
+    data["classes"].push_back({{"name", info.letter}, {"word", info.word}, {"sentence", info.sentence}, {"color", info.color}});
   data["legend"] = pairs_json(legend(layout, "best", "flag"));
   data["provenance"] = pairs_json(provenance(records));
   for (const MetricInfo& info : metric_infos())
@@ -171,23 +160,13 @@ std::string script_text(const Json& json) {
 }
 
 std::string html_text(std::string_view text) {
+  static constexpr std::pair<char, std::string_view> entities[] = {
+      {'<', "&lt;"}, {'>', "&gt;"}, {'&', "&amp;"}, {'"', "&quot;"}};
   std::string safe;
-  for (const char c : text) switch (c) {
-      case '<':
-        safe += "&lt;";
-        break;
-      case '>':
-        safe += "&gt;";
-        break;
-      case '&':
-        safe += "&amp;";
-        break;
-      case '"':
-        safe += "&quot;";
-        break;
-      default:
-        safe += c;
-    }
+  for (const char& c : text) {
+    const auto found = std::ranges::find(entities, c, &std::pair<char, std::string_view>::first);
+    safe += found == std::end(entities) ? std::string_view(&c, 1) : found->second;
+  }
   return safe;
 }
 
