@@ -1,5 +1,4 @@
 // Crow's counting of shadow volumes: on the way from the eye to a point, volumes entered minus volumes left, front to back.
-#include <gnomon/kit/hard_light.h>
 #include <gnomon/kit/layers.h>
 #include <gnomon/kit/lines.h>
 #include <gnomon/kit/random.h>
@@ -72,10 +71,8 @@ void CrowCounting::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
 
   // The count at a point does not depend on where it is begun, so where a start is in line with the border of a volume, another
   // one beside it will do. A point for which none of many starts will do lies on a border itself.
-  const Bounds bounds = scene_->bounds();
   const glm::vec3 eye = gbuffer.view.eye;
-  const glm::vec3 largest = glm::max(glm::max(glm::abs(bounds.min), glm::abs(bounds.max)), glm::abs(eye));
-  const float beside = 0x1p-12f * std::max({largest.x, largest.y, largest.z});
+  const auto beside = static_cast<float>(0x1p-12 * std::max(scene_->bounds().extent(), extent(eye)));
   Random random(1977);
   std::size_t left = 1;
   for (int attempt = 0; attempt < 16 && left > 0; ++attempt) {

@@ -1,5 +1,4 @@
 // Shadow rays: one ray from every visible point to the light, traced by Embree. The reference.
-#include <gnomon/kit/hard_light.h>
 #include <gnomon/kit/rays.h>
 #include <gnomon/registry.h>
 

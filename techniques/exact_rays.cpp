@@ -1,7 +1,6 @@
 // Exact rays: one segment from every visible point to the light, against every triangle near it, by exact signs of
 // determinants. The independent witness for the ray tracer: no offset, no epsilon, no code in common with it.
 #include <gnomon/kit/exact_scene.h>
-#include <gnomon/kit/hard_light.h>
 #include <gnomon/registry.h>
 
 namespace {

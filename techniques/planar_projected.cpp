@@ -141,8 +141,7 @@ void PlanarProjected::build(const Scene& scene) {
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     const Mesh& mesh = scene.meshes[m];
     if (mesh.casts) casters_.push_back(static_cast<std::uint32_t>(m));
-    bounds_.emplace_back();
-    for (const glm::vec3& p : mesh.positions) bounds_.back().add(p);
+    bounds_.emplace_back().add(mesh.positions);
     const std::span planes = std::span(planes_.plane_of).subspan(planes_.first_triangle[m], mesh.triangles.size());
     is_flat_.push_back(std::ranges::all_of(planes, [&](std::uint32_t p) { return p == planes[0]; }));
     if (mesh.has_curved_shape() && !is_flat_[m])
@@ -190,10 +189,7 @@ void PlanarProjected::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   gbuffer_ = &gbuffer;
   artefacts_.double_blend = double_blend;
   differs_.clear();
-  if (receivers_.width != gbuffer.width || receivers_.height != gbuffer.height) {
-    receivers_ = {};
-    receivers_ = Texture(GL_R32UI, gbuffer.width, gbuffer.height);
-  }
+  receivers_.fit(GL_R32UI, gbuffer.width, gbuffer.height);
   const Buffer& plane_of = gbuffer.truth == Truth::shape ? plane_of_shapes_ : plane_of_;
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
   glViewport(0, 0, gbuffer.width, gbuffer.height);

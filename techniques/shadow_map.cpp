@@ -8,12 +8,8 @@
 // The bias is a length along the axis of the image. Its parameters are in texels because acne is: a texel's world width at the
 // point, times the parameter, gives meters.
 #include <gnomon/kit/gl.h>
-#include <gnomon/kit/hard_light.h>
 #include <gnomon/registry.h>
 
-#include <optional>
-
-#include "shadow_map/explain.h"
 #include "shadow_map/layers.h"
 #include "shadow_map/shaders.h"
 
@@ -126,13 +122,6 @@ class ShadowMap final : public Technique {
   mutable std::array<std::optional<Program>, shadow_map::projection_count> explain_programs_;
 };
 
-/// Makes room for `layers` depth images; keeps a texture that has it.
-void make_room(Texture& texture, int side, int layers) {
-  if (texture.width == side && texture.layers == layers) return;
-  texture = {};  // the old one goes before the new one comes
-  texture = Texture(GL_DEPTH_COMPONENT32F, side, side, layers);
-}
-
 void ShadowMap::setup() {
   depth_program_ = Program("shadow_map depth", shadow_map::depth_vertex, shadow_map::depth_fragment);
   second_program_ = Program("shadow_map second depth", shadow_map::depth_vertex, shadow_map::second_fragment);
@@ -147,14 +136,11 @@ void ShadowMap::setup() {
 void ShadowMap::build(const Scene& scene) {
   scene_ = &scene;
   scene_buffers(scene);
-  extent_ = 0;
-  for (const Mesh& mesh : scene.meshes)
-    for (const glm::vec3& p : mesh.positions)
-      extent_ = std::max<double>({extent_, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  extent_ = scene.bounds().extent();
   boxes_.clear();
   for (const Mesh& mesh : scene.meshes) {
     shadow_map::MeshBox box{.bounds = {}, .casts = mesh.casts, .receives = mesh.receives};
-    for (const glm::vec3& p : mesh.positions) box.bounds.add(p);
+    box.bounds.add(mesh.positions);
     // A flat mesh gets a box with an inside, and rounding cannot push a vertex out of it.
     const glm::vec3 slack(static_cast<float>(extent_ * 0x1p-20));
     box.bounds.min -= slack;
@@ -172,8 +158,8 @@ void ShadowMap::relight(const Light& light) {
   layers_.clear();
   drawn_faces_ = 0;
   for (const Face& face : faces_) layers_.push_back(face.casters.empty() ? -1 : drawn_faces_++);
-  make_room(first_, resolution, std::max(drawn_faces_, 1));
-  if (second_depth) make_room(second_, resolution, std::max(drawn_faces_, 1));
+  first_.fit(GL_DEPTH_COMPONENT32F, resolution, resolution, std::max(drawn_faces_, 1));
+  if (second_depth) second_.fit(GL_DEPTH_COMPONENT32F, resolution, resolution, std::max(drawn_faces_, 1));
 
   const SceneBuffers& buffers = scene_buffers(*scene_);
   drawn_triangles_ = 0;
@@ -205,8 +191,7 @@ void ShadowMap::relight(const Light& light) {
   // Sixteen half units in the last place of the largest coordinate: the three of the rounded point and vertices (sqrt 3 each),
   // and four products and three sums of the transforms in float32, twice.
   const glm::dvec3 light_position(homogeneous(light) * homogeneous(light).w);
-  const double extent = std::max({extent_, std::abs(light_position.x), std::abs(light_position.y), std::abs(light_position.z)});
-  rounding_ = 16 * 0x1p-24 * extent;
+  rounding_ = 16 * 0x1p-24 * std::max(extent_, extent(light_position));
   glFinish();
 }
 
@@ -272,9 +257,7 @@ Counts ShadowMap::counts() const {
 }
 
 const std::vector<float>& ShadowMap::depths() const {
-  if (!depths_.empty()) return depths_;
-  depths_.resize(map().bytes / sizeof(float));
-  glGetTextureImage(map().name(), 0, GL_DEPTH_COMPONENT, GL_FLOAT, static_cast<GLsizei>(map().bytes), depths_.data());
+  if (depths_.empty()) depths_ = read_texels<float>(map(), GL_DEPTH_COMPONENT);
   return depths_;
 }
 
@@ -288,9 +271,7 @@ const std::vector<glm::vec2>& ShadowMap::looked_up() const {
                     "#define EXPLAIN\n" + head(projection()) + shadow_map::resolve_fragment);
   const Texture texels(GL_RG32F, gbuffer_->width, gbuffer_->height);
   look_up(*program, texels.name());
-  looked_up_.resize(gbuffer_->size());
-  glGetTextureImage(texels.name(), 0, GL_RG, GL_FLOAT, static_cast<GLsizei>(looked_up_.size() * sizeof(glm::vec2)),
-                    looked_up_.data());
+  looked_up_ = read_texels<glm::vec2>(texels, GL_RG);
   glNamedFramebufferTexture(framebuffer_.name(), GL_COLOR_ATTACHMENT0, 0, 0);
   return looked_up_;
 }

@@ -1,6 +1,5 @@
 // Shadow volumes of shapes: those of the exact spheres, cones and discs, counted in the stencil buffer by z-fail; no triangle
 // of their tessellation takes part. Casters without a curved shape cast the volumes of their own triangles.
-#include <gnomon/kit/contour.h>
 #include <gnomon/kit/volume_technique.h>
 #include <gnomon/registry.h>
 
@@ -300,10 +299,10 @@ Counts SphereVolume::counts() const {
   if (!gbuffer_) return counts;
 
   const auto [fill, deepest] = measure_work();
-  counts.push_back({"depth_bound", double(volume_bound_), ""});
-  counts.push_back({"fill", fill, "pixel"});
-  counts.push_back({"deepest", deepest, "volume"});
-  counts.push_back({"counter_bits", wide_ ? 32.0 : 8.0, "bit"});
+  counts.insert(counts.end(), {{"depth_bound", double(volume_bound_), ""},
+                               {"fill", fill, "pixel"},
+                               {"deepest", deepest, "volume"},
+                               {"counter_bits", wide_ ? 32.0 : 8.0, "bit"}});
   return counts;
 }
 

@@ -111,7 +111,7 @@ class StencilVolume final : public VolumeTechnique {
 Support StencilVolume::supports(const Scene& scene, const Light& light, const View& view) const {
   if (has_area(light)) return Support::unsupported("a shadow volume has one apex: lights with area have none");
   if (count.is("zfail")) return Support::full();
-  const stencil_volume::EyePlace eye = stencil_volume::find_eye_place(scene, light, view);
+  const stencil_volume::EyePlace eye = stencil_volume::EyePlaceFinder(scene, light, view).place();
   if (eye.boundary) return Support::approximate("the eye lies on the boundary of a shadow volume, within rounding");
   if (eye.inside && count.is("zpass"))
     return Support::approximate("the eye is inside a shadow volume, which zpass does not count");
@@ -203,25 +203,20 @@ void StencilVolume::draw_near_cap() const {
 }
 
 Counts StencilVolume::counts() const {
-  std::size_t closed = 0;
-  for (const EdgeAdjacency::Part& part : adjacency_.parts()) closed += part.closed;
+  const auto closed = std::ranges::count_if(adjacency_.parts(), &EdgeAdjacency::Part::closed);
   double edges = 0;  // with multiplicity
   for (const SilhouetteEdge& edge : silhouette_.edges) edges += std::abs(edge.count);
-  Counts counts{{"closed_parts", double(closed), ""},
-                {"open_parts", double(adjacency_.parts().size() - closed), ""},
-                {"silhouette_edges", edges, ""},
-                {"triangles", double(commands_.triangle_count()), ""},
-                {"depth_bound", double(depth_bound_), ""}};
-  counts.push_back({"bytes",
-                    double(adjacency_.bytes() + silhouette_.bytes() + faces_.bytes() + gpu_finder_.bytes() + counter_.bytes()),
-                    "byte"});
+  const std::size_t bytes = adjacency_.bytes() + silhouette_.bytes() + faces_.bytes() + gpu_finder_.bytes() + counter_.bytes();
+  Counts counts{{"closed_parts", double(closed), ""},      {"open_parts", double(std::ssize(adjacency_.parts()) - closed), ""},
+                {"silhouette_edges", edges, ""},           {"triangles", double(commands_.triangle_count()), ""},
+                {"depth_bound", double(depth_bound_), ""}, {"bytes", double(bytes), "byte"}};
   if (!gbuffer_) return counts;
 
   const auto [fill, deepest] = measure_work();
-  counts.push_back({"fill", fill, "pixel"});
-  counts.push_back({"deepest", deepest, "volume"});
-  counts.push_back({"volumes_at_eye", double(volumes_at_eye_), "volume"});
-  counts.push_back({"counter_bits", wide_ ? 32.0 : 8.0, "bit"});
+  counts.insert(counts.end(), {{"fill", fill, "pixel"},
+                               {"deepest", deepest, "volume"},
+                               {"volumes_at_eye", double(volumes_at_eye_), "volume"},
+                               {"counter_bits", wide_ ? 32.0 : 8.0, "bit"}});
   return counts;
 }
 
@@ -229,21 +224,17 @@ Counts StencilVolume::counts() const {
 std::optional<Explanation> StencilVolume::explain(std::size_t index) const {
   Explanation why;
   if (!faces_light(*scene_, *gbuffer_, light_, index)) return why;
-  const auto corners = [&](std::size_t t) {
-    const glm::uvec3& v = adjacency_.triangles()[t];
-    return Triangle{{adjacency_.positions()[v.x], adjacency_.positions()[v.y], adjacency_.positions()[v.z]}};
-  };
   if (!casters_) {
     std::vector<Bounds> bounds(adjacency_.triangles().size());
-    for (std::size_t t = 0; t < bounds.size(); ++t)
-      for (const glm::vec3& p : corners(t).points) bounds[t].add(p);
+    for (std::size_t t = 0; t < bounds.size(); ++t) bounds[t].add(adjacency_.corners(t).points);
     casters_ = std::make_unique<BoxTree>(bounds);
   }
   const Segment way{gbuffer_->position(index), homogeneous(light_)};
   std::uint64_t first = adjacency_.triangles().size();
   casters_->any(SegmentSlabs(way), 0, [&](std::uint32_t place) {
     const std::uint32_t t = casters_->order()[place];
-    if (silhouette_.facing[t] != 0 && crosses(way, corners(t)) != Crossing::none) first = std::min<std::uint64_t>(first, t);
+    if (silhouette_.facing[t] != 0 && crosses(way, adjacency_.corners(t)) != Crossing::none)
+      first = std::min<std::uint64_t>(first, t);
     return false;
   });
   if (first < adjacency_.triangles().size()) why.element = first;

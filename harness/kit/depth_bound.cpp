@@ -29,10 +29,8 @@ class DepthBound {
     const std::int64_t bound = *std::ranges::max_element(quick);
     if (bound <= enough_) return bound;
     std::vector<std::int64_t> most(columns, 0);
-    for (int i = 0; i < fine_columns; ++i) {
-      std::int64_t& column_most = most[i / (fine_columns / columns)];
-      column_most = std::max(column_most, quick[i]);
-    }
+    constexpr int ratio = fine_columns / columns;
+    for (int i = 0; i < fine_columns; ++i) most[i / ratio] = std::max(most[i / ratio], quick[i]);
     std::vector<int> over(columns);
     std::iota(over.begin(), over.end(), 0);
     std::ranges::stable_sort(over, [&](int a, int b) { return most[a] > most[b]; });
@@ -135,9 +133,7 @@ class DepthBound {
   /// The axis leads along an axis of the world past all casters, where there is one; then no volume lies at either end.
   void choose_axes() {
     Bounds all;
-    for (const EdgeAdjacency::Part& part : adjacency_.parts())
-      if (!part.bounds.empty())
-        for (const glm::vec3& corner : {part.bounds.min, part.bounds.max}) all.add(corner);
+    for (const EdgeAdjacency::Part& part : adjacency_.parts()) all.add(part.bounds);
     if (all.empty()) return;
     if (light_.w == 0) {
       const glm::dvec3 along = glm::normalize(glm::dvec3(light_));

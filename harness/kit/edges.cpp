@@ -1,6 +1,5 @@
 #include <gnomon/kit/edges.h>
 #include <gnomon/kit/parallel.h>
-#include <gnomon/kit/weld.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,11 +7,7 @@
 
 namespace gnomon {
 
-namespace {
-
 constexpr std::size_t block_size = std::size_t{1} << 15;
-
-}  // namespace
 
 EdgeAdjacency::EdgeAdjacency(const Scene& scene) {
   std::vector<std::uint8_t> casts;  // of each vertex
@@ -23,10 +18,8 @@ EdgeAdjacency::EdgeAdjacency(const Scene& scene) {
     positions_.insert(positions_.end(), mesh.positions.begin(), mesh.positions.end());
     casts.resize(positions_.size(), mesh.casts);
     for (const glm::uvec3& t : mesh.triangles) triangles_.push_back(t + base);
-    for (const glm::vec3& p : mesh.positions) {
-      meshes_.back().bounds.add(p);
-      extent_ = std::max<double>({extent_, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-    }
+    meshes_.back().bounds.add(mesh.positions);
+    extent_ = std::max(extent_, meshes_.back().bounds.extent());
   }
   first_at_position_ = weld(positions_, casts);
   join_edges();
@@ -139,7 +132,7 @@ void EdgeAdjacency::find_parts() {
         parts_.emplace_back();
       }
       Part& part = parts_[part_of_[t] = part_of_[first]];
-      for (int k = 0; k < 3; ++k) part.bounds.add(positions_[triangles_[t][k]]);
+      part.bounds.add(corners(t).points);
     }
   }
   for (std::uint32_t t = 0; t < triangles_.size(); ++t) {

@@ -109,24 +109,12 @@ inline int determinant_sign(const PointDifference& row_u, const PointDifference&
 
 }  // namespace
 
-SignTally& SignTally::operator+=(const SignTally& other) {
-  lattice += other.lattice;
-  big += other.big;
-  return *this;
-}
-
 int orient3d_sign(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::dvec4& d, SignTally* tally) {
   return determinant_sign({a, b}, {a, c}, difference(a, d), tally);
 }
 
 int orient3d_sign(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& d, SignTally* tally) {
   return determinant_sign({a, b}, {a, c}, {a, d}, tally);
-}
-
-bool collinear(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
-  // (b - a) x (c - a) is zero when each of its components is.
-  return orient3d_sign(a, b, c, glm::dvec4(1, 0, 0, 0)) == 0 && orient3d_sign(a, b, c, glm::dvec4(0, 1, 0, 0)) == 0 &&
-         orient3d_sign(a, b, c, glm::dvec4(0, 0, 1, 0)) == 0;
 }
 
 bool coplanar(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& d) {

@@ -1,18 +1,11 @@
 #include <gnomon/kit/exact_scene.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
+#include <gnomon/kit/parallel.h>
 
 #include <algorithm>
-#include <functional>
 
 namespace gnomon {
 
 namespace {
-
-Triangle corners(const Mesh& mesh, std::uint32_t triangle) {
-  const glm::uvec3& t = mesh.triangles[triangle];
-  return {{mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]}};
-}
 
 /// Closest approach of two segments a + s u, 0 <= s <= s_end (perhaps infinite), and b + t v, 0 <= t <= 1. It lies inside both
 /// or at an end of one, so the least of the candidates is right however parallel they are: each is a true distance.
@@ -42,25 +35,16 @@ Approach approach(const glm::dvec3& a, const glm::dvec3& u, double s_end, const 
 
 }  // namespace
 
-ExactTally& ExactTally::operator+=(const ExactTally& other) {
-  rays += other.rays;
-  triangles += other.triangles;
-  degenerate += other.degenerate;
-  signs += other.signs;
-  return *this;
-}
-
 ExactScene::ExactScene(const Scene& scene) : scene_(&scene) {
   std::vector<Caster> casters;
   casters.reserve(scene.triangle_count());
   for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
     const Mesh& mesh = scene.meshes[m];
     if (!mesh.casts) continue;
-    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) casters.push_back({corners(mesh, t), m, t});
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) casters.push_back({mesh.corners(t), m, t});
   }
   std::vector<Bounds> bounds(casters.size());
-  for (std::size_t i = 0; i < casters.size(); ++i)
-    for (const glm::vec3& p : casters[i].corners.points) bounds[i].add(p);
+  for (std::size_t i = 0; i < casters.size(); ++i) bounds[i].add(casters[i].corners.points);
   tree_ = BoxTree(bounds);
   casters_.reserve(casters.size());
   for (const std::uint32_t i : tree_.order()) casters_.push_back(casters[i]);
@@ -86,16 +70,20 @@ ExactAnswer ExactScene::occluded(const Receiver& receiver, const glm::dvec4& lig
 
 ExactTally ExactScene::decide(const GBuffer& gbuffer, const Light& light, std::span<float> visibility) const {
   const glm::dvec4 l = homogeneous(light);
-  const auto decide_range = [&](const tbb::blocked_range<std::size_t>& pixels, ExactTally tally) {
-    for (std::size_t i = pixels.begin(); i < pixels.end(); ++i) {
+  constexpr std::size_t block = 256;
+  std::vector<ExactTally> tallies(gbuffer.size() / block + 1);
+  for_blocks(gbuffer.size(), block, [&](std::size_t begin, std::size_t end) {
+    ExactTally tally;
+    for (std::size_t i = begin; i < end; ++i) {
       const bool blocked =
           faces_light(*scene_, gbuffer, light, i) && occluded(receiver_at(*scene_, gbuffer, i), l, tally).blocked;
       visibility[i] = blocked ? 0.0f : 1.0f;
     }
-    return tally;
-  };
-  const auto sum = [](ExactTally a, const ExactTally& b) { return a += b; };
-  return tbb::parallel_reduce(tbb::blocked_range<std::size_t>(0, gbuffer.size(), 256), ExactTally{}, decide_range, sum);
+    tallies[begin / block] = tally;
+  });
+  ExactTally sum;
+  for (const ExactTally& tally : tallies) sum += tally;
+  return sum;
 }
 
 EdgeMargin ExactScene::edge_margin(const Receiver& receiver, const glm::dvec4& light, double limit) const {

@@ -3,6 +3,7 @@
 #include <gnomon/kit/gl.h>
 
 #include <algorithm>
+#include <cmath>
 #include <glm/gtc/type_ptr.hpp>
 
 namespace gnomon {
@@ -16,24 +17,11 @@ GLuint created(void (*create)(GLsizei, GLuint*)) {
 }
 
 int texel_bytes(GLenum format) {
-  switch (format) {
-    case GL_R32F:
-    case GL_R32UI:
-    case GL_R32I:
-    case GL_DEPTH_COMPONENT32F:
-    case GL_DEPTH24_STENCIL8:
-      return 4;
-    case GL_RG32F:
-    case GL_RG32UI:
-    case GL_DEPTH32F_STENCIL8:
-      return 8;
-    case GL_RGBA32F:
-    case GL_RGBA32UI:
-      return 16;
-    case GL_R8UI:
-    case GL_R8:
-      return 1;
-  }
+  const auto is_in = [&](std::initializer_list<GLenum> formats) { return std::ranges::find(formats, format) != formats.end(); };
+  if (is_in({GL_R8, GL_R8UI})) return 1;
+  if (is_in({GL_R32F, GL_R32UI, GL_R32I, GL_DEPTH_COMPONENT32F, GL_DEPTH24_STENCIL8})) return 4;
+  if (is_in({GL_RG32F, GL_RG32UI, GL_DEPTH32F_STENCIL8})) return 8;
+  if (is_in({GL_RGBA32F, GL_RGBA32UI})) return 16;
   throw Error("Texture of format {:#x}: its size is not known", format);
 }
 
@@ -56,6 +44,10 @@ std::string log_of(const auto& get, const auto& get_log, GLuint name) {
   return log.c_str();
 }
 
+std::string_view stage_name(GLenum stage) {
+  return stage == GL_VERTEX_SHADER ? "vertex" : stage == GL_FRAGMENT_SHADER ? "fragment" : "compute";
+}
+
 /// A shader object, attached to `program`; it lives as long as the program.
 void attach(GLuint program, GLenum stage, std::string_view title, std::string_view body) {
   const std::string source = "#version 450 core\n" + std::string(body);
@@ -68,10 +60,7 @@ void attach(GLuint program, GLenum stage, std::string_view title, std::string_vi
   GLint ok = 0;
   glGetShaderiv(shader, GL_COMPILE_STATUS, &ok);
   if (ok) return;
-  throw Error("shader {} ({}) does not compile:\n{}\n{}", title,
-              stage == GL_VERTEX_SHADER     ? "vertex"
-              : stage == GL_FRAGMENT_SHADER ? "fragment"
-                                            : "compute",
+  throw Error("shader {} ({}) does not compile:\n{}\n{}", title, stage_name(stage),
               log_of(glGetShaderiv, glGetShaderInfoLog, shader), numbered(source));
 }
 
@@ -105,28 +94,22 @@ Texture::Texture(GLenum format, int width, int height, int layers)
   glTextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
 }
 
-Program::Program(std::string_view title, std::string_view vertex, std::string_view fragment)
+void Texture::fit(GLenum format, int new_width, int new_height, int new_layers) {
+  if (width == new_width && height == new_height && layers == new_layers) return;
+  *this = {};
+  *this = Texture(format, new_width, new_height, new_layers);
+}
+
+Program::Program(std::string_view title, std::initializer_list<std::pair<GLenum, std::string_view>> shaders)
     : GlObject(glCreateProgram()), title_(title) {
-  attach(name(), GL_VERTEX_SHADER, title, vertex);
-  attach(name(), GL_FRAGMENT_SHADER, title, fragment);
-  link(title, fmt::format("vertex:\n{}\nfragment:\n{}", numbered(vertex), numbered(fragment)));
-}
-
-Program Program::compute(std::string_view title, std::string_view source) {
-  Program program;
-  static_cast<GlObject&>(program) = GlObject(glCreateProgram());
-  program.title_ = title;
-  attach(program.name(), GL_COMPUTE_SHADER, title, source);
-  program.link(title, numbered(source));
-  return program;
-}
-
-void Program::link(std::string_view title, std::string_view sources) {
+  for (const auto& [stage, source] : shaders) attach(name(), stage, title, source);
   glLinkProgram(name());
   GLint ok = 0;
   glGetProgramiv(name(), GL_LINK_STATUS, &ok);
   if (ok) return;
-  throw Error("program {} does not link:\n{}\n{}", title, log_of(glGetProgramiv, glGetProgramInfoLog, name()), sources);
+  std::string sources;
+  for (const auto& [stage, source] : shaders) sources += fmt::format("\n{}:\n{}", stage_name(stage), numbered(source));
+  throw Error("program {} does not link:\n{}{}", title, log_of(glGetProgramiv, glGetProgramInfoLog, name()), sources);
 }
 
 GLint Program::location(const char* uniform) const {
@@ -197,6 +180,44 @@ void set_light(const Program& program, const Light& light) {
     cone = {glm::normalize(glm::dvec3(spot->direction)), cosine * cosine + 0x1p-20};
   }
   if (program.uses("spot")) program.set("spot", glm::vec4(cone));
+}
+
+StateGuard::~StateGuard() {
+  for (const GLenum capability : {GL_BLEND, GL_COLOR_LOGIC_OP, GL_CULL_FACE, GL_DEPTH_CLAMP, GL_DEPTH_TEST, GL_FRAMEBUFFER_SRGB,
+                                  GL_POLYGON_OFFSET_FILL, GL_PRIMITIVE_RESTART, GL_PROGRAM_POINT_SIZE, GL_RASTERIZER_DISCARD,
+                                  GL_SAMPLE_ALPHA_TO_COVERAGE, GL_SAMPLE_MASK, GL_SCISSOR_TEST, GL_STENCIL_TEST})
+    glDisable(capability);
+  for (const GLenum capability : {GL_DITHER, GL_MULTISAMPLE}) glEnable(capability);
+  constexpr int clip_distances = 8, texture_units = 16, image_units = 8, buffer_units = 8;
+  for (int i = 0; i < clip_distances; ++i) glDisable(GL_CLIP_DISTANCE0 + i);
+  glUseProgram(0);
+  glBindVertexArray(0);
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glBindRenderbuffer(GL_RENDERBUFFER, 0);
+  for (const GLenum target : {GL_ARRAY_BUFFER, GL_DRAW_INDIRECT_BUFFER, GL_PIXEL_PACK_BUFFER, GL_PIXEL_UNPACK_BUFFER})
+    glBindBuffer(target, 0);
+  glBindBuffersBase(GL_SHADER_STORAGE_BUFFER, 0, buffer_units, nullptr);
+  glBindBuffersBase(GL_UNIFORM_BUFFER, 0, buffer_units, nullptr);
+  for (const GLenum target : {GL_SHADER_STORAGE_BUFFER, GL_UNIFORM_BUFFER, GL_ATOMIC_COUNTER_BUFFER}) glBindBuffer(target, 0);
+  glBindTextures(0, texture_units, nullptr);
+  glBindSamplers(0, texture_units, nullptr);
+  glBindImageTextures(0, image_units, nullptr);
+  glActiveTexture(GL_TEXTURE0);
+  glPixelStorei(GL_PACK_ALIGNMENT, 4);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  glDepthFunc(GL_LESS);
+  glDepthMask(GL_TRUE);
+  glDepthRange(0, 1);
+  glStencilFunc(GL_ALWAYS, 0, ~0u);
+  glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
+  glStencilMask(~0u);
+  glBlendFunc(GL_ONE, GL_ZERO);
+  glBlendEquation(GL_FUNC_ADD);
+  glCullFace(GL_BACK);
+  glFrontFace(GL_CCW);
+  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
 }
 
 const std::string_view full_screen_vertex = R"(

@@ -173,12 +173,8 @@ GBufferSlot& gbuffer_slot(const GBuffer& gbuffer, const Scene& scene) {
 
 const SceneBuffers& scene_buffers(const Scene& scene) {
   const std::uint64_t wanted = stamp(scene);
-  return find_or_make(
-             inputs().scenes, [&](const SceneSlot& slot) { return slot.stamp == wanted; },
-             [&] {
-               return SceneSlot{wanted, upload(scene)};
-             })
-      .buffers;
+  const auto is_wanted = [&](const SceneSlot& slot) { return slot.stamp == wanted; };
+  return find_or_make(inputs().scenes, is_wanted, [&] { return SceneSlot{wanted, upload(scene)}; }).buffers;
 }
 
 const GBufferTextures& gbuffer_textures(const GBuffer& gbuffer, const Scene& scene) {
@@ -193,10 +189,8 @@ const DepthStencil& depth_stencil(const Scene& scene, const GBuffer& gbuffer, Tr
   Program& program = inputs().depth_program;
   Program& shape_program = inputs().shape_depth_program;
   const SceneBuffers& buffers = scene_buffers(scene);
-  if (!program)
-    program =
-        Program("depth of the view", std::string(position_snippet) + "void main() { gl_Position = place(vec4(position, 1)); }",
-                "void main() {}");
+  const std::string vertex = std::string(position_snippet) + "void main() { gl_Position = place(vec4(position, 1)); }";
+  if (!program) program = Program("depth of the view", vertex, "void main() {}");
   if (shows_shapes && !shape_program)
     shape_program = Program("depth of the shapes in view", full_screen_vertex, shape_depth_fragment);
   std::vector<std::uint32_t> drawn, is_curved;

@@ -56,20 +56,6 @@ void main() {
 }
 )";
 
-void make_room(Texture& texture, GLenum format, const Texture& like) {
-  if (texture.width == like.width && texture.height == like.height) return;
-  texture = {};
-  texture = Texture(format, like.width, like.height);
-}
-
-/// The floats of a texture, read back.
-template <class Texel>
-std::vector<Texel> texels(const Texture& texture, GLenum channels) {
-  std::vector<Texel> all(std::size_t(texture.width) * texture.height);
-  glGetTextureImage(texture.name(), 0, channels, GL_FLOAT, static_cast<GLsizei>(all.size() * sizeof(Texel)), all.data());
-  return all;
-}
-
 }  // namespace
 
 VolumeProgram::VolumeProgram(std::string_view title, std::string_view vertex, bool own_mesh) {
@@ -94,7 +80,7 @@ void VolumeCounter::begin(const DepthStencil& depth, Pass pass, CountWhere where
   const GLuint target = framebuffer_.name();
   glNamedFramebufferTexture(target, GL_DEPTH_STENCIL_ATTACHMENT, depth.texture.name(), 0);
   Texture* const gathered = pass == Pass::wide ? &wide_ : pass == Pass::layer ? &layer_ : nullptr;
-  if (gathered) make_room(*gathered, pass == Pass::wide ? GL_RG32F : GL_RGBA32F, depth.texture);
+  if (gathered) gathered->fit(pass == Pass::wide ? GL_RG32F : GL_RGBA32F, depth.texture.width, depth.texture.height);
   glNamedFramebufferTexture(target, GL_COLOR_ATTACHMENT0, gathered ? gathered->name() : 0, 0);
   glBindFramebuffer(GL_FRAMEBUFFER, target);
   glViewport(0, 0, depth.texture.width, depth.texture.height);
@@ -173,7 +159,7 @@ void VolumeCounter::drop_pictures() {
   layer_ = {};
 }
 
-std::vector<VolumeCounter::WideCount> VolumeCounter::wide_counts() const { return texels<WideCount>(wide_, GL_RG); }
+std::vector<VolumeCounter::WideCount> VolumeCounter::wide_counts() const { return read_texels<WideCount>(wide_, GL_RG); }
 
 VolumeCounter::Work VolumeCounter::work() const {
   Work work;
@@ -184,6 +170,6 @@ VolumeCounter::Work VolumeCounter::work() const {
   return work;
 }
 
-std::vector<VolumeFaces> VolumeCounter::layer_faces() const { return texels<VolumeFaces>(layer_, GL_RGBA); }
+std::vector<VolumeFaces> VolumeCounter::layer_faces() const { return read_texels<VolumeFaces>(layer_, GL_RGBA); }
 
 }  // namespace gnomon

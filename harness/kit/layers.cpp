@@ -1,7 +1,6 @@
 #include <gnomon/kit/layers.h>
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -36,37 +35,28 @@ struct HeatClass {
 
 /// The colors lie some 20 to 40 apart in CIE L*a*b*, small values farthest, and each is lighter than the one before, so that
 /// classes are told apart in gray, too.
-const std::vector<HeatClass>& heat_classes() {
-  static const std::vector<HeatClass> classes{
-      {{"1", linear(44, 24, 130)}, 1},
-      {{"2", linear(38, 62, 190)}, 2},
-      {{"3", linear(30, 104, 222)}, 3},
-      {{"4", linear(10, 136, 200)}, 4},
-      {{"5-8", linear(0, 152, 160)}, 8},
-      {{"9-16", linear(0, 164, 120)}, 16},
-      {{"17-32", linear(40, 178, 76)}, 32},
-      {{"33-64", linear(108, 194, 40)}, 64},
-      {{"65-128", linear(170, 208, 30)}, 128},
-      {{"129-256", linear(224, 222, 40)}, 256},
-      {{"257 and more", linear(255, 246, 120)}, std::numeric_limits<float>::infinity()}};
-  return classes;
-}
+const std::vector<HeatClass> heat_classes{{{"1", linear(44, 24, 130)}, 1},
+                                          {{"2", linear(38, 62, 190)}, 2},
+                                          {{"3", linear(30, 104, 222)}, 3},
+                                          {{"4", linear(10, 136, 200)}, 4},
+                                          {{"5-8", linear(0, 152, 160)}, 8},
+                                          {{"9-16", linear(0, 164, 120)}, 16},
+                                          {{"17-32", linear(40, 178, 76)}, 32},
+                                          {{"33-64", linear(108, 194, 40)}, 64},
+                                          {{"65-128", linear(170, 208, 30)}, 128},
+                                          {{"129-256", linear(224, 222, 40)}, 256},
+                                          {{"257 and more", linear(255, 246, 120)}, std::numeric_limits<float>::infinity()}};
 
-Swatch negative() { return {"negative", linear(220, 48, 39)}; }
+const Swatch negative{"negative", linear(220, 48, 39)};
 
 const glm::dvec3& heat(float value) {
   const float whole = std::round(value);
-  return std::ranges::find_if(heat_classes(), [whole](const HeatClass& c) { return whole <= c.last; })->swatch.color;
+  return std::ranges::find_if(heat_classes, [whole](const HeatClass& c) { return whole <= c.last; })->swatch.color;
 }
 
 /// Front sides, back sides, light caps, dark caps. One front and one back side mix to a nearly neutral haze.
-const std::array<Swatch, 4>& volume_swatches() {
-  static const std::array<Swatch, 4> swatches{{{"entered", linear(235, 125, 20)},
-                                               {"left", linear(30, 190, 210)},
-                                               {"light cap", linear(250, 225, 70)},
-                                               {"dark cap", linear(190, 70, 220)}}};
-  return swatches;
-}
+const Swatch front{"entered", linear(235, 125, 20)}, back{"left", linear(30, 190, 210)},
+    light_cap{"light cap", linear(250, 225, 70)}, dark_cap{"dark cap", linear(190, 70, 220)};
 
 /// The lines of a hatching are one pixel wide and this far apart along a row.
 constexpr int hatch_step = 8;
@@ -101,13 +91,12 @@ std::vector<float> shaded_layer(const Scene& scene, const GBuffer& gbuffer, cons
 std::vector<float> heat_layer(const GBuffer& gbuffer, std::span<const float> values) {
   assert(values.size() == gbuffer.size());
   std::vector<float> picture(gbuffer.size() * 3);
-  const glm::dvec3 below_zero = negative().color;
   const glm::dvec3 eye = gbuffer.view.eye;
   for (std::size_t i = 0; i < gbuffer.size(); ++i) {
     if (values[i] > 0) {
       put(picture, i, heat(values[i]));
     } else if (values[i] < 0) {
-      put(picture, i, below_zero);
+      put(picture, i, negative.color);
     } else if (gbuffer.is_background(i)) {
       put(picture, i, background);
     } else {
@@ -121,15 +110,14 @@ std::vector<float> heat_layer(const GBuffer& gbuffer, std::span<const float> val
 
 std::vector<Swatch> heat_legend() {
   std::vector<Swatch> legend;
-  for (const HeatClass& c : heat_classes()) legend.push_back(c.swatch);
+  for (const HeatClass& c : heat_classes) legend.push_back(c.swatch);
   return legend;
 }
 
 std::vector<DebugLayer> volume_layers() {
-  const auto& [front, back, light_cap, dark_cap] = volume_swatches();
   const Swatch both{"entered and left", (front.color + back.color) / 2.0};
   std::vector<Swatch> counts = heat_legend();
-  counts.push_back(negative());
+  counts.push_back(negative);
   return {{"volumes",
            "Faces of the shadow volumes between the eye and the surface: translucent sides, where a volume is entered or left, "
            "and hatched caps.",
@@ -140,7 +128,6 @@ std::vector<DebugLayer> volume_layers() {
 void paint_volumes(std::span<const VolumeFaces> faces, int width, std::span<float> picture) {
   assert(picture.size() == 3 * faces.size() && width > 0 && faces.size() % width == 0);
   constexpr double left_by_side = 0.75, left_by_cap = 0.5;
-  const auto& [front, back, light_cap, dark_cap] = volume_swatches();
   for (std::size_t i = 0; i < faces.size(); ++i) {
     const auto blend = [&](const glm::dvec3& color, double left) {
       for (int c = 0; c < 3; ++c) {

@@ -49,13 +49,11 @@ std::optional<std::array<glm::dvec3, 2>> in_picture(const Camera& camera, const 
   keep_positive(camera.height * from.z - from.y, camera.height * to.z - to.y);
   keep_positive(from.z - nearest, to.z - nearest);
   if (!(begin <= end) || !(nearest > 0)) return std::nullopt;
-  const auto place = [&](double share) {
-    const glm::dvec3 p = glm::mix(from, to, share);
-    return glm::dvec3(p.x / p.z, p.y / p.z, 1 / p.z);
-  };
-  const std::array ends{place(begin), place(end)};
-  for (const glm::dvec3& p : ends)
+  std::array<glm::dvec3, 2> ends{glm::mix(from, to, begin), glm::mix(from, to, end)};
+  for (glm::dvec3& p : ends) {
+    p = {p.x / p.z, p.y / p.z, 1 / p.z};
     if (!std::isfinite(p.x + p.y + p.z)) return std::nullopt;
+  }
   return ends;
 }
 
@@ -102,9 +100,6 @@ const std::array<EdgeClass, 3> edge_classes{{{{"1 side quad", {1.0, 0.7529, 0.04
 void draw_lines(std::span<const Line> lines, const GBuffer& gbuffer, std::span<float> picture) {
   assert(picture.size() == 3 * gbuffer.size());
   const Camera camera(gbuffer.view, gbuffer.width, gbuffer.height);
-  const auto put = [&](std::size_t i, const glm::vec3& color, float share) {
-    for (int c = 0; c < 3; ++c) picture[3 * i + c] += share * (color[c] - picture[3 * i + c]);
-  };
   // A pixel that many lines cross is not made brighter by each.
   std::vector<glm::vec3> colors(gbuffer.size());
   std::vector<std::uint8_t> kinds(gbuffer.size(), 0);  // 1 hidden, 2 visible
@@ -115,8 +110,10 @@ void draw_lines(std::span<const Line> lines, const GBuffer& gbuffer, std::span<f
       kinds[i] = kind;
       colors[i] = line.color;
     });
-  for (std::size_t i = 0; i < kinds.size(); ++i)
-    if (kinds[i] > 0) put(i, colors[i], kinds[i] == 2 ? 1 : hidden_share);
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    const float share = kinds[i] == 0 ? 0 : kinds[i] == 1 ? hidden_share : 1;
+    for (int c = 0; c < 3; ++c) picture[3 * i + c] += share * (colors[i][c] - picture[3 * i + c]);
+  }
 }
 
 bool SeenPoints::operator()(const glm::dvec3& point) const {

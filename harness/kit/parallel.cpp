@@ -6,14 +6,17 @@
 
 namespace gnomon {
 
-void for_blocks(std::size_t count, std::size_t block, const std::function<void(std::size_t, std::size_t)>& work) {
+void run_blocks(std::size_t count, std::size_t block, const void* work, void (*call)(const void*, std::size_t, std::size_t)) {
   const std::size_t blocks = (count + block - 1) / block;
-  tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t i) { work(i * block, std::min(count, (i + 1) * block)); });
+  tbb::parallel_for(std::size_t{0}, blocks, [=](std::size_t i) { call(work, i * block, std::min(count, (i + 1) * block)); });
 }
 
-void for_pointers(void* first, const std::function<void(void*, const std::function<void(void*)>&)>& work) {
-  tbb::parallel_for_each(&first, &first + 1,
-                         [&](void* task, tbb::feeder<void*>& feeder) { work(task, [&](void* added) { feeder.add(added); }); });
+using Feeder = tbb::feeder<void*>;
+
+void run_tasks(void* first, const void* work, void (*call)(const void* work, void* task, void* feeder)) {
+  tbb::parallel_for_each(&first, &first + 1, [=](void* task, Feeder& feeder) { call(work, task, &feeder); });
 }
+
+void feed(void* feeder, void* task) { static_cast<Feeder*>(feeder)->add(task); }
 
 }  // namespace gnomon

@@ -32,15 +32,6 @@ void Parameter::refuse(std::string_view value) const {
 }
 
 template <class T>
-void Number<T>::check() const {
-  // The owner's id is not known yet: its registry gives it after construction.
-  if (!(default_ >= range_.min && default_ <= range_.max))
-    throw Error("parameter {}: default {} is outside {}", name(), default_, allowed());
-}
-template void Number<int>::check() const;
-template void Number<double>::check() const;
-
-template <class T>
 void Number<T>::set(std::string_view value) {
   T parsed{};
   const auto [end, code] = std::from_chars(value.data(), value.data() + value.size(), parsed);
@@ -48,8 +39,8 @@ void Number<T>::set(std::string_view value) {
   if (!(parsed >= range_.min && parsed <= range_.max)) refuse(value);
   value_ = parsed;
 }
-template void Number<int>::set(std::string_view);
-template void Number<double>::set(std::string_view);
+template class Number<int>;
+template class Number<double>;
 
 Choice::Choice(Parametrized* owner, std::string_view name, std::string_view value,
                std::initializer_list<std::string_view> choices, Stage spoils, std::string_view sentence)
@@ -63,11 +54,6 @@ void Choice::set(std::string_view value) {
   const auto found = std::find(choices_.begin(), choices_.end(), value);
   if (found == choices_.end()) refuse(value);
   index_ = static_cast<int>(found - choices_.begin());
-}
-
-void Flag::set(std::string_view value) {
-  if (value != "true" && value != "false") refuse(value);
-  value_ = value == "true";
 }
 
 Parameter& Parametrized::parameter(std::string_view name) const {
@@ -112,6 +98,15 @@ void Parametrized::apply(std::string_view settings) {
     for (std::size_t k = 0; k < before.size(); ++k) items[k].first->set(before[k]);
     throw;
   }
+}
+
+std::string joined(std::span<const std::string> words, std::string_view between) {
+  std::string text;
+  for (const std::string& word : words) {
+    if (&word != words.data()) text += between;
+    text += word;
+  }
+  return text;
 }
 
 std::string nearest_word(std::string_view word, std::span<const std::string> candidates) {

@@ -70,36 +70,25 @@ std::vector<ProjectedPoint> hull(std::vector<ProjectedPoint> points) {
   return loop;
 }
 
-/// Central projection from a light, parallel from infinity. Every point is in front of it, at a positive share of the axis, as
-/// long as the axis leads from the light through a plane that has all of the points behind it.
-class LightChart {
- public:
-  LightChart(const glm::dvec4& light, const glm::dvec3& axis) : light_(light), axis_(axis) {
-    // ProjectedPoint from the light: u, v and the way back to it are right-handed.
-    const Across frame(-axis_);
-    u_ = frame.u;
-    v_ = frame.v;
-  }
-  /// A hundred roundings of the point's coordinates, by what the projection makes of them.
-  ProjectedPoint see(const glm::dvec3& point) const {
-    const glm::dvec3 x = light_.w != 0 ? point - glm::dvec3(light_) / light_.w : point;
-    const double scale = light_.w != 0 ? glm::dot(axis_, x) : 1;
-    const glm::dvec2 at(glm::dot(u_, x) / scale, glm::dot(v_, x) / scale);
-    const double size = glm::length(point) + (light_.w != 0 ? glm::length(x) : 0),
-                 growth = light_.w != 0 ? 1 + glm::length(at) : 1;
-    return {at, 100 * 0x1p-53 * size / scale * growth, point};
-  }
+/// Central projection from a light, parallel from infinity, along an axis: with u and v across it, the way back to the light is
+/// right-handed. Every point is in front of it, at a positive share of the axis, as long as the axis leads from the light
+/// through a plane that has all of the points behind it. The blur is a hundred roundings of the point's coordinates, by what
+/// the projection makes of them.
+ProjectedPoint projected(const glm::dvec3& point, const glm::dvec4& light, const glm::dvec3& axis) {
+  const auto [u, v] = Across(-axis);
+  if (light.w == 0) return {{glm::dot(u, point), glm::dot(v, point)}, 100 * 0x1p-53 * glm::length(point), point};
+  const glm::dvec3 x = point - glm::dvec3(light) / light.w;
+  const double scale = glm::dot(axis, x);
+  const glm::dvec2 at(glm::dot(u, x) / scale, glm::dot(v, x) / scale);
+  return {at, 100 * 0x1p-53 * (glm::length(point) + glm::length(x)) / scale * (1 + glm::length(at)), point};
+}
 
- private:
-  glm::dvec4 light_;
-  glm::dvec3 axis_, u_, v_;
-};
-
-/// The axis of a chart that has the points well in front of it: the mean direction where it will do. Points around the foot of
-/// a light close to a part are nearly all around it, and some behind their mean; the plane of a part, or that of the cone's
-/// generator nearest to the light, parts them from the light, because what is convex and not around a light has such a plane.
-glm::dvec3 chart_axis(const glm::dvec4& light, std::span<const glm::dvec3> points, std::span<const FlatPart> parts,
-                      std::span<const ShadowTest> tests) {
+/// The axis of a projection that has the points well in front of it: the mean direction where it will do. Points around the
+/// foot of a light close to a part are nearly all around it, and some behind their mean; the plane of a part, or that of the
+/// cone's generator nearest to the light, parts them from the light, because what is convex and not around a light has such a
+/// plane.
+glm::dvec3 projection_axis(const glm::dvec4& light, std::span<const glm::dvec3> points, std::span<const FlatPart> parts,
+                           std::span<const ShadowTest> tests) {
   if (light.w == 0) return -glm::normalize(glm::dvec3(light));
   const glm::dvec3 origin = glm::dvec3(light) / light.w;
   std::vector<glm::dvec3> candidates(1, glm::dvec3(0));
@@ -143,9 +132,9 @@ std::vector<std::vector<glm::dvec4>> PlanarShadow::outlines(int segments) const 
     over.insert(over.end(), kept.begin(), kept.end());
   }
   if (over.size() < 3) return loops;
-  const LightChart chart(light_, chart_axis(light_, over, parts(), tests()));
+  const glm::dvec3 axis = projection_axis(light_, over, parts(), tests());
   std::vector<ProjectedPoint> seen;
-  for (const glm::dvec3& p : over) seen.push_back(chart.see(p));
+  for (const glm::dvec3& p : over) seen.push_back(projected(p, light_, axis));
   const double horizon = 0x1p-44 * glm::dot(plane_, light_);  // to this a clipped point on the light's horizon rounds
   std::vector<glm::dvec4> loop;
   for (const ProjectedPoint& corner : hull(std::move(seen))) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <optional>
 #include <unordered_map>
 
@@ -14,20 +13,26 @@ namespace {
 /// Of a point over a plane, meters.
 double height(const glm::dvec4& plane, const glm::dvec3& p) { return glm::dot(glm::dvec3(plane), p) + plane.w; }
 
-/// Planes as points: three coordinates of the unit normal, and the offset from the middle of the receivers in their radius.
-/// Cut into cells; faces of one plane lie in neighboring cells. A face is entered with both of its orientations.
-class PlaneSpace {
+/// What is known of planes, by cells of the space of planes: three coordinates of the unit normal, and the offset from the
+/// middle of the receivers in their radius. Faces of one plane lie in neighboring cells. A face is entered with both of its
+/// orientations.
+template <class Content>
+class PlaneCells {
  public:
-  PlaneSpace(const glm::dvec3& middle, double radius, double width) : middle_(middle), radius_(radius), width_(width) {}
+  PlaneCells(const glm::dvec3& middle, double radius, double width) : middle_(middle), radius_(radius), width_(width) {}
 
-  std::uint64_t key(const glm::dvec4& plane) const { return pack(cell(plane)); }
-  /// Calls visit(key) for the cell of `plane` and its 80 neighbors.
+  Content& operator[](const glm::dvec4& plane) { return contents_[pack(cell(plane))]; }
+  /// Calls visit(content) for the cell of `plane` and its 80 neighbors, where there is one.
   template <class Visit>
-  void around(const glm::dvec4& plane, const Visit& visit) const {
-    const auto center = cell(plane);
-    for (int k = 0; k < 81; ++k)
-      visit(pack({center[0] + k % 3 - 1, center[1] + k / 3 % 3 - 1, center[2] + k / 9 % 3 - 1, center[3] + k / 27 - 1}));
+  void around(const glm::dvec4& plane, const Visit& visit) {
+    const Cell center = cell(plane);
+    for (int k = 0; k < 81; ++k) {
+      const auto found = contents_.find(
+          pack({center[0] + k % 3 - 1, center[1] + k / 3 % 3 - 1, center[2] + k / 9 % 3 - 1, center[3] + k / 27 - 1}));
+      if (found != contents_.end()) visit(found->second);
+    }
   }
+  auto& all() { return contents_; }
 
  private:
   using Cell = std::array<std::int64_t, 4>;
@@ -45,73 +50,17 @@ class PlaneSpace {
 
   glm::dvec3 middle_;
   double radius_, width_;
+  std::unordered_map<std::uint64_t, Content> contents_;
 };
 
-/// The faces by cells as wide as what two faces of one plane can differ by.
-class PlaneCells {
- public:
-  static constexpr double width = 0x1p-8;
+/// Width of the cells of faces: what two faces of one plane can differ by.
+constexpr double cell_width = 0x1p-8;
 
-  PlaneCells(const glm::dvec3& middle, double radius) : space_(middle, radius, width) {}
-  void add(const glm::dvec4& plane, std::uint32_t face) {
-    cells_[space_.key(plane)].push_back(face);
-    cells_[space_.key(-plane)].push_back(face);
-  }
-  /// Calls visit(face) for all faces that may be coplanar with `plane`; some come twice, some are not.
-  template <class Visit>
-  void around(const glm::dvec4& plane, const Visit& visit) const {
-    space_.around(plane, [&](std::uint64_t key) {
-      const auto found = cells_.find(key);
-      if (found != cells_.end())
-        for (const std::uint32_t face : found->second) visit(face);
-    });
-  }
-
- private:
-  PlaneSpace space_;
-  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;
-};
-
-/// Cells sixteen times as wide, which hold areas only: a smooth mesh has few of them, and most cannot hold a plane of the least
-/// area together with their neighbors. Only what lies in or beside those that can is worth a closer look.
-class PlaneSieve {
- public:
-  PlaneSieve(const glm::dvec3& middle, double radius) : space_(middle, radius, 16 * PlaneCells::width) {}
-  void add(const glm::dvec4& plane, double area) {
-    for (const glm::dvec4& side : {plane, -plane}) {
-      Part& part = parts_[space_.key(side)];
-      part.area += area;
-      part.plane = side;
-    }
-  }
-  /// Call once, after the last `add`.
-  void sift(double least_area, double area_anywhere) {
-    std::vector<std::uint64_t> wanted;
-    for (const auto& [key, part] : parts_) {
-      double bound = area_anywhere;
-      std::vector<std::uint64_t> around;
-      space_.around(part.plane, [&](std::uint64_t k) {
-        const auto found = parts_.find(k);
-        if (found == parts_.end()) return;
-        bound += found->second.area;
-        around.push_back(k);
-      });
-      if (bound >= least_area) wanted.insert(wanted.end(), around.begin(), around.end());
-    }
-    for (const std::uint64_t key : wanted) parts_[key].is_wanted = true;
-  }
-  bool keeps(const glm::dvec4& plane) const {
-    return parts_.at(space_.key(plane)).is_wanted || parts_.at(space_.key(-plane)).is_wanted;
-  }
-
- private:
-  struct Part {
-    double area = 0;
-    glm::dvec4 plane{0};
-    bool is_wanted = false;
-  };
-  PlaneSpace space_;
-  std::unordered_map<std::uint64_t, Part> parts_;
+/// The faces of a wide cell, and the plane of one of them.
+struct CellArea {
+  double area = 0;
+  glm::dvec4 plane{0};
+  bool is_wanted = false;
 };
 
 /// A triangle of a receiver.
@@ -152,7 +101,11 @@ class PlaneFinder {
 
   ReceiverPlanes find() {
     if (faces_.empty()) return std::move(result_);
-    find_rounding();
+    // A coordinate rounds by half a unit in the last place of the extent E, 2^-24 E, so a corner leaves its plane by up to
+    // sqrt 3 times that. Three far-apart corners carry this error to the rest of their set less than threefold; a fourth part
+    // is the corner's own.
+    rounding_ = std::sqrt(3.0) * 0x1p-24 * bounds_.extent();
+    result_.tolerance = 4 * rounding_;
     sort_faces();
     taken_.resize(faces_.size());
     is_candidate_.resize(faces_.size());
@@ -167,14 +120,15 @@ class PlaneFinder {
     std::uint32_t index = 0;
     for (const Mesh& mesh : scene.meshes) {
       result_.first_triangle.push_back(index);
-      for (const glm::uvec3& t : mesh.triangles) {
-        ReceiverFace face{.index = index++, .corners = {mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]}};
+      for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const Triangle corners = mesh.corners(t);
+        ReceiverFace face{.index = index++, .corners = {corners.points[0], corners.points[1], corners.points[2]}};
         if (!mesh.receives) continue;
         const auto& [a, b, c] = face.corners;
         face.area = glm::length(glm::cross(b - a, c - a)) / 2;
         face.altitude = 2 * face.area / std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
         face.plane = plane_through(a, b, c);
-        for (const std::uint32_t v : {t.x, t.y, t.z}) bounds_.add(mesh.positions[v]);
+        bounds_.add(corners.points);
         result_.receiving_area += face.area;
         faces_.push_back(face);
       }
@@ -183,39 +137,51 @@ class PlaneFinder {
     least_area_ = min_share_ * result_.receiving_area;
   }
 
-  /// A coordinate rounds by half a unit in the last place of the extent E, 2^-24 E, so a corner leaves its plane by up to
-  /// sqrt 3 times that. Three far-apart corners carry this error to the rest of their set less than threefold; a fourth part is
-  /// the corner's own.
-  void find_rounding() {
-    const glm::vec3 largest = glm::max(glm::abs(bounds_.min), glm::abs(bounds_.max));
-    rounding_ = std::sqrt(3.0) * 0x1p-24 * std::max({largest.x, largest.y, largest.z});
-    result_.tolerance = 4 * rounding_;
-  }
-
   /// A face turns by rounding over altitude: where that is more than half a cell, its normal says nothing. Such slivers join
   /// planes and begin none.
-  bool is_sliver(const ReceiverFace& face) const { return 2 * rounding_ / face.altitude > PlaneCells::width / 2; }
+  bool is_sliver(const ReceiverFace& face) const { return 2 * rounding_ / face.altitude > cell_width / 2; }
 
-  /// Drops the faces that no plane of the least area can hold, puts the largest first, and the rest into cells.
+  /// Drops the faces that no plane of the least area can hold, puts the largest first, and the rest into cells. They are told
+  /// by cells sixteen times as wide: a smooth mesh has few of them, and most cannot hold such a plane together with their
+  /// neighbors. Only what lies in or beside those that can is worth a closer look.
   void sort_faces() {
     const glm::dvec3 low = bounds_.min, high = bounds_.max, middle = (low + high) / 2.0;
     const double radius = glm::distance(low, high) / 2;
-    PlaneSieve sieve(middle, radius);
+    PlaneCells<CellArea> sieve(middle, radius, 16 * cell_width);
     for (const ReceiverFace& face : faces_) {
-      if (is_sliver(face))
+      if (is_sliver(face)) {
         sliver_area_ += face.area;
-      else
-        sieve.add(face.plane, face.area);
+        continue;
+      }
+      for (const glm::dvec4& side : {face.plane, -face.plane}) {
+        CellArea& cell = sieve[side];
+        cell.area += face.area;
+        cell.plane = side;
+      }
     }
-    sieve.sift(least_area_, sliver_area_);
-    std::erase_if(faces_, [&](const ReceiverFace& face) { return !is_sliver(face) && !sieve.keeps(face.plane); });
+    std::vector<CellArea*> around;
+    for (const auto& [key, cell] : sieve.all()) {
+      double bound = sliver_area_;
+      around.clear();
+      sieve.around(cell.plane, [&](CellArea& other) {
+        bound += other.area;
+        around.push_back(&other);
+      });
+      if (bound >= least_area_)
+        for (CellArea* const other : around) other->is_wanted = true;
+    }
+    std::erase_if(faces_, [&](const ReceiverFace& face) {
+      return !is_sliver(face) && !sieve[face.plane].is_wanted && !sieve[-face.plane].is_wanted;
+    });
     std::ranges::stable_sort(faces_, [](const ReceiverFace& a, const ReceiverFace& b) { return a.area > b.area; });
-    cells_.emplace(middle, radius);
+    cells_.emplace(middle, radius, cell_width);
     for (std::uint32_t i = 0; i < faces_.size(); ++i) {
-      if (is_sliver(faces_[i]))
+      if (is_sliver(faces_[i])) {
         slivers_.push_back(i);
-      else
-        cells_->add(faces_[i].plane, i);
+        continue;
+      }
+      (*cells_)[faces_[i].plane].push_back(i);
+      (*cells_)[-faces_[i].plane].push_back(i);
     }
   }
 
@@ -223,11 +189,13 @@ class PlaneFinder {
   bool find_candidates(std::uint32_t seed) {
     candidates_.clear();
     double bound = sliver_area_;
-    cells_->around(faces_[seed].plane, [&](std::uint32_t i) {
-      if (taken_[i] || is_candidate_[i]) return;
-      is_candidate_[i] = true;
-      bound += faces_[i].area;
-      candidates_.push_back(i);
+    cells_->around(faces_[seed].plane, [&](const std::vector<std::uint32_t>& cell) {
+      for (const std::uint32_t i : cell) {
+        if (taken_[i] || is_candidate_[i]) continue;
+        is_candidate_[i] = true;
+        bound += faces_[i].area;
+        candidates_.push_back(i);
+      }
     });
     for (const std::uint32_t i : candidates_) is_candidate_[i] = false;
     if (bound < least_area_) return false;
@@ -267,7 +235,7 @@ class PlaneFinder {
   void sort_planes() {
     std::vector<std::uint32_t> order(result_.planes.size()), rank(order.size());
     for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-    std::ranges::stable_sort(order, std::greater(), [&](std::uint32_t i) { return result_.planes[i].area; });
+    std::ranges::stable_sort(order, std::ranges::greater(), [&](std::uint32_t i) { return result_.planes[i].area; });
     std::vector<ReceiverPlane> sorted;
     for (std::uint32_t i = 0; i < order.size(); ++i) {
       rank[order[i]] = i;
@@ -283,8 +251,8 @@ class PlaneFinder {
   double rounding_ = 0;                                  // of a point off its plane, meters
   Bounds bounds_;
   std::vector<ReceiverFace> faces_;
-  std::optional<PlaneCells> cells_;
-  std::vector<std::uint32_t> slivers_, candidates_, members_;  // of faces_
+  std::optional<PlaneCells<std::vector<std::uint32_t>>> cells_;  // of faces_
+  std::vector<std::uint32_t> slivers_, candidates_, members_;    // of faces_
   std::vector<bool> taken_, is_candidate_;
 };
 
@@ -293,10 +261,7 @@ class PlaneFinder {
 double height_rounding(const Scene& scene) {
   // The height n.p + d errs by five roundings (three products, three sums, less one) of terms that add up to at most 2 sqrt 3
   // E: less than 18 * 2^-24 E.
-  const Bounds all = scene.bounds();
-  if (all.empty()) return 0;
-  const glm::vec3 largest = glm::max(glm::abs(all.min), glm::abs(all.max));
-  return 18 * 0x1p-24 * std::max({largest.x, largest.y, largest.z});
+  return 18 * 0x1p-24 * scene.bounds().extent();
 }
 
 ReceiverPlanes find_receiver_planes(const Scene& scene, double min_share) { return PlaneFinder(scene, min_share).find(); }

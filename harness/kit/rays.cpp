@@ -3,11 +3,8 @@
 #include <gnomon/kit/contour.h>
 #include <gnomon/kit/rays.h>
 #include <gnomon/kit/vectorized.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
 
 #include <atomic>
-#include <bit>
 #include <cstring>
 
 #include "shape_rays.h"
@@ -25,13 +22,8 @@ struct Context {
   Receivers receivers;
 };
 
-/// Embree's allocations are counted per device, so every RayScene has one of its own.
-struct Memory {
-  std::atomic<std::int64_t> bytes{0};
-};
-
-bool count_memory(void* memory, ssize_t bytes, bool) {
-  static_cast<Memory*>(memory)->bytes += bytes;
+bool count_memory(void* sum, ssize_t bytes, bool) {
+  *static_cast<std::atomic<std::int64_t>*>(sum) += bytes;
   return true;
 }
 
@@ -119,7 +111,7 @@ void occlude_shape(const RTCOccludedFunctionNArguments* args) {
 }  // namespace
 
 struct RayScene::Body {
-  Memory memory;
+  std::atomic<std::int64_t> bytes = 0;  ///< Embree counts them per device, so every RayScene has one of its own
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
   std::vector<std::unique_ptr<ShapeGeometry>> shapes;
@@ -129,10 +121,10 @@ struct RayScene::Body {
   }
 };
 
-RayScene::RayScene(const Scene& scene, Truth truth, Which which) : body_(std::make_unique<Body>()) {
+RayScene::RayScene(const Scene& scene, Truth truth, Which which) : body_(std::make_shared<Body>()) {
   body_->device = rtcNewDevice("verbose=0");
   if (!body_->device) throw Error("Embree cannot start: error {}", static_cast<int>(rtcGetDeviceError(nullptr)));
-  rtcSetDeviceMemoryMonitorFunction(body_->device, count_memory, &body_->memory);
+  rtcSetDeviceMemoryMonitorFunction(body_->device, count_memory, &body_->bytes);
   body_->scene = rtcNewScene(body_->device);
   rtcSetSceneFlags(body_->scene, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
   for (std::uint32_t index = 0; index < scene.meshes.size(); ++index) {
@@ -166,10 +158,6 @@ RayScene::RayScene(const Scene& scene, Truth truth, Which which) : body_(std::ma
     throw Error("Embree cannot build the scene {}: error {}", scene.name, static_cast<int>(code));
 }
 
-RayScene::RayScene(RayScene&&) noexcept = default;
-RayScene& RayScene::operator=(RayScene&&) noexcept = default;
-RayScene::~RayScene() = default;
-
 RayScene::Hit RayScene::closest(const glm::dvec3& origin, const glm::dvec3& direction) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
@@ -201,7 +189,7 @@ std::uint32_t RayScene::occluded(std::uint32_t valid, ShadowPacket& packet, cons
   return blocked_bits(packet.tfar.data()) & valid;
 }
 
-std::size_t RayScene::bytes() const { return static_cast<std::size_t>(body_->memory.bytes.load()); }
+std::size_t RayScene::bytes() const { return static_cast<std::size_t>(body_->bytes.load()); }
 std::string RayScene::description() const {
   // The widest packet that Embree traces at once tells the instruction set it chose: 16 AVX-512, 8 AVX or AVX2, 4 SSE.
   int width = 4;
@@ -212,6 +200,6 @@ std::string RayScene::description() const {
 }
 RTCSceneTy* RayScene::handle() const { return body_->scene; }
 
-double ray_offset(const glm::vec3& p) { return 8 * 0x1p-24 * std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}); }
+double ray_offset(const glm::vec3& p) { return 8 * 0x1p-24 * extent(p); }
 
 }  // namespace gnomon

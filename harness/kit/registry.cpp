@@ -30,6 +30,18 @@ const Entry& default_of(const std::vector<Entry>& entries, std::string_view what
 
 }  // namespace
 
+std::string_view name(Support::Kind kind) {
+  static constexpr std::string_view names[] = {"full", "approximate", "unsupported"};
+  return names[static_cast<int>(kind)];
+}
+
+std::vector<float> Technique::draw_debug(std::string_view layer) const {
+  std::vector<std::string> layers;
+  for (const DebugLayer& known : debug_layers()) layers.push_back(known.name);
+  if (layers.empty()) throw Error("{} has no debug layer {}; it has none at all", id(), layer);
+  throw Error("{} has no debug layer {}; it has: {}", id(), layer, joined(layers, ", "));
+}
+
 void Registry::add(TechniqueEntry entry) { insert(techniques_, std::move(entry), "technique"); }
 void Registry::add(SceneEntry entry) { insert(scenes_, std::move(entry), "scene"); }
 

@@ -1,10 +1,38 @@
-#include <gnomon/kit/weld.h>
 #include <gnomon/scene.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 
 namespace gnomon {
+
+std::string_view kind_name(const Light& light) {
+  static constexpr std::string_view names[] = {"point", "spot", "directional", "rect", "disc", "sphere"};
+  return names[light.kind.index()];
+}
+
+bool has_area(const Light& light) { return light.kind.index() >= 3; }
+
+glm::dvec4 homogeneous(const Light& light) {
+  struct Visitor {
+    glm::dvec4 operator()(const PointLight& l) const { return {l.position, 1}; }
+    glm::dvec4 operator()(const SpotLight& l) const { return {l.position, 1}; }
+    glm::dvec4 operator()(const DirectionalLight& l) const { return {-l.direction, 0}; }
+    glm::dvec4 operator()(const RectLight& l) const { return {l.center, 1}; }
+    glm::dvec4 operator()(const DiscLight& l) const { return {l.center, 1}; }
+    glm::dvec4 operator()(const SphereLight& l) const { return {l.center, 1}; }
+  };
+  return std::visit(Visitor{}, light.kind);
+}
+
+bool in_spot_cone(const Light& light, const glm::dvec3& point) {
+  const auto* spot = std::get_if<SpotLight>(&light.kind);
+  if (!spot) return true;
+  const glm::dvec3 away = point - glm::dvec3(spot->position);
+  const double cosine = std::cos(glm::radians(static_cast<double>(spot->outer_degrees)));
+  return glm::dot(away, glm::normalize(glm::dvec3(spot->direction))) > cosine * glm::length(away);
+}
 
 std::string_view kind_name(const Shape& shape) {
   static constexpr std::string_view names[] = {"sphere", "cone", "disc", "triangle", "plane", "box"};
@@ -21,8 +49,7 @@ std::size_t Scene::triangle_count() const {
 
 Bounds Scene::bounds() const {
   Bounds bounds;
-  for (const Mesh& mesh : meshes)
-    for (const glm::vec3& p : mesh.positions) bounds.add(p);
+  for (const Mesh& mesh : meshes) bounds.add(mesh.positions);
   return bounds;
 }
 
@@ -31,13 +58,35 @@ bool Scene::has_curved_shapes() const {
 }
 
 double extent(const Scene& scene, const Light& light, const View& view) {
-  const auto largest = [](const glm::vec3& p) {
-    return static_cast<double>(std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}));
-  };
-  const Bounds bounds = scene.bounds();
-  double extent = std::max({largest(bounds.min), largest(bounds.max), largest(view.eye)});
-  if (const glm::dvec4 l = homogeneous(light); l.w != 0) extent = std::max(extent, largest(glm::vec3(l)));
-  return extent;
+  const glm::dvec4 l = homogeneous(light);
+  return std::max({scene.bounds().extent(), extent(view.eye), l.w != 0 ? extent(glm::dvec3(l)) : 0});
+}
+
+// Open addressing.
+std::vector<std::uint32_t> weld(std::span<const glm::vec3> positions, std::span<const std::uint8_t> wanted) {
+  constexpr std::uint32_t empty = 0xffffffffu;
+  std::vector<std::uint32_t> first(positions.size());
+  std::vector<std::uint32_t> table(std::bit_ceil(2 * positions.size() + 1), empty);
+  for (std::uint32_t v = 0; v < positions.size(); ++v) {
+    first[v] = v;
+    if (!wanted.empty() && !wanted[v]) continue;
+    const auto b = std::bit_cast<std::array<std::uint32_t, 3>>(positions[v] + 0.0f);  // minus zero becomes zero
+    std::uint64_t hash = b[0] * 0x9e3779b97f4a7c15ull ^ b[1] * 0xc2b2ae3d27d4eb4full ^ b[2] * 0x165667b19e3779f9ull;
+    hash ^= hash >> 29;
+    hash *= 0xbf58476d1ce4e5b9ull;
+    hash ^= hash >> 32;
+    for (std::size_t place = hash & (table.size() - 1);; place = (place + 1) & (table.size() - 1)) {
+      if (table[place] == empty) {
+        table[place] = v;
+        break;
+      }
+      if (positions[table[place]] == positions[v]) {
+        first[v] = table[place];
+        break;
+      }
+    }
+  }
+  return first;
 }
 
 namespace {
@@ -75,10 +124,9 @@ MeshFacts measure_facts(const std::vector<glm::vec3>& positions, const std::vect
 }
 
 void finish(Mesh& mesh) {
-  const auto degenerate = [&](const glm::uvec3& t) {
+  const std::size_t dropped = std::erase_if(mesh.triangles, [&](const glm::uvec3& t) {
     return is_degenerate(mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]);
-  };
-  const std::size_t dropped = std::erase_if(mesh.triangles, degenerate);
+  });
   mesh.facts = measure_facts(mesh.positions, mesh.triangles);
   mesh.facts.degenerate_count = dropped;
 }

@@ -1,9 +1,9 @@
+#include <gnomon/kit/parallel.h>
 #include <gnomon/kit/rays.h>
 #include <gnomon/kit/vectorized.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 
@@ -103,11 +103,13 @@ std::size_t trace_shadows(const RayScene& casters, const Scene& scene, const GBu
                           std::span<float> visibility) {
   const PacketFiller filler{scene, gbuffer, light};
   const std::size_t group_count = (gbuffer.size() + lanes - 1) / lanes;
-  const auto trace = [&](const tbb::blocked_range<std::size_t>& groups, std::size_t rays) {
+  std::atomic<std::size_t> ray_count = 0;
+  for_blocks(group_count, 16, [&](std::size_t begin, std::size_t end) {
+    std::size_t rays = 0;
     ShadowPacket packet;
     std::uint32_t ids[2][lanes] = {};
     float answer[lanes];
-    for (std::size_t group = groups.begin(); group < groups.end(); ++group) {
+    for (std::size_t group = begin; group < end; ++group) {
       const std::size_t first = group * lanes;
       const std::size_t count = std::min<std::size_t>(lanes, gbuffer.size() - first);
       const std::uint32_t valid = filler.fill(first, packet);
@@ -125,9 +127,9 @@ std::size_t trace_shadows(const RayScene& casters, const Scene& scene, const GBu
       std::copy_n(answer, count, &visibility[first]);
       rays += std::popcount(valid);
     }
-    return rays;
-  };
-  return tbb::parallel_reduce(tbb::blocked_range<std::size_t>(0, group_count, 16), std::size_t{0}, trace, std::plus<>());
+    ray_count += rays;
+  });
+  return ray_count;
 }
 
 }  // namespace gnomon

@@ -38,7 +38,7 @@ GNOMON_VECTORIZED void quick_sides(std::size_t begin, std::size_t end, FloatPlan
 }
 
 float largest(const glm::dvec4& point, double extent) {
-  return static_cast<float>(std::max({std::abs(point.x), std::abs(point.y), std::abs(point.z)}) + std::abs(point.w) * extent);
+  return static_cast<float>(gnomon::extent(glm::dvec3(point)) + std::abs(point.w) * extent);
 }
 
 }  // namespace
@@ -71,15 +71,13 @@ void EdgeAdjacency::find_planes() {
 
 int EdgeAdjacency::side(std::uint32_t t, const glm::dvec4& point) const {
   const glm::vec4 p(point);
-  std::int8_t sign = unsure;
   const float x = planes_.x[t], y = planes_.y[t], z = planes_.z[t];
   const float value = x * p.x + y * p.y + z * p.z + planes_.offset[t] * p.w;
   const float bound = (std::abs(x) + std::abs(y) + std::abs(z)) * allowed_error(largest(point, extent_));
-  if (value > bound) sign = 1;
-  if (value < -bound) sign = -1;
-  if (sign != unsure) return sign;
-  const glm::uvec3& corner = triangles_[t];
-  return orient3d_sign(positions_[corner.x], positions_[corner.y], positions_[corner.z], point);
+  if (value > bound) return 1;
+  if (value < -bound) return -1;
+  const auto& [a, b, c] = corners(t).points;
+  return orient3d_sign(a, b, c, point);
 }
 
 std::size_t Silhouette::bytes() const {
@@ -90,12 +88,7 @@ std::size_t Silhouette::bytes() const {
 
 EdgeAdjacency::Half EdgeAdjacency::half(const Part& part, const glm::dvec4& light) const {
   if (!part.closed) return Half::both;
-  if (light.w != 0) {
-    const glm::dvec3 position = glm::dvec3(light) / light.w;
-    const bool inside = glm::all(glm::greaterThanEqual(position, glm::dvec3(part.bounds.min))) &&
-                        glm::all(glm::lessThanEqual(position, glm::dvec3(part.bounds.max)));
-    if (inside) return Half::both;
-  }
+  if (light.w != 0 && part.bounds.holds(glm::dvec3(light) / light.w)) return Half::both;
   return part.volume < 0 ? Half::clockwise : Half::counter_clockwise;
 }
 
@@ -146,8 +139,7 @@ EdgeAdjacency::Depth EdgeAdjacency::depth_at(const glm::vec3& point, const Silho
   // A box that the way to the light clearly misses holds nothing that it crosses.
   const auto misses = [&](const Bounds& box) {
     const glm::dvec3 way = to_light(light, glm::dvec3(p));
-    const double reach = 0x1p-40 * std::max<double>({extent_, std::abs(p.x), std::abs(p.y), std::abs(p.z)}),
-                 length = light.w != 0 ? 1 / light.w : INFINITY;
+    const double reach = 0x1p-40 * std::max(extent_, extent(point)), length = light.w != 0 ? 1 / light.w : INFINITY;
     double near = 0, far = length;
     for (int k = 0; k < 3; ++k) {
       const double low = box.min[k] - reach - p[k], high = box.max[k] + reach - p[k];
@@ -172,7 +164,7 @@ EdgeAdjacency::Depth EdgeAdjacency::depth_at(const glm::vec3& point, const Silho
         if (facing == 0) continue;
         const int of_point = side(static_cast<std::uint32_t>(t), p);
         if (of_point == facing) continue;
-        const glm::vec3 &a = positions_[triangles_[t].x], &b = positions_[triangles_[t].y], &c = positions_[triangles_[t].z];
+        const auto& [a, b, c] = corners(t).points;
         const int turns[] = {orient3d_sign(point, a, b, light), orient3d_sign(point, b, c, light),
                              orient3d_sign(point, c, a, light)};
         const bool up = turns[0] >= 0 && turns[1] >= 0 && turns[2] >= 0, down = turns[0] <= 0 && turns[1] <= 0 && turns[2] <= 0;

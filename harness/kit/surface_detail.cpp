@@ -30,10 +30,8 @@ struct PointNormal {
 };
 
 PointNormal plane_of(const Scene& scene, const DetailPolygon& polygon) {
-  const Mesh& mesh = scene.meshes[polygon.mesh];
-  const glm::uvec3& t = mesh.triangles[polygon.triangle];
-  const glm::dvec3 a(mesh.positions[t.x]), b(mesh.positions[t.y]), c(mesh.positions[t.z]);
-  return {glm::cross(b - a, c - a), a};
+  const Triangle triangle = scene.meshes[polygon.mesh].corners(polygon.triangle);
+  return {triangle.normal(), triangle.points[0]};
 }
 
 /// How far a point of the plane lies outside a convex polygon, at least: the largest distance from the line of an edge.
@@ -47,10 +45,11 @@ double distance_outside(std::span<const glm::dvec3> corners, const glm::dvec3& n
   return largest;
 }
 
-/// The polygon that each pixel shows; no_polygon where there is none, or where is_wanted(pixel) is false.
-template <class Wanted>
+/// The polygon that each pixel shows; no_polygon where there is none, or where the pixel does not face the light, if one is
+/// given.
 std::vector<std::uint32_t> find_owners(const Scene& scene, const GBuffer& gbuffer, const SurfaceDetail& detail,
-                                       const Wanted& is_wanted) {
+                                       const Light* light) {
+  check_detail(scene, detail);
   const Camera camera(gbuffer.view, gbuffer.width, gbuffer.height);
   std::vector<std::uint32_t> owners(gbuffer.size(), no_polygon);
   std::vector<double> distances(gbuffer.size(), std::numeric_limits<double>::infinity());
@@ -80,7 +79,7 @@ std::vector<std::uint32_t> find_owners(const Scene& scene, const GBuffer& gbuffe
   }
   const auto triangle_of = [](const DetailPolygon& p) { return std::pair(p.mesh, p.triangle); };
   for (std::size_t i = 0; i < gbuffer.size(); ++i) {
-    if (gbuffer.is_background(i) || !is_wanted(i)) {
+    if (gbuffer.is_background(i) || (light && !faces_light(scene, gbuffer, *light, i))) {
       owners[i] = no_polygon;
     } else if (owners[i] == no_polygon && !is_curve(gbuffer.mesh[i])) {
       const auto own =
@@ -156,9 +155,15 @@ const Swatch& swatch(Border border) {
   return border == Border::shadow ? shadow : border == Border::split ? split : edge;
 }
 
-/// Tones and borders over the shaded scene.
-void paint_borders(const GBuffer& gbuffer, const SurfaceDetail& detail, std::span<const std::uint32_t> owners,
-                   std::span<float> picture) {
+/// Tones and borders over the shaded scene; with shadows, dark where a polygon is shadowed, and only at points that face the
+/// light.
+std::vector<float> paint_borders(const Scene& scene, const GBuffer& gbuffer, const Light& light, const SurfaceDetail& detail,
+                                 bool with_shadows) {
+  const std::vector<std::uint32_t> owners = find_owners(scene, gbuffer, detail, with_shadows ? &light : nullptr);
+  std::vector<float> mask(gbuffer.size(), 1.0f);
+  for (std::size_t i = 0; with_shadows && i < owners.size(); ++i)
+    if (owners[i] != no_polygon && !detail.polygons[owners[i]].is_lit) mask[i] = 0;
+  std::vector<float> picture = shaded_layer(scene, gbuffer, light, mask);
   const Borders borders(gbuffer, detail, owners);
   const std::vector<float> tones = make_tones(detail);
   for (std::size_t i = 0; i < owners.size(); ++i) {
@@ -171,6 +176,7 @@ void paint_borders(const GBuffer& gbuffer, const SurfaceDetail& detail, std::spa
       channel = static_cast<float>(glm::mix(left * channel, swatch(kind).color[c], share));
     }
   }
+  return picture;
 }
 
 }  // namespace
@@ -205,10 +211,8 @@ void check_detail(const Scene& scene, const SurfaceDetail& detail) {
 }
 
 std::vector<float> paint_detail(const Scene& scene, const GBuffer& gbuffer, const Light& light, const SurfaceDetail& detail) {
-  check_detail(scene, detail);
+  const std::vector<std::uint32_t> owners = find_owners(scene, gbuffer, detail, &light);
   std::vector<float> picture = shaded_layer(scene, gbuffer, light, std::vector<float>(gbuffer.size(), 1.0f));
-  const std::vector<std::uint32_t> owners =
-      find_owners(scene, gbuffer, detail, [&](std::size_t i) { return faces_light(scene, gbuffer, light, i); });
   const Borders borders(gbuffer, detail, owners);
   const std::vector<float> tones = make_tones(detail);
   constexpr double left_on_border = 0.4;
@@ -234,22 +238,11 @@ DebugLayer splits_layer() {
 }
 
 std::vector<float> paint_splits(const Scene& scene, const GBuffer& gbuffer, const Light& light, const SurfaceDetail& detail) {
-  check_detail(scene, detail);
-  const std::vector<std::uint32_t> owners =
-      find_owners(scene, gbuffer, detail, [&](std::size_t i) { return faces_light(scene, gbuffer, light, i); });
-  std::vector<float> mask(gbuffer.size(), 1.0f);
-  for (std::size_t i = 0; i < owners.size(); ++i)
-    if (owners[i] != no_polygon && !detail.polygons[owners[i]].is_lit) mask[i] = 0;
-  std::vector<float> picture = shaded_layer(scene, gbuffer, light, mask);
-  paint_borders(gbuffer, detail, owners, picture);
-  return picture;
+  return paint_borders(scene, gbuffer, light, detail, true);
 }
 
 std::vector<float> paint_division(const Scene& scene, const GBuffer& gbuffer, const Light& light, const SurfaceDetail& detail) {
-  check_detail(scene, detail);
-  std::vector<float> picture = shaded_layer(scene, gbuffer, light, std::vector<float>(gbuffer.size(), 1.0f));
-  paint_borders(gbuffer, detail, find_owners(scene, gbuffer, detail, [](std::size_t) { return true; }), picture);
-  return picture;
+  return paint_borders(scene, gbuffer, light, detail, false);
 }
 
 }  // namespace gnomon

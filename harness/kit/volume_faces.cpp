@@ -10,35 +10,38 @@ namespace {
 
 constexpr std::size_t block_size = std::size_t{1} << 15;
 
-/// Gives numbers 0 .. count - 1 places, in order and on all threads: those with key(t) = 1 from place 0 up, behind them those
-/// with key(t) = 2; none to those with key(t) = 0. Calls make_room(ones, twos, write_all) once, and in write_all, which that
-/// must call, write(t, place) for each.
-template <class Key, class MakeRoom, class Write>
-void place_in_order(std::size_t count, const Key& key, const MakeRoom& make_room, const Write& write) {
-  struct Places {
-    std::size_t ones = 0, twos = 0;
-  };
-  std::vector<Places> first((count + block_size - 1) / block_size + 1);
+/// How many triangles have key 1, and how many have key 2.
+struct KeyCounts {
+  std::size_t ones = 0, twos = 0;
+};
+
+/// Writes corners(t) of triangles 0 .. count - 1 to a buffer, in order and on all threads: first those with key(t) = 1, behind
+/// them those with key(t) = 2; those with key(t) = 0 are left out.
+template <class Key, class Corners>
+KeyCounts write_in_order(RewrittenBuffer& buffer, std::size_t count, const Key& key, const Corners& corners) {
+  std::vector<KeyCounts> before((count + block_size - 1) / block_size + 1);  // each block
   for_blocks(count, block_size, [&](std::size_t begin, std::size_t end) {
-    Places found;
+    KeyCounts found;
     for (std::size_t t = begin; t < end; ++t) {
       found.ones += key(t) == 1;
       found.twos += key(t) == 2;
     }
-    first[begin / block_size + 1] = found;
+    before[begin / block_size + 1] = found;
   });
-  for (std::size_t i = 1; i < first.size(); ++i) {
-    first[i].ones += first[i - 1].ones;
-    first[i].twos += first[i - 1].twos;
+  for (std::size_t i = 1; i < before.size(); ++i) {
+    before[i].ones += before[i - 1].ones;
+    before[i].twos += before[i - 1].twos;
   }
-  make_room(first.back().ones, first.back().twos, [&] {
+  const KeyCounts all = before.back();
+  buffer.rewrite<glm::uvec3>(all.ones + all.twos, [&](std::span<glm::uvec3> out) {
     for_blocks(count, block_size, [&](std::size_t begin, std::size_t end) {
-      auto [one, two] = first[begin / block_size];
-      two += first.back().ones;
+      auto [one, two] = before[begin / block_size];
+      two += all.ones;
       for (std::size_t t = begin; t < end; ++t)
-        if (const int k = key(t)) write(t, k == 1 ? one++ : two++);
+        if (const int k = key(t)) out[k == 1 ? one++ : two++] = corners(t);
     });
   });
+  return all;
 }
 
 /// A side for every volume that starts at an edge.
@@ -63,44 +66,29 @@ void write_turned_triangles(const EdgeAdjacency& adjacency, const Silhouette& si
   if (wanted.outline && !(wanted.dark_caps && std::ranges::find(without_fan, 1) != without_fan.end())) return;
   const auto& facing = silhouette.facing;
   const auto first = adjacency.first_at_position();
-  std::span<glm::uvec3> out;
-  place_in_order(
-      facing.size(),
-      [&](std::size_t t) { return facing[t] != 0 && (!wanted.outline || without_fan[adjacency.part_of()[t]]) ? 1 : 0; },
-      [&](std::size_t count, std::size_t, const auto& write_all) {
-        faces.triangles.rewrite<glm::uvec3>(count, [&](std::span<glm::uvec3> mapped) {
-          out = mapped;
-          write_all();
-        });
-        if (!wanted.outline) commands.triangle_sides.count = static_cast<std::uint32_t>((light.w != 0 ? 18 : 9) * count);
-        if (wanted.dark_caps) commands.far_triangles.count = static_cast<std::uint32_t>(3 * count);
-      },
-      [&](std::size_t t, std::size_t place) {
-        glm::uvec3 v = adjacency.triangles()[t];
-        if (facing[t] < 0) std::swap(v.y, v.z);
-        out[place] = {first[v.x], first[v.y], first[v.z]};
-      });
+  const auto key = [&](std::size_t t) {
+    return facing[t] != 0 && (!wanted.outline || without_fan[adjacency.part_of()[t]]) ? 1 : 0;
+  };
+  const KeyCounts written = write_in_order(faces.triangles, facing.size(), key, [&](std::size_t t) {
+    glm::uvec3 v = adjacency.triangles()[t];
+    if (facing[t] < 0) std::swap(v.y, v.z);
+    return glm::uvec3(first[v.x], first[v.y], first[v.z]);
+  });
+  const auto count = static_cast<std::uint32_t>(written.ones);
+  if (!wanted.outline) commands.triangle_sides.count = (light.w != 0 ? 18 : 9) * count;
+  if (wanted.dark_caps) commands.far_triangles.count = 3 * count;
 }
 
 /// The counter-clockwise triangles, then the clockwise ones.
 void write_light_caps(const EdgeAdjacency& adjacency, const Silhouette& silhouette, FaceBuffers& faces,
                       FaceCommands& commands) {
   const std::span<const std::int8_t> facing = silhouette.facing;
-  std::span<glm::uvec3> out;
-  place_in_order(
-      facing.size(), [&](std::size_t t) { return facing[t] > 0   ? 1
-                                                 : facing[t] < 0 ? 2
-                                                                 : 0; },
-      [&](std::size_t up, std::size_t down, const auto& write_all) {
-        faces.caps.rewrite<glm::uvec3>(up + down, [&](std::span<glm::uvec3> mapped) {
-          out = mapped;
-          write_all();
-        });
-        commands.caps.count = static_cast<std::uint32_t>(3 * up);
-        commands.reversed_caps.first_index = commands.caps.count;
-        commands.reversed_caps.count = static_cast<std::uint32_t>(3 * down);
-      },
-      [&](std::size_t t, std::size_t place) { out[place] = adjacency.triangles()[t]; });
+  const auto key = [&](std::size_t t) { return facing[t] < 0 ? 2 : int(facing[t]); };
+  const auto [up, down] =
+      write_in_order(faces.caps, facing.size(), key, [&](std::size_t t) { return adjacency.triangles()[t]; });
+  commands.caps.count = static_cast<std::uint32_t>(3 * up);
+  commands.reversed_caps.first_index = commands.caps.count;
+  commands.reversed_caps.count = static_cast<std::uint32_t>(3 * down);
 }
 
 constexpr std::string_view fetch_snippet = R"(
@@ -182,9 +170,7 @@ void* RewrittenBuffer::map(std::size_t bytes) {
 void RewrittenBuffer::unmap() { glUnmapNamedBuffer(buffer_.name()); }
 
 bool has_hub(const EdgeAdjacency::Part& part, const glm::dvec4& light) {
-  const glm::dvec3 position = glm::dvec3(light) / light.w;
-  return light.w != 0 && (glm::any(glm::lessThan(position, glm::dvec3(part.bounds.min))) ||
-                          glm::any(glm::greaterThan(position, glm::dvec3(part.bounds.max))));
+  return light.w != 0 && !part.bounds.holds(glm::dvec3(light) / light.w);
 }
 
 void write_hubs(const EdgeAdjacency& adjacency, const glm::dvec4& light, FaceBuffers& faces) {

@@ -26,14 +26,9 @@ struct ReceiverSet {
   double covered_share = 0;  ///< of the receiving area
 };
 
-inline bool is_sheet(const Mesh& mesh) { return !mesh.has_curved_shape() || std::holds_alternative<Disc>(*mesh.shape); }
-
 inline double area_of(const Mesh& mesh) {
   double area = 0;
-  for (const glm::uvec3& t : mesh.triangles) {
-    const glm::dvec3 a(mesh.positions[t.x]), b(mesh.positions[t.y]), c(mesh.positions[t.z]);
-    area += glm::length(glm::cross(b - a, c - a)) / 2;
-  }
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) area += glm::length(mesh.corners(t).normal()) / 2;
   return area;
 }
 
@@ -60,14 +55,13 @@ inline void add_sheet(const Mesh& mesh, std::span<const std::uint32_t> plane_of,
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (plane_of[t] == no_plane) continue;
     Receiver& receiver = receivers.planes[plane_of[t]];
-    const glm::uvec3& v = mesh.triangles[t];
-    const glm::dvec3 a(mesh.positions[v.x]), b(mesh.positions[v.y]), c(mesh.positions[v.z]);
-    turn_to(receiver, glm::cross(b - a, c - a));
+    const Triangle triangle = mesh.corners(t);
+    turn_to(receiver, triangle.normal());
     if (disc) {
       turn_to(receiver, disc->normal);
       reach(receiver, disc->center, receivers.tolerance + disc->radius);
     }
-    for (const std::uint32_t corner : {v.x, v.y, v.z}) reach(receiver, mesh.positions[corner], receivers.tolerance);
+    for (const glm::vec3& corner : triangle.points) reach(receiver, corner, receivers.tolerance);
   }
 }
 
@@ -85,7 +79,7 @@ inline ReceiverSet find_receivers(const Scene& scene, double min_share) {
   double curved_area = 0;
   for (const Mesh& mesh : scene.meshes) {
     if (!mesh.receives) continue;
-    if (is_sheet(mesh))
+    if (!mesh.has_curved_shape() || std::holds_alternative<Disc>(*mesh.shape))
       flat.meshes.push_back(mesh);
     else
       curved_area += area_of(mesh);

@@ -88,11 +88,9 @@ class Pyramid {
     int columns, rows;
     std::vector<Tile> tiles;
     Tile& at(int x, int y) { return tiles[static_cast<std::size_t>(y) * columns + x]; }
-    const Tile& at(int x, int y) const { return tiles[static_cast<std::size_t>(y) * columns + x]; }
   };
   int top() const { return static_cast<int>(levels_.size()) - 1; }
   Level& level(int k) { return levels_[k]; }
-  const Level& level(int k) const { return levels_[k]; }
   std::size_t bytes() const {
     std::size_t sum = 0;
     for (const Level& level : levels_) sum += level.tiles.capacity() * sizeof(Tile);

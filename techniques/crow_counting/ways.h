@@ -1,7 +1,7 @@
 #pragma once
+#include <gnomon/kit/add_up.h>
 #include <gnomon/kit/scratch_pool.h>
 
-#include "own_volumes.h"
 #include "tiles.h"
 #include "volumes.h"
 
@@ -21,15 +21,10 @@ struct CountingWork {
   std::uint64_t rays = 0, crossings = 0, longest = 0, tests = 0, exact = 0, again = 0, touching = 0;
   std::int64_t deepest = 0;
   CountingWork& operator+=(const CountingWork& other) {
-    rays += other.rays;
-    crossings += other.crossings;
-    tests += other.tests;
-    exact += other.exact;
-    again += other.again;
-    touching += other.touching;
+    using W = CountingWork;
     longest = std::max(longest, other.longest);
     deepest = std::max(deepest, other.deepest);
-    return *this;
+    return add_up(*this, other, &W::rays, &W::crossings, &W::tests, &W::exact, &W::again, &W::touching);
   }
 };
 
@@ -62,7 +57,7 @@ class WayCounter {
     volumes_->look_from(frame);
     bound_tiles();
     const int level = pyramid_.top();
-    const Pyramid::Level& top = pyramid_.level(level);
+    Pyramid::Level& top = pyramid_.level(level);
     std::vector<CountingWork> works(top.tiles.size());
     for_blocks(top.tiles.size(), 1, [&](std::size_t k, std::size_t) {
       if (top.tiles[k].undecided == 0) return;
@@ -136,7 +131,7 @@ class WayCounter {
         pyramid_.for_pixels(column, static_cast<int>(row), [&](std::size_t i) {
           if (!is_undecided_[i]) return;
           const glm::vec3 p = gbuffer_->position(i);
-          tile.add(frame_.seen(p), std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}));
+          tile.add(frame_.seen(p), extent(p));
         });
       }
     });

@@ -20,6 +20,15 @@ glm::dmat4 Face::clip_from_world(int resolution) const {
   return glm::transpose(glm::dmat4(x, y, z, w)) * turned_and_moved;
 }
 
+double Face::axis_distance(double depth) const {
+  if (depth == 0) return INFINITY;
+  return is_perspective ? near / depth : far - depth * (far - near);
+}
+
+bool is_inside(const glm::ivec2& texel, int resolution) {
+  return glm::all(glm::greaterThanEqual(texel, glm::ivec2(0))) && glm::all(glm::lessThan(texel, glm::ivec2(resolution)));
+}
+
 namespace {
 
 /// What of some boxes is seen through a window: a rectangle of window coordinates and a range of axis distance.
@@ -74,8 +83,7 @@ Extent seen_in_pyramid(const LightFace& face, const Bounds& box, double tangent)
       for (const Corner& corner : quad.corners())
         if (corner.at.z > 0) add(corner.at);
     }
-  if (glm::all(glm::lessThanEqual(glm::dvec3(box.min), face.origin)) &&
-      glm::all(glm::lessThanEqual(face.origin, glm::dvec3(box.max)))) {
+  if (box.holds(face.origin)) {
     extent.add(glm::dvec2(-tangent), 0);
     extent.add(glm::dvec2(tangent), 0);
   }
@@ -135,16 +143,25 @@ const SpotLight* narrow_spot(const Light& light) {
   return spot && spot->outer_degrees <= widest_spot_degrees ? spot : nullptr;
 }
 
+/// The ray through the center of a texel, and what is stored there; infinity also off the image.
+Tap tap_of(const Image& image, const glm::ivec2& texel, double weight) {
+  const Face& face = image.face;
+  const glm::dvec2 window = (glm::dvec2(texel) + 0.5 - face.offset) / face.scale;
+  const double z = is_inside(texel, image.resolution)
+                       ? face.axis_distance(image.depths[std::size_t(texel.y) * image.resolution + texel.x])
+                       : INFINITY;
+  if (!face.is_perspective) return {face.to_world({window, face.near}), face.axis(2), weight, z - face.near};
+  const glm::dvec3 through(window, 1);
+  return {face.origin, glm::normalize(through * face.light_from_world), weight, z * glm::length(through)};
+}
+
 }  // namespace
 
 LightSpace space_of(const Light& light, const std::vector<MeshBox>& boxes) {
   const glm::dvec4 l = homogeneous(light);
   if (l.w == 0) {
     Bounds all;
-    for (const MeshBox& mesh : boxes) {
-      all.add(mesh.bounds.min);
-      all.add(mesh.bounds.max);
-    }
+    for (const MeshBox& mesh : boxes) all.add(mesh.bounds);
     const glm::dvec3 middle = (glm::dvec3(all.min) + glm::dvec3(all.max)) / 2.0;
     return LightSpace(LightFace{middle, frame_along(-glm::normalize(glm::dvec3(l))), false});
   }
@@ -163,6 +180,39 @@ std::vector<Face> fit_faces(const Light& light, const LightSpace& space, const s
     fit(faces.back(), boxes, tangent, resolution, margin);
   }
   return faces;
+}
+
+Explanation explain(const Image& image, const Comparison& comparison, const glm::dvec3& point, const glm::dvec3& normal,
+                    const glm::ivec2& center) {
+  const Face& face = image.face;
+  Explanation why;
+  glm::dvec3 q = face.seen(point);
+  const glm::dvec3 n = face.turned(normal);
+  const glm::dvec3 ray = face.is_perspective ? q / q.z : glm::dvec3(0, 0, 1);
+  const double facing = -glm::dot(n, ray);
+  const glm::dvec2 width = face.texel_width(q.z);
+  why.texel_width = std::max(width.x, width.y);
+  double axis_bias = comparison.depth_bias * why.texel_width;
+  if (comparison.bias == Bias::slope)
+    axis_bias += comparison.slope_bias * glm::length(width) / 2 * glm::length(glm::cross(n, ray)) / (facing * glm::length(ray));
+  if (comparison.bias == Bias::receiver_plane) {
+    const double error = comparison.rounding * (face.is_perspective ? 1 + q.z * q.z / (face.near * face.far) : 1);
+    axis_bias += (error + why.texel_width / 128) / facing;
+  }
+  if (comparison.bias == Bias::normal_offset) {
+    const double z = q.z;
+    q += n * (comparison.normal_offset * why.texel_width);
+    why.shifted = face.to_world(q);
+    axis_bias += z - q.z;  // what the look-up point is nearer to the light by
+  }
+  why.bias = axis_bias * glm::length(ray);
+  // A point that nothing shadows may be looked up beside the image; where something does, its shadow is not in there.
+  why.covered = is_inside(center, image.resolution);
+  const int r = comparison.radius;
+  for (int y = -r; y <= r; ++y)
+    for (int x = -r; x <= r; ++x)
+      why.taps.push_back(tap_of(image, center + glm::ivec2(x, y), 1.0 / ((2 * r + 1) * (2 * r + 1))));
+  return why;
 }
 
 }  // namespace gnomon::shadow_map

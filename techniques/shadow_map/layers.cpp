@@ -8,38 +8,30 @@
 #include <array>
 #include <cmath>
 
-#include "explain.h"
-
 namespace gnomon::shadow_map {
 
 namespace {
 
 /// In the order of the faces: red, green, blue for x, y, z, paler on the negative side.
-const std::array<Swatch, 6>& cube_faces() {
-  static const std::array<Swatch, 6> faces{{{"+x", {0.84, 0.05, 0.04}},
-                                            {"-x", {0.87, 0.35, 0.31}},
-                                            {"+y", {0.04, 0.49, 0.06}},
-                                            {"-y", {0.38, 0.78, 0.33}},
-                                            {"+z", {0.05, 0.16, 0.87}},
-                                            {"-z", {0.36, 0.54, 0.93}}}};
-  return faces;
-}
+const std::array<Swatch, 6> cube_faces{{{"+x", {0.84, 0.05, 0.04}},
+                                        {"-x", {0.87, 0.35, 0.31}},
+                                        {"+y", {0.04, 0.49, 0.06}},
+                                        {"-y", {0.38, 0.78, 0.33}},
+                                        {"+z", {0.05, 0.16, 0.87}},
+                                        {"-z", {0.36, 0.54, 0.93}}}};
 
 /// How long a texel is, in pixels, up to `last`: blue where a pixel holds texels, red where a texel holds pixels.
 struct TexelClass {
   Swatch swatch;
   double last;
 };
-const std::array<TexelClass, 7>& texel_classes() {
-  static const std::array<TexelClass, 7> classes{{{{"to 1/2 pixel", {0.02, 0.06, 0.46}}, 0.5},
-                                                  {{"to 1", {0.10, 0.30, 0.79}}, 1},
-                                                  {{"to 2", {0.75, 0.75, 0.68}}, 2},
-                                                  {{"to 4", {0.96, 0.64, 0.10}}, 4},
-                                                  {{"to 8", {0.87, 0.26, 0.02}}, 8},
-                                                  {{"to 16", {0.66, 0.04, 0.02}}, 16},
-                                                  {{"more", {0.23, 0.01, 0.05}}, INFINITY}}};
-  return classes;
-}
+const std::array<TexelClass, 7> texel_classes{{{{"to 1/2 pixel", {0.02, 0.06, 0.46}}, 0.5},
+                                               {{"to 1", {0.10, 0.30, 0.79}}, 1},
+                                               {{"to 2", {0.75, 0.75, 0.68}}, 2},
+                                               {{"to 4", {0.96, 0.64, 0.10}}, 4},
+                                               {{"to 8", {0.87, 0.26, 0.02}}, 8},
+                                               {{"to 16", {0.66, 0.04, 0.02}}, 16},
+                                               {{"more", {0.23, 0.01, 0.05}}, INFINITY}}};
 const Swatch beside_map{"not in the map: lit", {0.075, 0.045, 0.11}};
 const Swatch nothing_stored{"nothing stored", {0.61, 0.75, 0.91}};
 const Swatch not_drawn{"not drawn: nothing casts", {0.045, 0.05, 0.06}};
@@ -85,8 +77,8 @@ void paint_face(const Face& face, std::span<const float> depths, int resolution,
     most = std::max(most, depth);
   }
   if (most > 0) {
-    near = axis_distance(face, most);
-    far = axis_distance(face, least);
+    near = face.axis_distance(most);
+    far = face.axis_distance(least);
   }
   // Texels from one pixel to the next: as far apart are the neighbors that tell a jump of depth from a slope.
   const int step = std::max(1, static_cast<int>(std::ceil(resolution / std::max(1.0, std::min(placed.size.x, placed.size.y)))));
@@ -100,12 +92,12 @@ void paint_face(const Face& face, std::span<const float> depths, int resolution,
     const glm::ivec2 texel(share * static_cast<double>(resolution));
     const double depth = depth_at(texel);
     if (depth == 0) return nothing_stored.color;
-    const double z = axis_distance(face, depth), range = far - near;
+    const double z = face.axis_distance(depth), range = far - near;
     double gray = 0.2 + 0.62 * (range > 0 ? std::clamp((z - near) / range, 0.0, 1.0) : 0.5);  // of sRGB
     // Depth as it is stored is linear over a plane.
     for (const glm::ivec2 way : {glm::ivec2(step, 0), glm::ivec2(0, step)}) {
       const double before = depth_at(texel - way), after = depth_at(texel + way), expected = (before + after) / 2;
-      if (before > 0 && after > 0 && std::abs(axis_distance(face, expected) - z) > jump * range) gray *= 0.5;
+      if (before > 0 && after > 0 && std::abs(face.axis_distance(expected) - z) > jump * range) gray *= 0.5;
     }
     return glm::dvec3(std::pow(gray, 2.2));
   };
@@ -155,9 +147,9 @@ std::vector<DebugLayer> map_layers() {
                         "Texels on the surfaces that they decide, checkered where a pixel can show it, dimmed where the "
                         "map answers dark: the color is a texel's length in pixels, along its longer way. Where two of "
                         "six images meet, each has a rim in the color of its frame in the layer map."};
-  for (const TexelClass& c : texel_classes()) texels.legend.push_back(c.swatch);
+  for (const TexelClass& c : texel_classes) texels.legend.push_back(c.swatch);
   texels.legend.push_back(beside_map);
-  for (const Swatch& face : cube_faces()) {
+  for (const Swatch& face : cube_faces) {
     map.legend.push_back(face);
     texels.legend.push_back(face);
   }
@@ -182,7 +174,7 @@ std::vector<float> paint_map(std::span<const Face> faces, int resolution, int wi
     const glm::dvec2 low = cell * glm::dvec2(i % cells.x, i / cells.x);
     const std::span<const float> texels = depths(i);
     const Placed placed = place(faces[i], !texels.empty(), low + gap, glm::max(cell - 2 * gap, glm::dvec2(1)));
-    if (frame > 0) fill(placed.low - frame, placed.low + placed.size + frame, cube_faces()[i].color);
+    if (frame > 0) fill(placed.low - frame, placed.low + placed.size + frame, cube_faces[i].color);
     paint_face(faces[i], texels, resolution, placed, width, height, picture);
   }
   return picture;
@@ -210,14 +202,14 @@ std::vector<float> paint_texels(std::span<const Face> faces, int resolution, con
       const glm::dvec3 to_eye = glm::normalize(camera.eye - glm::dvec3(gbuffer.position(i)));
       double brightness = (0.65 + 0.35 * std::abs(glm::dot(glm::dvec3(gbuffer.normal(i)), to_eye))) * (0.35 + 0.65 * mask[i]);
       glm::dvec3 color = beside_map.color;
-      if (glm::all(glm::greaterThanEqual(texel, glm::ivec2(0))) && glm::all(glm::lessThan(texel, glm::ivec2(resolution)))) {
+      if (is_inside(texel, resolution)) {
         const TexelSize size = texel_size(faces[face], camera, gbuffer, i);
         const auto is_in = [&](const TexelClass& c) { return !(size.longer > c.last); };
-        color = std::ranges::find_if(texel_classes(), is_in)->swatch.color;
+        color = std::ranges::find_if(texel_classes, is_in)->swatch.color;
         // A pattern finer than two pixels would be noise.
         if ((texel.x + texel.y) % 2 != 0) brightness *= 1 - 0.4 * std::clamp(size.shorter - 1, 0.0, 1.0);
       }
-      if (faces.size() > 1 && is_on_rim(i)) color = cube_faces()[face].color;
+      if (faces.size() > 1 && is_on_rim(i)) color = cube_faces[face].color;
       for (int c = 0; c < 3; ++c) picture[3 * i + c] = static_cast<float>(brightness * color[c]);
     }
   });

@@ -1,9 +1,5 @@
 #pragma once
-#include <gnomon/gbuffer.h>
-#include <gnomon/technique.h>
-
 #include <functional>
-#include <span>
 
 #include "faces.h"
 

@@ -1,9 +1,113 @@
 #pragma once
-#include <span>
+#include <gnomon/kit/contour.h>
 
-#include "contour.h"
+#include <algorithm>
+#include <numbers>
 
 namespace sphere_volume {
+using namespace gnomon;
+
+/// What stands for a circle of the outline: a polygon inside, of equal area, around it; `exact` decides at the pixel's point.
+enum Fit { inscribed, equal_area, circumscribed, exact };
+
+/// A point of a polygon that stands for a circle of radius 1: at `angle`, `radius` from the center.
+struct Corner {
+  double angle, radius;
+};
+
+/// Factor on the radius of a regular polygon of `count` sides.
+inline double radius_factor(Fit fit, int count) {
+  const double step = 2 * std::numbers::pi / count;
+  return fit == inscribed ? 1 : fit == equal_area ? std::sqrt(step / std::sin(step)) : 1 / std::cos(step / 2);
+}
+
+/// The corners of a regular polygon.
+inline std::vector<Corner> full_circle(Fit fit, int count) {
+  std::vector<Corner> corners;
+  const double radius = radius_factor(fit, count);
+  for (int k = 0; k < count; ++k) corners.push_back({2 * std::numbers::pi * k / count, radius});
+  return corners;
+}
+
+/// An arc of a circle that `count` sides go around (fewer here, none longer). Both ends stay on the circle, so that tangents
+/// meet it there. The polygon around it touches the arc at its ends and between corners; for equal area the same corners are
+/// drawn in to the radius k that makes the fan from the center as large as the sector:
+///   (n - 1) k^2 sin s + 2 k sin(s / 2) = n s,  s the step, n the number of inner corners.
+inline std::vector<Corner> arc(Fit fit, double from, double to, int count) {
+  const int n = std::max(1, static_cast<int>(std::ceil(count * std::abs(to - from) / (2 * std::numbers::pi) - 1e-9)));
+  const double step = (to - from) / n, s = std::abs(step), half = std::sin(s / 2);
+  std::vector<Corner> corners{{from, 1}};
+  if (fit == inscribed) {
+    for (int k = 1; k < n; ++k) corners.push_back({from + k * step, 1});
+  } else if (s > 0) {
+    const double radius =
+        fit == equal_area ? n * s / (half + std::sqrt(half * half + (n - 1) * n * s * std::sin(s))) : 1 / std::cos(s / 2);
+    for (int k = 0; k < n; ++k) corners.push_back({from + (k + 0.5) * step, radius});
+  }
+  corners.push_back({to, 1});
+  return corners;
+}
+
+/// Outline of a convex body as the light sees it, in double. Points are counter-clockwise seen from the light.
+struct Contour {
+  std::vector<glm::dvec3> points;
+  std::vector<glm::dvec3> away;  ///< where light that passes each point goes on; of a directional light all the same
+  glm::dvec3 hub{0};             ///< of the light cap: a point inside the body
+};
+
+inline void add_away(Contour& contour, const glm::dvec4& light) {
+  for (const glm::dvec3& p : contour.points) contour.away.push_back(light.w * p - glm::dvec3(light));
+}
+
+inline Contour contour_of(const Sphere& sphere, const glm::dvec4& light, Fit fit, int segments) {
+  const TangencyCircle circle = tangency_circle(sphere, light);
+  Contour contour{.points = {}, .away = {}, .hub = circle.center};
+  for (const Corner& c : full_circle(fit, segments)) {
+    contour.points.push_back(circle.point(-c.angle, c.radius));
+    const glm::dvec3 tangent = circle.cos_alpha * circle.axis + c.radius * circle.sin_alpha * circle.arm(-c.angle);
+    contour.away.push_back(light.w == 0 ? -glm::dvec3(light) : tangent);
+  }
+  return contour;
+}
+
+inline Contour contour_of(const Cone& cone, const glm::dvec4& light, Fit fit, int segments) {
+  const ConeOutline outline(cone, light);
+  Contour contour{.points = {}, .away = {}, .hub = outline.base + outline.height / 4 * outline.axis};
+  if (outline.is_circle) {
+    for (const Corner& c : full_circle(fit, segments))
+      contour.points.push_back(outline.rim(outline.base_faces ? -c.angle : c.angle, c.radius));
+  } else {
+    // With the base lit, the lit part ends at the far arc, else at the near one.
+    const double from = outline.side - outline.half, to = outline.side + outline.half;
+    contour.points.push_back(outline.peak());
+    for (const Corner& c : arc(fit, from, outline.base_faces ? to - 2 * std::numbers::pi : to, segments))
+      contour.points.push_back(outline.rim(c.angle, c.radius));
+  }
+  add_away(contour, light);
+  return contour;
+}
+
+inline Contour contour_of(const Disc& disc, const glm::dvec4& light, Fit fit, int segments) {
+  const glm::dvec3 normal = glm::normalize(glm::dvec3(disc.normal)), center = disc.center;
+  const double height = glm::dot(normal, to_light(light, center)), radius = disc.radius;
+  const Across frame(normal);
+  Contour contour{.points = {}, .away = {}, .hub = center};
+  if (height == 0) return contour;
+  for (const Corner& c : full_circle(fit, segments)) {
+    const double angle = height < 0 ? -c.angle : c.angle;
+    contour.points.push_back(center + radius * c.radius * (std::cos(angle) * frame.u + std::sin(angle) * frame.v));
+  }
+  add_away(contour, light);
+  return contour;
+}
+
+Contour contour_of(const auto&, const glm::dvec4&, Fit, int) { return {}; }
+
+/// The light must not be inside the sphere, nor inside the cone or on its lateral surface. Of a disc that the light sees
+/// edge-on, and of flat shapes, the contour is empty: the disc casts nothing, and flat shapes cast by their triangles.
+inline Contour contour_of(const Shape& shape, const glm::dvec4& light, Fit fit, int segments) {
+  return std::visit([&](const auto& one) { return contour_of(one, light, fit, segments); }, shape);
+}
 
 /// A casting mesh with a curved shape.
 struct Body {

@@ -20,8 +20,7 @@ void main() {
 }
 )";
 
-enum Kind { sphere, cone, disc };
-inline constexpr int kind_count = 3;
+inline constexpr int kind_count = 3;  // sphere, cone, disc
 
 /// Mirrors Bodies in the shader below.
 struct alignas(16) BodyData {

@@ -13,13 +13,12 @@ using namespace gnomon;
 inline std::int64_t volumes_at(const EdgeAdjacency& adjacency, const glm::vec3& eye, const Silhouette& silhouette) {
   constexpr glm::vec3 asides[] = {{0, 0, 0},   {3, 5, 7},  {-5, 3, -2}, {2, -7, 3},
                                   {-3, -2, 5}, {7, 2, -3}, {-2, 7, 2},  {5, -3, -7}};
-  float largest = std::max({std::abs(eye.x), std::abs(eye.y), std::abs(eye.z)});
-  for (const EdgeAdjacency::Part& part : adjacency.parts())
-    for (const glm::vec3& p : {part.bounds.min, part.bounds.max})
-      largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  double largest = extent(eye);
+  for (const EdgeAdjacency::Part& part : adjacency.parts()) largest = std::max(largest, part.bounds.extent());
+  const auto rounding = static_cast<float>(largest * 0x1p-24);
   EdgeAdjacency::Depth depth;
   for (const glm::vec3& aside : asides) {
-    depth = adjacency.depth_at(eye + aside * (largest * 0x1p-24f), silhouette);
+    depth = adjacency.depth_at(eye + aside * rounding, silhouette);
     if (!depth.degenerate) break;
   }
   return depth.volumes;
@@ -103,9 +102,5 @@ class EyePlaceFinder {
   double tan_y_, rounding_;
   EyePlace place_;
 };
-
-inline EyePlace find_eye_place(const Scene& scene, const Light& light, const View& view) {
-  return EyePlaceFinder(scene, light, view).place();
-}
 
 }  // namespace stencil_volume

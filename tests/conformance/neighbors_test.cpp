@@ -1,6 +1,7 @@
 // What a technique must leave alone: its inputs, other people's textures, the state of OpenGL.
 #include <cstring>
 
+#include "gl_state.h"
 #include "stage.h"
 
 namespace conformance {

@@ -91,7 +91,9 @@ class Number final : public Parameter {
  public:
   Number(Parametrized* owner, std::string_view name, T value, Range<T> range, Stage spoils, std::string_view sentence)
       : Parameter(owner, name, range.unit, spoils, sentence), value_(value), default_(value), range_(range) {
-    check();
+    // The owner's id is not known yet: its registry gives it after construction.
+    if (!(value >= range.min && value <= range.max))
+      throw Error("parameter {}: default {} is outside {}", name, value, allowed());
   }
   operator T() const { return value_; }
   T value() const { return value_; }
@@ -105,17 +107,14 @@ class Number final : public Parameter {
   void set(std::string_view value) override;
 
  private:
-  void check() const;  ///< throws Error when the default is outside the range
   T value_, default_;
   Range<T> range_;
 };
-extern template void Number<int>::check() const;
-extern template void Number<double>::check() const;
-extern template void Number<int>::set(std::string_view);
-extern template void Number<double>::set(std::string_view);
+extern template class Number<int>;
+extern template class Number<double>;
 
 /// One of a few words. The constructor throws Error on a default that is none of them.
-class Choice final : public Parameter {
+class Choice : public Parameter {
  public:
   Choice(Parametrized* owner, std::string_view name, std::string_view value, std::initializer_list<std::string_view> choices,
          Stage spoils, std::string_view sentence);
@@ -134,19 +133,12 @@ class Choice final : public Parameter {
 };
 
 /// On or off: `true` or `false`.
-class Flag final : public Parameter {
+class Flag final : public Choice {
  public:
   Flag(Parametrized* owner, std::string_view name, bool value, Stage spoils, std::string_view sentence)
-      : Parameter(owner, name, "", spoils, sentence), value_(value), default_(value) {}
-  operator bool() const { return value_; }
-  std::string text() const override { return value_ ? "true" : "false"; }
-  std::string default_text() const override { return default_ ? "true" : "false"; }
+      : Choice(owner, name, value ? "true" : "false", {"false", "true"}, spoils, sentence) {}
+  operator bool() const { return index() == 1; }
   std::string allowed() const override { return "true | false"; }
-  std::vector<std::string> probes() const override { return {"false", "true"}; }
-  void set(std::string_view value) override;
-
- private:
-  bool value_, default_;
 };
 
 /// The candidate with the smallest edit distance to `word`; empty when there is no candidate.

@@ -1,8 +1,6 @@
 #pragma once
 #include <gnomon/technique.h>
 
-#include <functional>
-
 namespace gnomon {
 
 /// Version of the contract: a plugin built for another number is refused.
@@ -33,12 +31,12 @@ struct SceneAbout {
 struct TechniqueEntry {
   std::string id;
   About about;
-  std::function<std::unique_ptr<Technique>()> make;  ///< fresh object, id set
+  std::unique_ptr<Technique> (*make)();  ///< fresh object, id set
 };
 struct SceneEntry {
   std::string id;
   SceneAbout about;
-  std::function<std::unique_ptr<SceneGenerator>()> make;
+  std::unique_ptr<SceneGenerator> (*make)();
 };
 
 /// All that was called in the roll: techniques and generated scenes in alphabetical order of their ids.
@@ -68,26 +66,26 @@ Registry& registry();
 /// Loads a plugin and calls its roll. Throws Error when it cannot be loaded or was built for another contract.
 void load_plugin(const std::string& path);
 
-template <class Class>
-auto maker(const char* id) {
-  return [id] {
-    auto object = std::make_unique<Class>();
-    object->set_id(id);
-    return object;
-  };
+template <class Base, class Class>
+std::unique_ptr<Base> made(const char* id) {
+  auto object = std::make_unique<Class>();
+  object->set_id(id);
+  return object;
 }
 
 }  // namespace gnomon
 
 /// Registers the technique of this file. `id` is the file's stem; the build writes the roll that calls it. The rest is its data
 /// sheet: an About, by name or in braces.
-#define GNOMON_TECHNIQUE(id, Class, ...)                                                              \
-  extern "C" void gnomon_technique_##id(gnomon::Registry& registry) {                                 \
-    registry.add(gnomon::TechniqueEntry{#id, gnomon::About(__VA_ARGS__), gnomon::maker<Class>(#id)}); \
+#define GNOMON_TECHNIQUE(id, Class, ...)                                              \
+  extern "C" void gnomon_technique_##id(gnomon::Registry& registry) {                 \
+    constexpr auto make = [] { return gnomon::made<gnomon::Technique, Class>(#id); }; \
+    registry.add(gnomon::TechniqueEntry{#id, gnomon::About(__VA_ARGS__), make});      \
   }
 
 /// Registers the generated scene of this file, the same way.
-#define GNOMON_SCENE(id, Class, ...)                                                                   \
-  extern "C" void gnomon_scene_##id(gnomon::Registry& registry) {                                      \
-    registry.add(gnomon::SceneEntry{#id, gnomon::SceneAbout(__VA_ARGS__), gnomon::maker<Class>(#id)}); \
+#define GNOMON_SCENE(id, Class, ...)                                                       \
+  extern "C" void gnomon_scene_##id(gnomon::Registry& registry) {                          \
+    constexpr auto make = [] { return gnomon::made<gnomon::SceneGenerator, Class>(#id); }; \
+    registry.add(gnomon::SceneEntry{#id, gnomon::SceneAbout(__VA_ARGS__), make});          \
   }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -30,6 +31,11 @@ struct Disc {
 };
 struct Triangle {
   glm::vec3 points[3];
+  /// On the side where the corners run counter-clockwise; as long as twice the area.
+  glm::dvec3 normal() const {
+    const glm::dvec3 a(points[0]);
+    return glm::cross(glm::dvec3(points[1]) - a, glm::dvec3(points[2]) - a);
+  }
 };
 /// Finite rectangle center +- half_u +- half_v.
 struct Plane {
@@ -45,6 +51,34 @@ std::string_view kind_name(const Shape& shape);
 
 /// Whether the tessellation differs from the shape. Flat shapes (triangle, plane, box) are their triangles exactly.
 bool is_curved(const Shape& shape);
+
+/// Largest absolute coordinate of a point.
+inline double extent(const glm::dvec3& p) {
+  const glm::dvec3 a = glm::abs(p);
+  return glm::max(glm::max(a.x, a.y), a.z);
+}
+
+struct Bounds {
+  glm::vec3 min{INFINITY}, max{-INFINITY};
+  void add(const glm::vec3& p) {
+    min = glm::min(min, p);
+    max = glm::max(max, p);
+  }
+  void add(std::span<const glm::vec3> points) {
+    for (const glm::vec3& p : points) add(p);
+  }
+  void add(const Bounds& other) {
+    min = glm::min(min, other.min);
+    max = glm::max(max, other.max);
+  }
+  bool empty() const { return min.x > max.x; }
+  /// Whether a point is inside or on the border.
+  bool holds(const glm::dvec3& p) const {
+    return glm::all(glm::lessThanEqual(glm::dvec3(min), p)) && glm::all(glm::lessThanEqual(p, glm::dvec3(max)));
+  }
+  /// Largest absolute coordinate of its points; 0 when empty.
+  double extent() const { return empty() ? 0 : gnomon::extent(glm::max(glm::abs(min), glm::abs(max))); }
+};
 
 /// Measured at load on vertices welded by exact position.
 struct MeshFacts {
@@ -65,6 +99,10 @@ struct Mesh {
   std::optional<Shape> shape;  ///< exact shape beside the tessellation
   MeshFacts facts;
 
+  Triangle corners(std::size_t triangle) const {
+    const glm::uvec3& t = triangles[triangle];
+    return {{positions[t.x], positions[t.y], positions[t.z]}};
+  }
   /// Whether mesh truth and shape truth differ.
   bool has_curved_shape() const { return shape && is_curved(*shape); }
 };
@@ -83,15 +121,6 @@ struct Path {
   Moves moves = Moves::camera;
   std::vector<glm::vec3> positions;  ///< two or more, passed at equal steps of time
   int frame_count = 2;
-};
-
-struct Bounds {
-  glm::vec3 min{INFINITY}, max{-INFINITY};
-  void add(const glm::vec3& p) {
-    min = glm::min(min, p);
-    max = glm::max(max, p);
-  }
-  bool empty() const { return min.x > max.x; }
 };
 
 struct Scene {
@@ -115,6 +144,10 @@ double extent(const Scene& scene, const Light& light, const View& view);
 /// Which geometry is true: the exact shapes where a mesh has one, or the triangles everywhere.
 enum class Truth { shape, mesh };
 inline constexpr std::string_view name(Truth truth) { return truth == Truth::shape ? "shape" : "mesh"; }
+
+/// For each vertex the first one at exactly its position; minus zero is zero. Where `wanted` is given, one for each vertex,
+/// only those count that are: the others are left alone.
+std::vector<std::uint32_t> weld(std::span<const glm::vec3> positions, std::span<const std::uint8_t> wanted = {});
 
 /// Counts boundary, non-manifold and misoriented edges after welding by exact position.
 MeshFacts measure_facts(const std::vector<glm::vec3>& positions, const std::vector<glm::uvec3>& triangles);

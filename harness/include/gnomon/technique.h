@@ -27,6 +27,10 @@ class Support {
   std::string why_;
 };
 std::string_view name(Support::Kind kind);
+/// What a technique supports that answers for one point of the light: every light without area, and of others `why` not.
+inline Support hard_lights_only(const Light& light, const char* why) {
+  return has_area(light) ? Support::unsupported(why) : Support::full();
+}
 
 /// Machine-independent work and memory of the last stages: nodes, fragments, texels, rays, bytes.
 struct Count {
@@ -119,7 +123,7 @@ class Technique : public Parametrized {
   virtual void resolve(const GBuffer& gbuffer, VisibilityMask& mask) = 0;
   virtual Counts counts() const = 0;
   /// Why pixel `index` of the last resolve got its answer; nothing when the technique has no samples to show. Untimed.
-  virtual std::optional<Explanation> explain(std::size_t index) const;
+  virtual std::optional<Explanation> explain([[maybe_unused]] std::size_t index) const { return std::nullopt; }
   /// The lit and shadowed polygons of the last relight; nothing from techniques that do not make polygons. A fresh object of
   /// one that does gives an empty detail. Untimed.
   virtual std::optional<SurfaceDetail> surface_detail() const { return std::nullopt; }

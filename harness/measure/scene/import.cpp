@@ -2,8 +2,6 @@
 // nothing it is told, and places, rounds and triangulates itself.
 #include "measure/scene/import.h"
 
-#include <gnomon/kit/weld.h>
-
 #include <algorithm>
 #include <assimp/Importer.hpp>
 #include <cctype>

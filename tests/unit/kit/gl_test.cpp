@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "device/context.h"
+#include "gl_state.h"
 #include "small_world.h"
 
 namespace {

@@ -1,5 +1,5 @@
 // Vertices at exactly one position.
-#include <gnomon/kit/weld.h>
+#include <gnomon/scene.h>
 #include <gtest/gtest.h>
 
 namespace gnomon {

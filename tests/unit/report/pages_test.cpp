@@ -37,11 +37,7 @@ class Blur : public Technique {
 TechniqueEntry blur(const std::string& id = "blur") {
   return {id,
           {.title = "Blur", .summary = "Blurs all.", .source = "Williams 1978", .error = "Large.", .fails = "Everywhere."},
-          [id] {
-            auto technique = std::make_unique<Blur>();
-            technique->set_id(id);
-            return technique;
-          }};
+          [] { return made<Technique, Blur>("blur"); }};
 }
 
 TEST(pages, page_says_all_that_the_technique_says_of_itself) {
@@ -61,7 +57,7 @@ TEST(pages, page_of_a_technique_that_makes_polygons_says_how_to_write_them) {
   TechniqueEntry entry = blur("cut");
   EXPECT_FALSE(has(technique_page(entry), "Surface detail"));
   EXPECT_FALSE(describe_json(entry)["surface_detail"].get<bool>());
-  entry.make = [] { return std::make_unique<Cut>(); };
+  entry.make = [] { return made<Technique, Cut>("cut"); };
   EXPECT_TRUE(has(technique_page(entry), "## Surface detail\n\n`gnomon render --technique cut --detail FILE.obj` writes"));
   EXPECT_TRUE(describe_json(entry)["surface_detail"].get<bool>());
 }

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "device/context.h"
+#include "gl_state.h"
 #include "small_world.h"
 
 extern "C" void gnomon_technique_shadow_map(gnomon::Registry&);

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "device/context.h"
+#include "gl_state.h"
 #include "kit/shape_rays.h"
 #include "shape_world.h"
 #include "small_world.h"

@@ -218,13 +218,10 @@ class Lamps final : public SceneGenerator {
   Scene make() const override { return {}; }
 };
 
-/// A scene that declares these keys.
+/// A scene that declares these keys; what it refuses, it refuses as hall.
 SceneEntry lamps(const std::string& id, std::vector<SceneKey> keys) {
-  return {id, {.title = "Lamps", .summary = "Lamps.", .keys = std::move(keys)}, [id] {
-            auto lamps = std::make_unique<Lamps>();
-            lamps->set_id(id);
-            return lamps;
-          }};
+  return {
+      id, {.title = "Lamps", .summary = "Lamps.", .keys = std::move(keys)}, [] { return made<SceneGenerator, Lamps>("hall"); }};
 }
 
 TEST(viewer_keys, a_letter_that_two_scenes_declare_is_that_of_the_scene_that_is_shown) {

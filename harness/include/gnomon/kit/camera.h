@@ -1,7 +1,6 @@
 #pragma once
+#include <gnomon/kit/across.h>
 #include <gnomon/scene.h>
-
-#include <cmath>
 
 namespace gnomon {
 
@@ -17,11 +16,7 @@ struct Camera {
         width(image_width),
         height(image_height) {
     forward = glm::normalize(glm::dvec3(view.target) - eye);
-    glm::dvec3 side = glm::cross(forward, glm::dvec3(view.up));
-    // Looking along `up`: any side will do, and the same one every time.
-    if (glm::dot(side, side) < 1e-12 * glm::dot(glm::dvec3(view.up), glm::dvec3(view.up)))
-      side = glm::cross(forward, std::abs(forward.x) < 0.9 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 0, 1));
-    right = glm::normalize(side);
+    right = glm::normalize(sideways(forward, view.up));
     up = glm::cross(right, forward);
   }
 

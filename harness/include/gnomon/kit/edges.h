@@ -75,7 +75,11 @@ class EdgeAdjacency {
 
   std::span<const glm::vec3> positions() const { return positions_; }
   std::span<const glm::uvec3> triangles() const { return triangles_; }  ///< vertices as the meshes name them
-  std::span<const std::uint32_t> part_of() const { return part_of_; }   ///< of each triangle; no_part where it does not cast
+  Triangle corners(std::size_t triangle) const {
+    const glm::uvec3& t = triangles_[triangle];
+    return {{positions_[t.x], positions_[t.y], positions_[t.z]}};
+  }
+  std::span<const std::uint32_t> part_of() const { return part_of_; }  ///< of each triangle; no_part where it does not cast
   std::span<const Part> parts() const { return parts_; }
   std::span<const Edge> edges() const { return edges_; }
   std::span<const IrregularEdge> irregular_edges() const { return irregular_; }

@@ -1,7 +1,6 @@
 #pragma once
+#include <gnomon/kit/add_up.h>
 #include <gnomon/scene.h>
-
-#include <cstdint>
 
 namespace gnomon {
 
@@ -14,16 +13,13 @@ namespace gnomon {
 struct SignTally {
   std::uint64_t lattice = 0;  ///< 128-bit integers
   std::uint64_t big = 0;      ///< GMP
-  SignTally& operator+=(const SignTally& other);
+  SignTally& operator+=(const SignTally& other) { return add_up(*this, other, &SignTally::lattice, &SignTally::big); }
 };
 
 /// +1 when a, b, c are counter-clockwise seen from d, -1 when clockwise, 0 when all four are coplanar: the sign of
 /// ((b - a) x (c - a)) . (d - a), for a direction of ((b - a) x (c - a)) . d. Every swap of two points flips it.
 int orient3d_sign(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& d, SignTally* tally = nullptr);
 int orient3d_sign(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::dvec4& d, SignTally* tally = nullptr);
-
-/// Whether three points lie on a line; so do any two equal ones.
-bool collinear(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c);
 
 /// Whether four points lie in a plane.
 bool coplanar(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& d);

@@ -14,7 +14,10 @@ struct ExactAnswer {
 struct ExactTally {
   std::uint64_t rays = 0, triangles = 0, degenerate = 0;
   SignTally signs;
-  ExactTally& operator+=(const ExactTally& other);
+  ExactTally& operator+=(const ExactTally& other) {
+    using Tally = ExactTally;
+    return add_up(*this, other, &Tally::rays, &Tally::triangles, &Tally::degenerate, &Tally::signs);
+  }
 };
 
 /// How close a segment passes by edges that could change its answer; infinite when no edge is within the limit.

@@ -2,6 +2,8 @@
 #include <epoxy/gl.h>
 #include <gnomon/technique.h>
 
+#include <algorithm>
+#include <initializer_list>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -55,16 +57,29 @@ struct Buffer : GlObject<glDeleteBuffers> {
 struct Texture : GlObject<glDeleteTextures> {
   Texture() = default;
   Texture(GLenum format, int width, int height, int layers = 0);
+  /// Becomes a texture of this size unless it is one; the old one goes before the new one comes.
+  void fit(GLenum format, int new_width, int new_height, int new_layers = 0);
   int width = 0, height = 0, layers = 0;
   std::size_t bytes = 0;
 };
+
+/// The texels of a texture as the floats of `format`, read back.
+template <class Texel>
+std::vector<Texel> read_texels(const Texture& texture, GLenum format) {
+  std::vector<Texel> texels(std::size_t(texture.width) * texture.height * std::max(texture.layers, 1));
+  const auto bytes = static_cast<GLsizei>(texels.size() * sizeof(Texel));
+  glGetTextureImage(texture.name(), 0, format, GL_FLOAT, bytes, texels.data());
+  return texels;
+}
 
 /// A linked program. Sources come without their version line. Throws Error with the log and the numbered source.
 class Program : public GlObject<glDeleteProgram> {
  public:
   Program() = default;
-  Program(std::string_view title, std::string_view vertex, std::string_view fragment);
-  static Program compute(std::string_view title, std::string_view source);
+  Program(std::string_view title, std::initializer_list<std::pair<GLenum, std::string_view>> shaders);
+  Program(std::string_view title, std::string_view vertex, std::string_view fragment)
+      : Program(title, {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, fragment}}) {}
+  static Program compute(std::string_view title, std::string_view source) { return {title, {{GL_COMPUTE_SHADER, source}}}; }
 
   bool uses(const char* uniform) const { return glGetUniformLocation(name(), uniform) >= 0; }
   /// Sets a uniform by name. Throws Error on a name that the program does not use.
@@ -77,7 +92,6 @@ class Program : public GlObject<glDeleteProgram> {
   void set(const char* uniform, const glm::mat4& value) const;
 
  private:
-  void link(std::string_view title, std::string_view sources);
   GLint location(const char* uniform) const;
   std::string title_;
 };
@@ -159,12 +173,9 @@ void warm_up(Technique& technique);
 
 // --- State -----------------------------------------------------------------------------------------------------------------
 
-/// What differs from the house state, one line each ("blend is on"); empty where nothing does. The viewport is not part of it:
-/// every pass sets its own.
-std::vector<std::string> state_differences();
-
 /// Puts back, when it goes, what a technique may change: bindings of program, vertex array, framebuffers, buffers, the first
-/// 16 texture and 8 image units; depth, stencil, blend, cull, clip, scissor, masks.
+/// 16 texture and 8 image units; depth, stencil, blend, cull, clip, scissor, masks. The viewport is not part of the house
+/// state: every pass sets its own.
 class StateGuard {
  public:
   StateGuard() = default;

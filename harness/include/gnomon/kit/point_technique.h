@@ -13,9 +13,16 @@ namespace gnomon {
 /// without area: the element that `explain` names is the triangle that shades a point, counted over the scene mesh after mesh.
 class PointTechnique : public Technique {
  public:
-  Support supports(const Scene&, const Light& light, const View&) const override;
+  Support supports(const Scene&, const Light& light, const View&) const override {
+    return hard_lights_only(light, why_no_area());
+  }
   void setup() override {}
-  std::optional<Explanation> explain(std::size_t index) const override;
+  std::optional<Explanation> explain(std::size_t index) const override {
+    if (!faces_light(*gbuffer_, index)) return std::nullopt;
+    Explanation why;
+    if (const std::uint32_t triangle = shading_triangle(index); triangle != nothing) why.element = triangle;
+    return why;
+  }
 
  protected:
   static constexpr std::uint32_t nothing = 0xffffffffu;
@@ -25,7 +32,10 @@ class PointTechnique : public Technique {
   /// The triangle that shades pixel `index` of the last resolve, which faces the light, or `nothing`.
   virtual std::uint32_t shading_triangle(std::size_t index) const = 0;
 
-  void remember(const Scene& scene);
+  void remember(const Scene& scene) {
+    scene_ = &scene;
+    numbers_ = TriangleNumbers(scene);
+  }
   bool faces_light(const GBuffer& gbuffer, std::size_t i) const { return gnomon::faces_light(*scene_, gbuffer, light_, i); }
   NumberedReceiver receiver(const GBuffer& gbuffer, std::size_t i) const {
     return numbers_.numbered(receiver_at(*scene_, gbuffer, i));
@@ -83,7 +93,9 @@ std::size_t bytes_of(const Vector& vector) {
 }
 
 /// A debug layer of `heat_layer`, whose sentence ends with how to read it.
-DebugLayer heat_debug_layer(std::string name, const std::string& what);
+inline DebugLayer heat_debug_layer(std::string name, const std::string& what) {
+  return {std::move(name), what + ": none where the picture is left gray, else colors as in the legend.", heat_legend()};
+}
 
 template <class Work, std::invocable<std::size_t, Work&> Decide>
 Work PointTechnique::for_facing_pixels(const GBuffer& gbuffer, const Work& start, const Decide& decide) const {

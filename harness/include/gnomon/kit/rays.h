@@ -2,9 +2,6 @@
 #include <gnomon/gbuffer.h>
 
 #include <array>
-#include <cstdint>
-#include <memory>
-#include <span>
 
 struct RTCSceneTy;
 
@@ -18,9 +15,8 @@ struct alignas(64) ShadowPacket {
 
 /// The receivers of a packet: a hit on a ray's own receiver is no hit.
 struct Receivers {
-  const std::uint32_t* mesh;  ///< 16 mesh indices
-  const std::uint32_t*
-      triangle;  ///< 16 triangle indices; ignored on exact curved shapes, excluded whole unless the ray starts inside
+  const std::uint32_t* mesh;      ///< 16 mesh indices
+  const std::uint32_t* triangle;  ///< 16; ignored on exact curved shapes, excluded whole unless the ray starts inside
 };
 
 /// A scene in Embree, traced by the measured ray recipe (docs/method.md): robust mode; the receiver's own triangle is excluded
@@ -30,9 +26,6 @@ class RayScene {
  public:
   enum class Which { all, casters };
   RayScene(const Scene& scene, Truth truth, Which which);
-  RayScene(RayScene&&) noexcept;
-  RayScene& operator=(RayScene&&) noexcept;
-  ~RayScene();
 
   struct Hit {
     std::uint32_t mesh = no_mesh, triangle = 0;
@@ -53,7 +46,7 @@ class RayScene {
 
  private:
   struct Body;
-  std::unique_ptr<Body> body_;
+  std::shared_ptr<Body> body_;
 };
 
 /// Fills a packet with the shadow rays of pixels first .. first+15 (fewer at the end) toward a homogeneous light, by the ray

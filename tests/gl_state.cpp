@@ -1,7 +1,6 @@
-#include <fmt/format.h>
-#include <gnomon/kit/gl.h>
+#include "gl_state.h"
 
-#include <iterator>
+#include <gnomon/kit/gl.h>
 
 namespace gnomon {
 
@@ -139,39 +138,6 @@ std::vector<std::string> state_differences() {
   compare_indexed(GL_UNIFORM_BUFFER_BINDING, "uniform buffer binding", buffer_unit_count);
   while (const GLenum error = glGetError()) differences.push_back(fmt::format("pending GL error {:#x}", error));
   return differences;
-}
-
-StateGuard::~StateGuard() {
-  for (const auto& s : switches) (s.on ? glEnable : glDisable)(s.capability);
-  for (int i = 0; i < clip_distance_count; ++i) glDisable(GL_CLIP_DISTANCE0 + i);
-  glUseProgram(0);
-  glBindVertexArray(0);
-  glBindFramebuffer(GL_FRAMEBUFFER, 0);
-  glBindRenderbuffer(GL_RENDERBUFFER, 0);
-  for (const GLenum target : {GL_ARRAY_BUFFER, GL_DRAW_INDIRECT_BUFFER, GL_PIXEL_PACK_BUFFER, GL_PIXEL_UNPACK_BUFFER})
-    glBindBuffer(target, 0);
-  glBindBuffersBase(GL_SHADER_STORAGE_BUFFER, 0, buffer_unit_count, nullptr);
-  glBindBuffersBase(GL_UNIFORM_BUFFER, 0, buffer_unit_count, nullptr);
-  for (const GLenum target : {GL_SHADER_STORAGE_BUFFER, GL_UNIFORM_BUFFER, GL_ATOMIC_COUNTER_BUFFER}) glBindBuffer(target, 0);
-  glBindTextures(0, texture_unit_count, nullptr);
-  glBindSamplers(0, texture_unit_count, nullptr);
-  glBindImageTextures(0, image_unit_count, nullptr);
-  glActiveTexture(GL_TEXTURE0);
-  glPixelStorei(GL_PACK_ALIGNMENT, 4);
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
-  glDepthFunc(GL_LESS);
-  glDepthMask(GL_TRUE);
-  glDepthRange(0, 1);
-  glStencilFunc(GL_ALWAYS, 0, ~0u);
-  glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
-  glStencilMask(~0u);
-  glBlendFunc(GL_ONE, GL_ZERO);
-  glBlendEquation(GL_FUNC_ADD);
-  glCullFace(GL_BACK);
-  glFrontFace(GL_CCW);
-  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
-  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
 }
 
 }  // namespace gnomon
