@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <charconv>
-#include <regex>
 
 #include "analysis/in_order.h"
+#include "measure/pattern.h"
 #include "measure/score/metrics.h"
 
 namespace gnomon {
@@ -241,19 +241,13 @@ std::string how_to_sweep(std::string_view parameter) {
 
 std::vector<Record> matching(std::vector<Record> records, const std::string& expression) {
   if (expression.empty()) return records;
-  std::regex pattern;
-  try {
-    pattern = std::regex(expression);
-  } catch (const std::regex_error& error) {
-    throw Error("--filter {} is not a regular expression: {}", expression, error.what());
-  }
+  const Pattern pattern(expression, "is not a regular expression");
   std::erase_if(records, [&](const Record& r) {
     const std::string where = fmt::format("{} {}{}{} ", r.scene, r.light, r.path.empty() ? "" : " ", r.path);
     // All parameters too: what is at its default does not stand in the settings.
     std::string full = where + r.technique + ":";
     for (const auto& [parameter, value] : r.parameters.items()) full += fmt::format("{}={},", parameter, plain_text(value));
-    return !std::regex_search(title(r), pattern) && !std::regex_search(where + setting_name(r), pattern) &&
-           !std::regex_search(full, pattern);
+    return !pattern.is_in(title(r)) && !pattern.is_in(where + setting_name(r)) && !pattern.is_in(full);
   });
   return records;
 }

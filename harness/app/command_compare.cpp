@@ -2,7 +2,7 @@
 #include "analysis/compare.h"
 #include "app/app.h"
 #include "app/suite_options.h"
-#include "measure/run/live.h"
+#include "measure/run/run.h"
 #include "report/analysis/compare_table.h"
 
 namespace gnomon::app {
@@ -13,14 +13,15 @@ struct CompareCommand : SuiteOptions {
   std::string base, contender, format = "terminal";
   CompareOptions compare;
   bool all = false, quiet = false;
-  LiveOptions live;
+  RunOptions live;
+  std::string base_program;  ///< with --live
 };
 
 /// Times both programs side by side; base and contender become their folders.
 void run_both(CompareCommand& options, const Program& program) {
   if (!options.base.empty())
     throw Error("compare takes two folders, or --live and a program, not both: {} is one folder too many", options.base);
-  LiveOptions& live = options.live;
+  RunOptions& live = options.live;
   if (options.suite.empty() && options.scenes.empty() && options.techniques.empty()) options.suite = "quick";
   live.suite = make_suite(options, "compare --live");
   live.filter = options.filter;
@@ -28,7 +29,7 @@ void run_both(CompareCommand& options, const Program& program) {
   if (live.out.empty()) live.out = timed_folder("live");
   SceneLibrary library;
   Progress progress(options.quiet);
-  run_live(live, library, progress);
+  run_live(live, options.base_program, library, progress);
   options.base = (live.out / "base").string();
   options.contender = (live.out / "contender").string();
 }
@@ -36,7 +37,7 @@ void run_both(CompareCommand& options, const Program& program) {
 int run(CompareCommand& options, const Program& program) {
   const Format format = format_named(options.format);
   if (format == Format::latex) throw Error("--format tex is none of a comparison's: terminal, md, csv, json");
-  if (!options.live.base_program.empty())
+  if (!options.base_program.empty())
     run_both(options, program);
   else if (options.base.empty() || options.contender.empty())
     throw Error("compare needs two folders of runs, BASE and CONTENDER, or --live and a program");
@@ -70,7 +71,7 @@ void add_compare(Program& program) {
   command.flag("--all", &options.all, "Also what does not differ");
   command.flag("--force", &compare.force, "Judge times of different processors, too");
   const auto live =
-      command.option("--live", &options.live.base_program,
+      command.option("--live", &options.base_program,
                      "Another gnomon: runs both side by side and compares, this one the contender", {.type_name = "PROGRAM"});
   command.option("--suite", &options.suite, "With --live: suite name or .toml file; quick by default", {.needs = live});
   add_suite_options(command, options, "With --live: ", live);

@@ -7,7 +7,6 @@
 #include "measure/paths.h"
 #include "measure/picture/detail_export.h"
 #include "measure/picture/picture.h"
-#include "measure/run/context.h"
 #include "measure/run/row.h"
 #include "measure/scene/load.h"
 #include "measure/score/error_picture.h"

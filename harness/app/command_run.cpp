@@ -6,7 +6,6 @@
 #include "app/app.h"
 #include "app/suite_options.h"
 #include "measure/record/merge.h"
-#include "measure/run/context.h"
 #include "measure/run/estimate.h"
 #include "measure/run/resume.h"
 #include "measure/run/run.h"

@@ -7,7 +7,6 @@
 #include "measure/frame/certify.h"
 #include "measure/frame/frame.h"
 #include "measure/paths.h"
-#include "measure/picture/image_files.h"
 #include "measure/picture/picture.h"
 #include "measure/run/jobs.h"
 #include "measure/run/progress.h"
@@ -190,7 +189,7 @@ int run_certify(const CertifyCommand& options) {
   for (const Light* light : lights) require_reference(scene, *light, scene.views.front());
   FrameStore frames(scene, cache_root() / "frames");
   bool all_hold = true;
-  nlohmann::json list = nlohmann::json::array();
+  Json list = Json::array();
   for (const View* view : views)
     for (const Light* light : lights) {
       // The oracle knows triangles: the certificate is of mesh truth.

@@ -30,7 +30,7 @@ struct TableCommand {
       result = rescore(records, dir, progress);
     }
     for (const std::string& note : result.notes) fmt::print(stderr, "{}\n", note);
-    if (writer) replace_records(dir, records, *writer);
+    if (writer) writer->replace(records);
     fmt::print(stderr, "{} row{} rescored{}\n", result.rows, result.rows == 1 ? "" : "s",
                writer ? fmt::format(", {} rewritten", records_file(dir).string()) : "");
     return records;

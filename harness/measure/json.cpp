@@ -8,6 +8,12 @@ std::string plain_text(const Json& json) { return json.is_string() ? json.get<st
 
 Json parse_json(const std::string& text) { return Json::parse(text); }
 
-Json empty_object() { return Json::object(); }
+Json parse_if_json(std::string_view text) { return Json::parse(text, nullptr, false); }
+
+Json json_object(std::initializer_list<JsonField> fields) {
+  Json object = Json::object();
+  for (const JsonField& field : fields) object[field.key] = field.value;
+  return object;
+}
 
 }  // namespace gnomon

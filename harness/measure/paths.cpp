@@ -9,6 +9,12 @@ namespace gnomon {
 
 namespace fs = std::filesystem;
 
+void make_folder(const fs::path& folder, const std::string& what) {
+  std::error_code code;
+  fs::create_directories(folder, code);
+  if (code) throw Error("{} {} cannot be made: {}", what, folder.string(), code.message());
+}
+
 fs::path program_path() { return fs::read_symlink("/proc/self/exe"); }
 
 fs::path data_root() {

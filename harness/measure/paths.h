@@ -11,6 +11,9 @@ std::filesystem::path data_root();
 /// cache folder. Fetched scenes lie in `scenes/ID/` below it.
 std::filesystem::path cache_root();
 
+/// Makes a folder with its parents. Throws Error that starts with `what`.
+void make_folder(const std::filesystem::path& folder, const std::string& what = "folder");
+
 /// The running program's own file.
 std::filesystem::path program_path();
 

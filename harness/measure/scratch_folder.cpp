@@ -8,17 +8,13 @@
 #include <charconv>
 #include <cstring>
 
+#include "measure/paths.h"
+
 namespace gnomon {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-void make(const fs::path& folder) {
-  std::error_code code;
-  fs::create_directories(folder, code);
-  if (code) throw Error("folder {} cannot be made: {}", folder.string(), code.message());
-}
 
 /// Whether the folder is of a process that is gone: its name is the prefix and the number of the process.
 bool is_left_over(const fs::path& folder, const std::string& prefix) {
@@ -33,12 +29,12 @@ bool is_left_over(const fs::path& folder, const std::string& prefix) {
 }  // namespace
 
 ScratchFolder ScratchFolder::at(const fs::path& path) {
-  make(path);
+  make_folder(path);
   return ScratchFolder(path);
 }
 
 ScratchFolder ScratchFolder::in(const fs::path& parent, const std::string& prefix) {
-  make(parent);
+  make_folder(parent);
   std::string name = (parent / (prefix + ".XXXXXX")).string();
   if (!mkdtemp(name.data())) throw Error("{} cannot be written: {}", parent.string(), std::strerror(errno));
   return ScratchFolder(name);

@@ -1,9 +1,7 @@
-#include <gnomon/error.h>
-
 #include <cmath>
-#include <cstring>
 
 #include "measure/cause/causes.h"
+#include "measure/scene/fields.h"
 
 // Layout: magic, count; for each pixel one record and its taps. All little pieces of plain memory: both sides are this program
 // on this machine.
@@ -14,10 +12,6 @@ namespace {
 
 constexpr std::uint64_t magic = 0x33'79'68'77'6d'6e'67ull;  // "gnmwhy3"
 
-struct Head {
-  std::uint64_t magic, count;
-};
-
 /// One explanation less its taps.
 struct Plain {
   std::uint64_t tap_count = 0, element = 0;
@@ -27,41 +21,6 @@ struct Plain {
   std::uint8_t padding[3] = {};
 };
 static_assert(sizeof(Plain) == 72 && sizeof(Tap) == 64 && std::is_trivially_copyable_v<Tap>);
-
-template <class T>
-void append(std::vector<std::byte>& bytes, const T* items, std::size_t count) {
-  const std::size_t size = bytes.size();
-  bytes.resize(size + count * sizeof(T));
-  if (count > 0) std::memcpy(&bytes[size], items, count * sizeof(T));
-}
-
-class Reader {
- public:
-  explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {}
-  template <class T>
-  void take(T* items, std::uint64_t count) {
-    if (count > bytes_.size() / sizeof(T))
-      throw Error("explanations end early: {} items of {} bytes are wanted, {} bytes are left", count, sizeof(T),
-                  bytes_.size());
-    if (count > 0) std::memcpy(static_cast<void*>(items), bytes_.data(), count * sizeof(T));
-    bytes_ = bytes_.subspan(count * sizeof(T));
-  }
-  /// Throws like take, before anybody makes room for that many.
-  template <class T>
-  void expect(std::uint64_t count) const {
-    if (count > bytes_.size() / sizeof(T))
-      throw Error("explanations end early: {} items of {} bytes are wanted, {} bytes are left", count, sizeof(T),
-                  bytes_.size());
-  }
-  std::size_t left() const { return bytes_.size(); }
-
- private:
-  std::span<const std::byte> bytes_;
-};
-
-}  // namespace
-
-namespace {
 
 bool is_finite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
@@ -86,9 +45,8 @@ void check(const Explanation& why, std::size_t place) {
 }  // namespace
 
 std::vector<std::byte> explanation_bytes(std::span<const std::optional<Explanation>> explanations) {
-  std::vector<std::byte> bytes;
-  const Head head{magic, explanations.size()};
-  append(bytes, &head, 1);
+  FieldWriter io;
+  io(magic, static_cast<std::uint64_t>(explanations.size()));
   for (const auto& why : explanations) {
     Plain plain;
     if (why) {
@@ -105,23 +63,22 @@ std::vector<std::byte> explanation_bytes(std::span<const std::optional<Explanati
       plain.has_element = why->element.has_value();
       plain.element = why->element.value_or(0);
     }
-    append(bytes, &plain, 1);
-    if (why) append(bytes, why->taps.data(), why->taps.size());
+    io(plain);
+    if (why) io.items(why->taps);
   }
-  return bytes;
+  return std::move(io.bytes);
 }
 
 std::vector<std::optional<Explanation>> explanations_from_bytes(std::span<const std::byte> bytes) {
-  Reader reader(bytes);
-  Head head;
-  reader.take(&head, 1);
-  if (head.magic != magic) throw Error("these bytes are no explanations: they begin with {:#x}, not {:#x}", head.magic, magic);
-  reader.expect<Plain>(head.count);
-  std::vector<std::optional<Explanation>> explanations(head.count);
-  for (auto& why : explanations) {
+  FieldReader io(bytes, fmt::format("explanations end early: there are {} bytes", bytes.size()));
+  std::uint64_t mark = 0;
+  io(mark);
+  if (mark != magic) throw Error("these bytes are no explanations: they begin with {:#x}, not {:#x}", mark, magic);
+  std::vector<std::optional<Explanation>> explanations;
+  io.list(explanations, [](auto& sub, auto& why) {
     Plain plain;
-    reader.take(&plain, 1);
-    if (!plain.has_any) continue;
+    sub(plain);
+    if (!plain.has_any) return;
     why.emplace();
     why->covered = plain.covered;
     why->bias = plain.bias;
@@ -130,11 +87,9 @@ std::vector<std::optional<Explanation>> explanations_from_bytes(std::span<const 
     why->formula_differs = plain.formula_differs != 0;
     if (plain.has_shifted) why->shifted = plain.shifted;
     if (plain.has_element) why->element = plain.element;
-    reader.expect<Tap>(plain.tap_count);
-    why->taps.resize(plain.tap_count);
-    reader.take(why->taps.data(), plain.tap_count);
-  }
-  if (reader.left() > 0) throw Error("{} bytes are left after the last explanation", reader.left());
+    sub.items(why->taps, plain.tap_count);
+  });
+  if (io.left() > 0) throw Error("{} bytes are left after the last explanation", io.left());
   return explanations;
 }
 

@@ -11,7 +11,6 @@
 #include <cmath>
 
 #include "measure/frame/classify.h"
-#include "measure/json.h"
 
 namespace gnomon {
 
@@ -182,28 +181,28 @@ std::string text(const Certificate& c) {
   return out;
 }
 
-void to_json(nlohmann::json& json, const Certificate& c) {
-  json = {{"scene", c.scene},
-          {"light", c.light},
-          {"view", c.view},
-          {"reference", c.reference},
-          {"holds", c.holds()},
-          {"facing", c.facing_count},
-          {"queries", c.query_count},
-          {"queries_band", c.band_count},
-          {"queries_random", c.random_count},
-          {"uncertain", c.uncertain_count},
-          {"degenerate", c.degenerate_count},
-          {"below_margin", c.close_count},
-          {"disagreements", c.disagreements},
-          {"disagreements_uncertain", c.uncertain_disagreement_count},
-          {"worst_margin_meters", c.worst_margin},
-          {"worst_margin_pixels", c.worst_margin_pixels},
-          {"clearance_floor_meters", c.clearance_floor},
-          {"bound_95", c.bound},
-          {"lattice_exponent", c.lattice_exponent},
-          {"signs_int128", c.tally.signs.lattice},
-          {"signs_gmp", c.tally.signs.big}};
+void to_json(Json& json, const Certificate& c) {
+  json = json_object({{"below_margin", c.close_count},
+                      {"bound_95", c.bound},
+                      {"clearance_floor_meters", c.clearance_floor},
+                      {"degenerate", c.degenerate_count},
+                      {"disagreements", c.disagreements},
+                      {"disagreements_uncertain", c.uncertain_disagreement_count},
+                      {"facing", c.facing_count},
+                      {"holds", c.holds()},
+                      {"lattice_exponent", c.lattice_exponent},
+                      {"light", c.light},
+                      {"queries", c.query_count},
+                      {"queries_band", c.band_count},
+                      {"queries_random", c.random_count},
+                      {"reference", c.reference},
+                      {"scene", c.scene},
+                      {"signs_gmp", c.tally.signs.big},
+                      {"signs_int128", c.tally.signs.lattice},
+                      {"uncertain", c.uncertain_count},
+                      {"view", c.view},
+                      {"worst_margin_meters", c.worst_margin},
+                      {"worst_margin_pixels", c.worst_margin_pixels}});
 }
 
 }  // namespace gnomon

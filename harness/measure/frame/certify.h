@@ -3,9 +3,10 @@
 #include <gnomon/kit/exact_scene.h>
 
 #include <functional>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
+
+#include "measure/json.h"
 
 namespace gnomon {
 
@@ -51,6 +52,7 @@ double upper_bound_95(std::size_t count, std::size_t total);
 
 /// A few lines for the terminal.
 std::string text(const Certificate& certificate);
-void to_json(nlohmann::json& json, const Certificate& certificate);
+/// Keys in alphabetical order.
+void to_json(Json& json, const Certificate& certificate);
 
 }  // namespace gnomon

@@ -6,15 +6,12 @@
 #include <algorithm>
 
 #include "measure/frame/light_rays.h"
-#include "measure/frame/snapping.h"
 
 namespace gnomon {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-constexpr int algorithm_version = 5;
 
 /// Raised when `find_snapping` answers otherwise. It names files of references and no version of the frames: masks and causes
 /// stand as they did.
@@ -47,7 +44,7 @@ std::span<const T> slice(const MappedFile& file, std::size_t& offset, std::size_
 
 }  // namespace
 
-int frame_version() { return algorithm_version; }
+int frame_version() { return 5; }
 
 FrameStore::FrameStore(const Scene& scene, fs::path folder)
     : scene_(scene), folder_(std::move(folder)), scene_bytes_(scene_bytes(scene)), scene_hash_(content_hash(scene_bytes_)) {}
@@ -60,7 +57,7 @@ fs::path FrameStore::scene_file() const {
 
 std::string FrameStore::hash(const FrameKey& key, const Light* light) const {
   Scene fingerprint;
-  fingerprint.name = fmt::format("{} {} {} {} {}", algorithm_version, scene_hash_, key.width, key.height, name(key.truth));
+  fingerprint.name = fmt::format("{} {} {} {} {}", frame_version(), scene_hash_, key.width, key.height, name(key.truth));
   fingerprint.views = {key.view};
   if (light) {
     fingerprint.name += fmt::format(" {}", snapping_version);

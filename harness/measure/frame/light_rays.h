@@ -21,7 +21,6 @@ class LightRays {
  public:
   LightRays(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const Light& light);
 
-  const glm::dvec4& light() const { return light_; }
   /// Unit, from `point` toward the light.
   glm::dvec3 toward_light(const glm::dvec3& point) const { return glm::normalize(to_light(light_, point)); }
   /// No caster is farther than this from `point`.

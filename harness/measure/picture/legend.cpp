@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <sstream>
 
-#include "measure/picture/image_files.h"
-
 namespace gnomon {
 
 namespace {

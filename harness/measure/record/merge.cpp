@@ -8,6 +8,7 @@
 #include <set>
 #include <unordered_map>
 
+#include "measure/paths.h"
 #include "measure/scene/blob.h"
 
 namespace gnomon {
@@ -42,13 +43,6 @@ void require_inside(const fs::path& path, const MergedRow& row) {
   if (!is_inside)
     throw Error("picture {} is not a path below the run's folder ({}, job {})", path.string(), row.folder.string(),
                 row.record.job);
-}
-
-std::vector<std::string> pictures(const Record& record) {
-  std::vector<std::string> names;
-  for (const auto& name : {record.mask, record.error_picture, record.shaded_picture})
-    if (name) names.push_back(*name);
-  return names;
 }
 
 /// A note for each fact that should be one for all rows and is not.
@@ -174,9 +168,7 @@ std::size_t write_merge(const Merge& merge, const fs::path& out, const std::func
   if (!target.has_filename()) target = target.parent_path();
   require_free(target);
   const fs::path parent = target.has_parent_path() ? target.parent_path() : fs::path(".");
-  std::error_code code;
-  fs::create_directories(parent, code);
-  if (code) throw Error("output folder {} cannot be made: {}", parent.string(), code.message());
+  make_folder(parent, "output folder");
   const fs::path staged = parent / fmt::format(".{}.{}.part", target.filename().string(), getpid());
   try {
     fs::create_directory(staged);
@@ -204,7 +196,8 @@ std::size_t write_merge(const Merge& merge, const fs::path& out, const std::func
     sync_folder_of(target);
     return missing;
   } catch (...) {
-    fs::remove_all(staged, code);
+    std::error_code ignored;
+    fs::remove_all(staged, ignored);
     throw;
   }
 }

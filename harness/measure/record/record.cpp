@@ -1,10 +1,16 @@
 #include "measure/record/record.h"
 
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 
 namespace gnomon {
+
+Record::Record() = default;
+Record::Record(const Record&) = default;
+Record::Record(Record&&) noexcept = default;
+Record& Record::operator=(const Record&) = default;
+Record& Record::operator=(Record&&) noexcept = default;
+Record::~Record() = default;
 
 std::string_view name(Status status) {
   static constexpr std::string_view names[] = {"ok", "unsupported", "failed"};
@@ -18,216 +24,30 @@ std::string_view name(Role role) {
 
 namespace {
 
-// --- values to JSON ---------------------------------------------------------------------------------------------------
+template <class T, class Of>
+concept Is = std::is_same_v<std::remove_const_t<T>, Of>;
 
-template <class T>
-Json written(const T& value) {
-  return value;
+// Each calls use(key, member) for every field in the order that the file has them, for writing and for reading; of a record,
+// for every field but `schema`.
+void for_each_field(Is<Count> auto& count, const auto& use) {
+  use("name", count.name);
+  use("value", count.value);
+  use("unit", count.unit);
 }
-/// JSON has no NaN and no infinity: null.
-Json written(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-Json written(Status value) { return name(value); }
-Json written(Role value) { return name(value); }
-Json written(Truth value) { return name(value); }
-Json written(Support::Kind value) { return name(value); }
-Json written(const Count& count) { return {{"name", count.name}, {"value", written(count.value)}, {"unit", count.unit}}; }
-Json written(const Record::GlInputs& gl) { return {{"input_bytes", gl.input_bytes}, {"upload_ms", written(gl.upload_ms)}}; }
-Json written(const Record::SceneFacts& facts) {
-  return {{"meshes", facts.meshes},
-          {"triangles", facts.triangles},
-          {"closed", facts.closed},
-          {"boundary_edges", facts.boundary_edges},
-          {"nonmanifold_edges", facts.nonmanifold_edges},
-          {"misoriented_edges", facts.misoriented_edges},
-          {"degenerate", facts.degenerate}};
+void for_each_field(Is<Record::GlInputs> auto& gl, const auto& use) {
+  use("input_bytes", gl.input_bytes);
+  use("upload_ms", gl.upload_ms);
 }
-template <class T>
-Json written(const std::optional<T>& value) {
-  return value ? written(*value) : Json(nullptr);
+void for_each_field(Is<Record::SceneFacts> auto& facts, const auto& use) {
+  use("meshes", facts.meshes);
+  use("triangles", facts.triangles);
+  use("closed", facts.closed);
+  use("boundary_edges", facts.boundary_edges);
+  use("nonmanifold_edges", facts.nonmanifold_edges);
+  use("misoriented_edges", facts.misoriented_edges);
+  use("degenerate", facts.degenerate);
 }
-template <class T>
-Json written(const std::vector<std::optional<T>>& values) {
-  Json array = Json::array();
-  for (const std::optional<T>& value : values) array.push_back(written(value));
-  return array;
-}
-Json written(const Counts& counts) {
-  Json array = Json::array();
-  for (const Count& count : counts) array.push_back(written(count));
-  return array;
-}
-std::string key_of(const std::string& key) { return key; }
-std::string key_of(Truth truth) { return std::string(name(truth)); }
-template <class Key, class Value, class... Rest>
-Json written(const std::map<Key, Value, Rest...>& map) {
-  Json object = Json::object();
-  for (const auto& [key, value] : map) object[key_of(key)] = written(value);
-  return object;
-}
-/// Stages that were timed, by name.
-Json written(const decltype(Record::stages)& stages) {
-  Json object = Json::object();
-  for (std::size_t stage = 0; stage < stages.size(); ++stage)
-    if (!stages[stage].empty()) object[std::string(stage_names[stage])] = stages[stage];
-  return object;
-}
-
-// --- JSON to values ---------------------------------------------------------------------------------------------------
-
-[[noreturn]] void refuse(std::string_view field, const Json& value, std::string_view allowed) {
-  throw Error("{} = {} is not {}", field, json_text(value), allowed);
-}
-
-void read(std::string_view field, const Json& value, std::string& into) {
-  if (!value.is_string()) refuse(field, value, "text");
-  into = value.get<std::string>();
-}
-void read(std::string_view field, const Json& value, double& into) {
-  if (!value.is_number()) refuse(field, value, "a number");
-  into = value.get<double>();
-}
-void read(std::string_view field, const Json& value, bool& into) {
-  if (!value.is_boolean()) refuse(field, value, "true or false");
-  into = value.get<bool>();
-}
-void read(std::string_view field, const Json& value, std::uint64_t& into) {
-  const bool is_whole = value.is_number_unsigned() || (value.is_number_integer() && value.get<std::int64_t>() >= 0);
-  if (!is_whole) refuse(field, value, "a whole number, 0 or more");
-  into = value.get<std::uint64_t>();
-}
-void read(std::string_view field, const Json& value, int& into) {
-  std::uint64_t whole = 0;
-  read(field, value, whole);
-  if (whole > std::numeric_limits<int>::max()) refuse(field, value, "below 2147483648");
-  into = static_cast<int>(whole);
-}
-void read(std::string_view field, const Json& value, Json& into) {
-  if (!value.is_object()) refuse(field, value, "an object");
-  into = value;
-}
-
-/// One word of a closed set.
-template <class Enum>
-void read_word(std::string_view field, const Json& value, Enum& into, std::initializer_list<Enum> all) {
-  std::string allowed;
-  for (const Enum word : all) {
-    if (value.is_string() && value.get_ref<const std::string&>() == name(word)) return void(into = word);
-    allowed += fmt::format("{}{}", allowed.empty() ? "one of " : ", ", name(word));
-  }
-  refuse(field, value, allowed);
-}
-void read(std::string_view field, const Json& value, Status& into) {
-  read_word(field, value, into, {Status::ok, Status::unsupported, Status::failed});
-}
-void read(std::string_view field, const Json& value, Truth& into) {
-  read_word(field, value, into, {Truth::shape, Truth::mesh});
-}
-void read(std::string_view field, const Json& value, Role& into) {
-  read_word(field, value, into, {Role::contender, Role::baseline, Role::reference});
-}
-void read(std::string_view field, const Json& value, Support::Kind& into) {
-  using enum Support::Kind;
-  read_word(field, value, into, {full, approximate, unsupported});
-}
-
-template <class Value, class... Rest>
-void read(std::string_view field, const Json& value, std::map<std::string, Value, Rest...>& into);
-void read(std::string_view field, const Json& value, Count& into);
-void read(std::string_view field, const Json& value, Record::GlInputs& into);
-void read(std::string_view field, const Json& value, Record::SceneFacts& into);
-
-template <class T>
-void read(std::string_view field, const Json& value, std::optional<T>& into) {
-  if (value.is_null()) return void(into = std::nullopt);
-  read(field, value, into.emplace());
-}
-/// Null elements are left out: a time that was not taken.
-template <class T>
-void read(std::string_view field, const Json& value, std::vector<T>& into) {
-  if (!value.is_array()) refuse(field, value, "an array");
-  into.clear();
-  for (const Json& element : value)
-    if (!element.is_null()) read(field, element, into.emplace_back());
-}
-/// Null elements stay: a value that is not defined at its place.
-template <class T>
-void read(std::string_view field, const Json& value, std::vector<std::optional<T>>& into) {
-  if (!value.is_array()) refuse(field, value, "an array");
-  into.clear();
-  for (const Json& element : value) read(field, element, into.emplace_back());
-}
-template <class Value, class... Rest>
-void read(std::string_view field, const Json& value, std::map<std::string, Value, Rest...>& into) {
-  if (!value.is_object()) refuse(field, value, "an object");
-  for (const auto& [key, element] : value.items()) read(fmt::format("{}.{}", field, key), element, into[key]);
-}
-
-/// Other names than the two truths' are passed over.
-void read(std::string_view field, const Json& value, std::map<Truth, Metrics>& into) {
-  std::map<std::string, Metrics> by_name;
-  read(field, value, by_name);
-  for (const Truth truth : {Truth::shape, Truth::mesh})
-    if (const auto found = by_name.find(std::string(name(truth))); found != by_name.end()) into[truth] = found->second;
-}
-void read(std::string_view field, const Json& value, decltype(Record::stages)& into) {
-  std::map<std::string, ProcessTimes> by_name;
-  read(field, value, by_name);
-  for (std::size_t stage = 0; stage < into.size(); ++stage) into[stage] = by_name[std::string(stage_names[stage])];
-}
-
-/// Takes fields out of an object; what is left at the end was not known.
-class Fields {
- public:
-  Fields(const Json& json, std::string prefix) : json_(json), prefix_(std::move(prefix)) {
-    if (!json.is_object()) refuse(prefix_.empty() ? "the record" : prefix_, json, "an object");
-  }
-  /// Absent or null: `into` keeps its value.
-  template <class T>
-  void take(const char* key, T& into) {
-    const auto found = json_.find(key);
-    if (found == json_.end()) return;
-    if (!found->is_null()) read(prefix_.empty() ? key : fmt::format("{}.{}", prefix_, key), *found, into);
-    json_.erase(found);
-  }
-  template <class T>
-  void require(const char* key, T& into) {
-    if (!json_.contains(key) || json_[key].is_null()) throw Error("{} is missing", key);
-    take(key, into);
-  }
-  const Json& rest() const { return json_; }
-
- private:
-  Json json_;
-  std::string prefix_;
-};
-
-void read(std::string_view field, const Json& value, Count& into) {
-  Fields fields(value, std::string(field));
-  fields.take("name", into.name);
-  std::optional<double> number;
-  fields.take("value", number);
-  into.value = number.value_or(std::numeric_limits<double>::quiet_NaN());
-  fields.take("unit", into.unit);
-}
-void read(std::string_view field, const Json& value, Record::GlInputs& into) {
-  Fields fields(value, std::string(field));
-  fields.take("input_bytes", into.input_bytes);
-  fields.take("upload_ms", into.upload_ms);
-}
-void read(std::string_view field, const Json& value, Record::SceneFacts& into) {
-  Fields fields(value, std::string(field));
-  fields.take("meshes", into.meshes);
-  fields.take("triangles", into.triangles);
-  fields.take("closed", into.closed);
-  fields.take("boundary_edges", into.boundary_edges);
-  fields.take("nonmanifold_edges", into.nonmanifold_edges);
-  fields.take("misoriented_edges", into.misoriented_edges);
-  fields.take("degenerate", into.degenerate);
-}
-
-/// Calls use(key, member) for every field but `schema` in the order that the file has them, for writing and for reading.
-template <class AnyRecord, class Use>
-void for_each_field(AnyRecord& r, const Use& use) {
+void for_each_field(Is<Record> auto& r, const auto& use) {
   use("job", r.job);
   use("suite", r.suite);
   use("scene", r.scene);
@@ -267,6 +87,105 @@ void for_each_field(AnyRecord& r, const Use& use) {
   use("seconds", r.seconds);
 }
 
+template <class T>
+constexpr bool is_vector = false;
+template <class T>
+constexpr bool is_vector<std::vector<T>> = true;
+
+using Stages = decltype(Record::stages);
+
+template <class T>
+Json written(const T& value) {
+  if constexpr (std::is_enum_v<T>) {
+    return name(value);
+  } else if constexpr (std::is_same_v<T, double>) {
+    return std::isfinite(value) ? Json(value) : Json();  // JSON has no NaN and no infinity: null
+  } else if constexpr (requires { value.has_value(); }) {
+    return value ? written(*value) : Json();
+  } else if constexpr (is_vector<T>) {
+    Json array = Json::array();
+    for (const auto& item : value) array.push_back(written(item));
+    return array;
+  } else if constexpr (requires { typename T::mapped_type; }) {
+    Json object = Json::object();
+    for (const auto& [key, item] : value) object[plain_text(written(key))] = written(item);
+    return object;
+  } else if constexpr (std::is_same_v<T, Stages>) {
+    Json object = Json::object();  // stages that were timed, by name
+    for (std::size_t stage = 0; stage < value.size(); ++stage)
+      if (!value[stage].empty()) object[std::string(stage_names[stage])] = value[stage];
+    return object;
+  } else if constexpr (requires { for_each_field(value, 0); }) {
+    Json object = Json::object();
+    for_each_field(value, [&](const char* key, const auto& member) { object[key] = written(member); });
+    return object;
+  } else {
+    return value;
+  }
+}
+
+/// Throws Error that names the field and says what it may be.
+template <class T>
+void read(const std::string& field, const Json& value, T& into) {
+  const auto need = [&](bool is_good, std::string_view allowed) {
+    if (!is_good) throw Error("{} = {} is not {}", field, json_text(value), allowed);
+  };
+  if constexpr (std::is_same_v<T, std::string>) {
+    need(value.is_string(), "text");
+    into = value.get<std::string>();
+  } else if constexpr (std::is_same_v<T, double>) {
+    need(value.is_number(), "a number");
+    into = value.get<double>();
+  } else if constexpr (std::is_same_v<T, bool>) {
+    need(value.is_boolean(), "true or false");
+    into = value.get<bool>();
+  } else if constexpr (std::is_integral_v<T>) {
+    const bool is_whole = value.is_number_unsigned() || (value.is_number_integer() && value.get<std::int64_t>() >= 0);
+    need(is_whole, "a whole number, 0 or more");
+    need(std::in_range<T>(value.get<std::uint64_t>()), "below 2147483648");
+    into = value.get<T>();
+  } else if constexpr (std::is_enum_v<T>) {
+    std::vector<std::string> words;
+    for (int k = 0; k < (std::is_same_v<T, Truth> ? 2 : 3); ++k) {
+      words.emplace_back(name(static_cast<T>(k)));
+      if (value == words.back()) return void(into = static_cast<T>(k));
+    }
+    need(false, "one of " + joined(words));
+  } else if constexpr (std::is_same_v<T, Json>) {
+    need(value.is_object(), "an object");
+    into = value;
+  } else if constexpr (requires { into.has_value(); }) {
+    into.reset();
+    if (!value.is_null()) read(field, value, into.emplace());
+  } else if constexpr (is_vector<T>) {
+    need(value.is_array(), "an array");
+    into.clear();
+    // A null is a value that is not defined at its place, where there is such a place; else a time that was not taken.
+    for (const Json& item : value)
+      if (!item.is_null() || requires(T::value_type v) { v.reset(); }) read(field, item, into.emplace_back());
+  } else if constexpr (std::is_same_v<T, std::map<Truth, Metrics>>) {
+    std::map<std::string, Metrics> by_name;  // other names than the two truths' are passed over
+    read(field, value, by_name);
+    for (const Truth truth : {Truth::shape, Truth::mesh})
+      if (const auto found = by_name.find(std::string(name(truth))); found != by_name.end()) into[truth] = found->second;
+  } else if constexpr (std::is_same_v<T, Stages>) {
+    std::map<std::string, ProcessTimes> by_name;
+    read(field, value, by_name);
+    for (std::size_t stage = 0; stage < into.size(); ++stage) into[stage] = by_name[std::string(stage_names[stage])];
+  } else {
+    need(value.is_object(), "an object");
+    if constexpr (requires { typename T::mapped_type; }) {
+      for (const auto& [key, item] : value.items()) read(field + "." + key, item, into[key]);
+    } else {
+      if constexpr (std::is_same_v<T, Count>) into.value = std::numeric_limits<double>::quiet_NaN();
+      for_each_field(into, [&](const char* key, auto& member) {
+        if (const auto found = value.find(key); found != value.end() && !found->is_null())
+          read(fmt::format("{}.{}", field, key), *found, member);
+      });
+    }
+  }
+}
+
 }  // namespace
 
 std::string setting_key(const Record& r) { return r.technique + (r.settings.empty() ? "" : ":" + r.settings); }
@@ -293,23 +212,28 @@ std::optional<double> Record::metric(Truth of, std::string_view name) const {
 void to_json(Json& json, const Record& r) {
   json = Json::object();
   json["schema"] = record_schema;
-  for_each_field(r, [&](const char* key, const auto& value) { json[key] = written(value); });
-  for (const auto& [key, value] : r.unknown.items()) json[key] = value;
+  json.update(written(r));
+  json.update(r.unknown);
 }
 
 void from_json(const Json& json, Record& record) {
+  if (!json.is_object()) throw Error("the record = {} is not an object", json_text(json));
   Record r;
-  Fields fields(json, "");
+  r.unknown = json;
+  const auto take = [&](std::string_view key, auto& value) {
+    const auto found = r.unknown.find(key);
+    if (found == r.unknown.end() || found->is_null()) {
+      for (const std::string_view needed : {"schema", "scene", "technique", "status"})
+        if (key == needed) throw Error("{} is missing", key);
+    } else {
+      read(std::string(key), *found, value);
+    }
+    r.unknown.erase(key);
+  };
   int schema = 0;
-  fields.require("schema", schema);
+  take("schema", schema);
   if (schema < 1 || schema > record_schema) throw Error("schema = {} is outside 1 .. {}", schema, record_schema);
-  for_each_field(r, [&](std::string_view key, auto& value) {
-    if (key == "scene" || key == "technique" || key == "status")
-      fields.require(key.data(), value);
-    else
-      fields.take(key.data(), value);
-  });
-  r.unknown = fields.rest();
+  for_each_field(r, take);
   record = std::move(r);
 }
 
@@ -326,11 +250,11 @@ void withdraw(Record& record, const std::string& reason) {
   record.reason = reason;
 }
 
-void withdraw_false_reference(Record& record) {
-  constexpr int last_hard_frames = 5;
-  const bool has_area = record.light_kind == "rect" || record.light_kind == "disc" || record.light_kind == "sphere";
-  if (record.status != Status::ok || !has_area || std::atoi(context_text(record, "frames").c_str()) > last_hard_frames) return;
-  withdraw(record, "it was scored against the hard shadow of the light's center, and the light has an area");
+std::vector<std::string> pictures(const Record& record) {
+  std::vector<std::string> names;
+  for (const auto& name : {record.mask, record.error_picture, record.shaded_picture})
+    if (name) names.push_back(*name);
+  return names;
 }
 
 std::string record_line(const Record& record) {

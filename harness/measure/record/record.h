@@ -36,7 +36,7 @@ struct Record {
   std::string settings;              ///< "a=1,b=2": what differs from the defaults
   std::optional<std::string> label;  ///< short name that the suite gives the row
   Role role = Role::contender;
-  Json parameters = empty_object();  ///< every parameter of the technique with its value, number or text
+  Json parameters = json_object();  ///< every parameter of the technique with its value, number or text
   int width = 0, height = 0;
   Truth truth = Truth::shape;  ///< the truth that headline metrics use
   std::string path;            ///< camera or light path that the row follows; empty: it stands still
@@ -75,9 +75,17 @@ struct Record {
   std::vector<std::string> notes;
   /// Free, but these keys have a meaning: version, commit, build_type, compiler, flags, processor, cores, threads,
   /// load_average, started, gl_renderer, gl_version, libraries (object: name -> version).
-  Json context = empty_object();
+  Json context = json_object();
   std::optional<double> seconds;  ///< wall time that the row took
-  Json unknown = empty_object();  ///< fields that this program does not know, kept as read
+  Json unknown = json_object();  ///< fields that this program does not know, kept as read
+
+  // Compiled once: Record is in most files, and has many members.
+  Record();
+  Record(const Record&);
+  Record(Record&&) noexcept;
+  Record& operator=(const Record&);
+  Record& operator=(Record&&) noexcept;
+  ~Record();
 
   const ProcessTimes& times(Stage stage) const { return stages[static_cast<std::size_t>(stage)]; }
   ProcessTimes& times(Stage stage) { return stages[static_cast<std::size_t>(stage)]; }
@@ -106,9 +114,8 @@ void forget_results(Record& record);
 /// Makes it an unsupported row with this reason and without results.
 void withdraw(Record& record, const std::string& reason);
 
-/// Withdraws a row of a light with area that was scored against the hard shadow of the light's center, as programs did while
-/// their reference knew no other (frames of version 5 and before, see frame_version).
-void withdraw_false_reference(Record& record);
+/// The pictures that it names, paths relative to the run's folder.
+std::vector<std::string> pictures(const Record& record);
 
 /// The line of records.jsonl, newline included.
 std::string record_line(const Record& record);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <unordered_map>
@@ -19,7 +20,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
-bool is_json(std::string_view text) { return Json::accept(text); }
+/// Withdraws a row of a light with area that was scored against the hard shadow of the light's center, as programs did while
+/// their reference knew no other (frames of version 5 and before, see frame_version).
+void withdraw_false_reference(Record& record) {
+  constexpr int last_hard_frames = 5;
+  const bool has_area = record.light_kind == "rect" || record.light_kind == "disc" || record.light_kind == "sphere";
+  if (record.status != Status::ok || !has_area || std::atoi(context_text(record, "frames").c_str()) > last_hard_frames) return;
+  withdraw(record, "it was scored against the hard shadow of the light's center, and the light has an area");
+}
 
 /// The end of the file after its last newline. Empty for an empty file or one that is no regular file.
 std::string unfinished_tail(int descriptor, off_t size) {
@@ -56,7 +64,7 @@ RecordFile read_record_file(const fs::path& file) {
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {
     const bool is_finished = !stream.eof();
-    if (!is_finished && !is_json(line)) {
+    if (!is_finished && parse_if_json(line).is_discarded()) {
       result.notes.push_back(fmt::format("{}:{}: the last line is unfinished, the run was stopped while writing it; left out",
                                          file.string(), number));
       break;
@@ -115,8 +123,9 @@ RecordWriter::RecordWriter(const fs::path& dir) : file_(records_file(dir)) {
   const off_t size = size_of(descriptor_);
   const std::string tail = unfinished_tail(descriptor_, size);
   if (tail.empty()) return;
-  const bool is_mended =
-      is_json(tail) ? write(descriptor_, "\n", 1) == 1 : ftruncate(descriptor_, size - static_cast<off_t>(tail.size())) == 0;
+  const bool is_mended = parse_if_json(tail).is_discarded()
+                             ? ftruncate(descriptor_, size - static_cast<off_t>(tail.size())) == 0
+                             : write(descriptor_, "\n", 1) == 1;
   if (!is_mended) refuse(fmt::format("ends in an unfinished line that cannot be mended: {}", std::strerror(errno)));
 }
 

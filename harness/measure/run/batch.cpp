@@ -39,7 +39,7 @@ class Batch {
   /// get the same number, interleaved as before. Answers the seconds that they took.
   double refine(double budget) {
     const auto start = Clock::now();
-    const auto spent = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
+    const auto spent = [&] { return seconds_since(start); };
     double last = 0;  // what the last process took: the next one must fit, too
     for (; process_ < most_processes(run_.suite) && spent() + last < budget && want_more(); ++process_) {
       const double before = spent();
@@ -158,8 +158,7 @@ class Batch {
       } catch (const std::exception& failure) {
         fail(*row, failure.what());
       }
-      const double spent = std::chrono::duration<double>(Clock::now() - start).count();
-      row->record.seconds = row->record.seconds.value_or(0) + spent;
+      row->record.seconds = row->record.seconds.value_or(0) + seconds_since(start);
     }
     for (const Stage stage : {Stage::build, Stage::relight, Stage::resolve}) time_stage(group, stage);
     for (PendingRow* row : group)
@@ -203,7 +202,7 @@ class Batch {
       } catch (const std::exception& failure) {
         fail(*row, failure.what());
       }
-      *row->record.seconds += std::chrono::duration<double>(Clock::now() - start).count();
+      *row->record.seconds += seconds_since(start);
     }
     time_interleaved(tasks);
     for (std::size_t k = 0; k < tasks.size(); ++k) {

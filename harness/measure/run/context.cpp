@@ -1,16 +1,15 @@
-#include "measure/run/context.h"
-
 #include <OpenImageIO/oiioversion.h>
 #include <assimp/version.h>
 #include <embree3/rtcore_config.h>
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <tbb/version.h>
 
+#include <ctime>
 #include <fstream>
 #include <thread>
 
 #include "gnomon_commit.h"
+#include "measure/run/worker.h"
 
 namespace gnomon {
 
@@ -29,21 +28,24 @@ Json machine_context(int threads) {
   const int cores = static_cast<int>(std::thread::hardware_concurrency());
   double load[3] = {};
   getloadavg(load, 3);
-  return {{"version", GNOMON_VERSION},
-          {"commit", GNOMON_COMMIT},
-          {"build_type", GNOMON_BUILD_TYPE},
-          {"compiler", fmt::format("g++ {}", __VERSION__)},
-          {"flags", GNOMON_FLAGS},
-          {"processor", processor()},
-          {"cores", cores},
-          {"threads", threads > 0 ? threads : cores},
-          {"load_average", load[0]},
-          {"started", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))},
-          {"libraries",
-           {{"embree", RTC_VERSION_STRING},
-            {"openimageio", OIIO_VERSION_STRING},
-            {"assimp", fmt::format("{}.{}.{}", aiGetVersionMajor(), aiGetVersionMinor(), aiGetVersionPatch())},
-            {"tbb", fmt::format("{}.{}", TBB_VERSION_MAJOR, TBB_VERSION_MINOR)}}}};
+  char started[32];
+  const std::time_t now = std::time(nullptr);
+  std::strftime(started, sizeof started, "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&now));
+  const std::string assimp = fmt::format("{}.{}.{}", aiGetVersionMajor(), aiGetVersionMinor(), aiGetVersionPatch());
+  return json_object({{"version", GNOMON_VERSION},
+                      {"commit", GNOMON_COMMIT},
+                      {"build_type", GNOMON_BUILD_TYPE},
+                      {"compiler", "g++ " __VERSION__},
+                      {"flags", GNOMON_FLAGS},
+                      {"processor", processor()},
+                      {"cores", cores},
+                      {"threads", threads > 0 ? threads : cores},
+                      {"load_average", load[0]},
+                      {"started", started},
+                      {"libraries", json_object({{"embree", RTC_VERSION_STRING},
+                                                 {"openimageio", OIIO_VERSION_STRING},
+                                                 {"assimp", assimp},
+                                                 {"tbb", fmt::format("{}.{}", TBB_VERSION_MAJOR, TBB_VERSION_MINOR)}})}});
 }
 
 }  // namespace gnomon

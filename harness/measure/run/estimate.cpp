@@ -40,25 +40,20 @@ double timed_seconds(const std::array<double, 3>& stages, const Effort& effort) 
   return sum;
 }
 
-Json to_line(const RowCost& cost) {
-  return {{"job", cost.job},   {"scene", cost.scene},     {"technique", cost.technique}, {"settings", cost.settings},
-          {"path", cost.path}, {"width", cost.width},     {"height", cost.height},       {"machine", cost.machine},
-          {"once", cost.once}, {"process", cost.process}, {"stages", cost.stages},       {"measured", cost.is_measured}};
-}
-
-RowCost from_line(const Json& json) {
-  return {.job = json.at("job"),
-          .scene = json.at("scene"),
-          .technique = json.at("technique"),
-          .settings = json.at("settings"),
-          .path = json.at("path"),
-          .width = json.at("width"),
-          .height = json.at("height"),
-          .machine = json.at("machine"),
-          .is_measured = json.at("measured"),
-          .once = json.at("once"),
-          .process = json.at("process"),
-          .stages = json.at("stages")};
+/// Calls use(key, member) for every field, for writing and for reading.
+void for_each_field(auto& cost, const auto& use) {
+  use("job", cost.job);
+  use("scene", cost.scene);
+  use("technique", cost.technique);
+  use("settings", cost.settings);
+  use("path", cost.path);
+  use("width", cost.width);
+  use("height", cost.height);
+  use("machine", cost.machine);
+  use("once", cost.once);
+  use("process", cost.process);
+  use("stages", cost.stages);
+  use("measured", cost.is_measured);
 }
 
 double pixels(int width, int height) { return static_cast<double>(width) * height; }
@@ -75,9 +70,7 @@ RowCost scaled_to(RowCost cost, int width, int height) {
 class WriterLock {
  public:
   explicit WriterLock(const fs::path& file) {
-    std::error_code code;
-    if (file.has_parent_path()) fs::create_directories(file.parent_path(), code);
-    if (code) throw Error("folder {} cannot be made: {}", file.parent_path().string(), code.message());
+    if (file.has_parent_path()) make_folder(file.parent_path());
     descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     int locked = -1;
     while (descriptor_ >= 0 && (locked = flock(descriptor_, LOCK_EX)) != 0 && errno == EINTR) {
@@ -141,7 +134,10 @@ std::vector<RowCost> History::read() const {
   std::vector<RowCost> costs;
   std::ifstream stream(file_, std::ios::binary);
   for (std::string line; std::getline(stream, line);) try {
-      costs.push_back(from_line(parse_json(line)));
+      const Json fields = parse_json(line);
+      RowCost cost;
+      for_each_field(cost, [&](const char* key, auto& value) { fields.at(key).get_to(value); });
+      costs.push_back(std::move(cost));
     } catch (const Json::exception&) {  // of another version, or damaged: it is learned again
     }
   return costs;
@@ -157,7 +153,11 @@ void History::add(std::span<const RowCost> costs) const {
   all.insert(all.end(), costs.begin(), costs.end());
   if (all.size() > most_rows) all.erase(all.begin(), all.end() - static_cast<std::ptrdiff_t>(most_rows));
   std::string text;
-  for (const RowCost& cost : all) text += json_text(to_line(cost)) + '\n';
+  for (const RowCost& cost : all) {
+    Json fields;
+    for_each_field(cost, [&](const char* key, const auto& value) { fields[key] = value; });
+    text += json_text(fields) + '\n';
+  }
   write_file(file_, text);
 }
 

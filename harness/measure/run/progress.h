@@ -33,6 +33,10 @@ class Progress {
   Clock::time_point start_ = Clock::now(), drawn_{};
 };
 
+inline double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
 /// "1 min 5 s", "12 s".
 std::string duration_text(double seconds);
 

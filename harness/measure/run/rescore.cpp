@@ -8,7 +8,6 @@
 
 #include "measure/frame/frame.h"
 #include "measure/paths.h"
-#include "measure/picture/image_files.h"
 #include "measure/picture/picture.h"
 #include "measure/run/jobs.h"
 #include "measure/scene/load.h"
@@ -196,12 +195,6 @@ RescoreSummary rescore(std::vector<Record>& records, const fs::path& dir, Progre
       result.notes.push_back(fmt::format("{}: {} row{} causes: {}", scene, n, n == 1 ? " loses its" : "s lose their", why));
   }
   return result;
-}
-
-void replace_records(const fs::path& dir, const std::vector<Record>& records, const RecordWriter&) {
-  std::string lines;
-  for (const Record& record : records) lines += record_line(record);
-  write_file(records_file(dir), lines, Durable::yes);
 }
 
 }  // namespace gnomon

@@ -23,7 +23,4 @@ struct RescoreSummary {
 /// names the row when its mask is missing, broken or of the wrong size.
 RescoreSummary rescore(std::vector<Record>& records, const std::filesystem::path& dir, Progress& progress);
 
-/// Replaces DIR/records.jsonl by these records, whole or not at all, while `writer` holds the folder.
-void replace_records(const std::filesystem::path& dir, const std::vector<Record>& records, const RecordWriter& writer);
-
 }  // namespace gnomon

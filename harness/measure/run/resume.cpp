@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <map>
 
-#include "measure/run/context.h"
 #include "measure/scene/blob.h"
 
 namespace gnomon {

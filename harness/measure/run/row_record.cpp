@@ -50,7 +50,7 @@ Record start_record(const Job& job, const Suite& suite, const Scene* scene, cons
   const auto technique = entry.make();
   technique->apply(job.contender.settings);
   for (const Parameter* row : technique->parameters()) {
-    const Json number = Json::parse(row->text(), nullptr, false);
+    const Json number = parse_if_json(row->text());
     record.parameters[std::string(row->name())] = number.is_number() ? number : Json(row->text());
   }
   record.width = job.width;
@@ -69,8 +69,7 @@ Record start_record(const Job& job, const Suite& suite, const Scene* scene, cons
 
 void remove_pictures(const Record& record, const fs::path& out) {
   std::error_code ignored;
-  for (const auto& picture : {record.mask, record.error_picture, record.shaded_picture})
-    if (picture) fs::remove(out / *picture, ignored);
+  for (const std::string& picture : pictures(record)) fs::remove(out / picture, ignored);
 }
 
 void write_pictures(Record& record, const SceneRun& run, const MeasuredRow& measured, const fs::path& out) {

@@ -1,15 +1,16 @@
 #include "measure/run/run.h"
 
 #include <gnomon/error.h>
-#include <gnomon/registry.h>
 
 #include <charconv>
-#include <regex>
+#include <map>
 
-#include "measure/run/context.h"
+#include "measure/paths.h"
+#include "measure/pattern.h"
+#include "measure/run/batch.h"
 #include "measure/run/estimate.h"
 #include "measure/run/resume.h"
-#include "measure/run/rows.h"
+#include "measure/scene/blob.h"
 #include "measure/scratch_folder.h"
 
 namespace gnomon {
@@ -20,17 +21,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-void make_folder(const fs::path& out) {
-  std::error_code code;
-  fs::create_directories(out, code);
-  if (code) throw Error("output folder {} cannot be made: {}", out.string(), code.message());
-}
-
-void refuse_records(const RunOptions& options) {
-  const fs::path records = records_file(options.out);
-  if (!options.resume && fs::exists(records) && !fs::is_empty(records))
-    throw Error("output folder {} holds records already: continue them with --resume, or name another --out",
-                options.out.string());
+void refuse_records(const fs::path& out, std::string_view advice) {
+  const fs::path records = records_file(out);
+  if (fs::exists(records) && !fs::is_empty(records))
+    throw Error("output folder {} holds records already: {}", out.string(), advice);
 }
 
 /// A run that was killed may have left half a picture under a temporary name. Only the owner of the folder may clean it.
@@ -46,58 +40,119 @@ void remove_leftovers(const fs::path& out) {
         if (entry.path().filename().string().starts_with(".")) fs::remove(entry.path(), ignored);
 }
 
-}  // namespace
+/// How rows are run, and what is done with them.
+struct RowsPlan {
+  const Suite& suite;
+  SceneLibrary& library;
+  std::span<const Side> sides;
+  const fs::path& out;  ///< files on their way from workers lie in its folder `.scratch`
+  /// The contexts of the records of a batch, by side; called when the batch starts.
+  std::function<std::vector<Json>()> contexts;
+  /// Takes a batch whose rows are complete, and the seconds beside the rows by process; none where its scene is not fetched.
+  std::function<void(const std::vector<PendingRow>& batch, std::optional<double> opening)> done;
+};
 
-int shard_of(const Job& job, int count) {
-  std::uint32_t number = 0;
-  std::from_chars(job.hash.data(), job.hash.data() + 8, number, 16);
-  return static_cast<int>(number % static_cast<std::uint32_t>(count));
+/// Runs rows that have their job and side, scene by scene in the order of first appearance, in batches. Processes beyond the
+/// suite's fixed ones share its budget: every batch may spend its part of what is left. Scenes are forgotten when done.
+void run_rows(std::vector<PendingRow> rows, const RowsPlan& plan, Progress& progress) {
+  const ScratchFolder scratch = ScratchFolder::at(plan.out / ".scratch");
+  std::size_t rows_left = rows.size();
+  double budget = plan.suite.budget;
+  progress.expect(static_cast<double>(rows_left) * plan.suite.processes);
+  std::vector<std::string> scenes;
+  std::map<std::string, std::vector<PendingRow>> by_scene;
+  for (PendingRow& row : rows) {
+    const std::string scene = row.job.scene;
+    if (!by_scene.contains(scene)) scenes.push_back(scene);
+    by_scene[scene].push_back(std::move(row));
+  }
+  for (const std::string& scene : scenes) {
+    const SceneLibrary::Entry& entry = plan.library.get(scene);
+    std::optional<SceneRun> run;
+    if (entry.scene) run.emplace(scene, *entry.scene, plan.suite, cache_root() / "frames", scratch.path());
+    for (std::vector<PendingRow>& batch : split(std::move(by_scene[scene]))) {
+      const std::vector<Json> contexts = plan.contexts();
+      for (PendingRow& row : batch) {
+        row.record = start_record(row.job, plan.suite, run ? &*entry.scene : nullptr, contexts[row.side]);
+        if (run) {
+          row.record.context["scene_hash"] = run->frames.scene_hash();
+          row.record.context["frames"] = frame_version();
+        } else {
+          row.record.status = Status::unsupported;
+          row.record.reason = entry.missing;
+          progress.advance(plan.suite.processes);
+        }
+      }
+      std::optional<double> opening;
+      if (run) {
+        const auto opened = Clock::now();
+        const double allowance = budget * static_cast<double>(batch.size()) / static_cast<double>(rows_left);
+        budget -= run_batch(*run, plan.sides, batch, progress, allowance);
+        opening = share_overhead(batch, seconds_since(opened));
+      }
+      rows_left -= batch.size();
+      plan.done(batch, opening);
+    }
+    plan.library.forget(scene);
+  }
 }
+
+/// This machine, and what the other program says of how it was built.
+Json context_of(const Json& build, int threads) {
+  Json context = machine_context(threads);
+  for (const char* key : {"version", "commit", "build_type", "compiler", "flags", "libraries"})
+    if (build.contains(key)) context[key] = build[key];
+  return context;
+}
+
+}  // namespace
 
 std::vector<Job> select_jobs(const RunOptions& options, std::vector<Job> jobs) {
   if (!options.filter.empty()) {
-    std::regex expression;
-    try {
-      expression.assign(options.filter);
-    } catch (const std::regex_error& error) {
-      throw Error("--filter {} is no regular expression: {}", options.filter, error.what());
-    }
+    const Pattern pattern(options.filter, "is no regular expression");
     const std::string first = jobs.front().title();
-    std::erase_if(jobs, [&](const Job& job) { return !std::regex_search(job.title(), expression); });
+    std::erase_if(jobs, [&](const Job& job) { return !pattern.is_in(job.title()); });
     if (jobs.empty()) throw Error("--filter {} matches no row; the first row reads '{}'", options.filter, first);
   }
-  std::erase_if(jobs, [&](const Job& job) { return shard_of(job, options.shard_count) != options.shard_index; });
+  // By the hash, so that machines which have fetched other scenes deal the same jobs alike.
+  std::erase_if(jobs, [&](const Job& job) {
+    std::uint32_t number = 0;
+    std::from_chars(job.hash.data(), job.hash.data() + 8, number, 16);
+    return number % static_cast<std::uint32_t>(options.shard_count) != static_cast<std::uint32_t>(options.shard_index);
+  });
   return jobs;
 }
 
 RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress& progress) {
   const auto start = Clock::now();
   const std::vector<Job> suite = expand_jobs(options.suite, library), jobs = select_jobs(options, suite);
-  make_folder(options.out);
-  refuse_records(options);
+  const auto refuse = [&] {
+    if (!options.resume) refuse_records(options.out, "continue them with --resume, or name another --out");
+  };
+  make_folder(options.out, "output folder");
+  refuse();
   // From here on the folder is ours: nobody else reads what to do from it, or changes what it holds.
   RecordWriter writer(options.out);
-  refuse_records(options);  // of a run that ended just now
+  refuse();  // of a run that ended just now
   const Earlier earlier = options.resume ? earlier_rows(options, library, suite, jobs) : Earlier{};
   for (const std::string& note : earlier.notes) progress.say(note);
   if (earlier.is_changed) writer.replace(earlier.kept);
   remove_leftovers(options.out);
   RunSummary summary;
-
   std::vector<PendingRow> rows;
   for (const Job& job : jobs) {
     if (earlier.done.contains(job.hash))
       ++summary.done_before;
     else
-      rows.push_back({job, {}, 0, false});
+      rows.push_back({.job = job, .record = {}});
   }
-  std::optional<ScratchFolder> scratch(ScratchFolder::at(options.out / ".scratch"));
   const Side side{options.worker, options.out};
-  const auto keep = [&](const BatchDone& batch) {
+  const auto contexts = [&] { return std::vector{machine_context(options.worker.threads)}; };
+  const auto keep = [&](const std::vector<PendingRow>& batch, std::optional<double> opening) {
     std::vector<RowCost> costs;
-    for (const PendingRow& row : batch.rows) {
+    for (const PendingRow& row : batch) {
       writer.append(row.record);
-      if (batch.was_run) costs.push_back(cost_of(row.record, options.suite.warmups, batch.opening));
+      if (opening) costs.push_back(cost_of(row.record, options.suite.warmups, *opening));
       ++(row.record.status == Status::ok       ? summary.ok
          : row.record.status == Status::failed ? summary.failed
                                                : summary.unsupported);
@@ -108,18 +163,44 @@ RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress&
       progress.say(error.what());
     }
   };
-  run_rows(std::move(rows),
-           {options.suite,
-            library,
-            {&side, 1},
-            scratch->path(),
-            [&] { return std::vector{machine_context(options.worker.threads)}; },
-            keep},
-           progress);
-  scratch.reset();  // while it is ours
+  run_rows(std::move(rows), {options.suite, library, {&side, 1}, options.out, contexts, keep}, progress);
   writer.close();
-  summary.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  summary.seconds = seconds_since(start);
   return summary;
+}
+
+void run_live(const RunOptions& options, const std::string& base_program, SceneLibrary& library, Progress& progress) {
+  std::array<Side, 2> sides{Side{options.worker, options.out / "base"}, Side{options.worker, options.out / "contender"}};
+  sides[0].worker.program = base_program;
+  const Json build = ask_program(sides[0].worker);
+  const std::vector<Job> jobs = select_jobs(options, expand_jobs(options.suite, library));
+  const auto refuse = [&] {
+    for (const Side& side : sides) refuse_records(side.out, "name another --out");
+  };
+  refuse();
+  for (const Side& side : sides) make_folder(side.out, "output folder");
+  std::array<RecordWriter, 2> writers{RecordWriter(sides[0].out), RecordWriter(sides[1].out)};
+  refuse();  // of a run that ended just now
+  std::vector<PendingRow> rows;
+  for (const Job& job : jobs)
+    for (const std::size_t side : {0, 1}) rows.push_back({.job = job, .record = {}, .side = side});
+  const int threads = options.worker.threads;
+  const std::string now = json_text(machine_context(threads));
+  const std::string mark = content_hash(fmt::format("{} {}", options.out.string(), now)).substr(0, 16);
+  const auto contexts = [&] {
+    std::vector<Json> by_side{context_of(build, threads), machine_context(threads)};
+    for (Json& context : by_side) {
+      // Pairs are judged as if nothing differed but the program: one load for both.
+      context["load_average"] = by_side[0]["load_average"];
+      context["side_by_side"] = mark;
+    }
+    return by_side;
+  };
+  const auto keep = [&](const std::vector<PendingRow>& batch, std::optional<double>) {
+    for (const PendingRow& row : batch) writers[row.side].append(row.record);
+  };
+  run_rows(std::move(rows), {options.suite, library, sides, options.out, contexts, keep}, progress);
+  for (RecordWriter& writer : writers) writer.close();
 }
 
 }  // namespace gnomon

@@ -14,8 +14,8 @@ struct RunOptions {
   std::string filter;  ///< regular expression over "SCENE LIGHT [PATH] TECHNIQUE:SETTINGS"; empty: all
   bool resume = false;
   bool retry_failed = false;             ///< with resume: rows that failed are run again
-  int shard_index = 0, shard_count = 1;  ///< runs the jobs of which shard_of(job, shard_count) is shard_index
-  WorkerOptions worker;
+  int shard_index = 0, shard_count = 1;  ///< runs the jobs whose hash says so
+  WorkerOptions worker;                  ///< of this program
 };
 
 struct RunSummary {
@@ -23,9 +23,6 @@ struct RunSummary {
   std::size_t done_before = 0;  ///< found in the folder by --resume
   double seconds = 0;
 };
-
-/// The shard of a job among `count`: by its hash, so that machines which have fetched other scenes deal the same jobs alike.
-int shard_of(const Job& job, int count);
 
 /// Those of `jobs` (all of the suite) that the options select, in order. Throws Error on a bad expression.
 std::vector<Job> select_jobs(const RunOptions& options, std::vector<Job> jobs);
@@ -35,5 +32,12 @@ std::vector<Job> select_jobs(const RunOptions& options, std::vector<Job> jobs);
 /// time. Throws Error on an output folder that another run writes, or that holds records without `resume` or such that cannot
 /// be continued (resume.h), and on a full disk.
 RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress& progress);
+
+/// Runs every selected job with two programs side by side: workers of both live at once and their repetitions are interleaved
+/// at random, so that what the machine does to one it does to the other. The scenes, G-buffers and references are this
+/// program's, the contender. The folders `base` and `contender` in `out` become runs of their own; both carry the same mark in
+/// the context of their records, by which compare knows that their processes are pairs. Throws Error when the other program
+/// cannot work for this one, and when a folder holds records already.
+void run_live(const RunOptions& options, const std::string& base_program, SceneLibrary& library, Progress& progress);
 
 }  // namespace gnomon

@@ -14,23 +14,22 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Replaces the first brace list by each of its items in turn, until no brace is left.
-void expand_into(const std::string& text, std::vector<std::string>& out) {
+/// `a{b,c}d` gives `abd` and `acd`; two braces give their product. Throws Error on a brace without its partner.
+std::vector<std::string> expand_braces(const std::string& text) {
   const std::size_t open = text.find('{');
   if (open == std::string::npos) {
     if (text.find('}') != std::string::npos) throw Error("'{}' closes a brace that it does not open", text);
-    out.push_back(text);
-    return;
+    return {text};
   }
   const std::size_t close = text.find('}', open);
   if (close == std::string::npos) throw Error("'{}' opens a brace that it does not close", text);
-  std::string_view list(text.data() + open + 1, close - open - 1);
-  for (;;) {
-    const std::size_t comma = list.find(',');
-    expand_into(text.substr(0, open) + std::string(list.substr(0, comma)) + text.substr(close + 1), out);
-    if (comma == std::string_view::npos) break;
-    list.remove_prefix(comma + 1);
+  std::vector<std::string> out;
+  for (std::size_t begin = open + 1, end = open; end < close; begin = end + 1) {
+    end = std::min(text.find(',', begin), close);
+    for (std::string& one : expand_braces(text.substr(0, open) + text.substr(begin, end - begin) + text.substr(close + 1)))
+      out.push_back(std::move(one));
   }
+  return out;
 }
 
 /// A text or an array of texts; empty without the key.
@@ -73,12 +72,6 @@ std::vector<Contender> read_contenders(const Table& group, const toml::table& ra
 }
 
 }  // namespace
-
-std::vector<std::string> expand_braces(const std::string& text) {
-  std::vector<std::string> out;
-  expand_into(text, out);
-  return out;
-}
 
 std::pair<int, int> parse_size(const std::string& text, const std::string& what) {
   const auto refuse = [&] { throw Error("{} {} is not WxH with W and H of 1 .. 16384 pixels", what, text); };

@@ -15,9 +15,6 @@ struct Contender {
   std::string name() const { return settings.empty() ? technique : technique + ":" + settings; }
 };
 
-/// `a{b,c}d` gives `abd` and `acd`; two braces give their product. Throws Error on a brace without its partner.
-std::vector<std::string> expand_braces(const std::string& text);
-
 /// "640x360" into width and height of 1 .. 16384 pixels. Throws Error that starts with `what`.
 std::pair<int, int> parse_size(const std::string& text, const std::string& what);
 

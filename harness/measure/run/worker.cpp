@@ -97,6 +97,17 @@ void enter_worker(int owner, int threads, int errors) {
 
 }  // namespace
 
+bool write_line(int socket, const std::string& line) {
+  const std::string bytes = line + '\n';
+  for (std::size_t sent = 0; sent < bytes.size();) {
+    const ssize_t n = send(socket, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return false;
+    sent += static_cast<std::size_t>(n);
+  }
+  return true;
+}
+
 WorkerProcess::WorkerProcess(const WorkerOptions& options) {
   int sockets[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, sockets) != 0)
@@ -147,15 +158,9 @@ void WorkerProcess::interrupt() {
   shutdown(socket_, SHUT_RDWR);
 }
 
-void WorkerProcess::send(const Json& request, const std::string& doing) {
-  doing_ = doing;
-  const std::string line = json_text(request) + "\n";
-  for (std::size_t sent = 0; sent < line.size();) {
-    const ssize_t n = ::send(socket_, line.data() + sent, line.size() - sent, MSG_NOSIGNAL);
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) return;  // the worker is gone; receive() says how
-    sent += static_cast<std::size_t>(n);
-  }
+void WorkerProcess::send(const Json& request) {
+  doing_ = plain_text(request[request.contains("stage") ? "stage" : "do"]);
+  write_line(socket_, json_text(request));  // where the worker is gone, receive() says how
 }
 
 Json WorkerProcess::receive(double timeout_seconds) {
@@ -163,7 +168,7 @@ Json WorkerProcess::receive(double timeout_seconds) {
   const auto deadline = Clock::now() + std::chrono::duration<double>(timeout_seconds);
   for (;;) {
     if (const std::size_t end = pending_.find('\n'); end != std::string::npos) {
-      const Json answer = Json::parse(pending_.substr(0, end), nullptr, false);
+      const Json answer = parse_if_json(pending_.substr(0, end));
       pending_.erase(0, end + 1);
       if (!answer.is_object()) fail(fmt::format("answered {} with a line that is no JSON object", doing_));
       if (answer.contains("error")) fail(fmt::format("threw in {}: {}", doing_, answer["error"].get<std::string>()));

@@ -27,6 +27,10 @@ struct WorkerOptions {
 /// change that an older worker would misunderstand.
 inline constexpr int worker_protocol = 3;
 
+/// The machine and the build, for every record: version, commit, build_type, compiler, flags, processor, cores, threads,
+/// load_average, started, libraries.
+Json machine_context(int threads);
+
 /// A fresh process of a program that serves one technique: requests and answers are single lines of JSON over a socket, one
 /// answer to each request. It dies with its owner. What may be asked, and what is answered, is WorkerClient's business.
 class WorkerProcess {
@@ -37,10 +41,11 @@ class WorkerProcess {
   WorkerProcess(const WorkerProcess&) = delete;
   WorkerProcess& operator=(const WorkerProcess&) = delete;
 
-  /// `doing` names the work in the reason of a failure: "relight".
-  void send(const Json& request, const std::string& doing);
+  void send(const Json& request);
   /// Waits for the answer to the last request. Throws WorkerFailure, as `fail` does.
   Json receive(double timeout_seconds);
+  /// What it was asked to do last, a stage by its name, as reasons of failures say it: "relight".
+  const std::string& doing() const { return doing_; }
   /// From any thread: ends the process, and whoever waits in `receive` gets its WorkerFailure at once.
   void interrupt();
   /// Ends the process and throws WorkerFailure with this reason and the last line that the process wrote to its stderr.
@@ -56,6 +61,9 @@ class WorkerProcess {
   std::atomic<bool> is_interrupted_ = false;
   std::string pending_, doing_;
 };
+
+/// Writes the line and its end; whether the other side is there to take it.
+bool write_line(int socket, const std::string& line);
 
 /// The worker's own side: answers requests on `socket` until it closes. Requests:
 ///   {"do": "protocol"}                                                      -> {"protocol": n, "context": {...}}

@@ -12,7 +12,6 @@
 #include "device/context.h"
 #include "measure/cause/causes.h"
 #include "measure/picture/detail_export.h"
-#include "measure/run/context.h"
 #include "measure/run/worker.h"
 #include "measure/scene/motion.h"
 
@@ -35,7 +34,7 @@ class TechniqueServer {
  public:
   Json handle(const Json& request) {
     const std::string what = request.at("do");
-    if (what == "protocol") return {{"protocol", worker_protocol}, {"context", machine_context(0)}};
+    if (what == "protocol") return json_object({{"protocol", worker_protocol}, {"context", machine_context(0)}});
     if (what == "open") return open(request);
     if (what == "set") return set(request.at("settings"));
     if (what == "frame") return frame(request);
@@ -57,9 +56,9 @@ class TechniqueServer {
     settings_ = request.at("settings").get<std::string>();
     technique_ = fresh_technique();
     uses_gl_ = entry_->about.needs_gl;
-    if (!uses_gl_) return {{"gl", nullptr}};
+    if (!uses_gl_) return json_object({{"gl", nullptr}});
     const GlInfo& info = process_context().info();
-    return {{"gl", {{"renderer", info.renderer}, {"version", info.version}}}};
+    return json_object({{"gl", json_object({{"renderer", info.renderer}, {"version", info.version}})}});
   }
 
   /// What a parameter spoils is out of date from then on; the rest stays.
@@ -72,7 +71,7 @@ class TechniqueServer {
       live.set(row->text());
       fresh_ = std::min(fresh_, static_cast<int>(row->spoils()) - 1);
     }
-    return {{"fresh", fresh_ + 1}};
+    return json_object({{"fresh", fresh_ + 1}});
   }
 
   Json frame(const Json& request) {
@@ -86,7 +85,7 @@ class TechniqueServer {
     gbuffer_ = gbuffers_[file];
     mask_.emplace(asked.key.width, asked.key.height);
     const Support support = fresh_technique()->supports(scene_, *light_, asked.key.view);
-    Json result{{"support", name(support.kind())}, {"why", support.why()}, {"fresh", fresh_ + 1}};
+    Json result = json_object({{"support", name(support.kind())}, {"why", support.why()}, {"fresh", fresh_ + 1}});
     if (uses_gl_ && support) {
       const SceneBuffers& buffers = scene_buffers(scene_);
       const GBufferTextures& textures = gbuffer_textures(gbuffer_, scene_);
@@ -141,7 +140,7 @@ class TechniqueServer {
 
   Json time_stage(int stage) {
     bring_up(stage - 1);
-    return {{"ms", time(static_cast<Stage>(stage))}};
+    return json_object({{"ms", time(static_cast<Stage>(stage))}});
   }
 
   Json bring_up(int stage) {
@@ -186,9 +185,9 @@ class TechniqueServer {
     Json counts = Json::array();
     for (const Count& c : technique_->counts()) {
       if (!std::isfinite(c.value)) throw Error("count {} is {}", c.name, c.value);
-      counts.push_back({{"name", c.name}, {"value", c.value}, {"unit", c.unit}});
+      counts.push_back(json_object({{"name", c.name}, {"value", c.value}, {"unit", c.unit}}));
     }
-    return {{"counts", counts}, {"peak_bytes", peak_bytes()}};
+    return json_object({{"counts", counts}, {"peak_bytes", peak_bytes()}});
   }
 
   /// Asks the technique about the listed pixels (uint32 indices) and writes its explanations.
@@ -204,7 +203,8 @@ class TechniqueServer {
       explanations.push_back(technique_->explain(index[k]));
     }
     write_file(out, explanation_bytes(explanations));
-    return {{"explained", std::ranges::any_of(explanations, [](const auto& why) { return why.has_value(); })}};
+    const bool explained = std::ranges::any_of(explanations, [](const auto& why) { return why.has_value(); });
+    return json_object({{"explained", explained}});
   }
 
   Json debug(const std::string& layer, const std::string& out) {
@@ -242,16 +242,6 @@ class TechniqueServer {
   int fresh_ = -1;  ///< last stage that is up to date
 };
 
-bool write_line(int socket, const std::string& line) {
-  for (std::size_t sent = 0; sent < line.size();) {
-    const ssize_t n = write(socket, line.data() + sent, line.size() - sent);
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) return false;
-    sent += static_cast<std::size_t>(n);
-  }
-  return true;
-}
-
 }  // namespace
 
 int worker_main(int socket, int threads) {
@@ -274,14 +264,14 @@ int worker_main(int socket, int threads) {
     try {
       answer = server.handle(parse_json(pending.substr(0, end)));
     } catch (const std::bad_alloc&) {
-      answer = {{"error", "out of memory"}};
+      answer["error"] = "out of memory";
     } catch (const std::exception& error) {
-      answer = {{"error", error.what()}};
+      answer["error"] = error.what();
     } catch (...) {
-      answer = {{"error", "an exception that is no std::exception"}};
+      answer["error"] = "an exception that is no std::exception";
     }
     pending.erase(0, end + 1);
-    if (!write_line(socket, json_text(answer) + "\n")) _exit(0);
+    if (!write_line(socket, json_text(answer))) _exit(0);
   }
 }
 

@@ -44,50 +44,50 @@ fs::path WorkerClient::file(const char* ending) const { return fs::path(files_) 
 
 /// What `read` makes of the answer and of the files that came with it; what it cannot make anything of is the worker's failure.
 template <class Read>
-auto WorkerClient::receive(double timeout_seconds, const std::string& doing, const Read& read) {
+auto WorkerClient::receive(double timeout_seconds, const Read& read) {
   const Json reply = process_.receive(timeout_seconds);
   try {
     return read(reply);
   } catch (const Json::exception& problem) {
-    process_.fail(fmt::format("answered {} with something else than was asked: {}", doing, problem.what()));
+    process_.fail(fmt::format("answered {} with something else than was asked: {}", process_.doing(), problem.what()));
   } catch (const Error& problem) {
     process_.fail(problem.what());
   }
 }
 
 template <class Read>
-auto WorkerClient::ask(const Json& request, const std::string& doing, const Read& read) {
-  process_.send(request, doing);
-  return receive(timeout_seconds_, doing, read);
+auto WorkerClient::ask(const Json& request, const Read& read) {
+  process_.send(request);
+  return receive(timeout_seconds_, read);
 }
 
 void WorkerClient::begin_load(const LoadRequest& request) {
-  process_.send({{"do", "open"},
-                 {"scene", request.scene_file.string()},
-                 {"technique", request.technique},
-                 {"settings", request.settings}},
-                "open");
+  process_.send(json_object({{"do", "open"},
+                             {"scene", request.scene_file.string()},
+                             {"technique", request.technique},
+                             {"settings", request.settings}}));
 }
 
 void WorkerClient::end_load() {
   fresh_count_ = 0;
-  receive(std::max(timeout_seconds_, least_load_seconds), "open", [&](const Json& reply) {
+  receive(std::max(timeout_seconds_, least_load_seconds), [&](const Json& reply) {
     if (const Json& gl = reply.at("gl"); !gl.is_null()) gl_ = WorkerGl{gl.at("renderer"), gl.at("version")};
   });
 }
 
 void WorkerClient::set(const std::string& settings) {
-  ask({{"do", "set"}, {"settings", settings}}, "set", [&](const Json& reply) { fresh_count_ = reply.at("fresh"); });
+  ask(json_object({{"do", "set"}, {"settings", settings}}), [&](const Json& reply) { fresh_count_ = reply.at("fresh"); });
 }
 
 FrameReply WorkerClient::frame(const FrameRequest& request) {
-  Json question{{"do", "frame"},
-                {"gbuffer", request.gbuffer_file.string()},
-                {"width", request.width},
-                {"height", request.height},
-                {"truth", name(request.truth)}};
+  Json question = json_object({{"do", "frame"},
+                               {"gbuffer", request.gbuffer_file.string()},
+                               {"width", request.width},
+                               {"height", request.height},
+                               {"truth", name(request.truth)}});
   if (const auto* const seen = std::get_if<SceneLightAndView>(&request.seen)) {
-    question.update({{"view", seen->view}, {"light", seen->light}, {"path", seen->path}, {"frame", seen->path_frame}});
+    question.update(
+        json_object({{"view", seen->view}, {"light", seen->light}, {"path", seen->path}, {"frame", seen->path_frame}}));
   } else {
     const fs::path light_and_view = file("light_and_view");
     const auto& [light, view] = std::get<FreeLightAndView>(request.seen);
@@ -95,7 +95,7 @@ FrameReply WorkerClient::frame(const FrameRequest& request) {
     question["stand"] = light_and_view.string();
   }
   pixel_count_ = static_cast<std::size_t>(request.width) * request.height;
-  return ask(question, "frame", [&](const Json& reply) {
+  return ask(question, [&](const Json& reply) {
     fresh_count_ = reply.at("fresh");
     FrameReply result{.support = support_of(reply.at("support"), reply.at("why")), .upload = {}};
     if (reply.contains("input_bytes")) result.upload = {reply.at("input_bytes"), reply.at("upload_ms")};
@@ -104,7 +104,7 @@ FrameReply WorkerClient::frame(const FrameRequest& request) {
 }
 
 double WorkerClient::time(Stage stage) {
-  return ask({{"do", "time"}, {"stage", name(stage)}}, std::string(name(stage)), [&](const Json& reply) {
+  return ask(json_object({{"do", "time"}, {"stage", name(stage)}}), [&](const Json& reply) {
     fresh_count_ = static_cast<int>(stage) + 1;
     return reply.at("ms").get<double>();
   });
@@ -115,20 +115,20 @@ void WorkerClient::bring_up(Stage last) {
   for (const Stage stage : all_stages) {
     if (stage > last) return;
     if (fresh_count_ > static_cast<int>(stage)) continue;
-    ask({{"do", "bring_up"}, {"stage", name(stage)}}, std::string(name(stage)),
+    ask(json_object({{"do", "bring_up"}, {"stage", name(stage)}}),
         [&](const Json&) { fresh_count_ = static_cast<int>(stage) + 1; });
   }
 }
 
 std::vector<float> WorkerClient::mask() {
   bring_up(Stage::resolve);
-  return ask({{"do", "mask"}, {"mask", file("mask").string()}}, "mask",
+  return ask(json_object({{"do", "mask"}, {"mask", file("mask").string()}}),
              [&](const Json&) { return read_mask_file(file("mask"), pixel_count_); });
 }
 
 MaskReply WorkerClient::answer() {
   bring_up(Stage::resolve);
-  return ask({{"do", "answer"}, {"mask", file("mask").string()}}, "answer", [&](const Json& reply) {
+  return ask(json_object({{"do", "answer"}, {"mask", file("mask").string()}}), [&](const Json& reply) {
     MaskReply result{read_mask_file(file("mask"), pixel_count_), {}, 0};
     for (const Json& count : reply.at("counts"))
       result.counts.push_back({count.at("name"), count.at("value"), count.at("unit")});
@@ -145,8 +145,8 @@ std::vector<std::optional<Explanation>> WorkerClient::explain(std::span<const st
   while (result.size() < pixels.size()) {
     const auto some = pixels.subspan(result.size(), std::min(portion, pixels.size() - result.size()));
     write_file(asked, std::as_bytes(some));
-    const Json request{{"do", "explain"}, {"pixels", asked.string()}, {"out", answered.string()}};
-    const auto explanations = ask(request, "explain", [&](const Json& reply) {
+    const Json request = json_object({{"do", "explain"}, {"pixels", asked.string()}, {"out", answered.string()}});
+    const auto explanations = ask(request, [&](const Json& reply) {
       if (!reply.at("explained").get<bool>()) return std::vector<std::optional<Explanation>>();
       auto known = explanations_from_bytes(MappedFile::open(answered)->bytes());
       if (known.size() != some.size()) throw Error("{} explanations came for {} pixels", known.size(), some.size());
@@ -164,7 +164,7 @@ std::vector<std::optional<Explanation>> WorkerClient::explain(std::span<const st
 std::vector<float> WorkerClient::debug_layer(const std::string& layer) {
   bring_up(Stage::resolve);
   const fs::path answered = file("layer");
-  return ask({{"do", "debug"}, {"layer", layer}, {"out", answered.string()}}, "debug", [&](const Json&) {
+  return ask(json_object({{"do", "debug"}, {"layer", layer}, {"out", answered.string()}}), [&](const Json&) {
     const auto drawn = MappedFile::open(answered);
     std::vector<float> rgb(3 * pixel_count_);
     if (drawn->bytes().size() != rgb.size() * sizeof(float))
@@ -176,7 +176,7 @@ std::vector<float> WorkerClient::debug_layer(const std::string& layer) {
 
 SurfaceDetail WorkerClient::surface_detail() {
   bring_up(Stage::relight);
-  return ask({{"do", "detail"}, {"out", file("detail").string()}}, "detail",
+  return ask(json_object({{"do", "detail"}, {"out", file("detail").string()}}),
              [&](const Json&) { return detail_from_bytes(MappedFile::open(file("detail"))->bytes()); });
 }
 
@@ -187,7 +187,7 @@ Json ask_program(const WorkerOptions& options) {
   Json answer;
   try {
     WorkerProcess process(options);
-    process.send({{"do", "protocol"}}, "protocol");
+    process.send(json_object({{"do", "protocol"}}));
     answer = process.receive(patience);
   } catch (const WorkerFailure& failure) {
     throw Error("program {} cannot work for this one, it is no gnomon or one of another version: it {}", options.program,

@@ -107,9 +107,9 @@ class WorkerClient {
 
  private:
   template <class Read>
-  auto ask(const Json& request, const std::string& doing, const Read& read);
+  auto ask(const Json& request, const Read& read);
   template <class Read>
-  auto receive(double timeout_seconds, const std::string& doing, const Read& read);
+  auto receive(double timeout_seconds, const Read& read);
   std::filesystem::path file(const char* ending) const;
 
   WorkerProcess process_;
@@ -120,7 +120,7 @@ class WorkerClient {
   int fresh_count_ = 0;
 };
 
-/// What a program says of itself before it may work for this one: the context of its build (context.h). Throws Error when it
+/// What a program says of itself before it may work for this one: machine_context. Throws Error when it
 /// cannot be started, is no gnomon, or speaks another protocol.
 Json ask_program(const WorkerOptions& options);
 

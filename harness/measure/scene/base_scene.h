@@ -19,7 +19,8 @@ using Descriptions = std::vector<std::filesystem::path>;
 
 /// What a reference names, as its generator or file gives it: neither finished nor framed. `above` led here.
 Scene read_scene(const std::string& reference, const Descriptions& above);
-Scene read_scene_toml(const std::filesystem::path& file, const Descriptions& above);
+/// Of a description. Unknown keys are errors with the nearest known one, file and line.
+Scene read_scene_toml(const std::filesystem::path& file, const Descriptions& above = {});
 
 /// The scene that a description calls `reference`, neither finished nor framed. Throws Error that ends in `where`, which is
 /// "FILE:LINE" of the name, or in the place of a mistake further down; SceneNotFetched passes through.

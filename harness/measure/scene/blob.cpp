@@ -9,6 +9,7 @@
 
 #include <cstring>
 
+#include "measure/paths.h"
 #include "measure/scene/fields.h"
 
 namespace gnomon {
@@ -80,9 +81,7 @@ MappedFile::~MappedFile() {
 }
 
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes, Durable durable) {
-  std::error_code code;
-  if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), code);
-  if (code) throw Error("folder {} cannot be made: {}", path.parent_path().string(), code.message());
+  if (path.has_parent_path()) make_folder(path.parent_path());
   const std::string temporary = fmt::format("{}.{}.part", path.string(), getpid());
   const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (file < 0) throw Error("{} cannot be written: {}", path.string(), std::strerror(errno));

@@ -15,20 +15,6 @@
 
 namespace gnomon {
 
-template <class T>
-concept HasIndex = requires(const T& value) {
-  value.valueless_by_exception();
-};  // std::variant
-template <class T>
-concept MayBeMissing = requires(const T& value) {
-  value.has_value();
-};  // std::optional
-template <class T>
-concept HasItems = requires(const T& value) {
-  value.data();
-  value.size();
-};
-
 /// Appends values to `bytes`: numbers and plain structs as they lie in memory, texts and vectors of such behind their count
 /// (64 bits), variants behind their index (32 bits), what may be missing behind whether it is there (bool).
 class FieldWriter {
@@ -45,6 +31,11 @@ class FieldWriter {
     put(static_cast<std::uint64_t>(items.size()));
     for (const auto& item : items) visit(*this, item);
   }
+  /// Plain structs whose count is told in another place.
+  template <class T>
+  void items(const std::vector<T>& items) {
+    append(items.data(), items.size() * sizeof(T));
+  }
   /// Whether a list that older bytes lack follows.
   template <class T>
   bool has_more(const std::vector<T>& items) const {
@@ -54,13 +45,13 @@ class FieldWriter {
  private:
   template <class T>
   void put(const T& value) {
-    if constexpr (HasIndex<T>) {
+    if constexpr (requires { value.valueless_by_exception(); }) {
       put(static_cast<std::uint32_t>(value.index()));
       std::visit([&](const auto& alternative) { put(alternative); }, value);
-    } else if constexpr (MayBeMissing<T>) {
+    } else if constexpr (requires { value.has_value(); }) {
       put(value.has_value());
       if (value) put(*value);
-    } else if constexpr (HasItems<T>) {
+    } else if constexpr (requires { value.data(); }) {
       put(static_cast<std::uint64_t>(value.size()));
       append(value.data(), value.size() * sizeof(*value.data()));
     } else {
@@ -86,8 +77,17 @@ class FieldReader {
   }
   template <class T, class Visit>
   void list(std::vector<T>& items, Visit visit) {
-    items.resize(count_of(1));
+    std::uint64_t count = 0;
+    take(count);
+    need(count, 1);
+    items.resize(count);
     for (T& item : items) visit(*this, item);
+  }
+  template <class Items>
+  void items(Items& items, std::uint64_t count) {
+    need(count, sizeof(*items.data()));
+    items.resize(count);
+    copy(items.data(), count * sizeof(*items.data()));
   }
   template <class T>
   bool has_more(const std::vector<T>&) const {
@@ -98,17 +98,18 @@ class FieldReader {
  private:
   template <class T>
   void take(T& value) {
-    if constexpr (HasIndex<T>) {
+    if constexpr (requires { value.valueless_by_exception(); }) {
       std::uint32_t index = 0;
       take(index);
       take_alternative(value, index, std::make_index_sequence<std::variant_size_v<T>>{});
-    } else if constexpr (MayBeMissing<T>) {
+    } else if constexpr (requires { value.has_value(); }) {
       bool is_there = false;
       take(is_there);
       if (is_there) take(value.emplace());
-    } else if constexpr (HasItems<T>) {
-      value.resize(count_of(sizeof(*value.data())));
-      copy(value.data(), value.size() * sizeof(*value.data()));
+    } else if constexpr (requires { value.data(); }) {
+      std::uint64_t count = 0;
+      take(count);
+      items(value, count);
     } else {
       static_assert(std::is_trivially_copyable_v<T>);
       copy(&value, sizeof(T));
@@ -119,18 +120,14 @@ class FieldReader {
     const bool is_known = ((index == I && (take(value.template emplace<I>()), true)) || ...);
     if (!is_known) throw Error("scene bytes hold an unknown kind {}", index);
   }
-  std::size_t count_of(std::size_t item_size) {
-    std::uint64_t count = 0;
-    take(count);
-    if (count > bytes_.size() / item_size) end_early();
-    return count;
+  void need(std::uint64_t count, std::size_t item_size) const {
+    if (count > bytes_.size() / item_size) throw Error("{}", too_short_);
   }
   void copy(void* target, std::size_t size) {
-    if (size > bytes_.size()) end_early();
+    need(size, 1);
     if (size > 0) std::memcpy(target, bytes_.data(), size);
     bytes_ = bytes_.subspan(size);
   }
-  [[noreturn]] void end_early() const { throw Error("{}", too_short_); }
 
   std::span<const std::byte> bytes_;
   std::string too_short_;

@@ -1,5 +1,5 @@
 // Finds out whether a file is as long as its own head says. Importers fill what is missing with what they read last, so this
-// cannot be seen in what they return. Bodies are measured here, not understood.
+// cannot be seen in what they return. Bodies are measured here, not understood; but an index that an importer refuses is found.
 #include <algorithm>
 #include <cctype>
 #include <charconv>
@@ -36,17 +36,23 @@ void need_length(const fs::path& file, std::uint64_t declared) {
     throw Error("{}: is {} bytes long but declares {}; it is truncated", file.string(), fs::file_size(file), declared);
 }
 
+/// The next line that holds more than a comment, without that; `number` counts all lines.
+bool next_line(std::istream& in, std::string& line, long& number) {
+  do {
+    if (!std::getline(in, line)) return false;
+    ++number;
+    line.resize(std::min(line.find('#'), line.size()));
+  } while (line.find_first_not_of(" \t\r") == std::string::npos);
+  return true;
+}
+
 /// Text bodies of PLY and OFF have one line per element; the importer fills missing lines with whatever it read last. Needs
 /// `count` lines, and on the last of them, where it is a face, as many corners as it announces.
 void need_lines(const fs::path& file, std::istream& in, std::size_t count, bool ends_in_face) {
   std::size_t found = 0;
+  long number = 0;
   std::string line, last;
-  while (found < count && std::getline(in, line)) {
-    const std::size_t start = line.find_first_not_of(" \t\r");
-    if (start == std::string::npos || line[start] == '#') continue;
-    ++found;
-    std::swap(last, line);
-  }
+  for (; found < count && next_line(in, line, number); ++found) std::swap(last, line);
   if (found < count) throw Error("{}: declares {} lines but holds {}; it is truncated", file.string(), count, found);
   if (!ends_in_face || count == 0) return;
   std::istringstream words(last);
@@ -136,11 +142,11 @@ DeclaredCounts read_ply(const fs::path& file) {
 DeclaredCounts read_off(const fs::path& file) {
   std::ifstream in(file);
   std::vector<std::string> words;
-  for (std::string line; words.size() < 4 && std::getline(in, line);) {
-    std::istringstream text(line.substr(0, line.find('#')));
+  long number = 0;
+  for (std::string line; words.size() < 2 && next_line(in, line, number);) {
+    std::istringstream text(line);
     for (std::string word; text >> word;) words.push_back(word);
     if (!words.empty() && words[0].ends_with("OFF")) words.erase(words.begin());
-    if (words.size() >= 2) break;
   }
   std::size_t vertices = 0, faces = 0;
   const auto parse = [&](std::size_t i, std::size_t& count) {
@@ -230,6 +236,51 @@ void check_glb(const fs::path& file) {
   check_gltf(file, read_bytes(file, 20, json_size), word_at(binary_head, 0));
 }
 
+/// Vertex index that a face's corner starts with ("7", "7/1", "-2//3"); nothing when it is no number.
+std::optional<long> leading_index(const std::string& word) {
+  long index = 0;
+  const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), index);
+  if (code != std::errc{} || end == word.data()) return std::nullopt;
+  return index;
+}
+
+/// Faces count from 1, or back from the last vertex so far; vertices may follow the faces that name them.
+void check_obj(std::ifstream& in, const std::string& name) {
+  long total = 0;
+  std::string line, word;
+  while (std::getline(in, line)) total += line.starts_with("v ");
+  in.clear();
+  in.seekg(0);
+  long number = 0, so_far = 0;
+  while (std::getline(in, line)) {
+    ++number;
+    so_far += line.starts_with("v ");
+    if (!line.starts_with("f ")) continue;
+    std::istringstream words(line.substr(2));
+    while (words >> word)
+      if (const auto index = leading_index(word); index && (*index == 0 || *index > total || -*index > so_far))
+        throw Error("{}:{}: face names vertex {}, out of range: allowed are 1 .. {}, or -1 .. -{} counted back", name, number,
+                    *index, total, so_far);
+  }
+}
+
+/// After the word OFF: counts, vertices, then faces "n i1 .. in", which count from 0.
+void check_off(std::ifstream& in, const std::string& name) {
+  std::string line;
+  long number = 0, vertices = 0, faces = 0, corners = 0, index = 0;
+  const auto next = [&] { return next_line(in, line, number); };
+  if (!next() || !next() || !(std::istringstream(line) >> vertices >> faces)) return;
+  for (long v = 0; v < vertices; ++v)
+    if (!next()) return;
+  for (long f = 0; f < faces && next(); ++f) {
+    std::istringstream words(line);
+    words >> corners;
+    for (long c = 0; c < corners && words >> index; ++c)
+      if (index < 0 || index >= vertices)
+        throw Error("{}:{}: face {} names vertex {}, out of range: allowed are 0 .. {}", name, number, f, index, vertices - 1);
+  }
+}
+
 }  // namespace
 
 std::string lower_extension(const fs::path& file) {
@@ -251,6 +302,13 @@ DeclaredCounts read_declared(const fs::path& file) {
       read_bytes(file, std::max(fs::file_size(file), tail) - tail, tail).find("END-ISO-10303-21;") == std::string::npos)
     throw Error("{}: does not end in END-ISO-10303-21; it is truncated", file.string());
   return {};
+}
+
+void blame_index(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  const std::string extension = lower_extension(file);
+  if (extension == ".obj") check_obj(in, file.string());
+  if (extension == ".off") check_off(in, file.string());
 }
 
 }  // namespace gnomon::importing

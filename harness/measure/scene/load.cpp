@@ -81,6 +81,28 @@ void check_names(const std::vector<Named>& items, std::string_view what, const s
   }
 }
 
+/// Where the default eye and lights stand, seen from the middle: the eye above the right front, the lights above the left.
+constexpr glm::dvec3 toward_eye{0.55, 0.5, 1}, toward_point{-0.7, 1.2, 0.55}, toward_sun{-0.6, 1, 0.3};
+
+/// From three quarters and above, as near as an image no higher than wide can be and still show every vertex.
+View framing_view(const Scene& scene, const glm::dvec3& middle) {
+  View view;
+  const glm::dvec3 back = glm::normalize(toward_eye), right = glm::normalize(glm::cross(glm::dvec3(0, 1, 0), back));
+  const glm::dvec3 up = glm::cross(back, right);
+  const double slope = std::tan(glm::radians(view.fov_y_degrees / 2.0));
+  double distance = 0;
+  for (const Mesh& mesh : scene.meshes)
+    for (const glm::vec3& p : mesh.positions) {
+      const glm::dvec3 q = glm::dvec3(p) - middle;
+      const double aside = std::max(std::abs(glm::dot(q, right)), std::abs(glm::dot(q, up)));
+      distance = std::max(distance, glm::dot(q, back) + aside / slope);
+    }
+  constexpr double margin = 1.05;
+  view.target = middle;
+  view.eye = middle + margin * distance * back;
+  return view;
+}
+
 void check_vertices(const Mesh& mesh, const std::string& where) {
   for (std::size_t i = 0; i < mesh.positions.size(); ++i)
     if (const glm::vec3& p = mesh.positions[i]; !is_sound(p))
@@ -111,35 +133,27 @@ void check(const Light& light, const std::string& where) {
   const auto need_position = [&](const glm::vec3& v, const char* what) {
     need(is_sound(v), fmt::format("{} = ({}, {}, {}) is outside -1e30 .. 1e30", what, v.x, v.y, v.z));
   };
-  const auto need_radius = [&](float radius) {
-    need(radius > 0 && radius <= largest_coordinate, fmt::format("radius = {} is not above 0", radius));
-  };
   need(light.intensity > 0 && std::isfinite(light.intensity), fmt::format("intensity = {} is not above 0", light.intensity));
-  if (const auto* l = std::get_if<PointLight>(&light.kind)) need_position(l->position, "position");
-  if (const auto* l = std::get_if<DirectionalLight>(&light.kind)) need_direction(l->direction, "direction");
-  if (const auto* l = std::get_if<SpotLight>(&light.kind)) {
-    need_position(l->position, "position");
-    need_direction(l->direction, "direction");
-    need(l->outer_degrees > 0 && l->outer_degrees < 90,
-         fmt::format("outer_degrees = {} is outside 0 .. 90, both excluded", l->outer_degrees));
-    need(l->inner_degrees >= 0 && l->inner_degrees <= l->outer_degrees,
-         fmt::format("inner_degrees = {} is outside 0 .. outer_degrees = {}", l->inner_degrees, l->outer_degrees));
-  }
-  if (const auto* l = std::get_if<RectLight>(&light.kind)) {
-    need_position(l->center, "center");
-    need_direction(l->half_u, "half_u");
-    need_direction(l->half_v, "half_v");
-    need(glm::cross(glm::dvec3(l->half_u), glm::dvec3(l->half_v)) != glm::dvec3(0), "half_u and half_v span no area");
-  }
-  if (const auto* l = std::get_if<DiscLight>(&light.kind)) {
-    need_position(l->center, "center");
-    need_direction(l->normal, "normal");
-    need_radius(l->radius);
-  }
-  if (const auto* l = std::get_if<SphereLight>(&light.kind)) {
-    need_position(l->center, "center");
-    need_radius(l->radius);
-  }
+  const auto check_kind = [&](const auto& l) {
+    if constexpr (requires { l.position; }) need_position(l.position, "position");
+    if constexpr (requires { l.center; }) need_position(l.center, "center");
+    if constexpr (requires { l.direction; }) need_direction(l.direction, "direction");
+    if constexpr (requires { l.normal; }) need_direction(l.normal, "normal");
+    if constexpr (requires { l.radius; })
+      need(l.radius > 0 && l.radius <= largest_coordinate, fmt::format("radius = {} is not above 0", l.radius));
+    if constexpr (requires { l.outer_degrees; }) {
+      need(l.outer_degrees > 0 && l.outer_degrees < 90,
+           fmt::format("outer_degrees = {} is outside 0 .. 90, both excluded", l.outer_degrees));
+      need(l.inner_degrees >= 0 && l.inner_degrees <= l.outer_degrees,
+           fmt::format("inner_degrees = {} is outside 0 .. outer_degrees = {}", l.inner_degrees, l.outer_degrees));
+    }
+    if constexpr (requires { l.half_u; }) {
+      need_direction(l.half_u, "half_u");
+      need_direction(l.half_v, "half_v");
+      need(glm::cross(glm::dvec3(l.half_u), glm::dvec3(l.half_v)) != glm::dvec3(0), "half_u and half_v span no area");
+    }
+  };
+  std::visit(check_kind, light.kind);
 }
 
 void check(const View& view, const std::string& where) {
@@ -175,6 +189,23 @@ Scene read_scene(const std::string& reference, const Descriptions& above) {
   if (!names_file(reference)) return load_by_id(reference, above);
   const fs::path file = reference;
   return file.extension() == ".toml" ? read_scene_toml(file, above) : load_mesh_file(file);
+}
+
+void add_framing(Scene& scene) {
+  const Bounds bounds = scene.bounds();
+  if (bounds.empty()) return;
+  const glm::dvec3 low(bounds.min), high(bounds.max), middle = (low + high) / 2.0;
+  if (scene.views.empty()) {
+    scene.views.push_back(framing_view(scene, middle));
+    scene.notes.push_back("no view given: view 'view' frames the whole scene");
+  }
+  if (scene.lights.empty()) {
+    // Twice the radius of the sphere around the bounds: outside all geometry.
+    const glm::vec3 position(middle + glm::length(high - low) * glm::normalize(toward_point));
+    scene.lights.push_back({.name = "point", .kind = PointLight{position}});
+    scene.lights.push_back({.name = "sun", .kind = DirectionalLight{glm::vec3(-toward_sun)}});
+    scene.notes.push_back("no light given: 'point' stands above the left front, 'sun' comes from there");
+  }
 }
 
 Scene load_scene(const std::string& reference) {

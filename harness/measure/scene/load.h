@@ -49,9 +49,6 @@ void import_file(const std::filesystem::path& file, const Placement& placement, 
 /// Whether the importer reads files of this name: what makes `--scene NAME` a mesh file.
 bool is_mesh_file_name(const std::filesystem::path& file);
 
-/// Reads a scene description (DESIGN: scene TOML). Unknown keys are errors with the nearest known one, file and line.
-Scene read_scene_toml(const std::filesystem::path& file);
-
 /// A light and a view that show the whole scene, for scenes that bring none; adds a note for each.
 void add_framing(Scene& scene);
 

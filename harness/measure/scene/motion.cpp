@@ -29,15 +29,15 @@ Path camera_slide(const View& view) {
 
 /// Where the light is, or the way it travels.
 glm::vec3& place_of(Light& light) {
-  struct Visitor {
-    glm::vec3& operator()(PointLight& l) { return l.position; }
-    glm::vec3& operator()(SpotLight& l) { return l.position; }
-    glm::vec3& operator()(DirectionalLight& l) { return l.direction; }
-    glm::vec3& operator()(RectLight& l) { return l.center; }
-    glm::vec3& operator()(DiscLight& l) { return l.center; }
-    glm::vec3& operator()(SphereLight& l) { return l.center; }
+  const auto place = [](auto& l) -> glm::vec3& {
+    if constexpr (requires { l.position; })
+      return l.position;
+    else if constexpr (requires { l.center; })
+      return l.center;
+    else
+      return l.direction;
   };
-  return std::visit(Visitor{}, light.kind);
+  return std::visit(place, light.kind);
 }
 
 Path light_slide(const Scene& scene, Light light) {
@@ -61,18 +61,14 @@ glm::vec3 position_at(const Path& path, int frame) {
 
 }  // namespace
 
-std::vector<std::string> path_names(const Scene& scene) {
-  std::vector<std::string> names = {"camera_slide", "light_slide"};
-  for (const Path& path : scene.paths) names.push_back(path.name);
-  return names;
-}
-
 Path find_path(const Scene& scene, const std::string& name, const Light& light, const View& view) {
-  for (const Path& path : scene.paths)
+  std::vector<std::string> names = {"camera_slide", "light_slide"};
+  for (const Path& path : scene.paths) {
     if (path.name == name) return path;
+    names.push_back(path.name);
+  }
   if (name == "camera_slide") return camera_slide(view);
   if (name == "light_slide") return light_slide(scene, light);
-  const std::vector<std::string> names = path_names(scene);
   throw Error("scene {} has no path {}; did you mean {}? It has: {}", scene.name, name, nearest_word(name, names),
               joined(names, ", "));
 }

@@ -12,9 +12,6 @@ namespace gnomon {
 /// Throws Error with the nearest name.
 Path find_path(const Scene& scene, const std::string& name, const Light& light, const View& view);
 
-/// Every name that find_path takes.
-std::vector<std::string> path_names(const Scene& scene);
-
 /// The light or view at a frame, 0 .. frame_count - 1; the same as given when the path moves the other. Keys are passed at
 /// equal steps of time, in straight lines between them. A light with area moves its center; key positions of a directional
 /// light are the directions in which it travels.

@@ -146,11 +146,9 @@ void read_path(const toml::table& toml, const fs::path& file, Scene& scene) {
   const Table table(toml, file, "path", {"name", "moves", "positions", "frames"});
   const std::string moves = table.text("moves");
   if (moves != "camera" && moves != "light") table.refuse("moves", '\'' + moves + '\'', "camera or light");
-  Path path{.name = moves, .moves = moves == "camera" ? Path::Moves::camera : Path::Moves::light, .positions = {}};
-  if (table.has("name")) path.name = table.text("name");
-  if (!is_plain_name(path.name)) table.refuse("name", '\'' + path.name + '\'', "a name of a..z, 0..9 and _");
-  for (const Path& other : scene.paths)
-    if (other.name == path.name) table.refuse("name", '\'' + path.name + '\'', "unique");
+  Path path{.name = table.name("name", scene.paths, moves),
+            .moves = moves == "camera" ? Path::Moves::camera : Path::Moves::light,
+            .positions = {}};
   for (const glm::dvec3& position : table.vectors("positions", 0, 2)) path.positions.emplace_back(position);
   if (!table.has("frames")) table.refuse("frames", "(nothing)", "a whole number of 2 .. 100000");
   path.frame_count = table.integer("frames", 0, 2, 100'000);
@@ -171,8 +169,6 @@ void read_all(const Table& top, std::string_view key, Reader read, const fs::pat
 }
 
 }  // namespace
-
-Scene read_scene_toml(const fs::path& file) { return read_scene_toml(file, {}); }
 
 Scene read_scene_toml(const fs::path& file, const Descriptions& above) {
   check_above(file, above);

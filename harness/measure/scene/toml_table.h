@@ -101,10 +101,10 @@ class Table {
     if (value.x == 0 || value.y == 0 || value.z == 0) refuse(key, 0, "a scale: it may not be 0");
     return value;
   }
-  /// A name of [a-z0-9_] that no `other` has; without the key, the name of a fresh object.
+  /// A name of [a-z0-9_] that no `other` has; `fallback` without the key.
   template <class Named>
-  std::string name(std::string_view key, const std::vector<Named>& others) const {
-    const std::string value = has(key) ? text(key) : Named{}.name;
+  std::string name(std::string_view key, const std::vector<Named>& others, const std::string& fallback = Named{}.name) const {
+    const std::string value = has(key) ? text(key) : fallback;
     if (!is_plain_name(value)) refuse(key, '\'' + value + '\'', "a name of a..z, 0..9 and _");
     for (const Named& other : others)
       if (other.name == value) refuse(key, '\'' + value + '\'', "unique");

@@ -1,14 +1,18 @@
-// The list of metrics, and those that are counted pixel by pixel.
+// The list of metrics, and all that need no file of their own.
 #include "measure/score/metrics.h"
 
 #include <tbb/blocked_range.h>
+#include <tbb/parallel_invoke.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 
 #include "measure/frame/boundary.h"
-#include "measure/score/metrics_area.h"
+#include "measure/picture/picture.h"
+#include "measure/score/perceptual.h"
+#include "measure/statistics/statistics.h"
 
 namespace gnomon {
 
@@ -19,43 +23,24 @@ std::optional<double> share(double part, double whole) {
   return part / whole;
 }
 
-// --- bins: each is a metric of its own ----------------------------------------------------------------------------------
+/// Ends of the bins of distance in pixels to the nearest pixel beside the reference's shadow boundary, which is 0 on both its
+/// sides. A bin holds the values above the one before it, up to its end.
+constexpr double edge_bin_ends[] = {1, 2, 4, 8, INFINITY};
 
-/// Values above the bin before it, up to `to`.
-struct Bin {
-  std::string_view name;
-  double to;
-  std::string_view sentence;
-};
-
-/// Distance in pixels to the nearest pixel beside the reference's shadow boundary, which is 0 on both its sides.
-constexpr Bin edge_bins_table[] = {
-    {"wrong_rate_edge_0_1", 1, "Wrong rate of the pixels of T within 1 px of the reference's shadow boundary."},
-    {"wrong_rate_edge_1_2", 2, "Wrong rate of the pixels of T more than 1 px, at most 2 px from it."},
-    {"wrong_rate_edge_2_4", 4, "Wrong rate of the pixels of T more than 2 px, at most 4 px from it."},
-    {"wrong_rate_edge_4_8", 8, "Wrong rate of the pixels of T more than 4 px, at most 8 px from it."},
-    {"wrong_rate_edge_8_up", INFINITY, "Wrong rate of the pixels of T more than 8 px from it, or where there is none."},
-};
-
-/// Sine of the angle between surface and direction to the light (of an area light: to its center). Class G holds what is
-/// below 2.
-constexpr Bin angle_bins_table[] = {
-    {"wrong_rate_angle_2_10", 0.17364817766693033, "Wrong rate of the pixels of T that the light meets at up to 10 degrees."},
-    {"wrong_rate_angle_10_30", 0.5, "Wrong rate of the pixels of T that it meets at 10 to 30 degrees."},
-    {"wrong_rate_angle_30_60", 0.8660254037844386, "Wrong rate of the pixels of T that it meets at 30 to 60 degrees."},
-    {"wrong_rate_angle_60_90", 1.001, "Wrong rate of the pixels of T that it meets at 60 to 90 degrees."},
-};
+/// Ends of the bins of the sine of the angle between surface and direction to the light (of an area light: to its center): of
+/// 10, 30, 60 and 90 degrees. Class G holds what is below 2.
+constexpr double angle_bin_ends[] = {0.17364817766693033, 0.5, 0.8660254037844386, 1.001};
 
 /// Counts the pixels of T by the bin of their value, in parallel; counts are the same in any order.
 template <std::size_t bin_count, class Value>
-std::vector<BinCount> count_bins(const Evidence& e, const Bin (&bins)[bin_count], const Value& value) {
+std::vector<BinCount> count_bins(const Evidence& e, const double (&ends)[bin_count], const Value& value) {
   using Counts = std::array<BinCount, bin_count>;
   const auto count = [&](const tbb::blocked_range<std::size_t>& pixels, Counts counts) {
     for (std::size_t i = pixels.begin(); i < pixels.end(); ++i) {
       if (e.classes[i] != PixelClass::T) continue;
       const double v = value(i);
       std::size_t k = 0;
-      while (k + 1 < bin_count && v > bins[k].to) ++k;
+      while (k + 1 < bin_count && v > ends[k]) ++k;
       ++counts[k].tested;
       counts[k].wrong += e.is_wrong(i);
     }
@@ -72,19 +57,11 @@ std::vector<BinCount> count_bins(const Evidence& e, const Bin (&bins)[bin_count]
   return {counts.begin(), counts.end()};
 }
 
-/// A row for each bin of a table.
-template <const std::vector<BinCount>& (Scoring::*counts)() const, std::size_t... k>
-void add_rows(std::vector<MetricInfo>& rows, const Bin* bins, std::index_sequence<k...>) {
-  const auto value = []<std::size_t bin>(const Scoring& s) -> std::optional<double> {
-    const std::vector<BinCount>& all = (s.*counts)();
-    return all.empty() ? std::nullopt : share(all[bin].wrong, all[bin].tested);
-  };
-  (rows.push_back({bins[k].name, "", "lower", bins[k].sentence,
-                   [](const Scoring& s) { return decltype(value){}.template operator()<k>(s); }}),
-   ...);
+template <const std::vector<BinCount>& (Scoring::*bins)() const, std::size_t k>
+std::optional<double> wrong_rate_in_bin(const Scoring& s) {
+  const std::vector<BinCount>& all = (s.*bins)();
+  return all.empty() ? std::nullopt : share(all[k].wrong, all[k].tested);
 }
-
-// --- other rows ---------------------------------------------------------------------------------------------------------
 
 /// The same for every technique.
 std::optional<double> snapping_floor(const Scoring& s) {
@@ -92,29 +69,6 @@ std::optional<double> snapping_floor(const Scoring& s) {
   if (snapping.empty()) return std::nullopt;
   return share(static_cast<double>(std::ranges::count(snapping, 1)), s.error_counts().tested);
 }
-
-constexpr MetricInfo counted_rows[] = {
-    {"wrong_rate", "", "lower", "Share of the tested pixels (T) whose visibility is off by more than one half.",
-     [](const Scoring& s) { return share(s.error_counts().wrong, s.error_counts().tested); }},
-    {"wrong_rate_all", "", "lower", "The same over every pixel that faces the light (T, G, S and U): nothing hidden.",
-     [](const Scoring& s) { return share(s.error_counts().wrong_facing, s.error_counts().facing); }},
-    {"false_dark_rate", "", "lower", "Share of T that is dark where the reference is lit.",
-     [](const Scoring& s) { return share(s.error_counts().false_dark, s.error_counts().tested); }},
-    {"false_lit_rate", "", "lower", "Share of T that is lit where the reference is dark.",
-     [](const Scoring& s) { return share(s.error_counts().false_lit, s.error_counts().tested); }},
-    {"error_mean", "", "lower", "Mean over T of the absolute difference from the reference.",
-     [](const Scoring& s) { return share(s.error_counts().error_sum, s.error_counts().tested); }},
-    {"displacement_mean", "px", "lower", "Mean distance between the shadow boundaries of technique and reference, both ways.",
-     [](const Scoring& s) { return s.displacement().mean; }},
-    {"displacement_p95", "px", "lower", "95th percentile of the same distances.",
-     [](const Scoring& s) { return s.displacement().p95; }},
-    {"tested_share", "", "higher", "Share of the pixels facing the light that is tested (T).",
-     [](const Scoring& s) { return share(s.error_counts().tested, s.error_counts().facing); }},
-    {"snapping_floor", "", "",
-     "Share of T whose exact answer flips when the sample point moves by 1/512 px: no rasterizer can promise a lower wrong "
-     "rate.",
-     snapping_floor},
-};
 
 /// Share of the pixels tested in this frame and the one before that change sides in the technique and not in the reference.
 std::optional<double> instability(const Scoring& scoring) {
@@ -137,7 +91,45 @@ std::optional<double> shadow_area_ratio(const Scoring& scoring) {
   return share(shadow_area(*e.gbuffer, e.classes, e.mask), shadow_area(*e.gbuffer, e.classes, e.reference));
 }
 
-constexpr MetricInfo other_rows[] = {
+constexpr MetricInfo rows[] = {
+    {"wrong_rate", "", "lower", "Share of the tested pixels (T) whose visibility is off by more than one half.",
+     [](const Scoring& s) { return share(s.error_counts().wrong, s.error_counts().tested); }},
+    {"wrong_rate_all", "", "lower", "The same over every pixel that faces the light (T, G, S and U): nothing hidden.",
+     [](const Scoring& s) { return share(s.error_counts().wrong_facing, s.error_counts().facing); }},
+    {"false_dark_rate", "", "lower", "Share of T that is dark where the reference is lit.",
+     [](const Scoring& s) { return share(s.error_counts().false_dark, s.error_counts().tested); }},
+    {"false_lit_rate", "", "lower", "Share of T that is lit where the reference is dark.",
+     [](const Scoring& s) { return share(s.error_counts().false_lit, s.error_counts().tested); }},
+    {"error_mean", "", "lower", "Mean over T of the absolute difference from the reference.",
+     [](const Scoring& s) { return share(s.error_counts().error_sum, s.error_counts().tested); }},
+    {"displacement_mean", "px", "lower", "Mean distance between the shadow boundaries of technique and reference, both ways.",
+     [](const Scoring& s) { return s.displacement().mean; }},
+    {"displacement_p95", "px", "lower", "95th percentile of the same distances.",
+     [](const Scoring& s) { return s.displacement().p95; }},
+    {"tested_share", "", "higher", "Share of the pixels facing the light that is tested (T).",
+     [](const Scoring& s) { return share(s.error_counts().tested, s.error_counts().facing); }},
+    {"snapping_floor", "", "",
+     "Share of T whose exact answer flips when the sample point moves by 1/512 px: no rasterizer can promise a lower wrong "
+     "rate.",
+     snapping_floor},
+    {"wrong_rate_edge_0_1", "", "lower", "Wrong rate of the pixels of T within 1 px of the reference's shadow boundary.",
+     wrong_rate_in_bin<&Scoring::edge_bins, 0>},
+    {"wrong_rate_edge_1_2", "", "lower", "Wrong rate of the pixels of T more than 1 px, at most 2 px from it.",
+     wrong_rate_in_bin<&Scoring::edge_bins, 1>},
+    {"wrong_rate_edge_2_4", "", "lower", "Wrong rate of the pixels of T more than 2 px, at most 4 px from it.",
+     wrong_rate_in_bin<&Scoring::edge_bins, 2>},
+    {"wrong_rate_edge_4_8", "", "lower", "Wrong rate of the pixels of T more than 4 px, at most 8 px from it.",
+     wrong_rate_in_bin<&Scoring::edge_bins, 3>},
+    {"wrong_rate_edge_8_up", "", "lower", "Wrong rate of the pixels of T more than 8 px from it, or where there is none.",
+     wrong_rate_in_bin<&Scoring::edge_bins, 4>},
+    {"wrong_rate_angle_2_10", "", "lower", "Wrong rate of the pixels of T that the light meets at up to 10 degrees.",
+     wrong_rate_in_bin<&Scoring::angle_bins, 0>},
+    {"wrong_rate_angle_10_30", "", "lower", "Wrong rate of the pixels of T that it meets at 10 to 30 degrees.",
+     wrong_rate_in_bin<&Scoring::angle_bins, 1>},
+    {"wrong_rate_angle_30_60", "", "lower", "Wrong rate of the pixels of T that it meets at 30 to 60 degrees.",
+     wrong_rate_in_bin<&Scoring::angle_bins, 2>},
+    {"wrong_rate_angle_60_90", "", "lower", "Wrong rate of the pixels of T that it meets at 60 to 90 degrees.",
+     wrong_rate_in_bin<&Scoring::angle_bins, 3>},
     {"shadow_area_ratio", "ratio", "",
      "Area of surface in cast shadow over the pixels of T, technique to reference; best at 1.", shadow_area_ratio},
     {"instability", "", "lower",
@@ -190,20 +182,37 @@ ErrorCounts count(const Evidence& e) {
   return t;
 }
 
-}  // namespace
-
-std::span<const MetricInfo> metric_infos() {
-  static const std::vector<MetricInfo> rows = [] {
-    std::vector<MetricInfo> all(std::begin(counted_rows), std::end(counted_rows));
-    add_rows<&Scoring::edge_bins>(all, edge_bins_table, std::make_index_sequence<std::size(edge_bins_table)>());
-    add_rows<&Scoring::angle_bins>(all, angle_bins_table, std::make_index_sequence<std::size(angle_bins_table)>());
-    all.insert(all.end(), std::begin(other_rows), std::end(other_rows));
-    return all;
-  }();
-  return rows;
+/// The dark side of the boundary alone: with both sides marked, an edge displaced by k pixels would be found k - 1/2 away.
+std::vector<std::uint8_t> shadow_rim(const Evidence& e, std::span<const float> mask) {
+  std::vector<std::uint8_t> marked = shadow_boundary(mask, e.classes, e.width, e.height);
+  for (std::size_t i = 0; i < marked.size(); ++i) marked[i] &= !is_lit(mask[i]);
+  return marked;
 }
 
-namespace {
+/// How far the technique's shadow boundary lies from the reference's.
+Displacement measure_displacement(const Evidence& e) {
+  const auto ours = shadow_rim(e, e.mask), theirs = shadow_rim(e, e.reference);
+  const bool have_ours = std::ranges::count(ours, 1) > 0, have_theirs = std::ranges::count(theirs, 1) > 0;
+  if (!have_ours && !have_theirs) return {0, 0};
+  if (!have_ours || !have_theirs) return {};
+  const auto to_ours = distance_transform(ours, e.width, e.height), to_theirs = distance_transform(theirs, e.width, e.height);
+  std::vector<double> distances;
+  for (std::size_t i = 0; i < ours.size(); ++i) {
+    if (ours[i]) distances.push_back(to_theirs[i]);
+    if (theirs[i]) distances.push_back(to_ours[i]);
+  }
+  return {std::accumulate(distances.begin(), distances.end(), 0.0) / static_cast<double>(distances.size()),
+          quantile(distances, 0.95)};
+}
+
+/// What a viewer sees of a wrong mask: the shaded picture against the reference's.
+Likeness measure_likeness(const Evidence& e) {
+  if (!e.scene || !e.gbuffer || !e.light) return {};
+  Picture ours, theirs;
+  tbb::parallel_invoke([&] { ours = shade(*e.scene, *e.gbuffer, *e.light, e.mask); },
+                       [&] { theirs = shade(*e.scene, *e.gbuffer, *e.light, e.reference); });
+  return {ssim(theirs, ours), flip(theirs, ours)};
+}
 
 /// What `make` answers, made at the first call.
 template <class Value, class Make>
@@ -213,6 +222,8 @@ const Value& once(std::optional<Value>& value, const Make& make) {
 }
 
 }  // namespace
+
+std::span<const MetricInfo> metric_infos() { return rows; }
 
 const ErrorCounts& Scoring::error_counts() const {
   return once(error_counts_, [&] { return count(evidence_); });
@@ -231,7 +242,7 @@ const std::vector<float>& Scoring::edge_distance() const {
 
 const std::vector<BinCount>& Scoring::edge_bins() const {
   return once(edge_bins_, [&] {
-    return count_bins(evidence_, edge_bins_table, [&distance = edge_distance()](std::size_t i) { return distance[i]; });
+    return count_bins(evidence_, edge_bin_ends, [&distance = edge_distance()](std::size_t i) { return distance[i]; });
   });
 }
 
@@ -240,7 +251,7 @@ const std::vector<BinCount>& Scoring::angle_bins() const {
     const Evidence& e = evidence_;
     if (!e.gbuffer || !e.light) return {};
     const glm::dvec4 light = homogeneous(*e.light);
-    return count_bins(e, angle_bins_table, [&](std::size_t i) {
+    return count_bins(e, angle_bin_ends, [&](std::size_t i) {
       const glm::dvec3 to = to_light(light, e.gbuffer->position(i));
       return glm::dot(glm::dvec3(e.gbuffer->normal(i)), to) / glm::length(to);
     });

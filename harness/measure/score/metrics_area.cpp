@@ -1,11 +1,10 @@
 // How much surface lies in shadow: pixels weighted by the area that they cover in the scene.
-#include "measure/score/metrics_area.h"
-
+#include <gnomon/kit/camera.h>
 #include <gnomon/kit/parallel.h>
 
-#include <cmath>
 #include <numeric>
-#include <vector>
+
+#include "measure/score/metrics.h"
 
 namespace gnomon {
 

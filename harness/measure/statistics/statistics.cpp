@@ -11,10 +11,6 @@ namespace gnomon {
 
 namespace {
 
-/// The random numbers of every bootstrap: PCG32's own first state and increment, written as seed and stream. Intervals of all
-/// records were made with them.
-Random resampling() { return Random(0xe5505758d9003cadu, 0xa02bdbf7bb3c0a7u); }
-
 /// Sorts in place.
 double sorted_quantile(std::span<double> values, double q) {
   assert(!values.empty() && q >= 0 && q <= 1);
@@ -25,41 +21,6 @@ double sorted_quantile(std::span<double> values, double q) {
   // Equal neighbours are returned as they are: a sum of two products may miss them by a rounding.
   if (values[below] == values[above]) return values[below];
   return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
-}
-
-ProcessTimes without_empty(const ProcessTimes& times) {
-  ProcessTimes kept;
-  for (const std::vector<double>& process : times)
-    if (!process.empty()) kept.push_back(process);
-  return kept;
-}
-
-/// One resample of the statistic. Its buffers are kept from call to call.
-class Resampler {
- public:
-  explicit Resampler(ProcessTimes times) : times_(std::move(times)), medians_(times_.size()) {}
-
-  double draw(Random& random) {
-    for (double& process_median : medians_) {
-      const std::vector<double>& process = times_[random.below(static_cast<std::uint32_t>(times_.size()))];
-      repetitions_.resize(process.size());
-      for (double& repetition : repetitions_) repetition = process[random.below(static_cast<std::uint32_t>(process.size()))];
-      process_median = sorted_quantile(repetitions_, 0.5);
-    }
-    return sorted_quantile(medians_, 0.5);
-  }
-
- private:
-  ProcessTimes times_;
-  std::vector<double> medians_, repetitions_;
-};
-
-/// The percentile interval of `resample_count` values of `draw`.
-template <class Draw>
-Estimate estimate(double value, Draw draw) {
-  std::vector<double> resamples(resample_count);
-  for (double& resample : resamples) resample = draw();
-  return {value, sorted_quantile(resamples, 0.025), sorted_quantile(resamples, 0.975)};
 }
 
 /// The continued fraction of the incomplete beta function (Abramowitz and Stegun 26.5.8), evaluated by Lentz's method. It
@@ -116,11 +77,22 @@ std::optional<double> median_of_medians(const ProcessTimes& times) {
 }
 
 std::optional<Estimate> bootstrap(const ProcessTimes& times) {
-  const ProcessTimes kept = without_empty(times);
+  ProcessTimes kept;
+  std::ranges::copy_if(times, std::back_inserter(kept), [](const auto& process) { return !process.empty(); });
   if (kept.size() < 2) return std::nullopt;
-  Random random = resampling();
-  Resampler resampler(kept);
-  return estimate(*median_of_medians(kept), [&] { return resampler.draw(random); });
+  // PCG32's own first state and increment, written as seed and stream: intervals of all records were made with them.
+  Random random(0xe5505758d9003cadu, 0xa02bdbf7bb3c0a7u);
+  std::vector<double> resamples(resample_count), medians(kept.size()), repetitions;
+  for (double& resample : resamples) {
+    for (double& process_median : medians) {
+      const std::vector<double>& process = kept[random.below(static_cast<std::uint32_t>(kept.size()))];
+      repetitions.resize(process.size());
+      for (double& repetition : repetitions) repetition = process[random.below(static_cast<std::uint32_t>(process.size()))];
+      process_median = sorted_quantile(repetitions, 0.5);
+    }
+    resample = sorted_quantile(medians, 0.5);
+  }
+  return Estimate{*median_of_medians(kept), sorted_quantile(resamples, 0.025), sorted_quantile(resamples, 0.975)};
 }
 
 double student_tail(double t, double freedom) {

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "hand_made.h"
 
@@ -55,7 +54,7 @@ TEST(Certify, an_exact_reference_is_certified_with_three_over_n) {
   EXPECT_DOUBLE_EQ(c.clearance_floor, 4 * 0x1p-24 * 8);  // the eye is the farthest
   EXPECT_EQ(c.lattice_exponent, 0);                      // all corners and the light are integers
   EXPECT_NE(text(c).find("certified"), std::string::npos);
-  EXPECT_EQ(nlohmann::json(c)["queries"], c.query_count);
+  EXPECT_EQ(Json(c)["queries"], c.query_count);
 }
 
 TEST(Certify, a_wrong_pixel_is_found_unless_it_is_uncertain) {

@@ -11,7 +11,6 @@
 #include <set>
 
 #include "measure/frame/light_rays.h"
-#include "measure/frame/snapping.h"
 #include "measure/scene/load.h"
 #include "measure/scratch_folder.h"
 

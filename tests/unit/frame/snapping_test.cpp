@@ -1,9 +1,8 @@
-#include "measure/frame/snapping.h"
-
 #include <gtest/gtest.h>
 
 #include <random>
 
+#include "measure/frame/classify.h"
 #include "measure/frame/frame.h"
 #include "measure/score/score.h"
 #include "small_world.h"

@@ -226,7 +226,7 @@ TEST_F(RescoreTest, records_are_replaced_as_a_whole) {
   RecordWriter writer(dir_);
   writer.append(record);
   record.metrics[Truth::shape]["wrong_rate"] = 0.5;
-  replace_records(dir_, {record, record}, writer);
+  writer.replace(std::vector{record, record});
   // One job counts once, by its last line.
   const auto kept = read_record_file(records_file(dir_)).records;
   ASSERT_EQ(kept.size(), 1u);

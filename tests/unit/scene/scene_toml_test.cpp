@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "measure/paths.h"
+#include "measure/scene/base_scene.h"
 #include "measure/scene/load.h"
 
 namespace {

@@ -1,5 +1,4 @@
-#include "measure/score/metrics_area.h"
-
+#include <gnomon/kit/camera.h>
 #include <gtest/gtest.h>
 
 #include <numbers>

@@ -1,14 +1,12 @@
-// The image module: the only file that knows OpenImageIO. See image_files.h.
+// The image module: the only file that knows OpenImageIO. See ImageFiles.
 #include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
 #include <gnomon/error.h>
 #include <unistd.h>
 
-#include "measure/picture/image_files.h"
+#include "measure/picture/picture.h"
 
-namespace gnomon {
-
-namespace {
+namespace gnomon::image_module {
 
 namespace fs = std::filesystem;
 
@@ -88,10 +86,9 @@ int draw_text(std::span<std::uint8_t> rgb, int width, int height, int x, int y, 
   return OIIO::ImageBufAlgo::text_size(words, size, font).xend;
 }
 
-}  // namespace
-
-}  // namespace gnomon
+}  // namespace gnomon::image_module
 
 extern "C" const gnomon::ImageFiles gnomon_image_files;
-const gnomon::ImageFiles gnomon_image_files{gnomon::write_png,    gnomon::write_exr, gnomon::read_exr,
-                                            gnomon::exr_channels, gnomon::exr_size,  gnomon::draw_text};
+namespace images = gnomon::image_module;
+const gnomon::ImageFiles gnomon_image_files{images::write_png,    images::write_exr, images::read_exr,
+                                            images::exr_channels, images::exr_size,  images::draw_text};
