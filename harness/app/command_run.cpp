@@ -7,7 +7,6 @@
 #include "app/suite_options.h"
 #include "measure/record/merge.h"
 #include "measure/run/estimate.h"
-#include "measure/run/resume.h"
 #include "measure/run/run.h"
 #include "measure/scene/blob.h"
 #include "report/table/table.h"

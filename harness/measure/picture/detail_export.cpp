@@ -18,24 +18,6 @@ namespace {
 
 constexpr std::uint64_t magic = 0x32'6c'74'64'6d'6e'67ull;  // "gnmdtl2"
 
-/// Coordinates as they are written. Rounding noise beside zero would be digits of its own.
-class Digits {
- public:
-  explicit Digits(std::span<const glm::dvec3> corners) {
-    double largest = 0;
-    for (const glm::dvec3& p : corners) largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-    noise_ = 1e-14 * largest;
-  }
-  void write(const glm::dvec3& p, std::string& text) const {
-    const auto shown = [this](double x) { return std::abs(x) <= noise_ ? 0.0 : x; };
-    text.clear();
-    fmt::format_to(std::back_inserter(text), "{:.10g} {:.10g} {:.10g}", shown(p.x), shown(p.y), shown(p.z));
-  }
-
- private:
-  double noise_;
-};
-
 /// A word that no other mesh has.
 std::string object_name(const Scene& scene, std::size_t mesh, std::unordered_set<std::string>& taken) {
   std::string word = scene.meshes[mesh].name.empty() ? fmt::format("mesh_{}", mesh) : scene.meshes[mesh].name;
@@ -70,7 +52,10 @@ SurfaceDetail detail_from_bytes(std::span<const std::byte> bytes) {
 
 std::string detail_obj(const Scene& scene, const SurfaceDetail& detail, std::span<const std::string> notes,
                        const std::string& mtl_name) {
-  const Digits digits(detail.corners);
+  double largest = 0;
+  for (const glm::dvec3& p : detail.corners) largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  // Rounding noise beside zero would be digits of its own.
+  const auto shown = [&](double x) { return std::abs(x) <= 1e-14 * largest ? 0.0 : x; };
   std::string body, line;
   std::array<std::size_t, 2> written{};  // shadowed, lit
   std::size_t left_out = 0, vertex_count = 0;
@@ -85,7 +70,8 @@ std::string detail_obj(const Scene& scene, const SurfaceDetail& detail, std::spa
       const DetailPolygon& polygon = detail.polygons[k];
       Face face;
       for (std::uint32_t c = 0; c < polygon.count; ++c) {
-        digits.write(detail.corners[polygon.first + c], line);
+        const glm::dvec3& p = detail.corners[polygon.first + c];
+        line = fmt::format("{:.10g} {:.10g} {:.10g}", shown(p.x), shown(p.y), shown(p.z));
         const auto [place, is_new] = vertices.try_emplace(line, static_cast<std::uint32_t>(vertices.size()));
         if (is_new) body.append("v ").append(line).append("\n");
         if (face.empty() || face.back() != place->second) face.push_back(place->second);

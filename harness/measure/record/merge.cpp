@@ -74,18 +74,21 @@ void note_mixture(Merge& merge) {
   }
 }
 
-/// A scene that one machine had not fetched has a row without a scene there, and its real rows of that shard are nowhere.
-void note_missing_scenes(Merge& merge) {
-  std::set<std::string> there;
-  std::map<std::string, std::set<std::string>> missing;
+/// Scenes that changed between rows. One that a machine had not fetched has a row without a scene there, and its real rows of
+/// that shard are nowhere.
+void note_scenes(Merge& merge) {
+  std::map<std::string, std::set<std::string>> hashes, missing;
   for (const MergedRow& row : merge.rows) {
-    if (context_text(row.record, "scene_hash").empty())
+    if (const std::string hash = context_text(row.record, "scene_hash"); hash.empty())
       missing[row.record.scene].insert(row.folder.string());
     else
-      there.insert(row.record.scene);
+      hashes[row.record.scene].insert(hash);
   }
+  for (const auto& [scene, all] : hashes)
+    if (all.size() > 1)
+      merge.notes.push_back(fmt::format("scene {} has {} contents: its rows are not comparable", scene, all.size()));
   for (const auto& [scene, folders] : missing)
-    if (there.contains(scene))
+    if (hashes.contains(scene))
       merge.notes.push_back(fmt::format("scene {} was there for some rows and not for {}: fetch it there and --resume that run",
                                         scene, joined(folders, ", ")));
 }
@@ -99,15 +102,6 @@ void note_holes(Merge& merge) {
       merge.notes.push_back(fmt::format(
           "{} of the first {} rows of suite {} are not there: a shard is missing or unfinished, or the run was filtered",
           expected - there.size(), expected, suite));
-}
-
-void note_scene_hashes(Merge& merge) {
-  std::map<std::string, std::set<std::string>> hashes;
-  for (const MergedRow& row : merge.rows)
-    if (const std::string hash = context_text(row.record, "scene_hash"); !hash.empty()) hashes[row.record.scene].insert(hash);
-  for (const auto& [scene, all] : hashes)
-    if (all.size() > 1)
-      merge.notes.push_back(fmt::format("scene {} has {} contents: its rows are not comparable", scene, all.size()));
 }
 
 }  // namespace
@@ -150,8 +144,7 @@ Merge merge_records(std::span<const std::pair<fs::path, std::vector<Record>>> ru
     return std::pair(suites[a.record.suite], a.record.place) < std::pair(suites[b.record.suite], b.record.place);
   });
   note_mixture(merge);
-  note_scene_hashes(merge);
-  note_missing_scenes(merge);
+  note_scenes(merge);
   note_holes(merge);
   return merge;
 }

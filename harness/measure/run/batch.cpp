@@ -20,11 +20,11 @@ class Batch {
   Batch(SceneRun& run, std::span<const Side> sides, std::vector<PendingRow>& rows, Progress& progress)
       : run_(run), sides_(sides), rows_(rows), progress_(progress) {
     for (PendingRow& row : rows_) {
-      const auto same = [&](const SideContender& known) {
-        return known.side == row.side && known.contender.name() == row.job.contender.name();
+      const auto same = [&](const PendingRow* known) {
+        return known->side == row.side && known->job.contender.name() == row.job.contender.name();
       };
       row.contender = static_cast<std::size_t>(std::ranges::find_if(contenders_, same) - contenders_.begin());
-      if (row.contender == contenders_.size()) contenders_.push_back({row.job.contender, row.side});
+      if (row.contender == contenders_.size()) contenders_.push_back(&row);
     }
   }
 
@@ -53,14 +53,9 @@ class Batch {
   }
 
  private:
-  struct SideContender {
-    Contender contender;
-    std::size_t side = 0;
-  };
-
   void execute_process() {
     start_workers();
-    build_ms_.clear();
+    builds_.clear();
     std::vector<std::string> frames;  // in order of first appearance
     std::map<std::string, std::vector<PendingRow*>> groups;
     for (PendingRow& row : rows_) {
@@ -127,8 +122,8 @@ class Batch {
   }
 
   std::unique_ptr<ContenderWorker> loading_worker(std::size_t contender) {
-    const SideContender& of = contenders_[contender];
-    auto worker = std::make_unique<ContenderWorker>(run_, of.contender, sides_[of.side].worker);
+    const PendingRow& of = *contenders_[contender];
+    auto worker = std::make_unique<ContenderWorker>(run_, of.job.contender, sides_[of.side].worker);
     worker->begin_load();
     return worker;
   }
@@ -190,9 +185,9 @@ class Batch {
     std::vector<PendingRow*> owners;
     for (PendingRow* row : group) {
       if (row->over) continue;
-      if (stage == Stage::build && build_ms_.contains(row->contender)) {
-        row->record.times(Stage::build).push_back(build_ms_[row->contender].samples);
-        row->record.iterations["build"] = static_cast<std::uint64_t>(build_ms_[row->contender].iterations);
+      if (stage == Stage::build && builds_.contains(row->contender)) {
+        row->record.times(Stage::build).push_back(builds_[row->contender].samples);
+        row->record.iterations["build"] = static_cast<std::uint64_t>(builds_[row->contender].iterations);
         continue;
       }
       const auto start = Clock::now();
@@ -213,7 +208,7 @@ class Batch {
       double spent = 0;
       for (const double ms : tasks[k].samples) spent += ms / 1000 * tasks[k].iterations;
       *owners[k]->record.seconds += spent;
-      if (stage == Stage::build) build_ms_[owners[k]->contender] = {tasks[k].samples, tasks[k].iterations};
+      if (stage == Stage::build) builds_[owners[k]->contender] = tasks[k];
       owners[k]->record.times(stage).push_back(std::move(tasks[k].samples));
     }
   }
@@ -240,15 +235,11 @@ class Batch {
   std::span<const Side> sides_;
   std::vector<PendingRow>& rows_;
   Progress& progress_;
-  std::vector<SideContender> contenders_;
+  std::vector<const PendingRow*> contenders_;              ///< the first row of each contender on each side
   std::vector<std::unique_ptr<ContenderWorker>> workers_;  ///< by contender; null when it failed or none is wanted
   int process_ = 0;
   /// By contender: build as timed in this process at its first light, which it does not depend on.
-  struct BuildTimes {
-    std::vector<double> samples;
-    int iterations = 1;
-  };
-  std::map<std::size_t, BuildTimes> build_ms_;
+  std::map<std::size_t, TimingTask> builds_;
 };
 
 }  // namespace

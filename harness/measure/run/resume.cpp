@@ -1,10 +1,9 @@
-#include "measure/run/resume.h"
-
 #include <gnomon/error.h>
 
 #include <algorithm>
 #include <map>
 
+#include "measure/run/run.h"
 #include "measure/scene/blob.h"
 
 namespace gnomon {

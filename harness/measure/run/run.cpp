@@ -9,7 +9,6 @@
 #include "measure/pattern.h"
 #include "measure/run/batch.h"
 #include "measure/run/estimate.h"
-#include "measure/run/resume.h"
 #include "measure/scene/blob.h"
 #include "measure/scratch_folder.h"
 
@@ -97,14 +96,6 @@ void run_rows(std::vector<PendingRow> rows, const RowsPlan& plan, Progress& prog
   }
 }
 
-/// This machine, and what the other program says of how it was built.
-Json context_of(const Json& build, int threads) {
-  Json context = machine_context(threads);
-  for (const char* key : {"version", "commit", "build_type", "compiler", "flags", "libraries"})
-    if (build.contains(key)) context[key] = build[key];
-  return context;
-}
-
 }  // namespace
 
 std::vector<Job> select_jobs(const RunOptions& options, std::vector<Job> jobs) {
@@ -188,7 +179,9 @@ void run_live(const RunOptions& options, const std::string& base_program, SceneL
   const std::string now = json_text(machine_context(threads));
   const std::string mark = content_hash(fmt::format("{} {}", options.out.string(), now)).substr(0, 16);
   const auto contexts = [&] {
-    std::vector<Json> by_side{context_of(build, threads), machine_context(threads)};
+    std::vector<Json> by_side{machine_context(threads), machine_context(threads)};
+    for (const char* key : {"version", "commit", "build_type", "compiler", "flags", "libraries"})
+      if (build.contains(key)) by_side[0][key] = build[key];
     for (Json& context : by_side) {
       // Pairs are judged as if nothing differed but the program: one load for both.
       context["load_average"] = by_side[0]["load_average"];

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <set>
 
 #include "measure/record/record.h"
 #include "measure/run/jobs.h"
@@ -27,10 +28,25 @@ struct RunSummary {
 /// Those of `jobs` (all of the suite) that the options select, in order. Throws Error on a bad expression.
 std::vector<Job> select_jobs(const RunOptions& options, std::vector<Job> jobs);
 
-/// Runs them: one record per job in OUT/records.jsonl, masks, error pictures and shaded pictures beside it. A worker that
-/// fails costs its own row. What the rows took is remembered for estimates (estimate.h). The folder belongs to one run at a
-/// time. Throws Error on an output folder that another run writes, or that holds records without `resume` or such that cannot
-/// be continued (resume.h), and on a full disk.
+/// What a folder holds of a run that is to go on in it.
+struct Earlier {
+  std::vector<Record> kept;        ///< numbered as the suite numbers its rows now, in order of the file
+  std::set<std::string> done;      ///< jobs of `kept`: they are not run again
+  bool is_changed = false;         ///< the file does not hold `kept` as it is: rows went, or have new places
+  std::vector<std::string> notes;  ///< what a reader of the table should know: other processors, other numbers of threads
+};
+
+/// Reads options.out; nothing where there are no records. A scene that was not fetched then and is now is run, and its old row
+/// goes; so does a failed row of `jobs` when failed ones are to be tried again. Rows that cannot stand in one table with new
+/// ones are an Error: of a scene that has changed since, of another commit, of another suite, and of the same one with other
+/// processes, repetitions or truth; so is a folder none of whose rows the suite has. Where it has some, a note counts the rest.
+/// `suite` are all jobs of the suite, `jobs` those that are asked for.
+Earlier earlier_rows(const RunOptions& options, SceneLibrary& library, std::span<const Job> suite, std::span<const Job> jobs);
+
+/// Runs the selected jobs: one record per job in OUT/records.jsonl, masks, error pictures and shaded pictures beside it. A
+/// worker that fails costs its own row. What the rows took is remembered for estimates (estimate.h). The folder belongs to one
+/// run at a time. Throws Error on an output folder that another run writes, or that holds records without `resume` or such that
+/// cannot be continued (earlier_rows), and on a full disk.
 RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress& progress);
 
 /// Runs every selected job with two programs side by side: workers of both live at once and their repetitions are interleaved

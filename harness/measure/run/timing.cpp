@@ -41,21 +41,16 @@ void run_task(benchmark::State& state, TimingTask& task) {
   }
 }
 
-void initialize_engine() {
-  static const bool once = [] {
+}  // namespace
+
+void time_interleaved(std::vector<TimingTask>& tasks) {
+  [[maybe_unused]] static const bool is_initialized = [] {
     char program[] = "gnomon", interleave[] = "--benchmark_enable_random_interleaving=true";
     char* argv[] = {program, interleave, nullptr};
     int argc = 2;
     benchmark::Initialize(&argc, argv);
     return true;
   }();
-  static_cast<void>(once);
-}
-
-}  // namespace
-
-void time_interleaved(std::vector<TimingTask>& tasks) {
-  initialize_engine();
   benchmark::ClearRegisteredBenchmarks();
   for (std::size_t k = 0; k < tasks.size(); ++k)
     benchmark::RegisterBenchmark(std::to_string(k).c_str(), [&tasks, k](benchmark::State& state) { run_task(state, tasks[k]); })

@@ -1,6 +1,4 @@
 #pragma once
-#include <gnomon/param.h>
-
 #include <functional>
 #include <string>
 #include <vector>

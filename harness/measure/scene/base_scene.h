@@ -1,6 +1,5 @@
 #pragma once
-// Private to the loaders: what a coordinate may be; a description may name the scene that it starts from, whose description
-// may name another.
+// Private to the loaders: what a coordinate may be, and what a reference names.
 #include <gnomon/scene.h>
 
 #include <filesystem>
@@ -21,18 +20,6 @@ using Descriptions = std::vector<std::filesystem::path>;
 Scene read_scene(const std::string& reference, const Descriptions& above);
 /// Of a description. Unknown keys are errors with the nearest known one, file and line.
 Scene read_scene_toml(const std::filesystem::path& file, const Descriptions& above = {});
-
-/// The scene that a description calls `reference`, neither finished nor framed. Throws Error that ends in `where`, which is
-/// "FILE:LINE" of the name, or in the place of a mistake further down; SceneNotFetched passes through.
-Scene read_base(const std::string& reference, const std::filesystem::path& description, const std::string& where,
-                const Descriptions& above);
-
-/// Throws Error when a description is one of those above it, or lies below too many.
-void check_above(const std::filesystem::path& description, const Descriptions& above);
-
-/// The file that a description calls `name`: relative to the description; `cache:` opens a path of a fetched scene, whose
-/// first folder is the scene's id. Throws SceneNotFetched where that is missing.
-std::filesystem::path described_file(const std::string& name, const std::filesystem::path& description);
 
 /// Whether every fetched file that this scene needs is there; true for what cannot be read, which loading will say.
 bool is_fetched(const std::string& reference);

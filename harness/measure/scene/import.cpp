@@ -70,14 +70,6 @@ std::vector<std::byte> ask_child(const fs::path& file) {
   return output_of_fork(name, [&](int out_fd) { return import_child_main(name, out_fd); });
 }
 
-ImportedFile receive(const fs::path& file) {
-  const std::vector<std::byte> answer = ask_child(file);
-  FieldReader reader(answer, file.string() + ": the importer's answer breaks off");
-  ImportedFile raw;
-  visit_file(reader, raw);
-  return raw;
-}
-
 void check_counts(const fs::path& file, const ImportedFile& raw, const DeclaredCounts& declared) {
   std::size_t vertex_count = 0, face_count = 0;
   for (const ImportedMesh& mesh : raw.meshes) {
@@ -203,7 +195,10 @@ bool is_mesh_file_name(const fs::path& file) {
 void import_file(const fs::path& file, const Placement& placement, Scene& scene) {
   check_file(file);
   const DeclaredCounts declared = read_declared(file);
-  const ImportedFile raw = receive(file);
+  const std::vector<std::byte> answer = ask_child(file);
+  FieldReader reader(answer, file.string() + ": the importer's answer breaks off");
+  ImportedFile raw;
+  visit_file(reader, raw);
   const auto speaks_of_range = [](const std::string& words) { return words.find("range") != std::string::npos; };
   if (speaks_of_range(raw.failure) || std::ranges::any_of(raw.complaints, speaks_of_range)) blame_index(file);
   if (!raw.failure.empty()) throw Error("{}: cannot be read: {}", file.string(), raw.failure);

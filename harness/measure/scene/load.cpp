@@ -64,13 +64,6 @@ Scene load_by_id(const std::string& reference, const Descriptions& above) {
               nearest_word(id, ids), joined(ids, ", "));
 }
 
-Scene load_mesh_file(const fs::path& file) {
-  Scene scene;
-  scene.name = file.stem().string();
-  import_file(file, {}, scene);
-  return scene;
-}
-
 template <class Named>
 void check_names(const std::vector<Named>& items, std::string_view what, const std::string& where) {
   std::set<std::string_view> seen;
@@ -188,7 +181,11 @@ void finish_scene(Scene& scene, const std::string& where) {
 Scene read_scene(const std::string& reference, const Descriptions& above) {
   if (!names_file(reference)) return load_by_id(reference, above);
   const fs::path file = reference;
-  return file.extension() == ".toml" ? read_scene_toml(file, above) : load_mesh_file(file);
+  if (file.extension() == ".toml") return read_scene_toml(file, above);
+  Scene scene;
+  scene.name = file.stem().string();
+  import_file(file, {}, scene);
+  return scene;
 }
 
 void add_framing(Scene& scene) {
