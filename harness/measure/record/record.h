@@ -77,7 +77,7 @@ struct Record {
   /// load_average, started, gl_renderer, gl_version, libraries (object: name -> version).
   Json context = json_object();
   std::optional<double> seconds;  ///< wall time that the row took
-  Json unknown = json_object();  ///< fields that this program does not know, kept as read
+  Json unknown = json_object();   ///< fields that this program does not know, kept as read
 
   // Compiled once: Record is in most files, and has many members.
   Record();
