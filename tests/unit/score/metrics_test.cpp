@@ -186,7 +186,7 @@ TEST(displacement, an_edge_moved_by_k_pixels_is_displaced_by_k) {
   const std::vector<PixelClass> all(w * h, PixelClass::T);
   for (const int k : {-9, -1, 0, 1, 2, 15}) {
     const auto truth = half_plane(w, h, 20), moved = half_plane(w, h, 20 + k);
-    const Displacement d = measure_displacement(evidence(w, h, all, truth, moved));
+    const Displacement d = Scoring(evidence(w, h, all, truth, moved)).displacement();
     EXPECT_DOUBLE_EQ(d.mean.value(), std::abs(k));
     EXPECT_DOUBLE_EQ(d.p95.value(), std::abs(k));
   }
@@ -195,8 +195,8 @@ TEST(displacement, an_edge_moved_by_k_pixels_is_displaced_by_k) {
 TEST(displacement, a_missing_shadow_has_no_displacement) {
   const std::vector<PixelClass> all(100, PixelClass::T);
   const auto shadow = half_plane(10, 10, 5), none = half_plane(10, 10, 10);
-  EXPECT_EQ(measure_displacement(evidence(10, 10, all, shadow, none)).mean, std::nullopt);
-  EXPECT_EQ(measure_displacement(evidence(10, 10, all, none, shadow)).p95, std::nullopt);
+  EXPECT_EQ(Scoring(evidence(10, 10, all, shadow, none)).displacement().mean, std::nullopt);
+  EXPECT_EQ(Scoring(evidence(10, 10, all, none, shadow)).displacement().p95, std::nullopt);
 }
 
 TEST(displacement, the_95th_percentile_tells_a_small_far_shadow_from_a_shifted_edge) {
@@ -207,7 +207,7 @@ TEST(displacement, the_95th_percentile_tells_a_small_far_shadow_from_a_shifted_e
   const auto truth = half_plane(w, h, 20);
   auto speckled = truth;
   speckled[50 * w + 10] = 0;
-  const Displacement d = measure_displacement(evidence(w, h, all, truth, speckled));
+  const Displacement d = Scoring(evidence(w, h, all, truth, speckled)).displacement();
   EXPECT_DOUBLE_EQ(d.mean.value(), 10.0 / 201);
   EXPECT_EQ(d.p95, 0);
 }
