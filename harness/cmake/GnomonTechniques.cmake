@@ -47,7 +47,12 @@ function(gnomon_add_program name)
   add_library(${name}_content OBJECT "${roll}" ${arg_TECHNIQUES} ${arg_SCENES} ${helpers})
   target_link_libraries(${name}_content PUBLIC gnomon::gnomon)
   target_compile_options(${name}_content PRIVATE -fno-semantic-interposition)  # what is called within a file may be put into its caller
-  target_precompile_headers(${name}_content PRIVATE <gnomon/registry.h> <algorithm>)
+  get_target_property(kit gnomon::gnomon ALIASED_TARGET)
+  if(kit)  # in the project itself; an installed kit has none
+    target_precompile_headers(${name}_content REUSE_FROM ${kit})
+  else()
+    target_precompile_headers(${name}_content PRIVATE <gnomon/registry.h> <algorithm>)
+  endif()
   add_executable(${name} "${GNOMON_MAIN}")
   target_link_libraries(${name} PRIVATE ${name}_content gnomon::app)
 endfunction()
