@@ -155,9 +155,8 @@ class Block {
 
   /// The taps that made the pixel dark (or lit): those whose stored surface stands farthest before (or least before) what it is
   /// compared with, by weight until the mask's value is reached. Taps that the reference agrees with are no part of the error.
-  std::vector<std::size_t> guilty(const Question& q) const {
+  std::vector<std::size_t> guilty(const Question& q, bool is_from_plane) const {
     std::vector<std::pair<double, std::size_t>> by_margin;
-    const bool is_from_plane = compares_with_plane(q);
     for (std::size_t j = 0; j < q.tap_count(); ++j) {
       const double margin = behind(q, j, is_from_plane);
       by_margin.emplace_back(q.is_dark ? margin : -margin, j);
@@ -193,7 +192,7 @@ class Block {
   /// A perfect map would be lit here: what is stored is at fault.
   Cause of_false_dark(const Question& q, std::uint32_t own) const {
     bool is_over_dark = false;
-    for (const std::size_t j : guilty(q)) {
+    for (const std::size_t j : guilty(q, false)) {
       const Tap& tap = q.why->taps[j];
       if (!std::isfinite(tap.stored)) continue;
       const std::uint32_t mesh = stored_mesh(q, j);
@@ -222,12 +221,14 @@ class Block {
     if (near <= reach) return Cause::leak_layered;
     // The same seen through the taps: all that covers one of them is inside the reach of the bias there, which a sloping
     // receiver makes longer by what its plane falls from the point to the tap's place.
-    for (const std::size_t j : guilty(q)) {
+    const auto is_layered_at = [&](std::size_t j) {
       const glm::dvec3 place = places_[q.first_tap + j], to_light = rays_.toward_light(place);
       const double fall = std::max(0.0, glm::dot(q.point - place, to_light));
-      if (rays_.farthest_along(place, to_light) <= reach + fall) return Cause::leak_layered;
-    }
-    return Cause::leak_representation;
+      return rays_.farthest_along(place, to_light) <= reach + fall;
+    };
+    const bool is_layered = std::ranges::any_of(guilty(q, false), is_layered_at) ||
+                            (compares_with_plane(q) && std::ranges::any_of(guilty(q, true), is_layered_at));
+    return is_layered ? Cause::leak_layered : Cause::leak_representation;
   }
 
   /// Half the side of a square of as many texels, less one half: 0 for one tap.
