@@ -126,16 +126,19 @@ int score(const ScoreOptions& options) {
   for (const Channel& channel : channels) require_reference(scene, channel.light, view);
   const auto [width, height] = image_files().exr_size(options.mask);
   const FrameKey key{view, width, height, parse_truth(options.truth)};
+  std::vector<std::vector<float>> masks;  // all of them before the reference, which takes its time
+  for (const Channel& channel : channels) masks.push_back(read_mask(options.mask, channel.name, width, height));
   FrameStore frames(scene, cache_root() / "frames");
   std::unique_ptr<StagedFolder> folder;
   if (!options.out.empty()) folder = std::make_unique<StagedFolder>(options.out);
   Json list = Json::array();
-  for (const Channel& channel : channels) {
+  for (std::size_t k = 0; k < channels.size(); ++k) {
+    const Channel& channel = channels[k];
     const Light& light = channel.light;
     Answer answer;
     answer.gbuffer = frames.gbuffer(key);
     answer.reference = frames.reference(key, light);
-    answer.mask = read_mask(options.mask, channel.name, width, height);
+    answer.mask = std::move(masks[k]);
     // A file explains no pixel: causes follow from where wrong pixels lie and how many hang together.
     answer.causes =
         find_causes({scene, frames.casters(key.truth), answer.gbuffer, light, answer.reference, answer.mask, {}, nullptr});
@@ -150,7 +153,7 @@ int score(const ScoreOptions& options) {
     }
     if (!options.json) {
       fmt::print("{}scene {}, light {}, view {}, {} x {}, {} truth: {} of {} pixels facing the light are tested\n\n{}",
-                 &channel == channels.data() ? "" : "\n", options.scene, light.name, view.name, width, height, options.truth,
+                 k == 0 ? "" : "\n", options.scene, light.name, view.name, width, height, options.truth,
                  scoring.error_counts().tested, scoring.error_counts().facing,
                  text_of(metrics, causes, std::max<std::size_t>(1, scoring.error_counts().tested)));
       continue;

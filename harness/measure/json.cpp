@@ -1,14 +1,44 @@
 #include "measure/json.h"
 
+#include <fmt/format.h>
+
 namespace gnomon {
 
 std::string json_text(const Json& json, int indent) { return json.dump(indent, ' ', false, Json::error_handler_t::replace); }
 
 std::string plain_text(const Json& json) { return json.is_string() ? json.get<std::string>() : json_text(json); }
 
-Json parse_json(const std::string& text) { return Json::parse(text); }
+namespace {
 
-Json parse_if_json(std::string_view text) { return Json::parse(text, nullptr, false); }
+constexpr std::size_t most_depth = 200;
+
+bool is_too_deep(std::string_view text) {
+  std::size_t depth = 0;
+  bool is_text = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (is_text && c == '\\')
+      ++i;
+    else if (c == '"')
+      is_text = !is_text;
+    else if (!is_text && (c == '[' || c == '{') && ++depth > most_depth)
+      return true;
+    else if (!is_text && (c == ']' || c == '}') && depth > 0)
+      --depth;
+  }
+  return false;
+}
+
+}  // namespace
+
+Json parse_json(const std::string& text) {
+  if (is_too_deep(text)) throw Json::other_error::create(500, fmt::format("brackets nest deeper than {}", most_depth), nullptr);
+  return Json::parse(text);
+}
+
+Json parse_if_json(std::string_view text) {
+  return is_too_deep(text) ? Json(Json::value_t::discarded) : Json::parse(text, nullptr, false);
+}
 
 Json json_object(std::initializer_list<JsonField> fields) {
   Json object = Json::object();

@@ -22,7 +22,7 @@ using Json = nlohmann::ordered_json;
 std::string json_text(const Json& json, int indent = -1);
 /// A text as it is, without quotes; anything else as json_text.
 std::string plain_text(const Json& json);
-/// Throws nlohmann::json::parse_error.
+/// Throws Json::exception, also where brackets nest deeper than any of ours do: values are copied value within value.
 Json parse_json(const std::string& text);
 /// The same, but what is no JSON is discarded: see Json::is_discarded.
 Json parse_if_json(std::string_view text);

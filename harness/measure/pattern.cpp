@@ -7,8 +7,12 @@
 namespace gnomon {
 
 Pattern::Pattern(const std::string& filter, std::string_view complaint) {
+  // The parser calls itself for each bracket.
+  constexpr std::size_t most = 1000;
+  if (filter.size() > most) throw Error("--filter of {} characters is longer than {}", filter.size(), most);
   try {
-    expression_ = std::make_shared<const std::regex>(filter);
+    // Polynomial: in steps that grow with the text times the expression, where the usual search may double with each letter.
+    expression_ = std::make_shared<const std::regex>(filter, std::regex::ECMAScript | std::regex_constants::__polynomial);
   } catch (const std::regex_error& error) {
     throw Error("--filter {} {}: {}", filter, complaint, error.what());
   }

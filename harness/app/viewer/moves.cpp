@@ -27,7 +27,7 @@ bool is_valid(const Item& item) {
 /// Whether a place is finite and within the limit of `check`, so that it may be cast: to cast more than float holds is
 /// undefined.
 bool is_castable(const glm::dvec3& p) {
-  constexpr double largest = 1e30;
+  constexpr double largest = 1e17;
   return std::abs(p.x) <= largest && std::abs(p.y) <= largest && std::abs(p.z) <= largest;
 }
 

@@ -14,8 +14,17 @@ namespace fs = std::filesystem;
 
 namespace {
 
+constexpr double most_texts = 100'000;  // of one text with braces
+
 /// `a{b,c}d` gives `abd` and `acd`; two braces give their product. Throws Error on a brace without its partner.
 std::vector<std::string> expand_braces(const std::string& text) {
+  double count = 1, in_brace = 1;
+  for (const char c : text) {
+    if (c == '{') in_brace = 1;
+    if (c == ',') ++in_brace;
+    if (c == '}') count *= in_brace;
+  }
+  if (count > most_texts) throw Error("'{}' stands for {:.0f} settings; at most {:.0f} are made", text, count, most_texts);
   const std::size_t open = text.find('{');
   if (open == std::string::npos) {
     if (text.find('}') != std::string::npos) throw Error("'{}' closes a brace that it does not open", text);
@@ -149,14 +158,7 @@ Suite read_suite(const std::string& name_or_path) {
                   joined(names, ", "));
     path = data_root() / "bench/suites" / (name_or_path + ".toml");
   }
-  if (!fs::is_regular_file(path)) throw Error("suite {} is not a file", path.string());
-
-  toml::table table;
-  try {
-    table = toml::parse_file(path.string());
-  } catch (const toml::parse_error& error) {
-    throw Error("{}:{}: {}", path.string(), error.source().begin.line, error.description());
-  }
+  const toml::table table = read_toml("suite " + path.string(), path);
   const Table top(
       table, path, "suite",
       {"title", "width", "height", "truth", "processes", "repetitions", "warmups", "timeout", "interval", "budget", "group"});

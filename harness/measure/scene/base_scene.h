@@ -8,8 +8,9 @@
 
 namespace gnomon {
 
-/// No coordinate is larger, meters: squares and triple products of it stay finite in double.
-inline constexpr float largest_coordinate = 1e30f;
+/// No coordinate, radius or component of a direction is larger, in meters. Embree takes none from 1.844e18 on, and ends the
+/// program; a body as far out as it is wide, and an eye that sees all of it, stay below that.
+inline constexpr double largest_coordinate = 1e17;
 /// Whether all three are finite and within `largest_coordinate`.
 bool is_sound(const glm::dvec3& p);
 

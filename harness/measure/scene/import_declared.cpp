@@ -97,9 +97,9 @@ void need_ply_bytes(const fs::path& file, std::istream& in, const std::vector<Pl
           for (std::size_t k = 0; k < property.count_size; ++k)
             values = values << 8 | bytes[big_endian ? k : property.count_size - 1 - k];
         }
-        position += property.count_size + values * property.size;
-        if (position > length)
-          throw Error("{}: ends within {} {} of {}; it is truncated", file.string(), element.name, i, element.count);
+        // The count of a list may be anything: its bytes are not multiplied before they can be there.
+        const bool fits = values <= length && (position += property.count_size + values * property.size) <= length;
+        if (!fits) throw Error("{}: ends within {} {} of {}; it is truncated", file.string(), element.name, i, element.count);
       }
 }
 
@@ -116,6 +116,9 @@ DeclaredCounts read_ply(const fs::path& file) {
     if (first == "element") {
       PlyElement& element = elements.emplace_back();
       if (!(words >> element.name >> element.count)) throw Error("{}: '{}' has no count", file.string(), line);
+      if (element.count > fs::file_size(file))
+        throw Error("{}: declares {} {} elements in {} bytes; it is truncated", file.string(), element.count, element.name,
+                    fs::file_size(file));
     }
     if (first == "property" && !elements.empty() && words >> type) {
       const bool is_list = type == "list";

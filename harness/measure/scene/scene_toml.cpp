@@ -46,8 +46,8 @@ void check_fetched(const std::string& reference, std::size_t depth);
 void check_fetched_toml(const fs::path& file, std::size_t depth) {
   toml::table document;
   try {
-    document = toml::parse_file(file.string());
-  } catch (const toml::parse_error&) {
+    document = read_toml(file.string(), file);
+  } catch (const Error&) {
     return;
   }
   if (const toml::array* meshes = document["mesh"].as_array())
@@ -270,14 +270,7 @@ bool is_fetched(const std::string& reference) {
 
 Scene read_scene_toml(const fs::path& file, const Descriptions& above) {
   check_above(file, above);
-  std::ifstream in(file);
-  if (!in || fs::is_directory(file)) throw Error("{}: does not exist or cannot be read", file.string());
-  toml::table document;
-  try {
-    document = toml::parse(in, file.string());
-  } catch (const toml::parse_error& error) {
-    throw Error("{} ({}:{})", error.description(), file.string(), error.source().begin.line);
-  }
+  const toml::table document = read_toml(file.string() + ":", file);
   const Table top(document, file, "scene", {"name", "scene", "ambient", "mesh", "shape", "light", "view", "path"});
   Scene scene;
   read_all(top, "light", read_light, file, scene);

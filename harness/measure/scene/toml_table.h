@@ -17,6 +17,10 @@
 
 namespace gnomon {
 
+/// A TOML file, whose size and the depth of whose keys are bounded before it is parsed. Throws Error, which names the line of
+/// what is no TOML; `what` is the file as a complaint names it.
+toml::table read_toml(const std::string& what, const std::filesystem::path& file);
+
 /// One TOML table whose keys are all known: anything else is refused when it is opened.
 class Table {
  public:
@@ -157,7 +161,7 @@ class Table {
     // Not value<double>() of both: that has no answer for whole numbers that a double must round.
     const auto whole = node.value_exact<std::int64_t>();
     const double value = whole ? static_cast<double>(*whole) : *node.value_exact<double>();
-    if (!std::isfinite(value) || std::abs(value) > largest_coordinate) refuse(key, value, "within -1e30 .. 1e30");
+    if (!std::isfinite(value) || std::abs(value) > largest_coordinate) refuse(key, value, "within -1e17 .. 1e17");
     return value;
   }
   glm::dvec3 three(std::string_view key, const toml::node& node) const {

@@ -76,9 +76,9 @@ Value any_of(Value low, Value high) {
   return *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(low, high));
 }
 
-/// Any float below 2^90, tiny ones and both zeros too.
+/// Any float below 2^56, tiny ones and both zeros too.
 float any_float() {
-  const auto exponent = any_of(0u, 127u + 90u);
+  const auto exponent = any_of(0u, 127u + 56u);
   const std::uint32_t fraction = *rc::gen::element(0u, 1u, 0x7fffffu, any_of(0u, 0x800000u));
   return std::bit_cast<float>(any_of(0u, 2u) << 31 | exponent << 23 | fraction);
 }

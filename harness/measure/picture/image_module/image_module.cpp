@@ -48,9 +48,25 @@ void write_exr(const fs::path& path, int width, int height, std::span<const std:
   write_image(path, spec, OIIO::TypeDesc::FLOAT, interleaved.data());
 }
 
-std::vector<float> read_exr(const fs::path& path, const std::string& channel, int width, int height) {
-  const auto input = OIIO::ImageInput::open(path.string());
+/// A picture from outside, of a size that can be scored, and of which there are bytes enough that it may be whole.
+std::unique_ptr<OIIO::ImageInput> open_image(const fs::path& path) {
+  constexpr int most_side = 16384;
+  constexpr std::uint64_t most_pixels_per_byte = 100'000;  // of one color throughout, compressed by the best that there is
+  if (!fs::exists(path)) throw Error("{} cannot be read: there is no such file", path.string());
+  if (!fs::is_regular_file(path)) throw Error("{} cannot be read: it is not a file", path.string());
+  auto input = OIIO::ImageInput::open(path.string());
   if (!input) throw Error("{} cannot be read: {}", path.string(), OIIO::geterror());
+  const int width = input->spec().width, height = input->spec().height;
+  if (std::min(width, height) < 1 || std::max(width, height) > most_side)
+    throw Error("{} is {}x{}; sides are 1 .. {} pixels", path.string(), width, height, most_side);
+  const std::uint64_t pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
+  if (pixels > most_pixels_per_byte * fs::file_size(path))
+    throw Error("{} declares {}x{} pixels in {} bytes; it is truncated", path.string(), width, height, fs::file_size(path));
+  return input;
+}
+
+std::vector<float> read_exr(const fs::path& path, const std::string& channel, int width, int height) {
+  const auto input = open_image(path);
   const OIIO::ImageSpec& spec = input->spec();
   if (spec.width != width || spec.height != height)
     throw Error("{} is {}x{}; {}x{} is wanted", path.string(), spec.width, spec.height, width, height);
@@ -62,17 +78,11 @@ std::vector<float> read_exr(const fs::path& path, const std::string& channel, in
   return pixels;
 }
 
-OIIO::ImageSpec spec_of(const fs::path& path) {
-  const auto input = OIIO::ImageInput::open(path.string());
-  if (!input) throw Error("{} cannot be read: {}", path.string(), OIIO::geterror());
-  return input->spec();
-}
-
-std::vector<std::string> exr_channels(const fs::path& path) { return spec_of(path).channelnames; }
+std::vector<std::string> exr_channels(const fs::path& path) { return open_image(path)->spec().channelnames; }
 
 std::pair<int, int> exr_size(const fs::path& path) {
-  const OIIO::ImageSpec spec = spec_of(path);
-  return {spec.width, spec.height};
+  const auto input = open_image(path);
+  return {input->spec().width, input->spec().height};
 }
 
 int draw_text(std::span<std::uint8_t> rgb, int width, int height, int x, int y, const std::string& words) {

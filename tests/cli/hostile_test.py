@@ -1,0 +1,111 @@
+#!/usr/bin/python3 -IB
+"""Input made to harm: refused at once, in one line, without taking memory for what is not there."""
+
+import os
+import resource
+import struct
+import sys
+import time
+import unittest
+import zlib
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from program import ProgramTest  # noqa: E402
+
+ANY = ["--scene", "single_triangle", "--technique", "unshadowed"]
+SECONDS = 10  # 2 on an idle machine
+MEMORY = 4 << 30  # of addresses, of which libraries and their threads take most
+
+
+def few_addresses():
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+
+
+def png(width, height):
+    """The head of a picture of this size, and nothing behind it."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)) + chunk(b"IDAT", b"") + chunk(b"IEND", b"")
+
+
+class Hostile(ProgramTest):
+    def refuse_at_once(self, *arguments, says):
+        with self.subTest(" ".join(map(str, arguments))[:200]):
+            start = time.monotonic()
+            self.refuse(*arguments, says=says, preexec_fn=few_addresses)
+            self.assertLess(time.monotonic() - start, SECONDS)
+
+    def test_keys_and_brackets_that_nest_without_end(self):
+        deep = self.write("deep.toml", "ambient = 0.1\n" + ".".join(["a"] * 35_000) + " = 1\n")
+        self.refuse_at_once("render", "--scene", deep, "--technique", "unshadowed", "--out", "out", says=["deep.toml:2", "101 parts"])
+        self.refuse_at_once("run", deep, "--out", "out", says=["deep.toml:2", "101 parts"])
+        header = self.write("header.toml", "[" + ".".join(["a"] * 35_000) + "]\n")
+        self.refuse_at_once("run", header, "--out", "out", says=["header.toml:1", "101 parts"])
+        (self.dir / "run").mkdir()
+        self.write("run/records.jsonl", "[" * 60_000 + "]" * 60_000 + "\n")
+        self.refuse_at_once("table", "run", says=["records.jsonl:1", "nest deeper than 200"])
+
+    def test_dots_in_texts_and_comments_are_no_keys(self):
+        dots = "." * 500
+        file = self.write("dots.toml", f"name = '{dots}'  # {dots}\nscene = \"single_triangle\" # \"{dots}\n")
+        self.succeed("render", "--scene", file, "--technique", "unshadowed", "--size", "16x16", "--light", "point", "--out", "out")
+
+    def test_places_beyond_what_can_be_traced(self):
+        for what in ("position = [0, 2e18, 0]", "position = [0, 2e17, 0]", "position = [0, -1e30, 0]"):
+            far = self.write("far.toml", f'scene = "single_triangle"\n[[light]]\nname = "far"\nkind = "point"\n{what}\n')
+            self.refuse_at_once("render", "--scene", far, "--technique", "unshadowed", "--out", "out", says=["far.toml:5", "1e17"])
+
+    def test_places_as_far_as_they_may_be(self):
+        eye = '[[view]]\nname = "v"\neye = [9e16, 8e16, 9e16]\ntarget = [0, 0, 0]\n'
+        point = '[[light]]\nname = "a"\nkind = "point"\nposition = [-9e16, 9e16, 9e16]\n'
+        sun = '[[light]]\nname = "b"\nkind = "directional"\ndirection = [-9e16, -9e16, 9e16]\n'
+        ball = '[[shape]]\nkind = "sphere"\ncenter = [9e16, -9e16, 9e16]\nradius = 9e16\n'
+        floor = '[[shape]]\nkind = "plane"\ncenter = [0, -9e16, 0]\nnormal = [0, 1, 0]\nsize = [9e16, 9e16]\n'
+        scene = self.write("large.toml", ball + floor + point + sun + eye)
+        for technique in ("embree_rays", "exact_rays", "unshadowed"):
+            for light in "ab":
+                done = self.gnomon("render", "--scene", scene, "--technique", technique, "--light", light, "--size", "32x18",
+                                   "--out", f"{technique}_{light}")
+                self.assertIn(done.returncode, (0, 2), f"{technique} {light}\n{done.stdout}{done.stderr}")
+        self.assertIn(self.gnomon("certify", "--scene", scene, "--size", "32x18").returncode, (0, 1, 2))
+
+    def test_filters_that_double_with_every_letter(self):
+        start = time.monotonic()
+        done = self.gnomon("run", "quick", "--dry-run", "--filter", "(.*)*x$")
+        self.assertIn(done.returncode, (0, 2), done.stderr)
+        self.assertLess(time.monotonic() - start, SECONDS)
+        self.refuse_at_once("run", *ANY, "--out", "out", "--filter", "(" * 30_000, says=["--filter", "30000", "1000"])
+
+    def test_braces_that_double_with_every_brace(self):
+        self.refuse_at_once("run", "--scene", "single_triangle", "--technique", "shadow_map:" + "{a,b}" * 30, "--out", "out",
+                            says=["1073741824", "100000"])
+
+    def test_what_never_ends(self):
+        os.mkfifo(self.dir / "pipe.toml")
+        os.mkfifo(self.dir / "pipe.exr")
+        pipe = self.dir / "pipe.toml"
+        self.refuse_at_once("run", pipe, "--out", "out", says=["pipe.toml", "is not a file"])
+        self.refuse_at_once("render", "--scene", pipe, "--technique", "unshadowed", "--out", "out", says=["pipe.toml", "is not a file"])
+        for file in (self.dir / "pipe.exr", "/dev/zero"):
+            self.refuse_at_once("score", "--scene", "single_triangle", "--mask", file, says=[str(file), "is not a file"])
+
+    def test_pictures_that_claim_more_than_they_hold(self):
+        self.refuse_at_once("score", "--scene", "single_triangle", "--light", "point", "--mask", self.write("large.png", png(16384, 16384)),
+                            says=["large.png", "16384x16384", "truncated"])
+        self.refuse_at_once("score", "--scene", "single_triangle", "--light", "point", "--mask", self.write("huge.png", png(200_000, 2)),
+                            says=["huge.png", "200000x2", "1 .. 16384"])
+
+    def test_meshes_that_claim_more_than_they_hold(self):
+        head = "ply\nformat binary_little_endian 1.0\nelement vertex 18446744073709551615\n"
+        for name, body in [("none.ply", "end_header\n"), ("one.ply", "property float x\nend_header\n")]:
+            mesh = self.write(name, head + body)
+            self.refuse_at_once("render", "--scene", mesh, "--technique", "unshadowed", "--out", "out",
+                                says=[name, "18446744073709551615", "truncated"])
+        lists = self.write("lists.ply", b"ply\nformat binary_little_endian 1.0\nelement face 2\nproperty list uint double v\n"
+                           b"end_header\n" + b"\xff\xff\xff\xff" + b"0" * 8)
+        self.refuse_at_once("render", "--scene", lists, "--technique", "unshadowed", "--out", "out", says=["lists.ply", "truncated"])
+
+
+if __name__ == "__main__":
+    unittest.main()
