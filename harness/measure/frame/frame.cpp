@@ -26,13 +26,30 @@ void append(std::vector<std::byte>& bytes, std::span<const T> items) {
 /// Bytes of a pixel in the cache: six floats and two ids; a float, a mesh, a class and a flag.
 constexpr std::size_t gbuffer_pixel = 32, reference_pixel = 10;
 
-/// Whether a file of the cache is whole. One that is not (a disk that filled up, a power cut) is made again.
-bool is_whole(const fs::path& file, std::size_t size) {
+/// Raised when what files hold for the same frame changes. It names them, so that builds before and after keep their own.
+constexpr int file_layout = 2;
+/// Each file but the scene's, which is named by its hash, ends with the content_hash of what comes before.
+constexpr std::size_t hash_size = 32;
+
+bool has_size(const fs::path& file, std::size_t size) {
   std::error_code code;
-  return fs::file_size(file, code) == size && !code;
+  return fs::is_regular_file(file, code) && fs::file_size(file, code) == size && !code;
 }
 
 std::size_t pixel_count(const FrameKey& key) { return static_cast<std::size_t>(key.width) * key.height; }
+
+void append_hash(std::vector<std::byte>& bytes) {
+  const std::string hash = content_hash(bytes);
+  append(bytes, std::span<const char>(hash));
+}
+
+std::vector<std::byte> gbuffer_bytes(const GBuffer& g) {
+  std::vector<std::byte> bytes;
+  bytes.reserve(g.size() * gbuffer_pixel + hash_size);
+  for (const auto& floats : {g.px, g.py, g.pz, g.nx, g.ny, g.nz}) append(bytes, floats);
+  for (const auto& ids : {g.mesh, g.triangle}) append(bytes, ids);
+  return bytes;
+}
 
 template <class T>
 std::span<const T> slice(const MappedFile& file, std::size_t& offset, std::size_t count) {
@@ -49,15 +66,39 @@ int frame_version() { return 5; }
 FrameStore::FrameStore(const Scene& scene, fs::path folder)
     : scene_(scene), folder_(std::move(folder)), scene_bytes_(scene_bytes(scene)), scene_hash_(content_hash(scene_bytes_)) {}
 
-fs::path FrameStore::scene_file() const {
-  const fs::path file = folder_ / (scene_hash_ + ".scene");
-  if (!is_whole(file, scene_bytes_.size())) write_file(file, scene_bytes_);
-  return file;
+bool FrameStore::is_sound(const fs::path& file, std::size_t size) {
+  if (!has_size(file, size + hash_size)) return false;
+  if (sound_.contains(file)) return true;
+  const auto mapped = MappedFile::open(file);
+  const std::string hash = content_hash(mapped->bytes().first(size));
+  const bool is_same = std::ranges::equal(std::as_bytes(std::span(hash)), mapped->bytes().subspan(size));
+  if (is_same) sound_.insert(file);
+  return is_same;
+}
+
+fs::path FrameStore::put(const std::string& name, std::span<const std::byte> bytes) {
+  try {
+    write_file(folder_ / name, bytes, Durable::yes);
+  } catch (const Error& error) {
+    if (scratch_) throw;
+    fmt::print(stderr, "{}; frames are made for this run alone\n", error.what());
+    folder_ = scratch_.emplace(ScratchFolder::temporary("gnomon-frames")).path();
+    write_file(folder_ / name, bytes);
+  }
+  return folder_ / name;
+}
+
+fs::path FrameStore::scene_file() {
+  const std::string name = scene_hash_ + ".scene";
+  const fs::path file = folder_ / name;
+  const auto is_ours = [&] { return std::ranges::equal(MappedFile::open(file)->bytes(), scene_bytes_); };
+  return has_size(file, scene_bytes_.size()) && is_ours() ? file : put(name, scene_bytes_);
 }
 
 std::string FrameStore::hash(const FrameKey& key, const Light* light) const {
   Scene fingerprint;
-  fingerprint.name = fmt::format("{} {} {} {} {}", frame_version(), scene_hash_, key.width, key.height, name(key.truth));
+  fingerprint.name =
+      fmt::format("{} {} {} {} {} {}", file_layout, frame_version(), scene_hash_, key.width, key.height, name(key.truth));
   fingerprint.views = {key.view};
   if (light) {
     fingerprint.name += fmt::format(" {}", snapping_version);
@@ -67,21 +108,17 @@ std::string FrameStore::hash(const FrameKey& key, const Light* light) const {
 }
 
 fs::path FrameStore::gbuffer_file(const FrameKey& key) {
-  const fs::path file = folder_ / (hash(key, nullptr) + ".gbuffer");
-  if (is_whole(file, pixel_count(key) * gbuffer_pixel)) return file;
-  write_gbuffer(file, make_gbuffer(scene_, everything(key.truth), key.view, key.width, key.height, key.truth));
-  return file;
+  const std::string name = hash(key, nullptr) + ".gbuffer";
+  if (const fs::path file = folder_ / name; is_sound(file, pixel_count(key) * gbuffer_pixel)) return file;
+  std::vector<std::byte> bytes =
+      gbuffer_bytes(make_gbuffer(scene_, everything(key.truth), key.view, key.width, key.height, key.truth));
+  append_hash(bytes);
+  return put(name, bytes);
 }
 
 GBuffer FrameStore::gbuffer(const FrameKey& key) { return map_gbuffer(gbuffer_file(key), key); }
 
-void write_gbuffer(const fs::path& file, const GBuffer& g) {
-  std::vector<std::byte> bytes;
-  bytes.reserve(g.size() * gbuffer_pixel);
-  for (const auto& floats : {g.px, g.py, g.pz, g.nx, g.ny, g.nz}) append(bytes, floats);
-  for (const auto& ids : {g.mesh, g.triangle}) append(bytes, ids);
-  write_file(file, bytes);
-}
+void write_gbuffer(const fs::path& file, const GBuffer& gbuffer) { write_file(file, gbuffer_bytes(gbuffer)); }
 
 GBuffer map_gbuffer(const fs::path& path, const FrameKey& key) {
   const auto file = MappedFile::open(path);
@@ -107,8 +144,9 @@ const RayScene& FrameStore::everything(Truth truth) { return rays(truth, RayScen
 
 Reference FrameStore::reference(const FrameKey& key, const Light& light) {
   require_reference(scene_, light, key.view);
-  const fs::path path = folder_ / (hash(key, &light) + ".reference");
-  if (!is_whole(path, pixel_count(key) * reference_pixel)) {
+  const std::string name = hash(key, &light) + ".reference";
+  fs::path path = folder_ / name;
+  if (!is_sound(path, pixel_count(key) * reference_pixel)) {
     const GBuffer g = gbuffer(key);
     std::vector<float> mask(g.size());
     trace_shadows(casters(key.truth), scene_, g, light, mask);
@@ -119,7 +157,8 @@ Reference FrameStore::reference(const FrameKey& key, const Light& light) {
     append(bytes, std::span<const PixelClass>(classes));
     append(bytes, std::span<const std::uint8_t>(
                       find_snapping(scene_, everything(key.truth), casters(key.truth), g, light, mask, classes)));
-    write_file(path, bytes);
+    append_hash(bytes);
+    path = put(name, bytes);
   }
   const auto file = MappedFile::open(path);
   const std::size_t n = pixel_count(key);

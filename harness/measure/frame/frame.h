@@ -4,11 +4,13 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "measure/frame/classify.h"
 #include "measure/frame/gbuffer_maker.h"
 #include "measure/scene/blob.h"
+#include "measure/scratch_folder.h"
 
 namespace gnomon {
 
@@ -35,14 +37,15 @@ struct FrameKey {
 };
 
 /// G-buffers and references of one scene: made once, kept in a content-hashed folder, mapped by every process that needs
-/// them. A file appears there whole or not at all.
+/// them. A file appears there whole or not at all and ends with the hash of its content, which is looked at before it is used;
+/// one that was damaged is made again. A folder that cannot be written costs time, and no row: files go to a scratch folder.
 class FrameStore {
  public:
   FrameStore(const Scene& scene, std::filesystem::path folder);
 
   const std::string& scene_hash() const { return scene_hash_; }
   /// The scene's bytes as a file, for other processes.
-  std::filesystem::path scene_file() const;
+  std::filesystem::path scene_file();
   std::filesystem::path gbuffer_file(const FrameKey& key);
   GBuffer gbuffer(const FrameKey& key);
   Reference reference(const FrameKey& key, const Light& light);  ///< throws Error as require_reference does
@@ -54,9 +57,15 @@ class FrameStore {
  private:
   const RayScene& rays(Truth truth, RayScene::Which which);
   std::string hash(const FrameKey& key, const Light* light) const;
+  /// Whether a file of the cache holds that many bytes and their hash.
+  bool is_sound(const std::filesystem::path& file, std::size_t size);
+  /// Writes a file of that name; returns where it is now.
+  std::filesystem::path put(const std::string& name, std::span<const std::byte> bytes);
 
   const Scene& scene_;
   std::filesystem::path folder_;
+  std::optional<ScratchFolder> scratch_;   ///< where folder_ is once the cache could not be written
+  std::set<std::filesystem::path> sound_;  ///< files whose hash was looked at
   std::vector<std::byte> scene_bytes_;
   std::string scene_hash_;
   std::map<std::pair<Truth, RayScene::Which>, RayScene> rays_;

@@ -195,6 +195,51 @@ TEST(frame, a_file_of_the_wrong_size_is_made_again) {
   }
 }
 
+// One bit anywhere: at the begin, within each array, in the hash itself.
+TEST(frame, a_damaged_file_is_made_again) {
+  const ScratchFolder folder = ScratchFolder::temporary("gnomon_frame");
+  const Scene scene = ball_over_ground();
+  const FrameKey key{scene.views[0], 20, 10, Truth::shape};
+  const auto make = [&] {
+    FrameStore frames(scene, folder.path());
+    frames.reference(key, scene.lights[0]);
+    frames.scene_file();
+  };
+  make();
+  std::map<std::string, std::string> sound;
+  for (const std::string& name : file_names(folder.path())) sound[name] = content(folder.path() / name);
+  for (const auto& [name, text] : sound)
+    for (std::size_t k = 0; k <= 16; ++k) {
+      std::string damaged = text;
+      damaged[k * (text.size() - 1) / 16] ^= 4;
+      std::ofstream(folder.path() / name, std::ios::binary) << damaged;
+      make();
+      EXPECT_TRUE(content(folder.path() / name) == text) << name << ' ' << k;
+    }
+}
+
+TEST(frame, a_folder_that_cannot_be_written_costs_no_row) {
+  const ScratchFolder folder = ScratchFolder::temporary("gnomon_frame");
+  std::ofstream(folder.path() / "file") << "no folder";
+  const Scene scene = ball_over_ground();
+  const FrameKey key{scene.views[0], 20, 10, Truth::shape};
+  FrameStore cached(scene, folder.path() / "cache");
+  const Reference reference = cached.reference(key, scene.lights[0]);
+  fs::path scratch;
+  {
+    FrameStore frames(scene, folder.path() / "file/cache");
+    testing::internal::CaptureStderr();
+    const Reference found = frames.reference(key, scene.lights[0]);
+    const std::string said = testing::internal::GetCapturedStderr();
+    EXPECT_NE(said.find("file/cache"), std::string::npos) << said;
+    EXPECT_EQ(std::ranges::count(said, '\n'), 1) << "said once";
+    EXPECT_TRUE(std::ranges::equal(found.mask, reference.mask) && std::ranges::equal(found.classes, reference.classes));
+    scratch = frames.scene_file().parent_path();
+    EXPECT_TRUE(same(map_gbuffer(frames.gbuffer_file(key), key), cached.gbuffer(key)));
+  }
+  EXPECT_FALSE(fs::exists(scratch));
+}
+
 TEST(frame, a_gbuffer_file_that_is_too_short_is_an_error_for_who_only_maps_it) {
   const ScratchFolder folder = ScratchFolder::temporary("gnomon_frame");
   std::ofstream(folder.path() / "short") << "1234";
