@@ -35,6 +35,12 @@ TEST_P(Says, says_what_it_is_where_it_comes_from_and_what_breaks_it) {
   EXPECT_EQ(entry().make()->id(), entry().id);
 }
 
+// One that refuses everything would pass all that is asked of answers.
+TEST_P(Says, supports_a_light_of_the_scenes_that_it_is_asked_with) {
+  for (const char* reference : {"sphere_over_plane:segments=24", "box_city:count=12"})
+    EXPECT_FALSE(supported_lights(load_scene(reference)).empty()) << reference;
+}
+
 TEST_P(Says, documents_every_parameter_and_layer) {
   const auto technique = entry().make();
   std::set<std::string_view> names;
