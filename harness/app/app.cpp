@@ -25,6 +25,18 @@ struct ImportOptions {
   int descriptor = 0;
 };
 
+/// What a message quotes may be anything: control characters are shown as \\x1b, so that the message stays one line and does
+/// nothing to the terminal.
+std::string shown(std::string_view text) {
+  std::string result;
+  for (const char c : text)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
+      result += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+    else
+      result += c;
+  return result;
+}
+
 /// The processes that `run` and the importer start; hidden.
 void add_worker(Program& program) {
   auto [worker, to_serve] =
@@ -61,10 +73,10 @@ int run_program(int argc, char** argv) {
     if (std::fflush(stdout) != 0) throw std::system_error(errno, std::generic_category());
     return status;
   } catch (const Error& error) {
-    fmt::print(stderr, "gnomon: {}\n", error.what());
+    fmt::print(stderr, "gnomon: {}\n", shown(error.what()));
     return 2;
   } catch (const std::filesystem::filesystem_error& error) {
-    fmt::print(stderr, "gnomon: {}: {}\n", error.path1().string(), error.code().message());
+    fmt::print(stderr, "gnomon: {}: {}\n", shown(error.path1().string()), error.code().message());
     return 2;
   } catch (const std::system_error& error) {
     fmt::print(stderr, "gnomon: standard output cannot be written: {}\n", error.code().message());
@@ -73,7 +85,7 @@ int run_program(int argc, char** argv) {
     fmt::print(stderr, "gnomon: out of memory\n");
     return 1;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "gnomon: {}\n", error.what());
+    fmt::print(stderr, "gnomon: {}\n", shown(error.what()));
     return 1;
   }
 }

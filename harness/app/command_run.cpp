@@ -1,6 +1,7 @@
 // gnomon run and merge: the folder of a run, measured, or put together of several.
 
 #include <algorithm>
+#include <charconv>
 #include <set>
 
 #include "app/app.h"
@@ -52,9 +53,12 @@ std::size_t count(std::span<const Record> records, Status status) {
 
 /// "I/N" with 0 <= I < N.
 std::pair<int, int> parse_shard(const std::string& text) {
-  int index = 0, count = 0, used = 0;
-  if (std::sscanf(text.c_str(), "%d/%d%n", &index, &count, &used) != 2 || static_cast<std::size_t>(used) != text.size() ||
-      count < 1 || index < 0 || index >= count)
+  int index = 0, count = 0;
+  const char* const end = text.data() + text.size();
+  const auto [slash, wrong] = std::from_chars(text.data(), end, index);
+  const bool has_slash = wrong == std::errc{} && slash != end && *slash == '/';
+  const auto [rest, wrong_too] = has_slash ? std::from_chars(slash + 1, end, count) : std::from_chars_result{slash, wrong};
+  if (!has_slash || wrong_too != std::errc{} || rest != end || count < 1 || index < 0 || index >= count)
     throw Error("--shard {} is not I/N with 0 <= I < N", text);
   return {index, count};
 }

@@ -40,6 +40,12 @@ Json parse_if_json(std::string_view text) {
   return is_too_deep(text) ? Json(Json::value_t::discarded) : Json::parse(text, nullptr, false);
 }
 
+std::string complaint(const Json::exception& problem) {
+  const std::string text = problem.what();
+  const std::size_t end = text.find("] ");
+  return text.starts_with("[json.exception") && end != std::string::npos ? text.substr(end + 2) : text;
+}
+
 Json json_object(std::initializer_list<JsonField> fields) {
   Json object = Json::object();
   for (const JsonField& field : fields) object[field.key] = field.value;

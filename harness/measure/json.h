@@ -27,6 +27,9 @@ Json parse_json(const std::string& text);
 /// The same, but what is no JSON is discarded: see Json::is_discarded.
 Json parse_if_json(std::string_view text);
 
+/// What is wrong, without the library's own numbers.
+std::string complaint(const Json::exception& problem);
+
 struct JsonField {
   const char* key;
   Json value;

@@ -81,6 +81,27 @@ class Hostile(ProgramTest):
         self.refuse_at_once("run", "--scene", "single_triangle", "--technique", "shadow_map:" + "{a,b}" * 30, "--out", "out",
                             says=["1073741824", "100000"])
 
+    def test_what_a_message_quotes_does_nothing_to_the_terminal(self):
+        self.refuse_at_once("run", "--scene", "single_triangle", "--technique", "bad\x1b[31m\nname", "--out", "out",
+                            says=["bad\\x1b[31m\\x0aname"])
+        (self.dir / "run").mkdir()
+        self.write("run/records.jsonl", "{}}\n")
+        self.refuse_at_once("table", "run", says=["records.jsonl:1"])
+        self.assertNotIn("json.exception", self.gnomon("table", "run").stderr)
+
+    def test_numbers_that_no_integer_holds(self):
+        for shard in ("0/99999999999999", "99999999999999/99999999999999", "0/", "/2", "0/2x", " 0/2", ""):
+            self.refuse_at_once("run", *ANY, "--out", "out", f"--shard={shard}" if shard else "--shard=x", says=["--shard", "I/N"])
+
+    def test_files_with_a_dot_that_are_not_ours_stay(self):
+        arguments = ["run", *ANY, "--light", "sun", "--processes", "1", "--repetitions", "1", "--size", "16x16", "--out", "out"]
+        self.succeed(*arguments)
+        mine = [self.write(f"out/masks/{name}", "mine") for name in (".notes", ".part", ".git")]
+        left = self.write("out/masks/.123.part.exr", "half a picture")
+        self.succeed(*arguments, "--resume")
+        self.assertTrue(all(file.exists() for file in mine))
+        self.assertFalse(left.exists())
+
     def test_what_never_ends(self):
         os.mkfifo(self.dir / "pipe.toml")
         os.mkfifo(self.dir / "pipe.exr")

@@ -78,7 +78,7 @@ RecordFile read_record_file(const fs::path& file) {
       else
         result.records[place->second] = std::move(record);
     } catch (const Json::exception& problem) {
-      throw Error("{}:{}: not a record: {}", file.string(), number, problem.what());
+      throw Error("{}:{}: not a record: {}", file.string(), number, complaint(problem));
     } catch (const Error& problem) {
       throw Error("{}:{}: {}", file.string(), number, problem.what());
     }

@@ -26,6 +26,12 @@ void refuse_records(const fs::path& out, std::string_view advice) {
     throw Error("output folder {} holds records already: {}", out.string(), advice);
 }
 
+/// Whether a picture has the temporary name that some process gave it, .PROCESS.part.png: other files with a dot are not ours.
+bool is_unfinished(const std::string& name) {
+  const std::size_t end = name.find_first_not_of("0123456789", 1);
+  return name.starts_with(".") && end != name.npos && end > 1 && name.substr(end).starts_with(".part");
+}
+
 /// A run that was killed may have left half a picture under a temporary name. Only the owner of the folder may clean it.
 void remove_leftovers(const fs::path& out) {
   std::error_code ignored;
@@ -36,7 +42,7 @@ void remove_leftovers(const fs::path& out) {
   for (const char* kind : {"masks", "errors", "shaded"})
     if (const fs::path folder = out / kind; fs::is_directory(folder))
       for (const fs::directory_entry& entry : fs::directory_iterator(folder))
-        if (entry.path().filename().string().starts_with(".")) fs::remove(entry.path(), ignored);
+        if (is_unfinished(entry.path().filename().string())) fs::remove(entry.path(), ignored);
 }
 
 /// How rows are run, and what is done with them.

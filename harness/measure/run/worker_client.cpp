@@ -49,7 +49,7 @@ auto WorkerClient::receive(double timeout_seconds, const Read& read) {
   try {
     return read(reply);
   } catch (const Json::exception& problem) {
-    process_.fail(fmt::format("answered {} with something else than was asked: {}", process_.doing(), problem.what()));
+    process_.fail(fmt::format("answered {} with something else than was asked: {}", process_.doing(), complaint(problem)));
   } catch (const Error& problem) {
     process_.fail(problem.what());
   }

@@ -224,7 +224,7 @@ void check_gltf(const fs::path& file, const std::string& text, std::size_t binar
         throw Error("{}: an accessor declares {} elements, more than its buffer view holds", file.string(), count);
     }
   } catch (const Json::exception& problem) {
-    throw Error("{}: is not sound glTF: {}", file.string(), problem.what());
+    throw Error("{}: is not sound glTF: {}", file.string(), complaint(problem));
   }
 }
 
