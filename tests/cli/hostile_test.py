@@ -117,6 +117,18 @@ class Hostile(ProgramTest):
         self.refuse_at_once("score", "--scene", "single_triangle", "--light", "point", "--mask", self.write("huge.png", png(200_000, 2)),
                             says=["huge.png", "200000x2", "1 .. 16384"])
 
+    def test_indices_that_no_vertex_has(self):
+        for index in (-1, 3, 4294967296):
+            mesh = self.write("index.off", f"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 {index}\n")
+            self.refuse_at_once("render", "--scene", mesh, "--technique", "unshadowed", "--out", "out",
+                                says=["index.off:6", f"vertex {index}", "0 .. 2"])
+
+    def test_faces_of_more_corners_than_can_be_split(self):
+        count = 300_000
+        ring = "".join(f"{k} {k * k % 1000} 0\n" for k in range(count))
+        mesh = self.write("ring.off", f"OFF\n{count} 1 0\n{ring}{count} {' '.join(map(str, range(count)))}\n")
+        self.refuse_at_once("render", "--scene", mesh, "--technique", "unshadowed", "--out", "out", says=["300000 corners", "10000"])
+
     def test_meshes_that_claim_more_than_they_hold(self):
         head = "ply\nformat binary_little_endian 1.0\nelement vertex 18446744073709551615\n"
         for name, body in [("none.ply", "end_header\n"), ("one.ply", "property float x\nend_header\n")]:

@@ -41,6 +41,7 @@ glm::dvec3 Placement::apply(const glm::dvec3& p) const {
 namespace {
 
 constexpr std::size_t max_triangle_count = 200'000'000;
+constexpr std::size_t most_corners = 10'000;  // of a face: the time to split it grows with their square
 
 void check_file(const fs::path& file) {
   const std::string name = file.string();
@@ -118,6 +119,7 @@ Mesh convert(const fs::path& file, const ImportedMesh& raw, const Placement& pla
   std::vector<std::uint32_t> face;
   for (std::size_t f = 0; f < raw.corner_counts.size(); ++f) {
     const std::size_t count = raw.corner_counts[f];
+    if (count > most_corners) throw Error("{}, face {}: has {} corners; at most {} are taken", where, f, count, most_corners);
     if (count > corners.size()) throw Error("{}, face {}: {} corners are announced, {} there", where, f, count, corners.size());
     face.clear();
     for (const std::uint32_t corner : corners.first(count)) {

@@ -81,7 +81,7 @@ struct DeclaredCounts {
 DeclaredCounts read_declared(const std::filesystem::path& file);
 
 /// For a file that the importer refused because of an index out of range, without saying which: throws Error with line, index
-/// and what is allowed, where the format is text and the index is found (OBJ, OFF); else does nothing.
+/// and what is allowed, where the format is text and the index is found (OBJ); else does nothing.
 void blame_index(const std::filesystem::path& file);
 
 /// Appends the triangles of a polygon: a fan where it is convex, ear clipping where it is not. Returns false, and appends a

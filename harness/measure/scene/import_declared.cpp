@@ -141,6 +141,27 @@ DeclaredCounts read_ply(const fs::path& file) {
   return declared;
 }
 
+/// Faces "n i1 .. in", one a line, which count vertices from 0; importers take some that there are not. `number`: of the line
+/// before them.
+void need_vertices(const fs::path& file, std::istream& in, std::size_t face_count, std::size_t vertex_count, long number) {
+  std::string line;
+  for (std::size_t f = 0; f < face_count && next_line(in, line, number); ++f) {
+    const char *at = line.data(), *const end = at + line.size();
+    const auto read = [&](auto& value) {
+      while (at != end && std::isspace(static_cast<unsigned char>(*at))) ++at;
+      const auto [rest, code] = std::from_chars(at, end, value);
+      at = rest;
+      return code == std::errc{};
+    };
+    std::int64_t corners = 0, index = 0;
+    if (!read(corners)) continue;
+    for (std::int64_t c = 0; c < corners && read(index); ++c)
+      if (index < 0 || static_cast<std::size_t>(index) >= vertex_count)
+        throw Error("{}:{}: face {} names vertex {}, out of range: allowed are 0 .. {}", file.string(), number, f, index,
+                    static_cast<std::int64_t>(vertex_count) - 1);
+  }
+}
+
 /// `OFF`, with a prefix for extra vertex data, then the counts of vertices, faces and edges; # opens a comment.
 DeclaredCounts read_off(const fs::path& file) {
   std::ifstream in(file);
@@ -158,7 +179,16 @@ DeclaredCounts read_off(const fs::path& file) {
     return std::from_chars(words[i].data(), end, count).ptr == end;
   };
   if (!parse(0, vertices) || !parse(1, faces)) throw Error("{}: its head has no vertex and face counts", file.string());
+  if (vertices > fs::file_size(file) || faces > fs::file_size(file))
+    throw Error("{}: declares {} vertices and {} faces in {} bytes; it is truncated", file.string(), vertices, faces,
+                fs::file_size(file));
+  const auto body = in.tellg();
   need_lines(file, in, vertices + faces, faces > 0);
+  in.clear();
+  in.seekg(body);
+  std::string line;
+  for (std::size_t v = 0; v < vertices; ++v) next_line(in, line, number);
+  need_vertices(file, in, faces, vertices, number);
   return {.vertex_count = std::nullopt, .face_count = faces};
 }
 
@@ -267,23 +297,6 @@ void check_obj(std::ifstream& in, const std::string& name) {
   }
 }
 
-/// After the word OFF: counts, vertices, then faces "n i1 .. in", which count from 0.
-void check_off(std::ifstream& in, const std::string& name) {
-  std::string line;
-  long number = 0, vertices = 0, faces = 0, corners = 0, index = 0;
-  const auto next = [&] { return next_line(in, line, number); };
-  if (!next() || !next() || !(std::istringstream(line) >> vertices >> faces)) return;
-  for (long v = 0; v < vertices; ++v)
-    if (!next()) return;
-  for (long f = 0; f < faces && next(); ++f) {
-    std::istringstream words(line);
-    words >> corners;
-    for (long c = 0; c < corners && words >> index; ++c)
-      if (index < 0 || index >= vertices)
-        throw Error("{}:{}: face {} names vertex {}, out of range: allowed are 0 .. {}", name, number, f, index, vertices - 1);
-  }
-}
-
 }  // namespace
 
 std::string lower_extension(const fs::path& file) {
@@ -309,9 +322,7 @@ DeclaredCounts read_declared(const fs::path& file) {
 
 void blame_index(const std::filesystem::path& file) {
   std::ifstream in(file);
-  const std::string extension = lower_extension(file);
-  if (extension == ".obj") check_obj(in, file.string());
-  if (extension == ".off") check_off(in, file.string());
+  if (lower_extension(file) == ".obj") check_obj(in, file.string());
 }
 
 }  // namespace gnomon::importing
