@@ -41,7 +41,6 @@ glm::dvec3 Placement::apply(const glm::dvec3& p) const {
 namespace {
 
 constexpr std::size_t max_triangle_count = 200'000'000;
-constexpr std::size_t most_corners = 10'000;  // of a face: the time to split it grows with their square
 
 void check_file(const fs::path& file) {
   const std::string name = file.string();

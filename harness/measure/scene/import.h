@@ -80,6 +80,9 @@ struct DeclaredCounts {
 /// Reads the head (PLY, OFF, STL, glTF, GLB, 3DS, IFC) and throws Error when the file is shorter than it says.
 DeclaredCounts read_declared(const std::filesystem::path& file);
 
+/// Corners of a face: the time to split it grows with their square.
+inline constexpr std::size_t most_corners = 10'000;
+
 /// For a file that the importer refused because of an index out of range, without saying which: throws Error with line, index
 /// and what is allowed, where the format is text and the index is found (OBJ); else does nothing.
 void blame_index(const std::filesystem::path& file);

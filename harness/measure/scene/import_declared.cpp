@@ -155,6 +155,8 @@ void need_vertices(const fs::path& file, std::istream& in, std::size_t face_coun
     };
     std::int64_t corners = 0, index = 0;
     if (!read(corners)) continue;
+    if (corners > std::int64_t{most_corners})
+      throw Error("{}:{}: face {} has {} corners; at most {} are taken", file.string(), number, f, corners, most_corners);
     for (std::int64_t c = 0; c < corners && read(index); ++c)
       if (index < 0 || static_cast<std::size_t>(index) >= vertex_count)
         throw Error("{}:{}: face {} names vertex {}, out of range: allowed are 0 .. {}", file.string(), number, f, index,
