@@ -54,7 +54,7 @@ class Hostile(ProgramTest):
     def test_places_beyond_what_can_be_traced(self):
         for what in ("position = [0, 2e18, 0]", "position = [0, 2e17, 0]", "position = [0, -1e30, 0]"):
             far = self.write("far.toml", f'scene = "single_triangle"\n[[light]]\nname = "far"\nkind = "point"\n{what}\n')
-            self.refuse_at_once("render", "--scene", far, "--technique", "unshadowed", "--out", "out", says=["far.toml:5", "1e17"])
+            self.refuse_at_once("render", "--scene", far, "--technique", "unshadowed", "--out", "out", says=["far.toml:", "position = ", "1e17"])
 
     def test_places_as_far_as_they_may_be(self):
         eye = '[[view]]\nname = "v"\neye = [9e16, 8e16, 9e16]\ntarget = [0, 0, 0]\n'

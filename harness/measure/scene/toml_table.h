@@ -161,7 +161,8 @@ class Table {
     // Not value<double>() of both: that has no answer for whole numbers that a double must round.
     const auto whole = node.value_exact<std::int64_t>();
     const double value = whole ? static_cast<double>(*whole) : *node.value_exact<double>();
-    if (!std::isfinite(value) || std::abs(value) > largest_coordinate) refuse(key, value, "within -1e17 .. 1e17");
+    constexpr double largest = 1e30;  // of any number; of what may be a coordinate, less: largest_coordinate
+    if (!std::isfinite(value) || std::abs(value) > largest) refuse(key, value, "within -1e30 .. 1e30");
     return value;
   }
   glm::dvec3 three(std::string_view key, const toml::node& node) const {

@@ -202,6 +202,7 @@ TEST(frame, a_damaged_file_is_made_again) {
   const FrameKey key{scene.views[0], 20, 10, Truth::shape};
   const auto make = [&] {
     FrameStore frames(scene, folder.path());
+    frames.gbuffer(key);
     frames.reference(key, scene.lights[0]);
     frames.scene_file();
   };

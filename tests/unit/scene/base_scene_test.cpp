@@ -159,7 +159,7 @@ TEST_F(BaseScene, a_mistake_says_where_once) {
                {"scene bunnny does not exist; did you mean bunny?", "top.toml:2"});
   expect_words(error_of("scene = \"soup:cout=5\"\n"), {"cout", "did you mean count?", "top.toml:1"});
   expect_words(error_of("secne = \"soup\"\n"), {"'secne'", "did you mean 'scene'?", "top.toml:1"});
-  EXPECT_EQ(error_of("scene = \"gone.toml\"\n"), "gone.toml: does not exist or cannot be read (named in top.toml:1)");
+  EXPECT_EQ(error_of("scene = \"gone.toml\"\n"), "gone.toml: does not exist (named in top.toml:1)");
   expect_words(error_of("scene = \"gone.ply\"\n"), {"gone.ply", "does not exist", "(named in top.toml:1)"});
   expect_words(error_of("scene = \"./gone\"\n"), {"gone", "does not exist", "(named in top.toml:1)"});
   write("a.toml", "\nscene = \"b.toml\"\n");

@@ -58,9 +58,12 @@ TEST(SceneToml, defaults_are_those_of_the_contract) {
 }
 
 TEST(SceneToml, whole_numbers_may_be_of_any_size) {
-  // 2^53 + 1 is no double; the float nearest to it is 2^53.
-  const Scene scene = read(sphere + "[[light]]\nkind = \"point\"\nposition = [9007199254740993, -9223372036854775807, 1]\n");
-  EXPECT_EQ(std::get<PointLight>(scene.lights.at(0).kind).position, glm::vec3(0x1p53f, -0x1p63f, 1));
+  // 2^53 + 1 is no double; the float nearest to it is 2^53, and to ten times that, 10 2^53.
+  const std::string point = sphere + "[[light]]\nkind = \"point\"\nposition = ";
+  const Scene scene = read(point + "[9007199254740993, -90071992547409930, 1]\n");
+  EXPECT_EQ(std::get<PointLight>(scene.lights.at(0).kind).position, glm::vec3(0x1p53f, -0x1.4p56f, 1));
+  const Scene bright = read(point + "[0, 4, 0]\nintensity = 9223372036854775807\n");
+  EXPECT_EQ(bright.lights.at(0).intensity, 0x1p63f);
 }
 
 TEST(SceneToml, reads_every_kind_of_shape_and_light) {
