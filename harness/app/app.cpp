@@ -25,7 +25,7 @@ struct ImportOptions {
   int descriptor = 0;
 };
 
-/// What a message quotes may be anything: control characters are shown as \\x1b, so that the message stays one line and does
+/// What a message quotes may be anything: control characters are shown as \x1b, so that the message stays one line and does
 /// nothing to the terminal.
 std::string shown(std::string_view text) {
   std::string result;

@@ -54,11 +54,13 @@ std::size_t count(std::span<const Record> records, Status status) {
 /// "I/N" with 0 <= I < N.
 std::pair<int, int> parse_shard(const std::string& text) {
   int index = 0, count = 0;
-  const char* const end = text.data() + text.size();
-  const auto [slash, wrong] = std::from_chars(text.data(), end, index);
-  const bool has_slash = wrong == std::errc{} && slash != end && *slash == '/';
-  const auto [rest, wrong_too] = has_slash ? std::from_chars(slash + 1, end, count) : std::from_chars_result{slash, wrong};
-  if (!has_slash || wrong_too != std::errc{} || rest != end || count < 1 || index < 0 || index >= count)
+  const auto is_whole = [](std::string_view part, int& number) {
+    const auto [rest, code] = std::from_chars(part.data(), part.data() + part.size(), number);
+    return code == std::errc{} && rest == part.data() + part.size();
+  };
+  const std::size_t slash = std::min(text.find('/'), text.size());
+  const std::string_view all(text), after = all.substr(std::min(slash + 1, text.size()));
+  if (!is_whole(all.substr(0, slash), index) || !is_whole(after, count) || count < 1 || index < 0 || index >= count)
     throw Error("--shard {} is not I/N with 0 <= I < N", text);
   return {index, count};
 }

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "app/viewer/keys.h"
+#include "measure/scene/base_scene.h"
 #include "measure/scene/load.h"
 
 namespace gnomon::viewer {
@@ -24,30 +25,22 @@ bool is_valid(const Item& item) {
   }
 }
 
-/// Whether a place is finite and within the limit of `check`, so that it may be cast: to cast more than float holds is
-/// undefined.
-bool is_castable(const glm::dvec3& p) {
-  constexpr double largest = 1e17;
-  return std::abs(p.x) <= largest && std::abs(p.y) <= largest && std::abs(p.z) <= largest;
-}
-
 constexpr double pole_gap = std::numbers::pi / 360;  // half a degree
 
 /// How far rounding a coordinate may turn the line of sight, in radians: half a unit in the last place of the largest one.
-double coarseness(double largest_coordinate, double distance) { return largest_coordinate * 0x1p-24 / distance; }
+double coarseness(double largest, double distance) { return largest * 0x1p-24 / distance; }
 constexpr double coarsest_zoom = 1e-4;
 constexpr double coarsest = 1e-2;  // a hundred times that: from where a zoom ends, panning and flying still go on
 
-double largest_coordinate(const glm::dvec3& p) { return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}); }
-
 double coarseness(const View& view) {
   const glm::dvec3 eye(view.eye), target(view.target);
-  return coarseness(std::max(largest_coordinate(eye), largest_coordinate(target)), glm::length(target - eye));
+  return coarseness(std::max(extent(eye), extent(target)), glm::length(target - eye));
 }
 
 /// The view with this eye and target, rounded; the view as it is where they are none, or none that float32 can hold.
 View with(const View& view, const glm::dvec3& eye, const glm::dvec3& target) {
-  if (!is_castable(eye) || !is_castable(target)) return view;
+  // To cast more than a float holds is undefined.
+  if (!is_sound(eye) || !is_sound(target)) return view;
   View moved = view;
   moved.eye = eye;
   moved.target = target;
@@ -76,7 +69,7 @@ double pixel_width(const View& view, int height) { return 2 * Camera(view, 1, 1)
 View shifted(const View& view, const glm::dvec3& by) {
   const glm::dvec3 offset = sight(view);
   glm::dvec3 eye = glm::dvec3(view.eye) + by, target = glm::dvec3(view.target) + by;
-  if (!is_castable(eye) || !is_castable(target)) return view;
+  if (!is_sound(eye) || !is_sound(target)) return view;
   for (int k = 0; k < 3; ++k)
     if (std::abs(eye[k]) > std::abs(target[k]))
       target[k] = static_cast<float>(eye[k]) + offset[k];
@@ -108,7 +101,7 @@ View zoom(const View& view, double steps) {
   constexpr double least = 1e-9, most = 1e9;  // meters, for targets that are the origin or near it
   const glm::dvec3 target(view.target), arm = -sight(view);
   const double distance = glm::length(arm);
-  const double nearest = std::max(least, coarseness(largest_coordinate(target), coarsest_zoom));
+  const double nearest = std::max(least, coarseness(extent(target), coarsest_zoom));
   const double wanted = std::clamp(distance * std::pow(0.9, steps), std::min(distance, nearest), std::max(distance, most));
   return with(view, target + wanted / distance * arm, target);
 }
@@ -196,7 +189,7 @@ glm::dvec3 light_place(const Scene& scene, const Light& light) {
 }
 
 Light light_moved_to(const Scene& scene, const Light& light, const glm::dvec3& place) {
-  if (!is_castable(place)) return light;
+  if (!is_sound(place)) return light;
   Light moved = light;
   if (auto* sun = std::get_if<DirectionalLight>(&moved.kind)) {
     const glm::dvec3 direction = Ellipsoid(scene).middle - place;

@@ -25,20 +25,20 @@ std::string_view name(Role role) {
 namespace {
 
 template <class T, class Of>
-concept Is = std::is_same_v<std::remove_const_t<T>, Of>;
+concept MaybeConst = std::is_same_v<std::remove_const_t<T>, Of>;
 
 // Each calls use(key, member) for every field in the order that the file has them, for writing and for reading; of a record,
 // for every field but `schema`.
-void for_each_field(Is<Count> auto& count, const auto& use) {
+void for_each_field(MaybeConst<Count> auto& count, const auto& use) {
   use("name", count.name);
   use("value", count.value);
   use("unit", count.unit);
 }
-void for_each_field(Is<Record::GlInputs> auto& gl, const auto& use) {
+void for_each_field(MaybeConst<Record::GlInputs> auto& gl, const auto& use) {
   use("input_bytes", gl.input_bytes);
   use("upload_ms", gl.upload_ms);
 }
-void for_each_field(Is<Record::SceneFacts> auto& facts, const auto& use) {
+void for_each_field(MaybeConst<Record::SceneFacts> auto& facts, const auto& use) {
   use("meshes", facts.meshes);
   use("triangles", facts.triangles);
   use("closed", facts.closed);
@@ -47,7 +47,7 @@ void for_each_field(Is<Record::SceneFacts> auto& facts, const auto& use) {
   use("misoriented_edges", facts.misoriented_edges);
   use("degenerate", facts.degenerate);
 }
-void for_each_field(Is<Record> auto& r, const auto& use) {
+void for_each_field(MaybeConst<Record> auto& r, const auto& use) {
   use("job", r.job);
   use("suite", r.suite);
   use("scene", r.scene);

@@ -1,9 +1,10 @@
 #pragma once
-// Private to the loaders: what a coordinate may be, and what a reference names.
+// What a coordinate may be; and, private to the loaders, what a reference names.
 #include <gnomon/scene.h>
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace gnomon {
@@ -11,6 +12,7 @@ namespace gnomon {
 /// No coordinate, radius or component of a direction is larger, in meters. Embree takes none from 1.844e18 on, and ends the
 /// program; a body as far out as it is wide, and an eye that sees all of it, stay below that.
 inline constexpr double largest_coordinate = 1e17;
+inline constexpr std::string_view coordinate_range = "-1e17 .. 1e17";  ///< the same, for messages
 /// Whether all three are finite and within `largest_coordinate`.
 bool is_sound(const glm::dvec3& p);
 

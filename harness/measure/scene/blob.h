@@ -33,7 +33,7 @@ class MappedFile {
 
 /// Writes a whole file under a temporary name, then renames it: nobody ever sees half of it. Makes the parent folders.
 /// Throws Error that says what, where and why (a full disk, an unwritable folder); nothing is left behind then.
-/// A durable file is on the disk before it gets its name: for what cannot be made again. A cache need not pay for that.
+/// A durable file is on the disk before it gets its name.
 enum class Durable { no, yes };
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes, Durable durable = Durable::no);
 void write_file(const std::filesystem::path& path, const std::string& text, Durable durable = Durable::no);

@@ -104,7 +104,8 @@ Mesh convert(const fs::path& file, const ImportedMesh& raw, const Placement& pla
   for (const glm::vec3& p : raw.positions) {
     const glm::dvec3 placed = placement.apply(glm::dvec3(raw.world_from_mesh * glm::dvec4(glm::dvec3(p), 1)));
     if (!is_sound(p) || !is_sound(placed))
-      throw Error("{}, vertex {}: position = ({}, {}, {}) is outside -1e17 .. 1e17", where, positions.size(), p.x, p.y, p.z);
+      throw Error("{}, vertex {}: position = ({}, {}, {}) is outside {}", where, positions.size(), p.x, p.y, p.z,
+                  coordinate_range);
     positions.emplace_back(placed);
   }
   std::vector<std::uint32_t> welded = weld(positions);

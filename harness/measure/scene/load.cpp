@@ -99,8 +99,8 @@ View framing_view(const Scene& scene, const glm::dvec3& middle) {
 void check_vertices(const Mesh& mesh, const std::string& where) {
   for (std::size_t i = 0; i < mesh.positions.size(); ++i)
     if (const glm::vec3& p = mesh.positions[i]; !is_sound(p))
-      throw Error("mesh '{}', vertex {}: position = ({}, {}, {}) is outside -1e17 .. 1e17 ({})", mesh.name, i, p.x, p.y, p.z,
-                  where);
+      throw Error("mesh '{}', vertex {}: position = ({}, {}, {}) is outside {} ({})", mesh.name, i, p.x, p.y, p.z,
+                  coordinate_range, where);
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
     for (int k = 0; k < 3; ++k)
       if (mesh.triangles[i][k] >= mesh.positions.size())
@@ -124,7 +124,7 @@ void check(const Light& light, const std::string& where) {
     need(is_sound(v) && v != glm::vec3(0), fmt::format("{} = ({}, {}, {}) is not a direction", what, v.x, v.y, v.z));
   };
   const auto need_position = [&](const glm::vec3& v, const char* what) {
-    need(is_sound(v), fmt::format("{} = ({}, {}, {}) is outside -1e17 .. 1e17", what, v.x, v.y, v.z));
+    need(is_sound(v), fmt::format("{} = ({}, {}, {}) is outside {}", what, v.x, v.y, v.z, coordinate_range));
   };
   need(light.intensity > 0 && std::isfinite(light.intensity), fmt::format("intensity = {} is not above 0", light.intensity));
   const auto check_kind = [&](const auto& l) {
@@ -153,7 +153,8 @@ void check(const View& view, const std::string& where) {
   const auto need = [&](bool is_good, std::string_view what) {
     if (!is_good) throw Error("view '{}': {} ({})", view.name, what, where);
   };
-  need(is_sound(view.eye) && is_sound(view.target) && is_sound(view.up), "eye, target or up is outside -1e17 .. 1e17");
+  need(is_sound(view.eye) && is_sound(view.target) && is_sound(view.up),
+       fmt::format("eye, target or up is outside {}", coordinate_range));
   need(view.eye != view.target, fmt::format("eye = target = ({}, {}, {})", view.eye.x, view.eye.y, view.eye.z));
   // What is left of an `up` this near the line of sight is rounding: the picture would stand any way round.
   constexpr double least_sine = 1e-6;

@@ -18,8 +18,8 @@ std::size_t line_of_deep_key(std::string_view text) {
       const bool is_long = text.substr(i, 3) == std::string(3, c);
       const std::string end(is_long ? 3 : 1, c);
       for (i += end.size(); i < text.size() && text.substr(i, end.size()) != end && (is_long || text[i] != '\n'); ++i) {
+        if (c == '"' && text[i] == '\\' && i + 1 < text.size()) ++i;
         line += text[i] == '\n';
-        if (c == '"' && text[i] == '\\') ++i;
       }
       if (i < text.size() && text[i] == '\n')
         --i;  // a text without an end: the parser will say so
