@@ -2,6 +2,7 @@
 """The mouse, in the picture and on the controls, by what it does to the state that is saved after it."""
 
 import math
+import signal
 import sys
 import unittest
 from pathlib import Path
@@ -181,6 +182,17 @@ class Controls(ViewerTest):
         opened = viewer.until(lambda s: not s.window["scene_error"], "the scene")
         self.assertTrue(opened.scene.endswith("pier.toml"), opened.scene)
         self.assert_renders_alike(viewer.save())
+
+    def test_text_typed_faster_than_pictures_are_drawn_is_kept(self):
+        viewer = self.view_scene()
+        self.write("pier.toml", '[[shape]]\nkind = "plane"\ncenter = [0, 0, 0]\nnormal = [0, 1, 0]\nsize = [2, 2]\n')
+        viewer.use(viewer.save(), "scene.file")
+        viewer.until(lambda s: s.window["typing"], "the field")
+        viewer.process.send_signal(signal.SIGSTOP)  # so that all that follows waits for one picture
+        viewer.xdo("type", "pier.toml")
+        viewer.xdo("key", "Return", "keydown", "ctrl")  # the Control of the next Ctrl+S
+        viewer.process.send_signal(signal.SIGCONT)
+        viewer.until(lambda s: s.scene.endswith("pier.toml"), "the scene")
 
 
 if __name__ == "__main__":

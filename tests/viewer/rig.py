@@ -212,7 +212,7 @@ class Viewer:
         """The first save that is so: for what a click begins and a later picture shows."""
         end = time.monotonic() + PATIENCE
         while not is_so(saved := self.save()):
-            assert time.monotonic() < end, f"waited for {what}: {saved.command}"
+            assert time.monotonic() < end, f"waited for {what}: {saved.command}\n{saved.window}\n{self.words()}"
         return saved
 
     # Mouse, in pixels of the window.
