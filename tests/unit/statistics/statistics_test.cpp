@@ -128,6 +128,8 @@ TEST(false_discovery, rates_are_those_of_benjamini_and_hochberg) {
   EXPECT_EQ(false_discovery_rates(std::vector{0.5, 0.02, 0.01, 0.03}), (std::vector{0.5, 0.04, 0.04, 0.04}));
   EXPECT_EQ(false_discovery_rates(std::vector{1.0, 0.9}), (std::vector{1.0, 1.0}));
   EXPECT_TRUE(false_discovery_rates({}).empty());
+  // All alike, more than any sort takes one by one: p * count / rank is p at the last rank, and no rank has less.
+  EXPECT_EQ(false_discovery_rates(std::vector(1000, 0.25)), std::vector(1000, 0.25));
 }
 
 RC_GTEST_PROP(false_discovery, rates_lie_between_p_and_bonferroni_and_keep_their_order, ()) {
