@@ -254,7 +254,8 @@ void Window::begin_drawing() {
   ImGui_ImplGlfw_NewFrame();
   if (scale() != font_scale_) load_font();
   pass_button_event();
-  // It drops text while Control is down, and none is typed so: Control was pressed after it, such as for Ctrl+S in the same picture.
+  // It drops text while Control is down, and none is typed so: Control was pressed after it, such as for Ctrl+S in the same
+  // picture.
   if (!ImGui::GetIO().InputQueueCharacters.empty()) ImGui::GetIO().KeyCtrl = false;
   // Dear ImGui asks which keys are down: one that was pressed and released between two frames is down for this one.
   auto& down = ImGui::GetIO().KeysDown;
