@@ -5,9 +5,9 @@
 #include "app/staged_folder.h"
 #include "measure/cause/causes.h"
 #include "measure/frame/certify.h"
-#include "measure/frame/frame.h"
 #include "measure/paths.h"
 #include "measure/picture/picture.h"
+#include "measure/run/frame_worker.h"
 #include "measure/run/jobs.h"
 #include "measure/run/progress.h"
 #include "measure/scene/load.h"
@@ -128,7 +128,7 @@ int score(const ScoreOptions& options) {
   const FrameKey key{view, width, height, parse_truth(options.truth)};
   std::vector<std::vector<float>> masks;  // all of them before the reference, which takes its time
   for (const Channel& channel : channels) masks.push_back(read_mask(options.mask, channel.name, width, height));
-  FrameStore frames(scene, cache_root() / "frames");
+  FrameStore frames(scene, cache_root() / "frames", std::make_unique<FrameWorker>());
   std::unique_ptr<StagedFolder> folder;
   if (!options.out.empty()) folder = std::make_unique<StagedFolder>(options.out);
   Json list = Json::array();
@@ -190,7 +190,7 @@ int run_certify(const CertifyCommand& options) {
   std::vector<const View*> views = chosen(scene.views, options.views);
   if (options.views.empty()) views.resize(1);  // the one that suites use
   for (const Light* light : lights) require_reference(scene, *light, scene.views.front());
-  FrameStore frames(scene, cache_root() / "frames");
+  FrameStore frames(scene, cache_root() / "frames", std::make_unique<FrameWorker>());
   bool all_hold = true;
   Json list = Json::array();
   for (const View* view : views)

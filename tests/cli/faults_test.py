@@ -3,7 +3,9 @@
 # Runs alone: steps have two seconds before they count as hung.
 
 import json
+import os
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -103,6 +105,46 @@ class Faults(ProgramTest):
         self.assertEqual([i for i in ids if i in REASONS], sorted(REASONS))
         self.assertIn("Never comes back from relight.", self.succeed("--plugin", FAULTS, "describe", "hangs"))
         self.refuse("--plugin", FAULTS, "--plugin", FAULTS, "list", says=["crashes", "registered twice"])
+
+
+class Reference(ProgramTest):
+    """The reference is traced by a worker, too. Nothing that may be loaded brings it down: here it is killed."""
+
+    LARGE = ["--size", "2048x2048", "--light", "point", "--out", "out"]
+
+    def start_and_kill_the_tracer(self, *arguments):
+        """Kills the worker that was started last while it traces; what the program then says."""
+        self.environment["GNOMON_TEST"] = str(self.dir)
+        process = self.start(*arguments)
+        end = time.monotonic() + 60
+        while len(found := [w for w in workers(self.dir) if w != process.pid]) < 2:  # the technique's and the tracer
+            self.assertLess(time.monotonic(), end)
+            self.assertIsNone(process.poll(), process.args)
+        age = {w: int(Path(f"/proc/{w}/stat").read_text().rsplit(")", 1)[1].split()[19]) for w in found}
+        os.kill(max(found, key=lambda w: (age[w], w)), signal.SIGSEGV)
+        words = process.communicate(timeout=240)
+        return words, process.returncode
+
+    def test_a_crash_of_the_reference_costs_its_own_rows(self):
+        run = ["run", "--scene", "box_city", "--scene", "single_triangle", "--technique", "unshadowed", "--processes", "1",
+               "--repetitions", "1", *self.LARGE]
+        (text, _), status = self.start_and_kill_the_tracer(*run)
+        self.assertEqual(status, 1)
+        first, second = records(self.dir / "out")
+        self.assertEqual((first["scene"], first["status"]), ("box_city", "failed"))
+        self.assertRegex(first["reason"], r"^the reference crashed in trace: Segmentation fault \(signal 11\)")
+        self.assertEqual((second["scene"], second["status"]), ("single_triangle", "ok"))
+        self.assertRegex(text, r"(?m)^unshadowed +failed +the reference crashed in trace")
+        self.succeed(*run, "--resume", "--retry-failed")
+        self.assertEqual(sorted((r["scene"], r["status"]) for r in records(self.dir / "out")),
+                         [("box_city", "ok"), ("single_triangle", "ok")])
+
+    def test_render_says_so_and_writes_nothing(self):
+        (_, words), status = self.start_and_kill_the_tracer("render", "--scene", "box_city", "--technique", "unshadowed", *self.LARGE)
+        self.assertEqual(status, 1)
+        self.assertRegex(words, r"^gnomon: the reference crashed in trace: Segmentation fault \(signal 11\)\n$")
+        self.assertEqual(sorted(p.name for p in self.dir.iterdir()), [])
+        self.assertEqual(workers(self.dir), [])
 
 
 if __name__ == "__main__":

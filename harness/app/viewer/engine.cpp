@@ -12,6 +12,7 @@
 
 #include "app/viewer/compose.h"
 #include "app/viewer/engine_side.h"
+#include "measure/run/frame_worker.h"
 #include "measure/scene/load.h"
 
 namespace gnomon::viewer {
@@ -32,6 +33,19 @@ bool shows_view(const Frame* frame, const Selection& selection) {
   return frame && frame->loaded == selection.loaded && frame->picture_width == selection.width &&
          frame->picture_height == selection.height && frame->gbuffer.truth == truth_of(selection) &&
          are_same(frame->gbuffer.view, selection.view);
+}
+
+/// Throws WorkerFailure for a scene that brings the ray tracer down, which the viewer's own process uses from then on.
+void try_in_a_worker(const Scene& scene, const fs::path& folder, const std::string& program) {
+  const ScratchFolder trial = ScratchFolder::at(folder / "trial");
+  FrameStore frames(scene, trial.path(), std::make_unique<FrameWorker>(trial.path() / "frame", program));
+  const View& view = scene.views.front();
+  for (const Truth truth : {Truth::shape, Truth::mesh}) {
+    const FrameKey key{view, 64, 36, truth};
+    frames.gbuffer(key);
+    for (const Light& light : scene.lights)
+      if (reference_support(scene, light, view)) frames.reference(key, light);
+  }
 }
 
 int divided(int size, int divisor) { return std::max(1, (size + divisor - 1) / divisor); }
@@ -105,6 +119,7 @@ Engine::Body::Work Engine::Body::next_scene() {
     try {
       if (!loaded || loaded->reference != reference)
         loaded = std::make_shared<LoadedScene>(LoadedScene{reference, load_scene(reference)});
+      try_in_a_worker(loaded->scene, scratch.path(), workers.program);
       auto store = std::make_unique<FrameStore>(loaded->scene, scratch.path());
       // Made here, because they are made on first use, and not for two threads at once.
       for (const Truth truth : {Truth::shape, Truth::mesh}) {

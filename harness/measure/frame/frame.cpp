@@ -63,8 +63,13 @@ std::span<const T> slice(const MappedFile& file, std::size_t& offset, std::size_
 
 int frame_version() { return 5; }
 
-FrameStore::FrameStore(const Scene& scene, fs::path folder)
-    : scene_(scene), folder_(std::move(folder)), scene_bytes_(scene_bytes(scene)), scene_hash_(content_hash(scene_bytes_)) {}
+FrameStore::FrameStore(const Scene& scene, fs::path folder, std::unique_ptr<FrameMaker> maker)
+    : scene_(scene),
+      folder_(std::move(folder)),
+      scene_bytes_(scene_bytes(scene)),
+      scene_hash_(content_hash(scene_bytes_)),
+      tracer_(scene),
+      maker_(std::move(maker)) {}
 
 bool FrameStore::is_sound(const fs::path& file, std::size_t size) {
   if (!has_size(file, size + hash_size)) return false;
@@ -86,6 +91,14 @@ fs::path FrameStore::put(const std::string& name, std::span<const std::byte> byt
     write_file(folder_ / name, bytes);
   }
   return folder_ / name;
+}
+
+fs::path FrameStore::make(const std::string& name, const MissingFrame& missing) {
+  std::vector<std::byte> bytes = maker_ ? maker_->make(missing) : tracer_.make(missing);
+  const std::size_t size = pixel_count(missing.key) * (missing.light ? reference_pixel : gbuffer_pixel);
+  if (bytes.size() != size) throw Error("a frame was made with {} bytes; {} are wanted", bytes.size(), size);
+  append_hash(bytes);
+  return put(name, bytes);
 }
 
 fs::path FrameStore::scene_file() {
@@ -110,10 +123,7 @@ std::string FrameStore::hash(const FrameKey& key, const Light* light) const {
 fs::path FrameStore::gbuffer_file(const FrameKey& key) {
   const std::string name = hash(key, nullptr) + ".gbuffer";
   if (const fs::path file = folder_ / name; is_sound(file, pixel_count(key) * gbuffer_pixel)) return file;
-  std::vector<std::byte> bytes =
-      gbuffer_bytes(make_gbuffer(scene_, everything(key.truth), key.view, key.width, key.height, key.truth));
-  append_hash(bytes);
-  return put(name, bytes);
+  return make(name, {.scene_file = scene_file(), .key = key, .light = {}, .gbuffer_file = {}});
 }
 
 GBuffer FrameStore::gbuffer(const FrameKey& key) { return map_gbuffer(gbuffer_file(key), key); }
@@ -130,7 +140,7 @@ GBuffer map_gbuffer(const fs::path& path, const FrameKey& key) {
   return g;
 }
 
-const RayScene& FrameStore::rays(Truth truth, RayScene::Which which) {
+const RayScene& FrameTracer::rays(Truth truth, RayScene::Which which) {
   if (!scene_.has_curved_shapes()) truth = Truth::mesh;
   if (std::ranges::all_of(scene_.meshes, &Mesh::casts)) which = RayScene::Which::casters;
   auto found = rays_.find({truth, which});
@@ -138,27 +148,32 @@ const RayScene& FrameStore::rays(Truth truth, RayScene::Which which) {
   return found->second;
 }
 
-const RayScene& FrameStore::casters(Truth truth) { return rays(truth, RayScene::Which::casters); }
+std::vector<std::byte> FrameTracer::make(const MissingFrame& missing) {
+  const FrameKey& key = missing.key;
+  if (missing.light) return reference(key, map_gbuffer(missing.gbuffer_file, key), *missing.light);
+  return gbuffer_bytes(make_gbuffer(scene_, everything(key.truth), key.view, key.width, key.height, key.truth));
+}
 
-const RayScene& FrameStore::everything(Truth truth) { return rays(truth, RayScene::Which::all); }
+std::vector<std::byte> FrameTracer::reference(const FrameKey& key, const GBuffer& g, const Light& light) {
+  std::vector<float> mask(g.size());
+  trace_shadows(casters(key.truth), scene_, g, light, mask);
+  const std::vector<PixelClass> classes = classify(scene_, casters(key.truth), g, light, mask);
+  std::vector<std::byte> bytes;
+  append(bytes, std::span<const float>(mask));
+  append(bytes, std::span<const std::uint32_t>(find_nearest_casters(scene_, casters(key.truth), g, light, mask)));
+  append(bytes, std::span<const PixelClass>(classes));
+  append(bytes, std::span<const std::uint8_t>(
+                    find_snapping(scene_, everything(key.truth), casters(key.truth), g, light, mask, classes)));
+  return bytes;
+}
 
 Reference FrameStore::reference(const FrameKey& key, const Light& light) {
   require_reference(scene_, light, key.view);
   const std::string name = hash(key, &light) + ".reference";
   fs::path path = folder_ / name;
   if (!is_sound(path, pixel_count(key) * reference_pixel)) {
-    const GBuffer g = gbuffer(key);
-    std::vector<float> mask(g.size());
-    trace_shadows(casters(key.truth), scene_, g, light, mask);
-    const std::vector<PixelClass> classes = classify(scene_, casters(key.truth), g, light, mask);
-    std::vector<std::byte> bytes;
-    append(bytes, std::span<const float>(mask));
-    append(bytes, std::span<const std::uint32_t>(find_nearest_casters(scene_, casters(key.truth), g, light, mask)));
-    append(bytes, std::span<const PixelClass>(classes));
-    append(bytes, std::span<const std::uint8_t>(
-                      find_snapping(scene_, everything(key.truth), casters(key.truth), g, light, mask, classes)));
-    append_hash(bytes);
-    path = put(name, bytes);
+    const fs::path seen = gbuffer_file(key);  // may change where files are
+    path = make(name, {.scene_file = scene_file(), .key = key, .light = light, .gbuffer_file = seen});
   }
   const auto file = MappedFile::open(path);
   const std::size_t n = pixel_count(key);

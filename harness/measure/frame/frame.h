@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -36,12 +37,46 @@ struct FrameKey {
   Truth truth = Truth::shape;
 };
 
+/// What a FrameStore has not got yet.
+struct MissingFrame {
+  std::filesystem::path scene_file;    ///< with scene_bytes
+  FrameKey key;                        ///< the G-buffer of this,
+  std::optional<Light> light;          ///< or where it holds one the reference under it,
+  std::filesystem::path gbuffer_file;  ///< which is seen in this G-buffer
+};
+
+/// Where a FrameStore has frames made: in its own process, or where a crash costs less.
+class FrameMaker {
+ public:
+  virtual ~FrameMaker() = default;
+  virtual std::vector<std::byte> make(const MissingFrame& missing) = 0;
+};
+
+/// Rays through one scene, and the frames that they trace.
+class FrameTracer final : public FrameMaker {
+ public:
+  explicit FrameTracer(const Scene& scene) : scene_(scene) {}
+  std::vector<std::byte> make(const MissingFrame& missing) override;
+  /// All casters under a truth; built on first use.
+  const RayScene& casters(Truth truth) { return rays(truth, RayScene::Which::casters); }
+  /// All meshes under a truth; the same as the casters where all cast.
+  const RayScene& everything(Truth truth) { return rays(truth, RayScene::Which::all); }
+
+ private:
+  const RayScene& rays(Truth truth, RayScene::Which which);
+  std::vector<std::byte> reference(const FrameKey& key, const GBuffer& g, const Light& light);
+
+  const Scene& scene_;
+  std::map<std::pair<Truth, RayScene::Which>, RayScene> rays_;
+};
+
 /// G-buffers and references of one scene: made once, kept in a content-hashed folder, mapped by every process that needs
 /// them. A file appears there whole or not at all and ends with the hash of its content, which is looked at before it is used;
 /// one that was damaged is made again. A folder that cannot be written costs time, and no row: files go to a scratch folder.
 class FrameStore {
  public:
-  FrameStore(const Scene& scene, std::filesystem::path folder);
+  /// Without a maker it traces itself.
+  FrameStore(const Scene& scene, std::filesystem::path folder, std::unique_ptr<FrameMaker> maker = nullptr);
 
   const std::string& scene_hash() const { return scene_hash_; }
   /// The scene's bytes as a file, for other processes.
@@ -49,16 +84,16 @@ class FrameStore {
   std::filesystem::path gbuffer_file(const FrameKey& key);
   GBuffer gbuffer(const FrameKey& key);
   Reference reference(const FrameKey& key, const Light& light);  ///< throws Error as require_reference does
-  /// All casters under a truth; built on first use.
-  const RayScene& casters(Truth truth);
-  /// All meshes under a truth; the same as the casters where all cast.
-  const RayScene& everything(Truth truth);
+  /// As FrameTracer has them, in this process.
+  const RayScene& casters(Truth truth) { return tracer_.casters(truth); }
+  const RayScene& everything(Truth truth) { return tracer_.everything(truth); }
 
  private:
-  const RayScene& rays(Truth truth, RayScene::Which which);
   std::string hash(const FrameKey& key, const Light* light) const;
   /// Whether a file of the cache holds that many bytes and their hash.
   bool is_sound(const std::filesystem::path& file, std::size_t size);
+  /// Has it made, and puts it in a file of that name.
+  std::filesystem::path make(const std::string& name, const MissingFrame& missing);
   /// Writes a file of that name; returns where it is now.
   std::filesystem::path put(const std::string& name, std::span<const std::byte> bytes);
 
@@ -68,7 +103,8 @@ class FrameStore {
   std::set<std::filesystem::path> sound_;  ///< files whose hash was looked at
   std::vector<std::byte> scene_bytes_;
   std::string scene_hash_;
-  std::map<std::pair<Truth, RayScene::Which>, RayScene> rays_;
+  FrameTracer tracer_;
+  std::unique_ptr<FrameMaker> maker_;  ///< null: the tracer
 };
 
 /// Writes a G-buffer for other processes.

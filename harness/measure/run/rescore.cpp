@@ -6,9 +6,9 @@
 #include <map>
 #include <memory>
 
-#include "measure/frame/frame.h"
 #include "measure/paths.h"
 #include "measure/picture/picture.h"
+#include "measure/run/frame_worker.h"
 #include "measure/run/jobs.h"
 #include "measure/scene/load.h"
 #include "measure/score/score.h"
@@ -28,7 +28,7 @@ struct SceneToday {
   explicit SceneToday(const std::string& reference) {
     try {
       scene = load_scene(reference);
-      frames = std::make_unique<FrameStore>(*scene, cache_root() / "frames");
+      frames = std::make_unique<FrameStore>(*scene, cache_root() / "frames", std::make_unique<FrameWorker>());
     } catch (const Error& problem) {
       // A scene that is not fetched, or whose file moved since, costs its own rows only.
       missing = problem.what();
@@ -185,7 +185,7 @@ RescoreSummary rescore(std::vector<Record>& records, const fs::path& dir, Progre
           if (const std::string lost = row.measure(); !lost.empty()) ++losses[lost];
           ++result.rows;
         }
-      } catch (const Error& problem) {
+      } catch (const std::exception& problem) {
         throw Error("{} cannot be rescored: {}", full_title(*record), problem.what());
       }
       progress.advance(1);

@@ -1,5 +1,6 @@
 #pragma once
 #include "measure/record/record.h"
+#include "measure/run/frame_worker.h"
 #include "measure/run/jobs.h"
 #include "measure/run/worker_client.h"
 #include "measure/score/score.h"
@@ -25,10 +26,10 @@ struct SceneRun {
   const Suite& suite;
 
   SceneRun(std::string scene_reference, Scene the_scene, const Suite& the_suite, const std::filesystem::path& cache,
-           std::filesystem::path scratch_folder)
+           std::filesystem::path scratch_folder, std::string program_that_traces = {})
       : reference(std::move(scene_reference)),
         scene(std::move(the_scene)),
-        frames(scene, cache),
+        frames(scene, cache, std::make_unique<FrameWorker>(scratch_folder / "frames", std::move(program_that_traces))),
         scratch(std::move(scratch_folder)),
         suite(the_suite) {}
 

@@ -46,12 +46,13 @@ class TechniqueServer {
     if (what == "explain") return explain(request.at("pixels"), request.at("out"));
     if (what == "debug") return debug(request.at("layer"), request.at("out"));
     if (what == "detail") return detail(request.at("out"));
+    if (what == "trace") return trace(request);
     throw Error("a worker cannot {}", what);
   }
 
  private:
   Json open(const Json& request) {
-    scene_ = scene_from_bytes(MappedFile::open(request.at("scene").get<std::string>())->bytes());
+    scene_ = scene_in(request.at("scene"));
     entry_ = &registry().technique(request.at("technique").get<std::string>());
     settings_ = request.at("settings").get<std::string>();
     technique_ = fresh_technique();
@@ -106,11 +107,9 @@ class TechniqueServer {
   Frame asked_frame(const Json& request) {
     Frame asked;
     FrameKey& key = asked.key;
-    key.width = request.at("width");
-    key.height = request.at("height");
-    key.truth = request.at("truth") == "mesh" ? Truth::mesh : Truth::shape;
+    set_size_and_truth(key, request);
     if (request.contains("stand")) {
-      Scene holder = scene_from_bytes(MappedFile::open(request.at("stand").get<std::string>())->bytes());
+      Scene holder = scene_in(request.at("stand"));
       asked.light = holder.lights.at(0);
       key.view = holder.views.at(0);
       holder.views.clear();
@@ -130,6 +129,29 @@ class TechniqueServer {
       if (path.moves == Path::Moves::light) asked.lit_by += fmt::format(" {} {}", name, frame);
     }
     return asked;
+  }
+
+  static void set_size_and_truth(FrameKey& key, const Json& request) {
+    key.width = request.at("width");
+    key.height = request.at("height");
+    key.truth = request.at("truth") == "mesh" ? Truth::mesh : Truth::shape;
+  }
+
+  static Scene scene_in(const std::string& file) { return scene_from_bytes(MappedFile::open(file)->bytes()); }
+
+  /// Serves the reference instead of a technique; all requests are of one scene.
+  Json trace(const Json& request) {
+    if (!tracer_) {
+      scene_ = scene_in(request.at("scene"));
+      tracer_.emplace(scene_);
+    }
+    const Scene holder = scene_in(request.at("stand"));
+    MissingFrame missing{.scene_file = {}, .key = {.view = holder.views.at(0)}, .light = {}, .gbuffer_file = {}};
+    set_size_and_truth(missing.key, request);
+    if (!holder.lights.empty()) missing.light = holder.lights[0];
+    missing.gbuffer_file = request.at("gbuffer").get<std::string>();
+    write_file(request.at("out").get<std::string>(), tracer_->make(missing));
+    return Json::object();
   }
 
   static int stage_named(const std::string& name) {
@@ -239,6 +261,7 @@ class TechniqueServer {
   std::map<std::string, GBuffer> gbuffers_;  ///< by file: one for each view and truth
   GBuffer gbuffer_;
   std::optional<VisibilityMask> mask_;
+  std::optional<FrameTracer> tracer_;
   int fresh_ = -1;  ///< last stage that is up to date
 };
 

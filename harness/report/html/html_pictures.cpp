@@ -5,9 +5,9 @@
 #include <optional>
 
 #include "analysis/in_order.h"
-#include "measure/frame/frame.h"
 #include "measure/paths.h"
 #include "measure/picture/picture.h"
+#include "measure/run/frame_worker.h"
 #include "measure/scene/load.h"
 #include "measure/scene/motion.h"
 #include "measure/score/score.h"
@@ -79,7 +79,7 @@ class Frames {
     store_.reset();
     scene_.reset();
     scene_ = std::make_unique<Scene>(load_scene(reference));
-    store_.emplace(*scene_, cache_root() / "frames");
+    store_.emplace(*scene_, cache_root() / "frames", std::make_unique<FrameWorker>());
     reference_ = reference;
   }
   const Scene& scene() const { return *scene_; }
@@ -107,7 +107,7 @@ class Collector {
           if (has_mask(group.rows[k])) rows[k] = row(*group.rows[k].record);
         if (std::any_of(rows.begin(), rows.end(), [](const Json& json) { return !json.is_null(); })) base = frame(first);
       }
-    } catch (const Error& error) {
+    } catch (const std::exception& error) {
       note(group.heading, error.what());
     }
     for (Json& json : rows) set_.rows.push_back(base.is_null() ? Json() : std::move(json));
@@ -167,7 +167,7 @@ class Collector {
       json["mask"] = keep(mask_bytes(mask));
       json["causes"] = r.causes ? causes(r, std::move(mask), what) : Json();
       return json;
-    } catch (const Error& error) {
+    } catch (const std::exception& error) {
       note(what, error.what());
       return {};
     }

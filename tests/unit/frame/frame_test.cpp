@@ -75,7 +75,7 @@ TEST(frame, what_the_cache_holds_is_what_is_computed) {
       }
     }
   }
-  EXPECT_EQ(file_names(folder.path()).size(), 6u) << "a G-buffer and two references for each truth";
+  EXPECT_EQ(file_names(folder.path()).size(), 7u) << "the scene, and for each truth a G-buffer and two references";
 }
 
 TEST(frame, meshes_that_do_not_cast_are_seen_and_block_nothing) {

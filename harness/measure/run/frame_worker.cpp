@@ -1,0 +1,56 @@
+#include "measure/run/frame_worker.h"
+
+#include <gnomon/error.h>
+
+namespace gnomon {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Far more than any picture takes: it ends a worker that hangs, no slow one.
+constexpr double longest_trace_seconds = 3600;
+
+/// View and light of the frame, without a light where its G-buffer is wanted.
+std::vector<std::byte> view_and_light_bytes(const MissingFrame& missing) {
+  Scene holder;
+  holder.views = {missing.key.view};
+  if (missing.light) holder.lights = {*missing.light};
+  return scene_bytes(holder);
+}
+
+}  // namespace
+
+fs::path FrameWorker::file(const char* ending) {
+  if (files_.empty()) files_ = scratch_.emplace(ScratchFolder::temporary("gnomon-frames")).path() / "frame";
+  return fs::path(files_) += fmt::format(".{}", ending);
+}
+
+std::vector<std::byte> FrameWorker::make(const MissingFrame& missing) {
+  const std::vector<std::byte> view_and_light = view_and_light_bytes(missing);
+  const std::string_view truth = name(missing.key.truth);
+  const std::string frame =
+      fmt::format("{} {} {} {}", content_hash(view_and_light), missing.key.width, missing.key.height, truth);
+  if (const auto failure = failures_.find(frame); failure != failures_.end()) throw WorkerFailure(failure->second);
+  write_file(file("view_and_light"), view_and_light);
+  try {
+    if (!process_) process_.emplace(WorkerOptions{.threads = 0, .plugins = {}, .program = program_});
+    process_->send(json_object({{"do", "trace"},
+                                {"scene", missing.scene_file.string()},
+                                {"gbuffer", missing.gbuffer_file.string()},
+                                {"stand", file("view_and_light").string()},
+                                {"width", missing.key.width},
+                                {"height", missing.key.height},
+                                {"truth", truth},
+                                {"out", file("frame").string()}}));
+    process_->receive(longest_trace_seconds);
+  } catch (const WorkerFailure& failure) {
+    process_.reset();
+    failures_[frame] = fmt::format("the reference {}", failure.what());
+    throw WorkerFailure(failures_[frame]);
+  }
+  const auto made = MappedFile::open(file("frame"));
+  return {made->bytes().begin(), made->bytes().end()};
+}
+
+}  // namespace gnomon

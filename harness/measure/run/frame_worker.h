@@ -1,0 +1,34 @@
+#pragma once
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "measure/frame/frame.h"
+#include "measure/run/worker.h"
+#include "measure/scratch_folder.h"
+
+namespace gnomon {
+
+/// Has frames traced by a worker, so that a scene which brings the ray tracer down costs its own rows only. The worker starts
+/// when a frame is missing, and stays for the next one. A frame that could not be made is a WorkerFailure with its reason,
+/// "the reference crashed in trace: ...", and is not tried again.
+class FrameWorker final : public FrameMaker {
+ public:
+  /// Files between both sides are named `files` and an ending; empty: they lie in a folder for temporary files. `program` is
+  /// whose process the worker is; empty: this one.
+  explicit FrameWorker(std::filesystem::path files = {}, std::string program = {})
+      : files_(std::move(files)), program_(std::move(program)) {}
+  std::vector<std::byte> make(const MissingFrame& missing) override;
+
+ private:
+  std::filesystem::path file(const char* ending);
+
+  std::optional<WorkerProcess> process_;
+  std::filesystem::path files_;
+  std::string program_;
+  std::optional<ScratchFolder> scratch_;
+  std::map<std::string, std::string> failures_;  ///< reasons, by the hash of what was asked
+};
+
+}  // namespace gnomon
