@@ -144,7 +144,9 @@ class Application {
 
   void update() {
     take_state();
-    const std::vector<WindowEvent> events = window_.take_events();
+    // What is done before the first scene is there waits for it: camera and light come with it.
+    const bool is_opening = !state_.loaded && state_.scene_error.empty() && !session_.selection().scene.empty();
+    const std::vector<WindowEvent> events = is_opening ? std::vector<WindowEvent>() : window_.take_events();
     expect_frames(events);
     const bool is_covered = session_.shows_help || ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup);
     attempt([&] { view_.use(events, arrangement_.picture, canvas_.composition(), is_covered, window_.scale(), session_); });
