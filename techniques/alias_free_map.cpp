@@ -50,7 +50,6 @@ struct Scratch {
   std::vector<Run> runs;
   std::vector<std::uint32_t> candidates;
   std::vector<std::int32_t> steps;  ///< of the number of tests, from each sample of the tile to the next
-  std::size_t bytes() const { return sizeof(Scratch) + bytes_of(runs) + bytes_of(candidates) + bytes_of(steps); }
 };
 
 class AliasFreeMap final : public PointTechnique {
@@ -277,8 +276,7 @@ bool AliasFreeMap::shades(const Caster& caster, std::uint32_t pixel, bool clearl
 }
 
 Counts AliasFreeMap::counts() const {
-  std::size_t bytes =
-      bytes_of(casters_) + bytes_of(facing_) + bytes_of(dark_) + bytes_of(answers_) + grid_.bytes() + scratch_.bytes();
+  std::size_t bytes = bytes_of(casters_, facing_, dark_, answers_) + grid_.bytes();
   for (int face = 0; face < 6; ++face) bytes += bytes_of(footprints_[face]) + caster_bins_[face].bytes();
   return {count_of("samples", grid_.sample_count()),      count_of("cells_used", grid_.used_cell_count()),
           count_of("longest_list", grid_.longest_list()), count_of("triangles_walked", work_.walked),

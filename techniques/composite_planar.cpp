@@ -265,11 +265,8 @@ Counts CompositePlanar::counts() const {
       tests += patch.pixel_count() * patch.count;
     }
   const auto discs = std::ranges::count_if(test_data_, [](const TestData& test) { return test.anchor.w != 0; });
-  std::size_t bytes =
-      tests_.bytes + planes_.bytes + lists_.bytes + instances_.bytes + casters_.capacity() * sizeof(ShapeCaster);
-  bytes += receivers_.planes.capacity() * sizeof(Receiver) + facing_.capacity() * sizeof(facing_[0]);
-  bytes += test_data_.capacity() * sizeof(TestData) + reaches_.capacity() * sizeof(Reach) + tiles_.bytes() + patches_.bytes();
-  if (exact_) bytes += exact_->capacity() * sizeof(Reach);
+  const std::size_t bytes = bytes_of(casters_, receivers_.planes, facing_, test_data_, reaches_) + tests_.bytes +
+                            planes_.bytes + tiles_.bytes() + 2 * patches_.bytes();  // patches: also on the device
   return {{"casters", double(casters_.size()), ""},
           {"planes", double(receivers_.planes.size()), ""},
           {"discs", double(discs), ""},

@@ -253,7 +253,7 @@ PlanarProjected::Work PlanarProjected::draw_shadows(GLuint texture, const Artefa
 Counts PlanarProjected::counts() const {
   std::size_t bytes = plane_of_.bytes + plane_of_shapes_.bytes + first_triangle_.bytes + receivers_.bytes;
   bytes += (planes_.plane_of.size() + planes_.first_triangle.size()) * 4 + planes_.planes.size() * sizeof(ReceiverPlane);
-  bytes += casters_.size() * 4 + differs_.size();
+  bytes += casters_.size() * 4;
   for (const Projection& projection : projections_) bytes += sizeof(projection) + projection.casters.size() * 4;
   return {{"planes", double(work_.planes), ""},
           {"casters", double(work_.casters), ""},

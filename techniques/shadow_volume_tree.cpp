@@ -136,7 +136,7 @@ void ShadowVolumeTree::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
 }
 
 Counts ShadowVolumeTree::counts() const {
-  const std::size_t bytes = bytes_of(casters_) + bytes_of(nearest_) + tree_.bytes();
+  const std::size_t bytes = bytes_of(casters_, nearest_) + tree_.bytes();
   SignCounts signs = tree_.signs();
   signs += work_.signs;
   return {count_of("triangles", tree_.triangles()),

@@ -283,9 +283,8 @@ void SphereVolume::count_bodies_exactly(Pass pass) const {
 }
 
 Counts SphereVolume::counts() const {
-  std::size_t bytes =
-      vertices_.bytes + body_of_.bytes + indices_.bytes + body_data_.bytes + flat_positions_.bytes + counter_.bytes();
-  bytes += volumes_.bytes() + faces_.bytes() + adjacency_.bytes() + bodies_.capacity() * sizeof(Body) + silhouette_.bytes();
+  const std::size_t bytes = VolumeTechnique::bytes() + bytes_of(bodies_) + volumes_.bytes() + vertices_.bytes + body_of_.bytes +
+                            indices_.bytes + body_data_.bytes + flat_positions_.bytes;
   const std::size_t side_triangles = volumes_.triangle_count(VolumeFace::side) + commands_.sides.count / 3;
   const std::size_t triangles = side_triangles + volumes_.triangle_count(VolumeFace::light_cap) +
                                 volumes_.triangle_count(VolumeFace::dark_cap) + commands_.triangle_count() -

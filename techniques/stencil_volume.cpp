@@ -206,7 +206,7 @@ Counts StencilVolume::counts() const {
   const auto closed = std::ranges::count_if(adjacency_.parts(), &EdgeAdjacency::Part::closed);
   double edges = 0;  // with multiplicity
   for (const SilhouetteEdge& edge : silhouette_.edges) edges += std::abs(edge.count);
-  const std::size_t bytes = adjacency_.bytes() + silhouette_.bytes() + faces_.bytes() + gpu_finder_.bytes() + counter_.bytes();
+  const std::size_t bytes = VolumeTechnique::bytes() + gpu_finder_.bytes();
   Counts counts{{"closed_parts", double(closed), ""},      {"open_parts", double(std::ssize(adjacency_.parts()) - closed), ""},
                 {"silhouette_edges", edges, ""},           {"triangles", double(commands_.triangle_count()), ""},
                 {"depth_bound", double(depth_bound_), ""}, {"bytes", double(bytes), "byte"}};

@@ -236,8 +236,8 @@ void Svbsp::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
 
 Counts Svbsp::counts() const {
   const TreeWork work = forest_.work();
-  const std::size_t bytes = bytes_of(triangles_) + signs_.capacity() + pieces_.bytes() + forest_.bytes() +
-                            bytes_of(front_to_back_) + (bsp_ ? bsp_->bytes() : 0);
+  const std::size_t bytes =
+      bytes_of(triangles_, signs_, front_to_back_) + pieces_.bytes() + forest_.bytes() + (bsp_ ? bsp_->bytes() : 0);
   std::size_t pieces = 0;
   for (int face = 0; face < 6; ++face) pieces += pieces_.of_face(face).size();
   const std::uint64_t fragments = work.lit + work.shadowed;

@@ -1,3 +1,4 @@
+#include <gnomon/kit/bytes.h>
 #include <gnomon/kit/edges.h>
 #include <gnomon/kit/parallel.h>
 
@@ -146,9 +147,8 @@ void EdgeAdjacency::find_parts() {
 }
 
 std::size_t EdgeAdjacency::bytes() const {
-  const auto held = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-  return held(positions_) + held(triangles_) + held(first_at_position_) + held(part_of_) + held(parts_) + held(edges_) +
-         held(irregular_) + held(sides_) + 4 * held(planes_.x);
+  return bytes_of(positions_, triangles_, first_at_position_, part_of_, parts_, edges_, irregular_, sides_, planes_.x,
+                  planes_.y, planes_.z, planes_.offset);
 }
 
 }  // namespace gnomon

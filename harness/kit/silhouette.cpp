@@ -1,3 +1,4 @@
+#include <gnomon/kit/bytes.h>
 #include <gnomon/kit/edges.h>
 #include <gnomon/kit/exact.h>
 #include <gnomon/kit/parallel.h>
@@ -81,8 +82,8 @@ int EdgeAdjacency::side(std::uint32_t t, const glm::dvec4& point) const {
 }
 
 std::size_t Silhouette::bytes() const {
-  std::size_t bytes = facing.capacity() + edges.capacity() * sizeof(SilhouetteEdge);
-  for (const std::vector<SilhouetteEdge>& block : blocks) bytes += block.capacity() * sizeof(SilhouetteEdge);
+  std::size_t bytes = bytes_of(facing, edges);
+  for (const std::vector<SilhouetteEdge>& block : blocks) bytes += bytes_of(block);
   return bytes;
 }
 

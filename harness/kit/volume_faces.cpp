@@ -155,6 +155,7 @@ const void* at(std::size_t offset) { return reinterpret_cast<const void*>(offset
 }  // namespace
 
 void RewrittenBuffer::reserve(std::size_t bytes) {
+  bytes_ = bytes;
   if (buffer_ && buffer_.bytes >= bytes) return;
   buffer_ = {};
   buffer_ = Buffer(nullptr, bytes + bytes / 4, GL_MAP_WRITE_BIT | GL_MAP_READ_BIT | GL_DYNAMIC_STORAGE_BIT);
@@ -185,6 +186,7 @@ void write_hubs(const EdgeAdjacency& adjacency, const glm::dvec4& light, FaceBuf
 FaceCommands write_faces(const EdgeAdjacency& adjacency, const Silhouette& silhouette, const WantedFaces& wanted,
                          FaceBuffers& faces) {
   FaceCommands commands;
+  faces.clear();
   write_hubs(adjacency, silhouette.light, faces);
   if (wanted.outline) write_sides(silhouette, wanted.dark_caps, faces, commands);
   write_turned_triangles(adjacency, silhouette, wanted, faces, commands);

@@ -58,11 +58,7 @@ class Grid {
   std::size_t sample_count() const { return bins_.items.size(); }
   std::size_t used_cell_count() const { return used_cells_; }
   std::size_t longest_list() const { return longest_; }
-  std::size_t bytes() const {
-    const auto held = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-    return held(face_of_) + held(tile_of_) + held(tiles_) + held(begins_) + held(x_) + held(y_) + held(z_) + held(pixel_) +
-           bins_.bytes();
-  }
+  std::size_t bytes() const { return bytes_of(face_of_, tile_of_, tiles_, begins_, x_, y_, z_, pixel_) + bins_.bytes(); }
 
  private:
   static constexpr std::uint32_t no_tile = 0xffffffffu;

@@ -42,10 +42,7 @@ class Patches {
   }
 
   std::size_t size() const { return whole.size() + single.size() + several.size(); }
-  std::size_t bytes() const {
-    return (whole.capacity() + single.capacity() + several.capacity()) * sizeof(Patch) +
-           lists.capacity() * sizeof(std::uint32_t);
-  }
+  std::size_t bytes() const { return bytes_of(whole, single, several, lists); }
 
  private:
   /// Tiles side by side that have the same list so far.

@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/kit/bytes.h>
 #include <gnomon/kit/camera.h>
 #include <gnomon/kit/gl.h>
 #include <gnomon/kit/planar_shadow.h>
@@ -87,12 +88,14 @@ class Tiles {
     columns_ = (gbuffer.width + side - 1) / side;
     rows_ = (gbuffer.height + side - 1) / side;
     entries_.clear();
+    corners_.resize(static_cast<std::size_t>(columns_ + 1) * (rows_ + 1));
+    above_.resize(columns_ + 1);
+    below_.resize(columns_ + 1);
   }
 
   /// The plane that the tests to come are about; its number must not be less than before.
   void begin_plane(std::uint32_t number, const glm::dvec4& plane) {
     plane_ = number;
-    corners_.resize(static_cast<std::size_t>(columns_ + 1) * (rows_ + 1));
     const double eye_height = glm::dot(plane, glm::dvec4(camera_.eye, 1));
     for (int row = 0; row <= rows_; ++row)
       for (int column = 0; column <= columns_; ++column) {
@@ -120,8 +123,6 @@ class Tiles {
     if (polygon.size() == 0) return;
     const int first = tile(top - 1, rows_), last = tile(bottom + 1, rows_);
     // Whether the corners above and below a row of tiles are in the shadow, which is convex.
-    above_.assign(columns_ + 1, 0);
-    below_.assign(columns_ + 1, 0);
     const auto test_corners = [&](int row, int from, int to, std::vector<std::uint8_t>& inside) {
       std::ranges::fill(inside, 0);
       for (int column = from; column <= to; ++column) inside[column] = test.contains(corners_[row * (columns_ + 1) + column]);
@@ -156,10 +157,7 @@ class Tiles {
   }
 
   std::uint32_t columns() const { return columns_; }
-  std::size_t bytes() const {
-    return (entries_.capacity() + sorted_.capacity()) * sizeof(Entry) + starts_.capacity() * sizeof(std::uint32_t) +
-           corners_.capacity() * sizeof(glm::dvec3) + above_.capacity() + below_.capacity();
-  }
+  std::size_t bytes() const { return bytes_of(entries_, sorted_, starts_, corners_, above_, below_); }
 
  private:
   static int tile(double pixel, int count) { return std::clamp(static_cast<int>(std::floor(pixel / side)), 0, count - 1); }

@@ -1,4 +1,6 @@
 #pragma once
+#include <gnomon/kit/bytes.h>
+
 #include <vector>
 
 #include "polygon.h"
@@ -93,7 +95,7 @@ class Pyramid {
   Level& level(int k) { return levels_[k]; }
   std::size_t bytes() const {
     std::size_t sum = 0;
-    for (const Level& level : levels_) sum += level.tiles.capacity() * sizeof(Tile);
+    for (const Level& level : levels_) sum += bytes_of(level.tiles);
     return sum;
   }
 

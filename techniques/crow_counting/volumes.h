@@ -62,10 +62,7 @@ class Volumes {
     return meet_cap(from, to, adjacency_.corners(cap(k)), silhouette_.light, silhouette_.facing[cap(k)]);
   }
 
-  std::size_t bytes() const {
-    const auto held = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-    return adjacency_.bytes() + silhouette_.bytes() + held(caps_) + held(polygons_) + held(outlines_);
-  }
+  std::size_t bytes() const { return adjacency_.bytes() + silhouette_.bytes() + bytes_of(caps_, polygons_, outlines_); }
 
  private:
   void make_side(const Frame& frame, std::size_t k) {
@@ -166,7 +163,7 @@ class OwnVolumes {
   }
 
   std::size_t bytes() const {
-    std::size_t sum = curved_.capacity() * (sizeof(BoxTree) + sizeof(std::uint32_t));  // and the numbers of meshes
+    std::size_t sum = bytes_of(curved_) + numbers_.bytes();
     for (const BoxTree& tree : curved_) sum += tree.bytes();
     return sum;
   }

@@ -90,9 +90,7 @@ class WayCounter {
 
   std::span<const PixelCount> found() const { return found_; }
   const CountingWork& work() const { return work_; }
-  std::size_t bytes() const {
-    return pyramid_.bytes() + found_.capacity() * sizeof(PixelCount) + is_undecided_.capacity() + scratch_.bytes();
-  }
+  std::size_t bytes() const { return pyramid_.bytes() + bytes_of(found_, is_undecided_); }
 
  private:
   static constexpr int tile_size = Pyramid::leaf * Pyramid::leaf;
@@ -108,12 +106,6 @@ class WayCounter {
     std::vector<std::vector<std::uint32_t>> polygons;  ///< of the tile on each level
     std::vector<std::uint32_t> caps;                   ///< triangles among those of the smallest
     std::vector<MetPolygon> met[tile_size];
-    std::size_t bytes() const {
-      std::size_t sum = sizeof(Scratch) + caps.capacity() * sizeof(std::uint32_t);
-      for (const auto& list : polygons) sum += list.capacity() * sizeof(std::uint32_t);
-      for (const auto& list : met) sum += list.capacity() * sizeof(MetPolygon);
-      return sum;
-    }
   };
   /// A pixel of a tile while its polygons are looked for.
   struct Query {

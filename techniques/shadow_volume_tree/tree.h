@@ -58,10 +58,7 @@ class Tree {
   std::size_t triangles() const { return used_; }  ///< in the tree
   std::size_t depth() const { return depth_; }     ///< triangles on the longest way from the root
   const SignCounts& signs() const { return signs_; }
-  std::size_t bytes() const {
-    const auto held = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-    return held(groups_) + held(ways_) + held(nearest_) + held(stack_) + held(casters_[0]) + held(casters_[1]);
-  }
+  std::size_t bytes() const { return bytes_of(groups_, ways_, nearest_, stack_, casters_[0], casters_[1]); }
 
  private:
   struct Link {

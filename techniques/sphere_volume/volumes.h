@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/kit/bytes.h>
 #include <gnomon/kit/gl_volumes.h>
 
 #include <algorithm>
@@ -51,8 +52,8 @@ struct Volumes {
 
   std::size_t triangle_count(VolumeFace face) const { return indices[int(face)].size() / 3; }
   std::size_t bytes() const {
-    std::size_t sum = vertices.capacity() * sizeof(glm::vec4) + body_of.capacity() * 4;
-    for (int f = 0; f < 3; ++f) sum += indices[f].capacity() * 4 + ranges[f].capacity() * sizeof(DrawRange);
+    std::size_t sum = bytes_of(vertices, body_of);
+    for (int f = 0; f < 3; ++f) sum += bytes_of(indices[f], ranges[f]);
     return sum;
   }
 };

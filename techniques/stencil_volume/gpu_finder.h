@@ -132,6 +132,7 @@ class GpuFinder {
   FaceCommands find(const SceneBuffers& buffers, const EdgeAdjacency& adjacency, const glm::dvec4& light,
                     const WantedFaces& wanted, FaceBuffers& faces, Silhouette& out) {
     out.light = light;
+    faces.clear();
     write_hubs(adjacency, light, faces);
     halves_.rewrite<std::int32_t>(std::max<std::size_t>(adjacency.parts().size(), 1), [&](std::span<std::int32_t> halves) {
       for (std::size_t i = 0; i < adjacency.parts().size(); ++i)
@@ -141,10 +142,9 @@ class GpuFinder {
 
     FaceCommands commands = run(buffers, adjacency, light, wanted, faces);
     const std::size_t corners = light.w != 0 ? 6 : 3, found = commands.sides.count / corners;
-    if (found * sizeof(glm::uvec4) > faces.sides.bytes()) {
-      faces.sides.reserve(found * sizeof(glm::uvec4));
-      commands = run(buffers, adjacency, light, wanted, faces);
-    }
+    const bool had_room = found * sizeof(glm::uvec4) <= faces.sides.room();
+    faces.sides.reserve(std::max(found * sizeof(glm::uvec4), faces.sides.bytes()));
+    if (!had_room) commands = run(buffers, adjacency, light, wanted, faces);
     read_silhouette(faces, found, adjacency.triangles().size(), out);
     if (!wanted.outline) commands.sides.count = commands.fan.count = 0;
     faces.commands.rewrite<FaceCommands>(1, [&](std::span<FaceCommands> mapped) { mapped[0] = commands; });
@@ -184,7 +184,7 @@ class GpuFinder {
       set("outline", wanted.outline ? 1 : 0);
       set("light_caps", wanted.light_caps ? 1 : 0);
       set("dark_caps", wanted.dark_caps ? 1 : 0);
-      set("side_capacity", static_cast<int>(faces.sides.bytes() / sizeof(glm::uvec4)));
+      set("side_capacity", static_cast<int>(faces.sides.room() / sizeof(glm::uvec4)));
       glUseProgram(program.name());
       // Rows of groups: one row holds no more than every device allows.
       const auto groups = static_cast<GLuint>((count + 255) / 256), rows = (groups + 32767) / 32768;

@@ -71,10 +71,7 @@ class Bsp {
   std::size_t split_count() const { return split_count_; }  ///< polygons cut, each into two
   std::size_t depth() const { return depth_; }              ///< nodes on the longest way from the root
   double epsilon() const { return epsilon_; }               ///< meters
-  std::size_t bytes() const {
-    const auto held = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-    return held(nodes_) + held(polygons_) + held(corners_);
-  }
+  std::size_t bytes() const { return bytes_of(nodes_, polygons_, corners_); }
 
  private:
   struct Builder;

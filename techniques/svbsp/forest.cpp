@@ -145,9 +145,8 @@ std::size_t Forest::depth() const {
 }
 
 std::size_t Forest::bytes() const {
-  std::size_t sum = bins_.capacity() * sizeof(Bin) + roots_.capacity() * sizeof(Link) +
-                    (ends_.capacity() + sorted_.capacity()) * sizeof(std::uint32_t);
-  for (const Bin& bin : bins_) sum += bin.nodes.capacity() * sizeof(Node);
+  std::size_t sum = bytes_of(bins_, roots_, ends_, sorted_);
+  for (const Bin& bin : bins_) sum += bytes_of(bin.nodes);
   return sum;
 }
 

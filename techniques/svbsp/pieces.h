@@ -1,4 +1,6 @@
 #pragma once
+#include <gnomon/kit/bytes.h>
+
 #include <functional>
 #include <utility>
 #include <vector>
@@ -73,9 +75,8 @@ class Pieces {
   std::size_t bytes() const {
     std::size_t sum = 0;
     for (int face = 0; face < 6; ++face) {
-      sum += pieces_[face].capacity() * sizeof(Piece);
-      for (const Block& block : blocks_)
-        sum += block.corners[face].capacity() * sizeof(Corner) + block.pieces[face].capacity() * sizeof(Piece);
+      sum += bytes_of(pieces_[face]);
+      for (const Block& block : blocks_) sum += bytes_of(block.corners[face], block.pieces[face]);
     }
     return sum;
   }

@@ -326,7 +326,7 @@ void LightMap::for_leaves(const Triangles& triangles, std::size_t patch, const L
 }
 
 std::size_t LightMap::bytes() const {
-  std::size_t bytes = roots_.capacity() * sizeof(std::uint32_t) + patches_.capacity() * sizeof(Patch);
+  std::size_t bytes = bytes_of(roots_, patches_);
   for (const Patch& patch : patches_) bytes += patch.bytes();
   return bytes;
 }

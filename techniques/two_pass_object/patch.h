@@ -34,10 +34,7 @@ struct Patch {
   std::vector<LitPiece> pieces;
   std::vector<std::uint32_t> marks;
   std::vector<std::uint32_t> near;  ///< casters so near to a receiver's plane that exact signs decide for each point
-  std::size_t bytes() const {
-    return nodes.capacity() * sizeof(Node) + entries.capacity() * sizeof(Entry) + pieces.capacity() * sizeof(LitPiece) +
-           (marks.capacity() + near.capacity()) * sizeof(std::uint32_t);
-  }
+  std::size_t bytes() const { return bytes_of(nodes, entries, pieces, marks, near); }
   void fit() {
     nodes.shrink_to_fit();
     entries.shrink_to_fit();

@@ -66,9 +66,7 @@ class Triangles {
   }
   bool are_coplanar(std::uint32_t one, std::uint32_t other) const { return coplanar(corners_[one], corners_[other].points); }
 
-  std::size_t bytes() const {
-    return corners_.capacity() * sizeof(Triangle) + flags_.capacity() + facing_.capacity() + numbers_.bytes();
-  }
+  std::size_t bytes() const { return bytes_of(corners_, flags_, facing_) + numbers_.bytes(); }
 
  private:
   bool is_doubtful(std::uint32_t i) const;

@@ -80,6 +80,35 @@ TEST_P(Life, resolve_is_independent_of_earlier_views) {
   }
 }
 
+// Work and bytes are those of the present light and picture, whatever they were before and however much room that left. With
+// every choice and both ends of each range.
+TEST_P(Life, counts_are_independent_of_earlier_lights_and_views) {
+  const auto w = world("sphere_over_plane:segments=24");
+  const GBuffer gbuffers[] = {w->gbuffer(w->scene.views[0], 120, 80), w->gbuffer(w->scene.views[0], 72, 48)};
+  const auto names = entry().make();
+  std::vector<std::string> all_settings = {""};
+  for (const Parameter* parameter : names->parameters())
+    for (const std::string& value : parameter->probes()) all_settings.push_back(fmt::format("{}={}", parameter->name(), value));
+  for (const std::string& settings : all_settings) {
+    SCOPED_TRACE(settings);
+    const std::vector<Light> lights = supported_lights(w->scene, settings);
+    if (lights.empty()) continue;
+    // Two objects go opposite ways: what one does first, the other does last.
+    std::string counts[2][2];
+    for (const bool is_back : {false, true}) {
+      const auto technique = set_up(settings);
+      technique->build(w->scene);
+      for (const bool is_second : {is_back, !is_back}) {
+        technique->relight(lights[is_second % lights.size()]);
+        resolve(*technique, gbuffers[is_second]);
+        for (const Count& c : technique->counts()) counts[is_back][is_second] += fmt::format("{} {}\n", c.name, c.value);
+      }
+    }
+    EXPECT_EQ(counts[0][0], counts[1][0]);
+    EXPECT_EQ(counts[0][1], counts[1][1]);
+  }
+}
+
 // A large scene, a small one, the large one: the same object does all three.
 TEST_P(Life, survives_a_change_of_scene) {
   const std::unique_ptr<World> worlds[] = {world("box_city:count=20"), world("sphere_over_plane:segments=12"),

@@ -34,7 +34,7 @@ inline Support hard_lights_only(const Light& light, const char* why) {
 
 /// Machine-independent work and memory of the last stages: nodes, fragments, texels, rays, bytes.
 struct Count {
-  std::string name;  ///< "bytes" is everything the technique holds after resolve, GL objects included
+  std::string name;  ///< "bytes" is all it holds for scene, light and picture after resolve: sizes, not room; GL included
   double value = 0;
   std::string unit;
 };

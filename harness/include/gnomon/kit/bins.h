@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/kit/bytes.h>
 #include <gnomon/kit/parallel.h>
 
 #include <cstdint>
@@ -14,7 +15,7 @@ struct Bins {
   std::vector<std::uint32_t> counts;  ///< scratch: of each block and bin
 
   std::span<const std::uint32_t> of(std::size_t bin) const { return {items.data() + begin[bin], begin[bin + 1] - begin[bin]}; }
-  std::size_t bytes() const { return (begin.capacity() + items.capacity() + counts.capacity()) * sizeof(std::uint32_t); }
+  std::size_t bytes() const { return bytes_of(items, begin, counts); }
 
   /// Makes room, once `counts` are complete; these become the places of the next items.
   void lay_out(std::size_t blocks, std::size_t bin_count) {

@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/kit/bytes.h>
 #include <gnomon/kit/exact.h>
 
 #include <cstdint>
@@ -48,7 +49,7 @@ class BoxTree {
     return false;
   }
 
-  std::size_t bytes() const { return nodes_.capacity() * sizeof(Node) + order_.capacity() * sizeof(std::uint32_t); }
+  std::size_t bytes() const { return bytes_of(nodes_, order_); }
 
  private:
   struct Node {

@@ -44,7 +44,7 @@ class ExactScene {
   /// be blocked by that neighbor. In double, so its own rounding is eight digits below that of the coordinates.
   EdgeMargin edge_margin(const Receiver& receiver, const glm::dvec4& light, double limit) const;
 
-  std::size_t bytes() const { return tree_.bytes() + casters_.capacity() * sizeof(Caster); }
+  std::size_t bytes() const { return tree_.bytes() + bytes_of(casters_); }
 
  private:
   struct Caster {

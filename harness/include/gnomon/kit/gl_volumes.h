@@ -65,7 +65,8 @@ class VolumeCounter {
 
   /// Frees what wide and layer passes gather in.
   void drop_pictures();
-  std::size_t bytes() const { return wide_.bytes + layer_.bytes; }
+  /// Of what the last wide pass gathered in.
+  std::size_t wide_bytes() const { return wide_.bytes; }
 
  private:
   Program mask_program_, wide_mask_program_;

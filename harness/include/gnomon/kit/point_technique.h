@@ -86,12 +86,6 @@ inline Count mean_of(std::string name, std::uint64_t sum, std::uint64_t count) {
   return count_of(std::move(name), static_cast<double>(sum) / static_cast<double>(std::max<std::uint64_t>(count, 1)));
 }
 
-/// Of a vector that a technique holds.
-template <class Vector>
-std::size_t bytes_of(const Vector& vector) {
-  return vector.capacity() * sizeof(vector[0]);
-}
-
 /// A debug layer of `heat_layer`, whose sentence ends with how to read it.
 inline DebugLayer heat_debug_layer(std::string name, const std::string& what) {
   return {std::move(name), what + ": none where the picture is left gray, else colors as in the legend.", heat_legend()};

@@ -1,5 +1,6 @@
 #pragma once
 #include <gnomon/gbuffer.h>
+#include <gnomon/kit/bytes.h>
 #include <gnomon/kit/exact.h>
 
 #include <vector>
@@ -60,7 +61,7 @@ class TriangleNumbers {
     if (on_surface.triangle == Receiver::whole_mesh) return {on_surface, first_of(mesh), end_of(mesh) - first_of(mesh)};
     return {on_surface, first_of(mesh) + on_surface.triangle, 1};
   }
-  std::size_t bytes() const { return first_.capacity() * sizeof(std::uint32_t); }
+  std::size_t bytes() const { return bytes_of(first_); }
 
  private:
   std::vector<std::uint32_t> first_;  // of each mesh; the last is the number of all triangles

@@ -6,7 +6,7 @@
 namespace gnomon {
 
 /// Scratch memory that tasks on many threads borrow and give back, so that it is allocated once a thread at most and kept for
-/// the next stage.
+/// the next stage. It is no part of the count "bytes": which thread meets which task is open, and so is what each one grows to.
 template <class Scratch>
 class ScratchPool {
  public:
@@ -21,12 +21,6 @@ class ScratchPool {
     std::unique_ptr<Scratch, decltype(give_back)> lent(idle_.back().release(), give_back);
     idle_.pop_back();
     return lent;
-  }
-  /// Of what is not lent, by Scratch::bytes.
-  std::size_t bytes() const {
-    std::size_t sum = 0;
-    for (const auto& scratch : idle_) sum += scratch->bytes();
-    return sum;
   }
 
  private:

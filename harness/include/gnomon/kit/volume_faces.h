@@ -34,7 +34,7 @@ struct FaceCommands {
   }
 };
 
-/// A buffer that is written anew by every light, and grows when it must.
+/// A buffer that is written anew by every light, and grows when it must. It keeps its room when a light needs less, or nothing.
 class RewrittenBuffer {
  public:
   /// Makes room for `count` elements of T, and calls fill(span<T>) on the mapped memory, whose old contents are gone.
@@ -46,13 +46,16 @@ class RewrittenBuffer {
     unmap();
   }
   void reserve(std::size_t bytes);
+  void clear() { bytes_ = 0; }
   GLuint name() const { return buffer_.name(); }
-  std::size_t bytes() const { return buffer_.bytes; }
+  std::size_t bytes() const { return bytes_; }        ///< what was asked for since the last `clear`
+  std::size_t room() const { return buffer_.bytes; }  ///< at least as much; how much more depends on earlier lights
 
  private:
   void* map(std::size_t bytes);
   void unmap();
   Buffer buffer_;
+  std::size_t bytes_ = 0;
 };
 
 /// The faces of all volumes under one light, on the device.
@@ -62,6 +65,10 @@ struct FaceBuffers {
   RewrittenBuffer caps;       ///< three uint32 a triangle, as its mesh winds it
   RewrittenBuffer hubs;       ///< vec4 of each part: the point that its fan turns about, w = 0 where it has none
   RewrittenBuffer commands;   ///< FaceCommands
+
+  void clear() {
+    for (RewrittenBuffer* const buffer : {&sides, &triangles, &caps, &hubs, &commands}) buffer->clear();
+  }
   std::size_t bytes() const { return sides.bytes() + triangles.bytes() + caps.bytes() + hubs.bytes() + commands.bytes(); }
 };
 

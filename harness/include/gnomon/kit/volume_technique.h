@@ -21,6 +21,10 @@ class VolumeTechnique : public Technique {
   /// The lines of the layer `silhouette`.
   virtual std::vector<Line> outlines() const { return silhouette_lines(adjacency_, silhouette_); }
 
+  /// Of what the techniques share, for the count "bytes". The wide picture where the mask is counted in it.
+  std::size_t bytes() const {
+    return adjacency_.bytes() + silhouette_.bytes() + faces_.bytes() + (wide_ ? counter_.wide_bytes() : 0);
+  }
   /// What the stencil cannot tell, by a pass in 32 bits that is thrown away.
   VolumeCounter::Work measure_work() const;
   Pass mask_pass() const { return wide_ ? Pass::wide : Pass::stencil; }
