@@ -15,9 +15,14 @@ constexpr About about{
     .sees = Truth::shape,
     .role = Role::reference};
 
+constexpr double least_extent = 1e-19;  ///< largest coordinate of a scene, meters
+
 class EmbreeRays final : public Technique {
  public:
-  Support supports(const Scene&, const Light& light, const View&) const override {
+  Support supports(const Scene& scene, const Light& light, const View&) const override {
+    // Below, squares of lengths leave float32.
+    if (const double extent = scene.bounds().extent(); extent > 0 && extent < least_extent)
+      return Support::unsupported(fmt::format("the scene reaches {:.3g} m, rays of float32 need {} m", extent, least_extent));
     return hard_lights_only(light, "one ray per pixel cannot see part of an area light");
   }
   void setup() override {}

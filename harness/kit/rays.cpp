@@ -4,8 +4,10 @@
 #include <gnomon/kit/rays.h>
 #include <gnomon/kit/vectorized.h>
 
+#include <algorithm>
 #include <atomic>
-#include <cstring>
+#include <bit>
+#include <cmath>
 
 #include "shape_rays.h"
 
@@ -108,9 +110,56 @@ void occlude_shape(const RTCOccludedFunctionNArguments* args) {
   }
 }
 
+/// Embree multiplies up to three lengths, and divides by components of directions that it takes for 1e-18 at least. Between 1
+/// mm and 2^30 m a scene is traced as it is; else in units of a power of two in which its largest coordinate is 1 to 2: that
+/// rounds nothing. Scale of the world to that frame.
+double traced_scale(const Scene& scene) {
+  const double extent = scene.bounds().extent();
+  return extent == 0 || (extent >= 0x1p-10 && extent <= 0x1p30) ? 1 : std::exp2(std::min(-std::ilogb(extent), 100));
+}
+
+/// From there, in units of the frame, a scene is a point, and Embree ends the program soon after.
+constexpr double too_far = 0x1p56;
+
+Shape scaled(const Shape& shape, double scale) {
+  const auto length = static_cast<float>(scale);
+  if (const auto* sphere = std::get_if<Sphere>(&shape)) return Sphere{sphere->center * length, sphere->radius * length};
+  if (const auto* disc = std::get_if<Disc>(&shape)) return Disc{disc->center * length, disc->normal, disc->radius * length};
+  const auto& cone = std::get<Cone>(shape);
+  return Cone{cone.base * length, cone.axis, cone.radius * length, cone.height * length};
+}
+
+/// Takes a packet to the frame, each direction at a length of 1 to 4. Returns the lanes whose origin is near enough to trace.
+std::uint32_t into_frame(ShadowPacket& packet, double scale) {
+  std::uint32_t near = 0;
+  for (int lane = 0; lane < 16; ++lane) {
+    const glm::dvec3 origin = scale * glm::dvec3(packet.ox[lane], packet.oy[lane], packet.oz[lane]);
+    if (!(extent(origin) < too_far)) continue;
+    near |= 1u << lane;
+    const glm::dvec3 direction(packet.dx[lane], packet.dy[lane], packet.dz[lane]);
+    const double longest = extent(direction), unit = longest > 0 ? std::exp2(-std::ilogb(longest)) : 1;
+    packet.ox[lane] = static_cast<float>(origin.x);
+    packet.oy[lane] = static_cast<float>(origin.y);
+    packet.oz[lane] = static_cast<float>(origin.z);
+    packet.dx[lane] = static_cast<float>(direction.x * unit);
+    packet.dy[lane] = static_cast<float>(direction.y * unit);
+    packet.dz[lane] = static_cast<float>(direction.z * unit);
+    packet.tnear[lane] = static_cast<float>(packet.tnear[lane] * (scale / unit));
+    packet.tfar[lane] = static_cast<float>(packet.tfar[lane] * (scale / unit));
+  }
+  return near;
+}
+
+/// Whether a packet has directions so short that Embree would take others for them.
+bool is_short(std::uint32_t valid, const ShadowPacket& packet) {
+  const auto lane = static_cast<std::size_t>(std::countr_zero(valid));
+  return lane < 16 && extent(glm::dvec3(packet.dx[lane], packet.dy[lane], packet.dz[lane])) < 0x1p-30;
+}
+
 }  // namespace
 
 struct RayScene::Body {
+  double scale = 1;                     ///< of the world to the frame that is traced
   std::atomic<std::int64_t> bytes = 0;  ///< Embree counts them per device, so every RayScene has one of its own
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
@@ -126,13 +175,14 @@ RayScene::RayScene(const Scene& scene, Truth truth, Which which) : body_(std::ma
   if (!body_->device) throw Error("Embree cannot start: error {}", static_cast<int>(rtcGetDeviceError(nullptr)));
   rtcSetDeviceMemoryMonitorFunction(body_->device, count_memory, &body_->bytes);
   body_->scene = rtcNewScene(body_->device);
+  body_->scale = traced_scale(scene);
   rtcSetSceneFlags(body_->scene, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
   for (std::uint32_t index = 0; index < scene.meshes.size(); ++index) {
     const Mesh& mesh = scene.meshes[index];
     if (which == Which::casters && !mesh.casts) continue;
     RTCGeometry geometry;
     if (truth == Truth::shape && mesh.has_curved_shape()) {
-      body_->shapes.push_back(std::make_unique<ShapeGeometry>(ShapeGeometry{*mesh.shape, index}));
+      body_->shapes.push_back(std::make_unique<ShapeGeometry>(ShapeGeometry{scaled(*mesh.shape, body_->scale), index}));
       geometry = rtcNewGeometry(body_->device, RTC_GEOMETRY_TYPE_USER);
       rtcSetGeometryUserPrimitiveCount(geometry, 1);
       rtcSetGeometryUserData(geometry, body_->shapes.back().get());
@@ -143,9 +193,10 @@ RayScene::RayScene(const Scene& scene, Truth truth, Which which) : body_(std::ma
       if (mesh.triangles.empty()) continue;
       geometry = rtcNewGeometry(body_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
       // Embree reads 16 bytes per vertex, so positions are copied into a buffer that it pads.
-      void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3),
-                                               mesh.positions.size());
-      std::memcpy(vertices, mesh.positions.data(), mesh.positions.size() * sizeof(glm::vec3));
+      auto* vertices = static_cast<glm::vec3*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                                       sizeof(glm::vec3), mesh.positions.size()));
+      std::ranges::transform(mesh.positions, vertices,
+                             [&](const glm::vec3& p) { return glm::vec3(body_->scale * glm::dvec3(p)); });
       rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
                                  sizeof(glm::uvec3), mesh.triangles.size());
     }
@@ -159,12 +210,14 @@ RayScene::RayScene(const Scene& scene, Truth truth, Which which) : body_(std::ma
 }
 
 RayScene::Hit RayScene::closest(const glm::dvec3& origin, const glm::dvec3& direction) const {
+  const glm::dvec3 start = body_->scale * origin;
+  if (body_->scale != 1 && !(extent(start) < too_far)) return {};
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRayHit query{};
-  query.ray.org_x = static_cast<float>(origin.x);
-  query.ray.org_y = static_cast<float>(origin.y);
-  query.ray.org_z = static_cast<float>(origin.z);
+  query.ray.org_x = static_cast<float>(start.x);
+  query.ray.org_y = static_cast<float>(start.y);
+  query.ray.org_z = static_cast<float>(start.z);
   query.ray.dir_x = static_cast<float>(direction.x);
   query.ray.dir_y = static_cast<float>(direction.y);
   query.ray.dir_z = static_cast<float>(direction.z);
@@ -174,10 +227,39 @@ RayScene::Hit RayScene::closest(const glm::dvec3& origin, const glm::dvec3& dire
   rtcIntersect1(body_->scene, &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
   return {query.hit.geomID, query.hit.primID, glm::normalize(glm::dvec3(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z)),
-          query.ray.tfar};
+          query.ray.tfar / body_->scale};
+}
+
+std::vector<RayScene::Met> RayScene::met(const glm::dvec3& origin, const glm::dvec3& way) const {
+  struct Search {
+    RTCIntersectContext embree;
+    std::vector<Met> found;
+  } search;
+  rtcInitIntersectContext(&search.embree);
+  search.embree.filter = [](const RTCFilterFunctionNArguments* args) {
+    const auto* hit = reinterpret_cast<const RTCHit*>(args->hit);  // one ray
+    reinterpret_cast<Search*>(args->context)->found.push_back({hit->geomID, hit->primID});
+    args->valid[0] = 0;
+  };
+  const glm::dvec3 start = body_->scale * origin;
+  if (!(extent(start) < too_far)) return {};
+  const double length = glm::length(way);
+  const glm::dvec3 direction = way / length;
+  RTCRay ray{};
+  ray.org_x = static_cast<float>(start.x);
+  ray.org_y = static_cast<float>(start.y);
+  ray.org_z = static_cast<float>(start.z);
+  ray.dir_x = static_cast<float>(direction.x);
+  ray.dir_y = static_cast<float>(direction.y);
+  ray.dir_z = static_cast<float>(direction.z);
+  ray.tfar = static_cast<float>(body_->scale * length);
+  ray.mask = 0xffffffffu;
+  rtcOccluded1(body_->scene, &search.embree, &ray);
+  return search.found;
 }
 
 std::uint32_t RayScene::occluded(std::uint32_t valid, ShadowPacket& packet, const Receivers& receivers) const {
+  if (body_->scale != 1 || is_short(valid, packet)) valid &= into_frame(packet, body_->scale);
   Context context;
   rtcInitIntersectContext(&context.embree);
   context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
@@ -195,8 +277,11 @@ std::string RayScene::description() const {
   int width = 4;
   if (rtcGetDeviceProperty(body_->device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED)) width = 8;
   if (rtcGetDeviceProperty(body_->device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) width = 16;
-  return fmt::format("Embree {}, {} rays at once, robust; receiver's triangle excluded, origin lifted by 8 * 2^-24 * max|P|",
-                     RTC_VERSION_STRING, width);
+  std::string text =
+      fmt::format("Embree {}, {} rays at once, robust; receiver's triangle excluded, origin lifted by 8 * 2^-24 * max|P|",
+                  RTC_VERSION_STRING, width);
+  if (body_->scale != 1) text += fmt::format("; traced at 2^{} of its size", std::ilogb(body_->scale));
+  return text;
 }
 RTCSceneTy* RayScene::handle() const { return body_->scene; }
 

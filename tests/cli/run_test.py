@@ -45,6 +45,30 @@ class Run(ProgramTest):
         self.assertLessEqual({"table.md", "table.csv", "table.tex", "table.json", "records.jsonl"}, set(self.names(self.dir / "out")))
         self.assertFalse((self.dir / "out/.scratch").exists())
 
+    def test_a_table_says_where_float32_cannot_decide(self):
+        lights = "".join(f'[[light]]\nname = "{name}"\nkind = "point"\nposition = {place}\n' for name, place in (("far", [0, 1e8, 1]), ("near", [1, 4, 1])))
+        scene = self.write("lights.toml", f'scene = "single_triangle"\n{lights}')
+        text = self.succeed("run", "--scene", scene, "--technique", "exact_rays", *SMALL, "--out", "out")
+        (line,) = [line for line in text.splitlines() if line.startswith("uncertain: ")]
+        self.assertRegex(line, r"float32 cannot decide [0-9.]+ % .*\(class U\): .*, light far, view \w+; the scene is outside what the reference can decide")
+        far, near = records(self.dir / "out")
+        self.assertEqual((far["classes"]["T"], near["classes"]["U"]), (0, 0))
+        self.assertIn(line[len("uncertain: "):].split(";")[0], self.succeed("table", "out", "--format", "md"))
+
+    def test_scenes_of_any_size_have_a_reference(self):
+        for size in (1e-18, 1e-12, 1.0, 1e15):
+            scene = self.write(f"size{size}.toml", "".join((
+                f'[[shape]]\nkind = "plane"\ncenter = [0, 0, 0]\nnormal = [0, 1, 0]\nsize = [{8 * size}, {8 * size}]\n',
+                f'[[shape]]\nkind = "sphere"\ncenter = [0, {1.5 * size}, 0]\nradius = {size}\n',
+                f'[[light]]\nname = "lamp"\nkind = "point"\nposition = [{size}, {6 * size}, {size}]\n',
+                f'[[view]]\nname = "view"\neye = [{2 * size}, {5 * size}, {7 * size}]\ntarget = [0, {0.5 * size}, 0]\n')))
+            with self.subTest(size):
+                self.assertIn(": certified", self.succeed("certify", "--scene", scene, "--size", "96x54"))
+                self.succeed("run", "--scene", scene, "--technique", "exact_rays", *SMALL, "--truth", "mesh", "--out", f"out{size}")
+                (row,) = records(self.dir / f"out{size}")
+                self.assertEqual(row["metrics"]["mesh"]["wrong_rate"], 0)
+                self.assertGreater(row["classes"]["T"], 5000)
+
     def test_braces_sweep_a_parameter(self):
         self.succeed("run", *SWEEP, *SMALL, "--out", "out")
         self.assertEqual([(r["light"], r["technique"], r["settings"]) for r in records(self.dir / "out")],

@@ -1,5 +1,9 @@
 #include "measure/frame/classify.h"
 
+#include <gnomon/kit/receiver.h>
+
+#include <bit>
+
 #include "measure/frame/gbuffer_maker.h"
 #include "measure/frame/light_rays.h"
 #include "measure/frame/ray_packets.h"
@@ -52,24 +56,71 @@ class MovedRays {
       triangle[k] = gbuffer_.triangle[indices[k]];
     }
     const std::uint32_t all = (1u << count) - 1;
-    // Nine shifts: the point along its two tangents and the light across the ray, both ways; and the point without the lift
-    // of the ray recipe, because its rounding may have put it below a neighbor of its own triangle.
-    for (int shift = 0; shift < 9 && changed != all; ++shift) {
+    // The point moves along its two tangents, the light across the ray, both ways. The ray starts at the point without the lift
+    // of the recipe, because rounding may have put it below a neighbor of its own triangle; then it starts rho later and ends
+    // rho before a light at a place; and at last rho behind that.
+    const int shift_count = light_.w != 0 ? 11 : 10;
+    for (int shift = 0; shift < shift_count && changed != all; ++shift) {
       ShadowPacket packet;
-      for (int k = 0; k < 16; ++k) aim(packet, k, indices[std::min(k, count - 1)], shift);
-      changed |= casters_.occluded(all, packet, {mesh, triangle}) ^ (all & ~lit);
+      std::uint32_t lost = 0;
+      for (int k = 0; k < 16; ++k)
+        lost |= static_cast<std::uint32_t>(!aim(packet, k, indices[std::min(k, count - 1)], shift)) << k;
+      changed |= (casters_.occluded(all, packet, {mesh, triangle}) ^ (all & ~lit)) | (lost & all);
+    }
+    for (std::uint32_t left = lit & ~changed & touching(indices, {mesh, triangle}); left; left &= left - 1) {
+      const int k = std::countr_zero(left);
+      changed |= static_cast<std::uint32_t>(is_shaded_at_start(indices[k])) << k;
     }
     return changed;
   }
 
  private:
-  void aim(ShadowPacket& packet, int k, std::size_t i, int shift) const {
+  bool is_on_shape(std::size_t i) const {
+    return gbuffer_.truth == Truth::shape && scene_.meshes[gbuffer_.mesh[i]].has_curved_shape();
+  }
+
+  /// The way to the light from rho before the point of a pixel to rho behind it.
+  struct Start {
+    glm::dvec3 origin, way;
+  };
+  Start start(std::size_t i) const {
+    const glm::dvec3 p = gbuffer_.position(i), reach = rho() * glm::normalize(to_light(light_, p));
+    return {p - reach, 2.0 * reach};
+  }
+
+  /// Bit k: a caster is met within rho of the point of pixel indices[k].
+  std::uint32_t touching(std::span<const std::size_t> indices, const Receivers& receivers) const {
+    ShadowPacket packet;
+    std::uint32_t valid = 0;
+    for (int k = 0; k < 16; ++k) {
+      const std::size_t i = indices[std::min<std::size_t>(k, indices.size() - 1)];
+      valid |= static_cast<std::uint32_t>(static_cast<std::size_t>(k) < indices.size() && !is_on_shape(i)) << k;
+      const auto [origin, way] = start(i);
+      set_ray(packet, k, origin, way, true);
+    }
+    return valid ? casters_.occluded(valid, packet, receivers) : 0;
+  }
+
+  /// Whether a caster within rho of the point shades it: closer than float32 can tell, so exact signs do.
+  bool is_shaded_at_start(std::size_t i) const {
+    const Receiver receiver = receiver_at(scene_, gbuffer_, i);
+    const auto [origin, way] = start(i);
+    return std::ranges::any_of(casters_.met(origin, way), [&](const RayScene::Met& met) {
+      const Triangle caster = scene_.meshes[met.mesh].corners(met.triangle);
+      return !receiver.is_own(met.mesh, met.triangle) && crosses({receiver.point, light_}, caster) != Crossing::none &&
+             !receiver.is_coplanar(scene_, caster.points);
+    });
+  }
+
+  double rho() const { return 16 * 0x1p-24 * extent_; }
+
+  /// Whether the light is still before the point.
+  bool aim(ShadowPacket& packet, int k, std::size_t i, int shift) const {
     const glm::dvec3 p = gbuffer_.position(i), n = gbuffer_.normal(i);
     // An exact shape has no neighbors, and a point rounded into it would only see it from inside.
-    const bool on_shape = gbuffer_.truth == Truth::shape && scene_.meshes[gbuffer_.mesh[i]].has_curved_shape();
-    glm::dvec3 origin = shift == 8 && !on_shape ? p : p + ray_offset(gbuffer_.position(i)) * n;
+    glm::dvec3 origin = shift >= 8 && !is_on_shape(i) ? p : p + ray_offset(gbuffer_.position(i)) * n;
     glm::dvec3 light(light_);
-    const double rho = 16 * 0x1p-24 * extent_, sign = shift & 1 ? 1 : -1;
+    const double rho = this->rho(), sign = shift & 1 ? 1 : -1;
     if (shift < 4) {
       origin += sign * rho * across(glm::normalize(n))[shift / 2];
     } else if (shift < 8) {
@@ -80,6 +131,12 @@ class MovedRays {
     }
     const glm::dvec3 direction = light_.w != 0 ? light - origin : light;
     set_ray(packet, k, origin, direction, light_.w != 0);
+    const double share = rho / glm::length(direction);
+    if (shift == 9) packet.tnear[k] = static_cast<float>(share);
+    if (shift < 9 || light_.w == 0) return true;
+    const double end = shift == 9 ? 1 - share : 1 + share;
+    packet.tfar[k] = static_cast<float>(std::max(end, 0.0));
+    return end > 0;
   }
 
   const Scene& scene_;
@@ -150,9 +207,15 @@ class SnappedRays {
 
 }  // namespace
 
+bool is_resolved(const Scene& scene, const Light& light, const View& view) {
+  const Bounds box = scene.bounds();
+  return box.empty() || extent(glm::dvec3(box.max) - glm::dvec3(box.min)) >= 0x1p-12 * extent(scene, light, view);
+}
+
 std::vector<PixelClass> classify(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const Light& light,
                                  std::span<const float> reference) {
   const glm::dvec4 l = homogeneous(light);
+  const bool has_room = is_resolved(scene, light, gbuffer.view);
   const MovedRays moved(scene, casters, gbuffer, l, extent(scene, light, gbuffer.view));
   std::vector<PixelClass> classes(gbuffer.size(), PixelClass::T);
   const auto is_asked = [&](std::size_t i, int x, int y) {
@@ -168,7 +231,7 @@ std::vector<PixelClass> classify(const Scene& scene, const RayScene& casters, co
     return classes[i] == PixelClass::T;
   };
   decide_in_packets(gbuffer.width, gbuffer.height, is_asked, [&](std::span<const std::size_t> pixels) {
-    const std::uint32_t unstable = moved.unstable(pixels, reference);
+    const std::uint32_t unstable = has_room ? moved.unstable(pixels, reference) : ~0u;
     for (std::size_t k = 0; k < pixels.size(); ++k)
       if (unstable >> k & 1) classes[pixels[k]] = PixelClass::U;
   });

@@ -15,8 +15,9 @@ enum class PixelClass : std::uint8_t {
   F,  ///< faces away from the light, outside the spot cone, or on a mesh that does not receive
   G,  ///< grazing: 0 < N.l < 0.035 (2 degrees)
   S,  ///< primary silhouette: an 8-neighbor is background or another mesh more than 2 % of the distance nearer or farther
-  U,  ///< uncertain: the reference changes when the point or the light moves by 16 * 2^-24 * max(|P|, |L|, extent), or when
-      ///< the ray starts at the point itself instead of a ray offset above it
+  U,  ///< uncertain: the reference changes when the point or the light moves by rho = 16 * 2^-24 * extent, or when the ray
+      ///< starts at the point itself instead of a ray offset above it; the light is no farther than rho; a caster within rho
+      ///< shades the point by exact signs alone; or the scene is not resolved
   T,  ///< tested
 };
 
@@ -33,6 +34,10 @@ constexpr bool is_lit(float visibility) { return visibility > 0.5f; }
 
 /// Whether a pixel of this visibility is wrong: it is off by more than one half.
 inline bool is_wrong(float visibility, float reference) { return std::abs(visibility - reference) > 0.5f; }
+
+/// Whether float32 resolves a scene where it is: its longest side is at least 2^-12 of the largest coordinate of scene, finite
+/// light and eye, which is 256 rho. Where it does not, all that would be tested is uncertain.
+bool is_resolved(const Scene& scene, const Light& light, const View& view);
 
 /// Class of every pixel. `reference` is the mask of trace_shadows for the same casters.
 std::vector<PixelClass> classify(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const Light& light,

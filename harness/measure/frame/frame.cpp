@@ -61,7 +61,7 @@ std::span<const T> slice(const MappedFile& file, std::size_t& offset, std::size_
 
 }  // namespace
 
-int frame_version() { return 5; }
+int frame_version() { return 6; }
 
 FrameStore::FrameStore(const Scene& scene, fs::path folder, std::unique_ptr<FrameMaker> maker)
     : scene_(scene),

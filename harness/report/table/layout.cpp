@@ -9,6 +9,19 @@ namespace gnomon {
 
 namespace {
 
+/// Above this share of class U among the pixels that face the light, a table says so.
+constexpr double most_uncertain_share = 0.01;
+
+/// Share of class U among the pixels that face the light; 0 where the record has no classes.
+double uncertain_share(const Record& r) {
+  double facing = 0, uncertain = 0;
+  for (const auto& [letter, pixels] : r.classes) {
+    if (letter != "B" && letter != "F") facing += static_cast<double>(pixels);
+    if (letter == "U") uncertain = static_cast<double>(pixels);
+  }
+  return facing > 0 ? uncertain / facing : 0;
+}
+
 std::string group_heading(const Record& r) {
   std::string text = fmt::format("scene {}", r.scene);
   if (r.scene_facts) text += fmt::format(" ({} triangles)", r.scene_facts->triangles);
@@ -18,6 +31,19 @@ std::string group_heading(const Record& r) {
   if (!r.path.empty()) text += fmt::format(", path {}", r.path);
   if (r.width > 0) text += fmt::format(", {} x {}", r.width, r.height);
   return text + fmt::format(", {} truth", name(r.truth));
+}
+
+/// What to say of a group whose reference leaves much undecided; empty where it does not. Classes do not depend on the
+/// technique.
+std::string uncertainty(const Layout::Group& group) {
+  const Record* most = group.rows.front().record;
+  for (const Layout::Row& row : group.rows)
+    if (uncertain_share(*row.record) > uncertain_share(*most)) most = row.record;
+  const double share = uncertain_share(*most);
+  if (share <= most_uncertain_share) return "";
+  return fmt::format("float32 cannot decide {} % of the pixels facing the light (class U): {}, light {}, view {}{}",
+                     measured(100 * share), most->scene, most->light, most->view,
+                     share > 0.5 ? "; the scene is outside what the reference can decide" : "");
 }
 
 /// Marks the best contenders of one column in one group; nothing when there is no choice or no difference. Where the column
@@ -155,6 +181,9 @@ Layout lay_out(std::span<const Record> records, std::span<const std::string> nam
   }
   for (Layout::Group& group : layout.groups)
     for (std::size_t i = 0; i < columns.size(); ++i) mark_best(columns[i], i, group);
+
+  for (const Layout::Group& group : layout.groups)
+    if (const std::string text = uncertainty(group); !text.empty()) layout.shorthands.emplace_back("uncertain", text);
 
   layout.best = "best contender of its group";
   if (std::ranges::any_of(columns, [](const Column& c) { return c.interval != nullptr; }))

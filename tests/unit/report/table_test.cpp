@@ -195,6 +195,21 @@ TEST(table, share_below_ninety_percent_is_flagged_and_explained) {
   EXPECT_TRUE(has(text, "!: less than 90 % of the pixels facing the light")) << text;
 }
 
+TEST(table, a_group_that_float32_cannot_decide_is_named) {
+  std::vector<Record> records{row("a", 1, 0.1), row("b", 1, 0.1), row("a", 1, 0.1, "fence")};
+  for (Record& r : records) r.classes = {{"B", 500}, {"F", 100}, {"G", 10}, {"S", 0}, {"T", 980}, {"U", 10}};
+  EXPECT_FALSE(has(render_table(records, Format::terminal), "uncertain:"));
+  records[1].classes = {{"B", 500}, {"F", 100}, {"G", 50}, {"S", 50}, {"T", 880}, {"U", 20}};
+  const std::string text = render_table(records, Format::terminal);
+  EXPECT_TRUE(
+      has(text,
+          "\nuncertain: float32 cannot decide 2.00 % of the pixels facing the light (class U): soup, light point, view main\n"))
+      << text;
+  EXPECT_FALSE(has(text, "(class U): fence"));
+  records[1].classes = {{"U", 900}, {"T", 100}};
+  EXPECT_TRUE(has(render_table(records, Format::markdown), "the scene is outside what the reference can decide"));
+}
+
 TEST(table, null_is_a_dash_for_people_and_empty_or_null_for_programs) {
   const std::vector<Record> records{row("shadow_map", 1, 0.1)};
   const TableOptions options{.columns = {"technique", "displacement_mean", "build_ms"}};

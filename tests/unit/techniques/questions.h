@@ -15,7 +15,8 @@ constexpr double unasked = 1e-8;
 struct Question {
   std::size_t pixel;
   bool blocked;
-  bool clear;  ///< far from every edge and caster that could change the answer
+  bool degenerate;  ///< the way to the light goes exactly through an edge or a vertex, and through nothing else
+  bool clear;       ///< far from every edge and caster that could change the answer
 };
 
 /// A scene, a light, and points of all triangles that face it.
@@ -73,7 +74,7 @@ inline void ask(Case& c) {
     const ExactAnswer answer = exact.occluded(receiver, light, tally);
     const bool clear = !answer.degenerate && exact.edge_margin(receiver, light, limit).clearance > limit &&
                        !touches_another(c.scene, receiver, limit);
-    c.questions.push_back({i, answer.blocked, clear});
+    c.questions.push_back({i, answer.blocked, answer.degenerate, clear});
   }
 }
 

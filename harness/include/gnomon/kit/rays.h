@@ -21,7 +21,8 @@ struct Receivers {
 
 /// A scene in Embree, traced by the measured ray recipe (docs/method.md): robust mode; the receiver's own triangle is excluded
 /// by a filter; the origin is lifted by 8 * 2^-24 * max|P| along the normal. Exact curved shapes are traced exactly, in
-/// double; flat shapes are their triangles.
+/// double; flat shapes are their triangles. A scene whose largest coordinate is below 2^-10 m or above 2^30 m is traced scaled
+/// by a power of two; all that is asked and answered is in meters.
 class RayScene {
  public:
   enum class Which { all, casters };
@@ -36,6 +37,13 @@ class RayScene {
 
   /// Whether anything blocks each of the packet's rays; bit k of the result is ray k. Lanes off in `valid` answer 0.
   std::uint32_t occluded(std::uint32_t valid, ShadowPacket& packet, const Receivers& receivers) const;
+
+  /// A triangle of the scene by numbers.
+  struct Met {
+    std::uint32_t mesh, triangle;
+  };
+  /// Every triangle that the segment from `origin` to `origin` + `way` meets, as float32 sees it; no exact curved shapes.
+  std::vector<Met> met(const glm::dvec3& origin, const glm::dvec3& way) const;
 
   /// Bytes that Embree holds for this scene.
   std::size_t bytes() const;
