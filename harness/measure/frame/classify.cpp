@@ -67,9 +67,9 @@ class MovedRays {
         lost |= static_cast<std::uint32_t>(!aim(packet, k, indices[std::min(k, count - 1)], shift)) << k;
       changed |= (casters_.occluded(all, packet, {mesh, triangle}) ^ (all & ~lit)) | (lost & all);
     }
-    for (std::uint32_t left = lit & ~changed & touching(indices, {mesh, triangle}); left; left &= left - 1) {
+    for (std::uint32_t left = ~changed & touching(indices, {mesh, triangle}); left; left &= left - 1) {
       const int k = std::countr_zero(left);
-      changed |= static_cast<std::uint32_t>(is_shaded_at_start(indices[k])) << k;
+      changed |= static_cast<std::uint32_t>(is_undecided_at_start(indices[k], lit >> k & 1)) << k;
     }
     return changed;
   }
@@ -101,14 +101,19 @@ class MovedRays {
     return valid ? casters_.occluded(valid, packet, receivers) : 0;
   }
 
-  /// Whether a caster within rho of the point shades it: closer than float32 can tell, so exact signs do.
-  bool is_shaded_at_start(std::size_t i) const {
+  /// Whether a caster within rho of the point, closer than float32 can tell, may turn the reference's answer over. Exact signs
+  /// say so: of a lit point that the caster shades it, of a dark one that it holds the point in its plane, and so shades it
+  /// never.
+  bool is_undecided_at_start(std::size_t i, bool is_lit) const {
     const Receiver receiver = receiver_at(scene_, gbuffer_, i);
     const auto [origin, way] = start(i);
     return std::ranges::any_of(casters_.met(origin, way), [&](const RayScene::Met& met) {
       const Triangle caster = scene_.meshes[met.mesh].corners(met.triangle);
-      return !receiver.is_own(met.mesh, met.triangle) && crosses({receiver.point, light_}, caster) != Crossing::none &&
-             !receiver.is_coplanar(scene_, caster.points);
+      const glm::vec3* p = caster.points;
+      if (receiver.is_own(met.mesh, met.triangle)) return false;
+      const bool turns =
+          is_lit ? crosses({receiver.point, light_}, caster) != Crossing::none : coplanar(p[0], p[1], p[2], receiver.point);
+      return turns && !receiver.is_coplanar(scene_, p);
     });
   }
 
