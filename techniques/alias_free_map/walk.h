@@ -1,7 +1,8 @@
 #pragma once
 #include "grid.h"
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)
 #define GNOMON_ALIAS_FREE_MAP_CLONES __attribute__((target_clones("arch=x86-64-v3", "default")))
 #else
 #define GNOMON_ALIAS_FREE_MAP_CLONES

@@ -129,6 +129,40 @@ TEST(causes, acne_reaches_two_diagonals_above_the_tap_s_place_on_a_receiver_that
   }
 }
 
+TEST(causes, acne_ends_where_the_filter_does) {
+  // One tap, its place on the receiver's own plane. The reach is at most (k + 1/2) sqrt(2) w / (N.L) + 2 sqrt(2) w with k = 0,
+  // w = 0.1 and N.L = 1 / sqrt(2): 0.38 m from the point. What a tap holds 2 m away is not the point's own surface.
+  World world(on_ground({}), slanted);
+  const std::uint32_t i = world.pixel(1.2, 0.3);
+  ASSERT_EQ(world.classes[i], PixelClass::T);
+  world.mask[i] = 0;
+  const auto held_at = [&](double aside) {
+    return world.causes([&](std::uint32_t) { return tapped(through(world.point(i).x + aside, world.point(i).z, 0), 0.1); });
+  };
+  EXPECT_EQ(held_at(0.05), (Causes{{"acne", 1}}));
+  EXPECT_EQ(held_at(2), (Causes{{"unexplained", 1}}));
+}
+
+TEST(causes, a_stored_surface_is_found_within_the_raster_s_snapping_of_the_tap_s_ray) {
+  // Three taps around a lit point. The ray of the first passes the plate's edge at 1/600 texel and holds the plate, the second
+  // holds what is nowhere, the third nothing. With the edge snapped over the first a perfect map is still lit by more than
+  // half, so that it is what the map holds that is at fault: the plate, another object than the ground.
+  World world = shadow_of_two_by_two();
+  const std::uint32_t i = world.pixel(1.2, 0);
+  world.mask[i] = 0.45f;
+  const auto with_first = [&](double texels) {
+    return world.causes([&](std::uint32_t) {
+      Explanation why = tapped(through(1 + texels * 0.1 * std::sqrt(2.0), 0, 2), 0.1);
+      why.taps.push_back(through(1.3, 0, 1));
+      why.taps.push_back(through(1.2, 0, -INFINITY));
+      for (int j = 0; const double weight : {0.45, 0.1, 0.45}) why.taps[j++].weight = weight;
+      return why;
+    });
+  };
+  EXPECT_EQ(with_first(1.0 / 600), (Causes{{"over_dark", 1}}));
+  EXPECT_EQ(with_first(10), (Causes{{"unexplained", 1}})) << "nothing is there";
+}
+
 TEST(causes, another_object_within_two_diagonals_that_a_texel_smears_is_over_dark) {
   // A plate lower than one texel above the ground: the reference ignores it from the taps' places, the map does not.
   std::uint64_t all = 0;

@@ -79,6 +79,20 @@ TEST(DepthBound, casters_side_by_side_do_not_add_up) {
   }
 }
 
+// A file of boxes over each other in the light's image: a line of sight enters and leaves one after the other, and the quick
+// bound counts them all. The finer one takes leaving back.
+TEST(DepthBound, casters_in_a_file_do_not_add_up_in_the_finer_bound) {
+  for (const glm::vec3& step : {glm::vec3(3, 0, 0), glm::vec3(0, 0, 3)})
+    for (const glm::dvec4& light : {glm::dvec4(150, 4000, 150, 1), glm::dvec4(0.125, 1, 0.0625, 0)}) {
+      std::vector<Mesh> file;
+      for (int i = 0; i < 100; ++i)
+        file.push_back(small_world::box(static_cast<float>(i) * step, static_cast<float>(i) * step + glm::vec3(1)));
+      const Bounded separate(scene_of(file), light);
+      EXPECT_GE(separate.bound, 1);
+      EXPECT_LE(bound_depth(separate.adjacency, separate.silhouette, 4), 20);
+    }
+}
+
 // Behind every caster, along the light's rays through it and its corners, and anywhere.
 std::int64_t deepest(Random& random, const Bounded& world, const Scene& scene, const glm::dvec4& light, int count) {
   std::int64_t most = 0;

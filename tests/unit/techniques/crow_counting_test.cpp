@@ -115,6 +115,13 @@ TEST(CrowCrossing, a_side_quad_on_paper) {
   EXPECT_EQ(side_polygon(right, low, high, sun_up, 2).step, -2);
   EXPECT_EQ(side_polygon(left, low, high, lamp, -1).step, -1);
   EXPECT_EQ(side_polygon(on_plane, low, high, lamp, -1).step, 0);
+  // Rounding is allowed for by the length of the seen point alone: no normal may be longer than 1.
+  for (const float scale : {1e-3f, 1.0f, 1e3f})
+    for (const glm::dvec4& light : {sun_up, glm::dvec4(0, 3 * scale, 0, 1)})
+      for (const glm::dvec3& n : side_polygon(Frame({}, {-scale, 0, 0}), scale * low, scale * high, light, 1).inside) {
+        EXPECT_LE(glm::length(n), 1 + 1e-9);
+        EXPECT_GT(glm::length(n), 0.1);
+      }
 }
 
 // A triangle in the plane y = 1, counter-clockwise seen from above. Entered from the light's side, whichever way it is wound.
@@ -410,6 +417,27 @@ TEST(CrowCounting, area_lights_are_refused_with_a_reason) {
 }
 
 // The layers show what the counts say: most polygons on a way, and the count at the point.
+// A square of half side 1 at height 1 under the sun straight down: from each corner, ways along x = z or x = -z run through the
+// ray that two side quads share, into the volume or past it. No sign in double decides them.
+TEST(CrowCounting, ways_through_the_corner_ray_of_a_volume_are_decided_exactly) {
+  Scene scene;
+  scene.meshes = {mesh_of({{-30, 0, -9}, {0, 0, 30}, {30, 0, -9}}, {{0, 1, 2}}), square(1, 1)};
+  for (const float x : {-1.0f, 1.0f})
+    for (const float z : {-1.0f, 1.0f}) {
+      const auto answer = [&](const glm::vec3& eye, const glm::vec3& point) {
+        Picture picture(1, 1);
+        picture.gbuffer.view.eye = eye;
+        picture.gbuffer.view.target = point;
+        picture.set(0, point, {0, 1, 0}, 0, 0);
+        const auto done = run(scene, sun({0, -1, 0}), picture.gbuffer);
+        EXPECT_GT(value(done.technique->counts(), "exact_tests"), 0);
+        return done.mask[0];
+      };
+      EXPECT_EQ(answer({3 * x, 0.5f, 3 * z}, {0, 0, 0}), 0) << x << ' ' << z;
+      EXPECT_EQ(answer({2 * x, 0.5f, 0}, {0, 0, 2 * z}), 1) << x << ' ' << z;
+    }
+}
+
 TEST(CrowCounting, layers_show_the_lists_and_the_depth) {
   Scene scene;
   scene.meshes = {square(10, 0), square(1, 1), square(1, 2)};

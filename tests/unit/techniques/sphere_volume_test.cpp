@@ -339,6 +339,22 @@ TEST_F(SphereVolume, shows_volumes_and_explains_by_mesh) {
   EXPECT_GT(entered, dark * 9 / 10);  // where volumes overlap, teal comes in
 }
 
+// Inscribed octagons are off by 1 - cos(22.5 degrees) of the radius; under the lamp at height 4 what is halfway to the ground
+// is thrown twice as large.
+TEST_F(SphereVolume, the_error_of_an_outline_is_that_of_the_bodies_before_the_light) {
+  const sv::Body bodies[] = {{0, Sphere{{0, 2, 0}, 1}}, {1, Disc{{20, 2, 0}, {0, 1, 0}, 3}}};
+  const double share = 1 - std::cos(std::numbers::pi / 8);
+  const auto error = [&](const glm::dvec4& light, const glm::dvec3& point) {
+    return sv::outline_error(bodies, light, point, sv::inscribed, 8);
+  };
+  const glm::dvec4 sun(0, 1, 0, 0), lamp(0, 4, 0, 1);
+  EXPECT_NEAR(error(sun, {0.9, 0, 0}), share, 1e-12);
+  EXPECT_NEAR(error(sun, {21, 0, 2}), 3 * share, 1e-12);
+  EXPECT_NEAR(error(lamp, {0, 0, 0}), 2 * share, 1e-12);
+  EXPECT_EQ(error(sun, {0, 4, 0}), 0);   // the ball lies behind it
+  EXPECT_EQ(error(sun, {10, 0, 0}), 0);  // between the two
+}
+
 TEST_F(SphereVolume, supports_every_scene_under_lights_without_area) {
   Scene scene;
   scene.meshes = {shape_mesh(Cone{{0, 0, 0}, {0, 1, 0}, 1, 2}), small_world::ground(3)};
