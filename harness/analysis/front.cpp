@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "analysis/in_order.h"
@@ -95,12 +96,13 @@ Field overall(RowsBySetting settings, const FieldOptions& options) {
 std::vector<double> round_numbers(double least, double greatest, std::size_t most) {
   std::vector<double> numbers;
   if (!(least > 0) || !std::isfinite(greatest)) return numbers;
-  for (int k = static_cast<int>(std::floor(std::log10(least))); std::pow(10, k) <= greatest * 10; ++k)
+  constexpr int greatest_power = std::numeric_limits<double>::max_exponent10;
+  for (int k = static_cast<int>(std::floor(std::log10(least))); k <= greatest_power && std::pow(10, k) <= greatest * 10; ++k)
     for (const double digit : {1.0, 2.0, 5.0}) {
       // Exact powers of ten, also below 1: 2 x 10^-1 is 2 / 10, which is the double that 0.2 reads as.
       const double number = k < 0 ? digit / std::pow(10, -k) : digit * std::pow(10, k);
       const bool covers_all = !numbers.empty() && numbers.back() >= greatest;
-      if (number >= least && !covers_all) numbers.push_back(number);
+      if (number >= least && std::isfinite(number) && !covers_all) numbers.push_back(number);
     }
   while (numbers.size() > most) {
     // Every other one goes, the last stays.

@@ -11,6 +11,7 @@
 #include <system_error>
 #include <thread>
 
+#include "measure/notice.h"
 #include "measure/scene/import.h"
 
 namespace gnomon::app {
@@ -73,19 +74,19 @@ int run_program(int argc, char** argv) {
     if (std::fflush(stdout) != 0) throw std::system_error(errno, std::generic_category());
     return status;
   } catch (const Error& error) {
-    fmt::print(stderr, "gnomon: {}\n", shown(error.what()));
+    print_notice("gnomon: {}\n", shown(error.what()));
     return 2;
   } catch (const std::filesystem::filesystem_error& error) {
-    fmt::print(stderr, "gnomon: {}: {}\n", shown(error.path1().string()), error.code().message());
+    print_notice("gnomon: {}: {}\n", shown(error.path1().string()), error.code().message());
     return 2;
   } catch (const std::system_error& error) {
-    fmt::print(stderr, "gnomon: standard output cannot be written: {}\n", error.code().message());
+    print_notice("gnomon: standard output cannot be written: {}\n", error.code().message());
     return 2;
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "gnomon: out of memory\n");
+    print_notice("gnomon: not enough memory for {}\n", shown(joined(std::vector<std::string>(argv, argv + argc), " ")));
     return 1;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "gnomon: {}\n", shown(error.what()));
+    print_notice("gnomon: {}\n", shown(error.what()));
     return 1;
   }
 }

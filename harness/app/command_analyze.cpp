@@ -3,6 +3,7 @@
 #include <unordered_map>
 
 #include "app/app.h"
+#include "measure/notice.h"
 #include "measure/record/merge.h"
 #include "report/analysis/analysis_table.h"
 #include "report/figure/figure.h"
@@ -111,8 +112,8 @@ std::vector<Record> read_runs(const Options& options) {
       all.push_back(std::move(record));
     }
   if (twice)
-    fmt::print(stderr, "note: {} row{} in more than one folder with the same answer; each counts once, by its first folder\n",
-               twice, twice == 1 ? " stands" : "s stand");
+    print_notice("note: {} row{} in more than one folder with the same answer; each counts once, by its first folder\n", twice,
+                 twice == 1 ? " stands" : "s stand");
   if (all.empty())
     throw Error("{} hold{} no record{}", joined(options.words, ", "), options.words.size() == 1 ? "s" : "",
                 options.filter.empty() ? "" : fmt::format(" that matches {}", options.filter));
@@ -159,7 +160,7 @@ void add_figure(Program& program) {
       "figure", "A figure of a run, by gnuplot: DIR... front|growth|stages|map|causes|motion|sweep --out FILE.svg|.pdf|.png",
       make_figure);
   add_shared_options(command, "front, growth, stages, map, causes, motion or sweep", options);
-  command.option("--out", &options.out, "File to write; .svg, .pdf or .png");
+  command.option("--out", &options.out, "File to write; .svg, .pdf or .png", {.check = not_empty()});
   command.flag("--script", &options.script, "Print the gnuplot program instead of running it");
   command.option("--title", &options.figure.title, "Title above the figure; none by default: papers have captions");
   command.option("--width", &options.figure.width_cm, "Width in cm; the height follows", {.check = number_in(5, 100)});

@@ -102,6 +102,12 @@ CLI::Option* Command::option(std::string_view names, OptionTarget target, std::s
     return option;
   };
   CLI::Option* const option = std::visit(add, target)->required(rules.is_required)->delimiter(rules.delimiter);
+  const bool is_number = std::holds_alternative<int*>(target) || std::holds_alternative<double*>(target) ||
+                         std::holds_alternative<std::optional<double>*>(target) ||
+                         std::holds_alternative<std::vector<double>*>(target);
+  // CLI11 reads an empty text as 0.
+  const auto no_number = [](const std::string& text) { return std::string(text.empty() ? "a number is wanted" : ""); };
+  if (is_number) option->check(CLI::Validator(no_number, ""));
   if (rules.check.error) option->check(CLI::Validator(rules.check.error, rules.check.range));
   if (!rules.type_name.empty()) option->type_name(rules.type_name);
   if (rules.needs) option->needs(rules.needs);

@@ -4,6 +4,7 @@
 
 #include "app/app.h"
 #include "app/staged_folder.h"
+#include "measure/notice.h"
 #include "measure/paths.h"
 #include "measure/picture/detail_export.h"
 #include "measure/picture/picture.h"
@@ -127,7 +128,7 @@ class Rendering {
     };
     const Support support = worker_.go(frame, run_.suite.truth);
     require(support);
-    if (support.kind() == Support::Kind::approximate) fmt::print(stderr, "note: {}: {}\n", job.light, support.why());
+    if (support.kind() == Support::Kind::approximate) print_notice("note: {}: {}\n", job.light, support.why());
     Record record = start_record(job, run_.suite, &run_.scene, context_);
     record.support = support.kind();
     record.reason = support.why();
@@ -210,7 +211,7 @@ int render(const RenderOptions& options, const WorkerOptions& worker) {
   if (!options.detail.empty())
     for (const Job& job : jobs)
       check_replaced(detail_file_of(options.detail, &job == jobs.data() ? "" : "_" + job.light), options.scene);
-  for (const std::string& note : entry.scene->notes) fmt::print(stderr, "note: {}\n", note);
+  for (const std::string& note : entry.scene->notes) print_notice("note: {}\n", note);
 
   Rendering rendering(options, worker, layer, jobs, *entry.scene, suite);
   for (const Job& job : jobs) rendering.render(job);
@@ -228,7 +229,7 @@ void add_render(Program& program) {
   command.option("--scene", &options.scene, "Scene id, ID:param=value, or a scene or mesh file", {.is_required = true});
   command.option("--technique", &options.technique, "Technique id, or ID:param=value,...", {.is_required = true});
   command.option("--light", &options.lights, "Light names; all of the scene by default", {.delimiter = ','});
-  command.option("--view", &options.view, "View name; the first by default");
+  command.option("--view", &options.view, "View name; the first by default", {.check = not_empty()});
   command.option("--size", &options.size, "Picture size in pixels, WxH");
   command.option("--truth", &options.truth, "What counts: exact shapes or the meshes; shape | mesh");
   command.option("--debug", &options.debug, "Also draw this debug layer of the technique", {.check = not_empty()});
@@ -237,7 +238,7 @@ void add_render(Program& program) {
                  {.check = not_empty()});
   command.option("--threads", &options.threads, "Cores to use; all by default");
   command.option("--timeout", &options.timeout, "Seconds that one step may take", {.check = seconds()});
-  command.option("--out", &options.out, "Folder to write to", {.is_required = true});
+  command.option("--out", &options.out, "Folder to write to", {.is_required = true, .check = not_empty()});
 }
 
 }  // namespace gnomon::app

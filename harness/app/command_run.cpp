@@ -6,6 +6,7 @@
 
 #include "app/app.h"
 #include "app/suite_options.h"
+#include "measure/notice.h"
 #include "measure/record/merge.h"
 #include "measure/run/estimate.h"
 #include "measure/run/run.h"
@@ -103,8 +104,8 @@ bool has_answers(std::span<const Record> records) {
   };
   const auto answered = std::ranges::count_if(records, is_answered);
   if (!missing.empty())
-    fmt::print(stderr, "{}: {} of {} rows measured; not fetched: {}. scripts/fetch_scenes --all fetches them\n",
-               answered > 0 ? "note" : "gnomon", answered, records.size(), joined(missing, ", "));
+    print_notice("{}: {} of {} rows measured; not fetched: {}. scripts/fetch_scenes --all fetches them\n",
+                 answered > 0 ? "note" : "gnomon", answered, records.size(), joined(missing, ", "));
   return answered > 0;
 }
 
@@ -148,11 +149,11 @@ int run(RunCommand& options, const Program& program) {
 void print_conflicts(const Merge& merge) {
   constexpr std::size_t most = 6;
   for (const MergeConflict& conflict : merge.conflicts) {
-    fmt::print(stderr, "conflict: job {} {}\n  {}\n  {}\n", conflict.job, conflict.title, conflict.first.string(),
-               conflict.second.string());
+    print_notice("conflict: job {} {}\n  {}\n  {}\n", conflict.job, conflict.title, conflict.first.string(),
+                 conflict.second.string());
     for (std::size_t k = 0; k < std::min(most, conflict.differences.size()); ++k)
-      fmt::print(stderr, "    {}\n", conflict.differences[k]);
-    if (conflict.differences.size() > most) fmt::print(stderr, "    and {} more\n", conflict.differences.size() - most);
+      print_notice("    {}\n", conflict.differences[k]);
+    if (conflict.differences.size() > most) print_notice("    and {} more\n", conflict.differences.size() - most);
   }
 }
 
@@ -163,18 +164,18 @@ int merge(const MergeOptions& options) {
   const Merge merged = merge_records(runs, options.prefer_last);
   print_conflicts(merged);
   if (!merged.conflicts.empty() && !options.prefer_last) {
-    fmt::print(stderr, "gnomon: {} of {} jobs have two answers; nothing is written. --prefer-last takes the last one of each\n",
-               merged.conflicts.size(), merged.rows.size());
+    print_notice("gnomon: {} of {} jobs have two answers; nothing is written. --prefer-last takes the last one of each\n",
+                 merged.conflicts.size(), merged.rows.size());
     return 1;
   }
-  for (const std::string& note : merged.notes) fmt::print(stderr, "note: {}\n", note);
+  for (const std::string& note : merged.notes) print_notice("note: {}\n", note);
   if (merged.duplicate_count)
-    fmt::print(stderr, "note: {} rows stand in more than one folder with the same answer; each counts once, by its {} one\n",
-               merged.duplicate_count, options.prefer_last ? "last" : "first");
+    print_notice("note: {} rows stand in more than one folder with the same answer; each counts once, by its {} one\n",
+                 merged.duplicate_count, options.prefer_last ? "last" : "first");
   std::vector<Record> records;
   for (const MergedRow& row : merged.rows) records.push_back(row.record);
   const std::size_t missing = write_merge(merged, options.out, [&](const fs::path& folder) { write_tables(folder, records); });
-  if (missing) fmt::print(stderr, "note: {} pictures that the records name are in none of the folders\n", missing);
+  if (missing) print_notice("note: {} pictures that the records name are in none of the folders\n", missing);
   if (records.empty()) {
     fmt::print("the folders hold no rows\n");
     return 0;
@@ -195,9 +196,10 @@ void add_run(Program& program) {
                                        [&program](RunCommand& read) { return run(read, program); });
   command.option("suite", &options.suite, "Suite name, or a .toml file");
   add_suite_options(command, options);
-  command.option("--out", &options.run.out, "Folder to write to; runs/NAME-TIME by default");
-  command.option("--truth", &options.truth, "What counts in the headline: shape | mesh");
-  command.option("--shard", &options.shard, "I/N: part I of N of the rows, 0 <= I < N; gnomon merge joins them");
+  command.option("--out", &options.run.out, "Folder to write to; runs/NAME-TIME by default", {.check = not_empty()});
+  command.option("--truth", &options.truth, "What counts in the headline: shape | mesh", {.check = not_empty()});
+  command.option("--shard", &options.shard, "I/N: part I of N of the rows, 0 <= I < N; gnomon merge joins them",
+                 {.check = not_empty()});
   const auto resume = command.flag("--resume", &options.run.resume, "Continue in --out; rows that are there are not run again");
   command.flag("--retry-failed", &options.run.retry_failed, "With --resume: rows that failed are run again", resume);
   command.flag("--dry-run", &options.dry_run, "Print the rows and how long they may take; run nothing");
@@ -208,7 +210,8 @@ void add_merge(Program& program) {
   auto [command, options] =
       program.line.command<MergeOptions>("merge", "Runs of shards as one run: records, pictures, tables", merge);
   command.option("dirs", &options.dirs, "Folders of runs", {.is_required = true});
-  command.option("--out", &options.out, "Folder to write to; it may not hold records", {.is_required = true});
+  command.option("--out", &options.out, "Folder to write to; it may not hold records",
+                 {.is_required = true, .check = not_empty()});
   command.flag("--prefer-last", &options.prefer_last, "Where folders disagree on a row, take the last one's");
 }
 

@@ -223,9 +223,9 @@ void add_score(Program& program) {
   command.option("--light", &options.lights, "Light names; by default every light of which the mask has a channel LIGHT.V",
                  {.delimiter = ','});
   command.option("--channel", &options.channel, "Channel of the one light asked for", {.check = not_empty()});
-  command.option("--view", &options.view, "View name; the first by default");
+  command.option("--view", &options.view, "View name; the first by default", {.check = not_empty()});
   command.option("--truth", &options.truth, "What counts: exact shapes or the meshes; shape | mesh");
-  command.option("--out", &options.out, "Folder for error and shaded pictures");
+  command.option("--out", &options.out, "Folder for error and shaded pictures", {.check = not_empty()});
   command.flag("--json", &options.json, "As JSON");
 }
 

@@ -1,5 +1,6 @@
 // gnomon table and report: a run as a table and as a page.
 #include "app/app.h"
+#include "measure/notice.h"
 #include "measure/run/rescore.h"
 #include "measure/scene/blob.h"
 #include "report/html/html.h"
@@ -29,10 +30,10 @@ struct TableCommand {
       Progress progress;
       result = rescore(records, dir, progress);
     }
-    for (const std::string& note : result.notes) fmt::print(stderr, "{}\n", note);
+    for (const std::string& note : result.notes) print_notice("{}\n", note);
     if (writer) writer->replace(records);
-    fmt::print(stderr, "{} row{} rescored{}\n", result.rows, result.rows == 1 ? "" : "s",
-               writer ? fmt::format(", {} rewritten", records_file(dir).string()) : "");
+    print_notice("{} row{} rescored{}\n", result.rows, result.rows == 1 ? "" : "s",
+                 writer ? fmt::format(", {} rewritten", records_file(dir).string()) : "");
     return records;
   }
 };
@@ -60,7 +61,7 @@ void make_page(const PageOptions& options) {
   const std::vector<Record> records = read_records(options.dir);
   const Report report = make_report(options.dir, records, !options.without_pictures);
   write_file(out, report.html);
-  for (const std::string& note : report.notes) fmt::print(stderr, "{}\n", note);
+  for (const std::string& note : report.notes) print_notice("{}\n", note);
   fmt::print("{}\n", out.string());
 }
 
@@ -82,7 +83,8 @@ void add_report(Program& program) {
   auto [command, options] =
       program.line.command<PageOptions>("report", "One HTML page of a run: table, plots and pictures to compare", make_page);
   command.option("dir", &options.dir, "Folder of the run", {.is_required = true});
-  command.option("--out", &options.out, "The page; report.html in the run's folder unless given", {.type_name = "FILE"});
+  command.option("--out", &options.out, "The page; report.html in the run's folder unless given",
+                 {.check = not_empty(), .type_name = "FILE"});
   command.flag("--no-pictures", &options.without_pictures, "Leave out the pictures: a small page without the comparer");
 }
 

@@ -3,6 +3,7 @@
 
 #include "app/app.h"
 #include "app/viewer/application.h"
+#include "measure/notice.h"
 #include "measure/run/jobs.h"
 #include "measure/run/suite.h"
 #include "measure/scene/load.h"
@@ -41,7 +42,7 @@ int view(ViewCommand& options, const Program& program) {
   require_names(selection.scene, scene, names(options.light), names(options.view_name));
   selection.light = named_or_first(scene.lights, options.light);
   selection.view = named_or_first(scene.views, options.view_name);
-  for (const std::string& note : scene.notes) fmt::print(stderr, "note: {}\n", note);
+  for (const std::string& note : scene.notes) print_notice("note: {}\n", note);
   if (view.out.empty()) view.out = timed_folder("view");
   view.ends_by_itself = !options.keys.empty() || !view.screenshot.empty() || view.speed_seconds > 0;
   return viewer::run_viewer(view);

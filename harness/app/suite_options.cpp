@@ -55,7 +55,7 @@ void add_suite_options(Command& command, SuiteOptions& options, const std::strin
   add("--technique", &options.techniques, "ID:param=value,...; {a,b} sweeps a value", {.delimiter = ';'});
   add("--light", &options.lights, "Light names; the suite's, or all of each scene, by default", {.delimiter = ','});
   add("--filter", &options.filter, "Only rows whose 'SCENE LIGHT [PATH] TECHNIQUE:SETTINGS' matches this expression");
-  add("--size", &options.size, "Picture size in pixels, WxH");
+  add("--size", &options.size, "Picture size in pixels, WxH", {.check = not_empty()});
   add("--processes", &options.processes, needed ? "Fresh processes per contender and program" : "Fresh processes per contender",
       {.check = whole_in(1, 1000)});
   add("--repetitions", &options.repetitions, "Timed repetitions per process", {.check = whole_in(1, 1000)});

@@ -10,7 +10,7 @@ class ScratchFolder {
  public:
   /// A folder of this name, which is nobody else's; its parents are made too. These throw Error when there can be none.
   static ScratchFolder at(const std::filesystem::path& path);
-  /// A fresh folder PREFIX.XXXXXX in `parent`, made with its parents.
+  /// A fresh folder PREFIX-PROCESS.XXXXXX in `parent`, made with its parents. What killed processes left there is removed.
   static ScratchFolder in(const std::filesystem::path& parent, const std::string& prefix);
   /// A fresh folder in the folder for temporary files.
   static ScratchFolder temporary(const std::string& prefix);

@@ -20,6 +20,7 @@
 #include "app/viewer/speed_trial.h"
 #include "app/viewer/widgets.h"
 #include "app/viewer/window.h"
+#include "measure/notice.h"
 
 namespace gnomon::viewer {
 
@@ -100,7 +101,7 @@ class Application {
     } catch (const std::exception& error) {
       session_.say(error.what(), true);
       if (!options_.ends_by_itself) return;
-      fmt::print(stderr, "{}\n", error.what());
+      print_notice("{}\n", error.what());
       has_failed_ = true;
     }
   }

@@ -12,6 +12,7 @@
 
 #include "app/viewer/compose.h"
 #include "app/viewer/engine_side.h"
+#include "measure/notice.h"
 #include "measure/run/frame_worker.h"
 #include "measure/scene/load.h"
 
@@ -134,7 +135,7 @@ Engine::Body::Work Engine::Body::next_scene() {
       };
       loaded->store = {store.release(), end};
     } catch (const std::exception& error) {
-      trouble = error.what();
+      trouble = message_of(error);
     }
     change([&](EngineState& s) {
       s.is_loading = false;
@@ -218,7 +219,7 @@ void Engine::Body::make_frame(const Selection& selection, std::uint64_t number) 
   } catch (const std::exception& error) {
     // A full disk or no memory: said, and tried again with the next selection.
     change([&](EngineState& s) {
-      s.trouble = error.what();
+      s.trouble = message_of(error);
       failed_selection = number;
     });
     return;

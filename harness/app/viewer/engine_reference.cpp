@@ -6,6 +6,7 @@
 #include "app/viewer/engine_body.h"
 #include "measure/frame/frame.h"
 #include "measure/frame/light_rays.h"
+#include "measure/notice.h"
 
 namespace gnomon::viewer {
 
@@ -76,7 +77,7 @@ Engine::Body::Work Engine::Body::next_reference() {
       // A full disk or no memory: said, and tried again at the next frame.
       ReferenceState none;
       none.frame = frame;
-      none.why_not = error.what();
+      none.why_not = message_of(error);
       none.is_complete = true;
       publish(std::move(none));
     }

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "measure/notice.h"
+
 namespace gnomon::viewer {
 
 namespace {
@@ -119,7 +121,7 @@ Engine::Body::Work Engine::Body::Side::guarded(std::function<void()> work) {
     try {
       work();
     } catch (const std::exception& error) {
-      fail(error.what());
+      fail(message_of(error));
     }
   };
 }

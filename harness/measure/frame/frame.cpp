@@ -6,6 +6,8 @@
 #include <algorithm>
 
 #include "measure/frame/light_rays.h"
+#include "measure/notice.h"
+#include "measure/part_file.h"
 
 namespace gnomon {
 
@@ -30,6 +32,9 @@ constexpr std::size_t gbuffer_pixel = 32, reference_pixel = 10;
 constexpr int file_layout = 2;
 /// Each file but the scene's, which is named by its hash, ends with the content_hash of what comes before.
 constexpr std::size_t hash_size = 32;
+
+/// Of the folders where frames lie when the cache cannot be written.
+constexpr const char* scratch_prefix = "gnomon-frames";
 
 bool has_size(const fs::path& file, std::size_t size) {
   std::error_code code;
@@ -69,7 +74,10 @@ FrameStore::FrameStore(const Scene& scene, fs::path folder, std::unique_ptr<Fram
       scene_bytes_(scene_bytes(scene)),
       scene_hash_(content_hash(scene_bytes_)),
       tracer_(scene),
-      maker_(std::move(maker)) {}
+      maker_(std::move(maker)) {
+  std::error_code code;
+  if (const fs::path temporary = fs::temp_directory_path(code); !code) remove_left_over_folders(temporary, scratch_prefix);
+}
 
 bool FrameStore::is_sound(const fs::path& file, std::size_t size) {
   if (!has_size(file, size + hash_size)) return false;
@@ -86,8 +94,8 @@ fs::path FrameStore::put(const std::string& name, std::span<const std::byte> byt
     write_file(folder_ / name, bytes, Durable::yes);
   } catch (const Error& error) {
     if (scratch_) throw;
-    fmt::print(stderr, "{}; frames are made for this run alone\n", error.what());
-    folder_ = scratch_.emplace(ScratchFolder::temporary("gnomon-frames")).path();
+    print_notice("{}; frames are made for this run alone\n", error.what());
+    folder_ = scratch_.emplace(ScratchFolder::temporary(scratch_prefix)).path();
     write_file(folder_ / name, bytes);
   }
   return folder_ / name;

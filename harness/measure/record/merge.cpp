@@ -1,13 +1,13 @@
 #include "measure/record/merge.h"
 
 #include <gnomon/error.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <map>
 #include <set>
 #include <unordered_map>
 
+#include "measure/part_file.h"
 #include "measure/paths.h"
 #include "measure/scene/blob.h"
 
@@ -37,12 +37,17 @@ std::string dotted(std::string path) {
   return path;
 }
 
-/// A path in a record may not lead out of its folder.
+/// A path in a record may not lead out of its folder: neither by its name nor by a link.
 void require_inside(const fs::path& path, const MergedRow& row) {
   const bool is_inside = path.is_relative() && !path.empty() && std::ranges::find(path, fs::path("..")) == path.end();
   if (!is_inside)
     throw Error("picture {} is not a path below the run's folder ({}, job {})", path.string(), row.folder.string(),
                 row.record.job);
+  std::error_code code;
+  const fs::path file = fs::canonical(row.folder / path, code);
+  if (!code && file != (fs::canonical(row.folder) / path).lexically_normal())
+    throw Error("picture {} of {} is a link or lies behind one, to {}: merge takes the files of a folder only (job {})",
+                path.string(), row.folder.string(), file.string(), row.record.job);
 }
 
 /// A note for each fact that should be one for all rows and is not.
@@ -160,9 +165,8 @@ std::size_t write_merge(const Merge& merge, const fs::path& out, const std::func
   fs::path target = out.lexically_normal();
   if (!target.has_filename()) target = target.parent_path();
   require_free(target);
-  const fs::path parent = target.has_parent_path() ? target.parent_path() : fs::path(".");
-  make_folder(parent, "output folder");
-  const fs::path staged = parent / fmt::format(".{}.{}.part", target.filename().string(), getpid());
+  make_folder(target.has_parent_path() ? target.parent_path() : fs::path("."), "output folder");
+  const fs::path staged = part_of(target);
   try {
     fs::create_directory(staged);
     std::string lines;

@@ -11,6 +11,8 @@
 #include <fstream>
 #include <unordered_map>
 
+#include "measure/notice.h"
+#include "measure/part_file.h"
 #include "measure/record/record.h"
 #include "measure/scene/blob.h"
 
@@ -56,6 +58,7 @@ off_t size_of(int descriptor) {
 fs::path records_file(const fs::path& dir) { return dir / "records.jsonl"; }
 
 RecordFile read_record_file(const fs::path& file) {
+  if (fs::exists(file) && !fs::is_regular_file(file)) throw Error("{} cannot be read: it is not a file", file.string());
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw Error("{} cannot be read: {}", file.string(), std::strerror(errno));
 
@@ -99,12 +102,12 @@ std::vector<Record> read_records(const fs::path& dir) {
   const fs::path file = records_file(dir);
   if (!fs::exists(file)) throw Error("{} is not the folder of a run: it has no {}", dir.string(), file.filename().string());
   RecordFile contents = read_record_file(file);
-  for (const std::string& note : contents.notes) fmt::print(stderr, "{}\n", note);
+  for (const std::string& note : contents.notes) print_notice("{}\n", note);
   sort_by_place(contents.records);
   return std::move(contents.records);
 }
 
-RecordWriter::RecordWriter(const fs::path& dir) : file_(records_file(dir)) {
+RecordWriter::RecordWriter(const fs::path& dir) : file_(replaced_file(records_file(dir))) {
   descriptor_ = open(file_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
   if (descriptor_ < 0) throw Error("{} cannot be opened for writing: {}", file_.string(), std::strerror(errno));
   const auto refuse = [this](const std::string& why) {
@@ -119,6 +122,7 @@ RecordWriter::RecordWriter(const fs::path& dir) : file_(records_file(dir)) {
   const bool is_there = fstat(descriptor_, &held) == 0 && stat(file_.c_str(), &there) == 0;
   if (!is_there || held.st_ino != there.st_ino || held.st_dev != there.st_dev) refuse("was just replaced; try again");
 
+  remove_left_over_parts(dir);
   // A tail that is a whole record only lacks its newline; any other tail was cut off and its job runs again.
   const off_t size = size_of(descriptor_);
   const std::string tail = unfinished_tail(descriptor_, size);
@@ -153,7 +157,7 @@ void RecordWriter::replace(std::span<const Record> records) {
   for (const Record& record : records) lines += record_line(record);
   // The new file is locked before anybody can open it by its name, and the old one is let go last: no other writer gets
   // between.
-  const fs::path fresh = fmt::format("{}.{}.part", file_.string(), getpid());
+  const fs::path fresh = part_of(file_);
   write_file(fresh, lines, Durable::yes);
   const int descriptor = open(fresh.c_str(), O_RDWR | O_APPEND | O_CLOEXEC);
   if (descriptor < 0 || flock(descriptor, LOCK_EX | LOCK_NB) != 0 || std::rename(fresh.c_str(), file_.c_str()) != 0) {

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "measure/notice.h"
 #include "measure/run/timing.h"
 
 namespace gnomon {
@@ -109,7 +110,7 @@ class Batch {
       for (std::size_t c = 0; c < contenders_.size(); ++c) try {
           does(c);
         } catch (const std::exception& failure) {
-          fail_all(c, failure.what());
+          fail_all(c, message_of(failure));
         }
     };
     each([&](std::size_t c) {
@@ -151,7 +152,7 @@ class Batch {
       try {
         prepare(*row);
       } catch (const std::exception& failure) {
-        fail(*row, failure.what());
+        fail(*row, message_of(failure));
       }
       row->record.seconds = row->record.seconds.value_or(0) + seconds_since(start);
     }
@@ -195,7 +196,7 @@ class Batch {
         tasks.push_back(warm_up(*row, stage));
         owners.push_back(row);
       } catch (const std::exception& failure) {
-        fail(*row, failure.what());
+        fail(*row, message_of(failure));
       }
       *row->record.seconds += seconds_since(start);
     }

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "measure/notice.h"
+
 namespace gnomon {
 
 std::string duration_text(double seconds) {
@@ -33,12 +35,12 @@ void Progress::advance(double units) {
 void Progress::say(const std::string& line) {
   if (quiet_) return;
   clear();
-  fmt::print(stderr, "{}\n", line);
+  print_notice("{}\n", line);
   draw(true);
 }
 
 void Progress::clear() {
-  if (!quiet_ && terminal_ && drawn_ != Clock::time_point{}) fmt::print(stderr, "\r\033[K");
+  if (!quiet_ && terminal_ && drawn_ != Clock::time_point{}) print_notice("\r\033[K");
 }
 
 void Progress::draw(bool force) {
@@ -49,7 +51,7 @@ void Progress::draw(bool force) {
   const double share = std::min(1.0, done_ / total_), spent = std::chrono::duration<double>(now - start_).count();
   const std::string left = share > 0.02 ? duration_text(spent / share * (1 - share)) + " left" : "";
   if (!terminal_) {
-    fmt::print(stderr, "{:3.0f} %  {:<14} {}\n", 100 * share, left, what_);
+    print_notice("{:3.0f} %  {:<14} {}\n", 100 * share, left, what_);
     return;
   }
   winsize window{};
@@ -58,7 +60,7 @@ void Progress::draw(bool force) {
   std::string line = fmt::format("[{}{}] {:3.0f} %  {:<14} {}", std::string(filled, '#'), std::string(20 - filled, '.'),
                                  100 * share, left, what_);
   line.resize(std::min<std::size_t>(line.size(), static_cast<std::size_t>(columns - 1)));
-  fmt::print(stderr, "\r\033[K{}", line);
+  print_notice("\r\033[K{}", line);
   std::fflush(stderr);
 }
 

@@ -213,12 +213,14 @@ class RowMeasurement {
   MeasuredRow now_, before_;
 };
 
-/// Letters, digits, dots and dashes of the job's title, and its hash: readable and unique.
+/// Letters, digits, dots and dashes of the job's title, and its hash: readable, unique, and no longer than a file's name may
+/// be.
 std::string file_stem(const Record& record) {
   std::string stem;
   for (const char c : fmt::format("{}-{}-{}", fs::path(record.scene).stem().string(), record.light, record.technique))
     stem += std::isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '-' || c == '_' ? c : '-';
-  return stem + "-" + record.job.substr(0, 8);
+  constexpr std::size_t most = 180;
+  return stem.substr(0, most) + "-" + record.job.substr(0, 8);
 }
 
 Record::SceneFacts facts_of(const Scene& scene) {

@@ -33,12 +33,8 @@ bool is_unfinished(const std::string& name) {
 }
 
 /// A run that was killed may have left half a picture under a temporary name. Only the owner of the folder may clean it.
-void remove_leftovers(const fs::path& out) {
+void remove_unfinished_pictures(const fs::path& out) {
   std::error_code ignored;
-  for (const fs::directory_entry& entry : fs::directory_iterator(out))
-    if (const std::string name = entry.path().filename();
-        name.starts_with(records_file(out).filename().string() + ".") && name.ends_with(".part"))
-      fs::remove(entry.path(), ignored);
   for (const char* kind : {"masks", "errors", "shaded"})
     if (const fs::path folder = out / kind; fs::is_directory(folder))
       for (const fs::directory_entry& entry : fs::directory_iterator(folder))
@@ -134,7 +130,7 @@ RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress&
   const Earlier earlier = options.resume ? earlier_rows(options, library, suite, jobs) : Earlier{};
   for (const std::string& note : earlier.notes) progress.say(note);
   if (earlier.is_changed) writer.replace(earlier.kept);
-  remove_leftovers(options.out);
+  remove_unfinished_pictures(options.out);
   RunSummary summary;
   std::vector<PendingRow> rows;
   for (const Job& job : jobs) {

@@ -2,6 +2,8 @@
 
 #include <benchmark/benchmark.h>
 
+#include "measure/notice.h"
+
 namespace gnomon {
 
 namespace {
@@ -34,8 +36,8 @@ void run_task(benchmark::State& state, TimingTask& task) {
     try {
       state.SetIterationTime(task.milliseconds() / 1000);
     } catch (const std::exception& error) {
-      task.failure = error.what();
-      state.SkipWithError(error.what());
+      task.failure = message_of(error);
+      state.SkipWithError(task.failure.c_str());
       break;
     }
   }

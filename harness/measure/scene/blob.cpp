@@ -9,6 +9,7 @@
 
 #include <cstring>
 
+#include "measure/part_file.h"
 #include "measure/paths.h"
 #include "measure/scene/fields.h"
 
@@ -82,7 +83,7 @@ MappedFile::~MappedFile() {
 
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes, Durable durable) {
   if (path.has_parent_path()) make_folder(path.parent_path());
-  const std::string temporary = fmt::format("{}.{}.part", path.string(), getpid());
+  const std::filesystem::path target = replaced_file(path), temporary = part_of(target);
   const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (file < 0) throw Error("{} cannot be written: {}", path.string(), std::strerror(errno));
   int failure = 0;
@@ -95,7 +96,7 @@ void write_file(const std::filesystem::path& path, std::span<const std::byte> by
   }
   if (failure == 0 && durable == Durable::yes && fsync(file) != 0) failure = errno;
   if (close(file) != 0 && failure == 0) failure = errno;
-  if (failure == 0 && std::rename(temporary.c_str(), path.c_str()) != 0) failure = errno;
+  if (failure == 0 && std::rename(temporary.c_str(), target.c_str()) != 0) failure = errno;
   if (failure != 0) {
     unlink(temporary.c_str());
     throw Error("{} cannot be written: {}", path.string(), std::strerror(failure));

@@ -68,7 +68,8 @@ template <class Named>
 void check_names(const std::vector<Named>& items, std::string_view what, const std::string& where) {
   std::set<std::string_view> seen;
   for (const Named& item : items) {
-    if (!is_plain_name(item.name)) throw Error("{}: name '{}' is not of a..z, 0..9 and _ ({})", what, item.name, where);
+    if (!is_plain_name(item.name))
+      throw Error("{}: name '{}' is not of a..z, 0..9 and _, at most 100 of them ({})", what, item.name, where);
     if (!seen.insert(item.name).second) throw Error("{}: name '{}' is given twice ({})", what, item.name, where);
     check(item, where);
   }
@@ -113,7 +114,8 @@ void check_vertices(const Mesh& mesh, const std::string& where) {
 bool is_sound(const glm::dvec3& p) { return glm::all(glm::lessThanEqual(glm::abs(p), glm::dvec3(largest_coordinate))); }
 
 bool is_plain_name(std::string_view name) {
-  return !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == std::string_view::npos;
+  return !name.empty() && name.size() <= 100 &&
+         name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == std::string_view::npos;
 }
 
 void check(const Light& light, const std::string& where) {

@@ -109,7 +109,7 @@ class Table {
   template <class Named>
   std::string name(std::string_view key, const std::vector<Named>& others, const std::string& fallback = Named{}.name) const {
     const std::string value = has(key) ? text(key) : fallback;
-    if (!is_plain_name(value)) refuse(key, '\'' + value + '\'', "a name of a..z, 0..9 and _");
+    if (!is_plain_name(value)) refuse(key, '\'' + value + '\'', "a name of a..z, 0..9 and _, at most 100 of them");
     for (const Named& other : others)
       if (other.name == value) refuse(key, '\'' + value + '\'', "unique");
     return value;

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <fstream>
 
+#include "measure/part_file.h"
 #include "measure/scratch_folder.h"
 #include "report/figure/figure_script.h"
 
@@ -50,7 +51,7 @@ std::string figure_script(std::span<const Record> records, const std::string& ki
 }
 
 void run_gnuplot(const std::string& script, const fs::path& out) {
-  const fs::path folder = out.has_parent_path() ? out.parent_path() : fs::path(".");
+  const fs::path target = replaced_file(out), folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
   // gnuplot writes where the program says; it runs in a folder of its own, from which the finished file is moved.
   const ScratchFolder scratch = ScratchFolder::in(folder, ".gnomon-figure");
   const fs::path program = scratch.path() / "figure.gp", output = scratch.path() / "output";
@@ -75,7 +76,7 @@ void run_gnuplot(const std::string& script, const fs::path& out) {
   const std::string complaint = contents(output);
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || !fs::exists(made) || fs::file_size(made) == 0)
     throw Error("gnuplot could not draw {}: {}", out.string(), complaint.empty() ? "it said nothing" : complaint);
-  fs::rename(made, out);
+  fs::rename(made, target);
 }
 
 }  // namespace gnomon

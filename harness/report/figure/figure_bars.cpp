@@ -50,7 +50,7 @@ void open_bars(FigureScript& script, std::span<const Bar> bars) {
              static_cast<double>(bars.size()) + 0.6);
   std::vector<std::string> names;
   for (std::size_t i = 0; i < bars.size(); ++i)
-    names.push_back(fmt::format("{} {}", FigureScript::quoted(bars[i].name), i + 1));
+    names.push_back(fmt::format("{} {}", FigureScript::quoted_tic(bars[i].name), i + 1));
   script.add("set ytics ({}) scale 0", joined(names, ", "));
   script.add("set style fill solid 1 noborder");
 }

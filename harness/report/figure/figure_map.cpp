@@ -12,7 +12,7 @@ namespace {
 /// "name value at place" for tics.
 std::string tics(const std::vector<std::string>& values) {
   std::vector<std::string> all;
-  for (std::size_t i = 0; i < values.size(); ++i) all.push_back(fmt::format("{} {}", FigureScript::quoted(values[i]), i));
+  for (std::size_t i = 0; i < values.size(); ++i) all.push_back(fmt::format("{} {}", FigureScript::quoted_tic(values[i]), i));
   return fmt::format("({})", joined(all, ", "));
 }
 

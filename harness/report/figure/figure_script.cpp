@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace gnomon {
 
@@ -31,7 +32,10 @@ double strip(const FigureScript& script) { return script.legend_cm() / script.he
 double FigureScript::legend_cm() const { return legend.empty() ? 0 : 0.36 * static_cast<double>(legend_rows(*this)) + 0.2; }
 
 std::string FigureScript::quoted(std::string_view text) {
-  std::string safe = "'";
+  // gnuplot 5.4 takes quotes at the beginning for an empty text: they stand in a text of their own.
+  std::string safe;
+  for (; text.starts_with("'"); text.remove_prefix(1)) safe += safe.empty() ? "\"\\047" : "\\047";
+  safe += safe.empty() ? "'" : "\".'";
   for (const char c : text) {
     if (c == '\n' || c == '\r') {
       safe += ' ';
@@ -41,6 +45,12 @@ std::string FigureScript::quoted(std::string_view text) {
     safe += c;
   }
   return safe + "'";
+}
+
+std::string FigureScript::quoted_tic(std::string_view text) {
+  std::string format;
+  for (const char c : text) format += c == '%' ? "%%" : std::string(1, c);
+  return quoted(format);
 }
 
 std::string FigureScript::data(const std::vector<std::string>& lines) {
@@ -147,15 +157,16 @@ std::string log_tics(double least, double greatest, std::size_t most) {
   };
   // The densest of these that keeps the number of labels.
   using Digits = std::initializer_list<int>;
+  constexpr int greatest_power = std::numeric_limits<double>::max_exponent10;
   const Digits dense{1, 2, 3, 5, 7}, usual{1, 2, 5}, sparse{1, 3}, powers{1};
   std::string text;
   for (const Digits& digits : {dense, usual, sparse, powers}) {
     std::vector<std::string> tics;
     std::size_t labels = 0;
-    for (int k = static_cast<int>(std::floor(std::log10(least))); std::pow(10, k) <= greatest; ++k)
+    for (int k = static_cast<int>(std::floor(std::log10(least))); k <= greatest_power && std::pow(10, k) <= greatest; ++k)
       for (int digit = 1; digit <= 9; ++digit) {
         const double at = k < 0 ? digit / std::pow(10, -k) : digit * std::pow(10, k);
-        if (at < least * 0.999 || at > greatest * 1.001) continue;
+        if (at < least * 0.999 || at > greatest * 1.001 || !std::isfinite(at)) continue;
         if (is_labeled(digit, digits)) {
           ++labels;
           tics.push_back(fmt::format("{} {}", FigureScript::quoted(short_number(at)), at));

@@ -21,6 +21,8 @@ class FigureScript {
   std::string data(const std::vector<std::string>& lines);
   /// Text in single quotes, as gnuplot reads it.
   static std::string quoted(std::string_view text);
+  /// The same for the name of a tic, which gnuplot reads as a format: a percent sign stands for itself.
+  static std::string quoted_tic(std::string_view text);
 
   const FigureOptions& options;
   double height_cm = 9;

@@ -15,6 +15,8 @@ void write_image(const fs::path& path, const OIIO::ImageSpec& spec, OIIO::TypeDe
   std::error_code code;
   if (path.has_parent_path()) fs::create_directories(path.parent_path(), code);
   if (code) throw Error("folder {} cannot be made: {}", path.parent_path().string(), code.message());
+  if (fs::exists(path, code) && !fs::is_regular_file(path, code))
+    throw Error("{} cannot be written: it is there and no regular file", path.string());
   const fs::path temporary = path.parent_path() / fmt::format(".{}.part{}", getpid(), path.extension().string());
   const auto output = OIIO::ImageOutput::create(temporary.string());
   if (!output) throw Error("{} cannot be written: {}", path.string(), OIIO::geterror());
