@@ -38,6 +38,8 @@ std::vector<Record> some() { return {row(256, 1, 0.2), row(512, 2, 0.1), row(102
 TEST(figure, texts_cannot_leave_their_quotes) {
   EXPECT_EQ(FigureScript::quoted("it's"), "'it''s'");
   EXPECT_EQ(FigureScript::quoted("a\nsystem 'x'"), "'a system ''x'''");
+  EXPECT_EQ(FigureScript::quoted("''x'"), R"("\047\047".'x''')");  // gnuplot 5.4 misreads quotes that begin a text
+  EXPECT_EQ(FigureScript::quoted_tic("5 %"), "'5 %%'");
 }
 
 TEST(figure, tics_of_a_logarithmic_axis_are_labeled_at_round_numbers) {
