@@ -157,13 +157,15 @@ std::string log_tics(double least, double greatest, std::size_t most) {
   };
   // The densest of these that keeps the number of labels.
   using Digits = std::initializer_list<int>;
-  constexpr int greatest_power = std::numeric_limits<double>::max_exponent10;
+  // What a double can hold, however small or large the ends of an axis come out.
+  constexpr int least_power = -324, greatest_power = std::numeric_limits<double>::max_exponent10;
+  const int first = static_cast<int>(std::max<double>(least_power, std::floor(std::log10(least))));
   const Digits dense{1, 2, 3, 5, 7}, usual{1, 2, 5}, sparse{1, 3}, powers{1};
   std::string text;
   for (const Digits& digits : {dense, usual, sparse, powers}) {
     std::vector<std::string> tics;
     std::size_t labels = 0;
-    for (int k = static_cast<int>(std::floor(std::log10(least))); k <= greatest_power && std::pow(10, k) <= greatest; ++k)
+    for (int k = first; k <= greatest_power && std::pow(10, k) <= greatest; ++k)
       for (int digit = 1; digit <= 9; ++digit) {
         const double at = k < 0 ? digit / std::pow(10, -k) : digit * std::pow(10, k);
         if (at < least * 0.999 || at > greatest * 1.001 || !std::isfinite(at)) continue;
