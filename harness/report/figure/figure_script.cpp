@@ -159,7 +159,8 @@ std::string log_tics(double least, double greatest, std::size_t most) {
   using Digits = std::initializer_list<int>;
   // What a double can hold, however small or large the ends of an axis come out.
   constexpr int least_power = -324, greatest_power = std::numeric_limits<double>::max_exponent10;
-  const int first = static_cast<int>(std::max<double>(least_power, std::floor(std::log10(least))));
+  const int first =
+      static_cast<int>(std::min<double>(greatest_power, std::max<double>(least_power, std::floor(std::log10(least)))));
   const Digits dense{1, 2, 3, 5, 7}, usual{1, 2, 5}, sparse{1, 3}, powers{1};
   std::string text;
   for (const Digits& digits : {dense, usual, sparse, powers}) {
