@@ -27,8 +27,11 @@ struct ImportOptions {
 };
 
 /// What a message quotes may be anything: control characters are shown as \x1b, so that the message stays one line and does
-/// nothing to the terminal.
+/// nothing to the terminal; a message of a screen and more loses its middle.
 std::string shown(std::string_view text) {
+  constexpr std::size_t most_begin = 3000, most_end = 1000;
+  if (text.size() > most_begin + most_end)
+    return fmt::format("{} ... {}", shown(text.substr(0, most_begin)), shown(text.substr(text.size() - most_end)));
   std::string result;
   for (const char c : text)
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)

@@ -1,3 +1,4 @@
+#include <gnomon/kit/surface_detail.h>
 #include <gnomon/registry.h>
 
 #include <fstream>
@@ -179,6 +180,7 @@ class Rendering {
     const fs::path obj_file = detail_folder_->path / detail_file_of(options_.detail, tail_of(job)).filename();
     const fs::path mtl_file = fs::path(obj_file).replace_extension(".mtl");
     const SurfaceDetail detail = worker_.client().surface_detail();
+    check_detail(run_.scene, detail);
     write_file(obj_file, detail_obj(run_.scene, detail, detail_notes(job, light), mtl_file.filename().string()));
     write_file(mtl_file, detail_mtl());
   }

@@ -110,6 +110,7 @@ std::string joined(std::span<const std::string> words, std::string_view between)
 }
 
 std::string nearest_word(std::string_view word, std::span<const std::string> candidates) {
+  word = word.substr(0, 100);  // the time grows with it, and it may be a whole file
   const auto distance = [](std::string_view a, std::string_view b) {
     std::vector<std::size_t> row(b.size() + 1);
     std::iota(row.begin(), row.end(), std::size_t{0});

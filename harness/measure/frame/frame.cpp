@@ -141,6 +141,9 @@ void write_gbuffer(const fs::path& file, const GBuffer& gbuffer) { write_file(fi
 GBuffer map_gbuffer(const fs::path& path, const FrameKey& key) {
   const auto file = MappedFile::open(path);
   const std::size_t n = pixel_count(key);
+  // A viewer's has no hash. Of another size, ids would be read from where coordinates lie.
+  if (const std::size_t size = file->bytes().size(); size != n * gbuffer_pixel && size != n * gbuffer_pixel + hash_size)
+    throw Error("{} has {} bytes, not those of {}x{} pixels", path.string(), size, key.width, key.height);
   std::size_t offset = 0;
   GBuffer g{key.view, key.truth, key.width, key.height, {}, {}, {}, {}, {}, {}, {}, {}, file};
   for (auto* floats : {&g.px, &g.py, &g.pz, &g.nx, &g.ny, &g.nz}) *floats = slice<float>(*file, offset, n);

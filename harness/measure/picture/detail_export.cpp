@@ -47,6 +47,9 @@ SurfaceDetail detail_from_bytes(std::span<const std::byte> bytes) {
   io(detail.corners, detail.polygons);
   if (io.left() > 0)
     throw Error("{} bytes are left after the {} polygons of a surface detail", io.left(), detail.polygons.size());
+  for (const DetailPolygon& polygon : detail.polygons)  // a flag of any other bits is neither true nor false
+    if (const auto flag = *reinterpret_cast<const std::uint8_t*>(&polygon.is_lit); flag > 1)
+      throw Error("a polygon of a surface detail is lit by {}, neither 0 nor 1", flag);
   return detail;
 }
 

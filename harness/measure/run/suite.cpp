@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <map>
+#include <optional>
 
 #include "measure/paths.h"
 #include "measure/scene/toml_table.h"
@@ -15,6 +17,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double most_texts = 100'000;  // of one text with braces
+constexpr std::size_t most_characters = 2'000;
 
 /// `a{b,c}d` gives `abd` and `acd`; two braces give their product. Throws Error on a brace without its partner.
 std::vector<std::string> expand_braces(const std::string& text) {
@@ -25,18 +28,27 @@ std::vector<std::string> expand_braces(const std::string& text) {
     if (c == '}') count *= in_brace;
   }
   if (count > most_texts) throw Error("'{}' stands for {:.0f} settings; at most {:.0f} are made", text, count, most_texts);
-  const std::size_t open = text.find('{');
-  if (open == std::string::npos) {
-    if (text.find('}') != std::string::npos) throw Error("'{}' closes a brace that it does not open", text);
-    return {text};
-  }
-  const std::size_t close = text.find('}', open);
-  if (close == std::string::npos) throw Error("'{}' opens a brace that it does not close", text);
-  std::vector<std::string> out;
-  for (std::size_t begin = open + 1, end = open; end < close; begin = end + 1) {
-    end = std::min(text.find(',', begin), close);
-    for (std::string& one : expand_braces(text.substr(0, open) + text.substr(begin, end - begin) + text.substr(close + 1)))
-      out.push_back(std::move(one));
+  if (text.size() > most_characters)
+    throw Error("'{}' has {} characters; at most {} are taken", text, text.size(), most_characters);
+  std::vector<std::string> out = {""};
+  const auto multiply = [&](std::string_view items) {
+    std::vector<std::string> product;
+    for (const std::string& begin : out)
+      for (std::size_t at = 0, end = 0; end != items.npos; at = end + 1) {
+        end = items.find(',', at);
+        product.emplace_back(begin).append(items.substr(at, end - at));
+      }
+    out = std::move(product);
+  };
+  for (std::size_t at = 0, open = 0; open != text.npos;) {
+    open = text.find_first_of("{}", at);
+    for (std::string& one : out) one.append(text, at, open - at);
+    if (open == text.npos) break;
+    if (text[open] == '}') throw Error("'{}' closes a brace that it does not open", text);
+    const std::size_t close = text.find_first_of("{}", open + 1);
+    if (close == text.npos || text[close] == '{') throw Error("'{}' opens a brace that it does not close", text);
+    multiply(std::string_view(text).substr(open + 1, close - open - 1));
+    at = close + 1;
   }
   return out;
 }
@@ -101,16 +113,24 @@ namespace {
 /// Labels those rows of a sweep whose `name()` leaves out a swept parameter, because its value is the default:
 /// "shadow_map:resolution=1024" beside "shadow_map:resolution=256". They are the same jobs as without the label.
 void name_defaults(std::vector<Contender>& contenders, std::span<const std::unique_ptr<Technique>> techniques) {
+  // Of each technique, the value that a parameter has in the first row; none where another row has another.
+  std::map<std::string_view, std::vector<std::optional<std::string>>> fixed;
+  for (const auto& technique : techniques) {
+    std::vector<std::optional<std::string>>& values = fixed[technique->id()];
+    const auto parameters = technique->parameters();
+    const bool is_first = values.empty();
+    values.resize(parameters.size());
+    for (std::size_t p = 0; p < parameters.size(); ++p)
+      if (is_first)
+        values[p] = parameters[p]->text();
+      else if (values[p] != parameters[p]->text())
+        values[p].reset();
+  }
   for (std::size_t k = 0; k < contenders.size(); ++k) {
-    const auto is_swept = [&](std::size_t parameter) {
-      return std::ranges::any_of(techniques, [&](const auto& other) {
-        return other->id() == techniques[k]->id() &&
-               other->parameters()[parameter]->text() != techniques[k]->parameters()[parameter]->text();
-      });
-    };
     std::vector<std::string> shown;
     for (std::size_t p = 0; p < techniques[k]->parameters().size(); ++p)
-      if (const Parameter& row = *techniques[k]->parameters()[p]; row.text() != row.default_text() || is_swept(p))
+      if (const Parameter& row = *techniques[k]->parameters()[p];
+          row.text() != row.default_text() || !fixed[techniques[k]->id()][p])
         shown.push_back(fmt::format("{}={}", row.name(), row.text()));
     const std::string name = contenders[k].technique + (shown.empty() ? "" : ":") + joined(shown, ",");
     if (name != contenders[k].name()) contenders[k].label = name;

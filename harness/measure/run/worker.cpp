@@ -22,6 +22,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr std::size_t most_answer_bytes = 4 << 20;
+
 /// The file whose processes the workers are. Throws WorkerFailure when it cannot be started: said here, because a failed exec
 /// has nothing but an exit status to say it with.
 std::string program_to_start(const WorkerOptions& options) {
@@ -171,7 +173,7 @@ Json WorkerProcess::receive(double timeout_seconds) {
       const Json answer = parse_if_json(pending_.substr(0, end));
       pending_.erase(0, end + 1);
       if (!answer.is_object()) fail(fmt::format("answered {} with a line that is no JSON object", doing_));
-      if (answer.contains("error")) fail(fmt::format("threw in {}: {}", doing_, answer["error"].get<std::string>()));
+      if (answer.contains("error")) fail(fmt::format("threw in {}: {}", doing_, plain_text(answer["error"])));
       return answer;
     }
     const double left = std::chrono::duration<double>(deadline - Clock::now()).count();
@@ -183,6 +185,7 @@ Json WorkerProcess::receive(double timeout_seconds) {
     const ssize_t n = read(socket_, chunk, sizeof chunk);
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) fail_as_it_ended();
+    if (pending_.size() > most_answer_bytes) fail(fmt::format("answered {} with a line without an end", doing_));
     pending_.append(chunk, static_cast<std::size_t>(n));
   }
 }

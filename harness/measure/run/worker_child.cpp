@@ -36,6 +36,8 @@ class TechniqueServer {
     const std::string what = request.at("do");
     if (what == "protocol") return json_object({{"protocol", worker_protocol}, {"context", machine_context(0)}});
     if (what == "open") return open(request);
+    if (what == "trace") return trace(request);
+    if (!technique_) throw Error("a worker cannot {} before it has a technique", what);
     if (what == "set") return set(request.at("settings"));
     if (what == "frame") return frame(request);
     if (what == "setup") return time_stage(static_cast<int>(Stage::setup));
@@ -46,16 +48,19 @@ class TechniqueServer {
     if (what == "explain") return explain(request.at("pixels"), request.at("out"));
     if (what == "debug") return debug(request.at("layer"), request.at("out"));
     if (what == "detail") return detail(request.at("out"));
-    if (what == "trace") return trace(request);
     throw Error("a worker cannot {}", what);
   }
 
  private:
   Json open(const Json& request) {
+    if (tracer_) throw Error("a worker that traces serves no technique");
     scene_ = scene_in(request.at("scene"));
     entry_ = &registry().technique(request.at("technique").get<std::string>());
     settings_ = request.at("settings").get<std::string>();
     technique_ = fresh_technique();
+    fresh_ = -1;
+    mask_.reset();
+    light_.reset();
     uses_gl_ = entry_->about.needs_gl;
     if (!uses_gl_) return json_object({{"gl", nullptr}});
     const GlInfo& info = process_context().info();
@@ -78,12 +83,13 @@ class TechniqueServer {
   Json frame(const Json& request) {
     const Frame asked = asked_frame(request);
     fresh_ = std::min(fresh_, static_cast<int>(asked.lit_by == lit_by_ ? Stage::relight : Stage::build));
-    if (asked.lit_by != lit_by_) light_ = std::make_unique<Light>(asked.light);
+    if (!light_ || asked.lit_by != lit_by_) light_ = std::make_unique<Light>(asked.light);
     lit_by_ = asked.lit_by;
     // The same G-buffer under another light stays mapped, and uploaded.
     const std::string file = request.at("gbuffer");
-    if (!gbuffers_.contains(file)) gbuffers_[file] = map_gbuffer(file, asked.key);
-    gbuffer_ = gbuffers_[file];
+    GBuffer& known = gbuffers_[file];
+    if (known.width != asked.key.width || known.height != asked.key.height) known = map_gbuffer(file, asked.key);
+    gbuffer_ = known;
     mask_.emplace(asked.key.width, asked.key.height);
     const Support support = fresh_technique()->supports(scene_, *light_, asked.key.view);
     Json result = json_object({{"support", name(support.kind())}, {"why", support.why()}, {"fresh", fresh_ + 1}});
@@ -132,8 +138,13 @@ class TechniqueServer {
   }
 
   static void set_size_and_truth(FrameKey& key, const Json& request) {
-    key.width = request.at("width");
-    key.height = request.at("height");
+    const auto side_of = [&](const char* name) {
+      const auto side = request.at(name).get<std::int64_t>();
+      if (side < 1 || side > 16384) throw Error("a frame's {} = {} is outside 1 .. 16384 pixels", name, side);
+      return static_cast<int>(side);
+    };
+    key.width = side_of("width");
+    key.height = side_of("height");
     key.truth = request.at("truth") == "mesh" ? Truth::mesh : Truth::shape;
   }
 
@@ -141,6 +152,7 @@ class TechniqueServer {
 
   /// Serves the reference instead of a technique; all requests are of one scene.
   Json trace(const Json& request) {
+    if (technique_) throw Error("a worker that serves a technique does not trace");
     if (!tracer_) {
       scene_ = scene_in(request.at("scene"));
       tracer_.emplace(scene_);
@@ -172,6 +184,7 @@ class TechniqueServer {
 
   /// Does one stage and returns its milliseconds; what follows it is out of date then.
   double time(Stage stage) {
+    if (stage >= Stage::relight && !mask_) throw Error("a worker cannot {} before it has a frame", name(stage));
     if (uses_gl_) glFinish();
     const auto start = Clock::now();
     switch (stage) {

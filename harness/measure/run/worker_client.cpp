@@ -132,7 +132,9 @@ MaskReply WorkerClient::answer() {
     MaskReply result{read_mask_file(file("mask"), pixel_count_), {}, 0};
     for (const Json& count : reply.at("counts"))
       result.counts.push_back({count.at("name"), count.at("value"), count.at("unit")});
-    result.peak_bytes = static_cast<std::uint64_t>(reply.at("peak_bytes").get<double>());
+    const double peak_bytes = reply.at("peak_bytes");
+    if (!(peak_bytes >= 0 && peak_bytes < 1e18)) throw Error("a peak of {} bytes is none", peak_bytes);
+    result.peak_bytes = static_cast<std::uint64_t>(peak_bytes);
     return result;
   });
 }

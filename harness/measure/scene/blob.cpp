@@ -59,7 +59,7 @@ Scene scene_from_bytes(std::span<const std::byte> bytes) {
 }
 
 std::shared_ptr<const MappedFile> MappedFile::open(const std::filesystem::path& path) {
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe has nobody to wait for
   struct stat status {};
   const auto fail = [&](const char* what) {
     const int code = errno;
@@ -67,6 +67,10 @@ std::shared_ptr<const MappedFile> MappedFile::open(const std::filesystem::path& 
     throw Error("{} cannot be {}: {}", path.string(), what, std::strerror(code));
   };
   if (file < 0 || fstat(file, &status) != 0) fail("read");
+  if (!S_ISREG(status.st_mode)) {
+    close(file);
+    throw Error("{} is not a file", path.string());
+  }
   auto mapped = std::make_shared<MappedFile>();
   if (status.st_size > 0) {
     void* address = mmap(nullptr, static_cast<std::size_t>(status.st_size), PROT_READ, MAP_SHARED, file, 0);

@@ -80,8 +80,8 @@ class FieldReader {
     std::uint64_t count = 0;
     take(count);
     need(count, 1);
-    items.resize(count);
-    for (T& item : items) visit(*this, item);
+    items.clear();
+    for (std::uint64_t k = 0; k < count; ++k) visit(*this, items.emplace_back());  // memory for those alone that are there
   }
   template <class Items>
   void items(Items& items, std::uint64_t count) {
@@ -106,6 +106,11 @@ class FieldReader {
       bool is_there = false;
       take(is_there);
       if (is_there) take(value.emplace());
+    } else if constexpr (std::is_same_v<T, bool>) {
+      std::uint8_t byte = 0;
+      take(byte);
+      if (byte > 1) throw Error("a flag is {}, neither 0 nor 1", byte);
+      value = byte == 1;
     } else if constexpr (requires { value.data(); }) {
       std::uint64_t count = 0;
       take(count);

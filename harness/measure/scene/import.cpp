@@ -197,15 +197,16 @@ bool is_mesh_file_name(const fs::path& file) {
 void import_file(const fs::path& file, const Placement& placement, Scene& scene) {
   check_file(file);
   const DeclaredCounts declared = read_declared(file);
-  const std::vector<std::byte> answer = ask_child(file);
+  add_imported(file, ask_child(file), declared, placement, scene);
+}
+
+void importing::add_imported(const fs::path& file, std::span<const std::byte> answer, const DeclaredCounts& declared,
+                             const Placement& placement, Scene& scene) {
   FieldReader reader(answer, file.string() + ": the importer's answer breaks off");
   ImportedFile raw;
   visit_file(reader, raw);
-  const auto speaks_of_range = [](const std::string& words) { return words.find("range") != std::string::npos; };
-  if (speaks_of_range(raw.failure) || std::ranges::any_of(raw.complaints, speaks_of_range)) blame_index(file);
   if (!raw.failure.empty()) throw Error("{}: cannot be read: {}", file.string(), raw.failure);
-  for (const std::string& complaint : raw.complaints)
-    if (speaks_of_range(complaint)) throw Error("{}: {}", file.string(), complaint);
+  if (!raw.complaints.empty()) throw Error("{}: {}", file.string(), raw.complaints.front());
   check_counts(file, raw, declared);
 
   NoteCounts counts;
@@ -230,6 +231,10 @@ void import_file(const fs::path& file, const Placement& placement, Scene& scene)
 
   // Only glTF says what its cameras and lights mean; other importers fill these fields by their own conventions.
   if (const std::string extension = lower_extension(file); extension != ".gltf" && extension != ".glb") return;
+  constexpr std::size_t most = 500;  // names are compared with each other
+  if (std::max(raw.cameras.size(), raw.lights.size()) > most)
+    throw Error("{}: has {} cameras and {} lights; at most {} are taken", file.string(), raw.cameras.size(), raw.lights.size(),
+                most);
   for (const ImportedCamera& camera : raw.cameras) add_camera(file, camera, placement, bounds, scene);
   for (const ImportedLight& light : raw.lights) add_light(file, light, placement, scene);
 }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "measure/scene/fields.h"
+#include "measure/scene/load.h"
 
 namespace gnomon::importing {
 
@@ -63,6 +64,10 @@ void visit_file(auto& io, auto& file) {
   io(file.failure);
 }
 
+// What the child may take, beside what its parent had: processor time, and memory.
+inline constexpr unsigned least_import_seconds = 10, import_seconds_per_megabyte = 10;
+inline constexpr std::uint64_t least_import_memory = 400 << 20, import_memory_factor = 256;  ///< bytes, for each byte of a file
+
 /// Runs `body` in a forked child and returns all that it wrote to `out_fd`. Throws Error, opening with `what`, when the child
 /// crashes, aborts, exceeds its time or memory, or returns anything but 0.
 std::vector<std::byte> output_of_fork(const std::string& what, const std::function<int(int out_fd)>& body);
@@ -77,15 +82,16 @@ std::string lower_extension(const std::filesystem::path& file);
 struct DeclaredCounts {
   std::optional<std::size_t> vertex_count, face_count;
 };
-/// Reads the head (PLY, OFF, STL, glTF, GLB, 3DS, IFC) and throws Error when the file is shorter than it says.
+/// Reads the head (PLY, OFF, STL, glTF, GLB, 3DS, IFC) and throws Error when the file is shorter than it says, or a face (OBJ,
+/// PLY, OFF, 3DS) names a vertex that is not there.
 DeclaredCounts read_declared(const std::filesystem::path& file);
+
+/// Checks, places and splits what the child answered, and adds it to the scene. Throws Error.
+void add_imported(const std::filesystem::path& file, std::span<const std::byte> answer, const DeclaredCounts& declared,
+                  const Placement& placement, Scene& scene);
 
 /// Corners of a face: the time to split it grows with their square.
 inline constexpr std::size_t most_corners = 10'000;
-
-/// For a file that the importer refused because of an index out of range, without saying which: throws Error with line, index
-/// and what is allowed, where the format is text and the index is found (OBJ); else does nothing.
-void blame_index(const std::filesystem::path& file);
 
 /// Appends the triangles of a polygon: a fan where it is convex, ear clipping where it is not. Returns false, and appends a
 /// fan, where the polygon is not simple. `corners` index `positions`, in range; fewer than three distinct ones give nothing.

@@ -1,5 +1,6 @@
 // The child's side of an import: assimp reads the file, the nodes are walked in double, what they hold goes down the pipe.
 // Whatever goes wrong here, corrupted memory included, stays here.
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/config.h>
 #include <assimp/scene.h>
 #include <sys/resource.h>
@@ -9,6 +10,8 @@
 #include <assimp/Importer.hpp>
 #include <assimp/LogStream.hpp>
 #include <cerrno>
+#include <filesystem>
+#include <fstream>
 #include <new>
 
 #include "measure/scene/import.h"
@@ -18,18 +21,69 @@ namespace {
 
 using namespace importing;
 
-constexpr unsigned time_limit_seconds = 120;
+/// A runaway import ends here, before it takes the machine with it. What it may take grows with the files that it opens:
+/// processor time, and memory up to three quarters of what there is. A process that waits, and computes nothing, ends after ten
+/// times as long.
+class Limits {
+ public:
+  Limits() { set(); }
+  void add_file(std::uint64_t size) {
+    bytes_ += size;
+    set();
+  }
+  std::uint64_t megabytes() const { return memory() >> 20; }
 
-/// A runaway import ends here, before it takes the machine with it: seconds by alarm, memory at three quarters of what there
-/// is.
-void limit_self() {
-  alarm(time_limit_seconds);
+ private:
+  std::uint64_t memory() const {
+    const auto pages = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES));
+    return std::min(least_import_memory + import_memory_factor * bytes_,
+                    pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) / 4 * 3);
+  }
+  void set() const {
+    const auto seconds = least_import_seconds + static_cast<unsigned>(import_seconds_per_megabyte * (bytes_ >> 20));
+    const rlimit time{used_seconds() + seconds, RLIM_INFINITY};
+    setrlimit(RLIMIT_CPU, &time);
+    alarm(10 * seconds);
 #ifndef __SANITIZE_ADDRESS__  // its shadow memory alone would be over any limit
-  const rlim_t bytes = static_cast<rlim_t>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGESIZE) / 4 * 3;
-  const rlimit limit{bytes, bytes};
-  setrlimit(RLIMIT_DATA, &limit);
+    const rlimit data{held_ + memory(), RLIM_INFINITY};
+    setrlimit(RLIMIT_DATA, &data);
 #endif
-}
+  }
+  /// Of this process, which may be a fork of one that has worked before.
+  static rlim_t used_seconds() {
+    rusage used{};
+    getrusage(RUSAGE_SELF, &used);
+    return static_cast<rlim_t>(used.ru_utime.tv_sec + used.ru_stime.tv_sec + 1);
+  }
+  static std::uint64_t held() {
+    std::uint64_t pages = 0;
+    std::ifstream statm("/proc/self/statm");
+    for (int field = 0; field < 6; ++field) statm >> pages;  // the sixth: data and stack
+    return pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+  }
+  const std::uint64_t held_ = held();
+  std::uint64_t bytes_ = 0;
+};
+
+/// Files that an import names are files: a pipe, or a device, may never end.
+class RegularFiles : public Assimp::DefaultIOSystem {
+ public:
+  explicit RegularFiles(Limits& limits) : limits_(limits) {}
+  bool Exists(const char* name) const override {
+    std::error_code code;
+    return std::filesystem::is_regular_file(name, code);
+  }
+  Assimp::IOStream* Open(const char* name, const char* mode) override {
+    std::error_code code;
+    const std::uintmax_t size = Exists(name) ? std::filesystem::file_size(name, code) : 0;
+    if (size == 0 || code) return nullptr;
+    limits_.add_file(size);
+    return DefaultIOSystem::Open(name, mode);
+  }
+
+ private:
+  Limits& limits_;
+};
 
 /// Writes the answer into the pipe; a parent that is gone ends the child by SIGPIPE.
 void send(const ImportedFile& answer, int fd) {
@@ -43,11 +97,17 @@ void send(const ImportedFile& answer, int fd) {
   }
 }
 
-/// Assimp repairs some damage without a word but for its log (an OFF index out of range is replaced): keep those words.
+/// Assimp repairs some damage without a word but for its log (an index out of range is replaced): keep what is about indices.
 class Complaints : public Assimp::LogStream {
  public:
   explicit Complaints(ImportedFile& answer) : answer_(answer) {}
-  void write(const char* message) override { answer_.complaints.emplace_back(message); }
+  void write(const char* message) override {
+    const std::string_view words = message;
+    const auto speaks_of = [&](std::string_view what) { return words.find(what) != words.npos; };
+    const bool is_error = words.starts_with("Error");
+    if ((is_error && speaks_of("range")) || speaks_of("ertex index") || speaks_of("ndex overflow in MDL"))
+      answer_.complaints.emplace_back(message);
+  }
 
  private:
   ImportedFile& answer_;
@@ -143,17 +203,19 @@ void add_light(const aiScene& scene, const aiLight& light, ImportedFile& answer)
 }  // namespace
 
 int import_child_main(const std::string& file, int out_fd) {
-  limit_self();
+  Limits limits;
   ImportedFile answer;
   try {
     Assimp::DefaultLogger::create("", Assimp::Logger::NORMAL, 0);
-    Assimp::DefaultLogger::get()->attachStream(new Complaints(answer), Assimp::Logger::Err);
+    Assimp::DefaultLogger::get()->attachStream(new Complaints(answer), Assimp::Logger::Err | Assimp::Logger::Warn);
     Assimp::Importer importer;
+    importer.SetIOHandler(new RegularFiles(limits));
     importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
     // No post-processing: some of its steps abort on truncated files, and the parent checks and splits faces itself.
     const aiScene* scene = importer.ReadFile(file, 0);
     if (!scene || !scene->mRootNode) {
       answer.failure = importer.GetErrorString();
+      if (answer.failure.find("bad_alloc") != std::string::npos) throw std::bad_alloc();
     } else {
       add_meshes(*scene, *scene->mRootNode, glm::dmat4(1), answer);
       for (unsigned i = 0; i < scene->mNumCameras; ++i) add_camera(*scene, *scene->mCameras[i], answer);
@@ -162,7 +224,7 @@ int import_child_main(const std::string& file, int out_fd) {
     send(answer, out_fd);
   } catch (const std::bad_alloc&) {
     answer.meshes = {};
-    answer.failure = "it needs more memory than three quarters of this machine's";
+    answer.failure = fmt::format("it needs more memory than the {} MiB that a file of its size may take", limits.megabytes());
     send(answer, out_fd);
   }
   return 0;

@@ -52,7 +52,9 @@ std::vector<std::byte> collect(const std::string& what, pid_t child, Pipe& pipe)
   if (size > max_answer_bytes) throw Error("{}: holds more than {} bytes of geometry", what, max_answer_bytes);
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
-    if (signal == SIGALRM) throw Error("{}: the importer did not finish within its time limit", what);
+    if (signal == SIGXCPU || signal == SIGALRM)
+      throw Error("{}: the importer did not finish within its limit of {} s, and {} s for each megabyte of the file", what,
+                  least_import_seconds, import_seconds_per_megabyte);
     if (signal == SIGKILL) throw Error("{}: the importer was killed; the machine ran out of memory, most likely", what);
     throw Error("{}: the importer crashed (signal {}, {}); the file is damaged", what, signal, strsignal(signal));
   }
@@ -69,7 +71,7 @@ std::vector<std::byte> output_of_fork(const std::string& what, const std::functi
   if (child < 0) throw Error("{}: no process for the importer: {}", what, std::strerror(errno));
   if (child == 0) {
     if (const int nowhere = open("/dev/null", O_RDWR); nowhere >= 0) dup2(nowhere, 2);  // the parent words the error
-    for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGALRM, SIGPIPE}) ::signal(signal, SIG_DFL);
+    for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGALRM, SIGPIPE, SIGXCPU}) ::signal(signal, SIG_DFL);
     _exit(body(pipe.ends[1]));
   }
   return collect(what, child, pipe);

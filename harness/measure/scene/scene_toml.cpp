@@ -100,9 +100,7 @@ Scene read_base(const std::string& reference, const fs::path& description, const
 /// `kind` first: it decides which keys are known.
 std::string kind_of(const toml::table& table, const fs::path& file, const std::string& what,
                     const std::vector<std::string>& kinds) {
-  const auto line = table.source().begin.line;
-  if (!table.contains("kind")) throw Error("{} lacks the key 'kind' ({}:{})", what, file.string(), line);
-  const std::string kind = table["kind"].value_or(std::string());
+  const std::string kind = Table(table, file, what).text("kind");
   if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
     throw Error("{}.kind = '{}' is not one of {}; did you mean {}? ({}:{})", what, kind, joined(kinds, ", "),
                 nearest_word(kind, kinds), file.string(), table.get("kind")->source().begin.line);

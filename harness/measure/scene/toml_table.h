@@ -126,6 +126,8 @@ class Table {
     if (!has(key)) return result;
     const toml::array* array = need(key).as_array();
     if (!array) refuse(key, kind(key), fmt::format("an array of tables: write [[{}]]", key));
+    constexpr std::size_t most = 10'000;  // names are compared with each other
+    if (array->size() > most) refuse(key, fmt::format("{} tables", array->size()), fmt::format("at most {}", most));
     for (const toml::node& item : *array) {
       if (!item.is_table()) refuse(key, "an array of values", fmt::format("an array of tables: write [[{}]]", key));
       result.push_back(item.as_table());

@@ -74,9 +74,22 @@ std::vector<float> read_exr(const fs::path& path, const std::string& channel, in
     throw Error("{} is {}x{}; {}x{} is wanted", path.string(), spec.width, spec.height, width, height);
   const int index = spec.channelindex(channel);
   if (index < 0) throw Error("{} has no channel {}; it has: {}", path.string(), channel, joined(spec.channelnames, ", "));
-  std::vector<float> pixels(static_cast<std::size_t>(width) * height);
-  if (!input->read_image(0, 0, index, index + 1, OIIO::TypeDesc::FLOAT, pixels.data()))
-    throw Error("{} cannot be read: {}", path.string(), input->geterror());
+  // Band by band: a picture may declare more than it holds, and memory is taken for what is there.
+  const auto row = static_cast<std::size_t>(width);
+  const int band = spec.tile_width > 0 ? spec.tile_height : 64;
+  std::vector<float> pixels;
+  pixels.reserve(row * static_cast<std::size_t>(height));
+  for (int y = 0; y < height; y += band) {
+    const int end = std::min(y + band, height);
+    pixels.resize(row * static_cast<std::size_t>(end));
+    float* const into = &pixels[row * static_cast<std::size_t>(y)];
+    const int x0 = spec.x, y0 = spec.y;
+    const bool is_read = spec.tile_width > 0 ? input->read_tiles(0, 0, x0, x0 + width, y0 + y, y0 + end, spec.z, spec.z + 1,
+                                                                 index, index + 1, OIIO::TypeDesc::FLOAT, into)
+                                             : input->read_scanlines(0, 0, y0 + y, y0 + end, spec.z, index, index + 1,
+                                                                     OIIO::TypeDesc::FLOAT, into);
+    if (!is_read) throw Error("{} cannot be read: {}", path.string(), input->geterror());
+  }
   return pixels;
 }
 

@@ -1,0 +1,157 @@
+// Records, masks, and what the program and its workers write for each other.
+#include <gnomon/kit/surface_detail.h>
+
+#include "app/app.h"
+#include "fuzz.h"
+#include "measure/cause/causes.h"
+#include "measure/picture/detail_export.h"
+#include "measure/picture/picture.h"
+#include "measure/record/record.h"
+#include "measure/run/worker_client.h"
+#include "measure/scene/base_scene.h"
+#include "measure/scene/blob.h"
+#include "measure/scene/import.h"
+#include "measure/scene/load.h"
+
+namespace fuzz {
+
+using namespace gnomon;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// The program's exit status; Problem where it is none of those for bad input.
+Outcome run_words(std::vector<std::string> words) {
+  words.insert(words.begin(), "gnomon");
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  const int status = app::run_program(static_cast<int>(words.size()), argv.data());
+  if (status == 1) throw Problem{"ended with 1: an exception that is no complaint"};
+  return status == 0 ? Outcome::accepted : Outcome::refused;
+}
+
+Scene small_scene() {
+  Scene scene = load_scene("single_triangle");
+  scene.meshes.resize(1);
+  return scene;
+}
+
+std::string text_of(std::span<const std::byte> bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+
+std::string small_answer() {
+  importing::ImportedFile file;
+  file.meshes.push_back({.name = "m",
+                         .has_color = true,
+                         .positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}},
+                         .corner_counts = {3, 4},
+                         .corners = {0, 1, 2, 0, 1, 3, 2}});
+  file.cameras.push_back({.name = "eye", .eye = {0, 0, 5}, .fov_y = 0.7});
+  file.lights.push_back({.name = "sun", .kind = importing::ImportedLightKind::directional});
+  file.lights.push_back(
+      {.name = "spot", .kind = importing::ImportedLightKind::spot, .position = {0, 5, 0}, .inner = 0.2, .outer = 0.4});
+  FieldWriter writer;
+  importing::visit_file(writer, std::as_const(file));
+  return text_of(writer.bytes);
+}
+
+std::string small_explanations() {
+  Explanation why;
+  why.taps = {Tap{.origin = {0, 5, 0}, .direction = {0, -1, 0}, .weight = 0.5, .stored = 2}};
+  why.shifted = glm::dvec3(1, 2, 3);
+  why.element = 7;
+  return text_of(explanation_bytes(std::vector<std::optional<Explanation>>{why, std::nullopt, Explanation{}}));
+}
+
+std::string small_detail() {
+  return text_of(detail_bytes(
+      {.corners = {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {1, 0, 1}}, .polygons = {{0, 0, true, 0, 3}, {0, 0, false, 1, 3}}}));
+}
+
+}  // namespace
+
+Outcome read_records_of_run(const fs::path& file, const std::string& bytes) {
+  const fs::path run = file.parent_path() / "run";
+  fs::create_directories(run);
+  fs::rename(file, records_file(run));
+  const RecordFile contents = read_record_file(records_file(run));
+  static const std::vector<std::vector<std::string>> uses = {{"table"},
+                                                             {"table", "--format", "csv"},
+                                                             {"table", "--format", "tex"},
+                                                             {"table", "--format", "json"},
+                                                             {"table", "--format", "md"},
+                                                             {"analyze", "front"},
+                                                             {"analyze", "best", "--times", "1,10"},
+                                                             {"analyze", "map"},
+                                                             {"analyze", "growth"},
+                                                             {"analyze", "sweep"},
+                                                             {"analyze", "motion"},
+                                                             {"compare"},
+                                                             {"report", "--no-pictures"},
+                                                             {"figure", "front", "--script"},
+                                                             {"figure", "bars", "--script"}};
+  std::vector<std::string> words = uses[std::hash<std::string>()(bytes) % uses.size()];
+  words.insert(words.begin() + 1, run.string());
+  if (words[0] == "compare") words.push_back(run.string());
+  run_words(std::move(words));
+  return contents.records.empty() ? Outcome::refused : Outcome::accepted;
+}
+
+Outcome read_words(const fs::path&, const std::string& bytes) {
+  std::vector<std::string> words;
+  for (std::size_t at = 0, end = 0; end != bytes.npos; at = end + 1) {
+    end = bytes.find('\n', at);
+    words.push_back(bytes.substr(at, end - at));
+    words.back().resize(std::min(words.back().find('\0'), words.back().size()));
+  }
+  // Nothing may run or be written: what does neither is called as it is, the rest with a word that no command takes.
+  if (words[0] == "run")
+    words.insert(words.begin() + 1, "--dry-run");
+  else if (words[0] != "list" && words[0] != "describe")
+    words.push_back("--no-command-takes-this");
+  return run_words(std::move(words));
+}
+
+Outcome read_mask(const fs::path& file, const std::string&) {
+  const auto [width, height] = image_files().exr_size(file);
+  const std::vector<std::string> channels = image_files().exr_channels(file);
+  for (std::size_t c = 0; c < std::min<std::size_t>(channels.size(), 4); ++c)
+    image_files().read_exr(file, channels[c], width, height);
+  return Outcome::accepted;
+}
+
+Outcome read_blob(const fs::path& file, const std::string& bytes) {
+  const auto span = std::as_bytes(std::span(bytes));
+  if (file.extension() == ".why") {
+    explanations_from_bytes(span);
+  } else if (file.extension() == ".detail") {
+    const Scene scene = small_scene();
+    const SurfaceDetail detail = detail_from_bytes(span);
+    check_detail(scene, detail);
+    detail_obj(scene, detail, {}, "a.mtl");
+  } else {
+    Scene scene = scene_from_bytes(span);
+    finish_scene(scene, file.string());
+  }
+  return Outcome::accepted;
+}
+
+std::vector<Input> written_seeds(const std::string& kind, const fs::path& scratch) {
+  if (kind == "answer") return {{0, "small.answer", small_answer()}};
+  if (kind == "blob")
+    return {{0, "small.scene", text_of(scene_bytes(small_scene()))},
+            {0, "small.why", small_explanations()},
+            {0, "small.detail", small_detail()}};
+  if (kind == "requests") {  // what the requests of the seeds name
+    write_file(scratch / "small.scene", scene_bytes(small_scene()));
+    write_file(scratch / "small.stand", light_and_view_bytes(small_scene().lights.at(0), small_scene().views.at(0)));
+    std::vector<float> pixels(std::size_t{8} * 16, 0.1f);  // of 4x4, all on triangle 0 of mesh 0
+    std::fill(pixels.begin() + 16 * 6, pixels.end(), 0.0f);
+    write_file(scratch / "small.gbuffer", std::as_bytes(std::span(pixels)));
+    const std::vector<std::uint32_t> places = {0, 5, 15};
+    write_file(scratch / "small.pixels", std::as_bytes(std::span(places)));
+  }
+  return {};
+}
+
+}  // namespace fuzz
