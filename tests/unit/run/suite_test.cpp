@@ -137,6 +137,8 @@ TEST(contenders, a_star_is_every_registered_technique) {
 
 TEST(contenders, what_cannot_be_is_refused) {
   EXPECT_EQ(refused("shadow_map:resolution={256"), "'shadow_map:resolution={256' opens a brace that it does not close");
+  EXPECT_EQ(refused("shadow_map:resolution={{256,512}}"),
+            "'shadow_map:resolution={{256,512}}' opens a brace that it does not close");
   EXPECT_EQ(refused("shadow_map:resolution=256}"), "'shadow_map:resolution=256}' closes a brace that it does not open");
   EXPECT_EQ(refused("shadow_map:resolution={256,1}"), "shadow_map.resolution = 1 is outside 64 .. 8192 texel");
   EXPECT_EQ(refused("shadow_map:resolution={}"), "shadow_map.resolution = (nothing) is outside 64 .. 8192 texel");

@@ -74,6 +74,18 @@ TEST_F(ScriptedWorker, an_exit_names_status_and_last_words) {
   EXPECT_EQ(reason([&] { worker.load(anything); }), "crashed in open: exit status 3; it said: no scene today");
 }
 
+TEST_F(ScriptedWorker, an_error_that_is_no_text_is_shown_as_it_came) {
+  WorkerClient worker = loaded("hear\nsay '{\"error\":{\"code\":3}}'\n");
+  worker.load(anything);
+  EXPECT_EQ(reason([&] { worker.time(Stage::build); }), "threw in build: {\"code\":3}");
+}
+
+TEST_F(ScriptedWorker, a_line_without_an_end_fails_before_memory_does) {
+  WorkerClient worker = loaded("hear\nhead -c 6000000 /dev/zero | tr '\\0' a >&$socket\nsleep 60\n");
+  worker.load(anything);
+  EXPECT_EQ(reason([&] { worker.time(Stage::build); }), "answered build with a line without an end");
+}
+
 TEST_F(ScriptedWorker, a_hang_ends_with_the_timeout) {
   WorkerClient worker = loaded("hear\nsleep 60\n", 0.2);
   worker.load(anything);

@@ -6,6 +6,7 @@
 
 #include <fstream>
 
+#include "measure/scene/fields.h"
 #include "measure/scratch_folder.h"
 
 namespace {
@@ -42,6 +43,22 @@ Scene full_scene() {
   scene.views = {{"v", {1, 2, 3}, {4, 5, 6}, {0, 0, 1}, 33}, {}};
   scene.notes = {"one", ""};
   return scene;
+}
+
+TEST(blob, a_flag_that_is_neither_true_nor_false_is_refused) {
+  const std::byte bytes[] = {std::byte{2}};
+  bool flag = false;
+  EXPECT_THROW(FieldReader(bytes, "too short")(flag), Error);
+}
+
+TEST(blob, a_count_takes_no_memory_for_what_is_not_there) {
+  FieldWriter writer;
+  writer(std::uint64_t{40});
+  writer.bytes.resize(48);  // 40 texts would need 8 bytes each
+  std::vector<std::string> texts;
+  FieldReader reader(writer.bytes, "too short");
+  EXPECT_THROW(reader.list(texts, [](auto& io, auto& text) { io(text); }), Error);
+  EXPECT_LE(texts.size(), 6u);
 }
 
 TEST(blob, a_scene_comes_back_as_it_was) {

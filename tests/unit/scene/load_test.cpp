@@ -196,7 +196,7 @@ TEST(ImportErrors, coordinates_that_are_no_numbers_name_mesh_and_vertex) {
 TEST(ImportErrors, indices_out_of_range_are_refused) {
   const Folder folder;
   expect_words(import_error(folder.write("bad.ply", std::string(ply_head) + "0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n")),
-               {"bad.ply", "face 0", "vertex index 7", "0 .. 2"});
+               {"bad.ply:13", "face 0", "vertex 7", "0 .. 2"});
   expect_words(import_error(folder.write("bad.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n")),
                {"bad.off:6", "face 0", "vertex 7", "0 .. 2"});
   expect_words(import_error(folder.write("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n")),
