@@ -3,11 +3,13 @@
 #include <gnomon/kit/contour.h>
 #include <gnomon/kit/rays.h>
 #include <gnomon/kit/vectorized.h>
+#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <atomic>
 #include <bit>
 #include <cmath>
+#include <optional>
 
 #include "shape_rays.h"
 
@@ -159,8 +161,12 @@ bool is_short(std::uint32_t valid, const ShadowPacket& packet) {
 }  // namespace
 
 struct RayScene::Body {
+  const Scene* source = nullptr;
+  Truth truth = Truth::shape;
+  Which which = Which::all;
   double scale = 1;                     ///< of the world to the frame that is traced
   std::atomic<std::int64_t> bytes = 0;  ///< Embree counts them per device, so every RayScene has one of its own
+  std::optional<std::int64_t> bytes_of_one_thread;
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
   std::vector<std::unique_ptr<ShapeGeometry>> shapes;
@@ -171,6 +177,9 @@ struct RayScene::Body {
 };
 
 RayScene::RayScene(const Scene& scene, Truth truth, Which which) : body_(std::make_shared<Body>()) {
+  body_->source = &scene;
+  body_->truth = truth;
+  body_->which = which;
   body_->device = rtcNewDevice("verbose=0");
   if (!body_->device) throw Error("Embree cannot start: error {}", static_cast<int>(rtcGetDeviceError(nullptr)));
   rtcSetDeviceMemoryMonitorFunction(body_->device, count_memory, &body_->bytes);
@@ -271,7 +280,16 @@ std::uint32_t RayScene::occluded(std::uint32_t valid, ShadowPacket& packet, cons
   return blocked_bits(packet.tfar.data()) & valid;
 }
 
-std::size_t RayScene::bytes() const { return static_cast<std::size_t>(body_->bytes.load()); }
+// Embree's allocator gives blocks to the threads that take part in a build, and how many of them do is open.
+std::size_t RayScene::bytes() const {
+  if (!body_->bytes_of_one_thread) {
+    const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+    const RayScene again(*body_->source, body_->truth, body_->which);
+    body_->bytes_of_one_thread = again.body_->bytes.load();
+  }
+  return static_cast<std::size_t>(*body_->bytes_of_one_thread);
+}
+
 std::string RayScene::description() const {
   // The widest packet that Embree traces at once tells the instruction set it chose: 16 AVX-512, 8 AVX or AVX2, 4 SSE.
   int width = 4;

@@ -217,12 +217,13 @@ class TechniqueServer {
 
   Json answer(const std::string& path) {
     write_mask(path);
+    const double peak = peak_bytes();  // counting may build or draw once more
     Json counts = Json::array();
     for (const Count& c : technique_->counts()) {
       if (!std::isfinite(c.value)) throw Error("count {} is {}", c.name, c.value);
       counts.push_back(json_object({{"name", c.name}, {"value", c.value}, {"unit", c.unit}}));
     }
-    return json_object({{"counts", counts}, {"peak_bytes", peak_bytes()}});
+    return json_object({{"counts", counts}, {"peak_bytes", peak}});
   }
 
   /// Asks the technique about the listed pixels (uint32 indices) and writes its explanations.

@@ -45,7 +45,7 @@ class RayScene {
   /// Every triangle that the segment from `origin` to `origin` + `way` meets, as float32 sees it; no exact curved shapes.
   std::vector<Met> met(const glm::dvec3& origin, const glm::dvec3& way) const;
 
-  /// Bytes that Embree holds for this scene.
+  /// Bytes that Embree holds for this scene as one thread builds it. The first call does so once more, which takes its time.
   std::size_t bytes() const;
   /// Library, instruction sets, flags and ray recipe, for certificates.
   std::string description() const;
