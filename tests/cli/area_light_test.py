@@ -85,7 +85,8 @@ class AreaLight(ProgramTest):
         lamp, bulb = (json.loads(line) for line in file.read_text().splitlines())
         # As it was written when the center was taken for the light: with the numbers of a point light.
         for forgets_kind in (False, True):
-            old = dict(bulb, light="lamp", light_kind="" if forgets_kind else "disc", job=lamp["job"])
+            old = dict(bulb, light="lamp", light_kind="" if forgets_kind else "disc", job=lamp["job"],
+                       context=dict(bulb["context"], frames=5))
             file.write_text("".join(json.dumps(row) + "\n" for row in (old, bulb)))
             if not forgets_kind:
                 for format in ("json", "md", "csv"):
