@@ -33,8 +33,8 @@ std::vector<std::byte> FrameWorker::make(const MissingFrame& missing) {
       fmt::format("{} {} {} {}", content_hash(view_and_light), missing.key.width, missing.key.height, truth);
   if (const auto failure = failures_.find(frame); failure != failures_.end()) throw WorkerFailure(failure->second);
   write_file(file("view_and_light"), view_and_light);
+  if (!process_) process_.emplace(WorkerOptions{.threads = 0, .plugins = {}, .program = program_});
   try {
-    if (!process_) process_.emplace(WorkerOptions{.threads = 0, .plugins = {}, .program = program_});
     process_->send(json_object({{"do", "trace"},
                                 {"scene", missing.scene_file.string()},
                                 {"gbuffer", missing.gbuffer_file.string()},

@@ -110,7 +110,7 @@ bool write_line(int socket, const std::string& line) {
   return true;
 }
 
-WorkerProcess::WorkerProcess(const WorkerOptions& options) {
+WorkerProcess::WorkerProcess(const WorkerOptions& options) : options_(options) {
   int sockets[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, sockets) != 0)
     throw Error("no socket for a worker: {}", std::strerror(errno));
@@ -202,6 +202,8 @@ void WorkerProcess::fail_as_it_ended() {
   if (!has_ended) fail(fmt::format("crashed in {}: it closed its connection and went on", doing_));
   kill(-process_, SIGKILL);  // what the technique started
   process_ = -1;
+  constexpr int not_started = 127;  // what is left where exec fails: the program may have gone since it was looked at
+  if (WIFEXITED(status) && WEXITSTATUS(status) == not_started) program_to_start(options_);
   if (WIFSIGNALED(status))
     fail(fmt::format("crashed in {}: {} (signal {})", doing_, strsignal(WTERMSIG(status)), WTERMSIG(status)));
   fail(fmt::format("crashed in {}: exit status {}", doing_, WEXITSTATUS(status)));

@@ -56,6 +56,7 @@ class WorkerProcess {
   [[noreturn]] void fail_as_it_ended();
   std::string last_words() const;
 
+  WorkerOptions options_;
   int process_ = -1;  ///< -1: it has ended
   int socket_ = -1, errors_ = -1;
   std::atomic<bool> is_interrupted_ = false;
