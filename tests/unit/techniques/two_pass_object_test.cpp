@@ -259,6 +259,30 @@ TEST(TwoPassObject, lights_almost_on_triangles_do_no_harm) {
   RecordProperty("points", sum.text());
 }
 
+// A floor of 10 mm under a lamp 17 m off: a unit of float32, in which boxes around lit pieces are kept, is 0.6 micrometers of
+// the floor there, and what a cell sees beyond its rectangle 0.01. Points within 1 micrometer of the floor's edges are lit.
+TEST(TwoPassObject, lit_pieces_reach_the_edges_under_a_lamp_far_off) {
+  constexpr float half = 0.005f;
+  Scene scene;
+  scene.meshes = {square(0.001f, 0.001f), square(half, 0)};
+  Random random(6);
+  Agreement sum;
+  for (const glm::vec3& at : {glm::vec3(9.1f, 10, 9.4f), {-9.3f, 10, 9.2f}, {8.9f, 10, -9.5f}, {-9.6f, 10, -9.7f}}) {
+    Picture picture(50, 40);
+    for (std::size_t i = 0; i < picture.gbuffer.size(); ++i) {
+      const auto along = static_cast<float>(random.uniform(-half, half)),
+                 edge = static_cast<float>(half - random.uniform(1e-9, 1e-6));
+      const float to = i & 1 ? edge : -edge;
+      const glm::vec3 p = i & 2 ? glm::vec3(to, 0, along) : glm::vec3(along, 0, to);
+      picture.set(i, p, {0, 1, 0}, 1, p.z > p.x ? 0 : 1);
+    }
+    compare("", scene, point_light(at), picture.gbuffer, sum);
+  }
+  EXPECT_EQ(sum.wrong, 0);
+  EXPECT_EQ(sum.lit, 8'000);
+  EXPECT_LT(sum.asked, 0.1 * sum.points);
+}
+
 // Inner points of the polygons, which no point location has to do with. Left out are the points whose way in float32 passes an
 // edge, or that lie on the plane of another triangle, within rounding: 3e-7 of the extent. The areas add up besides; alone that
 // would say little.
@@ -435,6 +459,21 @@ TEST(TwoPassObject, the_layer_shows_where_casters_took_something) {
   EXPECT_GT(fragments[3], fragments[5]);  // lit is warm
   EXPECT_LT(fragments[6], fragments[8]);  // shadow is cool
   EXPECT_THROW(done.technique->draw_debug("nodes"), Error);
+}
+
+// The floor loses a part to the caster; a triangle 100 m away, named for a point of that floor, is not in the point's cell.
+// What has lost nothing is gray.
+TEST(TwoPassObject, the_layer_shows_nothing_where_a_cell_does_not_hold_the_triangle) {
+  Scene scene;
+  scene.meshes = {mesh_of({{100, 0, 0}, {100, 0, 1}, {101, 0, 0}}, {{0, 1, 2}}), square(10, 0),
+                  mesh_of({{-3, 1, 1}, {-3, 1, 3}, {-1, 1, 3}}, {{0, 1, 2}})};
+  Picture picture(2, 1);
+  for (std::uint32_t mesh = 0; mesh < 2; ++mesh) picture.set(mesh, {-5, 0, 5}, {0, 1, 0}, mesh, 0);
+  const auto done = run("cell_triangles=2", scene, sun({0, -1, 0}), picture.gbuffer);
+  const std::vector<float> layer = done.technique->draw_debug("clips");
+  ASSERT_EQ(layer.size(), 6u);
+  EXPECT_EQ(layer[0], layer[2]);
+  EXPECT_NE(layer[3], layer[5]);
 }
 
 }  // namespace
