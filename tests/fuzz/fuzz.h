@@ -31,6 +31,7 @@ struct Input {
   std::size_t kind = 0;
   std::string name;  ///< with the ending that tells readers the format
   std::string bytes;
+  bool is_seed = false;  ///< as it was written; nothing is mutated
 };
 
 enum class Outcome { accepted, refused };
@@ -40,13 +41,19 @@ struct Problem {
   std::string what;
 };
 
+struct Answer {
+  Answer(Outcome is, std::string words = {}) : outcome(is), complaint(std::move(words)) {}
+  Outcome outcome;
+  std::string complaint;  ///< why it was refused, where the reader said so
+};
+
 /// Who reads inputs of one kind.
 struct Kind {
   std::string name;   ///< also the folder of its seeds
   std::size_t share;  ///< of the inputs, beside the other kinds' shares
   bool is_text;
   /// Reads the file, which holds the bytes. Throws what the reader throws.
-  std::function<Outcome(const std::filesystem::path& file, const std::string& bytes)> read;
+  std::function<Answer(const std::filesystem::path& file, const std::string& bytes)> read;
   std::vector<Input> seeds = {};
 };
 
@@ -63,13 +70,17 @@ Outcome read_records_of_run(const std::filesystem::path& file, const std::string
 Outcome read_mask(const std::filesystem::path& file, const std::string& bytes);
 Outcome read_words(const std::filesystem::path& file, const std::string& bytes);
 Outcome read_settings(const std::filesystem::path& file, const std::string& bytes);
-Outcome read_requests(const std::filesystem::path& file, const std::string& bytes);
+Answer read_requests(const std::filesystem::path& file, const std::string& bytes);
 Outcome read_replies(const std::filesystem::path& file, const std::string& bytes);
 Outcome read_blob(const std::filesystem::path& file, const std::string& bytes);
 /// The worker that `read_replies` starts: says what the file holds that the environment names.
 int say_replies(int socket);
 /// Seeds that the program itself writes: scenes as bytes, explanations, details, answers of the importer, masks.
 std::vector<Input> written_seeds(const std::string& kind, const std::filesystem::path& scratch);
+
+inline std::string text_of(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
 
 /// A mutant of a seed, of the same format.
 std::string mutate_text(Random& random, const std::string& seed, const std::string& other);
@@ -79,7 +90,7 @@ std::string mend(const std::string& name, std::string bytes);
 
 struct Options {
   std::uint64_t seed = 1;
-  double minutes = 1;
+  double minutes = 1;  ///< 0: the seeds alone, as they are
   std::string replay;  ///< a folder of KIND/FILE, each read once as it is; nothing is mutated then
   std::string only;    ///< names of kinds with commas between; all when empty
   std::filesystem::path findings = "fuzz-findings";

@@ -78,6 +78,7 @@ std::vector<Kind> all_kinds(const fs::path& scratch) {
     for (const fs::path& file : files)
       if (file.extension() != ".repeat") kinds[k].seeds.push_back(read_input(file, k));  // recipes are long: only replayed
     for (Input& seed : written_seeds(name, scratch)) kinds[k].seeds.push_back({k, seed.name, seed.bytes});
+    for (Input& seed : kinds[k].seeds) seed.is_seed = true;
   }
   return kinds;
 }

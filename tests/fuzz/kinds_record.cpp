@@ -37,8 +37,6 @@ Scene small_scene() {
   return scene;
 }
 
-std::string text_of(std::span<const std::byte> bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
-
 std::string small_answer() {
   importing::ImportedFile file;
   file.meshes.push_back({.name = "m",

@@ -7,9 +7,11 @@
 #include <sstream>
 
 #include "fuzz.h"
+#include "measure/cause/causes.h"
 #include "measure/foreign_text.h"
 #include "measure/paths.h"
 #include "measure/pattern.h"
+#include "measure/picture/detail_export.h"
 #include "measure/run/suite.h"
 #include "measure/run/worker_client.h"
 #include "measure/scene/blob.h"
@@ -22,6 +24,13 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* replies_variable = "GNOMON_FUZZ_REPLIES";
+
+/// What a worker writes for 4x4 pixels, of which two are explained.
+std::string file_beside_reply(const std::string& asked) {
+  if (asked == "explain") return text_of(explanation_bytes(std::vector<std::optional<Explanation>>(2)));
+  if (asked == "detail") return text_of(detail_bytes({}));
+  return std::string((asked == "debug" ? 3 : 1) * 16 * sizeof(float), 0);
+}
 
 }  // namespace
 
@@ -37,7 +46,7 @@ Outcome read_settings(const fs::path& file, const std::string& bytes) {
   return Outcome::accepted;
 }
 
-Outcome read_requests(const fs::path&, const std::string& bytes) {
+Answer read_requests(const fs::path&, const std::string& bytes) {
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) throw Problem{"no socket"};
   const pid_t worker = fork();
@@ -64,7 +73,9 @@ Outcome read_requests(const fs::path&, const std::string& bytes) {
   waitpid(worker, &status, 0);
   if (WIFSIGNALED(status)) throw Problem{"the worker crashed by signal " + std::to_string(WTERMSIG(status))};
   if (WEXITSTATUS(status) != 0) throw Problem{"the worker ended with " + std::to_string(WEXITSTATUS(status))};
-  return answers.find("\"error\"") == answers.npos ? Outcome::accepted : Outcome::refused;
+  if (const std::size_t error = answers.find("\"error\""); error != answers.npos)
+    return {Outcome::refused, answers.substr(error, answers.find('\n', error) - error)};
+  return Outcome::accepted;
 }
 
 int say_replies(int socket) {
@@ -78,8 +89,8 @@ int say_replies(int socket) {
     if (c != '\n') continue;
     const Json request = parse_if_json(heard);
     heard.clear();
-    if (request.contains("mask")) write_file(request["mask"].get<std::string>(), std::string(64, 0));  // 4x4 pixels in shadow
-    if (request.contains("out")) write_file(request["out"].get<std::string>(), bytes.substr(0, 64));
+    for (const char* file : {"mask", "out"})
+      if (request.contains(file)) write_file(request[file].get<std::string>(), file_beside_reply(request["do"]));
     if (!std::getline(lines, line)) return 0;
     write_line(socket, line);
   }
@@ -100,8 +111,7 @@ Outcome read_replies(const fs::path& file, const std::string&) {
     client.set("a=1");
     client.time(Stage::build);
   } catch (const WorkerFailure& failure) {
-    if (std::string_view(failure.what()).find("json.exception") != std::string_view::npos) throw Problem{failure.what()};
-    return Outcome::refused;
+    throw Error("{}", failure.what());
   }
   return Outcome::accepted;
 }

@@ -52,7 +52,7 @@ bool asks_for_much(const std::string& bytes) {
 
 }  // namespace
 
-Outcome run_input(const Kind& kind, const Input& input, const fs::path& scratch) {
+Answer run_input(const Kind& kind, const Input& input, const fs::path& scratch) {
   const fs::path folder = scratch / "input";
   fs::remove_all(folder);
   fs::create_directories(folder);
@@ -63,23 +63,24 @@ Outcome run_input(const Kind& kind, const Input& input, const fs::path& scratch)
 
   forget_peak();
   const double seconds = seconds_of(RUSAGE_SELF) + seconds_of(RUSAGE_CHILDREN), before = megabytes("VmRSS:");
-  Outcome outcome = Outcome::refused;
+  Answer answer = Outcome::refused;
   try {
-    outcome = kind.read(file, input.bytes);
+    answer = kind.read(file, input.bytes);
   } catch (const gnomon::Error& error) {
-    check_words(error.what());
+    answer.complaint = error.what();
+    check_words(answer.complaint);
   } catch (const std::exception& other) {
     throw Problem{fmt::format("crash: an exception that is no Error: {}", other.what())};
   }
   const double took = seconds_of(RUSAGE_SELF) + seconds_of(RUSAGE_CHILDREN) - seconds, peak = megabytes("VmHWM:") - before;
-  if (asks_for_much(input.bytes)) return outcome;
+  if (asks_for_much(input.bytes)) return answer;
   if (took > most_seconds) throw Problem{fmt::format("hang: {:.1f} s of processor time", took)};
   if (peak > most_megabytes) throw Problem{fmt::format("memory: {:.0f} MB", peak)};
 #ifndef __SANITIZE_ADDRESS__  // an importer has no limit of memory then
   if (const double children = megabytes_of_children() - before; children > most_megabytes)
     throw Problem{fmt::format("memory: {:.0f} MB in a child", children)};
 #endif
-  return outcome;
+  return answer;
 }
 
 }  // namespace fuzz

@@ -13,6 +13,6 @@ inline constexpr double most_seconds = 2, most_megabytes = 500;
 
 /// Writes the input to a file below `scratch` and has it read. Throws Problem when a bound is broken, or when what is thrown is
 /// no complaint: an Error, in words that are ours.
-Outcome run_input(const Kind& kind, const Input& input, const std::filesystem::path& scratch);
+Answer run_input(const Kind& kind, const Input& input, const std::filesystem::path& scratch);
 
 }  // namespace fuzz

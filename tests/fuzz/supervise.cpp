@@ -12,6 +12,7 @@
 
 #include <cstring>
 #include <fstream>
+#include <utility>
 
 #include "run_input.h"
 
@@ -35,6 +36,21 @@ Supervisor::Supervisor(const Options& options, const Source& source, std::vector
   shared_ = new (memory) Shared;
 }
 
+/// A reader that refuses what it should read, because a file is missing or a limit too tight, tries nothing. Seeds show it,
+/// which are read again and again as they are: where each is accepted with its usual chance, that many refused in a row come
+/// once in 160,000 times.
+void Supervisor::look_for_blindness(const Kind& kind, Tally& tally, const Answer& answer) {
+  constexpr std::uint64_t in_row_per_chance = 12;
+  ++tally.seeds_tried;
+  tally.seeds_accepted += answer.outcome == Outcome::accepted;
+  tally.seeds_refused_in_row = answer.outcome == Outcome::accepted ? 0 : tally.seeds_refused_in_row + 1;
+  const std::uint64_t most =
+      tally.seeds_accepted > 0 ? in_row_per_chance * tally.seeds_tried / tally.seeds_accepted : kind.seeds.size();
+  if (tally.seeds_refused_in_row < most) return;
+  throw Problem{fmt::format("blind: {} unchanged seeds in a row are refused, the last with: {}",
+                            tally.seeds_refused_in_row.exchange(0), answer.complaint)};
+}
+
 /// Reads inputs from `first` on; in the child.
 void Supervisor::read_inputs(std::uint64_t first, Clock::time_point deadline) {
   const int log = open(log_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_APPEND, 0666), nothing = open("/dev/null", O_RDWR);
@@ -50,7 +66,9 @@ void Supervisor::read_inputs(std::uint64_t first, Clock::time_point deadline) {
     shared_->number = n;
     ++tally.tried;
     try {
-      ++(run_input(kinds_[input.kind], input, scratch_) == Outcome::accepted ? tally.accepted : tally.refused);
+      const Answer answer = run_input(kinds_[input.kind], input, scratch_);
+      ++(answer.outcome == Outcome::accepted ? tally.accepted : tally.refused);
+      if (input.is_seed) look_for_blindness(kinds_[input.kind], tally, answer);
     } catch (const Problem& problem) {
       const std::size_t size = std::min(problem.what.size(), sizeof shared_->problem - 1);
       std::memcpy(shared_->problem, problem.what.data(), size);
@@ -90,7 +108,10 @@ std::string Supervisor::watch(pid_t child) {
 void Supervisor::save(std::uint64_t number, const std::string& what) {
   const Input input = source_.make(number);
   Tally& tally = shared_->tallies[input.kind];
-  ++(what.starts_with("hang") ? tally.hangs : what.starts_with("memory") ? tally.over_memory : tally.crashes);
+  ++(what.starts_with("hang")     ? tally.hangs
+     : what.starts_with("memory") ? tally.over_memory
+     : what.starts_with("blind")  ? tally.blind
+                                  : tally.crashes);
   const fs::path folder = options_.findings / kinds_[input.kind].name;
   fs::create_directories(folder);
   const fs::path file = folder / fmt::format("{}-{}", number, input.name);
@@ -106,9 +127,16 @@ void Supervisor::show_progress() {
   if (seconds_since(shown_) < 60) return;
   shown_ = Clock::now();
   Tally all;
-  for (const Tally& tally : shared_->tallies) all += tally;
-  fmt::print("{:.0f} min: {} inputs, {} refused, {} accepted, {} found\n", seconds_since(start_) / 60, all.tried, all.refused,
-             all.accepted, all.found());
+  std::string shares;  // of the last minute
+  for (std::size_t k = 0; k < kinds_.size(); ++k) {
+    const Tally& tally = shared_->tallies[k];
+    all += tally;
+    const std::uint64_t tried = tally.tried - std::exchange(shown_tried_[k], tally.tried);
+    const std::uint64_t accepted = tally.accepted - std::exchange(shown_accepted_[k], tally.accepted);
+    if (tried > 0) shares += fmt::format(" {} {}/{}", kinds_[k].name, accepted, tried);
+  }
+  fmt::print("{:.0f} min: {} inputs, {} found; accepted in this minute:{}\n", seconds_since(start_) / 60, all.tried.load(),
+             all.found(), shares);
   std::fflush(stdout);
 }
 
@@ -135,12 +163,13 @@ int Supervisor::run() {
 }
 
 int Supervisor::print_table() const {
-  constexpr const char* row = "{:<10} {:>9} {:>9} {:>9} {:>8} {:>6} {:>12}\n";
-  fmt::print(fmt::runtime(row), "kind", "inputs", "refused", "accepted", "crashes", "hangs", "over memory");
+  constexpr const char* row = "{:<10} {:>9} {:>9} {:>9} {:>9} {:>8} {:>6} {:>12} {:>6}\n";
+  fmt::print(fmt::runtime(row), "kind", "inputs", "refused", "accepted", "share", "crashes", "hangs", "over memory", "blind");
   Tally all;
   const auto print = [&](const std::string& name, const Tally& tally) {
-    fmt::print(fmt::runtime(row), name, tally.tried.load(), tally.refused.load(), tally.accepted.load(), tally.crashes.load(),
-               tally.hangs.load(), tally.over_memory.load());
+    fmt::print(fmt::runtime(row), name, tally.tried.load(), tally.refused.load(), tally.accepted.load(),
+               fmt::format("{:.1f} %", tally.accepted_percent()), tally.crashes.load(), tally.hangs.load(),
+               tally.over_memory.load(), tally.blind.load());
   };
   for (std::size_t k = 0; k < kinds_.size(); ++k) {
     print(kinds_[k].name, shared_->tallies[k]);
