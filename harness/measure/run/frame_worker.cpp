@@ -33,21 +33,34 @@ std::vector<std::byte> FrameWorker::make(const MissingFrame& missing) {
       fmt::format("{} {} {} {}", content_hash(view_and_light), missing.key.width, missing.key.height, truth);
   if (const auto failure = failures_.find(frame); failure != failures_.end()) throw WorkerFailure(failure->second);
   write_file(file("view_and_light"), view_and_light);
-  if (!process_) process_.emplace(WorkerOptions{.threads = 0, .plugins = {}, .program = program_});
+  const Json request = json_object({{"do", "trace"},
+                                    {"scene", missing.scene_file.string()},
+                                    {"gbuffer", missing.gbuffer_file.string()},
+                                    {"stand", file("view_and_light").string()},
+                                    {"width", missing.key.width},
+                                    {"height", missing.key.height},
+                                    {"truth", truth},
+                                    {"out", file("frame").string()}});
   try {
-    process_->send(json_object({{"do", "trace"},
-                                {"scene", missing.scene_file.string()},
-                                {"gbuffer", missing.gbuffer_file.string()},
-                                {"stand", file("view_and_light").string()},
-                                {"width", missing.key.width},
-                                {"height", missing.key.height},
-                                {"truth", truth},
-                                {"out", file("frame").string()}}));
-    process_->receive(longest_trace_seconds);
+    try {
+      return ask(request);
+    } catch (const WorkerCrash&) {
+      return ask(request);
+    }
   } catch (const WorkerFailure& failure) {
-    process_.reset();
     failures_[frame] = fmt::format("the reference {}", failure.what());
     throw WorkerFailure(failures_[frame]);
+  }
+}
+
+std::vector<std::byte> FrameWorker::ask(const Json& request) {
+  if (!process_) process_.emplace(WorkerOptions{.threads = 0, .plugins = {}, .program = program_});
+  try {
+    process_->send(request);
+    process_->receive(longest_trace_seconds);
+  } catch (const WorkerFailure&) {
+    process_.reset();
+    throw;
   }
   const auto made = MappedFile::open(file("frame"));
   return {made->bytes().begin(), made->bytes().end()};

@@ -11,8 +11,9 @@
 namespace gnomon {
 
 /// Has frames traced by a worker, so that a scene which brings the ray tracer down costs its own rows only. The worker starts
-/// when a frame is missing, and stays for the next one. A frame that could not be made is a WorkerFailure with its reason,
-/// "the reference crashed in trace: ...", and is not tried again.
+/// when a frame is missing, and stays for the next one. Where a signal ends it, which may have come from outside, another one
+/// tries once more. A frame that could not be made is a WorkerFailure with its reason, "the reference crashed in trace: ...",
+/// and is not asked for again.
 class FrameWorker final : public FrameMaker {
  public:
   /// Files between both sides are named `files` and an ending; empty: they lie in a folder for temporary files. `program` is
@@ -23,6 +24,8 @@ class FrameWorker final : public FrameMaker {
 
  private:
   std::filesystem::path file(const char* ending);
+  /// What the request leaves in the file for frames.
+  std::vector<std::byte> ask(const Json& request);
 
   std::optional<WorkerProcess> process_;
   std::filesystem::path files_;

@@ -205,14 +205,14 @@ void WorkerProcess::fail_as_it_ended() {
   constexpr int not_started = 127;  // what is left where exec fails: the program may have gone since it was looked at
   if (WIFEXITED(status) && WEXITSTATUS(status) == not_started) program_to_start(options_);
   if (WIFSIGNALED(status))
-    fail(fmt::format("crashed in {}: {} (signal {})", doing_, strsignal(WTERMSIG(status)), WTERMSIG(status)));
+    fail<WorkerCrash>(fmt::format("crashed in {}: {} (signal {})", doing_, strsignal(WTERMSIG(status)), WTERMSIG(status)));
   fail(fmt::format("crashed in {}: exit status {}", doing_, WEXITSTATUS(status)));
 }
 
-void WorkerProcess::fail(const std::string& how) {
+std::string WorkerProcess::ended(const std::string& how) {
   end_process();
   const std::string words = last_words();
-  throw WorkerFailure(words.empty() ? how : how + "; it said: " + words);
+  return words.empty() ? how : how + "; it said: " + words;
 }
 
 /// The last line that the worker wrote to its stderr, shortened.

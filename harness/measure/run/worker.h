@@ -16,6 +16,10 @@ namespace gnomon {
 class WorkerFailure : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
+/// A signal ended the worker, of its own doing or from outside: another one may do better.
+class WorkerCrash : public WorkerFailure {
+  using WorkerFailure::WorkerFailure;
+};
 
 struct WorkerOptions {
   int threads = 0;  ///< pins the worker to this many cores and tells llvmpipe, Embree and TBB before any starts; 0: all
@@ -48,12 +52,18 @@ class WorkerProcess {
   const std::string& doing() const { return doing_; }
   /// From any thread: ends the process, and whoever waits in `receive` gets its WorkerFailure at once.
   void interrupt();
-  /// Ends the process and throws WorkerFailure with this reason and the last line that the process wrote to its stderr.
-  [[noreturn]] void fail(const std::string& how);
+  /// Ends the process and throws WorkerFailure, or one of its kinds, with this reason and the last line that the process wrote
+  /// to its stderr.
+  template <class Failure = WorkerFailure>
+  [[noreturn]] void fail(const std::string& how) {
+    throw Failure(ended(how));
+  }
 
  private:
   void end_process();
   [[noreturn]] void fail_as_it_ended();
+  /// Ends the process; the reason with its last words.
+  std::string ended(const std::string& how);
   std::string last_words() const;
 
   WorkerOptions options_;

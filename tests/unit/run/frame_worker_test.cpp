@@ -37,7 +37,7 @@ TEST(frame_worker, makes_what_this_process_makes) {
   EXPECT_GE(files, 1 + 2 + 2);  // the scene, a G-buffer and a reference under each truth
 }
 
-TEST(frame_worker, says_how_the_worker_ended_and_asks_once) {
+TEST(frame_worker, says_how_the_worker_ended_and_asks_twice) {
   const ScratchFolder folder = ScratchFolder::temporary("gnomon_frames");
   const fs::path program = folder.path() / "program", starts = folder.path() / "starts";
   std::ofstream(program) << "#!/bin/bash\necho start >> " << starts.string()
@@ -55,7 +55,19 @@ TEST(frame_worker, says_how_the_worker_ended_and_asks_once) {
     }
   }
   std::ifstream lines(starts);
-  EXPECT_EQ(std::count(std::istreambuf_iterator<char>(lines), {}, '\n'), 2);  // one for each size
+  EXPECT_EQ(std::count(std::istreambuf_iterator<char>(lines), {}, '\n'), 4);  // two for each size
+}
+
+TEST(frame_worker, a_worker_that_is_killed_costs_no_frame) {
+  const ScratchFolder folder = ScratchFolder::temporary("gnomon_frames");
+  const fs::path program = folder.path() / "program", mark = folder.path() / "was_killed";
+  std::ofstream(program) << "#!/bin/bash\nif [ ! -e " << mark.string() << " ]; then touch " << mark.string()
+                         << "; kill -KILL $$; fi\nexec " << tested_program() << " \"$@\"\n";
+  fs::permissions(program, fs::perms::owner_all);
+  const Scene scene = load_scene("single_triangle");
+  FrameStore frames(scene, folder.path(), std::make_unique<FrameWorker>(folder.path() / "frame", program.string()));
+  EXPECT_EQ(frames.gbuffer({scene.views[0], 64, 36, Truth::shape}).size(), 64u * 36u);
+  EXPECT_TRUE(fs::exists(mark));
 }
 
 }  // namespace
