@@ -22,7 +22,10 @@ constexpr About about{
         "None on the float32 points that it is given: a crossing that double cannot decide is decided by exact signs. A way "
         "through the border of a side quad is counted anew from a start beside the eye. A point on such a border, whose "
         "way to the light goes exactly through an edge, is dark. Of a closed body only the half that faces the light "
-        "counts: behind a body thinner than the rounding of a point, the point may be lit. Tessellation on curved shapes.",
+        "counts, and the other half is asked about points close to an edge alone: a point that rounding put through its own "
+        "triangle and out of the body behind it may be lit where it is 64 times as far from the edges of that triangle as it "
+        "is "
+        "behind it. Tessellation on curved shapes.",
     .fails =
         "Nothing it supports; the work grows with the length of the silhouette's shadow on the screen. A closed body that "
         "passes through itself inside out may be taken for empty.",
@@ -67,12 +70,13 @@ class CrowCounting final : public Technique {
 
 void CrowCounting::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   gbuffer_ = &gbuffer;
-  counter_.begin(*scene_, gbuffer, light_, volumes_, own_, mask.pixels());
+  const double size = scene_->bounds().extent();
+  counter_.begin(*scene_, size, gbuffer, light_, volumes_, own_, mask.pixels());
 
   // The count at a point does not depend on where it is begun, so where a start is in line with the border of a volume, another
   // one beside it will do. A point for which none of many starts will do lies on a border itself.
   const glm::vec3 eye = gbuffer.view.eye;
-  const auto beside = static_cast<float>(0x1p-12 * std::max(scene_->bounds().extent(), extent(eye)));
+  const auto beside = static_cast<float>(0x1p-12 * std::max(size, extent(eye)));
   Random random(1977);
   std::size_t left = 1;
   for (int attempt = 0; attempt < 16 && left > 0; ++attempt) {

@@ -29,7 +29,9 @@ constexpr About about{
         "None but for epsilon, 1e-10 of the casters' extent, and from a point light farther away than 28,000 of that 2^-48 "
         "of its coordinates: within it double decides, and everything counts as on a plane; whether the point lies beyond "
         "the polygon nearest to the light is decided exactly. A point that rounding put behind its own triangle is lit "
-        "where that is nearest to the light. Tessellation on curved shapes.",
+        "where that one, or another in its plane, is nearest to the light: a cell knows the nearest polygon alone, and not "
+        "what "
+        "lies between it and the point. Tessellation on curved shapes.",
     .fails =
         "Nothing it supports. Many small polygons behind many others, as the light sees them, are cut most: fragments per "
         "polygon grow with the depth of layers. order=bsp cuts them twice. A fan of n triangles around one point takes "

@@ -31,6 +31,9 @@ struct Box {
   }
 };
 
+/// All places of a cube's face, and more.
+constexpr Box anywhere{{-2, -2, 0}, {2, 2, 0}};
+
 /// The place on a cube's face of a point in its frame, and its z.
 glm::dvec3 projected(const glm::dvec3& p) { return {p.x / p.z, p.y / p.z, p.z}; }
 
@@ -49,6 +52,23 @@ bool is_within_face(const glm::dvec3 (&corners)[3]) {
                              [](const glm::dvec3& p) { return std::max(std::abs(p.x), std::abs(p.y)) * face_margin < p.z; });
 }
 
+/// Nearer to the light than this, of the extent, the place of a point that a clip makes is lost in rounding.
+constexpr double lost = 0x1p-28;
+
+/// Whether a triangle meets the cube around the light that is `near` to it on every side.
+bool comes_near(const glm::dvec3 (&corners)[3], double near) {
+  thread_local Clipper clipper;
+  clipper.start();
+  for (const glm::dvec3& p : corners) clipper.add({p});
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double sign : {1.0, -1.0}) {
+      glm::dvec3 inward(0);
+      inward[axis] = sign;
+      if (clipper.keep_positive({inward, near}, 0) == Lies::negative) return false;
+    }
+  return true;
+}
+
 /// Places and z of what a cube's face, or a slightly wider one, sees of a triangle: a box around them; none if it sees nothing.
 /// Where the triangle comes so close to the light that its place is lost in rounding, it may be anywhere. A point of the true
 /// part lies inside the wider face by 2^-10 of its z, far more than a clip rounds.
@@ -65,8 +85,8 @@ bool find_box(const glm::dvec3 (&corners)[3], double extent, Box& box) {
                                    glm::dvec3(0, -1, face_margin), glm::dvec3(0, 1, face_margin)})
       if (clipper.keep_positive({side, 0}, 0) == Lies::negative) return false;
   for (const Corner& corner : clipper.corners()) {
-    if (!is_in_front && !(corner.at.z > 0x1p-28 * extent)) {
-      box = {{-2, -2, 0}, {2, 2, 0}};
+    if (!is_in_front && !(corner.at.z > lost * extent)) {
+      box = anywhere;
       break;
     }
     box.add(projected(corner.at));
@@ -103,6 +123,11 @@ int find_footprints(const LightSpace& space, const glm::vec3* corners, double ex
     Box box;
     for (const glm::dvec3& p : turned) box.add(projected(p));
     add(first, box);
+    return count;
+  }
+  // Of a triangle that almost holds the light a clip may leave nothing on a face that it fills: its part there is too near.
+  if (comes_near(seen, 2 * lost * extent)) {
+    for (int face = 0; face < 6; ++face) add(face, anywhere);
     return count;
   }
   for (int face = 0; face < 6; ++face) {

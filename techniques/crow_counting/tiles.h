@@ -13,17 +13,20 @@ struct Tile {
   double x0 = INFINITY, x1 = -INFINITY, y0 = INFINITY, y1 = -INFINITY, z0 = INFINITY, z1 = 0, farthest = 0;
   std::uint32_t undecided = 0;  ///< pixels
 
+  static constexpr double margin = 0x1p-18;     ///< around each point, of its largest coordinate
+  static constexpr double narrowest = 0x1p-20;  ///< share of its distance that a point must be in front of the start
+
   /// A point that is not clearly in front of the start makes the tile boundless: nothing is then left out for it.
   ///
   /// The box has a margin, so that the tile also holds the place where the way from a point to the light leaves the point's own
   /// surface. P is at most sqrt(3) / 2 * 2^-24 max|P| off that surface, and the way to a light 1 / 32 rad or more above it
-  /// takes 32 times as much: 28 * 2^-24 max|P| < 2^-18 max|P|.
+  /// takes 32 times as much: 28 * 2^-24 max|P| < 2^-18 max|P|. Where the light is lower, doubts.h sees to it.
   void add(const glm::dvec3& p, double largest_coordinate) {
     const double distance = glm::length(p);
     ++undecided;
-    if (p.z > 0x1p-20 * distance) {
-      const double margin = 0x1p-18 * largest_coordinate / p.z, x = p.x / p.z, y = p.y / p.z;
-      add(Tile{x - margin, x + margin, y - margin, y + margin, p.z, p.z, distance, 0});
+    if (p.z > narrowest * distance) {
+      const double beside = margin * largest_coordinate / p.z, x = p.x / p.z, y = p.y / p.z;
+      add(Tile{x - beside, x + beside, y - beside, y + beside, p.z, p.z, distance, 0});
     } else {
       add(Tile{-INFINITY, INFINITY, -INFINITY, INFINITY, 0, INFINITY, distance, 0});
     }

@@ -62,6 +62,12 @@ class Volumes {
     return meet_cap(from, to, adjacency_.corners(cap(k)), silhouette_.light, silhouette_.facing[cap(k)]);
   }
 
+  /// Whether of the closed body of a triangle only the half that faces the light counts.
+  bool is_half(std::uint32_t triangle) const {
+    const EdgeAdjacency::Part& part = adjacency_.parts()[adjacency_.part_of()[triangle]];
+    return adjacency_.half(part, silhouette_.light) != EdgeAdjacency::Half::both;
+  }
+
   std::size_t bytes() const { return adjacency_.bytes() + silhouette_.bytes() + bytes_of(caps_, polygons_, outlines_); }
 
  private:
@@ -111,44 +117,50 @@ class OwnVolumes {
     return numbers_.numbered(receiver_at(*scene_, gbuffer, i));
   }
 
-  /// How many of them hold the point, seen from the start that the volumes were counted from: where the way to the light goes
-  /// exactly through an edge, the point is taken a vanishing step nearer to the start, as the count takes it. `near` are
-  /// light caps that ways from the start to the point and its neighbors may cross. A way from the lit side of the own triangle
-  /// crosses its plane just before a point below it, so they hold every coplanar triangle that matters; from any other start
-  /// all caps are asked.
-  int count(const Volumes& volumes, const NumberedReceiver& surface, const glm::vec3& start,
-            std::span<const std::uint32_t> near) const {
+  /// Whether the volume of a triangle holds the point, seen from the start that the volumes were counted from: where the way to
+  /// the light goes exactly through an edge, the point is taken a vanishing step nearer to the start, as the count takes it.
+  static bool holds(const Volumes& volumes, std::uint32_t triangle, const glm::vec3& point, const glm::vec3& start) {
+    const Silhouette& silhouette = volumes.silhouette();
+    const Triangle t = volumes.adjacency().corners(triangle);
+    const glm::vec3* p = t.points;
+    if (silhouette.facing[triangle] == 0) return false;
+    if (orient3d_sign(p[0], p[1], p[2], point) != -silhouette.facing[triangle]) return false;
+    int turns = 0;
+    for (int k = 0; k < 3; ++k) {
+      const int turn = orient3d_sign(point, p[k], p[(k + 1) % 3], silhouette.light);
+      turns += turn != 0 ? turn : orient3d_sign(start, p[k], p[(k + 1) % 3], silhouette.light);
+    }
+    return std::abs(turns) == 3;
+  }
+
+  /// Calls visit(triangle) for those that hold the point; says whether the point lies behind the plane of its own triangle, as
+  /// the light sees it, so that there may be any. `near` are light caps that ways from the start to the point and its neighbors
+  /// may cross. A way from the lit side of the own triangle crosses its plane just before a point below it, so they hold every
+  /// coplanar triangle that matters, but for a grazing light (doubts.h); from any other start all caps are asked.
+  template <class Visit>
+  bool for_holding(const Volumes& volumes, const NumberedReceiver& surface, const glm::vec3& start,
+                   std::span<const std::uint32_t> near, Visit&& visit) const {
     const glm::dvec4& light = volumes.silhouette().light;
-    const auto holds = [&](std::uint32_t triangle) {
-      const Triangle t = volumes.adjacency().corners(triangle);
-      const glm::vec3* p = t.points;
-      if (volumes.silhouette().facing[triangle] == 0) return false;
-      if (orient3d_sign(p[0], p[1], p[2], surface.point) != -volumes.silhouette().facing[triangle]) return false;
-      int turns = 0;
-      for (int k = 0; k < 3; ++k) {
-        const int turn = orient3d_sign(surface.point, p[k], p[(k + 1) % 3], light);
-        turns += turn != 0 ? turn : orient3d_sign(start, p[k], p[(k + 1) % 3], light);
-      }
-      return std::abs(turns) == 3;
+    const auto ask = [&](std::uint32_t triangle) {
+      if (holds(volumes, triangle, surface.point, start)) visit(triangle);
     };
-    int sum = 0;
     if (!surface.has_triangle()) {
       const BoxTree& tree = curved_[surface.mesh];
       tree.any(SegmentSlabs(Segment{surface.point, light}), 0, [&](std::uint32_t place) {
-        sum += holds(surface.first_own + tree.order()[place]);
+        ask(surface.first_own + tree.order()[place]);
         return false;
       });
-      return sum;
+      return false;
     }
     const Triangle own = volumes.adjacency().corners(surface.first_own);
     const glm::vec3* p = own.points;
     // From the plane itself or the light's side of it, no way to the light crosses the plane.
     const int of_light = orient3d_sign(p[0], p[1], p[2], light);
-    if (orient3d_sign(p[0], p[1], p[2], surface.point) * of_light >= 0) return 0;
-    sum = holds(surface.first_own);
+    if (orient3d_sign(p[0], p[1], p[2], surface.point) * of_light >= 0) return false;
+    ask(surface.first_own);
     for (const std::uint32_t triangle : orient3d_sign(p[0], p[1], p[2], start) == of_light ? near : volumes.caps())
-      if (!surface.is_own(triangle) && coplanar(own, volumes.adjacency().corners(triangle).points)) sum += holds(triangle);
-    return sum;
+      if (!surface.is_own(triangle) && coplanar(own, volumes.adjacency().corners(triangle).points)) ask(triangle);
+    return true;
   }
 
   /// Whether the edge a b is one of what is left out.

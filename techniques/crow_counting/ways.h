@@ -2,8 +2,8 @@
 #include <gnomon/kit/add_up.h>
 #include <gnomon/kit/scratch_pool.h>
 
+#include "doubts.h"
 #include "tiles.h"
-#include "volumes.h"
 
 namespace gnomon::crow_counting {
 
@@ -31,10 +31,12 @@ struct CountingWork {
 /// Counts volumes along the ways from a start to the points of all pixels, tile by tile on all threads.
 class WayCounter {
  public:
-  /// Begins a picture: every pixel that faces the light is undecided, and lit until it is decided.
-  void begin(const Scene& scene, const GBuffer& gbuffer, const Light& light, Volumes& volumes, const OwnVolumes& own,
-             std::span<float> mask) {
+  /// Begins a picture: every pixel that faces the light is undecided, and lit until it is decided. `extent` is the largest
+  /// coordinate of the scene.
+  void begin(const Scene& scene, double extent, const GBuffer& gbuffer, const Light& light, Volumes& volumes,
+             const OwnVolumes& own, std::span<float> mask) {
     gbuffer_ = &gbuffer;
+    extent_ = extent;
     volumes_ = &volumes;
     own_ = &own;
     mask_ = mask;
@@ -59,10 +61,12 @@ class WayCounter {
     const int level = pyramid_.top();
     Pyramid::Level& top = pyramid_.level(level);
     std::vector<CountingWork> works(top.tiles.size());
+    std::vector<std::vector<Doubt>> doubts(top.tiles.size());
     for_blocks(top.tiles.size(), 1, [&](std::size_t k, std::size_t) {
       if (top.tiles[k].undecided == 0) return;
       const auto scratch = scratch_.borrow();
       scratch->polygons.resize(std::max<std::size_t>(scratch->polygons.size(), level + 2));
+      scratch->doubts = &doubts[k];
       std::vector<std::uint32_t>& list = scratch->polygons[level + 1];
       list.clear();
       for (std::uint32_t p = 0; p < volumes_->count(); ++p)
@@ -75,6 +79,7 @@ class WayCounter {
       work_ += work;
       left += work.again;
     }
+    settle(doubts);
     return left;
   }
 
@@ -106,6 +111,7 @@ class WayCounter {
     std::vector<std::vector<std::uint32_t>> polygons;  ///< of the tile on each level
     std::vector<std::uint32_t> caps;                   ///< triangles among those of the smallest
     std::vector<MetPolygon> met[tile_size];
+    std::vector<Doubt>* doubts;  ///< of the tile of the top level
   };
   /// A pixel of a tile while its polygons are looked for.
   struct Query {
@@ -170,7 +176,7 @@ class WayCounter {
         ++work.again;
         continue;
       }
-      const bool in_shadow = walk(a, scratch.met[k], scratch.caps, work);
+      const bool in_shadow = walk(a, scratch.met[k], scratch, work);
       mask_[a.pixel] = in_shadow || a.touches ? 0.0f : 1.0f;
       work.touching += a.touches;
       is_undecided_[a.pixel] = 0;
@@ -202,31 +208,67 @@ class WayCounter {
   }
 
   /// The count front to back; says whether the point is in shadow.
-  bool walk(const Query& query, std::vector<MetPolygon>& met, std::span<const std::uint32_t> caps, CountingWork& work) {
+  bool walk(const Query& query, std::vector<MetPolygon>& met, const Scratch& scratch, CountingWork& work) {
     std::ranges::sort(met, [](const MetPolygon& one, const MetPolygon& other) {
       return one.share != other.share ? one.share < other.share : one.polygon < other.polygon;
     });
-    PixelCount& found = found_[query.pixel];
-    found.crossings = static_cast<std::uint32_t>(met.size());
     std::int64_t depth = volumes_at_start_, deepest = depth;
     for (const MetPolygon& m : met) {
       depth += m.step;
       deepest = std::max(deepest, depth);
-      if (m.step > 0) found.entered = m.polygon;
+      if (m.step > 0) found_[query.pixel].entered = m.polygon;
     }
-    // The volumes of the triangle that the point lies on do not count: a point rounded to below it is in them.
-    const std::int64_t own =
-        depth > 0 ? own_->count(*volumes_, own_->surface(*gbuffer_, query.pixel), frame_.start, caps) : std::int64_t{0};
-    found.depth = static_cast<std::int32_t>(depth - own);
-    found.crossings -= static_cast<std::uint32_t>(std::clamp<std::int64_t>(own, 0, found.crossings));
     ++work.rays;
     work.crossings += met.size();
     work.longest = std::max<std::uint64_t>(work.longest, met.size());
     work.deepest = std::max(work.deepest, deepest);
+    const auto crossings = static_cast<std::uint32_t>(met.size());
+    return conclude(query.pixel, depth, crossings, depth > 0 ? count_own(query, depth, crossings, scratch) : 0);
+  }
+
+  /// The volumes of the triangle that the point lies on, which do not count: a point rounded to below it is in them. Notes a
+  /// doubt where that takes more than the caps of the tile.
+  std::int64_t count_own(const Query& query, std::int64_t depth, std::uint32_t crossings, const Scratch& scratch) const {
+    const NumberedReceiver surface = own_->surface(*gbuffer_, query.pixel);
+    const auto beginning = [&] {
+      return Beginning(volumes_->adjacency().corners(surface.first_own), surface.point, volumes_->silhouette().light, extent_);
+    };
+    std::int64_t own = 0;
+    bool may_leave = false;  // a body, through the half of it that does not count
+    const bool is_behind = own_->for_holding(*volumes_, surface, frame_.start, scratch.caps, [&](std::uint32_t t) {
+      ++own;
+      may_leave |= surface.has_triangle() && volumes_->is_half(t) && beginning().is_near_edge(volumes_->adjacency().corners(t));
+    });
+    if (query.touches || !(depth > own ? is_behind && leaves_tile(query, beginning()) : may_leave)) return own;
+    scratch.doubts->push_back({query.pixel, depth, crossings, beginning().box()});
+    return own;
+  }
+
+  /// Whether the way to the light may cross the plane of the own triangle outside of the tile (Tile::add): as the start sees
+  /// it, a step of length s moves a point q by s (1 + |q| / z) / (z - s) or less.
+  bool leaves_tile(const Query& query, const Beginning& way) const {
+    const double z = query.seen.z, far = glm::length(query.seen);
+    return !(way.length * (z + far) < Tile::margin * extent(way.from) * (z - way.length)) && z > Tile::narrowest * far;
+  }
+
+  /// Says whether the point is in shadow.
+  bool conclude(std::size_t pixel, std::int64_t depth, std::uint32_t crossings, std::int64_t own) {
+    found_[pixel].depth = static_cast<std::int32_t>(depth - own);
+    found_[pixel].crossings = crossings - static_cast<std::uint32_t>(std::clamp<std::int64_t>(own, 0, crossings));
     return depth > own;
   }
 
+  /// Decides the points in doubt anew.
+  void settle(std::span<const std::vector<Doubt>> doubts) {
+    std::vector<Doubt> all;
+    for (const std::vector<Doubt>& some : doubts) all.insert(all.end(), some.begin(), some.end());
+    if (all.empty()) return;
+    ask_casters(*volumes_, *own_, *gbuffer_, frame_.start, all);
+    for (const Doubt& d : all) mask_[d.pixel] = conclude(d.pixel, d.depth + d.behind, d.crossings, d.own) ? 0.0f : 1.0f;
+  }
+
   const GBuffer* gbuffer_ = nullptr;
+  double extent_ = 0;  // of the scene
   Volumes* volumes_ = nullptr;
   const OwnVolumes* own_ = nullptr;
   std::span<float> mask_;

@@ -11,7 +11,10 @@ struct Grid {
   std::uint32_t first = 0;  ///< tile, of all faces
 
   bool is_empty() const { return columns == 0; }
-  bool holds(const glm::dvec3& p) const { return p.x >= low.x && p.x <= high.x && p.y >= low.y && p.y <= high.y; }
+  /// Borders belong to the grid, and what is as near to them as `epsilon`.
+  bool holds(const glm::dvec3& p, double epsilon) const {
+    return p.x >= low.x - epsilon && p.x <= high.x + epsilon && p.y >= low.y - epsilon && p.y <= high.y + epsilon;
+  }
   int column(double x) const { return std::clamp(static_cast<int>((x - low.x) * per_step.x), 0, columns - 1); }
   int row(double y) const { return std::clamp(static_cast<int>((y - low.y) * per_step.y), 0, rows - 1); }
   std::uint32_t tile(int column, int row) const { return first + static_cast<std::uint32_t>(row * columns + column); }
@@ -27,11 +30,12 @@ class Forest {
   /// `extent` is the largest coordinate of the casters, in meters. On all threads; the outcome does not depend on their number.
   void grow(const ProjectedSpace& space, const Pieces& pieces, const Facing& facing, Order order, Rules rules, double extent);
 
-  /// For a point of light space: its tile's tree, or an OUT cell where there are no tiles.
+  /// For a point of light space: its tile's tree, or an OUT cell where there are no tiles. A cut at the border of a face
+  /// rounds, and so may end the tiles just before a point on that border.
   Query query(int face, const glm::dvec3& p) const {
     const Grid& grid = grids_[face];
     Query query{.x = p.x, .y = p.y, .nodes = nullptr, .link = out_cell};
-    if (grid.is_empty() || !grid.holds(p)) return query;
+    if (grid.is_empty() || !grid.holds(p, epsilon_.across)) return query;
     const std::uint32_t tile = grid.tile(grid.column(p.x), grid.row(p.y));
     query.nodes = nodes(tile).data();
     query.link = roots_[tile];

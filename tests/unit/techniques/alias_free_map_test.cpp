@@ -385,6 +385,25 @@ void for_pictures(int rounds, Visit&& visit) {
   }
 }
 
+// The light is 2^-56 m off the plane of the triangle around it, which so shades half of space. In double the light's faces see
+// the triangle as a line through themselves, and a clip to a face leaves nothing of it, or little.
+TEST(AliasFreeMap, a_triangle_that_all_but_holds_the_light_shades_half_of_space) {
+  Scene scene;
+  scene.meshes = {mesh_of({{0.25f, -0.5f, 0}, {0.25f, 0.5f, -1}, {1.25f, 0.5f, 0x1p-54f}}, {{0, 1, 2}}),
+                  tessellate(Sphere{{0.25f, 0.5f, 0}, 3}, 12, "room"), square(6, -2)};
+  scene.meshes[1].shape.reset();
+  scene.meshes[1].casts = false;
+  const Light light = point_light({0.5f, 0, -0.25f});
+  Random random(12);
+  Picture picture(100, 20);
+  scatter(scene, light, random, picture);
+  Differences d;
+  compare(scene, light, picture.gbuffer, "", d);
+  EXPECT_EQ(d.wrong, 0);
+  EXPECT_GT(d.dark, 500);
+  EXPECT_GT(d.lit, 500);
+}
+
 TEST(AliasFreeMap, decides_as_the_oracle_does_in_pictures) {
   Differences d;
   for_pictures(12,

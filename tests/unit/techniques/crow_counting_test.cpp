@@ -375,6 +375,65 @@ TEST(CrowCounting, a_rounded_point_seen_from_behind_is_not_shaded_by_copies) {
   EXPECT_GT(below, 50);
 }
 
+// Points of a ball's triangles, on their edges but for rounding. Some are behind their own triangle and outside of the ball, so
+// that a triangle turned away from the light, which has no volume, blocks theirs.
+TEST(CrowCounting, a_point_that_rounding_puts_out_of_a_body_beside_its_edge_is_dark) {
+  Scene scene;
+  scene.meshes = {tessellate(Sphere{{0.25f, 0.5f, 0}, 1}, 6, "ball")};
+  Mesh& ball = scene.meshes[0];
+  ball.shape.reset();
+  Random random(10);
+  Picture picture(100, 50);
+  picture.gbuffer.view.eye = {1, 3, 7};
+  for (std::size_t i = 0; i < picture.gbuffer.size(); ++i) {
+    const std::uint32_t t = random.below(static_cast<std::uint32_t>(ball.triangles.size())), k = random.below(3);
+    const Triangle own = ball.corners(t);
+    const glm::dvec3 a(own.points[k]), b(own.points[(k + 1) % 3]);
+    picture.set(i, a + random.uniform(0, 1) * (b - a), glm::normalize(own.normal()), 0, t);
+  }
+  int out = 0;
+  for (const Light& light :
+       {point_light({-7, 5, 0}), sun({-4, -2.5f, -4}), sun({-0.5f, -3, 3.5f}), point_light({-3, -4, -4})}) {
+    Differences d;
+    compare(scene, light, picture.gbuffer, d);
+    EXPECT_EQ(d.wrong, 0);
+    EXPECT_GT(d.lit, 1000);
+    out += d.dark;
+  }
+  EXPECT_GT(out, 50);
+}
+
+// The light is 10^-6 rad above a plane of many triangles. From a point 10^-7 m or so below it, the way to the light comes up
+// through another triangle than the way from the eye went down through. All are lit.
+TEST(CrowCounting, a_rounded_point_under_a_grazing_light_is_not_shaded_by_its_plane) {
+  const glm::vec3 u(3, 1, 0), v(0, 2, 5);
+  std::vector<glm::vec3> positions;
+  std::vector<glm::uvec3> triangles;
+  for (std::uint32_t i = 0; i <= 64; ++i)
+    for (std::uint32_t j = 0; j <= 1; ++j) positions.push_back(static_cast<float>(i) / 64 * u + static_cast<float>(j) * v);
+  for (std::uint32_t p = 0; p < 128; p += 2) {
+    triangles.push_back({p, p + 1, p + 3});
+    triangles.push_back({p, p + 3, p + 2});
+  }
+  Scene scene;
+  scene.meshes = {mesh_of(positions, triangles)};
+  const glm::dvec3 n = glm::normalize(glm::cross(glm::dvec3(v), glm::dvec3(u)));
+  const Light light = point_light(glm::dvec3(u) * 2.0 + glm::dvec3(v) * 0.5 + 1e-5 * n);
+  Random random(11);
+  int below = 0;
+  for (int i = 0; i < 400; ++i) {
+    const std::uint32_t t = random.below(64);
+    const glm::dvec3 a(positions[triangles[t].x]), b(positions[triangles[t].y]), c(positions[triangles[t].z]);
+    Picture picture(1, 1);
+    picture.gbuffer.view.eye = {1, 9, 2};
+    picture.gbuffer.view.target = a;
+    picture.set(0, a + random.uniform(0.4, 0.5) * (b - a) + random.uniform(0, 0.5) * (c - a), n, 0, t);
+    below += glm::dot(n, glm::dvec3(picture.gbuffer.position(0))) < 0;
+    EXPECT_EQ(run(scene, light, picture.gbuffer).mask[0], 1) << i;
+  }
+  EXPECT_GT(below, 100);
+}
+
 // Points on the true sphere lie outside its triangles, and behind the planes of those that turn away; a body that is convex
 // shades none of its points that face the light. Its shadow on the floor, and a plate's shadow on it, remain.
 TEST(CrowCounting, an_exact_shape_is_not_shaded_by_its_own_triangles) {

@@ -200,6 +200,17 @@ TEST(Svbsp, a_new_order_forgets_the_regular_tree) {
   for (const Count& count : technique->counts()) EXPECT_NE(count.name, "bsp_nodes");
 }
 
+// From the light to the point x and y fall alike, so that it lies on the border of two faces of the light, where the shadow of
+// a triangle goes on from one to the other. What a cut rounds must not leave a gap there.
+TEST(Svbsp, a_point_on_the_border_of_two_faces_is_in_shadow) {
+  Scene scene;
+  scene.meshes = {mesh_of({{-1.875f, -2, 1.75f}, {1.25f, 1.375f, -2}, {-14, 8, -8}}, {{0, 1, 2}}), square(6, -2)};
+  Picture picture(1, 1);
+  picture.set(0, {-6, -2, -1.5f}, {0, 1, 0}, 1, 0);
+  for (const char* const settings : all_orders)
+    EXPECT_EQ(run(settings, scene, point_light({-0.5f, 3.5f, 0}), picture.gbuffer).mask[0], 0) << settings;
+}
+
 TEST(Svbsp, area_lights_are_refused) {
   const auto technique = lit("", {}, sun({0, -1, 0}));
   EXPECT_FALSE(technique->supports({}, {.name = "area", .kind = SphereLight{}}, {}));
