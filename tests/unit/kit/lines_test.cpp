@@ -112,6 +112,13 @@ TEST_F(Lines, what_is_behind_the_eye_or_beside_the_picture_is_not_drawn) {
   EXPECT_EQ(state(picture, width * 20 + 43, red), untouched);
 }
 
+// All of a line through the eye is seen at one place, 5.5 pixels right of the middle and 0.5 below, whichever end the eye is.
+TEST_F(Lines, a_line_that_ends_in_the_eye_is_a_point) {
+  const glm::dvec3 eye(0, 4, 0), on_square(0.55, 0, 0.05);
+  for (const Line& line : {Line{on_square, eye, red}, Line{eye, on_square, red}})
+    EXPECT_EQ(state(draw({line}), width * 20 + 45, red), visible);
+}
+
 // Points at the middle of a pixel of the square, of the background, beside the picture and behind the eye. Beneath the square a
 // point is hidden from 4 mm on, as a line is; and just inside the square's border the pixel beside it shows nothing that hides.
 TEST_F(Lines, points_are_seen_by_the_rule_of_lines) {

@@ -132,6 +132,31 @@ TEST(occluded, a_rays_own_receiver_is_no_hit_and_lanes_that_are_off_answer_0) {
   EXPECT_EQ(ask(0, 1, 0), 0u);
 }
 
+TEST(closest, is_the_same_triangle_whatever_the_unit_of_length) {
+  // Powers of two round nothing, so that the scene is the same one in another unit. Rays start at its middle.
+  std::mt19937 engine(3);
+  Scene scene;
+  scene.meshes = {small_world::random_soup(engine, 200, 1, -1, 1, 0.5f)};
+  const RayScene in_meters(scene, Truth::mesh, RayScene::Which::all);
+  for (const int power : {-60, -40, -12, 35, 50}) {
+    Scene other = scene;
+    for (glm::vec3& p : other.meshes[0].positions) p = std::ldexp(1.0f, power) * p;
+    const RayScene rays(other, Truth::mesh, RayScene::Which::all);
+    Random random(4);
+    int met = 0;
+    for (int k = 0; k < 500; ++k) {
+      const glm::dvec3 direction = small_world::direction_of(random);
+      const RayScene::Hit one = in_meters.closest({0, 0, 0}, direction), two = rays.closest({0, 0, 0}, direction);
+      ASSERT_EQ(one.mesh, two.mesh) << power;
+      if (one.mesh == no_mesh) continue;
+      ++met;
+      EXPECT_EQ(one.triangle, two.triangle) << power;
+      EXPECT_NEAR(two.t, std::ldexp(one.t, power), 1e-5 * two.t);
+    }
+    EXPECT_GT(met, 250);
+  }
+}
+
 TEST(trace_shadows, equals_one_ray_at_a_time_in_double_away_from_edges) {
   // The brute force asks five times, at the point and at four points 1e-4 m around it in the receiver's plane. Where they
   // agree no edge is near and the answers must be equal; 2 mm of edge in 10 m leaves nearly all pixels.

@@ -184,5 +184,41 @@ TEST(Svbsp, a_full_tile_hides_what_is_farther) {
   EXPECT_EQ(paper.nodes.size(), 1u);
 }
 
+// 90 rows of 90 tiles would be one for each of 8100 slivers that run from border to border, side by side: each would lie in 90.
+TEST(Svbsp, pieces_lie_in_64_tiles_at_most_on_average) {
+  constexpr int count = 8100;
+  const glm::dvec4 light(0, 1, 0, 0);
+  for (const bool along_x : {false, true}) {
+    std::vector<SceneTriangle> triangles;
+    std::vector<std::int8_t> signs;
+    for (int i = 0; i < count; ++i) {
+      const float left = static_cast<float>(i) / count, right = (static_cast<float>(i) + 0.5f) / count;
+      const auto at = [&](float across, float along) {
+        return along_x ? glm::vec3(along, 0, across) : glm::vec3(across, 0, along);
+      };
+      const SceneTriangle& t = triangles.emplace_back(SceneTriangle{{{at(left, 0), at(right, 0), at(left, 1)}}, 0});
+      signs.push_back(static_cast<std::int8_t>(orient3d_sign(t.points[0], t.points[1], t.points[2], light)));
+    }
+    const Facing facing{triangles, signs};
+    const ProjectedSpace space(light, {{0, 0, 0}, {1, 0, 1}});
+    Pieces pieces;
+    pieces.make(space, facing, count, [&](std::size_t i, Corner* corners) -> Pieces::Part {
+      for (int k = 0; k < 3; ++k) corners[k] = {glm::dvec3(triangles[i].points[k]), own_edge};
+      return {static_cast<std::uint32_t>(i), {corners, 3}};
+    });
+    Forest forest;
+    forest.grow(space, pieces, facing, Forest::Order::tiles, {.tile_size = 1}, 1);
+    const Grid& grid = forest.grid(0);
+    const std::span<const Piece> found = pieces.of_face(0);
+    ASSERT_EQ(found.size(), std::size_t{count});
+    int tiles = 0;
+    for (const Piece& piece : found)
+      tiles +=
+          (grid.column(piece.high.x) - grid.column(piece.low.x) + 1) * (grid.row(piece.high.y) - grid.row(piece.low.y) + 1);
+    EXPECT_LE(tiles, 64 * count);
+    EXPECT_GT(tiles, 16 * count);
+  }
+}
+
 }  // namespace
 }  // namespace gnomon
