@@ -2,6 +2,7 @@
 #include <gnomon/kit/shapes.h>
 
 #include "stencil_rig.h"
+#include "techniques/stencil_volume/gpu_finder.h"
 
 namespace {
 using namespace stencil_rig;
@@ -255,6 +256,26 @@ TEST_F(StencilVolume, fresh_finder_has_room_for_every_outline) {
       TearDownTestSuite();  // what is made next has small buffers
       EXPECT_EQ(differences(mask("finder=gpu" + std::string(extrusion), scene, light, g), expected), 0);
     }
+}
+
+// What is written beyond a buffer may be lost, or may end the program, as the driver likes.
+TEST_F(StencilVolume, the_devices_finder_is_told_the_room_that_there_is) {
+  const Scene scene = scene_of({small_world::box({-1, 0, -1}, {1, 1, 1})});
+  const EdgeAdjacency adjacency(scene);
+  const StateGuard guard;
+  stencil_volume::GpuFinder finder;
+  finder.setup();
+  finder.build(adjacency);
+  FaceBuffers faces;
+  Silhouette silhouette;
+  finder.find(scene_buffers(scene), adjacency, {1, 5, 0.5, 1}, {}, faces, silhouette);
+  GLint program = 0, told = 0, sides = 0, bytes = 0;
+  glGetIntegerv(GL_CURRENT_PROGRAM, &program);
+  glGetUniformiv(static_cast<GLuint>(program), glGetUniformLocation(static_cast<GLuint>(program), "side_capacity"), &told);
+  glGetIntegeri_v(GL_SHADER_STORAGE_BUFFER_BINDING, 6, &sides);
+  glGetNamedBufferParameteriv(static_cast<GLuint>(sides), GL_BUFFER_SIZE, &bytes);
+  EXPECT_GE(told, 4) << "sides of the outline";
+  EXPECT_LE(told * static_cast<int>(sizeof(glm::uvec4)), bytes);
 }
 
 // The device finds the same outline as the processor, so every count of work is the same; buffers may be larger.
