@@ -196,6 +196,35 @@ TEST(AliasFreeMapParts, a_footprint_holds_all_that_its_triangle_shades) {
   EXPECT_GT(left_out, 100'000);
 }
 
+// A larger one would be right as well, and would ask about points that the triangle cannot shade. Seen on one face, it goes
+// beyond the triangle's corners by some 2^-20, which float32 makes a little more.
+TEST(AliasFreeMapParts, a_footprint_ends_where_its_triangle_does) {
+  Random random(4);
+  for (int i = 0; i < 1'000; ++i) {
+    Triangle t;
+    for (glm::vec3& p : t.points) p = lattice_point(random);
+    const Light light = i % 2 ? point_light({0, 9, 0}) : sun({0, -1, 0});
+    Bounds bounds;
+    for (const glm::vec3& p : t.points) bounds.add(p);
+    const LightSpace space = space_of(light, bounds);
+    FaceFootprint found[6];
+    ASSERT_EQ(find_footprints(space, t.points, 16, 7, found), 1);
+    glm::dvec3 low(INFINITY), high(-INFINITY);
+    for (const glm::vec3& p : t.points) {
+      const glm::dvec3 seen = space[found[0].face].seen(glm::dvec3(p));
+      const double z = i % 2 ? seen.z : 1;
+      low = glm::min(low, {seen.x / z, seen.y / z, seen.z});
+      high = glm::max(high, {seen.x / z, seen.y / z, seen.z});
+    }
+    const Footprint& f = found[0].footprint;
+    for (const auto& [beyond, end] :
+         {std::pair(low.x, -f.x0), {-high.x, f.x1}, {low.y, -f.y0}, {-high.y, f.y1}, {low.z, -f.z0}}) {
+      EXPECT_GT(beyond + end, 0);
+      EXPECT_LT(beyond + end, 1e-4);
+    }
+  }
+}
+
 // The sides in double never contradict the exact crossing, and leave little to it: for points anywhere, and for points aimed at
 // edges and at the triangle itself.
 TEST(AliasFreeMapParts, the_sides_of_a_shadow_never_contradict_exact_signs) {
