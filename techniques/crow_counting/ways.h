@@ -3,7 +3,6 @@
 #include <gnomon/kit/scratch_pool.h>
 
 #include "doubts.h"
-#include "tiles.h"
 
 namespace gnomon::crow_counting {
 
@@ -239,16 +238,11 @@ class WayCounter {
       ++own;
       may_leave |= surface.has_triangle() && volumes_->is_half(t) && beginning().is_near_edge(volumes_->adjacency().corners(t));
     });
-    if (query.touches || !(depth > own ? is_behind && leaves_tile(query, beginning()) : may_leave)) return own;
-    scratch.doubts->push_back({query.pixel, depth, crossings, beginning().box()});
+    if (query.touches) return own;
+    const bool is_grazed = depth > own && is_behind && beginning().leaves_tile(query.seen);
+    if (is_grazed || (depth == own && may_leave))
+      scratch.doubts->push_back({query.pixel, depth, crossings, is_grazed, beginning().box(), static_cast<std::int32_t>(own)});
     return own;
-  }
-
-  /// Whether the way to the light may cross the plane of the own triangle outside of the tile (Tile::add): as the start sees
-  /// it, a step of length s moves a point q by s (1 + |q| / z) / (z - s) or less.
-  bool leaves_tile(const Query& query, const Beginning& way) const {
-    const double z = query.seen.z, far = glm::length(query.seen);
-    return !(way.length * (z + far) < Tile::margin * extent(way.from) * (z - way.length)) && z > Tile::narrowest * far;
   }
 
   /// Says whether the point is in shadow.
