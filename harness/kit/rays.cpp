@@ -1,16 +1,18 @@
 #include <embree3/rtcore.h>
 #include <gnomon/error.h>
 #include <gnomon/kit/contour.h>
+#include <gnomon/kit/edges.h>
 #include <gnomon/kit/rays.h>
 #include <gnomon/kit/vectorized.h>
 #include <tbb/global_control.h>
 
 #include <algorithm>
 #include <atomic>
-#include <bit>
 #include <cmath>
+#include <mutex>
 #include <optional>
 
+#include "ray_frame.h"
 #include "shape_rays.h"
 
 namespace gnomon {
@@ -22,8 +24,8 @@ namespace {
 
 /// What the filter and the shape callbacks see beside Embree's own context; ray ids are lane numbers.
 struct Context {
-  RTCIntersectContext embree;
-  Receivers receivers;
+  RTCIntersectContext embree = {};
+  Receivers receivers = {};  ///< none: exact curved shapes let all through
 };
 
 bool count_memory(void* sum, ssize_t bytes, bool) {
@@ -48,6 +50,61 @@ void exclude_receiver(const RTCFilterFunctionNArguments* args) {
   }
 }
 
+struct LaneRay {
+  glm::dvec3 origin, direction;
+  double tnear, tfar;
+};
+
+LaneRay lane_ray(RTCRayN* rays, unsigned count, unsigned lane) {
+  return {{RTCRayN_org_x(rays, count, lane), RTCRayN_org_y(rays, count, lane), RTCRayN_org_z(rays, count, lane)},
+          {RTCRayN_dir_x(rays, count, lane), RTCRayN_dir_y(rays, count, lane), RTCRayN_dir_z(rays, count, lane)},
+          RTCRayN_tnear(rays, count, lane),
+          RTCRayN_tfar(rays, count, lane)};
+}
+
+/// What `exclude_doubtful` sees: the rays, as they are traced, and where in the scene they go. It notes the rays in `doubtful`.
+struct DoubtContext : Context {
+  const Scene& scene;
+  double scale, clearance;
+  std::array<float, 16> tnear, tfar;
+  std::uint32_t doubtful = 0;
+};
+
+/// Whether a ray goes through a triangle with so much room on all sides that its float32 numbers leave no doubt.
+bool is_clear(const LaneRay& ray, const glm::dvec3 (&corner)[3], double clearance) {
+  const glm::dvec3 v[3] = {corner[0] - ray.origin, corner[1] - ray.origin, corner[2] - ray.origin};
+  double turn[3];
+  for (int k = 0; k < 3; ++k) {
+    const glm::dvec3 &from = v[k], &to = v[(k + 1) % 3];
+    turn[k] = glm::dot(glm::cross(from, to), ray.direction);
+    // Over the length on the right this is the distance of two lines.
+    if (!(std::abs(turn[k]) > clearance * glm::length(glm::cross(to - from, ray.direction)))) return false;
+  }
+  if ((turn[0] > 0) != (turn[1] > 0) || (turn[0] > 0) != (turn[2] > 0)) return false;
+  const glm::dvec3 normal = glm::cross(v[1] - v[0], v[2] - v[0]);
+  const double t = glm::dot(normal, v[0]) / glm::dot(normal, ray.direction), room = clearance / glm::length(ray.direction);
+  return t > std::max(ray.tnear + room, 4 * room) && t < ray.tfar - room;
+}
+
+void exclude_doubtful(const RTCFilterFunctionNArguments* args) {
+  exclude_receiver(args);
+  auto& context = static_cast<DoubtContext&>(*reinterpret_cast<Context*>(args->context));
+  for (unsigned lane = 0; lane < args->N; ++lane) {
+    if (args->valid[lane] == 0) continue;
+    const unsigned id = RTCRayN_id(args->ray, args->N, lane);
+    const Mesh& mesh = context.scene.meshes[RTCHitN_geomID(args->hit, args->N, lane)];
+    const Triangle triangle = mesh.corners(RTCHitN_primID(args->hit, args->N, lane));
+    glm::dvec3 corner[3];
+    for (int k = 0; k < 3; ++k) corner[k] = context.scale * glm::dvec3(triangle.points[k]);
+    LaneRay ray = lane_ray(args->ray, args->N, lane);
+    ray.tnear = context.tnear[id];
+    ray.tfar = context.tfar[id];
+    if (is_clear(ray, corner, context.clearance)) continue;
+    context.doubtful |= 1u << id;
+    args->valid[lane] = 0;
+  }
+}
+
 void shape_bounds(const RTCBoundsFunctionArguments* args) {
   const Bounds box = shape_bounds(static_cast<const ShapeGeometry*>(args->geometryUserPtr)->shape);
   *args->bounds_o = {box.min.x, box.min.y, box.min.z, 0, box.max.x, box.max.y, box.max.z, 0};
@@ -63,18 +120,6 @@ GNOMON_VECTORIZED std::uint32_t blocked_bits(const float* tfar) {
   std::uint32_t blocked = 0;
   for (int lane = 0; lane < 16; ++lane) blocked |= tfar[lane] < 0 ? 1u << lane : 0;
   return blocked;
-}
-
-struct LaneRay {
-  glm::dvec3 origin, direction;
-  double tnear, tfar;
-};
-
-LaneRay lane_ray(RTCRayN* rays, unsigned count, unsigned lane) {
-  return {{RTCRayN_org_x(rays, count, lane), RTCRayN_org_y(rays, count, lane), RTCRayN_org_z(rays, count, lane)},
-          {RTCRayN_dir_x(rays, count, lane), RTCRayN_dir_y(rays, count, lane), RTCRayN_dir_z(rays, count, lane)},
-          RTCRayN_tnear(rays, count, lane),
-          RTCRayN_tfar(rays, count, lane)};
 }
 
 void intersect_shape(const RTCIntersectFunctionNArguments* args) {
@@ -102,6 +147,7 @@ void intersect_shape(const RTCIntersectFunctionNArguments* args) {
 void occlude_shape(const RTCOccludedFunctionNArguments* args) {
   const auto& geometry = *static_cast<const ShapeGeometry*>(args->geometryUserPtr);
   const auto& receivers = reinterpret_cast<const Context*>(args->context)->receivers;
+  if (!receivers.mesh) return;
   for (unsigned lane = 0; lane < args->N; ++lane) {
     if (args->valid[lane] == 0) continue;
     const LaneRay ray = lane_ray(args->ray, args->N, lane);
@@ -112,17 +158,6 @@ void occlude_shape(const RTCOccludedFunctionNArguments* args) {
   }
 }
 
-/// Embree multiplies up to three lengths, and divides by components of directions that it takes for 1e-18 at least. Between 1
-/// mm and 2^30 m a scene is traced as it is; else in units of a power of two in which its largest coordinate is 1 to 2: that
-/// rounds nothing. Scale of the world to that frame.
-double traced_scale(const Scene& scene) {
-  const double extent = scene.bounds().extent();
-  return extent == 0 || (extent >= 0x1p-10 && extent <= 0x1p30) ? 1 : std::exp2(std::min(-std::ilogb(extent), 100));
-}
-
-/// From there, in units of the frame, a scene is a point, and Embree ends the program soon after.
-constexpr double too_far = 0x1p56;
-
 Shape scaled(const Shape& shape, double scale) {
   const auto length = static_cast<float>(scale);
   if (const auto* sphere = std::get_if<Sphere>(&shape)) return Sphere{sphere->center * length, sphere->radius * length};
@@ -131,31 +166,15 @@ Shape scaled(const Shape& shape, double scale) {
   return Cone{cone.base * length, cone.axis, cone.radius * length, cone.height * length};
 }
 
-/// Takes a packet to the frame, each direction at a length of 1 to 4. Returns the lanes whose origin is near enough to trace.
-std::uint32_t into_frame(ShadowPacket& packet, double scale) {
-  std::uint32_t near = 0;
-  for (int lane = 0; lane < 16; ++lane) {
-    const glm::dvec3 origin = scale * glm::dvec3(packet.ox[lane], packet.oy[lane], packet.oz[lane]);
-    if (!(extent(origin) < too_far)) continue;
-    near |= 1u << lane;
-    const glm::dvec3 direction(packet.dx[lane], packet.dy[lane], packet.dz[lane]);
-    const double longest = extent(direction), unit = longest > 0 ? std::exp2(-std::ilogb(longest)) : 1;
-    packet.ox[lane] = static_cast<float>(origin.x);
-    packet.oy[lane] = static_cast<float>(origin.y);
-    packet.oz[lane] = static_cast<float>(origin.z);
-    packet.dx[lane] = static_cast<float>(direction.x * unit);
-    packet.dy[lane] = static_cast<float>(direction.y * unit);
-    packet.dz[lane] = static_cast<float>(direction.z * unit);
-    packet.tnear[lane] = static_cast<float>(packet.tnear[lane] * (scale / unit));
-    packet.tfar[lane] = static_cast<float>(packet.tfar[lane] * (scale / unit));
-  }
-  return near;
-}
-
-/// Whether a packet has directions so short that Embree would take others for them.
-bool is_short(std::uint32_t valid, const ShadowPacket& packet) {
-  const auto lane = static_cast<std::size_t>(std::countr_zero(valid));
-  return lane < 16 && extent(glm::dvec3(packet.dx[lane], packet.dy[lane], packet.dz[lane])) < 0x1p-30;
+/// Whether anything blocks the rays, hits that the filter excludes left out; bit k is ray k.
+std::uint32_t trace(RTCScene scene, std::uint32_t valid, ShadowPacket& packet, Context& context, RTCFilterFunctionN filter) {
+  rtcInitIntersectContext(&context.embree);
+  context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  context.embree.filter = filter;
+  alignas(64) int lanes[16];
+  lanes_from_bits(valid, lanes);
+  rtcOccluded16(lanes, scene, &context.embree, reinterpret_cast<RTCRay16*>(&packet));
+  return blocked_bits(packet.tfar.data()) & valid;
 }
 
 }  // namespace
@@ -170,6 +189,8 @@ struct RayScene::Body {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
   std::vector<std::unique_ptr<ShapeGeometry>> shapes;
+  std::once_flag is_joined;
+  EdgeAdjacency adjacency;
   ~Body() {
     rtcReleaseScene(scene);
     rtcReleaseDevice(device);
@@ -240,14 +261,13 @@ RayScene::Hit RayScene::closest(const glm::dvec3& origin, const glm::dvec3& dire
 }
 
 std::vector<RayScene::Met> RayScene::met(const glm::dvec3& origin, const glm::dvec3& way) const {
-  struct Search {
-    RTCIntersectContext embree;
+  struct Search : Context {
     std::vector<Met> found;
   } search;
   rtcInitIntersectContext(&search.embree);
   search.embree.filter = [](const RTCFilterFunctionNArguments* args) {
     const auto* hit = reinterpret_cast<const RTCHit*>(args->hit);  // one ray
-    reinterpret_cast<Search*>(args->context)->found.push_back({hit->geomID, hit->primID});
+    static_cast<Search*>(reinterpret_cast<Context*>(args->context))->found.push_back({hit->geomID, hit->primID});
     args->valid[0] = 0;
   };
   const glm::dvec3 start = body_->scale * origin;
@@ -269,15 +289,27 @@ std::vector<RayScene::Met> RayScene::met(const glm::dvec3& origin, const glm::dv
 
 std::uint32_t RayScene::occluded(std::uint32_t valid, ShadowPacket& packet, const Receivers& receivers) const {
   if (body_->scale != 1 || is_short(valid, packet)) valid &= into_frame(packet, body_->scale);
-  Context context;
-  rtcInitIntersectContext(&context.embree);
-  context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  context.embree.filter = exclude_receiver;
-  context.receivers = receivers;
-  alignas(64) int lanes[16];
-  lanes_from_bits(valid, lanes);
-  rtcOccluded16(lanes, body_->scene, &context.embree, reinterpret_cast<RTCRay16*>(&packet));
-  return blocked_bits(packet.tfar.data()) & valid;
+  Context context{.receivers = receivers};
+  return trace(body_->scene, valid, packet, context, exclude_receiver);
+}
+
+RayScene::Blocked RayScene::blocked(std::uint32_t valid, ShadowPacket& packet, const Receivers& receivers,
+                                    double clearance) const {
+  if (body_->scale != 1 || is_short(valid, packet)) valid &= into_frame(packet, body_->scale);
+  DoubtContext context{{.receivers = receivers}, *body_->source, body_->scale,
+                       body_->scale * clearance, packet.tnear,   packet.tfar};
+  const std::uint32_t clearly = trace(body_->scene, valid, packet, context, exclude_doubtful);
+  return {clearly | (context.doubtful & valid), clearly};
+}
+
+const EdgeAdjacency& RayScene::adjacency() const {
+  std::call_once(body_->is_joined, [&] {
+    Scene traced;
+    traced.meshes = body_->source->meshes;
+    for (Mesh& mesh : traced.meshes) mesh.casts &= body_->truth == Truth::mesh || !mesh.has_curved_shape();
+    body_->adjacency = EdgeAdjacency(traced);
+  });
+  return body_->adjacency;
 }
 
 // Embree's allocator gives blocks to the threads that take part in a build, and how many of them do is open.

@@ -1,11 +1,9 @@
 #include "measure/frame/classify.h"
 
-#include <gnomon/kit/receiver.h>
-
-#include <bit>
+#include <optional>
 
 #include "measure/frame/gbuffer_maker.h"
-#include "measure/frame/light_rays.h"
+#include "measure/frame/moved_rays.h"
 #include "measure/frame/ray_packets.h"
 
 namespace gnomon {
@@ -37,118 +35,6 @@ constexpr ClassInfo classes_table[] = {
     {"S", "silhouette", "Beside the outline of something nearer or farther: primary visibility decides it.", {20, 105, 210}},
     {"U", "uncertain", "The reference's answer changes within float32 rounding.", {215, 55, 60}},
     {"T", "tested", "The wrong rate is the share of these that are wrong.", {212, 216, 214}},
-};
-
-/// Asks the ray tracer again with the point or the light moved by rho, sixteen pixels at a time.
-class MovedRays {
- public:
-  MovedRays(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const glm::dvec4& light, double extent)
-      : scene_(scene), casters_(casters), gbuffer_(gbuffer), light_(light), extent_(extent) {}
-
-  /// Bit k: the answer of pixel indices[k] changes under some shift.
-  std::uint32_t unstable(std::span<const std::size_t> indices, std::span<const float> reference) const {
-    const int count = static_cast<int>(indices.size());
-    std::uint32_t lit = 0, changed = 0;
-    std::uint32_t mesh[16] = {}, triangle[16] = {};
-    for (int k = 0; k < count; ++k) {
-      lit |= static_cast<std::uint32_t>(is_lit(reference[indices[k]])) << k;
-      mesh[k] = gbuffer_.mesh[indices[k]];
-      triangle[k] = gbuffer_.triangle[indices[k]];
-    }
-    const std::uint32_t all = (1u << count) - 1;
-    // The point moves along its two tangents, the light across the ray, both ways. The ray starts at the point without the lift
-    // of the recipe, because rounding may have put it below a neighbor of its own triangle; then it starts rho later and ends
-    // rho before a light at a place; and at last rho behind that.
-    const int shift_count = light_.w != 0 ? 11 : 10;
-    for (int shift = 0; shift < shift_count && changed != all; ++shift) {
-      ShadowPacket packet;
-      std::uint32_t lost = 0;
-      for (int k = 0; k < 16; ++k)
-        lost |= static_cast<std::uint32_t>(!aim(packet, k, indices[std::min(k, count - 1)], shift)) << k;
-      changed |= (casters_.occluded(all, packet, {mesh, triangle}) ^ (all & ~lit)) | (lost & all);
-    }
-    for (std::uint32_t left = ~changed & touching(indices, {mesh, triangle}); left; left &= left - 1) {
-      const int k = std::countr_zero(left);
-      changed |= static_cast<std::uint32_t>(is_undecided_at_start(indices[k], lit >> k & 1)) << k;
-    }
-    return changed;
-  }
-
- private:
-  bool is_on_shape(std::size_t i) const {
-    return gbuffer_.truth == Truth::shape && scene_.meshes[gbuffer_.mesh[i]].has_curved_shape();
-  }
-
-  /// The way to the light from rho before the point of a pixel to rho behind it.
-  struct Start {
-    glm::dvec3 origin, way;
-  };
-  Start start(std::size_t i) const {
-    const glm::dvec3 p = gbuffer_.position(i), reach = rho() * glm::normalize(to_light(light_, p));
-    return {p - reach, 2.0 * reach};
-  }
-
-  /// Bit k: a caster is met within rho of the point of pixel indices[k].
-  std::uint32_t touching(std::span<const std::size_t> indices, const Receivers& receivers) const {
-    ShadowPacket packet;
-    std::uint32_t valid = 0;
-    for (int k = 0; k < 16; ++k) {
-      const std::size_t i = indices[std::min<std::size_t>(k, indices.size() - 1)];
-      valid |= static_cast<std::uint32_t>(static_cast<std::size_t>(k) < indices.size() && !is_on_shape(i)) << k;
-      const auto [origin, way] = start(i);
-      set_ray(packet, k, origin, way, true);
-    }
-    return valid ? casters_.occluded(valid, packet, receivers) : 0;
-  }
-
-  /// Whether a caster within rho of the point, closer than float32 can tell, may turn the reference's answer over. Exact signs
-  /// say so: of a lit point that the caster shades it, of a dark one that it holds the point in its plane, and so shades it
-  /// never.
-  bool is_undecided_at_start(std::size_t i, bool is_lit) const {
-    const Receiver receiver = receiver_at(scene_, gbuffer_, i);
-    const auto [origin, way] = start(i);
-    return std::ranges::any_of(casters_.met(origin, way), [&](const RayScene::Met& met) {
-      const Triangle caster = scene_.meshes[met.mesh].corners(met.triangle);
-      const glm::vec3* p = caster.points;
-      if (receiver.is_own(met.mesh, met.triangle)) return false;
-      const bool turns =
-          is_lit ? crosses({receiver.point, light_}, caster) != Crossing::none : coplanar(p[0], p[1], p[2], receiver.point);
-      return turns && !receiver.is_coplanar(scene_, p);
-    });
-  }
-
-  double rho() const { return 16 * 0x1p-24 * extent_; }
-
-  /// Whether the light is still before the point.
-  bool aim(ShadowPacket& packet, int k, std::size_t i, int shift) const {
-    const glm::dvec3 p = gbuffer_.position(i), n = gbuffer_.normal(i);
-    // An exact shape has no neighbors, and a point rounded into it would only see it from inside.
-    glm::dvec3 origin = shift >= 8 && !is_on_shape(i) ? p : p + ray_offset(gbuffer_.position(i)) * n;
-    glm::dvec3 light(light_);
-    const double rho = this->rho(), sign = shift & 1 ? 1 : -1;
-    if (shift < 4) {
-      origin += sign * rho * across(glm::normalize(n))[shift / 2];
-    } else if (shift < 8) {
-      // A directional light turns by rho / extent radians.
-      const glm::dvec3 toward = to_light(light_, p);
-      const double step = light_.w != 0 ? rho : rho / extent_ * glm::length(toward);
-      light += sign * step * across(glm::normalize(toward))[shift / 2 - 2];
-    }
-    const glm::dvec3 direction = light_.w != 0 ? light - origin : light;
-    set_ray(packet, k, origin, direction, light_.w != 0);
-    const double share = rho / glm::length(direction);
-    if (shift == 9) packet.tnear[k] = static_cast<float>(share);
-    if (shift < 9 || light_.w == 0) return true;
-    const double end = shift == 9 ? 1 - share : 1 + share;
-    packet.tfar[k] = static_cast<float>(std::max(end, 0.0));
-    return end > 0;
-  }
-
-  const Scene& scene_;
-  const RayScene& casters_;
-  const GBuffer& gbuffer_;
-  glm::dvec4 light_;
-  double extent_;
 };
 
 /// Asks the ray tracer again with the sample points moved, sixteen pixels at a time.
@@ -220,8 +106,8 @@ bool is_resolved(const Scene& scene, const Light& light, const View& view) {
 std::vector<PixelClass> classify(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const Light& light,
                                  std::span<const float> reference) {
   const glm::dvec4 l = homogeneous(light);
-  const bool has_room = is_resolved(scene, light, gbuffer.view);
-  const MovedRays moved(scene, casters, gbuffer, l, extent(scene, light, gbuffer.view));
+  std::optional<MovedRays> moved;
+  if (is_resolved(scene, light, gbuffer.view)) moved.emplace(scene, casters, gbuffer, l, extent(scene, light, gbuffer.view));
   std::vector<PixelClass> classes(gbuffer.size(), PixelClass::T);
   const auto is_asked = [&](std::size_t i, int x, int y) {
     if (gbuffer.is_background(i))
@@ -236,7 +122,7 @@ std::vector<PixelClass> classify(const Scene& scene, const RayScene& casters, co
     return classes[i] == PixelClass::T;
   };
   decide_in_packets(gbuffer.width, gbuffer.height, is_asked, [&](std::span<const std::size_t> pixels) {
-    const std::uint32_t unstable = has_room ? moved.unstable(pixels, reference) : ~0u;
+    const std::uint32_t unstable = moved ? moved->unstable(pixels, reference) : ~0u;
     for (std::size_t k = 0; k < pixels.size(); ++k)
       if (unstable >> k & 1) classes[pixels[k]] = PixelClass::U;
   });

@@ -16,8 +16,9 @@ enum class PixelClass : std::uint8_t {
   G,  ///< grazing: 0 < N.l < 0.035 (2 degrees)
   S,  ///< primary silhouette: an 8-neighbor is background or another mesh more than 2 % of the distance nearer or farther
   U,  ///< uncertain: the reference changes when the point or the light moves by rho = 16 * 2^-24 * extent, or when the ray
-      ///< starts at the point itself instead of a ray offset above it; the light is no farther than rho; a caster within rho
-      ///< shades the point by exact signs alone; or the scene is not resolved
+      ///< starts at the point itself instead of a ray offset above it; the light is no farther than rho; a lit point's way
+      ///< passes the outline of casters by less than rho / 2; exact signs contradict it at the point or the light, or confirm
+      ///< no hit of a dark one's ray; or the scene is not resolved
   T,  ///< tested
 };
 

@@ -66,7 +66,7 @@ std::span<const T> slice(const MappedFile& file, std::size_t& offset, std::size_
 
 }  // namespace
 
-int frame_version() { return 6; }
+int frame_version() { return 7; }
 
 FrameStore::FrameStore(const Scene& scene, fs::path folder, std::unique_ptr<FrameMaker> maker)
     : scene_(scene),

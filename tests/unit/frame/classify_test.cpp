@@ -117,6 +117,18 @@ TEST(classify, uncertain_within_rho_of_a_shadow_edge) {
   EXPECT_EQ(letters(scene, picture, hand_made::sun({0, -1, 0})), "TTTUUUTTT");
 }
 
+TEST(classify, uncertain_beside_a_tip_between_the_shifts) {
+  // A tip of 23 degrees at x = z = 0, halfway between the shifts of the light and of the point, which go along x and z: none
+  // reaches it. Its shadow begins there; rho / 2 is 8 * 2^-24 * 4.
+  const Scene scene = one_caster({0, 1, 0}, {3, 1, 2}, {2, 1, 3});
+  const float rho = 16 * 0x1p-24f * 4;
+  Picture picture(4, 1);
+  picture.gbuffer.view.eye = {0, 4, 0};
+  const float steps[] = {-2, -0.2f, 0.2f, 1000};
+  for (int i = 0; i < 4; ++i) picture.set(i, {steps[i] * rho, 0, steps[i] * rho}, {0, 1, 0}, 0, 0);
+  EXPECT_EQ(letters(scene, picture, hand_made::sun({0, -1, 0})), "TUUT");
+}
+
 TEST(classify, uncertain_where_only_the_ray_offset_keeps_the_point_lit) {
   // A caster 2^-24 above the point: 8 * 2^-24 * max|P| = 2^-21 lifts the ray past it, without the lift it blocks. At height
   // 2^-10 it blocks both, and below the point neither.

@@ -10,6 +10,7 @@
 #include "degenerate_scenes.h"
 #include "measure/frame/classify.h"
 #include "measure/frame/frame.h"
+#include "measure/frame/light_rays.h"
 
 namespace gnomon {
 namespace {
@@ -102,6 +103,47 @@ TEST(Float32Edge, receivers_in_one_plane_with_casters) {
     EXPECT_GT(seen.dark, 30);
     EXPECT_LT(seen.wrong, seen.uncertain / 10) << "the lift of the ray takes it off all copies";
   }
+}
+
+// Over every point hangs a triangle some 3e-7 m wide: rho is 7e-6 m, so shifted rays miss what exact signs say is met.
+TEST(Float32Edge, slivers_thinner_than_rho) {
+  const Light light = hand_made::sun({0.3f, -1, 0.2f});
+  const glm::dvec3 way = glm::normalize(glm::dvec3(homogeneous(light)));
+  const Ground bare(hand_made::square(1, -5));
+  std::vector<glm::vec3> positions;
+  std::vector<glm::uvec3> triangles;
+  for (std::size_t i = 0; i < bare.picture.gbuffer.size(); ++i) {
+    const glm::dvec3 middle = glm::dvec3(bare.picture.gbuffer.position(i)) + 1.7 * way, along(0.07, 0.01, 0.05);
+    const auto first = static_cast<std::uint32_t>(positions.size());
+    for (const glm::dvec3& p : {middle - along, middle + along - 3e-7 * across(way)[0], middle + along + 3e-7 * across(way)[0]})
+      positions.emplace_back(p);
+    triangles.push_back({first, first + 1, first + 2});
+  }
+  const Seen seen = look(Ground(hand_made::mesh_of(positions, triangles)), light);
+  EXPECT_EQ(seen.wrong_tested, 0) << seen.tested << " tested";
+  EXPECT_GT(seen.dark, 100);
+}
+
+// The light is at the origin, the caster rises from an edge 2^-26 m before it and 2^-24 m below it: from the ground it ends
+// just before the light, and all of it that is farther from that edge is behind the light.
+TEST(Float32Edge, a_light_just_behind_an_edge) {
+  const float before = -0x1p-26f, below = -0x1p-24f;
+  const Seen seen = look(Ground(hand_made::mesh_of({{before, below, -3}, {before, below, 3}, {3, 3, 0.5f}}, {{0, 1, 2}})),
+                         point_light({0, 0, 0}));
+  EXPECT_EQ(seen.wrong_tested, 0) << seen.wrong;
+  EXPECT_GT(seen.dark, 500);
+}
+
+// Points of a level triangle, rounded at the edge that it shares with a rising one: about half lie beyond it, in its shadow.
+TEST(Float32Edge, points_at_the_edge_of_a_fold) {
+  Ground ground(hand_made::square(1, -5));
+  const glm::vec3 from{-0.31f, -2, -3.1f}, to{0.72f, -2, 2.9f};
+  ground.scene.meshes[0] = hand_made::mesh_of({from, to, {-4, -2, 0}, {3, 0.9f, 0}}, {{0, 2, 1}, {0, 1, 3}});
+  for (int i = 0; i < 1600; ++i)
+    ground.picture.set(i, glm::vec3(glm::mix(glm::dvec3(from), glm::dvec3(to), (i + 0.5) / 1600)), {0, 1, 0}, 0, 0);
+  const Seen seen = look(ground, hand_made::sun({0.3f, -1, 0.1f}));
+  EXPECT_EQ(seen.wrong_tested, 0) << seen.wrong;
+  EXPECT_GT(seen.dark, 300);
 }
 
 // A power of two rounds nothing, so masks are those at one meter; other scales round every coordinate.

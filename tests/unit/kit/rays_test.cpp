@@ -1,6 +1,7 @@
 // Shadow rays against a brute force in double that knows no Embree, and against themselves.
 #include <gnomon/kit/random.h>
 #include <gnomon/kit/rays.h>
+#include <gnomon/kit/shapes.h>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -36,6 +37,21 @@ struct World {
               {.name = "spot", .kind = SpotLight{position, -position, 10, 22}}};
   }
 };
+
+TEST(met, names_all_triangles_on_the_way_and_no_exact_shape) {
+  // Straight up through a level square, a ball that stands for its tessellation, and another square: whatever is traced first.
+  Scene scene;
+  scene.meshes = {hand_made::square(2, -3), tessellate(Sphere{{0, 0, 0}, 1}, 24, "ball"), hand_made::square(2, 3)};
+  for (const Truth truth : {Truth::shape, Truth::mesh}) {
+    const RayScene rays(scene, truth, RayScene::Which::all);
+    int met[3] = {};
+    for (const RayScene::Met& triangle : rays.met({0.3, -9, 0.1}, {0, 18, 0})) ++met[triangle.mesh];
+    EXPECT_EQ(met[0], 1);
+    EXPECT_EQ(met[1], truth == Truth::shape ? 0 : 2);
+    EXPECT_EQ(met[2], 1);
+    EXPECT_TRUE(rays.met({0.3, -2, 0.1}, {0, 0.5, 0}).empty());
+  }
+}
 
 TEST(fill_packet, every_lane_follows_the_recipe_and_faces_the_light) {
   for (unsigned seed = 1; seed <= 6; ++seed) {

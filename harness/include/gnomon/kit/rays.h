@@ -7,6 +7,8 @@ struct RTCSceneTy;
 
 namespace gnomon {
 
+class EdgeAdjacency;
+
 /// Sixteen shadow rays, struct of arrays, in the layout and alignment that Embree wants.
 struct alignas(64) ShadowPacket {
   std::array<float, 16> ox, oy, oz, tnear, dx, dy, dz, time, tfar;
@@ -38,12 +40,23 @@ class RayScene {
   /// Whether anything blocks each of the packet's rays; bit k of the result is ray k. Lanes off in `valid` answer 0.
   std::uint32_t occluded(std::uint32_t valid, ShadowPacket& packet, const Receivers& receivers) const;
 
+  struct Blocked {
+    std::uint32_t at_all = 0;   ///< as `occluded` answers
+    std::uint32_t clearly = 0;  ///< by an exact shape, or by a triangle whose edges and plane leave no doubt
+  };
+  /// The same, and of each blocked ray whether a triangle blocks it clearly: in double, the ray passes `clearance` meters or
+  /// more inside of its edges, and meets it as far from both ends of the ray, and four times that from its origin.
+  Blocked blocked(std::uint32_t valid, ShadowPacket& packet, const Receivers& receivers, double clearance) const;
+
   /// A triangle of the scene by numbers.
   struct Met {
     std::uint32_t mesh, triangle;
   };
   /// Every triangle that the segment from `origin` to `origin` + `way` meets, as float32 sees it; no exact curved shapes.
   std::vector<Met> met(const glm::dvec3& origin, const glm::dvec3& way) const;
+
+  /// Which of the triangles traced share an edge. The first call finds it.
+  const EdgeAdjacency& adjacency() const;
 
   /// Bytes that Embree holds for this scene as one thread builds it. The first call does so once more, which takes its time.
   std::size_t bytes() const;

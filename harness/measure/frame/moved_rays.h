@@ -1,0 +1,48 @@
+#pragma once
+#include <gnomon/kit/receiver.h>
+
+#include <span>
+
+#include "measure/frame/outline.h"
+
+namespace gnomon {
+
+/// Asks the ray tracer again with the point or the light moved by rho, sixteen pixels at a time, and exact signs where float32
+/// cannot tell.
+class MovedRays {
+ public:
+  MovedRays(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const glm::dvec4& light, double extent);
+
+  /// Bit k: the answer of pixel indices[k] changes within rounding.
+  std::uint32_t unstable(std::span<const std::size_t> indices, std::span<const float> reference) const;
+
+ private:
+  /// Up to sixteen pixels, and the light that the reference gives them; bit k is pixel k.
+  struct Pixels;
+
+  double rho() const { return 16 * 0x1p-24 * extent_; }
+  bool is_on_shape(std::size_t i) const {
+    return gbuffer_.truth == Truth::shape && scene_.meshes[gbuffer_.mesh[i]].has_curved_shape();
+  }
+  glm::dvec3 toward(std::size_t i) const { return glm::normalize(to_light(light_, gbuffer_.position(i))); }
+
+  /// Returns the way to the light, or a direction toward it.
+  glm::dvec3 aim(ShadowPacket& packet, int k, const Pixels& pixels, int shift) const;
+  std::uint32_t unstable_from_the_point(const Pixels& pixels) const;
+  std::uint32_t touching(const Pixels& pixels) const;
+  bool is_in_plane_at_start(std::size_t i) const;
+  bool is_shaded_on_the_way(std::size_t i) const;
+  bool is_shaded_at_an_end(std::size_t i, bool is_touching) const;
+  bool is_at_own_border(std::size_t i) const;
+  bool is_shaded_by_any(std::size_t i, std::span<const RayScene::Met> casters) const;
+
+  const Scene& scene_;
+  const RayScene& casters_;
+  const GBuffer& gbuffer_;
+  glm::dvec4 light_;
+  double extent_;
+  Outline outline_;
+  std::vector<RayScene::Met> at_light_;  ///< the casters within rho of a light at a place, and perhaps a few more
+};
+
+}  // namespace gnomon
