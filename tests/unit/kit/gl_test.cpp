@@ -1,6 +1,8 @@
-#include <gnomon/kit/gl.h>
+#include <gnomon/kit/exact_scene.h>
+#include <gnomon/kit/volume_faces.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 
 #include "device/context.h"
@@ -167,6 +169,41 @@ TEST_F(Gl, depth_of_the_view_agrees_with_the_gbuffer) {
       EXPECT_NEAR(depth[i], expected, expected * 1e-4);
     }
   EXPECT_GT(compared, 1000);
+}
+
+// Side quads and both caps of a box, counted behind what is seen, are its shadow but for what the rasterizer snaps at borders.
+TEST_F(Gl, faces_of_a_shadow_volume_hold_what_is_in_shadow) {
+  const Scene scene = box_on_ground();
+  const GBuffer g = small_world::make_gbuffer(scene, view, 128, 96);
+  const EdgeAdjacency adjacency(scene);
+  for (const Light& light :
+       {Light{.name = "point", .kind = PointLight{{2, 3, 1}}}, {.name = "sun", .kind = DirectionalLight{{1, -2, 0}}}}) {
+    std::vector<float> exact(g.size());
+    ExactScene(scene).decide(g, light, exact);
+    Silhouette silhouette;
+    adjacency.find_silhouette(homogeneous(light), silhouette);
+    VisibilityMask mask(g.width, g.height);
+    {
+      const StateGuard guard;
+      VolumeCounter counter;
+      counter.setup();
+      FaceDrawer drawer;
+      drawer.setup("test");
+      FaceBuffers faces;
+      write_faces(adjacency, silhouette, {}, faces);
+      counter.begin(depth_stencil(scene, g), VolumeCounter::Pass::stencil, CountWhere::behind_surface);
+      drawer.bind(scene_buffers(scene).positions, faces, glm::mat4(clip_from_world(g.view, g.width, g.height)),
+                  homogeneous(light));
+      drawer.draw_sides(counter);
+      drawer.draw_caps(counter);
+      counter.write_mask(gbuffer_textures(g, scene), light, mask);
+    }
+    const auto counted = mask.read();
+    int differ = 0;
+    for (std::size_t i = 0; i < g.size(); ++i) differ += counted[i] != exact[i];
+    EXPECT_GT(std::ranges::count(exact, 0.0f), 100);
+    EXPECT_LT(differ, 10) << light.name;
+  }
 }
 
 // The shader decides as the C++ function does, for each kind of light, but within 2^-21 of the horizon and of the cone's edge
