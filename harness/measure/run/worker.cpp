@@ -85,7 +85,7 @@ void enter_worker(int owner, int threads, int errors) {
       _exit(126);
     }
   }
-#ifndef __SANITIZE_ADDRESS__
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // their shadow memory alone is over any limit
   // A technique that eats all memory gets an exception in its own process instead of taking the machine down.
   struct sysinfo memory {};
   sysinfo(&memory);
