@@ -146,6 +146,22 @@ TEST(Float32Edge, points_at_the_edge_of_a_fold) {
   EXPECT_GT(seen.dark, 300);
 }
 
+// The point lies on the edge that its triangle shares with a steeper one, but for rounding, which put it behind that. Its ray
+// slips between the two.
+TEST(Float32Edge, a_ray_between_its_own_triangle_and_the_next) {
+  Ground ground(hand_made::square(1, -5));
+  ground.scene.meshes[0] = hand_made::mesh_of(
+      {{0.5f, 1.36602545f, -0.433012694f}, {0.25f, 1, -0.866025388f}, {0.25f, 1.36602545f, -0.5f}, {-0.183012709f, 1, -0.75f}},
+      {{0, 1, 2}, {2, 1, 3}});
+  ground.picture.gbuffer.view.eye = {1, 3, 16};
+  for (int i = 0; i < 1600; ++i)
+    ground.picture.set(i, {0.25f, 1.06862974f, -0.797395647f}, {-0.18615678f, 0.694746554f, -0.694746673f}, 0, 1);
+  const Seen seen = look(ground, hand_made::sun({-1, -3.5f, -2.5f}));
+  EXPECT_EQ(seen.dark, 1600);
+  EXPECT_EQ(seen.wrong, 1600) << "the reference says lit";
+  EXPECT_EQ(seen.wrong_tested, 0);
+}
+
 // A power of two rounds nothing, so masks are those at one meter; other scales round every coordinate.
 TEST(Float32Edge, scenes_of_any_size_are_traced_alike) {
   const Light lamp = point_light({1, 4, 1});
