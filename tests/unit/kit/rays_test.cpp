@@ -215,7 +215,7 @@ TEST(trace_shadows, length_of_a_direction_does_not_matter) {
   trace_shadows(casters, world.scene, world.gbuffer, world.lights[1], unit);
   ASSERT_GT(std::ranges::count(unit, 0.0f), 50);
   // Powers of two scale without rounding: bit for bit the same.
-  for (const float length : {0x1p-20f, 0.25f, 0x1p20f}) {
+  for (const float length : {0x1p-80f, 0x1p-31f, 0x1p-20f, 0.25f, 0x1p20f, 0x1p50f}) {
     trace_shadows(casters, world.scene, world.gbuffer, {.name = "sun", .kind = DirectionalLight{direction * length}}, scaled);
     EXPECT_EQ(scaled, unit) << length;
   }
