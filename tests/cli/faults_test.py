@@ -112,23 +112,31 @@ class Reference(ProgramTest):
 
     LARGE = ["--size", "2048x2048", "--light", "point", "--out", "out"]
 
-    def start_and_kill_the_tracer(self, *arguments):
-        """Kills the worker that was started last while it traces; what the program then says."""
+    def start_and_kill_the_tracer(self, times, *arguments):
+        """Kills the worker that was started last while it traces, and those that follow it; what the program then says."""
         self.environment.update(GNOMON_TEST=str(self.dir), GNOMON_CACHE=str(self.dir / "cache"))  # where no frame is kept yet
         process = self.start(*arguments)
         end = time.monotonic() + 60
-        while len(found := [w for w in workers(self.dir) if w != process.pid]) < 2:  # the technique's and the tracer
-            self.assertLess(time.monotonic(), end)
-            self.assertIsNone(process.poll(), process.args)
-        age = {w: int(Path(f"/proc/{w}/stat").read_text().rsplit(")", 1)[1].split()[19]) for w in found}
-        os.kill(max(found, key=lambda w: (age[w], w)), signal.SIGSEGV)
+        killed = set()
+        while len(killed) < times:
+            while len(found := [w for w in workers(self.dir) if w not in killed | {process.pid}]) < 2:  # the technique's and the tracer
+                self.assertLess(time.monotonic(), end)
+                self.assertIsNone(process.poll(), process.args)
+            age = {w: int(Path(f"/proc/{w}/stat").read_text().rsplit(")", 1)[1].split()[19]) for w in found}
+            killed.add(max(found, key=lambda w: (age[w], w)))
+            os.kill(max(found, key=lambda w: (age[w], w)), signal.SIGSEGV)
         words = process.communicate(timeout=240)
         return words, process.returncode
+
+    def test_a_tracer_that_is_killed_once_costs_nothing(self):
+        self.start_and_kill_the_tracer(1, "run", "--scene", "box_city", "--technique", "unshadowed", "--processes", "1",
+                                       "--repetitions", "1", *self.LARGE)
+        self.assertEqual([r["status"] for r in records(self.dir / "out")], ["ok"])
 
     def test_a_crash_of_the_reference_costs_its_own_rows(self):
         run = ["run", "--scene", "box_city", "--scene", "single_triangle", "--technique", "unshadowed", "--processes", "1",
                "--repetitions", "1", *self.LARGE]
-        (text, _), status = self.start_and_kill_the_tracer(*run)
+        (text, _), status = self.start_and_kill_the_tracer(2, *run)
         self.assertEqual(status, 1)
         first, second = records(self.dir / "out")
         self.assertEqual((first["scene"], first["status"]), ("box_city", "failed"))
@@ -140,7 +148,7 @@ class Reference(ProgramTest):
                          [("box_city", "ok"), ("single_triangle", "ok")])
 
     def test_render_says_so_and_writes_nothing(self):
-        (_, words), status = self.start_and_kill_the_tracer("render", "--scene", "box_city", "--technique", "unshadowed", *self.LARGE)
+        (_, words), status = self.start_and_kill_the_tracer(2, "render", "--scene", "box_city", "--technique", "unshadowed", *self.LARGE)
         self.assertEqual(status, 1)
         self.assertRegex(words, r"^gnomon: the reference crashed in trace: Segmentation fault \(signal 11\)\n$")
         self.assertEqual([p.name for p in self.dir.iterdir()], ["cache"])
