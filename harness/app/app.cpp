@@ -71,7 +71,7 @@ int run_program(int argc, char** argv) {
                                 program.plugins.push_back(path);
                               });
     for (auto* add : {add_list, add_describe, add_render, add_run, add_table, add_compare, add_merge, add_report, add_analyze,
-                      add_figure, add_certify, add_docs, add_score, add_view, add_worker})
+                      add_figure, add_certify, add_docs, add_score, add_cache, add_view, add_worker})
       add(program);
     const int status = program.line.run(argc, argv);
     if (std::fflush(stdout) != 0) throw std::system_error(errno, std::generic_category());

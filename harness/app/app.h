@@ -31,6 +31,7 @@ void add_figure(Program& program);
 void add_certify(Program& program);
 void add_docs(Program& program);
 void add_score(Program& program);
+void add_cache(Program& program);
 void add_view(Program& program);
 
 /// The whole program. Exit status: 0 done (unsupported rows included), 1 done but something failed, 2 bad usage or input.

@@ -75,7 +75,7 @@ void check_detail_file(const Contender& contender, const fs::path& file) {
 
 /// What the first lines of a file with surface detail say of it.
 std::vector<std::string> detail_notes(const Job& job, const Light& light) {
-  const glm::dvec4 l = homogeneous(light);
+  const glm::dvec4 l = homogeneous_of_center(light);
   std::string place = fmt::format("{} {:.9g} {:.9g} {:.9g}", l.w == 0 ? "toward" : "at", l.x, l.y, l.z);
   if (const auto* const spot = std::get_if<SpotLight>(&light.kind)) {
     const glm::vec3& d = spot->direction;

@@ -94,6 +94,17 @@ void print_rows(const RunOptions& options, SceneLibrary& library) {
   if (suite.interval > 0) fmt::print("and up to {} more for narrow intervals\n", duration_text(suite.budget));
 }
 
+/// Techniques that a suite names by `*` and that support nothing of a group, each once; empty where there are none.
+std::string left_out_text(const Suite& suite, SceneLibrary& library) {
+  std::vector<std::string> left_out;
+  expand_jobs(suite, library, &left_out);
+  std::ranges::sort(left_out);
+  const auto repeated = std::ranges::unique(left_out);
+  left_out.erase(repeated.begin(), repeated.end());
+  if (left_out.empty()) return "";
+  return fmt::format("left out, for they support nothing of a group: {}\n\n", joined(left_out, "; "));
+}
+
 /// Says on stderr which scenes are not fetched, for their rows hold no answer. Whether any row has one.
 bool has_answers(std::span<const Record> records) {
   std::set<std::string> missing;
@@ -124,6 +135,7 @@ int run(RunCommand& options, const Program& program) {
     print_rows(run_options, library);
     return 0;
   }
+  const std::string left_out = left_out_text(run_options.suite, library);
   const RunSummary summary = [&] {
     Progress progress(options.quiet);  // gone from the terminal before the table comes
     return run_suite(run_options, library, progress);
@@ -135,8 +147,8 @@ int run(RunCommand& options, const Program& program) {
   }
   write_tables(run_options.out, records);
   fmt::print("{}\n", render_table(records, Format::terminal, {.width = terminal_width()}));
-  fmt::print("{} rows: {} ok, {} unsupported, {} failed", summary.ok + summary.unsupported + summary.failed, summary.ok,
-             summary.unsupported, summary.failed);
+  fmt::print("{}{} rows: {} ok, {} unsupported, {} failed", left_out, summary.ok + summary.unsupported + summary.failed,
+             summary.ok, summary.unsupported, summary.failed);
   if (summary.done_before) fmt::print("; {} were done before", summary.done_before);
   fmt::print("; {}\n\n", duration_text(summary.seconds));
   print_contents(run_options.out);

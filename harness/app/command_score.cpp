@@ -5,6 +5,7 @@
 #include "app/staged_folder.h"
 #include "measure/cause/causes.h"
 #include "measure/frame/certify.h"
+#include "measure/frame/certify_soft.h"
 #include "measure/paths.h"
 #include "measure/picture/picture.h"
 #include "measure/run/frame_worker.h"
@@ -198,6 +199,16 @@ int run_certify(const CertifyCommand& options) {
       // The oracle knows triangles: the certificate is of mesh truth.
       const FrameKey key{*view, width, height, Truth::mesh};
       const Reference reference = frames.reference(key, *light);
+      if (has_area(*light)) {
+        const SoftCertificate certificate = certify_soft(scene, *light, frames.gbuffer(key), reference,
+                                                         {.reference = frames.casters(Truth::mesh).description()});
+        all_hold = all_hold && certificate.holds();
+        if (options.json)
+          list.push_back(certificate);
+        else
+          fmt::print("{}\n", text(certificate));
+        continue;
+      }
       CertifyOptions certify_options;
       certify_options.is_uncertain = [&](std::size_t i) { return reference.classes[i] == PixelClass::U; };
       certify_options.reference = frames.casters(Truth::mesh).description();

@@ -173,7 +173,7 @@ bool faces_light(vec4 position, vec4 normal) {
 )";
 
 void set_light(const Program& program, const Light& light) {
-  if (program.uses("light")) program.set("light", glm::vec4(homogeneous(light)));
+  if (program.uses("light")) program.set("light", glm::vec4(homogeneous_of_center(light)));
   glm::dvec4 cone(0);
   if (const auto* spot = std::get_if<SpotLight>(&light.kind)) {
     const double cosine = std::cos(glm::radians(double(spot->outer_degrees)));

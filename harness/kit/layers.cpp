@@ -67,7 +67,7 @@ glm::vec3 background_color() { return background; }
 
 glm::vec3 shaded_color(const Mesh& mesh, const Light& light, const glm::dvec3& point, const glm::dvec3& normal,
                        float visibility) {
-  const glm::dvec3 to = to_light(homogeneous(light), point);
+  const glm::dvec3 to = to_light(homogeneous_of_center(light), point);
   double received = 0;
   if (in_spot_cone(light, point)) received = std::max(0.0, glm::dot(normal, to) / std::max(glm::length(to), 1e-300));
   // Two thirds of the color are taken out and the brightest white is held at half, so that what is drawn over it stands out.

@@ -1,3 +1,4 @@
+#include <gnomon/error.h>
 #include <gnomon/scene.h>
 
 #include <algorithm>
@@ -15,6 +16,11 @@ std::string_view kind_name(const Light& light) {
 bool has_area(const Light& light) { return light.kind.index() >= 3; }
 
 glm::dvec4 homogeneous(const Light& light) {
+  if (has_area(light)) throw Error("light {} is a {} light: it has an area and is not one point", light.name, kind_name(light));
+  return homogeneous_of_center(light);
+}
+
+glm::dvec4 homogeneous_of_center(const Light& light) {
   struct Visitor {
     glm::dvec4 operator()(const PointLight& l) const { return {l.position, 1}; }
     glm::dvec4 operator()(const SpotLight& l) const { return {l.position, 1}; }
@@ -58,7 +64,7 @@ bool Scene::has_curved_shapes() const {
 }
 
 double extent(const Scene& scene, const Light& light, const View& view) {
-  const glm::dvec4 l = homogeneous(light);
+  const glm::dvec4 l = homogeneous_of_center(light);
   return std::max({scene.bounds().extent(), extent(view.eye), l.w != 0 ? extent(glm::dvec3(l)) : 0});
 }
 

@@ -45,6 +45,12 @@ std::string example(const TechniqueEntry& entry) {
   return fmt::format("gnomon run --scene SCENE --technique {}{}\n", entry.id, settings);
 }
 
+/// Whether it supports a light with area over nothing at all.
+bool answers_area(const TechniqueEntry& entry) {
+  const Light light{.name = "light", .kind = RectLight{}};
+  return static_cast<bool>(entry.make()->supports(Scene(), light, View()));
+}
+
 /// The page of every file that belongs in the folder.
 std::map<std::string, std::string> pages(std::span<const TechniqueEntry> entries) {
   std::map<std::string, std::string> result{{"README.md", technique_index(entries)}};
@@ -90,6 +96,7 @@ std::string technique_page(const TechniqueEntry& entry) {
   fact("Fails", markdown_text(or_dash(about.fails)));
   fact("Promise", std::string(name(about.promise)));
   fact("Geometry seen", std::string(name(about.sees)));
+  if (answers_area(entry)) fact("Lights with area", fmt::format("estimates the share of their {}", name(about.estimates)));
   fact("Role", std::string(name(about.role)));
   fact("Needs OpenGL", about.needs_gl ? "yes" : "no");
 

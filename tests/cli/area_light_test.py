@@ -1,5 +1,5 @@
 #!/usr/bin/python3 -IB
-"""A light with area has no reference yet: every way to a score says so, and none gives a number."""
+"""Lights with area from the command line: rows, pictures, certificates, what is refused, and rows of old runs."""
 
 import json
 import sys
@@ -8,8 +8,6 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from program import SMALL, ProgramTest, records  # noqa: E402
-
-WHY = "the reference has no answer: one ray per pixel cannot see part of an area light"
 
 SCENE = """
 [[shape]]
@@ -49,34 +47,77 @@ class AreaLight(ProgramTest):
     def scene(self, kind="disc"):
         return self.write(f"{kind}.toml", SCENE.replace("KIND", kind).replace("SHAPE", KINDS[kind]))
 
-    def test_run_gives_an_unsupported_row_with_the_reason(self):
+    def test_run_scores_against_the_share_of_the_lights_area(self):
+        techniques = [word for name in ("area_rays:samples=16", "exact_area", "center_ray", "unshadowed") for word in ("--technique", name)]
         for kind in KINDS:
-            self.succeed("run", "--scene", self.scene(kind), "--technique", "unshadowed", *SMALL, "--out", kind)
-            lamp, bulb = records(self.dir / kind)
-            self.assertEqual((lamp["light_kind"], lamp["status"], lamp["support"]), (kind, "unsupported", "unsupported"))
-            self.assertEqual(lamp["reason"], WHY)
-            for key in ("metrics", "classes", "causes", "mask", "error_picture"):
-                self.assertFalse(lamp[key], key)
-            self.assertEqual((bulb["status"], bulb["reason"]), ("ok", ""))
-            table = self.succeed("table", kind, "--format", "json")
-            self.assertIn("unsupported", table)
+            with self.subTest(kind):
+                self.succeed("run", "--scene", self.scene(kind), "--light", "lamp", *techniques, *SMALL, "--out", kind)
+                rows = {row["technique"]: row for row in records(self.dir / kind)}
+                for row in rows.values():
+                    self.assertEqual((row["light_kind"], row["status"], row["causes"]), (kind, "ok", None))
+                    self.assertEqual(row["reference"]["estimates"], "area")
+                    self.assertEqual((row["reference"]["target"], row["reference"]["cap"]), (0.002, 8192))
+                    self.assertGreater(row["reference"]["rays"], 100000)
+                    self.assertLessEqual(row["reference"]["error_mean"], 0.002)
+                error = {name: row["metrics"]["mesh"]["error"] for name, row in rows.items()}
+                self.assertEqual(error["area_rays"], rows["area_rays"]["metrics"]["mesh"]["error_mean"])
+                self.assertLess(error["exact_area"], 3e-4)
+                self.assertLess(error["exact_area"], error["area_rays"])
+                self.assertLess(error["area_rays"], error["center_ray"])
+                self.assertLess(error["center_ray"], error["unshadowed"])
+
+    def test_a_run_says_how_well_it_wants_to_know(self):
+        suite = self.write("s.toml", 'reference_error = 0.01\nreference_rays = 2048\nwidth = 64\nheight = 36\nprocesses = 1\nrepetitions = 1\n'
+                           f'[[group]]\nscenes = ["{self.scene()}"]\nlights = ["lamp"]\ntechniques = ["unshadowed"]\n')
+        self.succeed("run", suite, "--out", "out")
+        row = records(self.dir / "out")[0]
+        self.assertEqual((row["reference"]["target"], row["reference"]["cap"]), (0.01, 2048))
+        self.succeed("table", "out", "--rescore", "--save", "--format", "json")
+        self.assertEqual(records(self.dir / "out")[0]["metrics"], row["metrics"])
+        for line, says in (("reference_error = 0", ["reference_error = 0", "0.00001 .. 0.1"]), ("reference_rays = 1", ["reference_rays = 1", "64"])):
+            bad = self.write("bad.toml", line + f'\n[[group]]\nscenes = ["{self.scene()}"]\ntechniques = ["unshadowed"]\n')
+            self.refuse("run", bad, "--out", "bad", says=says)
+
+    def test_a_star_leaves_out_what_supports_no_light_of_its_group(self):
+        suite = self.write("s.toml", 'width = 64\nheight = 36\nprocesses = 1\nrepetitions = 1\n'
+                           f'[[group]]\nscenes = ["{self.scene()}"]\nlights = ["lamp"]\ntechniques = ["*"]\n')
+        text = self.succeed("run", suite, "--out", "out")
+        names = {row["technique"] for row in records(self.dir / "out")}
+        self.assertTrue({"area_rays", "center_ray", "exact_area", "embree_rays", "unshadowed"} <= names)
+        self.assertNotIn("shadow_map", names)
+        self.assertIn("shadow_map: a shadow map has one center", " ".join(text.split()))
 
     def test_a_techniques_own_reason_comes_first(self):
         self.succeed("run", "--scene", self.scene(), "--light", "lamp", "--technique", "shadow_map", *SMALL, "--out", "out")
         row = records(self.dir / "out")[0]
         self.assertEqual((row["status"], row["reason"]), ("unsupported", "a shadow map has one center: lights with area have none"))
 
-    def test_render_score_and_certify_refuse(self):
-        scene = self.scene()
-        self.refuse("render", "--scene", scene, "--technique", "unshadowed", "--light", "lamp", "--size", "64x36", "--out", "out",
-                    says=["unshadowed", "lamp", WHY])
-        self.assertFalse((self.dir / "out").exists())
-        self.succeed("render", "--scene", scene, "--technique", "unshadowed", "--light", "bulb", "--size", "64x36", "--out", "bulb")
-        mask = self.dir / "bulb/mask.exr"
-        self.refuse("score", "--scene", scene, "--light", "lamp", "--channel", "bulb.V", "--mask", mask, says=["lamp", WHY])
-        self.succeed("score", "--scene", scene, "--light", "bulb", "--mask", mask)
-        # All lights are asked for, and nothing is printed of the one that could be certified.
-        self.refuse("certify", "--scene", scene, "--size", "64x36", says=["lamp", WHY])
+    def test_render_score_and_certify_answer(self):
+        scene = self.scene("rect")
+        self.succeed("render", "--scene", scene, "--technique", "area_rays", "--light", "lamp", "--size", "64x36", "--out", "out")
+        scored = json.loads(self.succeed("score", "--scene", scene, "--light", "lamp", "--mask", self.dir / "out/mask.exr", "--json"))
+        self.assertLess(scored[0]["metrics"]["error"], 0.01)
+        self.assertEqual(scored[0]["causes"], {})
+        certificates = json.loads(self.succeed("certify", "--scene", scene, "--light", "lamp", "--size", "96x54", "--json"))
+        self.assertTrue(certificates[0]["holds"])
+        self.assertEqual(len(certificates[0]["comparisons"]), 4)
+
+    def test_lights_that_cannot_be_are_refused_and_hostile_ones_have_an_answer(self):
+        for shape, says in (("center = [2, 4, 1]\nhalf_u = [0.5, 0, 0]\nhalf_v = [1, 0, 0]", ["lamp", "no area", "bad.toml:"]),
+                            ("center = [2, 4, 1]\nhalf_u = [0.5, 0, 0]\nhalf_v = [1, 0, 1e-9]", ["lamp", "no area"]),
+                            ("center = [2, 4, nan]\nhalf_u = [0.5, 0, 0]\nhalf_v = [0, 0, 1]", ["center", "bad.toml:"])):
+            self.write("bad.toml", SCENE.replace("KIND", "rect").replace("SHAPE", shape))
+            self.refuse("render", "--scene", "bad.toml", "--technique", "area_rays", "--out", "bad", says=says)
+        # In and through the floor, around everything, a million times the scene, on the box.
+        for number, (kind, shape) in enumerate((
+                ("sphere", "center = [0, 0, 0]\nradius = 100"), ("sphere", "center = [2, 0, 1]\nradius = 0.5"),
+                ("disc", "center = [0, 4e6, 0]\nnormal = [0, -1, 0]\nradius = 4e6"), ("rect", "center = [0, 0, 0]\nhalf_u = [3, 0, 0]\nhalf_v = [0, 0, 3]"),
+                ("rect", "center = [0, 1, 0]\nhalf_u = [0.5, 0, 0]\nhalf_v = [0, 0, 0.5]"), ("disc", "center = [0, -5, 0]\nnormal = [0, 1, 0]\nradius = 1"))):
+            with self.subTest(shape):
+                scene = self.write(f"odd{number}.toml", SCENE.replace("KIND", kind).replace("SHAPE", shape))
+                self.succeed("run", "--scene", scene, "--light", "lamp", "--technique", "area_rays:samples=4", "--technique", "exact_area",
+                             *SMALL, "--out", f"odd{number}")
+                self.assertEqual({row["status"] for row in records(self.dir / f"odd{number}")}, {"ok"})
 
     def test_numbers_of_old_runs_are_withdrawn(self):
         scene = self.scene()
@@ -84,22 +125,17 @@ class AreaLight(ProgramTest):
         file = self.dir / "out/records.jsonl"
         lamp, bulb = (json.loads(line) for line in file.read_text().splitlines())
         # As it was written when the center was taken for the light: with the numbers of a point light.
-        for forgets_kind in (False, True):
-            old = dict(bulb, light="lamp", light_kind="" if forgets_kind else "disc", job=lamp["job"],
-                       context=dict(bulb["context"], frames=5))
-            file.write_text("".join(json.dumps(row) + "\n" for row in (old, bulb)))
-            if not forgets_kind:
-                for format in ("json", "md", "csv"):
-                    text = self.succeed("table", "out", "--format", format)
-                    self.assertIn("hard shadow of the light's center", text)
-                self.succeed("report", "out", "--out", "report.html")
-                self.assertIn("hard shadow of the light's center", (self.dir / "report.html").read_text())
-            # Rescoring looks at the scene, whatever the record says. The mask has a channel for the bulb only.
-            self.succeed("table", "out", "--rescore", "--save", "--format", "json")
-            row = records(self.dir / "out")[0]
-            self.assertEqual((row["light"], row["status"]), ("lamp", "unsupported"))
-            self.assertFalse(row["metrics"])
-            self.assertEqual(records(self.dir / "out")[1]["status"], "ok")
+        old = dict(bulb, light="lamp", light_kind="disc", job=lamp["job"], context=dict(bulb["context"], frames=5))
+        file.write_text("".join(json.dumps(row) + "\n" for row in (old, bulb)))
+        for format in ("json", "md", "csv"):
+            self.assertIn("hard shadow of the light's center", self.succeed("table", "out", "--format", format))
+        self.succeed("report", "out", "--out", "report.html")
+        self.assertIn("hard shadow of the light's center", (self.dir / "report.html").read_text())
+        self.succeed("table", "out", "--rescore", "--save", "--format", "json")
+        row = records(self.dir / "out")[0]
+        self.assertEqual((row["light"], row["status"]), ("lamp", "unsupported"))
+        self.assertFalse(row["metrics"])
+        self.assertEqual(records(self.dir / "out")[1]["status"], "ok")
 
 
 if __name__ == "__main__":

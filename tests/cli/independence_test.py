@@ -12,7 +12,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from program import ProgramTest, measured, picture_content, records  # noqa: E402
 
-# The first scene is one that every technique supports. Its smaller pictures come between those of the lights: each row but the
+# The first scene is one that every technique of hard shadows supports, under the lamp the others do. Its smaller pictures come between those of the lights: each row but the
 # first of a technique finds the room that a larger one left.
 SUITE = """
 width = 96
@@ -25,8 +25,22 @@ scenes = ["sphere_over_plane:segments=24"]
 sizes = ["96x64", "64x48"]
 techniques = ["*"]
 [[group]]
+scenes = ["LAMP"]
+lights = ["lamp"]
+sizes = ["96x64", "64x48"]
+techniques = ["*"]
+[[group]]
 scenes = ["soup:count=300"]
 techniques = ["*"]
+"""
+LAMP = """
+scene = "sphere_over_plane:segments=24"
+[[light]]
+name = "lamp"
+kind = "disc"
+center = [3, 6, 2]
+normal = [-3, -6, -2]
+radius = 0.5
 """
 
 
@@ -35,7 +49,9 @@ class Independence(ProgramTest):
     def setUpClass(cls):
         super().setUpClass()
         cls.suite = cls.home / "every.toml"
-        cls.suite.write_text(SUITE)
+        lamp = cls.home / "lamp.toml"
+        lamp.write_text(LAMP)
+        cls.suite.write_text(SUITE.replace("LAMP", str(lamp)))
 
     def run_suite(self, out, *options):
         self.succeed("run", self.suite, "--quiet", "--out", out, *options)

@@ -1,4 +1,6 @@
 // Whether a technique keeps its promise, on the pixels of class T and against the truth of the geometry that it sees.
+#include "measure/frame/certify_soft.h"
+#include "measure/statistics/statistics.h"
 #include "stage.h"
 
 namespace conformance {
@@ -60,6 +62,36 @@ TEST_P(Exact, is_wrong_at_no_tested_pixel) {
   EXPECT_GT(dark, 1000u);  // the scenes do have shadows
 }
 
+// Under lights with area exact means: within 4 standard errors of the reference, but for as many pixels as these errors are
+// themselves uncertain by, and nowhere beyond 12.
+TEST_P(Exact, is_within_four_errors_under_lights_with_area) {
+  std::size_t penumbra = 0, tested = 0;
+  for (const char* reference : {"sphere_over_plane:segments=24", "box_city:count=12", "soup:count=60"}) {
+    const auto w = world(reference);
+    const GBuffer gbuffer = w->gbuffer();
+    for (const Light& light : supported_lights(w->scene)) {
+      if (!has_area(light)) continue;
+      SCOPED_TRACE(fmt::format("{}, {}", reference, title(light)));
+      const std::vector<float> mask = fresh_answer(w->scene, light, gbuffer);
+      const World::Truthful truth = w->reference(gbuffer, light, entry().about.estimates);
+      std::size_t soft = 0, beyond_4 = 0;
+      for (std::size_t i = 0; i < mask.size(); ++i) {
+        if (truth.classes[i] != PixelClass::T) continue;
+        ++tested;
+        soft += truth.mask[i] > 0 && truth.mask[i] < 1;
+        const float off = std::abs(mask[i] - truth.mask[i]);
+        beyond_4 += off > 4 * truth.error[i];
+        ASSERT_LE(off, 12 * truth.error[i]) << "x = " << i % gbuffer.width << ", y = " << i / gbuffer.width << ": " << mask[i]
+                                            << ", reference " << truth.mask[i];
+      }
+      EXPECT_LE(beyond_4, most_by_chance(soft, 2 * student_tail(4, 7), 1e-6)) << "of " << soft << " in penumbrae";
+      penumbra += soft;
+    }
+  }
+  if (tested == 0) GTEST_SKIP() << "supports no light with area on these scenes";
+  EXPECT_GT(penumbra, 1000u);
+}
+
 // At its defaults a technique of samples errs on less than a quarter of what the absence of shadows errs on.
 TEST_P(Sampled, is_far_better_than_no_shadows) {
   const auto w = world("sphere_over_plane");
@@ -75,6 +107,27 @@ TEST_P(Sampled, is_far_better_than_no_shadows) {
     tested += t.tested;
   }
   if (tested == 0) GTEST_SKIP() << "supports no light without area on this scene";
+}
+
+TEST_P(Sampled, is_far_better_than_no_shadows_under_lights_with_area) {
+  const auto w = world("sphere_over_plane");
+  const GBuffer gbuffer = w->gbuffer(w->scene.views[0], 160, 90);
+  std::size_t asked = 0;
+  for (const Light& light : supported_lights(w->scene)) {
+    if (!has_area(light)) continue;
+    SCOPED_TRACE(title(light));
+    const std::vector<float> mask = fresh_answer(w->scene, light, gbuffer);
+    const World::Truthful truth = w->reference(gbuffer, light, entry().about.estimates);
+    double error = 0, without = 0;
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+      if (truth.classes[i] != PixelClass::T) continue;
+      error += std::abs(mask[i] - truth.mask[i]);
+      without += 1 - truth.mask[i];
+    }
+    EXPECT_LT(error, without / 4);
+    ++asked;
+  }
+  if (asked == 0) GTEST_SKIP() << "supports no light with area on this scene";
 }
 
 }  // namespace

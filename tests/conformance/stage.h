@@ -14,6 +14,7 @@
 #include "device/context.h"
 #include "measure/frame/classify.h"
 #include "measure/frame/gbuffer_maker.h"
+#include "measure/frame/soft_reference.h"
 #include "measure/scene/load.h"
 
 // What every registered technique is asked. A test of `Every` runs once for each of them, under its id.
@@ -50,8 +51,15 @@ class World {
   struct Truthful {
     std::vector<float> mask;
     std::vector<PixelClass> classes;
+    std::vector<float> error;  ///< standard errors under a light with area, else empty
   };
-  Truthful reference(const GBuffer& gbuffer, const Light& light) const {
+  /// Under a light with area the share that the technique estimates.
+  Truthful reference(const GBuffer& gbuffer, const Light& light, LightShareKind estimates = LightShareKind::area) const {
+    if (has_area(light)) {
+      SoftReference soft = trace_soft(scene, casters_, gbuffer, light, {});
+      if (estimates == LightShareKind::area) return {soft.area, soft.classes, soft.area_error};
+      return {soft.irradiance, soft.classes, soft.irradiance_error};
+    }
     Truthful result;
     result.mask.resize(gbuffer.size());
     trace_shadows(casters_, scene, gbuffer, light, result.mask);

@@ -37,6 +37,18 @@ GBuffer thinned(const GBuffer& g, int step) {
           a.floats[3], a.floats[4], a.floats[5], a.ids[0], a.ids[1],    arrays};
 }
 
+/// Good enough to move by, under a light with area.
+constexpr AreaTarget quick{.error = 0.02, .cap = 256};
+
+void trace(const RayScene& casters, const Frame& frame, const GBuffer& pixels, const AreaTarget& target,
+           std::vector<float>& mask) {
+  mask.resize(pixels.size());
+  if (has_area(frame.light))
+    trace_shares(casters, frame.scene(), pixels, frame.light, target, mask);
+  else
+    trace_shadows(casters, frame.scene(), pixels, frame.light, mask);
+}
+
 }  // namespace
 
 bool Interruptible::run(std::uint64_t ticket, const std::function<void()>& work) {
@@ -104,7 +116,6 @@ void Engine::Body::trace_reference(const std::shared_ptr<const Frame>& frame, st
     publish(std::move(reference));
     return;
   }
-  const Scene& scene = frame->scene();
   const GBuffer& g = frame->gbuffer;
   std::erase_if(known_references,
                 [&](const KnownReference& known) { return known.loaded != frame->loaded; });  // a scene may be large
@@ -122,10 +133,10 @@ void Engine::Body::trace_reference(const std::shared_ptr<const Frame>& frame, st
   }
 
   const RayScene& casters = frame->loaded->store->casters(g.truth);
-  const auto trace = [&](const GBuffer& pixels) {
-    std::vector<float> mask(pixels.size());
+  const auto trace_pixels = [&](const GBuffer& pixels) {
+    std::vector<float> mask;
     const auto start = Clock::now();
-    if (!refinement.run(ticket, [&] { trace_shadows(casters, scene, pixels, frame->light, mask); })) return false;
+    if (!refinement.run(ticket, [&] { trace(casters, *frame, pixels, quick, mask); })) return false;
     const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
     rays_per_ms = static_cast<double>(pixels.size()) / std::max(ms, 1e-3);
     reference.mask = std::move(mask);
@@ -135,10 +146,10 @@ void Engine::Body::trace_reference(const std::shared_ptr<const Frame>& frame, st
   };
   if (frame->is_full() && static_cast<double>(g.size()) > long_ms * rays_per_ms)
     for (const int step : {8, 4, 2}) {
-      if (!trace(thinned(g, step))) return;
+      if (!trace_pixels(thinned(g, step))) return;
       publish(reference);
     }
-  if (!trace(g)) return;
+  if (!trace_pixels(g)) return;
   reference.is_complete = !frame->is_full();
   publish(std::move(reference));
 }
@@ -150,7 +161,16 @@ void Engine::Body::complete_reference(ReferenceState reference, std::uint64_t ti
   const GBuffer& g = frame->gbuffer;
   const RayScene& casters = frame->loaded->store->casters(g.truth);
   std::vector<PixelClass> classes;
-  if (!refinement.run(ticket, [&] { classes = classify(scene, casters, g, frame->light, reference.mask); })) return;
+  const auto find_classes = [&] {
+    if (!has_area(frame->light)) {
+      classes = classify(scene, casters, g, frame->light, reference.mask);
+      return;
+    }
+    SoftReference soft = trace_soft(scene, casters, g, frame->light, {});
+    reference.mask = std::move(soft.area);
+    classes = std::move(soft.classes);
+  };
+  if (!refinement.run(ticket, find_classes)) return;
   reference.classes = std::move(classes);
   publish(reference);
   std::vector<std::uint32_t> nearest_caster;
@@ -164,8 +184,7 @@ void Engine::Body::complete_reference(ReferenceState reference, std::uint64_t ti
     mesh_frame->gbuffer =
         make_gbuffer(scene, frame->loaded->store->everything(Truth::mesh), g.view, g.width, g.height, Truth::mesh);
     on_mesh = std::make_shared<ReferenceState>();
-    on_mesh->mask.resize(g.size());
-    trace_shadows(frame->loaded->store->casters(Truth::mesh), scene, mesh_frame->gbuffer, frame->light, on_mesh->mask);
+    trace(frame->loaded->store->casters(Truth::mesh), *mesh_frame, mesh_frame->gbuffer, {}, on_mesh->mask);
     on_mesh->frame = mesh_frame;
     mesh_frame->file = write_shared(mesh_frame->gbuffer);
   });

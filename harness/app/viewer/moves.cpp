@@ -184,7 +184,7 @@ glm::vec3* position_of(Light& light) {
 }
 
 glm::dvec3 light_place(const Scene& scene, const Light& light) {
-  const glm::dvec4 place = homogeneous(light);
+  const glm::dvec4 place = homogeneous_of_center(light);
   return place.w != 0 ? glm::dvec3(place) : Ellipsoid(scene).toward(place);
 }
 

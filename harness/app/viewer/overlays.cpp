@@ -265,7 +265,7 @@ void SilhouetteFinder::search(std::shared_ptr<const LoadedScene> loaded, Light l
       adjacency_scene_ = loaded;
       start = std::chrono::steady_clock::now();
     }
-    adjacency_.find_silhouette(homogeneous(light), silhouette_);
+    adjacency_.find_silhouette(homogeneous_of_center(light), silhouette_);
     *lines = silhouette_lines(adjacency_, silhouette_);
   } catch (const std::exception&) {
     lines->clear();  // out of memory: the window goes on without silhouettes

@@ -42,7 +42,7 @@ std::string mask_words(const ComposeSide& side, const GBuffer& gbuffer, std::siz
 }
 
 std::string light_words(const Light& light, const glm::dvec3& point) {
-  const glm::dvec4 l = homogeneous(light);
+  const glm::dvec4 l = homogeneous_of_center(light);
   return l.w == 0 ? std::string("infinite") : fmt::format("{:.6g} m", glm::length(to_light(l, point)));
 }
 
@@ -152,7 +152,7 @@ std::vector<PixelFact> pixel_facts(const Composition& composition, int side, int
   const glm::dvec3 point = g.position(i), normal = g.normal(i);
   facts.push_back({"position", point_words(point)});
   facts.push_back({"normal", fmt::format("{}, {}, {}", number(normal.x, 4), number(normal.y, 4), number(normal.z, 4))});
-  const glm::dvec3 to = to_light(homogeneous(frame.light), point);
+  const glm::dvec3 to = to_light(homogeneous_of_center(frame.light), point);
   const double cosine = glm::dot(normal, to) / std::max(glm::length(to), 1e-300);
   facts.push_back({"cosine", fmt::format("{}, {:.1f} degrees off the normal", number(cosine, 4),
                                          glm::degrees(std::acos(std::clamp(cosine, -1.0, 1.0))))});

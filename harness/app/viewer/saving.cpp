@@ -62,11 +62,12 @@ std::string kind_toml(const SpotLight& l) {
          line("outer_degrees", l.outer_degrees);
 }
 std::string kind_toml(const DirectionalLight& l) { return line("direction", l.direction); }
+std::string emits_toml(Emits emits) { return emits == Emits::in_front ? line("one_sided", std::string("true")) : ""; }
 std::string kind_toml(const RectLight& l) {
-  return line("center", l.center) + line("half_u", l.half_u) + line("half_v", l.half_v);
+  return line("center", l.center) + line("half_u", l.half_u) + line("half_v", l.half_v) + emits_toml(l.emits);
 }
 std::string kind_toml(const DiscLight& l) {
-  return line("center", l.center) + line("normal", l.normal) + line("radius", l.radius);
+  return line("center", l.center) + line("normal", l.normal) + line("radius", l.radius) + emits_toml(l.emits);
 }
 std::string kind_toml(const SphereLight& l) { return line("center", l.center) + line("radius", l.radius); }
 

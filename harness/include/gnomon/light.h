@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <string>
 #include <string_view>
@@ -20,23 +21,30 @@ struct SpotLight {
 struct DirectionalLight {
   glm::vec3 direction{0, -1, 0};  ///< the way light travels, any length
 };
-/// Rectangle center +- half_u +- half_v; emits on both sides.
+/// Where a flat light emits. Of four bytes, so that lights have no gaps between their fields.
+enum class Emits : std::uint32_t { on_both_sides, in_front };
+/// Rectangle center +- half_u +- half_v; its front is on the side of cross(half_u, half_v).
 struct RectLight {
   glm::vec3 center{0}, half_u{1, 0, 0}, half_v{0, 0, 1};
+  Emits emits = Emits::on_both_sides;
 };
+/// Its front is on the side of its normal.
 struct DiscLight {
   glm::vec3 center{0}, normal{0, -1, 0};
   float radius = 1;
+  Emits emits = Emits::on_both_sides;
 };
 struct SphereLight {
   glm::vec3 center{0};
   float radius = 1;
 };
 
+using LightKind = std::variant<PointLight, SpotLight, DirectionalLight, RectLight, DiscLight, SphereLight>;
+
 struct Light {
   std::string name = "light";  ///< unique in its scene, [a-z0-9_]
-  std::variant<PointLight, SpotLight, DirectionalLight, RectLight, DiscLight, SphereLight> kind;
-  float intensity = 1;
+  LightKind kind;
+  float intensity = 1;  ///< of a light with area its radiance
 };
 
 /// "point", "spot", "directional", "rect", "disc", "sphere".
@@ -45,9 +53,11 @@ std::string_view kind_name(const Light& light);
 /// Whether the light has an area, hence penumbrae.
 bool has_area(const Light& light);
 
-/// The homogeneous light: (position, 1), or (-direction, 0) where direction is the way light travels. Area lights: their
-/// center. Exact: the floats of the light, widened. Nothing else converts a light to a point or direction.
+/// The homogeneous light: (position, 1), or (-direction, 0) where direction is the way light travels. Exact: the floats of the
+/// light, widened. A light with area is neither; throws Error with its name.
 glm::dvec4 homogeneous(const Light& light);
+/// The same, and of a light with area its center, for who means that. Nothing else converts a light to a point or direction.
+glm::dvec4 homogeneous_of_center(const Light& light);
 
 /// From `point` to the light, not normalized: position - point, or -direction.
 inline glm::dvec3 to_light(const glm::dvec4& homogeneous_light, const glm::dvec3& point) {

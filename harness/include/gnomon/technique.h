@@ -90,6 +90,11 @@ struct DebugLayer {
   std::vector<Swatch> legend = {};  ///< shown below the picture, in this order
 };
 
+/// Which of the two numbers that are true of a light with area (see LightShares) a mask holds: the share of the light's area
+/// that is seen, or the share of the irradiance that all of it would give.
+enum class LightShareKind { area, irradiance };
+inline constexpr std::string_view name(LightShareKind kind) { return kind == LightShareKind::area ? "area" : "irradiance"; }
+
 enum class Promise { exact, sampled };
 enum class Role { contender, baseline, reference };
 
@@ -101,6 +106,7 @@ struct About {
   std::string_view fails;    ///< the scene that breaks it
   Promise promise = Promise::sampled;
   Truth sees = Truth::mesh;  ///< geometry the technique works on; promises and conformance are judged by that truth
+  LightShareKind estimates = LightShareKind::area;  ///< under lights with area; it is scored against that
   Role role = Role::contender;
   bool needs_gl = false;    ///< called with a current OpenGL 4.5 core context
   bool is_default = false;  ///< the technique that `gnomon view` shows when none is named

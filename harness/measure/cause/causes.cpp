@@ -181,6 +181,7 @@ std::string_view name(Cause cause) { return cause == Cause::none ? "none" : rows
 std::vector<Cause> find_causes(const Attribution& a) {
   assert(a.mask.size() == a.gbuffer.size() && a.reference.mask.size() == a.mask.size());
   assert(a.reference.classes.size() == a.mask.size() && a.reference.nearest_caster.size() == a.mask.size());
+  if (has_area(a.light)) return {};
   std::vector<Cause> causes(a.mask.size(), Cause::none);
   std::vector<std::uint32_t> open, geometric;
   for (std::uint32_t i = 0; i < causes.size(); ++i) {

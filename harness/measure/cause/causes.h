@@ -62,7 +62,8 @@ struct Attribution {
   std::function<std::vector<std::optional<Explanation>>(std::span<const std::uint32_t> pixels)> explain;
 };
 
-/// The cause of every wrong pixel of class T, `none` elsewhere; width * height.
+/// The cause of every wrong pixel of class T, `none` elsewhere; width * height. Empty under a light with area: causes are of
+/// hard shadows.
 std::vector<Cause> find_causes(const Attribution& attribution);
 
 /// By name, every cause; zeros too.

@@ -10,20 +10,6 @@ namespace gnomon {
 
 namespace {
 
-bool is_silhouette(const GBuffer& gbuffer, int x, int y) {
-  const std::size_t i = static_cast<std::size_t>(y) * gbuffer.width + x;
-  const glm::vec3 eye = gbuffer.view.eye;
-  const float distance = glm::distance(gbuffer.position(i), eye);
-  for (int ny = std::max(0, y - 1); ny <= std::min(gbuffer.height - 1, y + 1); ++ny)
-    for (int nx = std::max(0, x - 1); nx <= std::min(gbuffer.width - 1, x + 1); ++nx) {
-      const std::size_t j = static_cast<std::size_t>(ny) * gbuffer.width + nx;
-      if (gbuffer.is_background(j)) return true;
-      if (gbuffer.mesh[j] != gbuffer.mesh[i] && std::abs(glm::distance(gbuffer.position(j), eye) - distance) > 0.02f * distance)
-        return true;
-    }
-  return false;
-}
-
 // Gray for what is not decided, light for what is scored, colors for what is left out.
 constexpr ClassInfo classes_table[] = {
     {"B", "background", "No surface: nothing to decide.", {24, 26, 30}},
@@ -97,6 +83,20 @@ class SnappedRays {
 };
 
 }  // namespace
+
+bool is_silhouette(const GBuffer& gbuffer, int x, int y) {
+  const std::size_t i = static_cast<std::size_t>(y) * gbuffer.width + x;
+  const glm::vec3 eye = gbuffer.view.eye;
+  const float distance = glm::distance(gbuffer.position(i), eye);
+  for (int ny = std::max(0, y - 1); ny <= std::min(gbuffer.height - 1, y + 1); ++ny)
+    for (int nx = std::max(0, x - 1); nx <= std::min(gbuffer.width - 1, x + 1); ++nx) {
+      const std::size_t j = static_cast<std::size_t>(ny) * gbuffer.width + nx;
+      if (gbuffer.is_background(j)) return true;
+      if (gbuffer.mesh[j] != gbuffer.mesh[i] && std::abs(glm::distance(gbuffer.position(j), eye) - distance) > 0.02f * distance)
+        return true;
+    }
+  return false;
+}
 
 bool is_resolved(const Scene& scene, const Light& light, const View& view) {
   const Bounds box = scene.bounds();

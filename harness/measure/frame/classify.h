@@ -40,6 +40,9 @@ inline bool is_wrong(float visibility, float reference) { return std::abs(visibi
 /// light and eye, which is 256 rho. Where it does not, all that would be tested is uncertain.
 bool is_resolved(const Scene& scene, const Light& light, const View& view);
 
+/// Whether a pixel is of class S, if of none before.
+bool is_silhouette(const GBuffer& gbuffer, int x, int y);
+
 /// Class of every pixel. `reference` is the mask of trace_shadows for the same casters.
 std::vector<PixelClass> classify(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const Light& light,
                                  std::span<const float> reference);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "measure/frame/frame_cache.h"
 #include "measure/frame/light_rays.h"
 #include "measure/notice.h"
 #include "measure/part_file.h"
@@ -25,13 +26,16 @@ void append(std::vector<std::byte>& bytes, std::span<const T> items) {
   bytes.insert(bytes.end(), view.begin(), view.end());
 }
 
-/// Bytes of a pixel in the cache: six floats and two ids; a float, a mesh, a class and a flag.
-constexpr std::size_t gbuffer_pixel = 32, reference_pixel = 10;
+/// Bytes of a pixel in the cache: six floats and two ids; a float, a mesh, a class and a flag, and of a light with area four
+/// floats and a number more.
+constexpr std::size_t gbuffer_pixel = 32, hard_pixel = 10, soft_pixel = 30;
+std::size_t reference_pixel(const Light& light) { return has_area(light) ? soft_pixel : hard_pixel; }
+
+/// Raised when trace_soft answers otherwise.
+constexpr int soft_version = 1;
 
 /// Raised when what files hold for the same frame changes. It names them, so that builds before and after keep their own.
 constexpr int file_layout = 2;
-/// Each file but the scene's, which is named by its hash, ends with the content_hash of what comes before.
-constexpr std::size_t hash_size = 32;
 
 /// Of the folders where frames lie when the cache cannot be written.
 constexpr const char* scratch_prefix = "gnomon-frames";
@@ -42,11 +46,6 @@ bool has_size(const fs::path& file, std::size_t size) {
 }
 
 std::size_t pixel_count(const FrameKey& key) { return static_cast<std::size_t>(key.width) * key.height; }
-
-void append_hash(std::vector<std::byte>& bytes) {
-  const std::string hash = content_hash(bytes);
-  append(bytes, std::span<const char>(hash));
-}
 
 std::vector<std::byte> gbuffer_bytes(const GBuffer& g) {
   std::vector<std::byte> bytes;
@@ -82,16 +81,17 @@ FrameStore::FrameStore(const Scene& scene, fs::path folder, std::unique_ptr<Fram
 bool FrameStore::is_sound(const fs::path& file, std::size_t size) {
   if (!has_size(file, size + hash_size)) return false;
   if (sound_.contains(file)) return true;
-  const auto mapped = MappedFile::open(file);
-  const std::string hash = content_hash(mapped->bytes().first(size));
-  const bool is_same = std::ranges::equal(std::as_bytes(std::span(hash)), mapped->bytes().subspan(size));
-  if (is_same) sound_.insert(file);
-  return is_same;
+  const bool is_same = ends_with_own_hash(MappedFile::open(file)->bytes());
+  if (!is_same) return false;
+  touch(file);
+  sound_.insert(file);
+  return true;
 }
 
 fs::path FrameStore::put(const std::string& name, std::span<const std::byte> bytes) {
   try {
     write_file(folder_ / name, bytes, Durable::yes);
+    if (!scratch_) keep_below(folder_, frame_cache_limit());
   } catch (const Error& error) {
     if (scratch_) throw;
     print_notice("{}; frames are made for this run alone\n", error.what());
@@ -103,7 +103,7 @@ fs::path FrameStore::put(const std::string& name, std::span<const std::byte> byt
 
 fs::path FrameStore::make(const std::string& name, const MissingFrame& missing) {
   std::vector<std::byte> bytes = maker_ ? maker_->make(missing) : tracer_.make(missing);
-  const std::size_t size = pixel_count(missing.key) * (missing.light ? reference_pixel : gbuffer_pixel);
+  const std::size_t size = pixel_count(missing.key) * (missing.light ? reference_pixel(*missing.light) : gbuffer_pixel);
   if (bytes.size() != size) throw Error("a frame was made with {} bytes; {} are wanted", bytes.size(), size);
   append_hash(bytes);
   return put(name, bytes);
@@ -113,16 +113,19 @@ fs::path FrameStore::scene_file() {
   const std::string name = scene_hash_ + ".scene";
   const fs::path file = folder_ / name;
   const auto is_ours = [&] { return std::ranges::equal(MappedFile::open(file)->bytes(), scene_bytes_); };
-  return has_size(file, scene_bytes_.size()) && is_ours() ? file : put(name, scene_bytes_);
+  if (!has_size(file, scene_bytes_.size()) || !is_ours()) return put(name, scene_bytes_);
+  touch(file);
+  return file;
 }
 
-std::string FrameStore::hash(const FrameKey& key, const Light* light) const {
+std::string FrameStore::hash(const FrameKey& key, const Light* light, const AreaTarget& target) const {
   Scene fingerprint;
   fingerprint.name =
       fmt::format("{} {} {} {} {} {}", file_layout, frame_version(), scene_hash_, key.width, key.height, name(key.truth));
   fingerprint.views = {key.view};
   if (light) {
-    fingerprint.name += fmt::format(" {}", snapping_version);
+    fingerprint.name += has_area(*light) ? fmt::format(" soft {} {} {}", soft_version, target.error, target.cap)
+                                         : fmt::format(" {}", snapping_version);
     fingerprint.lights = {*light};
   }
   return content_hash(scene_bytes(fingerprint));
@@ -131,7 +134,7 @@ std::string FrameStore::hash(const FrameKey& key, const Light* light) const {
 fs::path FrameStore::gbuffer_file(const FrameKey& key) {
   const std::string name = hash(key, nullptr) + ".gbuffer";
   if (const fs::path file = folder_ / name; is_sound(file, pixel_count(key) * gbuffer_pixel)) return file;
-  return make(name, {.scene_file = scene_file(), .key = key, .light = {}, .gbuffer_file = {}});
+  return make(name, {.scene_file = scene_file(), .key = key, .light = {}, .gbuffer_file = {}, .target = {}});
 }
 
 GBuffer FrameStore::gbuffer(const FrameKey& key) { return map_gbuffer(gbuffer_file(key), key); }
@@ -161,7 +164,11 @@ const RayScene& FrameTracer::rays(Truth truth, RayScene::Which which) {
 
 std::vector<std::byte> FrameTracer::make(const MissingFrame& missing) {
   const FrameKey& key = missing.key;
-  if (missing.light) return reference(key, map_gbuffer(missing.gbuffer_file, key), *missing.light);
+  if (missing.light) {
+    const GBuffer gbuffer = map_gbuffer(missing.gbuffer_file, key);
+    return has_area(*missing.light) ? soft_reference(key, gbuffer, *missing.light, missing.target)
+                                    : reference(key, gbuffer, *missing.light);
+  }
   return gbuffer_bytes(make_gbuffer(scene_, everything(key.truth), key.view, key.width, key.height, key.truth));
 }
 
@@ -178,13 +185,27 @@ std::vector<std::byte> FrameTracer::reference(const FrameKey& key, const GBuffer
   return bytes;
 }
 
-Reference FrameStore::reference(const FrameKey& key, const Light& light) {
+std::vector<std::byte> FrameTracer::soft_reference(const FrameKey& key, const GBuffer& g, const Light& light,
+                                                   const AreaTarget& target) {
+  const SoftReference soft = trace_soft(scene_, casters(key.truth), g, light, target);
+  std::vector<std::byte> bytes;
+  append(bytes, std::span<const float>(soft.area));
+  append(bytes, std::span<const std::uint32_t>(find_nearest_casters(scene_, casters(key.truth), g, light, soft.area)));
+  for (const auto* floats : {&soft.irradiance, &soft.area_error, &soft.irradiance_error, &soft.caster_distance})
+    append(bytes, std::span<const float>(*floats));
+  append(bytes, std::span<const std::uint32_t>(soft.rays));
+  append(bytes, std::span<const PixelClass>(soft.classes));
+  bytes.resize(bytes.size() + g.size());  // snapping belongs to hard edges
+  return bytes;
+}
+
+Reference FrameStore::reference(const FrameKey& key, const Light& light, const AreaTarget& target) {
   require_reference(scene_, light, key.view);
-  const std::string name = hash(key, &light) + ".reference";
+  const std::string name = hash(key, &light, target) + ".reference";
   fs::path path = folder_ / name;
-  if (!is_sound(path, pixel_count(key) * reference_pixel)) {
+  if (!is_sound(path, pixel_count(key) * reference_pixel(light))) {
     const fs::path seen = gbuffer_file(key);  // may change where files are
-    path = make(name, {.scene_file = scene_file(), .key = key, .light = light, .gbuffer_file = seen});
+    path = make(name, {.scene_file = scene_file(), .key = key, .light = light, .gbuffer_file = seen, .target = target});
   }
   const auto file = MappedFile::open(path);
   const std::size_t n = pixel_count(key);
@@ -192,8 +213,13 @@ Reference FrameStore::reference(const FrameKey& key, const Light& light) {
   Reference reference;
   reference.mask = slice<float>(*file, offset, n);
   reference.nearest_caster = slice<std::uint32_t>(*file, offset, n);
+  if (has_area(light)) {
+    for (auto* floats : {&reference.irradiance, &reference.error, &reference.irradiance_error, &reference.caster_distance})
+      *floats = slice<float>(*file, offset, n);
+    reference.rays = slice<std::uint32_t>(*file, offset, n);
+  }
   reference.classes = slice<PixelClass>(*file, offset, n);
-  reference.snapping = slice<std::uint8_t>(*file, offset, n);
+  if (!has_area(light)) reference.snapping = slice<std::uint8_t>(*file, offset, n);
   reference.storage = file;
   return reference;
 }

@@ -10,6 +10,7 @@
 
 #include "measure/frame/classify.h"
 #include "measure/frame/gbuffer_maker.h"
+#include "measure/frame/soft_reference.h"
 #include "measure/scene/blob.h"
 #include "measure/scratch_folder.h"
 
@@ -24,6 +25,10 @@ struct Reference {
   std::shared_ptr<const void> storage;
   /// 1 where the pixel is tested and a rasterizer's rounding of vertices may turn its answer over (see find_snapping), else 0.
   std::span<const std::uint8_t> snapping = {};
+  /// Of a light with area, else empty: `mask` is the share of its area that is seen, `irradiance` that of the irradiance, each
+  /// with its standard error (see SoftReference).
+  std::span<const float> irradiance = {}, error = {}, irradiance_error = {}, caster_distance = {};
+  std::span<const std::uint32_t> rays = {};
 };
 
 /// Raised when a G-buffer, a reference or a class comes out differently for the same scene. Records keep it as `frames` of
@@ -43,6 +48,7 @@ struct MissingFrame {
   FrameKey key;                        ///< the G-buffer of this,
   std::optional<Light> light;          ///< or where it holds one the reference under it,
   std::filesystem::path gbuffer_file;  ///< which is seen in this G-buffer
+  AreaTarget target = {};              ///< of a light with area
 };
 
 /// Where a FrameStore has frames made: in its own process, or where a crash costs less.
@@ -65,6 +71,7 @@ class FrameTracer final : public FrameMaker {
  private:
   const RayScene& rays(Truth truth, RayScene::Which which);
   std::vector<std::byte> reference(const FrameKey& key, const GBuffer& g, const Light& light);
+  std::vector<std::byte> soft_reference(const FrameKey& key, const GBuffer& g, const Light& light, const AreaTarget& target);
 
   const Scene& scene_;
   std::map<std::pair<Truth, RayScene::Which>, RayScene> rays_;
@@ -83,13 +90,14 @@ class FrameStore {
   std::filesystem::path scene_file();
   std::filesystem::path gbuffer_file(const FrameKey& key);
   GBuffer gbuffer(const FrameKey& key);
-  Reference reference(const FrameKey& key, const Light& light);  ///< throws Error as require_reference does
+  /// Under a light with area to the target. Throws Error as require_reference does.
+  Reference reference(const FrameKey& key, const Light& light, const AreaTarget& target = {});
   /// As FrameTracer has them, in this process.
   const RayScene& casters(Truth truth) { return tracer_.casters(truth); }
   const RayScene& everything(Truth truth) { return tracer_.everything(truth); }
 
  private:
-  std::string hash(const FrameKey& key, const Light* light) const;
+  std::string hash(const FrameKey& key, const Light* light, const AreaTarget& target = {}) const;
   /// Whether a file of the cache holds that many bytes and their hash.
   bool is_sound(const std::filesystem::path& file, std::size_t size);
   /// Has it made, and puts it in a file of that name.

@@ -22,7 +22,7 @@ glm::dvec3 back_to_plane(const glm::dvec3& move, const glm::dvec3& ray, const gl
 }
 
 LightRays::LightRays(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const Light& light)
-    : scene_(scene), casters_(casters), gbuffer_(gbuffer), light_(homogeneous(light)) {
+    : scene_(scene), casters_(casters), gbuffer_(gbuffer), light_(homogeneous_of_center(light)) {
   const Bounds box = scene.bounds();
   center_ = (glm::dvec3(box.min) + glm::dvec3(box.max)) / 2.0;
   // Twice the half diagonal: an exact shape may bulge out of the box of its tessellation.

@@ -31,7 +31,7 @@ const SrgbSteps& srgb_steps() {
 
 std::vector<double> received_light(const GBuffer& gbuffer, const Light& light) {
   std::vector<double> received(gbuffer.size());
-  const glm::dvec4 l = homogeneous(light);
+  const glm::dvec4 l = homogeneous_of_center(light);
   for_blocks(received.size(), 16384, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       if (gbuffer.is_background(i)) continue;

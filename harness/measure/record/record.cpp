@@ -38,6 +38,14 @@ void for_each_field(MaybeConst<Record::GlInputs> auto& gl, const auto& use) {
   use("input_bytes", gl.input_bytes);
   use("upload_ms", gl.upload_ms);
 }
+void for_each_field(MaybeConst<Record::ReferenceFacts> auto& facts, const auto& use) {
+  use("estimates", facts.estimates);
+  use("target", facts.target);
+  use("cap", facts.cap);
+  use("rays", facts.rays);
+  use("error_mean", facts.error_mean);
+  use("error_max", facts.error_max);
+}
 void for_each_field(MaybeConst<Record::SceneFacts> auto& facts, const auto& use) {
   use("meshes", facts.meshes);
   use("triangles", facts.triangles);
@@ -74,6 +82,7 @@ void for_each_field(MaybeConst<Record> auto& r, const auto& use) {
   use("bytes", r.bytes);
   use("peak_bytes", r.peak_bytes);
   use("gl", r.gl);
+  use("reference", r.reference);
   use("classes", r.classes);
   use("metrics", r.metrics);
   use("causes", r.causes);
@@ -146,7 +155,7 @@ void read(const std::string& field, const Json& value, T& into) {
     into = value.get<T>();
   } else if constexpr (std::is_enum_v<T>) {
     std::vector<std::string> words;
-    for (int k = 0; k < (std::is_same_v<T, Truth> ? 2 : 3); ++k) {
+    for (int k = 0; k < (std::is_same_v<T, Truth> || std::is_same_v<T, LightShareKind> ? 2 : 3); ++k) {
       words.emplace_back(name(static_cast<T>(k)));
       if (value == words.back()) return void(into = static_cast<T>(k));
     }
@@ -239,8 +248,8 @@ void from_json(const Json& json, Record& record) {
 
 void forget_results(Record& r) {
   const auto empty = [](auto&... fields) { ((fields = std::decay_t<decltype(fields)>()), ...); };
-  empty(r.stages, r.iterations, r.stop, r.counts, r.bytes, r.peak_bytes, r.gl, r.classes, r.metrics, r.causes, r.frames, r.mask,
-        r.error_picture, r.shaded_picture);
+  empty(r.stages, r.iterations, r.stop, r.counts, r.bytes, r.peak_bytes, r.gl, r.reference, r.classes, r.metrics, r.causes,
+        r.frames, r.mask, r.error_picture, r.shaded_picture);
 }
 
 void withdraw(Record& record, const std::string& reason) {

@@ -58,6 +58,16 @@ struct Record {
   };
   std::optional<GlInputs> gl;  ///< scene and G-buffer on the GL side, outside every timed stage
 
+  /// Under a light with area: which of its two true numbers the technique was scored against, and how well that is known.
+  struct ReferenceFacts {
+    LightShareKind estimates = LightShareKind::area;
+    double target = 0;      ///< standard error that was wanted
+    std::uint64_t cap = 0;  ///< places of the light that a point asked for at most
+    std::uint64_t rays = 0;
+    double error_mean = 0, error_max = 0;  ///< standard errors, over the pixels that face the light
+  };
+  std::optional<ReferenceFacts> reference;
+
   std::map<std::string, std::uint64_t> classes;  ///< pixels of class "B", "F", "G", "S", "U", "T"
   std::map<Truth, Metrics> metrics;              ///< on a path: means over its frames
   /// Wrong pixels of T by cause, headline truth, on a path summed over its frames; nothing when the run sought none.

@@ -1,6 +1,7 @@
 #include "measure/run/jobs.h"
 
 #include <gnomon/param.h>
+#include <gnomon/registry.h>
 
 #include <algorithm>
 
@@ -59,6 +60,47 @@ void check_path(const Scene& scene, const std::string& reference, const std::str
     }
 }
 
+/// Why a contender supports nothing of a group; nothing where it supports something, or where a scene is not there to ask
+/// about.
+std::optional<std::string> objection(const SuiteGroup& group, const Contender& contender, SceneLibrary& library) {
+  const auto technique = registry().technique(contender.technique).make();
+  std::optional<std::string> why;
+  for (const std::string& reference : group.scenes) {
+    const SceneLibrary::Entry& entry = library.get(reference);
+    if (!entry.scene) return std::nullopt;
+    for (const Light& light : entry.scene->lights) {
+      if (!group.lights.empty() && std::ranges::find(group.lights, light.name) == group.lights.end()) continue;
+      const Support support = technique->supports(*entry.scene, light, entry.scene->views.front());
+      if (support) return std::nullopt;
+      if (!why) why = support.why();
+    }
+  }
+  return why;
+}
+
+/// The contenders of a group, without those of `*` that support nothing of it.
+std::vector<Contender> contenders_of(const SuiteGroup& group, SceneLibrary& library, std::vector<std::string>* left_out) {
+  std::vector<Contender> kept;
+  for (const Contender& contender : group.contenders) {
+    const auto why = contender.is_one_of_all ? objection(group, contender, library) : std::nullopt;
+    if (!why)
+      kept.push_back(contender);
+    else if (left_out)
+      left_out->push_back(fmt::format("{}: {}", contender.technique, *why));
+  }
+  return kept;
+}
+
+/// A job that stands still has the hash that it had before there were paths, and one with the usual target that from before
+/// there were targets.
+std::string hash_of(const Job& job, const Suite& suite) {
+  std::string asked = fmt::format("{}|{}|{}|{}|{}x{}|{}{}", job.scene, job.light, job.view, job.contender.name(), job.width,
+                                  job.height, name(suite.truth), job.path.empty() ? "" : "|" + job.path);
+  if (const AreaTarget usual; suite.target.error != usual.error || suite.target.cap != usual.cap)
+    asked += fmt::format("|{}|{}", suite.target.error, suite.target.cap);
+  return content_hash(asked).substr(0, 16);
+}
+
 }  // namespace
 
 void require_names(const std::string& reference, const Scene& scene, const std::vector<std::string>& lights,
@@ -67,10 +109,11 @@ void require_names(const std::string& reference, const Scene& scene, const std::
   require(views, names_of(scene.views), "view", reference);
 }
 
-std::vector<Job> expand_jobs(const Suite& suite, SceneLibrary& library) {
+std::vector<Job> expand_jobs(const Suite& suite, SceneLibrary& library, std::vector<std::string>* left_out) {
   std::vector<Job> jobs;
   std::map<std::string, std::size_t> places;  // by hash
-  for (const SuiteGroup& group : suite.groups)
+  for (const SuiteGroup& group : suite.groups) {
+    const std::vector<Contender> contenders = contenders_of(group, library, left_out);
     for (const std::string& reference : group.scenes) {
       const SceneLibrary::Entry& entry = library.get(reference);
       std::vector<std::string> lights = group.lights, views = group.views;
@@ -91,12 +134,9 @@ std::vector<Job> expand_jobs(const Suite& suite, SceneLibrary& library) {
         for (const std::string& view : views)
           for (const std::string& path : paths)
             for (const auto& [width, height] : sizes)
-              for (const Contender& contender : group.contenders) {
+              for (const Contender& contender : contenders) {
                 Job job{"", reference, light, view, contender, width, height, path, jobs.size()};
-                // A job that stands still has the hash that it had before there were paths.
-                const std::string asked = fmt::format("{}|{}|{}|{}|{}x{}|{}{}", reference, light, view, contender.name(), width,
-                                                      height, name(suite.truth), path.empty() ? "" : "|" + path);
-                job.hash = content_hash(asked).substr(0, 16);
+                job.hash = hash_of(job, suite);
                 const auto [known, is_new] = places.try_emplace(job.hash, jobs.size());
                 if (is_new)
                   jobs.push_back(std::move(job));
@@ -104,6 +144,7 @@ std::vector<Job> expand_jobs(const Suite& suite, SceneLibrary& library) {
                   label = contender.label;
               }
     }
+  }
   return jobs;
 }
 

@@ -46,8 +46,9 @@ const Item* find_named(const std::vector<Item>& items, const std::string& name) 
 void require_names(const std::string& reference, const Scene& scene, const std::vector<std::string>& lights,
                    const std::vector<std::string>& views);
 
-/// All jobs of a suite in order, each once. Throws Error when a scene lacks a named light, view or path, or a path has a frame
-/// that cannot be drawn.
-std::vector<Job> expand_jobs(const Suite& suite, SceneLibrary& library);
+/// All jobs of a suite in order, each once. Techniques that a group names by `*` have none in it where they support no scene
+/// and light of it; `left_out` gets a line for each of these: "shadow_map: a shadow map has one center ...". Throws Error when
+/// a scene lacks a named light, view or path, or a path has a frame that cannot be drawn.
+std::vector<Job> expand_jobs(const Suite& suite, SceneLibrary& library, std::vector<std::string>* left_out = nullptr);
 
 }  // namespace gnomon

@@ -90,12 +90,12 @@ class Row {
   FrameKey key(Truth truth) const {
     return {*view_, record_.width, record_.height, today_.scene->has_curved_shapes() ? truth : Truth::shape};
   }
-  Reference reference(Truth truth) const { return today_.frames->reference(key(truth), *light_); }
+  Reference reference(Truth truth) const { return today_.frames->reference(key(truth), *light_, target_of(record_)); }
 
   std::vector<float> read(const std::string& channel) const { return read_exr(file_, channel, record_.width, record_.height); }
 
   Answer read_answer(Truth truth, const std::string& channel) const {
-    Answer answer{today_.frames->gbuffer(key(truth)), reference(truth), read(channel), {}};
+    Answer answer{today_.frames->gbuffer(key(truth)), reference(truth), read(channel), {}, estimates_of(record_)};
     const auto is_wild = [](float v) { return !(v >= 0 && v <= 1); };
     if (const auto wild = std::ranges::find_if(answer.mask, is_wild); wild != answer.mask.end())
       throw Error("{}: {} at pixel {} is {}; a visibility is 0 .. 1", file_.string(), channel, wild - answer.mask.begin(),

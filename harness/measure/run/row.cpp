@@ -80,7 +80,8 @@ double ContenderWorker::setup_ms() {
 Answer ContenderWorker::answer(Record* record) {
   MaskReply reply = client_.answer();
   const FrameKey key = run_.key(frame_, truth_);
-  Answer answer{run_.frames.gbuffer(key), run_.frames.reference(key, run_.light(frame_)), std::move(reply.mask), {}};
+  Answer answer{
+      run_.frames.gbuffer(key), run_.frames.reference(key, run_.light(frame_), run_.suite.target), std::move(reply.mask), {}};
   if (!record) return answer;
   record->counts = std::move(reply.counts);
   for (const Count& c : record->counts)
@@ -136,6 +137,22 @@ bool take_support(Record& record, const Support& support, const RowFrame& frame)
   return static_cast<bool>(support);
 }
 
+/// How well the reference of a light with area is known, over all pixels that it was asked for.
+Record::ReferenceFacts facts_of(const Reference& reference, LightShareKind estimates, const AreaTarget& target) {
+  Record::ReferenceFacts facts{.estimates = estimates, .target = target.error, .cap = target.cap};
+  const auto errors = estimates == LightShareKind::area ? reference.error : reference.irradiance_error;
+  std::size_t asked = 0;
+  for (std::size_t i = 0; i < reference.rays.size(); ++i) {
+    if (reference.classes[i] <= PixelClass::F) continue;
+    ++asked;
+    facts.rays += reference.rays[i];
+    facts.error_mean += errors[i];
+    facts.error_max = std::max<double>(facts.error_max, errors[i]);
+  }
+  if (asked > 0) facts.error_mean /= static_cast<double>(asked);
+  return facts;
+}
+
 /// Measures a row frame by frame.
 class RowMeasurement {
  public:
@@ -175,10 +192,11 @@ class RowMeasurement {
   /// The pixels that are right on the mesh, for causes; empty where the technique does not see the mesh or it is the headline.
   std::vector<std::uint8_t> add_other_truth() {
     Answer answer = worker_.answer(nullptr);
+    answer.estimates = about().estimates;
     const Evidence evidence = answer.evidence(run_.scene, now_.light);
     means_[other_truth_].add(measure_metrics(Scoring(evidence)));
     std::vector<std::uint8_t> right_on_mesh;
-    if (other_truth_ == Truth::mesh && registry().technique(record_.technique).about.sees == Truth::mesh)
+    if (other_truth_ == Truth::mesh && about().sees == Truth::mesh)
       for (std::size_t i = 0; i < evidence.mask.size(); ++i) right_on_mesh.push_back(!evidence.is_wrong(i));
     now_.other_mask = std::move(answer.mask);
     return right_on_mesh;
@@ -187,6 +205,7 @@ class RowMeasurement {
   void add_headline_truth(const RowFrame& frame, std::span<const std::uint8_t> right_on_mesh) {
     Answer& answer = now_.answer;
     answer = worker_.answer(&record_);
+    answer.estimates = about().estimates;
     answer.causes =
         find_causes({run_.scene, run_.frames.casters(truth_), answer.gbuffer, now_.light, answer.reference, answer.mask,
                      right_on_mesh, [&](std::span<const std::uint32_t> pixels) { return worker_.client().explain(pixels); }});
@@ -200,10 +219,17 @@ class RowMeasurement {
     const Metrics metrics = measure_metrics(scoring);
     means_[truth_].add(metrics);
     for (const auto& [name, count] : class_counts(answer.reference.classes)) record_.classes[name] += count;
-    for (const auto& [name, count] : count_causes(answer.causes)) (*record_.causes)[name] += count;
+    if (has_area(now_.light)) {
+      record_.causes.reset();
+      record_.reference = facts_of(answer.reference, answer.estimates, run_.suite.target);
+    } else {
+      for (const auto& [name, count] : count_causes(answer.causes)) (*record_.causes)[name] += count;
+    }
     if (frame.path)
       for (const auto& [metric, value] : metrics) record_.frames[metric].push_back(value);
   }
+
+  const About& about() const { return registry().technique(record_.technique).about; }
 
   Record& record_;
   SceneRun& run_;
@@ -290,10 +316,14 @@ void write_pictures(Record& record, const SceneRun& run, const MeasuredRow& meas
   const Answer& answer = measured.answer;
   const std::string stem = file_stem(record);
   // What `--rescore` and the report need: the mask, the cause of each pixel, and the mask under the other truth.
-  std::vector<std::string> names = {record.light + ".V", record.light + ".cause"};
+  std::vector<std::string> names = {record.light + ".V"};
   std::vector<float> causes;
   for (const Cause cause : answer.causes) causes.push_back(static_cast<float>(cause));
-  std::vector<std::span<const float>> channels = {answer.mask, causes};
+  std::vector<std::span<const float>> channels = {answer.mask};
+  if (!causes.empty()) {
+    names.push_back(record.light + ".cause");
+    channels.push_back(causes);
+  }
   if (measured.other_mask) {
     names.push_back(fmt::format("{}.{}", record.light, name(record.truth == Truth::shape ? Truth::mesh : Truth::shape)));
     channels.push_back(*measured.other_mask);

@@ -101,7 +101,7 @@ void run_rows(std::vector<PendingRow> rows, const RowsPlan& plan, Progress& prog
 }  // namespace
 
 std::vector<Job> select_jobs(const RunOptions& options, std::vector<Job> jobs) {
-  if (!options.filter.empty()) {
+  if (!options.filter.empty() && !jobs.empty()) {
     const Pattern pattern(options.filter, "is no regular expression");
     const std::string first = jobs.front().title();
     std::erase_if(jobs, [&](const Job& job) { return !pattern.is_in(job.title()); });

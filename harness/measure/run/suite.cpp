@@ -143,7 +143,7 @@ std::vector<Contender> parse_contenders(const std::string& text, const std::stri
   if (text == "*") {
     if (!label.empty()) throw Error("label {} would name every technique", label);
     std::vector<Contender> all;
-    for (const TechniqueEntry& entry : registry().techniques()) all.push_back({entry.id, "", ""});
+    for (const TechniqueEntry& entry : registry().techniques()) all.push_back({entry.id, "", "", true});
     return all;
   }
   const std::vector<std::string> plain = expand_braces(text);
@@ -155,7 +155,7 @@ std::vector<Contender> parse_contenders(const std::string& text, const std::stri
     const std::string id = one.substr(0, colon);
     techniques.push_back(registry().technique(id).make());
     if (colon != std::string::npos) techniques.back()->apply(one.substr(colon + 1));
-    contenders.push_back({id, techniques.back()->settings(), label});
+    contenders.push_back({id, techniques.back()->settings(), label, false});
   }
   name_defaults(contenders, techniques);
   return contenders;
@@ -179,9 +179,9 @@ Suite read_suite(const std::string& name_or_path) {
     path = data_root() / "bench/suites" / (name_or_path + ".toml");
   }
   const toml::table table = read_toml("suite " + path.string(), path);
-  const Table top(
-      table, path, "suite",
-      {"title", "width", "height", "truth", "processes", "repetitions", "warmups", "timeout", "interval", "budget", "group"});
+  const Table top(table, path, "suite",
+                  {"title", "width", "height", "truth", "processes", "repetitions", "warmups", "timeout", "interval", "budget",
+                   "reference_error", "reference_rays", "group"});
   Suite suite;
   suite.name = path.stem();
   if (top.has("title")) suite.title = top.text("title");
@@ -200,6 +200,10 @@ Suite read_suite(const std::string& name_or_path) {
   if (top.has("budget") && !top.has("interval"))
     throw Error("suite.budget = {} is for the processes that suite.interval asks for, which is not there ({})", suite.budget,
                 top.where("budget"));
+  suite.target.error = top.number("reference_error", suite.target.error);
+  if (!(suite.target.error >= 1e-5 && suite.target.error <= 0.1))
+    top.refuse("reference_error", suite.target.error, "a standard error of 0.00001 .. 0.1");
+  suite.target.cap = static_cast<std::uint32_t>(top.integer("reference_rays", static_cast<int>(suite.target.cap), 64, 1 << 24));
   for (const toml::table* raw : top.tables("group")) {
     const Table reader(*raw, path, "group", {"scenes", "lights", "views", "techniques", "paths", "sizes"});
     SuiteGroup group{{},

@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/kit/area_rays.h>
 #include <gnomon/scene.h>
 
 #include <filesystem>
@@ -9,9 +10,10 @@ namespace gnomon {
 
 /// One technique with its settings, as a suite or the command line names it.
 struct Contender {
-  std::string technique;  ///< id
-  std::string settings;   ///< canonical "a=1,b=2" of what differs from the defaults
-  std::string label;      ///< short name for tables; may be empty
+  std::string technique;       ///< id
+  std::string settings;        ///< canonical "a=1,b=2" of what differs from the defaults
+  std::string label;           ///< short name for tables; may be empty
+  bool is_one_of_all = false;  ///< named by `*`: it is left out where it supports nothing
   std::string name() const { return settings.empty() ? technique : technique + ":" + settings; }
 };
 
@@ -46,7 +48,8 @@ struct Suite {
   /// After `processes`, rows whose 95 % interval of relight or resolve is wider than this share of the time get more processes;
   /// 0: none do.
   double interval = 0;
-  double budget = 600;  ///< seconds that those further processes may take in all
+  double budget = 600;     ///< seconds that those further processes may take in all
+  AreaTarget target = {};  ///< of the reference under lights with area
   std::vector<SuiteGroup> groups;
 };
 

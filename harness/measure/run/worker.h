@@ -90,7 +90,8 @@ bool write_line(int socket, const std::string& line);
 ///   {"do": "explain", "pixels": FILE, "out": FILE}                          -> {"explained": bool}
 ///   {"do": "debug", "layer": NAME, "out": FILE}                             -> {}
 ///   {"do": "detail", "out": FILE}                                           -> {}          detail_bytes of the last relight
-///   {"do": "trace", "scene": FILE, "stand": FILE, "gbuffer": FILE, "width", "height", "truth", "out": FILE} -> {}
+///   {"do": "trace", "scene": FILE, "stand": FILE, "gbuffer": FILE, "width", "height", "truth", "error", "cap", "out": FILE} ->
+///   {}
 /// The last one is FrameWorker's: the reference, or where `stand` holds no light the G-buffer, as the frame cache has them.
 /// `stand` is a file with the scene_bytes of a scene without meshes that holds one light and one view, wherever they are: they
 /// count instead of the scene's. `fresh` is how many stages, from setup on, are up to date. `pixels` holds uint32 indices of

@@ -158,10 +158,12 @@ class TechniqueServer {
       tracer_.emplace(scene_);
     }
     const Scene holder = scene_in(request.at("stand"));
-    MissingFrame missing{.scene_file = {}, .key = {.view = holder.views.at(0)}, .light = {}, .gbuffer_file = {}};
+    MissingFrame missing{.scene_file = {}, .key = {.view = holder.views.at(0)}, .light = {}, .gbuffer_file = {}, .target = {}};
     set_size_and_truth(missing.key, request);
     if (!holder.lights.empty()) missing.light = holder.lights[0];
     missing.gbuffer_file = request.at("gbuffer").get<std::string>();
+    missing.target = {.error = request.at("error"), .cap = request.at("cap")};
+    if (!(missing.target.error >= 1e-6)) throw Error("a reference's error = {} is below 1e-6", missing.target.error);
     write_file(request.at("out").get<std::string>(), tracer_->make(missing));
     return Json::object();
   }

@@ -145,7 +145,9 @@ void check(const Light& light, const std::string& where) {
     if constexpr (requires { l.half_u; }) {
       need_direction(l.half_u, "half_u");
       need_direction(l.half_v, "half_v");
-      need(glm::cross(glm::dvec3(l.half_u), glm::dvec3(l.half_v)) != glm::dvec3(0), "half_u and half_v span no area");
+      const glm::dvec3 u = l.half_u, v = l.half_v;
+      constexpr double least_sine = 1e-6;  // below, it is rounding
+      need(glm::length(glm::cross(u, v)) > least_sine * glm::length(u) * glm::length(v), "half_u and half_v span no area");
     }
   };
   std::visit(check_kind, light.kind);

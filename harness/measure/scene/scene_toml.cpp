@@ -179,6 +179,8 @@ void read_shape(const toml::table& toml, const fs::path& file, Scene& scene) {
   scene.meshes.push_back(std::move(mesh));
 }
 
+Emits read_emits(const Table& table) { return table.flag("one_sided", false) ? Emits::in_front : Emits::on_both_sides; }
+
 void read_light(const toml::table& toml, const fs::path& file, Scene& scene) {
   static const std::vector<std::string> kinds = {"point", "directional", "spot", "rect", "disc", "sphere"};
   const std::string kind = kind_of(toml, file, "light", kinds);
@@ -196,11 +198,11 @@ void read_light(const toml::table& toml, const fs::path& file, Scene& scene) {
                            static_cast<float>(table.number("inner_degrees", SpotLight{}.inner_degrees)),
                            static_cast<float>(table.number("outer_degrees", SpotLight{}.outer_degrees))};
   } else if (kind == "rect") {
-    const Table table = open({"center", "half_u", "half_v"});
-    light.kind = RectLight{table.vector("center"), table.direction("half_u"), table.direction("half_v")};
+    const Table table = open({"center", "half_u", "half_v", "one_sided"});
+    light.kind = RectLight{table.vector("center"), table.direction("half_u"), table.direction("half_v"), read_emits(table)};
   } else if (kind == "disc") {
-    const Table table = open({"center", "normal", "radius"});
-    light.kind = DiscLight{table.vector("center"), table.direction("normal"), table.positive("radius")};
+    const Table table = open({"center", "normal", "radius", "one_sided"});
+    light.kind = DiscLight{table.vector("center"), table.direction("normal"), table.positive("radius"), read_emits(table)};
   } else {
     const Table table = open({"center", "radius"});
     light.kind = SphereLight{table.vector("center"), table.positive("radius")};

@@ -91,7 +91,23 @@ std::optional<double> shadow_area_ratio(const Scoring& scoring) {
   return share(shadow_area(*e.gbuffer, e.classes, e.mask), shadow_area(*e.gbuffer, e.classes, e.reference));
 }
 
+bool is_soft(const Scoring& s) { return s.evidence().light && has_area(*s.evidence().light); }
+
+/// Mean over T of |values[i] - of[i]|; nothing where `values` is empty.
+std::optional<double> mean_over_tested(const Scoring& s, std::span<const float> values, std::span<const float> of) {
+  const Evidence& e = s.evidence();
+  double sum = 0;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (e.classes[i] == PixelClass::T) sum += std::abs(static_cast<double>(values[i]) - (of.empty() ? 0 : of[i]));
+  return values.empty() ? std::nullopt : share(sum, s.error_counts().tested);
+}
+
 constexpr MetricInfo rows[] = {
+    {"error", "", "lower", "What a row is judged by: its wrong rate, or under a light with area its mean error (error_mean).",
+     [](const Scoring& s) {
+       const ErrorCounts& counts = s.error_counts();
+       return share(is_soft(s) ? counts.error_sum : static_cast<double>(counts.wrong), counts.tested);
+     }},
     {"wrong_rate", "", "lower", "Share of the tested pixels (T) whose visibility is off by more than one half.",
      [](const Scoring& s) { return share(s.error_counts().wrong, s.error_counts().tested); }},
     {"wrong_rate_all", "", "lower", "The same over every pixel that faces the light (T, G, S and U): nothing hidden.",
@@ -102,6 +118,13 @@ constexpr MetricInfo rows[] = {
      [](const Scoring& s) { return share(s.error_counts().false_lit, s.error_counts().tested); }},
     {"error_mean", "", "lower", "Mean over T of the absolute difference from the reference.",
      [](const Scoring& s) { return share(s.error_counts().error_sum, s.error_counts().tested); }},
+    {"reference_error_mean", "", "",
+     "Mean over T of the reference's own standard error under a light with area: no mean error below it can be told from 0.",
+     [](const Scoring& s) { return mean_over_tested(s, s.evidence().reference_error, {}); }},
+    {"other_error_mean", "", "lower",
+     "Mean over T of the absolute difference from the other number that is true of a light with area: share of its irradiance "
+     "for techniques that estimate the share of its area, and the other way about.",
+     [](const Scoring& s) { return mean_over_tested(s, s.evidence().other_reference, s.evidence().mask); }},
     {"displacement_mean", "px", "lower", "Mean distance between the shadow boundaries of technique and reference, both ways.",
      [](const Scoring& s) { return s.displacement().mean; }},
     {"displacement_p95", "px", "lower", "95th percentile of the same distances.",
@@ -152,6 +175,9 @@ constexpr MetricInfo rows[] = {
     {"penumbra_width_ratio", "ratio", "",
      "Median of the widths of penumbra (0.8 / slope of V) where V is in 0.1 .. 0.9 in both, technique to reference; best at 1.",
      [](const Scoring& s) { return s.softness().width_ratio; }},
+    {"contact_hardening", "ratio", "",
+     "How fast the penumbra widens with the distance to the caster, technique to reference; best at 1. Under lights with area.",
+     [](const Scoring& s) { return s.softness().hardening; }},
     {"penumbra_shift", "px", "",
      "Median distance from the reference's line V = 0.5 to the technique's; positive: shadow too large.",
      [](const Scoring& s) { return s.softness().shift; }},
@@ -250,7 +276,7 @@ const std::vector<BinCount>& Scoring::angle_bins() const {
   return once(angle_bins_, [&]() -> std::vector<BinCount> {
     const Evidence& e = evidence_;
     if (!e.gbuffer || !e.light) return {};
-    const glm::dvec4 light = homogeneous(*e.light);
+    const glm::dvec4 light = homogeneous_of_center(*e.light);
     return count_bins(e, angle_bin_ends, [&](std::size_t i) {
       const glm::dvec3 to = to_light(light, e.gbuffer->position(i));
       return glm::dot(glm::dvec3(e.gbuffer->normal(i)), to) / glm::length(to);

@@ -24,6 +24,9 @@ struct Evidence {
   const Evidence* previous = nullptr;  ///< the frame before, on a path
   /// 1 where a rasterizer's rounding may turn the answer over (see find_snapping); empty when it was not found.
   std::span<const std::uint8_t> snapping = {};
+  /// Under a light with area, else empty: standard errors of `reference`, and the other number that is true of the light.
+  std::span<const float> reference_error = {}, other_reference = {};
+  std::span<const float> caster_distance = {};  ///< meters, see SoftReference
 
   bool faces_light(std::size_t i) const { return classes[i] > PixelClass::F; }
   bool is_wrong(std::size_t i) const { return gnomon::is_wrong(mask[i], reference[i]); }
@@ -46,7 +49,7 @@ struct BinCount {
 struct Softness {
   std::optional<double> band_mean, band_rms;        ///< of |mask - reference| over T in the band
   std::optional<double> outside_mean, outside_rms;  ///< over the rest of T
-  std::optional<double> umbra_ratio, penumbra_ratio, width_ratio, shift, noise;
+  std::optional<double> umbra_ratio, penumbra_ratio, width_ratio, shift, noise, hardening;
 };
 
 /// Distances in pixels between the shadow boundaries of technique and reference, both ways; none when one side has none.

@@ -131,6 +131,51 @@ std::optional<double> measure_width_ratio(const Evidence& e, const Windows& wind
   return ratio > 0 ? std::optional(1 / ratio) : std::nullopt;
 }
 
+/// Where both have penumbra: how far the caster is, and how steep V is per meter along the surface.
+struct Place {
+  double distance, ours, theirs;
+};
+
+/// Meters on the surface from a pixel's point to that one pixel on along a slope.
+double meters_along(const Evidence& e, const Windows& windows, int x, int y, const glm::dvec2& slope) {
+  const glm::dvec2 way = glm::normalize(slope);
+  const auto point = [&](int px, int py) { return glm::dvec3(e.gbuffer->position(windows.at(px, py))); };
+  const glm::dvec3 along_x = (point(x + 1, y) - point(x - 1, y)) / 2.0, along_y = (point(x, y + 1) - point(x, y - 1)) / 2.0;
+  return glm::length(way.x * along_x + way.y * along_y);
+}
+
+/// Width of penumbra w = 0.8 / slope against the distance to the caster: w of the farthest third of the places less w of the
+/// nearest, by the medians of their slopes. Nothing where the thirds' distances differ by less than a half.
+std::optional<double> measure_hardening(const Evidence& e, const Windows& windows) {
+  if (e.caster_distance.empty() || !e.gbuffer) return std::nullopt;
+  const auto is_middle = [](float v) { return v > 0.1f && v < 0.9f; };
+  std::vector<Place> places;
+  for (int y = 1; y + 1 < e.height; ++y)
+    for (int x = 1; x + 1 < e.width; ++x) {
+      const std::size_t i = windows.at(x, y);
+      if (e.classes[i] != PixelClass::T || !is_middle(e.reference[i]) || !is_middle(e.mask[i])) continue;
+      const glm::dvec2 theirs = windows.slope(e.reference, x, y);
+      if (!(e.caster_distance[i] > 0) || glm::length(theirs) == 0 || !windows.is_whole(x, y, 1)) continue;
+      const double meters = meters_along(e, windows, x, y, theirs);
+      if (meters > 0)
+        places.push_back(
+            {e.caster_distance[i], glm::length(windows.slope(e.mask, x, y)) / meters, glm::length(theirs) / meters});
+    }
+  const std::size_t third = places.size() / 3;
+  if (third < 10) return std::nullopt;
+  std::ranges::sort(places, {}, &Place::distance);
+  const auto middle = [](std::span<const Place> of, double Place::*value) {
+    std::vector<double> values;
+    for (const Place& place : of) values.push_back(place.*value);
+    return median(values);
+  };
+  const std::span<const Place> near = std::span(places).first(third), far = std::span(places).last(third);
+  if (middle(far, &Place::distance) < 1.5 * middle(near, &Place::distance)) return std::nullopt;
+  const auto growth = [&](double Place::*slope) { return 0.8 / middle(far, slope) - 0.8 / middle(near, slope); };
+  const double ours = growth(&Place::ours), theirs = growth(&Place::theirs);
+  return std::isfinite(ours) && theirs > 0 ? std::optional(ours / theirs) : std::nullopt;
+}
+
 /// Of the pixels whose whole 5 x 5 window is on one object: a ramp leaves nothing, so that what is left is noise or corners.
 std::optional<double> measure_noise(const Evidence& e, const Windows& windows, std::span<const float> to_penumbra) {
   const auto [squares, count, unused] = add_rows(e.height, [&](int y) {
@@ -194,7 +239,8 @@ Softness measure_softness(const Evidence& e) {
           .penumbra_ratio = ratio(static_cast<double>(penumbra_ours), static_cast<double>(penumbra_theirs)),
           .width_ratio = measure_width_ratio(e, windows),
           .shift = measure_shift(e, windows),
-          .noise = measure_noise(e, windows, to_penumbra)};
+          .noise = measure_noise(e, windows, to_penumbra),
+          .hardening = measure_hardening(e, windows)};
 }
 
 }  // namespace gnomon

@@ -10,12 +10,25 @@ struct Answer {
   GBuffer gbuffer;
   Reference reference;
   std::vector<float> mask;
-  std::vector<Cause> causes;  ///< empty until they are looked for
+  std::vector<Cause> causes;                        ///< empty until they are looked for
+  LightShareKind estimates = LightShareKind::area;  ///< what the mask is compared with under a light with area
 
   /// Scene and light must outlive it, as this must.
   Evidence evidence(const Scene& scene, const Light& light) const {
-    return {gbuffer.width, gbuffer.height, reference.classes, reference.mask,    mask, causes, &scene,
-            &gbuffer,      &light,         nullptr,           reference.snapping};
+    const bool is_irradiance = estimates == LightShareKind::irradiance && !reference.irradiance.empty();
+    return {.width = gbuffer.width,
+            .height = gbuffer.height,
+            .classes = reference.classes,
+            .reference = is_irradiance ? reference.irradiance : reference.mask,
+            .mask = mask,
+            .causes = causes,
+            .scene = &scene,
+            .gbuffer = &gbuffer,
+            .light = &light,
+            .snapping = reference.snapping,
+            .reference_error = is_irradiance ? reference.irradiance_error : reference.error,
+            .other_reference = is_irradiance ? reference.mask : reference.irradiance,
+            .caster_distance = reference.caster_distance};
   }
 };
 
@@ -24,6 +37,11 @@ bool causes_fit(const Answer& answer, std::span<const Cause> causes);
 /// Why the causes that a record tells cannot stand beside today's frames: they were found on frames of another version, or
 /// where it says no version, `fit` is false. Empty when they can.
 std::string causes_obstacle(const Record& record, bool fit);
+
+/// What the reference of a record under a light with area was asked for, and which of its two numbers the mask is compared
+/// with; the defaults where it says nothing of it.
+AreaTarget target_of(const Record& record);
+LightShareKind estimates_of(const Record& record);
 
 /// All metrics.
 Metrics measure_metrics(const Scoring& scoring);

@@ -142,7 +142,7 @@ class Collector {
     const Scene& scene = frames_.scene();
     const auto [key, light] = place(r);
     const GBuffer gbuffer = frames_.store().gbuffer(key);
-    const Reference reference = frames_.store().reference(key, light);
+    const Reference reference = frames_.store().reference(key, light, target_of(r));
     const std::vector<float> lit(gbuffer.size(), 1.0f), dark(gbuffer.size(), 0.0f);
     Json json;
     json["lit"] = keep(color_planes(shade(scene, gbuffer, light, lit)));
@@ -178,7 +178,11 @@ class Collector {
     const std::vector<Cause> causes =
         causes_from_numbers(read_exr(dir_ / *r.mask, r.light + ".cause", r.width, r.height), r.causes);
     const auto [key, light] = place(r);
-    const Answer answer{frames_.store().gbuffer(key), frames_.store().reference(key, light), std::move(mask), {}};
+    const Answer answer{frames_.store().gbuffer(key),
+                        frames_.store().reference(key, light, target_of(r)),
+                        std::move(mask),
+                        {},
+                        estimates_of(r)};
     if (const std::string obstacle = causes_obstacle(r, causes_fit(answer, causes)); !obstacle.empty()) {
       // A version is that of the whole run: one note for each scene.
       say(fmt::format("no causes of {}: {}", context_text(r, "frames").empty() ? what : "scene " + r.scene, obstacle));

@@ -83,7 +83,7 @@ TEST(blob, a_scene_comes_back_as_it_was) {
   for (std::size_t l = 0; l < 6; ++l) {
     EXPECT_EQ(scene.lights[l].name, back.lights[l].name);
     EXPECT_EQ(kind_name(scene.lights[l]), kind_name(back.lights[l]));
-    EXPECT_EQ(homogeneous(scene.lights[l]), homogeneous(back.lights[l]));
+    EXPECT_EQ(homogeneous_of_center(scene.lights[l]), homogeneous_of_center(back.lights[l]));
   }
   EXPECT_EQ(std::get<SpotLight>(back.lights[1].kind).outer_degrees, 25);
   EXPECT_EQ(back.views.at(0).up, glm::vec3(0, 0, 1));

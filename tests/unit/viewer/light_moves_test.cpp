@@ -16,7 +16,7 @@ TEST(viewer_light_moves, lights_with_a_place_go_where_their_handle_goes) {
     if (light.name == "sun") continue;
     EXPECT_EQ(light_place(scene, light), glm::dvec3(1, 2, 3)) << light.name;
     const Light moved = light_moved_to(scene, light, {-1, 0.1, 7});
-    EXPECT_EQ(glm::dvec3(homogeneous(moved)), glm::dvec3(glm::vec3(-1, 0.1f, 7))) << light.name;
+    EXPECT_EQ(glm::dvec3(homogeneous_of_center(moved)), glm::dvec3(glm::vec3(-1, 0.1f, 7))) << light.name;
     EXPECT_EQ(moved.kind.index(), light.kind.index());
     EXPECT_EQ(moved.name, light.name);
     for (const glm::dvec3& nowhere : {glm::dvec3(std::nan("")), glm::dvec3(HUGE_VAL, 0, 0), glm::dvec3(0, 1e31, 0)})

@@ -49,6 +49,22 @@ class BoxTree {
     return false;
   }
 
+  /// Calls visit(place) for every item in a box for which meets(lower corner, upper corner) holds, and in all boxes around it;
+  /// until `visit` returns true.
+  template <class Meets, class Visit>
+  void each(const Meets& meets, const Visit& visit) const {
+    for (std::uint32_t i = 0; i < nodes_.size();) {
+      const Node& node = nodes_[i];
+      if (!meets(node.side[0], node.side[1])) {
+        i = node.skip;
+        continue;
+      }
+      for (std::uint32_t place = node.first; place < node.first + node.count; ++place)
+        if (visit(place)) return;
+      ++i;
+    }
+  }
+
   std::size_t bytes() const { return bytes_of(nodes_, order_); }
 
  private:

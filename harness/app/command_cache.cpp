@@ -1,0 +1,100 @@
+// gnomon cache: the frames that are kept from one run to the next.
+#include <gnomon/error.h>
+
+#include "app/app.h"
+#include "measure/frame/frame_cache.h"
+#include "measure/json.h"
+#include "measure/paths.h"
+#include "report/table/text_table.h"
+
+namespace gnomon::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct CacheOptions {
+  std::string what = "list";
+  bool json = false;
+};
+
+std::string megabytes(std::uintmax_t bytes) { return fmt::format("{:.1f}", static_cast<double>(bytes) / 1e6); }
+
+struct Kind {
+  std::string name;
+  std::size_t count = 0;
+  std::uintmax_t bytes = 0;
+};
+
+std::vector<Kind> kinds_of(const std::vector<CachedFile>& files) {
+  std::vector<Kind> kinds = {{"scene"}, {"gbuffer"}, {"reference"}};
+  for (const CachedFile& file : files)
+    for (Kind& kind : kinds)
+      if (kind.name == file.kind) {
+        ++kind.count;
+        kind.bytes += file.bytes;
+      }
+  return kinds;
+}
+
+int list(const fs::path& folder, const std::vector<CachedFile>& files, bool as_json) {
+  const std::vector<Kind> kinds = kinds_of(files);
+  if (as_json) {
+    Json json = json_object({{"folder", folder.string()}, {"limit_bytes", frame_cache_limit()}});
+    for (const Kind& kind : kinds) json["files"][kind.name] = json_object({{"count", kind.count}, {"bytes", kind.bytes}});
+    fmt::print("{}\n", json_text(json, 2));
+    return 0;
+  }
+  TextTable table({{"kind", ""}, {"files", "", Align::right}, {"MB", "", Align::right}});
+  std::uintmax_t bytes = 0;
+  for (const Kind& kind : kinds) {
+    table.add_row({kind.name, fmt::format("{}", kind.count), megabytes(kind.bytes)});
+    bytes += kind.bytes;
+  }
+  table.add_row({"all", fmt::format("{}", files.size()), megabytes(bytes)});
+  fmt::print("{}\n{}at most {} MB are kept ($GNOMON_CACHE_LIMIT), what was used last\n", folder.string(),
+             table.text(terminal_width()), frame_cache_limit() / 1'000'000);
+  return 0;
+}
+
+int check(const std::vector<CachedFile>& files) {
+  std::size_t damaged = 0;
+  for (const CachedFile& file : files) {
+    if (is_sound(file)) continue;
+    ++damaged;
+    fs::remove(file.path);
+    fmt::print("{} was damaged and is removed\n", file.path.string());
+  }
+  fmt::print("{} files, {} damaged\n", files.size(), damaged);
+  return damaged > 0 ? 1 : 0;
+}
+
+int clear(const std::vector<CachedFile>& files) {
+  std::uintmax_t bytes = 0;
+  for (const CachedFile& file : files)
+    if (fs::remove(file.path)) bytes += file.bytes;
+  fmt::print("{} files, {} MB removed\n", files.size(), megabytes(bytes));
+  return 0;
+}
+
+int run_cache(const CacheOptions& options) {
+  const fs::path folder = cache_root() / "frames";
+  const std::vector<CachedFile> files = cached_files(folder);
+  if (options.what == "list") return list(folder, files, options.json);
+  if (options.json) throw Error("--json is for gnomon cache list");
+  if (options.what == "check") return check(files);
+  if (options.what == "clear") return clear(files);
+  throw Error("gnomon cache {} is none of list, check, clear", options.what);
+}
+
+}  // namespace
+
+void add_cache(Program& program) {
+  auto [command, options] = program.line.command<CacheOptions>(
+      "cache", "The frames that are kept from one run to the next: list, check or clear them", run_cache);
+  command.option("what", &options.what,
+                 "list: how many and how large; check: whether they are as they were made; clear: all go");
+  command.flag("--json", &options.json, "The list as JSON");
+}
+
+}  // namespace gnomon::app

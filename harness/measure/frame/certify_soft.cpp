@@ -1,0 +1,174 @@
+#include "measure/frame/certify_soft.h"
+
+#include <fmt/format.h>
+#include <gnomon/error.h>
+#include <gnomon/kit/parallel.h>
+#include <gnomon/kit/random.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "measure/statistics/statistics.h"
+
+namespace gnomon {
+
+namespace {
+
+constexpr std::array<double, 3> multiples = {2, 3, 4};
+constexpr double degrees_of_freedom = 7;  // eight replicas
+
+struct Sample {
+  std::size_t pixel;
+  LightShares exact = {};
+};
+
+struct Groups {
+  std::vector<Sample> penumbra, rest;
+};
+
+/// The pixels that are asked for.
+Groups choose(const Reference& reference, const SoftCertifyOptions& options, SoftCertificate& result) {
+  Groups groups;
+  Random random(options.seed);
+  for (std::size_t i = 0; i < reference.mask.size(); ++i) {
+    const bool is_drawn = random.uniform(0, 1) < options.random_share;
+    result.uncertain_count += reference.classes[i] == PixelClass::U;
+    if (reference.classes[i] != PixelClass::T) continue;
+    ++result.tested_count;
+    const bool is_penumbra = reference.mask[i] > 0 && reference.mask[i] < 1;
+    result.penumbra_count += is_penumbra;
+    if (is_penumbra)
+      groups.penumbra.push_back({i});
+    else if (is_drawn)
+      groups.rest.push_back({i});
+  }
+  if (groups.penumbra.size() > options.most_penumbra) {
+    random.shuffle(groups.penumbra);
+    groups.penumbra.resize(options.most_penumbra);
+  }
+  return groups;
+}
+
+SoftCertificate::Comparison compare(const std::string& what, std::span<const Sample> samples, LightShare LightShares::*share,
+                                    std::span<const float> values, std::span<const float> errors, double false_alarm) {
+  SoftCertificate::Comparison result{.what = what, .count = samples.size()};
+  double sum = 0, squares = 0;
+  for (const Sample& sample : samples) {
+    const double difference = values[sample.pixel] - (sample.exact.*share).best, off = std::abs(difference);
+    for (std::size_t k = 0; k < multiples.size(); ++k) result.beyond[k] += off > multiples[k] * errors[sample.pixel];
+    sum += difference;
+    squares += difference * difference;
+    result.largest = std::max(result.largest, off);
+  }
+  for (std::size_t k = 0; k < multiples.size(); ++k)
+    result.allowed[k] = most_by_chance(samples.size(), 2 * student_tail(multiples[k], degrees_of_freedom), false_alarm);
+  const auto n = static_cast<double>(samples.size());
+  if (n < 2) return result;
+  result.mean = sum / n;
+  result.mean_error = std::sqrt(std::max(0.0, squares / n - result.mean * result.mean) / (n - 1));
+  // Masks are of float32, and so are the differences' last digits.
+  result.is_mean_zero = std::abs(result.mean) <= 3.9 * result.mean_error + 1e-7;
+  return result;
+}
+
+}  // namespace
+
+std::size_t most_by_chance(std::size_t total, double chance, double false_alarm) {
+  // Terms of the binomial law from 0 on, until what is left is less likely than a false alarm.
+  const auto n = static_cast<double>(total);
+  double sum = 0;
+  for (std::size_t k = 0; k < total; ++k) {
+    const auto x = static_cast<double>(k);
+    sum += std::exp(std::lgamma(n + 1) - std::lgamma(x + 1) - std::lgamma(n - x + 1) + x * std::log(chance) +
+                    (n - x) * std::log1p(-chance));
+    if (1 - sum < false_alarm) return k;
+  }
+  return total;
+}
+
+bool SoftCertificate::holds() const {
+  const auto has_some = [](const Comparison& c) { return c.count > 0; };
+  return std::ranges::any_of(comparisons, has_some) && std::ranges::all_of(comparisons, &Comparison::holds);
+}
+
+SoftCertificate certify_soft(const Scene& scene, const Light& light, const GBuffer& gbuffer, const Reference& reference,
+                             const SoftCertifyOptions& options) {
+  if (!has_area(light)) throw Error("light {} is a {} light, it has no area", light.name, kind_name(light));
+  if (gbuffer.truth == Truth::shape && scene.has_curved_shapes())
+    throw Error("scene {} has exact curved shapes, only a G-buffer of mesh truth can be certified", scene.name);
+  SoftCertificate result;
+  result.scene = scene.name;
+  result.light = light.name;
+  result.view = gbuffer.view.name;
+  result.reference = options.reference;
+  result.target = options.target;
+  result.false_alarm = options.false_alarm;
+  Groups groups = choose(reference, options, result);
+  const AreaScene exact(scene);
+  for (std::vector<Sample>* samples : {&groups.penumbra, &groups.rest}) {
+    constexpr std::size_t block = 32;
+    std::vector<AreaTally> tallies((samples->size() + block - 1) / block);
+    for_blocks(samples->size(), block, [&](std::size_t begin, std::size_t end) {
+      LightPieces pieces;
+      for (std::size_t k = begin; k < end; ++k) {
+        const std::size_t i = (*samples)[k].pixel;
+        const LightFace face(light, gbuffer.position(i), gbuffer.normal(i));
+        (*samples)[k].exact = exact.seen(receiver_at(scene, gbuffer, i), face, pieces, tallies[begin / block]);
+      }
+    });
+    for (const AreaTally& tally : tallies) result.tally += tally;
+  }
+  const auto add = [&](const char* place, std::span<const Sample> samples) {
+    result.comparisons.push_back(compare(fmt::format("area {}", place), samples, &LightShares::area, reference.mask,
+                                         reference.error, options.false_alarm));
+    result.comparisons.push_back(compare(fmt::format("irradiance {}", place), samples, &LightShares::irradiance,
+                                         reference.irradiance, reference.irradiance_error, options.false_alarm));
+  };
+  add("in penumbrae", groups.penumbra);
+  add("elsewhere", groups.rest);
+  return result;
+}
+
+std::string text(const SoftCertificate& c) {
+  std::string out = fmt::format("{} / {} / {}: {}\n", c.scene, c.light, c.view, c.holds() ? "certified" : "NOT certified");
+  if (!c.reference.empty()) out += fmt::format("  reference      {}\n", c.reference);
+  out += fmt::format("  target         standard error {:g}, at most {} places of the light\n", c.target.error, c.target.cap);
+  out += fmt::format("  pixels         {} of T, {} of them in penumbrae; {} of U\n", c.tested_count, c.penumbra_count,
+                     c.uncertain_count);
+  for (const SoftCertificate::Comparison& s : c.comparisons) {
+    out += fmt::format("  {}\n    {} exact shares; beyond 2, 3, 4 errors: {}, {}, {} (at most {}, {}, {}){}\n", s.what, s.count,
+                       s.beyond[0], s.beyond[1], s.beyond[2], s.allowed[0], s.allowed[1], s.allowed[2],
+                       s.holds() ? "" : "  REFUSED");
+    out += fmt::format("    mean difference {:.2g} +- {:.2g}, largest {:.2g}\n", s.mean, s.mean_error, s.largest);
+  }
+  out += fmt::format("  false alarms   a reference that keeps Student's law is refused once in {:.0f} comparisons\n",
+                     1 / c.false_alarm);
+  return out;
+}
+
+void to_json(Json& json, const SoftCertificate& c) {
+  Json comparisons = Json::array();
+  for (const SoftCertificate::Comparison& s : c.comparisons)
+    comparisons.push_back(json_object({{"allowed", s.allowed},
+                                       {"beyond", s.beyond},
+                                       {"count", s.count},
+                                       {"holds", s.holds()},
+                                       {"largest", s.largest},
+                                       {"mean", s.mean},
+                                       {"mean_error", s.mean_error},
+                                       {"what", s.what}}));
+  json = json_object({{"cap", c.target.cap},
+                      {"comparisons", comparisons},
+                      {"false_alarm", c.false_alarm},
+                      {"holds", c.holds()},
+                      {"light", c.light},
+                      {"penumbra", c.penumbra_count},
+                      {"reference", c.reference},
+                      {"scene", c.scene},
+                      {"target", c.target.error},
+                      {"tested", c.tested_count},
+                      {"uncertain", c.uncertain_count},
+                      {"view", c.view}});
+}
+
+}  // namespace gnomon

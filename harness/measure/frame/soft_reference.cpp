@@ -1,0 +1,154 @@
+#include "measure/frame/soft_reference.h"
+
+#include <gnomon/kit/parallel.h>
+
+#include <bit>
+
+#include "measure/frame/light_rays.h"
+
+namespace gnomon {
+
+namespace {
+
+/// One pixel's questions to the ray tracer.
+class SoftPixel {
+ public:
+  SoftPixel(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const Light& light, std::size_t index)
+      : casters_(casters),
+        light_(light),
+        point_(gbuffer.position(index)),
+        normal_(gbuffer.normal(index)),
+        mesh_(gbuffer.mesh[index]),
+        triangle_(gbuffer.triangle[index]),
+        is_on_shape_(gbuffer.truth == Truth::shape && scene.meshes[mesh_].has_curved_shape()),
+        seed_(index),
+        face_(light, point_, normal_) {}
+
+  const LightFace& face() const { return face_; }
+  SampledShares shares(const AreaTarget& target) const { return sample_shares(rays(face_, {}, true), seed_, target); }
+
+  /// Mean over the blocked ones of sixteen ways to the light; 0 where none is.
+  double caster_distance() const {
+    const Squares squares = Scramble(~std::uint64_t{seed_}).of_each(0);
+    const LightFace::Box& box = face_.box();
+    const glm::dvec3 origin = point_ + static_cast<float>(ray_offset(point_)) * normal_;
+    double sum = 0;
+    int count = 0;
+    for (std::size_t k = 0; k < squares.x.size(); ++k) {
+      const glm::dvec2 place = box.low + glm::dvec2(squares.x[k], squares.y[k]) * (box.high - box.low);
+      if (!face_.holds(place)) continue;
+      const glm::dvec3 way = face_.at(place);
+      const RayScene::Hit hit = casters_.closest(origin, way);
+      if (hit.mesh == no_mesh || hit.t >= 1) continue;
+      sum += hit.t * glm::length(way);
+      ++count;
+    }
+    return count > 0 ? sum / count : 0;
+  }
+
+  /// Whether a share changes by more than `most` when point or light move by rho. One ray of sixteen that changes calls for
+  /// 512.
+  bool moves(double rho, double most) const {
+    constexpr std::uint32_t few = 1, many = 32;
+    const Scramble scramble(~std::uint64_t{seed_});
+    const FaceRays at_rest = rays(face_, {}, true);
+    for (int shift = 0; shift < shift_count; ++shift) {
+      const FaceRays moved = moved_rays(rho, shift);
+      const auto changed = [&](std::uint32_t rounds) { return change(at_rest, moved, scramble, rounds) > most; };
+      if (changed(few) && changed(many)) return true;
+    }
+    return false;
+  }
+
+ private:
+  static constexpr int shift_count = 9;
+
+  FaceRays rays(const LightFace& face, const glm::vec3& moved, bool is_lifted) const {
+    const glm::vec3 lift = is_lifted || is_on_shape_ ? static_cast<float>(ray_offset(point_)) * normal_ : glm::vec3(0);
+    return {casters_, point_ + moved + lift, lift, mesh_, triangle_, face};
+  }
+
+  /// The point moves along its two tangents, the light across the way to its center, both ways; then rays start at the point
+  /// without the lift of the recipe.
+  FaceRays moved_rays(double rho, int shift) const {
+    if (shift == 8) return rays(face_, {}, false);
+    const double step = shift & 1 ? rho : -rho;
+    const glm::dvec3 axis = shift < 4 ? glm::dvec3(normal_) : glm::dvec3(homogeneous_of_center(light_)) - glm::dvec3(point_);
+    const glm::dvec3 way = step * across(glm::normalize(axis))[shift / 2 % 2];
+    // A light that moves one way is a point that moves the other way, below casters that come along.
+    if (shift < 4) return rays(LightFace(light_, glm::dvec3(point_) + way, normal_), glm::vec3(way), true);
+    return rays(LightFace(light_, glm::dvec3(point_) - way, normal_), {}, true);
+  }
+
+  /// The larger change of the two shares, from the same places.
+  static double change(const FaceRays& from, const FaceRays& to, const Scramble& scramble, std::uint32_t rounds) {
+    double asked = 0, weight = 0, blocked = 0, blocked_weight = 0;
+    for (std::uint32_t round = 0; round < rounds; ++round) {
+      const Squares squares = scramble.of_each(round);
+      const FaceHits a = from.ask(squares), b = to.ask(squares);
+      asked += std::popcount(a.asked);
+      for (std::uint32_t left = a.asked; left; left &= left - 1) weight += a.weight[std::countr_zero(left)];
+      for (std::uint32_t left = a.blocked ^ b.blocked; left; left &= left - 1) {
+        const int k = std::countr_zero(left);
+        const double sign = a.blocked >> k & 1 ? 1 : -1;
+        blocked += sign;
+        blocked_weight += sign * a.weight[k];
+      }
+    }
+    return asked > 0 ? std::max(std::abs(blocked) / asked, std::abs(blocked_weight) / weight) : 0;
+  }
+
+  const RayScene& casters_;
+  const Light& light_;
+  glm::vec3 point_, normal_;
+  std::uint32_t mesh_, triangle_;
+  bool is_on_shape_;
+  std::uint64_t seed_;
+  LightFace face_;
+};
+
+}  // namespace
+
+SoftReference trace_soft(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const Light& light,
+                         const AreaTarget& target, std::atomic<std::size_t>* done) {
+  const std::size_t size = gbuffer.size();
+  SoftReference result;
+  for (auto* shares : {&result.area, &result.irradiance}) shares->assign(size, 1);
+  for (auto* floats : {&result.area_error, &result.irradiance_error, &result.caster_distance}) floats->assign(size, 0);
+  result.rays.assign(size, 0);
+  result.classes.assign(size, PixelClass::B);
+  const bool has_room = is_resolved(scene, light, gbuffer.view);
+  const double rho = 16 * 0x1p-24 * extent(scene, light, gbuffer.view), grazing = 0.035;
+  const auto ask = [&](std::size_t i) {
+    PixelClass& of = result.classes[i];
+    if (gbuffer.is_background(i)) return;
+    of = PixelClass::F;
+    if (!scene.meshes[gbuffer.mesh[i]].receives) return;
+    const SoftPixel pixel(scene, casters, gbuffer, light, i);
+    if (!pixel.face().is_seen()) return;
+    const SampledShares shares = pixel.shares(target);
+    result.area[i] = static_cast<float>(shares.area);
+    result.irradiance[i] = static_cast<float>(shares.irradiance);
+    result.area_error[i] = static_cast<float>(shares.area_error);
+    result.irradiance_error[i] = static_cast<float>(shares.irradiance_error);
+    result.rays[i] = shares.rays;
+    if (shares.area > 0 && shares.area < 1) result.caster_distance[i] = static_cast<float>(pixel.caster_distance());
+    const int x = static_cast<int>(i % gbuffer.width), y = static_cast<int>(i / gbuffer.width);
+    if (pixel.face().highest() < grazing)
+      of = PixelClass::G;
+    else if (is_silhouette(gbuffer, x, y))
+      of = PixelClass::S;
+    else if (!has_room || std::max(shares.area_error, shares.irradiance_error) > target.error ||
+             pixel.moves(rho, 4 * target.error))
+      of = PixelClass::U;
+    else
+      of = PixelClass::T;
+  };
+  for_blocks(size, 64, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) ask(i);
+    if (done) *done += end - begin;
+  });
+  return result;
+}
+
+}  // namespace gnomon

@@ -1,0 +1,134 @@
+// Area rays: shadow rays from every visible point to a number of places of the light.
+#include <gnomon/kit/area_rays.h>
+#include <gnomon/kit/parallel.h>
+#include <gnomon/kit/random.h>
+#include <gnomon/registry.h>
+
+#include <atomic>
+#include <bit>
+#include <cmath>
+
+namespace {
+using namespace gnomon;
+
+constexpr About about{
+    .title = "Area rays",
+    .summary = "Shadow rays from every visible point to a fixed number of places of the light, each counting as much.",
+    .source =
+        "Cook, Porter and Carpenter 1984 (random, stratified); Keller and Heidrich 2001 (interleaved); Sobol 1967 and Owen "
+        "1995 (low discrepancy).",
+    .error =
+        "Noise, which falls with the number n of samples as n^-0.5 where they are random and as about n^-0.75 where they are "
+        "spread evenly; banding instead of noise where neighbors share their places. It estimates the share of the light's "
+        "area.",
+    .fails = "A penumbra of few samples: n of them tell n + 1 shares apart.",
+    .promise = Promise::sampled,
+    .sees = Truth::shape};
+
+/// Places of the unit square for one pixel, sixteen at a time.
+class Places {
+ public:
+  Places(std::string_view pattern, int count, std::uint64_t seed)
+      : pattern_(pattern), count_(static_cast<std::uint32_t>(count)), scramble_(seed), random_(seed) {
+    columns_ = std::max(1u, static_cast<std::uint32_t>(std::sqrt(static_cast<double>(count))));
+  }
+
+  Squares next(std::uint32_t group) {
+    if (pattern_ != "random" && pattern_ != "stratified") return scramble_.of_first(group);
+    Squares squares;
+    for (std::uint32_t k = 0; k < 16; ++k) {
+      double x = random_.uniform(0, 1), y = random_.uniform(0, 1);
+      if (pattern_ == "stratified") to_stratum(std::min(16 * group + k, count_ - 1), x, y);
+      squares.x[k] = static_cast<float>(x);
+      squares.y[k] = static_cast<float>(y);
+    }
+    return squares;
+  }
+
+ private:
+  /// Of `count` cells of equal area, in columns of equal or nearly equal numbers of cells: a column is as wide as it has cells.
+  void to_stratum(std::uint32_t index, double& x, double& y) const {
+    const std::uint32_t column = static_cast<std::uint32_t>(std::uint64_t{index} * columns_ / count_);
+    const auto first_of = [&](std::uint32_t c) {
+      return static_cast<std::uint32_t>((std::uint64_t{c} * count_ + columns_ - 1) / columns_);
+    };
+    const double first = first_of(column), next = first_of(column + 1);
+    x = (first + x * (next - first)) / count_;
+    y = (index - first + y) / (next - first);
+  }
+
+  std::string_view pattern_;
+  std::uint32_t count_, columns_ = 1;
+  Scramble scramble_;
+  Random random_;
+};
+
+class AreaRays final : public Technique {
+ public:
+  Number<int> samples{this, "samples", 64, {"ray", 1, 4096, true}, Stage::resolve, "Rays from a point to the light."};
+  Choice pattern{this,
+                 "pattern",
+                 "low_discrepancy",
+                 {"random", "stratified", "low_discrepancy", "interleaved"},
+                 Stage::resolve,
+                 "Where they go: anywhere; one into each of as many cells; a sequence that fills the light evenly; the same "
+                 "sequence, scrambled alike for every fourth pixel along x and y."};
+  Number<int> seed{this, "seed", 1, {"", 0, 1000000}, Stage::resolve, "Other random numbers."};
+
+  Support supports(const Scene&, const Light& light, const View&) const override {
+    if (!has_area(light)) return Support::unsupported("the light has no area: its shadows are hard, see embree_rays");
+    return Support::full();
+  }
+  void setup() override {}
+  void build(const Scene& scene) override {
+    scene_ = &scene;
+    casters_.emplace(scene, Truth::shape, RayScene::Which::casters);
+    mesh_casters_.reset();
+    if (scene.has_curved_shapes()) mesh_casters_.emplace(scene, Truth::mesh, RayScene::Which::casters);
+  }
+  void relight(const Light& light) override { light_ = light; }
+  void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
+    const RayScene& casters = gbuffer.truth == Truth::mesh && mesh_casters_ ? *mesh_casters_ : *casters_;
+    const std::span<float> pixels = mask.pixels();
+    std::atomic<std::size_t> ray_count = 0;
+    for_blocks(gbuffer.size(), 256, [&](std::size_t begin, std::size_t end) {
+      std::size_t rays = 0;
+      for (std::size_t i = begin; i < end; ++i) pixels[i] = visibility(casters, gbuffer, i, rays);
+      ray_count += rays;
+    });
+    ray_count_ = ray_count;
+  }
+  Counts counts() const override {
+    return {{"rays", static_cast<double>(ray_count_), ""},
+            {"bytes", static_cast<double>(casters_->bytes() + (mesh_casters_ ? mesh_casters_->bytes() : 0)), "byte"}};
+  }
+
+ private:
+  float visibility(const RayScene& casters, const GBuffer& gbuffer, std::size_t i, std::size_t& rays) const {
+    if (gbuffer.is_background(i) || !scene_->meshes[gbuffer.mesh[i]].receives) return 1;
+    const LightFace face(light_, gbuffer.position(i), gbuffer.normal(i));
+    if (!face.is_seen()) return 1;
+    const FaceRays to_light(casters, gbuffer, i, face);
+    const std::size_t x = i % gbuffer.width, y = i / gbuffer.width;
+    const std::size_t own = pattern.is("interleaved") ? y % 4 * 4 + x % 4 : i;
+    Places places(pattern.value(), samples, (static_cast<std::uint64_t>(seed) << 32) + own);
+    int asked = 0, blocked = 0;
+    for (int first = 0; first < samples; first += 16) {
+      const std::uint32_t wanted = samples - first >= 16 ? 0xffffu : (1u << (samples - first)) - 1;
+      const FaceHits hits = to_light.ask(places_on(face, places.next(static_cast<std::uint32_t>(first / 16))), wanted);
+      asked += std::popcount(hits.asked);
+      blocked += std::popcount(hits.blocked);
+    }
+    rays += static_cast<std::size_t>(asked);
+    return asked == 0 ? 1.0f : 1.0f - static_cast<float>(blocked) / static_cast<float>(asked);
+  }
+
+  const Scene* scene_ = nullptr;
+  Light light_;
+  std::optional<RayScene> casters_, mesh_casters_;
+  std::size_t ray_count_ = 0;
+};
+
+}  // namespace
+
+GNOMON_TECHNIQUE(area_rays, AreaRays, about)

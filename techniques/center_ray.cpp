@@ -1,0 +1,52 @@
+// Center ray: the hard shadow of the center of a light with area.
+#include <gnomon/kit/rays.h>
+#include <gnomon/registry.h>
+
+namespace {
+using namespace gnomon;
+
+constexpr About about{
+    .title = "Center ray",
+    .summary = "One shadow ray from every visible point to the center of a light with area.",
+    .source = "none",
+    .error = "No penumbra: what ignoring the light's size costs. It is taken for the share of the light's area.",
+    .fails = "Wherever the light is large beside its distance from the caster.",
+    .sees = Truth::shape,
+    .role = Role::baseline};
+
+class CenterRay final : public Technique {
+ public:
+  Support supports(const Scene&, const Light& light, const View&) const override {
+    if (!has_area(light)) return Support::unsupported("the light has no area: its shadows are hard, see embree_rays");
+    return Support::approximate("the light's center stands for all of it");
+  }
+  void setup() override {}
+  void build(const Scene& scene) override {
+    scene_ = &scene;
+    casters_.emplace(scene, Truth::shape, RayScene::Which::casters);
+    mesh_casters_.reset();
+    if (scene.has_curved_shapes()) mesh_casters_.emplace(scene, Truth::mesh, RayScene::Which::casters);
+  }
+  void relight(const Light& light) override {
+    center_ = light;
+    center_.kind = PointLight{glm::vec3(homogeneous_of_center(light))};
+  }
+  void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
+    const RayScene& casters = gbuffer.truth == Truth::mesh && mesh_casters_ ? *mesh_casters_ : *casters_;
+    ray_count_ = trace_shadows(casters, *scene_, gbuffer, center_, mask.pixels());
+  }
+  Counts counts() const override {
+    return {{"rays", static_cast<double>(ray_count_), ""},
+            {"bytes", static_cast<double>(casters_->bytes() + (mesh_casters_ ? mesh_casters_->bytes() : 0)), "byte"}};
+  }
+
+ private:
+  const Scene* scene_ = nullptr;
+  Light center_;
+  std::optional<RayScene> casters_, mesh_casters_;
+  std::size_t ray_count_ = 0;
+};
+
+}  // namespace
+
+GNOMON_TECHNIQUE(center_ray, CenterRay, about)
