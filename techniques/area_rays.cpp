@@ -2,6 +2,7 @@
 #include <gnomon/kit/area_rays.h>
 #include <gnomon/kit/parallel.h>
 #include <gnomon/kit/random.h>
+#include <gnomon/kit/ray_casters.h>
 #include <gnomon/registry.h>
 
 #include <atomic>
@@ -82,13 +83,11 @@ class AreaRays final : public Technique {
   void setup() override {}
   void build(const Scene& scene) override {
     scene_ = &scene;
-    casters_.emplace(scene, Truth::shape, RayScene::Which::casters);
-    mesh_casters_.reset();
-    if (scene.has_curved_shapes()) mesh_casters_.emplace(scene, Truth::mesh, RayScene::Which::casters);
+    casters_.build(scene);
   }
   void relight(const Light& light) override { light_ = light; }
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
-    const RayScene& casters = gbuffer.truth == Truth::mesh && mesh_casters_ ? *mesh_casters_ : *casters_;
+    const RayScene& casters = casters_.under(gbuffer.truth);
     const std::span<float> pixels = mask.pixels();
     std::atomic<std::size_t> ray_count = 0;
     for_blocks(gbuffer.size(), 256, [&](std::size_t begin, std::size_t end) {
@@ -98,10 +97,7 @@ class AreaRays final : public Technique {
     });
     ray_count_ = ray_count;
   }
-  Counts counts() const override {
-    return {{"rays", static_cast<double>(ray_count_), ""},
-            {"bytes", static_cast<double>(casters_->bytes() + (mesh_casters_ ? mesh_casters_->bytes() : 0)), "byte"}};
-  }
+  Counts counts() const override { return casters_.counts(ray_count_); }
 
  private:
   float visibility(const RayScene& casters, const GBuffer& gbuffer, std::size_t i, std::size_t& rays) const {
@@ -125,7 +121,7 @@ class AreaRays final : public Technique {
 
   const Scene* scene_ = nullptr;
   Light light_;
-  std::optional<RayScene> casters_, mesh_casters_;
+  RayCasters casters_;
   std::size_t ray_count_ = 0;
 };
 

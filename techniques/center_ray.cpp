@@ -1,5 +1,5 @@
 // Center ray: the hard shadow of the center of a light with area.
-#include <gnomon/kit/rays.h>
+#include <gnomon/kit/ray_casters.h>
 #include <gnomon/registry.h>
 
 namespace {
@@ -23,27 +23,22 @@ class CenterRay final : public Technique {
   void setup() override {}
   void build(const Scene& scene) override {
     scene_ = &scene;
-    casters_.emplace(scene, Truth::shape, RayScene::Which::casters);
-    mesh_casters_.reset();
-    if (scene.has_curved_shapes()) mesh_casters_.emplace(scene, Truth::mesh, RayScene::Which::casters);
+    casters_.build(scene);
   }
   void relight(const Light& light) override {
     center_ = light;
     center_.kind = PointLight{glm::vec3(homogeneous_of_center(light))};
   }
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
-    const RayScene& casters = gbuffer.truth == Truth::mesh && mesh_casters_ ? *mesh_casters_ : *casters_;
+    const RayScene& casters = casters_.under(gbuffer.truth);
     ray_count_ = trace_shadows(casters, *scene_, gbuffer, center_, mask.pixels());
   }
-  Counts counts() const override {
-    return {{"rays", static_cast<double>(ray_count_), ""},
-            {"bytes", static_cast<double>(casters_->bytes() + (mesh_casters_ ? mesh_casters_->bytes() : 0)), "byte"}};
-  }
+  Counts counts() const override { return casters_.counts(ray_count_); }
 
  private:
   const Scene* scene_ = nullptr;
   Light center_;
-  std::optional<RayScene> casters_, mesh_casters_;
+  RayCasters casters_;
   std::size_t ray_count_ = 0;
 };
 

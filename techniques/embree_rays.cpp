@@ -1,6 +1,7 @@
 // Shadow rays: one ray from every visible point to the light, or as many as a light with area needs, traced by Embree. The
 // reference.
 #include <gnomon/kit/area_rays.h>
+#include <gnomon/kit/ray_casters.h>
 #include <gnomon/registry.h>
 
 namespace {
@@ -33,26 +34,20 @@ class EmbreeRays final : public Technique {
   void setup() override {}
   void build(const Scene& scene) override {
     scene_ = &scene;
-    casters_.emplace(scene, Truth::shape, RayScene::Which::casters);
-    mesh_casters_.reset();
-    // Which truth the G-buffer will have is not known here, and resolve must not build.
-    if (scene.has_curved_shapes()) mesh_casters_.emplace(scene, Truth::mesh, RayScene::Which::casters);
+    casters_.build(scene);
   }
   void relight(const Light& light) override { light_ = light; }
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
-    const RayScene& casters = gbuffer.truth == Truth::mesh && mesh_casters_ ? *mesh_casters_ : *casters_;
+    const RayScene& casters = casters_.under(gbuffer.truth);
     ray_count_ = has_area(light_) ? trace_shares(casters, *scene_, gbuffer, light_, {}, mask.pixels())
                                   : trace_shadows(casters, *scene_, gbuffer, light_, mask.pixels());
   }
-  Counts counts() const override {
-    return {{"rays", static_cast<double>(ray_count_), ""},
-            {"bytes", static_cast<double>(casters_->bytes() + (mesh_casters_ ? mesh_casters_->bytes() : 0)), "byte"}};
-  }
+  Counts counts() const override { return casters_.counts(ray_count_); }
 
  private:
   const Scene* scene_ = nullptr;
   Light light_;
-  std::optional<RayScene> casters_, mesh_casters_;
+  RayCasters casters_;
   std::size_t ray_count_ = 0;
 };
 
