@@ -113,7 +113,7 @@ class Rendering {
         detail_folder_(options.detail.empty() ? nullptr : new StagedFolder(options.detail, StagedFolder::Target::file)),
         folder_(options.out),
         scratch_(ScratchFolder::at(folder_.path / "scratch")),
-        run_(options.scene, scene, suite, cache_root() / "frames", scratch_.path()),
+        run_(options.scene, scene, suite, cache_root() / "frames", scratch_.path(), shown_on(progress_, options.scene)),
         context_(machine_context(options_of_worker.threads)),
         worker_(run_, jobs[0].contender, options_of_worker) {
     context_["scene_hash"] = run_.frames.scene_hash();
@@ -191,6 +191,7 @@ class Rendering {
   const std::unique_ptr<StagedFolder> detail_folder_;
   const StagedFolder folder_;
   const ScratchFolder scratch_;
+  Progress progress_;  ///< of the frames that are traced
   SceneRun run_;
   Json context_;
   ContenderWorker worker_;

@@ -45,6 +45,11 @@ std::vector<const Item*> chosen(const std::vector<Item>& items, const std::vecto
   return result;
 }
 
+/// A scene's frames, traced by a worker that a bar watches.
+FrameStore frames_of(const Scene& scene, const std::string& name, Progress& progress) {
+  return {scene, cache_root() / "frames", std::make_unique<FrameWorker>(fs::path(), "", shown_on(progress, name))};
+}
+
 /// By the names that this program writes, LIGHT.V; another name only where it is clear whose it is.
 std::vector<Channel> channels_of(const ScoreOptions& options, const Scene& scene) {
   const std::vector<std::string> present = image_files().exr_channels(options.mask);
@@ -129,7 +134,8 @@ int score(const ScoreOptions& options) {
   const FrameKey key{view, width, height, parse_truth(options.truth)};
   std::vector<std::vector<float>> masks;  // all of them before the reference, which takes its time
   for (const Channel& channel : channels) masks.push_back(read_mask(options.mask, channel.name, width, height));
-  FrameStore frames(scene, cache_root() / "frames", std::make_unique<FrameWorker>());
+  Progress progress;
+  FrameStore frames = frames_of(scene, options.scene, progress);
   std::unique_ptr<StagedFolder> folder;
   if (!options.out.empty()) folder = std::make_unique<StagedFolder>(options.out);
   Json list = Json::array();
@@ -191,7 +197,8 @@ int run_certify(const CertifyCommand& options) {
   std::vector<const View*> views = chosen(scene.views, options.views);
   if (options.views.empty()) views.resize(1);  // the one that suites use
   for (const Light* light : lights) require_reference(scene, *light, scene.views.front());
-  FrameStore frames(scene, cache_root() / "frames", std::make_unique<FrameWorker>());
+  Progress progress;
+  FrameStore frames = frames_of(scene, options.scene, progress);
   bool all_hold = true;
   Json list = Json::array();
   for (const View* view : views)

@@ -64,6 +64,25 @@ class Terminal(ProgramTest):
         self.assertEqual([line for line in screen if BAR.match(line) or "\r" in line or "\x1b" in line], [])
         self.assertTrue(any(line.startswith("8 rows: 8 ok") for line in screen), text)
 
+    def test_the_bar_says_what_reference_is_traced(self):
+        lamp = '[[light]]\nname = "lamp"\nkind = "disc"\ncenter = [0.5, 4, 0]\nnormal = [0, -1, 0]\nradius = 0.5\n'
+        self.write("lamp.toml", 'scene = "single_triangle"\n' + lamp)
+        cores = os.sched_getaffinity(0)
+        os.sched_setaffinity(0, {min(cores)})  # so that it takes a second anywhere
+        try:
+            certify = self.on_terminal(100, "certify", "--scene", "lamp.toml", "--size", "320x180")
+            run = self.on_terminal(100, "run", "--scene", "lamp.toml", "--technique", "unshadowed", "--processes", "1", "--repetitions", "1",
+                                   "--size", "321x180", "--out", "out")
+        finally:
+            os.sched_setaffinity(0, cores)
+        shares = [int(share) for share in re.findall(r"\[[#.]{20}\] +(\d+) % .{16}reference of lamp.toml, lamp", certify)]
+        self.assertEqual(shares, sorted(shares))
+        self.assertTrue(any(0 < share < 100 for share in shares), certify)
+        screen = self.screen(certify)
+        self.assertEqual([line for line in screen if BAR.match(line)], [])
+        self.assertTrue(any(line.endswith(": certified") for line in screen), certify)
+        self.assertRegex(run, r"\[\.{20}\]   0 % .{16}reference of lamp.toml, lamp: \d+ %, ")
+
     def test_the_table_fits_the_terminal(self):
         self.succeed(*RUN)
         for columns in (80, 120, 200):

@@ -166,8 +166,7 @@ std::vector<std::byte> FrameTracer::make(const MissingFrame& missing) {
   const FrameKey& key = missing.key;
   if (missing.light) {
     const GBuffer gbuffer = map_gbuffer(missing.gbuffer_file, key);
-    return has_area(*missing.light) ? soft_reference(key, gbuffer, *missing.light, missing.target)
-                                    : reference(key, gbuffer, *missing.light);
+    return has_area(*missing.light) ? soft_reference(missing, gbuffer) : reference(key, gbuffer, *missing.light);
   }
   return gbuffer_bytes(make_gbuffer(scene_, everything(key.truth), key.view, key.width, key.height, key.truth));
 }
@@ -185,12 +184,13 @@ std::vector<std::byte> FrameTracer::reference(const FrameKey& key, const GBuffer
   return bytes;
 }
 
-std::vector<std::byte> FrameTracer::soft_reference(const FrameKey& key, const GBuffer& g, const Light& light,
-                                                   const AreaTarget& target) {
-  const SoftReference soft = trace_soft(scene_, casters(key.truth), g, light, target);
+std::vector<std::byte> FrameTracer::soft_reference(const MissingFrame& missing, const GBuffer& g) {
+  const Light& light = *missing.light;
+  const RayScene& all_casters = casters(missing.key.truth);
+  const SoftReference soft = trace_soft(scene_, all_casters, g, light, missing.target, missing.done);
   std::vector<std::byte> bytes;
   append(bytes, std::span<const float>(soft.area));
-  append(bytes, std::span<const std::uint32_t>(find_nearest_casters(scene_, casters(key.truth), g, light, soft.area)));
+  append(bytes, std::span<const std::uint32_t>(find_nearest_casters(scene_, all_casters, g, light, soft.area)));
   for (const auto* floats : {&soft.irradiance, &soft.area_error, &soft.irradiance_error, &soft.caster_distance})
     append(bytes, std::span<const float>(*floats));
   append(bytes, std::span<const std::uint32_t>(soft.rays));

@@ -1,6 +1,7 @@
 #pragma once
 #include <gnomon/technique.h>
 
+#include <atomic>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -49,6 +50,8 @@ struct MissingFrame {
   std::optional<Light> light;          ///< or where it holds one the reference under it,
   std::filesystem::path gbuffer_file;  ///< which is seen in this G-buffer
   AreaTarget target = {};              ///< of a light with area
+  /// Counts pixels of a reference under a light with area as they are finished, for whoever shows progress.
+  std::atomic<std::size_t>* done = nullptr;
 };
 
 /// Where a FrameStore has frames made: in its own process, or where a crash costs less.
@@ -71,7 +74,7 @@ class FrameTracer final : public FrameMaker {
  private:
   const RayScene& rays(Truth truth, RayScene::Which which);
   std::vector<std::byte> reference(const FrameKey& key, const GBuffer& g, const Light& light);
-  std::vector<std::byte> soft_reference(const FrameKey& key, const GBuffer& g, const Light& light, const AreaTarget& target);
+  std::vector<std::byte> soft_reference(const MissingFrame& missing, const GBuffer& g);
 
   const Scene& scene_;
   std::map<std::pair<Truth, RayScene::Which>, RayScene> rays_;

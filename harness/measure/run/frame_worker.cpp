@@ -2,6 +2,8 @@
 
 #include <gnomon/error.h>
 
+#include "measure/run/shared_count.h"
+
 namespace gnomon {
 
 namespace fs = std::filesystem;
@@ -20,6 +22,15 @@ std::vector<std::byte> view_and_light_bytes(const MissingFrame& missing) {
 }
 
 }  // namespace
+
+TraceWatch shown_on(Progress& progress, std::string scene) {
+  return [&progress, scene = std::move(scene)](const MissingFrame& missing, double share) {
+    if (share >= 1) return progress.end_part();
+    progress.part(
+        missing.light ? fmt::format("reference of {}, {}", scene, missing.light->name) : fmt::format("G-buffer of {}", scene),
+        share);
+  };
+}
 
 fs::path FrameWorker::file(const char* ending) {
   if (files_.empty()) files_ = scratch_.emplace(ScratchFolder::temporary("gnomon-frames")).path() / "frame";
@@ -42,12 +53,13 @@ std::vector<std::byte> FrameWorker::make(const MissingFrame& missing) {
                                     {"truth", truth},
                                     {"error", missing.target.error},
                                     {"cap", missing.target.cap},
-                                    {"out", file("frame").string()}});
+                                    {"out", file("frame").string()},
+                                    {"done", file("done").string()}});
   try {
     try {
-      return ask(request);
+      return ask(request, missing);
     } catch (const WorkerCrash&) {
-      return ask(request);
+      return ask(request, missing);
     }
   } catch (const WorkerFailure& failure) {
     failures_[frame] = fmt::format("the reference {}", failure.what());
@@ -55,15 +67,25 @@ std::vector<std::byte> FrameWorker::make(const MissingFrame& missing) {
   }
 }
 
-std::vector<std::byte> FrameWorker::ask(const Json& request) {
+std::vector<std::byte> FrameWorker::ask(const Json& request, const MissingFrame& missing) {
   if (!process_) process_.emplace(WorkerOptions{.threads = 0, .plugins = {}, .program = program_});
+  SharedCount::make(file("done"));
+  SharedCount done(file("done"));
+  const double pixels = static_cast<double>(missing.key.width) * missing.key.height;
+  const auto show = [&] { watch_(missing, static_cast<double>(done.value()) / pixels); };
+  const auto end_show = [&] {
+    if (watch_) watch_(missing, 1);
+  };
   try {
     process_->send(request);
-    process_->receive(longest_trace_seconds);
+    if (watch_) show();
+    process_->receive(longest_trace_seconds, watch_ ? std::function<void()>(show) : nullptr);
   } catch (const WorkerFailure&) {
+    end_show();
     process_.reset();
     throw;
   }
+  end_show();
   const auto made = MappedFile::open(file("frame"));
   return {made->bytes().begin(), made->bytes().end()};
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include <chrono>
+#include <optional>
 #include <string>
 
 namespace gnomon {
@@ -19,17 +20,33 @@ class Progress {
   void step(const std::string& what);
   /// Some units were done.
   void advance(double units);
+  /// A part of what is being done takes long by itself: what it is, and its share that is done, 0 where nobody knows. It stands
+  /// in the line for as long as this is called again and again; where nothing was expected, the bar is that of the part. It
+  /// is shown when it has taken longer than the pause between two lines.
+  void part(const std::string& what, double share);
+  /// The part is through.
+  void end_part();
   /// A line that stays, above the bar.
   void say(const std::string& line);
 
  private:
+  using Clock = std::chrono::steady_clock;
+  struct Part {
+    std::string what;
+    double share = 0;
+    Clock::time_point start = Clock::now(), moving = start;  ///< moving: when nothing was done yet
+  };
+
   void draw(bool force);
   void clear();
+  /// A share that is done, how long the rest will take, and what it is of.
+  std::string line(double share, Clock::time_point start, const std::string& what) const;
+  std::string part_text() const;
 
-  using Clock = std::chrono::steady_clock;
   bool quiet_, terminal_;
   double total_ = 0, done_ = 0;
   std::string what_;
+  std::optional<Part> part_;
   Clock::time_point start_ = Clock::now(), drawn_{};
 };
 

@@ -25,10 +25,11 @@ struct SceneToday {
   std::unique_ptr<FrameStore> frames;
   std::string missing;
 
-  explicit SceneToday(const std::string& reference) {
+  SceneToday(const std::string& reference, Progress& progress) {
     try {
       scene = load_scene(reference);
-      frames = std::make_unique<FrameStore>(*scene, cache_root() / "frames", std::make_unique<FrameWorker>());
+      frames = std::make_unique<FrameStore>(*scene, cache_root() / "frames",
+                                            std::make_unique<FrameWorker>(fs::path(), "", shown_on(progress, reference)));
     } catch (const Error& problem) {
       // A scene that is not fetched, or whose file moved since, costs its own rows only.
       missing = problem.what();
@@ -173,7 +174,7 @@ RescoreSummary rescore(std::vector<Record>& records, const fs::path& dir, Progre
 
   progress.expect(static_cast<double>(count));
   for (auto& [scene, scene_records] : scenes) {
-    SceneToday today(scene);
+    SceneToday today(scene, progress);
     std::map<std::string, std::size_t> obstacles, losses;
     for (Record* record : scene_records) {
       progress.step(full_title(*record));

@@ -26,10 +26,11 @@ struct SceneRun {
   const Suite& suite;
 
   SceneRun(std::string scene_reference, Scene the_scene, const Suite& the_suite, const std::filesystem::path& cache,
-           std::filesystem::path scratch_folder, std::string program_that_traces = {})
+           std::filesystem::path scratch_folder, TraceWatch watch = {}, std::string program_that_traces = {})
       : reference(std::move(scene_reference)),
         scene(std::move(the_scene)),
-        frames(scene, cache, std::make_unique<FrameWorker>(scratch_folder / "frames", std::move(program_that_traces))),
+        frames(scene, cache,
+               std::make_unique<FrameWorker>(scratch_folder / "frames", std::move(program_that_traces), std::move(watch))),
         scratch(std::move(scratch_folder)),
         suite(the_suite) {}
 

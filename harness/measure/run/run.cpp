@@ -70,7 +70,8 @@ void run_rows(std::vector<PendingRow> rows, const RowsPlan& plan, Progress& prog
   for (const std::string& scene : scenes) {
     const SceneLibrary::Entry& entry = plan.library.get(scene);
     std::optional<SceneRun> run;
-    if (entry.scene) run.emplace(scene, *entry.scene, plan.suite, cache_root() / "frames", scratch.path());
+    if (entry.scene)
+      run.emplace(scene, *entry.scene, plan.suite, cache_root() / "frames", scratch.path(), shown_on(progress, scene));
     for (std::vector<PendingRow>& batch : split(std::move(by_scene[scene]))) {
       const std::vector<Json> contexts = plan.contexts();
       for (PendingRow& row : batch) {

@@ -12,6 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "measure/paths.h"
@@ -165,7 +166,7 @@ void WorkerProcess::send(const Json& request) {
   write_line(socket_, json_text(request));  // where the worker is gone, receive() says how
 }
 
-Json WorkerProcess::receive(double timeout_seconds) {
+Json WorkerProcess::receive(double timeout_seconds, const std::function<void()>& meanwhile) {
   if (process_ <= 0) throw WorkerFailure(fmt::format("was asked for {} after it had ended", doing_));
   const auto deadline = Clock::now() + std::chrono::duration<double>(timeout_seconds);
   for (;;) {
@@ -178,8 +179,13 @@ Json WorkerProcess::receive(double timeout_seconds) {
     }
     const double left = std::chrono::duration<double>(deadline - Clock::now()).count();
     pollfd wait{socket_, POLLIN, 0};
-    const int ready = left > 0 ? poll(&wait, 1, static_cast<int>(left * 1000) + 1) : 0;
+    const double pause = meanwhile ? std::min(left, 0.1) : left;
+    const int ready = left > 0 ? poll(&wait, 1, static_cast<int>(pause * 1000) + 1) : 0;
     if (ready < 0 && errno == EINTR) continue;
+    if (ready == 0 && pause < left) {
+      meanwhile();
+      continue;
+    }
     if (ready == 0) fail(fmt::format("hung in {}: no answer within {:g} s", doing_, timeout_seconds));
     char chunk[65536];
     const ssize_t n = read(socket_, chunk, sizeof chunk);

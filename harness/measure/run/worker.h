@@ -2,6 +2,7 @@
 #include <atomic>
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -46,8 +47,8 @@ class WorkerProcess {
   WorkerProcess& operator=(const WorkerProcess&) = delete;
 
   void send(const Json& request);
-  /// Waits for the answer to the last request. Throws WorkerFailure, as `fail` does.
-  Json receive(double timeout_seconds);
+  /// Waits for the answer to the last request; calls `meanwhile` ten times a second. Throws WorkerFailure, as `fail` does.
+  Json receive(double timeout_seconds, const std::function<void()>& meanwhile = {});
   /// What it was asked to do last, a stage by its name, as reasons of failures say it: "relight".
   const std::string& doing() const { return doing_; }
   /// From any thread: ends the process, and whoever waits in `receive` gets its WorkerFailure at once.
@@ -90,9 +91,10 @@ bool write_line(int socket, const std::string& line);
 ///   {"do": "explain", "pixels": FILE, "out": FILE}                          -> {"explained": bool}
 ///   {"do": "debug", "layer": NAME, "out": FILE}                             -> {}
 ///   {"do": "detail", "out": FILE}                                           -> {}          detail_bytes of the last relight
-///   {"do": "trace", "scene": FILE, "stand": FILE, "gbuffer": FILE, "width", "height", "truth", "error", "cap", "out": FILE} ->
-///   {}
-/// The last one is FrameWorker's: the reference, or where `stand` holds no light the G-buffer, as the frame cache has them.
+///   {"do": "trace", "scene": FILE, "stand": FILE, "gbuffer": FILE, "width", "height", "truth", "error", "cap", "out": FILE,
+///    "done": FILE} -> {}
+/// The last one is FrameWorker's: the reference, or where `stand` holds no light the G-buffer, as the frame cache has them. The
+/// file `done`, which may be missing, is a SharedCount of the pixels that are through.
 /// `stand` is a file with the scene_bytes of a scene without meshes that holds one light and one view, wherever they are: they
 /// count instead of the scene's. `fresh` is how many stages, from setup on, are up to date. `pixels` holds uint32 indices of
 /// the mask answered last; `out` gets their explanation_bytes, in the same order. An exception is answered as {"error": text}.

@@ -12,6 +12,7 @@
 #include "device/context.h"
 #include "measure/cause/causes.h"
 #include "measure/picture/detail_export.h"
+#include "measure/run/shared_count.h"
 #include "measure/run/worker.h"
 #include "measure/scene/motion.h"
 
@@ -158,12 +159,14 @@ class TechniqueServer {
       tracer_.emplace(scene_);
     }
     const Scene holder = scene_in(request.at("stand"));
-    MissingFrame missing{.scene_file = {}, .key = {.view = holder.views.at(0)}, .light = {}, .gbuffer_file = {}, .target = {}};
+    MissingFrame missing{.scene_file = {}, .key = {.view = holder.views.at(0)}, .light = {}, .gbuffer_file = {}};
     set_size_and_truth(missing.key, request);
     if (!holder.lights.empty()) missing.light = holder.lights[0];
     missing.gbuffer_file = request.at("gbuffer").get<std::string>();
     missing.target = {.error = request.at("error"), .cap = request.at("cap")};
     if (!(missing.target.error >= 1e-6)) throw Error("a reference's error = {} is below 1e-6", missing.target.error);
+    SharedCount done(request.value("done", ""));
+    missing.done = &done.value();
     write_file(request.at("out").get<std::string>(), tracer_->make(missing));
     return Json::object();
   }

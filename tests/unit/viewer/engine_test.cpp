@@ -88,7 +88,7 @@ MeasuredRow rendered(const Selection& selection, int side) {
   const Contender contender{selection.sides[side].technique, selection.sides[side].settings, {}};
   suite.groups = {{{"scene"}, {}, {}, {contender}}};
   const ScratchFolder folder = ScratchFolder::temporary("gnomon_engine_test");
-  SceneRun run("scene", scene, suite, folder.path(), folder.path(), tested_program());
+  SceneRun run("scene", scene, suite, folder.path(), folder.path(), {}, tested_program());
   ContenderWorker worker(run, contender, {.threads = 0, .plugins = {}, .program = tested_program()});
   worker.begin_load();
   worker.end_load();
