@@ -87,39 +87,62 @@ class AreaRays final : public Technique {
   }
   void relight(const Light& light) override { light_ = light; }
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
-    const RayScene& casters = casters_.under(gbuffer.truth);
+    gbuffer_ = &gbuffer;
     const std::span<float> pixels = mask.pixels();
     std::atomic<std::size_t> ray_count = 0;
     for_blocks(gbuffer.size(), 256, [&](std::size_t begin, std::size_t end) {
       std::size_t rays = 0;
-      for (std::size_t i = begin; i < end; ++i) pixels[i] = visibility(casters, gbuffer, i, rays);
+      for (std::size_t i = begin; i < end; ++i) pixels[i] = visibility(gbuffer, i, rays);
       ray_count += rays;
     });
     ray_count_ = ray_count;
   }
   Counts counts() const override { return casters_.counts(ray_count_); }
+  std::optional<Explanation> explain(std::size_t index) const override {
+    Explanation why;
+    ask(*gbuffer_, index, [&](const LightFace& face, const Squares& squares, const FaceHits& hits) {
+      for (std::uint32_t left = hits.asked; left; left &= left - 1) {
+        const int k = std::countr_zero(left);
+        const LightFace::Box& box = face.box();
+        const glm::dvec2 place = box.low + glm::dvec2(squares.x[k], squares.y[k]) * (box.high - box.low);
+        why.samples.push_back({glm::dvec3(gbuffer_->position(index)) + face.at(place), 1, hits.blocked >> k & 1 ? 0.0 : 1.0});
+      }
+    });
+    for (LightSample& sample : why.samples) sample.weight /= static_cast<double>(why.samples.size());
+    return why;
+  }
 
  private:
-  float visibility(const RayScene& casters, const GBuffer& gbuffer, std::size_t i, std::size_t& rays) const {
-    if (gbuffer.is_background(i) || !scene_->meshes[gbuffer.mesh[i]].receives) return 1;
+  /// Asks the places of pixel i, sixteen at a time: `use(face, squares, hits)`. Nothing of a pixel that does not face the
+  /// light.
+  template <class Use>
+  void ask(const GBuffer& gbuffer, std::size_t i, const Use& use) const {
+    if (gbuffer.is_background(i) || !scene_->meshes[gbuffer.mesh[i]].receives) return;
     const LightFace face(light_, gbuffer.position(i), gbuffer.normal(i));
-    if (!face.is_seen()) return 1;
-    const FaceRays to_light(casters, gbuffer, i, face);
+    if (!face.is_seen()) return;
+    const FaceRays to_light(casters_.under(gbuffer.truth), gbuffer, i, face);
     const std::size_t x = i % gbuffer.width, y = i / gbuffer.width;
     const std::size_t own = pattern.is("interleaved") ? y % 4 * 4 + x % 4 : i;
     Places places(pattern.value(), samples, (static_cast<std::uint64_t>(seed) << 32) + own);
-    int asked = 0, blocked = 0;
     for (int first = 0; first < samples; first += 16) {
       const std::uint32_t wanted = samples - first >= 16 ? 0xffffu : (1u << (samples - first)) - 1;
-      const FaceHits hits = to_light.ask(places_on(face, places.next(static_cast<std::uint32_t>(first / 16))), wanted);
+      const Squares squares = places_on(face, places.next(static_cast<std::uint32_t>(first / 16)));
+      use(face, squares, to_light.ask(squares, wanted));
+    }
+  }
+
+  float visibility(const GBuffer& gbuffer, std::size_t i, std::size_t& rays) const {
+    int asked = 0, blocked = 0;
+    ask(gbuffer, i, [&](const LightFace&, const Squares&, const FaceHits& hits) {
       asked += std::popcount(hits.asked);
       blocked += std::popcount(hits.blocked);
-    }
+    });
     rays += static_cast<std::size_t>(asked);
     return asked == 0 ? 1.0f : 1.0f - static_cast<float>(blocked) / static_cast<float>(asked);
   }
 
   const Scene* scene_ = nullptr;
+  const GBuffer* gbuffer_ = nullptr;
   Light light_;
   RayCasters casters_;
   std::size_t ray_count_ = 0;

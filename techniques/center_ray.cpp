@@ -32,11 +32,18 @@ class CenterRay final : public Technique {
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
     const RayScene& casters = casters_.under(gbuffer.truth);
     ray_count_ = trace_shadows(casters, *scene_, gbuffer, center_, mask.pixels());
+    answer_.assign(mask.pixels().begin(), mask.pixels().end());
   }
   Counts counts() const override { return casters_.counts(ray_count_); }
+  std::optional<Explanation> explain(std::size_t index) const override {
+    Explanation why;
+    why.samples = {{.place = glm::dvec3(homogeneous(center_)), .weight = 1, .visibility = answer_[index]}};
+    return why;
+  }
 
  private:
   const Scene* scene_ = nullptr;
+  std::vector<float> answer_;
   Light center_;
   RayCasters casters_;
   std::size_t ray_count_ = 0;

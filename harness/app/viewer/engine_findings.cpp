@@ -71,7 +71,8 @@ std::vector<std::uint8_t> Engine::Body::Side::right_on_mesh(const Frame& frame, 
   if (ask_support(*on_mesh.frame, "causes")) {
     const std::vector<float> mask = resolve_mask(false);
     right.resize(mask.size());
-    for (std::size_t i = 0; i < mask.size(); ++i) right[i] = !is_wrong(mask[i], on_mesh.mask[i]);
+    const double most = has_area(frame.light) ? 4 * AreaTarget{}.error : 0.5;
+    for (std::size_t i = 0; i < mask.size(); ++i) right[i] = std::abs(mask[i] - on_mesh.mask[i]) <= most;
   }
   ask_support(frame, "causes");
   resolve_mask(false);
@@ -91,7 +92,8 @@ void Engine::Body::Side::find_causes_of(const std::shared_ptr<const Verdict>& ve
   std::vector<std::uint8_t> right;
   if (truth->on_mesh && registry().technique(loaded_->technique).about.sees == Truth::mesh)
     right = right_on_mesh(frame, *truth->on_mesh);
-  const Reference reference{truth->mask, truth->classes, truth->nearest_caster, truth};
+  Reference reference{truth->mask, truth->classes, truth->nearest_caster, truth};
+  reference.error = truth->error;
   auto complete = std::make_shared<Verdict>(*verdict);
   const bool is_done = causes_.run(ticket, [&] {
     complete->causes =

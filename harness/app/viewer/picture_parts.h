@@ -40,6 +40,7 @@ struct ReferenceState {
   std::shared_ptr<const Frame> frame;
   int width = 0, height = 0;                  ///< of `mask`
   std::vector<float> mask;                    ///< width * height
+  std::vector<float> error;                   ///< standard errors of the mask, with the classes; empty without area
   std::vector<PixelClass> classes;            ///< empty until they are known; then the mask has the frame's size
   std::vector<std::uint32_t> nearest_caster;  ///< empty until known; see Reference
   /// The same view and light on the meshes, where the scene has curved shapes and they count; null until it is known.
@@ -68,8 +69,13 @@ struct Verdict {
 
 /// What a mask is judged by, without causes.
 inline Evidence evidence_of(int width, int height, std::span<const float> mask, const ReferenceState& reference) {
-  return {
-      .width = width, .height = height, .classes = reference.classes, .reference = reference.mask, .mask = mask, .causes = {}};
+  return {.width = width,
+          .height = height,
+          .classes = reference.classes,
+          .reference = reference.mask,
+          .mask = mask,
+          .causes = {},
+          .reference_error = reference.error};
 }
 
 /// A debug layer as a technique drew it.

@@ -48,7 +48,15 @@ struct Tap {
   double stored = 0;        ///< meters along `direction` to the stored surface; infinity when nothing is stored
 };
 
-/// Why a pixel got its answer. Techniques with light-space samples give taps; geometric ones the element that decided.
+/// One place of a light with area that was asked for a pixel.
+struct LightSample {
+  glm::dvec3 place{0};    ///< world space; of a sphere any point on the way to it that was asked
+  double weight = 1;      ///< weights of a pixel sum to 1
+  double visibility = 1;  ///< what the technique found there: 1 seen, 0 hidden
+};
+
+/// Why a pixel got its answer. Techniques with light-space samples give taps, those that ask places of a light with area give
+/// samples; geometric ones the element that decided.
 struct Explanation {
   bool covered = true;  ///< false: outside the light frustum, cascade, receiver set or caster set
   std::vector<Tap> taps;
@@ -61,6 +69,7 @@ struct Explanation {
   double outline_error = 0;
   /// The formula or setting that answered is known to be wrong here: the technique's own exact one answers otherwise.
   bool formula_differs = false;
+  std::vector<LightSample> samples = {};  ///< of a light with area
 };
 
 /// A color of a debug layer and its meaning, as its legend shows them.

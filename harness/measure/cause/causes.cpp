@@ -9,6 +9,7 @@
 
 #include "measure/cause/causes_taps.h"
 #include "measure/cause/components.h"
+#include "measure/cause/soft_causes.h"
 #include "measure/frame/boundary.h"
 
 namespace gnomon {
@@ -16,7 +17,7 @@ namespace gnomon {
 namespace {
 
 // False dark in warm colors, false lit in cool ones, the rest between. Any two differ by 19 in CIE Lab, also for people without
-// one kind of cone, and each from every gray of the picture below.
+// one kind of cone, and each from every gray of the picture below; those of lights with area by 14.
 constexpr CauseInfo rows[] = {
     {Cause::tessellation,
      "tessellation",
@@ -59,7 +60,38 @@ constexpr CauseInfo rows[] = {
      "region",
      "A whole region is wrong: a geometric technique has a bug, or its input breaks its hypothesis.",
      {107, 17, 4}},
-    {Cause::penumbra, "penumbra", "In a penumbra, of the wrong width or in the wrong place.", {72, 3, 156}},
+    {Cause::reference_error,
+     "reference_error",
+     "Light with area: within what the reference itself may be off by, four of its standard errors.",
+     {227, 212, 229}},
+    {Cause::false_sample,
+     "false_sample",
+     "Light with area: of places of the light the technique says otherwise than the reference.",
+     {214, 255, 214}},
+    {Cause::horizon,
+     "horizon",
+     "Light with area: what of the light is below the point's horizon was counted, as seen or as hidden.",
+     {50, 117, 25}},
+    {Cause::hard_shadow, "hard_shadow", "Light with area: the hard shadow of one point of the light.", {141, 16, 229}},
+    {Cause::banding,
+     "banding",
+     "Light with area: few levels, because neighbors ask the same few places of the light.",
+     {87, 186, 49}},
+    {Cause::noise,
+     "noise",
+     "Light with area: what that number of places may err by, other ones at every pixel.",
+     {134, 179, 203}},
+    {Cause::caster_fusion,
+     "caster_fusion",
+     "Light with area: overlapping penumbrae were joined by product or minimum, as if one caster knew nothing of the other.",
+     {16, 37, 145}},
+    {Cause::lost_umbra,
+     "lost_umbra",
+     "Light with area: no part of the light is seen, not of one four times the size, yet there is light.",
+     {2, 0, 100}},
+    {Cause::too_wide, "too_wide", "Light with area: the penumbra is wider than that of the light.", {240, 167, 113}},
+    {Cause::too_narrow, "too_narrow", "Light with area: the penumbra is narrower than that of the light.", {91, 40, 99}},
+    {Cause::shifted, "shifted", "Light with area: the penumbra lies in another place.", {111, 104, 200}},
     {Cause::unexplained, "unexplained", "None of the others; meant to be 0.", {255, 255, 255}},
 };
 
@@ -153,9 +185,7 @@ void find_regions(const Attribution& a, const LightRays& rays, std::span<const s
       distance_transform(shadow_boundary(a.reference.mask, a.reference.classes, width, height), width, height);
   std::vector<std::uint32_t> candidates, far_away(a.mask.size(), 0);
   for (const std::uint32_t i : pixels) {
-    if (a.reference.mask[i] > 0 && a.reference.mask[i] < 1)
-      causes[i] = Cause::penumbra;
-    else if (to_edge[i] <= edge_width)
+    if (to_edge[i] <= edge_width)
       causes[i] = Cause::edge_raster;
     else
       candidates.push_back(i);
@@ -180,8 +210,8 @@ std::string_view name(Cause cause) { return cause == Cause::none ? "none" : rows
 
 std::vector<Cause> find_causes(const Attribution& a) {
   assert(a.mask.size() == a.gbuffer.size() && a.reference.mask.size() == a.mask.size());
-  assert(a.reference.classes.size() == a.mask.size() && a.reference.nearest_caster.size() == a.mask.size());
-  if (has_area(a.light)) return {};
+  assert(a.reference.classes.size() == a.mask.size());
+  if (has_area(a.light)) return find_soft_causes(a);
   std::vector<Cause> causes(a.mask.size(), Cause::none);
   std::vector<std::uint32_t> open, geometric;
   for (std::uint32_t i = 0; i < causes.size(); ++i) {
@@ -244,8 +274,11 @@ std::map<std::string, std::uint64_t> count_causes(std::span<const Cause> causes)
 std::vector<Cause> causes_from_numbers(std::span<const float> numbers,
                                        const std::optional<std::map<std::string, std::uint64_t>>& counts) {
   std::vector<Cause> known{Cause::none};
-  for (const CauseInfo& info : rows)
+  for (const CauseInfo& info : rows) {
+    // Programs that knew no lights with area kept the number before the last for one that no pixel ever had.
+    if (info.cause == Cause::unexplained && counts && counts->contains("penumbra")) known.push_back(Cause::unexplained);
     if (!counts || counts->contains(std::string(info.name))) known.push_back(info.cause);
+  }
   std::vector<Cause> causes;
   for (const float number : numbers) {
     if (!(number >= 0 && number < static_cast<float>(known.size()) && number == std::floor(number)))

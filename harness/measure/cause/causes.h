@@ -16,6 +16,8 @@
 namespace gnomon {
 
 /// Why a pixel is wrong: ordered, exhaustive, first match decides. `unexplained` is meant to be 0. docs/causes.md derives each.
+/// Under a light with area, every pixel that is off at all has one; those from `reference_error` on come before the ones that
+/// a mask alone shows.
 enum class Cause : std::uint8_t {
   none,  ///< right, or not tested
   tessellation,
@@ -32,7 +34,17 @@ enum class Cause : std::uint8_t {
   crack,
   edge_raster,
   region,
-  penumbra,
+  reference_error,
+  false_sample,
+  horizon,
+  hard_shadow,
+  banding,
+  noise,
+  caster_fusion,
+  lost_umbra,
+  too_wide,
+  too_narrow,
+  shifted,
   unexplained,
 };
 
@@ -55,15 +67,16 @@ struct Attribution {
   const Light& light;
   const Reference& reference;
   std::span<const float> mask;
-  /// 1 where the same technique is right on the mesh G-buffer against mesh truth; empty where there is no second truth, and for
-  /// a technique that sees shapes.
+  /// 1 where the same technique is right on the mesh G-buffer against mesh truth, under a light with area within four standard
+  /// errors; empty where there is no second truth, and for a technique that sees shapes.
   std::span<const std::uint8_t> right_on_mesh;
   /// The technique's own account of each of these pixels of this mask, in their order; nothing where it has none.
   std::function<std::vector<std::optional<Explanation>>(std::span<const std::uint32_t> pixels)> explain;
+  LightShareKind estimates = LightShareKind::area;  ///< what the mask is compared with under a light with area
 };
 
-/// The cause of every wrong pixel of class T, `none` elsewhere; width * height. Empty under a light with area: causes are of
-/// hard shadows.
+/// The cause of every wrong pixel of class T, under a light with area of every one that is off at all; `none` elsewhere;
+/// width * height.
 std::vector<Cause> find_causes(const Attribution& attribution);
 
 /// By name, every cause; zeros too.

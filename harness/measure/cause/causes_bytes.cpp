@@ -1,16 +1,19 @@
+#include <algorithm>
 #include <cmath>
 
 #include "measure/cause/causes.h"
 #include "measure/scene/fields.h"
 
-// Layout: magic, count; for each pixel one record and its taps. All little pieces of plain memory: both sides are this program
-// on this machine.
+// Layout: magic, count; for each pixel one record and its taps; where any pixel has samples of the light the magic is another
+// one, and each pixel's samples follow its taps. All little pieces of plain memory: both sides are this
+// program on this machine, or one that knows no samples.
 
 namespace gnomon {
 
 namespace {
 
-constexpr std::uint64_t magic = 0x33'79'68'77'6d'6e'67ull;  // "gnmwhy3"
+constexpr std::uint64_t magic = 0x33'79'68'77'6d'6e'67ull;               // "gnmwhy3"
+constexpr std::uint64_t magic_with_samples = 0x34'79'68'77'6d'6e'67ull;  // "gnmwhy4"
 
 /// One explanation less its taps.
 struct Plain {
@@ -21,6 +24,7 @@ struct Plain {
   std::uint8_t padding[3] = {};
 };
 static_assert(sizeof(Plain) == 72 && sizeof(Tap) == 64 && std::is_trivially_copyable_v<Tap>);
+static_assert(sizeof(LightSample) == 40 && std::is_trivially_copyable_v<LightSample>);
 
 bool is_finite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
@@ -40,13 +44,20 @@ void check(const Explanation& why, std::size_t place) {
     if (!std::isfinite(tap.weight)) refuse(fmt::format("the weight of a tap is {}", tap.weight));
     if (std::isnan(tap.stored)) refuse("the stored distance of a tap is not a number");
   }
+  for (const LightSample& sample : why.samples) {
+    if (!is_finite(sample.place)) refuse("the place of a sample is not finite");
+    if (!std::isfinite(sample.weight)) refuse(fmt::format("the weight of a sample is {}", sample.weight));
+    if (!(sample.visibility >= 0 && sample.visibility <= 1))
+      refuse(fmt::format("the visibility of a sample is {}; 0 .. 1 is wanted", sample.visibility));
+  }
 }
 
 }  // namespace
 
 std::vector<std::byte> explanation_bytes(std::span<const std::optional<Explanation>> explanations) {
+  const bool has_samples = std::ranges::any_of(explanations, [](const auto& why) { return why && !why->samples.empty(); });
   FieldWriter io;
-  io(magic, static_cast<std::uint64_t>(explanations.size()));
+  io(has_samples ? magic_with_samples : magic, static_cast<std::uint64_t>(explanations.size()));
   for (const auto& why : explanations) {
     Plain plain;
     if (why) {
@@ -65,6 +76,7 @@ std::vector<std::byte> explanation_bytes(std::span<const std::optional<Explanati
     }
     io(plain);
     if (why) io.items(why->taps);
+    if (why && has_samples) io(why->samples);
   }
   return std::move(io.bytes);
 }
@@ -73,9 +85,10 @@ std::vector<std::optional<Explanation>> explanations_from_bytes(std::span<const 
   FieldReader io(bytes, fmt::format("explanations end early: there are {} bytes", bytes.size()));
   std::uint64_t mark = 0;
   io(mark);
-  if (mark != magic) throw Error("these bytes are no explanations: they begin with {:#x}, not {:#x}", mark, magic);
+  if (mark != magic && mark != magic_with_samples)
+    throw Error("these bytes are no explanations: they begin with {:#x}, not {:#x} or {:#x}", mark, magic, magic_with_samples);
   std::vector<std::optional<Explanation>> explanations;
-  io.list(explanations, [](auto& sub, auto& why) {
+  io.list(explanations, [&](auto& sub, auto& why) {
     Plain plain;
     sub(plain);
     if (!plain.has_any) return;
@@ -88,6 +101,7 @@ std::vector<std::optional<Explanation>> explanations_from_bytes(std::span<const 
     if (plain.has_shifted) why->shifted = plain.shifted;
     if (plain.has_element) why->element = plain.element;
     sub.items(why->taps, plain.tap_count);
+    if (mark == magic_with_samples) sub(why->samples);
   });
   if (io.left() > 0) throw Error("{} bytes are left after the last explanation", io.left());
   return explanations;

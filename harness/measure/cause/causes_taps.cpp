@@ -66,7 +66,24 @@ class Block {
         causes_[k] = Cause::lookup_shift;
       else
         causes_[k] = q.is_dark ? of_false_dark(q, mesh_[k]) : of_false_lit(q);
-      if (causes_[k] == Cause::unexplained && q.reference > 0 && q.reference < 1) causes_[k] = Cause::penumbra;
+    }
+  }
+
+  /// The largest of the three terms that have the error's sign decides: what is stored, the moved look-up, the footprint.
+  void answer_soft() {
+    seen_ = rays_.lit(all_starts(false));
+    const std::vector<std::uint8_t> unshifted = rays_.lit(all_starts(true));
+    for (std::size_t k = 0; k < questions_.size(); ++k) {
+      const Question& q = questions_[k];
+      const double sign = q.is_dark ? -1 : 1, shifted = mean(q, seen_), ideal = mean(q, unshifted);
+      const double stored = sign * (q.visibility - shifted), moved = sign * (shifted - ideal);
+      if (sign * (ideal - q.reference) >= std::max(stored, moved))
+        causes_[k] = Cause::none;
+      else if (moved > stored)
+        causes_[k] = Cause::lookup_shift;
+      else
+        causes_[k] = q.is_dark ? of_false_dark(q, mesh_[k]) : of_false_lit(q);
+      if (causes_[k] == Cause::unexplained && !q.is_dark) causes_[k] = of_taps_alone(q);
     }
   }
 
@@ -86,6 +103,14 @@ class Block {
       for (std::size_t j = 0; j < q.tap_count(); ++j)
         starts.push_back({q.pixel, places_[q.first_tap + j] - (unshifted ? q.shift : glm::dvec3(0)), q.reach});
     return starts;
+  }
+
+  /// What taps with these answers give.
+  static double mean(const Question& q, std::span<const std::uint8_t> lit) {
+    double v = 0;
+    for (std::size_t j = 0; j < q.tap_count(); ++j)
+      if (lit[q.first_tap + j]) v += q.why->taps[j].weight;
+    return v;
   }
 
   /// Whether a perfect map with these taps would be on the technique's side too. Where it would not be, taps within the
@@ -231,6 +256,18 @@ class Block {
     return is_layered ? Cause::leak_layered : Cause::leak_representation;
   }
 
+  /// False lit where the light's point is seen from the pixel and hidden at the taps: by what covers those.
+  Cause of_taps_alone(const Question& q) const {
+    const double reach = q.why->bias + q.reach;
+    const std::vector<std::size_t> taps = guilty(q, false);
+    if (taps.empty()) return Cause::unexplained;
+    const bool is_near = std::ranges::all_of(taps, [&](std::size_t j) {
+      const glm::dvec3 place = places_[q.first_tap + j], to_light = rays_.toward_light(place);
+      return rays_.farthest_along(place, to_light) <= reach + std::max(0.0, glm::dot(q.point - place, to_light));
+    });
+    return is_near ? Cause::peter_panning : Cause::leak_representation;
+  }
+
   /// Half the side of a square of as many texels, less one half: 0 for one tap.
   static double filter_radius(const Question& q) { return (std::ceil(std::sqrt(double(q.tap_count()))) - 1) / 2; }
 
@@ -242,15 +279,25 @@ class Block {
   std::vector<std::uint8_t> seen_;   ///< 1 where the reference sees the light from there
 };
 
+std::vector<Cause> ask(const Attribution& attribution, const LightRays& rays, std::span<const TapCase> cases,
+                       void (Block::*answer)()) {
+  std::vector<Cause> causes(cases.size(), Cause::unexplained);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cases.size(), 64), [&](const auto& range) {
+    Block block(attribution, rays, cases.subspan(range.begin(), range.size()),
+                std::span(causes).subspan(range.begin(), range.size()));
+    (block.*answer)();
+  });
+  return causes;
+}
+
 }  // namespace
 
 std::vector<Cause> find_tap_causes(const Attribution& attribution, const LightRays& rays, std::span<const TapCase> cases) {
-  std::vector<Cause> causes(cases.size(), Cause::unexplained);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cases.size(), 64), [&](const auto& range) {
-    Block(attribution, rays, cases.subspan(range.begin(), range.size()), std::span(causes).subspan(range.begin(), range.size()))
-        .answer();
-  });
-  return causes;
+  return ask(attribution, rays, cases, &Block::answer);
+}
+
+std::vector<Cause> find_soft_tap_causes(const Attribution& attribution, const LightRays& rays, std::span<const TapCase> cases) {
+  return ask(attribution, rays, cases, &Block::answer_soft);
 }
 
 }  // namespace gnomon

@@ -86,6 +86,7 @@ void for_each_field(MaybeConst<Record> auto& r, const auto& use) {
   use("classes", r.classes);
   use("metrics", r.metrics);
   use("causes", r.causes);
+  use("cause_errors", r.cause_errors);
   use("frames", r.frames);
   use("mask", r.mask);
   use("error_picture", r.error_picture);
@@ -249,7 +250,7 @@ void from_json(const Json& json, Record& record) {
 void forget_results(Record& r) {
   const auto empty = [](auto&... fields) { ((fields = std::decay_t<decltype(fields)>()), ...); };
   empty(r.stages, r.iterations, r.stop, r.counts, r.bytes, r.peak_bytes, r.gl, r.reference, r.classes, r.metrics, r.causes,
-        r.frames, r.mask, r.error_picture, r.shaded_picture);
+        r.cause_errors, r.frames, r.mask, r.error_picture, r.shaded_picture);
 }
 
 void withdraw(Record& record, const std::string& reason) {

@@ -70,8 +70,11 @@ struct Record {
 
   std::map<std::string, std::uint64_t> classes;  ///< pixels of class "B", "F", "G", "S", "U", "T"
   std::map<Truth, Metrics> metrics;              ///< on a path: means over its frames
-  /// Wrong pixels of T by cause, headline truth, on a path summed over its frames; nothing when the run sought none.
+  /// Wrong pixels of T by cause (of a light with area, those that are off at all), headline truth, on a path summed over its
+  /// frames; nothing when the run sought none.
   std::optional<std::map<std::string, std::uint64_t>> causes;
+  /// Under a light with area: what each cause holds of the mean error; they add up to `error_mean`.
+  std::optional<std::map<std::string, double>> cause_errors;
   /// On a path: by metric, its value at every frame, headline truth.
   std::map<std::string, std::vector<std::optional<double>>> frames;
   std::optional<std::string> mask, error_picture, shaded_picture;  ///< paths relative to the run's folder

@@ -120,8 +120,7 @@ class Row {
     } else if (record_.causes) {
       const Evidence evidence = answer.evidence(*today_.scene, *light_);
       std::uint64_t wrong = 0, with_cause = 0;
-      for (std::size_t i = 0; i < answer.mask.size(); ++i)
-        wrong += evidence.classes[i] == PixelClass::T && evidence.is_wrong(i);
+      for (std::size_t i = 0; i < answer.mask.size(); ++i) wrong += evidence.wants_cause(i);
       for (const auto& [cause, pixels] : *record_.causes) with_cause += pixels;
       fit = wrong == with_cause;
     } else {
@@ -130,9 +129,11 @@ class Row {
     std::string obstacle = causes_obstacle(record_, fit);
     if (!obstacle.empty()) {
       record_.causes.reset();
+      record_.cause_errors.reset();
     } else if (!causes.empty()) {
       record_.causes = count_causes(causes);
       answer.causes = std::move(causes);
+      if (has_area(*light_)) record_.cause_errors = cause_errors(answer.evidence());
     }
     return obstacle;
   }

@@ -153,6 +153,12 @@ Record::ReferenceFacts facts_of(const Reference& reference, LightShareKind estim
   return facts;
 }
 
+/// Whether the mask is right at a pixel, under a light with area within four standard errors of the reference.
+bool is_right(const Evidence& evidence, std::size_t i) {
+  if (evidence.reference_error.empty()) return !evidence.is_wrong(i);
+  return std::abs(evidence.mask[i] - evidence.reference[i]) <= 4 * evidence.reference_error[i];
+}
+
 /// Measures a row frame by frame.
 class RowMeasurement {
  public:
@@ -164,6 +170,7 @@ class RowMeasurement {
         other_truth_(truth_ == Truth::shape ? Truth::mesh : Truth::shape) {
     record.classes.clear();
     record.causes.emplace();
+    record.cause_errors.reset();
     record.frames.clear();
   }
 
@@ -197,7 +204,7 @@ class RowMeasurement {
     means_[other_truth_].add(measure_metrics(Scoring(evidence)));
     std::vector<std::uint8_t> right_on_mesh;
     if (other_truth_ == Truth::mesh && about().sees == Truth::mesh)
-      for (std::size_t i = 0; i < evidence.mask.size(); ++i) right_on_mesh.push_back(!evidence.is_wrong(i));
+      for (std::size_t i = 0; i < evidence.mask.size(); ++i) right_on_mesh.push_back(is_right(evidence, i));
     now_.other_mask = std::move(answer.mask);
     return right_on_mesh;
   }
@@ -206,9 +213,9 @@ class RowMeasurement {
     Answer& answer = now_.answer;
     answer = worker_.answer(&record_);
     answer.estimates = about().estimates;
-    answer.causes =
-        find_causes({run_.scene, run_.frames.casters(truth_), answer.gbuffer, now_.light, answer.reference, answer.mask,
-                     right_on_mesh, [&](std::span<const std::uint32_t> pixels) { return worker_.client().explain(pixels); }});
+    answer.causes = find_causes(
+        {run_.scene, run_.frames.casters(truth_), answer.gbuffer, now_.light, answer.reference, answer.mask, right_on_mesh,
+         [&](std::span<const std::uint32_t> pixels) { return worker_.client().explain(pixels); }, answer.estimates});
     Evidence evidence = answer.evidence(run_.scene, now_.light), previous;
     if (frame.number > 0) {
       previous = before_.answer.evidence(run_.scene, before_.light);
@@ -219,11 +226,12 @@ class RowMeasurement {
     const Metrics metrics = measure_metrics(scoring);
     means_[truth_].add(metrics);
     for (const auto& [name, count] : class_counts(answer.reference.classes)) record_.classes[name] += count;
+    for (const auto& [name, count] : count_causes(answer.causes)) (*record_.causes)[name] += count;
     if (has_area(now_.light)) {
-      record_.causes.reset();
       record_.reference = facts_of(answer.reference, answer.estimates, run_.suite.target);
-    } else {
-      for (const auto& [name, count] : count_causes(answer.causes)) (*record_.causes)[name] += count;
+      if (!record_.cause_errors) record_.cause_errors.emplace();
+      for (const auto& [name, error] : cause_errors(evidence))
+        (*record_.cause_errors)[name] += error / static_cast<double>(frame.count());
     }
     if (frame.path)
       for (const auto& [metric, value] : metrics) record_.frames[metric].push_back(value);

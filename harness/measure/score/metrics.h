@@ -16,7 +16,7 @@ struct Evidence {
   int width = 0, height = 0;
   std::span<const PixelClass> classes;
   std::span<const float> reference, mask;
-  std::span<const Cause> causes;  ///< of wrong pixels of T, `none` elsewhere; empty when they were not looked for
+  std::span<const Cause> causes;  ///< see find_causes; empty when they were not looked for
   /// What the pixels show; null where a test has none. Metrics that need it are then not defined.
   const Scene* scene = nullptr;
   const GBuffer* gbuffer = nullptr;
@@ -30,6 +30,10 @@ struct Evidence {
 
   bool faces_light(std::size_t i) const { return classes[i] > PixelClass::F; }
   bool is_wrong(std::size_t i) const { return gnomon::is_wrong(mask[i], reference[i]); }
+  /// Whether a pixel has a cause when causes were looked for: it is tested, and wrong; under a light with area, off at all.
+  bool wants_cause(std::size_t i) const {
+    return classes[i] == PixelClass::T && (reference_error.empty() ? is_wrong(i) : mask[i] != reference[i]);
+  }
 };
 
 /// Pixels of one mask counted once.

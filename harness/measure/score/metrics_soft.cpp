@@ -6,50 +6,13 @@
 #include <cmath>
 
 #include "measure/frame/boundary.h"
+#include "measure/frame/pixel_windows.h"
 #include "measure/score/metrics.h"
 #include "measure/statistics/statistics.h"
 
 namespace gnomon {
 
 namespace {
-
-bool is_penumbra(float v) { return v > 0.02f && v < 0.98f; }
-
-/// One pixel's neighborhoods, as far as they lie on one object that faces the light.
-class Windows {
- public:
-  explicit Windows(const Evidence& evidence) : e_(evidence) {}
-
-  bool is_inside(int x, int y, int reach) const {
-    return x >= reach && y >= reach && x < e_.width - reach && y < e_.height - reach;
-  }
-  bool is_one_object(std::size_t i, std::size_t j) const {
-    return e_.faces_light(i) && e_.faces_light(j) && (!e_.gbuffer || e_.gbuffer->mesh[i] == e_.gbuffer->mesh[j]);
-  }
-  /// Whether the square of side 2 * reach + 1 around pixel (x, y) is on one object.
-  bool is_whole(int x, int y, int reach) const {
-    if (!is_inside(x, y, reach)) return false;
-    const std::size_t i = at(x, y);
-    for (int dy = -reach; dy <= reach; ++dy)
-      for (int dx = -reach; dx <= reach; ++dx)
-        if (!is_one_object(i, at(x + dx, y + dy))) return false;
-    return true;
-  }
-  std::size_t at(int x, int y) const { return static_cast<std::size_t>(y) * e_.width + x; }
-
-  /// Slope per pixel of the plane that fits the 3 x 3 values best; the window must be inside.
-  glm::dvec2 slope(std::span<const float> v, int x, int y) const {
-    glm::dvec2 sum(0);
-    for (int k = -1; k <= 1; ++k) {
-      sum.x += static_cast<double>(v[at(x + 1, y + k)]) - v[at(x - 1, y + k)];
-      sum.y += static_cast<double>(v[at(x + k, y + 1)]) - v[at(x + k, y - 1)];
-    }
-    return sum / 6.0;
-  }
-
- private:
-  const Evidence& e_;
-};
 
 /// Calls row(y) for every row in parallel and adds up its answers in order.
 template <class Row>
@@ -69,7 +32,7 @@ struct Crossing {
 };
 
 /// Where V crosses one half between 4-neighbors on one object, by linear interpolation.
-std::vector<Crossing> half_line(const Evidence& e, const Windows& windows, std::span<const float> v) {
+std::vector<Crossing> half_line(const Evidence& e, const PixelWindows& windows, std::span<const float> v) {
   std::vector<Crossing> crossings;
   for (int y = 0; y < e.height; ++y)
     for (int x = 0; x < e.width; ++x) {
@@ -86,7 +49,7 @@ std::vector<Crossing> half_line(const Evidence& e, const Windows& windows, std::
 
 /// Median over the technique's line of its distance from the nearest piece of the reference's, measured across that; positive
 /// where it lies on the lit side.
-std::optional<double> measure_shift(const Evidence& e, const Windows& windows) {
+std::optional<double> measure_shift(const Evidence& e, const PixelWindows& windows) {
   const std::vector<Crossing> ours = half_line(e, windows, e.mask), theirs = half_line(e, windows, e.reference);
   if (ours.empty() || theirs.empty()) return std::nullopt;
   std::vector<std::uint8_t> marked(e.mask.size(), 0);
@@ -115,7 +78,7 @@ std::optional<double> measure_shift(const Evidence& e, const Windows& windows) {
 }
 
 /// Slopes are compared, not widths: a technique without slope somewhere has no width there.
-std::optional<double> measure_width_ratio(const Evidence& e, const Windows& windows) {
+std::optional<double> measure_width_ratio(const Evidence& e, const PixelWindows& windows) {
   const auto is_middle = [](float v) { return v > 0.1f && v < 0.9f; };
   std::vector<double> ratios;
   for (int y = 1; y + 1 < e.height; ++y)
@@ -137,7 +100,7 @@ struct Place {
 };
 
 /// Meters on the surface from a pixel's point to that one pixel on along a slope.
-double meters_along(const Evidence& e, const Windows& windows, int x, int y, const glm::dvec2& slope) {
+double meters_along(const Evidence& e, const PixelWindows& windows, int x, int y, const glm::dvec2& slope) {
   const glm::dvec2 way = glm::normalize(slope);
   const auto point = [&](int px, int py) { return glm::dvec3(e.gbuffer->position(windows.at(px, py))); };
   const glm::dvec3 along_x = (point(x + 1, y) - point(x - 1, y)) / 2.0, along_y = (point(x, y + 1) - point(x, y - 1)) / 2.0;
@@ -146,7 +109,7 @@ double meters_along(const Evidence& e, const Windows& windows, int x, int y, con
 
 /// Width of penumbra w = 0.8 / slope against the distance to the caster: w of the farthest third of the places less w of the
 /// nearest, by the medians of their slopes. Nothing where the thirds' distances differ by less than a half.
-std::optional<double> measure_hardening(const Evidence& e, const Windows& windows) {
+std::optional<double> measure_hardening(const Evidence& e, const PixelWindows& windows) {
   if (e.caster_distance.empty() || !e.gbuffer) return std::nullopt;
   const auto is_middle = [](float v) { return v > 0.1f && v < 0.9f; };
   std::vector<Place> places;
@@ -177,7 +140,7 @@ std::optional<double> measure_hardening(const Evidence& e, const Windows& window
 }
 
 /// Of the pixels whose whole 5 x 5 window is on one object: a ramp leaves nothing, so that what is left is noise or corners.
-std::optional<double> measure_noise(const Evidence& e, const Windows& windows, std::span<const float> to_penumbra) {
+std::optional<double> measure_noise(const Evidence& e, const PixelWindows& windows, std::span<const float> to_penumbra) {
   const auto [squares, count, unused] = add_rows(e.height, [&](int y) {
     std::array<double, 3> sums{};
     for (int x = 0; x < e.width; ++x) {
@@ -212,7 +175,7 @@ Softness measure_softness(const Evidence& e) {
   }
   if (penumbra_theirs == 0) return {};
 
-  const Windows windows(e);
+  const PixelWindows windows(e.width, e.height, e.classes, e.gbuffer);
   const std::vector<float> to_penumbra = distance_transform(penumbra, e.width, e.height);
   const auto errors = [&](bool in_band) {
     return add_rows(e.height, [&](int y) {

@@ -9,11 +9,25 @@ namespace gnomon {
 
 bool causes_fit(const Answer& answer, std::span<const Cause> causes) {
   assert(causes.size() == answer.mask.size());
-  for (std::size_t i = 0; i < causes.size(); ++i) {
-    const bool wants_cause = answer.reference.classes[i] == PixelClass::T && is_wrong(answer.mask[i], answer.reference.mask[i]);
-    if ((causes[i] != Cause::none) != wants_cause) return false;
-  }
+  Evidence evidence = answer.evidence();
+  for (std::size_t i = 0; i < causes.size(); ++i)
+    if ((causes[i] != Cause::none) != evidence.wants_cause(i)) return false;
   return true;
+}
+
+std::map<std::string, double> cause_errors(const Evidence& evidence) {
+  std::vector<double> sums(cause_infos().size() + 1, 0.0);
+  std::size_t tested = 0;
+  for (std::size_t i = 0; i < evidence.mask.size(); ++i) {
+    if (evidence.classes[i] != PixelClass::T) continue;
+    ++tested;
+    sums[static_cast<std::size_t>(evidence.causes[i])] +=
+        std::abs(static_cast<double>(evidence.mask[i]) - evidence.reference[i]);
+  }
+  std::map<std::string, double> errors;
+  for (const CauseInfo& info : cause_infos())
+    errors[std::string(info.name)] = tested > 0 ? sums[static_cast<std::size_t>(info.cause)] / static_cast<double>(tested) : 0;
+  return errors;
 }
 
 std::string causes_obstacle(const Record& record, bool fit) {

@@ -15,6 +15,13 @@ struct Answer {
 
   /// Scene and light must outlive it, as this must.
   Evidence evidence(const Scene& scene, const Light& light) const {
+    Evidence evidence = this->evidence();
+    evidence.scene = &scene;
+    evidence.light = &light;
+    return evidence;
+  }
+  /// What needs neither scene nor light.
+  Evidence evidence() const {
     const bool is_irradiance = estimates == LightShareKind::irradiance && !reference.irradiance.empty();
     return {.width = gbuffer.width,
             .height = gbuffer.height,
@@ -22,9 +29,7 @@ struct Answer {
             .reference = is_irradiance ? reference.irradiance : reference.mask,
             .mask = mask,
             .causes = causes,
-            .scene = &scene,
             .gbuffer = &gbuffer,
-            .light = &light,
             .snapping = reference.snapping,
             .reference_error = is_irradiance ? reference.irradiance_error : reference.error,
             .other_reference = is_irradiance ? reference.mask : reference.irradiance,
@@ -32,8 +37,10 @@ struct Answer {
   }
 };
 
-/// Whether every wrong pixel of T has a cause and no other pixel has one.
+/// Whether every pixel that wants a cause has one and no other pixel has (see Evidence::wants_cause).
 bool causes_fit(const Answer& answer, std::span<const Cause> causes);
+/// What each cause holds of the mean error over T, by name, every cause; zeros too. They add up to it.
+std::map<std::string, double> cause_errors(const Evidence& evidence);
 /// Why the causes that a record tells cannot stand beside today's frames: they were found on frames of another version, or
 /// where it says no version, `fit` is false. Empty when they can.
 std::string causes_obstacle(const Record& record, bool fit);

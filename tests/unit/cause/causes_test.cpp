@@ -189,17 +189,6 @@ TEST(causes, an_edge_of_a_shadow_thinner_than_a_pixel_is_an_edge_where_the_raste
   }
 }
 
-TEST(causes, a_partly_lit_point_without_another_cause_is_penumbra) {
-  World world(on_ground({}), slanted);
-  const std::uint32_t i = world.pixel(2, 1), j = world.pixel(-2, 1);
-  world.truth[i] = 0.2f, world.truth[j] = 0.7f;  // as an area light would say
-  world.mask[i] = 0.8f, world.mask[j] = 0.1f;
-  EXPECT_EQ(world.causes(), (Causes{{"penumbra", 2}}));
-  // With taps: places in full light (nothing stored) cannot explain the dark one; the lit one is on their side.
-  EXPECT_EQ(world.causes([&](std::uint32_t k) { return tapped(through(world.point(k).x, 1, -INFINITY), 0.1); }),
-            (Causes{{"penumbra", 1}, {"edge_resolution", 1}}));
-}
-
 TEST(causes, dark_where_nothing_is_stored_is_unexplained) {
   World world(on_ground({}), slanted);
   const std::uint32_t i = world.pixel(2, 1);

@@ -29,7 +29,14 @@ TEST(explanations, come_back_from_their_bytes) {
     if (k % 5 == 0) why->element = random() * (1ull << 33);
     for (int j = k % 4; j > 0; --j)
       why->taps.push_back({vector(), glm::normalize(vector()), uniform(random), j == 1 ? double(INFINITY) : uniform(random)});
+    if (k >= 40)
+      for (int j = k % 3; j > 0; --j) why->samples.push_back({vector(), uniform(random), j == 1 ? 0.25 : 1.0});
   }
+  // Without samples the bytes are those that programs write and read which know none.
+  const auto first_byte = [](std::span<const std::optional<Explanation>> some) { return explanation_bytes(some)[6]; };
+  EXPECT_EQ(first_byte(std::span(all).first(40)), std::byte{'3'});
+  EXPECT_EQ(first_byte(all), std::byte{'4'});
+  EXPECT_EQ(explanations_from_bytes(explanation_bytes(std::span(all).first(40)))[5]->taps.size(), all[5]->taps.size());
   const std::vector<std::byte> bytes = explanation_bytes(all);
   const auto back = explanations_from_bytes(bytes);
   ASSERT_EQ(back.size(), all.size());
@@ -50,6 +57,12 @@ TEST(explanations, come_back_from_their_bytes) {
       EXPECT_EQ(back[k]->taps[j].weight, all[k]->taps[j].weight);
       EXPECT_EQ(back[k]->taps[j].stored, all[k]->taps[j].stored);
     }
+    ASSERT_EQ(back[k]->samples.size(), all[k]->samples.size());
+    for (std::size_t j = 0; j < all[k]->samples.size(); ++j) {
+      EXPECT_EQ(back[k]->samples[j].place, all[k]->samples[j].place);
+      EXPECT_EQ(back[k]->samples[j].weight, all[k]->samples[j].weight);
+      EXPECT_EQ(back[k]->samples[j].visibility, all[k]->samples[j].visibility);
+    }
   }
   EXPECT_TRUE(explanations_from_bytes(explanation_bytes({})).empty());
   // Cut anywhere, with something after the end, or of another kind: an error, never a guess.
@@ -65,6 +78,7 @@ TEST(explanations, come_back_from_their_bytes) {
 TEST(explanations, that_cannot_be_traced_are_refused) {
   Explanation good;
   good.taps = {{{0, 1, 0}, {0, -1, 0}, 1, INFINITY}};
+  good.samples = {{{0, 1, 0}, 1, 0}};
   const auto bytes_of = [](const Explanation& why) { return explanation_bytes(std::vector<std::optional<Explanation>>{why}); };
   EXPECT_NO_THROW(bytes_of(good));
   const std::vector<std::function<void(Explanation&)>> spoil{
@@ -73,6 +87,10 @@ TEST(explanations, that_cannot_be_traced_are_refused) {
       [](Explanation& e) { e.texel_width = INFINITY; },
       [](Explanation& e) { e.shifted = glm::dvec3(0, NAN, 0); },
       [](Explanation& e) { e.taps[0].origin.z = INFINITY; },
+      [](Explanation& e) { e.samples[0].place.x = NAN; },
+      [](Explanation& e) { e.samples[0].weight = INFINITY; },
+      [](Explanation& e) { e.samples[0].visibility = 1.5; },
+      [](Explanation& e) { e.samples[0].visibility = NAN; },
       [](Explanation& e) {
         e.taps[0].direction = {0, -2, 0};
       },

@@ -162,13 +162,13 @@ TEST(table, causes_are_shares_of_wrong_pixels_for_people_and_of_tested_ones_in_t
   std::vector<Record> records{row("a", 3, 0.1)};
   EXPECT_FALSE(has(render_table(records, Format::terminal), "causes"));  // nobody asked
   records[0].classes["T"] = 1000;
-  records[0].causes = {{"acne", 78}, {"crack", 2}, {"edge_resolution", 20}, {"penumbra", 0}};
+  records[0].causes = {{"acne", 78}, {"crack", 2}, {"edge_resolution", 20}, {"region", 0}};
   EXPECT_EQ(top_causes(records[0]), "acne 78 %, edge resolution 20 %");
   EXPECT_EQ(top_causes(records[0], 5), "acne 78 %, edge resolution 20 %, crack 2 %");
   EXPECT_TRUE(has(line_with(render_table(records, Format::terminal), "full"), "  acne 78 %, edge resolution 20 %"));
   const std::string csv =
-      render_table(records, Format::csv, {.columns = {"cause.acne", "cause.penumbra", "cause.missing_caster"}});
-  EXPECT_EQ(csv, "cause.acne,cause.penumbra,cause.missing_caster\r\n0.078,0,\r\n");
+      render_table(records, Format::csv, {.columns = {"cause.acne", "cause.region", "cause.missing_caster"}});
+  EXPECT_EQ(csv, "cause.acne,cause.region,cause.missing_caster\r\n0.078,0,\r\n");
 }
 
 TEST(table, spread_of_times_is_the_median_absolute_deviation_of_the_processes) {

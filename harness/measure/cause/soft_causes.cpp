@@ -1,0 +1,163 @@
+// Causes of errors under lights with area, in their order; docs/causes.md derives each.
+#include "measure/cause/soft_causes.h"
+
+#include <gnomon/error.h>
+#include <gnomon/kit/parallel.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "measure/cause/causes_taps.h"
+#include "measure/cause/components.h"
+
+namespace gnomon {
+
+namespace {
+
+constexpr double most_errors = 4;            ///< standard errors of the reference that explain a difference
+constexpr std::uint32_t crack_size = 4;      ///< pixels
+constexpr std::size_t first_chunk = 16;      ///< pixels explained at first, to learn how many samples each has
+constexpr std::size_t most_chunk = 4096;     ///< pixels explained at a time,
+constexpr std::size_t most_items = 1 << 19;  ///< and samples and taps of them
+
+/// Walks the steps of one mask.
+class SoftCauses {
+ public:
+  explicit SoftCauses(const Attribution& a)
+      : a_(a), truth_(a), causes_(a.mask.size(), Cause::none), questions_(a), shapes_(a, truth_) {}
+
+  std::vector<Cause> find() {
+    std::vector<std::uint32_t> open;
+    for (std::uint32_t i = 0; i < causes_.size(); ++i) {
+      if (a_.reference.classes[i] != PixelClass::T || error(i) == 0) continue;
+      if (std::abs(error(i)) <= most_errors * truth_.error[i])
+        causes_[i] = Cause::reference_error;
+      else if (!a_.right_on_mesh.empty() && a_.right_on_mesh[i])
+        causes_[i] = Cause::tessellation;
+      else
+        open.push_back(i);
+    }
+    open = explain(open);
+    ask_mask(open);
+    split_regions();
+    return std::move(causes_);
+  }
+
+ private:
+  double error(std::size_t i) const { return static_cast<double>(a_.mask[i]) - truth_.share[i]; }
+
+  /// What the technique says of the pixels; returns those that stay open.
+  std::vector<std::uint32_t> explain(std::span<const std::uint32_t> pixels) {
+    if (!a_.explain) return {pixels.begin(), pixels.end()};
+    SampleCauses samples(a_, truth_);
+    std::vector<std::uint32_t> open;
+    std::size_t chunk = first_chunk;
+    for (std::size_t first = 0; first < pixels.size();) {
+      const auto some = pixels.subspan(first, std::min(chunk, pixels.size() - first));
+      first += some.size();
+      const auto whys = a_.explain(some);
+      if (whys.size() != some.size()) throw Error("{} explanations were given for {} pixels", whys.size(), some.size());
+      std::size_t items = 1;
+      for (const auto& why : whys)
+        if (why) items = std::max(items, why->samples.size() + why->taps.size());
+      chunk = std::clamp(most_items / items, std::size_t{1}, most_chunk);
+      take(some, whys, samples.of(some, whys));
+      for (const std::uint32_t i : some)
+        if (causes_[i] == Cause::none) open.push_back(i);
+    }
+    return open;
+  }
+
+  void take(std::span<const std::uint32_t> pixels, std::span<const std::optional<Explanation>> whys,
+            std::span<const Cause> by_samples) {
+    std::vector<TapCase> cases;
+    for (std::size_t k = 0; k < pixels.size(); ++k) {
+      Cause& cause = causes_[pixels[k]];
+      if (!whys[k]) continue;
+      if (!whys[k]->covered)
+        cause = Cause::beyond_coverage;
+      else if (whys[k]->formula_differs)
+        cause = Cause::formula;
+      else if (whys[k]->taps.empty())
+        cause = by_samples[k];
+      else
+        cases.push_back({pixels[k], &*whys[k]});
+    }
+    if (cases.empty()) return;
+    // Maps are drawn from the light's center.
+    Light center = a_.light;
+    center.kind = PointLight{glm::vec3(homogeneous_of_center(a_.light))};
+    Reference truth = a_.reference;
+    truth.mask = truth_.share;
+    const Attribution by_center{a_.scene, a_.casters, a_.gbuffer, center, truth, a_.mask, {}, nullptr};
+    const std::vector<Cause> found =
+        find_soft_tap_causes(by_center, LightRays(a_.scene, a_.casters, a_.gbuffer, center), cases);
+    for (std::size_t k = 0; k < cases.size(); ++k) causes_[cases[k].pixel] = found[k];
+  }
+
+  /// What the mask shows.
+  void ask_mask(std::span<const std::uint32_t> pixels) {
+    for_blocks(pixels.size(), 16, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) causes_[pixels[k]] = of_mask(pixels[k]);
+    });
+  }
+
+  Cause of_mask(std::uint32_t i) const {
+    if (error(i) > 0 && shapes_.missing()[i]) return Cause::missing_caster;
+    if (const Cause cause = shapes_.of_grain(i); cause != Cause::none) return cause;
+    if (is_horizon(i)) return Cause::horizon;
+    if (is_fusion(i)) return Cause::caster_fusion;
+    const double v = a_.mask[i], share = truth_.share[i], slack = most_errors * truth_.error[i];
+    // In full light or umbra: would a light of four times the size see that much, or that little?
+    if (share <= slack || share >= 1 - slack) {
+      const std::optional<double> larger = questions_.seen_of_larger(i);
+      if (larger && share <= slack && v > *larger + slack) return Cause::lost_umbra;
+      if (larger && share >= 1 - slack && v < *larger - slack) return Cause::region;
+    }
+    if (const Cause cause = shapes_.of_form(i); cause != Cause::none) return cause;
+    const auto [again, again_error] = questions_.asked_again(i, truth_.error[i]);
+    return std::abs(v - again) <= std::max(most_errors * again_error, std::abs(error(i)) / 2) ? Cause::reference_error
+                                                                                              : Cause::unexplained;
+  }
+
+  /// Whether the error is what comes of counting what is below the horizon, as hidden or as seen.
+  bool is_horizon(std::uint32_t i) const {
+    const double above = questions_.above_horizon(i), share = truth_.share[i];
+    return above < 1 && (is_predicted(i, -(1 - above) * share) || is_predicted(i, (1 - above) * (1 - share)));
+  }
+  bool is_fusion(std::uint32_t i) const {
+    const LightQuestions::Casters casters = questions_.casters(i);
+    return casters.count > 1 &&
+           (is_predicted(i, casters.product - casters.together) || is_predicted(i, casters.least - casters.together));
+  }
+  /// Whether an error of this size leaves less than half of the pixel's.
+  bool is_predicted(std::uint32_t i, double predicted) const { return std::abs(error(i) - predicted) < std::abs(error(i)) / 2; }
+
+  /// Regions of at most four pixels are cracks.
+  void split_regions() {
+    std::vector<std::uint32_t> keys(causes_.size(), 0);
+    for (std::size_t i = 0; i < keys.size(); ++i) keys[i] = causes_[i] == Cause::region;
+    const Components regions = connect(keys, 0, a_.gbuffer.width, a_.gbuffer.height);
+    for (std::size_t i = 0; i < keys.size(); ++i)
+      if (keys[i] && regions.size[regions.of[i]] <= crack_size) causes_[i] = Cause::crack;
+  }
+
+  const Attribution& a_;
+  const SoftTruth truth_;
+  std::vector<Cause> causes_;
+  LightQuestions questions_;
+  PenumbraShapes shapes_;
+};
+
+}  // namespace
+
+SoftTruth::SoftTruth(const Attribution& a) : share(a.reference.mask), error(a.reference.error) {
+  if (a.estimates == LightShareKind::irradiance) {
+    share = a.reference.irradiance;
+    error = a.reference.irradiance_error;
+  }
+}
+
+std::vector<Cause> find_soft_causes(const Attribution& attribution) { return SoftCauses(attribution).find(); }
+
+}  // namespace gnomon
