@@ -184,12 +184,10 @@ std::optional<Stage> stage_of_time(std::string_view quantity) {
 
 std::optional<double> quantity(const Record& r, std::string_view wanted) {
   if (wanted.starts_with("cause.")) {
-    const auto tested = r.classes.find("T");
-    if (!r.causes || tested == r.classes.end() || tested->second == 0) return std::nullopt;
-    const auto found = r.causes->find(std::string(wanted.substr(6)));
-    if (found == r.causes->end()) return std::nullopt;
-    // On a path both are sums over its frames.
-    return static_cast<double>(found->second) / static_cast<double>(tested->second);
+    const auto shares = cause_shares(r);
+    if (!shares) return std::nullopt;
+    const auto found = shares->find(std::string(wanted.substr(6)));
+    return found == shares->end() ? std::nullopt : std::optional(found->second);
   }
   if (const std::optional<Stage> stage = stage_of_time(wanted)) return median_of_medians(r.times(*stage));
   if (wanted == "bytes" && r.bytes) return static_cast<double>(*r.bytes);

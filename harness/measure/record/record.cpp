@@ -200,6 +200,17 @@ void read(const std::string& field, const Json& value, T& into) {
 
 std::string setting_key(const Record& r) { return r.technique + (r.settings.empty() ? "" : ":" + r.settings); }
 
+std::optional<std::map<std::string, double>> cause_shares(const Record& r) {
+  if (r.cause_errors) return r.cause_errors;
+  const auto tested = r.classes.find("T");
+  if (!r.causes || tested == r.classes.end() || tested->second == 0) return std::nullopt;
+  // On a path both are sums over its frames.
+  std::map<std::string, double> shares;
+  for (const auto& [cause, pixels] : *r.causes)
+    shares[cause] = static_cast<double>(pixels) / static_cast<double>(tested->second);
+  return shares;
+}
+
 std::string setting_name(const Record& r) { return r.label ? *r.label : setting_key(r); }
 
 std::string title(const Record& r) {

@@ -107,6 +107,9 @@ struct Record {
   std::optional<double> metric(std::string_view name) const { return metric(truth, name); }
 };
 
+/// What each cause holds of the error that counts: of the wrong rate, under a light with area of the mean error. Nothing when
+/// the run sought none, or tested nothing.
+std::optional<std::map<std::string, double>> cause_shares(const Record& record);
 /// Name of the technique with its settings: the label that the suite gave, else "id:a=1,b=2".
 std::string setting_name(const Record& record);
 /// What makes it the same setting on another scene: id and settings, whatever its label.

@@ -47,15 +47,16 @@ Json value_json(const Cell& cell) {
   return {};
 }
 
-/// Wrong pixels by cause in the order of cause_infos(); null where the run did not look for causes.
+/// What each cause holds of the error, in the order of cause_infos(); null where the run did not look for causes.
 Json causes_json(const Record& record) {
-  if (!record.causes) return {};
-  Json counts = Json::array();
+  const auto shares = cause_shares(record);
+  if (!shares) return {};
+  Json list = Json::array();
   for (const CauseInfo& info : cause_infos()) {
-    const auto found = record.causes->find(std::string(info.name));
-    counts.push_back(found == record.causes->end() ? 0 : found->second);
+    const auto found = shares->find(std::string(info.name));
+    list.push_back(found == shares->end() ? 0 : found->second);
   }
-  return counts;
+  return list;
 }
 
 Json row_json(const Layout& layout, const Layout::Row& row, std::size_t group, const std::string& family) {

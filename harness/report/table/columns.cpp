@@ -176,7 +176,8 @@ void add_metrics(std::vector<Column>& columns) {
 
 void add_causes(std::vector<Column>& columns) {
   columns.push_back(text_column("causes", "causes", [](const Record& r) { return text_cell(top_causes(r)); }));
-  columns.back().sentence = "The most frequent causes of the wrong pixels, with their shares of them.";
+  columns.back().sentence =
+      "What made most of the wrong pixels wrong, under a light with area most of the error, with shares of them.";
   for (const CauseInfo& info : cause_infos()) {
     Column column = number_column(fmt::format("cause.{}", info.name), "", with_blanks(info.name));
     column.shown_unit = "%";
@@ -291,17 +292,18 @@ std::string with_blanks(std::string_view name) {
 }
 
 std::string top_causes(const Record& record, std::size_t most) {
-  if (!record.causes) return "";
-  std::uint64_t wrong = 0;
-  std::vector<std::pair<std::uint64_t, std::string>> counted;
-  for (const auto& [cause, pixels] : *record.causes) {
-    wrong += pixels;
-    if (pixels > 0) counted.emplace_back(pixels, with_blanks(cause));
+  const auto shares = cause_shares(record);
+  if (!shares) return "";
+  double all = 0;
+  std::vector<std::pair<double, std::string>> counted;
+  for (const auto& [cause, share] : *shares) {
+    all += share;
+    if (share > 0) counted.emplace_back(share, with_blanks(cause));
   }
   std::stable_sort(counted.begin(), counted.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<std::string> parts;
-  for (const auto& [pixels, cause] : counted) {
-    const double percent = 100 * static_cast<double>(pixels) / static_cast<double>(wrong);
+  for (const auto& [share, cause] : counted) {
+    const double percent = 100 * share / all;
     if (parts.size() == most || percent < 0.5) break;
     parts.push_back(fmt::format("{} {:.0f} %", cause, percent));
   }

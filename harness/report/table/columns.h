@@ -64,8 +64,8 @@ inline constexpr double least_tested_share = 0.90;
 /// A name for people: "edge resolution" of "edge_resolution".
 std::string with_blanks(std::string_view name);
 
-/// The most frequent causes of the wrong pixels with their shares of them: "acne 78 %, crack 22 %"; empty when no wrong pixel
-/// has a cause. What rounds to nothing is left out.
+/// What made most of the wrong pixels wrong (of the error, under a light with area): "acne 78 %, crack 22 %"; empty when
+/// nothing has a cause. What rounds to nothing is left out.
 std::string top_causes(const Record& record, std::size_t most = 2);
 
 /// The cell for people: rounded as it deserves, "-" for null.

@@ -50,10 +50,8 @@ const namesOfGroups = (() => {
 
 export const groupName = (index) => namesOfGroups[index];
 
-/** Wrong pixels of a row as a share of the tested ones, by cause in the order of data.causes; null where the run did not look for causes. */
-export function causeShares(row) {
-  return row.causes && row.tested > 0 ? row.causes.map((count) => count / row.tested) : null;
-}
+/** What each cause holds of a row's wrong rate, under a light with area of its mean error, in the order of data.causes; null where the run did not look for causes. */
+export const causeShares = (row) => row.causes;
 
 /** Techniques in order of appearance: what colors and symbols go by, in every plot and under every filter. */
 export const techniques = distinct(data.rows.map((row) => row.technique));
