@@ -44,7 +44,8 @@ class SphereField final : public SceneGenerator {
       scene.meshes.push_back(painted(tessellate(sphere, segments, fmt::format("sphere_{}", i)), albedo));
     }
     scene.lights = {{.name = "point", .kind = PointLight{{-6, 9, 3}}},
-                    {.name = "sun", .kind = DirectionalLight{{1, -0.9f, -0.35f}}}};
+                    {.name = "sun", .kind = DirectionalLight{{1, -0.9f, -0.35f}}},
+                    {.name = "panel", .kind = RectLight{.center = {-6, 9, 3}, .half_u = {0.5f, 0, 0}, .half_v = {0, 0, 0.5f}}}};
     for (int k = 0; k < lights; ++k) {
       const double angle = 2 * M_PI * k / lights;
       scene.lights.push_back({.name = fmt::format("ring_{}", k + 1),

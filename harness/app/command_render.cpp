@@ -116,7 +116,6 @@ class Rendering {
         run_(options.scene, scene, suite, cache_root() / "frames", scratch_.path(), shown_on(progress_, options.scene)),
         context_(machine_context(options_of_worker.threads)),
         worker_(run_, jobs[0].contender, options_of_worker) {
-    context_["scene_hash"] = run_.frames.scene_hash();
     context_["frames"] = frame_version();
     worker_.begin_load();
     worker_.end_load();
@@ -131,6 +130,7 @@ class Rendering {
     require(support);
     if (support.kind() == Support::Kind::approximate) print_notice("note: {}: {}\n", job.light, support.why());
     Record record = start_record(job, run_.suite, &run_.scene, context_);
+    record.context["scene_hash"] = run_.frames.scene_hash(*find_named(run_.scene.lights, job.light));
     record.support = support.kind();
     record.reason = support.why();
     record.times(Stage::setup) = {{worker_.setup_ms()}};

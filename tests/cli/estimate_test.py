@@ -8,9 +8,9 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import ROOT, SMALL, ProgramTest, records  # noqa: E402
+from program import HARD, ROOT, SMALL, ProgramTest, records  # noqa: E402
 
-ROWS = ["--scene", "single_triangle", "--technique", "unshadowed", "--technique", "shadow_map"]
+ROWS = [*HARD, "--scene", "single_triangle", "--technique", "unshadowed", "--technique", "shadow_map"]
 
 
 class Estimate(ProgramTest):

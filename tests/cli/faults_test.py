@@ -56,7 +56,7 @@ class Faults(ProgramTest):
     def test_a_fault_in_a_later_process_costs_the_row_only(self):
         # Every process of a technique that throws is a new one; the others keep all three of theirs.
         self.succeed("--plugin", FAULTS, "run", "--scene", "single_triangle", "--technique", "crashes", "--technique", "unshadowed",
-                     "--processes", "3", "--repetitions", "1", "--size", "160x90", "--out", "out", status=1)
+                     "--light", "point", "--light", "sun", "--processes", "3", "--repetitions", "1", "--size", "160x90", "--out", "out", status=1)
         rows = records(self.dir / "out")
         self.assertEqual([(r["technique"], r["status"]) for r in rows], [("crashes", "failed"), ("unshadowed", "ok")] * 2)
         self.assertEqual([len(r["stages"].get("resolve", [])) for r in rows], [0, 3, 0, 3])

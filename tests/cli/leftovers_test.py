@@ -39,6 +39,7 @@ processes = 1
 repetitions = 1
 [[group]]
 scenes = ["single_triangle"]
+lights = ["point", "sun"]
 techniques = ["embree_rays", { use = "shadow_map:resolution=64", label = "'quoted" }, { use = "shadow_map:resolution=128", label = "''100 %s" }]
 """)
         one.succeed("run", suite, "--out", cls.run_folder)

@@ -8,9 +8,9 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import SMALL, ProgramTest, measured, records, what  # noqa: E402
+from program import HARD, SMALL, ProgramTest, measured, records, what  # noqa: E402
 
-ROWS = ["--scene", "single_triangle", "--scene", "soup:count=50", "--technique", "shadow_map:resolution={256,512}",
+ROWS = [*HARD, "--scene", "single_triangle", "--scene", "soup:count=50", "--technique", "shadow_map:resolution={256,512}",
         "--technique", "planar_projected", "--technique", "unshadowed"]
 COUNT = 2 * 2 * 4  # two scenes, two lights, four settings
 SHARDS = 3

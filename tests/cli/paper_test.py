@@ -12,7 +12,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import ROOT, SMALL, ProgramTest  # noqa: E402
+from program import HARD, ROOT, SMALL, ProgramTest  # noqa: E402
 
 try:
     import jsonschema
@@ -36,7 +36,7 @@ class Paper(ProgramTest):
         cls.small = cls.home / "small"
         small = cls("run_small")
         small.dir = cls.home
-        small.succeed("run", "--scene", "contact", "--scene", "soup:ground=false,count=50", "--technique", "unshadowed",
+        small.succeed("run", *HARD, "--scene", "contact", "--scene", "soup:ground=false,count=50", "--technique", "unshadowed",
                       "--technique", "planar_projected", "--technique",
                       "shadow_map:resolution={256,1024},filter=pcf,filter_radius=3,bias=receiver_plane,depth_bias=1.5", *SMALL,
                       "--out", cls.small)

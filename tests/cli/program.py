@@ -16,6 +16,8 @@ DATA = ROOT / "tests/data"
 
 # Enough to see that it works: one process, one repetition, few pixels.
 SMALL = ["--processes", "1", "--repetitions", "1", "--size", "160x90"]
+# The lights that every generated scene has. Some have lights with area besides.
+HARD = ["--light", "point", "--light", "sun"]
 
 
 class ProgramTest(unittest.TestCase):

@@ -8,10 +8,10 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import SMALL, ProgramTest, records, what  # noqa: E402
+from program import HARD, SMALL, ProgramTest, records, what  # noqa: E402
 
 # Shapes with two truths and a mesh with one; right rows, wrong rows, and one that is not supported.
-ROWS = ["--scene", "sphere_over_plane", "--scene", "fence", "--technique", "embree_rays", "--technique",
+ROWS = [*HARD, "--scene", "sphere_over_plane", "--scene", "fence", "--technique", "embree_rays", "--technique",
         "shadow_map:resolution=64,slope_bias=0,depth_bias=0", "--technique", "planar_projected"]
 
 

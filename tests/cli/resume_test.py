@@ -10,9 +10,9 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import FAULTS, SMALL, ProgramTest, records  # noqa: E402
+from program import FAULTS, HARD, SMALL, ProgramTest, records  # noqa: E402
 
-ROWS = ["--scene", "single_triangle", "--technique", "unshadowed", "--technique", "shadow_map"]
+ROWS = [*HARD, "--scene", "single_triangle", "--technique", "unshadowed", "--technique", "shadow_map"]
 SUITE = """
 width = 160
 height = 90
@@ -38,8 +38,8 @@ class Resume(ProgramTest):
         return (self.dir / "out/records.jsonl").read_bytes().splitlines()
 
     def test_a_folder_that_is_being_written_is_left_alone(self):
-        slow = ["--plugin", FAULTS, "run", "--scene", "single_triangle", "--scene", "contact", "--technique", "sleeps", *SMALL, "--quiet",
-                "--out", "out"]
+        slow = ["--plugin", FAULTS, "run", "--scene", "single_triangle", "--scene", "contact", "--technique", "sleeps", *HARD, *SMALL,
+                "--quiet", "--out", "out"]
         self.succeed(*slow)
         self.change(lambda row: row.update(status="failed"))
         self.environment["GNOMON_TEST_RESOLVE_MS"] = "300"

@@ -9,9 +9,9 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import PROGRAM, ROOT, SMALL, ProgramTest, measured, records, what  # noqa: E402
+from program import HARD, PROGRAM, ROOT, SMALL, ProgramTest, measured, records, what  # noqa: E402
 
-ROWS = ["--scene", "single_triangle", "--technique", "shadow_map:resolution={256,512}", "--technique", "unshadowed"]
+ROWS = [*HARD, "--scene", "single_triangle", "--technique", "shadow_map:resolution={256,512}", "--technique", "unshadowed"]
 
 
 def has_gnu_parallel():

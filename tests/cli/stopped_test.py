@@ -10,10 +10,10 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import ProgramTest, measured, records, what, workers  # noqa: E402
+from program import HARD, ProgramTest, measured, records, what, workers  # noqa: E402
 
 SCENES = ["single_triangle", "soup:count=50", "sphere_over_plane"]
-RUN = ["run", *[word for scene in SCENES for word in ("--scene", scene)], "--technique", "unshadowed", "--technique", "shadow_map",
+RUN = ["run", *HARD, *[word for scene in SCENES for word in ("--scene", scene)], "--technique", "unshadowed", "--technique", "shadow_map",
        "--processes", "3", "--repetitions", "2", "--size", "160x90", "--out", "out"]
 ROWS = 4 * len(SCENES)  # two lights, two techniques
 

@@ -13,9 +13,9 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import SMALL, ProgramTest  # noqa: E402
+from program import HARD, SMALL, ProgramTest  # noqa: E402
 
-RUN = ["run", "--scene", "single_triangle", "--scene", "soup:count=50", "--technique", "unshadowed", "--technique", "shadow_map",
+RUN = ["run", *HARD, "--scene", "single_triangle", "--scene", "soup:count=50", "--technique", "unshadowed", "--technique", "shadow_map",
        "--processes", "2", "--repetitions", "2", "--size", "160x90", "--out", "out"]
 ERASE = "\r\x1b[K"
 BAR = re.compile(r"^\[(#*)(\.*)\] +(\d+) %")
@@ -111,7 +111,7 @@ class Terminal(ProgramTest):
         self.assertNotIn("process 1/2", done.stdout)
 
     def test_quiet_says_nothing(self):
-        done = self.gnomon("run", "--scene", "single_triangle", "--technique", "unshadowed", *SMALL, "--quiet", "--out", "out")
+        done = self.gnomon("run", "--scene", "single_triangle", "--technique", "unshadowed", *HARD, *SMALL, "--quiet", "--out", "out")
         self.assertEqual((done.returncode, done.stderr), (0, ""))
 
     def test_a_reader_that_leaves_early_is_no_error_of_ours(self):

@@ -15,7 +15,11 @@ processes = 2
 repetitions = 1
 timeout = 20
 [[group]]
-scenes = ["${join(home, "slope.toml")}", "fence"]
+scenes = ["${join(home, "slope.toml")}"]
+techniques = ["embree_rays", "unshadowed", "planar_projected", "throws", "shadow_map:resolution={64,256,1024}"]
+[[group]]
+scenes = ["fence"]
+lights = ["point", "sun"]
 techniques = ["embree_rays", "unshadowed", "planar_projected", "throws", "shadow_map:resolution={64,256,1024}"]
 [[group]]
 scenes = ["fence"]

@@ -78,6 +78,12 @@ FrameStore::FrameStore(const Scene& scene, fs::path folder, std::unique_ptr<Fram
   if (const fs::path temporary = fs::temp_directory_path(code); !code) remove_left_over_folders(temporary, scratch_prefix);
 }
 
+const std::string& FrameStore::scene_hash(const Light& light) {
+  const auto [found, is_new] = hash_by_light_.try_emplace(light.name);
+  if (is_new) found->second = gnomon::scene_hash(scene_, light);
+  return found->second;
+}
+
 bool FrameStore::is_sound(const fs::path& file, std::size_t size) {
   if (!has_size(file, size + hash_size)) return false;
   if (sound_.contains(file)) return true;

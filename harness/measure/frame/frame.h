@@ -88,7 +88,10 @@ class FrameStore {
   /// Without a maker it traces itself.
   FrameStore(const Scene& scene, std::filesystem::path folder, std::unique_ptr<FrameMaker> maker = nullptr);
 
-  const std::string& scene_hash() const { return scene_hash_; }
+  /// What records of rows under this light know the scene by.
+  const std::string& scene_hash(const Light& light);
+  /// Whether that, or what older records know it by: the hash of the scene with all its lights.
+  bool is_scene(const std::string& hash, const Light& light) { return hash == scene_hash(light) || hash == scene_hash_; }
   /// The scene's bytes as a file, for other processes.
   std::filesystem::path scene_file();
   std::filesystem::path gbuffer_file(const FrameKey& key);
@@ -113,7 +116,8 @@ class FrameStore {
   std::optional<ScratchFolder> scratch_;   ///< where folder_ is once the cache could not be written
   std::set<std::filesystem::path> sound_;  ///< files whose hash was looked at
   std::vector<std::byte> scene_bytes_;
-  std::string scene_hash_;
+  std::string scene_hash_;                            ///< with all lights
+  std::map<std::string, std::string> hash_by_light_;  ///< see scene_hash
   FrameTracer tracer_;
   std::unique_ptr<FrameMaker> maker_;  ///< null: the tracer
 };

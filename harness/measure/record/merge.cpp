@@ -82,16 +82,20 @@ void note_mixture(Merge& merge) {
 /// Scenes that changed between rows. One that a machine had not fetched has a row without a scene there, and its real rows of
 /// that shard are nowhere.
 void note_scenes(Merge& merge) {
-  std::map<std::string, std::set<std::string>> hashes, missing;
+  // Under different lights a scene has different hashes (scene_hash).
+  std::map<std::string, std::map<std::string, std::set<std::string>>> hashes;
+  std::map<std::string, std::set<std::string>> missing;
   for (const MergedRow& row : merge.rows) {
     if (const std::string hash = context_text(row.record, "scene_hash"); hash.empty())
       missing[row.record.scene].insert(row.folder.string());
     else
-      hashes[row.record.scene].insert(hash);
+      hashes[row.record.scene][row.record.light].insert(hash);
   }
-  for (const auto& [scene, all] : hashes)
-    if (all.size() > 1)
-      merge.notes.push_back(fmt::format("scene {} has {} contents: its rows are not comparable", scene, all.size()));
+  for (const auto& [scene, lights] : hashes) {
+    std::size_t most = 0;
+    for (const auto& [light, all] : lights) most = std::max(most, all.size());
+    if (most > 1) merge.notes.push_back(fmt::format("scene {} has {} contents: its rows are not comparable", scene, most));
+  }
   for (const auto& [scene, folders] : missing)
     if (hashes.contains(scene))
       merge.notes.push_back(fmt::format("scene {} was there for some rows and not for {}: fetch it there and --resume that run",

@@ -52,11 +52,11 @@ class Row {
   /// Why the row keeps what it has; empty when it can be measured anew.
   std::string obstacle() {
     if (!today_.scene) return today_.missing;
-    const bool has_hash = record_.context.contains("scene_hash");
-    if (has_hash && record_.context["scene_hash"] != today_.frames->scene_hash())
-      return "the scene is not the one that was measured";
     light_ = find_named(today_.scene->lights, record_.light);
     view_ = find_named(today_.scene->views, record_.view);
+    const bool has_hash = record_.context.contains("scene_hash");
+    if (has_hash && light_ && !today_.frames->is_scene(record_.context["scene_hash"], *light_))
+      return "the scene is not the one that was measured";
     if (!light_) return fmt::format("the scene has no light {} any more", record_.light);
     if (!view_) return fmt::format("the scene has no view {} any more", record_.view);
     // An old row of a light that the reference does not know; reading withdraws those that say what kind of light it was.

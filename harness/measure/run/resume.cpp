@@ -68,7 +68,7 @@ Earlier earlier_rows(const RunOptions& options, SceneLibrary& library, std::span
   for (const Job& job : jobs) wanted.insert(job.hash);
   Record now;
   now.context = machine_context(options.worker.threads);
-  std::map<std::string, std::string> hashes;
+  std::map<std::pair<std::string, std::string>, std::string> hashes;  // by scene and light
   for (Record& record : read_records(options.out)) {
     const SceneLibrary::Entry& entry = library.get(record.scene);
     const std::string then = context_text(record, "scene_hash");
@@ -78,8 +78,9 @@ Earlier earlier_rows(const RunOptions& options, SceneLibrary& library, std::span
       continue;
     }
     if (entry.scene) {
-      std::string& hash = hashes[record.scene];
-      if (hash.empty()) hash = content_hash(scene_bytes(*entry.scene));
+      std::string& hash = hashes[{record.scene, record.light}];
+      const Light* light = find_named(entry.scene->lights, record.light);
+      if (hash.empty()) hash = light ? scene_hash(*entry.scene, *light) : content_hash(scene_bytes(*entry.scene));
       if (then != hash)
         throw Error("scene {} has changed since {} was run: run it into another --out", record.scene, options.out.string());
     }

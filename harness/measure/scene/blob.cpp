@@ -7,6 +7,7 @@
 #include <unistd.h>
 #include <xxhash.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "measure/part_file.h"
@@ -46,6 +47,14 @@ std::vector<std::byte> scene_bytes(const Scene& scene) {
   writer(layout_version);
   visit_scene(writer, scene);
   return std::move(writer.bytes);
+}
+
+std::string scene_hash(const Scene& scene, const Light& light) {
+  const auto is_other = [&](const Light& one) { return has_area(one) && one.name != light.name; };
+  if (std::ranges::none_of(scene.lights, is_other)) return content_hash(scene_bytes(scene));
+  Scene known = scene;
+  std::erase_if(known.lights, is_other);
+  return content_hash(scene_bytes(known));
 }
 
 Scene scene_from_bytes(std::span<const std::byte> bytes) {

@@ -156,7 +156,7 @@ class Collector {
   Json row(const Record& r) {
     const std::string what = fmt::format("{}, light {}, {}", r.scene, r.light, r.label.value_or(r.technique));
     const std::string hash = context_text(r, "scene_hash");
-    if (hash != frames_.store().scene_hash()) {
+    if (!frames_.store().is_scene(hash, named(frames_.scene().lights, r.light, "light"))) {
       note("scene " + r.scene, hash.empty() ? "its records do not say which scene was measured"
                                             : "the scene is not the one that was measured: its content has changed");
       return {};

@@ -194,6 +194,10 @@ TEST(merge, mixed_machines_scenes_and_holes_are_said) {
       << mixed;
   EXPECT_NE(mixed.find("different numbers of threads: 1 (1 row), 2 (3 rows)"), std::string::npos) << mixed;
   EXPECT_NE(mixed.find("scene soup has 2 contents"), std::string::npos) << mixed;
+  Record soft = row(1);  // under another light the same scene has another hash
+  soft.light = "lamp";
+  soft.context["scene_hash"] = "other";
+  EXPECT_EQ(notes({row(0), soft}), "");
   EXPECT_EQ(notes({row(0), row(1), row(4)}),
             "2 of the first 5 rows of suite quick are not there: a shard is missing or unfinished, or the run was filtered");
   Record absent = row(1);

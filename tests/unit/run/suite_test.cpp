@@ -220,7 +220,7 @@ TEST(suite, a_light_that_the_scene_lacks_is_an_error) {
   const File file("[[group]]\nscenes = 'contact'\nlights = 'sum'\ntechniques = ['unshadowed']\n");
   SceneLibrary library;
   EXPECT_EQ(complaint([&] { expand_jobs(read_suite(file.path), library); }),
-            "scene contact has no light sum; did you mean sun? It has: point, sun");
+            "scene contact has no light sum; did you mean sun? It has: point, sun, lamp, tube");
 }
 
 }  // namespace

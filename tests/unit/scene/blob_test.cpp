@@ -110,6 +110,28 @@ TEST(blob, every_change_that_a_technique_can_see_changes_the_bytes) {
   EXPECT_TRUE(changed([](Scene& s) { s.views[0].fov_y_degrees = 34; }));
 }
 
+// Under a light without area the hash is that of the scene before it had any with area: kept records stay true.
+TEST(blob, a_light_with_area_is_no_part_of_what_other_lights_rows_know) {
+  const Scene scene = full_scene();
+  Scene hard = scene;
+  std::erase_if(hard.lights, has_area);
+  ASSERT_EQ(hard.lights.size(), 3u);
+  const Light &point = scene.lights[0], &sun = scene.lights[2], &rect = scene.lights[3], &disc = scene.lights[4];
+  EXPECT_EQ(scene_hash(hard, point), content_hash(scene_bytes(hard)));
+  EXPECT_EQ(scene_hash(scene, point), scene_hash(hard, point));
+  EXPECT_EQ(scene_hash(scene, sun), scene_hash(hard, point));
+  EXPECT_NE(scene_hash(scene, rect), scene_hash(scene, point));
+  EXPECT_NE(scene_hash(scene, rect), scene_hash(scene, disc));
+  Scene other = scene;
+  std::get<RectLight>(other.lights[3].kind).center.x = 5;
+  EXPECT_EQ(scene_hash(other, point), scene_hash(scene, point));
+  EXPECT_EQ(scene_hash(other, disc), scene_hash(scene, disc));
+  EXPECT_NE(scene_hash(other, other.lights[3]), scene_hash(scene, rect));
+  std::get<PointLight>(other.lights[0].kind).position.x = 5;
+  EXPECT_NE(scene_hash(other, sun), scene_hash(scene, sun));
+  EXPECT_NE(scene_hash(other, disc), scene_hash(scene, disc));
+}
+
 TEST(blob, bytes_that_end_early_or_have_another_layout_are_errors) {
   std::vector<std::byte> bytes = scene_bytes(full_scene());
   for (std::size_t size = 0; size < bytes.size(); ++size)

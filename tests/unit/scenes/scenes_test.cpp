@@ -1,3 +1,4 @@
+#include <gnomon/kit/area_scene.h>
 #include <gnomon/kit/random.h>
 #include <gnomon/registry.h>
 #include <gtest/gtest.h>
@@ -239,6 +240,46 @@ TEST(Scenes, single_triangle_shadows_are_those_on_paper) {
     EXPECT_EQ(2.0f * triangle.points[k] - point_light(scene), by_point[k]);
     EXPECT_EQ(triangle.points[k] + sun(scene), by_sun[k]);
   }
+}
+
+// An edge of the triangle and the lights' common center span a plane that halves every light. The triangle is half way up to
+// them, so that the penumbra is about as wide as the light, 0.25 m to each side; at most sqrt(2) times that where the light has
+// corners, or is a sphere whose shadow falls aslant, down to 45 degrees.
+TEST(Scenes, single_triangle_halves_its_lights_where_the_point_shadow_ends) {
+  const Scene scene = make("single_triangle");
+  const AreaScene casters(scene);
+  LightPieces pieces;
+  AreaTally tally;
+  const glm::vec3 shadow[] = {{-2, 0, 1}, {4, 0, 3}, {2, 0, -5}};
+  std::set<std::string_view> kinds;
+  for (const Light& light : scene.lights) {
+    if (!has_area(light)) continue;
+    SCOPED_TRACE(light.name);
+    kinds.insert(kind_name(light));
+    EXPECT_EQ(glm::vec3(homogeneous_of_center(light)), point_light(scene));
+    const auto seen = [&](const glm::vec3& point) {
+      return casters.seen({point}, LightFace(light, point, {0, 1, 0}), pieces, tally).area.best;
+    };
+    for (int k = 0; k < 3; ++k) {
+      const glm::vec3 from = shadow[k], to = shadow[(k + 1) % 3], middle = (from + to) / 2.0f;
+      const glm::vec3 inside = glm::normalize(glm::cross(glm::vec3(0, 1, 0), to - from));
+      EXPECT_NEAR(seen(middle), 0.5, 1e-12);
+      EXPECT_EQ(seen(middle + 0.5f * inside), 0);
+      EXPECT_EQ(seen(middle - 0.5f * inside), 1);
+    }
+  }
+  EXPECT_EQ(kinds, (std::set<std::string_view>{"rect", "disc", "sphere"}));
+}
+
+// The disc of the sun has a diameter of 0.533 degrees in the mean; it stands where the sun of parallel rays comes from.
+TEST(Scenes, fence_has_a_sun_as_large_as_the_real_one) {
+  const Scene scene = make("fence");
+  const auto light = std::ranges::find(scene.lights, "soft_sun", &Light::name);
+  ASSERT_NE(light, scene.lights.end());
+  const SphereLight& sphere = std::get<SphereLight>(light->kind);
+  const glm::dvec3 center(sphere.center);
+  EXPECT_NEAR(2 * std::asin(sphere.radius / glm::length(center)) * 180 / M_PI, 0.533, 0.001);
+  EXPECT_NEAR(glm::length(glm::cross(glm::normalize(center), glm::normalize(glm::dvec3(sun(scene))))), 0, 1e-6);
 }
 
 TEST(Scenes, sphere_over_plane_rests_exactly_when_its_height_is_zero) {
