@@ -84,6 +84,15 @@ void add_taps(const Explanation& why, const glm::dvec3& point, double visibility
   facts.push_back({"measured", fmt::format("{} to {}", distance(least, why.texel_width), distance(most, why.texel_width))});
 }
 
+void add_samples(std::span<const LightSample> samples, std::vector<PixelFact>& facts) {
+  const auto seen = std::ranges::count_if(samples, [](const LightSample& sample) { return sample.visibility > 0.5; });
+  if (samples.size() == 1)
+    facts.push_back({"sample", fmt::format("{} place of the light", seen == 1 ? "seen" : "hidden")});
+  else
+    facts.push_back({"samples", fmt::format("{} places of the light: {} seen, {} hidden", samples.size(), seen,
+                                            static_cast<std::ptrdiff_t>(samples.size()) - seen)});
+}
+
 void add_explanation(const Explanation& why, const glm::dvec3& point, std::optional<double> visibility,
                      std::vector<PixelFact>& facts) {
   facts.push_back({"covered", why.covered ? "yes" : "no: the technique does not answer for this point"});
@@ -94,6 +103,7 @@ void add_explanation(const Explanation& why, const glm::dvec3& point, std::optio
                                  : meters(why.bias)});
     facts.push_back({"texel width", meters(why.texel_width)});
   }
+  if (!why.samples.empty()) add_samples(why.samples, facts);
   if (why.shifted) facts.push_back({"look-up point", fmt::format("moved by {}", meters(glm::distance(*why.shifted, point)))});
   if (why.element) facts.push_back({"element", fmt::format("{}", *why.element)});
   if (why.outline_error > 0) facts.push_back({"outline error", meters(why.outline_error)});

@@ -123,6 +123,17 @@ TEST(pixel_facts, exact_shapes_suns_and_backgrounds_have_their_own_words) {
   EXPECT_EQ(fact(pixel_facts(c, 0, 0, 0, &coarse, nullptr), "class"), "-");
 }
 
+TEST(pixel_facts, samples_of_the_light_are_counted) {
+  HandMadeFrame seen(1, 1);
+  seen.answer->mask = {0.5f};
+  const Composition c = left_of(seen, Paint::shaded);
+  Explanation why;
+  why.samples = {{{0, 4, 0}, 0.5, 1}, {{1, 4, 0}, 0.25, 0}, {{0, 4, 1}, 0.25, 0}};
+  EXPECT_EQ(fact(pixel_facts(c, 0, 0, 0, nullptr, &why), "samples"), "3 places of the light: 1 seen, 2 hidden");
+  why.samples.resize(1);
+  EXPECT_EQ(fact(pixel_facts(c, 0, 0, 0, nullptr, &why), "sample"), "seen place of the light");
+}
+
 TEST(pixel_facts, explanations_say_which_taps_were_dark) {
   // The point is the origin; the light's rays come down from 4 m above it. Of two taps of half the weight one is dark where the
   // mask is 1/2: the one whose stored surface stands farther before the point, though both are before it.
