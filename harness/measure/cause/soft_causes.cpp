@@ -103,6 +103,8 @@ class SoftCauses {
   }
 
   Cause of_mask(std::uint32_t i) const {
+    const bool is_small = std::abs(error(i)) <= 3 * most_errors * truth_.error[i];
+    if (is_small && is_right_after_all(i)) return Cause::reference_error;
     if (error(i) > 0 && shapes_.missing()[i]) return Cause::missing_caster;
     if (const Cause cause = shapes_.of_grain(i); cause != Cause::none) return cause;
     if (is_horizon(i)) return Cause::horizon;
@@ -115,9 +117,13 @@ class SoftCauses {
       if (larger && share >= 1 - slack && v < *larger - slack) return Cause::region;
     }
     if (const Cause cause = shapes_.of_form(i); cause != Cause::none) return cause;
+    return !is_small && is_right_after_all(i) ? Cause::reference_error : Cause::unexplained;
+  }
+
+  /// Whether the reference, asked again by other rays, agrees with the mask.
+  bool is_right_after_all(std::uint32_t i) const {
     const auto [again, again_error] = questions_.asked_again(i, truth_.error[i]);
-    return std::abs(v - again) <= std::max(most_errors * again_error, std::abs(error(i)) / 2) ? Cause::reference_error
-                                                                                              : Cause::unexplained;
+    return std::abs(a_.mask[i] - again) <= most_errors * again_error;
   }
 
   /// Whether the error is what comes of counting what is below the horizon, as hidden or as seen.

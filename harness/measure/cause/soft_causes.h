@@ -51,7 +51,7 @@ class LightQuestions {
   /// The share that is seen of a light of four times the size around the same center; nothing where the point lies inside of
   /// it.
   std::optional<double> seen_of_larger(std::size_t i) const;
-  /// The share that the mask is compared with and its error, by other rays, as many as a quarter of the error wants.
+  /// The share that the mask is compared with and its error, by other rays, as many as half of the error wants.
   std::pair<double, double> asked_again(std::size_t i, double error) const;
 
  private:

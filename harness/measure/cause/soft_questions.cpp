@@ -122,7 +122,7 @@ std::pair<double, double> LightQuestions::asked_again(std::size_t i, double erro
   const FaceRays rays(a_.casters, a_.gbuffer, i, face_at(a_, a_.light, i));
   // References are made with the pixel's index for seed: this is another one for every pixel of every picture.
   const std::uint64_t seed = (std::uint64_t{1} << 40) + i;
-  const SampledShares shares = sample_shares(rays, seed, {.error = std::max(error / 4, 1e-5), .cap = 1 << 17});
+  const SampledShares shares = sample_shares(rays, seed, {.error = std::max(error / 2, 1e-5), .cap = 1 << 15});
   if (a_.estimates == LightShareKind::irradiance) return {shares.irradiance, shares.irradiance_error};
   return {shares.area, shares.area_error};
 }
