@@ -87,7 +87,8 @@ std::vector<float> read_mask(const fs::path& file, const std::string& channel, i
   return mask;
 }
 
-std::string text_of(const Metrics& metrics, const std::map<std::string, std::uint64_t>& causes, std::uint64_t tested) {
+/// `causes`: what each holds of the error.
+std::string text_of(const Metrics& metrics, const std::map<std::string, double>& causes) {
   TextTable table({{"metric", ""}, {"value", "", Align::right}, {"unit", ""}, {"what it is", ""}});
   const auto add = [&](const std::string& name, std::optional<double> value, std::string_view unit, std::string_view sentence) {
     const bool is_share = unit.empty();
@@ -98,8 +99,7 @@ std::string text_of(const Metrics& metrics, const std::map<std::string, std::uin
     add(std::string(info.name), metrics.at(std::string(info.name)), info.unit, info.sentence);
   for (const CauseInfo& info : cause_infos())
     if (const auto found = causes.find(std::string(info.name)); found != causes.end())
-      add(fmt::format("cause.{}", info.name), static_cast<double>(found->second) / static_cast<double>(tested), "",
-          info.sentence);
+      add(fmt::format("cause.{}", info.name), found->second, "", info.sentence);
   return table.text(terminal_width());
 }
 
@@ -121,6 +121,16 @@ std::map<std::string, std::uint64_t> causes_that_occur(std::span<const Cause> ca
   for (const Cause cause : causes)
     if (cause != Cause::none) ++counts[std::string(name(cause))];
   return counts;
+}
+
+/// What those hold of the wrong rate, under a light with area of the mean error.
+std::map<std::string, double> shares_of(const std::map<std::string, std::uint64_t>& causes, const Evidence& evidence,
+                                        std::size_t tested) {
+  std::map<std::string, double> shares;
+  const std::map<std::string, double> errors = cause_errors(evidence);
+  for (const auto& [cause, pixels] : causes)
+    shares[cause] = has_area(*evidence.light) ? errors.at(cause) : static_cast<double>(pixels) / static_cast<double>(tested);
+  return shares;
 }
 
 int score(const ScoreOptions& options) {
@@ -153,6 +163,8 @@ int score(const ScoreOptions& options) {
     const Scoring scoring(evidence);
     const Metrics metrics = measure_metrics(scoring);
     const std::map<std::string, std::uint64_t> causes = causes_that_occur(answer.causes);
+    const std::map<std::string, double> shares =
+        shares_of(causes, evidence, std::max<std::size_t>(1, scoring.error_counts().tested));
     if (folder) {
       const std::string tail = channels.size() == 1 ? "" : "_" + light.name;
       write_png(folder->path / ("error" + tail + ".png"), draw_errors(evidence, options.mask.filename().string()));
@@ -161,8 +173,7 @@ int score(const ScoreOptions& options) {
     if (!options.json) {
       fmt::print("{}scene {}, light {}, view {}, {} x {}, {} truth: {} of {} pixels facing the light are tested\n\n{}",
                  k == 0 ? "" : "\n", options.scene, light.name, view.name, width, height, options.truth,
-                 scoring.error_counts().tested, scoring.error_counts().facing,
-                 text_of(metrics, causes, std::max<std::size_t>(1, scoring.error_counts().tested)));
+                 scoring.error_counts().tested, scoring.error_counts().facing, text_of(metrics, shares));
       continue;
     }
     Json& row = list.emplace_back();
@@ -177,6 +188,7 @@ int score(const ScoreOptions& options) {
     row["metrics"] = json_of(metrics);
     row["classes"] = class_counts(answer.reference.classes);
     row["causes"] = causes;
+    if (has_area(light)) row["cause_errors"] = shares;
   }
   if (options.json) fmt::print("{}\n", json_text(list, 2));
   if (folder) folder->publish();

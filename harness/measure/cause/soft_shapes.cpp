@@ -66,8 +66,8 @@ Cause PenumbraShapes::of_grain(std::size_t i) const {
   if (is_extreme && is_penumbra(truth_.share[i]) && to_own_penumbra_[i] > std::max(2.0, width(i))) return Cause::hard_shadow;
   // Places that were drawn in another way err where the light is seen in part, and nowhere else.
   if (to_penumbra_[i] > 2) return Cause::none;
-  if (is_in_levels(i)) return Cause::banding;
-  return is_incoherent(i) ? Cause::noise : Cause::none;
+  if (is_incoherent(i)) return Cause::noise;
+  return is_in_levels(i) ? Cause::banding : Cause::none;
 }
 
 /// Whether the mask has exactly this value at a neighbor where the reference has clearly another one.
@@ -109,7 +109,8 @@ void PenumbraShapes::find_roughness() {
       if (a_.reference.classes[i] != PixelClass::T) continue;
       double sum = 0, count = 0;
       windows_.for_tested(i, 1, [&](std::size_t j) {
-        if (j == i || std::abs(truth_.share[j] - truth_.share[i]) > 0.1f || std::abs(to_penumbra_[j] - to_penumbra_[i]) > 0.75f)
+        if (j == i || std::abs(truth_.share[j] - truth_.share[i]) > 0.05f ||
+            std::abs(to_penumbra_[j] - to_penumbra_[i]) > 0.75f)
           return;
         sum += error(j);
         ++count;
