@@ -54,13 +54,20 @@ class AreaLight(ProgramTest):
                 self.succeed("run", "--scene", self.scene(kind), "--light", "lamp", *techniques, *SMALL, "--out", kind)
                 rows = {row["technique"]: row for row in records(self.dir / kind)}
                 for row in rows.values():
-                    self.assertEqual((row["light_kind"], row["status"], row["causes"]), (kind, "ok", None))
+                    self.assertEqual((row["light_kind"], row["status"]), (kind, "ok"))
+                    # What the causes hold adds up to the error, and nothing is left without a name.
+                    self.assertAlmostEqual(sum(row["cause_errors"].values()), row["metrics"]["mesh"]["error_mean"], delta=1e-9)
+                    self.assertEqual(row["cause_errors"].keys(), row["causes"].keys())
+                    self.assertEqual(row["causes"]["unexplained"], 0)
                     self.assertEqual(row["reference"]["estimates"], "area")
                     self.assertEqual((row["reference"]["target"], row["reference"]["cap"]), (0.002, 8192))
                     self.assertGreater(row["reference"]["rays"], 100000)
                     self.assertLessEqual(row["reference"]["error_mean"], 0.002)
                 error = {name: row["metrics"]["mesh"]["error"] for name, row in rows.items()}
                 self.assertEqual(error["area_rays"], rows["area_rays"]["metrics"]["mesh"]["error_mean"])
+                for technique, cause in (("area_rays", "noise"), ("exact_area", "reference_error"), ("center_ray", "hard_shadow"),
+                                         ("unshadowed", "missing_caster")):
+                    self.assertGreater(rows[technique]["cause_errors"][cause], 0.9 * error[technique], technique)
                 self.assertLess(error["exact_area"], 3e-4)
                 self.assertLess(error["exact_area"], error["area_rays"])
                 self.assertLess(error["area_rays"], error["center_ray"])
@@ -73,7 +80,8 @@ class AreaLight(ProgramTest):
         row = records(self.dir / "out")[0]
         self.assertEqual((row["reference"]["target"], row["reference"]["cap"]), (0.01, 2048))
         self.succeed("table", "out", "--rescore", "--save", "--format", "json")
-        self.assertEqual(records(self.dir / "out")[0]["metrics"], row["metrics"])
+        for key in ("metrics", "causes", "cause_errors"):
+            self.assertEqual(records(self.dir / "out")[0][key], row[key])
         for line, says in (("reference_error = 0", ["reference_error = 0", "0.00001 .. 0.1"]), ("reference_rays = 1", ["reference_rays = 1", "64"])):
             bad = self.write("bad.toml", line + f'\n[[group]]\nscenes = ["{self.scene()}"]\ntechniques = ["unshadowed"]\n')
             self.refuse("run", bad, "--out", "bad", says=says)
@@ -97,7 +105,7 @@ class AreaLight(ProgramTest):
         self.succeed("render", "--scene", scene, "--technique", "area_rays", "--light", "lamp", "--size", "64x36", "--out", "out")
         scored = json.loads(self.succeed("score", "--scene", scene, "--light", "lamp", "--mask", self.dir / "out/mask.exr", "--json"))
         self.assertLess(scored[0]["metrics"]["error"], 0.01)
-        self.assertEqual(scored[0]["causes"], {})
+        self.assertAlmostEqual(sum(scored[0]["cause_errors"].values()), scored[0]["metrics"]["error"], delta=1e-9)
         certificates = json.loads(self.succeed("certify", "--scene", scene, "--light", "lamp", "--size", "96x54", "--json"))
         self.assertTrue(certificates[0]["holds"])
         self.assertEqual(len(certificates[0]["comparisons"]), 4)

@@ -1,0 +1,146 @@
+#include "report/scene_description.h"
+
+#include <fmt/format.h>
+#include <gnomon/registry.h>
+
+#include <algorithm>
+
+#include "report/listing.h"
+#include "report/table/text_table.h"
+
+namespace gnomon {
+
+namespace {
+
+/// A float as the fewest digits that read back as the same float.
+Json number(float value) { return parse_json(fmt::format("{}", value)); }
+Json number(const glm::vec3& v) { return Json::array({number(v.x), number(v.y), number(v.z)}); }
+
+/// A table of a scene file.
+using Keys = std::vector<std::pair<std::string, Json>>;
+
+Keys keys_of(const PointLight& light) { return {{"position", number(light.position)}}; }
+Keys keys_of(const SpotLight& light) {
+  return {{"position", number(light.position)},
+          {"direction", number(light.direction)},
+          {"inner_degrees", number(light.inner_degrees)},
+          {"outer_degrees", number(light.outer_degrees)}};
+}
+Keys keys_of(const DirectionalLight& light) { return {{"direction", number(light.direction)}}; }
+Keys keys_of(const RectLight& light) {
+  return {{"center", number(light.center)},
+          {"half_u", number(light.half_u)},
+          {"half_v", number(light.half_v)},
+          {"one_sided", light.emits == Emits::in_front}};
+}
+Keys keys_of(const DiscLight& light) {
+  return {{"center", number(light.center)},
+          {"normal", number(light.normal)},
+          {"radius", number(light.radius)},
+          {"one_sided", light.emits == Emits::in_front}};
+}
+Keys keys_of(const SphereLight& light) { return {{"center", number(light.center)}, {"radius", number(light.radius)}}; }
+
+Keys keys_of(const View& view) {
+  return {{"eye", number(view.eye)},
+          {"target", number(view.target)},
+          {"up", number(view.up)},
+          {"fov_y_degrees", number(view.fov_y_degrees)}};
+}
+Keys keys_of(const Light& light) {
+  Keys keys = std::visit([](const auto& kind) { return keys_of(kind); }, light.kind);
+  keys.emplace_back("intensity", number(light.intensity));
+  return keys;
+}
+
+/// "center -1.3 0.8 0.35, radius 0.08".
+std::string words(const Keys& keys) {
+  std::string text;
+  for (const auto& [key, value] : keys) {
+    text += (text.empty() ? "" : ", ") + key;
+    for (const Json& one : value.is_array() ? value : Json::array({value})) text += ' ' + json_text(one);
+  }
+  return text;
+}
+
+Json object(Json named, const Keys& keys) {
+  for (const auto& [key, value] : keys) named[key] = value;
+  return named;
+}
+
+std::string mesh_table(const Scene& scene, std::size_t width) {
+  TextTable table({{"mesh", ""},
+                   {"triangles", "", Align::right},
+                   {"shape", ""},
+                   {"closed", ""},
+                   {"boundary", "edges", Align::right},
+                   {"non-manifold", "edges", Align::right},
+                   {"misoriented", "edges", Align::right},
+                   {"dropped", "triangles", Align::right}});
+  constexpr std::size_t shown = 40;
+  for (const Mesh& mesh : std::span(scene.meshes).first(std::min(shown, scene.meshes.size())))
+    table.add_row({mesh.name, std::to_string(mesh.triangles.size()), mesh.shape ? std::string(kind_name(*mesh.shape)) : "-",
+                   mesh.facts.closed() ? "yes" : "no", std::to_string(mesh.facts.boundary_edge_count),
+                   std::to_string(mesh.facts.nonmanifold_edge_count), std::to_string(mesh.facts.misoriented_edge_count),
+                   std::to_string(mesh.facts.degenerate_count)});
+  std::string text = table.text(width);
+  if (scene.meshes.size() > shown) text += fmt::format("and {} more\n", scene.meshes.size() - shown);
+  return text;
+}
+
+/// The generator that a reference names; null for files.
+const SceneEntry* generator_of(const std::string& reference) {
+  return registry().find_scene(reference.substr(0, reference.find(':')));
+}
+
+Json mesh_json(const Mesh& mesh) {
+  return {{"name", mesh.name},
+          {"triangles", mesh.triangles.size()},
+          {"shape", mesh.shape ? Json(kind_name(*mesh.shape)) : Json()},
+          {"casts", mesh.casts},
+          {"receives", mesh.receives},
+          {"closed", mesh.facts.closed()},
+          {"boundary_edges", mesh.facts.boundary_edge_count},
+          {"nonmanifold_edges", mesh.facts.nonmanifold_edge_count},
+          {"misoriented_edges", mesh.facts.misoriented_edge_count},
+          {"dropped_triangles", mesh.facts.degenerate_count}};
+}
+
+}  // namespace
+
+std::string describe_text(const std::string& reference, const Scene& scene, std::size_t width) {
+  const Bounds b = scene.bounds();
+  std::string text =
+      fmt::format("{}: {} meshes, {} triangles\nbounds  {:g} {:g} {:g} .. {:g} {:g} {:g} m\n", reference, scene.meshes.size(),
+                  scene.triangle_count(), b.min.x, b.min.y, b.min.z, b.max.x, b.max.y, b.max.z);
+  for (const std::string& note : scene.notes) text += fmt::format("note    {}\n", note);
+  if (const SceneEntry* entry = generator_of(reference))
+    text += fmt::format("\n{}\n\n{}", entry->about.summary, parameters_text(*entry->make(), width));
+  TextTable lights({{"light", ""}, {"kind", ""}, {"keys of a scene file", "meters"}});
+  for (const Light& light : scene.lights) lights.add_row({light.name, std::string(kind_name(light)), words(keys_of(light))});
+  TextTable views({{"view", ""}, {"keys of a scene file", "meters"}});
+  for (const View& view : scene.views) views.add_row({view.name, words(keys_of(view))});
+  return text + fmt::format("\n{}\n{}\n{}", lights.text(width), views.text(width), mesh_table(scene, width));
+}
+
+Json describe_json(const std::string& reference, const Scene& scene) {
+  const Bounds b = scene.bounds();
+  Json json = {{"scene", reference},
+               {"triangles", scene.triangle_count()},
+               {"bounds", {{"min", number(b.min)}, {"max", number(b.max)}}},
+               {"notes", scene.notes},
+               {"summary", Json()},
+               {"parameters", Json::array()}};
+  if (const SceneEntry* entry = generator_of(reference)) {
+    json["summary"] = entry->about.summary;
+    json["parameters"] = parameters_json(*entry->make());
+  }
+  for (const char* list : {"lights", "views", "meshes"}) json[list] = Json::array();
+  for (const Light& light : scene.lights)
+    json["lights"].push_back(object({{"name", light.name}, {"kind", kind_name(light)}}, keys_of(light)));
+  for (const View& view : scene.views) json["views"].push_back(object({{"name", view.name}}, keys_of(view)));
+  for (const Mesh& mesh : scene.meshes) json["meshes"].push_back(mesh_json(mesh));
+  return json;
+}
+
+}  // namespace gnomon
