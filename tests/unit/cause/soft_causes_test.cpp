@@ -240,6 +240,26 @@ TEST(soft_causes, maps_from_the_center) {
   EXPECT_GT(shares_of({.texel = 0.05, .bias = 2.5, .radius = 2, .receiver_plane = true})["peter_panning"], 0.8);
 }
 
+TEST(soft_causes, maps_that_look_aside_or_hold_another_surface) {
+  // The lamp is 45 degrees aside: a point lifted by twenty texels of 5 cm is looked up 1 m nearer to it.
+  const Light aside = lamp(0.2f, {-6, 0});
+  World world(on_ground({plate(-4, -1, -3, 3, 2)}), aside);
+  const auto shares_of = [&](const TestMap::Settings& settings) {
+    const TestMap map(world.scene, world.casters, hand_made::point_light({-6, 6, 0}), settings);
+    world.mask = world.truth.area;
+    for (std::uint32_t i = 0; i < world.mask.size(); ++i)
+      if (world.truth.classes[i] == PixelClass::T && world.gbuffer.mesh[i] == 0)
+        world.mask[i] = map.visibility(world.gbuffer, i);
+    return world.shares([&](std::uint32_t i) { return map.explain(world.gbuffer, i); });
+  };
+  EXPECT_GT(shares_of({.texel = 0.05, .bias = 0.02, .radius = 1, .normal_offset = 20, .receiver_plane = true})["lookup_shift"],
+            0.9);
+  // The second surface behind the plate's one is the ground: light in all of the shadow, 2 m below its caster.
+  EXPECT_GT(
+      shares_of({.texel = 0.05, .bias = 0.02, .radius = 1, .receiver_plane = true, .second = true})["leak_representation"],
+      0.9);
+}
+
 TEST(soft_causes, an_unexplained_pixel_is_left) {
   // The reference is made to say 0.985 at a lit pixel.
   World world(on_ground({}), lamp(half));
