@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include "analysis/in_order.h"
@@ -11,15 +12,23 @@ namespace gnomon {
 
 namespace {
 
-/// A point's time is the sum of some samples: of one row's stage, or of several rows' stages on the axis `lights`.
+/// A point's value is the sum of some samples: of one row's stage, or of several rows' stages on the axis `lights`, or the
+/// seeds of one setting.
 struct Points {
+  struct Sum {
+    double x = 0;
+    std::vector<std::size_t> terms;  ///< samples
+    double least = clock_ms;         ///< see Growth::Point
+    std::size_t rows = 1;
+  };
   std::vector<Sample> samples;
-  std::vector<std::pair<double, std::vector<std::size_t>>> sums;  ///< x and the samples that it sums
+  std::vector<Sum> sums;
+  const char* below = "below the clock";  ///< said of a series with too few values of `least` and more
 };
 
 Growth fit(const AxisSeries& series, std::string stage, Points points) {
   Growth growth{.place = series.place, .setting = series.setting, .role = series.role, .stage = std::move(stage)};
-  std::ranges::stable_sort(points.sums, [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::ranges::stable_sort(points.sums, {}, &Points::Sum::x);
   const auto sum_of = [](std::span<const double> values, const std::vector<std::size_t>& terms) {
     double sum = 0;
     for (const std::size_t term : terms) sum += values[term];
@@ -27,21 +36,21 @@ Growth fit(const AxisSeries& series, std::string stage, Points points) {
   };
   std::vector<double> xs;
   std::vector<std::vector<std::size_t>> fitted;
-  for (const auto& [x, terms] : points.sums) {
+  for (const auto& [x, terms, least, rows] : points.sums) {
     std::vector<Sample> summed;
     for (const std::size_t term : terms) summed.push_back(points.samples[term]);
-    const ValueWithInterval ms =
+    const ValueWithInterval value =
         bootstrap(summed, [](std::span<const double> values) { return std::accumulate(values.begin(), values.end(), 0.0); });
-    growth.points.push_back({x, ms});
-    if (ms.value < clock_ms) {
-      ++growth.too_fast;
+    growth.points.push_back({x, value, least, rows});
+    if (!growth.points.back().is_fitted()) {
+      ++growth.left_out;
       continue;
     }
     xs.push_back(x);
     fitted.push_back(terms);
   }
   if (std::set<double>(xs.begin(), xs.end()).size() < least_points) {
-    growth.why_not = growth.too_fast > 0 ? "below the clock" : "too few points";
+    growth.why_not = growth.left_out > 0 ? points.below : "too few points";
     return growth;
   }
   std::vector<double> ys(xs.size());
@@ -65,7 +74,7 @@ void add_stages(const std::vector<AxisSeries>& all, Growths& growths) {
       for (const auto& [x, record] : series.rows) {
         Sample sample({record->times(stage)});
         if (!sample.is_timed()) continue;
-        points.sums.push_back({x, {points.samples.size()}});
+        points.sums.push_back({.x = x, .terms = {points.samples.size()}});
         points.samples.push_back(std::move(sample));
       }
       if (!points.sums.empty()) growths.rows.push_back(fit(series, std::string(name(stage)), std::move(points)));
@@ -89,11 +98,53 @@ void add_lights(const std::vector<AxisSeries>& all, Growths& growths) {
         if (stage != "relight") times.push_back(record->times(Stage::resolve));
         terms.push_back(points.samples.size());
         points.samples.push_back(Sample(std::move(times)));
-        points.sums.push_back({x, terms});
+        points.sums.push_back({.x = x, .terms = terms});
       }
       const bool is_timed = std::ranges::all_of(points.samples, [](const Sample& s) { return s.is_timed(); });
       if (is_timed) growths.rows.push_back(fit(series, std::string(stage), std::move(points)));
     }
+  }
+}
+
+/// Three standard errors of the reference where the quantity is a difference from it under a light with area; else 0.
+double least_of(const Record& record, const std::string& quantity) {
+  const bool is_error = quantity == "error" || quantity.ends_with("error_mean") || quantity.ends_with("error_rms");
+  return is_error && record.reference ? least_reference_errors * record.reference->target : 0;
+}
+
+/// The records as if the `seed` of their techniques were none of their settings.
+std::vector<Record> without_seeds(std::span<const Record> records) {
+  std::vector<Record> plain(records.begin(), records.end());
+  for (Record& r : plain) {
+    if (!r.parameters.erase("seed")) continue;
+    std::vector<std::string> settings;
+    for (const auto& [key, value] : split_settings(r.settings))
+      if (key != "seed") settings.push_back(fmt::format("{}={}", key, value));
+    r.settings = joined(settings, ",");
+    if (r.label && r.label->find("seed=") != std::string::npos) r.label.reset();
+  }
+  return plain;
+}
+
+void add_quantity(const std::vector<AxisSeries>& all, Growths& growths) {
+  for (const AxisSeries& series : all) {
+    std::map<double, ProcessTimes> values;  // by x, of each row
+    std::map<double, double> least;
+    for (const auto& [x, record] : series.rows)
+      if (const std::optional<double> value = quantity(*record, growths.quantity)) {
+        values[x].push_back({*value});
+        least[x] = std::max(least[x], least_of(*record, growths.quantity));
+      }
+    if (values.size() < 2) {
+      ++growths.single;
+      continue;
+    }
+    Points points{.samples = {}, .sums = {}, .below = "below the reference"};
+    for (auto& [x, of_rows] : values) {
+      points.sums.push_back({x, {points.samples.size()}, least[x], of_rows.size()});
+      points.samples.emplace_back(std::vector<ProcessTimes>{std::move(of_rows)});
+    }
+    growths.rows.push_back(fit(series, growths.quantity, std::move(points)));
   }
 }
 
@@ -132,18 +183,29 @@ PowerLaw fit_power_law(std::span<const double> x, std::span<const double> y) {
   return {exponent, std::exp(mean_y - exponent * mean_x), is_constant ? 1 : xy * xy / (xx * yy)};
 }
 
-Growths find_growth(std::span<const Record> records, const std::string& axis) {
+Growths find_growth(std::span<const Record> records, const std::string& axis, const std::string& quantity) {
   std::vector<std::string> axes = numeric_parameters(records);
   axes.insert(axes.begin(), {"triangles", "pixels", "lights"});
   require_word("there is no axis", axis, axes);
-  std::vector<AxisSeries> all = join_series(records, axis, [](const Record& r) { return r.status == Status::ok; });
+  Growths growths{.axis = axis, .unit = axis == "pixels" ? "px" : "", .quantity = quantity, .rows = {}, .single = 0};
+  std::vector<Record> plain;
+  if (!quantity.empty()) {
+    require_quantity(records, quantity);
+    if (axis == "lights") throw Error("with lights times are summed; {} does not grow with them", quantity);
+    if (axis != "seed") plain = without_seeds(records);
+  }
+  std::vector<AxisSeries> all =
+      join_series(plain.empty() ? records : plain, axis, [](const Record& r) { return r.status == Status::ok; });
   // No logarithm, no point.
   for (AxisSeries& series : all) std::erase_if(series.rows, [](const auto& row) { return !(row.first > 0); });
   std::erase_if(all, [](const AxisSeries& series) { return series.rows.empty(); });
 
-  Growths growths{.axis = axis, .unit = axis == "pixels" ? "px" : "", .rows = {}, .single = 0};
-  growths.single = std::erase_if(all, [](const AxisSeries& series) { return series.rows.size() < 2; });
-  axis == "lights" ? add_lights(all, growths) : add_stages(all, growths);
+  if (quantity.empty()) {
+    growths.single = std::erase_if(all, [](const AxisSeries& series) { return series.rows.size() < 2; });
+    axis == "lights" ? add_lights(all, growths) : add_stages(all, growths);
+  } else {
+    add_quantity(all, growths);
+  }
   if (growths.rows.empty())
     throw Error("there is no growth with {} in these records: {}", axis, why_no_growth(records, axis, growths.single));
   return growths;

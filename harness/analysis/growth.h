@@ -11,38 +11,45 @@ struct PowerLaw {
 /// Positive values, one y per x, at least two different x.
 PowerLaw fit_power_law(std::span<const double> x, std::span<const double> y);
 
-/// How the time of one stage grows along one axis: rows of one setting that are equal in everything else.
+/// How the time of one stage, or a quantity, grows along one axis: rows of one setting that are equal in everything else.
 struct Growth {
   Place place;          ///< scene: the family, "sphere_field:count=*"; what the axis varies is 0 or empty
   std::string setting;  ///< without the parameter that the axis varies
   Role role = Role::contender;
-  std::string stage;  ///< "build", "relight", "resolve"; on the axis `lights` also "total"
+  std::string stage;  ///< "build", "relight", "resolve"; on the axis `lights` also "total"; or the quantity
   struct Point {
     double x = 0;
-    ValueWithInterval ms;
+    ValueWithInterval value;  ///< of times milliseconds
+    double least = 0;         ///< what is below cannot be told, and the fit leaves it out
+    std::size_t rows = 1;     ///< that it is made of: seeds of one setting, or lights
+    bool is_fitted() const { return value.value > 0 && value.value >= least; }
   };
-  std::vector<Point> points = {};  ///< by x
-  /// Points below the clock's resolution, which the fit leaves out.
-  std::size_t too_fast = 0;
+  std::vector<Point> points = {};                  ///< by x
+  std::size_t left_out = 0;                        ///< points that are not fitted
   std::optional<ValueWithInterval> exponent = {};  ///< nothing: see why_not
   double coefficient = 0, r2 = 0;
-  std::string why_not = {};  ///< "too few points", "below the clock"
+  std::string why_not = {};  ///< "too few points", "below the clock", "below the reference"
 };
 
 /// A time below this, in milliseconds, is the cost of the call and the clock.
 inline constexpr double clock_ms = 0.001;
 /// Fewer different x make no line.
 inline constexpr std::size_t least_points = 3;
+/// An error below so many standard errors of the reference (its target) holds a part of these: at three, which adds their
+/// square, 5 %.
+inline constexpr double least_reference_errors = 3;
 
 struct Growths {
   std::string axis, unit;  ///< of x
+  std::string quantity;    ///< empty: times of stages
   std::vector<Growth> rows;
   std::size_t single = 0;  ///< series of one point, left out
 };
 
 /// `axis` is "triangles", "pixels", "lights" (of one scene: build once, relight and resolve summed over the first, first two,
 /// ... in the order of the records), or a numeric parameter of techniques or of scenes. Throws Error with the nearest name when
-/// no record has it.
-Growths find_growth(std::span<const Record> records, const std::string& axis);
+/// no record has it. With a quantity (see analysis.h) that is what grows, and rows that differ in the `seed` of their technique
+/// alone are one point: its value is their median, and they are what the bootstrap draws.
+Growths find_growth(std::span<const Record> records, const std::string& axis, const std::string& quantity = "");
 
 }  // namespace gnomon

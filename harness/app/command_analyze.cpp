@@ -14,7 +14,7 @@ namespace {
 
 /// For each kind of analysis or figure: the options that it takes beside those that every kind takes.
 const std::map<std::string, std::vector<std::string>> taken_options{
-    {"growth", {"--x"}},
+    {"growth", {"--x", "--error"}},
     {"front", {"--error", "--cost", "--all"}},
     {"best", {"--error", "--cost", "--times", "--memories", "--errors"}},
     {"map", {"--x", "--y", "--facet", "--error"}},
@@ -71,7 +71,8 @@ void add_shared_options(Command& command, const std::string& kinds, Options& opt
                  "growth: triangles, pixels, lights or a numeric parameter; map: a parameter; sweep: a numeric one");
   command.option("--y", &analysis.y, "map: the second parameter");
   command.option("--facet", &analysis.facet, "map: the third parameter, one map for each of its values");
-  command.option("--error,--metric", &analysis.metric, "What is compared: a metric, cause.NAME, STAGE_ms, bytes");
+  command.option("--error,--metric", &analysis.metric,
+                 "What is compared, and what grows: a metric, cause.NAME, STAGE_ms, bytes");
   command.option("--cost", &options.cost, "resolve, light (relight + resolve), geometry (with build) or bytes");
 }
 
@@ -85,6 +86,7 @@ std::string take_kind(Options& options, const Command& command, const std::strin
   if (options.words.empty()) throw Error("{} takes a run's folder and a kind; kinds are: {}", name, joined(kinds, ", "));
   require_taken(command, kind, kinds);
   options.analysis.cost = cost_named(options.cost);
+  if (command.is_given("--error")) options.analysis.growing = options.analysis.metric;
   return kind;
 }
 

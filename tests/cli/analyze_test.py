@@ -51,6 +51,20 @@ class Analyze(ProgramTest):
         text = self.succeed("analyze", run, "growth")
         self.assertRegex(text, r"(?m)^shadow_map +resolve +1\.50 +1\.50 \.\. 1\.50 +1\.000 +4 ")
 
+    def test_growth_of_an_error_joins_seeds(self):
+        run = self.run_of(*(record(technique="area_rays", settings=f"samples={n},seed={seed}", wrong=(1 + seed / 100) / n)
+                            for n in (16, 64, 256) for seed in (1, 2, 3)))
+        row, = self.rows(run, "growth", "--x", "samples", "--error", "wrong_rate")
+        self.assertEqual((row["setting"], row["quantity"], row["points"], row["rows"]), ("area_rays", "wrong_rate", "3", "9"))
+        self.assertAlmostEqual(float(row["exponent"]), -1, places=9)
+        self.assertTrue(-1.02 < float(row["exponent_low"]) < -1 < float(row["exponent_high"]) < -0.98, row)
+        self.assertAlmostEqual(float(row["wrong_rate_from"]), 1.02 / 16, places=9)
+        text = self.succeed("analyze", run, "growth", "--x", "samples", "--error", "wrong_rate")
+        self.assertIn("Growth of wrong_rate with samples: wrong_rate = coefficient * samples^exponent", text)
+        self.refuse("analyze", run, "growth", "--x", "samples", "--error", "wrong_rat", says=["wrong_rat;", "wrong_rate"])
+        script = self.succeed("figure", run, "growth", "--x", "samples", "--error", "wrong_rate", "--script")
+        self.assertIn("-1.00", script)
+
     def test_two_points_are_said_to_be_too_few(self):
         run = self.run_of(*(record(scene=f"soup:count={n}", scene_facts={"triangles": n}) for n in (10, 100)))
         self.assertRegex(self.succeed("analyze", run, "growth"), r"(?m)^shadow_map +build +too few points +-")
@@ -95,7 +109,7 @@ class Analyze(ProgramTest):
     def test_an_option_that_a_kind_does_not_take_is_refused(self):
         run = self.run_of(record(settings="a=1,b=1"), record(settings="a=2,b=1"), record(settings="a=1,b=2"))
         self.refuse("analyze", run, "front", "--x", "a", says=["--x is for growth, map and sweep; front does not take it"])
-        self.refuse("analyze", run, "growth", "--error", "wrong_rate", says=["--error is for", "growth does not take it"])
+        self.refuse("figure", run, "causes", "--error", "wrong_rate", "--script", says=["--error is for", "causes does not take it"])
         self.refuse("analyze", run, "front", "--times", "1", says=["--times is for best"])
         self.refuse("analyze", run, "best", "--cost", "bytes", says=["--cost bytes", "--memories"])
         self.refuse("analyze", run, "map", "--x", "a", "--y", "a", says=["--x and --y are both a"])

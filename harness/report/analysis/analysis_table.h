@@ -12,6 +12,7 @@ namespace gnomon {
 struct AnalysisOptions {
   std::string x = {}, y = {}, facet = {};  ///< growth: the axis, `triangles` by default; map, sweep: parameters
   std::string metric = "wrong_rate";       ///< a quantity, see analysis.h
+  std::string growing = {};                ///< growth: a quantity; times by default
   Cost cost = Cost::light;
   /// Budgets of `best` in the units that tables show: ms, MiB, and % or the metric's unit. All empty: round numbers.
   std::vector<double> times = {}, memories = {}, errors = {};

@@ -1,4 +1,4 @@
-// Time of each stage against an axis, both logarithmic, with the fitted lines and their exponents.
+// Time of each stage, or a quantity, against an axis, both logarithmic, with the fitted lines and their exponents.
 #include <algorithm>
 #include <cmath>
 
@@ -8,12 +8,22 @@ namespace gnomon {
 
 namespace {
 
-/// The series to draw and what they differ in: each stage has a panel, each setting a color, each place a mark.
+/// The series to draw and what they differ in. Of times each stage has a panel, each setting a color, each place a mark; of a
+/// quantity each place has a panel.
 struct DrawnGrowths {
   std::vector<const Growth*> rows;
   std::vector<Place> places;
   std::vector<std::string> settings, stages;
-  Extent x, ms;  ///< of the points that the clock can see
+  Extent x, y;       ///< of the points that are fitted
+  double scale = 1;  ///< of values as people see them
+  bool is_time = true;
+
+  bool has_marks() const { return is_time && places.size() > 1; }  ///< that tell places apart
+  std::size_t panel_count() const { return is_time ? stages.size() : places.size(); }
+  std::size_t panel_of(const Growth& growth) const {
+    return is_time ? index_of(stages, growth.stage) : index_of(places, growth.place);
+  }
+  std::string panel_title(std::size_t k) const { return is_time ? stages[k] : title(places[k], places); }
 };
 
 /// The exponent of a fitted line, written at the line's end.
@@ -22,18 +32,17 @@ struct ExponentLabel {
   std::string text, color;
 };
 
-/// One stage.
 struct GrowthPanel {
   PlotCommand plot;
   std::vector<ExponentLabel> exponents;
 };
 
 bool is_drawn(const Growth& growth) {
-  return growth.role != Role::baseline && growth.points.size() >= 2 && (growth.exponent || growth.too_fast == 0);
+  return growth.role != Role::baseline && growth.points.size() >= 2 && (growth.exponent || growth.left_out == 0);
 }
 
-DrawnGrowths choose(const Growths& growths) {
-  DrawnGrowths drawn;
+DrawnGrowths choose(const Growths& growths, double scale) {
+  DrawnGrowths drawn{.scale = scale, .is_time = growths.quantity.empty()};
   for (const Growth& growth : growths.rows) {
     if (!is_drawn(growth)) continue;
     drawn.rows.push_back(&growth);
@@ -41,10 +50,10 @@ DrawnGrowths choose(const Growths& growths) {
     add_once(drawn.settings, growth.setting);
     add_once(drawn.stages, growth.stage);
     for (const Growth::Point& point : growth.points) {
-      if (point.ms.value < clock_ms) continue;
+      if (!point.is_fitted()) continue;
       drawn.x.add(point.x);
-      drawn.ms.add(point.ms.low);
-      drawn.ms.add(point.ms.high);
+      drawn.y.add(scale * point.value.low);
+      drawn.y.add(scale * point.value.high);
     }
   }
   static const std::vector<std::string> stage_order{"build", "relight", "resolve", "total"};
@@ -53,19 +62,20 @@ DrawnGrowths choose(const Growths& growths) {
   return drawn;
 }
 
-/// Color and mark of a series. Color tells the setting, mark the place; of a single setting color tells the place too.
+/// Color and mark of a series. Color tells the setting, mark the place where a panel holds several; of a single setting color
+/// tells the place too.
 std::pair<std::string, int> style_of(const Growth& growth, const DrawnGrowths& drawn) {
   static constexpr int marks[] = {7, 5, 9, 11, 13, 6, 4, 8, 10, 12};
   const std::size_t setting = index_of(drawn.settings, growth.setting), place = index_of(drawn.places, growth.place);
-  return {series_color(drawn.settings.size() > 1 ? setting : place),
-          drawn.places.size() > 1 ? marks[place % std::size(marks)] : series_mark(setting)};
+  return {series_color(drawn.settings.size() > 1 || !drawn.has_marks() ? setting : place),
+          drawn.has_marks() ? marks[place % std::size(marks)] : series_mark(setting)};
 }
 
 void add_legend(const DrawnGrowths& drawn, FigureScript& script) {
   for (const Growth* growth : drawn.rows) {
     const auto [color, mark] = style_of(*growth, drawn);
     const std::string text =
-        growth->setting + (drawn.places.size() > 1 ? fmt::format(" ({})", title(growth->place, drawn.places)) : "");
+        growth->setting + (drawn.has_marks() ? fmt::format(" ({})", title(growth->place, drawn.places)) : "");
     if (std::ranges::find(script.legend, text, &FigureScript::LegendEntry::text) == script.legend.end())
       script.legend.push_back({fmt::format("with linespoints pt {} lc rgb '{}'", mark, color), text});
   }
@@ -76,12 +86,13 @@ void add_series(const Growth& growth, const DrawnGrowths& drawn, FigureScript& s
   const auto [color, mark] = style_of(growth, drawn);
   std::vector<std::string> lines;
   for (const Growth::Point& point : growth.points)
-    if (point.ms.value >= clock_ms)
-      lines.push_back(fmt::format("{}\t{}\t{}\t{}", point.x, point.ms.value, point.ms.low, point.ms.high));
+    if (point.is_fitted())
+      lines.push_back(fmt::format("{}\t{}\t{}\t{}", point.x, drawn.scale * point.value.value, drawn.scale * point.value.low,
+                                  drawn.scale * point.value.high));
   panel.plot.add("{} using 1:2:3:4 with yerrorbars pt {} ps 0.7 lc rgb '{}' notitle", script.data(lines), mark, color);
   if (!growth.exponent) return;
   const double from = growth.points.front().x, to = growth.points.back().x, exponent = growth.exponent->value;
-  const auto at = [&](double x) { return growth.coefficient * std::pow(x, exponent); };
+  const auto at = [&](double x) { return drawn.scale * growth.coefficient * std::pow(x, exponent); };
   panel.plot.add("{} using 1:2 with lines lw 1.2 lc rgb '{}' notitle",
                  script.data({fmt::format("{}\t{}", from, at(from)), fmt::format("{}\t{}", to, at(to))}), color);
   // Never "-0.00".
@@ -107,19 +118,24 @@ void label_exponents(std::vector<ExponentLabel> labels, double x, double bottom,
 void draw_growth(std::span<const Record> records, FigureScript& script) {
   const std::string& wanted = script.options.analysis.x;
   const std::string axis = wanted.empty() ? "triangles" : wanted;
-  const Growths growths = find_growth(records, axis);
-  const DrawnGrowths drawn = choose(growths);
-  if (drawn.rows.empty()) throw Error("there is nothing to draw: no setting has times at two values of {}", axis);
-  std::vector<GrowthPanel> panels(drawn.stages.size());
+  const std::string& quantity = script.options.analysis.growing;
+  const Growths growths = find_growth(records, axis, quantity);
+  const bool is_time = quantity.empty();
+  const Column column = is_time ? Column{} : quantity_column(quantity);
+  const DrawnGrowths drawn = choose(growths, is_time ? 1 : column.shown_scale);
+  if (drawn.rows.empty())
+    throw Error("there is nothing to draw: no setting has {} at two values of {}", is_time ? "times" : quantity, axis);
+  require_panels(drawn.panel_count(), "scenes, lights and views");
+  std::vector<GrowthPanel> panels(drawn.panel_count());
   std::vector<double> xs;
   for (const Growth* growth : drawn.rows) {
-    add_series(*growth, drawn, script, panels[index_of(drawn.stages, growth->stage)]);
+    add_series(*growth, drawn, script, panels[drawn.panel_of(*growth)]);
     for (const Growth::Point& point : growth->points) xs.push_back(point.x);
   }
 
   add_legend(drawn, script);
   const std::size_t columns = open_panels(script, panels.size(), 3, script.options.width_cm / 2.3);
-  const double bottom = drawn.ms.least / 1.6, top = drawn.ms.greatest * 1.6;
+  const double bottom = drawn.y.least / 1.6, top = drawn.y.greatest * 1.6;
   const double span = drawn.x.greatest / drawn.x.least;  // the right margin holds the exponents
   const double left = drawn.x.least / std::pow(span, 0.06), right = drawn.x.greatest * std::pow(span, 0.3);
   const std::string at_values = value_tics(std::move(xs), panels.size() > 2 ? 0.2 : 0.1);
@@ -129,7 +145,7 @@ void draw_growth(std::span<const Record> records, FigureScript& script) {
   script.add("set yrange [{}:{}]", bottom, top);
   script.add("set xlabel {}", FigureScript::quoted(axis));
   for (std::size_t k = 0; k < panels.size(); ++k) {
-    open_panel(script, drawn.stages[k], k % columns == 0 ? "time (ms)" : "");
+    open_panel(script, drawn.panel_title(k), k % columns > 0 ? "" : is_time ? "time (ms)" : axis_label(column));
     script.add("unset label");
     label_exponents(panels[k].exponents, drawn.x.greatest, bottom, top, script);
     panels[k].plot.into(script);

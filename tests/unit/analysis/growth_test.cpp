@@ -119,9 +119,9 @@ TEST(growth, lights_are_summed_in_their_order_after_one_build) {
   const Growth total = stage_of(find_growth(records, "lights"), "total");
   ASSERT_EQ(total.points.size(), 3u);
   // Build 1, then 5 for every light.
-  EXPECT_EQ(total.points[0].ms.value, 6);
-  EXPECT_EQ(total.points[1].ms.value, 11);
-  EXPECT_EQ(total.points[2].ms.value, 16);
+  EXPECT_EQ(total.points[0].value.value, 6);
+  EXPECT_EQ(total.points[1].value.value, 11);
+  EXPECT_EQ(total.points[2].value.value, 16);
   EXPECT_EQ(total.points[2].x, 3);
   EXPECT_NEAR(stage_of(find_growth(records, "lights"), "resolve").exponent->value, 1, 1e-9);
 }
@@ -138,6 +138,64 @@ TEST(growth, a_parameter_of_the_technique_is_an_axis_and_leaves_the_name) {
   EXPECT_EQ(relight.points.size(), 4u);
   EXPECT_NEAR(relight.exponent->value, 2, 1e-9);
   EXPECT_THROW(find_growth(records, "resolutoin"), Error);
+}
+
+/// Rays of that many samples and seeds, with an error of 0.4 samples^exponent, off by up to `noise` of it.
+std::vector<Record> rays(std::initializer_list<int> samples, int seeds, double exponent, double noise) {
+  std::vector<Record> records;
+  Random random(5);
+  for (const int count : samples)
+    for (int seed = 1; seed <= seeds; ++seed) {
+      Record r = row(fmt::format("rays:samples={},seed={}", count, seed), 1, 1, 0.1);
+      if (seed == 1) r.label = fmt::format("rays:samples={},seed=1", count);  // as a sweep over the default has it
+      r.metrics[Truth::shape]["penumbra_error_rms"] = 0.4 * std::pow(count, exponent) * random.uniform(1 - noise, 1 + noise);
+      r.reference = Record::ReferenceFacts{.target = 0.001};
+      records.push_back(std::move(r));
+    }
+  return records;
+}
+
+TEST(growth, a_quantity_grows_and_seeds_are_its_repetitions) {
+  const Growths growths = find_growth(rays({16, 32, 64, 128, 256}, 5, -0.5, 0.1), "samples", "penumbra_error_rms");
+  ASSERT_EQ(growths.rows.size(), 1u);
+  const Growth& growth = growths.rows[0];
+  EXPECT_EQ(growth.setting, "rays");
+  EXPECT_EQ(growth.stage, "penumbra_error_rms");
+  ASSERT_EQ(growth.points.size(), 5u);
+  for (const Growth::Point& point : growth.points) {
+    EXPECT_EQ(point.rows, 5u);
+    EXPECT_TRUE(point.value.has_interval);
+    EXPECT_NEAR(point.value.value, 0.4 / std::sqrt(point.x), 0.04 / std::sqrt(point.x));
+  }
+  ASSERT_TRUE(growth.exponent && growth.exponent->has_interval);
+  EXPECT_NEAR(growth.exponent->value, -0.5, 0.05);
+  EXPECT_LT(growth.exponent->high - growth.exponent->low, 0.1);
+  // One seed: a line without an interval.
+  const Growth single = find_growth(rays({16, 32, 64}, 1, -0.5, 0), "samples", "penumbra_error_rms").rows.at(0);
+  EXPECT_NEAR(single.exponent->value, -0.5, 1e-9);
+  EXPECT_FALSE(single.exponent->has_interval);
+}
+
+// 0.4 / samples passes three standard errors of the reference, 0.003, between 128 and 256.
+TEST(growth, errors_that_the_reference_may_have_made_are_left_out) {
+  const Growth growth = find_growth(rays({32, 64, 128, 256, 512}, 3, -1, 0), "samples", "penumbra_error_rms").rows.at(0);
+  EXPECT_EQ(growth.points.size(), 5u);
+  EXPECT_EQ(growth.left_out, 2u);
+  EXPECT_NEAR(growth.exponent->value, -1, 1e-9);
+  const Growth below = find_growth(rays({128, 256, 512}, 3, -1, 0), "samples", "penumbra_error_rms").rows.at(0);
+  EXPECT_FALSE(below.exponent);
+  EXPECT_EQ(below.why_not, "below the reference");
+  // Under a light without area there is no such error, and a time has none.
+  std::vector<Record> hard = rays({128, 256, 512}, 3, -1, 0);
+  for (Record& r : hard) r.reference.reset();
+  EXPECT_EQ(find_growth(hard, "samples", "penumbra_error_rms").rows.at(0).left_out, 0u);
+  EXPECT_EQ(find_growth(rays({128, 256, 512}, 3, -1, 0), "samples", "resolve_ms").rows.at(0).left_out, 0u);
+}
+
+TEST(growth, a_quantity_that_no_row_has_or_that_lights_do_not_sum_is_an_error) {
+  const std::vector<Record> records = rays({16, 32, 64}, 2, -0.5, 0);
+  EXPECT_THROW(find_growth(records, "samples", "penumbra_eror_rms"), Error);
+  EXPECT_THROW(find_growth(records, "lights", "penumbra_error_rms"), Error);
 }
 
 TEST(growth, picture_sizes_are_an_axis) {
