@@ -1,6 +1,7 @@
 #!/usr/bin/python3 -IB
 """The suites that come with the program: what they cover, and that they show each way of being wrong."""
 
+import json
 import re
 import sys
 import unittest
@@ -25,6 +26,21 @@ class Suites(ProgramTest):
             for light in ("point", "sun"):
                 self.assertGreaterEqual(len({t for s, l, t in rows if (s, l) == (scene, light)}), 8, (scene, light))
         self.assertRegex(text, r"(?m)^\d+ rows, 5 processes x 3 repetitions each, 640x360 pixels$")
+
+    def test_soft_suites_have_every_kind_of_light_and_others_but_quick_have_none(self):
+        kinds = {}
+        for scene in json.loads(self.succeed("list", "scenes", "--json")):
+            described = self.gnomon("describe", scene["id"]).stdout  # nothing of a scene that is not fetched
+            for light, kind in re.findall(r"(\w+) \((\w+)\)", "".join(re.findall(r"(?m)^lights .*", described))):
+                kinds[scene["id"], light] = kind
+        soft = {}
+        for suite in (entry["id"] for entry in json.loads(self.succeed("list", "suites", "--json"))):
+            rows = self.rows(suite)[1]
+            found = {kinds.get((scene.split(":")[0], light)) for scene, light, _ in rows} & {"rect", "disc", "sphere"}
+            if found:
+                soft[suite] = found
+        self.assertEqual(set(soft), {"quick", "soft", "soft_convergence", "soft_scale"})
+        self.assertEqual(soft["soft"], {"rect", "disc", "sphere"})
 
     def test_standard_has_every_technique_and_more_scenes(self):
         _, rows = self.rows("standard")

@@ -42,6 +42,29 @@ void require(const std::vector<std::string>& wanted, const std::vector<std::stri
                   joined(there, ", "));
 }
 
+/// The lights of a scene that a group asks for, each once. Throws Error when there is none of a kind that it asks for.
+std::vector<std::string> lights_of(const SuiteGroup& group, const std::string& reference, const Scene& scene) {
+  if (group.lights.empty()) return names_of(scene.lights);
+  std::vector<std::string> names;
+  const auto add = [&](const std::string& name) {
+    if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+  };
+  for (const std::string& word : group.lights) {
+    const bool is_soft = word == "*soft";
+    if (!is_soft && word != "*hard") {
+      add(word);
+      continue;
+    }
+    const auto is_wanted = [&](const Light& light) { return has_area(light) == is_soft; };
+    if (std::ranges::none_of(scene.lights, is_wanted))
+      throw Error("scene {} has no light {} area, which {} asks for; it has: {}", reference, is_soft ? "with" : "without", word,
+                  joined(names_of(scene.lights), ", "));
+    for (const Light& light : scene.lights)
+      if (is_wanted(light)) add(light.name);
+  }
+  return names;
+}
+
 /// Every frame of the path, for each of these lights and views, must be one that can be drawn: nothing runs before that.
 void check_path(const Scene& scene, const std::string& reference, const std::string& name,
                 const std::vector<std::string>& lights, const std::vector<std::string>& views) {
@@ -68,8 +91,9 @@ std::optional<std::string> objection(const SuiteGroup& group, const Contender& c
   for (const std::string& reference : group.scenes) {
     const SceneLibrary::Entry& entry = library.get(reference);
     if (!entry.scene) return std::nullopt;
+    const std::vector<std::string> lights = lights_of(group, reference, *entry.scene);
     for (const Light& light : entry.scene->lights) {
-      if (!group.lights.empty() && std::ranges::find(group.lights, light.name) == group.lights.end()) continue;
+      if (std::ranges::find(lights, light.name) == lights.end()) continue;
       const Support support = technique->supports(*entry.scene, light, entry.scene->views.front());
       if (support) return std::nullopt;
       if (!why) why = support.why();
@@ -118,12 +142,13 @@ std::vector<Job> expand_jobs(const Suite& suite, SceneLibrary& library, std::vec
       const SceneLibrary::Entry& entry = library.get(reference);
       std::vector<std::string> lights = group.lights, views = group.views;
       if (entry.scene) {
-        if (lights.empty()) lights = names_of(entry.scene->lights);
+        lights = lights_of(group, reference, *entry.scene);
         if (views.empty()) views = {entry.scene->views.front().name};
         require_names(reference, *entry.scene, lights, views);
       } else {
         // Not fetched, so nobody knows its lights: one row per technique says so.
-        if (lights.empty()) lights = {"-"};
+        const bool has_names = std::ranges::none_of(lights, [](const std::string& word) { return word.starts_with('*'); });
+        if (lights.empty() || !has_names) lights = {"-"};
         if (views.empty()) views = {"-"};
       }
       const std::vector<std::string> paths = group.paths.empty() ? std::vector<std::string>{""} : group.paths;

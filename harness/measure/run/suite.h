@@ -29,7 +29,7 @@ std::vector<Contender> parse_contenders(const std::string& text, const std::stri
 /// Rows that share scenes, lights, views and contenders: their cross product.
 struct SuiteGroup {
   std::vector<std::string> scenes;
-  std::vector<std::string> lights;  ///< names; empty: all lights of each scene
+  std::vector<std::string> lights;  ///< names, or `*soft` and `*hard`: with area, without; empty: all of each scene
   std::vector<std::string> views;   ///< names; empty: the first view of each scene
   std::vector<Contender> contenders;
   std::vector<std::string> paths = {};          ///< names, see motion.h; empty: the rows stand still

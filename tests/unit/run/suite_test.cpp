@@ -223,4 +223,23 @@ TEST(suite, a_light_that_the_scene_lacks_is_an_error) {
             "scene contact has no light sum; did you mean sun? It has: point, sun, lamp, tube");
 }
 
+TEST(suite, lights_are_chosen_by_whether_they_have_an_area) {
+  const auto lights = [](const char* wanted) {
+    const File file(fmt::format("[[group]]\nscenes = ['contact']\nlights = {}\ntechniques = ['unshadowed']\n", wanted));
+    SceneLibrary library;
+    std::string names;
+    for (const Job& job : expand_jobs(read_suite(file.path), library)) names += job.light + " ";
+    return names;
+  };
+  EXPECT_EQ(lights("'*hard'"), "point sun ");
+  EXPECT_EQ(lights("'*soft'"), "lamp tube ");
+  EXPECT_EQ(lights("['tube', '*soft', 'sun']"), "tube lamp sun ");
+  EXPECT_EQ(complaint([&] { lights("'*sof'"); }),
+            "scene contact has no light *sof; did you mean sun? It has: point, sun, lamp, tube");
+  const File file("[[group]]\nscenes = 'soup'\nlights = '*soft'\ntechniques = ['unshadowed']\n");
+  SceneLibrary library;
+  EXPECT_EQ(complaint([&] { expand_jobs(read_suite(file.path), library); }),
+            "scene soup has no light with area, which *soft asks for; it has: point, sun");
+}
+
 }  // namespace
