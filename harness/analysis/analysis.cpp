@@ -195,6 +195,18 @@ std::optional<double> quantity(const Record& r, std::string_view wanted) {
   return r.metric(wanted);
 }
 
+std::optional<double> error_floor(const Record& r, std::string_view wanted) {
+  if (!has_area(r) || (wanted != "error" && wanted != "error_mean")) return std::nullopt;
+  return r.metric("reference_error_mean");
+}
+
+LightCounts count_lights(std::span<const Record> records) {
+  LightCounts counts;
+  for (const Record& r : records)
+    if (r.status == Status::ok && r.metric("error")) counts.add(has_area(r));
+  return counts;
+}
+
 namespace {
 
 /// The names that `quantity` knows for these records.

@@ -90,6 +90,17 @@ std::optional<double> scene_parameter(const std::string& scene, std::string_view
 std::optional<Stage> stage_of_time(std::string_view quantity);
 /// Anything in a record that has one number: a metric (headline truth), `cause.NAME` (share of T), STAGE_ms, bytes, peak_bytes.
 std::optional<double> quantity(const Record& record, std::string_view name);
+/// Of a mean error under a light with area (`error`, `error_mean`) the reference's own: a smaller one may be the reference's.
+/// Nothing of other quantities and lights.
+std::optional<double> error_floor(const Record& record, std::string_view quantity);
+/// Rows under lights without and with area: the metric `error` means something else there.
+struct LightCounts {
+  std::size_t without_area = 0, with_area = 0;
+  bool is_mixed() const { return without_area > 0 && with_area > 0; }
+  void add(bool has_area) { ++(has_area ? with_area : without_area); }
+};
+/// Of the rows that have the metric `error`.
+LightCounts count_lights(std::span<const Record> records);
 /// Throws Error with the nearest name when no record has it.
 void require_quantity(std::span<const Record> records, std::string_view name);
 /// "lower" or "higher"; "lower" for times, sizes and causes, "" where a metric has no direction.

@@ -110,17 +110,40 @@ void compare_parameters(RowChange& row) {
   if (!changes.empty()) row.notes.push_back(fmt::format("parameters changed: {}", joined(changes, ", ")));
 }
 
+/// The metric that a row is judged by, and the one that says the same.
+struct Headline {
+  std::string_view metric, twin;
+};
+
+/// Under a light without area the wrong rate, under one with area the mean error.
+Headline headline_of(const Record& record) {
+  return has_area(record) ? Headline{"error", "error_mean"} : Headline{"wrong_rate", "error"};
+}
+
+/// The greater of the floors of both rows.
+std::optional<double> common_floor(const RowChange& row, Truth truth) {
+  if (!has_area(*row.contender)) return std::nullopt;
+  const auto base = row.base->metric(truth, "reference_error_mean");
+  const auto contender = row.contender->metric(truth, "reference_error_mean");
+  return base && contender ? std::optional(std::max(*base, *contender)) : std::nullopt;
+}
+
 /// Metrics against one truth that both runs have: one that only the newer program knows has not changed.
 std::vector<MetricChange> changed_metrics(const RowChange& row, Truth truth, double error_threshold) {
   std::vector<MetricChange> changes;
+  const Headline headline = headline_of(*row.contender);
   const auto b = row.base->metrics.find(truth), c = row.contender->metrics.find(truth);
   if (b == row.base->metrics.end() || c == row.contender->metrics.end()) return changes;
   for (const MetricInfo& info : metric_infos()) {
     const auto before = b->second.find(info.name), after = c->second.find(info.name);
     if (before == b->second.end() || after == c->second.end() || before->second == after->second) continue;
-    MetricChange change{truth, std::string(info.name), before->second, after->second, false};
-    if (truth == row.contender->truth && info.name == "wrong_rate")
-      change.is_regression = change.base && (!change.contender || *change.contender - *change.base > error_threshold);
+    if (info.name == headline.twin) continue;
+    MetricChange change{truth, std::string(info.name), before->second, after->second, false, {}};
+    if (info.name == headline.metric) {
+      change.floor = common_floor(row, truth);
+      change.is_regression = truth == row.contender->truth && change.base &&
+                             (!change.contender || *change.contender - *change.base > error_threshold);
+    }
     changes.push_back(std::move(change));
   }
   return changes;

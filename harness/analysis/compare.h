@@ -13,7 +13,7 @@ struct CompareOptions {
   double floor = 0.05;            ///< a time must differ by more than this share to be called different
   double fdr = 0.05;              ///< rate of false discoveries among all times called different
   double threshold = 1.05;        ///< a time called slower is a regression when its ratio is above this
-  double error_threshold = 1e-4;  ///< a wrong rate that rises by more than this is a regression
+  double error_threshold = 1e-4;  ///< an error that rises by more than this is a regression
   bool force = false;             ///< judge times of different processors, too
 };
 
@@ -37,12 +37,15 @@ struct StageChange {
   bool is_regression = false;
 };
 
-/// A metric that is not the same in both runs. Metrics repeat bit for bit, so every change has a cause.
+/// A metric that is not the same in both runs. Metrics repeat bit for bit, so every change has a cause. What says the same as
+/// another one stands once: `error` is wrong_rate under lights without area, and stands for error_mean under lights with area.
 struct MetricChange {
   Truth truth = Truth::shape;
   std::string metric;
   std::optional<double> base, contender;  ///< nothing: not defined
   bool is_regression = false;
+  /// Of a mean error under a light with area, to be shown beside: the greater of the references' own mean errors.
+  std::optional<double> floor;
 };
 
 /// One job in both runs, or in one of them.

@@ -30,9 +30,16 @@ void add_relative_costs(Field& field) {
   }
 }
 
+/// Adds the row's error, one of `count`, to the means of the candidate.
+void add_error(Candidate& candidate, const Record& r, const FieldOptions& options, std::size_t count) {
+  candidate.error += *quantity(r, options.error) / static_cast<double>(count);
+  const std::optional<double> floor = error_floor(r, options.error);
+  if (floor) candidate.floor = candidate.floor.value_or(0) + *floor / static_cast<double>(count);
+}
+
 Candidate candidate_of(const Record& r, const FieldOptions& options) {
   Candidate candidate{.setting = setting_name(r), .technique = r.technique, .role = r.role};
-  candidate.error = *quantity(r, options.error);
+  add_error(candidate, r, options, 1);
   candidate.cost = cost_of(r, options.cost);
   candidate.time = options.cost == Cost::bytes ? cost_of(r, Cost::light) : candidate.cost;
   if (r.bytes) candidate.bytes = static_cast<double>(*r.bytes);
@@ -60,16 +67,16 @@ Candidate mean_of(const std::vector<const Record*>& rows, const FieldOptions& op
     const bool is_nothing = std::ranges::any_of(sizes, [](double size) { return size <= 0; });
     return ValueWithInterval(is_nothing ? 0 : geometric_mean(sizes));
   };
-  for (const Record* row : rows) candidate.error += *quantity(*row, options.error) / static_cast<double>(rows.size());
+  for (const Record* row : rows) add_error(candidate, *row, options, rows.size());
   candidate.cost = geometric_cost(options.cost);
   candidate.time = options.cost == Cost::bytes ? geometric_cost(Cost::light) : candidate.cost;
   if (const auto bytes = geometric_cost(Cost::bytes)) candidate.bytes = bytes->value;
   return candidate;
 }
 
-/// The field over all places, from the rows of each setting in order of appearance.
-Field overall(RowsBySetting settings, const FieldOptions& options) {
-  Field field;
+/// The field over all places of a kind of light, from the rows of each setting in order of appearance.
+Field overall(RowsBySetting settings, const FieldOptions& options, bool has_area) {
+  Field field{.place = {}, .has_area = has_area, .places = 0, .candidates = {}, .notes = {}};
   std::set<Place> common;
   while (!settings.empty()) {
     common = common_places(settings, &RowsBySetting::value_type::second);
@@ -124,15 +131,35 @@ std::vector<Field> find_fields(std::span<const Record> records, const FieldOptio
   for (const Record& r : records) {
     if (r.status != Status::ok || !has_error(r)) continue;
     const auto [found, is_new] = places.try_emplace(place_of(r), fields.size());
-    if (is_new) fields.push_back({.place = place_of(r), .places = 1, .candidates = {}, .notes = {}});
+    if (is_new)
+      fields.push_back({.place = place_of(r), .has_area = gnomon::has_area(r), .places = 1, .candidates = {}, .notes = {}});
     fields[found->second].candidates.push_back(candidate_of(r, options));
   }
   const auto competes = [](const Candidate& c) { return c.role == Role::contender; };
   if (std::ranges::none_of(fields, [&](const Field& f) { return std::ranges::any_of(f.candidates, competes); }))
     throw Error("there is nothing to rank: no contender finished with a {}", options.error);
   for (Field& field : fields) add_relative_costs(field);
-  if (fields.size() > 1) fields.push_back(overall(rows_by_setting(records, has_error), options));
+  for (const bool has_area : {false, true}) {
+    if (std::ranges::count_if(fields, [&](const Field& f) { return f.place && f.has_area == has_area; }) < 2) continue;
+    const auto is_wanted = [&](const Record& r) { return gnomon::has_area(r) == has_area && has_error(r); };
+    fields.push_back(overall(rows_by_setting(records, is_wanted), options, has_area));
+  }
   return fields;
+}
+
+std::string_view lights_text(const Field& field) {
+  return field.has_area ? " under lights with area" : " under lights without area";
+}
+
+std::vector<const Field*> overall_fields(std::span<const Field> fields) {
+  std::vector<const Field*> result;
+  for (const bool has_area : {false, true}) {
+    const Field* last = nullptr;
+    for (const Field& field : fields)
+      if (field.has_area == has_area) last = &field;
+    if (last) result.push_back(last);
+  }
+  return result;
 }
 
 std::string_view name(Standing standing) {

@@ -7,7 +7,9 @@ namespace gnomon {
 struct Candidate {
   std::string setting = {}, technique = {};
   Role role = Role::contender;
-  double error = 0;                            ///< over all places: the mean
+  double error = 0;  ///< over all places: the mean
+  /// Of mean errors under lights with area the reference's own mean error, shown beside; over all places: the mean.
+  std::optional<double> floor = {};
   std::optional<ValueWithInterval> cost = {};  ///< over all places: the geometric mean
   std::optional<ValueWithInterval> time = {};  ///< the same, in milliseconds also where the cost is memory
   std::optional<double> bytes = {};            ///< over all places: the geometric mean
@@ -17,21 +19,28 @@ struct Candidate {
 /// Candidates that may be compared with one another.
 struct Field {
   std::optional<Place> place;  ///< nothing: over all places
+  bool has_area = false;       ///< whether the lights of its places have an area
   std::size_t places = 1;      ///< how many it covers
   std::vector<Candidate> candidates;
   std::vector<std::string> notes;  ///< who is left out, and why
 };
 
 struct FieldOptions {
-  std::string error = "wrong_rate";  ///< a quantity
+  std::string error = "error";  ///< a quantity
   Cost cost = Cost::light;
 };
 
-/// One field for each place, and the last over all of them when there is more than one: over the places that every setting
-/// finished, so that means compare the same scenes. Settings that share no place with the others are left out, the one with the
-/// fewest places first, and noted. Throws Error when no record has the error, when it has no better
-/// side, and when no contender has it.
+/// One field for each place, and then one over all places under lights without area and one over all under lights with area,
+/// each when there are two such places at least: over those that every setting finished, so that means compare the same scenes.
+/// Settings that share no place with the others are left out, the one with the fewest places first, and noted. Throws Error
+/// when no record has the error, when it has no better side, and when no contender has it.
 std::vector<Field> find_fields(std::span<const Record> records, const FieldOptions& options);
+
+/// " under lights with area", of a field over all places of one kind.
+std::string_view lights_text(const Field& field);
+
+/// Of these fields the one that stands for all places of each kind of light: over them all, or the only one.
+std::vector<const Field*> overall_fields(std::span<const Field> fields);
 
 /// Where a candidate stands among the contenders of its field.
 enum class Standing {

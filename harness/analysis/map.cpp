@@ -17,10 +17,16 @@ std::string shown_value(const Json& value) {
   return fmt::format("{}", value.get<double>());
 }
 
+/// What a setting measured in a place.
+struct Measured {
+  double value = 0;
+  bool has_area = false;  ///< the place's light, where it is part of the place
+};
+
 /// One setting of a technique: its parameters and what it measured where.
 struct Setting {
   Values values;
-  std::map<Place, double> measured;
+  std::map<Place, Measured> measured;
 };
 
 /// Different values of a parameter among settings: numbers by size, words by appearance.
@@ -83,10 +89,11 @@ Map make_map(const std::vector<Setting>& members, const Axes& axes, const std::s
   map.ys = axes.y.empty() ? std::vector<std::string>{""} : values_of(members, axes.y);
   map.cells.resize(map.xs.size() * map.ys.size());
   map.places = places.size();
+  for (const Place& place : places) map.places_with_area += members.front().measured.at(place).has_area;
   for (const std::string& facet : axes.facets) map.facet.emplace_back(facet, members.front().values.at(facet));
   for (const Setting& member : members) {
     double sum = 0;
-    for (const Place& place : places) sum += member.measured.at(place);
+    for (const Place& place : places) sum += member.measured.at(place).value;
     const std::size_t row = axes.y.empty() ? 0 : index_of(map.ys, member.values.at(axes.y));
     map.cells[row * map.xs.size() + index_of(map.xs, member.values.at(axes.x))].value =
         sum / static_cast<double>(places.size());
@@ -162,7 +169,7 @@ void add_row(const Record& r, double value, const std::set<std::string>& axes, T
   Setting& setting = technique.settings[key];
   if (setting.measured.empty()) technique.order.push_back(key);
   setting.values = std::move(values);
-  setting.measured[place] = value;
+  setting.measured[place] = {value, has_area(r) && !place.light.empty()};
 }
 
 }  // namespace
@@ -171,6 +178,13 @@ std::string Map::facet_text() const {
   std::vector<std::string> parts;
   for (const auto& [name, value] : facet) parts.push_back(fmt::format("{}={}", name, value));
   return joined(parts, ", ");
+}
+
+std::string places_text(const Map& map) {
+  const std::size_t with_area = map.places_with_area;
+  return fmt::format(
+      "{} place{}{}", map.places, map.places == 1 ? "" : "s",
+      with_area == 0 || with_area == map.places ? "" : fmt::format(", {} of them under lights with area", with_area));
 }
 
 std::vector<Map> make_maps(std::span<const Record> records, const MapOptions& options) {

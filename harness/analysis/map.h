@@ -4,7 +4,7 @@
 namespace gnomon {
 
 struct MapOptions {
-  std::string metric = "wrong_rate";  ///< a quantity
+  std::string metric = "error";  ///< a quantity
   /// Parameters of the axes; empty: the two numeric ones with the most values. `facet` may stay empty. "scene" and "light" may
   /// be named too.
   std::string x = {}, y = {}, facet = {};
@@ -22,12 +22,16 @@ struct Map {
     std::optional<double> value;
     bool is_best = false;  ///< no cell of any map of the technique is better
   };
-  std::vector<Cell> cells;  ///< xs.size() * ys.size(), row by row of y
-  std::size_t places = 0;   ///< that the means cover
+  std::vector<Cell> cells;           ///< xs.size() * ys.size(), row by row of y
+  std::size_t places = 0;            ///< that the means cover
+  std::size_t places_with_area = 0;  ///< of these, under a light with area; 0 where lights are an axis
 
   std::string facet_text() const;  ///< "size=1024, pcf=3"
   const Cell& at(std::size_t x_index, std::size_t y_index) const { return cells[y_index * xs.size() + x_index]; }
 };
+
+/// "4 places, 2 of them under lights with area"; of one kind of light "4 places".
+std::string places_text(const Map& map);
 
 /// Maps of every technique that has at least two settings. Parameters beside x, y and facet that vary become facets too, so
 /// that no cell hides a choice. Throws Error on a metric or parameter that no record has, on one that is

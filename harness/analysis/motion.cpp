@@ -49,4 +49,10 @@ std::vector<Motion> find_motion(std::span<const Record> records, const std::stri
   return rows;
 }
 
+LightCounts count_lights(std::span<const Motion> motions) {
+  LightCounts counts;
+  for (const Motion& motion : motions) counts.add(has_area(*motion.record));
+  return counts;
+}
+
 }  // namespace gnomon

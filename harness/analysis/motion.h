@@ -17,6 +17,9 @@ struct Motion {
 
 /// The rows that follow a path, in their order, with the range of `error` over the frames. Throws Error when there is none, or
 /// when none has this metric.
-std::vector<Motion> find_motion(std::span<const Record> records, const std::string& error = "wrong_rate");
+std::vector<Motion> find_motion(std::span<const Record> records, const std::string& error = "error");
+
+/// Of the rows of these motions.
+LightCounts count_lights(std::span<const Motion> motions);
 
 }  // namespace gnomon

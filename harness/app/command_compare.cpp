@@ -65,7 +65,7 @@ void add_compare(Program& program) {
                  {.check = number_in(1e-9, 0.5)});
   command.option("--threshold", &compare.threshold, "A time called slower is a regression above this ratio",
                  {.check = number_in(1, 1e6)});
-  command.option("--error-threshold", &compare.error_threshold, "A wrong rate that rises by more is a regression",
+  command.option("--error-threshold", &compare.error_threshold, "An error that rises by more is a regression",
                  {.check = number_in(0, 1)});
   command.option("--format", &options.format, "terminal, md, csv or json");
   command.flag("--all", &options.all, "Also what does not differ");

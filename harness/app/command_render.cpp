@@ -101,6 +101,17 @@ Suite render_suite(const RenderOptions& options, const Contender& contender) {
   return suite;
 }
 
+/// One line: how wrong the mask is; under a light with area by how much it is off, beside the reference's own error.
+std::string summary(const Record& record, const ErrorCounts& errors) {
+  const auto percent_of = [&](double part) { return errors.tested ? 100 * part / static_cast<double>(errors.tested) : 0.0; };
+  if (!has_area(record))
+    return fmt::format("wrong {:.4f} % of {} tested pixels, false dark {}, false lit {}",
+                       percent_of(static_cast<double>(errors.wrong)), errors.tested, errors.false_dark, errors.false_lit);
+  return fmt::format("mean error {:.4f} % over {} tested pixels, the reference's own {:.4f} %, wrong {:.4f} %",
+                     percent_of(errors.error_sum), errors.tested, 100 * record.metric("reference_error_mean").value_or(0),
+                     percent_of(static_cast<double>(errors.wrong)));
+}
+
 /// Renders the lights of a scene one after the other and writes what came out into the folders, which are published when all
 /// of it is there.
 class Rendering {
@@ -146,9 +157,7 @@ class Rendering {
     names_.push_back(job.light + ".V");
     masks_.push_back(measured->answer.mask);
     records_.push_back(record);
-    const ErrorCounts& errors = measured->errors;
-    fmt::print("{:<12} wrong {:.4f} % of {} tested pixels, false dark {}, false lit {}\n", job.light,
-               errors.tested ? 100.0 * errors.wrong / errors.tested : 0.0, errors.tested, errors.false_dark, errors.false_lit);
+    fmt::print("{:<12} {}\n", job.light, summary(record, measured->errors));
   }
 
   void publish() {

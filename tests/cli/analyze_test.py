@@ -98,7 +98,7 @@ class Analyze(ProgramTest):
         self.assertEqual(sorted(row["setting"] for row in csv.DictReader(io.StringIO(done.stdout))), ["fast", "other", "slow"])
         self.assertIn("2 rows stand in more than one folder", done.stderr)
         self.run_of(record("fast", wrong=0.2, job="1"), name="three")
-        self.refuse("analyze", "one", "three", "front", says=["one and three answer soup point fast differently", "wrong_rate"])
+        self.refuse("analyze", "one", "three", "front", says=["one and three answer soup point fast differently", "metrics.shape.error"])
         self.succeed("analyze", "one", "three", "front", "--filter", "slow")
 
     def test_a_path_is_part_of_what_the_filter_sees(self):
@@ -172,31 +172,52 @@ class Analyze(ProgramTest):
                                r"printed +10\.0 +- +-\n")
         self.assertIn("\n-: no value; 1 not supported, 1 not run\n", text)
         rows = self.rows(run, "sweep", "--x", "light_x")
-        self.assertEqual([(row["setting"], row["parameter.light_x"], row["wrong_rate"], row["status"]) for row in rows[5:]],
+        self.assertEqual([(row["setting"], row["parameter.light_x"], row["error"], row["status"]) for row in rows[5:]],
                          [("exact", "5", "0", "ok"), ("printed", "0", "0.1", "ok"), ("printed", "2", "", "unsupported")])
         self.assertEqual({row["scene"] for row in rows}, {"composite:object=cone,light_x=*"})
         times = self.rows(run, "sweep", "--x", "light_x", "--error", "relight_ms")
         self.assertEqual((times[0]["relight_ms"], times[0]["relight_ms_low"]), ("1", "1"))
+
+    def test_rows_under_lights_with_area_are_judged_by_their_mean_error(self):
+        soft = {"light": "lamp", "light_kind": "disc", "context": {"frames": 8}}
+        def metrics(error):
+            return {"metrics": {"shape": {"error": error, "error_mean": error, "wrong_rate": 0, "reference_error_mean": 0.001}}}
+        run = self.run_of(record("hard", wrong=0.2), record("soft", cost=2, **soft, **metrics(0.03)),
+                          record("better", cost=4, **soft, **metrics(0.01)))
+        rows = {row["setting"]: row for row in self.rows(run, "front")}
+        self.assertEqual([(name, row["error"], row["reference_error_mean"]) for name, row in sorted(rows.items())],
+                         [("better", "0.01", "0.001"), ("hard", "0.2", ""), ("soft", "0.03", "0.001")])
+        self.assertEqual({row["standing"] for row in rows.values()}, {"front"})
+        text = self.succeed("analyze", run, "front")
+        self.assertRegex(text, r"(?m)^soft +3\.00 +0\.10 +")
+        self.assertRegex(text, r"(?m)^hard +20\.0 +- +")
+        self.assertIn("the wrong rate under lights without area, the mean error under lights with area", text)
+        script = self.succeed("figure", run, "front", "--script")
+        self.assertIn("set ylabel 'wrong (%)'", script)
+        self.assertIn("set ylabel 'mean error (%)'", script)
+        table = self.succeed("table", run, "--format", "md")
+        self.assertRegex(table, r"\| lamp \| better \|.*\*\*1\.00\*\* \| 0\.10 \|")
+        self.assertEqual(table.count("| technique |"), 2)
 
     def test_what_was_not_swept_is_no_empty_table(self):
         run = self.run_of(record(settings="a=1"), record(settings="a=2"), record("other", "soup:count=10"))
         self.refuse("analyze", run, "sweep", says=["sweep wants --x PARAMETER; swept are: a"])
         self.refuse("analyze", run, "sweep", "--x", "count", says=["there is no sweep of count", "swept are: a"])
         self.refuse("analyze", run, "sweep", "--x", "aa", says=["there is no numeric parameter aa; did you mean a?"])
-        self.refuse("analyze", run, "sweep", "--x", "a", "--error", "wrong", says=["there is no wrong; did you mean wrong_rate?"])
+        self.refuse("analyze", run, "sweep", "--x", "a", "--error", "wrong_rat", says=["there is no wrong_rat; did you mean wrong_rate?"])
         self.refuse("analyze", run, "growth", says=["there is no growth with triangles", "no row that was measured has a positive one", "sphere_field:count="])
 
     def test_motion_takes_rows_on_paths(self):
         run = self.run_of(record(path="slide", frames={"wrong_rate": [0.1, 0.3], "instability": [None, 0.02]}), record())
         rows = self.rows(run, "motion")
         self.assertEqual(len(rows), 1)
-        columns = ("frames", "instability_max", "wrong_rate_max", "wrong_rate_frame")
+        columns = ("frames", "instability_max", "error_max", "error_frame")
         self.assertEqual(tuple(rows[0][column] for column in columns), ("2", "0.02", "0.3", "1"))
 
     def test_bad_words_are_named(self):
         run = self.run_of(record())
         self.refuse("analyze", run, "fornt", says=["there is no analysis fornt; did you mean front?"])
-        self.refuse("analyze", run, "front", "--error", "wrong", says=["there is no wrong; did you mean wrong_rate?"])
+        self.refuse("analyze", run, "front", "--error", "wrong_rat", says=["there is no wrong_rat; did you mean wrong_rate?"])
         self.refuse("analyze", run, "front", "--cost", "money", says=["money", "resolve, light, geometry, bytes"])
         self.refuse("analyze", run, "growth", "--x", "triangels", says=["triangels", "triangles, pixels, lights"])
         self.refuse("analyze", run, "motion", says=["no row of these records follows a path"])

@@ -102,7 +102,10 @@ class AreaLight(ProgramTest):
 
     def test_render_score_and_certify_answer(self):
         scene = self.scene("rect")
-        self.succeed("render", "--scene", scene, "--technique", "area_rays", "--light", "lamp", "--size", "64x36", "--out", "out")
+        said = self.succeed("render", "--scene", scene, "--technique", "area_rays", "--size", "64x36", "--light", "lamp", "--out", "out")
+        self.assertRegex(said, r"(?m)^lamp +mean error 0\.\d{4} % over \d+ tested pixels, the reference's own 0\.\d{4} %, wrong 0\.0000 %$")
+        said = self.succeed("render", "--scene", scene, "--technique", "shadow_map", "--size", "64x36", "--light", "bulb", "--out", "hard")
+        self.assertRegex(said, r"(?m)^bulb +wrong \d\.\d{4} % of \d+ tested pixels, false dark \d+, false lit \d+$")
         scored = json.loads(self.succeed("score", "--scene", scene, "--light", "lamp", "--mask", self.dir / "out/mask.exr", "--json"))
         self.assertLess(scored[0]["metrics"]["error"], 0.01)
         self.assertAlmostEqual(sum(scored[0]["cause_errors"].values()), scored[0]["metrics"]["error"], delta=1e-9)

@@ -165,7 +165,7 @@ techniques = ["embree_rays", { use = "shadow_map:resolution=64", label = "'quote
             def change(row):
                 if row["technique"] == "shadow_map":
                     for metrics in row["metrics"].values():
-                        metrics["wrong_rate"] = value
+                        metrics["error"] = metrics["wrong_rate"] = value
                     row["stages"]["resolve"] = [[value]]
             shutil.rmtree(self.dir / "run", ignore_errors=True)
             self.copy_of_run(change)

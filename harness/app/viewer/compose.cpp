@@ -67,8 +67,9 @@ class SidePainter {
         const std::optional<Evidence> evidence = evidence_of(composition, side, with_causes);
         if (!evidence) break;
         evidence_ = *evidence;
+        is_soft_ = is_soft(evidence_);
         shown_ = Shown::errors;
-        for (const ErrorKind& kind : error_kinds(with_causes)) kind_colors_.push_back(pack(kind.color));
+        for (const ErrorKind& kind : error_kinds(!evidence->causes.empty())) kind_colors_.push_back(kind.color);
         break;
       }
       case Paint::classes:
@@ -109,8 +110,9 @@ class SidePainter {
       }
       case Shown::errors:
         return fill([&](int, std::size_t i) {
-          const int kind = error_kind(evidence_, i);
-          return kind >= 0 ? kind_colors_[kind] : pack_gray(dimmed_at(i));
+          const ErrorMark mark = error_mark(evidence_, i, is_soft_);
+          const std::uint8_t gray = mark.kind < 0 || mark.weight < 1 ? dimmed_at(i) : 0;
+          return mark.kind >= 0 ? pack(marked(gray, kind_colors_[mark.kind], mark.weight)) : pack_gray(gray);
         });
       case Shown::classes:
         return fill([&](int, std::size_t i) { return pack(class_infos()[static_cast<std::size_t>(classes_[i])].color); });
@@ -144,7 +146,8 @@ class SidePainter {
   Shown shown_ = Shown::dimmed;
   std::span<const PixelClass> classes_;  // empty while they are not known
   Evidence evidence_;
-  std::vector<std::uint32_t> kind_colors_;
+  bool is_soft_ = false;  ///< the evidence's light has an area
+  std::vector<Color> kind_colors_;
 };
 
 /// A side's debug layer over picture rows.

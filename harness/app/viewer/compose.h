@@ -32,9 +32,11 @@ inline constexpr ModeRow paint_rows[] = {
     {"shaded", "Shaded", "The scene in the light that the side's mask lets through."},
     {"mask", "Mask", "Visibility as gray: white lit, black umbra."},
     {"difference", "Difference", "Where the side is darker or lighter than the other one."},
-    {"kinds", "Error kinds", "Tested pixels that are dark or lit where the reference is not."},
+    {"kinds", "Error kinds",
+     "Tested pixels that are dark or lit where the reference is not; under a light with area how much darker or lighter they "
+     "are: the color is stronger from 1, 3, 10 and 30 % on."},
     {"causes", "Causes", "Why each wrong tested pixel is wrong."},
-    {"classes", "Classes", "What kind of question each pixel is; only tested ones count in the wrong rate."},
+    {"classes", "Classes", "What kind of question each pixel is; only tested ones count."},
 };
 
 /// What one side brings. Everything may be missing (null); what is there may be of an older frame than the other side's.
@@ -76,6 +78,13 @@ struct LegendEntry {
 /// Those of the paint; of kinds and causes the ones that occur. Counts pixels: for every new composition, not for every picture
 /// of a window at rest.
 std::vector<LegendEntry> legend(const Composition& composition, int side);
+/// A number that a verdict tells: what it is called, what it is, and its words, empty where it is not defined.
+struct Tally {
+  const char *name, *sentence;
+  std::string (*words)(const Verdict&);
+};
+/// Those of the numbers' panel. A light with area is judged by the mean error, beside it the reference's own.
+std::span<const Tally> tallies(bool has_area);
 /// The swatches of a debug layer.
 std::vector<LegendEntry> layer_legend(const LayerPicture& layer);
 /// "false dark 0.31 % of tested pixels".
@@ -133,8 +142,8 @@ const Verdict* verdict_of(const ComposeSide& side);
 /// null.
 const ReferenceState* reference_of(const Composition& composition, int side);
 
-/// What the side's mask is judged by, with the causes of the verdict when asked for and known. Nothing without a full mask or
-/// a reference.
+/// What the side's mask is judged by, with the causes of the verdict when asked for and sought. Nothing without a full mask or
+/// a reference, or before the causes are known.
 std::optional<Evidence> evidence_of(const Composition& composition, int side, bool with_causes);
 
 }  // namespace gnomon::viewer

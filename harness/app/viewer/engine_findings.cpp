@@ -59,8 +59,12 @@ void Engine::Body::Side::count_wrong(const std::shared_ptr<const SideAnswer>& an
   auto verdict = std::make_shared<Verdict>();
   verdict->answer = answer;
   verdict->reference = reference;
+  verdict->estimates = registry().technique(loaded_->technique).about.estimates;
   const GBuffer& g = answer->frame->gbuffer;
-  verdict->errors = Scoring(evidence_of(g.width, g.height, answer->mask, *reference)).error_counts();
+  const Evidence evidence = evidence_of(g.width, g.height, answer->mask, *reference, verdict->estimates);
+  const Scoring scoring(evidence);
+  verdict->errors = scoring.error_counts();
+  verdict->reference_error = measure_metric(scoring, "reference_error_mean");
   body_.change([&](EngineState&) { state().verdict = verdict; });
 }
 
@@ -94,11 +98,14 @@ void Engine::Body::Side::find_causes_of(const std::shared_ptr<const Verdict>& ve
     right = right_on_mesh(frame, *truth->on_mesh);
   Reference reference{truth->mask, truth->classes, truth->nearest_caster, truth};
   reference.error = truth->error;
+  reference.irradiance = truth->irradiance;
+  reference.irradiance_error = truth->irradiance_error;
   auto complete = std::make_shared<Verdict>(*verdict);
   const bool is_done = causes_.run(ticket, [&] {
     complete->causes =
         find_causes({frame.scene(), frame.loaded->store->casters(frame.gbuffer.truth), frame.gbuffer, frame.light, reference,
-                     verdict->answer->mask, right, [&](std::span<const std::uint32_t> pixels) { return explain(pixels); }});
+                     verdict->answer->mask, right, [&](std::span<const std::uint32_t> pixels) { return explain(pixels); },
+                     verdict->estimates});
   });
   if (!is_done) return;
   complete->cause_counts = count_causes(complete->causes);

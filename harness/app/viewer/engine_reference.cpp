@@ -169,6 +169,8 @@ void Engine::Body::complete_reference(ReferenceState reference, std::uint64_t ti
     SoftReference soft = trace_soft(scene, casters, g, frame->light, {});
     reference.mask = std::move(soft.area);
     reference.error = std::move(soft.area_error);
+    reference.irradiance = std::move(soft.irradiance);
+    reference.irradiance_error = std::move(soft.irradiance_error);
     classes = std::move(soft.classes);
   };
   if (!refinement.run(ticket, find_classes)) return;

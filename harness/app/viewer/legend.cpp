@@ -46,9 +46,30 @@ std::vector<LegendEntry> difference_legend(const Composition& composition, int s
   return {darker, lighter};
 }
 
+/// Under a light with area: of each kind that is drawn its part of the error.
+std::vector<LegendEntry> soft_errors_legend(const Evidence& evidence) {
+  const std::span<const ErrorKind> kinds = error_kinds(!evidence.causes.empty(), true);
+  std::vector<double> errors(kinds.size(), 0);
+  std::vector<bool> is_drawn(kinds.size(), false);
+  double all = 0;
+  for (std::size_t i = 0; i < evidence.mask.size(); ++i) {
+    if (evidence.classes[i] != PixelClass::T) continue;
+    const double error = std::abs(static_cast<double>(evidence.mask[i]) - evidence.reference[i]);
+    all += error;
+    if (const int kind = kind_of(evidence, i); kind >= 0) errors[kind] += error;
+    if (const ErrorMark mark = error_mark(evidence, i, true); mark.kind >= 0) is_drawn[mark.kind] = true;
+  }
+  std::vector<LegendEntry> entries;
+  for (std::size_t k = 0; k < kinds.size(); ++k)
+    if (is_drawn[k]) entries.push_back({kinds[k].color, kinds[k].label, errors[k] / all, "of the error"});
+  return entries;
+}
+
 std::vector<LegendEntry> errors_legend(const Composition& composition, int side, bool with_causes) {
   const Verdict* const verdict = verdict_of(composition.sides[side]);
   if (!verdict) return {};
+  if (const std::optional<Evidence> evidence = evidence_of(composition, side, with_causes); evidence && is_soft(*evidence))
+    return soft_errors_legend(*evidence);
   std::vector<LegendEntry> entries;
   const std::span<const ErrorKind> kinds = error_kinds(with_causes);
   for (std::size_t k = 0; k < kinds.size(); ++k) {
@@ -97,9 +118,10 @@ std::optional<Evidence> evidence_of(const Composition& composition, int side, bo
   const ComposeSide& s = composition.sides[side];
   const ReferenceState* const reference = reference_of(composition, side);
   if (!reference || !has_full_mask(s)) return std::nullopt;
-  Evidence evidence = evidence_of(s.mask_width, s.mask_height, s.mask, *reference);
-  if (!with_causes) return evidence;
   const Verdict* const verdict = verdict_of(s);
+  Evidence evidence =
+      evidence_of(s.mask_width, s.mask_height, s.mask, *reference, verdict ? verdict->estimates : LightShareKind::area);
+  if (!with_causes || (verdict && verdict->has_causes && verdict->causes.empty())) return evidence;  // none were sought
   if (!verdict || verdict->causes.size() != s.mask.size()) return std::nullopt;
   evidence.causes = verdict->causes;
   return evidence;
@@ -111,6 +133,31 @@ std::vector<LegendEntry> legend(const Composition& composition, int side) {
   if (paint == Paint::difference) return difference_legend(composition, side);
   if (paint == Paint::kinds || paint == Paint::causes) return errors_legend(composition, side, paint == Paint::causes);
   return paint == Paint::classes ? classes_legend(composition, side) : std::vector<LegendEntry>{};
+}
+
+std::span<const Tally> tallies(bool has_area) {
+  static constexpr auto percent_of = [](double part, std::size_t whole) {
+    return whole ? fmt::format("{:.4f} %", 100 * part / static_cast<double>(whole)) : std::string();
+  };
+  static constexpr Tally tested{"tested", "Pixels of class T: those whose answer is beyond doubt.",
+                                [](const Verdict& v) { return fmt::format("{}", v.errors.tested); }};
+  static constexpr Tally hard[] = {
+      {"wrong", "Share of the tested pixels that differ from the reference.",
+       [](const Verdict& v) { return percent_of(static_cast<double>(v.errors.wrong), v.errors.tested); }},
+      {"false dark", "Tested pixels that are dark where the reference is lit.",
+       [](const Verdict& v) { return fmt::format("{}", v.errors.false_dark); }},
+      {"false lit", "Tested pixels that are lit where the reference is dark.",
+       [](const Verdict& v) { return fmt::format("{}", v.errors.false_lit); }},
+      tested};
+  static constexpr Tally soft[] = {
+      {"error", "Mean difference from the reference over the tested pixels.",
+       [](const Verdict& v) { return percent_of(v.errors.error_sum, v.errors.tested); }},
+      {"ref. error", "The reference's own mean error over them: a smaller one may be the reference's.",
+       [](const Verdict& v) { return v.reference_error ? fmt::format("{:.4f} %", 100 * *v.reference_error) : std::string(); }},
+      {"wrong", "Share of the tested pixels that are off by more than one half.",
+       [](const Verdict& v) { return percent_of(static_cast<double>(v.errors.wrong), v.errors.tested); }},
+      tested};
+  return has_area ? std::span<const Tally>(soft) : hard;
 }
 
 std::vector<LegendEntry> layer_legend(const LayerPicture& layer) {

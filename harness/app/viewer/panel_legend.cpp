@@ -126,7 +126,9 @@ void draw_paint_legend(const Shown& shown) {
   if (paint == Paint::shaded && has_layer(shown)) return;  // the layer has a legend of its own
   ImGui::TextDisabled("%s", std::string(mode.title).c_str());
   const bool is_judged = (paint == Paint::kinds || paint == Paint::causes) && (legend.has_shares[0] || legend.has_shares[1]);
-  Widgets::wrapped(is_judged ? "No pixel is wrong." : std::string(mode.sentence));
+  const auto& frame = shown.state.frame;
+  const bool is_soft = frame && has_area(frame->light);
+  Widgets::wrapped(!is_judged ? std::string(mode.sentence) : is_soft ? "No pixel is off by 1 %." : "No pixel is wrong.");
 }
 
 /// Short names share a row.

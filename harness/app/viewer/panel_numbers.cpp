@@ -111,21 +111,11 @@ void draw_head(const Shown& shown, const Session& session, int side) {
 }
 
 void draw_tallies(const EngineState& state) {
-  const auto row = [&](const char* name, const char* sentence, auto&& words) {
-    draw_row(state, name, sentence, [&](const SideState& side, int) {
+  for (const Tally& tally : tallies(state.frame && has_area(state.frame->light)))
+    draw_row(state, tally.name, tally.sentence, [&](const SideState& side, int) {
       if (!side.verdict) return Value{};
-      return Value{words(side.verdict->errors), side.verdict->answer != side.answer};
+      return Value{tally.words(*side.verdict), side.verdict->answer != side.answer};
     });
-  };
-  row("wrong", "Share of the tested pixels that differ from the reference.", [](const ErrorCounts& errors) {
-    return errors.tested ? fmt::format("{:.4f} %", 100.0 * errors.wrong / errors.tested) : std::string();
-  });
-  row("false dark", "Tested pixels that are dark where the reference is lit.",
-      [](const ErrorCounts& errors) { return fmt::format("{}", errors.false_dark); });
-  row("false lit", "Tested pixels that are lit where the reference is dark.",
-      [](const ErrorCounts& errors) { return fmt::format("{}", errors.false_lit); });
-  row("tested", "Pixels of class T: those whose answer is beyond doubt.",
-      [](const ErrorCounts& errors) { return fmt::format("{}", errors.tested); });
 }
 
 void draw_times(const EngineState& state) {

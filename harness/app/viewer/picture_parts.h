@@ -38,9 +38,11 @@ struct Frame {
 /// The reference at a frame, as far as it is known. Masks of fewer pixels than the frame's stand for it until it is finished.
 struct ReferenceState {
   std::shared_ptr<const Frame> frame;
-  int width = 0, height = 0;                  ///< of `mask`
-  std::vector<float> mask;                    ///< width * height
-  std::vector<float> error;                   ///< standard errors of the mask, with the classes; empty without area
+  int width = 0, height = 0;  ///< of `mask`
+  std::vector<float> mask;    ///< width * height
+  /// Under a light with area, with the classes: `mask` is the share of its area that is seen, `irradiance` that of the
+  /// irradiance, each with its standard error. Else empty.
+  std::vector<float> error, irradiance, irradiance_error;
   std::vector<PixelClass> classes;            ///< empty until they are known; then the mask has the frame's size
   std::vector<std::uint32_t> nearest_caster;  ///< empty until known; see Reference
   /// The same view and light on the meshes, where the scene has curved shapes and they count; null until it is known.
@@ -61,21 +63,31 @@ struct SideAnswer {
 struct Verdict {
   std::shared_ptr<const SideAnswer> answer;
   std::shared_ptr<const ReferenceState> reference;  ///< with classes
+  LightShareKind estimates = LightShareKind::area;  ///< what the answer is compared with under a light with area
   ErrorCounts errors;
-  bool has_causes = false;    ///< they are known
-  std::vector<Cause> causes;  ///< empty until then
+  std::optional<double> reference_error;  ///< under a light with area: the reference's own mean error over T
+  bool has_causes = false;                ///< they are known
+  std::vector<Cause> causes;              ///< empty until then
   std::map<std::string, std::uint64_t> cause_counts;
 };
 
-/// What a mask is judged by, without causes.
-inline Evidence evidence_of(int width, int height, std::span<const float> mask, const ReferenceState& reference) {
+/// The share that counts for what estimates this one.
+inline std::span<const float> share_of(const ReferenceState& reference, LightShareKind estimates) {
+  return estimates == LightShareKind::irradiance && !reference.irradiance.empty() ? reference.irradiance : reference.mask;
+}
+
+/// What a mask is judged by, without causes. The reference has its frame.
+inline Evidence evidence_of(int width, int height, std::span<const float> mask, const ReferenceState& reference,
+                            LightShareKind estimates) {
+  const bool is_irradiance = estimates == LightShareKind::irradiance;
   return {.width = width,
           .height = height,
           .classes = reference.classes,
-          .reference = reference.mask,
+          .reference = share_of(reference, estimates),
           .mask = mask,
           .causes = {},
-          .reference_error = reference.error};
+          .light = &reference.frame->light,
+          .reference_error = is_irradiance ? reference.irradiance_error : reference.error};
 }
 
 /// A debug layer as a technique drew it.

@@ -110,6 +110,22 @@ void add_explanation(const Explanation& why, const glm::dvec3& point, std::optio
   if (why.formula_differs) facts.push_back({"formula", "the technique's own exact one answers otherwise"});
 }
 
+/// Whether the pixel is wrong, or under a light with area how far it is off, and why.
+void add_error(const Evidence& evidence, const std::optional<Evidence>& with_causes, std::size_t i,
+               std::vector<PixelFact>& facts) {
+  if (evidence.classes[i] != PixelClass::T) return;
+  const bool soft = is_soft(evidence);
+  const int kind = error_mark(evidence, i, soft).kind;
+  std::string words = kind >= 0 ? error_kinds(false, soft)[kind].label : soft ? "too little to be drawn" : "none";
+  if (soft) words = fmt::format("{:+.4f}, {}", evidence.mask[i] - evidence.reference[i], words);
+  if (soft && !evidence.reference_error.empty())
+    words += fmt::format("; the reference's own {:.4f}", evidence.reference_error[i]);
+  facts.push_back({"error", words});
+  if (!with_causes || with_causes->causes.empty()) return;
+  if (const int cause = error_mark(*with_causes, i, soft).kind; cause >= 0)
+    facts.push_back({"cause", fmt::format("{}. {}", error_kinds(true)[cause].label, cause_infos()[cause].sentence)});
+}
+
 }  // namespace
 
 std::vector<PixelFact> pixel_facts(const Composition& composition, int side, int x, int y, const ReferenceState* reference,
@@ -130,16 +146,8 @@ std::vector<PixelFact> pixel_facts(const Composition& composition, int side, int
     const ClassInfo& row = class_infos()[static_cast<std::size_t>(known->classes[i])];
     facts.push_back({"class", fmt::format("{}, {}. {}", row.letter, row.word, row.sentence)});
   }
-  if (const std::optional<Evidence> evidence = evidence_of(asked, side, false)) {
-    const std::optional<Evidence> with_causes = evidence_of(asked, side, true);
-    if (const int kind = error_kind(*evidence, i); kind >= 0) {
-      facts.push_back({"error", error_kinds(false)[kind].label});
-      if (const int cause = with_causes ? error_kind(*with_causes, i) : -1; cause >= 0)
-        facts.push_back({"cause", fmt::format("{}. {}", error_kinds(true)[cause].label, cause_infos()[cause].sentence)});
-    } else if (evidence->classes[i] == PixelClass::T) {
-      facts.push_back({"error", "none"});
-    }
-  }
+  if (const std::optional<Evidence> evidence = evidence_of(asked, side, false))
+    add_error(*evidence, evidence_of(asked, side, true), i, facts);
   if (g.is_background(i)) return facts;
 
   constexpr std::string_view side_names[] = {"left", "right"};
@@ -150,7 +158,9 @@ std::vector<PixelFact> pixel_facts(const Composition& composition, int side, int
   const ReferenceState* truth = reference_of(asked, side);
   if (!truth && asked.reference && is_same(asked.reference->frame, own.frame)) truth = asked.reference;
   if (truth) {
-    const ComposeSide as_side{own.frame, truth->mask, truth->width, truth->height};
+    const Verdict* const verdict = verdict_of(own);
+    const std::span<const float> share = share_of(*truth, verdict ? verdict->estimates : LightShareKind::area);
+    const ComposeSide as_side{own.frame, share, truth->width, truth->height};
     if (has_mask(as_side)) facts.push_back({"reference", mask_words(as_side, g, i)});
   }
 

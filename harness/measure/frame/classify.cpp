@@ -20,7 +20,10 @@ constexpr ClassInfo classes_table[] = {
     {"G", "grazing", "The light grazes the surface, at 2 degrees or less: any bias decides it.", {238, 190, 50}},
     {"S", "silhouette", "Beside the outline of something nearer or farther: primary visibility decides it.", {20, 105, 210}},
     {"U", "uncertain", "The reference's answer changes within float32 rounding.", {215, 55, 60}},
-    {"T", "tested", "The wrong rate is the share of these that are wrong.", {212, 216, 214}},
+    {"T",
+     "tested",
+     "The wrong rate is the share of these that are wrong, the mean error what they are off by on average.",
+     {212, 216, 214}},
 };
 
 /// Asks the ray tracer again with the sample points moved, sixteen pixels at a time.

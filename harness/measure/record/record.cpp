@@ -198,6 +198,8 @@ void read(const std::string& field, const Json& value, T& into) {
 
 }  // namespace
 
+bool has_area(const Record& r) { return r.light_kind == "rect" || r.light_kind == "disc" || r.light_kind == "sphere"; }
+
 std::string setting_key(const Record& r) { return r.technique + (r.settings.empty() ? "" : ":" + r.settings); }
 
 std::optional<std::map<std::string, double>> cause_shares(const Record& r) {

@@ -110,6 +110,8 @@ struct Record {
 /// What each cause holds of the error that counts: of the wrong rate, under a light with area of the mean error. Nothing when
 /// the run sought none, or tested nothing.
 std::optional<std::map<std::string, double>> cause_shares(const Record& record);
+/// Whether its light has an area, by the name of the light's kind: its shadows are soft.
+bool has_area(const Record& record);
 /// Name of the technique with its settings: the label that the suite gave, else "id:a=1,b=2".
 std::string setting_name(const Record& record);
 /// What makes it the same setting on another scene: id and settings, whatever its label.
@@ -143,7 +145,8 @@ struct RecordFile {
   std::vector<Record> records;     ///< in order of the file; a job that was run again counts once, by its last line
   std::vector<std::string> notes;  ///< what was left out and why
 };
-/// Reads a file of records. A last line that a killed run left unfinished is left out with a note; any other line that is
+/// Reads a file of records. Rows of older programs are read as today's would be: without the false numbers that some had, and
+/// with the metric `error`. A last line that a killed run left unfinished is left out with a note; any other line that is
 /// not a record throws Error with file and line.
 RecordFile read_record_file(const std::filesystem::path& file);
 

@@ -26,9 +26,19 @@ namespace {
 /// their reference knew no other (frames of version 5 and before, see frame_version).
 void withdraw_false_reference(Record& record) {
   constexpr int last_hard_frames = 5;
-  const bool has_area = record.light_kind == "rect" || record.light_kind == "disc" || record.light_kind == "sphere";
-  if (record.status != Status::ok || !has_area || std::atoi(context_text(record, "frames").c_str()) > last_hard_frames) return;
+  if (record.status != Status::ok || !has_area(record)) return;
+  if (std::atoi(context_text(record, "frames").c_str()) > last_hard_frames) return;
   withdraw(record, "it was scored against the hard shadow of the light's center, and the light has an area");
+}
+
+/// Gives a record of before the metric `error` its value, which under a light without area is the wrong rate.
+void complete_error(Record& record) {
+  if (has_area(record)) return;
+  const auto complete = [](auto& values) {
+    if (const auto wrong = values.find("wrong_rate"); wrong != values.end()) values.try_emplace("error", wrong->second);
+  };
+  for (auto& [truth, metrics] : record.metrics) complete(metrics);
+  complete(record.frames);
 }
 
 /// The end of the file after its last newline. Empty for an empty file or one that is no regular file.
@@ -75,6 +85,7 @@ RecordFile read_record_file(const fs::path& file) {
     try {
       Record record = parse_json(line).get<Record>();
       withdraw_false_reference(record);
+      complete_error(record);
       const auto [place, is_new] = place_of_job.try_emplace(record.job, result.records.size());
       if (is_new || record.job.empty())
         result.records.push_back(std::move(record));

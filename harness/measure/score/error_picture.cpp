@@ -1,13 +1,13 @@
 #include "measure/score/error_picture.h"
 
 #include <algorithm>
-#include <array>
+#include <numeric>
 
 #include "measure/picture/legend.h"
 
 namespace gnomon {
 
-std::span<const ErrorKind> error_kinds(bool with_causes) {
+std::span<const ErrorKind> error_kinds(bool with_causes, bool is_soft) {
   static const std::vector<ErrorKind> causes = [] {
     std::vector<ErrorKind> kinds;
     for (const CauseInfo& info : cause_infos()) {
@@ -17,28 +17,78 @@ std::span<const ErrorKind> error_kinds(bool with_causes) {
     }
     return kinds;
   }();
-  static const std::array<ErrorKind, 2> sides = [] {
+  static const auto sides_called = [](const char* dark, const char* lit) {
     const auto color = [](Cause cause) { return cause_infos()[static_cast<std::size_t>(cause) - 1].color; };
-    return std::array<ErrorKind, 2>{{{color(Cause::acne), "false dark"}, {color(Cause::peter_panning), "false lit"}}};
-  }();
+    return std::array<ErrorKind, 2>{{{color(Cause::acne), dark}, {color(Cause::peter_panning), lit}}};
+  };
+  static const std::array<ErrorKind, 2> hard = sides_called("false dark", "false lit");
+  static const std::array<ErrorKind, 2> soft = sides_called("too dark", "too light");
   if (with_causes) return causes;
-  return sides;
+  return is_soft ? soft : hard;
 }
+
+namespace {
+
+/// What the pixels of T add up to.
+struct Sums {
+  double tested = 0, error = 0, reference_error = 0;  ///< pixels, and of |mask - reference| and of the reference's own
+  std::vector<std::size_t> marked;                    ///< pixels by kind
+  std::vector<double> errors;                         ///< of |mask - reference| by kind, those below the first step too
+};
+
+Sums add_up(const Evidence& e, std::span<const ErrorMark> marks, std::size_t kinds) {
+  Sums sums{.marked = std::vector<std::size_t>(kinds, 0), .errors = std::vector<double>(kinds, 0)};
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    if (e.classes[i] != PixelClass::T) continue;
+    const double error = std::abs(static_cast<double>(e.mask[i]) - e.reference[i]);
+    ++sums.tested;
+    sums.error += error;
+    if (!e.reference_error.empty()) sums.reference_error += e.reference_error[i];
+    if (marks[i].kind >= 0) ++sums.marked[marks[i].kind];
+    if (const int kind = kind_of(e, i); kind >= 0) sums.errors[kind] += error;
+  }
+  return sums;
+}
+
+/// The share of each kind in T.
+void add_wrong(PictureLegend& legend, std::span<const ErrorKind> kinds, const Sums& sums) {
+  for (std::size_t k = 0; k < kinds.size(); ++k)
+    if (sums.marked[k] > 0)
+      legend.add(kinds[k].color, kinds[k].label + " " + percent(static_cast<double>(sums.marked[k]) / sums.tested));
+  if (std::ranges::all_of(sums.marked, [](std::size_t count) { return count == 0; }))
+    legend.add(std::nullopt, "no tested pixel is wrong");
+}
+
+/// The mean error and what it is made of, then the scale of the colors.
+void add_soft(PictureLegend& legend, std::span<const ErrorKind> kinds, const Sums& sums, bool has_floor) {
+  if (sums.tested == 0) return legend.add(std::nullopt, "no pixel is tested");
+  legend.add(std::nullopt, "mean error " + percent(sums.error / sums.tested) +
+                               (has_floor ? ", the reference's own " + percent(sums.reference_error / sums.tested) : ""));
+  for (std::size_t k = 0; k < kinds.size(); ++k)
+    if (sums.errors[k] > 0) legend.add(kinds[k].color, kinds[k].label + " " + percent(sums.errors[k] / sums.error) + " of it");
+  constexpr std::uint8_t gray = 128;
+  const ErrorKind* const strongest = &*std::ranges::max_element(
+      kinds, {}, [&](const ErrorKind& kind) { return sums.errors[static_cast<std::size_t>(&kind - kinds.data())]; });
+  if (std::ranges::all_of(sums.marked, [](std::size_t count) { return count == 0; }))
+    return legend.add(std::nullopt, "no tested pixel is off by " + percent(error_steps.front().least));
+  for (const ErrorStep& step : error_steps)
+    legend.add(marked(gray, strongest->color, step.weight), (&step == &error_steps.front() ? "off by " : "") +
+                                                                fmt::format("{:.0f} %", 100 * step.least) +
+                                                                (&step == &error_steps.back() ? " or more" : ""));
+}
+
+}  // namespace
 
 Picture draw_errors(const Evidence& evidence, const std::string& title) {
   const GBuffer& gbuffer = *evidence.gbuffer;
-  const std::span<const ErrorKind> kinds = error_kinds(!evidence.causes.empty());
-  std::vector<int> kind_of(gbuffer.size());
-  std::vector<std::size_t> counts(kinds.size(), 0);
-  for (std::size_t i = 0; i < gbuffer.size(); ++i)
-    if (kind_of[i] = error_kind(evidence, i); kind_of[i] >= 0) ++counts[kind_of[i]];
-  const auto tested = static_cast<double>(std::ranges::count(evidence.classes, PixelClass::T));
+  const bool soft = is_soft(evidence);
+  const std::span<const ErrorKind> kinds = error_kinds(!evidence.causes.empty(), soft);
+  std::vector<ErrorMark> marks(gbuffer.size());
+  for (std::size_t i = 0; i < gbuffer.size(); ++i) marks[i] = error_mark(evidence, i, soft);
+  const Sums sums = add_up(evidence, marks, kinds.size());
   PictureLegend legend(gbuffer.width);
   if (!title.empty()) legend.add(std::nullopt, title);
-  for (std::size_t k = 0; k < kinds.size(); ++k)
-    if (counts[k] > 0) legend.add(kinds[k].color, kinds[k].label + " " + percent(static_cast<double>(counts[k]) / tested));
-  if (std::ranges::all_of(counts, [](std::size_t count) { return count == 0; }))
-    legend.add(std::nullopt, "no tested pixel is wrong");
+  soft ? add_soft(legend, kinds, sums, !evidence.reference_error.empty()) : add_wrong(legend, kinds, sums);
 
   const std::vector<float> lit(gbuffer.size(), 1.0f);
   const Picture shaded = shade(*evidence.scene, gbuffer, *evidence.light, lit);
@@ -47,7 +97,8 @@ Picture draw_errors(const Evidence& evidence, const std::string& title) {
   for (std::size_t i = 0; i < gbuffer.size(); ++i) {
     const std::uint8_t* s = &shaded.rgb[3 * i];
     const std::uint8_t level = dimmed({s[0], s[1], s[2]}, evidence.classes[i] == PixelClass::T);
-    const Color color = kind_of[i] >= 0 ? kinds[kind_of[i]].color : Color{level, level, level};
+    const Color color =
+        marks[i].kind >= 0 ? marked(level, kinds[marks[i].kind].color, marks[i].weight) : Color{level, level, level};
     std::ranges::copy(color, &picture.rgb[3 * i]);
   }
   legend.draw(picture, gbuffer.height);

@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+#include <cmath>
 #include <span>
 #include <string>
 
@@ -13,19 +15,62 @@ struct ErrorKind {
   Color color;
   std::string label;  ///< "false dark", "peter panning"
 };
-/// The causes, in their order; without causes false dark and false lit, in the colors of acne and of peter-panning.
-std::span<const ErrorKind> error_kinds(bool with_causes);
+/// The causes, in their order; without causes false dark and false lit, in the colors of acne and of peter-panning: under a
+/// light with area too dark and too light.
+std::span<const ErrorKind> error_kinds(bool with_causes, bool is_soft = false);
 
-/// Which of these kinds a pixel is, with causes where the evidence has them; -1 where it is untested, right, or has no cause.
-inline int error_kind(const Evidence& evidence, std::size_t i) {
-  if (evidence.classes[i] != PixelClass::T) return -1;
+/// Errors under a light with area are told apart by how strong their color is: from `least` on by this weight of the kind's
+/// color. The same in every picture, so that pictures can be compared.
+struct ErrorStep {
+  double least, weight;
+};
+inline constexpr std::array<ErrorStep, 4> error_steps{{{0.01, 0.3}, {0.03, 0.5}, {0.1, 0.75}, {0.3, 1}}};
+
+/// How a pixel is shown.
+struct ErrorMark {
+  int kind = -1;      ///< of error_kinds, with causes where the evidence has them; -1: none
+  double weight = 1;  ///< of the kind's color over the scene's gray
+};
+
+/// Whether errors are differences of shares, not wrong pixels.
+inline bool is_soft(const Evidence& evidence) { return evidence.light && has_area(*evidence.light); }
+
+/// The kind of a pixel's error, however small; with causes -1 where it has none.
+inline int kind_of(const Evidence& evidence, std::size_t i) {
   if (!evidence.causes.empty()) return static_cast<int>(evidence.causes[i]) - 1;  // Cause::none is 0
-  if (!evidence.is_wrong(i)) return -1;
   return evidence.mask[i] < evidence.reference[i] ? 0 : 1;
 }
 
-/// The scene in dim gray, wrong tested pixels in the color of their cause over it (of false dark and false lit where the
-/// evidence has no causes), and below it a legend with the share of each in T. The evidence has scene, G-buffer and light.
+/// A pixel has none where it is untested, has no cause though causes are known, and where it is right: under a light with area
+/// off by less than the first step.
+inline ErrorMark error_mark(const Evidence& evidence, std::size_t i, bool is_soft) {
+  if (evidence.classes[i] != PixelClass::T) return {};
+  const float difference = evidence.mask[i] - evidence.reference[i];
+  ErrorMark mark;
+  if (is_soft) {
+    mark.weight = 0;
+    for (const ErrorStep& step : error_steps)
+      if (std::abs(difference) >= step.least) mark.weight = step.weight;
+    if (mark.weight == 0) return {};
+  } else if (!evidence.is_wrong(i)) {
+    return {};
+  }
+  mark.kind = kind_of(evidence, i);
+  return mark;
+}
+
+/// The color of a mark over a gray.
+inline Color marked(std::uint8_t gray, const Color& color, double weight) {
+  Color mixed;
+  for (std::size_t c = 0; c < mixed.size(); ++c)
+    mixed[c] = static_cast<std::uint8_t>(std::lround(gray + weight * (static_cast<int>(color[c]) - gray)));
+  return mixed;
+}
+
+/// The scene in dim gray, over it wrong tested pixels in the color of their cause (of false dark and false lit where the
+/// evidence has no causes), and below it a legend with the share of each in T. Under a light with area every tested pixel that
+/// is off, as strongly as it is, and the legend says the mean error, the reference's own, and what the colors stand for. The
+/// evidence has scene, G-buffer and light.
 Picture draw_errors(const Evidence& evidence, const std::string& title);
 
 }  // namespace gnomon

@@ -2,6 +2,7 @@
 
 #include <gnomon/error.h>
 
+#include <algorithm>
 #include <cassert>
 #include <cstring>
 
@@ -51,6 +52,12 @@ Metrics measure_metrics(const Scoring& scoring) {
   Metrics metrics;
   for (const MetricInfo& info : metric_infos()) metrics[std::string(info.name)] = info.value(scoring);
   return metrics;
+}
+
+std::optional<double> measure_metric(const Scoring& scoring, std::string_view name) {
+  const auto info = std::ranges::find(metric_infos(), name, &MetricInfo::name);
+  assert(info != metric_infos().end());
+  return info->value(scoring);
 }
 
 std::map<std::string, std::uint64_t> class_counts(std::span<const PixelClass> classes) {

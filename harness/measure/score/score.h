@@ -52,6 +52,8 @@ LightShareKind estimates_of(const Record& record);
 
 /// All metrics.
 Metrics measure_metrics(const Scoring& scoring);
+/// One of them; the name is that of a metric.
+std::optional<double> measure_metric(const Scoring& scoring, std::string_view name);
 
 /// "B": n, ...
 std::map<std::string, std::uint64_t> class_counts(std::span<const PixelClass> classes);

@@ -22,10 +22,19 @@ std::vector<std::string> analysis_kinds() {
   return names;
 }
 
-Column quantity_column(const std::string& quantity) {
-  for (const Column& column : all_columns({}))
-    if (column.name == quantity) return column;
+Column quantity_column(const std::string& quantity, const LightCounts& lights) {
+  for (Column& column : all_columns({})) {
+    if (column.name != quantity) continue;
+    if (quantity == "error" && !lights.is_mixed() && lights.without_area > 0) column.heading = "wrong";
+    if (quantity == "error" && !lights.is_mixed() && lights.with_area > 0) column.heading = "mean error";
+    return column;
+  }
   return number_column(quantity, "", quantity);  // a metric that another version measured
+}
+
+std::vector<std::string> error_notes(const std::string& quantity, const LightCounts& lights) {
+  if (quantity != "error" || !lights.is_mixed()) return {};
+  return {"error: the wrong rate under lights without area, the mean error under lights with area"};
 }
 
 std::string analyze(std::span<const Record> records, const std::string& kind, const AnalysisOptions& options, Format format,
@@ -48,22 +57,19 @@ std::string analyze(std::span<const Record> records, const std::string& kind, co
 
 namespace analysis {
 
-Column of_quantity(const std::string& quantity, const std::string& suffix, const std::string& heading) {
-  Column column = quantity_column(quantity);
+Column lengthened(Column column, const std::string& suffix, const std::string& heading) {
   column.name += suffix;
-  if (!heading.empty()) column.heading += ' ' + heading;
+  column.heading += ' ' + heading;
   return column;
 }
 
-Column at_value(const std::string& quantity, const std::string& value) {
-  Column column = quantity_column(quantity);
+Column at_value(Column column, const std::string& value) {
   column.heading = value;
   column.shown_unit = "";
   return column;
 }
 
-std::string with_unit(const std::string& quantity) {
-  const Column column = quantity_column(quantity);
+std::string with_unit(const Column& column) {
   const bool is_said = column.heading.ends_with(column.shown_unit);  // "umbra area ratio" needs no "in ratio"
   return is_said ? column.heading : fmt::format("{} in {}", column.heading, column.shown_unit);
 }

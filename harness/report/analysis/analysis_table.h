@@ -11,7 +11,7 @@ namespace gnomon {
 /// Options of `gnomon analyze` and `gnomon figure` beside the kind.
 struct AnalysisOptions {
   std::string x = {}, y = {}, facet = {};  ///< growth: the axis, `triangles` by default; map, sweep: parameters
-  std::string metric = "wrong_rate";       ///< a quantity, see analysis.h
+  std::string metric = "error";            ///< a quantity, see analysis.h
   std::string growing = {};                ///< growth: a quantity; times by default
   Cost cost = Cost::light;
   /// Budgets of `best` in the units that tables show: ms, MiB, and % or the metric's unit. All empty: round numbers.
@@ -26,7 +26,10 @@ std::vector<std::string> analysis_kinds();
 std::string analyze(std::span<const Record> records, const std::string& kind, const AnalysisOptions& options, Format format,
                     const TableOptions& table = {});
 
-/// The column that shows a quantity: its heading, unit and scale.
-Column quantity_column(const std::string& quantity);
+/// The column that shows a quantity: its heading, unit and scale. `error` is called "wrong" where it is of lights without area
+/// alone, "mean error" where it is of lights with area alone.
+Column quantity_column(const std::string& quantity, const LightCounts& lights = {});
+/// What `error` is under which lights, where there are both kinds; nothing to say otherwise.
+std::vector<std::string> error_notes(const std::string& quantity, const LightCounts& lights);
 
 }  // namespace gnomon

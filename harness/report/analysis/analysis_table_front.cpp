@@ -9,9 +9,11 @@ namespace gnomon::analysis {
 
 namespace {
 
-std::string field_heading(const Field& field, std::span<const Place> places) {
+/// `is_mixed`: there are fields of both kinds of lights.
+std::string field_heading(const Field& field, std::span<const Place> places, bool is_mixed) {
   if (field.place) return title(*field.place, places);
-  return fmt::format("over all {} places that these settings finished: mean error, geometric mean cost", field.places);
+  return fmt::format("over all {} places{} that these settings finished: mean error, geometric mean cost", field.places,
+                     is_mixed ? lights_text(field) : "");
 }
 
 /// The column of a cost in milliseconds or bytes.
@@ -31,14 +33,36 @@ std::vector<std::size_t> order_by_cost(const Field& field) {
   return order;
 }
 
-std::vector<Column> front_columns(const AnalysisOptions& options, const Column& cost) {
+bool has_floor(std::span<const Field> fields) {
+  const auto is_floored = [](const Candidate& c) { return c.floor.has_value(); };
+  return std::ranges::any_of(fields, [&](const Field& field) { return std::ranges::any_of(field.candidates, is_floored); });
+}
+
+/// Where a field has a floor, it stands beside the error.
+void add_error_columns(std::vector<Column>& columns, const Column& error, std::span<const Field> fields) {
+  columns.push_back(error);
+  if (has_floor(fields)) columns.push_back(quantity_column("reference_error_mean"));
+}
+
+void add_error_cells(Cells& cells, const Candidate& candidate, bool with_floor) {
+  cells.push_back({.value = candidate.error});
+  if (with_floor) cells.push_back(candidate.floor ? Cell{.value = *candidate.floor} : Cell{});
+}
+
+void add_error_notes(Layout& table, const AnalysisOptions& options, std::span<const Record> records, bool with_floor) {
+  for (const std::string& note : error_notes(options.metric, count_lights(records))) table.notes.push_back(note);
+  if (with_floor) table.notes.emplace_back("ref. error: the reference's own mean error: a smaller one may be the reference's");
+}
+
+std::vector<Column> front_columns(const Column& error, const Column& cost, std::span<const Field> fields) {
   std::vector<Column> columns = place_columns();
-  columns.insert(
-      columns.end(),
-      {text_column("setting", "technique"), for_programs(text_column("role", "role")), of_quantity(options.metric), cost,
-       for_people(text_column("cost_interval", "interval")), for_programs(number_column("cost_low", cost.unit, "cost_low")),
-       for_programs(number_column("cost_high", cost.unit, "cost_high")), number_column("relative_cost", "", "relative"),
-       text_column("standing", "standing"), for_programs(text_column("beaten_by", "beaten by"))});
+  columns.insert(columns.end(), {text_column("setting", "technique"), for_programs(text_column("role", "role"))});
+  add_error_columns(columns, error, fields);
+  columns.insert(columns.end(), {cost, for_people(text_column("cost_interval", "interval")),
+                                 for_programs(number_column("cost_low", cost.unit, "cost_low")),
+                                 for_programs(number_column("cost_high", cost.unit, "cost_high")),
+                                 number_column("relative_cost", "", "relative"), text_column("standing", "standing"),
+                                 for_programs(text_column("beaten_by", "beaten by"))});
   return columns;
 }
 
@@ -50,11 +74,12 @@ std::string standing_text(const Candidate& candidate, const FrontEntry& stand) {
   return stand.beaten_by.empty() ? std::string(standing) : fmt::format("{} ({})", standing, stand.beaten_by);
 }
 
-Cells front_cells(const Field& field, const Candidate& c, const FrontEntry& stand, const Column& cost) {
+Cells front_cells(const Field& field, const Candidate& c, const FrontEntry& stand, const Column& cost, bool with_floor) {
   Cells cells = place_cells(field.place);
-  cells.insert(cells.end(), {text_cell(c.setting), text_cell(name(c.role)), Cell{.value = c.error}, value_of(c.cost),
-                             text_cell(c.cost ? interval_text(cost, *c.cost) : "-"), end(c.cost, &ValueWithInterval::low),
-                             end(c.cost, &ValueWithInterval::high),
+  cells.insert(cells.end(), {text_cell(c.setting), text_cell(name(c.role))});
+  add_error_cells(cells, c, with_floor);
+  cells.insert(cells.end(), {value_of(c.cost), text_cell(c.cost ? interval_text(cost, *c.cost) : "-"),
+                             end(c.cost, &ValueWithInterval::low), end(c.cost, &ValueWithInterval::high),
                              c.cost && c.relative_cost.value > 0 ? Cell{.value = c.relative_cost.value} : Cell{},
                              shown_text(name(stand.standing), standing_text(c, stand)), text_cell(stand.beaten_by)});
   return cells;
@@ -66,8 +91,10 @@ Layout table_of(std::span<const Field> fields, std::string title, std::vector<Co
   std::vector<Place> places;
   for (const Field& field : fields)
     if (field.place) places.push_back(*field.place);
+  const bool is_mixed =
+      std::ranges::any_of(fields, [&](const Field& field) { return field.has_area != fields.front().has_area; });
   for (const Field& field : fields) {
-    table.groups.push_back({.heading = field_heading(field, places)});
+    table.groups.push_back({.heading = field_heading(field, places, is_mixed)});
     table.notes.insert(table.notes.end(), field.notes.begin(), field.notes.end());
   }
   return table;
@@ -77,15 +104,16 @@ Layout table_of(std::span<const Field> fields, std::string title, std::vector<Co
 
 Tables front_tables(std::span<const Record> records, const AnalysisOptions& options, Format) {
   const std::vector<Field> fields = find_fields(records, {.error = options.metric, .cost = options.cost});
-  const Column cost = cost_column(options.cost);
-  Layout table = table_of(fields, fmt::format("Front of {} against {}", with_unit(options.metric), sentence(options.cost)),
-                          front_columns(options, cost));
+  const Column cost = cost_column(options.cost), error = quantity_column(options.metric, count_lights(records));
+  const bool with_floor = has_floor(fields);
+  Layout table = table_of(fields, fmt::format("Front of {} against {}", with_unit(error), sentence(options.cost)),
+                          front_columns(error, cost, fields));
   std::size_t hidden = 0;
   for (std::size_t k = 0; k < fields.size(); ++k) {
     const std::vector<FrontEntry> stands = find_front(fields[k], better(options.metric));
     for (const std::size_t i : order_by_cost(fields[k])) {
       if (options.all || stands[i].standing != Standing::beaten)
-        table.groups[k].rows.push_back({.cells = front_cells(fields[k], fields[k].candidates[i], stands[i], cost)});
+        table.groups[k].rows.push_back({.cells = front_cells(fields[k], fields[k].candidates[i], stands[i], cost, with_floor)});
       else
         ++hidden;
     }
@@ -94,6 +122,7 @@ Tables front_tables(std::span<const Record> records, const AnalysisOptions& opti
                                          "unclear: beaten by value, but the intervals of the costs overlap",
                                          "relative: cost over that of the cheapest contender of the group"});
   if (options.cost != Cost::bytes) table.notes.emplace_back(interval_note);
+  add_error_notes(table, options, records, with_floor);
   if (hidden > 0) table.notes.push_back(fmt::format("{} beaten settings are not shown; --all shows them", hidden));
   return {table};
 }
@@ -118,12 +147,13 @@ Budgets budgets_of(const AnalysisOptions& options, const BestColumns& columns, s
   return budgets;
 }
 
-std::vector<Column> best_columns(const AnalysisOptions& options, const BestColumns& of) {
+std::vector<Column> best_columns(const AnalysisOptions& options, const BestColumns& of, std::span<const Field> fields) {
   std::vector<Column> columns = place_columns();
   columns.insert(columns.end(),
                  {for_programs(text_column("limited", "limited")), for_programs(number_column("budget", "", "budget")),
-                  for_people(text_column("at", "at")), text_column("setting", "best"), of.error, cost_column(options.cost),
-                  of.bytes, text_column("also", "as good")});
+                  for_people(text_column("at", "at")), text_column("setting", "best")});
+  add_error_columns(columns, of.error, fields);
+  columns.insert(columns.end(), {cost_column(options.cost), of.bytes, text_column("also", "as good")});
   return columns;
 }
 
@@ -135,22 +165,24 @@ std::string budget_text(const Best& best, const BestColumns& columns, std::strin
                      exact(best.budget * limited.shown_scale), limited.shown_unit.empty() ? "" : " ", limited.shown_unit);
 }
 
-Cells best_cells(const Field& field, const Best& best, const BestColumns& columns, std::string_view direction) {
+Cells best_cells(const Field& field, const Best& best, const BestColumns& columns, std::string_view direction,
+                 bool with_floor) {
   Cells cells = place_cells(field.place);
   cells.insert(cells.end(),
                {text_cell(best.what), Cell{.value = best.budget}, text_cell(budget_text(best, columns, direction))});
   if (!best.winner) {
     cells.push_back({.shown = "none"});
-    cells.resize(cells.size() + 4);
+    cells.resize(cells.size() + (with_floor ? 5 : 4));
     return cells;
   }
   const Candidate& winner = field.candidates[*best.winner];
   std::vector<std::string> also;
   for (const std::size_t i : best.also) also.push_back(field.candidates[i].setting);
   const std::string all = joined(also, "; ");
+  cells.push_back(text_cell(winner.setting));
+  add_error_cells(cells, winner, with_floor);
   cells.insert(cells.end(),
-               {text_cell(winner.setting), Cell{.value = winner.error}, value_of(winner.time),
-                winner.bytes ? Cell{.value = *winner.bytes} : Cell{},
+               {value_of(winner.time), winner.bytes ? Cell{.value = *winner.bytes} : Cell{},
                 also.empty() ? Cell{} : shown_text(all, also.size() > 3 ? fmt::format("{} others", also.size()) : all)});
   return cells;
 }
@@ -161,19 +193,22 @@ Tables best_tables(std::span<const Record> records, const AnalysisOptions& optio
   if (options.cost == Cost::bytes)
     throw Error("--cost bytes is for front; best takes resolve, light or geometry, and budgets of memory by --memories");
   const std::vector<Field> fields = find_fields(records, {.error = options.metric, .cost = options.cost});
-  const BestColumns columns{quantity_column(options.metric), quantity_column("resolve_ms"), quantity_column("bytes")};
+  const BestColumns columns{quantity_column(options.metric, count_lights(records)), quantity_column("resolve_ms"),
+                            quantity_column("bytes")};
+  const bool with_floor = has_floor(fields);
   const Budgets budgets = budgets_of(options, columns, fields);
   const std::string_view direction = better(options.metric);
   Layout table = table_of(fields,
                           fmt::format("Best contender at equal time, equal memory and equal error: {} against {}",
-                                      with_unit(options.metric), sentence(options.cost)),
-                          best_columns(options, columns));
+                                      with_unit(columns.error), sentence(options.cost)),
+                          best_columns(options, columns, fields));
   for (std::size_t k = 0; k < fields.size(); ++k)
     for (const Best& best : find_best(fields[k], budgets, direction))
-      table.groups[k].rows.push_back({.cells = best_cells(fields[k], best, columns, direction)});
+      table.groups[k].rows.push_back({.cells = best_cells(fields[k], best, columns, direction, with_floor)});
   table.notes.emplace_back(
       "at equal time and memory the lowest error within the budget, at equal error the lowest time; as good: the same error, "
       "or a time whose interval overlaps");
+  add_error_notes(table, options, records, with_floor);
   return {table};
 }
 

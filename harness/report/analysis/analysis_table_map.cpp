@@ -9,14 +9,14 @@ std::string map_heading(const Map& map) {
   return fmt::format("{}: {}{}{}", map.technique, what, map.facet.empty() ? "" : "; ", map.facet_text());
 }
 
-std::string map_title(const Map& map, const std::string& metric) {
-  return fmt::format("{}, mean over {} place{}", with_unit(metric), map.places, map.places == 1 ? "" : "s");
+std::string map_title(const Map& map, const Column& quantity) {
+  return fmt::format("{}, mean over {}", with_unit(quantity), places_text(map));
 }
 
 /// For programs: one row a cell.
-Layout map_rows(const std::vector<Map>& maps, const AnalysisOptions& options) {
+Layout map_rows(const std::vector<Map>& maps, const Column& quantity) {
   Layout table;
-  table.title = map_title(maps.front(), options.metric);
+  table.title = map_title(maps.front(), quantity);
   std::vector<std::string> parameters;
   for (const Map& map : maps) {
     std::vector<std::string> here{map.x, map.y};
@@ -26,7 +26,7 @@ Layout map_rows(const std::vector<Map>& maps, const AnalysisOptions& options) {
   }
   table.columns.push_back(text_column("technique", "technique"));
   for (const std::string& parameter : parameters) table.columns.push_back(text_column("parameter." + parameter, parameter));
-  table.columns.push_back(of_quantity(options.metric));
+  table.columns.push_back(quantity);
   table.columns.push_back(number_column("places", "", "places"));
   table.columns.push_back(text_column("best", "best"));
   Layout::Group& group = table.groups.emplace_back();
@@ -56,13 +56,19 @@ Layout map_rows(const std::vector<Map>& maps, const AnalysisOptions& options) {
 Tables map_tables(std::span<const Record> records, const AnalysisOptions& options, Format format) {
   const std::vector<Map> maps =
       make_maps(records, {.metric = options.metric, .x = options.x, .y = options.y, .facet = options.facet});
-  if (format == Format::csv || format == Format::json) return {map_rows(maps, options)};
+  const Column quantity = quantity_column(options.metric, count_lights(records));
+  const std::vector<std::string> notes = error_notes(options.metric, count_lights(records));
   Tables tables;
+  if (format == Format::csv || format == Format::json) {
+    tables.push_back(map_rows(maps, quantity));
+    tables.back().notes = notes;
+    return tables;
+  }
   for (const Map& map : maps) {
     Layout& table = tables.emplace_back();
-    if (&map == &maps.front() || format == Format::latex) table.title = map_title(map, options.metric);
+    if (&map == &maps.front() || format == Format::latex) table.title = map_title(map, quantity);
     table.columns.push_back(text_column(map.y, map.y));
-    for (const std::string& x : map.xs) table.columns.push_back(at_value(options.metric, x));
+    for (const std::string& x : map.xs) table.columns.push_back(at_value(quantity, x));
     Layout::Group& group = table.groups.emplace_back(Layout::Group{.heading = map_heading(map)});
     for (std::size_t y = 0; y < map.ys.size(); ++y) {
       Cells& cells = group.rows.emplace_back().cells;
@@ -73,6 +79,7 @@ Tables map_tables(std::span<const Record> records, const AnalysisOptions& option
       }
     }
   }
+  tables.back().notes = notes;
   return tables;
 }
 

@@ -4,15 +4,16 @@ namespace gnomon::analysis {
 
 Tables motion_tables(std::span<const Record> records, const AnalysisOptions& options, Format) {
   const std::vector<Motion> motions = find_motion(records, options.metric);
+  const Column error = quantity_column(options.metric, count_lights(motions)), instability = quantity_column("instability");
   Layout table;
-  table.title = fmt::format("Along paths: instability, and {} of every frame", with_unit(options.metric));
+  table.title = fmt::format("Along paths: instability, and {} of every frame", with_unit(error));
   table.columns = place_columns();
   table.columns.insert(
       table.columns.end(),
-      {text_column("setting", "technique"), whole_column("frames", "", "frames"), of_quantity("instability", "_mean", "mean"),
-       of_quantity("instability", "_max", "max"), whole_column("instability_frame", "", "at frame"),
-       of_quantity(options.metric, "_mean", "mean"), of_quantity(options.metric, "_min", "min"),
-       of_quantity(options.metric, "_max", "max"), whole_column(options.metric + "_frame", "", "worst at frame")});
+      {text_column("setting", "technique"), whole_column("frames", "", "frames"), lengthened(instability, "_mean", "mean"),
+       lengthened(instability, "_max", "max"), whole_column("instability_frame", "", "at frame"),
+       lengthened(error, "_mean", "mean"), lengthened(error, "_min", "min"), lengthened(error, "_max", "max"),
+       whole_column(options.metric + "_frame", "", "worst at frame")});
   const auto place = [](const Motion& motion) { return place_of(*motion.record); };
   add_groups(table, motions, place, [&](const Motion& motion) {
     Cells cells = place_cells(place(motion));
@@ -28,6 +29,7 @@ Tables motion_tables(std::span<const Record> records, const AnalysisOptions& opt
   });
   table.notes = {"instability: share of the tested pixels that flip from one frame to the next where the reference does not",
                  "frames are counted from 0"};
+  for (const std::string& note : error_notes(options.metric, count_lights(motions))) table.notes.push_back(note);
   return {table};
 }
 

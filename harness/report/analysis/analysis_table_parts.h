@@ -11,12 +11,12 @@ namespace gnomon::analysis {
 
 using Cells = std::vector<Cell>;  ///< of one row, one for each column
 
-/// The column of a quantity, its name and heading lengthened.
-Column of_quantity(const std::string& quantity, const std::string& suffix = "", const std::string& heading = "");
-/// The column of a quantity at one value of a parameter. The title says the unit.
-Column at_value(const std::string& quantity, const std::string& value);
+/// The column with its name and heading lengthened.
+Column lengthened(Column column, const std::string& suffix, const std::string& heading);
+/// The column at one value of a parameter. The title says the unit.
+Column at_value(Column column, const std::string& value);
 /// "wrong in %".
-std::string with_unit(const std::string& quantity);
+std::string with_unit(const Column& column);
 
 Cell shown_text(std::string_view value, std::string shown);
 /// The value of a measurement; null where there is none.

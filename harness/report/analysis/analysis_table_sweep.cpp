@@ -8,22 +8,21 @@ namespace {
 
 constexpr std::size_t most_columns = 12;  // values of x beside one another, on a terminal and on paper
 
-std::string against(const Sweeps& sweeps) {
-  return fmt::format("{} against {}{}", with_unit(sweeps.quantity), sweeps.parameter,
-                     sweeps.unit.empty() ? "" : " in " + sweeps.unit);
+std::string against(const Sweeps& sweeps, const Column& quantity) {
+  return fmt::format("{} against {}{}", with_unit(quantity), sweeps.parameter, sweeps.unit.empty() ? "" : " in " + sweeps.unit);
 }
 
 /// For programs: one row a point.
-Layout sweep_rows(const Sweeps& sweeps) {
+Layout sweep_rows(const Sweeps& sweeps, const Column& quantity) {
   Layout table;
-  table.title = against(sweeps);
+  table.title = against(sweeps, quantity);
   const bool is_time = sweeps.quantity.ends_with("_ms");
   table.columns = place_columns();
-  table.columns.insert(table.columns.end(), {text_column("setting", "technique"), text_column("role", "role"),
-                                             whole_column("parameter." + sweeps.parameter, sweeps.unit, sweeps.parameter),
-                                             of_quantity(sweeps.quantity)});
+  table.columns.insert(table.columns.end(),
+                       {text_column("setting", "technique"), text_column("role", "role"),
+                        whole_column("parameter." + sweeps.parameter, sweeps.unit, sweeps.parameter), quantity});
   if (is_time)
-    for (const std::string end : {"low", "high"}) table.columns.push_back(of_quantity(sweeps.quantity, "_" + end, end));
+    for (const std::string end : {"low", "high"}) table.columns.push_back(lengthened(quantity, "_" + end, end));
   table.columns.push_back(text_column("status", "status"));
   Layout::Group& group = table.groups.emplace_back();
   for (const Sweep& sweep : sweeps.rows)
@@ -40,11 +39,11 @@ Layout sweep_rows(const Sweeps& sweeps) {
 }
 
 /// For people: one row a setting, one column a value of x, for the places that were swept over the same values.
-Layout sweep_table(const Sweeps& sweeps, std::span<const double> xs, std::span<const Place> places) {
+Layout sweep_table(const Sweeps& sweeps, const Column& quantity, std::span<const double> xs, std::span<const Place> places) {
   Layout table;
-  const bool is_ratio = quantity_column(sweeps.quantity).unit == "ratio";
+  const bool is_ratio = quantity.unit == "ratio";
   table.columns.push_back(text_column("setting", "technique"));
-  for (const double x : xs) table.columns.push_back(at_value(sweeps.quantity, exact(x)));
+  for (const double x : xs) table.columns.push_back(at_value(quantity, exact(x)));
   for (const Place& place : places) {
     Layout::Group& group = table.groups.emplace_back(Layout::Group{.heading = title(place, sweeps.places)});
     for (const Sweep& sweep : sweeps.rows) {
@@ -91,9 +90,10 @@ std::vector<std::string> sweep_notes(const Sweeps& sweeps) {
 
 Tables sweep_tables(std::span<const Record> records, const AnalysisOptions& options, Format format) {
   const Sweeps sweeps = find_sweeps(records, options.x, options.metric);
+  const Column quantity = quantity_column(options.metric, sweeps.lights);
   Tables tables;
   if (format == Format::csv || format == Format::json) {
-    tables.push_back(sweep_rows(sweeps));
+    tables.push_back(sweep_rows(sweeps, quantity));
   } else {
     // Places that were swept over the same values share columns.
     std::vector<std::pair<std::vector<double>, std::vector<Place>>> alike;
@@ -102,12 +102,13 @@ Tables sweep_tables(std::span<const Record> records, const AnalysisOptions& opti
       const std::size_t parts = format == Format::markdown ? 1 : (xs.size() + most_columns - 1) / most_columns;
       const std::size_t size = (xs.size() + parts - 1) / parts;
       for (std::size_t from = 0; from < xs.size(); from += size)
-        tables.push_back(sweep_table(sweeps, std::span(xs).subspan(from, std::min(size, xs.size() - from)), places));
+        tables.push_back(sweep_table(sweeps, quantity, std::span(xs).subspan(from, std::min(size, xs.size() - from)), places));
     }
     for (Layout& table : tables)
-      if (&table == &tables.front() || format == Format::latex) table.title = against(sweeps);
+      if (&table == &tables.front() || format == Format::latex) table.title = against(sweeps, quantity);
   }
   tables.back().notes = sweep_notes(sweeps);
+  for (const std::string& note : error_notes(options.metric, sweeps.lights)) tables.back().notes.push_back(note);
   return tables;
 }
 

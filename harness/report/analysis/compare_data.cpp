@@ -49,6 +49,7 @@ Json row_json(const RowChange& row) {
                        {"truth", name(m.truth)},
                        {"base", or_null(m.base)},
                        {"contender", or_null(m.contender)},
+                       {"floor", or_null(m.floor)},
                        {"regression", m.is_regression}});
   return json;
 }
@@ -82,7 +83,7 @@ std::string comparison_csv(const Comparison& comparison) {
             number(s.p), number(s.false_discovery), std::string(name(s.verdict)), yes(s.is_regression), s.why});
     for (const MetricChange& m : row.metrics)
       line({"metric", m.metric, std::string(name(m.truth)), number(m.base), number(m.contender), "", "", "", "", "", "changed",
-            yes(m.is_regression), ""});
+            yes(m.is_regression), m.floor ? fmt::format("floor {}", exact(*m.floor)) : ""});
   }
   return text;
 }

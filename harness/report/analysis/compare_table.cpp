@@ -98,7 +98,8 @@ void add_row(std::vector<Line>& lines, const RowChange& row, bool all) {
   for (const MetricChange& change : row.metrics)
     add({.what = change.truth == record.truth ? change.metric : fmt::format("{}.{}", name(change.truth), change.metric),
          .values = metric_texts(change),
-         .verdict = with_mark("changed", change.is_regression)});
+         .verdict = with_mark("changed", change.is_regression) +
+                    (change.floor ? fmt::format(", floor {} %", measured(100 * *change.floor)) : "")});
   if (all && lines.size() == before) add({.note = fmt::format("{} in both runs", name(record.status))});
 }
 
@@ -129,8 +130,15 @@ std::vector<std::pair<std::string, std::string>> remarks(const Comparison& compa
   return lines;
 }
 
-constexpr std::string_view legend_text =
-    "change: contender / base of the times with its 95 % interval, contender - base of the errors; !: regression";
+std::string legend_text(const Comparison& comparison) {
+  std::string text =
+      "change: contender / base of the times with its 95 % interval, contender - base of the errors; !: regression";
+  const bool has_floor = std::ranges::any_of(comparison.rows, [](const RowChange& row) {
+    return std::ranges::any_of(row.metrics, [](const MetricChange& change) { return change.floor.has_value(); });
+  });
+  if (has_floor) text += "; floor: the reference's own mean error";
+  return text;
+}
 
 std::string terminal_text(const Comparison& comparison, const CompareTableOptions& options) {
   std::string text = fmt::format("base: {}\ncontender: {}\n", options.base, options.contender);
@@ -151,7 +159,7 @@ std::string terminal_text(const Comparison& comparison, const CompareTableOption
     else
       table.add_row({line.technique}, line.note);
   }
-  return fmt::format("{}\n{}\n{}\n", text, table.text(options.width), legend_text);
+  return fmt::format("{}\n{}\n{}\n", text, table.text(options.width), legend_text(comparison));
 }
 
 std::string markdown(const Comparison& comparison, const CompareTableOptions& options) {
@@ -171,7 +179,7 @@ std::string markdown(const Comparison& comparison, const CompareTableOptions& op
   if (!lines.empty()) text += '\n';
   text += fmt::format("- base: {}\n- contender: {}\n", markdown_text(options.base), markdown_text(options.contender));
   for (const auto& [topic, what] : remarks(comparison)) text += fmt::format("- {}: {}\n", topic, markdown_text(what));
-  if (!lines.empty()) text += fmt::format("- {}\n", legend_text);
+  if (!lines.empty()) text += fmt::format("- {}\n", legend_text(comparison));
   return text + '\n';
 }
 

@@ -18,18 +18,39 @@ struct Bar {
   std::vector<const Record*> rows;
 };
 
-/// The settings of the finished rows for which `has` is true, over the places that all of them share, and how many these are.
-std::pair<std::vector<Bar>, std::size_t> bars_of(std::span<const Record> records, auto has) {
-  const RowsBySetting settings = rows_by_setting(records, has);
-  const std::set<Place> common = common_places(settings, &RowsBySetting::value_type::second);
-  std::vector<Bar> bars;
-  for (const auto& [key, rows] : settings) {
-    Bar bar{setting_name(*rows.begin()->second), rows.begin()->second->role, {}};
-    for (const Place& place : common) bar.rows.push_back(rows.at(place));
-    bars.push_back(std::move(bar));
+/// What is drawn: a bar for each setting, and over how many places.
+struct Bars {
+  std::vector<Bar> all;
+  std::size_t places = 0, places_with_area = 0;
+
+  bool is_mixed() const { return places > 0 && places_with_area > 0; }
+  /// ", mean over 5 places"; nothing to say of a single one.
+  std::string over_text() const {
+    const std::size_t all = places + places_with_area;
+    if (!is_mixed()) return all == 1 ? "" : fmt::format(", mean over {} places", all);
+    return fmt::format(", mean over {} place{} without and {} with area of the light", places, places == 1 ? "" : "s",
+                       places_with_area);
   }
-  if (common.empty()) bars.clear();
-  return {bars, common.size()};
+};
+
+/// The settings of the finished rows for which `has` is true, over the places that all of them share: under lights without
+/// area, and after these under lights with area, where a setting of both has two bars.
+Bars bars_of(std::span<const Record> records, auto has) {
+  Bars bars;
+  for (const bool with_area : {false, true}) {
+    const RowsBySetting settings =
+        rows_by_setting(records, [&](const Record& r) { return has_area(r) == with_area && has(r); });
+    const std::set<Place> common = common_places(settings, &RowsBySetting::value_type::second);
+    if (common.empty()) continue;
+    (with_area ? bars.places_with_area : bars.places) = common.size();
+    for (const auto& [key, rows] : settings) {
+      const Record& first = *rows.begin()->second;
+      Bar& bar = bars.all.emplace_back(Bar{setting_name(first), first.role, {}});
+      if (with_area && bars.places > 0) bar.name += ", light with area";
+      for (const Place& place : common) bar.rows.push_back(rows.at(place));
+    }
+  }
+  return bars;
 }
 
 /// The frame of a figure of horizontal bars, the first on top.
@@ -60,19 +81,16 @@ std::string box_line(double from, double to, std::size_t bar) {
   return fmt::format("{}\t{}\t{}\t{}\t{}\t{}", (from + to) / 2, row, from, to, row - 0.32, row + 0.32);
 }
 
-/// ", mean over 5 places"; nothing to say of a single one.
-std::string over_text(std::size_t places) { return places == 1 ? "" : fmt::format(", mean over {} places", places); }
-
-/// Causes of the wrong pixels of one setting.
+/// Causes of the error of one setting.
 struct CauseShares {
-  std::map<std::string, double, std::less<>> by_cause;  ///< each place counting by its wrong rate; their sum is 1, or 0
-  double wrong_rate = 0;                                ///< mean over the places
+  std::map<std::string, double, std::less<>> by_cause;  ///< each place counting by its error; their sum is 1, or 0
+  double error = 0;                                     ///< mean over the places
 };
 
 CauseShares shares_of(const Bar& bar) {
   CauseShares shares;
   for (const Record* row : bar.rows) {
-    shares.wrong_rate += *row->metric("wrong_rate") / static_cast<double>(bar.rows.size());
+    shares.error += *row->metric("error") / static_cast<double>(bar.rows.size());
     for (const CauseInfo& info : cause_infos())
       shares.by_cause[std::string(info.name)] += quantity(*row, fmt::format("cause.{}", info.name)).value_or(0);
   }
@@ -111,7 +129,8 @@ PlotCommand plot_pieces(std::span<const Piece> pieces, FigureScript& script) {
 void draw_stages(std::span<const Record> records, FigureScript& script) {
   static constexpr std::array stages{Stage::build, Stage::relight, Stage::resolve};
   static constexpr std::array colors{"#e69f00", "#56b4e9", "#009e73"};
-  auto [bars, places] = bars_of(records, [](const Record& r) { return sample_of(r, stages).is_timed(); });
+  Bars places = bars_of(records, [](const Record& r) { return sample_of(r, stages).is_timed(); });
+  std::vector<Bar>& bars = places.all;
   std::erase_if(bars, [](const Bar& bar) { return bar.role == Role::baseline; });
   if (bars.empty()) throw Error("there is nothing to draw: no place has build, relight and resolve of every setting");
 
@@ -128,20 +147,22 @@ void draw_stages(std::span<const Record> records, FigureScript& script) {
     totals.push_back(fmt::format("{}\t{}\t{}\t{}", total.value, totals.size() + 1, total.low, total.high));
     for (std::size_t stage = 0; stage < stages.size(); ++stage) {
       double& mean = pieces[stage].lengths.emplace_back(0);
-      for (const Record* row : bar.rows) mean += *median_of_medians(row->times(stages[stage])) / static_cast<double>(places);
+      for (const Record* row : bar.rows)
+        mean += *median_of_medians(row->times(stages[stage])) / static_cast<double>(bar.rows.size());
     }
   }
   PlotCommand plot = plot_pieces(pieces, script);
   plot.add("{} using 1:2:3:4 with xerrorbars pt -1 lw 1.2 lc rgb '#222222' notitle", script.data(totals));
   script.legend.push_back({"with lines lw 1.2 lc rgb '#222222'", "95 % interval of the sum"});
   open_bars(script, bars);
-  script.add("set xrange [0:*]; set xlabel {}", FigureScript::quoted("time (ms)" + over_text(places)));
+  script.add("set xrange [0:*]; set xlabel {}", FigureScript::quoted("time (ms)" + places.over_text()));
   plot.into(script);
   close_panels(script);
 }
 
 void draw_causes(std::span<const Record> records, FigureScript& script) {
-  auto [bars, places] = bars_of(records, [](const Record& r) { return r.causes && r.metric("wrong_rate"); });
+  Bars places = bars_of(records, [](const Record& r) { return r.causes && r.metric("error"); });
+  std::vector<Bar>& bars = places.all;
   std::erase_if(bars, [](const Bar& bar) { return bar.role != Role::contender; });
   if (bars.empty()) throw Error("there is nothing to draw: no place has the causes of every setting");
   std::vector<CauseShares> shares;
@@ -157,10 +178,15 @@ void draw_causes(std::span<const Record> records, FigureScript& script) {
   script.add("set rmargin at screen {:.4f}", 1 - 2.2 / script.options.width_cm);
   for (std::size_t k = 0; k < bars.size(); ++k)
     script.add("set label {} at 101.5,{} left textcolor rgb '#222222'",
-               FigureScript::quoted(measured(100 * shares[k].wrong_rate) + " %"), k + 1);
-  script.add("set label 'wrong' at 101.5,0.2 left textcolor rgb '#666666'");
+               FigureScript::quoted(measured(100 * shares[k].error) + " %"), k + 1);
+  const bool with_area = places.places_with_area > 0, is_hard = !with_area;
+  script.add("set label {} at 101.5,0.2 left textcolor rgb '#666666'",
+             FigureScript::quoted(is_hard             ? "wrong"
+                                  : places.is_mixed() ? "error"
+                                                      : "mean error"));
   script.add("set yrange [{}:-0.2]", static_cast<double>(bars.size()) + 0.6);
-  script.add("set xrange [0:100]; set xlabel {}", FigureScript::quoted("share of the wrong pixels (%)" + over_text(places)));
+  script.add("set xrange [0:100]; set xlabel {}",
+             FigureScript::quoted((is_hard ? "share of the wrong pixels (%)" : "share of the error (%)") + places.over_text()));
   plot.into(script);
   close_panels(script);
 }

@@ -1,4 +1,4 @@
-// Error against cost: every setting a mark with its interval, the front a staircase.
+// Error against cost: every setting a mark with its interval, the front a staircase. A panel for each kind of light.
 #include <algorithm>
 #include <cmath>
 
@@ -11,20 +11,35 @@ namespace {
 /// Settings with a color of their own, and marks with a number, are at most so many.
 constexpr std::size_t most_named = 16;
 
-/// What is drawn, in the units that people see. The data go into the script before the panel is opened, its axes after.
-class FrontFigure {
- public:
-  /// Throws Error where no contender has a cost.
-  FrontFigure(const Field& field, const AnalysisOptions& options);
+/// What all panels share.
+struct FrontLegend {
+  bool is_named = false;              ///< each setting has a color of its own; else each technique
+  std::vector<std::string> names;     ///< that have colors
+  std::vector<std::string> numbered;  ///< settings on a front, numbered where they are too many to name them all
+  bool has_front = false, has_floor = false;
 
-  void add_staircase(FigureScript& script);
-  void add_series(FigureScript& script);
-  void number_front(FigureScript& script);
-  void set_axes(FigureScript& script) const;
+  const std::string& name_of(const Candidate& c) const { return is_named ? c.setting : c.technique; }
+};
+
+/// What is drawn of one field, in the units that people see. The data go into the script before the panels are opened, the axes
+/// after.
+class FrontPanel {
+ public:
+  FrontPanel(const Field& field, const AnalysisOptions& options);
+
+  void add_data(FigureScript& script, FrontLegend& legend);
+  void set_axes(FigureScript& script, bool is_only) const;
+
+  const std::vector<const Candidate*>& shown() const { return shown_; }
+  const Field& field() const { return field_; }
 
   PlotCommand plot;
 
  private:
+  void add_staircase(FigureScript& script, FrontLegend& legend);
+  void add_floor(FigureScript& script, FrontLegend& legend);
+  void add_series(FigureScript& script, FrontLegend& legend);
+  void number_front(FrontLegend& legend);
   double x(const Candidate& c) const { return c.cost->value * cost_column_.shown_scale; }
   /// No error at all has no place on a logarithmic axis: it stands below the least, at `zero_`.
   double y(const Candidate& c) const { return is_log_ && c.error <= 0 ? zero_ : c.error * error_column_.shown_scale; }
@@ -35,17 +50,17 @@ class FrontFigure {
   bool is_higher_better_;
   std::vector<const Candidate*> shown_;  ///< those with a cost but the baseline
   std::vector<const Candidate*> front_;  ///< by cost
-  bool is_named_ = false;                ///< each setting has a color of its own
   bool is_log_ = false, has_zero_ = false;
   Extent errors_, costs_;  ///< errors above 0
+  double floor_ = 0;       ///< the reference's own mean error; 0: there is none to draw
   double zero_ = 0, top_ = 0;
   std::vector<std::string> numbers_;  ///< commands that write numbers beside marks
 };
 
-FrontFigure::FrontFigure(const Field& field, const AnalysisOptions& options)
+FrontPanel::FrontPanel(const Field& field, const AnalysisOptions& options)
     : field_(field),
       options_(options),
-      error_column_(quantity_column(options.metric)),
+      error_column_(quantity_column(options.metric, {.without_area = !field.has_area, .with_area = field.has_area})),
       cost_column_(quantity_column(options.cost == Cost::bytes ? "bytes" : "resolve_ms")),
       is_higher_better_(better(options.metric) == "higher") {
   const std::vector<FrontEntry> stands = find_front(field, better(options.metric));
@@ -55,89 +70,131 @@ FrontFigure::FrontFigure(const Field& field, const AnalysisOptions& options)
     shown_.push_back(&c);
     if (stands[i].standing == Standing::front) front_.push_back(&c);
     if (c.error > 0) errors_.add(c.error * error_column_.shown_scale);
+    if (c.floor) floor_ = std::max(floor_, *c.floor * error_column_.shown_scale);
     has_zero_ = has_zero_ || c.error <= 0;
     costs_.add(c.cost->low * cost_column_.shown_scale);
     costs_.add(c.cost->high * cost_column_.shown_scale);
   }
-  if (shown_.empty())
-    throw Error("there is nothing to draw: no contender has {} and {}", options.metric, sentence(options.cost));
+  if (floor_ > 0) errors_.add(floor_);
   std::sort(front_.begin(), front_.end(), [](const auto* a, const auto* b) { return a->cost->value < b->cost->value; });
-  is_named_ = shown_.size() <= most_named;
   const double greatest_error = std::max(errors_.greatest, 0.0);
   is_log_ = greatest_error > 0 && !is_higher_better_;
   zero_ = is_log_ ? errors_.least / 4 : 0;
   top_ = is_log_ ? greatest_error * 2 : greatest_error * 1.08;
 }
 
+void FrontPanel::add_data(FigureScript& script, FrontLegend& legend) {
+  add_staircase(script, legend);
+  add_floor(script, legend);
+  add_series(script, legend);
+  number_front(legend);
+}
+
 /// The front, from the top to the right edge.
-void FrontFigure::add_staircase(FigureScript& script) {
+void FrontPanel::add_staircase(FigureScript& script, FrontLegend& legend) {
   if (front_.empty()) return;
   std::vector<std::string> lines{fmt::format("{}\t{}", x(*front_.front()), is_higher_better_ ? 0 : top_)};
   for (const Candidate* c : front_) lines.push_back(fmt::format("{}\t{}", x(*c), y(*c)));
   lines.push_back(fmt::format("{}\t{}", costs_.greatest * 1.3, y(*front_.back())));
   plot.add("{} using 1:2 with steps lw 1.6 lc rgb '#bbbbbb' notitle", script.data(lines));
+  if (std::exchange(legend.has_front, true)) return;
   script.legend.push_back({"with lines lw 1.6 lc rgb '#bbbbbb'", "front"});
 }
 
-void FrontFigure::add_series(FigureScript& script) {
+/// The reference's own error: one below it may be the reference's.
+void FrontPanel::add_floor(FigureScript& script, FrontLegend& legend) {
+  if (floor_ <= 0) return;
+  const std::vector<std::string> lines{fmt::format("{}\t{}", costs_.least / 1.3, floor_),
+                                       fmt::format("{}\t{}", costs_.greatest * 1.3, floor_)};
+  plot.add("{} using 1:2 with lines dt 3 lw 1.2 lc rgb '#888888' notitle", script.data(lines));
+  if (std::exchange(legend.has_floor, true)) return;
+  script.legend.push_back({"with lines dt 3 lw 1.2 lc rgb '#888888'", "the reference's own mean error"});
+}
+
+void FrontPanel::add_series(FigureScript& script, FrontLegend& legend) {
   // Marks of one color: of one setting while these are few, of a technique otherwise.
   std::vector<std::pair<std::string, std::vector<const Candidate*>>> all;
-  for (const Candidate* c : shown_) value_of_key(all, is_named_ ? c->setting : c->technique).push_back(c);
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    const auto& [name, candidates] = all[k];
+  for (const Candidate* c : shown_) value_of_key(all, legend.name_of(*c)).push_back(c);
+  for (const auto& [name, candidates] : all) {
     std::vector<std::string> lines;
     for (const Candidate* c : candidates)
       lines.push_back(fmt::format("{}\t{}\t{}\t{}", x(*c), y(*c), c->cost->low * cost_column_.shown_scale,
                                   c->cost->high * cost_column_.shown_scale));
-    const bool is_contender = candidates.front()->role == Role::contender;
+    const std::size_t k = index_of(legend.names, name);
+    const bool is_new = k == legend.names.size(), is_contender = candidates.front()->role == Role::contender;
+    if (is_new) legend.names.push_back(name);
     const std::string style =
-        is_contender ? fmt::format("pt {} ps {} lc rgb '{}'", series_mark(k), is_named_ ? 1.0 : 0.6, series_color(k))
+        is_contender ? fmt::format("pt {} ps {} lc rgb '{}'", series_mark(k), legend.is_named ? 1.0 : 0.6, series_color(k))
                      : "pt 2 ps 0.9 lw 1.4 lc rgb '#555555'";
     plot.add("{} using 1:2:3:4 with xerrorbars {} notitle", script.data(lines), style);
-    script.legend.push_back({"with points " + style, name + (is_contender ? "" : " (reference)")});
+    if (is_new) script.legend.push_back({"with points " + style, name + (is_contender ? "" : " (reference)")});
   }
 }
 
 /// Where settings are too many to name them all, those on the front have a number that the legend explains.
-void FrontFigure::number_front(FigureScript& script) {
-  if (is_named_ || front_.size() > most_named) return;
-  for (std::size_t k = 0; k < front_.size(); ++k) {
-    numbers_.push_back(fmt::format("set label '{}' at {},{} right offset -0.3,-0.7 textcolor rgb '#222222'", k + 1,
-                                   x(*front_[k]), y(*front_[k])));
-    script.legend.push_back({"with points pt 0 lc rgb '#ffffff'", fmt::format("{}: {}", k + 1, front_[k]->setting)});
+void FrontPanel::number_front(FrontLegend& legend) {
+  if (legend.is_named || front_.size() > most_named) return;
+  for (const Candidate* c : front_) {
+    add_once(legend.numbered, c->setting);
+    numbers_.push_back(fmt::format("set label '{}' at {},{} right offset -0.3,-0.7 textcolor rgb '#222222'",
+                                   index_of(legend.numbered, c->setting) + 1, x(*c), y(*c)));
   }
 }
 
-void FrontFigure::set_axes(FigureScript& script) const {
+void FrontPanel::set_axes(FigureScript& script, bool is_only) const {
   const std::string over = field_.place ? "" : fmt::format(", geometric mean over {} places", field_.places);
-  script.add("set xlabel {}",
-             FigureScript::quoted(fmt::format("{} ({}){}", sentence(options_.cost), cost_column_.shown_unit, over)));
+  const std::string x_label = fmt::format("{} ({}){}", sentence(options_.cost), cost_column_.shown_unit, is_only ? over : "");
+  script.add("set xlabel {}", FigureScript::quoted(x_label));
   script.add("set ylabel {}", FigureScript::quoted(axis_label(error_column_) + (field_.place ? "" : ", mean")));
   const double left = costs_.least / 1.3, right = costs_.greatest * 1.3;
-  script.add("set logscale x; set xtics {}; set xrange [{}:{}]", log_tics(left, right, 8), left, right);
+  script.add("set logscale x; set xtics {}; set xrange [{}:{}]", log_tics(left, right, is_only ? 8 : 5), left, right);
   if (is_log_) {
     const double bottom = has_zero_ ? zero_ / 1.5 : errors_.least / 2;
     const double first_tic = has_zero_ ? errors_.least / 1.5 : bottom;
     script.add("set logscale y; set ytics {}; set yrange [{}:{}]", log_tics(first_tic, top_, 8), bottom, top_);
     if (has_zero_) script.add("set ytics add ('0' {})", zero_);
   } else {
-    script.add("set yrange [0:{}]", is_higher_better_ ? "*" : fmt::format("{}", top_ > 0 ? top_ : 1));
+    script.add("unset logscale y; set ytics autofreq; set yrange [0:{}]",
+               is_higher_better_ ? "*" : fmt::format("{}", top_ > 0 ? top_ : 1));
   }
+  script.add("unset label");
   for (const std::string& number : numbers_) script.add("{}", number);
+}
+
+/// Over which places, where there are two panels.
+std::string title_of(const Field& field, std::span<const Place> places) {
+  return field.place ? title(*field.place, places) : fmt::format("{} places{}", field.places, lights_text(field));
 }
 
 }  // namespace
 
 void draw_front(std::span<const Record> records, FigureScript& script) {
   const AnalysisOptions& wanted = script.options.analysis;
-  const std::vector<Field> fields = find_fields(records, {.error = wanted.metric, .cost = wanted.cost});
-  FrontFigure figure(fields.back(), wanted);  // over all places, or the only one
-  figure.add_staircase(script);
-  figure.add_series(script);
-  figure.number_front(script);
-  open_panels(script, 1, 1, script.options.width_cm * 0.55);
-  figure.set_axes(script);
-  figure.plot.into(script);
+  const std::vector<Field> all = find_fields(records, {.error = wanted.metric, .cost = wanted.cost});
+  std::vector<FrontPanel> panels;
+  std::vector<std::string> settings;
+  std::vector<Place> places;
+  for (const Field* field : overall_fields(all)) {
+    panels.emplace_back(*field, wanted);
+    if (panels.back().shown().empty()) {
+      panels.pop_back();
+      continue;
+    }
+    for (const Candidate* c : panels.back().shown()) add_once(settings, c->setting);
+    if (field->place) places.push_back(*field->place);
+  }
+  if (panels.empty()) throw Error("there is nothing to draw: no contender has {} and {}", wanted.metric, sentence(wanted.cost));
+  FrontLegend legend{.is_named = settings.size() <= most_named, .names = {}, .numbered = {}};
+  for (FrontPanel& panel : panels) panel.add_data(script, legend);
+  for (std::size_t k = 0; k < legend.numbered.size(); ++k)
+    script.legend.push_back({"with points pt 0 lc rgb '#ffffff'", fmt::format("{}: {}", k + 1, legend.numbered[k])});
+  const bool is_only = panels.size() == 1;
+  open_panels(script, panels.size(), 2, script.options.width_cm * (is_only ? 0.55 : 0.42));
+  for (const FrontPanel& panel : panels) {
+    if (!is_only) open_panel(script, title_of(panel.field(), places), "");
+    panel.set_axes(script, is_only);
+    panel.plot.into(script);
+  }
   close_panels(script);
 }
 

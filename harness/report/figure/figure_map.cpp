@@ -33,7 +33,8 @@ void draw_lines(const std::vector<Map>& maps, const Column& column, FigureScript
   script.add("set xtics {}; set xrange [-0.3:{}]; set yrange [0:*]", tics(maps.front().xs),
              static_cast<double>(maps.front().xs.size()) - 0.7);
   script.add("set xlabel {}", FigureScript::quoted(maps.front().x));
-  script.add("set ylabel {}", FigureScript::quoted(fmt::format("{}, mean over {}", axis_label(column), maps.front().places)));
+  script.add("set ylabel {}",
+             FigureScript::quoted(fmt::format("{}, mean over {}", axis_label(column), places_text(maps.front()))));
   plot.into(script);
   close_panels(script);
 }
@@ -99,7 +100,7 @@ void draw_heat_maps(const std::vector<Map>& maps, const Column& column, FigureSc
   std::vector<DrawnMap> drawn;
   for (const Map& map : maps) drawn.push_back(draw_cells(map, column.shown_scale, palette, most_columns <= 12, script));
   script.legend.push_back({"with points pt 4 ps 1.4 lw 2 lc rgb '#d55e00'",
-                           fmt::format("best; {}, mean over {} places", axis_label(column), maps.front().places)});
+                           fmt::format("best; {}, mean over {}", axis_label(column), places_text(maps.front()))});
   const std::size_t panel_columns = maps.size() == 1 ? 1 : most_columns > 6 ? 2 : 3;
   open_panels(script, maps.size(), panel_columns, 2.6 + 0.75 * static_cast<double>(most_rows));
   const auto [least, greatest] = palette.values;
@@ -130,7 +131,7 @@ void draw_map(std::span<const Record> records, FigureScript& script) {
   const Map& first = maps.front();
   const bool are_lines =
       std::ranges::all_of(maps, [&](const Map& map) { return map.y.empty() && map.x == first.x && map.xs == first.xs; });
-  (are_lines ? draw_lines : draw_heat_maps)(maps, quantity_column(wanted.metric), script);
+  (are_lines ? draw_lines : draw_heat_maps)(maps, quantity_column(wanted.metric, count_lights(records)), script);
 }
 
 }  // namespace gnomon

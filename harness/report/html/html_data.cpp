@@ -7,6 +7,7 @@
 #include "measure/cause/causes.h"
 #include "measure/frame/classify.h"
 #include "measure/json.h"
+#include "measure/score/error_picture.h"
 #include "measure/score/metrics.h"
 #include "report/html/html_parts.h"
 
@@ -102,6 +103,7 @@ Json row_json(const Layout& layout, const Layout::Row& row, std::size_t group, c
           {"stages", std::move(stages)},
           {"costs", std::move(costs)},
           {"causes", causes_json(r)},
+          {"estimates", r.reference ? Json(name(r.reference->estimates)) : Json()},
           {"tested", tested == r.classes.end() ? Json() : Json(tested->second)},
           {"frames", std::move(frames)}};
 }
@@ -126,6 +128,7 @@ Json report_data(const Layout& layout, std::span<const Record> records) {
     data["groups"].push_back({{"heading", layout.groups[group].heading},
                               {"scene", first.scene},
                               {"light", first.light},
+                              {"has_area", has_area(first)},
                               {"view", first.view},
                               {"path", first.path},
                               {"width", first.width},
@@ -141,6 +144,7 @@ Json report_data(const Layout& layout, std::span<const Record> records) {
     data["causes"].push_back({{"name", info.name}, {"sentence", info.sentence}, {"color", info.color}});
   for (const ClassInfo& info : class_infos())
     data["classes"].push_back({{"name", info.letter}, {"word", info.word}, {"sentence", info.sentence}, {"color", info.color}});
+  for (const ErrorStep& step : error_steps) data["error_steps"].push_back({step.least, step.weight});
   data["legend"] = pairs_json(legend(layout, "best", "flag"));
   data["provenance"] = pairs_json(provenance(records));
   for (const MetricInfo& info : metric_infos())

@@ -32,9 +32,10 @@ std::string html_text(std::string_view text);
 /// Pictures for the image comparer: base64 of deflated bytes, each read by the page when it is first shown.
 struct PictureSet {
   std::vector<std::string> blobs;
-  /// By group of the layout: null, or {lit, dark, reference, classes} with numbers of blobs. `lit` and `dark` are the shaded
-  /// colors with all and without any direct light: red, green and blue planes, each byte less its left neighbor modulo 256.
-  /// The others are one byte a pixel: 255 times the mask, index of PixelClass.
+  /// By group of the layout: null, or {lit, dark, reference, irradiance, classes} with numbers of blobs. `lit` and `dark` are
+  /// the shaded colors with all and without any direct light: red, green and blue planes, each byte less its left neighbor
+  /// modulo 256. The others are one byte a pixel: 255 times the mask, index of PixelClass. `irradiance` is the reference of the
+  /// rows that estimate the share of a light's irradiance, null where there is none.
   Json groups = Json::array();
   /// By row in the layout's order: null, or {mask, causes}; causes is null or one byte a pixel, index of Cause.
   Json rows = Json::array();

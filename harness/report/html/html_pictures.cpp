@@ -105,7 +105,12 @@ class Collector {
         frames_.open(first.scene);
         for (std::size_t k = 0; k < group.rows.size(); ++k)
           if (has_mask(group.rows[k])) rows[k] = row(*group.rows[k].record);
-        if (std::any_of(rows.begin(), rows.end(), [](const Json& json) { return !json.is_null(); })) base = frame(first);
+        if (std::any_of(rows.begin(), rows.end(), [](const Json& json) { return !json.is_null(); })) {
+          const bool with_irradiance = std::any_of(group.rows.begin(), group.rows.end(), [](const Layout::Row& row) {
+            return estimates_of(*row.record) == LightShareKind::irradiance;
+          });
+          base = frame(first, with_irradiance);
+        }
       }
     } catch (const std::exception& error) {
       note(group.heading, error.what());
@@ -138,7 +143,7 @@ class Collector {
   }
 
   /// What all rows of a group share.
-  Json frame(const Record& r) {
+  Json frame(const Record& r, bool with_irradiance) {
     const Scene& scene = frames_.scene();
     const auto [key, light] = place(r);
     const GBuffer gbuffer = frames_.store().gbuffer(key);
@@ -148,6 +153,8 @@ class Collector {
     json["lit"] = keep(color_planes(shade(scene, gbuffer, light, lit)));
     json["dark"] = keep(color_planes(shade(scene, gbuffer, light, dark)));
     json["reference"] = keep(mask_bytes(reference.mask));
+    json["irradiance"] =
+        with_irradiance && !reference.irradiance.empty() ? Json(keep(mask_bytes(reference.irradiance))) : Json();
     json["classes"] = keep(index_bytes(reference.classes));
     return json;
   }

@@ -136,6 +136,8 @@ void add_memory(std::vector<Column>& columns) {
 
 /// "false_dark_rate" -> "false dark": the unit says that it is a rate. "displacement" is too wide for two columns of a table.
 std::string heading_of(std::string metric) {
+  if (metric == "reference_error_mean") return "ref. error";
+  if (metric == "other_error_mean") return "other error";
   if (metric.ends_with("_rate")) metric.resize(metric.size() - 5);
   if (const std::size_t rate = metric.find("_rate_"); rate != metric.npos) metric.erase(rate, 5);
   if (metric.starts_with("displacement")) metric.replace(0, 12, "displ.");

@@ -71,10 +71,36 @@ void mark_best(const Column& column, std::size_t index, Layout::Group& group) {
   for (const Competitor& c : competitors) c.cell->is_best = is_best(c);
 }
 
-/// Older records do not have it: a column of nothing would stand beside their wrong rates.
-bool has_snapping_floor(std::span<const Record> records) {
-  return std::ranges::any_of(records, [](const Record& r) { return r.metric("snapping_floor").has_value(); });
+/// Not every record has it: a column of nothing would stand beside the errors.
+bool has_metric(std::span<const Record> records, std::string_view metric) {
+  return std::ranges::any_of(records, [&](const Record& r) { return r.metric(metric).has_value(); });
 }
+
+bool any_has_area(std::span<const Record> records) {
+  return std::ranges::any_of(records, [](const Record& r) { return has_area(r); });
+}
+
+bool any_has_no_area(std::span<const Record> records) {
+  return std::ranges::any_of(records, [](const Record& r) { return !has_area(r); });
+}
+
+/// Adds those of the metrics that some record has.
+void add_known(std::vector<std::string>& names, std::span<const Record> records, std::span<const std::string_view> metrics) {
+  for (const std::string_view metric : metrics)
+    if (has_metric(records, metric)) names.emplace_back(metric);
+}
+
+/// What a row is judged by, and what it is read against: under lights without area the wrong rate and the snapping floor, under
+/// lights with area the mean error and the reference's own.
+void add_error_columns(std::vector<std::string>& names, std::span<const Record> records) {
+  static constexpr std::string_view floors[] = {"reference_error_mean", "snapping_floor"};
+  names.emplace_back(any_has_area(records) ? "error" : "wrong_rate");
+  add_known(names, records, floors);
+}
+
+/// What is defined under lights with area alone.
+constexpr std::string_view soft_metrics[] = {"other_error_mean", "penumbra_width_ratio", "penumbra_shift", "penumbra_noise",
+                                             "contact_hardening"};
 
 /// "5 processes x 3 repetitions", every combination that occurs in a stage after setup.
 std::string repetition_plan(std::span<const Record> records) {
@@ -103,20 +129,25 @@ std::vector<std::string> headline_columns(std::span<const Record> records, bool 
     if (varies(&Record::width) || varies(&Record::height)) names.insert(names.end(), {"width", "height"});
     if (varies(&Record::truth)) names.emplace_back("truth");
   }
-  names.insert(names.end(), {"technique", "support", "setup_ms", "build_ms", "relight_ms", "resolve_ms", "bytes", "peak_bytes",
-                             "wrong_rate"});
-  if (has_snapping_floor(records)) names.emplace_back("snapping_floor");
-  names.insert(names.end(), {"wrong_rate_all", "false_dark_rate", "false_lit_rate"});
+  names.insert(names.end(),
+               {"technique", "support", "setup_ms", "build_ms", "relight_ms", "resolve_ms", "bytes", "peak_bytes"});
+  add_error_columns(names, records);
+  const bool with_hard = any_has_no_area(records);
+  if (with_hard) names.insert(names.end(), {"wrong_rate_all", "false_dark_rate", "false_lit_rate"});
   if (std::any_of(records.begin(), records.end(), [](const Record& r) { return !top_causes(r).empty(); }))
     names.emplace_back("causes");
-  names.insert(names.end(), {"displacement_mean", "displacement_p95", "tested_share"});
+  if (with_hard) names.insert(names.end(), {"displacement_mean", "displacement_p95"});
+  if (any_has_area(records)) add_known(names, records, soft_metrics);
+  names.emplace_back("tested_share");
   return names;
 }
 
 std::vector<std::string> paper_columns(std::span<const Record> records) {
-  std::vector<std::string> names = {"technique", "support", "build_ms", "relight_ms", "resolve_ms", "bytes", "wrong_rate"};
-  if (has_snapping_floor(records)) names.emplace_back("snapping_floor");
-  names.insert(names.end(), {"false_dark_rate", "false_lit_rate", "displacement_mean", "tested_share"});
+  std::vector<std::string> names = {"technique", "support", "build_ms", "relight_ms", "resolve_ms", "bytes"};
+  add_error_columns(names, records);
+  if (any_has_no_area(records)) names.insert(names.end(), {"false_dark_rate", "false_lit_rate", "displacement_mean"});
+  if (any_has_area(records)) add_known(names, records, soft_metrics);
+  names.emplace_back("tested_share");
   return names;
 }
 
@@ -139,6 +170,12 @@ Remarks provenance(std::span<const Record> records) {
   return lines;
 }
 
+bool Layout::has_area_light() const {
+  return std::ranges::any_of(groups, [](const Group& group) {
+    return std::ranges::any_of(group.rows, [](const Row& row) { return row.record && has_area(*row.record); });
+  });
+}
+
 Remarks legend(const Layout& layout, std::string_view best, std::string_view flag) {
   const auto has = [&](bool Cell::*mark) {
     for (const Layout::Group& group : layout.groups)
@@ -149,9 +186,8 @@ Remarks legend(const Layout& layout, std::string_view best, std::string_view fla
   Remarks lines;
   if (has(&Cell::is_best)) lines.emplace_back(best, layout.best);
   if (has(&Cell::is_flagged))
-    lines.emplace_back(flag,
-                       fmt::format("less than {} % of the pixels facing the light are tested: read the wrong rate with care",
-                                   exact(100 * least_tested_share)));
+    lines.emplace_back(flag, fmt::format("less than {} % of the pixels facing the light are tested: read the {} with care",
+                                         exact(100 * least_tested_share), layout.has_area_light() ? "errors" : "wrong rate"));
   lines.insert(lines.end(), layout.shorthands.begin(), layout.shorthands.end());
   return lines;
 }
@@ -161,6 +197,27 @@ Layout::Row row_of(const Record& record, std::span<const Column> columns) {
   for (const Column& column : columns) row.cells.push_back(column.cell(record));
   return row;
 }
+
+namespace {
+
+/// What the columns of soft shadows say; `is_mixed`: the table has rows under lights without area, too.
+void add_error_shorthands(Layout& layout, bool is_mixed) {
+  const auto add = [&](std::string_view column, std::string_view word, std::string text) {
+    if (std::ranges::find(layout.columns, column, &Column::name) != layout.columns.end())
+      layout.shorthands.emplace_back(word, std::move(text));
+  };
+  add("error", "error",
+      fmt::format("mean difference from the reference over the tested pixels{}",
+                  is_mixed ? " under lights with area; under lights without area the wrong rate" : ""));
+  add("reference_error_mean", "ref. error", "the reference's own mean error: a smaller one may be the reference's");
+  add("other_error_mean", "other error",
+      "from the other number that is true of a light with area: share of its irradiance, or of its area where the technique "
+      "estimates irradiance");
+  add("contact_hardening", "contact hardening",
+      "growth of the penumbra's width with the caster's distance, to the reference's");
+}
+
+}  // namespace
 
 Layout lay_out(std::span<const Record> records, std::span<const std::string> names) {
   Layout layout{.columns = select(all_columns(records), names), .provenance = provenance(records)};
@@ -185,13 +242,17 @@ Layout lay_out(std::span<const Record> records, std::span<const std::string> nam
   for (const Layout::Group& group : layout.groups)
     if (const std::string text = uncertainty(group); !text.empty()) layout.shorthands.emplace_back("uncertain", text);
 
+  const auto has_column = [&](std::string_view name) {
+    return std::ranges::find(columns, name, &Column::name) != columns.end();
+  };
   layout.best = "best contender of its group";
   if (std::ranges::any_of(columns, [](const Column& c) { return c.interval != nullptr; }))
     layout.best += "; of times, all whose 95 % interval overlaps the best one's";
   if (has_null) layout.shorthands.emplace_back("-", "not measured or not defined");
   if (std::ranges::find(columns, "ms", &Column::unit) != columns.end())
     layout.shorthands.emplace_back("ms", "median of the medians of the processes");
-  if (std::ranges::find(columns, "snapping_floor", &Column::name) != columns.end())
+  if (any_has_area(records)) add_error_shorthands(layout, any_has_no_area(records));
+  if (has_column("snapping_floor") && has_metric(records, "snapping_floor"))
     layout.shorthands.emplace_back(
         "snapping floor",
         "what a shift by 1/512 pixel turns over, in every row of a group alike: up to it a rasterizer is right");

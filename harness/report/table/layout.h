@@ -31,6 +31,8 @@ struct Layout {
   Remarks shorthands = {};                ///< other signs that occur
   std::vector<std::string> notes = {};
   Remarks provenance = {};
+
+  bool has_area_light() const;  ///< a row's record is of one
 };
 
 /// Terminal, Markdown and LaTeX round, CSV and JSON do not. The audience decides on the columns.

@@ -22,9 +22,10 @@ std::vector<std::string> column_names(std::span<const Record> records) {
 namespace {
 
 /// Headline columns that a narrow terminal can do without, the least missed first.
-constexpr std::string_view dispensable[] = {"displacement_p95", "displacement_mean", "wrong_rate_all",
-                                            "snapping_floor",   "peak_bytes",        "setup_ms",
-                                            "causes",           "build_ms",          "bytes"};
+constexpr std::string_view dispensable[] = {
+    "displacement_p95", "displacement_mean",    "wrong_rate_all",   "snapping_floor", "peak_bytes",
+    "setup_ms",         "penumbra_noise",       "other_error_mean", "penumbra_shift", "contact_hardening",
+    "causes",           "penumbra_width_ratio", "build_ms",         "bytes"};
 
 /// Width of a terminal table: that of the rule below its headings.
 std::size_t width_of(const std::string& text) {
@@ -32,18 +33,58 @@ std::size_t width_of(const std::string& text) {
   return rule == std::string::npos ? 0 : text.find('\n', rule + 1) - rule - 1;
 }
 
+/// The rows under lights of one kind, and what stands below their table of where they were made.
+struct Part {
+  std::vector<Record> records;
+  Remarks provenance = {};
+};
+
+/// Rows under lights without area and under lights with area are judged by other numbers: people read them in tables of their
+/// own. The last one says where all were made.
+std::vector<Part> parts_of(std::span<const Record> records) {
+  std::vector<Part> parts;
+  for (const bool with_area : {false, true}) {
+    Part part;
+    std::ranges::copy_if(records, std::back_inserter(part.records), [&](const Record& r) { return has_area(r) == with_area; });
+    if (!part.records.empty()) parts.push_back(std::move(part));
+  }
+  if (parts.empty()) parts.emplace_back();
+  parts.back().provenance = provenance(records);
+  return parts;
+}
+
 /// The headline table, without some columns where the terminal is too narrow for all; says which.
-std::string fitted_table(std::span<const Record> records, std::size_t width) {
-  std::vector<std::string> names = headline_columns(records, false), left_out;
-  std::string text = terminal_table(lay_out(records, names), width);
+std::string fitted_table(const Part& part, std::size_t width) {
+  std::vector<std::string> names = headline_columns(part.records, false), left_out;
+  const auto table = [&] {
+    Layout layout = lay_out(part.records, names);
+    layout.provenance = part.provenance;
+    return terminal_table(layout, width);
+  };
+  std::string text = table();
   for (const std::string_view name : dispensable) {
     if (width == 0 || width_of(text) <= width) break;
     if (std::erase(names, name) == 0) continue;
     left_out.emplace_back(name);
-    text = terminal_table(lay_out(records, names), width);
+    text = table();
   }
   if (!left_out.empty()) text += fmt::format("left out for want of room: {}\n", joined(left_out, ", "));
   return text;
+}
+
+/// In Markdown and LaTeX, and on a terminal when columns are named.
+std::string chosen_table(const Part& part, const std::vector<std::string>& names, Format format, const TableOptions& options) {
+  Layout layout = lay_out(part.records, names);
+  layout.provenance = part.provenance;
+  if (format == Format::markdown) {
+    // Scene and light are columns: one table.
+    Layout::Group all;
+    for (Layout::Group& group : layout.groups) std::ranges::move(group.rows, std::back_inserter(all.rows));
+    layout.groups = {std::move(all)};
+  }
+  if (format == Format::latex && index_of(names, std::string("scene")) < names.size())
+    for (Layout::Group& group : layout.groups) group.heading.clear();
+  return render_layout(std::move(layout), format, options);
 }
 
 }  // namespace
@@ -80,23 +121,24 @@ std::string render_table(std::span<const Record> records, Format format, const T
     for (const Record& record : records) group.rows.push_back(row_of(record, table.columns));
     return render_layout(std::move(table), format, options);
   }
-  if (format == Format::terminal && options.columns.empty()) return fitted_table(records, options.width);
-  std::vector<std::string> names = options.columns;
-  if (names.empty()) names = format == Format::latex ? paper_columns(records) : headline_columns(records, true);
-  Layout layout = lay_out(records, names);
-  if (format == Format::markdown) {
-    // Scene and light are columns: one table.
-    Layout::Group all;
-    for (Layout::Group& group : layout.groups) std::ranges::move(group.rows, std::back_inserter(all.rows));
-    layout.groups = {std::move(all)};
-  }
   TableOptions here = options;
-  if (format == Format::latex) {
-    if (here.caption.empty()) here.caption = "Cost and error of shadow techniques, by scene, light and view.";
-    if (index_of(names, std::string("scene")) < names.size())
-      for (Layout::Group& group : layout.groups) group.heading.clear();
+  const std::string caption = "Cost and error of shadow techniques, by scene, light and view";
+  if (format == Format::latex && here.caption.empty()) here.caption = caption + ".";
+  if (!options.columns.empty())
+    return chosen_table({{records.begin(), records.end()}, provenance(records)}, options.columns, format, here);
+  std::string text;
+  const std::vector<Part> parts = parts_of(records);
+  for (const Part& part : parts) {
+    const bool is_one_of_two = parts.size() > 1, is_last = &part == &parts.back();
+    if (is_one_of_two && options.caption.empty())
+      here.caption = fmt::format("{}: lights {} area.", caption, is_last ? "with" : "without");
+    if (is_one_of_two && is_last) here.label += ":2";
+    text += format == Format::terminal ? fitted_table(part, options.width)
+            : format == Format::latex  ? chosen_table(part, paper_columns(part.records), format, here)
+                                       : chosen_table(part, headline_columns(part.records, true), format, here);
+    if (!is_last) text += '\n';
   }
-  return render_layout(std::move(layout), format, here);
+  return text;
 }
 
 }  // namespace gnomon

@@ -284,7 +284,7 @@ TEST(map, nothing_to_map_is_an_error) {
 TEST(motion, ranges_are_over_the_frames_where_the_metric_is_defined) {
   Record r = row("a", 1, 1, 0.2);
   r.path = "camera_slide";
-  r.frames = {{"instability", {std::nullopt, 0.1, 0.3}}, {"wrong_rate", {0.2, 0.1, 0.3}}};
+  r.frames = {{"instability", {std::nullopt, 0.1, 0.3}}, {"error", {0.2, 0.1, 0.3}}};
   const std::vector<Motion> motions = find_motion(std::vector{r, row("still", 1, 1, 0.1)});
   ASSERT_EQ(motions.size(), 1u);
   EXPECT_EQ(motions[0].frames, 3u);
@@ -304,7 +304,7 @@ TEST(analyze, every_kind_speaks_every_format) {
   for (const int size : {256, 512}) records.push_back(row(fmt::format("map:size={}", size), 1, 1, 0.1));
   records.push_back(row("a", 1, 1, 0.2));
   records.back().path = "slide";
-  records.back().frames = {{"wrong_rate", {0.2, 0.1}}};
+  records.back().frames = {{"error", {0.2, 0.1}}};
   for (const std::string& kind : analysis_kinds()) {
     AnalysisOptions options;
     if (kind == "sweep") options.x = "count";

@@ -196,6 +196,40 @@ TEST(error_picture, exactly_the_wrong_tested_pixels_have_the_color_of_their_caus
   }
 }
 
+TEST(error_picture, under_a_light_with_area_colors_are_as_strong_as_errors_are_large) {
+  constexpr int w = 420, h = 1;
+  Scored scored(w, h);
+  scored.light.kind = DiscLight{.center = {0, 4, 0}, .normal = {0, -1, 0}, .radius = 1};
+  scored.causes.clear();
+  // Off by less than 1 %, then by the steps, both ways; the last one is not tested.
+  const std::vector<float> off{-0.009f, 0.009f, -0.011f, -0.04f, -0.2f, -0.31f, 0.011f, 0.04f, 0.2f, 0.31f, 0.5f};
+  for (std::size_t i = 0; i < off.size(); ++i) {
+    scored.reference[i] = 0.5f;
+    scored.mask[i] = 0.5f + off[i];
+  }
+  scored.classes[10] = PixelClass::U;
+  const Picture picture = scored.draw("title");
+  const Rgb right = pixel(picture, 20, 0), dark = color_of(Cause::acne), light = color_of(Cause::peter_panning);
+  EXPECT_EQ(pixel(picture, 0, 0), right);
+  EXPECT_EQ(pixel(picture, 1, 0), right);
+  const double weights[] = {0.3, 0.5, 0.75, 1};
+  for (int k = 0; k < 4; ++k)
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_NEAR(pixel(picture, 2 + k, 0)[c], right[c] + weights[k] * (dark[c] - right[c]), 0.51) << k;
+      EXPECT_NEAR(pixel(picture, 6 + k, 0)[c], right[c] + weights[k] * (light[c] - right[c]), 0.51) << k;
+    }
+  EXPECT_LT(pixel(picture, 10, 0)[0], right[0]) << "not tested";
+  EXPECT_EQ(count(picture, dark, h, picture.height), 2 * 12 * 12) << "the swatches of what is too dark, and of 30 % or more";
+  EXPECT_EQ(count(picture, light, h, picture.height), 12 * 12) << "of what is too light";
+  // With causes the color is the cause's; a pixel without one keeps its gray.
+  scored.causes.assign(scored.mask.size(), Cause::none);
+  scored.causes[5] = scored.causes[2] = Cause::crack;
+  const Picture caused = scored.draw();
+  EXPECT_EQ(pixel(caused, 5, 0), color_of(Cause::crack));
+  EXPECT_NEAR(pixel(caused, 2, 0)[0], right[0] + 0.3 * (color_of(Cause::crack)[0] - right[0]), 0.51);
+  EXPECT_EQ(pixel(caused, 9, 0), right);
+}
+
 TEST(error_picture, the_legend_names_the_causes_that_occur_and_breaks_into_lines) {
   constexpr int h = 8;
   const auto drawn = [&](int width, int cause_count) {

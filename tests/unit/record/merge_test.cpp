@@ -28,7 +28,8 @@ Record row(std::uint64_t place) {
   r.status = Status::ok;
   r.support = Support::Kind::full;
   r.classes = {{"T", 100 + place}};
-  r.metrics[Truth::shape] = {{"wrong_rate", 1.0 / static_cast<double>(place + 3)}, {"displacement_mean", std::nullopt}};
+  const double wrong = 1.0 / static_cast<double>(place + 3);
+  r.metrics[Truth::shape] = {{"error", wrong}, {"wrong_rate", wrong}, {"displacement_mean", std::nullopt}};
   r.causes = {{"acne", place}};
   r.times(Stage::resolve) = {{0.25}, {0.5}};
   r.context = {{"commit", "abc"}, {"scene_hash", "s"}, {"processor", "an abacus"}, {"threads", 2}};

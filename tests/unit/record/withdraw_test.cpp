@@ -57,4 +57,24 @@ TEST(withdraw, leaves_what_was_asked) {
   EXPECT_TRUE(record.metrics.empty());
 }
 
+TEST(withdraw, records_of_before_the_metric_error_are_read_with_it) {
+  const ScratchFolder folder = ScratchFolder::temporary("gnomon_error");
+  Record old = measured("point", Json(5)), mesh = measured("sun", Json(5)), today = measured("spot", Json(8));
+  Record soft = measured("disc", Json(8));
+  old.metrics[Truth::mesh]["wrong_rate"] = std::nullopt;
+  old.frames = {{"wrong_rate", {0.5, std::nullopt}}, {"instability", {std::nullopt, 0.1}}};
+  mesh.metrics = {{Truth::mesh, {{"flip", 0.1}}}};
+  today.metrics[Truth::shape]["error"] = 0.5;
+  write_file(records_file(folder.path()), record_line(old) + record_line(mesh) + record_line(today) + record_line(soft));
+  const std::vector<Record> records = read_record_file(records_file(folder.path())).records;
+  ASSERT_EQ(records.size(), 4u);
+  EXPECT_EQ(records[0].metric("error"), 0.25);
+  EXPECT_TRUE(records[0].metrics.at(Truth::mesh).contains("error"));
+  EXPECT_EQ(records[0].metric(Truth::mesh, "error"), std::nullopt) << "no pixel was tested";
+  EXPECT_EQ(records[0].frames.at("error"), old.frames.at("wrong_rate"));
+  EXPECT_FALSE(records[1].metrics.at(Truth::mesh).contains("error")) << "there is no wrong rate either";
+  EXPECT_EQ(records[2].metric("error"), 0.5) << "what is there stays";
+  EXPECT_EQ(records[3].metric("error"), std::nullopt) << "under a light with area it is no wrong rate";
+}
+
 }  // namespace

@@ -25,11 +25,11 @@ Record row(int size, double cost, double wrong, const std::string& scene = "soup
   r.status = Status::ok;
   for (const Stage stage : {Stage::build, Stage::relight, Stage::resolve})
     r.times(stage) = {{cost}, {cost * 1.5}, {cost / 1.5}};
-  r.metrics[Truth::shape] = {{"wrong_rate", wrong}};
+  r.metrics[Truth::shape] = {{"error", wrong}, {"wrong_rate", wrong}};
   r.classes["T"] = 100;
   r.causes = {{"acne", 3}, {"edge_resolution", 1}};
   r.path = "slide";
-  r.frames = {{"wrong_rate", {wrong, wrong / 2, std::nullopt}}};
+  r.frames = {{"error", {wrong, wrong / 2, std::nullopt}}};
   return r;
 }
 

@@ -107,6 +107,31 @@ TEST(viewer_compose, errors_have_the_bytes_of_the_pictures_in_files) {
   }
 }
 
+TEST(viewer_compose, errors_under_a_light_with_area_have_them_too) {
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    std::mt19937 random(seed);
+    HandMadeFrame seen = random_seen(random, 60, 40);
+    const std::size_t pixels = seen.answer->mask.size();
+    seen.frame->light.kind = SphereLight{{0, 5, 0}, 1};
+    for (float& v : seen.answer->mask) v = static_cast<float>(random() % 1000) / 999;
+    for (std::size_t i = 0; i < pixels; ++i) seen.verdict.causes[i] = static_cast<Cause>(random() % 3);
+    seen.verdict.has_causes = true;
+    seen.finish();
+    const Frame& f = *seen.frame;
+    for (const Paint paint : {Paint::kinds, Paint::causes})
+      for (const bool are_sought : {true, false}) {
+        if (!are_sought) seen.verdict.causes.clear();
+        Evidence e{60,         40,      seen.reference->classes, seen.reference->mask, seen.answer->mask, {}, &f.scene(),
+                   &f.gbuffer, &f.light};
+        if (paint == Paint::causes) e.causes = seen.verdict.causes;
+        Picture errors = draw_errors(e, "");
+        errors.rgb.resize(pixels * 3);
+        EXPECT_TRUE(bytes_of(left_of(seen, paint)) == errors.rgb) << seed << are_sought;
+        seen.verdict.causes.assign(pixels, Cause::none);
+      }
+  }
+}
+
 TEST(viewer_compose, light_received_is_intensity_times_cosine_inside_the_cone) {
   // A light 2 m above the origin; the point at (2, 0, 0) sees it under 45 degrees, as far from the cone's axis.
   HandMadeFrame seen(4, 1);

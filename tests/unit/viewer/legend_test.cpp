@@ -58,6 +58,37 @@ TEST(viewer_legend, classes_are_counted_over_all_pixels_and_layers_have_their_sw
   EXPECT_EQ(words_of(legend(c, 0)), (std::vector<std::string>{"lit", "penumbra", "umbra"}));
 }
 
+TEST(viewer_legend, under_a_light_with_area_shares_are_of_the_error) {
+  HandMadeFrame seen(10, 1);
+  seen.frame->light.kind = DiscLight{.center = {0, 4, 0}, .normal = {0, -1, 0}, .radius = 1};
+  seen.answer->mask = {0.6f, 0.9f, 1, 1, 1, 1, 1, 1, 1, 1};
+  seen.reference->mask[2] = 0.5f;
+  EXPECT_EQ(words_of(legend(left_of(seen, Paint::kinds), 0)),
+            (std::vector<std::string>{"too dark 50.0 % of the error", "too light 50.0 % of the error"}));
+  seen.verdict.has_causes = true;
+  seen.verdict.causes[0] = Cause::crack;
+  EXPECT_EQ(words_of(legend(left_of(seen, Paint::causes), 0)), std::vector<std::string>{"crack 40.0 % of the error"});
+  seen.verdict.causes.clear();
+  EXPECT_EQ(legend(left_of(seen, Paint::causes), 0).size(), 2u) << "none were sought";
+}
+
+TEST(viewer_numbers, a_light_with_area_is_judged_by_its_mean_error) {
+  HandMadeFrame seen(4, 1);
+  seen.verdict.errors = {.tested = 4, .wrong = 1, .false_dark = 1, .error_sum = 0.9};
+  seen.verdict.reference_error = 0.00125;
+  const auto words = [&](bool has_area) {
+    std::vector<std::string> all;
+    for (const Tally& tally : tallies(has_area)) all.push_back(fmt::format("{}: {}", tally.name, tally.words(seen.verdict)));
+    return all;
+  };
+  EXPECT_EQ(words(false), (std::vector<std::string>{"wrong: 25.0000 %", "false dark: 1", "false lit: 0", "tested: 4"}));
+  EXPECT_EQ(words(true),
+            (std::vector<std::string>{"error: 22.5000 %", "ref. error: 0.1250 %", "wrong: 25.0000 %", "tested: 4"}));
+  seen.verdict.errors = {};
+  seen.verdict.reference_error.reset();
+  EXPECT_EQ(words(true), (std::vector<std::string>{"error: ", "ref. error: ", "wrong: ", "tested: 0"}));
+}
+
 /// The value of a fact; "-" when it is not there.
 std::string fact(const std::vector<PixelFact>& facts, std::string_view name) {
   const auto found = std::ranges::find(facts, name, &PixelFact::name);
@@ -95,6 +126,25 @@ TEST(pixel_facts, tell_where_the_pixel_is_and_what_the_masks_say) {
   EXPECT_EQ(fact(pixel_facts(c, 0, 0, 0, nullptr, nullptr), "error"), "none");
   EXPECT_EQ(fact(pixel_facts(c, 0, 0, 0, nullptr, nullptr), "cause"), "-");
   EXPECT_TRUE(pixel_facts(c, 0, 4, 0, nullptr, nullptr).empty()) << "beside the picture";
+}
+
+TEST(pixel_facts, under_a_light_with_area_say_how_far_the_pixel_is_off) {
+  HandMadeFrame seen(3, 1);
+  seen.frame->light.kind = DiscLight{.center = {0, 4, 0}, .normal = {0, -1, 0}, .radius = 1};
+  seen.answer->mask = {0.25f, 0.496f, 1};
+  seen.reference->mask = {0.5f, 0.5f, 1};
+  seen.reference->error = {0.0021f, 0, 0};
+  const auto error_at = [&](int x) {
+    return fact(pixel_facts(left_of(seen, Paint::mask), 0, x, 0, nullptr, nullptr), "error");
+  };
+  EXPECT_EQ(error_at(0), "-0.2500, too dark; the reference's own 0.0021");
+  EXPECT_EQ(error_at(1), "-0.0040, too little to be drawn; the reference's own 0.0000");
+  EXPECT_EQ(error_at(2), "+0.0000, too little to be drawn; the reference's own 0.0000");
+  // Against the share that the technique estimates.
+  seen.reference->irradiance = {0.25f, 0.5f, 1};
+  seen.reference->irradiance_error = {0.001f, 0, 0};
+  seen.verdict.estimates = LightShareKind::irradiance;
+  EXPECT_EQ(error_at(0), "+0.0000, too little to be drawn; the reference's own 0.0010");
 }
 
 TEST(pixel_facts, exact_shapes_suns_and_backgrounds_have_their_own_words) {

@@ -1,6 +1,6 @@
 // Causes of wrong pixels: a stacked bar for a row, and the legend of the colors.
 
-import { causeShares, data, isOk } from "./data.js";
+import { causeShares, data, isOk, isSoft } from "./data.js";
 import { h, rgb } from "./dom.js";
 import { percent } from "./digits.js";
 
@@ -16,7 +16,7 @@ export function causeBar(row) {
   const shares = isOk(row) ? causeShares(row) : null;
   if (!shares) return h("span", { class: "null" }, "-");
   const total = shares.reduce((sum, share) => sum + share, 0);
-  if (total === 0) return h("span", { class: "none" }, "no wrong pixel");
+  if (total === 0) return h("span", { class: "none" }, isSoft(row) ? "no error" : "no wrong pixel");
   const parts = data.causes
     .map((cause, index) => ({ cause, share: shares[index] }))
     .filter(({ share }) => share > 0)

@@ -3,15 +3,16 @@
 import { blob, colors } from "./blobs.js";
 import * as compose from "./compose.js";
 import { data, groupName, isOk } from "./data.js";
-import { percent } from "./digits.js";
 import { Divider } from "./divider.js";
-import { chooser, h, rgb, toggle } from "./dom.js";
+import { chooser, h, toggle } from "./dom.js";
+import { legendOf } from "./picture_legend.js";
 import { Viewport } from "./viewport.js";
 
 const modes = [
   { name: "wipe", text: "Wipe", a: true, b: true },
   { name: "flicker", text: "Flicker", a: true, b: true },
   { name: "difference", text: "Difference", a: true, b: true },
+  { name: "error", text: "Error", a: true, b: false },
   { name: "causes", text: "Error causes", a: true, b: false },
   { name: "classes", text: "Pixel classes", a: false, b: false },
 ];
@@ -153,26 +154,28 @@ class Comparer {
   async load() {
     const turn = (this.turn = (this.turn ?? 0) + 1);
     const group = this.group,
-      { width, height, pictures } = data.groups[group];
+      { width, height, pictures, has_area } = data.groups[group];
     try {
-      const [lit, dark, reference, classes] = await Promise.all([
+      const [lit, dark, area, irradiance, classes] = await Promise.all([
         colors(pictures.lit),
         colors(pictures.dark),
         blob(pictures.reference),
+        pictures.irradiance === null ? null : blob(pictures.irradiance),
         blob(pictures.classes),
       ]);
       const side = async (list) => {
-        if (list.value === referenceChoice) return { title: "reference", mask: reference, causes: null, row: null };
+        if (list.value === referenceChoice) return { title: "reference", mask: area, reference: area, causes: null, row: null };
         const row = data.rows[Number(list.value)];
         const [mask, causes] = await Promise.all([
           blob(row.pictures.mask),
           row.pictures.causes === null ? null : blob(row.pictures.causes),
         ]);
-        return { title: row.title, mask, causes, row };
+        const reference = (row.estimates === "irradiance" && irradiance) || area;
+        return { title: row.title, mask, reference, causes, row };
       };
       const sides = await Promise.all([side(this.a), side(this.b)]);
       if (turn !== this.turn) return;
-      this.frame = { width, height, lit, dark, reference, classes };
+      this.frame = { width, height, is_soft: has_area, lit, dark, classes };
       [this.sideA, this.sideB] = sides;
       this.problem.hidden = true;
       this.view.setSize(width, height);
@@ -192,10 +195,11 @@ class Comparer {
     const plain = this.is_shaded ? compose.shaded : compose.maskOnly;
     let made = null;
     if (name === "difference") made = compose.difference(frame, sideA.mask, sideB.mask);
-    if (name === "causes") made = compose.causes(frame, sideA.mask, sideA.causes);
+    if (name === "error") made = compose.errors(frame, sideA, null);
+    if (name === "causes") made = compose.errors(frame, sideA, sideA.causes);
     if (name === "classes") made = compose.classes(frame);
     this.pictures = made ? [canvasOf(made.image)] : [sideA, sideB].map((side) => canvasOf(plain(frame, side.mask)));
-    this.showLegend(made?.counts);
+    this.showLegend(made);
     this.label();
     this.read(this.view.pixel);
     this.view.draw();
@@ -207,43 +211,15 @@ class Comparer {
       wipe: [`A  ${this.sideA.title}`, `B  ${this.sideB.title}`],
       flicker: [this.shows_b ? `B  ${this.sideB.title}` : `A  ${this.sideA.title}`],
       difference: [`A  ${this.sideA.title}  less  B  ${this.sideB.title}`],
+      error: [`${this.sideA.title}  less the reference`],
       causes: [this.sideA.title],
       classes: [],
     }[this.mode.name];
     this.labels.replaceChildren(...tags.map((tag) => h("span", {}, tag)));
   }
 
-  showLegend(counts) {
-    const pixels = this.frame.width * this.frame.height,
-      name = this.mode.name;
-    const tested = this.frame.classes.reduce((sum, c) => sum + (c === data.classes.length - 1), 0);
-    const entry = (color, text, title) => h("li", { title }, h("i", { style: { background: rgb(color) } }), text);
-    const signed = (dark, light, of, what) => [
-      entry(
-        compose.darker,
-        `${dark} ${counts.darker.toLocaleString("en")} px, ${percent(of ? counts.darker / of : 0)} of ${what}`,
-      ),
-      entry(
-        compose.lighter,
-        `${light} ${counts.lighter.toLocaleString("en")} px, ${percent(of ? counts.lighter / of : 0)} of ${what}`,
-      ),
-    ];
-    let entries = [];
-    if (name === "difference") entries = signed("A darker", "A lighter", pixels, "the picture");
-    if (name === "classes")
-      entries = data.classes.map((info, k) =>
-        entry(info.color, `${info.name} ${info.word} ${percent(counts[k] / pixels)}`, info.sentence),
-      );
-    if (name === "causes" && this.sideA.causes)
-      entries = data.causes
-        .map(
-          (cause, k) =>
-            counts[k] > 0 &&
-            entry(cause.color, `${words(cause.name)} ${percent(tested ? counts[k] / tested : 0)}`, cause.sentence),
-        )
-        .filter(Boolean);
-    else if (name === "causes") entries = signed("false dark", "false lit", tested, "the tested pixels");
-    if (name === "causes" && entries.length === 0) entries = [h("li", {}, "No tested pixel is wrong.")];
+  showLegend(made) {
+    const entries = legendOf(this.mode.name, this.frame, this.sideA, made);
     this.legend.replaceChildren(...entries);
     this.legend.hidden = entries.length === 0;
   }
@@ -268,11 +244,16 @@ class Comparer {
         : this.sideA.causes
           ? "none"
           : dash;
-      const is_wrong = compose.isWrong(this.frame, this.sideA.mask, i);
+      // Under a light with area how far it is off, else whether it is wrong.
+      const judged = (side) => {
+        const share = (side.mask[i] - side.reference[i]) / 255;
+        if (this.frame.is_soft) return share === 0 ? "" : ` (${share > 0 ? "+" : "\u2212"}${Math.abs(share).toFixed(2)})`;
+        return compose.isWrong(this.frame, side, i) ? " wrong" : "";
+      };
       values[0][1] = `${pixel.x}, ${pixel.y}`;
-      values[1][1] = value(this.sideA.mask) + (is_wrong ? " wrong" : "");
-      values[2][1] = value(this.sideB.mask) + (compose.isWrong(this.frame, this.sideB.mask, i) ? " wrong" : "");
-      values[3][1] = value(this.frame.reference);
+      values[1][1] = value(this.sideA.mask) + judged(this.sideA);
+      values[2][1] = value(this.sideB.mask) + judged(this.sideB);
+      values[3][1] = value(this.sideA.reference);
       values[4][1] = `${info.name} ${info.word}`;
       values[5][1] = cause;
     }

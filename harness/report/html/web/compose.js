@@ -1,4 +1,5 @@
-// Pictures from masks: what the comparer shows, as ImageData. A frame is {width, height, lit, dark, reference, classes}.
+// Pictures from masks: what the comparer shows, as ImageData. A frame is {width, height, is_soft, lit, dark, classes}, a side what
+// is compared: {mask, reference, causes}; `reference` is what its mask is judged by.
 
 import { data } from "./data.js";
 
@@ -15,8 +16,20 @@ const linear = Float32Array.from({ length: 256 }, (_, value) => {
 });
 const srgb = (x) => 255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055);
 
-/** Whether a mask is wrong there: off by more than one half, and the pixel faces the light. */
-export const isWrong = (frame, mask, i) => frame.classes[i] >= firstFacing && Math.abs(mask[i] - frame.reference[i]) > 127.5;
+/** Whether a side is wrong there: off by more than one half, and the pixel faces the light. */
+export const isWrong = (frame, side, i) =>
+  frame.classes[i] >= firstFacing && Math.abs(side.mask[i] - side.reference[i]) > 127.5;
+
+/** How strong the color of a difference of 8 bits is, 0 .. 1: under a light with area by its size, in steps. */
+const steps = data.error_steps;
+const strengths = Float32Array.from({ length: 256 }, (_, difference) =>
+  steps.reduce((weight, [least, stronger]) => (difference / 255 >= least ? stronger : weight), 0),
+);
+
+/** The colors of the steps over gray, [least, color] each. */
+export const scaleOf = (color) => steps.map(([least, weight]) => [least, color.map((c) => 128 + weight * (c - 128))]);
+
+const mix = (color, over, weight) => over.forEach((value, c) => (color[c] += weight * (value - color[c])));
 
 function painted({ width, height }, paint) {
   const image = new ImageData(width, height);
@@ -30,8 +43,6 @@ function painted({ width, height }, paint) {
   }
   return image;
 }
-
-const set = (color, [r, g, b]) => ((color[0] = r), (color[1] = g), (color[2] = b));
 
 /** The scene under this mask: exact at 0 and 1, mixed in linear light between. */
 export function shaded(frame, mask) {
@@ -58,32 +69,40 @@ export function difference(frame, a, b) {
   const counts = { darker: 0, lighter: 0 };
   const image = painted(frame, (i, color) => {
     color.fill(ghost(frame, i));
-    const share = (a[i] - b[i]) / 255;
-    if (share === 0) return;
-    ++counts[share < 0 ? "darker" : "lighter"];
-    const over = share < 0 ? darker : lighter,
-      weight = 0.35 + 0.65 * Math.abs(share);
-    for (let c = 0; c < 3; ++c) color[c] += weight * (over[c] - color[c]);
+    const size = Math.abs(a[i] - b[i]);
+    const weight = frame.is_soft ? strengths[size] : size && 0.35 + (0.65 * size) / 255;
+    if (weight === 0) return;
+    const is_darker = a[i] < b[i];
+    ++counts[is_darker ? "darker" : "lighter"];
+    mix(color, is_darker ? darker : lighter, weight);
   });
   return { image, counts };
 }
 
-/** Wrong pixels by cause; by false dark and false lit where causes are not known. */
-export function causes(frame, mask, cause) {
-  const counts = cause ? data.causes.map(() => 0) : { darker: 0, lighter: 0 };
+/**
+ * Tested pixels that differ from the reference: wrong ones too dark or too light, under a light with area every one as strongly
+ * as it is off. With `causes` in the color of their cause. `counts` are pixels by cause, or by side {darker, lighter}; `errors`
+ * the sums of what they are off by.
+ */
+export function errors(frame, side, cause) {
+  const { mask, reference } = side;
+  const zeros = () => (cause ? data.causes.map(() => 0) : { darker: 0, lighter: 0 });
+  const counts = zeros(),
+    sums = zeros();
   const image = painted(frame, (i, color) => {
     color.fill(ghost(frame, i));
-    if (cause) {
-      if (cause[i] === 0) return;
-      ++counts[cause[i] - 1];
-      set(color, data.causes[cause[i] - 1].color);
-    } else if (frame.classes[i] === tested && isWrong(frame, mask, i)) {
-      const is_dark = mask[i] < frame.reference[i];
-      ++counts[is_dark ? "darker" : "lighter"];
-      set(color, is_dark ? darker : lighter);
-    }
+    if (frame.classes[i] !== tested) return;
+    const size = Math.abs(mask[i] - reference[i]);
+    const is_dark = mask[i] < reference[i];
+    const kind = cause ? cause[i] - 1 : is_dark ? "darker" : "lighter";
+    if (kind === -1) return;
+    sums[kind] += size / 255;
+    const weight = frame.is_soft ? strengths[size] : cause || isWrong(frame, side, i) ? 1 : 0;
+    if (weight === 0) return;
+    ++counts[kind];
+    mix(color, cause ? data.causes[kind].color : is_dark ? darker : lighter, weight);
   });
-  return { image, counts };
+  return { image, counts, errors: sums };
 }
 
 export function classes(frame) {

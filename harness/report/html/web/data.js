@@ -22,6 +22,12 @@ export const textOf = (row, column) => row.texts[column.index] ?? row.values[col
 
 export const isOk = (row) => row.status === "ok";
 
+/** Whether the row's light has an area: its shadows are soft, and it is judged by its mean error. */
+export const isSoft = (row) => data.groups[row.group].has_area;
+
+/** What the metric `error` is called of these rows. */
+export const errorName = (rows) => (!rows.some(isSoft) ? "wrong" : rows.every(isSoft) ? "mean error" : "error");
+
 /** Different values in order of appearance. */
 export const distinct = (items) => [...new Set(items)];
 

@@ -1,20 +1,32 @@
 // A list of the scenes and lights that have something to plot under the filter.
 
-import { data, distinct, groupName } from "./data.js";
+import { data, distinct, groupName, isSoft } from "./data.js";
 import { chooser } from "./dom.js";
 import { filteredRows } from "./filter.js";
 
-export const everywhere = "all";
+/** Several places at once. Rows under lights without and with area are judged by other numbers, and few settings have both. */
+const everywhere = [
+  { value: "all", text: "over all", accepts: () => true },
+  { value: "all-hard", text: "over all lights without area", accepts: (row) => !isSoft(row) },
+  { value: "all-soft", text: "over all lights with area", accepts: isSoft },
+];
+const choicesOfAll = (rows) => {
+  const is_mixed = rows.some(isSoft) && !rows.every(isSoft);
+  const groupsOf = ({ accepts }) => new Set(rows.filter(accepts).map((row) => row.group)).size;
+  return everywhere.slice(is_mixed ? 1 : 0, is_mixed ? 3 : 1).filter((choice) => groupsOf(choice) > 1);
+};
 
 /**
- * `isWanted(row)` says which rows count. `with_all` leads with "over all", which is not chosen unless somebody does. Null when no
- * row of the run counts. `rows()` are those of the choice; the list then holds what the filter leaves, the choice kept where it can.
+ * `isWanted(row)` says which rows count. `with_all` leads with "over all", of each kind of light where there are both, which is not
+ * chosen unless somebody does. Null when no row of the run counts. `rows()` are those of the choice; the list then holds what the
+ * filter leaves, the choice kept where it can.
  */
 export function placeList(label, isWanted, redraw, with_all = false) {
   const options = (rows) => {
     const groups = distinct(rows.map((row) => row.group)).map((group) => ({ value: String(group), text: groupName(group) }));
-    return with_all && groups.length > 1 ? [{ value: everywhere, text: "over all" }, ...groups] : groups;
+    return with_all ? [...choicesOfAll(rows), ...groups] : groups;
   };
+  const chosenOfAll = () => everywhere.find((choice) => choice.value === list.value);
   const all = data.rows.filter(isWanted);
   if (all.length === 0) return null;
   let wanted = String(all[0].group);
@@ -23,15 +35,15 @@ export function placeList(label, isWanted, redraw, with_all = false) {
   const rows = () => {
     const passing = filteredRows().filter(isWanted),
       left = options(passing);
-    const first = left.find((option) => option.value !== everywhere)?.value;
+    const first = left.find((option) => !everywhere.includes(option))?.value;
     list.set(left, left.some((option) => option.value === wanted) ? wanted : first);
-    return list.value === everywhere ? passing : passing.filter((row) => row.group === Number(list.value));
+    return passing.filter(chosenOfAll()?.accepts ?? ((row) => row.group === Number(list.value)));
   };
   return {
     element: list.element,
     rows,
     get isAll() {
-      return list.value === everywhere;
+      return Boolean(chosenOfAll());
     },
   };
 }

@@ -3,16 +3,18 @@
 import { dot, line, plot } from "@observablehq/plot";
 
 import { frame, settingsOf, tipOf } from "./axes.js";
-import { columnNamed, data, distinct, isOk } from "./data.js";
+import { columnNamed, data, distinct, errorName, isOk, isSoft } from "./data.js";
 import { measured, tick } from "./digits.js";
 import { chooser } from "./dom.js";
 import { placeList } from "./places.js";
+import { judgedBy } from "./quantities.js";
 
 export function framesCard(redraw) {
   const names = distinct(
     data.rows.flatMap((row) => Object.keys(row.frames).filter((name) => row.frames[name].some((value) => value !== null))),
   );
-  const ordered = data.metrics.map((metric) => metric.name).filter((name) => names.includes(name));
+  const isTwin = (name) => name === "error" && !data.rows.some(isSoft); // the wrong rate again
+  const ordered = data.metrics.map((metric) => metric.name).filter((name) => names.includes(name) && !isTwin(name));
   const where = placeList("path", (row) => isOk(row) && Object.keys(row.frames).length > 0, redraw);
   if (!where || ordered.length === 0) return null;
   const metric = chooser(
@@ -21,7 +23,7 @@ export function framesCard(redraw) {
     redraw,
     { name: "metric" },
   );
-  metric.value = ordered.includes("instability") ? "instability" : ordered.includes("wrong_rate") ? "wrong_rate" : ordered[0];
+  metric.value = ordered.includes("instability") ? "instability" : ordered.includes(judgedBy) ? judgedBy : ordered[0];
 
   function draw(width) {
     const column = columnNamed(metric.value);
@@ -43,6 +45,7 @@ export function framesCard(redraw) {
     const there = points.filter((point) => !Number.isNaN(point.value));
     if (there.length === 0) return { empty: "No row here has frames of this metric." };
     const by = settingsOf(there);
+    const name = metric.value === "error" ? errorName(there.map((point) => point.row)) : (column?.heading ?? metric.value);
     return {
       plot: plot({
         ...frame(width),
@@ -54,7 +57,7 @@ export function framesCard(redraw) {
           tickFormat: (value) => (Number.isInteger(value) ? String(value) : ""),
         },
         y: {
-          label: `\u2191 ${column?.heading ?? metric.value}${unit ? ` (${unit})` : ""}`,
+          label: `\u2191 ${name}${unit ? ` (${unit})` : ""}`,
           labelArrow: "none",
           grid: true,
           zero: true,

@@ -3,10 +3,10 @@
 import { dot, line, plot, ruleY, text } from "@observablehq/plot";
 
 import { acrossOptions, between, colorScale, frame, logAxis, symbolScale, tipOf, upOptions, usedBy, zeroLines } from "./axes.js";
-import { distinct, isOk } from "./data.js";
+import { distinct, isOk, valueOf } from "./data.js";
 import { chooser, plural } from "./dom.js";
 import { placeList } from "./places.js";
-import { events, memory, metrics, named, optionsOf, stages } from "./quantities.js";
+import { calledFor, events, judgedBy, memory, metrics, named, optionsOf, stages } from "./quantities.js";
 
 /** Points that none beats in both, by cost. */
 export function frontOf(points) {
@@ -93,13 +93,20 @@ function nameMarks(points, at, isLeft) {
   ];
 }
 
-/** Points with their intervals, and the line through the front. `x` and `y` are the quantities. */
-function frontPlot(points, x, y, width) {
+/** Of mean errors the reference's own in percent, over the rows; null of other quantities and lights. */
+function floorOf(rows, metric) {
+  if (metric.name !== "error" && metric.name !== "error_mean") return null;
+  const floors = rows.map((row) => valueOf(row, "reference_error_mean")).filter((value) => value !== null);
+  return floors.length > 0 ? (100 * floors.reduce((sum, value) => sum + value, 0)) / floors.length : null;
+}
+
+/** Points with their intervals, and the line through the front. `x` and `y` are the quantities, `floor` that of y or null. */
+function frontPlot(points, x, y, floor, width) {
   const isFlipped = y.better === "higher";
   points.forEach((point) => (point.error = isFlipped ? -point.y : point.y));
   const front = frontOf(points.filter((point) => point.role === "contender"));
   const across = logAxis(points.flatMap((point) => [point.x, point.low, point.high].filter((value) => value !== null))),
-    up = logAxis(points.map((point) => point.y));
+    up = logAxis([...points.map((point) => point.y), ...(floor > 0 ? [floor] : [])]);
   const at = { x: (point) => across.at(point.x), y: (point) => up.at(point.y) };
   const height = Math.max(320, Math.min(480, width * 0.62));
   const names = labeled(
@@ -117,6 +124,7 @@ function frontPlot(points, x, y, width) {
     symbol: { ...usedBy(points, symbolScale), legend: true },
     marks: [
       ...zeroLines(across, up),
+      ...(floor > 0 ? [ruleY([up.at(floor)], { stroke: "var(--ink)", strokeDasharray: "1 4" })] : []),
       line(front, { ...at, curve: "step-after", stroke: "var(--ink)", strokeOpacity: 0.55, strokeWidth: 1.5 }),
       ruleY(
         points.filter((point) => point.low !== null),
@@ -141,14 +149,15 @@ function frontPlot(points, x, y, width) {
 }
 
 /** What the plot shows; `groups` are those of means, undefined where a single place is shown. */
-const captionOf = (points, groups) =>
+const captionOf = (points, groups, floor) =>
   [
     groups
       ? `Mean error and geometric mean cost over ${plural(groups.length, "place", "places")} that every setting here finished. `
       : "",
     "The line joins contenders that none beats in both. ",
     points.some((point) => point.low !== null) ? "Bars are 95 % intervals. " : "",
-    points.some((point) => point.role !== "contender") ? "Hollow: baseline and reference." : "",
+    points.some((point) => point.role !== "contender") ? "Hollow: baseline and reference. " : "",
+    floor > 0 ? "Dotted: the reference's own mean error." : "",
   ].join("");
 
 export function frontCard(redraw) {
@@ -158,7 +167,7 @@ export function frontCard(redraw) {
   if (!where) return null;
   const error = chooser("error", optionsOf(metrics), redraw, { name: "error" });
   const cost = chooser("cost", optionsOf(costs), redraw, { name: "cost" });
-  error.value = "wrong_rate";
+  error.value = judgedBy;
   cost.value = costs.some(({ name }) => name === "light") ? "light" : costs[0].name;
 
   function draw(width) {
@@ -168,7 +177,10 @@ export function frontCard(redraw) {
     const { points, groups } = where.isAll
       ? pointsOverAll(rows, x, y)
       : { points: rows.map((row) => pointOf(row, x, y)).filter(Boolean) };
-    if (points.length > 0) return { plot: frontPlot(points, x, y, width), caption: captionOf(points, groups) };
+    const shown = points.map((point) => point.row),
+      floor = floorOf(shown, y);
+    if (points.length > 0)
+      return { plot: frontPlot(points, x, calledFor(y, shown), floor, width), caption: captionOf(points, groups, floor) };
     return {
       empty:
         groups && rows.length

@@ -6,7 +6,7 @@ import { acrossOptions, between, frame, logAxis, seriesOf, tipOf, upOptions, zer
 import { data, distinct, isOk, valueOf } from "./data.js";
 import { chooser } from "./dom.js";
 import { filteredRows } from "./filter.js";
-import { events, memory, metrics, named, optionsOf, stages } from "./quantities.js";
+import { calledFor, events, memory, metrics, named, optionsOf, stages } from "./quantities.js";
 
 /** What may grow: name, text, of(row) -> number or null, and whether it grows with the scene. */
 function growing() {
@@ -127,7 +127,11 @@ export function scalingCard(redraw) {
     );
     const across = logAxis(points.map((point) => point.x)),
       up = logAxis(ends);
-    return { plot: scalingPlot(points, across, up, x, y, width), caption: captionOf(points, across, up, x) };
+    const called = calledFor(
+      y,
+      points.map((point) => point.row),
+    );
+    return { plot: scalingPlot(points, across, up, x, called, width), caption: captionOf(points, across, up, x) };
   }
   return {
     name: "scaling",

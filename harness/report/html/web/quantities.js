@@ -1,6 +1,6 @@
 // What a plot can put on an axis: costs with their intervals, memory, metrics.
 
-import { columnNamed, data } from "./data.js";
+import { columnNamed, data, errorName, isSoft } from "./data.js";
 import { measured, milliseconds } from "./digits.js";
 
 const stageNames = ["setup", "build", "relight", "resolve"];
@@ -29,11 +29,22 @@ const occurs = (quantity) => data.rows.some((row) => quantity.of(row));
 export const events = data.costs.map((cost) => ofTimes(cost.name, cost.heading, (row) => row.costs[cost.name])).filter(occurs);
 export const stages = stageNames.map((name) => ofTimes(name, name, (row) => row.stages[name])).filter(occurs);
 export const memory = ["bytes", "peak_bytes"].map(columnNamed).filter(Boolean).map(ofColumn).filter(occurs);
-/** Metrics that have a better side. */
+/** Metrics that have a better side. `error` is another word for the wrong rate where no light has an area. */
 export const metrics = data.metrics
   .filter((metric) => metric.better && columnNamed(metric.name))
+  .filter((metric) => metric.name !== "error" || data.rows.some(isSoft))
   .map((metric) => ({ ...ofColumn(columnNamed(metric.name)), better: metric.better, sentence: metric.sentence }))
   .filter(occurs);
+
+/** What rows are judged by. */
+export const judgedBy = data.rows.some(isSoft) ? "error" : "wrong_rate";
+
+/** The quantity by the name that it has for these rows. */
+export function calledFor(quantity, rows) {
+  if (quantity.name !== "error") return quantity;
+  const text = errorName(rows);
+  return { ...quantity, text, label: `${text} (${quantity.unit})` };
+}
 
 export const optionsOf = (quantities) => quantities.map(({ name, text }) => ({ value: name, text }));
 export const named = (quantities, name) => quantities.find((quantity) => quantity.name === name) ?? quantities[0];

@@ -1,33 +1,34 @@
 // The table of all rows: sorted by any column, filtered, with columns to choose.
 
 import { causeBar, causeLegend, occurringCauses, wrongShare } from "./causes.js";
-import { columnNamed, data, isOk, textOf } from "./data.js";
+import { columnNamed, data, isOk, isSoft, textOf } from "./data.js";
 import { breakable, h } from "./dom.js";
 import { filteredRows, filterBar, onFilter } from "./filter.js";
 
 const isInterval = (column) => /_(low|high)$/.test(column.name) && columnNamed(column.name.replace(/_(low|high)$/, ""));
+const withCauses = data.rows.filter((row) => row.causes);
 const causesColumn = {
   name: "causes",
   heading: "causes",
-  shown_unit: "of the wrong",
+  shown_unit: withCauses.some(isSoft) ? "of the error" : "of the wrong",
   is_left: true,
   is_headline: true,
   better: "lower",
-  sentence: "Why wrong pixels are wrong: each cause's part of the wrong tested pixels. Sorts by the share of all tested ones.",
+  sentence:
+    "Why wrong pixels are wrong: each cause's part of the wrong tested pixels, under a light with area of the error. Sorts by " +
+    "the share of all tested ones.",
 };
 
-/** Columns that may be shown; intervals stand with their times, causes behind the first error. */
+/** Columns that may be shown; intervals stand with their times, behind what rows are judged by what it is read against, then causes. */
 function allColumns() {
   const columns = data.columns.filter((column) => !isInterval(column) && column.name !== "causes");
-  // What the wrong rate is read against stands beside it.
-  const floor = columns.findIndex((column) => column.name === "snapping_floor");
-  const wrong = columns.findIndex((column) => column.name === "wrong_rate");
-  if (floor > wrong && wrong >= 0) columns.splice(wrong + 1, 0, ...columns.splice(floor, 1));
-  if (data.rows.some((row) => row.causes)) {
-    const place = columns.findIndex((column) => column.name === "wrong_rate");
-    columns.splice(place < 0 ? columns.length : place + 1, 0, causesColumn);
-  }
-  return columns;
+  const judged = columns.find((column) => ["error", "wrong_rate"].includes(column.name) && column.is_headline);
+  if (!judged) return withCauses.length > 0 ? [...columns, causesColumn] : columns;
+  const floors = ["reference_error_mean", "snapping_floor"].map(columnNamed).filter((column) => column?.is_headline);
+  const beside = withCauses.length > 0 ? [...floors, causesColumn] : floors;
+  const others = columns.filter((column) => !floors.includes(column));
+  others.splice(others.indexOf(judged) + 1, 0, ...beside);
+  return others;
 }
 
 const sortValue = (row, column) => (column === causesColumn ? wrongShare(row) : row.values[column.index]);
@@ -101,7 +102,7 @@ function cell(row, column, openPictures) {
           class: "mark",
           role: "img",
           "aria-label": "too few pixels tested",
-          title: "too few pixels tested: read the wrong rate with care",
+          title: "too few pixels tested: read the errors with care",
         },
         "\u2691",
       ),
