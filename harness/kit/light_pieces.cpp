@@ -93,40 +93,35 @@ void LightPieces::start(const LightFace& face) {
 }
 
 void LightPieces::subtract(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+  const double turn = glm::dot(glm::cross(a, b), c);
+  if (turn == 0) return;
   // Only what is before the light's plane, on the point's side, can cover it.
   const glm::dvec3 axis = glm::cross(face_->half_u(), face_->half_v());
-  const double plane = glm::dot(axis, face_->center()), side = plane > 0 ? 1 : -1;
-  const std::array<glm::dvec3, 3> corners = {a, b, c};
-  std::array<double, 3> before;
-  int count_before = 0;
-  for (int k = 0; k < 3; ++k) {
-    before[k] = side * (plane - glm::dot(axis, corners[k]));
-    count_before += before[k] > 0;
+  const double plane = glm::dot(axis, face_->center());
+  const auto before = [&](const glm::dvec3& corner) {
+    return plane > 0 ? plane - glm::dot(axis, corner) : glm::dot(axis, corner) - plane;
+  };
+  const auto [least, most] = std::minmax({before(a), before(b), before(c)});
+  if (most <= 0) return;
+  const auto line_of = [&](const glm::dvec3& across, double offset) {
+    const double sign = turn > 0 ? 1 : -1;
+    return sign * glm::dvec3(glm::dot(across, face_->center()) - offset, glm::dot(across, face_->half_u()),
+                             glm::dot(across, face_->half_v()));
+  };
+  std::array<glm::dvec3, 4> lines = {line_of(glm::cross(a, b), 0), line_of(glm::cross(b, c), 0), line_of(glm::cross(c, a), 0)};
+  // Of a triangle across the light's plane only places beyond its own plane are covered, which the two planes' common line
+  // tells: corners cut off where its sides meet the light's plane would lie as near to each other as a side is to touching it.
+  const bool is_across = least < 0;
+  if (is_across) {
+    const glm::dvec3 normal = glm::cross(b - a, c - a);  // dot(normal, a) is turn
+    lines[3] = line_of(normal, glm::dot(normal, a));
   }
-  if (count_before == 0) return;
-  if (count_before == 3) return subtract_cone(corners);
-  std::array<glm::dvec3, 4> part;
-  std::size_t size = 0;
-  for (int k = 0; k < 3; ++k) {
-    const int next = (k + 1) % 3;
-    if (before[k] > 0) part[size++] = corners[k];
-    if ((before[k] > 0) != (before[next] > 0))
-      part[size++] = corners[k] + before[k] / (before[k] - before[next]) * (corners[next] - corners[k]);
-  }
-  subtract_cone(std::span(part.data(), size));
+  subtract_region(std::span(lines.data(), is_across ? 4 : 3));
 }
 
-void LightPieces::subtract_cone(std::span<const glm::dvec3> rays) {
-  const double turn = glm::dot(glm::cross(rays[0], rays[1]), rays[2]);
-  if (turn == 0) return;
-  std::array<glm::dvec3, 4> lines;
-  for (std::size_t k = 0; k < rays.size(); ++k) {
-    const glm::dvec3 across = (turn > 0 ? 1.0 : -1.0) * glm::cross(rays[k], rays[(k + 1) % rays.size()]);
-    lines[k] = {glm::dot(across, face_->center()), glm::dot(across, face_->half_u()), glm::dot(across, face_->half_v())};
-  }
-  const std::span<const glm::dvec3> used(lines.data(), rays.size());
+void LightPieces::subtract_region(std::span<const glm::dvec3> lines) {
   const auto misses = [&](const Piece& piece) {
-    for (const glm::dvec3& line : used) {
+    for (const glm::dvec3& line : lines) {
       const glm::dvec2 best(line.y > 0 ? piece.high.x : piece.low.x, line.z > 0 ? piece.high.y : piece.low.y);
       if (!(line_at(line, best) > 0)) return true;
     }
@@ -135,7 +130,7 @@ void LightPieces::subtract_cone(std::span<const glm::dvec3> rays) {
   // From the last to the first: what takes the place of a piece has been looked at, or is new and outside.
   for (std::size_t k = pieces_.size(); k-- > 0;) {
     const Piece piece = pieces_[k];
-    if (misses(piece) || !cut(piece, used)) continue;
+    if (misses(piece) || !cut(piece, lines)) continue;
     is_whole_ = false;
     live_corners_ -= piece.count;
     pieces_[k] = pieces_.back();

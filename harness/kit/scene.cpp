@@ -65,7 +65,12 @@ bool Scene::has_curved_shapes() const {
 
 double extent(const Scene& scene, const Light& light, const View& view) {
   const glm::dvec4 l = homogeneous_of_center(light);
-  return std::max({scene.bounds().extent(), extent(view.eye), l.w != 0 ? extent(glm::dvec3(l)) : 0});
+  glm::dvec3 reach(0);  // of the light from its center, along x, y and z
+  if (const auto* rect = std::get_if<RectLight>(&light.kind))
+    reach = glm::abs(glm::dvec3(rect->half_u)) + glm::abs(glm::dvec3(rect->half_v));
+  if (const auto* disc = std::get_if<DiscLight>(&light.kind)) reach = glm::dvec3(disc->radius);
+  if (const auto* sphere = std::get_if<SphereLight>(&light.kind)) reach = glm::dvec3(sphere->radius);
+  return std::max({scene.bounds().extent(), extent(view.eye), l.w != 0 ? extent(glm::abs(glm::dvec3(l)) + reach) : 0});
 }
 
 // Open addressing.

@@ -32,7 +32,7 @@ constexpr std::size_t gbuffer_pixel = 32, hard_pixel = 10, soft_pixel = 30;
 std::size_t reference_pixel(const Light& light) { return has_area(light) ? soft_pixel : hard_pixel; }
 
 /// Raised when trace_soft answers otherwise.
-constexpr int soft_version = 1;
+constexpr int soft_version = 2;
 
 /// Raised when what files hold for the same frame changes. It names them, so that builds before and after keep their own.
 constexpr int file_layout = 2;

@@ -31,7 +31,7 @@ class SoftPixel {
   double caster_distance() const {
     const Squares squares = Scramble(~std::uint64_t{seed_}).of_each(0);
     const LightFace::Box& box = face_.box();
-    const glm::dvec3 origin = point_ + static_cast<float>(ray_offset(point_)) * normal_;
+    const glm::dvec3 origin = point_ + static_cast<float>(area_ray_offset(point_)) * normal_;
     double sum = 0;
     int count = 0;
     for (std::size_t k = 0; k < squares.x.size(); ++k) {
@@ -49,43 +49,66 @@ class SoftPixel {
   /// Whether a share changes by more than `most` when point or light move by rho. One ray of sixteen that changes calls for
   /// 512.
   bool moves(double rho, double most) const {
-    constexpr std::uint32_t few = 1, many = 32;
-    const Scramble scramble(~std::uint64_t{seed_});
-    const FaceRays at_rest = rays(face_, {}, true);
+    Rest rest(rays(face_, {}, true), seed_);
     for (int shift = 0; shift < shift_count; ++shift) {
       const FaceRays moved = moved_rays(rho, shift);
-      const auto changed = [&](std::uint32_t rounds) { return change(at_rest, moved, scramble, rounds) > most; };
-      if (changed(few) && changed(many)) return true;
+      if (change(rest, moved, 1) > most && change(rest, moved, Rest::most_rounds) > most) return true;
     }
     return false;
   }
 
  private:
-  static constexpr int shift_count = 9;
+  static constexpr int shift_count = 11;
+
+  /// What rays find where nothing has moved, sixteen at a time, each asked for once.
+  class Rest {
+   public:
+    static constexpr int most_rounds = 32;
+    Rest(const FaceRays& rays, std::uint64_t seed) : rays_(rays), scramble_(~seed) {}
+    const Squares& squares(int round) { return find(round).squares; }
+    const FaceHits& hits(int round) { return find(round).hits; }
+
+   private:
+    struct Round {
+      Squares squares;
+      FaceHits hits;
+    };
+    const Round& find(int round) {
+      for (; known_ <= round; ++known_) {
+        rounds_[known_].squares = scramble_.of_each(static_cast<std::uint32_t>(known_));
+        rounds_[known_].hits = rays_.ask(rounds_[known_].squares);
+      }
+      return rounds_[round];
+    }
+    FaceRays rays_;
+    Scramble scramble_;
+    std::array<Round, most_rounds> rounds_;
+    int known_ = 0;
+  };
 
   FaceRays rays(const LightFace& face, const glm::vec3& moved, bool is_lifted) const {
-    const glm::vec3 lift = is_lifted || is_on_shape_ ? static_cast<float>(ray_offset(point_)) * normal_ : glm::vec3(0);
+    const glm::vec3 lift = is_lifted || is_on_shape_ ? static_cast<float>(area_ray_offset(point_)) * normal_ : glm::vec3(0);
     return {casters_, point_ + moved + lift, lift, mesh_, triangle_, face};
   }
 
-  /// The point moves along its two tangents, the light across the way to its center, both ways; then rays start at the point
-  /// without the lift of the recipe.
+  /// The point moves along its two tangents, the light across the way to its center and along it, each both ways; then rays
+  /// start at the point without the lift of the recipe.
   FaceRays moved_rays(double rho, int shift) const {
-    if (shift == 8) return rays(face_, {}, false);
+    if (shift == shift_count - 1) return rays(face_, {}, false);
     const double step = shift & 1 ? rho : -rho;
-    const glm::dvec3 axis = shift < 4 ? glm::dvec3(normal_) : glm::dvec3(homogeneous_of_center(light_)) - glm::dvec3(point_);
-    const glm::dvec3 way = step * across(glm::normalize(axis))[shift / 2 % 2];
+    const glm::dvec3 point(point_), to_center = glm::normalize(glm::dvec3(homogeneous_of_center(light_)) - point);
+    const glm::dvec3 axis = shift < 4 ? glm::dvec3(normal_) : to_center;
+    const glm::dvec3 way = step * (shift < 8 ? across(axis)[shift / 2 % 2] : axis);
     // A light that moves one way is a point that moves the other way, below casters that come along.
-    if (shift < 4) return rays(LightFace(light_, glm::dvec3(point_) + way, normal_), glm::vec3(way), true);
-    return rays(LightFace(light_, glm::dvec3(point_) - way, normal_), {}, true);
+    if (shift < 4) return rays(LightFace(light_, point + way, normal_), glm::vec3(way), true);
+    return rays(LightFace(light_, point - way, normal_), {}, true);
   }
 
   /// The larger change of the two shares, from the same places.
-  static double change(const FaceRays& from, const FaceRays& to, const Scramble& scramble, std::uint32_t rounds) {
+  static double change(Rest& rest, const FaceRays& to, int rounds) {
     double asked = 0, weight = 0, blocked = 0, blocked_weight = 0;
-    for (std::uint32_t round = 0; round < rounds; ++round) {
-      const Squares squares = scramble.of_each(round);
-      const FaceHits a = from.ask(squares), b = to.ask(squares);
+    for (int round = 0; round < rounds; ++round) {
+      const FaceHits &a = rest.hits(round), b = to.ask(rest.squares(round));
       asked += std::popcount(a.asked);
       for (std::uint32_t left = a.asked; left; left &= left - 1) weight += a.weight[std::countr_zero(left)];
       for (std::uint32_t left = a.blocked ^ b.blocked; left; left &= left - 1) {

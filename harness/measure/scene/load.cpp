@@ -128,14 +128,19 @@ void check(const Light& light, const std::string& where) {
   const auto need_position = [&](const glm::vec3& v, const char* what) {
     need(is_sound(v), fmt::format("{} = ({}, {}, {}) is outside {}", what, v.x, v.y, v.z, coordinate_range));
   };
+  // Below, float32 has no digits left, and processors are told to take such numbers for 0.
+  constexpr double least_length = 1e-30;
+  const auto need_length = [&](double length, const std::string& what) {
+    need(length >= least_length && length <= largest_coordinate,
+         fmt::format("{} is outside {:g} .. {:g} m", what, least_length, largest_coordinate));
+  };
   need(light.intensity > 0 && std::isfinite(light.intensity), fmt::format("intensity = {} is not above 0", light.intensity));
   const auto check_kind = [&](const auto& l) {
     if constexpr (requires { l.position; }) need_position(l.position, "position");
     if constexpr (requires { l.center; }) need_position(l.center, "center");
     if constexpr (requires { l.direction; }) need_direction(l.direction, "direction");
     if constexpr (requires { l.normal; }) need_direction(l.normal, "normal");
-    if constexpr (requires { l.radius; })
-      need(l.radius > 0 && l.radius <= largest_coordinate, fmt::format("radius = {} is not above 0", l.radius));
+    if constexpr (requires { l.radius; }) need_length(l.radius, fmt::format("radius = {}", l.radius));
     if constexpr (requires { l.outer_degrees; }) {
       need(l.outer_degrees > 0 && l.outer_degrees < 90,
            fmt::format("outer_degrees = {} is outside 0 .. 90, both excluded", l.outer_degrees));
@@ -143,9 +148,9 @@ void check(const Light& light, const std::string& where) {
            fmt::format("inner_degrees = {} is outside 0 .. outer_degrees = {}", l.inner_degrees, l.outer_degrees));
     }
     if constexpr (requires { l.half_u; }) {
-      need_direction(l.half_u, "half_u");
-      need_direction(l.half_v, "half_v");
       const glm::dvec3 u = l.half_u, v = l.half_v;
+      need_length(glm::length(u), fmt::format("the length of half_u = ({}, {}, {})", u.x, u.y, u.z));
+      need_length(glm::length(v), fmt::format("the length of half_v = ({}, {}, {})", v.x, v.y, v.z));
       constexpr double least_sine = 1e-6;  // below, it is rounding
       need(glm::length(glm::cross(u, v)) > least_sine * glm::length(u) * glm::length(v), "half_u and half_v span no area");
     }

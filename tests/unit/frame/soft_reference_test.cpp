@@ -104,6 +104,34 @@ TEST(SoftReference, classes_are_those_of_the_lights_place) {
   EXPECT_EQ(count(inside, PixelClass::T), 0u);
 }
 
+// A light in the plane of the card: whether rays that end on the card meet it is rounding. One that is a little below it is
+// seen from below, and one above it hidden.
+TEST(SoftReference, a_light_on_a_caster_is_uncertain) {
+  const auto floor_count = [](float y, PixelClass of, float share) {
+    const Traced t = traced(card_over_floor(RectLight{{0, y, 0}, {0.5f, 0, 0}, {0, 0, 0.5f}}));
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < t.gbuffer.size(); ++i)
+      count += t.gbuffer.mesh[i] == 0 && t.soft.classes[i] == of && (share < 0 || t.soft.area[i] == share);
+    return count;
+  };
+  EXPECT_GT(floor_count(1, PixelClass::U, -1), 1000u);
+  EXPECT_EQ(floor_count(1, PixelClass::T, -1), 0u);
+  EXPECT_GT(floor_count(0.999f, PixelClass::T, 1), 1000u);
+  EXPECT_GT(floor_count(1.001f, PixelClass::T, 0), 1000u);
+  EXPECT_EQ(floor_count(1.001f, PixelClass::U, -1), 0u);
+}
+
+// Its corners, not its center, say how far rounding reaches: a light of a million times the scene leaves nothing to test.
+TEST(SoftReference, a_light_is_as_far_as_its_corners) {
+  for (const LightKind& kind :
+       {LightKind(RectLight{{0, 3, 0}, {4e6f, 0, 0}, {0, 0, 4e6f}}), LightKind(DiscLight{{0, 3, 0}, {0, -1, 0}, 4e6f}),
+        LightKind(SphereLight{{0, 5e6f, 0}, 4e6f})}) {
+    const Traced t = traced(card_over_floor(kind));
+    EXPECT_EQ(count_classes(t.soft.classes)[static_cast<std::size_t>(PixelClass::T)], 0u);
+    EXPECT_GT(count_classes(t.soft.classes)[static_cast<std::size_t>(PixelClass::U)], 1000u);
+  }
+}
+
 TEST(SoftReference, a_target_that_the_cap_cannot_reach_makes_penumbrae_uncertain) {
   const Traced t = traced(card_over_floor(kinds()[0]), 96, 54, {.error = 0.0005, .cap = 512});
   EXPECT_EQ(count_classes(t.soft.classes)[static_cast<std::size_t>(PixelClass::T)], 0u);

@@ -4,7 +4,9 @@
 #include <gnomon/kit/random.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace gnomon {
 namespace {
@@ -95,6 +97,34 @@ TEST(AreaRays, differ_from_the_exact_share_by_no_more_than_their_error_says) {
   EXPECT_LT(std::abs(sum / static_cast<double>(asked)), 5 * 0.002 / std::sqrt(asked));
 }
 
+// A light of 2 km, 1 m above the point: half of its irradiance comes from 1 m around, a millionth of its area, which no ray is
+// sent to. What is above the point hides that half; the error says that the rays do not know.
+TEST(AreaRays, a_place_that_outweighs_all_others_may_be_missed) {
+  const Light sky{.kind = RectLight{{0, 1, 0}, {1000, 0, 0}, {0, 0, 1000}}};
+  const Scene leaf = scene_of({{{{-0.5f, 0.5f, -0.5f}, {1, 0.5f, 0}, {-0.5f, 0.5f, 0.5f}}}});
+  const Both both = ask(leaf, sky, {});
+  EXPECT_LT(both.exact.irradiance.best, 0.8);
+  EXPECT_GT(both.exact.area.best, 0.999);
+  EXPECT_GT(both.rays.irradiance_error, 0.1);
+  EXPECT_LE(both.rays.area_error, 0.002);
+  // Where the heaviest ray weighs as much as twice the mean of all, nothing changes.
+  EXPECT_LE(ask(leaf, {.kind = RectLight{{0, 2, 0}, {1, 0, 0}, {0, 0, 1}}}, {}).rays.irradiance_error, 0.002);
+}
+
+// Half of a light is hidden, at any distance and of any size that a scene may have.
+TEST(AreaRays, weights_stay_within_float32) {
+  for (const float size : {1e-18f, 1e-9f, 1.0f, 1e9f, 1e16f}) {
+    const Scene half = scene_of({{{{0, size, -9 * size}, {-9 * size, size, 0}, {0, size, 9 * size}}}});
+    const Light panel{.kind = RectLight{{0, 2 * size, 0}, {0.5f * size, 0, 0}, {0, 0, 0.5f * size}}};
+    const LightFace face(panel, {}, up);
+    const RayScene casters(half, Truth::mesh, RayScene::Which::casters);
+    const SampledShares shares = sample_shares(FaceRays(casters, {}, {}, no_mesh, 0, face), 1, {});
+    EXPECT_NEAR(shares.area, 0.5, 5 * shares.area_error) << size;
+    EXPECT_NEAR(shares.irradiance, 0.5, 5 * shares.irradiance_error) << size;
+    EXPECT_LE(shares.irradiance_error, 0.002) << size;
+  }
+}
+
 TEST(AreaRays, other_seeds_are_other_rays_and_the_same_seed_is_the_same) {
   const Scene half = scene_of({{{{0.1f, 1, -90}, {-90, 1, 0}, {0.1f, 1, 90}}}});
   const SampledShares a = ask(half, disc(), {}, 7).rays, again = ask(half, disc(), {}, 7).rays,
@@ -140,6 +170,33 @@ TEST(Scramble, places_are_uniform_and_replicas_independent) {
   EXPECT_NEAR(y / draws, 0.5, 5 * std::sqrt(1.0 / 12 / draws));
   EXPECT_NEAR(xy / draws, 0, 5.0 / 12 / std::sqrt(draws));
   EXPECT_NEAR(apart / draws, 0, 5.0 / 12 / std::sqrt(draws));
+}
+
+// Packets hold the places of the rounds and no others, square k of sequence k % 8, and those of a packet lie together: a packet
+// of a whole chunk has them in two cells of 64, one beside the other.
+TEST(SortedRounds, keep_places_and_sequences_and_bring_neighbors_together) {
+  const Scramble scramble(9);
+  for (const auto& [from, to] :
+       {std::pair(0u, 4u), std::pair(4u, 16u), std::pair(0u, 32u), std::pair(32u, 64u), std::pair(33u, 34u)}) {
+    std::multiset<std::array<float, 3>> asked, got;
+    for (std::uint32_t round = from; round < to; ++round) {
+      const Squares squares = scramble.of_each(round);
+      for (int k = 0; k < 16; ++k) asked.insert({static_cast<float>(k % 8), squares.x[k], squares.y[k]});
+    }
+    SortedRounds sorted;
+    sorted.sort(scramble, from, to);
+    EXPECT_EQ(sorted.packet_count(), to - from);
+    for (std::uint32_t packet = 0; packet < sorted.packet_count(); ++packet) {
+      const Squares& squares = sorted.squares(packet);
+      for (int k = 0; k < 16; ++k) got.insert({static_cast<float>(k % 8), squares.x[k], squares.y[k]});
+      if (to - from < 32) continue;
+      const auto [left, right] = std::ranges::minmax(squares.x);
+      const auto [low, high] = std::ranges::minmax(squares.y);
+      EXPECT_EQ(std::floor(right * 4), std::floor(left * 4));
+      EXPECT_EQ(std::floor(high * 8), std::floor(low * 8));
+    }
+    EXPECT_EQ(asked, got) << from << " .. " << to;
+  }
 }
 
 // The concentric map keeps areas: of places spread evenly, a ring and a sector get their share.

@@ -1,7 +1,10 @@
 // Exact shares of lights with area over whole scenes: what the tree finds is what every triangle by itself leaves.
 #include <gnomon/kit/area_scene.h>
 #include <gnomon/kit/random.h>
+#include <gnomon/kit/shapes.h>
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 #include "hand_made.h"
 
@@ -97,6 +100,44 @@ TEST(AreaScene, casters_that_touch_the_light_have_an_answer) {
   finish(mesh);
   const LightFace from_side(panel, {-1, 0, 0}, {0, 1, 0});
   EXPECT_NEAR(AreaScene(wall).seen({{-1, 0, 0}}, from_side, pieces, tally).area.best, 0.75, 1e-12);
+}
+
+// A light that covers the top of a box, to its edges: each wall has a triangle with one corner in the light's plane and one
+// with two. Seen from the floor the walls hide all of it, and from above nothing does.
+TEST(AreaScene, a_light_on_a_box_is_behind_its_walls) {
+  Scene scene;
+  scene.meshes = {tessellate(Box{{-0.5f, 0, -0.5f}, {0.5f, 1, 0.5f}}, 4, "box")};
+  const AreaScene exact(scene);
+  const Light top{.name = "top", .kind = RectLight{{0, 1, 0}, {0.5f, 0, 0}, {0, 0, 0.5f}}};
+  LightPieces pieces;
+  AreaTally tally;
+  Random random(4);
+  for (int k = 0; k < 200; ++k) {
+    glm::vec3 point(random.uniform({-3, 0, -3}, {3, 0.9, 3}));
+    if (std::max(std::abs(point.x), std::abs(point.z)) < 0.6f) continue;
+    EXPECT_EQ(exact.seen({point}, LightFace(top, point, {0, 1, 0}), pieces, tally).area.best, 0) << point.x << ", " << point.z;
+    point.y += 2;
+    EXPECT_EQ(exact.seen({point}, LightFace(top, point, {0, -1, 0}), pieces, tally).area.best, 1) << point.x << ", " << point.z;
+  }
+}
+
+// A fin of height 1 stands below a light at the height 2 on one tip: with the tip in the light's plane, a rounding before or
+// behind it, the share is the same. From (2, 0, 0) the fin x = 0 from (0, 1, -1) and (0, 1, 1) to (0, 2, 0) covers, of the
+// light -1 < x < 1, what lies beyond it: the triangle's picture from there has its base at x = -2, z = +-2, and its tip where
+// it is, so that the light loses |z| < -x of its half x < 0: a quarter.
+TEST(AreaScene, a_tip_at_the_light_has_one_answer) {
+  for (const float tip : {2.0f, std::nextafter(2.0f, 0.0f), std::nextafter(2.0f, 3.0f), 1.9999f, 2.0001f}) {
+    Scene scene;
+    Mesh& mesh = scene.meshes.emplace_back();
+    mesh.positions = {{0, 1, -1}, {0, 1, 1}, {0, tip, 0}};
+    mesh.triangles = {{0, 1, 2}};
+    finish(mesh);
+    const Light panel{.name = "panel", .kind = RectLight{{0, 2, 0}, {1, 0, 0}, {0, 0, 1}}};
+    LightPieces pieces;
+    AreaTally tally;
+    const double share = AreaScene(scene).seen({{2, 0, 0}}, LightFace(panel, {2, 0, 0}, {0, 1, 0}), pieces, tally).area.best;
+    EXPECT_NEAR(share, 0.75, 1e-6 + std::abs(tip - 2)) << tip;
+  }
 }
 
 }  // namespace

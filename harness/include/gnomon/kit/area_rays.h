@@ -13,11 +13,16 @@ struct Squares {
 struct FaceHits {
   std::uint32_t asked = 0;                     ///< bit k: place k is on the light and above the horizon
   std::uint32_t blocked = 0;                   ///< of these
-  alignas(64) std::array<float, 16> weight{};  ///< irradiance of each, as LightFace::weight; of the asked
+  alignas(64) std::array<float, 16> weight{};  ///< irradiance of each, as LightFace::weight but for a factor; of the asked
 };
 
-/// Shadow rays from one point to places of a light with area, by the recipe of all shadow rays (docs/method.md): the same
-/// start, the receiver left out, the end at the light.
+/// How far a ray to a light with area starts off its surface: a quarter of what a ray to a point does. Casters beside the point
+/// hide the less of the light the higher it starts, which adds up where many rays are averaged; that one of them meets a
+/// neighbor of the surface by rounding does not.
+double area_ray_offset(const glm::vec3& point);
+
+/// Shadow rays from one point to places of a light with area, by the recipe of all shadow rays (docs/method.md) but for the
+/// start: the receiver left out, the end at the light.
 class FaceRays {
  public:
   /// From a pixel of a G-buffer. `face` is that of the light from its point.
@@ -29,13 +34,15 @@ class FaceRays {
   /// A square's (x, y) is the place that far along the box of the face, both ways; where the face holds none there, nothing is
   /// asked. `wanted`: bit k, whether square k counts.
   FaceHits ask(const Squares& squares, std::uint32_t wanted = 0xffffu) const;
+  /// The rays that `ask` would trace, for a bare loop beside which it is measured. Bit k: whether ray k is one of them.
+  std::uint32_t aim_at(const Squares& squares, ShadowPacket& packet) const;
 
  private:
   const RayScene& casters_;
   std::array<std::uint32_t, 16> mesh_, triangle_;
   /// center, half_u, half_v, normal and the figure's axis, then the ray's start and its lift: x, y, z each; then the horizon,
-  /// the box's corner and size, and 1 for a disc.
-  std::array<float, 29> numbers_;
+  /// the box's corner and size, 1 for a disc, and one over the unit of weights.
+  std::array<float, 30> numbers_;
 };
 
 /// Squares whose places fill the figure of a face, as the unit square fills itself: of a rectangle the places of its whole
@@ -56,6 +63,22 @@ class Scramble {
 
  private:
   alignas(64) std::array<std::uint32_t, 16> x_, y_, factor_;
+};
+
+/// Rounds of each of the eight sequences of a scramble, in packets by where their places lie, not in the order of the sequence:
+/// sixteen rays to them go nearly the same way, in penumbrae twice as fast. Square k of a packet is still one of sequence k
+/// % 8.
+class SortedRounds {
+ public:
+  static constexpr std::uint32_t most = 32;  ///< rounds at once, from a multiple of this on
+  /// Rounds from .. to - 1, of which no other than the first is a multiple of `most`.
+  void sort(const Scramble& scramble, std::uint32_t from, std::uint32_t to);
+  std::uint32_t packet_count() const { return count_; }
+  const Squares& squares(std::uint32_t packet) const { return packets_[packet]; }
+
+ private:
+  std::uint32_t count_ = 0;
+  std::array<Squares, most> packets_;
 };
 
 /// How well a share of the light must be known.

@@ -21,10 +21,10 @@ struct LightShares {
 /// What casters leave of a light with area, seen from one point: convex pieces of its figure. No samples, no epsilon but that
 /// pieces below 1e-13 of the figure are let go. Keeps its memory from one point to the next.
 ///
-/// From the point, a caster's triangle covers a cone with three planes through the point; what of the triangle is not before
-/// the light's plane is cut off first. Each plane meets the figure's plane in a line, and what of a piece lies inside all lines
-/// goes. Area is then that of polygons, and irradiance Lambert's sum over their edges, angle times the normal's part across the
-/// edge (Lambert 1760; Baum, Rushmeier and Winget 1989).
+/// From the point, a caster's triangle covers a cone with three planes through the point, and where it reaches across the
+/// light's plane only what is beyond its own plane. Each plane meets the figure's plane in a line, and what of a piece lies
+/// inside all lines goes. Area is then that of polygons, and irradiance Lambert's sum over their edges, angle times the
+/// normal's part across the edge (Lambert 1760; Baum, Rushmeier and Winget 1989).
 class LightPieces {
  public:
   /// Corners of the polygons that a round light lies between. They differ by 0.24 % of its area, and two thirds of what is
@@ -57,7 +57,8 @@ class LightPieces {
     Measure core, rim;
   };
   void add(std::span<const glm::dvec2> polygon);
-  void subtract_cone(std::span<const glm::dvec3> rays);
+  /// Takes away what lies inside all lines.
+  void subtract_region(std::span<const glm::dvec3> lines);
   /// What of a piece is outside a convex region joins the pieces. Says whether anything was inside.
   bool cut(const Piece& piece, std::span<const glm::dvec3> lines);
   void pack();
