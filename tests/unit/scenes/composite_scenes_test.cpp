@@ -196,8 +196,10 @@ TEST(SimpleShapes, described_scenes_load_without_a_note_and_every_caster_has_a_s
       const std::string_view kind = kind_name(*mesh.shape);
       EXPECT_EQ(mesh.facts.closed(), kind == "sphere" || kind == "cone" || kind == "box") << mesh.name;
       for (const Light& l : scene.lights)
-        EXPECT_EQ(PlanarShadow::objection(*mesh.shape, homogeneous(l), ground, ShadowForm::exact), "")
-            << mesh.name << " " << l.name;
+        if (!has_area(l)) {
+          EXPECT_EQ(PlanarShadow::objection(*mesh.shape, homogeneous(l), ground, ShadowForm::exact), "")
+              << mesh.name << " " << l.name;
+        }
     }
   }
 }
