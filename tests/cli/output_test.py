@@ -41,7 +41,7 @@ class Output(ProgramTest):
         self.assertEqual({name: (self.dir / "out" / name).read_bytes() for name in self.names(self.dir / "out")}, before)
 
     def test_of_two_runs_into_one_folder_one_is_refused(self):
-        arguments = ["run", *ANY[:4], "--technique", "shadow_map", "--processes", "3", "--repetitions", "3", "--size", "320x180",
+        arguments = ["run", *ANY[:4], "--light", "point", "--light", "sun", "--technique", "shadow_map", "--processes", "3", "--repetitions", "3", "--size", "320x180",
                      "--out", "out"]
         first, second = (self.start(*arguments) for _ in range(2))
         ends = [(run.communicate(timeout=120), run.returncode) for run in (first, second)]

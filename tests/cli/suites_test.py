@@ -30,9 +30,9 @@ class Suites(ProgramTest):
     def test_soft_suites_have_every_kind_of_light_and_others_but_quick_have_none(self):
         kinds = {}
         for scene in json.loads(self.succeed("list", "scenes", "--json")):
-            described = self.gnomon("describe", scene["id"]).stdout  # nothing of a scene that is not fetched
-            for light, kind in re.findall(r"(\w+) \((\w+)\)", "".join(re.findall(r"(?m)^lights .*", described))):
-                kinds[scene["id"], light] = kind
+            described = self.gnomon("describe", scene["id"], "--json").stdout  # nothing of a scene that is not fetched
+            for light in json.loads(described)["lights"] if described else []:
+                kinds[scene["id"], light["name"]] = light["kind"]
         soft = {}
         for suite in (entry["id"] for entry in json.loads(self.succeed("list", "suites", "--json"))):
             rows = self.rows(suite)[1]
