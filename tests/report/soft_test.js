@@ -183,7 +183,7 @@ test("errors are as strong as they are large, and the legend has their scale", a
   await choose(page, "causes");
   const cause = data.causes.find((info) => info.name === "hard_shadow");
   assert.deepEqual(await at(strong), cause.color);
-  assert.match(await legend(), /mean error .* hard shadow [\d.]+ % of the error/);
+  assert.match(await legend(), /mean error .*hard shadow [\d.]+ % of the error/);
   const held = data.rows[row].causes.reduce((sum, part) => sum + part, 0);
   const error = data.rows[row].values[data.columns.findIndex((info) => info.name === "error")];
   assert.ok(Math.abs(held - error) < 1e-9, `${held} ${error}`);
