@@ -62,7 +62,8 @@ function ofCauses(frame, side, { counts, errors }) {
       return entry(cause.color, text, cause.sentence);
     });
   if (entries.length === 0) return [...means(frame, side), h("li", {}, `No tested pixel is ${is_soft ? "off" : "wrong"}.`)];
-  return [...means(frame, side), ...entries, ...scale(frame)];
+  const strongest = data.causes[parts.indexOf(Math.max(...parts))];
+  return [...means(frame, side), ...entries, ...scale(frame, strongest.color)];
 }
 
 /**
