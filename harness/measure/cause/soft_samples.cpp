@@ -132,7 +132,7 @@ bool SampleCauses::share_places(std::uint32_t pixel, const Explanation& why, std
   double turned = 0;
   if (std::holds_alternative<SphereLight>(a_.light.kind))
     turned = 2 * size * glm::distance(point, point_before) / std::max(glm::length(face.center()), size);
-  return sum / static_cast<double>(why.samples.size()) <= 0.02 * size + turned;
+  return sum / static_cast<double>(why.samples.size()) <= std::min(0.02 * size + turned, 0.2 * size);
 }
 
 std::vector<Cause> SampleCauses::of(std::span<const std::uint32_t> pixels, std::span<const std::optional<Explanation>> whys) {
