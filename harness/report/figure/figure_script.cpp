@@ -29,7 +29,7 @@ double strip(const FigureScript& script) { return script.legend_cm() / script.he
 
 }  // namespace
 
-double FigureScript::legend_cm() const { return legend.empty() ? 0 : 0.36 * static_cast<double>(legend_rows(*this)) + 0.2; }
+double FigureScript::legend_cm() const { return legend.empty() ? 0 : 0.46 * static_cast<double>(legend_rows(*this)) + 0.7; }
 
 std::string FigureScript::quoted(std::string_view text) {
   // gnuplot 5.4 takes quotes at the beginning for an empty text: they stand in a text of their own.
