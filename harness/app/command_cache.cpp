@@ -57,22 +57,32 @@ int list(const fs::path& folder, const std::vector<CachedFile>& files, bool as_j
   return 0;
 }
 
+/// Whether it went; one that another program has removed meanwhile is gone, too. Throws Error where it may not be removed.
+bool has_removed(const fs::path& file) {
+  std::error_code code;
+  const bool has_gone = fs::remove(file, code);
+  if (code) throw Error("{} cannot be removed: {}", file.string(), code.message());
+  return has_gone;
+}
+
 int check(const std::vector<CachedFile>& files) {
   std::size_t damaged = 0;
   for (const CachedFile& file : files) {
-    if (is_sound(file)) continue;
+    std::error_code code;
+    if (!fs::exists(file.path, code) || is_sound(file)) continue;
     ++damaged;
-    fs::remove(file.path);
+    has_removed(file.path);
     fmt::print("{} was damaged and is removed\n", file.path.string());
   }
   fmt::print("{} files, {} damaged\n", files.size(), damaged);
   return damaged > 0 ? 1 : 0;
 }
 
-int clear(const std::vector<CachedFile>& files) {
+int clear(const fs::path& folder, const std::vector<CachedFile>& files) {
   std::uintmax_t bytes = 0;
   for (const CachedFile& file : files)
-    if (fs::remove(file.path)) bytes += file.bytes;
+    if (has_removed(file.path)) bytes += file.bytes;
+  remove_left_overs(folder);
   fmt::print("{} files, {} MB removed\n", files.size(), megabytes(bytes));
   return 0;
 }
@@ -83,7 +93,7 @@ int run_cache(const CacheOptions& options) {
   if (options.what == "list") return list(folder, files, options.json);
   if (options.json) throw Error("--json is for gnomon cache list");
   if (options.what == "check") return check(files);
-  if (options.what == "clear") return clear(files);
+  if (options.what == "clear") return clear(folder, files);
   throw Error("gnomon cache {} is none of list, check, clear", options.what);
 }
 

@@ -9,7 +9,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import ProgramTest  # noqa: E402
+from program import ProgramTest, picture_content, records  # noqa: E402
 
 
 class Cache(ProgramTest):
@@ -61,11 +61,33 @@ class Cache(ProgramTest):
         self.assertEqual(self.listed()["files"]["reference"]["count"], 1)
         self.assertEqual(self.listed()["limit_bytes"], 0)
 
+    RUN = ["run", "--scene", "single_triangle", "--light", "point,sun", "--technique", "unshadowed", "--technique", "exact_rays",
+           "--processes", "2", "--repetitions", "1", "--size", "64x36", "--quiet"]
+
+    def test_two_programs_at_once_share_it(self):
+        both = [self.start(*self.RUN, "--out", out) for out in ("a", "b")]
+        for run in both:
+            out, error = run.communicate(timeout=120)
+            self.assertEqual(run.returncode, 0, out + error)
+        self.assertRegex(self.succeed("cache", "check"), "[1-9][0-9]* files, 0 damaged")
+        masks = [{path.name: picture_content(path) for path in (self.dir / out / "masks").iterdir()} for out in ("a", "b")]
+        self.assertEqual(*masks)
+        self.assertEqual([path.name for path in self.frames.iterdir() if path.is_dir()], [])
+
+    def test_a_run_goes_on_when_its_cache_is_cleared(self):
+        run = self.start(*self.RUN, "--out", "out")
+        while run.poll() is None:
+            self.succeed("cache", "clear")
+        out, error = run.communicate()
+        self.assertEqual(run.returncode, 0, out + error)
+        self.assertEqual({row["status"] for row in records(self.dir / "out")}, {"ok"})
+
     def test_bad_words_are_refused(self):
         self.refuse("cache", "burn", says=["burn", "list, check, clear"])
         self.refuse("cache", "clear", "--json", says=["--json", "list"])
         self.environment["GNOMON_CACHE_LIMIT"] = "much"
-        self.refuse("cache", says=["GNOMON_CACHE_LIMIT = much", "megabytes"])
+        for arguments in (["cache"], ["render", "--scene", "single_triangle", "--technique", "unshadowed", "--out", "bad"], [*self.RUN, "--out", "bad"]):
+            self.refuse(*arguments, says=["GNOMON_CACHE_LIMIT = much", "megabytes"])
 
 
 if __name__ == "__main__":

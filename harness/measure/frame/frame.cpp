@@ -5,10 +5,7 @@
 
 #include <algorithm>
 
-#include "measure/frame/frame_cache.h"
 #include "measure/frame/light_rays.h"
-#include "measure/notice.h"
-#include "measure/part_file.h"
 
 namespace gnomon {
 
@@ -37,14 +34,6 @@ constexpr int soft_version = 2;
 /// Raised when what files hold for the same frame changes. It names them, so that builds before and after keep their own.
 constexpr int file_layout = 2;
 
-/// Of the folders where frames lie when the cache cannot be written.
-constexpr const char* scratch_prefix = "gnomon-frames";
-
-bool has_size(const fs::path& file, std::size_t size) {
-  std::error_code code;
-  return fs::is_regular_file(file, code) && fs::file_size(file, code) == size && !code;
-}
-
 std::size_t pixel_count(const FrameKey& key) { return static_cast<std::size_t>(key.width) * key.height; }
 
 std::vector<std::byte> gbuffer_bytes(const GBuffer& g) {
@@ -69,14 +58,11 @@ int frame_version() { return 7; }
 
 FrameStore::FrameStore(const Scene& scene, fs::path folder, std::unique_ptr<FrameMaker> maker)
     : scene_(scene),
-      folder_(std::move(folder)),
+      files_(std::move(folder)),
       scene_bytes_(scene_bytes(scene)),
       scene_hash_(content_hash(scene_bytes_)),
       tracer_(scene),
-      maker_(std::move(maker)) {
-  std::error_code code;
-  if (const fs::path temporary = fs::temp_directory_path(code); !code) remove_left_over_folders(temporary, scratch_prefix);
-}
+      maker_(std::move(maker)) {}
 
 const std::string& FrameStore::scene_hash(const Light& light) {
   const auto [found, is_new] = hash_by_light_.try_emplace(light.name);
@@ -84,27 +70,9 @@ const std::string& FrameStore::scene_hash(const Light& light) {
   return found->second;
 }
 
-bool FrameStore::is_sound(const fs::path& file, std::size_t size) {
-  if (!has_size(file, size + hash_size)) return false;
-  if (sound_.contains(file)) return true;
-  const bool is_same = ends_with_own_hash(MappedFile::open(file)->bytes());
-  if (!is_same) return false;
-  touch(file);
-  sound_.insert(file);
-  return true;
-}
-
-fs::path FrameStore::put(const std::string& name, std::span<const std::byte> bytes) {
-  try {
-    write_file(folder_ / name, bytes, Durable::yes);
-    if (!scratch_) keep_below(folder_, frame_cache_limit());
-  } catch (const Error& error) {
-    if (scratch_) throw;
-    print_notice("{}; frames are made for this run alone\n", error.what());
-    folder_ = scratch_.emplace(ScratchFolder::temporary(scratch_prefix)).path();
-    write_file(folder_ / name, bytes);
-  }
-  return folder_ / name;
+fs::path FrameStore::find(const std::string& name, std::size_t size) {
+  return files_.find(
+      name, [&](std::span<const std::byte> bytes) { return bytes.size() == size + hash_size && ends_with_own_hash(bytes); });
 }
 
 fs::path FrameStore::make(const std::string& name, const MissingFrame& missing) {
@@ -112,16 +80,14 @@ fs::path FrameStore::make(const std::string& name, const MissingFrame& missing) 
   const std::size_t size = pixel_count(missing.key) * (missing.light ? reference_pixel(*missing.light) : gbuffer_pixel);
   if (bytes.size() != size) throw Error("a frame was made with {} bytes; {} are wanted", bytes.size(), size);
   append_hash(bytes);
-  return put(name, bytes);
+  return files_.put(name, bytes);
 }
 
 fs::path FrameStore::scene_file() {
   const std::string name = scene_hash_ + ".scene";
-  const fs::path file = folder_ / name;
-  const auto is_ours = [&] { return std::ranges::equal(MappedFile::open(file)->bytes(), scene_bytes_); };
-  if (!has_size(file, scene_bytes_.size()) || !is_ours()) return put(name, scene_bytes_);
-  touch(file);
-  return file;
+  const fs::path file =
+      files_.find(name, [&](std::span<const std::byte> bytes) { return std::ranges::equal(bytes, scene_bytes_); });
+  return file.empty() ? files_.put(name, scene_bytes_) : file;
 }
 
 std::string FrameStore::hash(const FrameKey& key, const Light* light, const AreaTarget& target) const {
@@ -139,7 +105,7 @@ std::string FrameStore::hash(const FrameKey& key, const Light* light, const Area
 
 fs::path FrameStore::gbuffer_file(const FrameKey& key) {
   const std::string name = hash(key, nullptr) + ".gbuffer";
-  if (const fs::path file = folder_ / name; is_sound(file, pixel_count(key) * gbuffer_pixel)) return file;
+  if (const fs::path file = find(name, pixel_count(key) * gbuffer_pixel); !file.empty()) return file;
   return make(name, {.scene_file = scene_file(), .key = key, .light = {}, .gbuffer_file = {}, .target = {}});
 }
 
@@ -208,9 +174,9 @@ std::vector<std::byte> FrameTracer::soft_reference(const MissingFrame& missing, 
 Reference FrameStore::reference(const FrameKey& key, const Light& light, const AreaTarget& target) {
   require_reference(scene_, light, key.view);
   const std::string name = hash(key, &light, target) + ".reference";
-  fs::path path = folder_ / name;
-  if (!is_sound(path, pixel_count(key) * reference_pixel(light))) {
-    const fs::path seen = gbuffer_file(key);  // may change where files are
+  fs::path path = find(name, pixel_count(key) * reference_pixel(light));
+  if (path.empty()) {
+    const fs::path seen = gbuffer_file(key);
     path = make(name, {.scene_file = scene_file(), .key = key, .light = light, .gbuffer_file = seen, .target = target});
   }
   const auto file = MappedFile::open(path);

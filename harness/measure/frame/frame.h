@@ -6,14 +6,13 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 
 #include "measure/frame/classify.h"
+#include "measure/frame/frame_cache.h"
 #include "measure/frame/gbuffer_maker.h"
 #include "measure/frame/soft_reference.h"
 #include "measure/scene/blob.h"
-#include "measure/scratch_folder.h"
 
 namespace gnomon {
 
@@ -82,7 +81,7 @@ class FrameTracer final : public FrameMaker {
 
 /// G-buffers and references of one scene: made once, kept in a content-hashed folder, mapped by every process that needs
 /// them. A file appears there whole or not at all and ends with the hash of its content, which is looked at before it is used;
-/// one that was damaged is made again. A folder that cannot be written costs time, and no row: files go to a scratch folder.
+/// one that was damaged is made again. FrameFiles says where they are.
 class FrameStore {
  public:
   /// Without a maker it traces itself.
@@ -104,17 +103,13 @@ class FrameStore {
 
  private:
   std::string hash(const FrameKey& key, const Light* light, const AreaTarget& target = {}) const;
-  /// Whether a file of the cache holds that many bytes and their hash.
-  bool is_sound(const std::filesystem::path& file, std::size_t size);
+  /// The file of a name whose content is of that size and ends with its hash; nothing where there is none.
+  std::filesystem::path find(const std::string& name, std::size_t size);
   /// Has it made, and puts it in a file of that name.
   std::filesystem::path make(const std::string& name, const MissingFrame& missing);
-  /// Writes a file of that name; returns where it is now.
-  std::filesystem::path put(const std::string& name, std::span<const std::byte> bytes);
 
   const Scene& scene_;
-  std::filesystem::path folder_;
-  std::optional<ScratchFolder> scratch_;   ///< where folder_ is once the cache could not be written
-  std::set<std::filesystem::path> sound_;  ///< files whose hash was looked at
+  FrameFiles files_;
   std::vector<std::byte> scene_bytes_;
   std::string scene_hash_;                            ///< with all lights
   std::map<std::string, std::string> hash_by_light_;  ///< see scene_hash

@@ -8,11 +8,22 @@
 #include <cstdlib>
 #include <numeric>
 
+#include "measure/notice.h"
+#include "measure/part_file.h"
 #include "measure/scene/blob.h"
 
 namespace gnomon {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* links_prefix = "in_use";
+
+/// Of the folders where frames lie when the cache cannot be written.
+constexpr const char* scratch_prefix = "gnomon-frames";
+
+}  // namespace
 
 std::uintmax_t frame_cache_limit() {
   constexpr std::uintmax_t megabyte = 1'000'000;
@@ -79,6 +90,69 @@ bool ends_with_own_hash(std::span<const std::byte> bytes) {
   const std::size_t size = bytes.size() - hash_size;
   const std::string hash = content_hash(bytes.first(size));
   return std::ranges::equal(std::as_bytes(std::span(hash)), bytes.subspan(size));
+}
+
+void remove_left_overs(const fs::path& folder) {
+  remove_left_over_folders(folder, links_prefix);
+  remove_left_over_parts(folder);
+}
+
+FrameFiles::FrameFiles(fs::path folder) : folder_(std::move(folder)), limit_(frame_cache_limit()) {
+  remove_left_overs(folder_);
+  std::error_code code;
+  if (const fs::path temporary = fs::temp_directory_path(code); !code) remove_left_over_folders(temporary, scratch_prefix);
+}
+
+fs::path FrameFiles::find(const std::string& name, const std::function<bool(std::span<const std::byte>)>& is_sound) {
+  const fs::path file = held(name);
+  std::error_code code;
+  if (!fs::is_regular_file(file, code)) return {};
+  if (sound_.contains(file)) return file;
+  if (!is_sound(MappedFile::open(file)->bytes())) return {};
+  touch(file);
+  sound_.insert(file);
+  return file;
+}
+
+fs::path FrameFiles::held(const std::string& name) {
+  if (scratch_) return folder_ / name;
+  try {
+    if (!links_) links_.emplace(ScratchFolder::in(folder_, links_prefix));
+  } catch (const Error&) {  // who writes will see it, and who reads may still read
+    return folder_ / name;
+  }
+  const fs::path link = links_->path() / name;
+  std::error_code code;
+  if (!fs::exists(link, code)) fs::create_hard_link(folder_ / name, link, code);
+  return fs::exists(link, code) ? link : folder_ / name;
+}
+
+fs::path FrameFiles::put(const std::string& name, std::span<const std::byte> bytes) {
+  if (!scratch_) try {
+      const fs::path file = put_in_cache(name, bytes);
+      keep_below(folder_, limit_);
+      return file;
+    } catch (const Error& error) {
+      print_notice("{}; frames are made for this run alone\n", error.what());
+      folder_ = scratch_.emplace(ScratchFolder::temporary(scratch_prefix)).path();
+    }
+  write_file(folder_ / name, bytes);
+  return folder_ / name;
+}
+
+fs::path FrameFiles::put_in_cache(const std::string& name, std::span<const std::byte> bytes) {
+  if (links_) {
+    // Ours first: a name in the cache may be gone at once.
+    const fs::path file = links_->path() / name, link = links_->path() / "link";
+    write_file(file, bytes, Durable::yes);
+    std::error_code code;
+    fs::create_hard_link(file, link, code);
+    if (!code) fs::rename(link, folder_ / name, code);
+    if (!code) return file;
+    fs::remove(file, code);
+  }
+  write_file(folder_ / name, bytes, Durable::yes);
+  return folder_ / name;
 }
 
 }  // namespace gnomon

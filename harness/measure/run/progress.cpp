@@ -72,8 +72,9 @@ void Progress::draw(bool force) {
   const bool is_silent = part_ ? now - part_->start < pause : total_ <= 0;
   if (quiet_ || is_silent || (!force && now - drawn_ < pause) || (force && !terminal_)) return;
   drawn_ = now;
-  const std::string text = total_ > 0 ? line(std::min(1.0, done_ / total_), start_, part_ ? part_text() : what_)
-                                      : line(part_->share, part_->moving, part_->what);
+  const std::string text = total_ > 0         ? line(std::min(1.0, done_ / total_), start_, part_ ? part_text() : what_)
+                           : part_->share > 0 ? line(part_->share, part_->moving, part_->what)
+                                              : part_->what + " ...";
   if (!terminal_) {
     print_notice("{}\n", text);
     return;

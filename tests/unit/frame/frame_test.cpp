@@ -21,7 +21,8 @@ namespace fs = std::filesystem;
 
 std::set<std::string> file_names(const fs::path& folder) {
   std::set<std::string> names;
-  for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename());
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.is_regular_file()) names.insert(entry.path().filename());
   return names;
 }
 
@@ -149,7 +150,7 @@ TEST(frame, whatever_changes_the_answer_has_a_file_of_its_own) {
   const FrameKey key{scene.views[0], 20, 10, Truth::shape};
   std::set<fs::path> files;
   const auto is_new = [&](const Scene& s, const FrameKey& k) {
-    return files.insert(FrameStore(s, folder.path()).gbuffer_file(k)).second;
+    return files.insert(FrameStore(s, folder.path()).gbuffer_file(k).filename()).second;
   };
   EXPECT_TRUE(is_new(scene, key));
   EXPECT_FALSE(is_new(scene, key));
@@ -239,6 +240,33 @@ TEST(frame, a_folder_that_cannot_be_written_costs_no_row) {
     EXPECT_TRUE(same(map_gbuffer(frames.gbuffer_file(key), key), cached.gbuffer(key)));
   }
   EXPECT_FALSE(fs::exists(scratch));
+}
+
+// Another program clears the cache, or has no room left for it: who uses a file keeps it, and so do its workers, who open it
+// later; who comes next makes it anew.
+TEST(frame, a_file_that_is_removed_stays_with_who_uses_it) {
+  const ScratchFolder folder = ScratchFolder::temporary("gnomon_frame");
+  const Scene scene = ball_over_ground();
+  const FrameKey key{scene.views[0], 20, 10, Truth::shape};
+  FrameStore frames(scene, folder.path());
+  frames.reference(key, scene.lights[0]);
+  const fs::path gbuffer = frames.gbuffer_file(key), scene_file = frames.scene_file();
+  const std::set<std::string> names = file_names(folder.path());
+  ASSERT_EQ(names.size(), 3u);
+  for (const std::string& name : names) fs::remove(folder.path() / name);
+  EXPECT_EQ(map_gbuffer(gbuffer, key).size(), 200u);
+  EXPECT_EQ(frames.gbuffer_file(key), gbuffer);
+  EXPECT_EQ(frames.scene_file(), scene_file);
+  frames.reference(key, scene.lights[0]);
+  EXPECT_TRUE(file_names(folder.path()).empty());
+  frames.reference(key, scene.lights[1]);
+  FrameStore(scene, folder.path()).reference(key, scene.lights[0]);
+  EXPECT_EQ(file_names(folder.path()).size(), 4u);
+  // What stands for it goes with its owner, and what a killed one left with the next.
+  const fs::path left = folder.path() / "in_use-999999999.abcdef";
+  fs::create_directory(left);
+  { FrameStore last(scene, folder.path()); }
+  EXPECT_FALSE(fs::exists(left));
 }
 
 TEST(frame, a_gbuffer_file_that_is_too_short_is_an_error_for_who_only_maps_it) {
