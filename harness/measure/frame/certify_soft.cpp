@@ -130,7 +130,11 @@ SoftCertificate certify_soft(const Scene& scene, const Light& light, const GBuff
 }
 
 std::string text(const SoftCertificate& c) {
-  std::string out = fmt::format("{} / {} / {}: {}\n", c.scene, c.light, c.view, c.holds() ? "certified" : "NOT certified");
+  const bool has_pixels = c.tested_count > 0;
+  std::string out = fmt::format("{} / {} / {}: {}\n", c.scene, c.light, c.view,
+                                c.holds()    ? "certified"
+                                : has_pixels ? "NOT certified"
+                                             : "NOT certified: no pixel is of class T");
   if (!c.reference.empty()) out += fmt::format("  reference      {}\n", c.reference);
   out += fmt::format("  target         standard error {:g}, at most {} places of the light\n", c.target.error, c.target.cap);
   out += fmt::format("  pixels         {} of T, {} of them in penumbrae; {} of U\n", c.tested_count, c.penumbra_count,
