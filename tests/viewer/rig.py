@@ -134,10 +134,14 @@ class Saved:
 
     def light_pixel(self):
         """Where the picture shows a light with a position: column and row, not rounded."""
+        return self.pixel_of(self.light["position"])
+
+    def pixel_of(self, point):
+        """Where the picture shows a point before the eye."""
         forward = unit(minus(self.target, self.eye))
         right = unit(cross(forward, self.view["up"]))
         up = cross(right, forward)
-        to = minus(self.light["position"], self.eye)
+        to = minus(point, self.eye)
         width, height = self.size
         scale = height / 2 / math.tan(math.radians(self.view["fov_y_degrees"]) / 2) / dot(to, forward)
         return width / 2 + scale * dot(to, right), height / 2 - scale * dot(to, up)

@@ -229,7 +229,7 @@ class Application {
     has_drawn_finished_ = is_finished() && overlays_.is_complete();
     draw_panels(shown);
     if (view_.handle() == DragKind::divider) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
-    if (view_.handle() == DragKind::light) ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
+    if (view_.handle() == DragKind::light || view_.handle() == DragKind::size) ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
     window_.end_drawing();
   }
 
@@ -280,7 +280,7 @@ class Application {
     session_.requests.save = save_is_announced_ = false;
     attempt([&] {
       const DrawnWindow window{window_.read_picture(), window_.scale(), arrangement_.picture, places_};
-      session_.say("saved: " + files_.save(session_, state_, canvas_.pixels(), window).string());
+      session_.say("saved: " + files_.save(session_, state_, canvas_.composition(), canvas_.pixels(), window).string());
     });
     pace_.need(1);
   }

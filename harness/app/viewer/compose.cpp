@@ -4,10 +4,12 @@
 #include <gnomon/kit/parallel.h>
 
 #include <algorithm>
-#include <bit>
 #include <cassert>
 #include <cmath>
+#include <deque>
 
+#include "app/viewer/contours.h"
+#include "app/viewer/packed_color.h"
 #include "measure/score/error_picture.h"
 
 namespace gnomon::viewer {
@@ -16,24 +18,19 @@ namespace {
 
 constexpr Color divider_light{238, 240, 244}, divider_dark{12, 13, 15};
 
-std::uint32_t pack(const Color& c) { return std::bit_cast<std::uint32_t>(std::array<std::uint8_t, 4>{c[0], c[1], c[2], 255}); }
-std::uint32_t pack_gray(std::uint8_t level) { return pack({level, level, level}); }
-
-/// A share as 256ths; none where it is no number.
-std::uint32_t weight_of(float share) { return share > 0 ? static_cast<std::uint32_t>(std::min(share, 1.0f) * 256 + 0.5f) : 0; }
-
-/// So many 256ths of `above`, the rest of `below`, rounded; two channels at a time, each in 16 bits.
-std::uint32_t mixed(std::uint32_t below, std::uint32_t above, std::uint32_t weight) {
-  constexpr std::uint32_t every_other = 0x00ff00ff, half = 0x00800080;
-  const auto pair = [&](std::uint32_t b, std::uint32_t a) { return b * (256 - weight) + a * weight + half; };
-  return ((pair(below & every_other, above & every_other) >> 8) & every_other) |
-         (pair((below >> 8) & every_other, (above >> 8) & every_other) & ~every_other);
-}
-
 std::vector<int> nearest_cells(int many, int few) {
   std::vector<int> cells(many);
   for (int k = 0; k < many; ++k) cells[k] = nearest_cell(k, many, few);
   return cells;
+}
+
+/// A color as dark as the dimmed scene is, of which half is left at least, so that colors stay what they are.
+Color shadowed(const Color& color, std::uint8_t gray) {
+  constexpr int brightest = 172;  // of the dimmed scene
+  Color result;
+  for (std::size_t c = 0; c < result.size(); ++c)
+    result[c] = static_cast<std::uint8_t>(color[c] * (brightest + std::min<int>(gray, brightest)) / (2 * brightest));
+  return result;
 }
 
 /// What a thread reuses from row to row.
@@ -46,9 +43,21 @@ struct Scratch {
 /// The paint of one side in pixels of its frame.
 class SidePainter {
  public:
+  SidePainter(const SidePainter&) = delete;
+  SidePainter& operator=(const SidePainter&) = delete;
   SidePainter(const Composition& composition, int side)
-      : side_(composition.sides[side]), other_(composition.sides[1 - side]), gbuffer_(side_.frame->gbuffer) {
+      : side_(composition.sides[side]),
+        other_(composition.sides[1 - side]),
+        truth_(reference_side(composition, side)),
+        scale_(composition.difference),
+        gbuffer_(side_.frame->gbuffer) {
     assert(side_.frame->received.size() == gbuffer_.size());
+    if (composition.shows_contours) {
+      if (has_mask(truth_)) contours_.emplace_back(truth_, reference_ink, true);
+      // The side may be the reference itself.
+      if (has_mask(side_) && side_.mask.data() != truth_.mask.data())
+        contours_.emplace_back(side_, technique_inks[side], false);
+    }
     const ReferenceState* const reference = reference_of(composition, side);
     if (reference) classes_ = reference->classes;
     switch (composition.paint) {
@@ -59,7 +68,7 @@ class SidePainter {
         shown_ = has_mask(side_) ? Shown::mask : Shown::dimmed;
         break;
       case Paint::difference:
-        if (has_mask(side_) && has_mask(other_) && is_same(side_.frame, other_.frame)) shown_ = Shown::difference;
+        if (has_mask(side_) && has_mask(compared()) && is_same(side_.frame, compared().frame)) shown_ = Shown::difference;
         break;
       case Paint::kinds:
       case Paint::causes: {
@@ -81,6 +90,14 @@ class SidePainter {
   /// Row y of the frame from column `first` up to `last`, to where these columns are in the scratch's colors.
   void paint(int y, int first, int last, Scratch& scratch) const {
     scratch.colors.resize(gbuffer_.width);
+    paint_row(y, first, last, scratch);
+    for (const Contours& contours : contours_) contours.paint(y, first, last, scratch.colors);
+  }
+
+ private:
+  enum class Shown { dimmed, shaded, mask, difference, errors, classes };
+
+  void paint_row(int y, int first, int last, Scratch& scratch) const {
     const std::size_t row = static_cast<std::size_t>(y) * gbuffer_.width;
     const auto fill = [&](auto&& color_of) {
       for (int x = first; x < last; ++x) scratch.colors[x] = color_of(x, row + x);
@@ -99,13 +116,11 @@ class SidePainter {
       }
       case Shown::difference: {
         const float* const here = visibility(side_, y, first, last, scratch.visibility[0]);
-        const float* const there = visibility(other_, y, first, last, scratch.visibility[1]);
-        const std::uint32_t darker = pack(error_kinds(false)[0].color), lighter = pack(error_kinds(false)[1].color);
+        const float* const there = visibility(compared(), y, first, last, scratch.visibility[1]);
         return fill([&](int x, std::size_t i) {
-          const std::uint32_t gray = pack_gray(dimmed_at(i));
-          if (here[x] == there[x]) return gray;
-          const float more = here[x] - there[x];
-          return mixed(gray, more < 0 ? darker : lighter, weight_of(std::abs(more)));
+          if (gbuffer_.is_background(i)) return pack_gray(dimmed_at(i));
+          const Color color = signed_color(here[x] - there[x], scale_.full);
+          return pack(scale_.is_plain ? color : shadowed(color, dimmed_at(i)));
         });
       }
       case Shown::errors:
@@ -119,8 +134,8 @@ class SidePainter {
     }
   }
 
- private:
-  enum class Shown { dimmed, shaded, mask, difference, errors, classes };
+  /// What the paint `difference` compares the side with.
+  const ComposeSide& compared() const { return scale_.against == Against::reference ? truth_ : other_; }
 
   Color shaded_at(std::size_t i, float visibility) const {
     return shaded_srgb(steps_, meshes_[gbuffer_.mesh[i]].albedo, ambient_ + received_[i] * visibility);
@@ -138,6 +153,9 @@ class SidePainter {
   }
 
   const ComposeSide &side_, &other_;
+  const ComposeSide truth_;
+  const DifferenceScale scale_;
+  std::vector<Contours> contours_;  // in the order of drawing; one refers to `truth_`
   const GBuffer& gbuffer_;
   const SrgbSteps& steps_ = srgb_steps();
   const double* received_ = side_.frame->received.data();
@@ -251,7 +269,7 @@ void compose(const Composition& composition, std::span<std::uint32_t> rgba) {
   assert(rgba.size() == static_cast<std::size_t>(width) * height);
   const bool is_split = composition.layout == Layout::split;
   const int divider = divider_column(composition);
-  std::vector<Part> parts;
+  std::deque<Part> parts;  // they stay where they are
   if (!is_split) parts.emplace_back(composition, side_at(composition, 0), 0, width);
   if (is_split && divider > 0) parts.emplace_back(composition, 0, 0, divider);
   if (is_split && divider < width) parts.emplace_back(composition, 1, divider, width);

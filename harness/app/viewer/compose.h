@@ -12,7 +12,7 @@ enum class Layout { left, right, split, flicker };
 enum class Paint {
   shaded,      ///< the scene, shaded with the side's mask
   mask,        ///< visibility as gray
-  difference,  ///< where the two sides differ, over the dimmed scene: darker here, lighter here
+  difference,  ///< the signed difference to the reference, or to the other side
   kinds,       ///< false dark and false lit pixels of T against the reference, over the dimmed scene
   causes,      ///< the cause of each wrong pixel of T, over the dimmed scene
   classes,     ///< the class of each pixel
@@ -30,8 +30,8 @@ inline constexpr ModeRow layout_rows[] = {
 };
 inline constexpr ModeRow paint_rows[] = {
     {"shaded", "Shaded", "The scene in the light that the side's mask lets through."},
-    {"mask", "Mask", "Visibility as gray: white lit, black umbra."},
-    {"difference", "Difference", "Where the side is darker or lighter than the other one."},
+    {"mask", "Mask", "Visibility as gray: white lit, black umbra, between them the penumbra."},
+    {"difference", "Difference", "Where the side is darker or lighter than the reference, or than the other side."},
     {"kinds", "Error kinds",
      "Tested pixels that are dark or lit where the reference is not; under a light with area how much darker or lighter they "
      "are: the color is stronger from 1, 3, 10 and 30 % on."},
@@ -39,6 +39,19 @@ inline constexpr ModeRow paint_rows[] = {
     {"classes", "Classes", "What kind of question each pixel is; only tested ones count."},
 };
 
+/// What the paint `difference` compares a side with.
+enum class Against { reference, other_side };
+inline constexpr ModeRow against_rows[] = {
+    {"reference", "Reference", "The side minus the reference."},
+    {"other_side", "Other side", "The side minus the other one."},
+};
+/// How it shows that.
+struct DifferenceScale {
+  Against against = Against::reference;
+  double full = 1;        ///< where the colors end, one of difference_scales
+  bool is_plain = false;  ///< the very colors of the scale, not as dark as the dimmed scene
+  bool operator==(const DifferenceScale&) const = default;
+};
 /// What one side brings. Everything may be missing (null); what is there may be of an older frame than the other side's.
 struct ComposeSide {
   std::shared_ptr<const Frame> frame;   ///< of `mask`; null where the side has no answer yet
@@ -55,6 +68,8 @@ struct Composition {
   double divider = 0.5;           ///< of the width; pixels left of it are the left side's
   bool flicker_is_right = false;  ///< the side that flicker shows now
   float layer_opacity = 0.8f;     ///< 0 .. 1
+  DifferenceScale difference = {};
+  bool shows_contours = false;  ///< of the sides' masks and of the reference's; see contours.h
   ComposeSide sides[2] = {};
   /// The newest reference: its classes and error kinds are shown before a verdict is there; null: only those of the verdicts.
   const ReferenceState* reference = nullptr;
@@ -63,7 +78,7 @@ struct Composition {
 /// Fills `rgba` (width * height, bytes R, G, B, 255 in memory order) on all threads. With layout left, paint shaded and a full
 /// frame it is the picture that `shade` makes, and with paint mask that of `draw_mask`, to the byte. A side without a frame is
 /// the background; a paint that needs what is not there yet (mask, classes, causes, the other side's answer for the same frame)
-/// shows the dimmed scene alone. Difference mixes its color in by how much the sides differ. A layer hides the paint by its
+/// shows the dimmed scene alone. Contours lie over the paint, in pixels of the frame. A layer hides the paint by its
 /// opacity, but not where it shows its own background at the frame's. In layout split a light line with dark edges, four
 /// pixels in all, lies over the divider.
 void compose(const Composition& composition, std::span<std::uint32_t> rgba);
@@ -75,6 +90,17 @@ struct LegendEntry {
   std::optional<double> share;  ///< nothing where it means nothing or is not known yet
   std::string_view of;          ///< what it is a share of: "of tested pixels"
 };
+/// A bar of colors with numbers below it, for paints that show a quantity.
+struct LegendBar {
+  struct Mark {
+    double at;  ///< 0 .. 1 along the bar
+    std::string words;
+  };
+  std::vector<Color> colors;  ///< from the left
+  std::vector<Mark> marks;
+};
+/// Of differences from minus to plus the full scale; of masks from 0 to 1 under a light with area. Nothing for other paints.
+std::optional<LegendBar> legend_bar(const Composition& composition, int side);
 /// Those of the paint; of kinds and causes the ones that occur. Counts pixels: for every new composition, not for every picture
 /// of a window at rest.
 std::vector<LegendEntry> legend(const Composition& composition, int side);
@@ -141,6 +167,13 @@ const Verdict* verdict_of(const ComposeSide& side);
 /// A reference with classes of the side's frame: that of its verdict, the newest, or that of the other side's verdict; else
 /// null.
 const ReferenceState* reference_of(const Composition& composition, int side);
+
+/// The reference of the side's frame as if it were a side, the share that the side estimates where that is known; coarse while
+/// it is refined. Without a mask where there is none.
+ComposeSide reference_side(const Composition& composition, int side);
+
+/// The standard error of each of its pixels; empty under lights without area, and until it is known.
+std::span<const float> reference_error(const Composition& composition, int side);
 
 /// What the side's mask is judged by, with the causes of the verdict when asked for and sought. Nothing without a full mask or
 /// a reference, or before the causes are known.

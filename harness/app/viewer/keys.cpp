@@ -44,7 +44,7 @@ std::vector<KeyRow> own_rows() {
       {GLFW_KEY_4, 0, "4", Layout::flicker, compare, "Both sides in turn."},
       {GLFW_KEY_5, 0, "5", Paint::shaded, compare, "Paint: the shaded scene."},
       {GLFW_KEY_6, 0, "6", Paint::mask, compare, "Paint: the visibility mask."},
-      {GLFW_KEY_7, 0, "7", Paint::difference, compare, "Paint: where the sides differ."},
+      {GLFW_KEY_7, 0, "7", Paint::difference, compare, "Paint: the difference to the reference, or to the other side."},
       {GLFW_KEY_8, 0, "8", Paint::kinds, compare, "Paint: false dark and false lit pixels."},
       {GLFW_KEY_9, 0, "9", Paint::causes, compare, "Paint: the cause of each wrong pixel."},
       {GLFW_KEY_0, 0, "0", Paint::classes, compare, "Paint: the class of each pixel."},
@@ -53,6 +53,8 @@ std::vector<KeyRow> own_rows() {
       {GLFW_KEY_TAB, 0, "Tab", Action::swap_sides, compare, "Swap the sides."},
 
       {GLFW_KEY_G, 0, "G", Action::layer_after, layers, "The left side's next debug layer; after the last, none."},
+      {GLFW_KEY_I, 0, "I", Action::contours, layers, "Contours of visibility 0.02, 0.5 and 0.98 on or off."},
+      {GLFW_KEY_P, 0, "P", Action::profile, layers, "A profile along the row of the picked pixel, else the middle; or none."},
       {GLFW_KEY_O, 0, "O", Action::silhouettes, layers, "Silhouette edges on or off."},
       {GLFW_KEY_Z, 0, "Z", Action::magnifier, layers, "The magnifier on or off."},
 
@@ -64,7 +66,8 @@ std::vector<KeyRow> own_rows() {
       {GLFW_KEY_F1, 0, "F1", Action::help, window, "This help on or off."},
       {GLFW_KEY_H, 0, "H", Action::help, window, "This help on or off."},
       {GLFW_KEY_F2, 0, "F2", Action::panels, window, "The panels on or off."},
-      {GLFW_KEY_ESCAPE, 0, "Escape", Action::cancel, window, "Close the help; without it, drop the picked pixel."},
+      {GLFW_KEY_ESCAPE, 0, "Escape", Action::cancel, window,
+       "Close the help; without it, drop the picked pixel, then the profile."},
       {GLFW_KEY_Q, GLFW_MOD_CONTROL, "Ctrl+Q", Action::quit, window, "Quit."},
   };
 }

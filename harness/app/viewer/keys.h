@@ -18,6 +18,8 @@ enum class Action {
   technique_after,
   swap_sides,
   layer_after,
+  contours,
+  profile,
   silhouettes,
   magnifier,
   panels,

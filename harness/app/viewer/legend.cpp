@@ -1,5 +1,8 @@
 // What a composition has to show, and what its colors mean.
+#include <cmath>
+
 #include "app/viewer/compose.h"
+#include "measure/picture/signed_color.h"
 #include "measure/score/error_picture.h"
 
 namespace gnomon::viewer {
@@ -19,26 +22,33 @@ std::optional<double> share_of(std::size_t count, std::size_t all) {
   return static_cast<double>(count) / static_cast<double>(all);
 }
 
-std::vector<LegendEntry> mask_legend(const Composition& composition, int side) {
+bool is_soft_frame(const Composition& composition, int side) {
   const auto& frame = composition.sides[side].frame;
-  std::vector<LegendEntry> entries = {{{255, 255, 255}, "lit", {}, {}}};
-  if (frame && has_area(frame->light)) entries.push_back({{128, 128, 128}, "penumbra", {}, {}});
-  entries.push_back({{0, 0, 0}, "umbra", {}, {}});
-  return entries;
+  return frame && has_area(frame->light);
 }
 
-/// Tested pixels where one side would be wrong if the other were the reference.
+/// Under a light with area there is a bar instead.
+std::vector<LegendEntry> mask_legend(const Composition& composition, int side) {
+  if (is_soft_frame(composition, side)) return {};
+  return {{{255, 255, 255}, "lit", {}, {}}, {{0, 0, 0}, "umbra", {}, {}}};
+}
+
+/// Tested pixels that differ by more than half of the full scale: at full scale 1, those where one would be wrong if the other
+/// were the reference.
 std::vector<LegendEntry> difference_legend(const Composition& composition, int side) {
-  const ComposeSide &here = composition.sides[side], &there = composition.sides[1 - side];
-  const std::span<const ErrorKind> kinds = error_kinds(false);
-  LegendEntry darker{kinds[0].color, "darker here", {}, of_tested}, lighter{kinds[1].color, "lighter here", {}, of_tested};
+  const ComposeSide& here = composition.sides[side];
+  const bool is_reference = composition.difference.against == Against::reference;
+  const ComposeSide there = is_reference ? reference_side(composition, side) : composition.sides[1 - side];
+  const double full = composition.difference.full;
+  LegendEntry darker{signed_color(-1, 1), "darker", {}, of_tested}, lighter{signed_color(1, 1), "lighter", {}, of_tested};
   const ReferenceState* const reference = reference_of(composition, side);
   if (reference && has_full_mask(here) && has_full_mask(there) && is_same(here.frame, there.frame)) {
     std::size_t tested = 0, darker_count = 0, lighter_count = 0;
     for (std::size_t i = 0; i < here.mask.size(); ++i) {
       if (reference->classes[i] != PixelClass::T) continue;
       ++tested;
-      if (is_wrong(here.mask[i], there.mask[i])) ++(here.mask[i] < there.mask[i] ? darker_count : lighter_count);
+      const float difference = here.mask[i] - there.mask[i];
+      if (std::abs(difference) > full / 2) ++(difference < 0 ? darker_count : lighter_count);
     }
     darker.share = share_of(darker_count, tested);
     lighter.share = share_of(lighter_count, tested);
@@ -114,6 +124,40 @@ const ReferenceState* reference_of(const Composition& composition, int side) {
   return other && is_same(other->reference->frame, frame) ? other->reference.get() : nullptr;
 }
 
+namespace {
+
+/// The reference of the side's frame, also one without classes yet; null where there is none.
+const ReferenceState* truth_of(const Composition& composition, int side) {
+  if (const ReferenceState* const whole = reference_of(composition, side)) return whole;
+  const ReferenceState* const newest = composition.reference;
+  return newest && is_same(newest->frame, composition.sides[side].frame) ? newest : nullptr;
+}
+
+LightShareKind estimates_of(const ComposeSide& side) {
+  const Verdict* const verdict = verdict_of(side);
+  return verdict ? verdict->estimates : LightShareKind::area;
+}
+
+}  // namespace
+
+ComposeSide reference_side(const Composition& composition, int side) {
+  const ComposeSide& own = composition.sides[side];
+  const ReferenceState* const truth = truth_of(composition, side);
+  if (!truth) return {};
+  ComposeSide result;
+  result.frame = own.frame;
+  result.mask = share_of(*truth, estimates_of(own));
+  result.mask_width = truth->width;
+  result.mask_height = truth->height;
+  return result;
+}
+
+std::span<const float> reference_error(const Composition& composition, int side) {
+  const ReferenceState* const truth = truth_of(composition, side);
+  if (!truth) return {};
+  return estimates_of(composition.sides[side]) == LightShareKind::irradiance ? truth->irradiance_error : truth->error;
+}
+
 std::optional<Evidence> evidence_of(const Composition& composition, int side, bool with_causes) {
   const ComposeSide& s = composition.sides[side];
   const ReferenceState* const reference = reference_of(composition, side);
@@ -125,6 +169,24 @@ std::optional<Evidence> evidence_of(const Composition& composition, int side, bo
   if (!verdict || verdict->causes.size() != s.mask.size()) return std::nullopt;
   evidence.causes = verdict->causes;
   return evidence;
+}
+
+std::optional<LegendBar> legend_bar(const Composition& composition, int side) {
+  constexpr int steps = 128;
+  LegendBar bar;
+  if (composition.paint == Paint::mask && is_soft_frame(composition, side)) {
+    for (int k = 0; k <= steps; ++k) {
+      const std::uint8_t gray = mask_gray(static_cast<float>(k) / steps);
+      bar.colors.push_back({gray, gray, gray});
+    }
+    bar.marks = {{0, "0 umbra"}, {0.5, "penumbra"}, {1, "1 lit"}};
+    return bar;
+  }
+  if (composition.paint != Paint::difference) return std::nullopt;
+  const double full = composition.difference.full;
+  for (int k = 0; k <= steps; ++k) bar.colors.push_back(signed_color(2.0 * k / steps - 1, 1));
+  for (int k = -2; k <= 2; ++k) bar.marks.push_back({(k + 2) / 4.0, k == 0 ? "0" : fmt::format("{:+.3g}", k * full / 2)});
+  return bar;
 }
 
 std::vector<LegendEntry> legend(const Composition& composition, int side) {

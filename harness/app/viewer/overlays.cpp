@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "app/viewer/light_size.h"
 #include "app/viewer/moves.h"
 #include "app/viewer/picture_view.h"
 #include "app/viewer/widgets.h"
@@ -58,6 +59,30 @@ struct PictureDrawing {
   }
 };
 
+/// A light with area to its size, and the handles that change it.
+void draw_light_size(const PictureDrawing& drawing, const Light& light, std::span<const std::optional<glm::dvec2>> handles) {
+  // Dark below, so that it is seen before a bright wall, too.
+  const auto outline = light_outline(light, drawing.camera.eye);
+  for (const auto& [from, to] : outline) drawing.segment(from, to, IM_COL32(0, 0, 0, 150), 3.5f);
+  for (const auto& [from, to] : outline) drawing.segment(from, to, light_color, 1.5f);
+  const float half = 3.5f * drawing.scale, edge = drawing.scale;
+  for (const auto& handle : handles) {
+    if (!handle) continue;
+    const ImVec2 p = drawing.at(*handle);
+    drawing.list.AddRectFilled({p.x - half - edge, p.y - half - edge}, {p.x + half + edge, p.y + half + edge},
+                               IM_COL32(0, 0, 0, 160));
+    drawing.list.AddRectFilled({p.x - half, p.y - half}, {p.x + half, p.y + half}, light_color);
+  }
+}
+
+/// The line of the profile, and where it begins.
+void draw_profile_line(const PictureDrawing& drawing, const ProfileLine& line) {
+  drawing.line(line.from, line.to, IM_COL32(0, 0, 0, 200), 3.5f);
+  drawing.line(line.from, line.to, picked_color, 1.5f);
+  drawing.disc(line.from, 4, picked_color);
+  drawing.disc(line.to, 2.5f, picked_color);
+}
+
 /// The light's handle with its name, a line down to the lowest height of the scene, and a cross there.
 void draw_light(const PictureDrawing& drawing, const Scene& scene, const Light& light, const std::optional<Handle>& handle) {
   const glm::dvec3 place = light_place(scene, light);
@@ -74,7 +99,9 @@ void draw_light(const PictureDrawing& drawing, const Scene& scene, const Light& 
   const double width = ImGui::CalcTextSize(light.name.c_str()).x * drawing.unit,
                apart = (handle_radius + 5) * drawing.scale * drawing.unit;
   const bool is_right = handle->shown.x > drawing.place.width / 2.0;
-  drawing.words(handle->shown + glm::dvec2(is_right ? -apart - width : apart, -0.5 * ImGui::GetFontSize() * drawing.unit),
+  // Above the handles of its size.
+  const double lines = has_area(light) ? 2 : 0.5;
+  drawing.words(handle->shown + glm::dvec2(is_right ? -apart - width : apart, -lines * ImGui::GetFontSize() * drawing.unit),
                 light.name, light_color);
 }
 
@@ -230,8 +257,10 @@ void Overlays::draw(const PixelRect& place, const Session& session, const Shown&
     list.AddCircle(p, 6 * drawing.scale, IM_COL32(0, 0, 0, 200), 0, 3 * drawing.scale);
     list.AddCircle(p, 6 * drawing.scale, picked_color, 0, 1.5f * drawing.scale);
   }
+  if (session.profile) draw_profile_line(drawing, *session.profile);
   draw_titles(drawing, session, shown);
   draw_divider(drawing, composition);
+  draw_light_size(drawing, session.selection().light, shown_sizes(session, composition));
   draw_light(drawing, *scene, session.selection().light, shown_handle(session, composition, drawing.scale * unit));
   draw_notices(drawing, session, shown);
   list.PopClipRect();

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <optional>
 
+#include "app/viewer/light_size.h"
 #include "app/viewer/moves.h"
 #include "app/viewer/panels.h"
 #include "app/viewer/widgets.h"
 #include "app/viewer/window.h"
+#include "measure/picture/signed_color.h"
 
 namespace gnomon::viewer {
 
@@ -79,6 +81,19 @@ bool draw_light_fields(Light& light, float speed, Widgets& widgets) {
     vector("direction", sun->direction, 0.005f * glm::length(sun->direction));
   if (auto* const spot = std::get_if<SpotLight>(&light.kind))
     vector("direction", spot->direction, 0.005f * glm::length(spot->direction));
+  const std::vector<LightLength> lengths = light_lengths(light);
+  for (std::size_t k = 0; k < lengths.size(); ++k) {
+    const std::string name = fmt::format("light.{}", lengths[k].name);
+    auto meters = static_cast<float>(lengths[k].meters);
+    widgets.label(std::string(lengths[k].words),
+                  "Meters from the center: dragged with the mouse, or typed after a double click; in the picture, too.");
+    if (ImGui::DragFloat(("##" + name).c_str(), &meters, speed, 0, 0, "%.4g")) {
+      light = with_length(light, k, meters);
+      is_set = true;
+    }
+    widgets.note(name);
+    widgets.note_dragging();
+  }
   return is_set;
 }
 
@@ -148,11 +163,27 @@ bool draw_flag(const std::string& name, const char* words, bool& value, const st
   return is_set;
 }
 
+/// What a difference is to, how large one has the whole color, and what lies below.
+void draw_difference_controls(DifferenceScale& difference, Widgets& widgets) {
+  if (const auto k = draw_modes("against", against_rows, 2, static_cast<int>(difference.against), widgets))
+    difference.against = static_cast<Against>(*k);
+  const auto words = [](double full) { return fmt::format("-{0:g} .. +{0:g}", full); };
+  std::vector<Widgets::Choice> choices;
+  for (const double full : difference_scales)
+    choices.push_back({fmt::format("full_scale.{:g}", full), words(full), "", full == difference.full});
+  widgets.label("full scale", "The difference at which the colors end.");
+  ImGui::SetNextItemWidth(-ImGui::CalcTextSize("plain").x - ImGui::GetFrameHeight() - 2 * ImGui::GetStyle().ItemSpacing.x);
+  if (const auto k = widgets.list("full_scale", words(difference.full), choices)) difference.full = difference_scales[*k];
+  ImGui::SameLine();
+  draw_flag("plain", "plain", difference.is_plain, "The very colors of the scale, not as dark as the dimmed scene.", widgets);
+}
+
 void draw_picture_controls(Session& session, Widgets& widgets) {
   if (const auto k = draw_modes("layout", layout_rows, 4, static_cast<int>(session.layout), widgets))
     session.layout = static_cast<Layout>(*k);
   if (const auto k = draw_modes("paint", paint_rows, 3, static_cast<int>(session.paint), widgets))
     session.paint = static_cast<Paint>(*k);
+  if (session.paint == Paint::difference) draw_difference_controls(session.difference, widgets);
   auto divider = static_cast<float>(100 * session.divider);
   widgets.label("divider", "Where the sides meet in a split picture; dragged in the picture, too.");
   if (ImGui::SliderFloat("##divider", &divider, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
@@ -167,6 +198,9 @@ void draw_picture_controls(Session& session, Widgets& widgets) {
   draw_flag("silhouettes", "silhouettes", session.shows_silhouettes,
             "The casters' silhouette edges as the light sees them; dark where the eye does not (O).", widgets);
   ImGui::SameLine();
+  draw_flag("contours", "contours", session.shows_contours,
+            "Where visibility is 0.02, 0.5 and 0.98: thin of the side, broad of the reference (I).", widgets);
+  widgets.label("panel", "", 0.6f);
   draw_flag("magnifier", "magnifier", session.shows_magnifier, "The pixels around one, and what is known of it (Z).", widgets);
   widgets.label("frames", "", 0.6f);
   bool is_full = session.selection().full_while_moving;

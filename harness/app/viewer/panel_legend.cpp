@@ -6,6 +6,7 @@
 
 #include "app/viewer/panels.h"
 #include "app/viewer/widgets.h"
+#include "measure/picture/signed_color.h"
 #include "measure/score/error_picture.h"
 
 namespace gnomon::viewer {
@@ -80,6 +81,12 @@ PaintLegend join_legends(const Shown& shown) {
   return legend;
 }
 
+/// The paint; of a difference what it is to, in as many letters as there is room for.
+std::string title_of(const Composition& composition) {
+  if (composition.paint != Paint::difference) return std::string(paint_rows[static_cast<int>(composition.paint)].title);
+  return composition.difference.against == Against::reference ? "minus reference" : "minus other side";
+}
+
 void draw_legend_table(const PaintLegend& legend, const Shown& shown) {
   const Paint paint = shown.composition.paint;
   const ModeRow& mode = paint_rows[static_cast<int>(paint)];
@@ -99,9 +106,11 @@ void draw_legend_table(const PaintLegend& legend, const Shown& shown) {
   };
   ImGui::TableNextRow();
   ImGui::TableNextColumn();
-  ImGui::TextDisabled("%s", std::string(mode.title).c_str());
+  ImGui::TextDisabled("%s", title_of(shown.composition).c_str());
   std::string sentence(mode.sentence);
   if (columns > 1) sentence += fmt::format("\nShares are {}.", legend.lines[0].entry.of);
+  if (paint == Paint::difference)
+    sentence += fmt::format("\nThey count differences of more than {:g}.", shown.composition.difference.full / 2);
   Widgets::tooltip(sentence);
   ImGui::PushStyleColor(ImGuiCol_Text, quiet_text);
   draw_shares([&](int side) { Widgets::right(columns == 3 ? fmt::format("{} %", side_name(side)) : "%"); });
@@ -118,13 +127,69 @@ void draw_legend_table(const PaintLegend& legend, const Shown& shown) {
   ImGui::EndTable();
 }
 
+/// As wide as the room is, the numbers below it at their places.
+void draw_bar(const LegendBar& bar) {
+  const float width = ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x, height = 0.8f * ImGui::GetFontSize();
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  const float step = width / static_cast<float>(bar.colors.size());
+  for (std::size_t k = 0; k < bar.colors.size(); ++k) {
+    const float left = at.x + step * static_cast<float>(k);
+    list.AddRectFilled({left, at.y}, {left + step + 0.5f, at.y + height}, color_of(bar.colors[k]));
+  }
+  list.AddRect({at.x, at.y}, {at.x + width, at.y + height}, IM_COL32(255, 255, 255, 50));
+  for (const LegendBar::Mark& mark : bar.marks) {
+    const float x = at.x + width * static_cast<float>(mark.at), wide = ImGui::CalcTextSize(mark.words.c_str()).x;
+    list.AddLine({x, at.y + height}, {x, at.y + height + 3}, quiet_text);
+    list.AddText({std::clamp(x - wide / 2, at.x, at.x + width - wide), at.y + height + 3}, quiet_text, mark.words.c_str());
+  }
+  ImGui::Dummy({width, height + 3 + ImGui::GetTextLineHeight()});
+}
+
+/// The bar of the first side that is shown and has one; sides differ in their lights at most while something moves.
+void draw_bars(const Shown& shown) {
+  for (int side = 0; side < 2; ++side)
+    if (is_shown(shown.composition.layout, side))
+      if (const auto bar = legend_bar(shown.composition, side)) return draw_bar(*bar);
+}
+
+/// A line in its casing.
+void draw_ink(const ContourInk& ink, bool is_broad) {
+  const float width = 1.6f * ImGui::GetFontSize(), scale = lengths().panel / panel_width;
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float middle = at.y + ImGui::GetTextLineHeight() / 2;
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  const auto line = [&](const Color& color, float wide) {
+    list.AddLine({at.x, middle}, {at.x + width, middle}, color_of(color), wide * scale);
+  };
+  line(ink.casing, is_broad ? 5 : 4);
+  line(ink.core, is_broad ? 2.6f : 1.6f);
+  ImGui::Dummy({width, ImGui::GetTextLineHeight()});
+  ImGui::SameLine();
+}
+
+/// Whose line is which.
+void draw_contour_legend(const Shown& shown) {
+  std::string levels;
+  for (const float level : contour_levels) levels += fmt::format("{}{:.2g}", levels.empty() ? "" : ", ", level);
+  Widgets::wrapped("Contours at " + levels, quiet_text);
+  for (int side = 0; side < 2; ++side) {
+    if (!is_shown(shown.composition.layout, side) || shown.state.sides[side].is_reference) continue;
+    draw_ink(technique_inks[side], false);
+    Widgets::wrapped(side_name(side));
+  }
+  draw_ink(reference_ink, true);
+  Widgets::wrapped("reference");
+}
+
 void draw_paint_legend(const Shown& shown) {
   const PaintLegend legend = join_legends(shown);
   if (!legend.lines.empty()) return draw_legend_table(legend, shown);
   const Paint paint = shown.composition.paint;
   const ModeRow& mode = paint_rows[static_cast<int>(paint)];
   if (paint == Paint::shaded && has_layer(shown)) return;  // the layer has a legend of its own
-  ImGui::TextDisabled("%s", std::string(mode.title).c_str());
+  ImGui::TextDisabled("%s", title_of(shown.composition).c_str());
+  if (paint == Paint::mask) return;  // a bar follows
   const bool is_judged = (paint == Paint::kinds || paint == Paint::causes) && (legend.has_shares[0] || legend.has_shares[1]);
   const auto& frame = shown.state.frame;
   const bool is_soft = frame && has_area(frame->light);
@@ -152,6 +217,8 @@ void draw_swatches(std::span<const LegendEntry> swatches) {
 
 void draw_legend(const Shown& shown) {
   draw_paint_legend(shown);
+  draw_bars(shown);
+  if (shown.composition.shows_contours) draw_contour_legend(shown);
   for (int side = 0; side < 2; ++side) {
     const LayerPicture* const layer = shown.composition.sides[side].layer;
     if (!layer || !is_shown(shown.composition.layout, side)) continue;

@@ -51,6 +51,8 @@ void draw_help(glm::ivec2 window, Session& session);
 // Parts of the strip.
 void draw_numbers(const Shown& shown, const Session& session);
 void draw_legend(const Shown& shown);
+/// Masks and reference along the line that was drawn over the picture.
+void draw_profile(const Shown& shown, const ProfileLine& line);
 
 std::string title_of(const Session& session, int side);
 inline const char* side_name(int side) { return side == 0 ? "left" : "right"; }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/viewer/light_size.h"
 #include "app/viewer/widgets.h"
 
 namespace gnomon::viewer {
@@ -46,7 +47,8 @@ std::array<const void*, 8> parts_of(const EngineState& state) {
 
 /// What the person has chosen of a composition.
 auto choices_of(const Composition& c) {
-  return std::tuple(c.width, c.height, c.layout, c.paint, c.divider, c.flicker_is_right, c.layer_opacity);
+  return std::tuple(c.width, c.height, c.layout, c.paint, c.divider, c.flicker_is_right, c.layer_opacity, c.difference.against,
+                    c.difference.full, c.difference.is_plain, c.shows_contours);
 }
 
 }  // namespace
@@ -61,6 +63,8 @@ bool Canvas::compose(const Session& session, const EngineState& state, const Pix
                    .divider = session.divider,
                    .flicker_is_right = session.flicker_is_right,
                    .layer_opacity = session.layer_opacity,
+                   .difference = session.difference,
+                   .shows_contours = session.shows_contours,
                    .sides = {}};
   if (!is_outdated(state) && choices_of(next) == choices_of(composition_)) return false;
   state_ = state;
@@ -92,8 +96,17 @@ std::optional<Handle> shown_handle(const Session& session, const Composition& co
   return light_handle(camera, light_place(*session.scene(), session.selection().light), handle_margin * scale);
 }
 
+std::vector<std::optional<glm::dvec2>> shown_sizes(const Session& session, const Composition& composition) {
+  std::vector<std::optional<glm::dvec2>> places;
+  if (!session.scene() || composition.width <= 0) return places;
+  const Camera camera(shown_view(session, composition), composition.width, composition.height);
+  for (const SizeHandle& handle : size_handles(camera, session.selection().light))
+    places.push_back(project(camera, handle.place));
+  return places;
+}
+
 GrabTargets PictureView::targets(const Composition& shown, const Session& session, double scale) const {
-  GrabTargets targets{.light = {}, .divider = {}, .scale = scale};
+  GrabTargets targets{.light = {}, .divider = {}, .scale = scale, .sizes = shown_sizes(session, shown)};
   if (const auto handle = shown_handle(session, shown, scale)) targets.light = handle->shown;
   if (shown.layout == Layout::split) targets.divider = shown.divider * shown.width;
   return targets;
@@ -102,8 +115,11 @@ GrabTargets PictureView::targets(const Composition& shown, const Session& sessio
 void PictureView::drag(const Composition& shown, Session& session) {
   const DragKind kind = gesture_.kind();
   if (kind == DragKind::divider) session.divider = std::clamp(gesture_.grabbed().x / shown.width, 0.0, 1.0);
-  if (kind == DragKind::divider || !gesture_.is_drag()) return;
-  if (kind != DragKind::light)
+  if (kind == DragKind::line) session.profile = ProfileLine{gesture_.pressed_at(), gesture_.cursor()};
+  if (kind == DragKind::divider || kind == DragKind::line || !gesture_.is_drag()) return;
+  if (kind == DragKind::size) {
+    if (camera_) session.set_light(drag_size(*camera_, light_, gesture_.size(), gesture_.grabbed()));
+  } else if (kind != DragKind::light)
     session.set_view((kind == DragKind::orbit  ? orbit
                       : kind == DragKind::look ? look
                                                : pan)(view_, gesture_.moved(), shown.height));

@@ -36,6 +36,9 @@ View shown_view(const Session& session, const Composition& composition);
 /// The light's handle, in pixels of the picture; nothing when the light is behind the eye.
 std::optional<Handle> shown_handle(const Session& session, const Composition& composition, double scale);
 
+/// The handles of the light's size, in pixels of the picture; nothing of one behind the eye.
+std::vector<std::optional<glm::dvec2>> shown_sizes(const Session& session, const Composition& composition);
+
 /// What the mouse does to the picture: camera, light, divider, picking. A gesture belongs to the picture from its press on,
 /// wherever the mouse goes.
 class PictureView {
@@ -46,7 +49,7 @@ class PictureView {
   bool is_dragging() const { return gesture_.is_drag(); }
   /// Where the mouse is in the picture; nothing outside it.
   std::optional<glm::dvec2> mouse() const { return mouse_; }
-  /// What is dragged, or what a press now would grab: light or divider.
+  /// What is dragged, or what a press now would grab: light, its size, or divider.
   DragKind handle() const { return handle_; }
 
  private:

@@ -154,15 +154,8 @@ std::vector<PixelFact> pixel_facts(const Composition& composition, int side, int
   for (int s = 0; s < 2; ++s)
     if (has_mask(composition.sides[s]) && is_same(composition.sides[s].frame, own.frame))
       facts.push_back({fmt::format("mask {}", side_names[s]), mask_words(composition.sides[s], g, i)});
-  // Also one without classes yet, of fewer pixels.
-  const ReferenceState* truth = reference_of(asked, side);
-  if (!truth && asked.reference && is_same(asked.reference->frame, own.frame)) truth = asked.reference;
-  if (truth) {
-    const Verdict* const verdict = verdict_of(own);
-    const std::span<const float> share = share_of(*truth, verdict ? verdict->estimates : LightShareKind::area);
-    const ComposeSide as_side{own.frame, share, truth->width, truth->height};
-    if (has_mask(as_side)) facts.push_back({"reference", mask_words(as_side, g, i)});
-  }
+  if (const ComposeSide truth = reference_side(asked, side); has_mask(truth))
+    facts.push_back({"reference", mask_words(truth, g, i)});
 
   const Mesh& mesh = frame.scene().meshes[g.mesh[i]];
   facts.push_back({"mesh", mesh.name.empty() ? fmt::format("number {}", g.mesh[i]) : mesh.name});

@@ -106,6 +106,12 @@ Json window_json(const DrawnWindow& window, const Session& session, const Engine
   json["layout"] = layout_rows[static_cast<int>(session.layout)].id;
   json["paint"] = paint_rows[static_cast<int>(session.paint)].id;
   json["divider"] = session.divider;
+  json["difference"]["against"] = against_rows[static_cast<int>(session.difference.against)].id;
+  json["difference"]["full_scale"] = session.difference.full;
+  json["difference"]["plain"] = session.difference.is_plain;
+  json["contours"] = session.shows_contours;
+  json["profile"] = nullptr;
+  if (const auto& line = session.profile) json["profile"] = {line->from.x, line->from.y, line->to.x, line->to.y};
   json["picked"] = nullptr;
   if (session.picked()) json["picked"] = {session.picked()->x, session.picked()->y};
   for (int side = 0; side < 2; ++side) {
@@ -185,8 +191,8 @@ std::string SavedFiles::write_command(const Session& session, const fs::path& st
   return command;
 }
 
-fs::path SavedFiles::save(const Session& session, const EngineState& state, std::span<const std::uint32_t> rgba,
-                          const DrawnWindow& window) {
+fs::path SavedFiles::save(const Session& session, const EngineState& state, const Composition& composition,
+                          std::span<const std::uint32_t> rgba, const DrawnWindow& window) {
   const Selection& selection = session.selection();
   const SideState& left = state.sides[0];
   std::span<const float> mask;
@@ -207,6 +213,7 @@ fs::path SavedFiles::save(const Session& session, const EngineState& state, std:
   write_png(staged.path / "picture.png", picture_of(rgba, selection.width, selection.height));
   write_png(staged.path / "window.png", window.pixels);
   write_file(staged.path / "window.json", json_text(window_json(window, session, state), 2) + "\n");
+  if (session.profile) write_file(staged.path / "profile.csv", profile_csv(profile_along(composition, *session.profile)));
   staged.publish();
   return folder;
 }

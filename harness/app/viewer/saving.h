@@ -34,10 +34,10 @@ class SavedFiles {
   SavedFiles(std::filesystem::path out, std::vector<std::string> plugins)
       : out_(std::move(out)), plugins_(std::move(plugins)) {}
 
-  /// The whole state: scene.toml, command.txt, mask.exr, picture.png, window.png, window.json. Needs a finished state. Answers
-  /// the folder. Throws Error when it cannot be written.
-  std::filesystem::path save(const Session& session, const EngineState& state, std::span<const std::uint32_t> rgba,
-                             const DrawnWindow& window);
+  /// The whole state: scene.toml, command.txt, mask.exr, picture.png, window.png, window.json, with a profile profile.csv.
+  /// Needs a finished state. Answers the folder. Throws Error when it cannot be written.
+  std::filesystem::path save(const Session& session, const EngineState& state, const Composition& composition,
+                             std::span<const std::uint32_t> rgba, const DrawnWindow& window);
   /// Only scene.toml and command.txt. Answers the command.
   std::string save_command(const Session& session);
   /// The window. Answers the file.

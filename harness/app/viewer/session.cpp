@@ -88,6 +88,8 @@ void Session::set_size(int width, int height) {
   selection_.height = height;
   if (picked_ && (picked_->x >= width || picked_->y >= height)) picked_.reset();
   pick(picked_);
+  const auto is_inside = [&](const glm::dvec2& p) { return p.x >= 0 && p.y >= 0 && p.x <= width && p.y <= height; };
+  if (profile && !(is_inside(profile->from) && is_inside(profile->to))) profile.reset();
 }
 
 void Session::mark_moving() {
@@ -162,6 +164,12 @@ void Session::next_layer() {
     choose_layer(0, found + 1 == layers.end() ? "" : (found + 1)->name);
 }
 
+void Session::flip_profile() {
+  if (profile) return profile.reset();
+  const double y = picked_ ? picked_->y + 0.5 : selection_.height / 2.0;
+  profile = ProfileLine{{0.5, y}, {selection_.width - 0.5, y}};
+}
+
 void Session::act(const KeyEffect& effect, double count) {
   if (scene()) {
     const std::optional<View> view = moved_by_key(selection_.view, *scene(), effect, count);
@@ -177,7 +185,8 @@ void Session::act(const KeyEffect& effect, double count) {
 }
 
 void Session::carry_out(Action action) {
-  constexpr std::pair<Action, bool Session::*> flips[] = {{Action::silhouettes, &Session::shows_silhouettes},
+  constexpr std::pair<Action, bool Session::*> flips[] = {{Action::contours, &Session::shows_contours},
+                                                          {Action::silhouettes, &Session::shows_silhouettes},
                                                           {Action::magnifier, &Session::shows_magnifier},
                                                           {Action::panels, &Session::shows_panels},
                                                           {Action::help, &Session::shows_help}};
@@ -195,7 +204,8 @@ void Session::carry_out(Action action) {
   if (action == Action::layer_after) next_layer();
   if (action == Action::reset_view) choose_view(selection_.view.name);
   if (action == Action::reset_light) choose_light(selection_.light.name);
-  if (action == Action::cancel && !std::exchange(shows_help, false)) pick({});
+  if (action == Action::profile) flip_profile();
+  if (action == Action::cancel && !std::exchange(shows_help, false)) picked_ ? pick({}) : profile.reset();
 }
 
 }  // namespace gnomon::viewer

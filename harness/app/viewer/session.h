@@ -9,6 +9,7 @@
 #include "app/viewer/compose.h"
 #include "app/viewer/engine.h"
 #include "app/viewer/keys.h"
+#include "app/viewer/profile.h"
 
 namespace gnomon::viewer {
 
@@ -29,7 +30,9 @@ class Session {
   double divider = 0.5;
   float layer_opacity = 0.8f;
   bool flicker_is_right = false;
-  bool shows_silhouettes = false, shows_magnifier = true, shows_panels = true, shows_help = false;
+  DifferenceScale difference;
+  bool shows_contours = false, shows_silhouettes = false, shows_magnifier = true, shows_panels = true, shows_help = false;
+  std::optional<ProfileLine> profile;  ///< along which masks and reference are plotted
   Requests requests;
 
   // The scene. The engine loads it; then `adopt` takes over its light and view.
@@ -90,6 +93,7 @@ class Session {
   void set_scene_parameter(const SceneSetting& to);
   void step_technique(int step);
   void next_layer();
+  void flip_profile();
 
   Selection selection_;
   std::shared_ptr<const LoadedScene> loaded_;

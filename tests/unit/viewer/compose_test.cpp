@@ -9,6 +9,7 @@
 
 #include "color_vision.h"
 #include "hand_made_frame.h"
+#include "measure/picture/signed_color.h"
 #include "measure/score/error_picture.h"
 
 namespace {
@@ -16,6 +17,8 @@ namespace {
 using namespace gnomon;
 using namespace gnomon::viewer;
 using namespace hand_made_frame;
+
+const Rgb darker = rgb(signed_color(-1, 1)), same = rgb(signed_color(0, 1)), lighter = rgb(signed_color(1, 1));
 
 std::vector<std::uint32_t> composed(const Composition& c) {
   std::vector<std::uint32_t> rgba(static_cast<std::size_t>(c.width) * c.height, 0x01020304);
@@ -234,7 +237,8 @@ TEST(viewer_compose, masks_of_fewer_pixels_stand_for_their_frame) {
   // It differs from the other side where a pixel of it does, and errors wait for the whole mask.
   c.sides[1] = seen.side();
   c.paint = Paint::difference;
-  EXPECT_EQ(pixels_of(c), (std::vector<Rgb>{false_dark, false_dark, right, right, false_dark, false_dark, right, right}));
+  c.difference.against = Against::other_side;
+  EXPECT_EQ(pixels_of(c), (std::vector<Rgb>{darker, darker, same, same, darker, darker, same, same}));
   c.paint = Paint::kinds;
   c.reference = seen.reference.get();
   EXPECT_EQ(pixels_of(c), std::vector<Rgb>(8, right));
@@ -252,23 +256,51 @@ TEST(viewer_compose, errors_are_colored_where_they_are_tested) {
             (std::vector<Rgb>{right, color(Cause::crack), right, color(Cause::region), untested, right}));
 }
 
-TEST(viewer_compose, differences_mix_their_color_in_by_their_size) {
+TEST(viewer_compose, differences_have_the_colors_of_the_scale) {
   HandMadeFrame here(5, 1), there(here.frame);
   here.answer->mask = {0, 1, 0.5f, 1, 0};
   there.answer->mask = {0, 0, 1, 0.5f, 1};
-  here.reference->classes[4] = PixelClass::U;
   Composition c = left_of(here, Paint::difference);
+  c.difference.against = Against::other_side;
   c.sides[1] = there.side();
-  // Half and half of 172 and the color, rounded up.
-  const auto half = [](const Rgb& color) { return Rgb{(color[0] + 173) / 2, (color[1] + 173) / 2, (color[2] + 173) / 2}; };
-  EXPECT_EQ(pixels_of(c), (std::vector<Rgb>{right, false_lit, half(false_dark), half(false_lit), false_dark}));
+  // A white lit surface is the brightest of the dimmed scene, where colors are what they are.
+  const Rgb half_darker = rgb(signed_color(-0.5, 1)), half_lighter = rgb(signed_color(0.5, 1));
+  EXPECT_EQ(pixels_of(c), (std::vector<Rgb>{same, lighter, half_darker, half_lighter, darker}));
   c.layout = Layout::right;
-  EXPECT_EQ(pixels_of(c), (std::vector<Rgb>{right, false_dark, half(false_lit), half(false_dark), false_lit}));
+  EXPECT_EQ(pixels_of(c), (std::vector<Rgb>{same, darker, half_lighter, half_darker, lighter}));
+  // Untested, it is 71 of 172: colors keep (172 + 71) / 344 of their light. Plain ones keep it all.
+  c.layout = Layout::left;
+  here.reference->classes[4] = PixelClass::U;
+  const Rgb dark = pixels_of(c)[4];
+  for (int k = 0; k < 3; ++k) EXPECT_EQ(dark[k], darker[k] * 243 / 344);
+  c.difference.is_plain = true;
+  EXPECT_EQ(pixels_of(c)[4], darker);
   // Answers for other frames are not compared.
   HandMadeFrame before(5, 1);
-  c.layout = Layout::left;
   c.sides[1] = before.side();
   EXPECT_EQ(pixels_of(c), (std::vector<Rgb>{right, right, right, right, untested}));
+}
+
+TEST(viewer_compose, differences_to_the_reference_end_at_the_full_scale) {
+  HandMadeFrame seen(5, 1);
+  seen.answer->mask = {0.5f, 0.525f, 0.475f, 0.7f, 0.5f};
+  seen.reference->mask = {0.5f, 0.5f, 0.5f, 0.5f, 0.5f};
+  seen.picture->mesh[4] = no_mesh;
+  Composition c = left_of(seen, Paint::difference);
+  c.difference = {.full = 0.1, .is_plain = true};
+  // A quarter of the scale, and twice the whole.
+  const std::vector<Rgb> pixels = pixels_of(c);
+  EXPECT_EQ(pixels[0], same);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_NEAR(pixels[1][k], signed_color(0.25, 1)[k], 1);
+    EXPECT_NEAR(pixels[2][k], signed_color(-0.25, 1)[k], 1);
+  }
+  EXPECT_EQ(pixels[3], lighter);
+  EXPECT_EQ(pixels[4], gray(25)) << "the background";
+  // The irradiance's share, where the technique estimates that.
+  seen.reference->irradiance = seen.answer->mask;
+  seen.verdict.estimates = LightShareKind::irradiance;
+  for (int x = 0; x < 4; ++x) EXPECT_EQ(pixels_of(c)[x], same);
 }
 
 TEST(viewer_compose, classes_have_a_color_each) {
@@ -390,6 +422,9 @@ RC_GTEST_PROP(viewer_compose, every_combination_fills_the_picture_and_nothing_el
   Composition c{.width = size(), .height = size()};
   c.layout = static_cast<Layout>(random() % std::size(layout_rows));
   c.paint = static_cast<Paint>(random() % std::size(paint_rows));
+  c.difference = {static_cast<Against>(random() % 2), difference_scales[random() % difference_scales.size()],
+                  random() % 2 == 0};
+  c.shows_contours = random() % 2 == 0;
   c.divider = std::uniform_real_distribution<double>(-0.2, 1.2)(random);
   c.flicker_is_right = random() % 2 == 0;
   c.layer_opacity = std::uniform_real_distribution<float>(-1, 2)(random);

@@ -77,6 +77,8 @@ TEST(viewer_keys, every_key_has_its_action) {
                                                         {".", Action::technique_after},
                                                         {"Tab", Action::swap_sides},
                                                         {"G", Action::layer_after},
+                                                        {"I", Action::contours},
+                                                        {"P", Action::profile},
                                                         {"O", Action::silhouettes},
                                                         {"Z", Action::magnifier},
                                                         {"F2", Action::panels},

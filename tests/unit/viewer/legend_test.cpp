@@ -32,12 +32,46 @@ TEST(viewer_legend, differences_count_where_tested_pixels_are_a_half_apart) {
   here.reference->classes[6] = here.reference->classes[7] = PixelClass::G;
   there.verdict.reference = here.reference;
   Composition c = left_of(here, Paint::difference);
+  c.difference.against = Against::other_side;
   c.sides[1] = there.side();
   EXPECT_EQ(words_of(legend(c, 0)),
-            (std::vector<std::string>{"darker here 50.0 % of tested pixels", "lighter here 16.7 % of tested pixels"}));
+            (std::vector<std::string>{"darker 50.0 % of tested pixels", "lighter 16.7 % of tested pixels"}));
   EXPECT_EQ(legend(c, 1)[0].share, 1.0 / 6) << "darker on the other side";
   c.sides[0].verdict = c.sides[1].verdict = nullptr;
-  EXPECT_EQ(words_of(legend(c, 0)), (std::vector<std::string>{"darker here", "lighter here"}));
+  EXPECT_EQ(words_of(legend(c, 0)), (std::vector<std::string>{"darker", "lighter"}));
+  // To the reference, of full scale 0.1: what is off by more than 0.05. The reference is lit.
+  c.sides[0] = here.side();
+  c.difference = {.against = Against::reference, .full = 0.1};
+  here.answer->mask = {0.96f, 0.94f, 1, 1, 1, 1, 1, 1};
+  EXPECT_EQ(words_of(legend(c, 0)),
+            (std::vector<std::string>{"darker 16.7 % of tested pixels", "lighter 0.0000 % of tested pixels"}));
+}
+
+TEST(viewer_legend, bars_have_numbers_at_the_colors_that_the_picture_shows) {
+  HandMadeFrame seen(3, 1);
+  seen.answer->mask = {0.9f, 1, 0.95f};
+  Composition c = left_of(seen, Paint::difference);
+  c.difference = {.full = 0.1, .is_plain = true};
+  const LegendBar bar = legend_bar(c, 0).value();
+  std::vector<std::string> words;
+  for (const LegendBar::Mark& mark : bar.marks) words.push_back(mark.words);
+  EXPECT_EQ(words, (std::vector<std::string>{"-0.1", "-0.05", "0", "+0.05", "+0.1"}));
+  std::vector<std::uint32_t> picture(3);
+  compose(c, picture);
+  const auto color_at = [&](double at) { return bar.colors[static_cast<std::size_t>(at * (bar.colors.size() - 1))]; };
+  for (const auto& [x, at] : {std::pair{0, 0.0}, {1, 0.5}, {2, 0.25}})
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR((picture[x] >> (8 * k)) & 255, color_at(at)[k], 1) << x;
+  // Masks are gray: a bar where there is a penumbra.
+  c.paint = Paint::mask;
+  EXPECT_FALSE(legend_bar(c, 0));
+  seen.frame->light.kind = SphereLight{};
+  const LegendBar ramp = legend_bar(c, 0).value();
+  EXPECT_EQ(ramp.colors.front(), (Color{0, 0, 0}));
+  EXPECT_EQ(ramp.colors[ramp.colors.size() / 2], (Color{128, 128, 128}));
+  EXPECT_EQ(ramp.colors.back(), (Color{255, 255, 255}));
+  EXPECT_EQ(ramp.marks[1].words, "penumbra");
+  c.paint = Paint::causes;
+  EXPECT_FALSE(legend_bar(c, 0));
 }
 
 TEST(viewer_legend, classes_are_counted_over_all_pixels_and_layers_have_their_swatches) {
@@ -55,7 +89,7 @@ TEST(viewer_legend, classes_are_counted_over_all_pixels_and_layers_have_their_sw
   c.paint = Paint::mask;
   EXPECT_EQ(words_of(legend(c, 0)), (std::vector<std::string>{"lit", "umbra"}));
   seen.frame->light.kind = SphereLight{};
-  EXPECT_EQ(words_of(legend(c, 0)), (std::vector<std::string>{"lit", "penumbra", "umbra"}));
+  EXPECT_EQ(words_of(legend(c, 0)), std::vector<std::string>()) << "a bar of grays stands for them";
 }
 
 TEST(viewer_legend, under_a_light_with_area_shares_are_of_the_error) {

@@ -25,6 +25,7 @@ TEST(viewer_mouse, buttons_and_shift_say_what_a_drag_does) {
                {right, 0, DragKind::look},
                {middle, 0, DragKind::pan},
                {left, GLFW_MOD_SHIFT, DragKind::pan},
+               {left, GLFW_MOD_CONTROL, DragKind::line},
                {right, GLFW_MOD_SHIFT, DragKind::look},
                {left, GLFW_MOD_CAPS_LOCK | GLFW_MOD_NUM_LOCK, DragKind::orbit}};
   for (const auto& [button, modifiers, due] : cases) {
@@ -101,6 +102,35 @@ TEST(viewer_mouse, the_handle_of_the_light_keeps_its_offset_to_the_mouse) {
   gesture.cancel();
   gesture.press(right, 0, {200, 100}, 4, targets);
   EXPECT_EQ(gesture.kind(), DragKind::waiting);  // other buttons do not grab
+}
+
+TEST(viewer_mouse, the_nearest_handle_of_the_light_is_grabbed) {
+  const GrabTargets targets{.light = glm::dvec2(200, 100),
+                            .divider = 212,
+                            .scale = 1,
+                            .sizes = {glm::dvec2(212, 100), std::nullopt, glm::dvec2(188, 100)}};
+  Gesture gesture;
+  const auto grabs = [&](glm::dvec2 at) {
+    gesture.cancel();
+    gesture.press(left, 0, at, 0, targets);
+    return gesture.kind();
+  };
+  EXPECT_EQ(grabs({205, 100}), DragKind::light);  // 5 away, and 7 from the size
+  EXPECT_EQ(grabs({207, 100}), DragKind::size);   // 5 from the size
+  EXPECT_EQ(gesture.size(), 0u);
+  gesture.move({217, 103}, 0.1);
+  EXPECT_EQ(gesture.grabbed(), glm::dvec2(222, 103));  // it keeps its offset
+  EXPECT_EQ(grabs({185, 100}), DragKind::size);
+  EXPECT_EQ(gesture.size(), 2u);
+  EXPECT_EQ(grabs({212, 107.9}), DragKind::size);
+  EXPECT_EQ(grabs({212, 108.1}), DragKind::divider);
+  gesture.cancel();
+  gesture.press(left, GLFW_MOD_CONTROL, {212, 100}, 1, targets);
+  EXPECT_EQ(gesture.kind(), DragKind::waiting) << "a line may begin anywhere";
+  gesture.move({250, 140}, 1.1);
+  EXPECT_EQ(gesture.kind(), DragKind::line);
+  EXPECT_EQ(gesture.pressed_at(), glm::dvec2(212, 100));
+  EXPECT_EQ(gesture.cursor(), glm::dvec2(250, 140));
 }
 
 TEST(viewer_mouse, the_divider_is_grabbed_beside_its_line) {

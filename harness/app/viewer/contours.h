@@ -1,0 +1,27 @@
+#pragma once
+#include "app/viewer/compose.h"
+#include "measure/picture/signed_color.h"
+
+namespace gnomon::viewer {
+
+/// The contours of one mask over its frame's pixels, drawn as lines of a width in a casing: a pixel is covered by how near the
+/// contour passes, which its visibility and the differences to its neighbors tell. Contours are of one surface: pixels of the
+/// background, those that the light's center is behind of, and neighbors of another mesh do not count.
+class Contours {
+ public:
+  /// `side` has a mask, and outlives this. Broad ones lie below others, so that both are seen where they coincide.
+  Contours(const ComposeSide& side, const ContourInk& ink, bool is_broad);
+
+  /// How near the middle of pixel (x, y) the nearest contour passes, in pixels; infinity where there is none.
+  float distance(int x, int y) const;
+  /// Over columns `first` up to `last` of row y, whose colors (R, G, B, 255 in memory order) begin with column 0.
+  void paint(int y, int first, int last, std::span<std::uint32_t> colors) const;
+
+ private:
+  const ComposeSide& side_;
+  const GBuffer& gbuffer_;
+  std::uint32_t core_, casing_;
+  float half_core_, half_casing_;  ///< of their widths, pixels
+};
+
+}  // namespace gnomon::viewer
