@@ -167,6 +167,11 @@ void Divisor::took(double ms) {
 
 void Divisor::forget() { ms_ = {}; }
 
+void Divisor::expect(double full_ms) {
+  if (std::ranges::any_of(ms_, [](double ms) { return ms > 0; })) return;
+  while (value_ < largest && full_ms > frame_budget_ms * value_ * value_) ++value_;
+}
+
 std::shared_ptr<const fs::path> Engine::Body::write_shared(const GBuffer& gbuffer) {
   const fs::path file = scratch.path() / fmt::format("{}.gbuffer", ++gbuffer_count);
   write_gbuffer(file, gbuffer);
@@ -186,6 +191,21 @@ Engine::Body::Work Engine::Body::next_frame() {
   return [this, selection = selection, number = state.selection_number] { make_frame(selection, number); };
 }
 
+/// What the slower side took for its last answer, as if that had been of full size.
+double Engine::Body::full_ms() const {
+  const std::lock_guard lock(mutex);
+  double slower = 0;
+  for (const SideState& side : state.sides) {
+    if (side.is_reference || !side.answer) continue;
+    const GBuffer& g = side.answer->frame->gbuffer;
+    const auto ms = [&](Stage stage) { return side.newest_ms[static_cast<int>(stage)].value_or(0); };
+    const double pixels =
+        static_cast<double>(selection.width) * selection.height / static_cast<double>(std::max<std::size_t>(g.size(), 1));
+    slower = std::max(slower, ms(Stage::relight) + pixels * ms(Stage::resolve));
+  }
+  return slower;
+}
+
 void Engine::Body::make_frame(const Selection& selection, std::uint64_t number) {
   const auto start = Clock::now();
   const std::shared_ptr<const Frame> before = state.frame;  // only this thread makes frames
@@ -196,6 +216,7 @@ void Engine::Body::make_frame(const Selection& selection, std::uint64_t number) 
     camera_divisor.forget();
     light_divisor.forget();
   }
+  if (may_shrink) fitting.expect(full_ms());
   const int divisor = may_shrink ? fitting.value() : 1;
   const int width = divided(selection.width, divisor), height = divided(selection.height, divisor);
 
@@ -236,11 +257,19 @@ void Engine::Body::make_frame(const Selection& selection, std::uint64_t number) 
 }
 
 /// The next frame while something moves is not begun before this one is answered, or one that is slow would never be seen. One
-/// that is too slow is left behind.
+/// that is too slow is left behind. The reference is not waited for as long as techniques are: it may follow them.
 void Engine::Body::wait_for_sides(std::uint64_t frame) {
-  const auto deadline = Clock::now() + std::chrono::milliseconds(100);
+  constexpr auto for_reference = std::chrono::milliseconds(25), for_technique = std::chrono::milliseconds(100);
+  const auto begin = Clock::now();
+  const auto have_answered = [&](bool with_reference) {
+    return stop || std::ranges::all_of(sides, [&](const auto& side) {
+             return (!with_reference && side->is_reference()) || side->has_finished(frame);
+           });
+  };
   std::unique_lock lock(mutex);
-  news.wait_until(lock, deadline, [&] { return stop || (sides[0]->has_finished(frame) && sides[1]->has_finished(frame)); });
+  const bool are_all_references = sides[0]->is_reference() && sides[1]->is_reference();
+  news.wait_until(lock, begin + (are_all_references ? for_technique : for_reference), [&] { return have_answered(true); });
+  news.wait_until(lock, begin + for_technique, [&] { return have_answered(false); });
 }
 
 bool are_same(const Light& a, const Light& b) { return light_and_view_bytes(a, {}) == light_and_view_bytes(b, {}); }

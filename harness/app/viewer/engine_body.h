@@ -39,9 +39,11 @@ class Divisor {
   void took(double ms);
   /// What frames took says nothing any more: something else moves.
   void forget();
+  /// A frame of full size would take so long: the first ones are as small as that asks for, unless it is known better.
+  void expect(double full_ms);
 
  private:
-  static constexpr int largest = 4;
+  static constexpr int largest = 8;
   int next() const;
   int value_;
   std::array<double, largest + 1> ms_{};  ///< a mean by divisor; 0 is unknown
@@ -79,9 +81,10 @@ struct Engine::Body {
   Work next_frame();
   Work next_reference();
 
+  double full_ms() const;
   void make_frame(const Selection& selection, std::uint64_t number);
   void wait_for_sides(std::uint64_t frame);
-  void trace_reference(const std::shared_ptr<const Frame>& frame, std::uint64_t ticket);
+  void trace_reference(const std::shared_ptr<const Frame>& frame, bool is_moving, std::uint64_t ticket);
   void complete_reference(ReferenceState reference, std::uint64_t ticket);
   std::shared_ptr<const ReferenceState> publish(ReferenceState reference);
   /// Writes a G-buffer for the workers; the file is removed with the last owner of its name.

@@ -13,7 +13,8 @@ namespace gnomon::viewer {
 namespace {
 
 constexpr std::size_t most_known = 8, most_known_pixels = std::size_t{8} << 20;  // references that are remembered
-constexpr double long_ms = 60;  // a reference that takes longer is shown coarse first
+constexpr double long_ms = 60;    // a reference that takes longer is shown coarse first
+constexpr double moving_ms = 12;  // while something moves, beside the sides' own work
 
 /// Every `step`-th pixel of a G-buffer.
 GBuffer thinned(const GBuffer& g, int step) {
@@ -82,9 +83,9 @@ Engine::Body::Work Engine::Body::next_reference() {
   const bool is_traced = known && known->frame == frame && known->mask.size() == frame->gbuffer.size();
   // Classes and the rest are worth their time only when they stay.
   if (is_traced && selection.is_moving) return {};
-  return [this, frame, known = is_traced ? known : nullptr, ticket = refinement.ticket()] {
+  return [this, frame, known = is_traced ? known : nullptr, ticket = refinement.ticket(), is_moving = selection.is_moving] {
     try {
-      known ? complete_reference(*known, ticket) : trace_reference(frame, ticket);
+      known ? complete_reference(*known, ticket) : trace_reference(frame, is_moving, ticket);
     } catch (const std::exception& error) {
       // A full disk or no memory: said, and tried again at the next frame.
       ReferenceState none;
@@ -107,7 +108,7 @@ std::shared_ptr<const ReferenceState> Engine::Body::publish(ReferenceState refer
 }
 
 /// The mask; all of the reference where it is known from before.
-void Engine::Body::trace_reference(const std::shared_ptr<const Frame>& frame, std::uint64_t ticket) {
+void Engine::Body::trace_reference(const std::shared_ptr<const Frame>& frame, bool is_moving, std::uint64_t ticket) {
   ReferenceState reference;
   reference.frame = frame;
   if (const Support support = reference_support(frame->scene(), frame->light, frame->gbuffer.view); !support) {
@@ -144,11 +145,14 @@ void Engine::Body::trace_reference(const std::shared_ptr<const Frame>& frame, st
     reference.height = pixels.height;
     return true;
   };
-  if (frame->is_full() && static_cast<double>(g.size()) > long_ms * rays_per_ms)
-    for (const int step : {8, 4, 2}) {
-      if (!trace_pixels(thinned(g, step))) return;
-      publish(reference);
-    }
+  // While something moves it begins as coarse as it must be to be there with the next picture.
+  const double shown_first = static_cast<double>(g.size()) / ((is_moving ? moving_ms : long_ms) * std::max(rays_per_ms, 1e-3));
+  for (const int step : {8, 4, 2}) {
+    const bool is_needed = is_moving ? shown_first > step * step / 4.0 : frame->is_full() && shown_first > 1;
+    if (!is_needed) continue;
+    if (!trace_pixels(thinned(g, step))) return;
+    publish(reference);
+  }
   if (!trace_pixels(g)) return;
   reference.is_complete = !frame->is_full();
   publish(std::move(reference));

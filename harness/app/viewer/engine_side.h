@@ -17,6 +17,8 @@ class Engine::Body::Side {
   void new_frame() { causes_.give_up(); }
   /// Under the lock: whether it has answered, or will not answer, about the frame.
   bool has_finished(std::uint64_t frame) const;
+  /// Under the lock.
+  bool is_reference() const { return body_.state.sides[index_].is_reference; }
   void interrupt();
 
  private:

@@ -47,9 +47,12 @@ void SpeedTrial::steer(Session& session, const EngineState& state, bool is_finis
     view_ = session.selection().view;
     light_ = session.selection().light;
     steps_ = 0;
+    const auto shown = left_frame(state);
+    shown_ = {shown ? shown->number : 0, state.sides[0].answer_count};  // there already
   }
   if (now - start_ >= seconds_) {
     is_running_ = false;
+    rows_[situation_].seconds = now - start_;
     ++situation_;
     session.set_full_while_moving(false);
     session.set_view(view_);
@@ -104,12 +107,10 @@ std::string SpeedTrial::table() const {
                    {"resolve", "ms", Align::right}});
   for (std::size_t k = 0; k < std::size(titles); ++k) {
     const Measured& row = rows_[k];
-    double total = 0;
-    for (const double gap : row.gaps) total += gap;
     const auto time = [](const std::vector<double>& values) {
       return values.empty() ? std::string("-") : milliseconds(median(values));
     };
-    table.add_row({titles[k], total > 0 ? rounded(1000 * static_cast<double>(row.gaps.size()) / total, 3) : "-", time(row.gaps),
+    table.add_row({titles[k], rounded(static_cast<double>(row.gaps.size()) / row.seconds, 3), time(row.gaps),
                    row.gaps.empty() ? "-" : milliseconds(quantile(row.gaps, 0.95)), fmt::format("{}x{}", row.width, row.height),
                    k == light_moves ? time(row.relight) : "-", time(row.resolve)});
   }

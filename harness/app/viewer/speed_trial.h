@@ -22,6 +22,7 @@ class SpeedTrial {
   static constexpr const char* titles[] = {"at rest, resolved again", "light moves", "camera moves",
                                            "camera moves, full frames"};
   struct Measured {
+    double seconds = 0;        ///< that it was measured for
     std::vector<double> gaps;  ///< ms from one picture to the next
     int width = 0, height = 0;
     std::vector<double> relight, resolve;  ///< ms of the left side
