@@ -176,7 +176,7 @@ class Rendering {
     const Answer& answer = measured.answer;
     const int width = run_.suite.width, height = run_.suite.height;
     const auto picture_file = [&](const std::string& name) { return folder_.path / (name + tail_of(job) + ".png"); };
-    write_png(picture_file("mask"), draw_mask(answer.mask, width, height));
+    write_png(picture_file("mask"), (has_area(measured.light) ? draw_soft_mask : draw_mask)(answer.mask, width, height));
     write_png(picture_file("shaded"), shade(run_.scene, answer.gbuffer, measured.light, answer.mask));
     write_png(picture_file("error"), draw_errors(answer.evidence(run_.scene, measured.light), job.contender.name()));
     if (layer_)

@@ -45,6 +45,14 @@ class Render(ProgramTest):
             self.assertEqual([len(record["stages"][s]) for s in ("setup", "build", "relight", "resolve")], [1, 1, 1, 1])
             self.assertTrue((out / record["mask"]).is_file() and (out / record["error_picture"]).is_file())
 
+    def test_the_mask_of_a_light_with_area_has_a_legend(self):
+        self.succeed("render", "--scene", "single_triangle", "--technique", "embree_rays", "--light", "point", "--light", "lamp",
+                     *SIZE, "--out", "out")
+        self.assertEqual(png_size(self.dir / "out/mask.png"), (160, 90))
+        width, height = png_size(self.dir / "out/mask_lamp.png")
+        self.assertEqual(width, 160)
+        self.assertGreaterEqual(height, 90 + 30)  # a line of 20 pixels, and its margin, at least
+
     def test_the_mask_has_one_channel_for_each_light(self):
         self.succeed("render", "--scene", "single_triangle", "--technique", "embree_rays", *SIZE, "--out", "both")
         header = exr_header(self.dir / "both/mask.exr")

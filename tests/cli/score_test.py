@@ -49,6 +49,14 @@ class Score(ProgramTest):
         self.succeed("score", *SCENE, "--mask", mask, "--out", "both")
         self.assertEqual(self.names(self.dir / "both"), ["error_point.png", "error_sun.png", "shaded_point.png", "shaded_sun.png"])
 
+    def test_a_picture_with_a_legend_is_no_mask(self):
+        # Under a light with area the picture of the mask has a legend, and so have the pictures of errors: more rows than pixels.
+        scene = ("--scene", "single_triangle", "--light", "lamp")
+        self.succeed("render", *scene, "--technique", "center_ray", *SIZE, "--out", "soft")
+        for name in ("mask.png", "error.png"):
+            self.refuse("score", *scene, "--mask", self.dir / "soft" / name, "--channel", "R", says=(name, "legend", "mask.exr"))
+        self.succeed("score", *scene, "--mask", self.dir / "soft/mask.exr")
+
     def test_what_cannot_be_scored_is_said(self):
         mask, _ = self.render("unshadowed")
         picture = self.dir / "made/mask.png"

@@ -1,73 +1,17 @@
 // A run under lights with and without area, read as a person reads it.
 
 import assert from "node:assert/strict";
-import { writeFileSync } from "node:fs";
-import { join } from "node:path";
 import { after, before, test } from "node:test";
 
-import { closeBrowser, colorAt, dataOf, gnomon, home, open, openBrowser, readOut, saved, shownRows } from "./browser.js";
-
-// From straight above a floor 8.284 m wide: a card 2 m wide and 1 m above it, a disc 4 m above it and a bulb at the same place.
-const scene = `
-[[shape]]
-kind = "plane"
-center = [0, 0, 0]
-normal = [0, 1, 0]
-size = [20, 20]
-[[shape]]
-kind = "box"
-min = [-1, 1, -1]
-max = [1, 1.01, 1]
-[[light]]
-name = "lamp"
-kind = "disc"
-center = [0, 4, 0]
-normal = [0, -1, 0]
-radius = 0.6
-intensity = 8
-[[light]]
-name = "bulb"
-kind = "point"
-position = [0, 4, 0]
-intensity = 8
-[[view]]
-name = "above"
-eye = [0, 3.5, 3.5]
-target = [0, 0.3, 0]
-`;
-const run = join(home, "run"),
-  report = join(run, "report.html");
+import { bytesOf, sharesOf } from "./blobs.js";
+import { closeBrowser, colorAt, dataOf, open, openBrowser, readOut, saved, shownRows } from "./browser.js";
+import { choose, makeSoftRun, openPictures, report, rowOf } from "./soft_run.js";
 
 before(async () => {
-  writeFileSync(join(home, "card.toml"), scene);
-  writeFileSync(
-    join(home, "soft.toml"),
-    `
-width = 160
-height = 90
-processes = 2
-repetitions = 1
-[[group]]
-scenes = ["${join(home, "card.toml")}"]
-techniques = ["embree_rays", "unshadowed"]
-[[group]]
-scenes = ["${join(home, "card.toml")}"]
-lights = ["bulb"]
-techniques = ["shadow_map:resolution={64,256}"]
-[[group]]
-scenes = ["${join(home, "card.toml")}"]
-lights = ["lamp"]
-techniques = ["area_rays:samples={4,16}", "center_ray", "exact_area"]
-`,
-  );
-  gnomon(["run", join(home, "soft.toml"), "--out", run, "--quiet"]);
-  assert.equal(gnomon(["report", run]).trim(), report);
+  makeSoftRun();
   await openBrowser();
 });
 after(closeBrowser);
-
-const rowOf = (data, title, light = "lamp") =>
-  data.rows.findIndex((row) => row.title === title && data.groups[row.group].light === light);
 
 test("the table has a mean error with the reference's own beside it, and what soft shadows alone have", async () => {
   const page = await open(report);
@@ -131,44 +75,69 @@ test("the front is of mean errors above a dotted floor, and of wrong rates elsew
   await page.context().close();
 });
 
-/** A page on the comparer, showing the lamp's shadow by `a`. */
-async function openPictures(a) {
+test("errors fall along samples: seeds are one point, with the reference's own error and a slope to compare with", async () => {
   const page = await open(report);
-  const pictures = page.locator("#pictures");
-  await pictures.scrollIntoViewIfNeeded();
-  await pictures.locator("select[name=picture]").selectOption({ label: "card.toml \u00b7 lamp" });
-  await pictures.locator("select[name=a]").selectOption({ label: a });
+  const data = await dataOf(page);
+  await page.locator("#plots").scrollIntoViewIfNeeded();
+  const card = page.locator(".card.scaling");
+  await card.locator("select[name=along]").selectOption("parameter.samples");
+  await card.locator("select[name=what]").selectOption("error");
   await page.waitForTimeout(200);
-  return page;
-}
-
-const choose = (page, mode) => page.locator(`input[name=mode][value=${mode}]`).check({ force: true });
-
-/** The mask in the report, 0 .. 255. */
-const pictureOf = (page, number) =>
-  page.evaluate(async (number) => {
-    const bytes = Uint8Array.from(atob(document.getElementById(`blob${number}`).textContent), (c) => c.charCodeAt(0));
-    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
-    return [...new Uint8Array(await new Response(stream).arrayBuffer())];
-  }, number);
+  const svg = card.locator("figure svg[role=img]");
+  // Two settings, each at 4 and at 16 samples.
+  const dots = await svg
+    .locator("g[data-mark=dot] path, g[data-mark=dot] circle")
+    .evaluateAll((all) => all.map((dot) => dot.getAttribute("transform").match(/[\d.]+/g).map(Number)));
+  assert.equal(dots.length, 4);
+  const text = await card.locator("> figure").textContent();
+  assert.match(text, /slope \u22121\/2/);
+  assert.match(text, /means of up to 3 seeds, bars reach from the smallest to the largest/);
+  assert.match(text, /Dotted: the reference's own mean error/);
+  assert.equal(await svg.locator('g[stroke-dasharray="1 4"] line').count(), 1);
+  // Heights are logarithms: two errors that are known give pixels for each decade.
+  const column = data.columns.findIndex(({ name }) => name === "error");
+  const errorOf = (title) => data.rows[rowOf(data, title)].values[column];
+  const mean = (samples) => {
+    const seeds = [1, 2, 3].map((seed) => errorOf(`area_rays:samples=${samples},pattern=random,seed=${seed}`));
+    return seeds.reduce((sum, one) => sum + one, 0) / 3;
+  };
+  const errors = [errorOf("area_rays:samples=4"), errorOf("area_rays:samples=16"), mean(4), mean(16)];
+  const across = [...new Set(dots.map(([x]) => x))].sort((p, q) => p - q);
+  assert.equal(across.length, 2);
+  const places = dots.map(([, y]) => y).sort((p, q) => p - q),
+    sorted = errors.map(Math.log10).sort((p, q) => q - p);
+  const decade = (places[3] - places[0]) / (sorted[0] - sorted[3]);
+  places.forEach((place, k) => assert.ok(Math.abs(place - places[0] - decade * (sorted[0] - sorted[k])) < 0.5, String(places)));
+  // From 4 to 16 one over the root halves.
+  const guide = await svg.locator('g[stroke-dasharray="7 5"] path').getAttribute("d");
+  const [x0, y0, x1, y1] = guide.match(/[\d.]+/g).map(Number);
+  assert.ok(Math.abs(x0 - across[0]) < 0.5 && Math.abs(x1 - across[1]) < 0.5, guide);
+  assert.ok(Math.abs(y1 - y0 - decade * Math.log10(2)) < 0.5, `${guide}, ${decade} a decade`);
+  assert.deepEqual(page.troubles, []);
+  await card.screenshot({ path: saved("samples.png") });
+  await card.locator("select[name=what]").selectOption("resolve");
+  await page.waitForTimeout(150);
+  assert.doesNotMatch(await card.locator("> figure").textContent(), /slope|Dotted/, "a time has neither");
+  await page.context().close();
+});
 
 test("errors are as strong as they are large, and the legend has their scale", async () => {
   const page = await openPictures("center_ray");
   const data = await dataOf(page);
   const row = rowOf(data, "center_ray"),
     { pictures } = data.groups[data.rows[row].group];
-  const mask = await pictureOf(page, data.rows[row].pictures.mask),
-    truth = await pictureOf(page, pictures.reference),
-    classes = await pictureOf(page, pictures.classes);
+  const mask = await sharesOf(page, data.rows[row].pictures.mask, pictures.bits),
+    truth = await sharesOf(page, pictures.reference, pictures.bits),
+    classes = await bytesOf(page, pictures.classes);
   const tested = data.classes.findIndex((info) => info.name === "T");
-  const find = (accepts) => mask.findIndex((value, i) => classes[i] === tested && accepts((value - truth[i]) / 255));
+  const find = (accepts) => mask.findIndex((value, i) => classes[i] === tested && accepts(value - truth[i]));
   const at = (i) => colorAt(page, i % 160, Math.floor(i / 160));
   const weak = find((off) => off < -0.11 && off > -0.29),
     strong = find((off) => off < -0.31),
     light = find((off) => off > 0.31),
     right = find((off) => off === 0);
   for (const i of [weak, strong, light, right]) assert.ok(i >= 0);
-  const legend = () => page.locator("#pictures .swatches").textContent();
+  const legend = () => page.locator("#pictures > .swatches").textContent();
   await choose(page, "error");
   assert.deepEqual(await at(strong), [213, 94, 0]);
   assert.deepEqual(await at(light), [86, 180, 233]);
@@ -198,11 +167,11 @@ test("masks are gray, and the read-out says how far a pixel is off", async () =>
   const data = await dataOf(page);
   const row = rowOf(data, "area_rays:samples=4"),
     { pictures } = data.groups[data.rows[row].group];
-  const mask = await pictureOf(page, data.rows[row].pictures.mask),
-    truth = await pictureOf(page, pictures.reference),
-    classes = await pictureOf(page, pictures.classes);
+  const mask = await sharesOf(page, data.rows[row].pictures.mask, pictures.bits),
+    truth = await sharesOf(page, pictures.reference, pictures.bits),
+    classes = await bytesOf(page, pictures.classes);
   const tested = data.classes.findIndex((info) => info.name === "T");
-  const half = mask.findIndex((value, i) => value === 128 && classes[i] === tested && Math.abs(value - truth[i]) > 5);
+  const half = mask.findIndex((value, i) => value === 2048 / 4095 && classes[i] === tested && Math.abs(value - truth[i]) > 0.02);
   assert.ok(half >= 0);
   await page.locator(".toggle", { hasText: "shaded" }).locator("input").uncheck();
   await choose(page, "flicker");
@@ -218,7 +187,7 @@ test("masks are gray, and the read-out says how far a pixel is off", async () =>
   const said = await readOut(page);
   assert.equal(said.pixel, `${x}, ${y}`);
   assert.match(said.A, /^0\.50 \([+\u2212]0\.\d\d\)$/);
-  assert.equal(said.reference, (truth[half] / 255).toFixed(2));
+  assert.equal(said.reference, truth[half].toFixed(2));
   assert.deepEqual(page.troubles, []);
   await page.context().close();
 });

@@ -7,7 +7,7 @@ namespace gnomon {
 
 namespace {
 
-constexpr int line_height = 20, swatch_width = 12;  // pixels
+constexpr int line_height = 20, swatch_width = 12, ramp_width = 200, gap = 6;  // pixels
 
 int text_width(const std::string& words) { return image_files().draw_text({}, 0, 0, 0, 0, words); }
 
@@ -37,33 +37,53 @@ std::vector<std::string> break_lines(const std::string& text, int width, std::si
 void PictureLegend::add_sentence(const std::string& sentence, std::size_t most_lines) {
   for (const std::string& line : break_lines(sentence, width_ - 2 * margin, most_lines)) {
     if (x_ > margin) ++line_;
-    entries_.push_back({std::nullopt, line, margin, line_});
+    entries_.push_back({{}, 0, line, margin, line_});
     x_ = width_;  // full
   }
 }
 
-void PictureLegend::add(std::optional<Color> swatch, const std::string& words) {
-  const int width = (swatch ? swatch_width + 6 : 0) + text_width(words);
+int PictureLegend::place(int width) {
   if (x_ > margin && x_ + width + margin > width_) {
     x_ = margin;
     ++line_;
   }
-  entries_.push_back({swatch, words, x_, line_});
+  const int x = x_;
   x_ += width + 16;
+  return x;
+}
+
+void PictureLegend::add(std::optional<Color> swatch, const std::string& words) {
+  const int x = place((swatch ? swatch_width + gap : 0) + text_width(words));
+  if (swatch)
+    entries_.push_back({{*swatch}, swatch_width, words, x, line_});
+  else
+    entries_.push_back({{}, 0, words, x, line_});
+}
+
+void PictureLegend::add_ramp(const std::string& first, std::vector<Color> colors, const std::string& last) {
+  const int before = text_width(first) + gap, after = gap + text_width(last);
+  const int bar = std::clamp(width_ - 2 * margin - before - after, swatch_width, ramp_width);
+  const int x = place(before + bar + after);
+  entries_.push_back({{}, 0, first, x, line_});
+  entries_.push_back({std::move(colors), bar, last, x + before, line_});
 }
 
 int PictureLegend::height() const { return 10 + line_height * (line_ + 1); }
 
 void PictureLegend::draw(Picture& picture, int top) const {
+  constexpr Color frame{110, 110, 110};
   for (const Entry& entry : entries_) {
-    const int y = top + 9 + line_height * entry.line;
-    int x = entry.x;
-    if (entry.swatch) {
-      for (int row = y; row < y + swatch_width; ++row)
-        for (int column = x; column < std::min(x + swatch_width, picture.width); ++column)
-          std::ranges::copy(*entry.swatch, &picture.rgb[3 * (static_cast<std::size_t>(row) * picture.width + column)]);
-      x += swatch_width + 6;
-    }
+    const int y = top + 9 + line_height * entry.line, end = entry.x + entry.bar_width;
+    const bool is_framed = entry.colors.size() > 1;  // a swatch is its color alone
+    for (int row = y; row < y + swatch_width; ++row)
+      for (int column = entry.x; column < std::min(end, picture.width); ++column) {
+        const bool is_edge = is_framed && (row == y || row == y + swatch_width - 1 || column == entry.x || column == end - 1);
+        const std::size_t k =
+            entry.colors.size() * static_cast<std::size_t>(column - entry.x) / static_cast<std::size_t>(entry.bar_width);
+        std::ranges::copy(is_edge ? frame : entry.colors[k],
+                          &picture.rgb[3 * (static_cast<std::size_t>(row) * picture.width + column)]);
+      }
+    const int x = entry.bar_width > 0 ? end + gap : entry.x;
     image_files().draw_text(picture.rgb, picture.width, picture.height, x, y + 11, entry.words);
   }
 }

@@ -66,17 +66,36 @@ Picture draw_mask(std::span<const float> visibility, int width, int height) {
   return picture;
 }
 
+Picture with_legend(Picture picture, const PictureLegend& legend) {
+  const int top = picture.height;
+  picture.legend_height = legend.height();
+  picture.height += picture.legend_height;
+  picture.rgb.resize(static_cast<std::size_t>(picture.width) * picture.height * 3, 255);
+  legend.draw(picture, top);
+  return picture;
+}
+
+Picture draw_soft_mask(std::span<const float> visibility, int width, int height) {
+  std::vector<Color> grays(256);
+  for (std::size_t k = 0; k < grays.size(); ++k) grays[k].fill(static_cast<std::uint8_t>(k));
+  PictureLegend legend(width);
+  legend.add(std::nullopt, "share of the light that is seen:");
+  legend.add_ramp("0 umbra", std::move(grays), "1 lit");
+  Picture picture = with_legend(draw_mask(visibility, width, height), legend);
+  // What is lit is as white as the legend: a line tells where the picture ends.
+  std::fill_n(picture.rgb.begin() + static_cast<std::ptrdiff_t>(visibility.size()) * 3, 3 * width, std::uint8_t{150});
+  return picture;
+}
+
 Picture draw_layer(std::span<const float> linear, int width, int height, const DebugLayer& layer) {
   assert(linear.size() == static_cast<std::size_t>(width) * height * 3);
   PictureLegend legend(width);
   legend.add_sentence(layer.sentence, 3);
   for (const Swatch& s : layer.legend) legend.add(Color{srgb(s.color.r), srgb(s.color.g), srgb(s.color.b)}, s.name);
-  Picture picture{width, height + legend.height(), {}};
-  picture.rgb.resize(static_cast<std::size_t>(width) * picture.height * 3, 255);
+  Picture picture{width, height, std::vector<std::uint8_t>(linear.size())};
   const SrgbSteps& steps = srgb_steps();
   for (std::size_t k = 0; k < linear.size(); ++k) picture.rgb[k] = srgb_fast(steps, linear[k]);
-  legend.draw(picture, height);
-  return picture;
+  return with_legend(std::move(picture), legend);
 }
 
 const ImageFiles& image_files() {
@@ -89,9 +108,7 @@ const ImageFiles& image_files() {
   return files;
 }
 
-void write_png(const fs::path& path, const Picture& picture) {
-  image_files().write_png(path, picture.width, picture.height, picture.rgb);
-}
+void write_png(const fs::path& path, const Picture& picture) { image_files().write_png(path, picture); }
 
 void write_exr(const fs::path& path, int width, int height, std::span<const std::string> names,
                std::span<const std::span<const float>> channels) {

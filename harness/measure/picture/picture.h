@@ -13,6 +13,7 @@ namespace gnomon {
 struct Picture {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgb;
+  int legend_height = 0;  ///< rows at the bottom that hold a legend; files say so, and `exr_size` refuses them as masks
 };
 
 /// Lambert with constant ambient: albedo * (ambient + intensity * max(0, N.l) * visibility), sRGB. No falloff with distance.
@@ -20,6 +21,9 @@ Picture shade(const Scene& scene, const GBuffer& gbuffer, const Light& light, st
 
 /// Visibility as gray, black in shadow.
 Picture draw_mask(std::span<const float> visibility, int width, int height);
+
+/// The same of a light with area, and below it what the grays stand for.
+Picture draw_soft_mask(std::span<const float> visibility, int width, int height);
 
 /// A technique's debug layer, width * height * 3 linear floats, and below it its sentence, in three lines at most, and its
 /// legend.
@@ -29,13 +33,14 @@ Picture draw_layer(std::span<const float> linear, int width, int height, const D
 /// costs a process 0.2 s, which a worker that never touches a picture should not pay. The functions below say what
 /// each call does.
 struct ImageFiles {
-  void (*write_png)(const std::filesystem::path& path, int width, int height, std::span<const std::uint8_t> rgb);
+  void (*write_png)(const std::filesystem::path& path, const Picture& picture);
   void (*write_exr)(const std::filesystem::path& path, int width, int height, std::span<const std::string> names,
                     std::span<const std::span<const float>> channels);
   std::vector<float> (*read_exr)(const std::filesystem::path& path, const std::string& channel, int width, int height);
   /// Names of the channels of an EXR. Throws Error.
   std::vector<std::string> (*exr_channels)(const std::filesystem::path& path);
-  /// Width and height in pixels of an image file. Throws Error.
+  /// Width and height in pixels of an image file that may hold a mask. Throws Error, also where a legend stands below the
+  /// picture: then it has other rows than the view that it was made of.
   std::pair<int, int> (*exr_size)(const std::filesystem::path& path);
   /// Draws a line of dark text with its baseline at (x, y) and returns its width in pixels; on an empty picture, only that.
   int (*draw_text)(std::span<std::uint8_t> rgb, int width, int height, int x, int y, const std::string& words);

@@ -92,8 +92,7 @@ Picture draw_errors(const Evidence& evidence, const std::string& title) {
 
   const std::vector<float> lit(gbuffer.size(), 1.0f);
   const Picture shaded = shade(*evidence.scene, gbuffer, *evidence.light, lit);
-  Picture picture{gbuffer.width, gbuffer.height + legend.height(), {}};
-  picture.rgb.resize(static_cast<std::size_t>(picture.width) * picture.height * 3, 255);
+  Picture picture{gbuffer.width, gbuffer.height, std::vector<std::uint8_t>(3 * gbuffer.size())};
   for (std::size_t i = 0; i < gbuffer.size(); ++i) {
     const std::uint8_t* s = &shaded.rgb[3 * i];
     const std::uint8_t level = dimmed({s[0], s[1], s[2]}, evidence.classes[i] == PixelClass::T);
@@ -101,8 +100,7 @@ Picture draw_errors(const Evidence& evidence, const std::string& title) {
         marks[i].kind >= 0 ? marked(level, kinds[marks[i].kind].color, marks[i].weight) : Color{level, level, level};
     std::ranges::copy(color, &picture.rgb[3 * i]);
   }
-  legend.draw(picture, gbuffer.height);
-  return picture;
+  return with_legend(std::move(picture), legend);
 }
 
 }  // namespace gnomon

@@ -7,6 +7,7 @@
 #include "measure/cause/causes.h"
 #include "measure/frame/classify.h"
 #include "measure/json.h"
+#include "measure/picture/signed_color.h"
 #include "measure/score/error_picture.h"
 #include "measure/score/metrics.h"
 #include "report/html/html_parts.h"
@@ -145,6 +146,13 @@ Json report_data(const Layout& layout, std::span<const Record> records) {
   for (const ClassInfo& info : class_infos())
     data["classes"].push_back({{"name", info.letter}, {"word", info.word}, {"sentence", info.sentence}, {"color", info.color}});
   for (const ErrorStep& step : error_steps) data["error_steps"].push_back({step.least, step.weight});
+  data["signed"] = {{"colors", signed_colors()}, {"scales", difference_scales}};
+  Json levels = Json::array();
+  for (const float level : contour_levels)
+    levels.push_back(std::stod(fmt::format("{}", level)));  // 0.02, not its nearest float
+  const auto ink = [](const ContourInk& ink) { return Json{{"core", ink.core}, {"casing", ink.casing}}; };
+  data["contours"] = {
+      {"levels", levels}, {"reference", ink(reference_ink)}, {"techniques", {ink(technique_inks[0]), ink(technique_inks[1])}}};
   data["legend"] = pairs_json(legend(layout, "best", "flag"));
   data["provenance"] = pairs_json(provenance(records));
   for (const MetricInfo& info : metric_infos())

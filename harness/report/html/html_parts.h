@@ -32,10 +32,12 @@ std::string html_text(std::string_view text);
 /// Pictures for the image comparer: base64 of deflated bytes, each read by the page when it is first shown.
 struct PictureSet {
   std::vector<std::string> blobs;
-  /// By group of the layout: null, or {lit, dark, reference, irradiance, classes} with numbers of blobs. `lit` and `dark` are
+  /// By group of the layout: null, or {bits, lit, dark, reference, reference_error, irradiance, irradiance_error, classes}: the
+  /// bits of all shares of the group (see share_bytes), the others numbers of blobs. `lit` and `dark` are
   /// the shaded colors with all and without any direct light: red, green and blue planes, each byte less its left neighbor
-  /// modulo 256. The others are one byte a pixel: 255 times the mask, index of PixelClass. `irradiance` is the reference of the
-  /// rows that estimate the share of a light's irradiance, null where there is none.
+  /// modulo 256. `classes` is one byte a pixel, index of PixelClass. `irradiance` is the reference of the
+  /// rows that estimate the share of a light's irradiance, null where there is none. The errors are standard errors (see
+  /// error_bytes) of the references of lights with area, else null.
   Json groups = Json::array();
   /// By row in the layout's order: null, or {mask, causes}; causes is null or one byte a pixel, index of Cause.
   Json rows = Json::array();
@@ -45,6 +47,15 @@ struct PictureSet {
 /// Masks come from the run's folder `dir`, the rest from the frame cache, made anew where it is not there. A scene that is not
 /// the one measured is left out.
 PictureSet collect_pictures(const std::filesystem::path& dir, const Layout& layout);
+
+/// How finely the page knows visibilities under a light: 8 bits, under one with area 12, a step of 0.00024. Of 8 bits a step
+/// is 0.004, as wide as the usual reference's standard error makes its 95 % band.
+int bits_of_shares(const Light& light);
+/// Shares, taken to 0 .. 1, as whole numbers up to 2^bits - 1: the upper 8 bits of every pixel; of 12 bits after these the
+/// lower 4, two pixels a byte, the first one's above.
+std::vector<std::uint8_t> share_bytes(std::span<const float> shares, int bits);
+/// Standard errors in one byte: 0 is 0, and k from 1 is 10^(6 (k - 255) / 254), 1e-6 to 1, off by 2.8 % at most.
+std::vector<std::uint8_t> error_bytes(std::span<const float> errors);
 
 /// zlib format, then base64.
 std::string packed(std::span<const std::uint8_t> bytes);

@@ -34,13 +34,6 @@ std::string base64(std::span<const std::uint8_t> bytes) {
   return text;
 }
 
-Bytes mask_bytes(std::span<const float> mask) {
-  Bytes bytes(mask.size());
-  for (std::size_t i = 0; i < mask.size(); ++i)
-    bytes[i] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(mask[i], 0.0f, 1.0f)));
-  return bytes;
-}
-
 template <class Enums>
 Bytes index_bytes(const Enums& values) {
   Bytes bytes;
@@ -152,9 +145,14 @@ class Collector {
     Json json;
     json["lit"] = keep(color_planes(shade(scene, gbuffer, light, lit)));
     json["dark"] = keep(color_planes(shade(scene, gbuffer, light, dark)));
-    json["reference"] = keep(mask_bytes(reference.mask));
-    json["irradiance"] =
-        with_irradiance && !reference.irradiance.empty() ? Json(keep(mask_bytes(reference.irradiance))) : Json();
+    const int bits = bits_of_shares(light);
+    json["bits"] = bits;
+    const auto truth = [&](const char* name, std::span<const float> shares, std::span<const float> errors) {
+      json[name] = shares.empty() ? Json() : Json(keep(share_bytes(shares, bits)));
+      json[std::string(name) + "_error"] = shares.empty() || errors.empty() ? Json() : Json(keep(error_bytes(errors)));
+    };
+    truth("reference", reference.mask, reference.error);
+    truth("irradiance", with_irradiance ? reference.irradiance : std::span<const float>(), reference.irradiance_error);
     json["classes"] = keep(index_bytes(reference.classes));
     return json;
   }
@@ -171,7 +169,7 @@ class Collector {
     try {
       Json json;
       std::vector<float> mask = read_exr(dir_ / *r.mask, r.light + ".V", r.width, r.height);
-      json["mask"] = keep(mask_bytes(mask));
+      json["mask"] = keep(share_bytes(mask, bits_of_shares(named(frames_.scene().lights, r.light, "light"))));
       json["causes"] = r.causes ? causes(r, std::move(mask), what) : Json();
       return json;
     } catch (const std::exception& error) {
@@ -204,6 +202,30 @@ class Collector {
 };
 
 }  // namespace
+
+int bits_of_shares(const Light& light) { return has_area(light) ? 12 : 8; }
+
+std::vector<std::uint8_t> share_bytes(std::span<const float> shares, int bits) {
+  const float largest = static_cast<float>((1 << bits) - 1);
+  const auto code = [&](std::size_t i) { return std::lround(largest * (shares[i] > 0 ? std::min(shares[i], 1.0f) : 0.0f)); };
+  Bytes bytes(shares.size());
+  for (std::size_t i = 0; i < shares.size(); ++i) bytes[i] = static_cast<std::uint8_t>(code(i) >> (bits - 8));
+  if (bits == 8) return bytes;
+  // The upper bits hang together from pixel to pixel, the lower ones hardly: apart they deflate better.
+  for (std::size_t i = 0; i < shares.size(); i += 2) {
+    const long next = i + 1 < shares.size() ? code(i + 1) & 15 : 0;
+    bytes.push_back(static_cast<std::uint8_t>((code(i) & 15) << 4 | next));
+  }
+  return bytes;
+}
+
+std::vector<std::uint8_t> error_bytes(std::span<const float> errors) {
+  Bytes bytes(errors.size());
+  for (std::size_t i = 0; i < errors.size(); ++i)
+    if (errors[i] > 0)
+      bytes[i] = static_cast<std::uint8_t>(std::clamp(std::lround(255 + 254 * std::log10(errors[i]) / 6), 1L, 255L));
+  return bytes;
+}
 
 std::string packed(std::span<const std::uint8_t> bytes) {
   uLongf size = compressBound(static_cast<uLong>(bytes.size()));

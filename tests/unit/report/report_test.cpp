@@ -2,6 +2,9 @@
 #include <rapidcheck/gtest.h>
 #include <zlib.h>
 
+#include <cmath>
+#include <limits>
+
 #include "report/html/html_parts.h"
 
 namespace gnomon {
@@ -42,6 +45,31 @@ TEST(Report, text_of_records_cannot_end_the_script_element) {
 }
 
 TEST(Report, titles_are_text) { EXPECT_EQ(html_text("a<b & \"c\">"), "a&lt;b &amp; &quot;c&quot;&gt;"); }
+
+TEST(Report, shares_of_eight_and_twelve_bits_are_off_by_half_a_step_at_most) {
+  std::vector<float> shares{0, 1, 0.5f, -0.25f, 1.5f, std::numeric_limits<float>::quiet_NaN(), 0.3333f};
+  for (int k = 0; k < 1000; ++k) shares.push_back(static_cast<float>(k) / 999);
+  const auto taken = [&](std::size_t i) { return shares[i] > 0 ? std::min(shares[i], 1.0f) : 0.0f; };  // to 0 .. 1
+  const std::vector<std::uint8_t> eight = share_bytes(shares, 8), twelve = share_bytes(shares, 12);
+  ASSERT_EQ(eight.size(), shares.size());
+  ASSERT_EQ(twelve.size(), shares.size() + (shares.size() + 1) / 2) << "an odd number of pixels ends with half a byte";
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    EXPECT_NEAR(eight[i] / 255.0, taken(i), 0.5 / 255 + 1e-6);
+    const int pair = twelve[shares.size() + i / 2], low = i % 2 ? pair & 15 : pair >> 4;
+    EXPECT_NEAR((16 * twelve[i] + low) / 4095.0, taken(i), 0.5 / 4095 + 1e-6) << i;
+  }
+}
+
+TEST(Report, standard_errors_of_one_byte_are_off_by_three_percent_at_most) {
+  std::vector<float> errors{0};
+  for (double e = 1e-6; e <= 1; e *= 1.07) errors.push_back(static_cast<float>(e));
+  const std::vector<std::uint8_t> bytes = error_bytes(errors);
+  EXPECT_EQ(bytes[0], 0);
+  for (std::size_t i = 1; i < errors.size(); ++i)
+    EXPECT_NEAR(std::pow(10, 6 * (bytes[i] - 255) / 254.0) / errors[i], 1, 0.028) << errors[i];
+  // What is smaller than the smallest is that, and never 0, which is exact.
+  EXPECT_EQ(error_bytes(std::vector{1e-9f, 2.0f}), (std::vector<std::uint8_t>{1, 255}));
+}
 
 TEST(Report, the_template_has_each_slot_once_and_in_order) {
   const std::string_view page = page_template();

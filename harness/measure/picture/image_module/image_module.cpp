@@ -31,11 +31,15 @@ void write_image(const fs::path& path, const OIIO::ImageSpec& spec, OIIO::TypeDe
   throw Error("{} cannot be written: {}", path.string(), why);
 }
 
-void write_png(const fs::path& path, int width, int height, std::span<const std::uint8_t> rgb) {
-  OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT8);
+/// What a PNG says of itself when rows at its bottom hold a legend.
+constexpr const char* legend_rows = "gnomon legend rows";
+
+void write_png(const fs::path& path, const Picture& picture) {
+  OIIO::ImageSpec spec(picture.width, picture.height, 3, OIIO::TypeDesc::UINT8);
+  if (picture.legend_height > 0) spec.attribute(legend_rows, std::to_string(picture.legend_height));
   spec.attribute("oiio:ColorSpace", "sRGB");
   spec.attribute("png:compressionLevel", 3);
-  write_image(path, spec, OIIO::TypeDesc::UINT8, rgb.data());
+  write_image(path, spec, OIIO::TypeDesc::UINT8, picture.rgb.data());
 }
 
 void write_exr(const fs::path& path, int width, int height, std::span<const std::string> names,
@@ -97,7 +101,11 @@ std::vector<std::string> exr_channels(const fs::path& path) { return open_image(
 
 std::pair<int, int> exr_size(const fs::path& path) {
   const auto input = open_image(path);
-  return {input->spec().width, input->spec().height};
+  const OIIO::ImageSpec& spec = input->spec();
+  if (const std::string rows = spec.get_string_attribute(legend_rows); !rows.empty())
+    throw Error("{} is a picture with a legend of {} rows below it; a mask without one is wanted, as in mask.exr",
+                path.string(), rows);
+  return {spec.width, spec.height};
 }
 
 int draw_text(std::span<std::uint8_t> rgb, int width, int height, int x, int y, const std::string& words) {

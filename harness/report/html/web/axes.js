@@ -58,7 +58,8 @@ function axis(from, to, options, at, zero, isLog = false) {
 const colorCount = 8;
 const symbols = ["circle", "square2", "triangle2", "diamond2", "star", "wye", "cross"];
 
-const scalesOver = (domain) => ({
+/** Scales over names in this order. */
+export const scalesOver = (domain) => ({
   color: { domain, range: domain.map((_, index) => `var(--series-${index % colorCount})`) },
   symbol: { domain, range: domain.map((_, index) => symbols[index % symbols.length]) },
 });

@@ -25,6 +25,24 @@ export function blob(number) {
   return read.get(number);
 }
 
+/** Shares of the light, 0 .. 1, from numbers of 8 or 12 bits: the upper 8 of every pixel, then the lower 4, two pixels a byte. */
+export async function shares(number, bits) {
+  const bytes = await blob(number);
+  if (bits === 8) return Float32Array.from(bytes, (value) => value / 255);
+  const pixels = Math.floor((2 * bytes.length) / 3);
+  return Float32Array.from({ length: pixels }, (_, i) => {
+    const two = bytes[pixels + (i >> 1)];
+    return ((bytes[i] << 4) | (i % 2 ? two & 15 : two >> 4)) / 4095;
+  });
+}
+
+const standardErrors = Float32Array.from({ length: 256 }, (_, code) => (code ? 10 ** ((6 * (code - 255)) / 254) : 0));
+
+/** Standard errors from a byte each: 0 is 0, the others are powers from 1e-6 to 1, off by 2.8 % at most. */
+export async function errors(number) {
+  return Float32Array.from(await blob(number), (code) => standardErrors[code]);
+}
+
 /** Colors from three planes of differences: 3 bytes a pixel. */
 export async function colors(number) {
   const planes = await blob(number);

@@ -1,11 +1,16 @@
 // The image comparer: one scene and light, two answers side by side, over each other, or against each other.
 
-import { blob, colors } from "./blobs.js";
+import { blob, colors, errors, shares } from "./blobs.js";
 import * as compose from "./compose.js";
-import { data, groupName, isOk } from "./data.js";
+import { drawContours, inks } from "./contours.js";
+import { data, groupName } from "./data.js";
 import { Divider } from "./divider.js";
 import { chooser, h, toggle } from "./dom.js";
-import { legendOf } from "./picture_legend.js";
+import { suggestedLine } from "./line_pixels.js";
+import { LineTool } from "./line_tool.js";
+import { contourLegend, legendOf } from "./picture_legend.js";
+import { Profile } from "./profile.js";
+import { readOut } from "./read_out.js";
 import { Viewport } from "./viewport.js";
 
 const modes = [
@@ -18,7 +23,6 @@ const modes = [
 ];
 const referenceChoice = "reference";
 const flickerPeriod = 650;
-const words = (name) => name.replaceAll("_", " ");
 
 function canvasOf(image) {
   const canvas = document.createElement("canvas");
@@ -43,11 +47,21 @@ class Comparer {
     );
     this.a = chooser("A", [], load, { name: "a" });
     this.b = chooser("B", [], load, { name: "b" });
+    this.scale = chooser(
+      "colors end at",
+      data.signed.scales.map((scale) => ({ value: String(scale), text: `\u00b1${scale}` })),
+      () => this.compose(),
+      { name: "scale" },
+    );
     this.divider = new Divider(() => this.view?.draw());
+    this.line = new LineTool(() => this.profileLine());
+    this.profile = new Profile({ onpoint: (pixel) => this.mark(pixel) });
     this.view = new Viewport({
       paint: (context, view) => this.paint(context, view),
       onpixel: (pixel) => this.read(pixel),
-      label: "Picture. Arrow keys choose a pixel, plus and minus zoom, 0 fits, 1 shows pixels one to one.",
+      label:
+        "Picture. Arrow keys choose a pixel, plus and minus zoom, 0 fits, 1 shows pixels one to one. " +
+        "With the profile on, P puts the ends of its line in turn.",
     });
     this.view.onzoom = () => (this.zoomed.textContent = `${Math.round(100 * this.view.zoom)} %`);
     this.zoomed = h("output", { class: "zoom" }, "");
@@ -59,7 +73,7 @@ class Comparer {
     this.readout = h("dl", { class: "readout", "aria-live": "polite" });
     this.problem = h("p", { class: "notice", hidden: true });
     this.view.element.append(this.divider.element, this.labels);
-    section.append(...this.bars(), this.problem, this.view.element, this.readout, this.legend);
+    section.append(...this.bars(), this.problem, this.view.element, this.readout, this.legend, this.profile.element);
     this.setRunning(this.is_running);
     this.setMode(modes[0]);
     this.choose();
@@ -84,8 +98,11 @@ class Comparer {
         "div",
         { class: "bar" },
         h("fieldset", { class: "modes" }, h("legend", { class: "hidden" }, "How to compare"), modes.map(mode)),
+        this.scale.element,
         this.flickers,
-        toggle("shaded", true, (on) => ((this.is_shaded = on), this.load())),
+        toggle("shaded", true, (on) => ((this.is_shaded = on), this.compose())),
+        toggle("contours", false, (on) => ((this.has_contours = on), this.setMode(this.mode))),
+        toggle("profile", false, (on) => this.setProfile(on)),
         h(
           "span",
           { class: "group zooms" },
@@ -132,8 +149,10 @@ class Comparer {
 
   setMode(mode) {
     this.mode = mode;
-    this.a.select.disabled = !mode.a;
-    this.b.select.disabled = !mode.b;
+    // Contours are those of what is compared, and of A over other pictures; the profile is of both.
+    this.a.select.disabled = !mode.a && !this.has_contours && !this.line.is_on;
+    this.b.select.disabled = !mode.b && !this.line.is_on;
+    this.scale.element.hidden = mode.name !== "difference";
     this.divider.element.hidden = mode.name !== "wipe";
     this.flickers.hidden = mode.name !== "flicker";
     this.compose();
@@ -150,36 +169,69 @@ class Comparer {
     this.view.draw();
   }
 
+  /** Shows or hides the line and its profile. */
+  setProfile(is_on) {
+    this.line.is_on = is_on;
+    this.view.tool = is_on ? this.line : null;
+    this.view.element.classList.toggle("drawing", is_on);
+    this.setMode(this.mode);
+    this.profileLine();
+  }
+
+  /** The line, which a place that has none yet gets where much happens, and what lies on it. */
+  profileLine() {
+    const { frame, line } = this;
+    if (!frame) return;
+    if (line.is_on && (!line.line || line.place !== frame.place)) {
+      line.place = frame.place;
+      line.line = suggestedLine(frame, this.sideA.reference, (i) => compose.isFacing(frame, i));
+    }
+    this.mark(null);
+    this.profile.set(frame, this.sideA, this.sideB, line.is_on ? line.line : null);
+  }
+
+  /** The pixel of the line that is pointed at in its profile. */
+  mark(pixel) {
+    this.line.marked = pixel;
+    this.view.draw();
+    if (pixel) this.read(pixel);
+  }
+
   /** Reads what the choices need; the last choice wins when several are under way. */
   async load() {
     const turn = (this.turn = (this.turn ?? 0) + 1);
-    const group = this.group,
-      { width, height, pictures, has_area } = data.groups[group];
+    const { width, height, pictures, has_area, scene, view } = data.groups[this.group];
+    const truth = async (name, number, error) =>
+      number !== null
+        ? { name, mask: await shares(number, pictures.bits), error: error === null ? null : await errors(error) }
+        : null;
     try {
-      const [lit, dark, area, irradiance, classes] = await Promise.all([
+      const [lit, dark, classes, area, irradiance] = await Promise.all([
         colors(pictures.lit),
         colors(pictures.dark),
-        blob(pictures.reference),
-        pictures.irradiance === null ? null : blob(pictures.irradiance),
         blob(pictures.classes),
+        truth("reference", pictures.reference, pictures.reference_error),
+        truth("reference, share of irradiance", pictures.irradiance, pictures.irradiance_error),
       ]);
-      const side = async (list) => {
-        if (list.value === referenceChoice) return { title: "reference", mask: area, reference: area, causes: null, row: null };
-        const row = data.rows[Number(list.value)];
+      const rowOf = (list) => (list.value === referenceChoice ? null : data.rows[Number(list.value)]);
+      const side = async (row, other) => {
+        const judge = ((row ?? other)?.estimates === "irradiance" && irradiance) || area;
+        if (!row) return { title: judge.name, mask: judge.mask, reference: judge.mask, truth: judge, causes: null, row: null };
         const [mask, causes] = await Promise.all([
-          blob(row.pictures.mask),
+          shares(row.pictures.mask, pictures.bits),
           row.pictures.causes === null ? null : blob(row.pictures.causes),
         ]);
-        const reference = (row.estimates === "irradiance" && irradiance) || area;
-        return { title: row.title, mask, reference, causes, row };
+        return { title: row.title, mask, reference: judge.mask, truth: judge, causes, row };
       };
-      const sides = await Promise.all([side(this.a), side(this.b)]);
+      const [rowA, rowB] = [this.a, this.b].map(rowOf);
+      const sides = await Promise.all([side(rowA, rowB), side(rowB, rowA)]);
       if (turn !== this.turn) return;
-      this.frame = { width, height, is_soft: has_area, lit, dark, classes };
+      this.frame = { width, height, is_soft: has_area, lit, dark, classes, place: [scene, view, width, height].join() };
       [this.sideA, this.sideB] = sides;
       this.problem.hidden = true;
       this.view.setSize(width, height);
       this.compose();
+      this.profileLine();
     } catch (error) {
       if (turn !== this.turn) return;
       this.problem.hidden = false;
@@ -194,7 +246,7 @@ class Comparer {
       name = this.mode.name;
     const plain = this.is_shaded ? compose.shaded : compose.maskOnly;
     let made = null;
-    if (name === "difference") made = compose.difference(frame, sideA.mask, sideB.mask);
+    if (name === "difference") made = compose.difference(frame, sideA.mask, sideB.mask, Number(this.scale.value));
     if (name === "error") made = compose.errors(frame, sideA, null);
     if (name === "causes") made = compose.errors(frame, sideA, sideA.causes);
     if (name === "classes") made = compose.classes(frame);
@@ -219,63 +271,55 @@ class Comparer {
   }
 
   showLegend(made) {
-    const entries = legendOf(this.mode.name, this.frame, this.sideA, made);
+    const entries = [
+      ...legendOf(this.mode.name, this.frame, this.sideA, made, Number(this.scale.value)),
+      ...(this.has_contours ? contourLegend(this.contoured().flat()) : []),
+    ];
     this.legend.replaceChildren(...entries);
     this.legend.hidden = entries.length === 0;
   }
 
   /** What there is to know about one pixel. */
   read(pixel) {
-    const dash = "-";
-    const values = [
-      ["pixel", dash],
-      ["A", dash],
-      ["B", dash],
-      ["reference", dash],
-      ["class", dash],
-      ["cause in A", dash],
-    ];
-    if (pixel && this.frame) {
-      const i = pixel.y * this.frame.width + pixel.x;
-      const value = (mask) => (mask[i] / 255).toFixed(2);
-      const info = data.classes[this.frame.classes[i]];
-      const cause = this.sideA.causes?.[i]
-        ? words(data.causes[this.sideA.causes[i] - 1].name)
-        : this.sideA.causes
-          ? "none"
-          : dash;
-      // Under a light with area how far it is off, else whether it is wrong.
-      const judged = (side) => {
-        const share = (side.mask[i] - side.reference[i]) / 255;
-        if (this.frame.is_soft) return share === 0 ? "" : ` (${share > 0 ? "+" : "\u2212"}${Math.abs(share).toFixed(2)})`;
-        return compose.isWrong(this.frame, side, i) ? " wrong" : "";
-      };
-      values[0][1] = `${pixel.x}, ${pixel.y}`;
-      values[1][1] = value(this.sideA.mask) + judged(this.sideA);
-      values[2][1] = value(this.sideB.mask) + judged(this.sideB);
-      values[3][1] = value(this.sideA.reference);
-      values[4][1] = `${info.name} ${info.word}`;
-      values[5][1] = cause;
-    }
+    const values = readOut(pixel, this.frame, this.sideA, this.sideB);
     this.readout.replaceChildren(...values.map(([name, text]) => h("div", {}, h("dt", {}, name), h("dd", {}, text))));
+  }
+
+  /** Whose contours lie over the pictures, one list for each picture: the references' below those of techniques. */
+  contoured() {
+    const of = (...sides) => [
+      ...new Map(sides.map(({ truth }) => [truth, { title: truth.name, mask: truth.mask, ink: inks.reference }])).values(),
+      ...sides
+        .filter(({ row }) => row)
+        .map((side) => ({ title: side.title, mask: side.mask, ink: side === this.sideA ? inks.a : inks.b })),
+    ];
+    if (this.pictures.length > 1) return [of(this.sideA), of(this.sideB)];
+    return [this.mode.b ? of(this.sideA, this.sideB) : of(this.sideA)];
   }
 
   paint(context, view) {
     if (!this.pictures) return;
     const { scale, x, y, width, height } = view;
-    const whole = (picture) => context.drawImage(picture, x, y, scale * picture.width, scale * picture.height);
-    if (this.mode.name !== "wipe") return whole(this.pictures[this.mode.name === "flicker" && this.shows_b ? 1 : 0]);
-    const split = Math.round(this.divider.share * width);
-    const clipped = (from, to, picture) => {
+    const contours = this.has_contours ? this.contoured() : [];
+    const whole = (k) => {
+      const picture = this.pictures[k];
+      context.drawImage(picture, x, y, scale * picture.width, scale * picture.height);
+      for (const { mask, ink } of contours[k] ?? []) drawContours(context, view, this.frame, mask, ink);
+    };
+    const clipped = (from, to, k) => {
       context.save();
       context.beginPath();
       context.rect(from, 0, to - from, height);
       context.clip();
-      whole(picture);
+      whole(k);
       context.restore();
     };
-    clipped(0, split, this.pictures[0]);
-    clipped(split, width, this.pictures[1]);
+    if (this.mode.name === "wipe") {
+      const split = Math.round(this.divider.share * width);
+      clipped(0, split, 0);
+      clipped(split, width, 1);
+    } else whole(this.mode.name === "flicker" && this.shows_b ? 1 : 0);
+    if (this.line.is_on) this.line.draw(context, view);
   }
 }
 

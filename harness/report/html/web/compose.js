@@ -1,5 +1,5 @@
 // Pictures from masks: what the comparer shows, as ImageData. A frame is {width, height, is_soft, lit, dark, classes}, a side what
-// is compared: {mask, reference, causes}; `reference` is what its mask is judged by.
+// is compared: {mask, reference, causes}; `reference` is what its mask is judged by. Masks are shares of the light, 0 .. 1.
 
 import { data } from "./data.js";
 
@@ -16,15 +16,18 @@ const linear = Float32Array.from({ length: 256 }, (_, value) => {
 });
 const srgb = (x) => 255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055);
 
-/** Whether a side is wrong there: off by more than one half, and the pixel faces the light. */
-export const isWrong = (frame, side, i) =>
-  frame.classes[i] >= firstFacing && Math.abs(side.mask[i] - side.reference[i]) > 127.5;
+/** Whether the pixel shows a surface that faces the light. */
+export const isFacing = (frame, i) => frame.classes[i] >= firstFacing;
 
-/** How strong the color of a difference of 8 bits is, 0 .. 1: under a light with area by its size, in steps. */
+/** Whether the pixel counts in errors. */
+export const isTested = (frame, i) => frame.classes[i] === tested;
+
+/** Whether a side is wrong there: off by more than one half, and the pixel faces the light. */
+export const isWrong = (frame, side, i) => isFacing(frame, i) && Math.abs(side.mask[i] - side.reference[i]) > 0.5;
+
+/** How strong the color of an error is, 0 .. 1: under a light with area by its size, in steps. */
 const steps = data.error_steps;
-const strengths = Float32Array.from({ length: 256 }, (_, difference) =>
-  steps.reduce((weight, [least, stronger]) => (difference / 255 >= least ? stronger : weight), 0),
-);
+const strengthOf = (size) => steps.reduce((weight, [least, stronger]) => (size >= least ? stronger : weight), 0);
 
 /** The colors of the steps over gray, [least, color] each. */
 export const scaleOf = (color) => steps.map(([least, weight]) => [least, color.map((c) => 128 + weight * (c - 128))]);
@@ -48,7 +51,7 @@ function painted({ width, height }, paint) {
 export function shaded(frame, mask) {
   const { lit, dark } = frame;
   return painted(frame, (i, color) => {
-    const v = mask[i] / 255;
+    const v = mask[i];
     for (let c = 0; c < 3; ++c) {
       const k = 3 * i + c;
       color[c] = v === 1 ? lit[k] : v === 0 ? dark[k] : srgb(v * linear[lit[k]] + (1 - v) * linear[dark[k]]);
@@ -56,7 +59,7 @@ export function shaded(frame, mask) {
   });
 }
 
-export const maskOnly = (frame, mask) => painted(frame, (i, color) => color.fill(mask[i]));
+export const maskOnly = (frame, mask) => painted(frame, (i, color) => color.fill(255 * mask[i]));
 
 /** The scene in gray, behind what matters: tested pixels lighter than the rest. */
 function ghost(frame, i) {
@@ -65,18 +68,46 @@ function ghost(frame, i) {
   return frame.classes[i] === tested ? 70 + gray * 0.4 : 20 + gray * 0.2;
 }
 
-export function difference(frame, a, b) {
-  const counts = { darker: 0, lighter: 0 };
+/** The scene in light gray, for what is drawn in colors on white: how much darker than white. */
+const shadeOf = (frame, i) => {
+  const k = 3 * i;
+  return 36 * (1 - (2 * frame.lit[k] + 5 * frame.lit[k + 1] + frame.lit[k + 2]) / 2040);
+};
+
+/** The color of a signed difference, which is given as a share of the scale, -1 .. 1. */
+function signedColor(share, color) {
+  const colors = data.signed.colors,
+    place = ((colors.length - 1) * (1 + Math.max(-1, Math.min(1, share)))) / 2;
+  const below = Math.min(Math.floor(place), colors.length - 2);
+  for (let c = 0; c < 3; ++c) color[c] = colors[below][c] + (place - below) * (colors[below + 1][c] - colors[below][c]);
+}
+
+/**
+ * `a` less `b` where the surface faces the light, in colors that end at +-`scale`; the scene shows a little where both are alike,
+ * the rest is dark. `counts` are pixels that are darker and lighter, under a light with area by 0.01 or more, and those beyond
+ * the scale; `mean` and `size` means of the difference and of its size over tested pixels, null where there are none.
+ */
+export function difference(frame, a, b, scale) {
+  const counts = { darker: 0, lighter: 0, beyond: 0 };
+  const least = frame.is_soft ? 0.01 : 0;
+  let sum = 0,
+    sizes = 0,
+    pixels = 0;
   const image = painted(frame, (i, color) => {
-    color.fill(ghost(frame, i));
-    const size = Math.abs(a[i] - b[i]);
-    const weight = frame.is_soft ? strengths[size] : size && 0.35 + (0.65 * size) / 255;
-    if (weight === 0) return;
-    const is_darker = a[i] < b[i];
-    ++counts[is_darker ? "darker" : "lighter"];
-    mix(color, is_darker ? darker : lighter, weight);
+    if (!isFacing(frame, i)) return color.fill(ghost(frame, i));
+    const off = a[i] - b[i],
+      size = Math.abs(off);
+    signedColor(off / scale, color);
+    const shade = shadeOf(frame, i) * (1 - Math.min(1, size / scale));
+    for (let c = 0; c < 3; ++c) color[c] -= shade;
+    if (size > least) ++counts[off < 0 ? "darker" : "lighter"];
+    if (size > scale * 1.0001) ++counts.beyond;
+    if (!isTested(frame, i)) return;
+    sum += off;
+    sizes += size;
+    ++pixels;
   });
-  return { image, counts };
+  return { image, counts, mean: pixels ? sum / pixels : null, size: pixels ? sizes / pixels : null };
 }
 
 /**
@@ -96,8 +127,8 @@ export function errors(frame, side, cause) {
     const is_dark = mask[i] < reference[i];
     const kind = cause ? cause[i] - 1 : is_dark ? "darker" : "lighter";
     if (kind === -1) return;
-    sums[kind] += size / 255;
-    const weight = frame.is_soft ? strengths[size] : cause || isWrong(frame, side, i) ? 1 : 0;
+    sums[kind] += size;
+    const weight = frame.is_soft ? strengthOf(size) : cause || isWrong(frame, side, i) ? 1 : 0;
     if (weight === 0) return;
     ++counts[kind];
     mix(color, cause ? data.causes[kind].color : is_dark ? darker : lighter, weight);

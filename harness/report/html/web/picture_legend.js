@@ -1,11 +1,69 @@
 // What the colors of the comparer's picture stand for.
 
 import * as compose from "./compose.js";
+import { levels } from "./contours.js";
 import { columnNamed, data, textOf } from "./data.js";
-import { percent, tick } from "./digits.js";
+import { measured, percent, tick } from "./digits.js";
 import { h, rgb } from "./dom.js";
 
 const entry = (color, text, title) => h("li", { title }, h("i", { style: { background: rgb(color) } }), text);
+
+/** The colors of signed differences from end to end, with numbers. */
+function signedScale(scale) {
+  const sign = (share) => (share < 0 ? "\u2212" : share > 0 ? "+" : "");
+  const numbers = [-1, -0.5, 0, 0.5, 1].map((share) => sign(share) + tick(Math.abs(share * scale)));
+  return h(
+    "li",
+    { class: "scale" },
+    h("span", {}, "A darker"),
+    h(
+      "span",
+      { class: "ramp", role: "img", "aria-label": `Colors from \u2212${scale} to +${scale}` },
+      h("i", { style: { background: `linear-gradient(to right, ${data.signed.colors.map(rgb).join()})` } }),
+      h(
+        "span",
+        { class: "ticks" },
+        numbers.map((number) => h("span", {}, number)),
+      ),
+    ),
+    h("span", {}, "A lighter"),
+  );
+}
+
+const signed = (value) => (value < 0 ? "\u2212" : "+") + measured(Math.abs(value));
+
+/** The scale and what the difference amounts to. */
+function ofDifference(frame, { counts, mean, size }, scale) {
+  const least = frame.is_soft ? " by 0.01 or more" : "",
+    pixels = frame.width * frame.height;
+  const count = (name, number) =>
+    h("li", {}, `${name}${least} ${number.toLocaleString("en")} px, ${percent(number / pixels)} of the picture`);
+  return [
+    signedScale(scale),
+    mean !== null && h("li", {}, `tested pixels: mean ${signed(mean)}, mean size ${measured(size)}`),
+    count("A darker", counts.darker),
+    count("A lighter", counts.lighter),
+    counts.beyond > 0 && h("li", {}, `beyond the scale ${counts.beyond.toLocaleString("en")} px`),
+    h("li", {}, "Dark gray: background, or turned away from the light."),
+  ].filter(Boolean);
+}
+
+/** Whose lines are drawn, and at which visibilities. `list` may name one mask several times. */
+export function contourLegend(list) {
+  const line = (ink, dash) => {
+    const [core, casing] = [ink.core, ink.casing].map(rgb);
+    const stroke = (color, width, dashes) =>
+      `<path d='M1 5H33' fill='none' stroke='${color}' stroke-width='${width}' stroke-dasharray='${dashes.join(" ")}'/>`;
+    const strokes = stroke(casing, ink.widths[0], []) + stroke(core, ink.widths[1], dash);
+    const svg = `<svg xmlns='http://www.w3.org/2000/svg' width='34' height='10'>${strokes}</svg>`;
+    return h("img", { class: "line", alt: "", src: `data:image/svg+xml,${encodeURIComponent(svg)}` });
+  };
+  const once = [...new Map(list.map((item) => [item.mask, item])).values()];
+  return [
+    ...once.map(({ title, ink }) => h("li", {}, line(ink, []), `contours of ${title}`)),
+    ...levels.map(({ value, dash }) => h("li", {}, line(once[0].ink, dash), `V = ${value}`)),
+  ];
+}
 
 const testedOf = (frame) => frame.classes.reduce((sum, c) => sum + (c === data.classes.length - 1), 0);
 
@@ -68,11 +126,11 @@ function ofCauses(frame, side, { counts, errors }) {
 
 /**
  * Entries of the legend of a mode. `side` is A, `made` what compose.js made for the mode, with counts of pixels; undefined where
- * it counts none.
+ * it counts none; `ends` is where the colors of differences end.
  */
-export function legendOf(mode, frame, side, made) {
+export function legendOf(mode, frame, side, made, ends) {
   const pixels = frame.width * frame.height;
-  if (mode === "difference") return [...sides(made.counts, ["A darker", "A lighter"], pixels, "the picture"), ...scale(frame)];
+  if (mode === "difference") return ofDifference(frame, made, ends);
   if (mode === "error" || (mode === "causes" && !side.causes)) return ofErrors(frame, side, made);
   if (mode === "causes") return ofCauses(frame, side, made);
   if (mode !== "classes") return [];

@@ -3,10 +3,10 @@
 import { dot, line, plot, ruleY, text } from "@observablehq/plot";
 
 import { acrossOptions, between, colorScale, frame, logAxis, symbolScale, tipOf, upOptions, usedBy, zeroLines } from "./axes.js";
-import { distinct, isOk, valueOf } from "./data.js";
+import { distinct, isOk } from "./data.js";
 import { chooser, plural } from "./dom.js";
 import { placeList } from "./places.js";
-import { calledFor, events, judgedBy, memory, metrics, named, optionsOf, stages } from "./quantities.js";
+import { calledFor, events, floorOf, judgedBy, memory, metrics, named, optionsOf, stages } from "./quantities.js";
 
 /** Points that none beats in both, by cost. */
 export function frontOf(points) {
@@ -91,13 +91,6 @@ function nameMarks(points, at, isLeft) {
       { dx: -8, dy: 11, textAnchor: "end" },
     ),
   ];
-}
-
-/** Of mean errors the reference's own in percent, over the rows; null of other quantities and lights. */
-function floorOf(rows, metric) {
-  if (metric.name !== "error" && metric.name !== "error_mean") return null;
-  const floors = rows.map((row) => valueOf(row, "reference_error_mean")).filter((value) => value !== null);
-  return floors.length > 0 ? (100 * floors.reduce((sum, value) => sum + value, 0)) / floors.length : null;
 }
 
 /** Points with their intervals, and the line through the front. `x` and `y` are the quantities, `floor` that of y or null. */

@@ -1,6 +1,6 @@
 // What a plot can put on an axis: costs with their intervals, memory, metrics.
 
-import { columnNamed, data, errorName, isSoft } from "./data.js";
+import { columnNamed, data, errorName, isSoft, valueOf } from "./data.js";
 import { measured, milliseconds } from "./digits.js";
 
 const stageNames = ["setup", "build", "relight", "resolve"];
@@ -44,6 +44,13 @@ export function calledFor(quantity, rows) {
   if (quantity.name !== "error") return quantity;
   const text = errorName(rows);
   return { ...quantity, text, label: `${text} (${quantity.unit})` };
+}
+
+/** Of mean errors the reference's own in percent, over the rows; null of other quantities and lights. */
+export function floorOf(rows, metric) {
+  if (metric.name !== "error" && metric.name !== "error_mean") return null;
+  const floors = rows.map((row) => valueOf(row, "reference_error_mean")).filter((value) => value !== null);
+  return floors.length > 0 ? (100 * floors.reduce((sum, value) => sum + value, 0)) / floors.length : null;
 }
 
 export const optionsOf = (quantities) => quantities.map(({ name, text }) => ({ value: name, text }));

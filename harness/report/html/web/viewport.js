@@ -6,7 +6,8 @@ const largest = 64; // screen pixels a picture's pixel may take
 
 /**
  * `paint(context, view)` draws in screen pixels, view = {scale, x, y, width, height, at(pixel)}: the picture's pixel (0, 0) lies
- * at x, y. `onpixel(pixel)` is told which pixel {x, y} is pointed at, null when none is.
+ * at x, y. `onpixel(pixel)` is told which pixel {x, y} is pointed at, null when none is. A `tool` takes one pointer's drags for
+ * itself, unless Shift is held, and keys of its own (see LineTool).
  */
 export class Viewport {
   constructor({ paint, onpixel, label }) {
@@ -17,6 +18,7 @@ export class Viewport {
     this.element = h("div", { class: "viewport" }, this.canvas);
     this.pointers = new Map();
     this.pixel = null;
+    this.tool = null;
     this.listen();
     new ResizeObserver(() => this.resized()).observe(this.element);
   }
@@ -104,9 +106,37 @@ export class Viewport {
     this.draw();
   }
 
+  pixelAt({ x, y }) {
+    return { x: Math.floor((x - this.view.x) / this.view.scale), y: Math.floor((y - this.view.y) / this.view.scale) };
+  }
+
   pointAt(event) {
-    const { x, y } = this.position(event);
-    this.point({ x: Math.floor((x - this.view.x) / this.view.scale), y: Math.floor((y - this.view.y) / this.view.scale) });
+    this.point(this.pixelAt(this.position(event)));
+  }
+
+  /** The nearest pixel of the picture. */
+  pixelNear(at) {
+    const { x, y } = this.pixelAt(at),
+      { width, height } = this.size;
+    return { x: Math.min(Math.max(x, 0), width - 1), y: Math.min(Math.max(y, 0), height - 1) };
+  }
+
+  /** Whether the tool takes the drag that begins here. */
+  grab(event) {
+    if (!this.tool || event.shiftKey || this.pointers.size > 1) return false;
+    const at = this.position(event),
+      ratio = devicePixelRatio || 1;
+    const near = (pixel) => {
+      const there = this.onCanvas(pixel);
+      return Math.hypot(there.x - at.x, there.y - at.y) / ratio;
+    };
+    return this.tool.grab(this.pixelNear(at), near);
+  }
+
+  /** The drag of the tool ends; a second finger gives it up. */
+  drop(is_given_up = false) {
+    if (this.is_grabbed) this.tool?.drop(is_given_up);
+    this.is_grabbed = false;
   }
 
   draw() {
@@ -157,17 +187,24 @@ export class Viewport {
       if (event.button !== 0) return;
       canvas.setPointerCapture(event.pointerId);
       this.pointers.set(event.pointerId, this.position(event));
+      this.drop(true);
+      this.is_grabbed = this.grab(event);
       this.pointAt(event);
     });
     canvas.addEventListener("pointermove", (event) => {
       const before = this.pointers.get(event.pointerId);
-      if (before) this.drag(event, before);
+      if (this.is_grabbed) this.tool.drag(this.pixelNear(this.position(event)));
+      else if (before) this.drag(event, before);
       if (this.pointers.size < 2) this.pointAt(event);
     });
     for (const end of ["pointerup", "pointercancel"])
-      canvas.addEventListener(end, (event) => this.pointers.delete(event.pointerId));
+      canvas.addEventListener(end, (event) => {
+        this.drop(end === "pointercancel");
+        this.pointers.delete(event.pointerId);
+      });
     canvas.addEventListener("pointerleave", (event) => event.pointerType === "mouse" && this.point(null));
     canvas.addEventListener("dblclick", (event) => {
+      if (this.tool) return;
       const { x, y } = this.position(event);
       this.zoomBy(2, x, y);
     });
@@ -197,7 +234,8 @@ export class Viewport {
       const clamp = (value, end) => Math.min(Math.max(value, 0), end - 1);
       this.point({ x: clamp(from.x + dx, width), y: clamp(from.y + dy, height) });
       this.follow();
-    } else if (event.key === "+" || event.key === "=") this.zoomAtPixel(1.5);
+    } else if (this.tool?.key(event.key, this.pixel)) this.draw();
+    else if (event.key === "+" || event.key === "=") this.zoomAtPixel(1.5);
     else if (event.key === "-") this.zoomAtPixel(1 / 1.5);
     else if (event.key === "0") this.fit();
     else if (event.key === "1") this.zoomTo(1);
