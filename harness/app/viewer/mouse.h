@@ -72,7 +72,7 @@ struct MouseRow {
 inline constexpr MouseRow mouse_rows[] = {
     {"Left drag", "The camera around the target; at the divider, the divider."},
     {"Left drag at the light", "The light, across the line of sight; with Shift, up and down."},
-    {"Left drag at the light's outline", "At one of its handles: the size of a light with area."},
+    {"Left drag at its rim", "At a handle of a light with area: its size."},
     {"Ctrl+left drag", "The line of a profile: masks and reference along it."},
     {"Right drag", "Look around from where the camera is."},
     {"Middle drag", "Camera and target aside; Shift+left drag too."},
