@@ -20,7 +20,11 @@ class SphereField final : public SceneGenerator {
                      0,
                      {.min = 0, .max = 64},
                      Stage::build,
-                     "Number of further point lights, ring_1 and on, in a circle above the field."};
+                     "Number of further lights, ring_1 and on, in a circle above the field."};
+  Choice ring{
+      this,         "ring",
+      "point",      {"point", "disc", "sphere"},
+      Stage::build, "What these are: points, or of 0.3 m around them, discs that face the middle of the field and spheres."};
 
  public:
   Scene make() const override {
@@ -49,12 +53,20 @@ class SphereField final : public SceneGenerator {
     for (int k = 0; k < lights; ++k) {
       const double angle = 2 * M_PI * k / lights;
       scene.lights.push_back({.name = fmt::format("ring_{}", k + 1),
-                              .kind = PointLight{{10 * std::cos(angle), 9, 10 * std::sin(angle)}},
+                              .kind = ring_light({10 * std::cos(angle), 9, 10 * std::sin(angle)}),
                               .intensity = 1.0f / static_cast<float>(lights)});
     }
     scene.views = {{.name = "view", .eye = {1, 5.5f, 11.5f}, .target = {0.3f, 0, 0.5f}, .fov_y_degrees = 36},
                    {.name = "low", .eye = {-5, 0.8f, 9.5f}, .target = {0, 0.6f, 0}, .fov_y_degrees = 45}};
     return scene;
+  }
+
+ private:
+  LightKind ring_light(const glm::vec3& at) const {
+    constexpr float radius = 0.3f;
+    if (ring.is("disc")) return DiscLight{.center = at, .normal = -at, .radius = radius};
+    if (ring.is("sphere")) return SphereLight{.center = at, .radius = radius};
+    return PointLight{at};
   }
 };
 

@@ -70,6 +70,9 @@ class AliasFreeMap final : public PointTechnique {
             heat_debug_layer("tests", "Triangles that each point was tested against")};
   }
   std::vector<float> draw_debug(std::string_view layer) const override;
+  std::unique_ptr<Technique> for_another_light() const override {
+    return another(*this, &AliasFreeMap::remembered_, &AliasFreeMap::built_);
+  }
 
  private:
   const char* why_no_area() const override { return "points are sorted as one point of the light sees them: it has no area"; }
@@ -90,8 +93,11 @@ class AliasFreeMap final : public PointTechnique {
   void note_tests(const Tile& tile, Scratch& scratch);
 
   glm::dvec4 homogeneous_{0};
-  std::vector<Caster> casters_;
-  Bounds bounds_, all_bounds_;  // of the casters, of all meshes
+  struct Built {
+    std::vector<Caster> casters;
+    Bounds bounds, all_bounds;  // of the casters, of all meshes
+  };
+  Shared<Built> built_;
   LightSpace space_;
   std::vector<Footprint> footprints_[6];  // of each face
   std::vector<std::int8_t> facing_;       // of each caster: 0 when edge-on
@@ -106,45 +112,45 @@ class AliasFreeMap final : public PointTechnique {
 void AliasFreeMap::build(const Scene& scene) {
   remember(scene);
   Bounds bounds;
-  all_bounds_ = scene.bounds();
-  casters_.clear();
+  built_->all_bounds = scene.bounds();
+  built_->casters.clear();
   std::size_t count = 0;
   for (const Mesh& mesh : scene.meshes) count += mesh.casts ? mesh.triangles.size() : 0;
-  if (casters_.capacity() < count) casters_ = {};
-  casters_.reserve(count);
+  if (built_->casters.capacity() < count) built_->casters = {};
+  built_->casters.reserve(count);
   for_triangles(scene,
                 [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, std::uint32_t mesh, std::uint32_t number) {
                   if (!scene.meshes[mesh].casts) return;
-                  casters_.push_back({{{a, b, c}}, number});
+                  built_->casters.push_back({{{a, b, c}}, number});
                   for (const glm::vec3& p : {a, b, c}) bounds.add(p);
                 });
-  bounds_ = bounds;
+  built_->bounds = bounds;
 }
 
 void AliasFreeMap::relight(const Light& light) {
   light_ = light;
   homogeneous_ = homogeneous(light);
-  space_ = space_of(light, bounds_);
+  space_ = space_of(light, built_->bounds);
   project_casters();
 }
 
 void AliasFreeMap::project_casters() {
   double extent = 0;
-  if (!all_bounds_.empty())
+  if (!built_->all_bounds.empty())
     for (int k = 0; k < 8; ++k) {
-      const glm::vec3 &low = all_bounds_.min, &high = all_bounds_.max;
+      const glm::vec3 &low = built_->all_bounds.min, &high = built_->all_bounds.max;
       const glm::vec3 corner((k & 1 ? high : low).x, (k & 2 ? high : low).y, (k & 4 ? high : low).z);
       extent = std::max(extent, norm1(space_.main().seen(corner)));
     }
-  find_facing(casters_, homogeneous_, facing_);
-  const std::size_t blocks = (casters_.size() + caster_block - 1) / caster_block;
+  find_facing(built_->casters, homogeneous_, facing_);
+  const std::size_t blocks = (built_->casters.size() + caster_block - 1) / caster_block;
   std::vector<std::vector<Footprint>> found[6];  // of each face and block
   for (auto& face : found) face.resize(blocks);
-  for_blocks(casters_.size(), caster_block, [&](std::size_t begin, std::size_t end) {
+  for_blocks(built_->casters.size(), caster_block, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       if (facing_[i] == 0) continue;
       FaceFootprint footprints[6];
-      const int count = find_footprints(space_, casters_[i].points, extent, static_cast<std::uint32_t>(i), footprints);
+      const int count = find_footprints(space_, built_->casters[i].points, extent, static_cast<std::uint32_t>(i), footprints);
       for (const auto& [face, footprint] : std::span(footprints, count)) found[face][begin / caster_block].push_back(footprint);
     }
   });
@@ -163,7 +169,7 @@ void AliasFreeMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   const std::span<float> pixels = mask.pixels();
   answers_.assign(gbuffer.size(), {});
   std::ranges::fill(pixels, 1.0f);
-  grid_.fill(*scene_, gbuffer, light_, space_, resolution);
+  grid_.fill(*remembered_->scene, gbuffer, light_, space_, resolution);
   dark_.assign(grid_.capacity(), 0);
   sort_casters();
   std::vector<Work> works(grid_.tiles().size());
@@ -213,7 +219,7 @@ Work AliasFreeMap::walk_tile(std::size_t t, std::span<float> mask, Scratch& scra
   for (std::size_t k = 0; k < footprints.size() && dark < tile.count; ++k) {
     const Footprint& footprint = footprints_[tile.face][footprints[k]];
     if (!may_touch(footprint, tile)) continue;
-    const Caster& caster = casters_[footprint.caster];
+    const Caster& caster = built_->casters[footprint.caster];
     const Shadow shadow = make_shadow(space_[tile.face], homogeneous_, caster.points, facing_[footprint.caster], tile.reach);
     const int runs = find_runs(face, tile, cells, begins, footprint, shadow, space_.is_parallel(), scratch.runs.data());
     if (runs == 0) continue;
@@ -272,16 +278,19 @@ bool AliasFreeMap::shades(const Caster& caster, std::uint32_t pixel, bool clearl
     ++work.exact;
     if (crosses({own.point, homogeneous_}, caster) == Crossing::none) return false;
   }
-  return !own.is_coplanar(*scene_, caster.points);
+  return !own.is_coplanar(*remembered_->scene, caster.points);
 }
 
 Counts AliasFreeMap::counts() const {
-  std::size_t bytes = bytes_of(casters_, facing_, dark_, answers_) + grid_.bytes();
+  std::size_t bytes = bytes_of(facing_, dark_, answers_) + grid_.bytes();
   for (int face = 0; face < 6; ++face) bytes += bytes_of(footprints_[face]) + caster_bins_[face].bytes();
-  return {count_of("samples", grid_.sample_count()),      count_of("cells_used", grid_.used_cell_count()),
-          count_of("longest_list", grid_.longest_list()), count_of("triangles_walked", work_.walked),
-          count_of("sample_tests", work_.tests),          count_of("exact_tests", work_.exact),
-          {"bytes", static_cast<double>(bytes), "byte"}};
+  return {count_of("samples", grid_.sample_count()),
+          count_of("cells_used", grid_.used_cell_count()),
+          most_of("longest_list", grid_.longest_list()),
+          count_of("triangles_walked", work_.walked),
+          count_of("sample_tests", work_.tests),
+          count_of("exact_tests", work_.exact),
+          {"bytes", static_cast<double>(bytes) + built_.own(static_cast<double>(bytes_of(built_->casters))), "byte"}};
 }
 
 std::vector<float> AliasFreeMap::draw_debug(std::string_view layer) const {

@@ -81,10 +81,7 @@ class AreaRays final : public Technique {
     return Support::full();
   }
   void setup() override {}
-  void build(const Scene& scene) override {
-    scene_ = &scene;
-    casters_.build(scene);
-  }
+  void build(const Scene& scene) override { casters_->build(scene); }
   void relight(const Light& light) override { light_ = light; }
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
     gbuffer_ = &gbuffer;
@@ -97,7 +94,8 @@ class AreaRays final : public Technique {
     });
     ray_count_ = ray_count;
   }
-  Counts counts() const override { return casters_.counts(ray_count_); }
+  Counts counts() const override { return ray_counts(casters_, ray_count_); }
+  std::unique_ptr<Technique> for_another_light() const override { return another(*this, &AreaRays::casters_); }
   std::optional<Explanation> explain(std::size_t index) const override {
     Explanation why;
     ask(*gbuffer_, index, [&](const LightFace& face, const Squares& squares, const FaceHits& hits) {
@@ -117,10 +115,10 @@ class AreaRays final : public Technique {
   /// light.
   template <class Use>
   void ask(const GBuffer& gbuffer, std::size_t i, const Use& use) const {
-    if (gbuffer.is_background(i) || !scene_->meshes[gbuffer.mesh[i]].receives) return;
+    if (gbuffer.is_background(i) || !casters_->scene().meshes[gbuffer.mesh[i]].receives) return;
     const LightFace face(light_, gbuffer.position(i), gbuffer.normal(i));
     if (!face.is_seen()) return;
-    const FaceRays to_light(casters_.under(gbuffer.truth), gbuffer, i, face);
+    const FaceRays to_light(casters_->under(gbuffer.truth), gbuffer, i, face);
     const std::size_t x = i % gbuffer.width, y = i / gbuffer.width;
     const std::size_t own = pattern.is("interleaved") ? y % 4 * 4 + x % 4 : i;
     Places places(pattern.value(), samples, (static_cast<std::uint64_t>(seed) << 32) + own);
@@ -141,10 +139,9 @@ class AreaRays final : public Technique {
     return asked == 0 ? 1.0f : 1.0f - static_cast<float>(blocked) / static_cast<float>(asked);
   }
 
-  const Scene* scene_ = nullptr;
   const GBuffer* gbuffer_ = nullptr;
   Light light_;
-  RayCasters casters_;
+  Shared<RayCasters> casters_;
   std::size_t ray_count_ = 0;
 };
 

@@ -21,20 +21,18 @@ class CenterRay final : public Technique {
     return Support::approximate("the light's center stands for all of it");
   }
   void setup() override {}
-  void build(const Scene& scene) override {
-    scene_ = &scene;
-    casters_.build(scene);
-  }
+  void build(const Scene& scene) override { casters_->build(scene); }
   void relight(const Light& light) override {
     center_ = light;
     center_.kind = PointLight{glm::vec3(homogeneous_of_center(light))};
   }
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
-    const RayScene& casters = casters_.under(gbuffer.truth);
-    ray_count_ = trace_shadows(casters, *scene_, gbuffer, center_, mask.pixels());
+    const RayScene& casters = casters_->under(gbuffer.truth);
+    ray_count_ = trace_shadows(casters, casters_->scene(), gbuffer, center_, mask.pixels());
     answer_.assign(mask.pixels().begin(), mask.pixels().end());
   }
-  Counts counts() const override { return casters_.counts(ray_count_); }
+  Counts counts() const override { return ray_counts(casters_, ray_count_); }
+  std::unique_ptr<Technique> for_another_light() const override { return another(*this, &CenterRay::casters_); }
   std::optional<Explanation> explain(std::size_t index) const override {
     Explanation why;
     why.samples = {{.place = glm::dvec3(homogeneous(center_)), .weight = 1, .visibility = answer_[index]}};
@@ -42,10 +40,9 @@ class CenterRay final : public Technique {
   }
 
  private:
-  const Scene* scene_ = nullptr;
   std::vector<float> answer_;
   Light center_;
-  RayCasters casters_;
+  Shared<RayCasters> casters_;
   std::size_t ray_count_ = 0;
 };
 

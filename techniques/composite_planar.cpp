@@ -2,6 +2,7 @@
 // what is composed of shapes is the union of theirs. A pixel asks only the shapes whose outlines reach its part of the picture.
 #include <gnomon/kit/gl.h>
 #include <gnomon/kit/parallel.h>
+#include <gnomon/kit/shared.h>
 #include <gnomon/registry.h>
 
 #include <algorithm>
@@ -46,9 +47,9 @@ class CompositePlanar final : public Technique {
   Support supports(const Scene& scene, const Light& light, const View&) const override;
   void setup() override;
   void build(const Scene& scene) override {
-    scene_ = &scene;
-    casters_ = casters_of(scene);
-    receivers_ = find_receivers(scene, min_share);
+    made_->scene = &scene;
+    made_->casters = casters_of(scene);
+    made_->receivers = find_receivers(scene, min_share);
   }
   void relight(const Light& light) override;
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
@@ -56,6 +57,7 @@ class CompositePlanar final : public Technique {
   std::optional<Explanation> explain(std::size_t index) const override;
   std::vector<DebugLayer> debug_layers() const override { return composite_layers(); }
   std::vector<float> draw_debug(std::string_view layer) const override;
+  std::unique_ptr<Technique> for_another_light() const override { return another(*this, &CompositePlanar::made_); }
 
  private:
   struct ShapeCaster {
@@ -77,12 +79,16 @@ class CompositePlanar final : public Technique {
   void find_patches(const GBuffer& gbuffer);
   void draw(const GBuffer& gbuffer);
 
-  std::array<Program, 3> programs_;  // for patches without a list, of one test, of more
-  Framebuffer framebuffer_;
-  const Scene* scene_ = nullptr;
+  struct Made {
+    std::array<Program, 3> programs;  // for patches without a list, of one test, of more
+    Framebuffer framebuffer;
+    VertexArray vertex_array;
+    const Scene* scene = nullptr;
+    std::vector<ShapeCaster> casters;
+    ReceiverSet receivers;
+  };
+  Shared<Made> made_;
   const GBuffer* gbuffer_ = nullptr;
-  std::vector<ShapeCaster> casters_;
-  ReceiverSet receivers_;
   Light light_;
   std::vector<std::optional<Receiver>> facing_;  // of each receiver
   std::vector<TestData> test_data_;
@@ -92,7 +98,6 @@ class CompositePlanar final : public Technique {
   Patches patches_;
   std::uint32_t list_limit_ = Patches::most;
   Buffer tests_, planes_, lists_, instances_;
-  VertexArray vertex_array_;
 };
 
 std::vector<CompositePlanar::ShapeCaster> CompositePlanar::casters_of(const Scene& scene) {
@@ -131,13 +136,13 @@ Support CompositePlanar::supports(const Scene& scene, const Light& light, const 
 }
 
 void CompositePlanar::setup() {
-  for (std::size_t kind = 0; kind < programs_.size(); ++kind) {
+  for (std::size_t kind = 0; kind < made_->programs.size(); ++kind) {
     const std::string head = fmt::format("#define COUNT {}\n", std::array<std::uint32_t, 3>{0, 1, Patches::most}[kind]);
-    programs_[kind] = Program("composite_planar", head + std::string(patch_vertex), head + patch_fragment);
+    made_->programs[kind] = Program("composite_planar", head + std::string(patch_vertex), head + patch_fragment);
   }
-  framebuffer_ = make_framebuffer();
-  vertex_array_ = make_vertex_array();
-  const GLuint vao = vertex_array_.name();
+  made_->framebuffer = make_framebuffer();
+  made_->vertex_array = make_vertex_array();
+  const GLuint vao = made_->vertex_array.name();
   glVertexArrayAttribIFormat(vao, 0, 4, GL_UNSIGNED_INT, offsetof(Patch, left));
   glVertexArrayAttribIFormat(vao, 1, 3, GL_UNSIGNED_INT, offsetof(Patch, plane));
   for (const GLuint attribute : {0u, 1u}) {
@@ -164,8 +169,8 @@ void CompositePlanar::relight(const Light& light) {
   reaches_.clear();
   exact_.reset();
   std::vector<std::array<glm::vec4, 2>> planes;
-  for (const Receiver& receiver : receivers_.planes) {
-    facing_.push_back(facing(receiver, l, receivers_.tolerance));
+  for (const Receiver& receiver : made_->receivers.planes) {
+    facing_.push_back(facing(receiver, l, made_->receivers.tolerance));
     const Receiver& turned = facing_.back() ? *facing_.back() : receiver;
     planes.push_back({glm::vec4(turned.plane), glm::vec4(static_cast<float>(turned.turn))});
   }
@@ -180,8 +185,8 @@ void CompositePlanar::add_reaches(ShadowForm used, std::vector<Reach>& reaches) 
   const glm::dvec4 l = homogeneous(light_);
   for (std::uint32_t r = 0; r < facing_.size(); ++r) {
     if (!facing_[r]) continue;
-    for (const ShapeCaster& caster : casters_) {
-      if (!may_cast(caster.shape, l, facing_[r]->plane, receivers_.tolerance)) continue;
+    for (const ShapeCaster& caster : made_->casters) {
+      if (!may_cast(caster.shape, l, facing_[r]->plane, made_->receivers.tolerance)) continue;
       const PlanarShadow shadow(caster.shape, l, facing_[r]->plane, used);
       for (std::size_t i = 0; i < shadow.parts().size(); ++i) {
         const Polygon polygon = bound_of(shadow.parts()[i], used != ShadowForm::exact, l, *facing_[r]);
@@ -203,11 +208,11 @@ void CompositePlanar::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   const StateGuard guard;
   gbuffer_ = &gbuffer;
   find_patches(gbuffer);
-  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
-  glNamedFramebufferTexture(framebuffer_.name(), GL_COLOR_ATTACHMENT0, mask.texture(), 0);
+  glBindFramebuffer(GL_FRAMEBUFFER, made_->framebuffer.name());
+  glNamedFramebufferTexture(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, mask.texture(), 0);
   glViewport(0, 0, gbuffer.width, gbuffer.height);
   const float lit[] = {1, 0, 0, 0};
-  glClearNamedFramebufferfv(framebuffer_.name(), GL_COLOR, 0, lit);
+  glClearNamedFramebufferfv(made_->framebuffer.name(), GL_COLOR, 0, lit);
   if (patches_.size() > 0) draw(gbuffer);
   glFinish();
 }
@@ -235,20 +240,20 @@ void CompositePlanar::draw(const GBuffer& gbuffer) {
   all.insert(all.end(), patches_.several.begin(), patches_.several.end());
   fill(instances_, all);
   fill(lists_, patches_.lists);
-  const GLuint vao = vertex_array_.name();
+  const GLuint vao = made_->vertex_array.name();
   glVertexArrayVertexBuffer(vao, 0, instances_.name(), 0, sizeof(Patch));
-  bind_gbuffer(gbuffer_textures(gbuffer, *scene_));
+  bind_gbuffer(gbuffer_textures(gbuffer, *made_->scene));
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, tests_.name());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, lists_.name());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, planes_.name());
   glBindVertexArray(vao);
   std::size_t first = 0;
-  for (std::size_t kind = 0; kind < programs_.size(); ++kind) {
+  for (std::size_t kind = 0; kind < made_->programs.size(); ++kind) {
     const std::size_t count = std::array{patches_.whole.size(), patches_.single.size(), patches_.several.size()}[kind];
     if (count == 0) continue;
-    const Program& program = programs_[kind];
+    const Program& program = made_->programs[kind];
     set_light(program, light_);
-    program.set("tolerance", static_cast<float>(receivers_.tolerance));
+    program.set("tolerance", static_cast<float>(made_->receivers.tolerance));
     program.set("size", glm::vec2(gbuffer.width, gbuffer.height));
     glUseProgram(program.name());
     glDrawArraysInstancedBaseInstance(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(count), static_cast<GLuint>(first));
@@ -265,22 +270,22 @@ Counts CompositePlanar::counts() const {
       tests += patch.pixel_count() * patch.count;
     }
   const auto discs = std::ranges::count_if(test_data_, [](const TestData& test) { return test.anchor.w != 0; });
-  const std::size_t bytes = bytes_of(casters_, receivers_.planes, facing_, test_data_, reaches_) + tests_.bytes +
-                            planes_.bytes + tiles_.bytes() + 2 * patches_.bytes();  // patches: also on the device
-  return {{"casters", double(casters_.size()), ""},
-          {"planes", double(receivers_.planes.size()), ""},
+  const std::size_t bytes = bytes_of(facing_, test_data_, reaches_) + tests_.bytes + planes_.bytes + tiles_.bytes() +
+                            2 * patches_.bytes();  // patches: also on the device
+  return {{"casters", double(made_->casters.size()), ""},
+          {"planes", double(made_->receivers.planes.size()), ""},
           {"discs", double(discs), ""},
           {"polygons", double(test_data_.size() - discs), ""},
           {"patches", double(patches_.size()), ""},
           {"fill", fill, "pixel"},
           {"asked", tests, "test"},
-          {"bytes", double(bytes), "byte"}};
+          {"bytes", double(bytes) + made_.own(double(bytes_of(made_->casters, made_->receivers.planes))), "byte"}};
 }
 
 std::optional<std::size_t> CompositePlanar::receiver_of(std::size_t index) const {
   const glm::dvec4 point(gbuffer_->position(index), 1);
-  for (std::size_t r = 0; r < receivers_.planes.size(); ++r)
-    if (facing_[r] && std::abs(glm::dot(facing_[r]->plane, point)) <= receivers_.tolerance &&
+  for (std::size_t r = 0; r < made_->receivers.planes.size(); ++r)
+    if (facing_[r] && std::abs(glm::dot(facing_[r]->plane, point)) <= made_->receivers.tolerance &&
         glm::distance(glm::dvec3(gbuffer_->normal(index)), glm::dvec3(facing_[r]->plane)) <= facing_[r]->turn)
       return r;
   return std::nullopt;
@@ -288,7 +293,7 @@ std::optional<std::size_t> CompositePlanar::receiver_of(std::size_t index) const
 
 std::optional<Explanation> CompositePlanar::explain(std::size_t index) const {
   Explanation why;
-  if (!faces_light(*scene_, *gbuffer_, light_, index)) return why;
+  if (!faces_light(*made_->scene, *gbuffer_, light_, index)) return why;
   const glm::dvec3 point = gbuffer_->position(index);
   const auto receiver = receiver_of(index);
   why.covered = receiver.has_value();
@@ -309,7 +314,7 @@ std::vector<Holders> CompositePlanar::find_holders() const {
   std::vector<Holders> holders(gbuffer_->size());
   for_blocks(holders.size(), 4096, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      if (!faces_light(*scene_, *gbuffer_, light_, i)) continue;
+      if (!faces_light(*made_->scene, *gbuffer_, light_, i)) continue;
       const glm::dvec3 point = gbuffer_->position(i);
       const auto receiver = receiver_of(i);
       for (const Reach& reach : reaches_)
@@ -321,7 +326,7 @@ std::vector<Holders> CompositePlanar::find_holders() const {
 }
 
 std::vector<float> CompositePlanar::draw_debug(std::string_view layer) const {
-  if (layer == "parts") return paint_parts(*scene_, *gbuffer_, light_, find_holders());
+  if (layer == "parts") return paint_parts(*made_->scene, *gbuffer_, light_, find_holders());
   if (layer == "overlaps") return paint_overlaps(*gbuffer_, find_holders());
   return Technique::draw_debug(layer);
 }

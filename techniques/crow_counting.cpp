@@ -40,9 +40,9 @@ class CrowCounting final : public Technique {
   }
   void setup() override {}
   void build(const Scene& scene) override {
-    scene_ = &scene;
+    *scene_ = &scene;
     volumes_.build(scene);
-    own_.build(scene);
+    own_->build(scene);
   }
   void relight(const Light& light) override {
     light_ = light;
@@ -56,22 +56,25 @@ class CrowCounting final : public Technique {
             {"depth", "Shadow volumes around each point: gray none, else colors as in the legend.", heat_legend()},
             silhouette_layer()};
   }
+  std::unique_ptr<Technique> for_another_light() const override {
+    return another(*this, &CrowCounting::scene_, &CrowCounting::volumes_, &CrowCounting::own_);
+  }
   std::vector<float> draw_debug(std::string_view layer) const override;
 
  private:
-  const Scene* scene_ = nullptr;
+  Shared<const Scene*> scene_;
   const GBuffer* gbuffer_ = nullptr;
   Light light_;
   Volumes volumes_;
-  OwnVolumes own_;
+  Shared<OwnVolumes> own_;
   WayCounter counter_;
   std::int64_t volumes_at_eye_ = 0;
 };
 
 void CrowCounting::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   gbuffer_ = &gbuffer;
-  const double size = scene_->bounds().extent();
-  counter_.begin(*scene_, size, gbuffer, light_, volumes_, own_, mask.pixels());
+  const double size = (*scene_)->bounds().extent();
+  counter_.begin(**scene_, size, gbuffer, light_, volumes_, *own_, mask.pixels());
 
   // The count at a point does not depend on where it is begun, so where a start is in line with the border of a volume, another
   // one beside it will do. A point for which none of many starts will do lies on a border itself.
@@ -105,17 +108,18 @@ Counts CrowCounting::counts() const {
           count("exact_tests", work.exact),
           count("restarts", work.again),
           count("degenerate_rays", work.touching),
-          {"bytes", static_cast<double>(volumes_.bytes() + own_.bytes() + counter_.bytes()), "byte"}};
+          {"bytes", static_cast<double>(volumes_.bytes() + counter_.bytes()) + own_.own(static_cast<double>(own_->bytes())),
+           "byte"}};
 }
 
 // A volume is named by what it was entered through: a triangle of the scene or, from the number of triangles on, an edge of the
 // silhouette.
 std::optional<Explanation> CrowCounting::explain(std::size_t index) const {
-  if (!faces_light(*scene_, *gbuffer_, light_, index)) return std::nullopt;
+  if (!faces_light(**scene_, *gbuffer_, light_, index)) return std::nullopt;
   Explanation why;
   const std::uint32_t entered = counter_.found()[index].entered;
   if (entered != no_polygon)
-    why.element = volumes_.is_side(entered) ? scene_->triangle_count() + entered : volumes_.cap(entered);
+    why.element = volumes_.is_side(entered) ? (*scene_)->triangle_count() + entered : volumes_.cap(entered);
   return why;
 }
 
@@ -125,7 +129,7 @@ std::vector<float> CrowCounting::draw_debug(std::string_view layer) const {
   values.reserve(counter_.found().size());
   if (layer == "silhouette") {
     for (const PixelCount& pixel : counter_.found()) values.push_back(pixel.depth > 0 ? 0.0f : 1.0f);
-    std::vector<float> picture = shaded_layer(*scene_, *gbuffer_, light_, values);
+    std::vector<float> picture = shaded_layer(**scene_, *gbuffer_, light_, values);
     draw_lines(silhouette_lines(volumes_.adjacency(), volumes_.silhouette()), *gbuffer_, picture);
     return picture;
   }

@@ -32,22 +32,19 @@ class EmbreeRays final : public Technique {
     return Support::full();
   }
   void setup() override {}
-  void build(const Scene& scene) override {
-    scene_ = &scene;
-    casters_.build(scene);
-  }
+  void build(const Scene& scene) override { casters_->build(scene); }
   void relight(const Light& light) override { light_ = light; }
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
-    const RayScene& casters = casters_.under(gbuffer.truth);
-    ray_count_ = has_area(light_) ? trace_shares(casters, *scene_, gbuffer, light_, {}, mask.pixels())
-                                  : trace_shadows(casters, *scene_, gbuffer, light_, mask.pixels());
+    const RayScene& casters = casters_->under(gbuffer.truth);
+    ray_count_ = has_area(light_) ? trace_shares(casters, casters_->scene(), gbuffer, light_, {}, mask.pixels())
+                                  : trace_shadows(casters, casters_->scene(), gbuffer, light_, mask.pixels());
   }
-  Counts counts() const override { return casters_.counts(ray_count_); }
+  Counts counts() const override { return ray_counts(casters_, ray_count_); }
+  std::unique_ptr<Technique> for_another_light() const override { return another(*this, &EmbreeRays::casters_); }
 
  private:
-  const Scene* scene_ = nullptr;
   Light light_;
-  RayCasters casters_;
+  Shared<RayCasters> casters_;
   std::size_t ray_count_ = 0;
 };
 

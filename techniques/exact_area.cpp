@@ -2,6 +2,7 @@
 // witness for soft shadows: no samples, no noise, no code in common with the ray tracer.
 #include <gnomon/kit/area_scene.h>
 #include <gnomon/kit/parallel.h>
+#include <gnomon/kit/shared.h>
 #include <gnomon/registry.h>
 
 namespace {
@@ -26,8 +27,8 @@ class ExactArea final : public Technique {
   }
   void setup() override {}
   void build(const Scene& scene) override {
-    scene_ = &scene;
-    casters_.emplace(scene);
+    built_->scene = &scene;
+    built_->casters.emplace(scene);
   }
   void relight(const Light& light) override { light_ = light; }
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
@@ -38,11 +39,11 @@ class ExactArea final : public Technique {
       LightPieces pieces;
       for (std::size_t i = begin; i < end; ++i) {
         pixels[i] = 1;
-        if (gbuffer.is_background(i) || !scene_->meshes[gbuffer.mesh[i]].receives) continue;
+        if (gbuffer.is_background(i) || !built_->scene->meshes[gbuffer.mesh[i]].receives) continue;
         const LightFace face(light_, gbuffer.position(i), gbuffer.normal(i));
         if (!face.is_seen()) continue;
         pixels[i] = static_cast<float>(
-            casters_->seen(receiver_at(*scene_, gbuffer, i), face, pieces, tallies[begin / block]).area.best);
+            built_->casters->seen(receiver_at(*built_->scene, gbuffer, i), face, pieces, tallies[begin / block]).area.best);
       }
     });
     tally_ = {};
@@ -53,13 +54,17 @@ class ExactArea final : public Technique {
     return {count("points", tally_.points),
             count("triangles", tally_.triangles),
             count("pieces", tally_.pieces),
-            {"bytes", static_cast<double>(casters_ ? casters_->bytes() : 0), "byte"}};
+            {"bytes", built_.own(static_cast<double>(built_->casters ? built_->casters->bytes() : 0)), "byte"}};
   }
+  std::unique_ptr<Technique> for_another_light() const override { return another(*this, &ExactArea::built_); }
 
  private:
-  const Scene* scene_ = nullptr;
+  struct Built {
+    const Scene* scene = nullptr;
+    std::optional<AreaScene> casters;
+  };
+  Shared<Built> built_;
   Light light_;
-  std::optional<AreaScene> casters_;
   AreaTally tally_;
 };
 

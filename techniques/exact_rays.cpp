@@ -1,6 +1,7 @@
 // Exact rays: one segment from every visible point to the light, against every triangle near it, by exact signs of
 // determinants. The independent witness for the ray tracer: no offset, no epsilon, no code in common with it.
 #include <gnomon/kit/exact_scene.h>
+#include <gnomon/kit/shared.h>
 #include <gnomon/registry.h>
 
 namespace {
@@ -23,10 +24,10 @@ class ExactRays final : public Technique {
     return hard_lights_only(light, "one exact segment per pixel cannot see part of an area light");
   }
   void setup() override {}
-  void build(const Scene& scene) override { casters_.emplace(scene); }
+  void build(const Scene& scene) override { casters_->emplace(scene); }
   void relight(const Light& light) override { light_ = light; }
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
-    tally_ = casters_->decide(gbuffer, light_, mask.pixels());
+    tally_ = casters_->value().decide(gbuffer, light_, mask.pixels());
   }
   Counts counts() const override {
     const auto count = [](const char* name, std::uint64_t value) { return Count{name, static_cast<double>(value), ""}; };
@@ -35,11 +36,12 @@ class ExactRays final : public Technique {
             count("degenerate_rays", tally_.degenerate),
             count("signs_by_int128", tally_.signs.lattice),
             count("signs_by_gmp", tally_.signs.big),
-            {"bytes", static_cast<double>(casters_ ? casters_->bytes() : 0), "byte"}};
+            {"bytes", casters_.own(static_cast<double>(*casters_ ? casters_->value().bytes() : 0)), "byte"}};
   }
+  std::unique_ptr<Technique> for_another_light() const override { return another(*this, &ExactRays::casters_); }
 
  private:
-  std::optional<ExactScene> casters_;
+  Shared<std::optional<ExactScene>> casters_;
   Light light_;
   ExactTally tally_;
 };

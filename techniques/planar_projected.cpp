@@ -1,6 +1,7 @@
 // Planar projected shadow: casters flattened onto each receiver plane by a matrix and drawn there from the eye.
 #include <gnomon/kit/gl.h>
 #include <gnomon/kit/planes.h>
+#include <gnomon/kit/shared.h>
 #include <gnomon/registry.h>
 
 #include <algorithm>
@@ -59,11 +60,12 @@ class PlanarProjected final : public Technique {
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
   Counts counts() const override;
   std::optional<Explanation> explain(std::size_t index) const override;
+  std::unique_ptr<Technique> for_another_light() const override { return another(*this, &PlanarProjected::made_); }
 
  private:
   /// Casters projected onto one plane by one light.
   struct Projection {
-    std::uint32_t index;   ///< in planes_
+    std::uint32_t index;   ///< of the receiver plane
     glm::dvec4 plane;      ///< turned toward the light
     glm::dmat4 projected;  ///< M / (P.L)
     double per_light_height;
@@ -81,16 +83,19 @@ class PlanarProjected final : public Technique {
   std::uint32_t plane_of(const GBuffer& gbuffer, std::size_t pixel) const;
   bool artefacts_differ(std::size_t pixel) const;
 
-  Program receivers_program_, shadow_program_, unclipped_program_;
-  Framebuffer framebuffer_;
-  const Scene* scene_ = nullptr;
+  struct Made {
+    Program receivers_program, shadow_program, unclipped_program;
+    Framebuffer framebuffer;
+    const Scene* scene = nullptr;
+    ReceiverPlanes planes;
+    std::vector<bool> is_flat;  // of each mesh: all triangles on one plane
+    std::vector<Bounds> bounds;
+    Buffer plane_of, plane_of_shapes, first_triangle;
+    double clip_tolerance = 0;
+    std::vector<std::uint32_t> casters;
+  };
+  Shared<Made> made_;
   const GBuffer* gbuffer_ = nullptr;
-  ReceiverPlanes planes_;
-  std::vector<bool> is_flat_;  // of each mesh: all triangles on one plane
-  std::vector<Bounds> bounds_;
-  Buffer plane_of_, plane_of_shapes_, first_triangle_;
-  double clip_tolerance_ = 0;
-  std::vector<std::uint32_t> casters_;
   Light light_;
   std::vector<Projection> projections_;
   Artefacts artefacts_;
@@ -112,10 +117,10 @@ Support PlanarProjected::supports(const Scene& scene, const Light& light, const 
 }
 
 void PlanarProjected::setup() {
-  receivers_program_ = Program("planar_projected receivers", full_screen_vertex, receivers_fragment);
-  shadow_program_ = Program("planar_projected shadow", shadow_vertex, shadow_fragment);
-  unclipped_program_ = Program("planar_projected unclipped shadow", unclipped_vertex, shadow_fragment);
-  framebuffer_ = make_framebuffer();
+  made_->receivers_program = Program("planar_projected receivers", full_screen_vertex, receivers_fragment);
+  made_->shadow_program = Program("planar_projected shadow", shadow_vertex, shadow_fragment);
+  made_->unclipped_program = Program("planar_projected unclipped shadow", unclipped_vertex, shadow_fragment);
+  made_->framebuffer = make_framebuffer();
   const Artefacts chosen{unclipped, double_blend};
   const auto choose = [&](const Artefacts& artefacts) {
     unclipped.set(artefacts.unclipped ? "true" : "false");
@@ -130,30 +135,30 @@ void PlanarProjected::setup() {
 }
 
 void PlanarProjected::build(const Scene& scene) {
-  scene_ = &scene;
+  made_->scene = &scene;
   scene_buffers(scene);
-  planes_ = find_receiver_planes(scene, min_share);
-  bounds_.clear();
-  is_flat_.clear();
-  casters_.clear();
+  made_->planes = find_receiver_planes(scene, min_share);
+  made_->bounds.clear();
+  made_->is_flat.clear();
+  made_->casters.clear();
   // Under shape truth a pixel on a curved shape says triangle 0: a plane only where the whole mesh lies on one (a disc).
-  std::vector<std::uint32_t> of_shapes = planes_.plane_of;
+  std::vector<std::uint32_t> of_shapes = made_->planes.plane_of;
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     const Mesh& mesh = scene.meshes[m];
-    if (mesh.casts) casters_.push_back(static_cast<std::uint32_t>(m));
-    bounds_.emplace_back().add(mesh.positions);
-    const std::span planes = std::span(planes_.plane_of).subspan(planes_.first_triangle[m], mesh.triangles.size());
-    is_flat_.push_back(std::ranges::all_of(planes, [&](std::uint32_t p) { return p == planes[0]; }));
-    if (mesh.has_curved_shape() && !is_flat_[m])
-      std::fill_n(of_shapes.begin() + planes_.first_triangle[m], mesh.triangles.size(), no_plane);
+    if (mesh.casts) made_->casters.push_back(static_cast<std::uint32_t>(m));
+    made_->bounds.emplace_back().add(mesh.positions);
+    const std::span planes = std::span(made_->planes.plane_of).subspan(made_->planes.first_triangle[m], mesh.triangles.size());
+    made_->is_flat.push_back(std::ranges::all_of(planes, [&](std::uint32_t p) { return p == planes[0]; }));
+    if (mesh.has_curved_shape() && !made_->is_flat[m])
+      std::fill_n(of_shapes.begin() + made_->planes.first_triangle[m], mesh.triangles.size(), no_plane);
   }
   const auto upload = [](const std::vector<std::uint32_t>& values) { return Buffer(values.data(), values.size() * 4); };
-  plane_of_ = upload(planes_.plane_of);
-  plane_of_shapes_ = upload(of_shapes);
-  first_triangle_ = upload(planes_.first_triangle);
+  made_->plane_of = upload(made_->planes.plane_of);
+  made_->plane_of_shapes = upload(of_shapes);
+  made_->first_triangle = upload(made_->planes.first_triangle);
 
   // Triangles on the plane must stay below what the shader finds to be their height.
-  clip_tolerance_ = planes_.tolerance + height_rounding(scene);
+  made_->clip_tolerance = made_->planes.tolerance + height_rounding(scene);
 }
 
 void PlanarProjected::relight(const Light& light) {
@@ -161,22 +166,22 @@ void PlanarProjected::relight(const Light& light) {
   artefacts_.unclipped = unclipped;
   projections_.clear();
   const glm::dvec4 l = homogeneous(light);
-  for (std::uint32_t i = 0; i < planes_.planes.size(); ++i) {
-    glm::dvec4 plane = planes_.planes[i].plane;
+  for (std::uint32_t i = 0; i < made_->planes.planes.size(); ++i) {
+    glm::dvec4 plane = made_->planes.planes[i].plane;
     if (glm::dot(plane, l) < 0) plane = -plane;
     const double light_height = glm::dot(plane, l);  // of a directional light: per unit of its direction
     // A light in the plane, as far as float32 can tell, faces none of it.
-    if (light_height <= (l.w != 0 ? clip_tolerance_ : 0x1p-24 * glm::length(l))) continue;
+    if (light_height <= (l.w != 0 ? made_->clip_tolerance : 0x1p-24 * glm::length(l))) continue;
     Projection projection{.index = i,
                           .plane = plane,
                           .projected = glm::dmat4(1) - glm::outerProduct(l, plane) / light_height,
                           .per_light_height = l.w / light_height,
                           .casters = {}};
-    for (const std::uint32_t m : casters_) {
-      const glm::dvec3 middle = (glm::dvec3(bounds_[m].min) + glm::dvec3(bounds_[m].max)) / 2.0;
-      const glm::dvec3 half = (glm::dvec3(bounds_[m].max) - glm::dvec3(bounds_[m].min)) / 2.0;
+    for (const std::uint32_t m : made_->casters) {
+      const glm::dvec3 middle = (glm::dvec3(made_->bounds[m].min) + glm::dvec3(made_->bounds[m].max)) / 2.0;
+      const glm::dvec3 half = (glm::dvec3(made_->bounds[m].max) - glm::dvec3(made_->bounds[m].min)) / 2.0;
       const double height = glm::dot(plane, glm::dvec4(middle, 1)), reach = glm::dot(glm::abs(glm::dvec3(plane)), half);
-      const bool behind_plane = height + reach <= clip_tolerance_;
+      const bool behind_plane = height + reach <= made_->clip_tolerance;
       const bool behind_light = l.w != 0 && height - reach >= light_height;
       if (!behind_plane && !behind_light) projection.casters.push_back(m);
     }
@@ -190,15 +195,15 @@ void PlanarProjected::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   artefacts_.double_blend = double_blend;
   differs_.clear();
   receivers_.fit(GL_R32UI, gbuffer.width, gbuffer.height);
-  const Buffer& plane_of = gbuffer.truth == Truth::shape ? plane_of_shapes_ : plane_of_;
-  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
+  const Buffer& plane_of = gbuffer.truth == Truth::shape ? made_->plane_of_shapes : made_->plane_of;
+  glBindFramebuffer(GL_FRAMEBUFFER, made_->framebuffer.name());
   glViewport(0, 0, gbuffer.width, gbuffer.height);
-  glNamedFramebufferTexture(framebuffer_.name(), GL_COLOR_ATTACHMENT0, receivers_.name(), 0);
-  bind_gbuffer(gbuffer_textures(gbuffer, *scene_));
+  glNamedFramebufferTexture(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, receivers_.name(), 0);
+  bind_gbuffer(gbuffer_textures(gbuffer, *made_->scene));
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, plane_of.name());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, first_triangle_.name());
-  set_light(receivers_program_, light_);
-  glUseProgram(receivers_program_.name());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, made_->first_triangle.name());
+  set_light(made_->receivers_program, light_);
+  glUseProgram(made_->receivers_program.name());
   draw_full_screen();
   work_ = draw_shadows(mask.texture(), artefacts_);
   glFinish();
@@ -206,11 +211,11 @@ void PlanarProjected::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
 
 PlanarProjected::Work PlanarProjected::draw_shadows(GLuint texture, const Artefacts& artefacts) const {
   const GBuffer& gbuffer = *gbuffer_;
-  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
+  glBindFramebuffer(GL_FRAMEBUFFER, made_->framebuffer.name());
   glViewport(0, 0, gbuffer.width, gbuffer.height);
-  glNamedFramebufferTexture(framebuffer_.name(), GL_COLOR_ATTACHMENT0, texture, 0);
+  glNamedFramebufferTexture(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, texture, 0);
   const float lit[] = {1, 0, 0, 0};
-  glClearNamedFramebufferfv(framebuffer_.name(), GL_COLOR, 0, lit);
+  glClearNamedFramebufferfv(made_->framebuffer.name(), GL_COLOR, 0, lit);
   glBindTextureUnit(0, receivers_.name());
   if (artefacts.double_blend) {
     glEnable(GL_BLEND);
@@ -220,15 +225,15 @@ PlanarProjected::Work PlanarProjected::draw_shadows(GLuint texture, const Artefa
     glEnable(GL_CLIP_DISTANCE0);
     glEnable(GL_CLIP_DISTANCE1);
   }
-  const SceneBuffers& buffers = scene_buffers(*scene_);
+  const SceneBuffers& buffers = scene_buffers(*made_->scene);
   const glm::dmat4 clip = clip_from_world(gbuffer.view, gbuffer.width, gbuffer.height);
-  const Program& p = artefacts.unclipped ? unclipped_program_ : shadow_program_;
+  const Program& p = artefacts.unclipped ? made_->unclipped_program : made_->shadow_program;
   glUseProgram(p.name());
-  p.set("tolerance", static_cast<float>(clip_tolerance_));
+  p.set("tolerance", static_cast<float>(made_->clip_tolerance));
   p.set("darkened", artefacts.double_blend ? 0.5f : 0.0f);
   Work work;
   for (const Projection& projection : projections_) {
-    const std::vector<std::uint32_t>& casters = artefacts.unclipped ? casters_ : projection.casters;
+    const std::vector<std::uint32_t>& casters = artefacts.unclipped ? made_->casters : projection.casters;
     // Seen from behind, the plane shows its unlit side.
     if (casters.empty() || glm::dot(projection.plane, glm::dvec4(glm::dvec3(gbuffer.view.eye), 1)) <= 0) continue;
     if (artefacts.unclipped) {
@@ -240,7 +245,7 @@ PlanarProjected::Work PlanarProjected::draw_shadows(GLuint texture, const Artefa
     }
     p.set("plane", glm::vec4(projection.plane));
     // The share's own rounding error: casters that near to the light's height go to infinity anyway.
-    p.set("least_share", static_cast<float>(0x1p-22 + clip_tolerance_ * projection.per_light_height));
+    p.set("least_share", static_cast<float>(0x1p-22 + made_->clip_tolerance * projection.per_light_height));
     p.set("receiver", static_cast<int>(projection.index + 1));
     buffers.draw(casters);
     ++work.planes;
@@ -251,20 +256,22 @@ PlanarProjected::Work PlanarProjected::draw_shadows(GLuint texture, const Artefa
 }
 
 Counts PlanarProjected::counts() const {
-  std::size_t bytes = plane_of_.bytes + plane_of_shapes_.bytes + first_triangle_.bytes + receivers_.bytes;
-  bytes += (planes_.plane_of.size() + planes_.first_triangle.size()) * 4 + planes_.planes.size() * sizeof(ReceiverPlane);
-  bytes += casters_.size() * 4;
-  for (const Projection& projection : projections_) bytes += sizeof(projection) + projection.casters.size() * 4;
+  const ReceiverPlanes& planes = made_->planes;
+  const std::size_t shared_bytes = made_->plane_of.bytes + made_->plane_of_shapes.bytes + made_->first_triangle.bytes +
+                                   (planes.plane_of.size() + planes.first_triangle.size()) * 4 +
+                                   planes.planes.size() * sizeof(ReceiverPlane) + made_->casters.size() * 4;
+  double bytes = static_cast<double>(receivers_.bytes) + made_.own(static_cast<double>(shared_bytes));
+  for (const Projection& projection : projections_) bytes += double(sizeof(projection) + projection.casters.size() * 4);
   return {{"planes", double(work_.planes), ""},
           {"casters", double(work_.casters), ""},
           {"triangles", double(work_.triangles), ""},
-          {"bytes", double(bytes), "byte"}};
+          {"bytes", bytes, "byte"}};
 }
 
 std::uint32_t PlanarProjected::plane_of(const GBuffer& gbuffer, std::size_t pixel) const {
   const std::uint32_t mesh = gbuffer.mesh[pixel];
-  if (gbuffer.truth == Truth::shape && scene_->meshes[mesh].has_curved_shape() && !is_flat_[mesh]) return no_plane;
-  return planes_.plane_of[planes_.first_triangle[mesh] + gbuffer.triangle[pixel]];
+  if (gbuffer.truth == Truth::shape && made_->scene->meshes[mesh].has_curved_shape() && !made_->is_flat[mesh]) return no_plane;
+  return made_->planes.plane_of[made_->planes.first_triangle[mesh] + gbuffer.triangle[pixel]];
 }
 
 /// Draws the picture again, with and without the artefacts, at the first call after a resolve.
@@ -286,7 +293,7 @@ bool PlanarProjected::artefacts_differ(std::size_t pixel) const {
 
 std::optional<Explanation> PlanarProjected::explain(std::size_t index) const {
   Explanation why;
-  if (!faces_light(*scene_, *gbuffer_, light_, index)) return why;
+  if (!faces_light(*made_->scene, *gbuffer_, light_, index)) return why;
   const std::uint32_t plane = plane_of(*gbuffer_, index);
   why.covered = plane != no_plane;
   if (!why.covered) return why;

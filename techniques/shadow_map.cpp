@@ -8,6 +8,7 @@
 // The bias is a length along the axis of the image. Its parameters are in texels because acne is: a texel's world width at the
 // point, times the parameter, gives meters.
 #include <gnomon/kit/gl.h>
+#include <gnomon/kit/shared.h>
 #include <gnomon/registry.h>
 
 #include "shadow_map/layers.h"
@@ -75,6 +76,7 @@ class ShadowMap final : public Technique {
   void relight(const Light& light) override;
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
   Counts counts() const override;
+  std::unique_ptr<Technique> for_another_light() const override { return another(*this, &ShadowMap::made_); }
   std::optional<Explanation> explain(std::size_t index) const override;
   std::vector<DebugLayer> debug_layers() const override { return shadow_map::map_layers(); }
   std::vector<float> draw_debug(std::string_view layer) const override;
@@ -102,12 +104,16 @@ class ShadowMap final : public Technique {
                                       : shadow_map::orthographic;
   }
 
-  Program depth_program_, second_program_;
-  std::array<Program, shadow_map::projection_count> resolve_programs_;  // of the present bias and filter
-  Framebuffer framebuffer_;
-  const Scene* scene_ = nullptr;
-  std::vector<shadow_map::MeshBox> boxes_;
-  double extent_ = 0;    // largest coordinate of the scene
+  struct Made {
+    Program depth_program, second_program;
+    std::array<Program, shadow_map::projection_count> resolve_programs;  // of the present bias and filter
+    std::array<std::optional<Program>, shadow_map::projection_count> explain_programs;
+    Framebuffer framebuffer;
+    const Scene* scene = nullptr;
+    std::vector<shadow_map::MeshBox> boxes;
+    double extent = 0;  // largest coordinate of the scene
+  };
+  Shared<Made> made_;
   double rounding_ = 0;  // float32 error of a depth, meters
   Light light_;
   LightSpace space_;
@@ -119,33 +125,32 @@ class ShadowMap final : public Technique {
   const GBuffer* gbuffer_ = nullptr;
   mutable std::vector<float> depths_;         // of all layers, read back at the first question after a relight
   mutable std::vector<glm::vec2> looked_up_;  // by pixel, asked for at the first question after a resolve
-  mutable std::array<std::optional<Program>, shadow_map::projection_count> explain_programs_;
 };
 
 void ShadowMap::setup() {
-  depth_program_ = Program("shadow_map depth", shadow_map::depth_vertex, shadow_map::depth_fragment);
-  second_program_ = Program("shadow_map second depth", shadow_map::depth_vertex, shadow_map::second_fragment);
+  made_->depth_program = Program("shadow_map depth", shadow_map::depth_vertex, shadow_map::depth_fragment);
+  made_->second_program = Program("shadow_map second depth", shadow_map::depth_vertex, shadow_map::second_fragment);
   for (int i = 0; i < shadow_map::projection_count; ++i) {
-    resolve_programs_[i] = Program("shadow_map resolve", full_screen_vertex, head(i) + shadow_map::resolve_fragment);
-    explain_programs_[i].reset();
+    made_->resolve_programs[i] = Program("shadow_map resolve", full_screen_vertex, head(i) + shadow_map::resolve_fragment);
+    made_->explain_programs[i].reset();
   }
-  framebuffer_ = make_framebuffer();
+  made_->framebuffer = make_framebuffer();
   warm_up(*this);
 }
 
 void ShadowMap::build(const Scene& scene) {
-  scene_ = &scene;
+  made_->scene = &scene;
   scene_buffers(scene);
-  extent_ = scene.bounds().extent();
-  boxes_.clear();
+  made_->extent = scene.bounds().extent();
+  made_->boxes.clear();
   for (const Mesh& mesh : scene.meshes) {
     shadow_map::MeshBox box{.bounds = {}, .casts = mesh.casts, .receives = mesh.receives};
     box.bounds.add(mesh.positions);
     // A flat mesh gets a box with an inside, and rounding cannot push a vertex out of it.
-    const glm::vec3 slack(static_cast<float>(extent_ * 0x1p-20));
+    const glm::vec3 slack(static_cast<float>(made_->extent * 0x1p-20));
     box.bounds.min -= slack;
     box.bounds.max += slack;
-    boxes_.push_back(box);
+    made_->boxes.push_back(box);
   }
 }
 
@@ -153,27 +158,27 @@ void ShadowMap::relight(const Light& light) {
   const StateGuard guard;
   light_ = light;
   depths_.clear();
-  space_ = shadow_map::space_of(light, boxes_);
-  faces_ = shadow_map::fit_faces(light, space_, boxes_, resolution, margin());
+  space_ = shadow_map::space_of(light, made_->boxes);
+  faces_ = shadow_map::fit_faces(light, space_, made_->boxes, resolution, margin());
   layers_.clear();
   drawn_faces_ = 0;
   for (const Face& face : faces_) layers_.push_back(face.casters.empty() ? -1 : drawn_faces_++);
   first_.fit(GL_DEPTH_COMPONENT32F, resolution, resolution, std::max(drawn_faces_, 1));
   if (second_depth) second_.fit(GL_DEPTH_COMPONENT32F, resolution, resolution, std::max(drawn_faces_, 1));
 
-  const SceneBuffers& buffers = scene_buffers(*scene_);
+  const SceneBuffers& buffers = scene_buffers(*made_->scene);
   drawn_triangles_ = 0;
-  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
+  glBindFramebuffer(GL_FRAMEBUFFER, made_->framebuffer.name());
   glViewport(0, 0, resolution, resolution);
   glEnable(GL_DEPTH_TEST);
   glEnable(GL_DEPTH_CLAMP);
   glDepthFunc(GL_GREATER);
   glBindTextureUnit(0, first_.name());
-  glNamedFramebufferTexture(framebuffer_.name(), GL_COLOR_ATTACHMENT0, 0, 0);  // the mask of the last resolve
+  glNamedFramebufferTexture(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, 0, 0);  // the mask of the last resolve
   const auto draw = [&](const Program& program, const Texture& target, std::size_t face) {
-    glNamedFramebufferTextureLayer(framebuffer_.name(), GL_DEPTH_ATTACHMENT, target.name(), 0, layers_[face]);
+    glNamedFramebufferTextureLayer(made_->framebuffer.name(), GL_DEPTH_ATTACHMENT, target.name(), 0, layers_[face]);
     const float infinitely_far = 0;
-    glClearNamedFramebufferfv(framebuffer_.name(), GL_DEPTH, 0, &infinitely_far);
+    glClearNamedFramebufferfv(made_->framebuffer.name(), GL_DEPTH, 0, &infinitely_far);
     program.set("clip_from_world", glm::mat4(faces_[face].clip_from_world(resolution)));
     glUseProgram(program.name());
     buffers.draw(faces_[face].casters);
@@ -181,17 +186,17 @@ void ShadowMap::relight(const Light& light) {
   };
   for (std::size_t i = 0; i < faces_.size(); ++i) {
     if (layers_[i] < 0) continue;
-    draw(depth_program_, first_, i);
+    draw(made_->depth_program, first_, i);
     if (!second_depth) continue;
-    second_program_.set("layer", layers_[i]);
-    draw(second_program_, second_, i);
+    made_->second_program.set("layer", layers_[i]);
+    draw(made_->second_program, second_, i);
   }
-  glNamedFramebufferTexture(framebuffer_.name(), GL_DEPTH_ATTACHMENT, 0, 0);
+  glNamedFramebufferTexture(made_->framebuffer.name(), GL_DEPTH_ATTACHMENT, 0, 0);
 
   // Sixteen half units in the last place of the largest coordinate: the three of the rounded point and vertices (sqrt 3 each),
   // and four products and three sums of the transforms in float32, twice.
   const glm::dvec3 light_position(homogeneous(light) * homogeneous(light).w);
-  rounding_ = 16 * 0x1p-24 * std::max(extent_, extent(light_position));
+  rounding_ = 16 * 0x1p-24 * std::max(made_->extent, extent(light_position));
   glFinish();
 }
 
@@ -199,7 +204,7 @@ void ShadowMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   const StateGuard guard;
   gbuffer_ = &gbuffer;
   looked_up_.clear();
-  look_up(resolve_programs_[projection()], mask.texture());
+  look_up(made_->resolve_programs[projection()], mask.texture());
   glFinish();
 }
 
@@ -238,10 +243,10 @@ void ShadowMap::look_up(const Program& p, unsigned target) const {
   set("slope_bias", static_cast<float>(slope_bias));
   set("normal_offset", static_cast<float>(normal_offset));
   set("rounding", static_cast<float>(rounding_));
-  bind_gbuffer(gbuffer_textures(*gbuffer_, *scene_));
+  bind_gbuffer(gbuffer_textures(*gbuffer_, *made_->scene));
   glBindTextureUnit(3, map().name());
-  glNamedFramebufferTexture(framebuffer_.name(), GL_COLOR_ATTACHMENT0, target, 0);
-  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
+  glNamedFramebufferTexture(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, target, 0);
+  glBindFramebuffer(GL_FRAMEBUFFER, made_->framebuffer.name());
   glViewport(0, 0, gbuffer_->width, gbuffer_->height);
   glUseProgram(p.name());
   draw_full_screen();
@@ -249,7 +254,7 @@ void ShadowMap::look_up(const Program& p, unsigned target) const {
 
 Counts ShadowMap::counts() const {
   const double texels = double(resolution) * resolution * drawn_faces_ * (second_depth ? 2 : 1);
-  const double bytes = double(first_.bytes + second_.bytes + boxes_.size() * sizeof(boxes_[0]));
+  const double bytes = double(first_.bytes + second_.bytes) + made_.own(double(made_->boxes.size() * sizeof(made_->boxes[0])));
   return {{"texels", texels, "texel"},
           {"faces", double(drawn_faces_), ""},
           {"triangles", double(drawn_triangles_), ""},
@@ -265,14 +270,14 @@ const std::vector<float>& ShadowMap::depths() const {
 const std::vector<glm::vec2>& ShadowMap::looked_up() const {
   if (!looked_up_.empty()) return looked_up_;
   const StateGuard guard;
-  auto& program = explain_programs_[projection()];
+  auto& program = made_->explain_programs[projection()];
   if (!program)
     program.emplace("shadow_map explain", full_screen_vertex,
                     "#define EXPLAIN\n" + head(projection()) + shadow_map::resolve_fragment);
   const Texture texels(GL_RG32F, gbuffer_->width, gbuffer_->height);
   look_up(*program, texels.name());
   looked_up_ = read_texels<glm::vec2>(texels, GL_RG);
-  glNamedFramebufferTexture(framebuffer_.name(), GL_COLOR_ATTACHMENT0, 0, 0);
+  glNamedFramebufferTexture(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, 0, 0);
   return looked_up_;
 }
 
@@ -280,14 +285,14 @@ const std::vector<glm::vec2>& ShadowMap::looked_up() const {
 std::vector<float> ShadowMap::answer() const {
   const StateGuard guard;
   VisibilityMask mask(gbuffer_->width, gbuffer_->height);
-  look_up(resolve_programs_[projection()], mask.texture());
+  look_up(made_->resolve_programs[projection()], mask.texture());
   const std::span<const float> pixels = mask.read();
-  glNamedFramebufferTexture(framebuffer_.name(), GL_COLOR_ATTACHMENT0, 0, 0);
+  glNamedFramebufferTexture(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, 0, 0);
   return {pixels.begin(), pixels.end()};
 }
 
 std::optional<Explanation> ShadowMap::explain(std::size_t index) const {
-  if (!faces_light(*scene_, *gbuffer_, light_, index)) return Explanation();
+  if (!faces_light(*made_->scene, *gbuffer_, light_, index)) return Explanation();
   const glm::dvec3 point = gbuffer_->position(index);
   const int face = space_.face_of(point);
   if (layers_[face] < 0) return Explanation();  // nothing casts there
@@ -315,9 +320,9 @@ std::vector<float> ShadowMap::draw_debug(std::string_view layer) const {
   std::vector<shadow_map::LookUp> look_ups(gbuffer_->size());
   const std::vector<glm::vec2>& texels = looked_up();
   for (std::size_t i = 0; i < look_ups.size(); ++i)
-    if (faces_light(*scene_, *gbuffer_, light_, i))
+    if (faces_light(*made_->scene, *gbuffer_, light_, i))
       look_ups[i] = {space_.face_of(gbuffer_->position(i)), glm::ivec2(texels[i])};
-  return shadow_map::paint_texels(faces_, resolution, *scene_, *gbuffer_, light_, look_ups, answer());
+  return shadow_map::paint_texels(faces_, resolution, *made_->scene, *gbuffer_, light_, look_ups, answer());
 }
 
 }  // namespace

@@ -56,6 +56,9 @@ class ShadowVolumeTree final : public PointTechnique {
     return {heat_debug_layer("visits", "Nodes visited to locate each point")};
   }
   std::vector<float> draw_debug(std::string_view layer) const override;
+  std::unique_ptr<Technique> for_another_light() const override {
+    return another(*this, &ShadowVolumeTree::remembered_, &ShadowVolumeTree::built_);
+  }
 
  private:
   const char* why_no_area() const override {
@@ -63,12 +66,15 @@ class ShadowVolumeTree final : public PointTechnique {
   }
   std::uint32_t shading_triangle(std::size_t index) const override {
     QueryWork work = tree_.make_work();
-    return tree_.shading_triangle(*scene_, receiver(*gbuffer_, index), work);
+    return tree_.shading_triangle(*remembered_->scene, receiver(*gbuffer_, index), work);
   }
 
-  Bounds bounds_;                                         // of the casters
-  bool is_sorted_ = false;                                // nearest first
-  std::vector<Caster> casters_;                           // in order of insertion, but for `near_first`
+  struct Built {
+    Bounds bounds;                // of the casters
+    bool is_sorted = false;       // nearest first
+    std::vector<Caster> casters;  // in order of insertion, but for `near_first`
+  };
+  Shared<Built> built_;
   std::vector<std::pair<float, std::uint32_t>> nearest_;  // for `near_first`
   Tree tree_;
   QueryWork work_;
@@ -76,48 +82,48 @@ class ShadowVolumeTree final : public PointTechnique {
 
 void ShadowVolumeTree::build(const Scene& scene) {
   remember(scene);
-  casters_.clear();
-  casters_.reserve(scene.triangle_count());
+  built_->casters.clear();
+  built_->casters.reserve(scene.triangle_count());
   Bounds bounds;
-  is_sorted_ = order.is("near_first");
+  built_->is_sorted = order.is("near_first");
   for_triangles(scene,
                 [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, std::uint32_t mesh, std::uint32_t number) {
                   if (!scene.meshes[mesh].casts) return;
-                  casters_.push_back({{a, b, c}, mesh, number});
+                  built_->casters.push_back({{a, b, c}, mesh, number});
                   for (const glm::vec3& p : {a, b, c}) bounds.add(p);
                 });
-  bounds_ = bounds;
-  if (order.is("random") || order.is("large_first")) Random(static_cast<std::uint64_t>(seed.value())).shuffle(casters_);
-  if (order.is("large_first")) put_large_first(casters_);
-  tree_.reserve(casters_.size());
+  built_->bounds = bounds;
+  if (order.is("random") || order.is("large_first")) Random(static_cast<std::uint64_t>(seed.value())).shuffle(built_->casters);
+  if (order.is("large_first")) put_large_first(built_->casters);
 }
 
 void ShadowVolumeTree::relight(const Light& light) {
   light_ = light;
-  const Frame frame(homogeneous(light), bounds_);
+  const Frame frame(homogeneous(light), built_->bounds);
+  tree_.reserve(built_->casters.size());
   // Edge-on triangles cast nothing.
   constexpr std::size_t block = 8192;
   std::vector<std::int8_t> facing;
-  find_facing(casters_, frame.light, facing);
-  std::vector<std::size_t> begin((casters_.size() + block - 1) / block + 1, 0);
+  find_facing(built_->casters, frame.light, facing);
+  std::vector<std::size_t> begin((built_->casters.size() + block - 1) / block + 1, 0);
   for (std::size_t i = 0; i < facing.size(); ++i) begin[i / block + 1] += facing[i] != 0;
   for (std::size_t b = 1; b < begin.size(); ++b) begin[b] += begin[b - 1];
 
-  if (is_sorted_) {
-    nearest_.resize(casters_.size());
-    for_blocks(casters_.size(), block, [&](std::size_t low, std::size_t high) {
+  if (built_->is_sorted) {
+    nearest_.resize(built_->casters.size());
+    for_blocks(built_->casters.size(), block, [&](std::size_t low, std::size_t high) {
       for (std::size_t i = low; i < high; ++i)
-        nearest_[i] = {facing[i] != 0 ? frame.nearest(casters_[i]) : INFINITY, static_cast<std::uint32_t>(i)};
+        nearest_[i] = {facing[i] != 0 ? frame.nearest(built_->casters[i]) : INFINITY, static_cast<std::uint32_t>(i)};
     });
     std::ranges::sort(nearest_);
   }
   const std::span<Caster> into = tree_.casters();
-  for_blocks(casters_.size(), block, [&](std::size_t low, std::size_t high) {
-    std::size_t next = is_sorted_ ? low : begin[low / block];
+  for_blocks(built_->casters.size(), block, [&](std::size_t low, std::size_t high) {
+    std::size_t next = built_->is_sorted ? low : begin[low / block];
     for (std::size_t i = low; i < high; ++i) {
-      const std::size_t from = is_sorted_ ? nearest_[i].second : i;
+      const std::size_t from = built_->is_sorted ? nearest_[i].second : i;
       if (facing[from] == 0) continue;
-      into[next] = casters_[from];
+      into[next] = built_->casters[from];
       if (facing[from] < 0) std::swap(into[next].points[1], into[next].points[2]);
       into[next].steepness = frame.steepness(into[next]);
       ++next;
@@ -131,31 +137,31 @@ void ShadowVolumeTree::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   const std::span<float> pixels = mask.pixels();
   std::ranges::fill(pixels, 1.0f);
   work_ = for_facing_pixels(gbuffer, tree_.make_work(), [&](std::size_t i, QueryWork& work) {
-    if (tree_.shading_triangle(*scene_, receiver(gbuffer, i), work) != nothing) pixels[i] = 0;
+    if (tree_.shading_triangle(*remembered_->scene, receiver(gbuffer, i), work) != nothing) pixels[i] = 0;
   });
 }
 
 Counts ShadowVolumeTree::counts() const {
-  const std::size_t bytes = bytes_of(casters_, nearest_) + tree_.bytes();
+  const std::size_t bytes = bytes_of(nearest_) + tree_.bytes();
   SignCounts signs = tree_.signs();
   signs += work_.signs;
   return {count_of("triangles", tree_.triangles()),
           count_of("nodes", 4 * tree_.triangles()),
-          count_of("depth", tree_.depth()),
+          most_of("depth", tree_.depth()),
           count_of("queries", work_.queries),
           mean_of("visits", work_.visits, work_.queries),
-          count_of("longest_stack", work_.longest_stack),
+          most_of("longest_stack", work_.longest_stack),
           count_of("signs_in_double", signs.in_double),
           count_of("signs_by_int128", signs.exact.lattice),
           count_of("signs_by_gmp", signs.exact.big),
-          {"bytes", static_cast<double>(bytes), "byte"}};
+          {"bytes", static_cast<double>(bytes) + built_.own(static_cast<double>(bytes_of(built_->casters))), "byte"}};
 }
 
 std::vector<float> ShadowVolumeTree::draw_debug(std::string_view layer) const {
   if (layer != "visits") return Technique::draw_debug(layer);
   return heat_of([&](std::size_t i) {
     QueryWork work = tree_.make_work();
-    tree_.shading_triangle(*scene_, receiver(*gbuffer_, i), work);
+    tree_.shading_triangle(*remembered_->scene, receiver(*gbuffer_, i), work);
     return work.visits;
   });
 }

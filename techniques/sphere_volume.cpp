@@ -60,6 +60,9 @@ class SphereVolume final : public VolumeTechnique {
   }
   Counts counts() const override;
   std::optional<Explanation> explain(std::size_t index) const override;
+  std::unique_ptr<Technique> for_another_light() const override {
+    return another(*this, &SphereVolume::made_, &SphereVolume::own_);
+  }
 
  private:
   void upload();
@@ -80,13 +83,17 @@ class SphereVolume final : public VolumeTechnique {
   void count_bodies(Pass pass) const;
   void count_bodies_exactly(Pass pass) const;
 
-  VolumeProgram body_program_;
-  std::array<Program, kind_count> exact_programs_;
-  std::vector<Body> bodies_;  // by kind
-  std::array<std::size_t, kind_count + 1> first_of_kind_{};
-  Volumes volumes_;        // of the bodies; those of other casters are `faces_`
-  Buffer flat_positions_;  // of `adjacency_`
-  Buffer vertices_, body_of_, indices_, body_data_;
+  struct Own {
+    VolumeProgram body_program;
+    std::array<Program, kind_count> exact_programs;
+    std::vector<Body> bodies;  // by kind
+    std::array<std::size_t, kind_count + 1> first_of_kind{};
+    Buffer flat_positions;  // of the adjacency
+    Buffer body_data;
+  };
+  Shared<Own> own_;
+  Volumes volumes_;  // of the bodies; those of other casters are `faces_`
+  Buffer vertices_, body_of_, indices_;
   std::array<std::size_t, 3> first_index_{};  // of each face, in `indices_`
   VertexArray vertex_array_;
   std::size_t volume_bound_ = 0, stencil_limit_ = VolumeCounter::stencil_limit;
@@ -103,11 +110,11 @@ Support SphereVolume::supports(const Scene& scene, const Light& light, const Vie
 }
 
 void SphereVolume::setup() {
-  counter_.setup();
-  body_program_ = VolumeProgram("sphere_volume bodies", volume_vertex, true);
-  drawer_.setup("sphere_volume");
+  made_->counter.setup();
+  own_->body_program = VolumeProgram("sphere_volume bodies", volume_vertex, true);
+  made_->drawer.setup("sphere_volume");
   for (int kind = 0; kind < kind_count; ++kind)
-    exact_programs_[kind] =
+    own_->exact_programs[kind] =
         Program("sphere_volume exact", bounding_vertex, fmt::format("#define KIND {}\n{}", kind, exact_fragment));
   // Each way to count bodies, in eight bits and in 32.
   const std::string chosen = fit.text();
@@ -119,31 +126,31 @@ void SphereVolume::setup() {
     }
   }
   fit.set(chosen);
-  counter_.drop_pictures();
+  made_->counter.drop_pictures();
 }
 
 void SphereVolume::build(const Scene& scene) {
-  scene_ = &scene;
+  made_->scene = &scene;
   scene_buffers(scene);
-  bodies_.clear();
+  own_->bodies.clear();
   Scene flat;
   for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
     const Mesh& mesh = scene.meshes[m];
     if (!mesh.casts) continue;
     if (mesh.has_curved_shape())
-      bodies_.push_back({m, *mesh.shape});
+      own_->bodies.push_back({m, *mesh.shape});
     else
       flat.meshes.push_back(mesh);
   }
   const auto kind_of = [](const Body& body) { return body.shape.index(); };
-  std::ranges::stable_sort(bodies_, {}, kind_of);
+  std::ranges::stable_sort(own_->bodies, {}, kind_of);
   for (std::size_t kind = 0; kind <= kind_count; ++kind)
-    first_of_kind_[kind] = std::ranges::lower_bound(bodies_, kind, {}, kind_of) - bodies_.begin();
-  adjacency_ = EdgeAdjacency(flat);
-  flat_positions_ = Buffer(adjacency_.positions().data(), adjacency_.positions().size_bytes());
+    own_->first_of_kind[kind] = std::ranges::lower_bound(own_->bodies, kind, {}, kind_of) - own_->bodies.begin();
+  made_->adjacency = EdgeAdjacency(flat);
+  own_->flat_positions = Buffer(made_->adjacency.positions().data(), made_->adjacency.positions().size_bytes());
 
   std::vector<BodyData> data;
-  for (const Body& body : bodies_) {
+  for (const Body& body : own_->bodies) {
     if (const auto* sphere = std::get_if<Sphere>(&body.shape))
       data.push_back({{sphere->center, sphere->radius}, {}, body.mesh + 1});
     else if (const auto* cone = std::get_if<Cone>(&body.shape))
@@ -151,25 +158,25 @@ void SphereVolume::build(const Scene& scene) {
     else if (const auto* disc = std::get_if<Disc>(&body.shape))
       data.push_back({{disc->center, disc->radius}, {glm::normalize(glm::dvec3(disc->normal)), 0}, body.mesh + 1});
   }
-  body_data_ = Buffer(data.data(), data.size() * sizeof(BodyData));
+  own_->body_data = Buffer(data.data(), data.size() * sizeof(BodyData));
 }
 
 void SphereVolume::relight(const Light& light) {
   light_ = light;
   const glm::dvec4 l = homogeneous(light);
   volumes_.clear();
-  for (std::uint32_t i = 0; i < bodies_.size(); ++i) {
-    const Shape& shape = bodies_[i].shape;
-    volumes_.add(holds_light(bodies_[i]) ? Contour{}
-                 : is_exact()            ? bounding_contour(shape, l)
-                                         : contour_of(shape, l, polygon_fit(), segments),
-                 l, i, bodies_[i].mesh);
+  for (std::uint32_t i = 0; i < own_->bodies.size(); ++i) {
+    const Shape& shape = own_->bodies[i].shape;
+    volumes_.add(holds_light(own_->bodies[i]) ? Contour{}
+                 : is_exact()                 ? bounding_contour(shape, l)
+                                              : contour_of(shape, l, polygon_fit(), segments),
+                 l, i, own_->bodies[i].mesh);
   }
-  adjacency_.find_silhouette(l, silhouette_);
-  commands_ = write_faces(adjacency_, silhouette_, {.dark_caps = l.w != 0}, faces_);
+  made_->adjacency.find_silhouette(l, silhouette_);
+  commands_ = write_faces(made_->adjacency, silhouette_, {.dark_caps = l.w != 0}, faces_);
   // A convex body has one volume; with `exact` a dark pixel is counted once.
-  volume_bound_ = static_cast<std::size_t>(bound_depth(adjacency_, silhouette_, VolumeCounter::stencil_limit));
-  if (!is_exact()) volume_bound_ += bodies_.size();
+  volume_bound_ = static_cast<std::size_t>(bound_depth(made_->adjacency, silhouette_, VolumeCounter::stencil_limit));
+  if (!is_exact()) volume_bound_ += own_->bodies.size();
   wide_ = volume_bound_ > stencil_limit_;
   upload();
 }
@@ -200,7 +207,7 @@ void SphereVolume::upload() {
 }
 
 bool SphereVolume::is_all_dark(const View& view) const {
-  return std::ranges::any_of(bodies_,
+  return std::ranges::any_of(own_->bodies,
                              [&](const Body& body) { return holds_light(body) != contains(body.shape, glm::dvec3(view.eye)); });
 }
 
@@ -208,7 +215,7 @@ void SphereVolume::answer(VisibilityMask& mask) const {
   const bool all_dark = is_all_dark(gbuffer_->view);
   begin(mask_pass(), all_dark);
   if (!all_dark) count(mask_pass());
-  counter_.write_mask(gbuffer_textures(*gbuffer_, *scene_), light_, mask);
+  made_->counter.write_mask(gbuffer_textures(*gbuffer_, *made_->scene), light_, mask);
   glFinish();
 }
 
@@ -218,20 +225,20 @@ void SphereVolume::draw(Pass pass) const {
 }
 
 void SphereVolume::begin(Pass pass, int start) const {
-  counter_.begin(depth_stencil(*scene_, *gbuffer_, Truth::shape), pass, CountWhere::behind_surface, start);
-  bind_gbuffer(gbuffer_textures(*gbuffer_, *scene_));
+  made_->counter.begin(depth_stencil(*made_->scene, *gbuffer_, Truth::shape), pass, CountWhere::behind_surface, start);
+  bind_gbuffer(gbuffer_textures(*gbuffer_, *made_->scene));
 }
 
 void SphereVolume::count(Pass pass) const {
   if (commands_.caps.count + commands_.reversed_caps.count > 0) {
-    bind_faces(flat_positions_);
-    drawer_.draw_sides(counter_);
-    drawer_.draw_caps(counter_);
+    bind_faces(own_->flat_positions);
+    made_->drawer.draw_sides(made_->counter);
+    made_->drawer.draw_caps(made_->counter);
   }
   glBindVertexArray(vertex_array_.name());
   const glm::mat4 clip(clip_from_world(gbuffer_->view, gbuffer_->width, gbuffer_->height));
-  body_program_.each([&](const Program& p) { p.set("clip_from_world", clip); });
-  for (const Program& program : exact_programs_) program.set("clip_from_world", clip);
+  own_->body_program.each([&](const Program& p) { p.set("clip_from_world", clip); });
+  for (const Program& program : own_->exact_programs) program.set("clip_from_world", clip);
   if (is_exact() && pass != Pass::layer)
     count_bodies_exactly(pass);
   else
@@ -240,11 +247,11 @@ void SphereVolume::count(Pass pass) const {
 }
 
 void SphereVolume::count_bodies(Pass pass) const {
-  const VolumeProgram& program = body_program_;
+  const VolumeProgram& program = own_->body_program;
   const Program& used = pass == Pass::stencil ? program.stencil : pass == Pass::wide ? program.wide : program.layer;
   const GLint own_mesh = glGetUniformLocation(used.name(), "own_mesh");
   for (int f = 0; f < 3; ++f) {
-    counter_.use(program, static_cast<VolumeFace>(f));
+    made_->counter.use(program, static_cast<VolumeFace>(f));
     for (const DrawRange& range : volumes_.ranges[f]) {
       if (range.count == 0) continue;
       glUniform1i(own_mesh, static_cast<GLint>(range.own_mesh));
@@ -265,11 +272,11 @@ void SphereVolume::count_bodies_exactly(Pass pass) const {
     glStencilFunc(GL_EQUAL, 0, ~0u);
     glStencilOp(GL_KEEP, GL_KEEP, GL_INCR);
   }
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, body_data_.name());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, own_->body_data.name());
   for (int kind = 0; kind < kind_count; ++kind) {
-    const std::size_t first = first_of_kind_[kind], end = first_of_kind_[kind + 1];
+    const std::size_t first = own_->first_of_kind[kind], end = own_->first_of_kind[kind + 1];
     if (first == end) continue;
-    const Program& program = exact_programs_[kind];
+    const Program& program = own_->exact_programs[kind];
     set_light(program, light_);
     glUseProgram(program.name());
     for (int f = 0; f < 3; ++f) {
@@ -283,13 +290,14 @@ void SphereVolume::count_bodies_exactly(Pass pass) const {
 }
 
 Counts SphereVolume::counts() const {
-  const std::size_t bytes = VolumeTechnique::bytes() + bytes_of(bodies_) + volumes_.bytes() + vertices_.bytes + body_of_.bytes +
-                            indices_.bytes + body_data_.bytes + flat_positions_.bytes;
+  const std::size_t bytes =
+      VolumeTechnique::bytes() + volumes_.bytes() + vertices_.bytes + body_of_.bytes + indices_.bytes +
+      static_cast<std::size_t>(own_.own(double(bytes_of(own_->bodies) + own_->body_data.bytes + own_->flat_positions.bytes)));
   const std::size_t side_triangles = volumes_.triangle_count(VolumeFace::side) + commands_.sides.count / 3;
   const std::size_t triangles = side_triangles + volumes_.triangle_count(VolumeFace::light_cap) +
                                 volumes_.triangle_count(VolumeFace::dark_cap) + commands_.triangle_count() -
                                 commands_.sides.count / 3;
-  Counts counts{{"bodies", double(bodies_.size()), ""},
+  Counts counts{{"bodies", double(own_->bodies.size()), ""},
                 {"side_quads", double(side_triangles / (homogeneous(light_).w == 0 ? 1 : 2)), ""},
                 {"cap_triangles", double(triangles - side_triangles), ""},
                 {"silhouette_edges", double(silhouette_.edges.size()), ""},
@@ -298,19 +306,19 @@ Counts SphereVolume::counts() const {
   if (!gbuffer_) return counts;
 
   const auto [fill, deepest] = measure_work();
-  counts.insert(counts.end(), {{"depth_bound", double(volume_bound_), ""},
+  counts.insert(counts.end(), {{"depth_bound", double(volume_bound_), "", Count::Together::largest},
                                {"fill", fill, "pixel"},
-                               {"deepest", deepest, "volume"},
-                               {"counter_bits", wide_ ? 32.0 : 8.0, "bit"}});
+                               {"deepest", deepest, "volume", Count::Together::largest},
+                               {"counter_bits", wide_ ? 32.0 : 8.0, "bit", Count::Together::largest}});
   return counts;
 }
 
 std::optional<Explanation> SphereVolume::explain(std::size_t index) const {
   Explanation why;
-  if (faces_light(*scene_, *gbuffer_, light_, index)) {
+  if (faces_light(*made_->scene, *gbuffer_, light_, index)) {
     why.element = gbuffer_->mesh[index];
     if (!is_exact())
-      why.outline_error = outline_error(bodies_, homogeneous(light_), gbuffer_->position(index), polygon_fit(), segments);
+      why.outline_error = outline_error(own_->bodies, homogeneous(light_), gbuffer_->position(index), polygon_fit(), segments);
   }
   return why;
 }
@@ -319,7 +327,7 @@ std::optional<Explanation> SphereVolume::explain(std::size_t index) const {
 std::vector<Line> SphereVolume::outlines() const {
   constexpr int many = 256;
   std::vector<Line> lines = VolumeTechnique::outlines();
-  for (const Body& body : bodies_) {
+  for (const Body& body : own_->bodies) {
     if (holds_light(body)) continue;
     const std::vector<glm::dvec3> points =
         contour_of(body.shape, homogeneous(light_), is_exact() ? equal_area : polygon_fit(), is_exact() ? many : int(segments))

@@ -79,16 +79,19 @@ class StencilVolume final : public VolumeTechnique {
   Support supports(const Scene& scene, const Light& light, const View& view) const override;
   void setup() override;
   void build(const Scene& scene) override {
-    scene_ = &scene;
-    casters_.reset();
+    made_->scene = &scene;
+    own_->casters.reset();
     scene_buffers(scene);
-    adjacency_ = EdgeAdjacency(scene);
-    if (finder.is("gpu")) gpu_finder_.build(adjacency_);
+    made_->adjacency = EdgeAdjacency(scene);
+    if (finder.is("gpu")) own_->gpu_finder.build(made_->adjacency);
   }
   void relight(const Light& light) override;
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
   Counts counts() const override;
   std::optional<Explanation> explain(std::size_t index) const override;
+  std::unique_ptr<Technique> for_another_light() const override {
+    return another(*this, &StencilVolume::made_, &StencilVolume::own_);
+  }
 
  private:
   CountWhere where() const { return count.is("zfail") ? CountWhere::behind_surface : CountWhere::before_surface; }
@@ -100,12 +103,15 @@ class StencilVolume final : public VolumeTechnique {
   void draw(Pass pass) const override;
   void draw_near_cap() const;
 
-  VolumeProgram triangle_sides_, near_cap_program_;
-  stencil_volume::GpuFinder gpu_finder_;
+  struct Own {
+    VolumeProgram triangle_sides, near_cap_program;
+    stencil_volume::GpuFinder gpu_finder;
+    std::unique_ptr<BoxTree> casters;  // made by the first `explain`
+  };
+  Shared<Own> own_;
   std::int64_t depth_bound_ = 0;
   bool counts_wide_ = false;  // while setup warms the wide pass
   std::int64_t volumes_at_eye_ = 0;
-  mutable std::unique_ptr<BoxTree> casters_;  // made by the first `explain`
 };
 
 Support StencilVolume::supports(const Scene& scene, const Light& light, const View& view) const {
@@ -124,14 +130,14 @@ Support StencilVolume::supports(const Scene& scene, const Light& light, const Vi
 }
 
 void StencilVolume::setup() {
-  drawer_.setup("stencil_volume");
-  triangle_sides_ = FaceDrawer::program("stencil_volume triangle sides", triangle_sides_body);
-  near_cap_program_ = VolumeProgram("stencil_volume near cap", std::string(position_snippet) + std::string(near_cap_body));
-  counter_.setup();
-  if (finder.is("gpu")) gpu_finder_.setup();
+  made_->drawer.setup("stencil_volume");
+  own_->triangle_sides = FaceDrawer::program("stencil_volume triangle sides", triangle_sides_body);
+  own_->near_cap_program = VolumeProgram("stencil_volume near cap", std::string(position_snippet) + std::string(near_cap_body));
+  made_->counter.setup();
+  if (finder.is("gpu")) own_->gpu_finder.setup();
   counts_wide_ = true;  // the pass of deep scenes, and of counts()
   warm_up(*this);
-  counter_.drop_pictures();
+  made_->counter.drop_pictures();
   counts_wide_ = false;
   warm_up(*this);
 }
@@ -144,12 +150,12 @@ void StencilVolume::relight(const Light& light) {
   const WantedFaces wanted{
       .outline = extrusion.is("silhouette"), .light_caps = behind || near_rectangle(), .dark_caps = behind && l.w != 0};
   if (finder.is("gpu")) {
-    commands_ = gpu_finder_.find(scene_buffers(*scene_), adjacency_, l, wanted, faces_, silhouette_);
+    commands_ = own_->gpu_finder.find(scene_buffers(*made_->scene), made_->adjacency, l, wanted, faces_, silhouette_);
   } else {
-    adjacency_.find_silhouette(l, silhouette_);
-    commands_ = write_faces(adjacency_, silhouette_, wanted, faces_);
+    made_->adjacency.find_silhouette(l, silhouette_);
+    commands_ = write_faces(made_->adjacency, silhouette_, wanted, faces_);
   }
-  depth_bound_ = bound_depth(adjacency_, silhouette_, VolumeCounter::stencil_limit);
+  depth_bound_ = bound_depth(made_->adjacency, silhouette_, VolumeCounter::stencil_limit);
   wide_ = counts_wide_ || counter.is("wide") || depth_bound_ > VolumeCounter::stencil_limit;
   glFinish();
 }
@@ -159,22 +165,22 @@ void StencilVolume::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   gbuffer_ = &gbuffer;
   volumes_at_eye_ = 0;
   if (count.is("zpass_plus") && !uses_near_rectangle(gbuffer.view))
-    volumes_at_eye_ = stencil_volume::volumes_at(adjacency_, gbuffer.view.eye, silhouette_);
+    volumes_at_eye_ = stencil_volume::volumes_at(made_->adjacency, gbuffer.view.eye, silhouette_);
   answer(mask);
 }
 
 void StencilVolume::draw(Pass pass) const {
-  counter_.begin(depth_stencil(*scene_, *gbuffer_), pass, where(), static_cast<int>(volumes_at_eye_));
-  bind_faces(scene_buffers(*scene_).positions);
+  made_->counter.begin(depth_stencil(*made_->scene, *gbuffer_), pass, where(), static_cast<int>(volumes_at_eye_));
+  bind_faces(scene_buffers(*made_->scene).positions);
   if (uses_near_rectangle(gbuffer_->view) && pass != Pass::layer) {
     draw_near_cap();
     glDisable(GL_DEPTH_CLAMP);  // what lies before the near plane is in the near cap
   }
   if (extrusion.is("silhouette"))
-    drawer_.draw_sides(counter_);
+    made_->drawer.draw_sides(made_->counter);
   else
-    drawer_.draw_arrays(counter_, triangle_sides_, VolumeFace::side, offsetof(FaceCommands, triangle_sides));
-  if (where() == CountWhere::behind_surface) drawer_.draw_caps(counter_);
+    made_->drawer.draw_arrays(made_->counter, own_->triangle_sides, VolumeFace::side, offsetof(FaceCommands, triangle_sides));
+  if (where() == CountWhere::behind_surface) made_->drawer.draw_caps(made_->counter);
   glBindVertexArray(0);
 }
 
@@ -188,7 +194,7 @@ void StencilVolume::draw_near_cap() const {
   const double height = glm::dot(plane, light);
   const glm::dmat4 projected = height * glm::dmat4(1) - glm::outerProduct(light, plane);
   const glm::dmat4 clip = clip_from_world(gbuffer_->view, gbuffer_->width, gbuffer_->height) * projected;
-  near_cap_program_.each([&](const Program& p) {
+  own_->near_cap_program.each([&](const Program& p) {
     p.set("clip_from_world", glm::mat4(clip));
     p.set("plane", glm::vec4(plane));
     p.set("light_height", static_cast<float>(height));
@@ -197,47 +203,50 @@ void StencilVolume::draw_near_cap() const {
   glEnable(GL_CLIP_DISTANCE0);
   glEnable(GL_CLIP_DISTANCE1);
   // Seen with the light they keep their turn, seen against it they change it.
-  drawer_.draw_light_caps(counter_, near_cap_program_, !behind);
+  made_->drawer.draw_light_caps(made_->counter, own_->near_cap_program, !behind);
   glDisable(GL_CLIP_DISTANCE0);
   glDisable(GL_CLIP_DISTANCE1);
 }
 
 Counts StencilVolume::counts() const {
-  const auto closed = std::ranges::count_if(adjacency_.parts(), &EdgeAdjacency::Part::closed);
+  const auto closed = std::ranges::count_if(made_->adjacency.parts(), &EdgeAdjacency::Part::closed);
   double edges = 0;  // with multiplicity
   for (const SilhouetteEdge& edge : silhouette_.edges) edges += std::abs(edge.count);
-  const std::size_t bytes = VolumeTechnique::bytes() + gpu_finder_.bytes();
-  Counts counts{{"closed_parts", double(closed), ""},      {"open_parts", double(std::ssize(adjacency_.parts()) - closed), ""},
-                {"silhouette_edges", edges, ""},           {"triangles", double(commands_.triangle_count()), ""},
-                {"depth_bound", double(depth_bound_), ""}, {"bytes", double(bytes), "byte"}};
+  const std::size_t bytes = VolumeTechnique::bytes() + static_cast<std::size_t>(own_.own(double(own_->gpu_finder.bytes())));
+  Counts counts{{"closed_parts", double(closed), ""},
+                {"open_parts", double(std::ssize(made_->adjacency.parts()) - closed), ""},
+                {"silhouette_edges", edges, ""},
+                {"triangles", double(commands_.triangle_count()), ""},
+                {"depth_bound", double(depth_bound_), "", Count::Together::largest},
+                {"bytes", double(bytes), "byte"}};
   if (!gbuffer_) return counts;
 
   const auto [fill, deepest] = measure_work();
   counts.insert(counts.end(), {{"fill", fill, "pixel"},
-                               {"deepest", deepest, "volume"},
+                               {"deepest", deepest, "volume", Count::Together::largest},
                                {"volumes_at_eye", double(volumes_at_eye_), "volume"},
-                               {"counter_bits", wide_ ? 32.0 : 8.0, "bit"}});
+                               {"counter_bits", wide_ ? 32.0 : 8.0, "bit", Count::Together::largest}});
   return counts;
 }
 
 /// The element is the first triangle of the scene, by number, between the point and the light: its volume holds the point.
 std::optional<Explanation> StencilVolume::explain(std::size_t index) const {
   Explanation why;
-  if (!faces_light(*scene_, *gbuffer_, light_, index)) return why;
-  if (!casters_) {
-    std::vector<Bounds> bounds(adjacency_.triangles().size());
-    for (std::size_t t = 0; t < bounds.size(); ++t) bounds[t].add(adjacency_.corners(t).points);
-    casters_ = std::make_unique<BoxTree>(bounds);
+  if (!faces_light(*made_->scene, *gbuffer_, light_, index)) return why;
+  if (!own_->casters) {
+    std::vector<Bounds> bounds(made_->adjacency.triangles().size());
+    for (std::size_t t = 0; t < bounds.size(); ++t) bounds[t].add(made_->adjacency.corners(t).points);
+    own_->casters = std::make_unique<BoxTree>(bounds);
   }
   const Segment way{gbuffer_->position(index), homogeneous(light_)};
-  std::uint64_t first = adjacency_.triangles().size();
-  casters_->any(SegmentSlabs(way), 0, [&](std::uint32_t place) {
-    const std::uint32_t t = casters_->order()[place];
-    if (silhouette_.facing[t] != 0 && crosses(way, adjacency_.corners(t)) != Crossing::none)
+  std::uint64_t first = made_->adjacency.triangles().size();
+  own_->casters->any(SegmentSlabs(way), 0, [&](std::uint32_t place) {
+    const std::uint32_t t = own_->casters->order()[place];
+    if (silhouette_.facing[t] != 0 && crosses(way, made_->adjacency.corners(t)) != Crossing::none)
       first = std::min<std::uint64_t>(first, t);
     return false;
   });
-  if (first < adjacency_.triangles().size()) why.element = first;
+  if (first < made_->adjacency.triangles().size()) why.element = first;
   return why;
 }
 

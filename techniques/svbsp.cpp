@@ -81,6 +81,7 @@ class Svbsp final : public PointTechnique {
     return layers;
   }
   std::vector<float> draw_debug(std::string_view layer) const override;
+  std::unique_ptr<Technique> for_another_light() const override { return another(*this, &Svbsp::remembered_, &Svbsp::built_); }
 
  private:
   const char* why_no_area() const override {
@@ -103,7 +104,9 @@ class Svbsp final : public PointTechnique {
                                            : Drop::shared,
             .tile_size = static_cast<std::size_t>(tile_size)};
   }
-  bool casts(std::uint32_t triangle) const { return signs_[triangle] != 0 && scene_->meshes[triangles_[triangle].mesh].casts; }
+  bool casts(std::uint32_t triangle) const {
+    return signs_[triangle] != 0 && remembered_->scene->meshes[built_->triangles[triangle].mesh].casts;
+  }
   void make_pieces(const glm::dvec4& light);
   /// Of all triangles, or of those that a picture shows.
   SurfaceDetail divide(bool merges, const GBuffer* shown = nullptr) const;
@@ -111,7 +114,7 @@ class Svbsp final : public PointTechnique {
   /// The regular BSP tree of the scene, for pictures: made when it is first asked for, where no order needs it.
   const Bsp& regular_tree() const;
   std::vector<float> paint() const;
-  Facing facing() const { return {triangles_, signs_}; }
+  Facing facing() const { return {built_->triangles, signs_}; }
   Query query(const GBuffer& gbuffer, std::size_t i) const;
   /// The query of a pixel, in its cell.
   Query locate_one(std::size_t i, std::uint64_t& visits) const {
@@ -122,10 +125,13 @@ class Svbsp final : public PointTechnique {
   /// The triangle that shades a pixel's point, or `nothing`; the query is in its cell.
   std::uint32_t shading_triangle(const GBuffer& gbuffer, const Query& query) const;
 
-  Bounds bounds_;                         // of the casters
-  std::vector<SceneTriangle> triangles_;  // of all meshes
-  std::optional<Bsp> bsp_;                // for order=bsp
-  mutable std::optional<Bsp> drawn_bsp_;  // for pictures only
+  struct Built {
+    Bounds bounds;                         // of the casters
+    std::vector<SceneTriangle> triangles;  // of all meshes
+    std::optional<Bsp> bsp;                // for order=bsp
+    std::optional<Bsp> drawn_bsp;          // for pictures only
+  };
+  Shared<Built> built_;
   std::vector<const BspPolygon*> front_to_back_;
   std::vector<std::int8_t> signs_;
   ProjectedSpace space_;
@@ -137,31 +143,31 @@ class Svbsp final : public PointTechnique {
 
 void Svbsp::build(const Scene& scene) {
   remember(scene);
-  triangles_.clear();
-  triangles_.reserve(scene.triangle_count());
+  built_->triangles.clear();
+  built_->triangles.reserve(scene.triangle_count());
   Bounds bounds;
   for_triangles(scene, [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, std::uint32_t mesh, std::uint32_t) {
-    triangles_.push_back({{{a, b, c}}, mesh});
+    built_->triangles.push_back({{{a, b, c}}, mesh});
     if (scene.meshes[mesh].casts)
       for (const glm::vec3& p : {a, b, c}) bounds.add(p);
   });
-  bounds_ = bounds;
-  bsp_.reset();
-  drawn_bsp_.reset();
-  if (order.is("bsp")) bsp_.emplace(scene, bsp_options());
+  built_->bounds = bounds;
+  built_->bsp.reset();
+  built_->drawn_bsp.reset();
+  if (order.is("bsp")) built_->bsp.emplace(scene, bsp_options());
 }
 
 void Svbsp::relight(const Light& light) {
   light_ = light;
   const glm::dvec4 at = homogeneous(light);
-  space_ = ProjectedSpace(at, bounds_);
-  find_facing(triangles_, at, signs_);
+  space_ = ProjectedSpace(at, built_->bounds);
+  find_facing(built_->triangles, at, signs_);
   polygon_count_ = 0;
-  for (std::uint32_t i = 0; i < triangles_.size(); ++i) polygon_count_ += casts(i);
+  for (std::uint32_t i = 0; i < built_->triangles.size(); ++i) polygon_count_ += casts(i);
   make_pieces(at);
   double extent = 0;
-  for (const glm::vec3& p : {bounds_.min, bounds_.max})
-    if (!bounds_.empty())
+  for (const glm::vec3& p : {built_->bounds.min, built_->bounds.max})
+    if (!built_->bounds.empty())
       for (int k = 0; k < 3; ++k) extent = std::max(extent, std::abs(double{p[k]}));
   forest_.grow(space_, pieces_, facing(),
                order.is("tiles") ? Forest::Order::tiles
@@ -171,22 +177,22 @@ void Svbsp::relight(const Light& light) {
 }
 
 void Svbsp::make_pieces(const glm::dvec4& light) {
-  if (!bsp_) {
-    pieces_.make(space_, facing(), triangles_.size(), [&](std::size_t i, Corner* scratch) -> Pieces::Part {
+  if (!built_->bsp) {
+    pieces_.make(space_, facing(), built_->triangles.size(), [&](std::size_t i, Corner* scratch) -> Pieces::Part {
       const auto triangle = static_cast<std::uint32_t>(i);
       if (!casts(triangle)) return {triangle, {}};
-      for (int k = 0; k < 3; ++k) scratch[k] = {glm::dvec3(triangles_[i].points[k]), own_edge};
+      for (int k = 0; k < 3; ++k) scratch[k] = {glm::dvec3(built_->triangles[i].points[k]), own_edge};
       return {triangle, {scratch, 3}};
     });
     return;
   }
   front_to_back_.clear();
-  bsp_->front_to_back(light, [&](std::span<const BspPolygon> set) {
+  built_->bsp->front_to_back(light, [&](std::span<const BspPolygon> set) {
     for (const BspPolygon& polygon : set)
       if (casts(polygon.triangle)) front_to_back_.push_back(&polygon);
   });
   pieces_.make(space_, facing(), front_to_back_.size(), [&](std::size_t i, Corner*) -> Pieces::Part {
-    return {front_to_back_[i]->triangle, bsp_->corners(*front_to_back_[i])};
+    return {front_to_back_[i]->triangle, built_->bsp->corners(*front_to_back_[i])};
   });
 }
 
@@ -202,9 +208,9 @@ std::uint32_t Svbsp::shading_triangle(const GBuffer& gbuffer, const Query& query
   const std::uint32_t nearest = triangle_in(query.link);
   const NumberedReceiver receiver = this->receiver(gbuffer, query.pixel);
   if (receiver.is_own(nearest)) return nothing;
-  const glm::vec3* p = triangles_[nearest].points;
+  const glm::vec3* p = built_->triangles[nearest].points;
   if (orient3d_sign(p[0], p[1], p[2], receiver.point) != -signs_[nearest]) return nothing;
-  return receiver.is_coplanar(*scene_, p) ? nothing : nearest;
+  return receiver.is_coplanar(*remembered_->scene, p) ? nothing : nearest;
 }
 
 void Svbsp::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
@@ -238,8 +244,8 @@ void Svbsp::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
 
 Counts Svbsp::counts() const {
   const TreeWork work = forest_.work();
-  const std::size_t bytes =
-      bytes_of(triangles_, signs_, front_to_back_) + pieces_.bytes() + forest_.bytes() + (bsp_ ? bsp_->bytes() : 0);
+  const std::size_t bytes = bytes_of(signs_, front_to_back_) + pieces_.bytes() + forest_.bytes();
+  const std::size_t shared_bytes = bytes_of(built_->triangles) + (built_->bsp ? built_->bsp->bytes() : 0);
   std::size_t pieces = 0;
   for (int face = 0; face < 6; ++face) pieces += pieces_.of_face(face).size();
   const std::uint64_t fragments = work.lit + work.shadowed;
@@ -248,7 +254,7 @@ Counts Svbsp::counts() const {
                    count_of("tiles", forest_.tile_count() + forest_.node_count() - work.planes),
                    count_of("nodes", forest_.node_count()),
                    count_of("shadow_planes", work.planes),
-                   count_of("depth", forest_.depth()),
+                   most_of("depth", forest_.depth()),
                    count_of("fragments", fragments),
                    count_of("lit_fragments", work.lit),
                    count_of("hidden", work.hidden),
@@ -257,17 +263,17 @@ Counts Svbsp::counts() const {
                    count_of("tile_splits", work.tile_cuts),
                    count_of("queries", locations_),
                    mean_of("visits", visits_, locations_),
-                   {"bytes", static_cast<double>(bytes), "byte"}};
-  if (bsp_) {
-    counts.push_back(count_of("bsp_nodes", bsp_->node_count()));
-    counts.push_back(count_of("bsp_splits", bsp_->split_count()));
-    counts.push_back(count_of("bsp_depth", bsp_->depth()));
+                   {"bytes", static_cast<double>(bytes) + built_.own(static_cast<double>(shared_bytes)), "byte"}};
+  if (built_->bsp) {
+    counts.push_back(most_of("bsp_nodes", built_->bsp->node_count()));
+    counts.push_back(most_of("bsp_splits", built_->bsp->split_count()));
+    counts.push_back(most_of("bsp_depth", built_->bsp->depth()));
   }
   return counts;
 }
 
 std::vector<std::uint8_t> Svbsp::find_shown(const GBuffer& gbuffer) const {
-  std::vector<std::uint8_t> is_shown(triangles_.size(), 0);
+  std::vector<std::uint8_t> is_shown(built_->triangles.size(), 0);
   for (std::size_t i = 0; i < gbuffer.size(); ++i) {
     if (gbuffer.is_background(i)) continue;
     const NumberedReceiver receiver = this->receiver(gbuffer, i);
@@ -277,23 +283,24 @@ std::vector<std::uint8_t> Svbsp::find_shown(const GBuffer& gbuffer) const {
 }
 
 SurfaceDetail Svbsp::divide(bool merges, const GBuffer* shown) const {
-  const std::vector<std::uint8_t> is_shown = shown ? find_shown(*shown) : std::vector<std::uint8_t>(triangles_.size(), 1);
-  return divide_triangles(*scene_, numbers_, space_, forest_, facing(), is_shown, merges);
+  const std::vector<std::uint8_t> is_shown =
+      shown ? find_shown(*shown) : std::vector<std::uint8_t>(built_->triangles.size(), 1);
+  return divide_triangles(*remembered_->scene, remembered_->numbers, space_, forest_, facing(), is_shown, merges);
 }
 
 const Bsp& Svbsp::regular_tree() const {
-  if (bsp_) return *bsp_;
-  if (!drawn_bsp_) drawn_bsp_.emplace(*scene_, bsp_options());
-  return *drawn_bsp_;
+  if (built_->bsp) return *built_->bsp;
+  if (!built_->drawn_bsp) built_->drawn_bsp.emplace(*remembered_->scene, bsp_options());
+  return *built_->drawn_bsp;
 }
 
 /// The second pass of the source: the regular BSP tree's polygons with their surface detail.
 std::vector<float> Svbsp::paint() const {
   const Bsp& bsp = regular_tree();
   const Facing facing = this->facing();
-  Divider divider(space_, forest_, facing, numbers_);
+  Divider divider(space_, forest_, facing, remembered_->numbers);
   SurfaceDetail detail;
-  return paint_back_to_front(*scene_, *gbuffer_, light_, bsp, [&](const BspPolygon& polygon, DetailBrush& brush) {
+  return paint_back_to_front(*remembered_->scene, *gbuffer_, light_, bsp, [&](const BspPolygon& polygon, DetailBrush& brush) {
     detail.corners.clear();
     detail.polygons.clear();
     divider.divide(bsp.corners(polygon), polygon.triangle, merge, detail);
@@ -303,9 +310,9 @@ std::vector<float> Svbsp::paint() const {
 }
 
 std::vector<float> Svbsp::draw_debug(std::string_view layer) const {
-  if (layer == "fragments") return paint_detail(*scene_, *gbuffer_, light_, divide(merge, gbuffer_));
-  if (layer == "splits") return paint_splits(*scene_, *gbuffer_, light_, divide(false, gbuffer_));
-  if (layer == "bsp") return paint_bsp(*scene_, *gbuffer_, light_, regular_tree());
+  if (layer == "fragments") return paint_detail(*remembered_->scene, *gbuffer_, light_, divide(merge, gbuffer_));
+  if (layer == "splits") return paint_splits(*remembered_->scene, *gbuffer_, light_, divide(false, gbuffer_));
+  if (layer == "bsp") return paint_bsp(*remembered_->scene, *gbuffer_, light_, regular_tree());
   if (layer == "painter") return paint();
   if (layer != "visits") return Technique::draw_debug(layer);
   return heat_of([&](std::size_t i) {

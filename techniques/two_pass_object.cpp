@@ -60,7 +60,7 @@ class TwoPassObject final : public PointTechnique {
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
   Counts counts() const override;
   std::optional<SurfaceDetail> surface_detail() const override {
-    return is_lit_up_ ? make_detail(*scene_, triangles_, map_, merges_) : SurfaceDetail{};
+    return is_lit_up_ ? make_detail(*remembered_->scene, triangles_, map_, merges_) : SurfaceDetail{};
   }
   std::vector<DebugLayer> debug_layers() const override {
     std::vector<DebugLayer> layers = detail_layers();
@@ -69,6 +69,9 @@ class TwoPassObject final : public PointTechnique {
     return layers;
   }
   std::vector<float> draw_debug(std::string_view layer) const override;
+  std::unique_ptr<Technique> for_another_light() const override {
+    return another(*this, &TwoPassObject::remembered_, &TwoPassObject::triangles_);
+  }
 
  private:
   const char* why_no_area() const override { return "surfaces are hidden from one point of the light: it has no area"; }
@@ -110,8 +113,10 @@ Counts TwoPassObject::counts() const {
 }
 
 std::vector<float> TwoPassObject::draw_debug(std::string_view layer) const {
-  if (layer == "fragments") return paint_detail(*scene_, *gbuffer_, light_, make_detail(*scene_, triangles_, map_, merges_));
-  if (layer == "splits") return paint_splits(*scene_, *gbuffer_, light_, make_detail(*scene_, triangles_, map_, false));
+  if (layer == "fragments")
+    return paint_detail(*remembered_->scene, *gbuffer_, light_, make_detail(*remembered_->scene, triangles_, map_, merges_));
+  if (layer == "splits")
+    return paint_splits(*remembered_->scene, *gbuffer_, light_, make_detail(*remembered_->scene, triangles_, map_, false));
   if (layer == "clips") return heat_of([&](std::size_t i) { return map_.clips_at(triangles_, receiver(*gbuffer_, i)); });
   return Technique::draw_debug(layer);
 }

@@ -1,4 +1,5 @@
 // Unshadowed: every point is lit.
+#include <gnomon/kit/shared.h>
 #include <gnomon/registry.h>
 
 #include <algorithm>
@@ -21,6 +22,7 @@ class Unshadowed final : public Technique {
   void relight(const Light&) override {}
   void resolve(const GBuffer&, VisibilityMask& mask) override { std::ranges::fill(mask.pixels(), 1.0f); }
   Counts counts() const override { return {{.name = "bytes", .value = 0, .unit = "byte"}}; }
+  std::unique_ptr<Technique> for_another_light() const override { return another(*this); }
 };
 
 }  // namespace

@@ -200,10 +200,27 @@ std::optional<double> error_floor(const Record& r, std::string_view wanted) {
   return r.metric("reference_error_mean");
 }
 
+std::string_view lights_text(Lighting lighting) {
+  static constexpr std::string_view texts[] = {" under lights without area", " under lights with area",
+                                               " under several lights together"};
+  return texts[static_cast<std::size_t>(lighting)];
+}
+
+bool LightCounts::is_mixed() const {
+  return std::ranges::count_if(rows, [](std::size_t count) { return count > 0; }) > 1;
+}
+
+std::optional<Lighting> LightCounts::only() const {
+  if (is_mixed()) return std::nullopt;
+  for (const Lighting of : all_lightings)
+    if (rows[static_cast<std::size_t>(of)] > 0) return of;
+  return std::nullopt;
+}
+
 LightCounts count_lights(std::span<const Record> records) {
   LightCounts counts;
   for (const Record& r : records)
-    if (r.status == Status::ok && r.metric("error")) counts.add(has_area(r));
+    if (r.status == Status::ok && r.metric("error")) counts.add(lighting(r));
   return counts;
 }
 

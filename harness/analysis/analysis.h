@@ -1,6 +1,7 @@
 #pragma once
 #include <gnomon/kit/random.h>
 
+#include <array>
 #include <compare>
 #include <functional>
 #include <optional>
@@ -93,12 +94,16 @@ std::optional<double> quantity(const Record& record, std::string_view name);
 /// Of a mean error under a light with area (`error`, `error_mean`) the reference's own: a smaller one may be the reference's.
 /// Nothing of other quantities and lights.
 std::optional<double> error_floor(const Record& record, std::string_view quantity);
-/// Rows under lights without and with area: the metric `error` means something else there.
+/// Rows of each Lighting: the metric `error` means something else in each.
 struct LightCounts {
-  std::size_t without_area = 0, with_area = 0;
-  bool is_mixed() const { return without_area > 0 && with_area > 0; }
-  void add(bool has_area) { ++(has_area ? with_area : without_area); }
+  std::array<std::size_t, std::size(all_lightings)> rows{};
+  /// The only one that there is; nothing where there are none or several.
+  std::optional<Lighting> only() const;
+  bool is_mixed() const;
+  void add(Lighting of) { ++rows[static_cast<std::size_t>(of)]; }
 };
+/// " under lights with area".
+std::string_view lights_text(Lighting lighting);
 /// Of the rows that have the metric `error`.
 LightCounts count_lights(std::span<const Record> records);
 /// Throws Error with the nearest name when no record has it.

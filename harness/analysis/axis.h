@@ -24,7 +24,8 @@ std::vector<std::string> numeric_parameters(std::span<const Record> records);
 /// The unit that the registered techniques or scenes of these records declare for the parameter; "" where none does.
 std::string parameter_unit(std::span<const Record> records, const std::string& parameter);
 
-/// All series along "triangles", "pixels", "lights" (1, 2, 3, ... in the order of the records) or a parameter, of the records
+/// All series along "triangles", "pixels", "lights" (how many a row has together, of as many the first row; where no
+/// row has several 1, 2, 3, ... in the order of the records) or a parameter, of the records
 /// that `takes` accepts, in the order of their first ones. Records without a value on the axis belong to none.
 std::vector<AxisSeries> join_series(std::span<const Record> records, const std::string& axis,
                                     const std::function<bool(const Record&)>& takes);

@@ -115,9 +115,16 @@ struct Headline {
   std::string_view metric, twin;
 };
 
-/// Under a light without area the wrong rate, under one with area the mean error.
 Headline headline_of(const Record& record) {
-  return has_area(record) ? Headline{"error", "error_mean"} : Headline{"wrong_rate", "error"};
+  switch (lighting(record)) {
+    case Lighting::hard:
+      return {"wrong_rate", "error"};
+    case Lighting::soft:
+      return {"error", "error_mean"};
+    case Lighting::several:
+      return {"error", "received_error_rms"};
+  }
+  return {};
 }
 
 /// The greater of the floors of both rows.

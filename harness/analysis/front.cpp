@@ -75,8 +75,8 @@ Candidate mean_of(const std::vector<const Record*>& rows, const FieldOptions& op
 }
 
 /// The field over all places of a kind of light, from the rows of each setting in order of appearance.
-Field overall(RowsBySetting settings, const FieldOptions& options, bool has_area) {
-  Field field{.place = {}, .has_area = has_area, .places = 0, .candidates = {}, .notes = {}};
+Field overall(RowsBySetting settings, const FieldOptions& options, Lighting lighting) {
+  Field field{.place = {}, .lighting = lighting, .places = 0, .candidates = {}, .notes = {}};
   std::set<Place> common;
   while (!settings.empty()) {
     common = common_places(settings, &RowsBySetting::value_type::second);
@@ -131,32 +131,27 @@ std::vector<Field> find_fields(std::span<const Record> records, const FieldOptio
   for (const Record& r : records) {
     if (r.status != Status::ok || !has_error(r)) continue;
     const auto [found, is_new] = places.try_emplace(place_of(r), fields.size());
-    if (is_new)
-      fields.push_back({.place = place_of(r), .has_area = gnomon::has_area(r), .places = 1, .candidates = {}, .notes = {}});
+    if (is_new) fields.push_back({.place = place_of(r), .lighting = lighting(r), .places = 1, .candidates = {}, .notes = {}});
     fields[found->second].candidates.push_back(candidate_of(r, options));
   }
   const auto competes = [](const Candidate& c) { return c.role == Role::contender; };
   if (std::ranges::none_of(fields, [&](const Field& f) { return std::ranges::any_of(f.candidates, competes); }))
     throw Error("there is nothing to rank: no contender finished with a {}", options.error);
   for (Field& field : fields) add_relative_costs(field);
-  for (const bool has_area : {false, true}) {
-    if (std::ranges::count_if(fields, [&](const Field& f) { return f.place && f.has_area == has_area; }) < 2) continue;
-    const auto is_wanted = [&](const Record& r) { return gnomon::has_area(r) == has_area && has_error(r); };
-    fields.push_back(overall(rows_by_setting(records, is_wanted), options, has_area));
+  for (const Lighting of : all_lightings) {
+    if (std::ranges::count_if(fields, [&](const Field& f) { return f.place && f.lighting == of; }) < 2) continue;
+    const auto is_wanted = [&](const Record& r) { return lighting(r) == of && has_error(r); };
+    fields.push_back(overall(rows_by_setting(records, is_wanted), options, of));
   }
   return fields;
 }
 
-std::string_view lights_text(const Field& field) {
-  return field.has_area ? " under lights with area" : " under lights without area";
-}
-
 std::vector<const Field*> overall_fields(std::span<const Field> fields) {
   std::vector<const Field*> result;
-  for (const bool has_area : {false, true}) {
+  for (const Lighting of : all_lightings) {
     const Field* last = nullptr;
     for (const Field& field : fields)
-      if (field.has_area == has_area) last = &field;
+      if (field.lighting == of) last = &field;
     if (last) result.push_back(last);
   }
   return result;

@@ -18,9 +18,9 @@ struct Candidate {
 
 /// Candidates that may be compared with one another.
 struct Field {
-  std::optional<Place> place;  ///< nothing: over all places
-  bool has_area = false;       ///< whether the lights of its places have an area
-  std::size_t places = 1;      ///< how many it covers
+  std::optional<Place> place;          ///< nothing: over all places
+  Lighting lighting = Lighting::hard;  ///< of its places
+  std::size_t places = 1;              ///< how many it covers
   std::vector<Candidate> candidates;
   std::vector<std::string> notes;  ///< who is left out, and why
 };
@@ -30,14 +30,11 @@ struct FieldOptions {
   Cost cost = Cost::light;
 };
 
-/// One field for each place, and then one over all places under lights without area and one over all under lights with area,
-/// each when there are two such places at least: over those that every setting finished, so that means compare the same scenes.
-/// Settings that share no place with the others are left out, the one with the fewest places first, and noted. Throws Error
-/// when no record has the error, when it has no better side, and when no contender has it.
+/// One field for each place, and then one over all places of each Lighting, where there are two such places at least: over
+/// those that every setting finished, so that means compare the same scenes. Settings that share no place with the others are
+/// left out, the one with the fewest places first, and noted. Throws Error when no record has the error, when it has no better
+/// side, and when no contender has it.
 std::vector<Field> find_fields(std::span<const Record> records, const FieldOptions& options);
-
-/// " under lights with area", of a field over all places of one kind.
-std::string_view lights_text(const Field& field);
 
 /// Of these fields the one that stands for all places of each kind of light: over them all, or the only one.
 std::vector<const Field*> overall_fields(std::span<const Field> fields);

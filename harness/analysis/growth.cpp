@@ -189,9 +189,11 @@ Growths find_growth(std::span<const Record> records, const std::string& axis, co
   require_word("there is no axis", axis, axes);
   Growths growths{.axis = axis, .unit = axis == "pixels" ? "px" : "", .quantity = quantity, .rows = {}, .single = 0};
   std::vector<Record> plain;
+  const bool sums_lights = axis == "lights" && std::ranges::none_of(records, has_several_lights);
   if (!quantity.empty()) {
     require_quantity(records, quantity);
-    if (axis == "lights") throw Error("with lights times are summed; {} does not grow with them", quantity);
+    if (sums_lights)
+      throw Error("with lights, one a row, times are summed; {} does not grow with them: run rows of several lights", quantity);
     if (axis != "seed") plain = without_seeds(records);
   }
   std::vector<AxisSeries> all =
@@ -202,7 +204,7 @@ Growths find_growth(std::span<const Record> records, const std::string& axis, co
 
   if (quantity.empty()) {
     growths.single = std::erase_if(all, [](const AxisSeries& series) { return series.rows.size() < 2; });
-    axis == "lights" ? add_lights(all, growths) : add_stages(all, growths);
+    sums_lights ? add_lights(all, growths) : add_stages(all, growths);
   } else {
     add_quantity(all, growths);
   }

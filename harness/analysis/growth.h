@@ -16,7 +16,8 @@ struct Growth {
   Place place;          ///< scene: the family, "sphere_field:count=*"; what the axis varies is 0 or empty
   std::string setting;  ///< without the parameter that the axis varies
   Role role = Role::contender;
-  std::string stage;  ///< "build", "relight", "resolve"; on the axis `lights` also "total"; or the quantity
+  std::string
+      stage;  ///< "build", "relight", "resolve"; on the axis `lights` without rows of several also "total"; or the quantity
   struct Point {
     double x = 0;
     ValueWithInterval value;  ///< of times milliseconds
@@ -46,10 +47,11 @@ struct Growths {
   std::size_t single = 0;  ///< series of one point, left out
 };
 
-/// `axis` is "triangles", "pixels", "lights" (of one scene: build once, relight and resolve summed over the first, first two,
-/// ... in the order of the records), or a numeric parameter of techniques or of scenes. Throws Error with the nearest name when
-/// no record has it. With a quantity (see analysis.h) that is what grows, and rows that differ in the `seed` of their technique
-/// alone are one point: its value is their median, and they are what the bootstrap draws.
+/// `axis` is "triangles", "pixels", "lights" (of one scene: how many a row has together; where no row has several, build
+/// once, relight and resolve summed over the first, first two, ... in the order of the records), or a numeric parameter of
+/// techniques or of scenes. Throws Error with the nearest name when no record has it. With a quantity (see analysis.h) that is
+/// what grows, and rows that differ in the `seed` of their technique alone are one point: its value is their median, and they
+/// are what the bootstrap draws.
 Growths find_growth(std::span<const Record> records, const std::string& axis, const std::string& quantity = "");
 
 }  // namespace gnomon

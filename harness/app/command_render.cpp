@@ -86,6 +86,9 @@ std::vector<std::string> detail_notes(const Job& job, const Light& light) {
           fmt::format("technique: {}", job.contender.name())};
 }
 
+/// The first row's files have plain names; every further row's are marked with its light.
+std::string tail_of(const std::vector<Job>& jobs, const Job& job) { return &job == jobs.data() ? "" : "_" + job.light; }
+
 /// A suite of what is asked for: one technique on one scene and view.
 Suite render_suite(const RenderOptions& options, const Contender& contender) {
   Suite suite;
@@ -101,9 +104,14 @@ Suite render_suite(const RenderOptions& options, const Contender& contender) {
   return suite;
 }
 
-/// One line: how wrong the mask is; under a light with area by how much it is off, beside the reference's own error.
+/// One line: how wrong the mask is; under a light with area by how much it is off, beside the reference's own error; of several
+/// lights what is wrong with the light received.
 std::string summary(const Record& record, const ErrorCounts& errors) {
   const auto percent_of = [&](double part) { return errors.tested ? 100 * part / static_cast<double>(errors.tested) : 0.0; };
+  if (has_several_lights(record))
+    return fmt::format("{} lights, error of the light received {:.4f} % (rms) over {} tested pixels, FLIP {:.4f}",
+                       light_count(record), 100 * record.metric("received_error_rms").value_or(0), errors.tested,
+                       record.metric("flip").value_or(0));
   if (!has_area(record))
     return fmt::format("wrong {:.4f} % of {} tested pixels, false dark {}, false lit {}",
                        percent_of(static_cast<double>(errors.wrong)), errors.tested, errors.false_dark, errors.false_lit);
@@ -141,7 +149,7 @@ class Rendering {
     require(support);
     if (support.kind() == Support::Kind::approximate) print_notice("note: {}: {}\n", job.light, support.why());
     Record record = start_record(job, run_.suite, &run_.scene, context_);
-    record.context["scene_hash"] = run_.frames.scene_hash(*find_named(run_.scene.lights, job.light));
+    record.context["scene_hash"] = run_.frames.scene_hash(job.lights);
     record.support = support.kind();
     record.reason = support.why();
     record.times(Stage::setup) = {{worker_.setup_ms()}};
@@ -152,10 +160,14 @@ class Rendering {
       record.times(stage) = {{worker_.client().time(stage)}};
     write_pictures_of(job, *measured);
     record.mask = "mask.exr";
-    record.error_picture = "error" + tail_of(job) + ".png";
-    record.shaded_picture = "shaded" + tail_of(job) + ".png";
-    names_.push_back(job.light + ".V");
-    masks_.push_back(measured->answer.mask);
+    record.error_picture = "error" + tail_of(jobs_, job) + ".png";
+    record.shaded_picture = "shaded" + tail_of(jobs_, job) + ".png";
+    for (const MeasuredLight& light : measured->lights) {
+      const std::string channel = light.light.name + ".V";
+      if (std::ranges::find(names_, channel) != names_.end()) continue;  // in another row, too
+      names_.push_back(channel);
+      masks_.push_back(light.answer.mask);
+    }
     records_.push_back(record);
     fmt::print("{:<12} {}\n", job.light, summary(record, measured->errors));
   }
@@ -169,26 +181,36 @@ class Rendering {
   }
 
  private:
-  /// The first light's files have plain names; every further light's are marked with it.
-  std::string tail_of(const Job& job) const { return &job == jobs_.data() ? "" : "_" + job.light; }
-
   void write_pictures_of(const Job& job, const MeasuredRow& measured) {
-    const Answer& answer = measured.answer;
     const int width = run_.suite.width, height = run_.suite.height;
-    const auto picture_file = [&](const std::string& name) { return folder_.path / (name + tail_of(job) + ".png"); };
-    write_png(picture_file("mask"), (has_area(measured.light) ? draw_soft_mask : draw_mask)(answer.mask, width, height));
-    write_png(picture_file("shaded"), shade(run_.scene, answer.gbuffer, measured.light, answer.mask));
-    write_png(picture_file("error"), draw_errors(answer.evidence(run_.scene, measured.light), job.contender.name()));
-    if (layer_)
-      write_png(picture_file(layer_->name), draw_layer(worker_.client().debug_layer(layer_->name), width, height, *layer_));
-    if (detail_folder_) write_detail(job, measured.light);
+    const auto picture_file = [&](const std::string& name, const std::string& tail) {
+      return folder_.path / (name + tail + ".png");
+    };
+    const std::string tail = tail_of(jobs_, job);
+    const bool has_shares = measured.together || has_area(measured.lights.front().light);
+    write_png(picture_file("mask", tail), (has_shares ? draw_soft_mask : draw_mask)(measured.mask(), width, height));
+    write_png(picture_file("shaded", tail), shade(run_.scene, measured));
+    write_png(picture_file("error", tail), draw_errors(measured.evidence(run_.scene), job.contender.name()));
+    for (std::size_t k = 0; k < measured.lights.size(); ++k) {
+      const Light& light = measured.lights[k].light;
+      const std::string own_tail = measured.together ? tail + "_" + light.name : tail;
+      if (measured.together) {
+        if (!worker_.supports_light(k)) continue;
+        write_png(picture_file("mask", own_tail),
+                  (has_area(light) ? draw_soft_mask : draw_mask)(measured.lights[k].answer.mask, width, height));
+      }
+      if (layer_)
+        write_png(picture_file(layer_->name, own_tail),
+                  draw_layer(worker_.client().debug_layer(layer_->name, k), width, height, *layer_));
+      if (detail_folder_) write_detail(job, light, own_tail, k);
+    }
   }
 
-  /// The surface detail of the light that was measured last, as an OBJ file and its materials.
-  void write_detail(const Job& job, const Light& light) {
-    const fs::path obj_file = detail_folder_->path / detail_file_of(options_.detail, tail_of(job)).filename();
+  /// The surface detail of a light that was measured last, as an OBJ file and its materials.
+  void write_detail(const Job& job, const Light& light, const std::string& tail, std::size_t number) {
+    const fs::path obj_file = detail_folder_->path / detail_file_of(options_.detail, tail).filename();
     const fs::path mtl_file = fs::path(obj_file).replace_extension(".mtl");
-    const SurfaceDetail detail = worker_.client().surface_detail();
+    const SurfaceDetail detail = worker_.client().surface_detail(number);
     check_detail(run_.scene, detail);
     write_file(obj_file, detail_obj(run_.scene, detail, detail_notes(job, light), mtl_file.filename().string()));
     write_file(mtl_file, detail_mtl());
@@ -222,7 +244,9 @@ int render(const RenderOptions& options, const WorkerOptions& worker) {
   if (!entry.scene) throw Error("{}", entry.missing);
   if (!options.detail.empty())
     for (const Job& job : jobs)
-      check_replaced(detail_file_of(options.detail, &job == jobs.data() ? "" : "_" + job.light), options.scene);
+      for (const std::string& light : job.lights)
+        check_replaced(detail_file_of(options.detail, tail_of(jobs, job) + (job.lights.size() > 1 ? "_" + light : "")),
+                       options.scene);
   for (const std::string& note : entry.scene->notes) print_notice("note: {}\n", note);
 
   Rendering rendering(options, worker, layer, jobs, *entry.scene, suite);

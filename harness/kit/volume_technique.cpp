@@ -15,46 +15,46 @@ std::vector<float> VolumeTechnique::draw_debug(std::string_view layer) const {
   if (layer == "counts") {
     draw(Pass::wide);
     std::vector<float> counts;
-    for (const VolumeCounter::WideCount& pixel : counter_.wide_counts()) counts.push_back(pixel.count);
+    for (const VolumeCounter::WideCount& pixel : made_->counter.wide_counts()) counts.push_back(pixel.count);
     picture = heat_layer(*gbuffer_, counts);
-    counter_.end();
+    made_->counter.end();
   } else {
     VisibilityMask mask(gbuffer_->width, gbuffer_->height);
     {
       const StateGuard of_mask;
       answer(mask);
     }
-    picture = shaded_layer(*scene_, *gbuffer_, light_, mask.read());
+    picture = shaded_layer(*made_->scene, *gbuffer_, light_, mask.read());
     if (layer == "silhouette") {
       draw_lines(outlines(), *gbuffer_, picture);
     } else {
       draw(Pass::layer);
-      paint_volumes(counter_.layer_faces(), gbuffer_->width, picture);
-      counter_.end();
+      paint_volumes(made_->counter.layer_faces(), gbuffer_->width, picture);
+      made_->counter.end();
     }
   }
-  if (!wide_) counter_.drop_pictures();
+  if (!wide_) made_->counter.drop_pictures();
   return picture;
 }
 
 void VolumeTechnique::answer(VisibilityMask& mask) const {
   draw(mask_pass());
-  counter_.write_mask(gbuffer_textures(*gbuffer_, *scene_), light_, mask);
+  made_->counter.write_mask(gbuffer_textures(*gbuffer_, *made_->scene), light_, mask);
   glFinish();
 }
 
 VolumeCounter::Work VolumeTechnique::measure_work() const {
   const StateGuard guard;
   draw(Pass::wide);
-  const VolumeCounter::Work work = counter_.work();
-  counter_.end();
-  if (!wide_) counter_.drop_pictures();
+  const VolumeCounter::Work work = made_->counter.work();
+  made_->counter.end();
+  if (!wide_) made_->counter.drop_pictures();
   return work;
 }
 
 void VolumeTechnique::bind_faces(const Buffer& positions) const {
   const glm::mat4 clip(clip_from_world(gbuffer_->view, gbuffer_->width, gbuffer_->height));
-  drawer_.bind(positions, faces_, clip, homogeneous(light_));
+  made_->drawer.bind(positions, faces_, clip, homogeneous(light_));
 }
 
 }  // namespace gnomon

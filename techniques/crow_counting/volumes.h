@@ -3,6 +3,7 @@
 #include <gnomon/kit/edges.h>
 #include <gnomon/kit/parallel.h>
 #include <gnomon/kit/receiver.h>
+#include <gnomon/kit/shared.h>
 
 #include "polygon.h"
 
@@ -12,10 +13,16 @@ namespace gnomon::crow_counting {
 /// the triangles that face the light. A side quad is there once and counts for its edge's count.
 class Volumes {
  public:
-  void build(const Scene& scene) { adjacency_ = EdgeAdjacency(scene); }
+  void build(const Scene& scene) { *adjacency_ = EdgeAdjacency(scene); }
+  /// Those of another light, over the same edges.
+  Volumes for_guest() const {
+    Volumes guest;
+    guest.adjacency_ = adjacency_.for_guest();
+    return guest;
+  }
 
   void relight(const Light& light) {
-    adjacency_.find_silhouette(homogeneous(light), silhouette_);
+    adjacency_->find_silhouette(homogeneous(light), silhouette_);
     caps_.clear();
     for (std::uint32_t t = 0; t < silhouette_.facing.size(); ++t)
       if (silhouette_.facing[t] != 0) caps_.push_back(t);
@@ -45,7 +52,7 @@ class Volumes {
   std::span<const std::uint32_t> caps() const { return caps_; }
   const Polygon& polygon(std::size_t k) const { return polygons_[k]; }
   const Outline& outline(std::size_t k) const { return outlines_[k]; }
-  const EdgeAdjacency& adjacency() const { return adjacency_; }
+  const EdgeAdjacency& adjacency() const { return *adjacency_; }
   const Silhouette& silhouette() const { return silhouette_; }
 
   struct Ends {
@@ -53,22 +60,25 @@ class Volumes {
   };
   Ends ends(std::size_t k) const {
     const SilhouetteEdge& edge = silhouette_.edges[k];
-    return {adjacency_.positions()[edge.low], adjacency_.positions()[edge.high]};
+    return {adjacency_->positions()[edge.low], adjacency_->positions()[edge.high]};
   }
 
   /// By exact signs.
   Meeting meet(std::size_t k, const glm::vec3& from, const glm::vec3& to) const {
     if (is_side(k)) return meet_side(from, to, ends(k).low, ends(k).high, silhouette_.light);
-    return meet_cap(from, to, adjacency_.corners(cap(k)), silhouette_.light, silhouette_.facing[cap(k)]);
+    return meet_cap(from, to, adjacency_->corners(cap(k)), silhouette_.light, silhouette_.facing[cap(k)]);
   }
 
   /// Whether of the closed body of a triangle only the half that faces the light counts.
   bool is_half(std::uint32_t triangle) const {
-    const EdgeAdjacency::Part& part = adjacency_.parts()[adjacency_.part_of()[triangle]];
-    return adjacency_.half(part, silhouette_.light) != EdgeAdjacency::Half::both;
+    const EdgeAdjacency::Part& part = adjacency_->parts()[adjacency_->part_of()[triangle]];
+    return adjacency_->half(part, silhouette_.light) != EdgeAdjacency::Half::both;
   }
 
-  std::size_t bytes() const { return adjacency_.bytes() + silhouette_.bytes() + bytes_of(caps_, polygons_, outlines_); }
+  std::size_t bytes() const {
+    return static_cast<std::size_t>(adjacency_.own(static_cast<double>(adjacency_->bytes()))) + silhouette_.bytes() +
+           bytes_of(caps_, polygons_, outlines_);
+  }
 
  private:
   void make_side(const Frame& frame, std::size_t k) {
@@ -82,14 +92,14 @@ class Volumes {
     outlines_[k] = outline_of(corners);
   }
   void make_cap(const Frame& frame, std::size_t k) {
-    const Triangle triangle = adjacency_.corners(cap(k));
+    const Triangle triangle = adjacency_->corners(cap(k));
     const glm::vec3* p = triangle.points;
     polygons_[k] = cap_polygon(frame, triangle, silhouette_.facing[cap(k)]);
     const glm::dvec4 corners[] = {{frame.seen(p[0]), 1}, {frame.seen(p[1]), 1}, {frame.seen(p[2]), 1}};
     outlines_[k] = polygons_[k].step == 0 ? Outline::nowhere() : outline_of(corners);
   }
 
-  EdgeAdjacency adjacency_;
+  Shared<EdgeAdjacency> adjacency_;
   Silhouette silhouette_;
   std::vector<std::uint32_t> caps_;
   std::vector<Polygon> polygons_;

@@ -5,27 +5,28 @@
 namespace gnomon::two_pass_object {
 
 void Triangles::build(const Scene& scene) {
-  corners_.clear();
+  built_->corners.clear();
+  built_->flags.clear();
   flags_.clear();
   facing_.clear();
-  scene_ = &scene;
-  numbers_ = TriangleNumbers(scene);
-  bounds_ = scene.bounds();
-  corners_.reserve(scene.triangle_count());
-  flags_.reserve(scene.triangle_count());
+  built_->scene = &scene;
+  built_->numbers = TriangleNumbers(scene);
+  built_->bounds = scene.bounds();
+  built_->corners.reserve(scene.triangle_count());
+  built_->flags.reserve(scene.triangle_count());
   for_triangles(scene, [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, std::uint32_t m, std::uint32_t) {
     const Mesh& mesh = scene.meshes[m];
-    corners_.push_back({{a, b, c}});
-    flags_.push_back(static_cast<std::uint8_t>((mesh.casts ? casts : 0) | (mesh.receives ? receives : 0)));
+    built_->corners.push_back({{a, b, c}});
+    built_->flags.push_back(static_cast<std::uint8_t>((mesh.casts ? casts : 0) | (mesh.receives ? receives : 0)));
   });
 }
 
 void Triangles::relight(const glm::dvec4& light) {
-  space_ = SceneLightSpace(light, bounds_);
-  find_facing(corners_, light, facing_);
-  for_blocks(corners_.size(), 8192, [&](std::size_t begin, std::size_t end) {
+  space_ = SceneLightSpace(light, built_->bounds);
+  find_facing(built_->corners, light, facing_);
+  flags_ = built_->flags;
+  for_blocks(built_->corners.size(), 8192, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      flags_[i] &= static_cast<std::uint8_t>(~doubtful);
       if (facing_[i] != 0 && is_doubtful(static_cast<std::uint32_t>(i))) flags_[i] |= doubtful;
     }
   });
@@ -36,7 +37,7 @@ void Triangles::relight(const glm::dvec4& light) {
 /// length n turns by 4 e / n of it, and a value at a distance up to the diagonal D from the plane's point is off by that
 /// angle times D.
 bool Triangles::is_doubtful(std::uint32_t i) const {
-  const glm::vec3* p = corners_[i].points;
+  const glm::vec3* p = built_->corners[i].points;
   const glm::dvec3 l(space_.light());
   const double limit = 0.25 * space_.doubt(), e = 0x1p-50 * space_.diagonal();
   if (!space_.is_parallel()) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <gnomon/kit/receiver.h>
+#include <gnomon/kit/shared.h>
 
 #include "scene_light_space.h"
 
@@ -31,12 +32,18 @@ class Triangles {
   static constexpr std::uint8_t casts = 1, receives = 2, doubtful = 4;
 
   void build(const Scene& scene);
+  /// The same triangles, to be lit by another light.
+  Triangles for_guest() const {
+    Triangles guest;
+    guest.built_ = built_.for_guest();
+    return guest;
+  }
   void relight(const glm::dvec4& light);
 
-  std::size_t size() const { return corners_.size(); }
-  const Triangle& operator[](std::uint32_t i) const { return corners_[i]; }
+  std::size_t size() const { return built_->corners.size(); }
+  const Triangle& operator[](std::uint32_t i) const { return built_->corners[i]; }
   const SceneLightSpace& space() const { return space_; }
-  const TriangleNumbers& numbers() const { return numbers_; }
+  const TriangleNumbers& numbers() const { return built_->numbers; }
   bool is(std::uint32_t i, std::uint8_t flag) const { return (flags_[i] & flag) != 0; }
   /// Edge-on triangles neither cast nor receive.
   bool takes_part(std::uint32_t i) const { return facing_[i] != 0 && (flags_[i] & (casts | receives)) != 0; }
@@ -44,7 +51,7 @@ class Triangles {
   /// Shadow plane through the light and edge k: positive on the inner side. Both triangles of an edge get the same one, bit for
   /// bit but for its sign.
   RawPlane side(std::uint32_t i, int k) const {
-    glm::dvec3 a(corners_[i].points[k]), b(corners_[i].points[k == 2 ? 0 : k + 1]);
+    glm::dvec3 a(built_->corners[i].points[k]), b(built_->corners[i].points[k == 2 ? 0 : k + 1]);
     double sign = -static_cast<double>(facing_[i]);
     if (b.x < a.x || (b.x == a.x && (b.y < a.y || (b.y == a.y && b.z < a.z)))) {
       std::swap(a, b);
@@ -55,28 +62,37 @@ class Triangles {
   }
   /// The triangle's own plane: positive beyond it, as the light sees it.
   RawPlane cap(std::uint32_t i) const {
-    const glm::dvec3 a(corners_[i].points[0]), b(corners_[i].points[1]), c(corners_[i].points[2]);
+    const glm::dvec3 a(built_->corners[i].points[0]), b(built_->corners[i].points[1]), c(built_->corners[i].points[2]);
     return {-static_cast<double>(facing_[i]) * glm::cross(b - a, c - a), a};
   }
 
   /// Whether a triangle shades a point: exactly, as the oracle says.
   bool shades(std::uint32_t caster, const NumberedReceiver& receiver) const {
-    return !receiver.is_own(caster) && crosses({receiver.point, space_.light()}, corners_[caster]) != Crossing::none &&
-           !receiver.is_coplanar(*scene_, corners_[caster].points);
+    return !receiver.is_own(caster) && crosses({receiver.point, space_.light()}, built_->corners[caster]) != Crossing::none &&
+           !receiver.is_coplanar(*built_->scene, built_->corners[caster].points);
   }
-  bool are_coplanar(std::uint32_t one, std::uint32_t other) const { return coplanar(corners_[one], corners_[other].points); }
+  bool are_coplanar(std::uint32_t one, std::uint32_t other) const {
+    return coplanar(built_->corners[one], built_->corners[other].points);
+  }
 
-  std::size_t bytes() const { return bytes_of(corners_, flags_, facing_) + numbers_.bytes(); }
+  std::size_t bytes() const {
+    return bytes_of(flags_, facing_) + static_cast<std::size_t>(built_.own(static_cast<double>(
+                                           bytes_of(built_->corners, built_->flags) + built_->numbers.bytes())));
+  }
 
  private:
   bool is_doubtful(std::uint32_t i) const;
 
-  const Scene* scene_ = nullptr;
-  TriangleNumbers numbers_;
+  struct Built {
+    const Scene* scene = nullptr;
+    TriangleNumbers numbers;
+    Bounds bounds;
+    std::vector<Triangle> corners;
+    std::vector<std::uint8_t> flags;
+  };
+  Shared<Built> built_;
   SceneLightSpace space_;
-  Bounds bounds_;
-  std::vector<Triangle> corners_;
-  std::vector<std::uint8_t> flags_;
+  std::vector<std::uint8_t> flags_;  // those built, and `doubtful`
   std::vector<std::int8_t> facing_;
 };
 

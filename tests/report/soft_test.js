@@ -38,7 +38,7 @@ test("the table has a mean error with the reference's own beside it, and what so
   assert.equal(data.rows[hard].values[column("error")], data.rows[hard].values[column("wrong_rate")]);
   const best = rowOf(data, "exact_area");
   assert.match(await page.locator(`tr[data-row="${best}"] td.best`).allTextContents().then(String), /\u2605/);
-  assert.match(await page.locator(".marks").textContent(), /error mean difference .* under lights without area the wrong rate/);
+  assert.match(await page.locator(".marks").textContent(), /error mean difference .* the wrong rate under lights without area/);
   await page.locator('th[data-column="error"] button').click();
   const values = (await shownRows(page)).map((row) => data.rows[row].values[column("error")]).filter((value) => value !== null);
   assert.deepEqual(

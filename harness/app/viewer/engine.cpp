@@ -273,7 +273,7 @@ void Engine::Body::wait_for_sides(std::uint64_t frame) {
 }
 
 bool are_same(const Light& a, const Light& b) { return light_and_view_bytes(a, {}) == light_and_view_bytes(b, {}); }
-bool are_same(const View& a, const View& b) { return light_and_view_bytes({}, a) == light_and_view_bytes({}, b); }
+bool are_same(const View& a, const View& b) { return light_and_view_bytes(Light(), a) == light_and_view_bytes(Light(), b); }
 
 bool are_same(const Selection& a, const Selection& b) {
   return a.scene == b.scene && a.loaded == b.loaded && a.truth == b.truth && are_same(a.light, b.light) &&

@@ -215,7 +215,7 @@ Support Engine::Body::Side::ask_support(const Frame& frame, const std::string& w
                .width = g.width,
                .height = g.height,
                .truth = g.truth,
-               .seen = FreeLightAndView{frame.light, g.view}})
+               .seen = FreeLightAndView{{frame.light}, g.view}})
       .support;
 }
 

@@ -34,9 +34,12 @@ inline Support hard_lights_only(const Light& light, const char* why) {
 
 /// Machine-independent work and memory of the last stages: nodes, fragments, texels, rays, bytes.
 struct Count {
+  /// How the counts of several objects, one for each light, become one.
+  enum class Together { sum, largest, mean };
   std::string name;  ///< "bytes" is all it holds for scene, light and picture after resolve: sizes, not room; GL included
   double value = 0;
   std::string unit;
+  Together together = Together::sum;  ///< a depth is the `largest`, what is counted for each of something a `mean`
 };
 using Counts = std::vector<Count>;
 
@@ -137,6 +140,11 @@ class Technique : public Parametrized {
   /// Writes every pixel of the mask and nothing else.
   virtual void resolve(const GBuffer& gbuffer, VisibilityMask& mask) = 0;
   virtual Counts counts() const = 0;
+  /// An object for another light, which shares what setup and build make, now and later: these two stages are called on this
+  /// object alone, relight, resolve and all questions on each. It has this one's settings, and counts only what it holds
+  /// itself. This object outlives it. Null when the technique shares nothing: then every light gets a whole object. Kit:
+  /// gnomon/kit/shared.h.
+  virtual std::unique_ptr<Technique> for_another_light() const { return nullptr; }
   /// Why pixel `index` of the last resolve got its answer; nothing when the technique has no samples to show. Untimed.
   virtual std::optional<Explanation> explain([[maybe_unused]] std::size_t index) const { return std::nullopt; }
   /// The lit and shadowed polygons of the last relight; nothing from techniques that do not make polygons. A fresh object of

@@ -64,9 +64,9 @@ FrameStore::FrameStore(const Scene& scene, fs::path folder, std::unique_ptr<Fram
       tracer_(scene),
       maker_(std::move(maker)) {}
 
-const std::string& FrameStore::scene_hash(const Light& light) {
-  const auto [found, is_new] = hash_by_light_.try_emplace(light.name);
-  if (is_new) found->second = gnomon::scene_hash(scene_, light);
+const std::string& FrameStore::scene_hash(const std::vector<std::string>& lights) {
+  const auto [found, is_new] = hash_by_lights_.try_emplace(lights);
+  if (is_new) found->second = gnomon::scene_hash(scene_, lights);
   return found->second;
 }
 

@@ -87,10 +87,12 @@ class FrameStore {
   /// Without a maker it traces itself.
   FrameStore(const Scene& scene, std::filesystem::path folder, std::unique_ptr<FrameMaker> maker = nullptr);
 
-  /// What records of rows under this light know the scene by.
-  const std::string& scene_hash(const Light& light);
+  /// What records of rows under lights of these names know the scene by.
+  const std::string& scene_hash(const std::vector<std::string>& lights);
   /// Whether that, or what older records know it by: the hash of the scene with all its lights.
-  bool is_scene(const std::string& hash, const Light& light) { return hash == scene_hash(light) || hash == scene_hash_; }
+  bool is_scene(const std::string& hash, const std::vector<std::string>& lights) {
+    return hash == scene_hash(lights) || hash == scene_hash_;
+  }
   /// The scene's bytes as a file, for other processes.
   std::filesystem::path scene_file();
   std::filesystem::path gbuffer_file(const FrameKey& key);
@@ -111,8 +113,8 @@ class FrameStore {
   const Scene& scene_;
   FrameFiles files_;
   std::vector<std::byte> scene_bytes_;
-  std::string scene_hash_;                            ///< with all lights
-  std::map<std::string, std::string> hash_by_light_;  ///< see scene_hash
+  std::string scene_hash_;                                          ///< with all lights
+  std::map<std::vector<std::string>, std::string> hash_by_lights_;  ///< see scene_hash
   FrameTracer tracer_;
   std::unique_ptr<FrameMaker> maker_;  ///< null: the tracer
 };

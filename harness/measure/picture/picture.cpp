@@ -46,17 +46,39 @@ std::vector<double> received_light(const GBuffer& gbuffer, const Light& light) {
 
 std::string percent(double share) { return fmt::format("{:.{}f} %", 100 * share, share < 0.001 ? 4 : share < 0.1 ? 2 : 1); }
 
-Picture shade(const Scene& scene, const GBuffer& gbuffer, const Light& light, std::span<const float> visibility) {
+namespace {
+
+Picture shade_exposed(const Scene& scene, const GBuffer& gbuffer, std::span<const double> received,
+                      std::span<const float> shares, double exposure) {
   Picture picture{gbuffer.width, gbuffer.height, std::vector<std::uint8_t>(gbuffer.size() * 3)};
-  const std::vector<double> received = received_light(gbuffer, light);
   const SrgbSteps& steps = srgb_steps();
   for (std::size_t i = 0; i < gbuffer.size(); ++i) {
     Color color = background_srgb;
     if (!gbuffer.is_background(i))
-      color = shaded_srgb(steps, scene.meshes[gbuffer.mesh[i]].albedo, scene.ambient + received[i] * visibility[i]);
+      color = shaded_srgb(steps, scene.meshes[gbuffer.mesh[i]].albedo, exposure * (scene.ambient + received[i] * shares[i]));
     std::ranges::copy(color, &picture.rgb[3 * i]);
   }
   return picture;
+}
+
+}  // namespace
+
+double exposure_of(const Scene& scene, const GBuffer& gbuffer, std::span<const double> received) {
+  double brightest = 1;
+  for (std::size_t i = 0; i < received.size(); ++i) {
+    if (gbuffer.is_background(i)) continue;
+    const glm::vec3& albedo = scene.meshes[gbuffer.mesh[i]].albedo;
+    brightest = std::max(brightest, std::max({albedo.x, albedo.y, albedo.z}) * (scene.ambient + received[i]));
+  }
+  return 1 / brightest;
+}
+
+Picture shade(const Scene& scene, const GBuffer& gbuffer, const Light& light, std::span<const float> visibility) {
+  return shade_exposed(scene, gbuffer, received_light(gbuffer, light), visibility, 1);
+}
+
+Picture shade(const Scene& scene, const GBuffer& gbuffer, std::span<const double> received, std::span<const float> shares) {
+  return shade_exposed(scene, gbuffer, received, shares, exposure_of(scene, gbuffer, received));
 }
 
 Picture draw_mask(std::span<const float> visibility, int width, int height) {

@@ -19,6 +19,10 @@ struct Picture {
 /// Lambert with constant ambient: albedo * (ambient + intensity * max(0, N.l) * visibility), sRGB. No falloff with distance.
 Picture shade(const Scene& scene, const GBuffer& gbuffer, const Light& light, std::span<const float> visibility);
 
+/// Under several lights together: of the light that they would give without shadows, per pixel, these shares. It is as much
+/// darker as keeps every pixel without shadows below white.
+Picture shade(const Scene& scene, const GBuffer& gbuffer, std::span<const double> received, std::span<const float> shares);
+
 /// Visibility as gray, black in shadow.
 Picture draw_mask(std::span<const float> visibility, int width, int height);
 

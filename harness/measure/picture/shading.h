@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,9 @@ inline constexpr Color background_srgb{24, 26, 30};
 
 /// Intensity * max(0, N.l) of every pixel; 0 on the background and outside a spot's cone. On all threads.
 std::vector<double> received_light(const GBuffer& gbuffer, const Light& light);
+
+/// What pictures under several lights are darkened by, at most 1: the brightest pixel without shadows is then white.
+double exposure_of(const Scene& scene, const GBuffer& gbuffer, std::span<const double> received);
 
 /// A surface of linear albedo under the light `ambient + received * visibility`.
 inline Color shaded_srgb(const SrgbSteps& steps, const glm::vec3& albedo, double light) {

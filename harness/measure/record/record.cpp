@@ -1,5 +1,6 @@
 #include "measure/record/record.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -46,6 +47,17 @@ void for_each_field(MaybeConst<Record::ReferenceFacts> auto& facts, const auto& 
   use("error_mean", facts.error_mean);
   use("error_max", facts.error_max);
 }
+void for_each_field(MaybeConst<Record::LightFacts> auto& light, const auto& use) {
+  use("name", light.name);
+  use("kind", light.kind);
+  use("support", light.support);
+  use("reason", light.reason);
+  use("reference", light.reference);
+  use("classes", light.classes);
+  use("metrics", light.metrics);
+  use("causes", light.causes);
+  use("cause_errors", light.cause_errors);
+}
 void for_each_field(MaybeConst<Record::SceneFacts> auto& facts, const auto& use) {
   use("meshes", facts.meshes);
   use("triangles", facts.triangles);
@@ -83,6 +95,8 @@ void for_each_field(MaybeConst<Record> auto& r, const auto& use) {
   use("peak_bytes", r.peak_bytes);
   use("gl", r.gl);
   use("reference", r.reference);
+  use("lights", r.lights);
+  use("shares_build", r.shares_build);
   use("classes", r.classes);
   use("metrics", r.metrics);
   use("causes", r.causes);
@@ -198,7 +212,24 @@ void read(const std::string& field, const Json& value, T& into) {
 
 }  // namespace
 
-bool has_area(const Record& r) { return r.light_kind == "rect" || r.light_kind == "disc" || r.light_kind == "sphere"; }
+bool has_area(const Record& r) {
+  return !has_several_lights(r) && (r.light_kind == "rect" || r.light_kind == "disc" || r.light_kind == "sphere");
+}
+
+bool has_several_lights(const Record& r) { return r.lights.size() > 1; }
+
+Lighting lighting(const Record& r) {
+  return has_several_lights(r) ? Lighting::several : has_area(r) ? Lighting::soft : Lighting::hard;
+}
+
+std::vector<std::string> light_names(const Record& r) {
+  if (r.lights.empty()) return {r.light};
+  std::vector<std::string> names;
+  for (const Record::LightFacts& light : r.lights) names.push_back(light.name);
+  return names;
+}
+
+std::size_t light_count(const Record& r) { return std::max<std::size_t>(1, r.lights.size()); }
 
 std::string setting_key(const Record& r) { return r.technique + (r.settings.empty() ? "" : ":" + r.settings); }
 
@@ -263,7 +294,9 @@ void from_json(const Json& json, Record& record) {
 void forget_results(Record& r) {
   const auto empty = [](auto&... fields) { ((fields = std::decay_t<decltype(fields)>()), ...); };
   empty(r.stages, r.iterations, r.stop, r.counts, r.bytes, r.peak_bytes, r.gl, r.reference, r.classes, r.metrics, r.causes,
-        r.cause_errors, r.frames, r.mask, r.error_picture, r.shaded_picture);
+        r.cause_errors, r.frames, r.mask, r.error_picture, r.shaded_picture, r.shares_build);
+  for (Record::LightFacts& light : r.lights)
+    empty(light.reference, light.classes, light.metrics, light.causes, light.cause_errors);
 }
 
 void withdraw(Record& record, const std::string& reason) {

@@ -31,6 +31,7 @@ struct Record {
   std::string job;  ///< hash of what was asked, hexadecimal: the same job has the same hash in every run
   std::string suite;
   std::string scene;  ///< reference as written, "soup:ground=false"
+  /// Name of the light, or of several lights together as written, "a+b", "all+"; their kinds, "point+rect".
   std::string light, light_kind, view;
   std::string technique;             ///< id
   std::string settings;              ///< "a=1,b=2": what differs from the defaults
@@ -68,12 +69,28 @@ struct Record {
   };
   std::optional<ReferenceFacts> reference;
 
-  std::map<std::string, std::uint64_t> classes;  ///< pixels of class "B", "F", "G", "S", "U", "T"
+  /// One of several lights that a row has together.
+  struct LightFacts {
+    std::string name, kind;
+    std::optional<Support::Kind> support;  ///< one that is unsupported casts no shadows in this row
+    std::string reason;
+    std::optional<ReferenceFacts> reference;
+    // As in the record, of this light's mask.
+    std::map<std::string, std::uint64_t> classes;
+    Metrics metrics;  ///< headline truth
+    std::optional<std::map<std::string, std::uint64_t>> causes;
+    std::optional<std::map<std::string, double>> cause_errors;
+  };
+  std::vector<LightFacts> lights;    ///< of a row of several lights, in the scene's order; empty: `light` is one
+  std::optional<bool> shares_build;  ///< of such a row: whether its lights share what setup and build make
+
+  std::map<std::string, std::uint64_t> classes;  ///< pixels of class "B", "F", "G", "S", "U", "T"; sums over several lights
   std::map<Truth, Metrics> metrics;              ///< on a path: means over its frames
   /// Wrong pixels of T by cause (of a light with area, those that are off at all), headline truth, on a path summed over its
   /// frames; nothing when the run sought none.
   std::optional<std::map<std::string, std::uint64_t>> causes;
-  /// Under a light with area: what each cause holds of the mean error; they add up to `error_mean`.
+  /// Under a light with area: what each cause holds of the mean error; they add up to `error_mean`. Of several lights: of
+  /// the mean error of the share of the light received, where pixels have the cause of the light that errs most.
   std::optional<std::map<std::string, double>> cause_errors;
   /// On a path: by metric, its value at every frame, headline truth.
   std::map<std::string, std::vector<std::optional<double>>> frames;
@@ -110,8 +127,18 @@ struct Record {
 /// What each cause holds of the error that counts: of the wrong rate, under a light with area of the mean error. Nothing when
 /// the run sought none, or tested nothing.
 std::optional<std::map<std::string, double>> cause_shares(const Record& record);
-/// Whether its light has an area, by the name of the light's kind: its shadows are soft.
+/// Whether it is of one light that has an area, by the name of the light's kind: its shadows are soft, and it is judged by
+/// its mean error.
 bool has_area(const Record& record);
+/// Whether it is of several lights together: it is judged by the light received.
+bool has_several_lights(const Record& record);
+/// What lights a row, and so what it is judged by: a light without area by its wrong rate, one with area by its mean error,
+/// several together by the light received. The metric `error` is each of these.
+enum class Lighting { hard, soft, several };
+inline constexpr Lighting all_lightings[] = {Lighting::hard, Lighting::soft, Lighting::several};
+Lighting lighting(const Record& record);
+std::vector<std::string> light_names(const Record& record);
+std::size_t light_count(const Record& record);
 /// Name of the technique with its settings: the label that the suite gave, else "id:a=1,b=2".
 std::string setting_name(const Record& record);
 /// What makes it the same setting on another scene: id and settings, whatever its label.

@@ -180,15 +180,20 @@ class Batch {
       give_up(row, Status::unsupported);
   }
 
+  /// What builds of rows have in common that are the same work.
+  std::pair<std::size_t, std::size_t> build_of(const PendingRow& row) const {
+    return {row.contender, workers_[row.contender]->object_count()};
+  }
+
   /// Warms one stage of every row up, then times all of them interleaved.
   void time_stage(const std::vector<PendingRow*>& group, Stage stage) {
     std::vector<TimingTask> tasks;
     std::vector<PendingRow*> owners;
     for (PendingRow* row : group) {
       if (row->over) continue;
-      if (stage == Stage::build && builds_.contains(row->contender)) {
-        row->record.times(Stage::build).push_back(builds_[row->contender].samples);
-        row->record.iterations["build"] = static_cast<std::uint64_t>(builds_[row->contender].iterations);
+      if (const auto known = builds_.find(build_of(*row)); stage == Stage::build && known != builds_.end()) {
+        row->record.times(Stage::build).push_back(known->second.samples);
+        row->record.iterations["build"] = static_cast<std::uint64_t>(known->second.iterations);
         continue;
       }
       const auto start = Clock::now();
@@ -209,7 +214,7 @@ class Batch {
       double spent = 0;
       for (const double ms : tasks[k].samples) spent += ms / 1000 * tasks[k].iterations;
       *owners[k]->record.seconds += spent;
-      if (stage == Stage::build) builds_[owners[k]->contender] = tasks[k];
+      if (stage == Stage::build) builds_[build_of(*owners[k])] = tasks[k];
       owners[k]->record.times(stage).push_back(std::move(tasks[k].samples));
     }
   }
@@ -239,8 +244,8 @@ class Batch {
   std::vector<const PendingRow*> contenders_;              ///< the first row of each contender on each side
   std::vector<std::unique_ptr<ContenderWorker>> workers_;  ///< by contender; null when it failed or none is wanted
   int process_ = 0;
-  /// By contender: build as timed in this process at its first light, which it does not depend on.
-  std::map<std::size_t, TimingTask> builds_;
+  /// By contender and objects: build as timed in this process at its first light, which it does not depend on.
+  std::map<std::pair<std::size_t, std::size_t>, TimingTask> builds_;
 };
 
 }  // namespace

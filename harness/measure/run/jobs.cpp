@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "measure/run/light_words.h"
 #include "measure/scene/blob.h"
 #include "measure/scene/load.h"
 #include "measure/scene/motion.h"
@@ -42,33 +43,10 @@ void require(const std::vector<std::string>& wanted, const std::vector<std::stri
                   joined(there, ", "));
 }
 
-/// The lights of a scene that a group asks for, each once. Throws Error when there is none of a kind that it asks for.
-std::vector<std::string> lights_of(const SuiteGroup& group, const std::string& reference, const Scene& scene) {
-  if (group.lights.empty()) return names_of(scene.lights);
-  std::vector<std::string> names;
-  const auto add = [&](const std::string& name) {
-    if (std::ranges::find(names, name) == names.end()) names.push_back(name);
-  };
-  for (const std::string& word : group.lights) {
-    const bool is_soft = word == "*soft";
-    if (!is_soft && word != "*hard") {
-      add(word);
-      continue;
-    }
-    const auto is_wanted = [&](const Light& light) { return has_area(light) == is_soft; };
-    if (std::ranges::none_of(scene.lights, is_wanted))
-      throw Error("scene {} has no light {} area, which {} asks for; it has: {}", reference, is_soft ? "with" : "without", word,
-                  joined(names_of(scene.lights), ", "));
-    for (const Light& light : scene.lights)
-      if (is_wanted(light)) add(light.name);
-  }
-  return names;
-}
-
 /// Every frame of the path, for each of these lights and views, must be one that can be drawn: nothing runs before that.
-void check_path(const Scene& scene, const std::string& reference, const std::string& name,
-                const std::vector<std::string>& lights, const std::vector<std::string>& views) {
-  const Light& some_light = *find_named(scene.lights, lights.front());
+void check_path(const Scene& scene, const std::string& reference, const std::string& name, const std::vector<RowLights>& rows,
+                const std::vector<std::string>& views) {
+  const Light& some_light = *find_named(scene.lights, rows.front().lights.front());
   const View& some_view = *find_named(scene.views, views.front());
   // A path moves one of both and does not look at the other.
   if (find_path(scene, name, some_light, some_view).moves == Path::Moves::camera)
@@ -77,8 +55,11 @@ void check_path(const Scene& scene, const std::string& reference, const std::str
       check_frames(find_path(scene, name, some_light, view), some_light, view, reference);
     }
   else
-    for (const std::string& light_name : lights) {
-      const Light& light = *find_named(scene.lights, light_name);
+    for (const RowLights& row : rows) {
+      if (row.lights.size() > 1)
+        throw Error("path {} of scene {} moves the light, and {} is {} lights: a row on such a path has one", name, reference,
+                    row.name, row.lights.size());
+      const Light& light = *find_named(scene.lights, row.lights.front());
       check_frames(find_path(scene, name, light, some_view), light, some_view, reference);
     }
 }
@@ -91,9 +72,10 @@ std::optional<std::string> objection(const SuiteGroup& group, const Contender& c
   for (const std::string& reference : group.scenes) {
     const SceneLibrary::Entry& entry = library.get(reference);
     if (!entry.scene) return std::nullopt;
-    const std::vector<std::string> lights = lights_of(group, reference, *entry.scene);
+    const std::vector<RowLights> rows = row_lights(group.lights, reference, *entry.scene);
     for (const Light& light : entry.scene->lights) {
-      if (std::ranges::find(lights, light.name) == lights.end()) continue;
+      const auto has_it = [&](const RowLights& row) { return std::ranges::find(row.lights, light.name) != row.lights.end(); };
+      if (std::ranges::none_of(rows, has_it)) continue;
       const Support support = technique->supports(*entry.scene, light, entry.scene->views.front());
       if (support) return std::nullopt;
       if (!why) why = support.why();
@@ -118,8 +100,8 @@ std::vector<Contender> contenders_of(const SuiteGroup& group, SceneLibrary& libr
 /// A job that stands still has the hash that it had before there were paths, and one with the usual target that from before
 /// there were targets.
 std::string hash_of(const Job& job, const Suite& suite) {
-  std::string asked = fmt::format("{}|{}|{}|{}|{}x{}|{}{}", job.scene, job.light, job.view, job.contender.name(), job.width,
-                                  job.height, name(suite.truth), job.path.empty() ? "" : "|" + job.path);
+  std::string asked = fmt::format("{}|{}|{}|{}|{}x{}|{}{}", job.scene, joined(job.lights, "+"), job.view, job.contender.name(),
+                                  job.width, job.height, name(suite.truth), job.path.empty() ? "" : "|" + job.path);
   if (const AreaTarget usual; suite.target.error != usual.error || suite.target.cap != usual.cap)
     asked += fmt::format("|{}|{}", suite.target.error, suite.target.cap);
   return content_hash(asked).substr(0, 16);
@@ -140,27 +122,29 @@ std::vector<Job> expand_jobs(const Suite& suite, SceneLibrary& library, std::vec
     const std::vector<Contender> contenders = contenders_of(group, library, left_out);
     for (const std::string& reference : group.scenes) {
       const SceneLibrary::Entry& entry = library.get(reference);
-      std::vector<std::string> lights = group.lights, views = group.views;
+      std::vector<RowLights> lights;
+      std::vector<std::string> views = group.views;
       if (entry.scene) {
-        lights = lights_of(group, reference, *entry.scene);
+        lights = row_lights(group.lights, reference, *entry.scene);
         if (views.empty()) views = {entry.scene->views.front().name};
-        require_names(reference, *entry.scene, lights, views);
+        require_names(reference, *entry.scene, {}, views);
       } else {
         // Not fetched, so nobody knows its lights: one row per technique says so.
-        const bool has_names = std::ranges::none_of(lights, [](const std::string& word) { return word.starts_with('*'); });
-        if (lights.empty() || !has_names) lights = {"-"};
+        if (std::ranges::all_of(group.lights, is_light_name))
+          for (const std::string& light : group.lights) lights.push_back({light, {light}});
+        if (lights.empty()) lights = {{"-", {"-"}}};
         if (views.empty()) views = {"-"};
       }
       const std::vector<std::string> paths = group.paths.empty() ? std::vector<std::string>{""} : group.paths;
       const auto sizes = group.sizes.empty() ? std::vector{std::pair(suite.width, suite.height)} : group.sizes;
       if (entry.scene)
         for (const std::string& path : group.paths) check_path(*entry.scene, reference, path, lights, views);
-      for (const std::string& light : lights)
+      for (const auto& [light, light_names] : lights)
         for (const std::string& view : views)
           for (const std::string& path : paths)
             for (const auto& [width, height] : sizes)
               for (const Contender& contender : contenders) {
-                Job job{"", reference, light, view, contender, width, height, path, jobs.size()};
+                Job job{"", reference, light, view, light_names, contender, width, height, path, jobs.size()};
                 job.hash = hash_of(job, suite);
                 const auto [known, is_new] = places.try_emplace(job.hash, jobs.size());
                 if (is_new)

@@ -12,8 +12,9 @@ namespace gnomon {
 
 /// One row to be: a technique with settings on one scene, light and view.
 struct Job {
-  std::string hash;  ///< of what is asked: the same job has the same hash in every run and shard
-  std::string scene, light, view;
+  std::string hash;                 ///< of what is asked: the same job has the same hash in every run and shard
+  std::string scene, light, view;   ///< `light` as tables write it, see RowLights
+  std::vector<std::string> lights;  ///< names; where the scene is not fetched that of `light` alone
   Contender contender;
   int width = 0, height = 0;
   std::string path;       ///< that it follows; empty: it stands still
@@ -42,7 +43,7 @@ const Item* find_named(const std::vector<Item>& items, const std::string& name) 
   return found == items.end() ? nullptr : &*found;
 }
 
-/// Throws Error with the nearest name when the scene lacks one of these lights or views.
+/// Throws Error with the nearest name when the scene lacks one of these lights (single ones, by name) or views.
 void require_names(const std::string& reference, const Scene& scene, const std::vector<std::string>& lights,
                    const std::vector<std::string>& views);
 

@@ -10,6 +10,7 @@
 #include "measure/picture/picture.h"
 #include "measure/run/frame_worker.h"
 #include "measure/run/jobs.h"
+#include "measure/run/row.h"
 #include "measure/scene/load.h"
 #include "measure/score/score.h"
 
@@ -52,20 +53,24 @@ class Row {
   /// Why the row keeps what it has; empty when it can be measured anew.
   std::string obstacle() {
     if (!today_.scene) return today_.missing;
-    light_ = find_named(today_.scene->lights, record_.light);
+    const std::vector<std::string> names = light_names(record_);
+    for (const std::string& name : names)
+      if (const Light* light = find_named(today_.scene->lights, name)) lights_.push_back(light);
     view_ = find_named(today_.scene->views, record_.view);
-    const bool has_hash = record_.context.contains("scene_hash");
-    if (has_hash && light_ && !today_.frames->is_scene(record_.context["scene_hash"], *light_))
+    const bool has_hash = record_.context.contains("scene_hash"), has_lights = lights_.size() == names.size();
+    if (has_hash && has_lights && !today_.frames->is_scene(record_.context["scene_hash"], names))
       return "the scene is not the one that was measured";
-    if (!light_) return fmt::format("the scene has no light {} any more", record_.light);
+    if (!has_lights) return fmt::format("the scene has no light {} any more", record_.light);
     if (!view_) return fmt::format("the scene has no view {} any more", record_.view);
     // An old row of a light that the reference does not know; reading withdraws those that say what kind of light it was.
-    if (const Support support = reference_support(*today_.scene, *light_, *view_); !support) {
-      withdraw(record_, support.why());
-      return {};
-    }
+    for (const Light* light : lights_)
+      if (const Support support = reference_support(*today_.scene, *light, *view_); !support) {
+        withdraw(record_, support.why());
+        return {};
+      }
     // Without a hash the classes vouch for the scene: they depend on scene, light, view and truth alone.
-    if (!has_hash && !record_.classes.empty() && class_counts(reference(record_.truth).classes) != record_.classes)
+    if (!has_hash && !record_.classes.empty() && lights_.size() == 1 &&
+        class_counts(reference(record_.truth, 0).classes) != record_.classes)
       return "the scene is not the one that was measured: its pixel classes differ";
     return {};
   }
@@ -74,14 +79,13 @@ class Row {
   std::string measure() {
     if (record_.status != Status::ok) return {};  // withdrawn
     const Truth truth = record_.truth, other = truth == Truth::shape ? Truth::mesh : Truth::shape;
-    Answer answer = read_answer(truth, record_.light + ".V");
-    const std::string lost = take_causes(answer);
-    score(truth, answer);
-    record_.classes = class_counts(answer.reference.classes);
+    MeasuredRow row = read_row(truth, "V");
+    const std::string lost = take_causes(row);
+    score(truth, row);
     if (!today_.scene->has_curved_shapes())
       record_.metrics[other] = record_.metrics[truth];
-    else if (const std::string channel = fmt::format("{}.{}", record_.light, name(other)); has(channel))
-      score(other, read_answer(other, channel));
+    else if (has(lights_.front()->name + "." + std::string(name(other))))
+      score(other, read_row(other, name(other)));
     return lost;
   }
 
@@ -91,57 +95,115 @@ class Row {
   FrameKey key(Truth truth) const {
     return {*view_, record_.width, record_.height, today_.scene->has_curved_shapes() ? truth : Truth::shape};
   }
-  Reference reference(Truth truth) const { return today_.frames->reference(key(truth), *light_, target_of(record_)); }
+  Reference reference(Truth truth, std::size_t light) const {
+    Record of_light = record_;
+    if (!record_.lights.empty()) of_light.reference = record_.lights[light].reference;
+    return today_.frames->reference(key(truth), *lights_[light], target_of(of_light));
+  }
+  LightShareKind estimates(std::size_t light) const {
+    const auto& facts = record_.lights.empty() ? record_.reference : record_.lights[light].reference;
+    return facts ? facts->estimates : LightShareKind::area;
+  }
 
   std::vector<float> read(const std::string& channel) const { return read_exr(file_, channel, record_.width, record_.height); }
 
-  Answer read_answer(Truth truth, const std::string& channel) const {
-    Answer answer{today_.frames->gbuffer(key(truth)), reference(truth), read(channel), {}, estimates_of(record_)};
-    const auto is_wild = [](float v) { return !(v >= 0 && v <= 1); };
-    if (const auto wild = std::ranges::find_if(answer.mask, is_wild); wild != answer.mask.end())
-      throw Error("{}: {} at pixel {} is {}; a visibility is 0 .. 1", file_.string(), channel, wild - answer.mask.begin(),
-                  *wild);
-    return answer;
+  /// The row's masks in the channels LIGHT.WHAT.
+  MeasuredRow read_row(Truth truth, std::string_view what) const {
+    MeasuredRow row;
+    for (std::size_t k = 0; k < lights_.size(); ++k) {
+      const std::string channel = fmt::format("{}.{}", lights_[k]->name, what);
+      Answer answer{today_.frames->gbuffer(key(truth)), reference(truth, k), read(channel), {}, estimates(k)};
+      const auto is_wild = [](float v) { return !(v >= 0 && v <= 1); };
+      if (const auto wild = std::ranges::find_if(answer.mask, is_wild); wild != answer.mask.end())
+        throw Error("{}: {} at pixel {} is {}; a visibility is 0 .. 1", file_.string(), channel, wild - answer.mask.begin(),
+                    *wild);
+      row.lights.push_back({*lights_[k], std::move(answer), {}});
+    }
+    return row;
   }
 
-  void score(Truth truth, const Answer& answer) {
-    record_.metrics[truth] = measure_metrics(Scoring(answer.evidence(*today_.scene, *light_)));
+  /// Puts metrics and classes of the row, and of each of several lights, into the record.
+  void score(Truth truth, MeasuredRow row) {
+    put_together(row, *today_.scene);
+    const Evidence evidence = row.evidence(*today_.scene);
+    record_.metrics[truth] = measure_metrics(Scoring(evidence));
+    if (truth != record_.truth) return;
+    record_.classes = class_counts(evidence.classes);
+    if (row.together && record_.cause_errors) record_.cause_errors = cause_errors(evidence);
+    for (std::size_t k = 0; k < record_.lights.size(); ++k) {
+      const Evidence one = row.lights[k].answer.evidence(*today_.scene, *lights_[k]);
+      record_.lights[k].metrics = measure_metrics(Scoring(one));
+      record_.lights[k].classes = class_counts(one.classes);
+    }
+  }
+
+  /// Where a record keeps the causes under one light.
+  struct KnownCauses {
+    std::optional<std::map<std::string, std::uint64_t>>& causes;
+    std::optional<std::map<std::string, double>>& errors;
+  };
+  KnownCauses known_causes(std::size_t light) {
+    if (record_.lights.empty()) return {record_.causes, record_.cause_errors};
+    return {record_.lights[light].causes, record_.lights[light].cause_errors};
+  }
+
+  /// Answers why the row lost its causes.
+  std::string take_causes(MeasuredRow& row) {
+    std::string obstacle;
+    for (std::size_t k = 0; k < row.lights.size() && obstacle.empty(); ++k)
+      obstacle = take_causes(row.lights[k].answer, *lights_[k], known_causes(k));
+    if (record_.lights.empty()) return obstacle;
+    record_.causes.reset();
+    if (!obstacle.empty()) record_.cause_errors.reset();
+    for (std::size_t k = 0; k < row.lights.size(); ++k) {
+      Record::LightFacts& light = record_.lights[k];
+      if (!obstacle.empty()) {
+        light.causes.reset();
+        light.cause_errors.reset();
+        row.lights[k].answer.causes.clear();
+      } else if (light.causes) {
+        if (!record_.causes) record_.causes.emplace();
+        for (const auto& [cause, pixels] : *light.causes) (*record_.causes)[cause] += pixels;
+      }
+    }
+    return obstacle;
   }
 
   /// The causes of the mask go into answer and record, unless they belong to other frames: then neither has any. Without a
   /// channel the record's own counts stay if they can.
-  std::string take_causes(Answer& answer) {
-    const std::string channel = record_.light + ".cause";
+  std::string take_causes(Answer& answer, const Light& light, KnownCauses known) {
+    const std::string channel = light.name + ".cause";
     std::vector<Cause> causes;
     bool fit = true;
     if (has(channel)) {
-      causes = read_causes(channel);
+      causes = read_causes(channel, known.causes);
       fit = causes_fit(answer, causes);
-    } else if (record_.causes) {
-      const Evidence evidence = answer.evidence(*today_.scene, *light_);
+    } else if (known.causes) {
+      const Evidence evidence = answer.evidence(*today_.scene, light);
       std::uint64_t wrong = 0, with_cause = 0;
       for (std::size_t i = 0; i < answer.mask.size(); ++i) wrong += evidence.wants_cause(i);
-      for (const auto& [cause, pixels] : *record_.causes) with_cause += pixels;
+      for (const auto& [cause, pixels] : *known.causes) with_cause += pixels;
       fit = wrong == with_cause;
     } else {
       return {};
     }
     std::string obstacle = causes_obstacle(record_, fit);
     if (!obstacle.empty()) {
-      record_.causes.reset();
-      record_.cause_errors.reset();
+      known.causes.reset();
+      known.errors.reset();
     } else if (!causes.empty()) {
-      record_.causes = count_causes(causes);
+      known.causes = count_causes(causes);
       answer.causes = std::move(causes);
-      if (has_area(*light_)) record_.cause_errors = cause_errors(answer.evidence());
+      if (has_area(light)) known.errors = cause_errors(answer.evidence());
     }
     return obstacle;
   }
 
-  std::vector<Cause> read_causes(const std::string& channel) const {
+  std::vector<Cause> read_causes(const std::string& channel,
+                                 const std::optional<std::map<std::string, std::uint64_t>>& known) const {
     const std::vector<float> numbers = read(channel);
     try {
-      return causes_from_numbers(numbers, record_.causes);
+      return causes_from_numbers(numbers, known);
     } catch (const Error& error) {
       throw Error("{}: channel {}: {}", file_.string(), channel, error.what());
     }
@@ -151,7 +213,7 @@ class Row {
   SceneToday& today_;
   fs::path file_;
   std::vector<std::string> channels_;
-  const Light* light_ = nullptr;
+  std::vector<const Light*> lights_;  ///< of today's scene
   const View* view_ = nullptr;
 };
 

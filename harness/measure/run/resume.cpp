@@ -79,8 +79,7 @@ Earlier earlier_rows(const RunOptions& options, SceneLibrary& library, std::span
     }
     if (entry.scene) {
       std::string& hash = hashes[{record.scene, record.light}];
-      const Light* light = find_named(entry.scene->lights, record.light);
-      if (hash.empty()) hash = light ? scene_hash(*entry.scene, *light) : content_hash(scene_bytes(*entry.scene));
+      if (hash.empty()) hash = scene_hash(*entry.scene, light_names(record));
       if (then != hash)
         throw Error("scene {} has changed since {} was run: run it into another --out", record.scene, options.out.string());
     }

@@ -1,15 +1,18 @@
 #pragma once
+#include "measure/picture/picture.h"
 #include "measure/record/record.h"
 #include "measure/run/frame_worker.h"
 #include "measure/run/jobs.h"
 #include "measure/run/worker_client.h"
 #include "measure/score/score.h"
+#include "measure/score/together.h"
 
 namespace gnomon {
 
 /// A frame of a row: all that its mask depends on but the technique, its settings and the truth.
 struct RowFrame {
-  std::size_t light = 0, view = 0;  ///< indices in the scene
+  std::vector<std::size_t> lights = {0};  ///< indices in the scene
+  std::size_t view = 0;
   int width = 0, height = 0;
   std::optional<Path> path;
   int number = 0;  ///< on the path
@@ -35,7 +38,7 @@ struct SceneRun {
         suite(the_suite) {}
 
   RowFrame first_frame(const Job& job) const;
-  Light light(const RowFrame& frame) const;
+  std::vector<Light> lights(const RowFrame& frame) const;
   FrameKey key(const RowFrame& frame, Truth truth) const;
   FrameRequest request(const RowFrame& frame, Truth truth);
 };
@@ -50,11 +53,17 @@ class ContenderWorker {
   void end_load() { client_.end_load(); }
   /// Goes to a frame under a truth. What the technique says of it, or the reference where that cannot answer it.
   Support go(const RowFrame& frame, Truth truth);
-  /// What setup took in this process; does it at the first call.
+  /// Objects that setup and build are done by for the frame: one for each of several lights where these share nothing.
+  std::size_t object_count() const;
+  /// What setup took in this process for so many objects; does it at the first call.
   double setup_ms();
-  /// The technique's mask of the frame beside the reference, causes left out; counts and memory go to `record` unless it is
-  /// null.
-  Answer answer(Record* record);
+  /// The technique's mask of the frame under each light beside the reference, causes left out; counts and memory go to `record`
+  /// unless it is null.
+  std::vector<Answer> answers(Record* record);
+  /// Whether a light of the frame casts shadows.
+  bool supports_light(std::size_t k) const { return reply_.lights.empty() || reply_.lights[k]; }
+  /// What the technique said of each light of the frame.
+  void note_lights(Record& record) const;
   /// What GL it has, and what went up to it for the frame.
   void note_gl(Record& record) const;
   WorkerClient& client() { return client_; }
@@ -63,19 +72,36 @@ class ContenderWorker {
   SceneRun& run_;
   Contender contender_;
   WorkerClient client_;
-  std::optional<FrameReply::Upload> upload_;
+  FrameReply reply_{.support = Support::full(), .upload = {}, .lights = {}, .shares = {}};  ///< of the frame
   RowFrame frame_;
   Truth truth_ = Truth::shape;
-  std::optional<double> setup_ms_;
+  std::map<std::size_t, double> setup_ms_;  ///< by objects
 };
 
-/// An answer with its score.
-struct MeasuredRow {
+/// The answer under one light of a row.
+struct MeasuredLight {
   Light light;  ///< that counts, which on a path is not the scene's
   Answer answer;
-  ErrorCounts errors;
   std::optional<std::vector<float>> other_mask;  ///< under the other truth, where there are two
 };
+/// The answers of a row with their score.
+struct MeasuredRow {
+  std::vector<MeasuredLight> lights;
+  std::optional<Together> together;  ///< of several lights
+  ErrorCounts errors;
+
+  const GBuffer& gbuffer() const { return lights.front().answer.gbuffer; }
+  /// Of the light, of several of the lights together. This and the scene must outlive it.
+  Evidence evidence(const Scene& scene) const {
+    return together ? together->evidence() : lights.front().answer.evidence(scene, lights.front().light);
+  }
+  /// Its visibility shown: of several lights the share of the light that they would give.
+  std::span<const float> mask() const { return together ? together->shown : lights.front().answer.mask; }
+};
+/// Makes `together` of several lights that have their answers.
+void put_together(MeasuredRow& row, const Scene& scene);
+/// The scene in the light that the row's masks let through.
+Picture shade(const Scene& scene, const MeasuredRow& row);
 
 /// All of a row but its times: counts, memory, classes, causes, metrics against both truths, what GL it ran on. The worker has
 /// gone to `first` and ends there, under the headline truth. A row on a path is measured at every frame: metrics are means,

@@ -77,7 +77,7 @@ void run_rows(std::vector<PendingRow> rows, const RowsPlan& plan, Progress& prog
       for (PendingRow& row : batch) {
         row.record = start_record(row.job, plan.suite, run ? &*entry.scene : nullptr, contexts[row.side]);
         if (run) {
-          row.record.context["scene_hash"] = run->frames.scene_hash(*find_named(entry.scene->lights, row.job.light));
+          row.record.context["scene_hash"] = run->frames.scene_hash(row.job.lights);
           row.record.context["frames"] = frame_version();
         } else {
           row.record.status = Status::unsupported;

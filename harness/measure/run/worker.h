@@ -82,6 +82,8 @@ bool write_line(int socket, const std::string& line);
 ///   {"do": "open", "scene": FILE, "technique": ID, "settings": "a=1"}       -> {"gl": {...} or null}
 ///   {"do": "set", "settings": "a=2"}                                        -> {"fresh": n}  of the same technique
 ///   {"do": "frame", "gbuffer": FILE, "view": K, "width", "height", "truth", "light": K} -> {"support", "why", "fresh", ...}
+///   the same with "lights": [K, ...] instead of "light": several together  -> also "lights": [{"support", "why"}, ...],
+///   "shares"
 ///   {"do": "frame", "gbuffer": FILE, "stand": FILE, "width", "height", "truth"}         -> the same
 ///   {"do": "setup"}                                                         -> {"ms": t}
 ///   {"do": "time", "stage": NAME}                                           -> {"ms": t}   earlier stages brought up untimed
@@ -95,9 +97,11 @@ bool write_line(int socket, const std::string& line);
 ///    "done": FILE} -> {}
 /// The last one is FrameWorker's: the reference, or where `stand` holds no light the G-buffer, as the frame cache has them. The
 /// file `done`, which may be missing, is a SharedCount of the pixels that are through.
-/// `stand` is a file with the scene_bytes of a scene without meshes that holds one light and one view, wherever they are: they
-/// count instead of the scene's. `fresh` is how many stages, from setup on, are up to date. `pixels` holds uint32 indices of
-/// the mask answered last; `out` gets their explanation_bytes, in the same order. An exception is answered as {"error": text}.
+/// `stand` is a file with the scene_bytes of a scene without meshes that holds a light or several and one view, wherever they
+/// are: they count instead of the scene's. Masks of several lights follow each other in one file; `explain`, `debug` and
+/// `detail` are about the frame's first light, or that of their "light". A light that is unsupported beside others has a mask
+/// of ones. `fresh` is how many stages, from setup on, are up to date. `pixels` holds uint32 indices of the mask answered last;
+/// `out` gets their explanation_bytes, in the same order. An exception is answered as {"error": text}.
 int worker_main(int socket, int threads);
 
 }  // namespace gnomon

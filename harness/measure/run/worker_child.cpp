@@ -6,15 +6,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <fstream>
 #include <map>
 
 #include "device/context.h"
 #include "measure/cause/causes.h"
 #include "measure/picture/detail_export.h"
+#include "measure/run/light_objects.h"
 #include "measure/run/shared_count.h"
 #include "measure/run/worker.h"
-#include "measure/scene/motion.h"
+#include "measure/run/worker_frame.h"
 
 namespace gnomon {
 
@@ -38,7 +40,7 @@ class TechniqueServer {
     if (what == "protocol") return json_object({{"protocol", worker_protocol}, {"context", machine_context(0)}});
     if (what == "open") return open(request);
     if (what == "trace") return trace(request);
-    if (!technique_) throw Error("a worker cannot {} before it has a technique", what);
+    if (!objects_) throw Error("a worker cannot {} before it has a technique", what);
     if (what == "set") return set(request.at("settings"));
     if (what == "frame") return frame(request);
     if (what == "setup") return time_stage(static_cast<int>(Stage::setup));
@@ -46,9 +48,9 @@ class TechniqueServer {
     if (what == "bring_up") return bring_up(stage_named(request.at("stage")));
     if (what == "answer") return answer(request.at("mask"));
     if (what == "mask") return write_mask(request.at("mask"));
-    if (what == "explain") return explain(request.at("pixels"), request.at("out"));
-    if (what == "debug") return debug(request.at("layer"), request.at("out"));
-    if (what == "detail") return detail(request.at("out"));
+    if (what == "explain") return explain(request);
+    if (what == "debug") return debug(request);
+    if (what == "detail") return detail(request);
     throw Error("a worker cannot {}", what);
   }
 
@@ -57,11 +59,11 @@ class TechniqueServer {
     if (tracer_) throw Error("a worker that traces serves no technique");
     scene_ = scene_in(request.at("scene"));
     entry_ = &registry().technique(request.at("technique").get<std::string>());
+    objects_.emplace(*entry_, request.at("settings").get<std::string>());
     settings_ = request.at("settings").get<std::string>();
-    technique_ = fresh_technique();
     fresh_ = -1;
-    mask_.reset();
-    light_.reset();
+    masks_.clear();
+    lights_.reset();
     uses_gl_ = entry_->about.needs_gl;
     if (!uses_gl_) return json_object({{"gl", nullptr}});
     const GlInfo& info = process_context().info();
@@ -71,29 +73,30 @@ class TechniqueServer {
   /// What a parameter spoils is out of date from then on; the rest stays.
   Json set(const std::string& settings) {
     settings_ = settings;
-    const auto wanted = fresh_technique();
-    for (const Parameter* row : wanted->parameters()) {
-      Parameter& live = technique_->parameter(row->name());
-      if (live.text() == row->text()) continue;
-      live.set(row->text());
-      fresh_ = std::min(fresh_, static_cast<int>(row->spoils()) - 1);
-    }
+    if (const auto spoiled = objects_->set(settings)) fresh_ = std::min(fresh_, static_cast<int>(*spoiled) - 1);
     return json_object({{"fresh", fresh_ + 1}});
   }
 
   Json frame(const Json& request) {
-    const Frame asked = asked_frame(request);
+    const AskedFrame asked = asked_frame(request, scene_);
+    // A viewer makes a new G-buffer with every move of the camera and does not come back to an old one.
+    if (asked.is_free) std::erase_if(gbuffers_, [&](const auto& known) { return known.first != request.at("gbuffer"); });
     fresh_ = std::min(fresh_, static_cast<int>(asked.lit_by == lit_by_ ? Stage::relight : Stage::build));
-    if (!light_ || asked.lit_by != lit_by_) light_ = std::make_unique<Light>(asked.light);
+    if (!lights_ || asked.lit_by != lit_by_) lights_ = std::make_unique<std::vector<Light>>(asked.lights);
     lit_by_ = asked.lit_by;
     // The same G-buffer under another light stays mapped, and uploaded.
     const std::string file = request.at("gbuffer");
     GBuffer& known = gbuffers_[file];
     if (known.width != asked.key.width || known.height != asked.key.height) known = map_gbuffer(file, asked.key);
     gbuffer_ = known;
-    mask_.emplace(asked.key.width, asked.key.height);
-    const Support support = fresh_technique()->supports(scene_, *light_, asked.key.view);
+    const std::vector<Support> supports = hold_objects(asked.key);
+    const Support support = support_together(*lights_, supports);
     Json result = json_object({{"support", name(support.kind())}, {"why", support.why()}, {"fresh", fresh_ + 1}});
+    if (supports.size() > 1) {
+      for (const Support& one : supports)
+        result["lights"].push_back(json_object({{"support", name(one.kind())}, {"why", one.why()}}));
+      if (const auto shares = objects_->shares()) result["shares"] = *shares;
+    }
     if (uses_gl_ && support) {
       const SceneBuffers& buffers = scene_buffers(scene_);
       const GBufferTextures& textures = gbuffer_textures(gbuffer_, scene_);
@@ -104,56 +107,28 @@ class TechniqueServer {
     return result;
   }
 
-  /// A frame as a request describes it.
-  struct Frame {
-    FrameKey key;
-    Light light;
-    std::string lit_by;  ///< differs between any two lights: relight is out of date when it changes
-  };
-
-  Frame asked_frame(const Json& request) {
-    Frame asked;
-    FrameKey& key = asked.key;
-    set_size_and_truth(key, request);
-    if (request.contains("stand")) {
-      Scene holder = scene_in(request.at("stand"));
-      asked.light = holder.lights.at(0);
-      key.view = holder.views.at(0);
-      holder.views.clear();
-      asked.lit_by = content_hash(scene_bytes(holder));
-      // A viewer makes a new G-buffer with every move of the camera and does not come back to an old one.
-      std::erase_if(gbuffers_, [&](const auto& known) { return known.first != request.at("gbuffer"); });
-      return asked;
+  /// A mask for each light, and an object for each that the technique supports. What it says of each.
+  std::vector<Support> hold_objects(const FrameKey& key) {
+    const auto technique = fresh_technique();
+    std::vector<Support> supports;
+    masks_.clear();
+    lit_.clear();
+    for (std::size_t k = 0; k < lights_->size(); ++k) {
+      supports.push_back(technique->supports(scene_, (*lights_)[k], key.view));
+      masks_.emplace_back(key.width, key.height);
+      if (supports.back()) lit_.push_back(k);
+      // A light without shadows, of several: lit everywhere.
+      if (!supports.back()) std::ranges::fill(masks_.back().pixels(), 1.0f);
     }
-    key.view = scene_.views.at(request.at("view").get<std::size_t>());
-    asked.light = scene_.lights.at(request.at("light").get<std::size_t>());
-    asked.lit_by = asked.light.name;
-    if (const std::string name = request.value("path", ""); !name.empty()) {
-      const Path path = find_path(scene_, name, asked.light, key.view);
-      const int frame = request.at("frame");
-      asked.light = light_at(path, asked.light, frame);
-      key.view = view_at(path, key.view, frame);
-      if (path.moves == Path::Moves::light) asked.lit_by += fmt::format(" {} {}", name, frame);
-    }
-    return asked;
+    const std::size_t before = objects_->count();
+    if (objects_->hold(lit_.size())) fresh_ = -1;
+    if (objects_->count() > before) fresh_ = std::min(fresh_, static_cast<int>(Stage::build));
+    return supports;
   }
-
-  static void set_size_and_truth(FrameKey& key, const Json& request) {
-    const auto side_of = [&](const char* name) {
-      const auto side = request.at(name).get<std::int64_t>();
-      if (side < 1 || side > 16384) throw Error("a frame's {} = {} is outside 1 .. 16384 pixels", name, side);
-      return static_cast<int>(side);
-    };
-    key.width = side_of("width");
-    key.height = side_of("height");
-    key.truth = request.at("truth") == "mesh" ? Truth::mesh : Truth::shape;
-  }
-
-  static Scene scene_in(const std::string& file) { return scene_from_bytes(MappedFile::open(file)->bytes()); }
 
   /// Serves the reference instead of a technique; all requests are of one scene.
   Json trace(const Json& request) {
-    if (technique_) throw Error("a worker that serves a technique does not trace");
+    if (objects_) throw Error("a worker that serves a technique does not trace");
     if (!tracer_) {
       scene_ = scene_in(request.at("scene"));
       tracer_.emplace(scene_);
@@ -189,23 +164,27 @@ class TechniqueServer {
 
   /// Does one stage and returns its milliseconds; what follows it is out of date then.
   double time(Stage stage) {
-    if (stage >= Stage::relight && !mask_) throw Error("a worker cannot {} before it has a frame", name(stage));
+    if (stage >= Stage::relight && masks_.empty()) throw Error("a worker cannot {} before it has a frame", name(stage));
+    if (stage >= Stage::relight && lit_.empty())
+      throw Error("a worker cannot {} lights that its technique refuses", name(stage));
     if (uses_gl_) glFinish();
     const auto start = Clock::now();
-    switch (stage) {
-      case Stage::setup:
-        technique_->setup();
-        break;
-      case Stage::build:
-        technique_->build(scene_);
-        break;
-      case Stage::relight:
-        technique_->relight(*light_);
-        break;
-      case Stage::resolve:
-        technique_->resolve(gbuffer_, *mask_);
-        break;
-    }
+    objects_->each(stage, [&](Technique& technique, std::size_t k) {
+      switch (stage) {
+        case Stage::setup:
+          technique.setup();
+          break;
+        case Stage::build:
+          technique.build(scene_);
+          break;
+        case Stage::relight:
+          technique.relight((*lights_)[lit_[k]]);
+          break;
+        case Stage::resolve:
+          technique.resolve(gbuffer_, masks_[lit_[k]]);
+          break;
+      }
+    });
     if (uses_gl_) glFinish();
     const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
     if (uses_gl_)
@@ -216,7 +195,13 @@ class TechniqueServer {
 
   Json write_mask(const std::string& path) {
     bring_up(static_cast<int>(Stage::resolve));
-    write_file(path, std::as_bytes(mask_->read()));
+    if (masks_.size() == 1) {
+      write_file(path, std::as_bytes(masks_[0].read()));
+      return Json::object();
+    }
+    std::vector<float> all;
+    for (VisibilityMask& mask : masks_) all.insert(all.end(), mask.read().begin(), mask.read().end());
+    write_file(path, std::as_bytes(std::span(all)));
     return Json::object();
   }
 
@@ -224,7 +209,7 @@ class TechniqueServer {
     write_mask(path);
     const double peak = peak_bytes();  // counting may build or draw once more
     Json counts = Json::array();
-    for (const Count& c : technique_->counts()) {
+    for (const Count& c : objects_->counts()) {
       if (!std::isfinite(c.value)) throw Error("count {} is {}", c.name, c.value);
       counts.push_back(json_object({{"name", c.name}, {"value", c.value}, {"unit", c.unit}}));
     }
@@ -232,7 +217,9 @@ class TechniqueServer {
   }
 
   /// Asks the technique about the listed pixels (uint32 indices) and writes its explanations.
-  Json explain(const std::string& pixels, const std::string& out) {
+  Json explain(const Json& request) {
+    Technique* const technique = object_of(request);
+    const std::string pixels = request.at("pixels"), out = request.at("out");
     bring_up(static_cast<int>(Stage::resolve));
     const auto file = MappedFile::open(pixels);
     const std::size_t count = file->bytes().size() / sizeof(std::uint32_t);
@@ -241,27 +228,40 @@ class TechniqueServer {
     explanations.reserve(count);
     for (std::size_t k = 0; k < count; ++k) {
       if (index[k] >= gbuffer_.size()) throw Error("there is no pixel {}: the picture has {}", index[k], gbuffer_.size());
-      explanations.push_back(technique_->explain(index[k]));
+      explanations.push_back(technique ? technique->explain(index[k])
+                                       : Explanation{.covered = false, .taps = {}, .shifted = {}, .element = {}});
     }
     write_file(out, explanation_bytes(explanations));
     const bool explained = std::ranges::any_of(explanations, [](const auto& why) { return why.has_value(); });
     return json_object({{"explained", explained}});
   }
 
-  Json debug(const std::string& layer, const std::string& out) {
+  Json debug(const Json& request) {
     bring_up(static_cast<int>(Stage::resolve));
-    const std::vector<float> rgb = technique_->draw_debug(layer);
-    write_file(out, std::as_bytes(std::span(rgb)));
+    const std::vector<float> rgb = must_have(object_of(request)).draw_debug(request.at("layer").get<std::string>());
+    write_file(request.at("out").get<std::string>(), std::as_bytes(std::span(rgb)));
     return Json::object();
   }
 
-  Json detail(const std::string& out) {
+  Json detail(const Json& request) {
     bring_up(static_cast<int>(Stage::relight));
-    const std::optional<SurfaceDetail> detail = technique_->surface_detail();
+    const std::optional<SurfaceDetail> detail = must_have(object_of(request)).surface_detail();
     if (!detail) throw Error("{} gave no surface detail, though a fresh one does", entry_->id);
     check_detail(scene_, *detail);
-    write_file(out, detail_bytes(*detail));
+    write_file(request.at("out").get<std::string>(), detail_bytes(*detail));
     return Json::object();
+  }
+
+  /// Of the light that a request asks about, the first by default; null where that casts no shadows.
+  Technique* object_of(const Json& request) {
+    const std::size_t light = request.value("light", std::size_t{0});
+    if (light >= masks_.size()) throw Error("there is no light {}: the frame has {}", light, masks_.size());
+    const auto found = std::ranges::find(lit_, light);
+    return found == lit_.end() ? nullptr : &(*objects_)[static_cast<std::size_t>(found - lit_.begin())];
+  }
+  static Technique& must_have(Technique* object) {
+    if (!object) throw Error("the technique does not support this light");
+    return *object;
   }
 
   std::unique_ptr<Technique> fresh_technique() const {
@@ -273,13 +273,14 @@ class TechniqueServer {
   Scene scene_;
   const TechniqueEntry* entry_ = nullptr;
   std::string settings_;
-  std::unique_ptr<Technique> technique_;
+  std::optional<LightObjects> objects_;
   bool uses_gl_ = false;
-  std::string lit_by_;                       ///< of the light that the technique was given last
-  std::unique_ptr<Light> light_;             ///< that light
-  std::map<std::string, GBuffer> gbuffers_;  ///< by file: one for each view and truth
+  std::string lit_by_;                          ///< of the lights that the technique was given last
+  std::unique_ptr<std::vector<Light>> lights_;  ///< those lights
+  std::deque<VisibilityMask> masks_;            ///< of each
+  std::vector<std::size_t> lit_;                ///< the light of each object
+  std::map<std::string, GBuffer> gbuffers_;     ///< by file: one for each view and truth
   GBuffer gbuffer_;
-  std::optional<VisibilityMask> mask_;
   std::optional<FrameTracer> tracer_;
   int fresh_ = -1;  ///< last stage that is up to date
 };

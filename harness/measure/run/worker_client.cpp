@@ -30,9 +30,9 @@ Support support_of(const std::string& kind, const std::string& why) {
 
 }  // namespace
 
-std::vector<std::byte> light_and_view_bytes(const Light& light, const View& view) {
+std::vector<std::byte> light_and_view_bytes(const std::vector<Light>& lights, const View& view) {
   Scene scene;
-  scene.lights = {light};
+  scene.lights = lights;
   scene.views = {view};
   return scene_bytes(scene);
 }
@@ -86,18 +86,29 @@ FrameReply WorkerClient::frame(const FrameRequest& request) {
                                {"height", request.height},
                                {"truth", name(request.truth)}});
   if (const auto* const seen = std::get_if<SceneLightAndView>(&request.seen)) {
-    question.update(
-        json_object({{"view", seen->view}, {"light", seen->light}, {"path", seen->path}, {"frame", seen->path_frame}}));
+    question.update(json_object({{"view", seen->view}, {"path", seen->path}, {"frame", seen->path_frame}}));
+    light_count_ = seen->lights.size();
+    if (light_count_ == 1)
+      question["light"] = seen->lights[0];
+    else
+      question["lights"] = seen->lights;
   } else {
     const fs::path light_and_view = file("light_and_view");
-    const auto& [light, view] = std::get<FreeLightAndView>(request.seen);
-    write_file(light_and_view, light_and_view_bytes(light, view));
+    const auto& [lights, view] = std::get<FreeLightAndView>(request.seen);
+    light_count_ = lights.size();
+    write_file(light_and_view, light_and_view_bytes(lights, view));
     question["stand"] = light_and_view.string();
   }
   pixel_count_ = static_cast<std::size_t>(request.width) * request.height;
   return ask(question, [&](const Json& reply) {
     fresh_count_ = reply.at("fresh");
-    FrameReply result{.support = support_of(reply.at("support"), reply.at("why")), .upload = {}};
+    FrameReply result{.support = support_of(reply.at("support"), reply.at("why")), .upload = {}, .lights = {}, .shares = {}};
+    if (light_count_ > 1) {
+      for (const Json& light : reply.at("lights")) result.lights.push_back(support_of(light.at("support"), light.at("why")));
+      if (result.lights.size() != light_count_)
+        throw Error("support of {} lights came for {}", result.lights.size(), light_count_);
+      if (reply.contains("shares")) result.shares = reply.at("shares").get<bool>();
+    }
     if (reply.contains("input_bytes")) result.upload = {reply.at("input_bytes"), reply.at("upload_ms")};
     return result;
   });
@@ -123,13 +134,13 @@ void WorkerClient::bring_up(Stage last) {
 std::vector<float> WorkerClient::mask() {
   bring_up(Stage::resolve);
   return ask(json_object({{"do", "mask"}, {"mask", file("mask").string()}}),
-             [&](const Json&) { return read_mask_file(file("mask"), pixel_count_); });
+             [&](const Json&) { return read_mask_file(file("mask"), pixel_count_ * light_count_); });
 }
 
 MaskReply WorkerClient::answer() {
   bring_up(Stage::resolve);
   return ask(json_object({{"do", "answer"}, {"mask", file("mask").string()}}), [&](const Json& reply) {
-    MaskReply result{read_mask_file(file("mask"), pixel_count_), {}, 0};
+    MaskReply result{read_mask_file(file("mask"), pixel_count_ * light_count_), {}, 0};
     for (const Json& count : reply.at("counts"))
       result.counts.push_back({count.at("name"), count.at("value"), count.at("unit")});
     const double peak_bytes = reply.at("peak_bytes");
@@ -139,7 +150,7 @@ MaskReply WorkerClient::answer() {
   });
 }
 
-std::vector<std::optional<Explanation>> WorkerClient::explain(std::span<const std::uint32_t> pixels) {
+std::vector<std::optional<Explanation>> WorkerClient::explain(std::span<const std::uint32_t> pixels, std::size_t light) {
   constexpr std::size_t portion = 4096;  // pixels of one request: a filter has hundreds of taps a pixel
   bring_up(Stage::resolve);
   const fs::path asked = file("pixels"), answered = file("explanations");
@@ -147,7 +158,8 @@ std::vector<std::optional<Explanation>> WorkerClient::explain(std::span<const st
   while (result.size() < pixels.size()) {
     const auto some = pixels.subspan(result.size(), std::min(portion, pixels.size() - result.size()));
     write_file(asked, std::as_bytes(some));
-    const Json request = json_object({{"do", "explain"}, {"pixels", asked.string()}, {"out", answered.string()}});
+    const Json request =
+        json_object({{"do", "explain"}, {"pixels", asked.string()}, {"out", answered.string()}, {"light", light}});
     const auto explanations = ask(request, [&](const Json& reply) {
       if (!reply.at("explained").get<bool>()) return std::vector<std::optional<Explanation>>();
       auto known = explanations_from_bytes(MappedFile::open(answered)->bytes());
@@ -163,10 +175,11 @@ std::vector<std::optional<Explanation>> WorkerClient::explain(std::span<const st
   return result;
 }
 
-std::vector<float> WorkerClient::debug_layer(const std::string& layer) {
+std::vector<float> WorkerClient::debug_layer(const std::string& layer, std::size_t light) {
   bring_up(Stage::resolve);
   const fs::path answered = file("layer");
-  return ask(json_object({{"do", "debug"}, {"layer", layer}, {"out", answered.string()}}), [&](const Json&) {
+  const Json request = json_object({{"do", "debug"}, {"layer", layer}, {"out", answered.string()}, {"light", light}});
+  return ask(request, [&](const Json&) {
     const auto drawn = MappedFile::open(answered);
     std::vector<float> rgb(3 * pixel_count_);
     if (drawn->bytes().size() != rgb.size() * sizeof(float))
@@ -176,9 +189,9 @@ std::vector<float> WorkerClient::debug_layer(const std::string& layer) {
   });
 }
 
-SurfaceDetail WorkerClient::surface_detail() {
+SurfaceDetail WorkerClient::surface_detail(std::size_t light) {
   bring_up(Stage::relight);
-  return ask(json_object({{"do", "detail"}, {"out", file("detail").string()}}),
+  return ask(json_object({{"do", "detail"}, {"out", file("detail").string()}, {"light", light}}),
              [&](const Json&) { return detail_from_bytes(MappedFile::open(file("detail"))->bytes()); });
 }
 

@@ -17,20 +17,24 @@ struct LoadRequest {
   std::string technique, settings;   ///< id; "a=1,b=2"
 };
 
-/// A light and a view of the worker's scene; on a path, where that has moved one of them to.
+/// Lights, mostly one, and a view of the worker's scene; on a path, where that has moved one of them to.
 struct SceneLightAndView {
-  std::size_t light = 0, view = 0;  ///< indices in the scene
-  std::string path = {};            ///< its name; empty: both stand still
+  std::vector<std::size_t> lights = {0};  ///< indices in the scene
+  std::size_t view = 0;
+  std::string path = {};  ///< its name; empty: both stand still
   int path_frame = 0;
 };
-/// A light and a view that need not be the scene's.
+/// The same, but they need not be the scene's.
 struct FreeLightAndView {
-  Light light;
+  std::vector<Light> lights;
   View view;
 };
 
 /// Both as bytes: the same for the same numbers and names.
-std::vector<std::byte> light_and_view_bytes(const Light& light, const View& view);
+std::vector<std::byte> light_and_view_bytes(const std::vector<Light>& lights, const View& view);
+inline std::vector<std::byte> light_and_view_bytes(const Light& light, const View& view) {
+  return light_and_view_bytes(std::vector{light}, view);
+}
 
 /// What a technique is to answer next.
 struct FrameRequest {
@@ -49,6 +53,8 @@ struct FrameReply {
     double ms = 0;
   };
   std::optional<Upload> upload;
+  std::vector<Support> lights;  ///< of several lights, each; one that is unsupported casts no shadows
+  std::optional<bool> shares;   ///< of several lights: whether they share what setup and build make
 };
 
 /// What a worker draws with.
@@ -57,7 +63,7 @@ struct WorkerGl {
 };
 
 struct MaskReply {
-  std::vector<float> mask;  ///< 1 lit, 0 umbra; one a pixel of the frame
+  std::vector<float> mask;  ///< 1 lit, 0 umbra; one a pixel of the frame, of several lights one after the other
   Counts counts;
   std::uint64_t peak_bytes = 0;  ///< largest resident memory of the worker so far
 };
@@ -95,12 +101,13 @@ class WorkerClient {
   // Each brings up what it needs first.
   std::vector<float> mask();
   MaskReply answer();
-  /// What the technique says of pixels of the last answer, one for each; nothing where it says nothing.
-  std::vector<std::optional<Explanation>> explain(std::span<const std::uint32_t> pixels);
+  /// What the technique says of pixels of the last answer under one of the frame's lights, one for each; nothing where it says
+  /// nothing.
+  std::vector<std::optional<Explanation>> explain(std::span<const std::uint32_t> pixels, std::size_t light = 0);
   /// Three linear floats a pixel of the frame.
-  std::vector<float> debug_layer(const std::string& name);
+  std::vector<float> debug_layer(const std::string& name, std::size_t light = 0);
   /// Of the last relight.
-  SurfaceDetail surface_detail();
+  SurfaceDetail surface_detail(std::size_t light = 0);
 
   /// From any thread: ends the worker; a call that waits fails at once.
   void interrupt() { process_.interrupt(); }
@@ -116,7 +123,7 @@ class WorkerClient {
   std::filesystem::path files_;
   double timeout_seconds_;
   std::optional<WorkerGl> gl_;
-  std::size_t pixel_count_ = 0;  ///< of the frame
+  std::size_t pixel_count_ = 0, light_count_ = 1;  ///< of the frame
   int fresh_count_ = 0;
 };
 

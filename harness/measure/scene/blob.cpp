@@ -49,8 +49,8 @@ std::vector<std::byte> scene_bytes(const Scene& scene) {
   return std::move(writer.bytes);
 }
 
-std::string scene_hash(const Scene& scene, const Light& light) {
-  const auto is_other = [&](const Light& one) { return has_area(one) && one.name != light.name; };
+std::string scene_hash(const Scene& scene, std::span<const std::string> lights) {
+  const auto is_other = [&](const Light& one) { return has_area(one) && std::ranges::find(lights, one.name) == lights.end(); };
   if (std::ranges::none_of(scene.lights, is_other)) return content_hash(scene_bytes(scene));
   Scene known = scene;
   std::erase_if(known.lights, is_other);

@@ -16,9 +16,10 @@ std::string content_hash(const std::string& text);
 
 /// A scene as bytes, with everything that a technique or the scoring can see; equal scenes give equal bytes.
 std::vector<std::byte> scene_bytes(const Scene& scene);
-/// What a record knows the scene by that it was lit by one light of: the hash of everything but the other lights with area, so
-/// that a scene which gains such a light keeps its records.
-std::string scene_hash(const Scene& scene, const Light& light);
+/// What a record knows the scene by that lights of these names lit of: the hash of everything but the other lights with area,
+/// so that a scene which gains such a light keeps its records.
+std::string scene_hash(const Scene& scene, std::span<const std::string> lights);
+inline std::string scene_hash(const Scene& scene, const Light& light) { return scene_hash(scene, {&light.name, 1}); }
 /// The inverse of scene_bytes. Throws Error on bytes of another layout.
 Scene scene_from_bytes(std::span<const std::byte> bytes);
 

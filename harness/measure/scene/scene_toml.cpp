@@ -2,11 +2,13 @@
 #include <gnomon/kit/shapes.h>
 
 #include <fstream>
+#include <numbers>
 
 #include "measure/paths.h"
 #include "measure/scene/base_scene.h"
 #include "measure/scene/load.h"
 #include "measure/scene/toml_table.h"
+#include "measure/scene/turned_light.h"
 
 namespace gnomon {
 namespace {
@@ -181,11 +183,30 @@ void read_shape(const toml::table& toml, const fs::path& file, Scene& scene) {
 
 Emits read_emits(const Table& table) { return table.flag("one_sided", false) ? Emits::in_front : Emits::on_both_sides; }
 
+/// The light, or as many of it as `copies` says, NAME_1 and on, each turned a step farther about the vertical line through `about`.
+void add_copies(const Light& light, const Table& table, Scene& scene) {
+  if (!table.has("copies")) {
+    if (table.has("about")) table.refuse("about", "a point", "beside copies: one light is not turned");
+    scene.lights.push_back(light);
+    return;
+  }
+  const int count = table.integer("copies", 1, 2, 1024);
+  const glm::dvec3 about = table.vector("about", glm::dvec3(0));
+  for (int k = 0; k < count; ++k) {
+    Light copy = turned(light, about, 2 * std::numbers::pi * k / count);
+    copy.name = fmt::format("{}_{}", light.name, k + 1);
+    if (std::ranges::find(scene.lights, copy.name, &Light::name) != scene.lights.end())
+      table.refuse("name", '\'' + light.name + '\'', "unique with its copies: there is a light " + copy.name);
+    check(copy, table.where());
+    scene.lights.push_back(std::move(copy));
+  }
+}
+
 void read_light(const toml::table& toml, const fs::path& file, Scene& scene) {
   static const std::vector<std::string> kinds = {"point", "directional", "spot", "rect", "disc", "sphere"};
   const std::string kind = kind_of(toml, file, "light", kinds);
   const auto open = [&](std::initializer_list<std::string_view> own) {
-    return Table(toml, file, kind + " light", own, {"name", "kind", "intensity"});
+    return Table(toml, file, kind + " light", own, {"name", "kind", "intensity", "copies", "about"});
   };
   Light light;
   if (kind == "point") {
@@ -211,7 +232,7 @@ void read_light(const toml::table& toml, const fs::path& file, Scene& scene) {
   light.name = table.name("name", scene.lights);
   light.intensity = table.has("intensity") ? table.positive("intensity") : light.intensity;
   check(light, table.where());
-  scene.lights.push_back(light);
+  add_copies(light, table, scene);
 }
 
 void read_view(const toml::table& toml, const fs::path& file, Scene& scene) {

@@ -91,7 +91,8 @@ Picture draw_errors(const Evidence& evidence, const std::string& title) {
   soft ? add_soft(legend, kinds, sums, !evidence.reference_error.empty()) : add_wrong(legend, kinds, sums);
 
   const std::vector<float> lit(gbuffer.size(), 1.0f);
-  const Picture shaded = shade(*evidence.scene, gbuffer, *evidence.light, lit);
+  const Picture shaded = evidence.light ? shade(*evidence.scene, gbuffer, *evidence.light, lit)
+                                        : shade(*evidence.scene, gbuffer, evidence.received, lit);
   Picture picture{gbuffer.width, gbuffer.height, std::vector<std::uint8_t>(3 * gbuffer.size())};
   for (std::size_t i = 0; i < gbuffer.size(); ++i) {
     const std::uint8_t* s = &shaded.rgb[3 * i];

@@ -32,8 +32,10 @@ struct ErrorMark {
   double weight = 1;  ///< of the kind's color over the scene's gray
 };
 
-/// Whether errors are differences of shares, not wrong pixels.
-inline bool is_soft(const Evidence& evidence) { return evidence.light && has_area(*evidence.light); }
+/// Whether errors are differences of shares, not wrong pixels: under a light with area, and of several lights together.
+inline bool is_soft(const Evidence& evidence) {
+  return !evidence.received.empty() || (evidence.light && has_area(*evidence.light));
+}
 
 /// The kind of a pixel's error, however small; with causes -1 where it has none.
 inline int kind_of(const Evidence& evidence, std::size_t i) {
@@ -70,7 +72,7 @@ inline Color marked(std::uint8_t gray, const Color& color, double weight) {
 /// The scene in dim gray, over it wrong tested pixels in the color of their cause (of false dark and false lit where the
 /// evidence has no causes), and below it a legend with the share of each in T. Under a light with area every tested pixel that
 /// is off, as strongly as it is, and the legend says the mean error, the reference's own, and what the colors stand for. The
-/// evidence has scene, G-buffer and light.
+/// evidence has scene and G-buffer, and its light or the light received of several.
 Picture draw_errors(const Evidence& evidence, const std::string& title);
 
 }  // namespace gnomon

@@ -11,6 +11,7 @@
 
 #include "measure/frame/boundary.h"
 #include "measure/picture/picture.h"
+#include "measure/picture/shading.h"
 #include "measure/score/perceptual.h"
 #include "measure/statistics/statistics.h"
 
@@ -103,8 +104,12 @@ std::optional<double> mean_over_tested(const Scoring& s, std::span<const float> 
 }
 
 constexpr MetricInfo rows[] = {
-    {"error", "", "lower", "What a row is judged by: its wrong rate, or under a light with area its mean error (error_mean).",
+    {"error", "", "lower",
+     "What a row is judged by: its wrong rate; under a light with area its mean error (error_mean); under several lights "
+     "together "
+     "that of the light received (received_error_rms).",
      [](const Scoring& s) {
+       if (!s.evidence().received.empty()) return s.light_error().rms;
        const ErrorCounts& counts = s.error_counts();
        return share(is_soft(s) ? counts.error_sum : static_cast<double>(counts.wrong), counts.tested);
      }},
@@ -125,6 +130,14 @@ constexpr MetricInfo rows[] = {
      "Mean over T of the absolute difference from the other number that is true of a light with area: share of its irradiance "
      "for techniques that estimate the share of its area, and the other way about.",
      [](const Scoring& s) { return mean_over_tested(s, s.evidence().other_reference, s.evidence().mask); }},
+    {"received_error_rms", "", "lower",
+     "Root mean square over T of the difference in light received (irradiance, in linear units), as a share of the "
+     "reference's: an "
+     "unlit picture has 100 %.",
+     [](const Scoring& s) { return s.light_error().rms; }},
+    {"received_error_mean", "intensity", "lower",
+     "Mean over T of the absolute difference in light received, in units of the lights' intensity.",
+     [](const Scoring& s) { return s.light_error().mean; }},
     {"displacement_mean", "px", "lower", "Mean distance between the shadow boundaries of technique and reference, both ways.",
      [](const Scoring& s) { return s.displacement().mean; }},
     {"displacement_p95", "px", "lower", "95th percentile of the same distances.",
@@ -231,12 +244,31 @@ Displacement measure_displacement(const Evidence& e) {
           quantile(distances, 0.95)};
 }
 
+LightError measure_light_error(const Evidence& e) {
+  if (!e.gbuffer || (!e.light && e.received.empty())) return {};
+  const std::vector<double> of_one = e.received.empty() ? received_light(*e.gbuffer, *e.light) : std::vector<double>();
+  const std::span<const double> received = e.received.empty() ? std::span(of_one) : e.received;
+  double tested = 0, sum = 0, squares = 0, whole = 0;
+  for (std::size_t i = 0; i < e.mask.size(); ++i) {
+    if (e.classes[i] != PixelClass::T) continue;
+    const double difference = received[i] * (static_cast<double>(e.mask[i]) - e.reference[i]);
+    const double right = received[i] * e.reference[i];
+    ++tested;
+    sum += std::abs(difference);
+    squares += difference * difference;
+    whole += right * right;
+  }
+  return {share(sum, tested), whole > 0 ? std::optional(std::sqrt(squares / whole)) : std::nullopt};
+}
+
 /// What a viewer sees of a wrong mask: the shaded picture against the reference's.
 Likeness measure_likeness(const Evidence& e) {
-  if (!e.scene || !e.gbuffer || !e.light) return {};
+  if (!e.scene || !e.gbuffer || (!e.light && e.received.empty())) return {};
+  const auto shaded = [&](std::span<const float> mask) {
+    return e.light ? shade(*e.scene, *e.gbuffer, *e.light, mask) : shade(*e.scene, *e.gbuffer, e.received, mask);
+  };
   Picture ours, theirs;
-  tbb::parallel_invoke([&] { ours = shade(*e.scene, *e.gbuffer, *e.light, e.mask); },
-                       [&] { theirs = shade(*e.scene, *e.gbuffer, *e.light, e.reference); });
+  tbb::parallel_invoke([&] { ours = shaded(e.mask); }, [&] { theirs = shaded(e.reference); });
   return {ssim(theirs, ours), flip(theirs, ours)};
 }
 
@@ -286,6 +318,10 @@ const std::vector<BinCount>& Scoring::angle_bins() const {
 
 const Softness& Scoring::softness() const {
   return once(softness_, [&] { return measure_softness(evidence_); });
+}
+
+const LightError& Scoring::light_error() const {
+  return once(light_error_, [&] { return measure_light_error(evidence_); });
 }
 
 const Likeness& Scoring::likeness() const {

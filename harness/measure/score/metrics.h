@@ -27,6 +27,9 @@ struct Evidence {
   /// Under a light with area, else empty: standard errors of `reference`, and the other number that is true of the light.
   std::span<const float> reference_error = {}, other_reference = {};
   std::span<const float> caster_distance = {};  ///< meters, see SoftReference
+  /// Of several lights together (see Together), else empty: what a pixel would receive of them without shadows. Mask and
+  /// reference are shares of it, and `light` is null.
+  std::span<const double> received = {};
 
   bool faces_light(std::size_t i) const { return classes[i] > PixelClass::F; }
   bool is_wrong(std::size_t i) const { return gnomon::is_wrong(mask[i], reference[i]); }
@@ -61,6 +64,12 @@ struct Displacement {
   std::optional<double> mean, p95;
 };
 
+/// What is wrong with the light that pixels of T receive, in units of the lights' intensity.
+struct LightError {
+  std::optional<double> mean;  ///< of the absolute difference
+  std::optional<double> rms;   ///< of the difference, as a share of that of the reference
+};
+
 /// How different the shaded pictures of mask and reference look.
 struct Likeness {
   std::optional<double> ssim, flip;
@@ -79,6 +88,7 @@ class Scoring {
   const std::vector<BinCount>& edge_bins() const;
   const std::vector<BinCount>& angle_bins() const;
   const Softness& softness() const;
+  const LightError& light_error() const;
   const Likeness& likeness() const;
 
  private:
@@ -88,6 +98,7 @@ class Scoring {
   mutable std::optional<std::vector<float>> edge_distance_;
   mutable std::optional<std::vector<BinCount>> edge_bins_, angle_bins_;
   mutable std::optional<Softness> softness_;
+  mutable std::optional<LightError> light_error_;
   mutable std::optional<Likeness> likeness_;
 };
 

@@ -21,32 +21,36 @@ struct Bar {
 /// What is drawn: a bar for each setting, and over how many places.
 struct Bars {
   std::vector<Bar> all;
-  std::size_t places = 0, places_with_area = 0;
+  LightCounts places = {};
 
-  bool is_mixed() const { return places > 0 && places_with_area > 0; }
   /// ", mean over 5 places"; nothing to say of a single one.
   std::string over_text() const {
-    const std::size_t all = places + places_with_area;
-    if (!is_mixed()) return all == 1 ? "" : fmt::format(", mean over {} places", all);
-    return fmt::format(", mean over {} place{} without and {} with area of the light", places, places == 1 ? "" : "s",
-                       places_with_area);
+    static constexpr std::string_view kinds[] = {"without area of the light", "with area of the light", "of several lights"};
+    std::size_t all = 0;
+    std::vector<std::string> parts;
+    for (std::size_t k = 0; k < places.rows.size(); ++k) {
+      all += places.rows[k];
+      if (places.rows[k] > 0) parts.push_back(fmt::format("{} {}", places.rows[k], kinds[k]));
+    }
+    if (!places.is_mixed()) return all == 1 ? "" : fmt::format(", mean over {} places", all);
+    return ", mean over places: " + joined(parts, ", ");
   }
 };
 
-/// The settings of the finished rows for which `has` is true, over the places that all of them share: under lights without
-/// area, and after these under lights with area, where a setting of both has two bars.
+/// The settings of the finished rows for which `has` is true, over the places that all of them share: those of each Lighting in
+/// turn, where a setting of several has a bar for each.
 Bars bars_of(std::span<const Record> records, auto has) {
   Bars bars;
-  for (const bool with_area : {false, true}) {
-    const RowsBySetting settings =
-        rows_by_setting(records, [&](const Record& r) { return has_area(r) == with_area && has(r); });
+  for (const Lighting of : all_lightings) {
+    const RowsBySetting settings = rows_by_setting(records, [&](const Record& r) { return lighting(r) == of && has(r); });
     const std::set<Place> common = common_places(settings, &RowsBySetting::value_type::second);
     if (common.empty()) continue;
-    (with_area ? bars.places_with_area : bars.places) = common.size();
+    const bool is_first = !bars.places.only();
+    bars.places.rows[static_cast<std::size_t>(of)] = common.size();
     for (const auto& [key, rows] : settings) {
       const Record& first = *rows.begin()->second;
       Bar& bar = bars.all.emplace_back(Bar{setting_name(first), first.role, {}});
-      if (with_area && bars.places > 0) bar.name += ", light with area";
+      if (!is_first) bar.name += of == Lighting::soft ? ", light with area" : ", several lights";
       for (const Place& place : common) bar.rows.push_back(rows.at(place));
     }
   }
@@ -179,11 +183,10 @@ void draw_causes(std::span<const Record> records, FigureScript& script) {
   for (std::size_t k = 0; k < bars.size(); ++k)
     script.add("set label {} at 101.5,{} left textcolor rgb '#222222'",
                FigureScript::quoted(measured(100 * shares[k].error) + " %"), k + 1);
-  const bool with_area = places.places_with_area > 0, is_hard = !with_area;
+  const std::optional<Lighting> only = places.places.only();
+  const bool is_hard = only == Lighting::hard;
   script.add("set label {} at 101.5,0.2 left textcolor rgb '#666666'",
-             FigureScript::quoted(is_hard             ? "wrong"
-                                  : places.is_mixed() ? "error"
-                                                      : "mean error"));
+             FigureScript::quoted(only ? error_heading(*only) : "error"));
   script.add("set yrange [{}:-0.2]", static_cast<double>(bars.size()) + 0.6);
   script.add("set xrange [0:100]; set xlabel {}",
              FigureScript::quoted((is_hard ? "share of the wrong pixels (%)" : "share of the error (%)") + places.over_text()));

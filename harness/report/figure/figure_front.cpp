@@ -57,10 +57,16 @@ class FrontPanel {
   std::vector<std::string> numbers_;  ///< commands that write numbers beside marks
 };
 
+LightCounts lights_of(const Field& field) {
+  LightCounts lights;
+  lights.add(field.lighting);
+  return lights;
+}
+
 FrontPanel::FrontPanel(const Field& field, const AnalysisOptions& options)
     : field_(field),
       options_(options),
-      error_column_(quantity_column(options.metric, {.without_area = !field.has_area, .with_area = field.has_area})),
+      error_column_(quantity_column(options.metric, lights_of(field))),
       cost_column_(quantity_column(options.cost == Cost::bytes ? "bytes" : "resolve_ms")),
       is_higher_better_(better(options.metric) == "higher") {
   const std::vector<FrontEntry> stands = find_front(field, better(options.metric));
@@ -163,7 +169,7 @@ void FrontPanel::set_axes(FigureScript& script, bool is_only) const {
 
 /// Over which places, where there are two panels.
 std::string title_of(const Field& field, std::span<const Place> places) {
-  return field.place ? title(*field.place, places) : fmt::format("{} places{}", field.places, lights_text(field));
+  return field.place ? title(*field.place, places) : fmt::format("{} places{}", field.places, lights_text(field.lighting));
 }
 
 }  // namespace

@@ -160,8 +160,12 @@ class Collector {
   /// The mask of one row; null with a note when it does not belong to the scene as it is now, or cannot be read.
   Json row(const Record& r) {
     const std::string what = fmt::format("{}, light {}, {}", r.scene, r.light, r.label.value_or(r.technique));
+    if (has_several_lights(r)) {
+      note(what, "they are of several lights together");
+      return {};
+    }
     const std::string hash = context_text(r, "scene_hash");
-    if (!frames_.store().is_scene(hash, named(frames_.scene().lights, r.light, "light"))) {
+    if (!frames_.store().is_scene(hash, light_names(r))) {
       note("scene " + r.scene, hash.empty() ? "its records do not say which scene was measured"
                                             : "the scene is not the one that was measured: its content has changed");
       return {};

@@ -10,6 +10,7 @@
 #include "measure/frame/classify.h"
 #include "measure/json.h"
 #include "measure/score/metrics.h"
+#include "report/table/columns_metrics.h"
 #include "report/table/digits.h"
 
 namespace gnomon {
@@ -17,12 +18,6 @@ namespace gnomon {
 namespace {
 
 constexpr double mebibyte = 1024 * 1024;
-
-/// Nothing, NaN and infinity are null.
-template <class T>
-Cell number(const std::optional<T>& value) {
-  return value && std::isfinite(static_cast<double>(*value)) ? Cell{.value = static_cast<double>(*value)} : Cell{};
-}
 
 Column bytes_column(std::string name, std::string heading, CellOf cell) {
   Column column = number_column(std::move(name), "byte", std::move(heading), cell);
@@ -55,6 +50,7 @@ void add_identity(std::vector<Column>& columns) {
   columns.push_back(text_column("scene", "scene", [](const Record& r) { return text_cell(r.scene); }));
   columns.push_back(text_column("light", "light", [](const Record& r) { return text_cell(r.light); }));
   columns.push_back(text_column("light_kind", "light kind", [](const Record& r) { return text_cell(r.light_kind); }));
+  columns.push_back(whole_column("light_count", "", "lights", [](const Record& r) { return count_cell(light_count(r)); }));
   columns.push_back(text_column("view", "view", [](const Record& r) { return text_cell(r.view); }));
   columns.push_back(text_column("path", "path", [](const Record& r) { return text_cell(r.path); }));
   columns.push_back(whole_column("frames", "", "frames", [](const Record& r) {
@@ -132,48 +128,6 @@ void add_memory(std::vector<Column>& columns) {
   }));
   columns.push_back(number_column("gl_upload_ms", "ms", "GL upload",
                                   [](const Record& r) { return r.gl ? Cell{.value = r.gl->upload_ms} : Cell{}; }));
-}
-
-/// "false_dark_rate" -> "false dark": the unit says that it is a rate. "displacement" is too wide for two columns of a table.
-std::string heading_of(std::string metric) {
-  if (metric == "reference_error_mean") return "ref. error";
-  if (metric == "other_error_mean") return "other error";
-  if (metric.ends_with("_rate")) metric.resize(metric.size() - 5);
-  if (const std::size_t rate = metric.find("_rate_"); rate != metric.npos) metric.erase(rate, 5);
-  if (metric.starts_with("displacement")) metric.replace(0, 12, "displ.");
-  // "wrong_edge_0_1" -> "wrong edge 0..1", "wrong_edge_8_up" -> "wrong edge 8..up".
-  const std::size_t last = metric.rfind('_');
-  const auto is_digit = [&](std::size_t i) { return i < metric.size() && metric[i] >= '0' && metric[i] <= '9'; };
-  if (last != metric.npos && is_digit(last - 1) && (is_digit(last + 1) || metric.ends_with("_up")))
-    metric.replace(last, 1, "..");
-  return with_blanks(metric);
-}
-
-/// A metric without unit is a share of 1 and shown in percent. `truth`: nothing for the record's headline truth.
-Column metric_column(const MetricInfo& info, std::optional<Truth> truth) {
-  const std::string metric(info.name);
-  Column column = number_column(metric, std::string(info.unit), heading_of(metric));
-  if (info.unit.empty()) {
-    column.shown_unit = "%";
-    column.shown_scale = 100;
-  }
-  if (truth) {
-    column.name = fmt::format("{}.{}", name(*truth), metric);
-    column.heading += fmt::format(" ({})", name(*truth));
-  }
-  column.better = info.better;
-  column.sentence = info.sentence;
-  column.cell = [metric, truth](const Record& r) {
-    Cell cell = number(r.metric(truth.value_or(r.truth), metric));
-    cell.is_flagged = metric == "tested_share" && cell.number() && *cell.number() < least_tested_share;
-    return cell;
-  };
-  return column;
-}
-
-void add_metrics(std::vector<Column>& columns) {
-  for (const std::optional<Truth> truth : {std::optional<Truth>(), std::optional(Truth::shape), std::optional(Truth::mesh)})
-    for (const MetricInfo& info : metric_infos()) columns.push_back(metric_column(info, truth));
 }
 
 void add_causes(std::vector<Column>& columns) {
@@ -280,6 +234,7 @@ std::vector<Column> all_columns(std::span<const Record> records) {
   add_times(columns);
   add_memory(columns);
   add_metrics(columns);
+  add_worst_light(columns);
   add_causes(columns);
   add_facts(columns);
   add_parameters(columns, records);

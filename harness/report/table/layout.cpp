@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "analysis/analysis.h"
 #include "analysis/in_order.h"
 #include "report/table/digits.h"
 
@@ -76,12 +77,11 @@ bool has_metric(std::span<const Record> records, std::string_view metric) {
   return std::ranges::any_of(records, [&](const Record& r) { return r.metric(metric).has_value(); });
 }
 
-bool any_has_area(std::span<const Record> records) {
-  return std::ranges::any_of(records, [](const Record& r) { return has_area(r); });
+bool any_is(std::span<const Record> records, Lighting of) {
+  return std::ranges::any_of(records, [&](const Record& r) { return lighting(r) == of; });
 }
-
-bool any_has_no_area(std::span<const Record> records) {
-  return std::ranges::any_of(records, [](const Record& r) { return !has_area(r); });
+bool any_is_not_hard(std::span<const Record> records) {
+  return std::ranges::any_of(records, [](const Record& r) { return lighting(r) != Lighting::hard; });
 }
 
 /// Adds those of the metrics that some record has.
@@ -91,11 +91,12 @@ void add_known(std::vector<std::string>& names, std::span<const Record> records,
 }
 
 /// What a row is judged by, and what it is read against: under lights without area the wrong rate and the snapping floor, under
-/// lights with area the mean error and the reference's own.
+/// lights with area the mean error and the reference's own, under several lights the light received and how it looks.
 void add_error_columns(std::vector<std::string>& names, std::span<const Record> records) {
   static constexpr std::string_view floors[] = {"reference_error_mean", "snapping_floor"};
-  names.emplace_back(any_has_area(records) ? "error" : "wrong_rate");
+  names.emplace_back(any_is_not_hard(records) ? "error" : "wrong_rate");
   add_known(names, records, floors);
+  if (any_is(records, Lighting::several)) names.insert(names.end(), {"light_error_max", "flip", "ssim"});
 }
 
 /// What is defined under lights with area alone.
@@ -132,12 +133,12 @@ std::vector<std::string> headline_columns(std::span<const Record> records, bool 
   names.insert(names.end(),
                {"technique", "support", "setup_ms", "build_ms", "relight_ms", "resolve_ms", "bytes", "peak_bytes"});
   add_error_columns(names, records);
-  const bool with_hard = any_has_no_area(records);
+  const bool with_hard = any_is(records, Lighting::hard);
   if (with_hard) names.insert(names.end(), {"wrong_rate_all", "false_dark_rate", "false_lit_rate"});
   if (std::any_of(records.begin(), records.end(), [](const Record& r) { return !top_causes(r).empty(); }))
     names.emplace_back("causes");
   if (with_hard) names.insert(names.end(), {"displacement_mean", "displacement_p95"});
-  if (any_has_area(records)) add_known(names, records, soft_metrics);
+  if (any_is(records, Lighting::soft)) add_known(names, records, soft_metrics);
   names.emplace_back("tested_share");
   return names;
 }
@@ -145,8 +146,8 @@ std::vector<std::string> headline_columns(std::span<const Record> records, bool 
 std::vector<std::string> paper_columns(std::span<const Record> records) {
   std::vector<std::string> names = {"technique", "support", "build_ms", "relight_ms", "resolve_ms", "bytes"};
   add_error_columns(names, records);
-  if (any_has_no_area(records)) names.insert(names.end(), {"false_dark_rate", "false_lit_rate", "displacement_mean"});
-  if (any_has_area(records)) add_known(names, records, soft_metrics);
+  if (any_is(records, Lighting::hard)) names.insert(names.end(), {"false_dark_rate", "false_lit_rate", "displacement_mean"});
+  if (any_is(records, Lighting::soft)) add_known(names, records, soft_metrics);
   names.emplace_back("tested_share");
   return names;
 }
@@ -170,9 +171,10 @@ Remarks provenance(std::span<const Record> records) {
   return lines;
 }
 
-bool Layout::has_area_light() const {
+bool Layout::has_soft_rows() const {
   return std::ranges::any_of(groups, [](const Group& group) {
-    return std::ranges::any_of(group.rows, [](const Row& row) { return row.record && has_area(*row.record); });
+    return std::ranges::any_of(group.rows,
+                               [](const Row& row) { return row.record && lighting(*row.record) != Lighting::hard; });
   });
 }
 
@@ -187,7 +189,7 @@ Remarks legend(const Layout& layout, std::string_view best, std::string_view fla
   if (has(&Cell::is_best)) lines.emplace_back(best, layout.best);
   if (has(&Cell::is_flagged))
     lines.emplace_back(flag, fmt::format("less than {} % of the pixels facing the light are tested: read the {} with care",
-                                         exact(100 * least_tested_share), layout.has_area_light() ? "errors" : "wrong rate"));
+                                         exact(100 * least_tested_share), layout.has_soft_rows() ? "errors" : "wrong rate"));
   lines.insert(lines.end(), layout.shorthands.begin(), layout.shorthands.end());
   return lines;
 }
@@ -200,15 +202,23 @@ Layout::Row row_of(const Record& record, std::span<const Column> columns) {
 
 namespace {
 
-/// What the columns of soft shadows say; `is_mixed`: the table has rows under lights without area, too.
-void add_error_shorthands(Layout& layout, bool is_mixed) {
+/// What the columns of soft shadows and of several lights say.
+void add_error_shorthands(Layout& layout, std::span<const Record> records) {
   const auto add = [&](std::string_view column, std::string_view word, std::string text) {
     if (std::ranges::find(layout.columns, column, &Column::name) != layout.columns.end())
       layout.shorthands.emplace_back(word, std::move(text));
   };
-  add("error", "error",
-      fmt::format("mean difference from the reference over the tested pixels{}",
-                  is_mixed ? " under lights with area; under lights without area the wrong rate" : ""));
+  static constexpr std::string_view meanings[] = {
+      "the wrong rate", "mean difference from the reference over the tested pixels",
+      "root mean square error of the light received, as a share of the reference's"};
+  std::vector<std::string> errors;
+  LightCounts counts;
+  for (const Record& r : records) counts.add(lighting(r));
+  for (const Lighting of : {Lighting::soft, Lighting::hard, Lighting::several})
+    if (const auto k = static_cast<std::size_t>(of); counts.rows[k] > 0)
+      errors.push_back(fmt::format("{}{}", meanings[k], counts.is_mixed() ? lights_text(of) : ""));
+  add("error", "error", joined(errors, "; "));
+  add("light_error_max", "worst light", "the largest error of one light's mask: its wrong rate, with area its mean error");
   add("reference_error_mean", "ref. error", "the reference's own mean error: a smaller one may be the reference's");
   add("other_error_mean", "other error",
       "from the other number that is true of a light with area: share of its irradiance, or of its area where the technique "
@@ -251,7 +261,7 @@ Layout lay_out(std::span<const Record> records, std::span<const std::string> nam
   if (has_null) layout.shorthands.emplace_back("-", "not measured or not defined");
   if (std::ranges::find(columns, "ms", &Column::unit) != columns.end())
     layout.shorthands.emplace_back("ms", "median of the medians of the processes");
-  if (any_has_area(records)) add_error_shorthands(layout, any_has_no_area(records));
+  if (any_is_not_hard(records)) add_error_shorthands(layout, records);
   if (has_column("snapping_floor") && has_metric(records, "snapping_floor"))
     layout.shorthands.emplace_back(
         "snapping floor",

@@ -32,7 +32,7 @@ struct Layout {
   std::vector<std::string> notes = {};
   Remarks provenance = {};
 
-  bool has_area_light() const;  ///< a row's record is of one
+  bool has_soft_rows() const;  ///< some row is judged by how far it is off, not by how many pixels are wrong
 };
 
 /// Terminal, Markdown and LaTeX round, CSV and JSON do not. The audience decides on the columns.

@@ -33,19 +33,19 @@ std::size_t width_of(const std::string& text) {
   return rule == std::string::npos ? 0 : text.find('\n', rule + 1) - rule - 1;
 }
 
-/// The rows under lights of one kind, and what stands below their table of where they were made.
+/// The rows of one Lighting, and what stands below their table of where they were made.
 struct Part {
   std::vector<Record> records;
   Remarks provenance = {};
 };
 
-/// Rows under lights without area and under lights with area are judged by other numbers: people read them in tables of their
-/// own. The last one says where all were made.
+/// Rows of each Lighting are judged by other numbers: people read them in tables of their own. The last one says where all were
+/// made.
 std::vector<Part> parts_of(std::span<const Record> records) {
   std::vector<Part> parts;
-  for (const bool with_area : {false, true}) {
+  for (const Lighting of : all_lightings) {
     Part part;
-    std::ranges::copy_if(records, std::back_inserter(part.records), [&](const Record& r) { return has_area(r) == with_area; });
+    std::ranges::copy_if(records, std::back_inserter(part.records), [&](const Record& r) { return lighting(r) == of; });
     if (!part.records.empty()) parts.push_back(std::move(part));
   }
   if (parts.empty()) parts.emplace_back();

@@ -29,7 +29,7 @@ RowCost cost(const std::string& job, const std::string& technique = "shadow_map"
 }
 
 Job job(const std::string& hash, const std::string& technique = "shadow_map", const std::string& scene = "soup") {
-  return {hash, scene, "sun", "main", {technique, "", ""}, 100, 100, "", 0};
+  return {hash, scene, "sun", "main", {"sun"}, {technique, "", ""}, 100, 100, "", 0};
 }
 
 TimeEstimate estimate(std::vector<RowCost> costs, const Job& of, const Effort& effort = {1, 0, 1}) {

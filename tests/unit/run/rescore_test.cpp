@@ -34,7 +34,7 @@ class RescoreTest : public testing::Test {
     record.status = Status::ok;
     record.mask = "masks/mask.exr";
     FrameStore frames(scene_, cache_root() / "frames");
-    record.context["scene_hash"] = frames.scene_hash(scene_.lights.front());
+    record.context["scene_hash"] = frames.scene_hash({scene_.lights.front().name});
     record.context["frames"] = frame_version();
     return record;
   }

@@ -235,7 +235,7 @@ TEST(suite, lights_are_chosen_by_whether_they_have_an_area) {
   EXPECT_EQ(lights("'*soft'"), "lamp tube ");
   EXPECT_EQ(lights("['tube', '*soft', 'sun']"), "tube lamp sun ");
   EXPECT_EQ(complaint([&] { lights("'*sof'"); }),
-            "scene contact has no light *sof; did you mean sun? It has: point, sun, lamp, tube");
+            "scene contact has no light whose name is like *sof; it has: point, sun, lamp, tube");
   const File file("[[group]]\nscenes = 'soup'\nlights = '*soft'\ntechniques = ['unshadowed']\n");
   SceneLibrary library;
   EXPECT_EQ(complaint([&] { expand_jobs(read_suite(file.path), library); }),

@@ -275,11 +275,11 @@ TEST_F(OwnWorker, answers_a_light_that_is_not_the_scenes) {
   Light moved = scene.lights[0];
   std::get<PointLight>(moved.kind).position += glm::vec3(1, 0, 0);
   FrameRequest elsewhere = frame();
-  elsewhere.seen = FreeLightAndView{moved, scene.views[0]};
+  elsewhere.seen = FreeLightAndView{{moved}, scene.views[0]};
   client.frame(elsewhere);
   EXPECT_EQ(client.fresh_count(), 2) << "another light: build stands";
   EXPECT_NE(client.mask(), before);
-  elsewhere.seen = FreeLightAndView{scene.lights[0], scene.views[0]};
+  elsewhere.seen = FreeLightAndView{{scene.lights[0]}, scene.views[0]};
   client.frame(elsewhere);
   EXPECT_EQ(client.mask(), before);
 }

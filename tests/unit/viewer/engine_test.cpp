@@ -104,13 +104,13 @@ void expect_as_rendered(const Selection& selection, const EngineState& state) {
   const MeasuredRow row = rendered(selection, 0);
   const SideState& side = state.sides[0];
   ASSERT_EQ(side.phase, Phase::done) << side.words;
-  EXPECT_EQ(side.answer->mask, row.answer.mask);
+  EXPECT_EQ(side.answer->mask, row.lights[0].answer.mask);
   ASSERT_TRUE(side.verdict && side.verdict->has_causes);
   EXPECT_EQ(side.verdict->errors.wrong, row.errors.wrong);
   EXPECT_EQ(side.verdict->errors.false_dark, row.errors.false_dark);
-  EXPECT_EQ(side.verdict->causes, row.answer.causes);
-  EXPECT_TRUE(std::ranges::equal(state.reference->mask, row.answer.reference.mask));
-  EXPECT_TRUE(std::ranges::equal(state.reference->classes, row.answer.reference.classes));
+  EXPECT_EQ(side.verdict->causes, row.lights[0].answer.causes);
+  EXPECT_TRUE(std::ranges::equal(state.reference->mask, row.lights[0].answer.reference.mask));
+  EXPECT_TRUE(std::ranges::equal(state.reference->classes, row.lights[0].answer.reference.classes));
 }
 
 // Masks, reference, classes and causes are those of `gnomon render`, where it starts and after camera and light have moved. The

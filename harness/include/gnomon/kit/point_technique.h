@@ -2,7 +2,7 @@
 #include <gnomon/kit/layers.h>
 #include <gnomon/kit/parallel.h>
 #include <gnomon/kit/receiver.h>
-#include <gnomon/technique.h>
+#include <gnomon/kit/shared.h>
 
 #include <algorithm>
 #include <concepts>
@@ -33,12 +33,14 @@ class PointTechnique : public Technique {
   virtual std::uint32_t shading_triangle(std::size_t index) const = 0;
 
   void remember(const Scene& scene) {
-    scene_ = &scene;
-    numbers_ = TriangleNumbers(scene);
+    remembered_->scene = &scene;
+    remembered_->numbers = TriangleNumbers(scene);
   }
-  bool faces_light(const GBuffer& gbuffer, std::size_t i) const { return gnomon::faces_light(*scene_, gbuffer, light_, i); }
+  bool faces_light(const GBuffer& gbuffer, std::size_t i) const {
+    return gnomon::faces_light(*remembered_->scene, gbuffer, light_, i);
+  }
   NumberedReceiver receiver(const GBuffer& gbuffer, std::size_t i) const {
-    return numbers_.numbered(receiver_at(*scene_, gbuffer, i));
+    return remembered_->numbers.numbered(receiver_at(*remembered_->scene, gbuffer, i));
   }
   /// Calls decide(pixel, work) for every pixel that faces the light, in tiles of 16 x 16 on all threads: neighbors take much
   /// the same ways. Each thread has copies of `start` to work with; returns their sum.
@@ -48,10 +50,13 @@ class PointTechnique : public Technique {
   template <std::invocable<std::size_t> Value>
   std::vector<float> heat_of(const Value& value) const;
 
-  const Scene* scene_ = nullptr;
+  struct Remembered {
+    const Scene* scene = nullptr;
+    TriangleNumbers numbers;
+  };
+  Shared<Remembered> remembered_;
   const GBuffer* gbuffer_ = nullptr;  // of the last resolve
   Light light_;
-  TriangleNumbers numbers_;
 };
 
 /// Calls visit(a, b, c, mesh, number) with the corners of each triangle of a scene, counted mesh after mesh.
@@ -81,9 +86,15 @@ template <class Number>
 Count count_of(std::string name, Number value) {
   return {std::move(name), static_cast<double>(value), ""};
 }
+/// A count without unit that says how far something went: of several objects the largest.
+template <class Number>
+Count most_of(std::string name, Number value) {
+  return {std::move(name), static_cast<double>(value), "", Count::Together::largest};
+}
 /// `sum` for each of `count`, which may be none.
 inline Count mean_of(std::string name, std::uint64_t sum, std::uint64_t count) {
-  return count_of(std::move(name), static_cast<double>(sum) / static_cast<double>(std::max<std::uint64_t>(count, 1)));
+  return {std::move(name), static_cast<double>(sum) / static_cast<double>(std::max<std::uint64_t>(count, 1)), "",
+          Count::Together::mean};
 }
 
 /// A debug layer of `heat_layer`, whose sentence ends with how to read it.

@@ -1,5 +1,6 @@
 #pragma once
 #include <gnomon/kit/lines.h>
+#include <gnomon/kit/shared.h>
 #include <gnomon/kit/volume_faces.h>
 
 namespace gnomon {
@@ -19,24 +20,28 @@ class VolumeTechnique : public Technique {
   /// The mask of `gbuffer_`.
   virtual void answer(VisibilityMask& mask) const;
   /// The lines of the layer `silhouette`.
-  virtual std::vector<Line> outlines() const { return silhouette_lines(adjacency_, silhouette_); }
+  virtual std::vector<Line> outlines() const { return silhouette_lines(made_->adjacency, silhouette_); }
 
   /// Of what the techniques share, for the count "bytes". The wide picture where the mask is counted in it.
   std::size_t bytes() const {
-    return adjacency_.bytes() + silhouette_.bytes() + faces_.bytes() + (wide_ ? counter_.wide_bytes() : 0);
+    const std::size_t shared_bytes = made_->adjacency.bytes() + (wide_ ? made_->counter.wide_bytes() : 0);
+    return static_cast<std::size_t>(made_.own(static_cast<double>(shared_bytes))) + silhouette_.bytes() + faces_.bytes();
   }
   /// What the stencil cannot tell, by a pass in 32 bits that is thrown away.
   VolumeCounter::Work measure_work() const;
   Pass mask_pass() const { return wide_ ? Pass::wide : Pass::stencil; }
-  /// Binds the faces to `drawer_` as `gbuffer_` sees them; `positions` are those of `adjacency_`.
+  /// Binds the faces to the drawer as `gbuffer_` sees them; `positions` are those of its adjacency.
   void bind_faces(const Buffer& positions) const;
 
-  mutable VolumeCounter counter_;
-  mutable FaceDrawer drawer_;
-  const Scene* scene_ = nullptr;
+  struct Made {
+    VolumeCounter counter;
+    FaceDrawer drawer;
+    const Scene* scene = nullptr;
+    EdgeAdjacency adjacency;
+  };
+  Shared<Made> made_;
   const GBuffer* gbuffer_ = nullptr;
   Light light_;
-  EdgeAdjacency adjacency_;
   Silhouette silhouette_;
   FaceBuffers faces_;
   FaceCommands commands_;

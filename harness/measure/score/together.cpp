@@ -1,0 +1,89 @@
+#include "measure/score/together.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "measure/picture/shading.h"
+
+namespace gnomon {
+
+namespace {
+
+/// Sums over the lights, in double: the order of the lights then does not show in a float.
+struct Sums {
+  explicit Sums(std::size_t pixels) : mask(pixels), shown(pixels), reference(pixels), variance(pixels), worst(pixels) {}
+  std::vector<double> mask, shown, reference, variance;
+  std::vector<double> worst;  ///< the largest error of one light that has a cause, as light received
+};
+
+void add(const Evidence& e, const std::vector<double>& received, Together& whole, Sums& sums) {
+  for (std::size_t i = 0; i < received.size(); ++i) {
+    whole.received[i] += received[i];
+    whole.classes[i] = std::max(whole.classes[i], e.classes[i]);  // from B to T
+    const double reference = received[i] * e.reference[i];
+    const double mask = e.classes[i] == PixelClass::T ? received[i] * e.mask[i] : reference;
+    sums.reference[i] += reference;
+    sums.mask[i] += mask;
+    sums.shown[i] += received[i] * e.mask[i];
+    if (!e.reference_error.empty()) {
+      const double error = received[i] * e.reference_error[i];
+      sums.variance[i] += error * error;
+    }
+    if (e.causes.empty() || e.causes[i] == Cause::none) continue;
+    if (const double error = std::abs(mask - reference); error > sums.worst[i]) {
+      sums.worst[i] = error;
+      whole.causes[i] = e.causes[i];
+    }
+  }
+}
+
+}  // namespace
+
+Together together(std::span<const Evidence> lights) {
+  assert(!lights.empty());
+  const GBuffer& gbuffer = *lights.front().gbuffer;
+  const std::size_t pixels = gbuffer.size();
+  Together whole{.scene = lights.front().scene,
+                 .gbuffer = &gbuffer,
+                 .received = std::vector<double>(pixels),
+                 .mask = {},
+                 .reference = {},
+                 .shown = {},
+                 .reference_error = {},
+                 .classes = std::vector<PixelClass>(pixels, PixelClass::B),
+                 .causes = {}};
+  if (std::ranges::any_of(lights, [](const Evidence& e) { return !e.causes.empty(); }))
+    whole.causes.assign(pixels, Cause::none);
+  Sums sums(pixels);
+  for (const Evidence& e : lights) add(e, received_light(gbuffer, *e.light), whole, sums);
+
+  whole.mask.assign(pixels, 1.0f);
+  whole.reference = whole.shown = whole.mask;
+  if (std::ranges::any_of(lights, [](const Evidence& e) { return !e.reference_error.empty(); }))
+    whole.reference_error.assign(pixels, 0.0f);
+  for (std::size_t i = 0; i < pixels; ++i) {
+    if (whole.received[i] == 0) continue;
+    whole.mask[i] = static_cast<float>(sums.mask[i] / whole.received[i]);
+    whole.shown[i] = static_cast<float>(sums.shown[i] / whole.received[i]);
+    whole.reference[i] = static_cast<float>(sums.reference[i] / whole.received[i]);
+    if (!whole.reference_error.empty())
+      whole.reference_error[i] = static_cast<float>(std::sqrt(sums.variance[i]) / whole.received[i]);
+  }
+  return whole;
+}
+
+Evidence Together::evidence() const {
+  return {.width = gbuffer->width,
+          .height = gbuffer->height,
+          .classes = classes,
+          .reference = reference,
+          .mask = mask,
+          .causes = causes,
+          .scene = scene,
+          .gbuffer = gbuffer,
+          .reference_error = reference_error,
+          .received = received};
+}
+
+}  // namespace gnomon

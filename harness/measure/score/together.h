@@ -1,0 +1,26 @@
+#pragma once
+#include "measure/score/metrics.h"
+
+namespace gnomon {
+
+/// Several lights as one answer. Its visibility is the share that a pixel receives of the light that it would receive of all of
+/// them without shadows (received_light); 1 where that is nothing. Where a light is not tested at a pixel (its class is not T),
+/// its reference counts on both sides. Arrays are width * height, row-major.
+struct Together {
+  const Scene* scene = nullptr;
+  const GBuffer* gbuffer = nullptr;
+  std::vector<double> received;        ///< of all lights without shadows, in units of their intensity
+  std::vector<float> mask, reference;  ///< shares of it
+  std::vector<float> shown;            ///< the mask's share where lights are not tested, too: for pictures
+  std::vector<float> reference_error;  ///< standard errors of `reference`; empty where no light has an area
+  std::vector<PixelClass> classes;     ///< T where some light is tested; else the first of U, S, G that one has; else F or B
+  std::vector<Cause> causes;           ///< of the light that errs most there; empty where none of the lights has causes
+
+  /// It must not outlive this.
+  Evidence evidence() const;
+};
+
+/// Lights of one scene and G-buffer, one at least, whose evidence has both and the light.
+Together together(std::span<const Evidence> lights);
+
+}  // namespace gnomon

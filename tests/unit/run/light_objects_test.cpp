@@ -1,0 +1,75 @@
+#include "measure/run/light_objects.h"
+
+#include <gtest/gtest.h>
+
+namespace {
+
+using namespace gnomon;
+
+/// Shares nothing, and counts what is done to it.
+class Lonely final : public Technique {
+ public:
+  Number<int> size{this, "size", 1, {.min = 1, .max = 9}, Stage::relight, "A size."};
+
+  Support supports(const Scene&, const Light&, const View&) const override { return Support::full(); }
+  void setup() override { ++setups; }
+  void build(const Scene&) override { ++builds; }
+  void relight(const Light&) override {}
+  void resolve(const GBuffer&, VisibilityMask&) override {}
+  Counts counts() const override {
+    return {{"bytes", 10.0 * size, "byte"},
+            {"depth", 1.0 * size, "", Count::Together::largest},
+            {"mean", 4.0 * builds, "", Count::Together::mean}};
+  }
+  int setups = 0, builds = 0;
+};
+
+const TechniqueEntry lonely{.id = "lonely", .about = {}, .make = [] { return gnomon::made<Technique, Lonely>("lonely"); }};
+
+Lonely& as_lonely(Technique& technique) { return dynamic_cast<Lonely&>(technique); }
+
+TEST(light_objects, a_technique_that_shares_nothing_does_every_stage_for_every_light) {
+  LightObjects objects(lonely, "");
+  EXPECT_FALSE(objects.shares().has_value()) << "one light shares with nobody";
+  EXPECT_TRUE(objects.hold(3)) << "whole objects need setup";
+  EXPECT_EQ(objects.shares(), false);
+  objects.each(Stage::setup, [](Technique& object, std::size_t) { object.setup(); });
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(as_lonely(objects[k]).setups, 1);
+  EXPECT_FALSE(objects.hold(2)) << "fewer lights need nothing";
+  EXPECT_EQ(objects.count(), 2u);
+  EXPECT_TRUE(objects.hold(3));
+}
+
+TEST(light_objects, counts_add_up_as_each_says) {
+  LightObjects objects(lonely, "");
+  objects.hold(2);
+  as_lonely(objects[0]).size.set("2"), as_lonely(objects[1]).size.set("5");
+  as_lonely(objects[1]).build({});
+  const Counts counts = objects.counts();
+  EXPECT_EQ(counts[0].value, 70) << "bytes: the sum";
+  EXPECT_EQ(counts[1].value, 5) << "depth: the largest";
+  EXPECT_EQ(counts[2].value, 2) << "0 and 4: the mean";
+}
+
+TEST(light_objects, settings_reach_every_object_and_say_what_they_spoil) {
+  LightObjects objects(lonely, "");
+  objects.hold(2);
+  EXPECT_EQ(objects.set("size=4"), Stage::relight);
+  EXPECT_EQ(as_lonely(objects[1]).size.value(), 4);
+  EXPECT_FALSE(objects.set("size=4").has_value());
+}
+
+TEST(light_objects, lights_without_shadows_make_the_whole_approximate_and_never_go_unsaid) {
+  std::vector<Light> lights(6);
+  for (std::size_t k = 0; k < lights.size(); ++k) lights[k].name = fmt::format("l{}", k);
+  const Support full = Support::full(), no = Support::unsupported("no area"), rough = Support::approximate("roughly");
+  EXPECT_EQ(support_together(lights, {full, full, full, full, full, full}).kind(), Support::Kind::full);
+  const Support some = support_together(lights, {full, no, full, no, rough, full});
+  EXPECT_EQ(some.kind(), Support::Kind::approximate);
+  EXPECT_EQ(some.why(), "no shadows of l1, l3: no area; l4: roughly");
+  const Support none = support_together(lights, {no, no, no, no, no, no});
+  EXPECT_EQ(none.kind(), Support::Kind::unsupported);
+  EXPECT_EQ(none.why(), "l0, l1, l2, l3 and 2 more: no area");
+}
+
+}  // namespace

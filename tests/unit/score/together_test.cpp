@@ -1,0 +1,133 @@
+#include "measure/score/together.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+
+#include "measure/picture/picture.h"
+#include "measure/picture/shading.h"
+#include "measure/score/score.h"
+
+namespace {
+
+using namespace gnomon;
+
+// Four pixels of a level ground, two suns: one from straight above (N.l = 1, intensity 1), one at 60 degrees from the zenith
+// (N.l = 1/2) of intensity 4, which gives 2. Without shadows a pixel receives 3.
+class Suns : public testing::Test {
+ protected:
+  Suns() {
+    Mesh ground;
+    ground.positions = {{-1, 0, -1}, {-1, 0, 1}, {1, 0, 1}};
+    ground.triangles = {{0, 1, 2}};
+    ground.albedo = glm::vec3(0.5f);
+    scene.meshes = {ground};
+    scene.ambient = 0;
+    for (int i = 0; i < 4; ++i) {
+      ny[i] = 1;
+      mesh[i] = 0;
+    }
+    gbuffer.width = 4, gbuffer.height = 1;
+    gbuffer.px = gbuffer.py = gbuffer.pz = gbuffer.nx = gbuffer.nz = zeros;
+    gbuffer.ny = ny;
+    gbuffer.mesh = gbuffer.triangle = mesh;
+  }
+  Evidence of(const Light& light, std::span<const float> reference, std::span<const float> mask,
+              std::span<const PixelClass> classes) const {
+    Evidence e{.width = 4, .height = 1, .classes = classes, .reference = reference, .mask = mask};
+    e.scene = &scene, e.gbuffer = &gbuffer, e.light = &light;
+    return e;
+  }
+
+  Scene scene;
+  std::array<float, 4> zeros{}, ny{};
+  std::array<std::uint32_t, 4> mesh{};
+  GBuffer gbuffer;
+  const float sine = std::sqrt(0.75f);
+  const Light high{.name = "high", .kind = DirectionalLight{{0, -1, 0}}, .intensity = 1};
+  const Light low{.name = "low", .kind = DirectionalLight{{sine, -0.5f, 0}}, .intensity = 4};
+  const std::vector<PixelClass> tested = std::vector(4, PixelClass::T);
+};
+
+// Right; dark under `high`; dark under `low`; dark under both where the reference is lit by both.
+TEST_F(Suns, visibility_is_the_share_of_the_light_received) {
+  const std::vector<float> lit(4, 1.0f), of_high{1, 0, 1, 0}, of_low{1, 1, 0, 0};
+  const Evidence lights[] = {of(high, lit, of_high, tested), of(low, lit, of_low, tested)};
+  const Together all = together(lights);
+  for (int i = 0; i < 4; ++i) EXPECT_NEAR(all.received[i], 3, 1e-6);
+  EXPECT_NEAR(all.mask[0], 1, 1e-6);
+  EXPECT_NEAR(all.mask[1], 2.0 / 3, 1e-6);
+  EXPECT_NEAR(all.mask[2], 1.0 / 3, 1e-6);
+  EXPECT_EQ(all.mask[3], 0);
+  EXPECT_EQ(all.reference, lit);
+
+  // Differences of 0, 1, 2 and 3 against 3 everywhere: rms sqrt(14 / 4), relative sqrt(14 / 36); mean 6 / 4.
+  const Evidence e = all.evidence();
+  const Scoring scoring(e);
+  EXPECT_NEAR(*measure_metric(scoring, "received_error_rms"), std::sqrt(14.0 / 36), 1e-6);
+  EXPECT_NEAR(*measure_metric(scoring, "received_error_mean"), 1.5, 1e-6);
+  EXPECT_EQ(measure_metric(scoring, "error"), measure_metric(scoring, "received_error_rms"));
+  EXPECT_NEAR(*measure_metric(scoring, "wrong_rate"), 0.5, 1e-9) << "off by 2 and by 3 of 3";
+  EXPECT_LT(*measure_metric(scoring, "flip"), 1);
+  EXPECT_GT(*measure_metric(scoring, "flip"), 0);
+}
+
+// Where `low` is not tested its reference counts on both sides: only what is wrong under `high` remains.
+TEST_F(Suns, a_light_that_is_not_tested_at_a_pixel_is_right_there) {
+  const std::vector<float> lit(4, 1.0f), dark(4, 0.0f);
+  const std::vector<PixelClass> of_high{PixelClass::T, PixelClass::T, PixelClass::U, PixelClass::F};
+  const std::vector<PixelClass> of_low{PixelClass::T, PixelClass::U, PixelClass::U, PixelClass::F};
+  const Evidence lights[] = {of(high, lit, dark, of_high), of(low, lit, dark, of_low)};
+  const Together all = together(lights);
+  EXPECT_EQ(all.classes, (std::vector{PixelClass::T, PixelClass::T, PixelClass::U, PixelClass::F}));
+  EXPECT_EQ(all.mask[0], 0);
+  EXPECT_NEAR(all.mask[1], 2.0 / 3, 1e-6);
+  EXPECT_EQ(all.mask[2], 1);
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(all.shown[i], 0) << "pictures show what the technique answered";
+}
+
+// The light that errs more names the pixel: `low` gives twice as much.
+TEST_F(Suns, a_pixel_has_the_cause_of_the_light_that_errs_most) {
+  const std::vector<float> lit(4, 1.0f), dark{0, 0, 1, 1};
+  const std::vector<Cause> acne{Cause::acne, Cause::acne, Cause::none, Cause::none};
+  const std::vector<Cause> crack{Cause::none, Cause::crack, Cause::crack, Cause::none};
+  const std::vector<float> dark_low{1, 0, 0, 1};
+  Evidence lights[] = {of(high, lit, dark, tested), of(low, lit, dark_low, tested)};
+  lights[0].causes = acne;
+  lights[1].causes = crack;
+  const Together all = together(lights);
+  EXPECT_EQ(all.causes, (std::vector{Cause::acne, Cause::crack, Cause::crack, Cause::none}));
+  // Shares of the light received that are missing: 1/3, 3/3, 2/3, 0; as means over four pixels they add up to the mean error.
+  const auto errors = cause_errors(all.evidence());
+  EXPECT_NEAR(errors.at("acne"), 1.0 / 12, 1e-6);
+  EXPECT_NEAR(errors.at("crack"), 5.0 / 12, 1e-6);
+  EXPECT_NEAR(*measure_metric(Scoring(all.evidence()), "error_mean"), 6.0 / 12, 1e-6);
+}
+
+// Independent errors add up as squares do: 0.01 of 1 and 0.02 of 2 are sqrt(0.01^2 + 0.04^2) of 3.
+TEST_F(Suns, standard_errors_of_the_reference_add_up_as_squares) {
+  const std::vector<float> lit(4, 1.0f), of_high(4, 0.01f), of_low(4, 0.02f);
+  Evidence lights[] = {of(high, lit, lit, tested), of(low, lit, lit, tested)};
+  lights[0].reference_error = of_high;
+  lights[1].reference_error = of_low;
+  EXPECT_NEAR(together(lights).reference_error[0], std::sqrt(0.0001 + 0.0016) / 3, 1e-7);
+  lights[0].reference_error = {};
+  EXPECT_NEAR(together(lights).reference_error[0], 0.04 / 3, 1e-7) << "a light without area has none";
+}
+
+// An albedo of 1/2 under 3 is 1.5 of white: pictures are darkened to 2/3, so that nothing is clipped; half of the light is then
+// half of white.
+TEST_F(Suns, pictures_are_as_bright_as_shows_all_of_the_light) {
+  const std::vector<double> received(4, 3);
+  const std::vector<float> shares{1, 0.5f, 0, 1};
+  EXPECT_NEAR(exposure_of(scene, gbuffer, received), 2.0 / 3, 1e-12);
+  const Picture picture = shade(scene, gbuffer, received, shares);
+  EXPECT_EQ(picture.rgb[0], 255);
+  EXPECT_NEAR(picture.rgb[3], srgb(0.5), 1);
+  EXPECT_EQ(picture.rgb[6], 0);
+  const std::vector<double> dim(4, 1.5);
+  EXPECT_EQ(exposure_of(scene, gbuffer, dim), 1) << "nothing is made brighter";
+}
+
+}  // namespace
