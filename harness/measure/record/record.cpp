@@ -218,6 +218,11 @@ bool has_area(const Record& r) {
 
 bool has_several_lights(const Record& r) { return r.lights.size() > 1; }
 
+std::string_view name(Lighting of) {
+  static constexpr std::string_view names[] = {"hard", "soft", "several"};
+  return names[static_cast<std::size_t>(of)];
+}
+
 Lighting lighting(const Record& r) {
   return has_several_lights(r) ? Lighting::several : has_area(r) ? Lighting::soft : Lighting::hard;
 }

@@ -137,6 +137,7 @@ bool has_several_lights(const Record& record);
 enum class Lighting { hard, soft, several };
 inline constexpr Lighting all_lightings[] = {Lighting::hard, Lighting::soft, Lighting::several};
 Lighting lighting(const Record& record);
+std::string_view name(Lighting lighting);
 std::vector<std::string> light_names(const Record& record);
 std::size_t light_count(const Record& record);
 /// Name of the technique with its settings: the label that the suite gave, else "id:a=1,b=2".

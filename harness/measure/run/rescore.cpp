@@ -10,7 +10,7 @@
 #include "measure/picture/picture.h"
 #include "measure/run/frame_worker.h"
 #include "measure/run/jobs.h"
-#include "measure/run/row.h"
+#include "measure/run/kept_row.h"
 #include "measure/scene/load.h"
 #include "measure/score/score.h"
 
@@ -70,7 +70,7 @@ class Row {
       }
     // Without a hash the classes vouch for the scene: they depend on scene, light, view and truth alone.
     if (!has_hash && !record_.classes.empty() && lights_.size() == 1 &&
-        class_counts(reference(record_.truth, 0).classes) != record_.classes)
+        class_counts(read_row(record_.truth, "V").lights[0].answer.reference.classes) != record_.classes)
       return "the scene is not the one that was measured: its pixel classes differ";
     return {};
   }
@@ -92,34 +92,9 @@ class Row {
  private:
   bool has(const std::string& channel) const { return std::ranges::find(channels_, channel) != channels_.end(); }
 
-  FrameKey key(Truth truth) const {
-    return {*view_, record_.width, record_.height, today_.scene->has_curved_shapes() ? truth : Truth::shape};
-  }
-  Reference reference(Truth truth, std::size_t light) const {
-    Record of_light = record_;
-    if (!record_.lights.empty()) of_light.reference = record_.lights[light].reference;
-    return today_.frames->reference(key(truth), *lights_[light], target_of(of_light));
-  }
-  LightShareKind estimates(std::size_t light) const {
-    const auto& facts = record_.lights.empty() ? record_.reference : record_.lights[light].reference;
-    return facts ? facts->estimates : LightShareKind::area;
-  }
-
-  std::vector<float> read(const std::string& channel) const { return read_exr(file_, channel, record_.width, record_.height); }
-
   /// The row's masks in the channels LIGHT.WHAT.
   MeasuredRow read_row(Truth truth, std::string_view what) const {
-    MeasuredRow row;
-    for (std::size_t k = 0; k < lights_.size(); ++k) {
-      const std::string channel = fmt::format("{}.{}", lights_[k]->name, what);
-      Answer answer{today_.frames->gbuffer(key(truth)), reference(truth, k), read(channel), {}, estimates(k)};
-      const auto is_wild = [](float v) { return !(v >= 0 && v <= 1); };
-      if (const auto wild = std::ranges::find_if(answer.mask, is_wild); wild != answer.mask.end())
-        throw Error("{}: {} at pixel {} is {}; a visibility is 0 .. 1", file_.string(), channel, wild - answer.mask.begin(),
-                    *wild);
-      row.lights.push_back({*lights_[k], std::move(answer), {}});
-    }
-    return row;
+    return kept_row(record_, file_, what, kept_place(record_, *today_.scene, truth), *today_.frames);
   }
 
   /// Puts metrics and classes of the row, and of each of several lights, into the record.
@@ -142,7 +117,7 @@ class Row {
     std::optional<std::map<std::string, std::uint64_t>>& causes;
     std::optional<std::map<std::string, double>>& errors;
   };
-  KnownCauses known_causes(std::size_t light) {
+  KnownCauses causes_of(std::size_t light) {
     if (record_.lights.empty()) return {record_.causes, record_.cause_errors};
     return {record_.lights[light].causes, record_.lights[light].cause_errors};
   }
@@ -150,8 +125,7 @@ class Row {
   /// Answers why the row lost its causes.
   std::string take_causes(MeasuredRow& row) {
     std::string obstacle;
-    for (std::size_t k = 0; k < row.lights.size() && obstacle.empty(); ++k)
-      obstacle = take_causes(row.lights[k].answer, *lights_[k], known_causes(k));
+    for (std::size_t k = 0; k < row.lights.size() && obstacle.empty(); ++k) obstacle = take_causes(row.lights[k].answer, k);
     if (record_.lights.empty()) return obstacle;
     record_.causes.reset();
     if (!obstacle.empty()) record_.cause_errors.reset();
@@ -171,12 +145,13 @@ class Row {
 
   /// The causes of the mask go into answer and record, unless they belong to other frames: then neither has any. Without a
   /// channel the record's own counts stay if they can.
-  std::string take_causes(Answer& answer, const Light& light, KnownCauses known) {
-    const std::string channel = light.name + ".cause";
+  std::string take_causes(Answer& answer, std::size_t number) {
+    const Light& light = *lights_[number];
+    KnownCauses known = causes_of(number);
     std::vector<Cause> causes;
     bool fit = true;
-    if (has(channel)) {
-      causes = read_causes(channel, known.causes);
+    if (has(light.name + ".cause")) {
+      causes = kept_causes(record_, file_, number);
       fit = causes_fit(answer, causes);
     } else if (known.causes) {
       const Evidence evidence = answer.evidence(*today_.scene, light);
@@ -197,16 +172,6 @@ class Row {
       if (has_area(light)) known.errors = cause_errors(answer.evidence());
     }
     return obstacle;
-  }
-
-  std::vector<Cause> read_causes(const std::string& channel,
-                                 const std::optional<std::map<std::string, std::uint64_t>>& known) const {
-    const std::vector<float> numbers = read(channel);
-    try {
-      return causes_from_numbers(numbers, known);
-    } catch (const Error& error) {
-      throw Error("{}: channel {}: {}", file_.string(), channel, error.what());
-    }
   }
 
   Record& record_;

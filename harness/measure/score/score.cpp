@@ -39,15 +39,6 @@ std::string causes_obstacle(const Record& record, bool fit) {
   return {};
 }
 
-AreaTarget target_of(const Record& record) {
-  if (!record.reference) return {};
-  return {.error = record.reference->target, .cap = static_cast<std::uint32_t>(record.reference->cap)};
-}
-
-LightShareKind estimates_of(const Record& record) {
-  return record.reference ? record.reference->estimates : LightShareKind::area;
-}
-
 Metrics measure_metrics(const Scoring& scoring) {
   Metrics metrics;
   for (const MetricInfo& info : metric_infos()) metrics[std::string(info.name)] = info.value(scoring);

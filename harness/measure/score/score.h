@@ -45,11 +45,6 @@ std::map<std::string, double> cause_errors(const Evidence& evidence);
 /// where it says no version, `fit` is false. Empty when they can.
 std::string causes_obstacle(const Record& record, bool fit);
 
-/// What the reference of a record under a light with area was asked for, and which of its two numbers the mask is compared
-/// with; the defaults where it says nothing of it.
-AreaTarget target_of(const Record& record);
-LightShareKind estimates_of(const Record& record);
-
 /// All metrics.
 Metrics measure_metrics(const Scoring& scoring);
 /// One of them; the name is that of a metric.

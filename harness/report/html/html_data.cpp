@@ -129,7 +129,7 @@ Json report_data(const Layout& layout, std::span<const Record> records) {
     data["groups"].push_back({{"heading", layout.groups[group].heading},
                               {"scene", first.scene},
                               {"light", first.light},
-                              {"has_area", has_area(first)},
+                              {"lighting", name(lighting(first))},
                               {"view", first.view},
                               {"path", first.path},
                               {"width", first.width},

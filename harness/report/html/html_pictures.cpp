@@ -6,11 +6,9 @@
 
 #include "analysis/in_order.h"
 #include "measure/paths.h"
-#include "measure/picture/picture.h"
 #include "measure/run/frame_worker.h"
+#include "measure/run/kept_row.h"
 #include "measure/scene/load.h"
-#include "measure/scene/motion.h"
-#include "measure/score/score.h"
 #include "report/html/html_parts.h"
 
 namespace gnomon {
@@ -56,13 +54,6 @@ Bytes color_planes(const Picture& picture) {
   return bytes;
 }
 
-template <class Item>
-const Item& named(const std::vector<Item>& items, const std::string& name, const char* what) {
-  const auto found = std::find_if(items.begin(), items.end(), [&](const Item& item) { return item.name == name; });
-  if (found == items.end()) throw Error("the scene has no {} {} any more", what, name);
-  return *found;
-}
-
 /// One scene at a time: groups of a scene stand together in most runs.
 class Frames {
  public:
@@ -85,6 +76,9 @@ class Frames {
 };
 
 class Collector {
+  static constexpr std::size_t most_shown_lights = 8;  ///< of several, each with pictures of its own
+  static constexpr int bits_of_several = 12;           ///< of shares of the light of several
+
  public:
   Collector(const fs::path& dir, PictureSet& set) : dir_(dir), set_(set) {}
 
@@ -100,9 +94,9 @@ class Collector {
           if (has_mask(group.rows[k])) rows[k] = row(*group.rows[k].record);
         if (std::any_of(rows.begin(), rows.end(), [](const Json& json) { return !json.is_null(); })) {
           const bool with_irradiance = std::any_of(group.rows.begin(), group.rows.end(), [](const Layout::Row& row) {
-            return estimates_of(*row.record) == LightShareKind::irradiance;
+            return row.record->lights.empty() && estimates_of(*row.record, 0) == LightShareKind::irradiance;
           });
-          base = frame(first, with_irradiance);
+          base = frame(*std::find_if(group.rows.begin(), group.rows.end(), has_mask)->record, with_irradiance);
         }
       }
     } catch (const std::exception& error) {
@@ -122,30 +116,47 @@ class Collector {
 
   void say(const std::string& text) { add_once(set_.notes, text); }
 
-  /// Frame and light of the row's mask; on a path those of its last frame.
-  std::pair<FrameKey, Light> place(const Record& r) {
-    const Scene& scene = frames_.scene();
-    Light light = named(scene.lights, r.light, "light");
-    FrameKey key{named(scene.views, r.view, "view"), r.width, r.height, scene.has_curved_shapes() ? r.truth : Truth::shape};
-    if (!r.path.empty()) {
-      const Path path = find_path(scene, r.path, light, key.view);
-      light = light_at(path, light, path.frame_count - 1);
-      key.view = view_at(path, key.view, path.frame_count - 1);
-    }
-    return {key, light};
-  }
-
-  /// What all rows of a group share.
+  /// What all rows of a group share; of several lights beside that of all together that of each.
   Json frame(const Record& r, bool with_irradiance) {
     const Scene& scene = frames_.scene();
-    const auto [key, light] = place(r);
-    const GBuffer gbuffer = frames_.store().gbuffer(key);
-    const Reference reference = frames_.store().reference(key, light, target_of(r));
+    MeasuredRow row = kept_row(r, dir_ / *r.mask, "V", kept_place(r, scene, r.truth), frames_.store());
+    if (!has_several_lights(r)) return frame_of(row.lights.front(), with_irradiance);
+    put_together(row, scene);
+    const Together& all = *row.together;
+    const std::vector<float> lit(all.mask.size(), 1.0f), dark(all.mask.size(), 0.0f);
+    Json json;
+    json["lit"] = keep(color_planes(shade(scene, row.gbuffer(), all.received, lit)));
+    json["dark"] = keep(color_planes(shade(scene, row.gbuffer(), all.received, dark)));
+    json["bits"] = bits_of_several;
+    json["reference"] = keep(share_bytes(all.reference, bits_of_several));
+    json["reference_error"] = all.reference_error.empty() ? Json() : Json(keep(error_bytes(all.reference_error)));
+    json["irradiance"] = json["irradiance_error"] = nullptr;
+    json["classes"] = keep(index_bytes(all.classes));
+    for (const MeasuredLight& light : shown_lights(row)) {
+      Json one = frame_of(light, false);
+      one["name"] = light.light.name;
+      one["has_area"] = has_area(light.light);
+      json["lights"].push_back(std::move(one));
+    }
+    if (row.lights.size() > most_shown_lights)
+      say(fmt::format("{}, light {}: pictures of each are of the first {} of {} lights", r.scene, r.light, most_shown_lights,
+                      row.lights.size()));
+    return json;
+  }
+
+  static std::span<const MeasuredLight> shown_lights(const MeasuredRow& row) {
+    return std::span(row.lights).first(std::min(row.lights.size(), most_shown_lights));
+  }
+
+  Json frame_of(const MeasuredLight& of, bool with_irradiance) {
+    const Scene& scene = frames_.scene();
+    const GBuffer& gbuffer = of.answer.gbuffer;
+    const Reference& reference = of.answer.reference;
     const std::vector<float> lit(gbuffer.size(), 1.0f), dark(gbuffer.size(), 0.0f);
     Json json;
-    json["lit"] = keep(color_planes(shade(scene, gbuffer, light, lit)));
-    json["dark"] = keep(color_planes(shade(scene, gbuffer, light, dark)));
-    const int bits = bits_of_shares(light);
+    json["lit"] = keep(color_planes(shade(scene, gbuffer, of.light, lit)));
+    json["dark"] = keep(color_planes(shade(scene, gbuffer, of.light, dark)));
+    const int bits = bits_of_shares(of.light);
     json["bits"] = bits;
     const auto truth = [&](const char* name, std::span<const float> shares, std::span<const float> errors) {
       json[name] = shares.empty() ? Json() : Json(keep(share_bytes(shares, bits)));
@@ -160,10 +171,6 @@ class Collector {
   /// The mask of one row; null with a note when it does not belong to the scene as it is now, or cannot be read.
   Json row(const Record& r) {
     const std::string what = fmt::format("{}, light {}, {}", r.scene, r.light, r.label.value_or(r.technique));
-    if (has_several_lights(r)) {
-      note(what, "they are of several lights together");
-      return {};
-    }
     const std::string hash = context_text(r, "scene_hash");
     if (!frames_.store().is_scene(hash, light_names(r))) {
       note("scene " + r.scene, hash.empty() ? "its records do not say which scene was measured"
@@ -171,10 +178,15 @@ class Collector {
       return {};
     }
     try {
+      MeasuredRow row = kept_row(r, dir_ / *r.mask, "V", kept_place(r, frames_.scene(), r.truth), frames_.store());
+      for (std::size_t k = 0; k < row.lights.size(); ++k)
+        if (known_causes(r, k)) take_causes(r, row.lights[k].answer, k, what);
+      if (!has_several_lights(r)) return mask_of(row.lights.front());
+      put_together(row, frames_.scene());
       Json json;
-      std::vector<float> mask = read_exr(dir_ / *r.mask, r.light + ".V", r.width, r.height);
-      json["mask"] = keep(share_bytes(mask, bits_of_shares(named(frames_.scene().lights, r.light, "light"))));
-      json["causes"] = r.causes ? causes(r, std::move(mask), what) : Json();
+      json["mask"] = keep(share_bytes(row.together->mask, bits_of_several));
+      json["causes"] = row.together->causes.empty() ? Json() : Json(keep(index_bytes(row.together->causes)));
+      for (const MeasuredLight& light : shown_lights(row)) json["lights"].push_back(mask_of(light));
       return json;
     } catch (const std::exception& error) {
       note(what, error.what());
@@ -182,22 +194,21 @@ class Collector {
     }
   }
 
-  /// The causes of its mask; null with a note when they belong to another reference than the page shows.
-  Json causes(const Record& r, std::vector<float> mask, const std::string& what) {
-    const std::vector<Cause> causes =
-        causes_from_numbers(read_exr(dir_ / *r.mask, r.light + ".cause", r.width, r.height), r.causes);
-    const auto [key, light] = place(r);
-    const Answer answer{frames_.store().gbuffer(key),
-                        frames_.store().reference(key, light, target_of(r)),
-                        std::move(mask),
-                        {},
-                        estimates_of(r)};
-    if (const std::string obstacle = causes_obstacle(r, causes_fit(answer, causes)); !obstacle.empty()) {
-      // A version is that of the whole run: one note for each scene.
-      say(fmt::format("no causes of {}: {}", context_text(r, "frames").empty() ? what : "scene " + r.scene, obstacle));
-      return {};
-    }
-    return keep(index_bytes(causes));
+  Json mask_of(const MeasuredLight& of) {
+    Json json;
+    json["mask"] = keep(share_bytes(of.answer.mask, bits_of_shares(of.light)));
+    json["causes"] = of.answer.causes.empty() ? Json() : Json(keep(index_bytes(of.answer.causes)));
+    return json;
+  }
+
+  /// The causes of a mask; none, with a note, when they belong to another reference than the page shows.
+  void take_causes(const Record& r, Answer& answer, std::size_t light, const std::string& what) {
+    std::vector<Cause> causes = kept_causes(r, dir_ / *r.mask, light);
+    const std::string obstacle = causes_obstacle(r, causes_fit(answer, causes));
+    // A version is that of the whole run: one note for each scene.
+    if (!obstacle.empty())
+      return say(fmt::format("no causes of {}: {}", context_text(r, "frames").empty() ? what : "scene " + r.scene, obstacle));
+    answer.causes = std::move(causes);
   }
 
   const fs::path& dir_;

@@ -32,6 +32,15 @@ function canvasOf(image) {
   return canvas;
 }
 
+/** The choices of a group: all its lights, and of several each. */
+function placesOf(group) {
+  const lights = data.groups[group].pictures.lights ?? [];
+  return [
+    { value: String(group), text: groupName(group) },
+    ...lights.map((light, k) => ({ value: `${group}:${k}`, text: `${groupName(group)}: ${light.name} alone` })),
+  ];
+}
+
 class Comparer {
   constructor(section, groups) {
     this.mode = modes[0];
@@ -41,7 +50,7 @@ class Comparer {
     const load = () => this.load();
     this.where = chooser(
       "scene and light",
-      groups.map((group) => ({ value: String(group), text: groupName(group) })),
+      groups.flatMap((group) => placesOf(group)),
       () => this.choose(),
       { name: "picture" },
     );
@@ -118,7 +127,18 @@ class Comparer {
   }
 
   get group() {
-    return Number(this.where.value);
+    return Number(this.where.value.split(":")[0]);
+  }
+
+  /** Which of several lights is shown alone; null: all that there are. */
+  get light() {
+    const [, light] = this.where.value.split(":");
+    return light === undefined ? null : Number(light);
+  }
+
+  /** What the chosen light has of the pictures of a group or row. */
+  of(pictures) {
+    return this.light === null ? pictures : pictures.lights[this.light];
   }
 
   rows(group = this.group) {
@@ -200,7 +220,9 @@ class Comparer {
   /** Reads what the choices need; the last choice wins when several are under way. */
   async load() {
     const turn = (this.turn = (this.turn ?? 0) + 1);
-    const { width, height, pictures, has_area, scene, view } = data.groups[this.group];
+    const { width, height, lighting, scene, view } = data.groups[this.group];
+    const pictures = this.of(data.groups[this.group].pictures);
+    const is_soft = pictures.has_area ?? lighting !== "hard";
     const truth = async (name, number, error) =>
       number !== null
         ? { name, mask: await shares(number, pictures.bits), error: error === null ? null : await errors(error) }
@@ -218,15 +240,15 @@ class Comparer {
         const judge = ((row ?? other)?.estimates === "irradiance" && irradiance) || area;
         if (!row) return { title: judge.name, mask: judge.mask, reference: judge.mask, truth: judge, causes: null, row: null };
         const [mask, causes] = await Promise.all([
-          shares(row.pictures.mask, pictures.bits),
-          row.pictures.causes === null ? null : blob(row.pictures.causes),
+          shares(this.of(row.pictures).mask, pictures.bits),
+          this.of(row.pictures).causes === null ? null : blob(this.of(row.pictures).causes),
         ]);
         return { title: row.title, mask, reference: judge.mask, truth: judge, causes, row };
       };
       const [rowA, rowB] = [this.a, this.b].map(rowOf);
       const sides = await Promise.all([side(rowA, rowB), side(rowB, rowA)]);
       if (turn !== this.turn) return;
-      this.frame = { width, height, is_soft: has_area, lit, dark, classes, place: [scene, view, width, height].join() };
+      this.frame = { width, height, is_soft, lit, dark, classes, place: [scene, view, width, height].join() };
       [this.sideA, this.sideB] = sides;
       this.problem.hidden = true;
       this.view.setSize(width, height);

@@ -22,14 +22,21 @@ export const textOf = (row, column) => row.texts[column.index] ?? row.values[col
 
 export const isOk = (row) => row.status === "ok";
 
-/** Whether the row's light has an area: its shadows are soft, and it is judged by its mean error. */
-export const isSoft = (row) => data.groups[row.group].has_area;
-
-/** What the metric `error` is called of these rows. */
-export const errorName = (rows) => (!rows.some(isSoft) ? "wrong" : rows.every(isSoft) ? "mean error" : "error");
-
 /** Different values in order of appearance. */
 export const distinct = (items) => [...new Set(items)];
+
+/** What lights the row: "hard", "soft" or "several" lights. It is judged by its wrong rate, its mean error, the light received. */
+export const lightingOf = (row) => data.groups[row.group].lighting;
+
+/** Whether the row is judged by how far it is off, not by how many pixels are wrong. */
+export const isSoft = (row) => lightingOf(row) !== "hard";
+
+/** What the metric `error` is called of these rows. */
+export const errorName = (rows) => {
+  const kinds = distinct(rows.map(lightingOf));
+  if (kinds.length > 1) return "error";
+  return { hard: "wrong", soft: "mean error", several: "light error" }[kinds[0] ?? "hard"];
+};
 
 /** What tells a group from the others: parts that are the same everywhere are left out. */
 const namesOfGroups = (() => {

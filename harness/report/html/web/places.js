@@ -1,19 +1,20 @@
 // A list of the scenes and lights that have something to plot under the filter.
 
-import { data, distinct, groupName, isSoft } from "./data.js";
+import { data, distinct, groupName, lightingOf } from "./data.js";
 import { chooser } from "./dom.js";
 import { filteredRows } from "./filter.js";
 
-/** Several places at once. Rows under lights without and with area are judged by other numbers, and few settings have both. */
+/** Several places at once. Rows of each lighting are judged by other numbers, and few settings have several. */
 const everywhere = [
   { value: "all", text: "over all", accepts: () => true },
-  { value: "all-hard", text: "over all lights without area", accepts: (row) => !isSoft(row) },
-  { value: "all-soft", text: "over all lights with area", accepts: isSoft },
+  { value: "all-hard", text: "over all lights without area", accepts: (row) => lightingOf(row) === "hard" },
+  { value: "all-soft", text: "over all lights with area", accepts: (row) => lightingOf(row) === "soft" },
+  { value: "all-several", text: "over all rows of several lights", accepts: (row) => lightingOf(row) === "several" },
 ];
 const choicesOfAll = (rows) => {
-  const is_mixed = rows.some(isSoft) && !rows.every(isSoft);
+  const is_mixed = distinct(rows.map(lightingOf)).length > 1;
   const groupsOf = ({ accepts }) => new Set(rows.filter(accepts).map((row) => row.group)).size;
-  return everywhere.slice(is_mixed ? 1 : 0, is_mixed ? 3 : 1).filter((choice) => groupsOf(choice) > 1);
+  return (is_mixed ? everywhere.slice(1) : everywhere.slice(0, 1)).filter((choice) => groupsOf(choice) > 1);
 };
 
 /**
