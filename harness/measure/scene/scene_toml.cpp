@@ -183,7 +183,8 @@ void read_shape(const toml::table& toml, const fs::path& file, Scene& scene) {
 
 Emits read_emits(const Table& table) { return table.flag("one_sided", false) ? Emits::in_front : Emits::on_both_sides; }
 
-/// The light, or as many of it as `copies` says, NAME_1 and on, each turned a step farther about the vertical line through `about`.
+/// The light, or as many of it as `copies` says, NAME_1 and on, each turned a step farther about the vertical line through
+/// `about`.
 void add_copies(const Light& light, const Table& table, Scene& scene) {
   if (!table.has("copies")) {
     if (table.has("about")) table.refuse("about", "a point", "beside copies: one light is not turned");

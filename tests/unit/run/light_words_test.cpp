@@ -57,7 +57,8 @@ TEST(light_words, a_plus_puts_lights_together_in_the_order_of_the_scene) {
 TEST(light_words, a_number_behind_the_plus_chooses_as_many_evenly) {
   EXPECT_EQ(rows({"all+2"}), (Names{"all+2: ring_1 lamp"}));
   EXPECT_EQ(rows({"*hard+3"}), (Names{"*hard+3: ring_1 sun ring_2"}));
-  EXPECT_EQ(rows({"all+1", "ring_*+2", "all+4"}), (Names{"ring_1: ring_1", "ring_*+2: ring_1 ring_2", "all+4: ring_1 sun lamp ring_2"}));
+  EXPECT_EQ(rows({"all+1", "ring_*+2", "all+4"}),
+            (Names{"ring_1: ring_1", "ring_*+2: ring_1 ring_2", "all+4: ring_1 sun lamp ring_2"}));
   EXPECT_EQ(refused({"all+5"}), "lights all+5: 5 is outside 1 .. 4, which are there");
   EXPECT_EQ(refused({"ring_*+0"}), "lights ring_*+0: 0 is outside 1 .. 2, which are there");
   Scene scene = four_lights();
