@@ -104,7 +104,14 @@ class ShadowMap final : public Technique {
                                       : shadow_map::orthographic;
   }
 
+  /// What questions need, in memory: of one object at a time, for 64 lights' images fill a gigabyte.
+  struct ReadBack {
+    const ShadowMap* of = nullptr;
+    std::vector<float> depths;         // of all layers, read at the first question after a relight
+    std::vector<glm::vec2> looked_up;  // by pixel, asked for at the first question after a resolve
+  };
   struct Made {
+    ReadBack read_back;
     Program depth_program, second_program;
     std::array<Program, shadow_map::projection_count> resolve_programs;  // of the present bias and filter
     std::array<std::optional<Program>, shadow_map::projection_count> explain_programs;
@@ -114,6 +121,10 @@ class ShadowMap final : public Technique {
     double extent = 0;  // largest coordinate of the scene
   };
   Shared<Made> made_;
+  ReadBack& read_back() const {
+    if (made_->read_back.of != this) made_->read_back = {.of = this, .depths = {}, .looked_up = {}};
+    return made_->read_back;
+  }
   double rounding_ = 0;  // float32 error of a depth, meters
   Light light_;
   LightSpace space_;
@@ -123,8 +134,6 @@ class ShadowMap final : public Technique {
   int drawn_faces_ = 0;
   std::size_t drawn_triangles_ = 0;
   const GBuffer* gbuffer_ = nullptr;
-  mutable std::vector<float> depths_;         // of all layers, read back at the first question after a relight
-  mutable std::vector<glm::vec2> looked_up_;  // by pixel, asked for at the first question after a resolve
 };
 
 void ShadowMap::setup() {
@@ -157,7 +166,7 @@ void ShadowMap::build(const Scene& scene) {
 void ShadowMap::relight(const Light& light) {
   const StateGuard guard;
   light_ = light;
-  depths_.clear();
+  if (made_->read_back.of == this) made_->read_back = {};
   space_ = shadow_map::space_of(light, made_->boxes);
   faces_ = shadow_map::fit_faces(light, space_, made_->boxes, resolution, margin());
   layers_.clear();
@@ -203,7 +212,7 @@ void ShadowMap::relight(const Light& light) {
 void ShadowMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   const StateGuard guard;
   gbuffer_ = &gbuffer;
-  looked_up_.clear();
+  if (made_->read_back.of == this) made_->read_back.looked_up.clear();
   look_up(made_->resolve_programs[projection()], mask.texture());
   glFinish();
 }
@@ -262,13 +271,15 @@ Counts ShadowMap::counts() const {
 }
 
 const std::vector<float>& ShadowMap::depths() const {
-  if (depths_.empty()) depths_ = read_texels<float>(map(), GL_DEPTH_COMPONENT);
-  return depths_;
+  std::vector<float>& depths = read_back().depths;
+  if (depths.empty()) depths = read_texels<float>(map(), GL_DEPTH_COMPONENT);
+  return depths;
 }
 
 /// The texel that each pixel looked up in the last resolve, by the very shader: next to a border of texels, float32 decides.
 const std::vector<glm::vec2>& ShadowMap::looked_up() const {
-  if (!looked_up_.empty()) return looked_up_;
+  std::vector<glm::vec2>& looked_up = read_back().looked_up;
+  if (!looked_up.empty()) return looked_up;
   const StateGuard guard;
   auto& program = made_->explain_programs[projection()];
   if (!program)
@@ -276,9 +287,9 @@ const std::vector<glm::vec2>& ShadowMap::looked_up() const {
                     "#define EXPLAIN\n" + head(projection()) + shadow_map::resolve_fragment);
   const Texture texels(GL_RG32F, gbuffer_->width, gbuffer_->height);
   look_up(*program, texels.name());
-  looked_up_ = read_texels<glm::vec2>(texels, GL_RG);
+  looked_up = read_texels<glm::vec2>(texels, GL_RG);
   glNamedFramebufferTexture(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, 0, 0);
-  return looked_up_;
+  return looked_up;
 }
 
 /// The mask of the last resolve, once more.
