@@ -248,7 +248,8 @@ class Comparer {
       const [rowA, rowB] = [this.a, this.b].map(rowOf);
       const sides = await Promise.all([side(rowA, rowB), side(rowB, rowA)]);
       if (turn !== this.turn) return;
-      this.frame = { width, height, is_soft, lit, dark, classes, place: [scene, view, width, height].join() };
+      const is_one_of_several = this.light !== null;
+      this.frame = { width, height, is_soft, is_one_of_several, lit, dark, classes, place: [scene, view, width, height].join() };
       [this.sideA, this.sideB] = sides;
       this.problem.hidden = true;
       this.view.setSize(width, height);

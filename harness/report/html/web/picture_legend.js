@@ -2,7 +2,7 @@
 
 import * as compose from "./compose.js";
 import { levels } from "./contours.js";
-import { columnNamed, data, textOf } from "./data.js";
+import { columnNamed, data, errorName, textOf, valueOf } from "./data.js";
 import { measured, percent, tick } from "./digits.js";
 import { h, rgb } from "./dom.js";
 
@@ -85,11 +85,12 @@ function scale(frame, color = compose.lighter) {
   return steps.map(([least, over], k) => entry(over, text(least, k), "Of the light's visible share, 0 to 100 %"));
 }
 
-/** The row's mean error and the reference's own, as the table has them. */
+/** The row's error and the reference's own, as the table has them; it has none of one light of several. */
 function means(frame, { row }) {
-  if (!frame.is_soft || !row) return [];
+  if (!frame.is_soft || !row || frame.is_one_of_several) return [];
   const says = (name) => `${textOf(row, columnNamed(name))} %`;
-  return [h("li", {}, `mean error ${says("error")}, the reference's own ${says("reference_error_mean")}`)];
+  const has_floor = valueOf(row, "reference_error_mean") !== null;
+  return [h("li", {}, `${errorName([row])} ${says("error")}${has_floor ? `, the reference's own ${says("reference_error_mean")}` : ""}`)];
 }
 
 function ofErrors(frame, side, { counts, errors }) {
