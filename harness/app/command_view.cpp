@@ -5,6 +5,7 @@
 #include "app/viewer/application.h"
 #include "measure/notice.h"
 #include "measure/run/jobs.h"
+#include "measure/run/light_words.h"
 #include "measure/run/suite.h"
 #include "measure/scene/load.h"
 
@@ -39,8 +40,19 @@ int view(ViewCommand& options, const Program& program) {
   view.loaded = std::make_shared<viewer::LoadedScene>(viewer::LoadedScene{selection.scene, load_scene(selection.scene)});
   const Scene& scene = view.loaded->scene;
   const auto names = [](const std::string& name) { return name.empty() ? std::vector<std::string>{} : std::vector{name}; };
-  require_names(selection.scene, scene, names(options.light), names(options.view_name));
-  selection.light = named_or_first(scene.lights, options.light);
+  const bool is_plain = options.light.empty() || is_light_name(options.light);
+  require_names(selection.scene, scene, is_plain ? names(options.light) : names(""), names(options.view_name));
+  if (is_plain) {
+    selection.light = named_or_first(scene.lights, options.light);
+  } else {
+    const std::vector<RowLights> rows = row_lights({options.light}, selection.scene, scene);
+    if (rows.size() != 1)
+      throw Error("--light {} is {} pictures; the window shows one: {}+ is that of all", options.light, rows.size(),
+                  options.light);
+    if (rows[0].lights.size() > 1)
+      for (const std::string& name : rows[0].lights) selection.together.push_back(named_or_first(scene.lights, name));
+    selection.light = named_or_first(scene.lights, rows[0].lights[0]);
+  }
   selection.view = named_or_first(scene.views, options.view_name);
   for (const std::string& note : scene.notes) print_notice("note: {}\n", note);
   if (view.out.empty()) view.out = timed_folder("view");
@@ -60,7 +72,8 @@ void add_view(Program& program) {
   command.option("--technique", &options.technique, "Technique of the left side: id, or ID:param=value,...");
   command.option("--against", &options.against, "Technique of the right side; the reference by default",
                  {.check = not_empty()});
-  command.option("--light", &options.light, "Light name; the first by default", {.check = not_empty()});
+  command.option("--light", &options.light, "Light name, several together as sun+lamp or all+; the first by default",
+                 {.check = not_empty()});
   command.option("--view", &options.view_name, "View name; the first by default", {.check = not_empty()});
   command.option("--size", &options.size, "Size of the picture in pixels, WxH; the window is larger");
   command.option("--truth", &options.truth, "What counts: exact shapes or the meshes; shape | mesh");

@@ -70,7 +70,8 @@ def read_png(file):
 
 
 def read_mask(file):
-    """Width, height and floats of an OpenEXR file with one channel of floats in scan lines, plain or zipped."""
+    """Width, height and floats of an OpenEXR file with channels of floats in scan lines, plain or zipped. The floats are those of the
+    channels in the order of their names, one after the other."""
     data = file.read_bytes()
     assert data[:4] == b"\x76\x2f\x31\x01", file
     at, attributes = 8, {}
@@ -81,19 +82,22 @@ def read_mask(file):
         attributes[name] = data[at + 4:at + 4 + size]
         at += 4 + size
     channels = attributes["channels"]
-    name = channels.split(b"\0", 1)[0]
-    kind, = struct.unpack_from("<I", channels, len(name) + 1)
-    assert kind == 2 and len(channels) == len(name) + 1 + 16 + 1, (file, channels)
+    count_of_channels, name_at = 0, 0
+    while channels[name_at]:
+        name_at = channels.index(b"\0", name_at) + 1
+        kind, = struct.unpack_from("<I", channels, name_at)
+        assert kind == 2, (file, channels)
+        count_of_channels, name_at = count_of_channels + 1, name_at + 16
     x0, y0, x1, y1 = struct.unpack("<4i", attributes["dataWindow"])
     width, height = x1 - x0 + 1, y1 - y0 + 1
     lines = {0: 1, 2: 1, 3: 16}[attributes["compression"][0]]
-    rows = [None] * height
+    rows = [[None] * height for _ in range(count_of_channels)]
     for k in range((height + lines - 1) // lines):
         offset, = struct.unpack_from("<Q", data, at + 1 + 8 * k)
         y, size = struct.unpack_from("<iI", data, offset)
         count = min(lines, y1 + 1 - y)
         body = data[offset + 8:offset + 8 + size]
-        if size < 4 * width * count:
+        if size < 4 * width * count * count_of_channels:
             # Differences of neighbors, the bytes at even places before those at odd ones.
             mixed = bytes(accumulate(zlib.decompress(body), lambda a, b: (a + b - 128) & 255))
             half = (len(mixed) + 1) // 2
@@ -101,5 +105,6 @@ def read_mask(file):
             plain[0::2], plain[1::2] = mixed[:half], mixed[half:]
             body = bytes(plain)
         for r in range(count):
-            rows[y - y0 + r] = struct.unpack_from(f"<{width}f", body, 4 * width * r)
-    return width, height, [value for row in rows for value in row]
+            for c in range(count_of_channels):
+                rows[c][y - y0 + r] = struct.unpack_from(f"<{width}f", body, 4 * width * (r * count_of_channels + c))
+    return width, height, [value for channel in rows for row in channel for value in row]

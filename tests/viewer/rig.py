@@ -107,7 +107,9 @@ class Saved:
         self.command = (folder / "command.txt").read_text().rstrip("\n")
         self.window = json.loads((folder / "window.json").read_text())
         scene = tomllib.loads((folder / "scene.toml").read_text())
-        (self.light,), (self.view,), self.scene = scene["light"], scene["view"], scene["scene"]
+        self.lights, (self.view,), self.scene = scene["light"], scene["view"], scene["scene"]
+        if len(self.lights) == 1:
+            self.light = self.lights[0]
 
     def option(self, name):
         return re.search(rf" --{name} (\S+)", self.command)[1]

@@ -109,8 +109,9 @@ struct Tally {
   const char *name, *sentence;
   std::string (*words)(const Verdict&);
 };
-/// Those of the numbers' panel. A light with area is judged by the mean error, beside it the reference's own.
-std::span<const Tally> tallies(bool has_area);
+/// Those of the numbers' panel for a frame. A light with area is judged by the mean error, beside it the reference's own, and
+/// several lights by the light received.
+std::span<const Tally> tallies(const Frame* frame);
 /// The swatches of a debug layer.
 std::vector<LegendEntry> layer_legend(const LayerPicture& layer);
 /// "false dark 0.31 % of tested pixels".

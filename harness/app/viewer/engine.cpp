@@ -36,6 +36,25 @@ bool shows_view(const Frame* frame, const Selection& selection) {
          are_same(frame->gbuffer.view, selection.view);
 }
 
+constexpr auto are_same_lights = [](const Light& a, const Light& b) { return are_same(a, b); };
+
+/// Whether a frame is under the selected lights, and the same of them can be moved.
+bool is_lit_by(const Frame& frame, const Selection& selection) {
+  const auto all = frame.all_lights();
+  return frame.light.name == selection.light.name && frame.is_together() == !selection.together.empty() &&
+         std::ranges::equal(all, lights_of(selection), are_same_lights);
+}
+
+/// What the picture receives of all lights without shadows, in their order.
+std::vector<double> received_light_of(const Frame& frame) {
+  std::vector<double> received = received_light(frame.gbuffer, frame.all_lights()[0]);
+  for (const Light& light : frame.all_lights().subspan(1)) {
+    const std::vector<double> more = received_light(frame.gbuffer, light);
+    for (std::size_t i = 0; i < received.size(); ++i) received[i] += more[i];
+  }
+  return received;
+}
+
 /// Throws WorkerFailure for a scene that brings the ray tracer down, which the viewer's own process uses from then on.
 void try_in_a_worker(const Scene& scene, const fs::path& folder, const std::string& program) {
   const ScratchFolder trial = ScratchFolder::at(folder / "trial");
@@ -185,7 +204,7 @@ std::shared_ptr<const fs::path> Engine::Body::write_shared(const GBuffer& gbuffe
 Engine::Body::Work Engine::Body::next_frame() {
   if (!selection.loaded) return {};
   const Frame* const newest = state.frame.get();
-  const bool is_there = shows_view(newest, selection) && are_same(newest->light, selection.light);
+  const bool is_there = shows_view(newest, selection) && is_lit_by(*newest, selection);
   if (is_there && (newest->is_full() || (selection.is_moving && !selection.full_while_moving))) return {};
   if (state.selection_number == failed_selection) return {};
   return [this, selection = selection, number = state.selection_number] { make_frame(selection, number); };
@@ -224,6 +243,7 @@ void Engine::Body::make_frame(const Selection& selection, std::uint64_t number) 
   frame->number = ++frame_count;
   frame->loaded = selection.loaded;
   frame->light = selection.light;
+  if (!selection.together.empty()) frame->lights = lights_of(selection);
   frame->picture_width = selection.width;
   frame->picture_height = selection.height;
   try {
@@ -236,7 +256,8 @@ void Engine::Body::make_frame(const Selection& selection, std::uint64_t number) 
                                     height, truth_of(selection));
       frame->file = write_shared(frame->gbuffer);
     }
-    frame->received = received_light(frame->gbuffer, selection.light);
+    frame->received = received_light_of(*frame);
+    if (frame->is_together()) frame->exposure = exposure_of(frame->scene(), frame->gbuffer, frame->received);
   } catch (const std::exception& error) {
     // A full disk or no memory: said, and tried again with the next selection.
     change([&](EngineState& s) {
@@ -272,13 +293,28 @@ void Engine::Body::wait_for_sides(std::uint64_t frame) {
   news.wait_until(lock, begin + for_technique, [&] { return have_answered(false); });
 }
 
+std::vector<Light> lights_of(const Selection& selection) {
+  if (selection.together.empty()) return {selection.light};
+  std::vector<Light> lights = selection.together;
+  *std::ranges::find(lights, selection.light.name, &Light::name) = selection.light;
+  return lights;
+}
+
+std::string together_word(const Selection& selection, const Scene& scene) {
+  if (selection.together.empty()) return "";
+  std::vector<std::string> names;
+  for (const Light& light : selection.together) names.push_back(light.name);
+  return names.size() == scene.lights.size() ? "all+" : joined(names, "+");
+}
+
 bool are_same(const Light& a, const Light& b) { return light_and_view_bytes(a, {}) == light_and_view_bytes(b, {}); }
 bool are_same(const View& a, const View& b) { return light_and_view_bytes(Light(), a) == light_and_view_bytes(Light(), b); }
 
 bool are_same(const Selection& a, const Selection& b) {
   return a.scene == b.scene && a.loaded == b.loaded && a.truth == b.truth && are_same(a.light, b.light) &&
-         are_same(a.view, b.view) && a.width == b.width && a.height == b.height && a.is_moving == b.is_moving &&
-         a.full_while_moving == b.full_while_moving && a.sides == b.sides && a.picked == b.picked && a.repeat == b.repeat;
+         std::ranges::equal(a.together, b.together, are_same_lights) && are_same(a.view, b.view) && a.width == b.width &&
+         a.height == b.height && a.is_moving == b.is_moving && a.full_while_moving == b.full_while_moving &&
+         a.sides == b.sides && a.picked == b.picked && a.repeat == b.repeat;
 }
 
 Engine::Engine(WorkerOptions workers, double timeout_seconds, std::function<void()> changed)

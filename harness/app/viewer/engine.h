@@ -29,7 +29,10 @@ struct Selection {
   std::shared_ptr<const LoadedScene> loaded;
   Truth truth = Truth::shape;
   Light light;  ///< one of the scene's, perhaps moved
-  View view;    ///< one of the scene's, perhaps moved
+  /// Several lights that are shown together, as the scene has them and in its order; `light` stands for the one of its name,
+  /// which is one of them. Empty: it is alone.
+  std::vector<Light> together = {};
+  View view;  ///< one of the scene's, perhaps moved
   int width = 960, height = 540;
   bool is_moving = false;          ///< camera or light is under way: smaller frames will do
   bool full_while_moving = false;  ///< they will not
@@ -37,6 +40,11 @@ struct Selection {
   std::optional<std::uint32_t> picked;  ///< pixel of the full picture to be explained
   std::uint64_t repeat = 0;             ///< raised to have both sides do resolve once more, for its time
 };
+
+/// The lights that are shown, one at least; the one that can be moved where it was moved to.
+std::vector<Light> lights_of(const Selection& selection);
+/// What `--light` calls those that are shown together: "all+", "sun+lamp"; empty where one is alone.
+std::string together_word(const Selection& selection, const Scene& scene);
 
 /// Whether engine and workers would do the same for both.
 bool are_same(const Light& a, const Light& b);

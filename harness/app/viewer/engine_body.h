@@ -84,6 +84,11 @@ struct Engine::Body {
   double full_ms() const;
   void make_frame(const Selection& selection, std::uint64_t number);
   void wait_for_sides(std::uint64_t frame);
+  std::shared_ptr<const ReferenceState> known_reference(const Frame& frame, const Light& light);
+  void remember(const Frame& frame, const Light& light, std::shared_ptr<const ReferenceState> reference);
+  std::vector<float> trace_light(const Frame& frame, const GBuffer& pixels, int step, const Light& light);
+  void find_classes(const Frame& frame, const Light& light, ReferenceState& reference);
+  void find_nearest(const Frame& frame, const Light& light, std::shared_ptr<Frame>& mesh_frame, ReferenceState& reference);
   void trace_reference(const std::shared_ptr<const Frame>& frame, bool is_moving, std::uint64_t ticket);
   void complete_reference(ReferenceState reference, std::uint64_t ticket);
   std::shared_ptr<const ReferenceState> publish(ReferenceState reference);
@@ -116,10 +121,17 @@ struct Engine::Body {
     std::shared_ptr<const LoadedScene> loaded;
     std::vector<std::byte> light_and_view;
     Truth truth;
-    std::shared_ptr<const ReferenceState> reference;  ///< without its frame
+    std::shared_ptr<const ReferenceState> reference;  ///< under one light, without its frame
   };
   std::deque<KnownReference> known_references;  ///< the newest first
-  std::uint64_t refined = 0;                    ///< the last frame that there is nothing left to do for
+  struct TracedMask {
+    Light light;
+    std::vector<float> mask;
+  };
+  std::shared_ptr<const void> traced_pixels;  ///< of the G-buffer that the next ones are of
+  /// Under several lights, each: what stays where it is need not be traced again. By name, and every how many-th pixel.
+  std::map<std::pair<std::string, int>, TracedMask> traced_masks;
+  std::uint64_t refined = 0;  ///< the last frame that there is nothing left to do for
   double rays_per_ms = 0;
   Interruptible refinement;
 

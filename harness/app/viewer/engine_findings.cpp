@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "app/viewer/engine_side.h"
+#include "app/viewer/several_lights.h"
 #include "measure/score/score.h"
 
 namespace gnomon::viewer {
@@ -28,22 +29,27 @@ void Engine::Body::Side::draw_layer(const std::shared_ptr<const SideAnswer>& ans
   picture->frame = answer->frame;
   picture->answer = answer;
   picture->layer = *found;
-  picture->rgb = Call(*this, "layer " + name)->debug_layer(name);
+  const std::size_t light = answer->frame->chosen();
+  // One that casts no shadows, of several, has nothing to show.
+  if (!casts_shadows(light))
+    picture->rgb.assign(3 * answer->frame->gbuffer.size(), 0);
+  else
+    picture->rgb = Call(*this, "layer " + name)->debug_layer(name, light);
   body_.change([&](EngineState&) {
     state().layer = picture;
     state().words = support_.why();
   });
 }
 
-std::vector<std::optional<Explanation>> Engine::Body::Side::explain(std::span<const std::uint32_t> pixels) {
-  return Call(*this, "explain")->explain(pixels);
+std::vector<std::optional<Explanation>> Engine::Body::Side::explain(std::span<const std::uint32_t> pixels, std::size_t light) {
+  return Call(*this, "explain")->explain(pixels, light);
 }
 
 void Engine::Body::Side::explain_picked(const std::shared_ptr<const SideAnswer>& answer, std::optional<std::uint32_t> pixel) {
   std::shared_ptr<const Explanation> explanation;
   if (pixel && *pixel < answer->mask.size()) {
     const std::uint32_t index[] = {*pixel};
-    if (const auto why = explain(index)[0]) explanation = std::make_shared<Explanation>(*why);
+    if (const auto why = explain(index, answer->frame->chosen())[0]) explanation = std::make_shared<Explanation>(*why);
   }
   body_.change([&](EngineState&) {
     state().explanation = explanation;
@@ -61,22 +67,31 @@ void Engine::Body::Side::count_wrong(const std::shared_ptr<const SideAnswer>& an
   verdict->reference = reference;
   verdict->estimates = registry().technique(loaded_->technique).about.estimates;
   const GBuffer& g = answer->frame->gbuffer;
-  const Evidence evidence = evidence_of(g.width, g.height, answer->mask, *reference, verdict->estimates);
+  if (answer->frame->is_together()) verdict->together = put_together(*answer, *reference, verdict->estimates, {});
+  const Evidence evidence = verdict->together ? verdict->together->evidence()
+                                              : evidence_of(g.width, g.height, answer->mask, *reference, verdict->estimates);
   const Scoring scoring(evidence);
   verdict->errors = scoring.error_counts();
   verdict->reference_error = measure_metric(scoring, "reference_error_mean");
+  if (verdict->together) verdict->received_error = scoring.light_error().rms;
   body_.change([&](EngineState&) { state().verdict = verdict; });
 }
 
-/// Pixels where the same technique is right on the meshes against the reference there; empty where it does not take them. The
-/// worker is back at `frame` afterwards.
-std::vector<std::uint8_t> Engine::Body::Side::right_on_mesh(const Frame& frame, const ReferenceState& on_mesh) {
-  std::vector<std::uint8_t> right;
-  if (ask_support(*on_mesh.frame, "causes")) {
-    const std::vector<float> mask = resolve_mask(false);
-    right.resize(mask.size());
-    const double most = has_area(frame.light) ? 4 * AreaTarget{}.error : 0.5;
-    for (std::size_t i = 0; i < mask.size(); ++i) right[i] = std::abs(mask[i] - on_mesh.mask[i]) <= most;
+/// Under each light pixels where the same technique is right on the meshes against the reference there; empty where it does not
+/// take them. The worker is back at `frame` afterwards.
+std::vector<std::vector<std::uint8_t>> Engine::Body::Side::right_on_mesh(
+    const Frame& frame, std::span<const std::shared_ptr<const ReferenceState>> lights) {
+  std::vector<std::vector<std::uint8_t>> right(lights.size());
+  Frame mesh_frame = *lights[0]->on_mesh->frame;
+  mesh_frame.light = frame.light;
+  mesh_frame.lights = frame.lights;
+  if (ask_support(mesh_frame, "causes")) {
+    const std::vector<std::vector<float>> masks = split_masks(resolve_mask(false), lights.size());
+    for (std::size_t k = 0; k < lights.size(); ++k) {
+      const double most = has_area(frame.all_lights()[k]) ? 4 * AreaTarget{}.error : 0.5;
+      for (std::size_t i = 0; i < masks[k].size(); ++i)
+        right[k].push_back(std::abs(masks[k][i] - lights[k]->on_mesh->mask[i]) <= most);
+    }
   }
   ask_support(frame, "causes");
   resolve_mask(false);
@@ -93,22 +108,29 @@ void Engine::Body::Side::find_causes_of(const std::shared_ptr<const Verdict>& ve
     ticket = causes_.ticket();
   }
   const Frame& frame = *verdict->answer->frame;
-  std::vector<std::uint8_t> right;
-  if (truth->on_mesh && registry().technique(loaded_->technique).about.sees == Truth::mesh)
-    right = right_on_mesh(frame, *truth->on_mesh);
-  Reference reference{truth->mask, truth->classes, truth->nearest_caster, truth};
-  reference.error = truth->error;
-  reference.irradiance = truth->irradiance;
-  reference.irradiance_error = truth->irradiance_error;
+  const std::vector<std::shared_ptr<const ReferenceState>> lights = frame.is_together() ? truth->lights : std::vector{truth};
+  std::vector<std::vector<std::uint8_t>> right(lights.size());
+  if (lights[0]->on_mesh && registry().technique(loaded_->technique).about.sees == Truth::mesh)
+    right = right_on_mesh(frame, lights);
+  std::vector<std::vector<Cause>> causes(lights.size());
   auto complete = std::make_shared<Verdict>(*verdict);
   const bool is_done = causes_.run(ticket, [&] {
-    complete->causes =
-        find_causes({frame.scene(), frame.loaded->store->casters(frame.gbuffer.truth), frame.gbuffer, frame.light, reference,
-                     verdict->answer->mask, right, [&](std::span<const std::uint32_t> pixels) { return explain(pixels); },
-                     verdict->estimates});
+    for (std::size_t k = 0; k < lights.size(); ++k) {
+      Reference reference{lights[k]->mask, lights[k]->classes, lights[k]->nearest_caster, lights[k]};
+      reference.error = lights[k]->error;
+      reference.irradiance = lights[k]->irradiance;
+      reference.irradiance_error = lights[k]->irradiance_error;
+      causes[k] = find_causes({frame.scene(), frame.loaded->store->casters(frame.gbuffer.truth), frame.gbuffer,
+                               frame.all_lights()[k], reference, verdict->answer->mask_under(k), right[k],
+                               [&](std::span<const std::uint32_t> pixels) { return explain(pixels, k); }, verdict->estimates});
+    }
   });
   if (!is_done) return;
-  complete->cause_counts = count_causes(complete->causes);
+  if (frame.is_together())
+    complete->together = put_together(*verdict->answer, *truth, verdict->estimates, causes);
+  else
+    complete->causes = std::move(causes[0]);
+  complete->cause_counts = count_causes(frame.is_together() ? complete->together->causes : complete->causes);
   complete->has_causes = true;
   complete->reference = truth;
   body_.change([&](EngineState&) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "app/viewer/engine_body.h"
+#include "app/viewer/several_lights.h"
 #include "measure/frame/frame.h"
 #include "measure/frame/light_rays.h"
 #include "measure/notice.h"
@@ -41,13 +42,27 @@ GBuffer thinned(const GBuffer& g, int step) {
 /// Good enough to move by, under a light with area.
 constexpr AreaTarget quick{.error = 0.02, .cap = 256};
 
-void trace(const RayScene& casters, const Frame& frame, const GBuffer& pixels, const AreaTarget& target,
-           std::vector<float>& mask) {
-  mask.resize(pixels.size());
-  if (has_area(frame.light))
-    trace_shares(casters, frame.scene(), pixels, frame.light, target, mask);
+std::vector<float> trace(const RayScene& casters, const Scene& scene, const GBuffer& pixels, const Light& light,
+                         const AreaTarget& target) {
+  std::vector<float> mask(pixels.size());
+  if (has_area(light))
+    trace_shares(casters, scene, pixels, light, target, mask);
   else
-    trace_shadows(casters, frame.scene(), pixels, frame.light, mask);
+    trace_shadows(casters, scene, pixels, light, mask);
+  return mask;
+}
+
+/// What keeps the reference from a frame's lights; empty when nothing does.
+std::string obstacle(const Frame& frame) {
+  for (const Light& light : frame.all_lights())
+    if (const Support support = reference_support(frame.scene(), light, frame.gbuffer.view); !support)
+      return frame.is_together() ? fmt::format("{}: {}", light.name, support.why()) : support.why();
+  return "";
+}
+
+/// Shadows as the share of the light that all give.
+std::vector<float> shown(const Frame& frame, const GBuffer& pixels, std::vector<std::vector<float>> masks) {
+  return frame.is_together() ? shown_together(frame, pixels, masks) : std::move(masks[0]);
 }
 
 }  // namespace
@@ -107,12 +122,54 @@ std::shared_ptr<const ReferenceState> Engine::Body::publish(ReferenceState refer
   return published;
 }
 
+/// What is known of the reference at a frame under one of its lights; null where nothing is.
+std::shared_ptr<const ReferenceState> Engine::Body::known_reference(const Frame& frame, const Light& light) {
+  const GBuffer& g = frame.gbuffer;
+  const std::vector<std::byte> seen = light_and_view_bytes(light, g.view);
+  const auto is_same = [&](const KnownReference& known) {
+    return known.truth == g.truth && known.reference->width == g.width && known.reference->height == g.height &&
+           known.light_and_view == seen;
+  };
+  const auto found = std::ranges::find_if(known_references, is_same);
+  if (found == known_references.end()) return nullptr;
+  std::rotate(known_references.begin(), found, found + 1);
+  return known_references.front().reference;
+}
+
+/// Those of the frame that was completed last are kept in any case.
+void Engine::Body::remember(const Frame& frame, const Light& light, std::shared_ptr<const ReferenceState> reference) {
+  const std::size_t more = frame.all_lights().size() - 1, most = most_known + more,
+                    most_pixels = most_known_pixels + more * frame.gbuffer.size();
+  known_references.push_front(
+      {frame.loaded, light_and_view_bytes(light, frame.gbuffer.view), frame.gbuffer.truth, std::move(reference)});
+  std::size_t pixels = 0;
+  for (const KnownReference& known : known_references) pixels += known.reference->mask.size();
+  while (known_references.size() > 1 && (known_references.size() > most || pixels > most_pixels)) {
+    pixels -= known_references.back().reference->mask.size();
+    known_references.pop_back();
+  }
+}
+
+/// The mask under one light, as it was where neither light nor pixels have changed since the frame before.
+std::vector<float> Engine::Body::trace_light(const Frame& frame, const GBuffer& pixels, int step, const Light& light) {
+  if (!frame.is_together()) return trace(frame.loaded->store->casters(pixels.truth), frame.scene(), pixels, light, quick);
+  if (const auto known = step == 1 ? known_reference(frame, light) : nullptr) return known->mask;
+  if (traced_pixels != frame.gbuffer.storage) traced_masks.clear();
+  traced_pixels = frame.gbuffer.storage;
+  const std::pair key{light.name, step};
+  const auto found = traced_masks.find(key);
+  if (found != traced_masks.end() && are_same(found->second.light, light)) return found->second.mask;
+  std::vector<float> mask = trace(frame.loaded->store->casters(pixels.truth), frame.scene(), pixels, light, quick);
+  if (!tbb::is_current_task_group_canceling()) traced_masks[key] = {light, mask};
+  return mask;
+}
+
 /// The mask; all of the reference where it is known from before.
 void Engine::Body::trace_reference(const std::shared_ptr<const Frame>& frame, bool is_moving, std::uint64_t ticket) {
   ReferenceState reference;
   reference.frame = frame;
-  if (const Support support = reference_support(frame->scene(), frame->light, frame->gbuffer.view); !support) {
-    reference.why_not = support.why();
+  reference.why_not = obstacle(*frame);
+  if (!reference.why_not.empty()) {
     reference.is_complete = true;
     publish(std::move(reference));
     return;
@@ -120,27 +177,30 @@ void Engine::Body::trace_reference(const std::shared_ptr<const Frame>& frame, bo
   const GBuffer& g = frame->gbuffer;
   std::erase_if(known_references,
                 [&](const KnownReference& known) { return known.loaded != frame->loaded; });  // a scene may be large
-  const std::vector<std::byte> seen = light_and_view_bytes(frame->light, g.view);
-  const auto is_same = [&](const KnownReference& known) {
-    return known.truth == g.truth && known.reference->width == g.width && known.reference->height == g.height &&
-           known.light_and_view == seen;
-  };
-  if (const auto found = std::ranges::find_if(known_references, is_same); found != known_references.end()) {
-    std::rotate(known_references.begin(), found, found + 1);
-    reference = *known_references.front().reference;
+  std::vector<std::shared_ptr<const ReferenceState>> known;
+  for (const Light& light : frame->all_lights()) known.push_back(known_reference(*frame, light));
+  if (std::ranges::all_of(known, [](const auto& one) { return one != nullptr; })) {
+    if (!frame->is_together()) reference = *known[0];
     reference.frame = frame;
+    if (frame->is_together()) {
+      reference.lights = std::move(known);
+      put_together(reference);
+      reference.is_complete = true;
+    }
     publish(std::move(reference));
     return;
   }
 
-  const RayScene& casters = frame->loaded->store->casters(g.truth);
-  const auto trace_pixels = [&](const GBuffer& pixels) {
-    std::vector<float> mask;
+  const auto trace_pixels = [&](const GBuffer& pixels, int step) {
+    std::vector<std::vector<float>> masks;
     const auto start = Clock::now();
-    if (!refinement.run(ticket, [&] { trace(casters, *frame, pixels, quick, mask); })) return false;
+    const auto trace_all = [&] {
+      for (const Light& light : frame->all_lights()) masks.push_back(trace_light(*frame, pixels, step, light));
+    };
+    if (!refinement.run(ticket, trace_all)) return false;
     const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
     rays_per_ms = static_cast<double>(pixels.size()) / std::max(ms, 1e-3);
-    reference.mask = std::move(mask);
+    reference.mask = shown(*frame, pixels, std::move(masks));
     reference.width = pixels.width;
     reference.height = pixels.height;
     return true;
@@ -150,64 +210,88 @@ void Engine::Body::trace_reference(const std::shared_ptr<const Frame>& frame, bo
   for (const int step : {8, 4, 2}) {
     const bool is_needed = is_moving ? shown_first > step * step / 4.0 : frame->is_full() && shown_first > 1;
     if (!is_needed) continue;
-    if (!trace_pixels(thinned(g, step))) return;
+    if (!trace_pixels(thinned(g, step), step)) return;
     publish(reference);
   }
-  if (!trace_pixels(g)) return;
+  if (!trace_pixels(g, 1)) return;
   reference.is_complete = !frame->is_full();
   publish(std::move(reference));
 }
 
-/// Classes, occluders, and the same on the meshes where the scene has curved shapes.
+/// Classes under one light, and under one with area the shares.
+void Engine::Body::find_classes(const Frame& frame, const Light& light, ReferenceState& reference) {
+  const RayScene& casters = frame.loaded->store->casters(frame.gbuffer.truth);
+  if (!has_area(light)) {
+    reference.classes = classify(frame.scene(), casters, frame.gbuffer, light, reference.mask);
+    return;
+  }
+  SoftReference soft = trace_soft(frame.scene(), casters, frame.gbuffer, light, {});
+  reference.mask = std::move(soft.area);
+  reference.error = std::move(soft.area_error);
+  reference.irradiance = std::move(soft.irradiance);
+  reference.irradiance_error = std::move(soft.irradiance_error);
+  reference.classes = std::move(soft.classes);
+}
+
+/// Occluders under one light, and the same on the meshes where the scene has curved shapes; `mesh_frame` is made then, if it is
+/// null.
+void Engine::Body::find_nearest(const Frame& frame, const Light& light, std::shared_ptr<Frame>& mesh_frame,
+                                ReferenceState& reference) {
+  const Scene& scene = frame.scene();
+  const GBuffer& g = frame.gbuffer;
+  FrameStore& store = *frame.loaded->store;
+  reference.nearest_caster = find_nearest_casters(scene, store.casters(g.truth), g, light, reference.mask);
+  if (g.truth == Truth::mesh || !scene.has_curved_shapes()) return;
+  if (!mesh_frame) {
+    mesh_frame = std::make_shared<Frame>();
+    mesh_frame->loaded = frame.loaded;
+    mesh_frame->gbuffer = make_gbuffer(scene, store.everything(Truth::mesh), g.view, g.width, g.height, Truth::mesh);
+    mesh_frame->file = write_shared(mesh_frame->gbuffer);
+  }
+  auto on_mesh = std::make_shared<ReferenceState>();
+  on_mesh->mask = trace(store.casters(Truth::mesh), scene, mesh_frame->gbuffer, light, {});
+  on_mesh->frame = mesh_frame;
+  reference.on_mesh = on_mesh;
+}
+
+/// Classes, occluders, and the same on the meshes where the scene has curved shapes; under each light.
 void Engine::Body::complete_reference(ReferenceState reference, std::uint64_t ticket) {
   const std::shared_ptr<const Frame> frame = reference.frame;
-  const Scene& scene = frame->scene();
-  const GBuffer& g = frame->gbuffer;
-  const RayScene& casters = frame->loaded->store->casters(g.truth);
-  std::vector<PixelClass> classes;
-  const auto find_classes = [&] {
-    if (!has_area(frame->light)) {
-      classes = classify(scene, casters, g, frame->light, reference.mask);
-      return;
+  std::shared_ptr<Frame> mesh_frame;
+  for (const Light& light : frame->all_lights()) {
+    if (!frame->is_together()) {
+      if (!refinement.run(ticket, [&] { find_classes(*frame, light, reference); })) return;
+      publish(reference);
+      if (!refinement.run(ticket, [&] { find_nearest(*frame, light, mesh_frame, reference); })) return;
+      break;
     }
-    SoftReference soft = trace_soft(scene, casters, g, frame->light, {});
-    reference.mask = std::move(soft.area);
-    reference.error = std::move(soft.area_error);
-    reference.irradiance = std::move(soft.irradiance);
-    reference.irradiance_error = std::move(soft.irradiance_error);
-    classes = std::move(soft.classes);
-  };
-  if (!refinement.run(ticket, find_classes)) return;
-  reference.classes = std::move(classes);
-  publish(reference);
-  std::vector<std::uint32_t> nearest_caster;
-  std::shared_ptr<ReferenceState> on_mesh;
-  const bool is_done = refinement.run(ticket, [&] {
-    nearest_caster = find_nearest_casters(scene, casters, g, frame->light, reference.mask);
-    if (g.truth == Truth::mesh || !scene.has_curved_shapes()) return;
-    auto mesh_frame = std::make_shared<Frame>();
-    mesh_frame->loaded = frame->loaded;
-    mesh_frame->light = frame->light;
-    mesh_frame->gbuffer =
-        make_gbuffer(scene, frame->loaded->store->everything(Truth::mesh), g.view, g.width, g.height, Truth::mesh);
-    on_mesh = std::make_shared<ReferenceState>();
-    trace(frame->loaded->store->casters(Truth::mesh), *mesh_frame, mesh_frame->gbuffer, {}, on_mesh->mask);
-    on_mesh->frame = mesh_frame;
-    mesh_frame->file = write_shared(mesh_frame->gbuffer);
-  });
-  if (!is_done) return;
-  reference.nearest_caster = std::move(nearest_caster);
-  reference.on_mesh = on_mesh;
-  reference.is_complete = true;
-  auto bare = std::make_shared<ReferenceState>(*publish(std::move(reference)));
-  bare->frame.reset();
-  known_references.push_front({frame->loaded, light_and_view_bytes(frame->light, g.view), g.truth, bare});
-  std::size_t pixels = 0;
-  for (const KnownReference& known : known_references) pixels += known.reference->mask.size();
-  while (known_references.size() > 1 && (known_references.size() > most_known || pixels > most_known_pixels)) {
-    pixels -= known_references.back().reference->mask.size();
-    known_references.pop_back();
+    std::shared_ptr<const ReferenceState> known = known_reference(*frame, light);
+    if (!known) {
+      auto own = std::make_shared<ReferenceState>();
+      const bool is_done = refinement.run(ticket, [&] {
+        own->mask = trace_light(*frame, frame->gbuffer, 1, light);
+        find_classes(*frame, light, *own);
+        find_nearest(*frame, light, mesh_frame, *own);
+      });
+      if (!is_done) return;
+      own->width = frame->gbuffer.width;
+      own->height = frame->gbuffer.height;
+      own->is_complete = true;
+      remember(*frame, light, own);
+      known = own;
+    }
+    reference.lights.push_back(known);
   }
+  if (frame->is_together()) {
+    put_together(reference);
+    traced_masks.clear();
+  }
+  reference.is_complete = true;
+  const auto published = publish(std::move(reference));
+  if (frame->is_together()) return;
+  auto bare = std::make_shared<ReferenceState>(*published);
+  bare->frame.reset();
+  remember(*frame, frame->light, bare);
 }
 
 }  // namespace gnomon::viewer

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "app/viewer/several_lights.h"
 #include "measure/notice.h"
 
 namespace gnomon::viewer {
@@ -210,13 +211,14 @@ void Engine::Body::Side::set(const std::string& settings) {
 /// Has the worker go to a frame.
 Support Engine::Body::Side::ask_support(const Frame& frame, const std::string& words) {
   const GBuffer& g = frame.gbuffer;
-  return Call(*this, words)
-      ->frame({.gbuffer_file = *frame.file,
-               .width = g.width,
-               .height = g.height,
-               .truth = g.truth,
-               .seen = FreeLightAndView{{frame.light}, g.view}})
-      .support;
+  FrameReply reply = Call(*this, words)
+                         ->frame({.gbuffer_file = *frame.file,
+                                  .width = g.width,
+                                  .height = g.height,
+                                  .truth = g.truth,
+                                  .seen = FreeLightAndView{{frame.all_lights().begin(), frame.all_lights().end()}, g.view}});
+  light_supports_ = std::move(reply.lights);
+  return reply.support;
 }
 
 void Engine::Body::Side::go_to(const std::shared_ptr<const Frame>& frame) {
@@ -245,13 +247,18 @@ void Engine::Body::Side::answer(const std::shared_ptr<const Frame>& frame, std::
   answer->frame = frame;
   answer->support = support_;
   answer->mask = resolve_mask(true);
+  if (frame->is_together()) {
+    answer->masks = split_masks(answer->mask, frame->lights.size());
+    answer->mask = shown_together(*frame, frame->gbuffer, answer->masks);
+  }
   answer->stage_ms = stage_ms_;
   body_.change([&](EngineState&) {
     SideState& s = state();
     s.phase = Phase::done;
     s.words = support_.why();
     // The same question has the same answer: what was found out about it stays.
-    const bool is_repeated = s.answer && s.answer->frame == frame && repeat_ != repeat && s.answer->mask == answer->mask;
+    const bool is_repeated = s.answer && s.answer->frame == frame && repeat_ != repeat && s.answer->mask == answer->mask &&
+                             s.answer->masks == answer->masks;
     if (!is_repeated) s.answer = answer;
     s.newest_ms = answer->stage_ms;
     ++s.answer_count;

@@ -56,8 +56,11 @@ class Engine::Body::Side {
 
   Support ask_support(const Frame& frame, const std::string& words);
   std::vector<float> resolve_mask(bool is_timed);
-  std::vector<std::uint8_t> right_on_mesh(const Frame& frame, const ReferenceState& on_mesh);
-  std::vector<std::optional<Explanation>> explain(std::span<const std::uint32_t> pixels);
+  std::vector<std::vector<std::uint8_t>> right_on_mesh(const Frame& frame,
+                                                       std::span<const std::shared_ptr<const ReferenceState>> lights);
+  std::vector<std::optional<Explanation>> explain(std::span<const std::uint32_t> pixels, std::size_t light);
+  /// Whether the technique supports that light of the frame.
+  bool casts_shadows(std::size_t light) const { return light_supports_.empty() || light_supports_[light]; }
   Work guarded(std::function<void()> work);
   void fail(const std::string& why);
   void show_nothing(Phase phase, const std::string& why);
@@ -74,6 +77,7 @@ class Engine::Body::Side {
   std::uint64_t frame_ = 0;   ///< number of the frame that the worker was asked about last
   bool is_supported_ = false;
   Support support_ = Support::full();
+  std::vector<Support> light_supports_;  ///< of several lights, each
   std::array<std::optional<double>, 4> stage_ms_;
   std::uint64_t repeat_ = 0;
   std::optional<Clock::time_point> since_;  ///< when the present call of the worker began

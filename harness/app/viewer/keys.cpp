@@ -37,6 +37,7 @@ std::vector<KeyRow> own_rows() {
       {GLFW_KEY_N, 0, "N", LightSteps{.y = -1}, light, "Down by a fiftieth of the scene's diagonal.", held},
       {GLFW_KEY_M, 0, "M", LightSteps{.y = 1}, light, "Up by a fiftieth of the scene's diagonal.", held},
       {GLFW_KEY_END, 0, "End", Action::reset_light, light, "Back to the light as the scene has it."},
+      {GLFW_KEY_E, 0, "E", Action::all_lights, light, "All lights together as one picture, or the chosen one alone."},
 
       {GLFW_KEY_1, 0, "1", Layout::left, compare, "The left side alone."},
       {GLFW_KEY_2, 0, "2", Layout::right, compare, "The right side alone."},

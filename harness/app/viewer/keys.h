@@ -25,6 +25,7 @@ enum class Action {
   panels,
   reset_view,
   reset_light,
+  all_lights,
   save,
   copy_command,
   screenshot,

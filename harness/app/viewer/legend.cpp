@@ -24,10 +24,10 @@ std::optional<double> share_of(std::size_t count, std::size_t all) {
 
 bool is_soft_frame(const Composition& composition, int side) {
   const auto& frame = composition.sides[side].frame;
-  return frame && has_area(frame->light);
+  return frame && frame->has_shares();
 }
 
-/// Under a light with area there is a bar instead.
+/// Where masks have values between there is a bar instead.
 std::vector<LegendEntry> mask_legend(const Composition& composition, int side) {
   if (is_soft_frame(composition, side)) return {};
   return {{{255, 255, 255}, "lit", {}, {}}, {{0, 0, 0}, "umbra", {}, {}}};
@@ -163,6 +163,13 @@ std::optional<Evidence> evidence_of(const Composition& composition, int side, bo
   const ReferenceState* const reference = reference_of(composition, side);
   if (!reference || !has_full_mask(s)) return std::nullopt;
   const Verdict* const verdict = verdict_of(s);
+  if (s.frame->is_together()) {
+    // Where a light is not tested its reference counts, so that the mask alone does not tell.
+    if (!verdict || !verdict->together || (with_causes && !verdict->has_causes)) return std::nullopt;
+    Evidence whole = verdict->together->evidence();
+    if (!with_causes) whole.causes = {};
+    return whole;
+  }
   Evidence evidence =
       evidence_of(s.mask_width, s.mask_height, s.mask, *reference, verdict ? verdict->estimates : LightShareKind::area);
   if (!with_causes || (verdict && verdict->has_causes && verdict->causes.empty())) return evidence;  // none were sought
@@ -197,12 +204,25 @@ std::vector<LegendEntry> legend(const Composition& composition, int side) {
   return paint == Paint::classes ? classes_legend(composition, side) : std::vector<LegendEntry>{};
 }
 
-std::span<const Tally> tallies(bool has_area) {
+std::span<const Tally> tallies(const Frame* frame) {
   static constexpr auto percent_of = [](double part, std::size_t whole) {
     return whole ? fmt::format("{:.4f} %", 100 * part / static_cast<double>(whole)) : std::string();
   };
+  static constexpr auto percent_or_none = [](const std::optional<double>& share) {
+    return share ? fmt::format("{:.4f} %", 100 * *share) : std::string();
+  };
   static constexpr Tally tested{"tested", "Pixels of class T: those whose answer is beyond doubt.",
                                 [](const Verdict& v) { return fmt::format("{}", v.errors.tested); }};
+  static constexpr Tally wrong{"wrong", "Share of the tested pixels that are off by more than one half.", [](const Verdict& v) {
+                                 return percent_of(static_cast<double>(v.errors.wrong), v.errors.tested);
+                               }};
+  static constexpr Tally error{"error", "Mean difference from the reference over the tested pixels.",
+                               [](const Verdict& v) { return percent_of(v.errors.error_sum, v.errors.tested); }};
+  static constexpr Tally own{"ref. error", "The reference's own mean error over them: a smaller one may be the reference's.",
+                             [](const Verdict& v) { return percent_or_none(v.reference_error); }};
+  static constexpr Tally received{
+      "light error", "Root mean square error of the light that tested pixels receive of all lights, as a share of that light.",
+      [](const Verdict& v) { return percent_or_none(v.received_error); }};
   static constexpr Tally hard[] = {
       {"wrong", "Share of the tested pixels that differ from the reference.",
        [](const Verdict& v) { return percent_of(static_cast<double>(v.errors.wrong), v.errors.tested); }},
@@ -211,15 +231,10 @@ std::span<const Tally> tallies(bool has_area) {
       {"false lit", "Tested pixels that are lit where the reference is dark.",
        [](const Verdict& v) { return fmt::format("{}", v.errors.false_lit); }},
       tested};
-  static constexpr Tally soft[] = {
-      {"error", "Mean difference from the reference over the tested pixels.",
-       [](const Verdict& v) { return percent_of(v.errors.error_sum, v.errors.tested); }},
-      {"ref. error", "The reference's own mean error over them: a smaller one may be the reference's.",
-       [](const Verdict& v) { return v.reference_error ? fmt::format("{:.4f} %", 100 * *v.reference_error) : std::string(); }},
-      {"wrong", "Share of the tested pixels that are off by more than one half.",
-       [](const Verdict& v) { return percent_of(static_cast<double>(v.errors.wrong), v.errors.tested); }},
-      tested};
-  return has_area ? std::span<const Tally>(soft) : hard;
+  static constexpr Tally soft[] = {error, own, wrong, tested};
+  static constexpr Tally several[] = {received, error, own, tested};
+  if (frame && frame->is_together()) return several;
+  return frame && frame->has_shares() ? std::span<const Tally>(soft) : hard;
 }
 
 std::vector<LegendEntry> layer_legend(const LayerPicture& layer) {

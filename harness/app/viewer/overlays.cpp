@@ -83,16 +83,17 @@ void draw_profile_line(const PictureDrawing& drawing, const ProfileLine& line) {
   drawing.disc(line.to, 2.5f, picked_color);
 }
 
+constexpr ImU32 faint_light = IM_COL32(255, 214, 102, 110);
+
 /// The light's handle with its name, a line down to the lowest height of the scene, and a cross there.
 void draw_light(const PictureDrawing& drawing, const Scene& scene, const Light& light, const std::optional<Handle>& handle) {
   const glm::dvec3 place = light_place(scene, light);
   const double ground = scene.bounds().min.y;
   const double arm = 0.5 * key_step(scene);
-  const ImU32 faint = IM_COL32(255, 214, 102, 110);
   const glm::dvec3 foot(place.x, ground, place.z);
-  drawing.segment(place, foot, faint, 1);
-  drawing.segment(foot - glm::dvec3(arm, 0, 0), foot + glm::dvec3(arm, 0, 0), faint, 1);
-  drawing.segment(foot - glm::dvec3(0, 0, arm), foot + glm::dvec3(0, 0, arm), faint, 1);
+  drawing.segment(place, foot, faint_light, 1);
+  drawing.segment(foot - glm::dvec3(arm, 0, 0), foot + glm::dvec3(arm, 0, 0), faint_light, 1);
+  drawing.segment(foot - glm::dvec3(0, 0, arm), foot + glm::dvec3(0, 0, arm), faint_light, 1);
   if (!handle) return;
   drawing.disc(handle->shown, handle_radius, light_color);
   // Towards the middle, where there is room.
@@ -103,6 +104,17 @@ void draw_light(const PictureDrawing& drawing, const Scene& scene, const Light& 
   const double lines = has_area(light) ? 2 : 0.5;
   drawing.words(handle->shown + glm::dvec2(is_right ? -apart - width : apart, -lines * ImGui::GetFontSize() * drawing.unit),
                 light.name, light_color);
+}
+
+/// Lights that are shown together with the one that can be moved: small, without handles.
+void draw_other_lights(const PictureDrawing& drawing, const Scene& scene, const Selection& selection) {
+  for (const Light& light : selection.together.empty() ? std::vector<Light>() : lights_of(selection)) {
+    if (light.name == selection.light.name) continue;
+    for (const auto& [from, to] : light_outline(light, drawing.camera.eye)) drawing.segment(from, to, faint_light, 1);
+    if (const auto handle =
+            light_handle(drawing.camera, light_place(scene, light), handle_margin * drawing.scale * drawing.unit))
+      drawing.disc(handle->shown, 2.5f, light_color);
+  }
 }
 
 /// The grip of the divider, whose line is of the picture itself.
@@ -213,8 +225,11 @@ void draw_shadow_ray(const PictureDrawing& drawing, const Session& session, cons
   const std::size_t index = *session.selection().picked;
   if (!frame || !frame->is_full() || index >= frame->gbuffer.size() || frame->gbuffer.is_background(index)) return;
   const glm::dvec3 point = frame->gbuffer.position(index), light = light_place(*session.scene(), frame->light);
-  const auto& reference = shown.state.reference;
-  const bool is_known = reference && reference->frame == frame && !reference->classes.empty();
+  // Of several lights, that of the one that can be moved.
+  const std::size_t chosen = frame->chosen();
+  const auto& newest = shown.state.reference;
+  const auto reference = newest && frame->is_together() ? (newest->lights.empty() ? nullptr : newest->lights[chosen]) : newest;
+  const bool is_known = reference && newest->frame == frame && !reference->classes.empty();
   const bool is_dark = is_known && !is_lit(reference->mask[index]);
   // A pixel that is turned away from the light has no shadow ray: its line is thin and gray.
   const bool has_ray = !is_known || reference->classes[index] > PixelClass::F;
@@ -260,6 +275,7 @@ void Overlays::draw(const PixelRect& place, const Session& session, const Shown&
   if (session.profile) draw_profile_line(drawing, *session.profile);
   draw_titles(drawing, session, shown);
   draw_divider(drawing, composition);
+  draw_other_lights(drawing, *scene, session.selection());
   draw_light_size(drawing, session.selection().light, shown_sizes(session, composition));
   draw_light(drawing, *scene, session.selection().light, shown_handle(session, composition, drawing.scale * unit));
   draw_notices(drawing, session, shown);

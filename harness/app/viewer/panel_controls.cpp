@@ -97,21 +97,41 @@ bool draw_light_fields(Light& light, float speed, Widgets& widgets) {
   return is_set;
 }
 
-/// A list of the names of lights or views, and a button beside it. The name that was chosen, or nothing.
+constexpr const char* all_lights = "all+";
+
+/// What the list of lights shows of several together, and which of them can be moved.
+std::string together_words(const Selection& selection, const Scene& scene) {
+  if (selection.together.empty()) return selection.light.name;
+  const std::string word = together_word(selection, scene);
+  return fmt::format("{} ({})", word == all_lights ? "all lights" : word, selection.light.name);
+}
+
+/// A list of the names of lights or views, and a button beside it that takes a move back: "reset". The name that was chosen, or
+/// `all_lights` where it `has_all`, or nothing.
+struct NameList {
+  const char* what;
+  std::string shown, chosen;
+  bool is_moved = false, has_all = false, is_all = false;
+};
 template <class Item>
-std::optional<std::string> draw_names(const char* what, const std::vector<Item>& items, const std::string& chosen,
-                                      bool is_moved, Widgets& widgets) {
+std::optional<std::string> draw_names(const NameList& list, const std::vector<Item>& items, Widgets& widgets) {
+  const char* const what = list.what;
   std::optional<std::string> result;
   ImGui::PushID(what);
   widgets.label(what);
   const float reset_width = ImGui::CalcTextSize("reset").x + 2 * ImGui::GetStyle().FramePadding.x;
   ImGui::SetNextItemWidth(-reset_width - ImGui::GetStyle().ItemInnerSpacing.x);
   std::vector<Widgets::Choice> choices;
-  for (const Item& item : items) choices.push_back({fmt::format("{}.{}", what, item.name), item.name, "", item.name == chosen});
-  if (const auto k = widgets.list(what, is_moved ? chosen + ", moved" : chosen, choices)) result = items[*k].name;
+  if (list.has_all)
+    choices.push_back({fmt::format("{}.{}", what, all_lights), "all lights", "All of them as one picture (E).", list.is_all});
+  const std::size_t before = choices.size();
+  for (const Item& item : items)
+    choices.push_back({fmt::format("{}.{}", what, item.name), item.name, "", !list.is_all && item.name == list.chosen});
+  if (const auto k = widgets.list(what, list.is_moved ? list.shown + ", moved" : list.shown, choices))
+    result = *k < before ? all_lights : items[*k - before].name;
   ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
-  ImGui::BeginDisabled(!is_moved);
-  if (ImGui::Button("reset")) result = chosen;
+  ImGui::BeginDisabled(!list.is_moved);
+  if (ImGui::Button("reset")) result = "";
   ImGui::EndDisabled();
   widgets.note(std::string(what) + ".reset");
   ImGui::PopID();
@@ -123,13 +143,28 @@ void draw_light_and_view(Session& session, Widgets& widgets) {
   if (!scene) return;
   const Bounds bounds = scene->bounds();
   const float speed = glm::length(bounds.max - bounds.min) / 1000;
-  if (const auto name = draw_names("light", scene->lights, session.selection().light.name, session.is_light_moved(), widgets))
-    session.choose_light(*name);
+  const Selection& selection = session.selection();
+  const NameList lights{.what = "light",
+                        .shown = together_words(selection, *scene),
+                        .chosen = selection.light.name,
+                        .is_moved = session.is_light_moved(),
+                        .has_all = scene->lights.size() > 1,
+                        .is_all = selection.together.size() == scene->lights.size()};
+  if (const auto name = draw_names(lights, scene->lights, widgets)) {
+    if (name->empty())
+      session.reset_light();
+    else if (*name == all_lights)
+      widgets.attempt([&] { session.choose_together(all_lights); });
+    else
+      session.choose_light(*name);
+  }
   Light light = session.selection().light;
   if (draw_light_fields(light, speed, widgets))
     if (widgets.attempt([&] { session.set_light(light); })) session.mark_moving();
-  if (const auto name = draw_names("view", scene->views, session.selection().view.name, session.is_view_moved(), widgets))
-    session.choose_view(*name);
+  const NameList views{
+      .what = "view", .shown = selection.view.name, .chosen = selection.view.name, .is_moved = session.is_view_moved()};
+  if (const auto name = draw_names(views, scene->views, widgets))
+    session.choose_view(name->empty() ? selection.view.name : *name);
   View view = session.selection().view;
   widgets.label("field of view", "Of the picture's height, in degrees.");
   if (ImGui::SliderFloat("##fov", &view.fov_y_degrees, 5, 120, "%.4g degree", ImGuiSliderFlags_AlwaysClamp))

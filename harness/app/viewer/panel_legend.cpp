@@ -192,7 +192,7 @@ void draw_paint_legend(const Shown& shown) {
   if (paint == Paint::mask) return;  // a bar follows
   const bool is_judged = (paint == Paint::kinds || paint == Paint::causes) && (legend.has_shares[0] || legend.has_shares[1]);
   const auto& frame = shown.state.frame;
-  const bool is_soft = frame && has_area(frame->light);
+  const bool is_soft = frame && frame->has_shares();
   Widgets::wrapped(!is_judged ? std::string(mode.sentence) : is_soft ? "No pixel is off by 1 %." : "No pixel is wrong.");
 }
 

@@ -111,7 +111,7 @@ void draw_head(const Shown& shown, const Session& session, int side) {
 }
 
 void draw_tallies(const EngineState& state) {
-  for (const Tally& tally : tallies(state.frame && has_area(state.frame->light)))
+  for (const Tally& tally : tallies(state.frame.get()))
     draw_row(state, tally.name, tally.sentence, [&](const SideState& side, int) {
       if (!side.verdict) return Value{};
       return Value{tally.words(*side.verdict), side.verdict->answer != side.answer};

@@ -9,6 +9,7 @@
 #include "measure/cause/causes.h"
 #include "measure/frame/frame.h"
 #include "measure/score/metrics.h"
+#include "measure/score/together.h"
 
 namespace gnomon::viewer {
 
@@ -21,17 +22,25 @@ struct LoadedScene {
   std::shared_ptr<FrameStore> store = nullptr;  ///< of `scene`, for its rays and its file; the engine's
 };
 
-/// What the eye sees of a scene under one light: what techniques are asked about.
+/// What the eye sees of a scene under a light, or several together: what techniques are asked about.
 struct Frame {
   std::uint64_t number = 0;  ///< counts up from 1
   std::shared_ptr<const LoadedScene> loaded;
-  Light light;
+  Light light;                                        ///< of several the one that can be moved
+  std::vector<Light> lights;                          ///< two at least, in the scene's order; empty where `light` is alone
   GBuffer gbuffer;                                    ///< with its view; smaller than the picture while something moves
   std::shared_ptr<const std::filesystem::path> file;  ///< of the G-buffer, for workers; goes with the last frame that has it
   int picture_width = 0, picture_height = 0;
-  std::vector<double> received;  ///< as received_light gives it; one a pixel
+  std::vector<double> received;  ///< as received_light gives it, of all lights; one a pixel
+  double exposure = 1;           ///< of the shaded picture; see exposure_of
 
   const Scene& scene() const { return loaded->scene; }
+  bool is_together() const { return !lights.empty(); }
+  std::span<const Light> all_lights() const { return is_together() ? lights : std::span(&light, 1); }
+  /// Of the light that can be moved, in all_lights.
+  std::size_t chosen() const;
+  /// Whether masks have values between lit and umbra: under a light with area, and under several lights.
+  bool has_shares() const { return is_together() || has_area(light); }
   bool is_full() const { return gbuffer.width == picture_width && gbuffer.height == picture_height; }
 };
 
@@ -39,7 +48,7 @@ struct Frame {
 struct ReferenceState {
   std::shared_ptr<const Frame> frame;
   int width = 0, height = 0;  ///< of `mask`
-  std::vector<float> mask;    ///< width * height
+  std::vector<float> mask;    ///< width * height; of several lights the share of the light that they would give
   /// Under a light with area, with the classes: `mask` is the share of its area that is seen, `irradiance` that of the
   /// irradiance, each with its standard error. Else empty.
   std::vector<float> error, irradiance, irradiance_error;
@@ -47,6 +56,9 @@ struct ReferenceState {
   std::vector<std::uint32_t> nearest_caster;  ///< empty until known; see Reference
   /// The same view and light on the meshes, where the scene has curved shapes and they count; null until it is known.
   std::shared_ptr<const ReferenceState> on_mesh;
+  /// Of several lights together, each, without its frame and with classes; empty until they are known. Then `mask`, `error`,
+  /// `irradiance`, `irradiance_error` and `classes` are those of a Together, and the rest is empty.
+  std::vector<std::shared_ptr<const ReferenceState>> lights;
   bool is_complete = false;  ///< nothing more will come for this frame
   std::string why_not;       ///< there is none, because the reference does not support the light; else empty
 };
@@ -54,9 +66,13 @@ struct ReferenceState {
 /// What a technique answered.
 struct SideAnswer {
   std::shared_ptr<const Frame> frame;
-  std::vector<float> mask;
+  std::vector<float> mask;                        ///< of several lights the share of the light that they would give
+  std::vector<std::vector<float>> masks;          ///< of several lights, each; else empty
   std::array<std::optional<double>, 4> stage_ms;  ///< the last time that each stage was done, by Stage
   Support support = Support::full();
+
+  /// Under light k of the frame's.
+  std::span<const float> mask_under(std::size_t k) const { return masks.empty() ? mask : masks[k]; }
 };
 
 /// An answer against the reference of its frame.
@@ -64,8 +80,10 @@ struct Verdict {
   std::shared_ptr<const SideAnswer> answer;
   std::shared_ptr<const ReferenceState> reference;  ///< with classes
   LightShareKind estimates = LightShareKind::area;  ///< what the answer is compared with under a light with area
+  std::shared_ptr<const Together> together;         ///< of several lights; with their causes when these are known
   ErrorCounts errors;
   std::optional<double> reference_error;  ///< under a light with area: the reference's own mean error over T
+  std::optional<double> received_error;   ///< of several lights: rms error of the light received, as a share of that
   bool has_causes = false;                ///< they are known
   std::vector<Cause> causes;              ///< empty until then
   std::map<std::string, std::uint64_t> cause_counts;
@@ -76,7 +94,7 @@ inline std::span<const float> share_of(const ReferenceState& reference, LightSha
   return estimates == LightShareKind::irradiance && !reference.irradiance.empty() ? reference.irradiance : reference.mask;
 }
 
-/// What a mask is judged by, without causes. The reference has its frame.
+/// What a mask under one light is judged by, without causes. The reference has its frame.
 inline Evidence evidence_of(int width, int height, std::span<const float> mask, const ReferenceState& reference,
                             LightShareKind estimates) {
   const bool is_irradiance = estimates == LightShareKind::irradiance;

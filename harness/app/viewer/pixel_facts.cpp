@@ -165,6 +165,8 @@ std::vector<PixelFact> pixel_facts(const Composition& composition, int side, int
   const glm::dvec3 point = g.position(i), normal = g.normal(i);
   facts.push_back({"position", point_words(point)});
   facts.push_back({"normal", fmt::format("{}, {}, {}", number(normal.x, 4), number(normal.y, 4), number(normal.z, 4))});
+  if (frame.is_together())
+    facts.push_back({"light", fmt::format("{}, one of {} together", frame.light.name, frame.lights.size())});
   const glm::dvec3 to = to_light(homogeneous_of_center(frame.light), point);
   const double cosine = glm::dot(normal, to) / std::max(glm::length(to), 1e-300);
   facts.push_back({"cosine", fmt::format("{}, {:.1f} degrees off the normal", number(cosine, 4),

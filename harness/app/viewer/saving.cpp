@@ -110,6 +110,9 @@ Json window_json(const DrawnWindow& window, const Session& session, const Engine
   json["difference"]["full_scale"] = session.difference.full;
   json["difference"]["plain"] = session.difference.is_plain;
   json["contours"] = session.shows_contours;
+  json["light"] = session.selection().light.name;
+  json["together"] = Json::array();
+  for (const Light& light : session.selection().together) json["together"].push_back(light.name);
   json["profile"] = nullptr;
   if (const auto& line = session.profile) json["profile"] = {line->from.x, line->from.y, line->to.x, line->to.y};
   json["picked"] = nullptr;
@@ -135,6 +138,18 @@ Json window_json(const DrawnWindow& window, const Session& session, const Engine
   return json;
 }
 
+/// The masks of a side under each light; none where it has no answer.
+std::vector<std::span<const float>> masks_of(const SideState& side, const ReferenceState* reference) {
+  std::vector<std::span<const float>> masks;
+  if (side.is_reference && reference) {
+    for (const auto& light : reference->lights) masks.push_back(light->mask);
+    if (!reference->frame->is_together()) masks.push_back(reference->mask);
+  } else if (side.answer) {
+    for (std::size_t k = 0; k < side.answer->frame->all_lights().size(); ++k) masks.push_back(side.answer->mask_under(k));
+  }
+  return masks;
+}
+
 Picture picture_of(std::span<const std::uint32_t> rgba, int width, int height) {
   Picture picture{width, height, {}};
   picture.rgb.reserve(rgba.size() * 3);
@@ -150,17 +165,22 @@ Picture picture_of(std::span<const std::uint32_t> rgba, int width, int height) {
 std::string state_toml(const Selection& shown, const fs::path& file) {
   // A scene that could not be loaded is selected, but not shown.
   const std::string base = quoted(base_reference(shown.loaded ? shown.loaded->reference : shown.scene, file));
-  return fmt::format("# Saved state: {} under light '{}', seen from view '{}'.\nscene = {}\n\n{}\n{}", base, shown.light.name,
-                     shown.view.name, base, light_toml(shown.light), view_toml(shown.view));
+  std::string names, tables;
+  for (const Light& light : lights_of(shown)) {
+    names += fmt::format("{}'{}'", names.empty() ? "" : ", ", light.name);
+    tables += light_toml(light) + "\n";
+  }
+  return fmt::format("# Saved state: {} under {} {}, seen from view '{}'.\nscene = {}\n\n{}{}", base,
+                     shown.together.empty() ? "light" : "lights", names, shown.view.name, base, tables, view_toml(shown.view));
 }
 
 std::string render_command(const Selection& shown, std::span<const std::string> plugins, const fs::path& scene_file,
                            const fs::path& out) {
   std::vector<std::string> words = {"gnomon"};
   for (const std::string& plugin : plugins) words.insert(words.end(), {"--plugin", path_word(plugin)});
-  words.insert(words.end(),
-               {"render", "--scene", path_word(scene_file.string()), "--technique", written(shown.sides[0]), "--light",
-                shown.light.name, "--view", shown.view.name, "--size", fmt::format("{}x{}", shown.width, shown.height)});
+  words.insert(words.end(), {"render", "--scene", path_word(scene_file.string()), "--technique", written(shown.sides[0]),
+                             "--light", shown.together.empty() ? shown.light.name : "all+", "--view", shown.view.name, "--size",
+                             fmt::format("{}x{}", shown.width, shown.height)});
   if (shown.truth != Truth::shape) words.insert(words.end(), {"--truth", std::string(name(shown.truth))});
   words.insert(words.end(), {"--out", path_word(out.string())});
   std::string line;
@@ -195,21 +215,17 @@ fs::path SavedFiles::save(const Session& session, const EngineState& state, cons
                           std::span<const std::uint32_t> rgba, const DrawnWindow& window) {
   const Selection& selection = session.selection();
   const SideState& left = state.sides[0];
-  std::span<const float> mask;
-  if (left.is_reference && state.reference)
-    mask = state.reference->mask;
-  else if (left.answer)
-    mask = left.answer->mask;
+  std::vector<std::string> names;
+  for (const Light& light : lights_of(selection)) names.push_back(light.name + ".V");
+  const std::vector<std::span<const float>> masks = masks_of(left, state.reference.get());
   const auto pixels = static_cast<std::size_t>(selection.width) * selection.height;
-  if (left.phase != Phase::done || mask.size() != pixels)
+  if (left.phase != Phase::done || masks.size() != names.size() || masks[0].size() != pixels)
     throw Error("the left side, {}, has no mask to save: {}", selection.sides[0].technique,
                 left.words.empty() ? "it is not done" : left.words);
   const fs::path folder = next("", "");
   const app::StagedFolder staged(folder);
   write_command(session, staged.path, folder);
-  const std::vector<std::string> names = {selection.light.name + ".V"};
-  const std::vector<std::span<const float>> channels = {mask};
-  write_exr(staged.path / "mask.exr", selection.width, selection.height, names, channels);
+  write_exr(staged.path / "mask.exr", selection.width, selection.height, names, masks);
   write_png(staged.path / "picture.png", picture_of(rgba, selection.width, selection.height));
   write_png(staged.path / "window.png", window.pixels);
   write_file(staged.path / "window.json", json_text(window_json(window, session, state), 2) + "\n");

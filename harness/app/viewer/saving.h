@@ -9,9 +9,9 @@
 
 namespace gnomon::viewer {
 
-/// A scene TOML: the geometry of the scene that it names, and this light and view alone. Reading it gives the very floats.
-/// `file` is where it will be: a scene that is a file is named relative to its folder, which need not be there yet. Throws
-/// Error when that name is not UTF-8, as TOML must be.
+/// A scene TOML: the geometry of the scene that it names, and these lights and this view alone. Reading it gives the very
+/// floats. `file` is where it will be: a scene that is a file is named relative to its folder, which need not be there yet.
+/// Throws Error when that name is not UTF-8, as TOML must be.
 std::string state_toml(const Selection& shown, const std::filesystem::path& file);
 
 /// One line for a POSIX shell that renders the left side of `scene_file`, where the selection was saved, into `out`; no newline

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "app/viewer/window.h"
+#include "measure/run/light_words.h"
 #include "measure/scene/load.h"
 
 namespace gnomon::viewer {
@@ -54,14 +55,42 @@ void Session::generator_changed() {
 
 void Session::adopt(const EngineState& state) {
   if (!state.loaded || state.loaded == selection_.loaded || state.loaded->reference != selection_.scene) return;
+  const std::string word = together_word(selection_, *scene());
   selection_.loaded = loaded_ = state.loaded;
-  if (!(keeps_moved_ && light_moved_)) choose_light(named_or_first(scene()->lights, selection_.light.name).name);
+  if (!(keeps_moved_ && light_moved_)) reset_light();
+  if (!selection_.together.empty()) renew_together(word);
   if (!(keeps_moved_ && view_moved_)) choose_view(named_or_first(scene()->views, selection_.view.name).name);
   keeps_moved_ = true;
 }
 
 void Session::choose_light(const std::string& name) {
+  const bool was_together = !std::exchange(selection_.together, {}).empty();
+  if (was_together && name == selection_.light.name) return;
   selection_.light = named_or_first(scene()->lights, name);
+  light_moved_ = false;
+}
+
+void Session::choose_together(const std::string& word) {
+  const std::vector<RowLights> rows = row_lights({word}, selection_.scene, *scene());
+  if (rows.size() != 1) throw Error("{} is {} pictures; the window shows one: {}+ is that of all", word, rows.size(), word);
+  const std::vector<std::string>& names = rows[0].lights;
+  if (std::ranges::find(names, selection_.light.name) == names.end()) choose_light(names[0]);
+  selection_.together.clear();
+  if (names.size() < 2) return;
+  for (const std::string& name : names) selection_.together.push_back(named_or_first(scene()->lights, name));
+}
+
+/// In another scene: the same lights, or the chosen one alone where these are not there.
+void Session::renew_together(const std::string& word) {
+  try {
+    choose_together(word);
+  } catch (const Error&) {
+    selection_.together.clear();
+  }
+}
+
+void Session::reset_light() {
+  selection_.light = named_or_first(scene()->lights, selection_.light.name);
   light_moved_ = false;
 }
 
@@ -170,6 +199,13 @@ void Session::flip_profile() {
   profile = ProfileLine{{0.5, y}, {selection_.width - 0.5, y}};
 }
 
+void Session::flip_together() {
+  if (!scene()) return;
+  if (!selection_.together.empty()) return choose_light(selection_.light.name);
+  choose_together("all+");
+  if (selection_.together.empty()) say("the scene has one light", true);
+}
+
 void Session::act(const KeyEffect& effect, double count) {
   if (scene()) {
     const std::optional<View> view = moved_by_key(selection_.view, *scene(), effect, count);
@@ -203,7 +239,8 @@ void Session::carry_out(Action action) {
   if (action == Action::swap_sides) swap_sides();
   if (action == Action::layer_after) next_layer();
   if (action == Action::reset_view) choose_view(selection_.view.name);
-  if (action == Action::reset_light) choose_light(selection_.light.name);
+  if (action == Action::reset_light) reset_light();
+  if (action == Action::all_lights) flip_together();
   if (action == Action::profile) flip_profile();
   if (action == Action::cancel && !std::exchange(shows_help, false)) picked_ ? pick({}) : profile.reset();
 }

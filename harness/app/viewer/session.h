@@ -47,7 +47,13 @@ class Session {
   const Scene* scene() const { return loaded_ ? &loaded_->scene : nullptr; }
 
   // Light and view: one of the scene's by name, or moved. What `check` refuses throws Error and changes nothing.
+  /// Alone. Of several together the one that can be moved stays where it is.
   void choose_light(const std::string& name);
+  /// As `--light` names several, "sun+lamp" or "all+", as one picture; the chosen one, else the first, can be moved. One alone
+  /// is that light.
+  void choose_together(const std::string& word);
+  /// Back to where the scene has it.
+  void reset_light();
   void choose_view(const std::string& name);
   void set_light(const Light& light);
   void set_view(const View& view);
@@ -94,6 +100,8 @@ class Session {
   void step_technique(int step);
   void next_layer();
   void flip_profile();
+  void flip_together();
+  void renew_together(const std::string& word);
 
   Selection selection_;
   std::shared_ptr<const LoadedScene> loaded_;

@@ -7,6 +7,7 @@
 #include <bit>
 #include <random>
 
+#include "app/viewer/several_lights.h"
 #include "color_vision.h"
 #include "hand_made_frame.h"
 #include "measure/picture/signed_color.h"
@@ -92,6 +93,60 @@ RC_GTEST_PROP(viewer_compose, a_full_frame_has_the_bytes_of_the_pictures_in_file
   const Composition c = left_of(seen, Paint::shaded);
   RC_ASSERT(bytes_of(c) == shade(f.scene(), f.gbuffer, f.light, mask).rgb);
   RC_ASSERT(bytes_of(left_of(seen, Paint::mask)) == draw_mask(mask, c.width, c.height).rgb);
+}
+
+/// The same points under a second light, whose mask, reference and classes are others; what is wrong has a cause.
+HandMadeFrame several_seen(std::mt19937& random, int width, int height) {
+  HandMadeFrame seen = random_seen(random, width, height);
+  const HandMadeFrame other = random_seen(random, width, height);
+  Frame& frame = *seen.frame;
+  frame.lights = {frame.light, other.frame->light};
+  frame.lights[1].name = "other";
+  const auto bare = [](const HandMadeFrame& from) {
+    auto reference = std::make_shared<ReferenceState>(*from.reference);
+    reference->frame.reset();
+    return reference;
+  };
+  auto second = bare(other);
+  for (std::size_t i = 0; i < second->classes.size(); ++i)
+    if (frame.gbuffer.is_background(i)) second->classes[i] = PixelClass::B;
+  std::vector<std::vector<Cause>> causes = {seen.verdict.causes, {}};
+  for (std::size_t i = 0; i < second->classes.size(); ++i)
+    causes[1].push_back(second->classes[i] == PixelClass::T && is_wrong(other.answer->mask[i], second->mask[i]) ? Cause::acne
+                                                                                                                : Cause::none);
+  seen.reference->lights = {bare(seen), second};
+  put_together(*seen.reference);
+  seen.answer->masks = {seen.answer->mask, other.answer->mask};
+  seen.answer->mask = shown_together(frame, frame.gbuffer, seen.answer->masks);
+  frame.received = received_light(frame.gbuffer, frame.lights[0]);
+  const std::vector<double> more = received_light(frame.gbuffer, frame.lights[1]);
+  for (std::size_t i = 0; i < more.size(); ++i) frame.received[i] += more[i];
+  frame.exposure = exposure_of(frame.scene(), frame.gbuffer, frame.received);
+  seen.verdict.together = put_together(*seen.answer, *seen.reference, LightShareKind::area, causes);
+  seen.verdict.has_causes = true;
+  return seen;
+}
+
+// Of several lights together, too: the light of all, in an exposure that keeps it below white, and errors of that light.
+TEST(viewer_compose, several_lights_have_the_bytes_of_the_pictures_in_files) {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    std::mt19937 random(seed);
+    const HandMadeFrame seen = several_seen(random, 60, 40);
+    const Frame& f = *seen.frame;
+    std::vector<Evidence> lights;
+    for (std::size_t k = 0; k < 2; ++k) lights.push_back(evidence_of(*seen.answer, *seen.reference, LightShareKind::area, k));
+    const Together whole = together(lights);
+    EXPECT_EQ(seen.answer->mask, whole.shown);
+    EXPECT_TRUE(bytes_of(left_of(seen, Paint::shaded)) == shade(f.scene(), f.gbuffer, whole.received, whole.shown).rgb) << seed;
+    EXPECT_TRUE(bytes_of(left_of(seen, Paint::mask)) == draw_mask(whole.shown, 60, 40).rgb) << seed;
+    for (const Paint paint : {Paint::kinds, Paint::causes}) {
+      Evidence e = seen.verdict.together->evidence();
+      if (paint == Paint::kinds) e.causes = {};
+      Picture errors = draw_errors(e, "");
+      errors.rgb.resize(seen.answer->mask.size() * 3);
+      EXPECT_TRUE(bytes_of(left_of(seen, paint)) == errors.rgb) << seed;
+    }
+  }
 }
 
 TEST(viewer_compose, errors_have_the_bytes_of_the_pictures_in_files) {

@@ -78,7 +78,7 @@ class Rig {
 /// The mask and causes of the same state by the way that `gnomon render` goes.
 MeasuredRow rendered(const Selection& selection, int side) {
   Scene scene = selection.loaded->scene;
-  scene.lights = {selection.light};
+  scene.lights = lights_of(selection);
   scene.views = {selection.view};
   Suite suite;
   suite.width = selection.width;
@@ -92,11 +92,14 @@ MeasuredRow rendered(const Selection& selection, int side) {
   ContenderWorker worker(run, contender, {.threads = 0, .plugins = {}, .program = tested_program()});
   worker.begin_load();
   worker.end_load();
-  const RowFrame frame{.width = selection.width, .height = selection.height, .path = {}};
+  RowFrame frame{.width = selection.width, .height = selection.height, .path = {}};
+  frame.lights.clear();
+  for (std::size_t k = 0; k < scene.lights.size(); ++k) frame.lights.push_back(k);
   worker.go(frame, suite.truth);
   Record record;
   record.technique = contender.technique;
   record.truth = suite.truth;
+  if (scene.lights.size() > 1) record.lights.resize(scene.lights.size());
   return *measure(record, run, worker, frame);
 }
 
@@ -125,6 +128,49 @@ TEST(viewer_engine, shows_what_render_makes) {
   const EngineState state = rig.finish();
   expect_as_rendered(rig.selection, state);
   EXPECT_GT(state.sides[0].verdict->errors.wrong, 0u);
+}
+
+// All lights of a scene with curved shapes, of which one is moved: what stays where it is, is not traced again, and the picture
+// of all is still that of render. A depth map knows nothing of the lamp, which has an area: it casts no shadows.
+TEST(viewer_engine, shows_what_render_makes_of_several_lights) {
+  Rig rig;
+  rig.open("composite:object=sphere");
+  rig.selection.together = {rig.selection.light,
+                            {.name = "moon", .kind = DirectionalLight{{1, -2, 0.5f}}, .intensity = 0.5f},
+                            {.name = "lamp", .kind = SphereLight{{-2, 5, 1}, 0.5f}}};
+  rig.selection.width = 80;
+  rig.selection.height = 45;
+  for (const float moved : {0.0f, 1.0f}) {
+    std::get<PointLight>(rig.selection.light.kind).position.x += moved;
+    const EngineState state = rig.finish();
+    const MeasuredRow row = rendered(rig.selection, 0);
+    const SideState& side = state.sides[0];
+    ASSERT_EQ(side.phase, Phase::done) << side.words;
+    EXPECT_TRUE(side.is_approximate());
+    EXPECT_NE(side.answer->support.why().find("lamp"), std::string::npos) << side.answer->support.why();
+    EXPECT_EQ(side.answer->mask, row.together->shown);
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_EQ(side.answer->masks[k], row.lights[k].answer.mask) << k;
+      EXPECT_TRUE(std::ranges::equal(state.reference->lights[k]->mask, row.lights[k].answer.reference.mask)) << k;
+    }
+    ASSERT_TRUE(side.verdict && side.verdict->has_causes);
+    EXPECT_EQ(side.verdict->together->mask, row.together->mask);
+    EXPECT_EQ(side.verdict->together->reference, row.together->reference);
+    EXPECT_EQ(side.verdict->together->reference_error, row.together->reference_error);
+    EXPECT_EQ(side.verdict->together->classes, row.together->classes);
+    EXPECT_EQ(side.verdict->together->causes, row.together->causes);
+    EXPECT_EQ(state.reference->classes, row.together->classes);
+    EXPECT_EQ(side.verdict->errors.error_sum, row.errors.error_sum);
+    const Evidence evidence = row.together->evidence();
+    EXPECT_EQ(side.verdict->received_error, Scoring(evidence).light_error().rms);
+    EXPECT_GT(*side.verdict->received_error, 0.01);  // of the lamp, whose shadows are missing
+    EXPECT_EQ(state.frame->received, row.together->received);
+    EXPECT_EQ(shade(state.frame->scene(), state.frame->gbuffer, state.frame->received, side.answer->mask).rgb,
+              shade(state.frame->scene(), row).rgb);
+  }
+  // One of them alone again.
+  rig.selection.together.clear();
+  expect_as_rendered(rig.selection, rig.finish());
 }
 
 // While the camera moves frames may be smaller; once it rests they are not, and the mask is that of render.

@@ -84,6 +84,7 @@ TEST(viewer_keys, every_key_has_its_action) {
                                                         {"F2", Action::panels},
                                                         {"Home", Action::reset_view},
                                                         {"End", Action::reset_light},
+                                                        {"E", Action::all_lights},
                                                         {"Ctrl+S", Action::save},
                                                         {"Ctrl+C", Action::copy_command},
                                                         {"F12", Action::screenshot},

@@ -112,7 +112,9 @@ TEST(viewer_numbers, a_light_with_area_is_judged_by_its_mean_error) {
   seen.verdict.reference_error = 0.00125;
   const auto words = [&](bool has_area) {
     std::vector<std::string> all;
-    for (const Tally& tally : tallies(has_area)) all.push_back(fmt::format("{}: {}", tally.name, tally.words(seen.verdict)));
+    if (has_area) seen.frame->light.kind = SphereLight{};
+    for (const Tally& tally : tallies(seen.frame.get()))
+      all.push_back(fmt::format("{}: {}", tally.name, tally.words(seen.verdict)));
     return all;
   };
   EXPECT_EQ(words(false), (std::vector<std::string>{"wrong: 25.0000 %", "false dark: 1", "false lit: 0", "tested: 4"}));
@@ -121,6 +123,10 @@ TEST(viewer_numbers, a_light_with_area_is_judged_by_its_mean_error) {
   seen.verdict.errors = {};
   seen.verdict.reference_error.reset();
   EXPECT_EQ(words(true), (std::vector<std::string>{"error: ", "ref. error: ", "wrong: ", "tested: 0"}));
+  seen.frame->lights = {seen.frame->light, hand_made::sun({0, -1, 0})};
+  seen.verdict.received_error = 0.0625;
+  EXPECT_EQ(words(true), (std::vector<std::string>{"light error: 6.2500 %", "error: ", "ref. error: ", "tested: 0"}))
+      << "several lights, by the light received";
 }
 
 /// The value of a fact; "-" when it is not there.

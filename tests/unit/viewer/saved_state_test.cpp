@@ -149,6 +149,23 @@ RC_GTEST_PROP(saved_state, every_light_and_view_comes_back_to_the_bit, ()) {
   RC_ASSERT(scene.notes.empty());
 }
 
+// Only those that are shown: all of the saved scene's lights are then those of the picture.
+TEST(saved_state, lights_that_are_shown_together_come_back_together) {
+  Selection state = some_state();
+  state.together = {{.name = "lamp", .kind = PointLight{{0, 4, 0}}},
+                    state.light,
+                    {.name = "bulb", .kind = SphereLight{{1, 4, 1}, 0.25f}, .intensity = 0.5f}};
+  state.light.kind = DirectionalLight{{0.5f, -1, 0}};  // moved
+  state.view = {.name = "v", .eye = {0, 1, 5}};
+  const Folder folder;
+  const Scene scene = saved_and_loaded(state, "saved/scene.toml");
+  ASSERT_EQ(scene.lights.size(), 3u);
+  const std::vector<Light> shown = viewer::lights_of(state);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(bits_of(scene.lights[k]), bits_of(shown[k]));
+  EXPECT_EQ(bits_of(shown[1]), bits_of(state.light));
+  EXPECT_NE(viewer::render_command(state, {}, "saved/scene.toml", "again").find(" --light all+ "), std::string::npos);
+}
+
 TEST(saved_state, numbers_have_the_fewest_digits_that_come_back) {
   const Folder folder;
   const auto intensity = [&](float value) {

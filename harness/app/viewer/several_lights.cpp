@@ -1,0 +1,93 @@
+// Masks and references of several lights, put together.
+#include "app/viewer/several_lights.h"
+
+#include <algorithm>
+
+namespace gnomon::viewer {
+
+std::size_t Frame::chosen() const {
+  const auto all = all_lights();
+  return static_cast<std::size_t>(std::ranges::find(all, light.name, &Light::name) - all.begin());
+}
+
+std::vector<std::vector<float>> split_masks(std::span<const float> all, std::size_t lights) {
+  std::vector<std::vector<float>> masks;
+  const std::size_t pixels = all.size() / lights;
+  for (std::size_t k = 0; k < lights; ++k) {
+    const auto own = all.subspan(k * pixels, pixels);
+    masks.emplace_back(own.begin(), own.end());
+  }
+  return masks;
+}
+
+std::vector<float> shown_together(const Frame& frame, const GBuffer& gbuffer, std::span<const std::vector<float>> masks) {
+  const std::vector<PixelClass> any_class(gbuffer.size(), PixelClass::B);
+  std::vector<Evidence> lights;
+  for (std::size_t k = 0; k < masks.size(); ++k)
+    lights.push_back({.width = gbuffer.width,
+                      .height = gbuffer.height,
+                      .classes = any_class,
+                      .reference = masks[k],
+                      .mask = masks[k],
+                      .causes = {},
+                      .gbuffer = &gbuffer,
+                      .light = &frame.lights[k]});
+  return std::move(together(lights).shown);
+}
+
+namespace {
+
+/// One light of a reference as if its mask were that share.
+Evidence evidence_of(const Frame& frame, const ReferenceState& reference, LightShareKind estimates, std::size_t k) {
+  const ReferenceState& own = *reference.lights[k];
+  const bool is_irradiance = estimates == LightShareKind::irradiance && !own.irradiance.empty();
+  return {.width = frame.gbuffer.width,
+          .height = frame.gbuffer.height,
+          .classes = own.classes,
+          .reference = share_of(own, estimates),
+          .mask = share_of(own, estimates),
+          .causes = {},
+          .scene = &frame.scene(),
+          .gbuffer = &frame.gbuffer,
+          .light = &frame.lights[k],
+          .reference_error = is_irradiance ? own.irradiance_error : own.error};
+}
+
+}  // namespace
+
+void put_together(ReferenceState& reference) {
+  const Frame& frame = *reference.frame;
+  const auto whole = [&](LightShareKind estimates) {
+    std::vector<Evidence> lights;
+    for (std::size_t k = 0; k < frame.lights.size(); ++k) lights.push_back(evidence_of(frame, reference, estimates, k));
+    return together(lights);
+  };
+  Together area = whole(LightShareKind::area);
+  reference.width = frame.gbuffer.width;
+  reference.height = frame.gbuffer.height;
+  reference.mask = std::move(area.reference);
+  reference.error = std::move(area.reference_error);
+  reference.classes = std::move(area.classes);
+  if (std::ranges::none_of(frame.lights, has_area)) return;
+  Together irradiance = whole(LightShareKind::irradiance);
+  reference.irradiance = std::move(irradiance.reference);
+  reference.irradiance_error = std::move(irradiance.reference_error);
+}
+
+Evidence evidence_of(const SideAnswer& answer, const ReferenceState& reference, LightShareKind estimates, std::size_t k) {
+  Evidence evidence = evidence_of(*answer.frame, reference, estimates, k);
+  evidence.mask = answer.masks[k];
+  return evidence;
+}
+
+std::shared_ptr<const Together> put_together(const SideAnswer& answer, const ReferenceState& reference,
+                                             LightShareKind estimates, std::span<const std::vector<Cause>> causes) {
+  std::vector<Evidence> lights;
+  for (std::size_t k = 0; k < answer.masks.size(); ++k) {
+    lights.push_back(evidence_of(answer, reference, estimates, k));
+    if (!causes.empty()) lights.back().causes = causes[k];
+  }
+  return std::make_shared<const Together>(together(lights));
+}
+
+}  // namespace gnomon::viewer
