@@ -40,6 +40,9 @@ constexpr About about{
 // Where they answer otherwise than without them by more than one half, the account of a pixel says that the formula differs. A
 // mask of 1/2 is as near to dark as to lit: double_blend shows in the mean error and in the shaded picture, hardly in wrong
 // pixels.
+/// Receiver planes are told apart by depths that float32 holds exactly. There are at most 1000: each has its share of the area.
+constexpr float depth_step = 0x1p-16f;
+
 class PlanarProjected final : public Technique {
   Number<double> min_share{
       this,         "min_share",
@@ -69,7 +72,10 @@ class PlanarProjected final : public Technique {
     glm::dvec4 plane;      ///< turned toward the light
     glm::dmat4 projected;  ///< M / (P.L)
     double per_light_height;
-    std::vector<std::uint32_t> casters;  ///< neither behind the plane nor behind the light
+    /// Neither behind the plane nor behind the light, and whose shadow may fall on a receiver.
+    std::vector<std::uint32_t> casters;
+    /// Of these the closed ones that nothing clips, whose lit side casts all of their shadow, and the others.
+    std::vector<std::uint32_t> one_sided, two_sided;
   };
   /// The settings that the last stages ran with.
   struct Artefacts {
@@ -78,6 +84,8 @@ class PlanarProjected final : public Technique {
   struct Work {
     std::size_t planes = 0, casters = 0, triangles = 0;
   };
+  /// Whether a caster's shadow may reach the receivers of a plane.
+  bool may_reach(const Projection& projection, std::uint32_t mesh) const;
   /// Fills a texture of the picture's size with 1, and with the shadows. Leaves state for a StateGuard.
   Work draw_shadows(GLuint texture, const Artefacts& artefacts) const;
   std::uint32_t plane_of(const GBuffer& gbuffer, std::size_t pixel) const;
@@ -88,8 +96,10 @@ class PlanarProjected final : public Technique {
     Framebuffer framebuffer;
     const Scene* scene = nullptr;
     ReceiverPlanes planes;
-    std::vector<bool> is_flat;  // of each mesh: all triangles on one plane
+    std::vector<Bounds> plane_bounds;  // of each plane's receivers
+    std::vector<bool> is_flat;         // of each mesh: all triangles on one plane
     std::vector<Bounds> bounds;
+    double extent = 0;  // largest coordinate of the scene
     Buffer plane_of, plane_of_shapes, first_triangle;
     double clip_tolerance = 0;
     std::vector<std::uint32_t> casters;
@@ -99,7 +109,7 @@ class PlanarProjected final : public Technique {
   Light light_;
   std::vector<Projection> projections_;
   Artefacts artefacts_;
-  Texture receivers_;
+  Texture receivers_;  // planes as depths
   Work work_;
   mutable std::vector<std::uint8_t> differs_;  // of each pixel; made by the first `explain`
 };
@@ -138,6 +148,12 @@ void PlanarProjected::build(const Scene& scene) {
   made_->scene = &scene;
   scene_buffers(scene);
   made_->planes = find_receiver_planes(scene, min_share);
+  made_->extent = scene.bounds().extent();
+  made_->plane_bounds.assign(made_->planes.planes.size(), {});
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m)
+    for (std::size_t t = 0; t < scene.meshes[m].triangles.size(); ++t)
+      if (const std::uint32_t plane = made_->planes.plane_of[made_->planes.first_triangle[m] + t]; plane != no_plane)
+        for (const glm::vec3& corner : scene.meshes[m].corners(t).points) made_->plane_bounds[plane].add(corner);
   made_->bounds.clear();
   made_->is_flat.clear();
   made_->casters.clear();
@@ -176,17 +192,41 @@ void PlanarProjected::relight(const Light& light) {
                           .plane = plane,
                           .projected = glm::dmat4(1) - glm::outerProduct(l, plane) / light_height,
                           .per_light_height = l.w / light_height,
-                          .casters = {}};
+                          .casters = {},
+                          .one_sided = {},
+                          .two_sided = {}};
     for (const std::uint32_t m : made_->casters) {
       const glm::dvec3 middle = (glm::dvec3(made_->bounds[m].min) + glm::dvec3(made_->bounds[m].max)) / 2.0;
       const glm::dvec3 half = (glm::dvec3(made_->bounds[m].max) - glm::dvec3(made_->bounds[m].min)) / 2.0;
       const double height = glm::dot(plane, glm::dvec4(middle, 1)), reach = glm::dot(glm::abs(glm::dvec3(plane)), half);
       const bool behind_plane = height + reach <= made_->clip_tolerance;
       const bool behind_light = l.w != 0 && height - reach >= light_height;
-      if (!behind_plane && !behind_light) projection.casters.push_back(m);
+      if (behind_plane || behind_light || !may_reach(projection, m)) continue;
+      projection.casters.push_back(m);
+      const bool is_clipped = height - reach < 2 * made_->clip_tolerance || (l.w != 0 && height + reach >= 0.99 * light_height);
+      const MeshFacts& facts = made_->scene->meshes[m].facts;
+      (facts.closed() && !is_clipped ? projection.one_sided : projection.two_sided).push_back(m);
     }
     if (!projection.casters.empty() || unclipped) projections_.push_back(std::move(projection));
   }
+}
+
+/// By the box around the images of the corners of the caster's box. From the light's height on they have none.
+bool PlanarProjected::may_reach(const Projection& projection, std::uint32_t mesh) const {
+  const Bounds& caster = made_->bounds[mesh];
+  Bounds image;
+  for (int k = 0; k < 8; ++k) {
+    const glm::vec3 corner(k & 1 ? caster.max.x : caster.min.x, k & 2 ? caster.max.y : caster.min.y,
+                           k & 4 ? caster.max.z : caster.min.z);
+    const glm::dvec4 at = projection.projected * glm::dvec4(corner, 1);
+    if (!(at.w > 0x1p-20)) return true;
+    image.add(glm::vec3(glm::dvec3(at) / at.w));
+  }
+  const Bounds& receivers = made_->plane_bounds[projection.index];
+  // Rounded images may be off by 2^-20 of where they lie.
+  const auto slack = static_cast<float>(4 * made_->clip_tolerance + 0x1p-20 * std::max(made_->extent, image.extent()));
+  return glm::all(glm::lessThanEqual(image.min - slack, receivers.max)) &&
+         glm::all(glm::greaterThanEqual(image.max + slack, receivers.min));
 }
 
 void PlanarProjected::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
@@ -194,14 +234,18 @@ void PlanarProjected::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   gbuffer_ = &gbuffer;
   artefacts_.double_blend = double_blend;
   differs_.clear();
-  receivers_.fit(GL_R32UI, gbuffer.width, gbuffer.height);
+  receivers_.fit(GL_DEPTH_COMPONENT32F, gbuffer.width, gbuffer.height);
   const Buffer& plane_of = gbuffer.truth == Truth::shape ? made_->plane_of_shapes : made_->plane_of;
   glBindFramebuffer(GL_FRAMEBUFFER, made_->framebuffer.name());
   glViewport(0, 0, gbuffer.width, gbuffer.height);
-  glNamedFramebufferTexture(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, receivers_.name(), 0);
+  glNamedFramebufferTexture(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, 0, 0);
+  glNamedFramebufferTexture(made_->framebuffer.name(), GL_DEPTH_ATTACHMENT, receivers_.name(), 0);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_ALWAYS);
   bind_gbuffer(gbuffer_textures(gbuffer, *made_->scene));
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, plane_of.name());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, made_->first_triangle.name());
+  made_->receivers_program.set("depth_step", depth_step);
   set_light(made_->receivers_program, light_);
   glUseProgram(made_->receivers_program.name());
   draw_full_screen();
@@ -216,7 +260,10 @@ PlanarProjected::Work PlanarProjected::draw_shadows(GLuint texture, const Artefa
   glNamedFramebufferTexture(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, texture, 0);
   const float lit[] = {1, 0, 0, 0};
   glClearNamedFramebufferfv(made_->framebuffer.name(), GL_COLOR, 0, lit);
-  glBindTextureUnit(0, receivers_.name());
+  glNamedFramebufferTexture(made_->framebuffer.name(), GL_DEPTH_ATTACHMENT, receivers_.name(), 0);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_EQUAL);
+  glDepthMask(GL_FALSE);
   if (artefacts.double_blend) {
     glEnable(GL_BLEND);
     glBlendFunc(GL_ZERO, GL_SRC_COLOR);  // halving is exact in float32, in whatever order the triangles come
@@ -246,8 +293,16 @@ PlanarProjected::Work PlanarProjected::draw_shadows(GLuint texture, const Artefa
     p.set("plane", glm::vec4(projection.plane));
     // The share's own rounding error: casters that near to the light's height go to infinity anyway.
     p.set("least_share", static_cast<float>(0x1p-22 + made_->clip_tolerance * projection.per_light_height));
-    p.set("receiver", static_cast<int>(projection.index + 1));
-    buffers.draw(casters);
+    const double depth = (projection.index + 1) * double(depth_step);
+    glDepthRange(depth, depth);
+    if (artefacts.unclipped || artefacts.double_blend) {
+      buffers.draw(casters);
+    } else {
+      buffers.draw(projection.two_sided);
+      glEnable(GL_CULL_FACE);
+      buffers.draw(projection.one_sided);
+      glDisable(GL_CULL_FACE);
+    }
     ++work.planes;
     work.casters += casters.size();
     for (const std::uint32_t m : casters) work.triangles += buffers.meshes[m].triangle_count;
@@ -261,7 +316,7 @@ Counts PlanarProjected::counts() const {
                                    (planes.plane_of.size() + planes.first_triangle.size()) * 4 +
                                    planes.planes.size() * sizeof(ReceiverPlane) + made_->casters.size() * 4;
   double bytes = static_cast<double>(receivers_.bytes) + made_.own(static_cast<double>(shared_bytes));
-  for (const Projection& projection : projections_) bytes += double(sizeof(projection) + projection.casters.size() * 4);
+  for (const Projection& projection : projections_) bytes += double(sizeof(projection) + 2 * projection.casters.size() * 4);
   return {{"planes", double(work_.planes), ""},
           {"casters", double(work_.casters), ""},
           {"triangles", double(work_.triangles), ""},

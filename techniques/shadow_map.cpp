@@ -219,10 +219,7 @@ void ShadowMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
 
 void ShadowMap::look_up(const Program& p, unsigned target) const {
   set_light(p, light_);
-  // Which uniforms a variant uses is the compiler's affair.
-  const auto set = [&](const std::string& uniform, const auto& value) {
-    if (p.uses(uniform.c_str())) p.set(uniform.c_str(), value);
-  };
+  std::array<glm::vec4, 6> windows{}, texels{};
   for (std::size_t i = 0; i < faces_.size(); ++i) {
     Face face = faces_[i];
     // Where nothing casts, every look-up falls off the image.
@@ -232,26 +229,28 @@ void ShadowMap::look_up(const Program& p, unsigned target) const {
       face.near = face.far = 1;
     }
     const double texel_width = 1 / std::min(face.scale.x, face.scale.y);
-    set(fmt::format("window[{}]", i), glm::vec4(face.scale, face.offset));
+    windows[i] = glm::vec4(face.scale, face.offset);
     const double diagonal = glm::length(1.0 / face.scale);
     const double fourth = !face.is_perspective ? face.far : bias.is("slope") ? diagonal : rounding_ / (face.near * face.far);
-    set("diagonal", static_cast<float>(diagonal));
-    set(fmt::format("texel[{}]", i), glm::vec4(std::max(layers_[i], 0), texel_width, face.near, fourth));
+    p.set_if_used("diagonal", static_cast<float>(diagonal));
+    texels[i] = glm::vec4(std::max(layers_[i], 0), texel_width, face.near, fourth);
     if (faces_.size() == 6) continue;
     const glm::dvec3 axes[] = {face.axis(0), face.axis(1), face.axis(2)};  // right, down, axis
     const glm::dvec2 along_axis = face.is_perspective ? face.offset : glm::dvec2(0);
     const glm::dmat3 rows(axes[0] * face.scale.x + axes[2] * along_axis.x, axes[1] * face.scale.y + axes[2] * along_axis.y,
                           axes[2]);
-    set("texel_from_light", glm::mat3(glm::transpose(rows)));
-    set("texel_steps", glm::mat3(axes[0] / face.scale.x, axes[1] / face.scale.y, axes[2]));
+    p.set_if_used("texel_from_light", glm::mat3(glm::transpose(rows)));
+    p.set_if_used("texel_steps", glm::mat3(axes[0] / face.scale.x, axes[1] / face.scale.y, axes[2]));
   }
-  set("origin", glm::vec3(faces_[0].origin));
-  set("resolution", resolution.value());
-  set("radius", radius());
-  set("depth_bias", static_cast<float>(depth_bias));
-  set("slope_bias", static_cast<float>(slope_bias));
-  set("normal_offset", static_cast<float>(normal_offset));
-  set("rounding", static_cast<float>(rounding_));
+  p.set_if_used("window", std::span<const glm::vec4>(windows).first(faces_.size()));
+  p.set_if_used("texel", std::span<const glm::vec4>(texels).first(faces_.size()));
+  p.set_if_used("origin", glm::vec3(faces_[0].origin));
+  p.set_if_used("resolution", resolution.value());
+  p.set_if_used("radius", radius());
+  p.set_if_used("depth_bias", static_cast<float>(depth_bias));
+  p.set_if_used("slope_bias", static_cast<float>(slope_bias));
+  p.set_if_used("normal_offset", static_cast<float>(normal_offset));
+  p.set_if_used("rounding", static_cast<float>(rounding_));
   bind_gbuffer(gbuffer_textures(*gbuffer_, *made_->scene));
   glBindTextureUnit(3, map().name());
   glNamedFramebufferTexture(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, target, 0);

@@ -106,14 +106,45 @@ Program::Program(std::string_view title, std::initializer_list<std::pair<GLenum,
   glLinkProgram(name());
   GLint ok = 0;
   glGetProgramiv(name(), GL_LINK_STATUS, &ok);
-  if (ok) return;
+  if (ok) return list_uniforms();
   std::string sources;
   for (const auto& [stage, source] : shaders) sources += fmt::format("\n{}:\n{}", stage_name(stage), numbered(source));
   throw Error("program {} does not link:\n{}{}", title, log_of(glGetProgramiv, glGetProgramInfoLog, name()), sources);
 }
 
-GLint Program::location(const char* uniform) const {
-  const GLint location = glGetUniformLocation(name(), uniform);
+void Program::list_uniforms() {
+  GLint count = 0, longest = 0;
+  glGetProgramInterfaceiv(name(), GL_UNIFORM, GL_ACTIVE_RESOURCES, &count);
+  glGetProgramInterfaceiv(name(), GL_UNIFORM, GL_MAX_NAME_LENGTH, &longest);
+  std::string text(static_cast<std::size_t>(std::max(longest, 1)), '\0');
+  for (GLint k = 0; k < count; ++k) {
+    GLsizei length = 0;
+    glGetProgramResourceName(name(), GL_UNIFORM, static_cast<GLuint>(k), longest, &length, text.data());
+    const std::string uniform = text.substr(0, static_cast<std::size_t>(length));
+    const auto add = [&](const std::string& called) {
+      if (const GLint location = glGetUniformLocation(name(), called.c_str()); location >= 0)
+        uniforms_.push_back({called, location});
+    };
+    add(uniform);
+    if (!uniform.ends_with("[0]")) continue;
+    // An array goes by its name, too, and each of its elements by its own.
+    const std::string array = uniform.substr(0, uniform.size() - 3);
+    add(array);
+    const GLenum wanted = GL_ARRAY_SIZE;
+    GLint size = 1;
+    glGetProgramResourceiv(name(), GL_UNIFORM, static_cast<GLuint>(k), 1, &wanted, 1, nullptr, &size);
+    for (GLint i = 1; i < size; ++i) add(fmt::format("{}[{}]", array, i));
+  }
+  std::ranges::sort(uniforms_, {}, &Uniform::name);
+}
+
+GLint Program::find(std::string_view uniform) const {
+  const auto found = std::ranges::lower_bound(uniforms_, uniform, {}, &Uniform::name);
+  return found != uniforms_.end() && found->name == uniform ? found->location : -1;
+}
+
+GLint Program::location(std::string_view uniform) const {
+  const GLint location = find(uniform);
   if (location < 0) throw Error("program {} uses no uniform {}", title_, uniform);
   return location;
 }
@@ -134,6 +165,10 @@ void Program::set(const char* uniform, const glm::mat3& v) const {
 }
 void Program::set(const char* uniform, const glm::mat4& v) const {
   glProgramUniformMatrix4fv(name(), location(uniform), 1, GL_FALSE, glm::value_ptr(v));
+}
+
+void Program::set(const char* uniform, std::span<const glm::vec4> values) const {
+  glProgramUniform4fv(name(), location(uniform), static_cast<GLsizei>(values.size()), glm::value_ptr(values[0]));
 }
 
 glm::dmat4 clip_from_world(const View& view, int width, int height) {
@@ -173,13 +208,13 @@ bool faces_light(vec4 position, vec4 normal) {
 )";
 
 void set_light(const Program& program, const Light& light) {
-  if (program.uses("light")) program.set("light", glm::vec4(homogeneous_of_center(light)));
+  program.set_if_used("light", glm::vec4(homogeneous_of_center(light)));
   glm::dvec4 cone(0);
   if (const auto* spot = std::get_if<SpotLight>(&light.kind)) {
     const double cosine = std::cos(glm::radians(double(spot->outer_degrees)));
     cone = {glm::normalize(glm::dvec3(spot->direction)), cosine * cosine + 0x1p-20};
   }
-  if (program.uses("spot")) program.set("spot", glm::vec4(cone));
+  program.set_if_used("spot", glm::vec4(cone));
 }
 
 StateGuard::~StateGuard() {

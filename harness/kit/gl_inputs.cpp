@@ -234,14 +234,18 @@ void bind_gbuffer(const GBufferTextures& textures) {
 }
 
 void SceneBuffers::draw(const std::vector<std::uint32_t>& which) const {
-  glBindVertexArray(vertex_array.name());
+  std::vector<GLsizei> counts;
+  std::vector<const void*> offsets;
   for (std::size_t i = 0, j; i < which.size(); i = j) {
     const std::uint32_t first = meshes[which[i]].first_triangle;
     std::uint32_t end = first;
     for (j = i; j < which.size() && meshes[which[j]].first_triangle == end; ++j) end += meshes[which[j]].triangle_count;
-    const auto* const offset = reinterpret_cast<const void*>(std::uintptr_t(first) * sizeof(glm::uvec3));
-    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * (end - first)), GL_UNSIGNED_INT, offset);
+    counts.push_back(static_cast<GLsizei>(3 * (end - first)));
+    offsets.push_back(reinterpret_cast<const void*>(std::uintptr_t(first) * sizeof(glm::uvec3)));
   }
+  if (counts.empty()) return;
+  glBindVertexArray(vertex_array.name());
+  glMultiDrawElements(GL_TRIANGLES, counts.data(), GL_UNSIGNED_INT, offsets.data(), static_cast<GLsizei>(counts.size()));
   glBindVertexArray(0);
 }
 

@@ -229,8 +229,8 @@ void FaceDrawer::draw_arrays(const VolumeCounter& counter, const VolumeProgram& 
                              std::size_t offset) const {
   program.each([&](const Program& p) {
     p.set("clip_from_world", clip_from_world_);
-    if (p.uses("light")) p.set("light", light_);
-    if (p.uses("directional")) p.set("directional", light_.w == 0);
+    p.set_if_used("light", light_);
+    p.set_if_used("directional", light_.w == 0);
   });
   counter.use(program, face);
   glDrawArraysIndirect(GL_TRIANGLES, at(offset));

@@ -3,16 +3,18 @@
 
 namespace planar_projected {
 
-/// Which receiver plane each pixel lies on, plus one; 0 where it lies on none or does not face the light.
+/// Each pixel's receiver plane as a depth: depth_step times its number plus one; 0 where it lies on none or does not face the
+/// light. A plane's shadows are then drawn at its depth and pass where it equals the pixel's, before any shader runs.
 inline const std::string receivers_fragment = std::string(gnomon::faces_light_snippet) + R"(
 layout(std430, binding = 0) readonly buffer PlaneOf { uint plane_of[]; };
 layout(std430, binding = 1) readonly buffer FirstTriangle { uint first_triangle[]; };
-layout(location = 0) out uint receiver;
+uniform float depth_step;
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   uvec2 ids = texelFetch(gbuffer_ids, pixel, 0).xy;
   bool facing = faces_light(texelFetch(gbuffer_position, pixel, 0), texelFetch(gbuffer_normal, pixel, 0));
-  receiver = facing ? plane_of[first_triangle[ids.x - 1] + ids.y] + 1 : 0;  // no_plane + 1 is 0
+  uint receiver = facing ? plane_of[first_triangle[ids.x - 1] + ids.y] + 1 : 0;  // no_plane + 1 is 0
+  gl_FragDepth = float(receiver) * depth_step;
 }
 )";
 
@@ -47,16 +49,11 @@ void main() {
 }
 )";
 
-/// Writes `darkened` to the pixels of one receiver plane; with blending, multiplies them by it.
+/// Writes `darkened`; with blending, multiplies by it.
 inline constexpr std::string_view shadow_fragment = R"(
-layout(binding = 0) uniform usampler2D receivers;
-uniform int receiver;
 uniform float darkened;
 layout(location = 0) out float visibility;
-void main() {
-  if (texelFetch(receivers, ivec2(gl_FragCoord.xy), 0).r != uint(receiver)) discard;
-  visibility = darkened;
-}
+void main() { visibility = darkened; }
 )";
 
 }  // namespace planar_projected

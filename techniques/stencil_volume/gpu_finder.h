@@ -177,7 +177,7 @@ class GpuFinder {
       if (count == 0) return;
       for (const auto& [binding, name] : buffers) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, name);
       const auto set = [&](const char* uniform, const auto& value) {
-        if (program.uses(uniform)) program.set(uniform, value);
+        program.set_if_used(uniform, value);
       };
       set("count", static_cast<int>(count));
       set("light", glm::vec4(light));  // exact: the light's floats

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <initializer_list>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -81,8 +82,10 @@ class Program : public GlObject<glDeleteProgram> {
       : Program(title, {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, fragment}}) {}
   static Program compute(std::string_view title, std::string_view source) { return {title, {{GL_COMPUTE_SHADER, source}}}; }
 
-  bool uses(const char* uniform) const { return glGetUniformLocation(name(), uniform) >= 0; }
-  /// Sets a uniform by name. Throws Error on a name that the program does not use.
+  /// Of an array also by element: "window" or "window[0]", "window[3]".
+  bool uses(std::string_view uniform) const { return find(uniform) >= 0; }
+  /// Sets a uniform by name, which is looked up in what linking left: no call of the driver. Throws Error on a name that the
+  /// program does not use.
   void set(const char* uniform, int value) const;
   void set(const char* uniform, float value) const;
   void set(const char* uniform, const glm::vec2& value) const;
@@ -90,10 +93,25 @@ class Program : public GlObject<glDeleteProgram> {
   void set(const char* uniform, const glm::vec4& value) const;
   void set(const char* uniform, const glm::mat3& value) const;
   void set(const char* uniform, const glm::mat4& value) const;
+  /// The first elements of an array.
+  void set(const char* uniform, std::span<const glm::vec4> values) const;
+  /// The same where the program uses the uniform: which ones a variant uses is the compiler's affair.
+  template <class Value>
+  void set_if_used(const char* uniform, const Value& value) const {
+    if (uses(uniform)) set(uniform, value);
+  }
 
  private:
-  GLint location(const char* uniform) const;
+  struct Uniform {
+    std::string name;
+    GLint location;
+  };
+  void list_uniforms();
+  /// -1: the program does not use it.
+  GLint find(std::string_view uniform) const;
+  GLint location(std::string_view uniform) const;
   std::string title_;
+  std::vector<Uniform> uniforms_;  // by name
 };
 
 /// Vertex shader of `draw_full_screen`.
@@ -136,7 +154,7 @@ struct SceneBuffers {
   std::vector<MeshRange> meshes;
   std::size_t bytes = 0;
   double upload_ms = 0;
-  /// Draws the triangles of these meshes, in order; neighbors are drawn as one. Leaves no vertex array bound.
+  /// Draws the triangles of these meshes, in order, by one call; neighbors are drawn as one. Leaves no vertex array bound.
   void draw(const std::vector<std::uint32_t>& which) const;
 };
 
