@@ -78,10 +78,15 @@ export class Profile {
     const made = profilePlot(frame, samples, series, is_difference, this.width);
     made.addEventListener("input", () => this.onpoint(made.value ? { x: made.value.x, y: made.value.y } : null));
     const svg = made.localName === "svg" ? made : made.querySelector("svg:last-of-type");
-    for (const part of svg.querySelectorAll("[aria-label]")) {
-      part.dataset.mark = part.getAttribute("aria-label");
-      part.removeAttribute("aria-label");
-    }
+    const unname = () => {
+      for (const part of svg.querySelectorAll("[aria-label]")) {
+        part.dataset.mark = part.getAttribute("aria-label");
+        part.removeAttribute("aria-label");
+      }
+    };
+    unname();
+    // What follows the pointer is drawn anew at each of its moves, with its name.
+    new MutationObserver(unname).observe(svg, { childList: true, subtree: true });
     svg.setAttribute("role", "img");
     svg.setAttribute("aria-label", "Profile along the line; the picture's arrow keys read its pixels out");
     this.figure.replaceChildren(made, h("figcaption", {}, captionOf(frame, samples, series)));
