@@ -106,7 +106,10 @@ Program::Program(std::string_view title, std::initializer_list<std::pair<GLenum,
   glLinkProgram(name());
   GLint ok = 0;
   glGetProgramiv(name(), GL_LINK_STATUS, &ok);
-  if (ok) return list_uniforms();
+  if (ok) {
+    list_uniforms();
+    return;
+  }
   std::string sources;
   for (const auto& [stage, source] : shaders) sources += fmt::format("\n{}:\n{}", stage_name(stage), numbered(source));
   throw Error("program {} does not link:\n{}{}", title, log_of(glGetProgramiv, glGetProgramInfoLog, name()), sources);
