@@ -92,7 +92,8 @@ class PlanarProjected final : public Technique {
   bool artefacts_differ(std::size_t pixel) const;
 
   struct Made {
-    Program receivers_program, shadow_program, unclipped_program;
+    std::array<Program, 2> receivers_programs;  // that ask every pixel whether it faces the light, or none
+    Program shadow_program, unclipped_program;
     Framebuffer framebuffer;
     const Scene* scene = nullptr;
     ReceiverPlanes planes;
@@ -108,6 +109,7 @@ class PlanarProjected final : public Technique {
   const GBuffer* gbuffer_ = nullptr;
   Light light_;
   std::vector<Projection> projections_;
+  bool planes_face_ = false;  // every plane that is lit at all faces the light with all of its receivers
   Artefacts artefacts_;
   Texture receivers_;  // planes as depths
   Work work_;
@@ -127,7 +129,9 @@ Support PlanarProjected::supports(const Scene& scene, const Light& light, const 
 }
 
 void PlanarProjected::setup() {
-  made_->receivers_program = Program("planar_projected receivers", full_screen_vertex, receivers_fragment);
+  for (int k = 0; k < 2; ++k)
+    made_->receivers_programs[k] = Program("planar_projected receivers", full_screen_vertex,
+                                           fmt::format("#define PLANES_FACE {}\n", k) + receivers_fragment);
   made_->shadow_program = Program("planar_projected shadow", shadow_vertex, shadow_fragment);
   made_->unclipped_program = Program("planar_projected unclipped shadow", unclipped_vertex, shadow_fragment);
   made_->framebuffer = make_framebuffer();
@@ -177,17 +181,27 @@ void PlanarProjected::build(const Scene& scene) {
   made_->clip_tolerance = made_->planes.tolerance + height_rounding(scene);
 }
 
+/// An upper bound of the length of to_light from anywhere in a box: where a plane's height of the light is more than a 2^-21 of
+/// it, the plane faces the light also in float32 (see faces_light_snippet).
+double farthest(const glm::dvec4& light, const Bounds& box) {
+  if (light.w == 0) return glm::length(glm::dvec3(light));
+  const glm::dvec3 low = box.min, high = box.max;
+  return glm::length(glm::max(glm::abs(glm::dvec3(light) - low), glm::abs(glm::dvec3(light) - high)));
+}
+
 void PlanarProjected::relight(const Light& light) {
   light_ = light;
   artefacts_.unclipped = unclipped;
   projections_.clear();
   const glm::dvec4 l = homogeneous(light);
+  planes_face_ = !std::holds_alternative<SpotLight>(light.kind);
   for (std::uint32_t i = 0; i < made_->planes.planes.size(); ++i) {
     glm::dvec4 plane = made_->planes.planes[i].plane;
     if (glm::dot(plane, l) < 0) plane = -plane;
     const double light_height = glm::dot(plane, l);  // of a directional light: per unit of its direction
     // A light in the plane, as far as float32 can tell, faces none of it.
     if (light_height <= (l.w != 0 ? made_->clip_tolerance : 0x1p-24 * glm::length(l))) continue;
+    planes_face_ = planes_face_ && light_height > 0x1p-19 * farthest(l, made_->plane_bounds[i]);
     Projection projection{.index = i,
                           .plane = plane,
                           .projected = glm::dmat4(1) - glm::outerProduct(l, plane) / light_height,
@@ -245,9 +259,10 @@ void PlanarProjected::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   bind_gbuffer(gbuffer_textures(gbuffer, *made_->scene));
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, plane_of.name());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, made_->first_triangle.name());
-  made_->receivers_program.set("depth_step", depth_step);
-  set_light(made_->receivers_program, light_);
-  glUseProgram(made_->receivers_program.name());
+  const Program& program = made_->receivers_programs[planes_face_];
+  set_light(program, light_);
+  program.set("depth_step", depth_step);
+  glUseProgram(program.name());
   draw_full_screen();
   work_ = draw_shadows(mask.texture(), artefacts_);
   glFinish();
