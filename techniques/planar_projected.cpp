@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "planar_projected/projection.h"
 #include "planar_projected/shaders.h"
 
 namespace {
@@ -66,17 +67,6 @@ class PlanarProjected final : public Technique {
   std::unique_ptr<Technique> for_another_light() const override { return another(*this, &PlanarProjected::made_); }
 
  private:
-  /// Casters projected onto one plane by one light.
-  struct Projection {
-    std::uint32_t index;   ///< of the receiver plane
-    glm::dvec4 plane;      ///< turned toward the light
-    glm::dmat4 projected;  ///< M / (P.L)
-    double per_light_height;
-    /// Neither behind the plane nor behind the light, and whose shadow may fall on a receiver.
-    std::vector<std::uint32_t> casters;
-    /// Of these the closed ones that nothing clips, whose lit side casts all of their shadow, and the others.
-    std::vector<std::uint32_t> one_sided, two_sided;
-  };
   /// The settings that the last stages ran with.
   struct Artefacts {
     bool unclipped = false, double_blend = false;
@@ -84,8 +74,6 @@ class PlanarProjected final : public Technique {
   struct Work {
     std::size_t planes = 0, casters = 0, triangles = 0;
   };
-  /// Whether a caster's shadow may reach the receivers of a plane.
-  bool may_reach(const Projection& projection, std::uint32_t mesh) const;
   /// Fills a texture of the picture's size with 1, and with the shadows. Leaves state for a StateGuard.
   Work draw_shadows(GLuint texture, const Artefacts& artefacts) const;
   std::uint32_t plane_of(const GBuffer& gbuffer, std::size_t pixel) const;
@@ -181,20 +169,13 @@ void PlanarProjected::build(const Scene& scene) {
   made_->clip_tolerance = made_->planes.tolerance + height_rounding(scene);
 }
 
-/// An upper bound of the length of to_light from anywhere in a box: where a plane's height of the light is more than a 2^-21 of
-/// it, the plane faces the light also in float32 (see faces_light_snippet).
-double farthest(const glm::dvec4& light, const Bounds& box) {
-  if (light.w == 0) return glm::length(glm::dvec3(light));
-  const glm::dvec3 low = box.min, high = box.max;
-  return glm::length(glm::max(glm::abs(glm::dvec3(light) - low), glm::abs(glm::dvec3(light) - high)));
-}
-
 void PlanarProjected::relight(const Light& light) {
   light_ = light;
   artefacts_.unclipped = unclipped;
   projections_.clear();
   const glm::dvec4 l = homogeneous(light);
   planes_face_ = !std::holds_alternative<SpotLight>(light.kind);
+  const double slack = std::max(4 * made_->clip_tolerance, 0x1p-20 * made_->extent);
   for (std::uint32_t i = 0; i < made_->planes.planes.size(); ++i) {
     glm::dvec4 plane = made_->planes.planes[i].plane;
     if (glm::dot(plane, l) < 0) plane = -plane;
@@ -215,7 +196,7 @@ void PlanarProjected::relight(const Light& light) {
       const double height = glm::dot(plane, glm::dvec4(middle, 1)), reach = glm::dot(glm::abs(glm::dvec3(plane)), half);
       const bool behind_plane = height + reach <= made_->clip_tolerance;
       const bool behind_light = l.w != 0 && height - reach >= light_height;
-      if (behind_plane || behind_light || !may_reach(projection, m)) continue;
+      if (behind_plane || behind_light || !projection.may_reach(made_->bounds[m], made_->plane_bounds[i], slack)) continue;
       projection.casters.push_back(m);
       const bool is_clipped = height - reach < 2 * made_->clip_tolerance || (l.w != 0 && height + reach >= 0.99 * light_height);
       const MeshFacts& facts = made_->scene->meshes[m].facts;
@@ -223,24 +204,6 @@ void PlanarProjected::relight(const Light& light) {
     }
     if (!projection.casters.empty() || unclipped) projections_.push_back(std::move(projection));
   }
-}
-
-/// By the box around the images of the corners of the caster's box. From the light's height on they have none.
-bool PlanarProjected::may_reach(const Projection& projection, std::uint32_t mesh) const {
-  const Bounds& caster = made_->bounds[mesh];
-  Bounds image;
-  for (int k = 0; k < 8; ++k) {
-    const glm::vec3 corner(k & 1 ? caster.max.x : caster.min.x, k & 2 ? caster.max.y : caster.min.y,
-                           k & 4 ? caster.max.z : caster.min.z);
-    const glm::dvec4 at = projection.projected * glm::dvec4(corner, 1);
-    if (!(at.w > 0x1p-20)) return true;
-    image.add(glm::vec3(glm::dvec3(at) / at.w));
-  }
-  const Bounds& receivers = made_->plane_bounds[projection.index];
-  // Rounded images may be off by 2^-20 of where they lie.
-  const auto slack = static_cast<float>(4 * made_->clip_tolerance + 0x1p-20 * std::max(made_->extent, image.extent()));
-  return glm::all(glm::lessThanEqual(image.min - slack, receivers.max)) &&
-         glm::all(glm::greaterThanEqual(image.max + slack, receivers.min));
 }
 
 void PlanarProjected::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
