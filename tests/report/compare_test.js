@@ -171,7 +171,7 @@ test("a profile shows the masks along the line that is drawn, with the reference
   for (const share of [0.2, 0.35, 0.5, 0.65, 0.8]) {
     await page.mouse.move(box.x + share * box.width, box.y + box.height / 2);
     await page.waitForTimeout(60);
-    const tip = await svg.locator("g[aria-label=tip]").textContent({ timeout: 3000 });
+    const tip = await svg.locator("g[data-mark=tip]").textContent({ timeout: 3000 });
     const [, distance, x, y] = tip.match(/([\d.]+) pixels: (\d+), (\d+) \(/).map(Number);
     assert.equal(y, 50);
     assert.equal(distance, x - 40);
