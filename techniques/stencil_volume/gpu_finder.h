@@ -176,9 +176,7 @@ class GpuFinder {
                               std::initializer_list<std::pair<GLuint, GLuint>> buffers) {
       if (count == 0) return;
       for (const auto& [binding, name] : buffers) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, name);
-      const auto set = [&](const char* uniform, const auto& value) {
-        program.set_if_used(uniform, value);
-      };
+      const auto set = [&](const char* uniform, const auto& value) { program.set_if_used(uniform, value); };
       set("count", static_cast<int>(count));
       set("light", glm::vec4(light));  // exact: the light's floats
       set("outline", wanted.outline ? 1 : 0);
