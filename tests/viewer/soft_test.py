@@ -107,6 +107,24 @@ class Comparing(ViewerTest):
         # The other side is lit everywhere: nothing is lighter than that.
         self.assertEqual(ends & set(colors_of(other.picture)), {(110, 38, 0)})
 
+    def test_error_against_samples_is_measured_at_a_button_and_goes_with_the_next_change(self):
+        viewer = self.view_scene("--light", "panel", "--technique", "area_rays:samples=4,pattern=random")
+        viewer.resize(800, 860)  # as tall as the controls
+        start = viewer.until(lambda s: s.has("left.curve"), "the button")
+        self.assertIsNone(start.window["curve"])
+        viewer.use(start, "left.curve")
+        saved = viewer.until(lambda s: s.window["curve"], "the curve")  # saved when it is complete
+        curve = saved.window["curve"]
+        self.assertTrue(curve["complete"])
+        self.assertEqual(curve["samples"], [4 ** k for k in range(len(curve["samples"]))])
+        self.assertGreater(len(curve["samples"]), 3)
+        for coarse, fine in zip(curve["error"], curve["error"][1:]):
+            self.assertLess(fine, coarse)
+        self.assertEqual((saved.technique, saved.mask), (start.technique, start.mask))
+        self.assertNotEqual(read_png(saved.folder / "window.png"), read_png(start.folder / "window.png"))
+        viewer.press("v")
+        self.assertIsNone(viewer.save().window["curve"])
+
     def test_contours_come_and_go(self):
         viewer = self.view_scene("--light", "panel", "--technique", "center_ray")
         viewer.press("1", "6")

@@ -36,15 +36,6 @@ bool shows_view(const Frame* frame, const Selection& selection) {
          are_same(frame->gbuffer.view, selection.view);
 }
 
-constexpr auto are_same_lights = [](const Light& a, const Light& b) { return are_same(a, b); };
-
-/// Whether a frame is under the selected lights, and the same of them can be moved.
-bool is_lit_by(const Frame& frame, const Selection& selection) {
-  const auto all = frame.all_lights();
-  return frame.light.name == selection.light.name && frame.is_together() == !selection.together.empty() &&
-         std::ranges::equal(all, lights_of(selection), are_same_lights);
-}
-
 /// What the picture receives of all lights without shadows, in their order.
 std::vector<double> received_light_of(const Frame& frame) {
   std::vector<double> received = received_light(frame.gbuffer, frame.all_lights()[0]);
@@ -83,6 +74,7 @@ Engine::Body::~Body() {
     const std::lock_guard lock(mutex);
     stop = true;
     for (const auto& side : sides) side->interrupt();
+    if (curve_worker) curve_worker->interrupt();
     refinement.give_up();
     news.notify_all();
   }
@@ -99,12 +91,13 @@ void Engine::Body::wake_threads() {
 Engine::Body::Work Engine::Body::next(Lane lane) {
   if (lane == loading) return next_scene();
   if (lane == framing) return next_frame();
+  if (lane == measuring) return next_curve();
   return lane == refining ? next_reference() : sides[lane - left_side]->next();
 }
 
 void Engine::Body::serve(Lane lane) {
   // What makes the picture better must not hold up what makes it.
-  if (lane == refining) setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), 5);
+  if (lane == refining || lane == measuring) setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), 5);
   std::unique_lock lock(mutex);
   while (!stop) {
     if (const Work work = next(lane)) {
@@ -293,28 +286,14 @@ void Engine::Body::wait_for_sides(std::uint64_t frame) {
   news.wait_until(lock, begin + for_technique, [&] { return have_answered(false); });
 }
 
-std::vector<Light> lights_of(const Selection& selection) {
-  if (selection.together.empty()) return {selection.light};
-  std::vector<Light> lights = selection.together;
-  *std::ranges::find(lights, selection.light.name, &Light::name) = selection.light;
-  return lights;
-}
-
-std::string together_word(const Selection& selection, const Scene& scene) {
-  if (selection.together.empty()) return "";
-  std::vector<std::string> names;
-  for (const Light& light : selection.together) names.push_back(light.name);
-  return names.size() == scene.lights.size() ? "all+" : joined(names, "+");
-}
-
 bool are_same(const Light& a, const Light& b) { return light_and_view_bytes(a, {}) == light_and_view_bytes(b, {}); }
 bool are_same(const View& a, const View& b) { return light_and_view_bytes(Light(), a) == light_and_view_bytes(Light(), b); }
 
 bool are_same(const Selection& a, const Selection& b) {
   return a.scene == b.scene && a.loaded == b.loaded && a.truth == b.truth && are_same(a.light, b.light) &&
-         std::ranges::equal(a.together, b.together, are_same_lights) && are_same(a.view, b.view) && a.width == b.width &&
-         a.height == b.height && a.is_moving == b.is_moving && a.full_while_moving == b.full_while_moving &&
-         a.sides == b.sides && a.picked == b.picked && a.repeat == b.repeat;
+         are_same(a.together, b.together) && are_same(a.view, b.view) && a.width == b.width && a.height == b.height &&
+         a.is_moving == b.is_moving && a.full_while_moving == b.full_while_moving && a.sides == b.sides &&
+         a.picked == b.picked && a.repeat == b.repeat && a.curve == b.curve;
 }
 
 Engine::Engine(WorkerOptions workers, double timeout_seconds, std::function<void()> changed)
@@ -330,6 +309,7 @@ void Engine::offer(std::shared_ptr<LoadedScene> loaded) {
 std::uint64_t Engine::select(const Selection& selection) {
   const std::lock_guard lock(body_->mutex);
   for (const auto& side : body_->sides) side->drop_work_before(selection);
+  body_->drop_curve_before(selection);
   if (selection.scene != body_->selection.scene) body_->state.scene_error.clear();
   body_->selection = selection;
   ++body_->state.selection_number;

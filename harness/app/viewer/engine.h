@@ -4,6 +4,7 @@
 #include <string>
 
 #include "app/viewer/picture_parts.h"
+#include "app/viewer/sample_curve.h"
 #include "measure/run/worker.h"
 
 namespace gnomon::viewer {
@@ -39,15 +40,21 @@ struct Selection {
   std::array<SideSelection, 2> sides;
   std::optional<std::uint32_t> picked;  ///< pixel of the full picture to be explained
   std::uint64_t repeat = 0;             ///< raised to have both sides do resolve once more, for its time
+  /// Another number than before to have the left side's error measured against samples; 0: no curve. It is dropped when
+  /// anything but the picked pixel is selected anew.
+  std::uint64_t curve = 0;
 };
 
 /// The lights that are shown, one at least; the one that can be moved where it was moved to.
 std::vector<Light> lights_of(const Selection& selection);
+/// Whether a frame is under the selected lights, and the same of them can be moved.
+bool is_lit_by(const Frame& frame, const Selection& selection);
 /// What `--light` calls those that are shown together: "all+", "sun+lamp"; empty where one is alone.
 std::string together_word(const Selection& selection, const Scene& scene);
 
 /// Whether engine and workers would do the same for both.
 bool are_same(const Light& a, const Light& b);
+bool are_same(std::span<const Light> a, std::span<const Light> b);
 bool are_same(const View& a, const View& b);
 bool are_same(const Selection& a, const Selection& b);
 
@@ -85,7 +92,8 @@ struct EngineState {
   std::shared_ptr<const Frame> frame;               ///< the newest
   std::shared_ptr<const ReferenceState> reference;  ///< the newest
   std::array<SideState, 2> sides;
-  bool is_finished = false;  ///< nothing is left to do: full frame, both sides, reference, classes, causes
+  std::shared_ptr<const SampleCurve> curve;  ///< null where none is measured
+  bool is_finished = false;                  ///< nothing is left to do: full frame, both sides, reference, classes, causes
 };
 
 /// Follows what is selected, in the background: loads scenes, makes frames, has a worker process for each side, computes the

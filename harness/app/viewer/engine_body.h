@@ -50,7 +50,7 @@ class Divisor {
 };
 
 /// The threads of an engine, each with work of its own.
-enum Lane { loading, framing, refining, left_side, right_side, lane_count };
+enum Lane { loading, framing, refining, measuring, left_side, right_side, lane_count };
 
 /// All that the threads of an engine share. Each asks under the lock for its next piece of work, does it without the lock, and
 /// waits for news when there is none; when none of them has work, all is finished.
@@ -80,7 +80,10 @@ struct Engine::Body {
   Work next_scene();
   Work next_frame();
   Work next_reference();
+  Work next_curve();
 
+  void drop_curve_before(const Selection& next);
+  void measure_curve(const std::shared_ptr<const Verdict>& verdict, const SideSelection& side, std::uint64_t ticket);
   double full_ms() const;
   void make_frame(const Selection& selection, std::uint64_t number);
   void wait_for_sides(std::uint64_t frame);
@@ -134,6 +137,10 @@ struct Engine::Body {
   std::uint64_t refined = 0;  ///< the last frame that there is nothing left to do for
   double rays_per_ms = 0;
   Interruptible refinement;
+
+  // Of the thread that measures curves; guarded by the lock.
+  std::unique_ptr<WorkerClient> curve_worker;
+  std::uint64_t begun_curve = 0, curve_ticket = 0;
 
   class Side;
   std::unique_ptr<Side> sides[2];

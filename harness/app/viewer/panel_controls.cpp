@@ -283,6 +283,13 @@ void draw_side_controls(int side, Session& session, const Shown& shown, Widgets&
   Technique& technique = session.technique(side);
   if (widgets.parameters(prefix, technique)) session.technique_changed(side);
   draw_layers(side, session, widgets);
+  const bool has_curve = shown.state.curve != nullptr;
+  if (side == 0 && !curve_samples(technique).empty() &&
+      widgets.button(
+          "left.curve", has_curve ? "Hide the curve" : "Error against samples",
+          "Measures the mean error of this frame with 1, 4, 16, ... samples, in the background and in a process of its "
+          "own, until anything changes."))
+    session.ask_for_curve(!has_curve);
   if (shown.state.sides[side].phase == Phase::failed &&
       widgets.button(prefix + ".start_again", "Start again", shown.state.sides[side].words))
     session.start_again(side);

@@ -151,9 +151,10 @@ void draw_strip(const PixelRect& place, const Session& session, const Shown& sho
     const float height = std::max(room.y - status, 1.f), gap = lengths().gap;
     // Where there is no room for all three, the magnifier takes the place of the legend while it has a pixel to show.
     const bool is_narrow = room.x < 56 * ImGui::GetFontSize();
-    // So does a profile, which takes the magnifier's place everywhere.
-    const bool with_profile = session.profile.has_value();
-    const bool with_magnifier = with_profile || (session.shows_magnifier && !(is_narrow && shown.pixel.x < 0));
+    // So do a curve of errors and a profile, which take the magnifier's place everywhere.
+    const SampleCurve* const curve = shown.state.curve.get();
+    const bool with_plot = curve || session.profile;
+    const bool with_magnifier = with_plot || (session.shows_magnifier && !(is_narrow && shown.pixel.x < 0));
     const bool with_legend = !(is_narrow && with_magnifier);
     // One side's numbers lie beside each other, and its legend is narrow.
     const bool is_single = shown.state.sides[0].is_reference || shown.state.sides[1].is_reference;
@@ -171,8 +172,11 @@ void draw_strip(const PixelRect& place, const Session& session, const Shown& sho
     }
     if (with_magnifier) {
       ImGui::SameLine(0, gap);
-      part("magnifier", magnifier,
-           [&] { with_profile ? draw_profile(shown, *session.profile) : draw_magnifier(shown, session); });
+      part("magnifier", magnifier, [&] {
+        curve             ? draw_sample_curve(*curve)
+        : session.profile ? draw_profile(shown, *session.profile)
+                          : draw_magnifier(shown, session);
+      });
     }
     ImGui::Separator();
     draw_status(session, shown);

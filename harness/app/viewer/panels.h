@@ -54,6 +54,9 @@ void draw_legend(const Shown& shown);
 /// Masks and reference along the line that was drawn over the picture.
 void draw_profile(const Shown& shown, const ProfileLine& line);
 
+/// Error against samples, both logarithmic, in the magnifier's place.
+void draw_sample_curve(const SampleCurve& curve);
+
 std::string title_of(const Session& session, int side);
 inline const char* side_name(int side) { return side == 0 ? "left" : "right"; }
 

@@ -115,6 +115,13 @@ Json window_json(const DrawnWindow& window, const Session& session, const Engine
   for (const Light& light : session.selection().together) json["together"].push_back(light.name);
   json["profile"] = nullptr;
   if (const auto& line = session.profile) json["profile"] = {line->from.x, line->from.y, line->to.x, line->to.y};
+  json["curve"] = nullptr;
+  if (const auto& curve = state.curve)
+    json["curve"] = {{"samples", curve->samples},
+                     {"error", curve->error},
+                     {"reference_error", curve->reference_error},
+                     {"complete", curve->is_complete},
+                     {"why_not", curve->why_not}};
   json["picked"] = nullptr;
   if (session.picked()) json["picked"] = {session.picked()->x, session.picked()->y};
   for (int side = 0; side < 2; ++side) {

@@ -81,6 +81,8 @@ class Session {
   /// Starts a technique that failed anew.
   void start_again(int side) { ++selection_.sides[side].attempt; }
   void swap_sides();
+  /// Measures the left side's error against samples, or drops the curve.
+  void ask_for_curve(bool is_wanted) { selection_.curve = is_wanted ? ++curve_count_ : 0; }
 
   /// The pixel that is explained, of the full picture.
   std::optional<glm::ivec2> picked() const { return picked_; }
@@ -109,6 +111,7 @@ class Session {
   bool light_moved_ = false, view_moved_ = false, keeps_moved_ = false;
   std::optional<glm::ivec2> picked_;
   double moving_until_ = 0;
+  std::uint64_t curve_count_ = 0;
   std::string message_;
   bool is_warning_ = false;
   /// Techniques that were on a side keep their settings.

@@ -1,13 +1,41 @@
 // Masks and references of several lights, put together.
 #include "app/viewer/several_lights.h"
 
+#include <gnomon/error.h>
+
 #include <algorithm>
+
+#include "app/viewer/engine.h"
 
 namespace gnomon::viewer {
 
 std::size_t Frame::chosen() const {
   const auto all = all_lights();
   return static_cast<std::size_t>(std::ranges::find(all, light.name, &Light::name) - all.begin());
+}
+
+std::vector<Light> lights_of(const Selection& selection) {
+  if (selection.together.empty()) return {selection.light};
+  std::vector<Light> lights = selection.together;
+  *std::ranges::find(lights, selection.light.name, &Light::name) = selection.light;
+  return lights;
+}
+
+bool is_lit_by(const Frame& frame, const Selection& selection) {
+  const auto all = frame.all_lights();
+  return frame.light.name == selection.light.name && frame.is_together() == !selection.together.empty() &&
+         are_same(all, lights_of(selection));
+}
+
+std::string together_word(const Selection& selection, const Scene& scene) {
+  if (selection.together.empty()) return "";
+  std::vector<std::string> names;
+  for (const Light& light : selection.together) names.push_back(light.name);
+  return names.size() == scene.lights.size() ? "all+" : joined(names, "+");
+}
+
+bool are_same(std::span<const Light> a, std::span<const Light> b) {
+  return std::ranges::equal(a, b, [](const Light& one, const Light& other) { return are_same(one, other); });
 }
 
 std::vector<std::vector<float>> split_masks(std::span<const float> all, std::size_t lights) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <mutex>
 
@@ -171,6 +172,47 @@ TEST(viewer_engine, shows_what_render_makes_of_several_lights) {
   // One of them alone again.
   rig.selection.together.clear();
   expect_as_rendered(rig.selection, rig.finish());
+}
+
+// Error against samples is that of the settings themselves; nothing of the side changes, and the curve goes with the frame that
+// it is of. Of n random places the error falls as the square root of n: from 1 to 16 by 4, here by 3 at least.
+TEST(viewer_engine, measures_error_against_samples_beside_the_side) {
+  Rig rig;
+  rig.open("composite:object=sphere");
+  rig.selection.light = {.name = "lamp", .kind = SphereLight{{4, 9, 0}, 2}};
+  rig.selection.width = 80;
+  rig.selection.height = 45;
+  rig.selection.sides[0] = {.technique = "area_rays", .settings = "samples=16,pattern=random", .layer = ""};
+  const EngineState before = rig.finish();
+  EXPECT_FALSE(before.curve);
+  const ErrorCounts& errors = before.sides[0].verdict->errors;
+  rig.selection.curve = 1;
+  const EngineState after = rig.finish();
+  ASSERT_TRUE(after.curve && after.curve->is_complete);
+  const SampleCurve& curve = *after.curve;
+  EXPECT_EQ(curve.why_not, "");
+  ASSERT_GE(curve.samples.size(), 3u);
+  for (std::size_t k = 0; k < curve.samples.size(); ++k) EXPECT_EQ(curve.samples[k], std::pow(4, k));
+  EXPECT_EQ(curve.error[2], errors.error_sum / static_cast<double>(errors.tested));
+  EXPECT_LT(curve.error[2], curve.error[0] / 3);
+  EXPECT_EQ(curve.reference_error, before.sides[0].verdict->reference_error);
+  EXPECT_EQ(after.sides[0].answer, before.sides[0].answer);
+  EXPECT_EQ(after.sides[0].answer_count, before.sides[0].answer_count);
+  rig.selection.picked = 7;
+  EXPECT_TRUE(rig.finish().curve) << "a pixel that is picked changes nothing";
+  std::get<SphereLight>(rig.selection.light.kind).center.x = 3;
+  EXPECT_FALSE(rig.finish().curve) << "and it does not come back by itself";
+  rig.selection.curve = 2;
+  const auto samples = [&] {
+    const auto& now = rig.engine().state().curve;
+    return now ? now->samples.size() : 0;
+  };
+  rig.engine().select(rig.selection);
+  rig.until([&](const EngineState&) { return samples() > 0; });
+  rig.selection.curve = 0;  // in the middle of it
+  const EngineState dropped = rig.finish();
+  EXPECT_FALSE(dropped.curve);
+  EXPECT_EQ(dropped.sides[0].phase, Phase::done);
 }
 
 // While the camera moves frames may be smaller; once it rests they are not, and the mask is that of render.
