@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "app/viewer/compose.h"
@@ -165,9 +166,10 @@ int Divisor::next() const {
     const double bigger = ms_[value_ - 1] > 0 ? ms_[value_ - 1] : now * value_ * value_ / ((value_ - 1.0) * (value_ - 1.0));
     return bigger <= frame_budget_ms ? value_ - 1 : value_;
   }
-  constexpr double worth = 0.8;  // of the time: what smaller frames must at least save
-  if (value_ < largest && (ms_[value_ + 1] == 0 || ms_[value_ + 1] < worth * now)) return value_ + 1;
-  return value_ > 1 && ms_[value_ - 1] > 0 && now > worth * ms_[value_ - 1] ? value_ - 1 : value_;
+  // Smaller frames are worth it that save at least this part of what the pixels that they spare are of all.
+  const auto worth = [](int divisor) { return 1 - 0.4 * (1 - std::pow((divisor - 1.0) / divisor, 2)); };
+  if (value_ < largest && (ms_[value_ + 1] == 0 || ms_[value_ + 1] < worth(value_ + 1) * now)) return value_ + 1;
+  return value_ > 1 && ms_[value_ - 1] > 0 && now > worth(value_) * ms_[value_ - 1] ? value_ - 1 : value_;
 }
 
 void Divisor::took(double ms) {

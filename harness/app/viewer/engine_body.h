@@ -1,4 +1,7 @@
 #pragma once
+#include <tbb/task_arena.h>
+
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
@@ -137,6 +140,7 @@ struct Engine::Body {
   std::uint64_t refined = 0;  ///< the last frame that there is nothing left to do for
   double rays_per_ms = 0;
   Interruptible refinement;
+  tbb::task_arena half_the_cores{std::max(1, tbb::this_task_arena::max_concurrency() / 2)};
 
   // Of the thread that measures curves; guarded by the lock.
   std::unique_ptr<WorkerClient> curve_worker;

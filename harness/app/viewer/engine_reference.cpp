@@ -197,7 +197,11 @@ void Engine::Body::trace_reference(const std::shared_ptr<const Frame>& frame, bo
     const auto trace_all = [&] {
       for (const Light& light : frame->all_lights()) masks.push_back(trace_light(*frame, pixels, step, light));
     };
-    if (!refinement.run(ticket, trace_all)) return false;
+    // What moves is the techniques' first: the other half of the cores is theirs alone.
+    bool is_done = false;
+    const auto run = [&] { is_done = refinement.run(ticket, trace_all); };
+    is_moving ? half_the_cores.execute(run) : run();
+    if (!is_done) return false;
     const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
     rays_per_ms = static_cast<double>(pixels.size()) / std::max(ms, 1e-3);
     reference.mask = shown(*frame, pixels, std::move(masks));

@@ -33,4 +33,16 @@ TEST(viewer_divisor, what_frames_took_counts_for_more_than_what_was_foretold) {
   EXPECT_EQ(divisor.value(), 7);
 }
 
+// 14 ms whatever the size is, and 2060 ms of pixels: a seventh takes 56, an eighth 46, which is too slow, but a fifth faster at
+// a quarter fewer pixels. What takes as long at any size is shown at full size.
+TEST(viewer_divisor, frames_stay_small_where_that_helps_and_only_there) {
+  Divisor divisor(1);
+  divisor.expect(2000);
+  for (int k = 0; k < 50; ++k) divisor.took(14 + 2060.0 / (divisor.value() * divisor.value()));
+  EXPECT_EQ(divisor.value(), 8);
+  Divisor fixed(1);
+  for (int k = 0; k < 50; ++k) fixed.took(60);
+  EXPECT_EQ(fixed.value(), 1);
+}
+
 }  // namespace
