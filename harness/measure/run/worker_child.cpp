@@ -9,6 +9,7 @@
 #include <deque>
 #include <fstream>
 #include <map>
+#include <utility>
 
 #include "device/context.h"
 #include "measure/cause/causes.h"
@@ -112,7 +113,7 @@ class TechniqueServer {
     const auto technique = fresh_technique();
     std::vector<Support> supports;
     masks_.clear();
-    lit_.clear();
+    const std::vector<std::size_t> before = std::exchange(lit_, {});
     for (std::size_t k = 0; k < lights_->size(); ++k) {
       supports.push_back(technique->supports(scene_, (*lights_)[k], key.view));
       masks_.emplace_back(key.width, key.height);
@@ -120,9 +121,9 @@ class TechniqueServer {
       // A light without shadows, of several: lit everywhere.
       if (!supports.back()) std::ranges::fill(masks_.back().pixels(), 1.0f);
     }
-    const std::size_t before = objects_->count();
     if (objects_->hold(lit_.size())) fresh_ = -1;
-    if (objects_->count() > before) fresh_ = std::min(fresh_, static_cast<int>(Stage::build));
+    // What a technique supports may depend on the view: an object then stands for another light, or is new.
+    if (lit_ != before) fresh_ = std::min(fresh_, static_cast<int>(Stage::build));
     return supports;
   }
 
