@@ -9,6 +9,14 @@ namespace {
 
 class Lights : public Every {
  protected:
+  /// Objects for so many lights, with the defaults.
+  LightObjects built(const Scene& scene, std::size_t light_count) const {
+    LightObjects objects(entry(), "");
+    objects.hold(light_count);
+    objects.each(Stage::setup, [](Technique& object, std::size_t) { object.setup(); });
+    objects.each(Stage::build, [&](Technique& object, std::size_t) { object.build(scene); });
+    return objects;
+  }
   /// Every light's mask, asked after all lights have had their relight, the last light first.
   std::vector<std::vector<float>> masks(LightObjects& objects, const std::vector<Light>& lights, const GBuffer& gbuffer) {
     objects.each(Stage::relight, [&](Technique& object, std::size_t k) { object.relight(lights[k]); });
@@ -60,10 +68,7 @@ TEST_P(Lights, the_picture_of_all_is_the_sum_of_the_pictures_of_each) {
   const std::vector<Light> lights = supported_lights(w->scene);
   if (lights.size() < 2) GTEST_SKIP() << "supports one light of the scene at most";
   const GBuffer gbuffer = w->gbuffer();
-  LightObjects objects(entry(), "");
-  objects.hold(lights.size());
-  objects.each(Stage::setup, [](Technique& object, std::size_t) { object.setup(); });
-  objects.each(Stage::build, [&](Technique& object, std::size_t) { object.build(w->scene); });
+  LightObjects objects = built(w->scene, lights.size());
   const auto shared = masks(objects, lights, gbuffer);
   std::vector<double> sum(gbuffer.size());
   std::vector<Evidence> evidence;
@@ -88,10 +93,7 @@ TEST_P(Lights, further_objects_hold_no_more_than_whole_ones) {
   const std::vector<Light> lights = supported_lights(w->scene);
   if (lights.size() < 2) GTEST_SKIP() << "supports one light of the scene at most";
   const GBuffer gbuffer = w->gbuffer();
-  LightObjects objects(entry(), "");
-  objects.hold(lights.size());
-  objects.each(Stage::setup, [](Technique& object, std::size_t) { object.setup(); });
-  objects.each(Stage::build, [&](Technique& object, std::size_t) { object.build(w->scene); });
+  LightObjects objects = built(w->scene, lights.size());
   masks(objects, lights, gbuffer);
   double whole = 0;
   for (const Light& light : lights) {
