@@ -7,7 +7,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import SMALL, ProgramTest, records  # noqa: E402
+from program import FAULTS, SMALL, ProgramTest, records  # noqa: E402
 
 SCENE = """
 [[shape]]
@@ -96,6 +96,17 @@ class Lights(ProgramTest):
         row = records(self.dir / "none")[0]
         self.assertEqual(row["status"], "unsupported")
         self.assertEqual(row["reason"], "bulb, sun: the light has no area: its shadows are hard, see embree_rays")
+
+    def test_a_technique_that_shares_nothing_or_fails_is_said_for_its_own_row(self):
+        out = self.dir / "run"
+        done = self.gnomon("--plugin", FAULTS, "run", "--scene", self.scene, "--light", "bulb+sun", "--technique", "sleeps",
+                           "--technique", "returns_nan", "--technique", "svbsp", "--out", out, *SMALL)
+        self.assertEqual(done.returncode, 1, done.stderr)
+        by_id = {r["technique"]: r for r in records(out)}
+        self.assertEqual((by_id["sleeps"]["status"], by_id["sleeps"]["shares_build"]), ("ok", False))
+        self.assertEqual((by_id["svbsp"]["status"], by_id["svbsp"]["shares_build"]), ("ok", True))
+        self.assertEqual(by_id["returns_nan"]["status"], "failed")
+        self.assertRegex(by_id["returns_nan"]["reason"], r"mask value nan at pixel \d+ under light [12] of 2 is outside 0 \.\. 1")
 
     def test_tables_have_several_lights_apart(self):
         out = self.dir / "run"

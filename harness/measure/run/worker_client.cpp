@@ -134,13 +134,13 @@ void WorkerClient::bring_up(Stage last) {
 std::vector<float> WorkerClient::mask() {
   bring_up(Stage::resolve);
   return ask(json_object({{"do", "mask"}, {"mask", file("mask").string()}}),
-             [&](const Json&) { return read_mask_file(file("mask"), pixel_count_ * light_count_); });
+             [&](const Json&) { return read_mask_file(file("mask"), pixel_count_, light_count_); });
 }
 
 MaskReply WorkerClient::answer() {
   bring_up(Stage::resolve);
   return ask(json_object({{"do", "answer"}, {"mask", file("mask").string()}}), [&](const Json& reply) {
-    MaskReply result{read_mask_file(file("mask"), pixel_count_ * light_count_), {}, 0};
+    MaskReply result{read_mask_file(file("mask"), pixel_count_, light_count_), {}, 0};
     for (const Json& count : reply.at("counts"))
       result.counts.push_back({count.at("name"), count.at("value"), count.at("unit")});
     const double peak_bytes = reply.at("peak_bytes");

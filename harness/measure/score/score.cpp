@@ -58,14 +58,17 @@ std::map<std::string, std::uint64_t> class_counts(std::span<const PixelClass> cl
   return result;
 }
 
-std::vector<float> read_mask_file(const std::filesystem::path& path, std::size_t size) {
+std::vector<float> read_mask_file(const std::filesystem::path& path, std::size_t pixels, std::size_t lights) {
+  const std::size_t size = pixels * lights;
   const auto file = MappedFile::open(path);
   if (file->bytes().size() != size * sizeof(float))
     throw Error("mask {} has {} bytes; {} are wanted", path.string(), file->bytes().size(), size * sizeof(float));
   std::vector<float> mask(size);
   std::memcpy(mask.data(), file->bytes().data(), file->bytes().size());
   for (std::size_t i = 0; i < size; ++i)
-    if (!(mask[i] >= 0 && mask[i] <= 1)) throw Error("mask value {} at pixel {} is outside 0 .. 1", mask[i], i);
+    if (!(mask[i] >= 0 && mask[i] <= 1))
+      throw Error("mask value {} at pixel {}{} is outside 0 .. 1", mask[i], i % pixels,
+                  lights > 1 ? fmt::format(" under light {} of {}", i / pixels + 1, lights) : "");
   return mask;
 }
 

@@ -53,7 +53,8 @@ std::optional<double> measure_metric(const Scoring& scoring, std::string_view na
 /// "B": n, ...
 std::map<std::string, std::uint64_t> class_counts(std::span<const PixelClass> classes);
 
-/// Raw floats that a worker wrote; throws Error when the size is wrong or a value is not in 0 .. 1.
-std::vector<float> read_mask_file(const std::filesystem::path& file, std::size_t size);
+/// Raw floats that a worker wrote, the masks of so many lights of `pixels` each; throws Error when the size is wrong or a value
+/// is not in 0 .. 1, with the pixel and of several lights the number of the light, from 1.
+std::vector<float> read_mask_file(const std::filesystem::path& file, std::size_t pixels, std::size_t lights = 1);
 
 }  // namespace gnomon
