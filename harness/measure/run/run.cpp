@@ -44,7 +44,7 @@ void remove_unfinished_pictures(const fs::path& out) {
 /// How rows are run, and what is done with them.
 struct RowsPlan {
   const Suite& suite;
-  SceneLibrary& library;
+  SceneLibrary& scenes;
   std::span<const Side> sides;
   const fs::path& out;  ///< files on their way from workers lie in its folder `.scratch`
   /// The contexts of the records of a batch, by side; called when the batch starts.
@@ -68,7 +68,7 @@ void run_rows(std::vector<PendingRow> rows, const RowsPlan& plan, Progress& prog
     by_scene[scene].push_back(std::move(row));
   }
   for (const std::string& scene : scenes) {
-    const SceneLibrary::Entry& entry = plan.library.get(scene);
+    const SceneLibrary::Entry& entry = plan.scenes.get(scene);
     std::optional<SceneRun> run;
     if (entry.scene)
       run.emplace(scene, *entry.scene, plan.suite, cache_root() / "frames", scratch.path(), shown_on(progress, scene));
@@ -95,7 +95,7 @@ void run_rows(std::vector<PendingRow> rows, const RowsPlan& plan, Progress& prog
       rows_left -= batch.size();
       plan.done(batch, opening);
     }
-    plan.library.forget(scene);
+    plan.scenes.forget(scene);
   }
 }
 
