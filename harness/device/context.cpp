@@ -37,14 +37,39 @@ std::string text(GLenum what) {
   return bytes ? reinterpret_cast<const char*>(bytes) : "unknown";
 }
 
-/// A render node without its own driver is served by Mesa's processor renderers: only the renderer's name tells.
-bool is_software_renderer(std::string_view renderer) {
-  for (const std::string_view name : {"llvmpipe", "softpipe", "swrast", "SWR"})
-    if (renderer.find(name) != std::string_view::npos) return true;
-  return false;
+/// Mesa takes another driver than the machine's own from the environment, and zink finds lavapipe by the first of these.
+void choose_mesa_driver(GlChoice choice) {
+  if (choice == GlChoice::zink) {
+    setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1);
+    setenv("GALLIUM_DRIVER", "zink", 1);
+    setenv("MESA_LOADER_DRIVER_OVERRIDE", "zink", 1);
+  } else if (choice == GlChoice::software) {  // whatever the environment says otherwise
+    unsetenv("GALLIUM_DRIVER");
+    unsetenv("MESA_LOADER_DRIVER_OVERRIDE");
+  }
+}
+
+[[noreturn]] void refuse(GlChoice choice, std::size_t device_count) {
+  if (choice == GlChoice::zink)
+    throw Error("no OpenGL 4.5 core context of zink over lavapipe on any of {} EGL devices; install {} mesa-vulkan-drivers",
+                device_count, needed_packages);
+  throw Error(
+      "no {}OpenGL 4.5 core context on any of {} EGL devices; install {}, or choose with GNOMON_GL=auto|software|hardware|zink",
+      choice == GlChoice::hardware   ? "hardware "
+      : choice == GlChoice::software ? "software "
+                                     : "",
+      device_count, needed_packages);
 }
 
 }  // namespace
+
+// A render node without its own driver is served by Mesa's processor renderers: only the renderer's name tells.
+GlChoice driver_of(std::string_view renderer) {
+  for (const std::string_view name : {"llvmpipe", "softpipe", "swrast", "SWR"})
+    if (renderer.find(name) != std::string_view::npos)
+      return renderer.starts_with("zink") ? GlChoice::zink : GlChoice::software;
+  return GlChoice::hardware;
+}
 
 GlChoice gl_choice_from_environment() {
   const char* value = std::getenv("GNOMON_GL");
@@ -52,13 +77,15 @@ GlChoice gl_choice_from_environment() {
   if (word == "auto") return GlChoice::automatic;
   if (word == "software") return GlChoice::software;
   if (word == "hardware") return GlChoice::hardware;
-  throw Error("GNOMON_GL = {} is none of auto | software | hardware", word);
+  if (word == "zink") return GlChoice::zink;
+  throw Error("GNOMON_GL = {} is none of auto | software | hardware | zink", word);
 }
 
 GlContext::GlContext(GlChoice choice) {
+  choose_mesa_driver(choice);
   const std::vector<EGLDeviceEXT> devices = egl_devices();
-  // Real GPUs first, then the processor.
-  for (const GlChoice wanted : {GlChoice::hardware, GlChoice::software}) {
+  // Real GPUs first, then the processor; zink, unasked, only where the environment leaves no other.
+  for (const GlChoice wanted : {GlChoice::hardware, GlChoice::software, GlChoice::zink}) {
     if (choice != GlChoice::automatic && choice != wanted) continue;
     for (std::size_t i = 0; i < devices.size(); ++i)
       if (try_device(devices[i], wanted)) {
@@ -67,12 +94,7 @@ GlContext::GlContext(GlChoice choice) {
         return;
       }
   }
-  throw Error(
-      "no {}OpenGL 4.5 core context on any of {} EGL devices; install {}, or choose with GNOMON_GL=auto|software|hardware",
-      choice == GlChoice::hardware   ? "hardware "
-      : choice == GlChoice::software ? "software "
-                                     : "",
-      devices.size(), needed_packages);
+  refuse(choice, devices.size());
 }
 
 bool GlContext::try_device(void* device, GlChoice choice) {
@@ -92,8 +114,8 @@ bool GlContext::try_device(void* device, GlChoice choice) {
     context_ = eglCreateContext(display_, config, EGL_NO_CONTEXT, context_attributes);
   if (context_ && eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_)) {
     info_ = {.vendor = text(GL_VENDOR), .renderer = text(GL_RENDERER), .version = text(GL_VERSION)};
-    info_.is_software = is_software_renderer(info_.renderer);
-    if (info_.is_software == (choice == GlChoice::software)) return true;
+    info_.driver = driver_of(info_.renderer);
+    if (info_.driver == choice) return true;
   }
   destroy();
   return false;

@@ -104,7 +104,7 @@ INSTANTIATE_TEST_SUITE_P(technique, Memory, testing::ValuesIn(technique_ids()), 
 // it likes: the median of three measurements has to agree.
 TEST_P(Memory, reported_bytes_are_within_a_factor_of_two_of_the_growth_in_resident_memory) {
   if (memory_is_instrumented) GTEST_SKIP() << "the sanitizer multiplies memory";
-  if (uses_gl() && !process_context().info().is_software) GTEST_SKIP() << "textures lie in the memory of the device";
+  if (uses_gl() && !process_context().info().is_software()) GTEST_SKIP() << "textures lie in the memory of the device";
   mallopt(M_MMAP_THRESHOLD, 128 << 10);  // a constant one: what is large goes back when it is freed
   measure(40);                           // threads, shaders and libraries come up
   for (const int segments : {80, 160, 320, 640}) {

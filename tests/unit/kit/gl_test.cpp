@@ -38,7 +38,7 @@ TEST_F(Gl, context_says_what_draws) {
   const GlInfo& info = process_context().info();
   EXPECT_FALSE(info.renderer.empty());
   EXPECT_NE(info.version.find("4."), std::string::npos);
-  EXPECT_EQ(info.is_software, info.renderer.find("llvmpipe") != std::string::npos);
+  EXPECT_EQ(info.is_software(), info.renderer.find("llvmpipe") != std::string::npos);
 }
 
 TEST_F(Gl, unknown_choice_of_device_is_an_error_that_names_the_choices) {
@@ -49,9 +49,16 @@ TEST_F(Gl, unknown_choice_of_device_is_an_error_that_names_the_choices) {
     gl_choice_from_environment();
     ADD_FAILURE();
   } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "GNOMON_GL = fast is none of auto | software | hardware");
+    EXPECT_STREQ(error.what(), "GNOMON_GL = fast is none of auto | software | hardware | zink");
   }
   old ? setenv("GNOMON_GL", kept.c_str(), 1) : unsetenv("GNOMON_GL");
+}
+
+TEST(gl_driver, zink_over_the_processor_is_neither_software_nor_hardware) {
+  EXPECT_EQ(driver_of("llvmpipe (LLVM 15.0.6, 256 bits)"), GlChoice::software);
+  EXPECT_EQ(driver_of("zink (llvmpipe (LLVM 15.0.6, 256 bits))"), GlChoice::zink);
+  EXPECT_EQ(driver_of("zink (NVIDIA H200)"), GlChoice::hardware);
+  EXPECT_EQ(driver_of("AMD Radeon RX 6800 (navi21, LLVM 15.0.6)"), GlChoice::hardware);
 }
 
 TEST_F(Gl, state_differences_names_what_was_left_and_the_guard_puts_it_back) {
