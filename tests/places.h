@@ -10,3 +10,5 @@ std::string tree_file(const std::string& below_root);
 std::string data_file(const std::string& below_data);
 /// The program `gnomon` that was built with these tests.
 std::string tested_program();
+/// The plugin of tests/faults.
+std::string faults_plugin();

@@ -75,6 +75,22 @@ class Faults(ProgramTest):
         self.assertEqual([p for p in tired["stages"].values() if p], [])
         self.assertEqual([name for name in self.names(self.dir / "out") if "tires" in name], [])
 
+    def test_a_fault_in_the_middle_of_a_sample_costs_the_row_only(self):
+        # The answer and three warm-ups are builds 1 .. 4; the ten iterations of the first sample, one request, are 5 .. 14.
+        for variable, reason in (("GNOMON_TEST_THROWS_AT", "threw in build: one too many"),
+                                 ("GNOMON_TEST_HANGS_AT", r"hung in build: no answer within 2\.1 s")):
+            with self.subTest(variable):
+                self.environment[variable] = "8"
+                self.succeed("--plugin", FAULTS, "run", "--scene", "single_triangle", "--light", "sun", "--technique", "busy",
+                             "--technique", "unshadowed", "--timeout", "2", *SMALL, "--out", variable, status=1)
+                del self.environment[variable]
+                broken, sound = records(self.dir / variable)
+                self.assertEqual((broken["technique"], broken["status"]), ("busy", "failed"))
+                self.assertRegex(broken["reason"], f"^{reason}$")
+                self.assertEqual([p for p in broken["stages"].values() if p], [])
+                self.assertEqual((sound["status"], len(sound["stages"]["build"][0])), ("ok", 1))
+                self.assertEqual(workers(self.dir), [])
+
     def test_render_of_a_fault_exits_with_1_and_writes_nothing(self):
         done = self.gnomon("--plugin", FAULTS, "render", "--scene", "single_triangle", "--technique", "crashes", "--size", "64x64",
                            "--out", "out")
@@ -104,7 +120,7 @@ class Faults(ProgramTest):
         ids = [entry["id"] for entry in json.loads(self.succeed("--plugin", FAULTS, "list", "--json"))]
         self.assertEqual([i for i in ids if i in REASONS], sorted(REASONS))
         self.assertIn("Never comes back from relight.", self.succeed("--plugin", FAULTS, "describe", "hangs"))
-        self.refuse("--plugin", FAULTS, "--plugin", FAULTS, "list", says=["crashes", "registered twice"])
+        self.refuse("--plugin", FAULTS, "--plugin", FAULTS, "list", says=["busy", "registered twice"])
 
 
 class Reference(ProgramTest):

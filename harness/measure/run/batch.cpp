@@ -231,9 +231,9 @@ class Batch {
     task.repetitions = last > 500 ? 1 : run_.suite.repetitions;
     // The first process says how many calls a repetition averages, so that all repetitions of the row are alike.
     std::uint64_t& iterations = row.record.iterations[std::string(name(stage))];
-    if (iterations == 0) iterations = static_cast<std::uint64_t>(std::clamp(1 / std::max(last, 1e-3), 1.0, 50.0));
+    if (iterations == 0) iterations = static_cast<std::uint64_t>(iterations_for(last));
     task.iterations = static_cast<int>(iterations);
-    task.milliseconds = [&worker, stage] { return worker.time(stage); };
+    task.milliseconds = [&worker, stage](int count) { return worker.time(stage, count); };
     return task;
   }
 

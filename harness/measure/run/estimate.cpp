@@ -14,6 +14,7 @@
 
 #include "measure/paths.h"
 #include "measure/run/progress.h"
+#include "measure/run/timing.h"
 #include "measure/scene/blob.h"
 
 namespace gnomon {
@@ -30,8 +31,7 @@ double stage_seconds(double ms, const Effort& effort) {
   double spent = 0;
   for (int k = 0; k < effort.warmups && spent < 300; ++k) spent += ms;
   const int repetitions = ms > 500 ? 1 : effort.repetitions;
-  const int iterations = std::clamp(static_cast<int>(1 / std::max(ms, 1e-3)), 1, 50);
-  return (spent + ms * repetitions * iterations) / 1000;
+  return (spent + ms * repetitions * iterations_for(ms)) / 1000;
 }
 
 double timed_seconds(const std::array<double, 3>& stages, const Effort& effort) {

@@ -166,7 +166,11 @@ RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress&
 void run_live(const RunOptions& options, const std::string& base_program, SceneLibrary& library, Progress& progress) {
   std::array<Side, 2> sides{Side{options.worker, options.out / "base"}, Side{options.worker, options.out / "contender"}};
   sides[0].worker.program = base_program;
-  const Json build = ask_program(sides[0].worker);
+  const ProgramFacts base = ask_program(sides[0].worker);
+  // Both are asked alike: a stage that follows a wait for the next request finds colder caches than one that follows itself.
+  for (Side& side : sides) side.worker.takes_iterations = base.takes_iterations;
+  if (!base.takes_iterations)
+    progress.say(fmt::format("{} times one iteration a request, and so this program does, too", base_program));
   const std::vector<Job> jobs = select_jobs(options, expand_jobs(options.suite, library));
   const auto refuse = [&] {
     for (const Side& side : sides) refuse_records(side.out, "name another --out");
@@ -184,7 +188,7 @@ void run_live(const RunOptions& options, const std::string& base_program, SceneL
   const auto contexts = [&] {
     std::vector<Json> by_side{machine_context(threads), machine_context(threads)};
     for (const char* key : {"version", "commit", "build_type", "compiler", "flags", "libraries"})
-      if (build.contains(key)) by_side[0][key] = build[key];
+      if (base.context.contains(key)) by_side[0][key] = base.context[key];
     for (Json& context : by_side) {
       // Pairs are judged as if nothing differed but the program: one load for both.
       context["load_average"] = by_side[0]["load_average"];

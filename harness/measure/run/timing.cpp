@@ -2,6 +2,8 @@
 
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
+
 #include "measure/notice.h"
 
 namespace gnomon {
@@ -34,7 +36,7 @@ void run_task(benchmark::State& state, TimingTask& task) {
       break;
     }
     try {
-      state.SetIterationTime(task.milliseconds() / 1000);
+      state.SetIterationTime(task.milliseconds(task.iterations) / task.iterations / 1000);
     } catch (const std::exception& error) {
       task.failure = message_of(error);
       state.SkipWithError(task.failure.c_str());
@@ -44,6 +46,8 @@ void run_task(benchmark::State& state, TimingTask& task) {
 }
 
 }  // namespace
+
+int iterations_for(double ms) { return std::clamp(static_cast<int>(1 / std::max(ms, 1e-3)), 1, 50); }
 
 void time_interleaved(std::vector<TimingTask>& tasks) {
   [[maybe_unused]] static const bool is_initialized = [] {
@@ -58,7 +62,7 @@ void time_interleaved(std::vector<TimingTask>& tasks) {
     benchmark::RegisterBenchmark(std::to_string(k).c_str(), [&tasks, k](benchmark::State& state) { run_task(state, tasks[k]); })
         ->UseManualTime()
         ->Unit(benchmark::kMillisecond)
-        ->Iterations(tasks[k].iterations)
+        ->Iterations(1)  // for Google Benchmark, which knows the mean only: the task does all of them at once
         ->Repetitions(tasks[k].repetitions);
   RawReporter reporter(tasks);
   if (!tasks.empty()) benchmark::RunSpecifiedBenchmarks(&reporter, ".*");

@@ -8,11 +8,14 @@ namespace gnomon {
 /// One contender's stage to be timed.
 struct TimingTask {
   int repetitions = 3;
-  int iterations = 1;                    ///< per repetition; their mean is the sample
-  std::function<double()> milliseconds;  ///< does the stage once and says how long it took; may throw
-  std::vector<double> samples;           ///< out: one per repetition, milliseconds
-  std::string failure;                   ///< out: why there are no more samples
+  int iterations = 1;                       ///< per repetition; their mean is the sample
+  std::function<double(int)> milliseconds;  ///< does the stage so many times and says how long all took together; may throw
+  std::vector<double> samples;              ///< out: one per repetition, milliseconds
+  std::string failure;                      ///< out: why there are no more samples
 };
+
+/// Iterations of a repetition of a stage that takes `ms`: as many as take a millisecond together, 1 .. 50.
+int iterations_for(double ms);
 
 /// Times all tasks with Google Benchmark, repetitions of different tasks interleaved at random. Times are manual: what the
 /// task itself reports. A task that throws costs its own samples only.

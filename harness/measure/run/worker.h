@@ -26,11 +26,17 @@ struct WorkerOptions {
   int threads = 0;  ///< pins the worker to this many cores and tells llvmpipe, Embree and TBB before any starts; 0: all
   std::vector<std::string> plugins;
   std::string program = {};  ///< whose processes the workers are; empty: this one
+  /// Several iterations of a stage are one request. False: each is one, as older programs want it.
+  bool takes_iterations = true;
 };
 
 /// Version of what is said between a program and its workers, and of the files that pass between them. One more with every
 /// change that an older worker would misunderstand.
 inline constexpr int worker_protocol = 3;
+
+/// A worker that is asked for several iterations of a stage answers after the one in which these seconds are over, with as many
+/// as it has done: an answer takes no longer than this and one call of the stage.
+inline constexpr double longest_portion_seconds = 0.1;
 
 /// The machine and the build, for every record: version, commit, build_type, compiler, flags, processor, cores, threads,
 /// load_average, started, libraries.
@@ -78,7 +84,8 @@ class WorkerProcess {
 bool write_line(int socket, const std::string& line);
 
 /// The worker's own side: answers requests on `socket` until it closes. Requests:
-///   {"do": "protocol"}                                                      -> {"protocol": n, "context": {...}}
+///   {"do": "protocol"}                                                      -> {"protocol": n, "context": {...},
+///   "takes_iterations": true}
 ///   {"do": "open", "scene": FILE, "technique": ID, "settings": "a=1"}       -> {"gl": {...} or null}
 ///   {"do": "set", "settings": "a=2"}                                        -> {"fresh": n}  of the same technique
 ///   {"do": "frame", "gbuffer": FILE, "view": K, "width", "height", "truth", "light": K} -> {"support", "why", "fresh", ...}
@@ -86,7 +93,7 @@ bool write_line(int socket, const std::string& line);
 ///   "shares"
 ///   {"do": "frame", "gbuffer": FILE, "stand": FILE, "width", "height", "truth"}         -> the same
 ///   {"do": "setup"}                                                         -> {"ms": t}
-///   {"do": "time", "stage": NAME}                                           -> {"ms": t}   earlier stages brought up untimed
+///   {"do": "time", "stage": NAME, "iterations": N}                          -> {"ms": t, "iterations": n}
 ///   {"do": "bring_up", "stage": NAME}                                       -> {}          all stages up to this one, once
 ///   {"do": "answer", "mask": FILE}                                          -> {"counts": [...], "peak_bytes": n}
 ///   {"do": "mask", "mask": FILE}                                            -> {}          the mask without counting
@@ -98,10 +105,12 @@ bool write_line(int socket, const std::string& line);
 /// The last one is FrameWorker's: the reference, or where `stand` holds no light the G-buffer, as the frame cache has them. The
 /// file `done`, which may be missing, is a SharedCount of the pixels that are through.
 /// `stand` is a file with the scene_bytes of a scene without meshes that holds a light or several and one view, wherever they
-/// are: they count instead of the scene's. Masks of several lights follow each other in one file; `explain`, `debug` and
-/// `detail` are about the frame's first light, or that of their "light". A light that is unsupported beside others has a mask
-/// of ones. `fresh` is how many stages, from setup on, are up to date. `pixels` holds uint32 indices of the mask answered last;
-/// `out` gets their explanation_bytes, in the same order. An exception is answered as {"error": text}.
+/// are: they count instead of the scene's. `time` brings earlier stages up untimed, does this one N times, once where nothing
+/// is said, or fewer (longest_portion_seconds), and answers the sum of their times and their number. Masks of several lights
+/// follow each other in one file; `explain`, `debug` and `detail` are about the frame's first light, or that of their "light".
+/// A light that is unsupported beside others has a mask of ones. `fresh` is how many stages, from setup on, are up to date.
+/// `pixels` holds uint32 indices of the mask answered last; `out` gets their explanation_bytes, in the same order. An exception
+/// is answered as {"error": text}.
 int worker_main(int socket, int threads);
 
 }  // namespace gnomon

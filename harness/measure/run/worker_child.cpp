@@ -38,14 +38,15 @@ class TechniqueServer {
  public:
   Json handle(const Json& request) {
     const std::string what = request.at("do");
-    if (what == "protocol") return json_object({{"protocol", worker_protocol}, {"context", machine_context(0)}});
+    if (what == "protocol")
+      return json_object({{"protocol", worker_protocol}, {"takes_iterations", true}, {"context", machine_context(0)}});
     if (what == "open") return open(request);
     if (what == "trace") return trace(request);
     if (!objects_) throw Error("a worker cannot {} before it has a technique", what);
     if (what == "set") return set(request.at("settings"));
     if (what == "frame") return frame(request);
-    if (what == "setup") return time_stage(static_cast<int>(Stage::setup));
-    if (what == "time") return time_stage(stage_named(request.at("stage")));
+    if (what == "setup") return time_stage(static_cast<int>(Stage::setup), 1);
+    if (what == "time") return time_stage(stage_named(request.at("stage")), request.value("iterations", 1.0));
     if (what == "bring_up") return bring_up(stage_named(request.at("stage")));
     if (what == "answer") return answer(request.at("mask"));
     if (what == "mask") return write_mask(request.at("mask"));
@@ -153,9 +154,18 @@ class TechniqueServer {
     throw Error("there is no stage {}", name);
   }
 
-  Json time_stage(int stage) {
+  Json time_stage(int stage, double iterations) {
+    if (!(iterations >= 1)) throw Error("iterations = {} is below 1", iterations);
     bring_up(stage - 1);
-    return json_object({{"ms", time(static_cast<Stage>(stage))}});
+    double sum = 0;
+    int done = 0;
+    const auto start = Clock::now();
+    const std::chrono::duration<double> longest(longest_portion_seconds);
+    do {
+      sum += time(static_cast<Stage>(stage));
+      ++done;
+    } while (done < iterations && Clock::now() - start < longest);
+    return json_object({{"ms", sum}, {"iterations", done}});
   }
 
   Json bring_up(int stage) {

@@ -38,7 +38,10 @@ std::vector<std::byte> light_and_view_bytes(const std::vector<Light>& lights, co
 }
 
 WorkerClient::WorkerClient(const WorkerOptions& options, fs::path files, double timeout_seconds)
-    : process_(options), files_(std::move(files)), timeout_seconds_(timeout_seconds) {}
+    : process_(options),
+      files_(std::move(files)),
+      timeout_seconds_(timeout_seconds),
+      takes_iterations_(options.takes_iterations) {}
 
 fs::path WorkerClient::file(const char* ending) const { return fs::path(files_) += fmt::format(".{}", ending); }
 
@@ -114,11 +117,23 @@ FrameReply WorkerClient::frame(const FrameRequest& request) {
   });
 }
 
-double WorkerClient::time(Stage stage) {
-  return ask(json_object({{"do", "time"}, {"stage", name(stage)}}), [&](const Json& reply) {
-    fresh_count_ = static_cast<int>(stage) + 1;
-    return reply.at("ms").get<double>();
-  });
+double WorkerClient::time(Stage stage, int iterations) {
+  double sum = 0;
+  for (int done = 0; done < iterations;) {
+    const int wanted = takes_iterations_ ? iterations - done : 1;
+    Json request = json_object({{"do", "time"}, {"stage", name(stage)}});
+    if (wanted > 1) request["iterations"] = wanted;
+    process_.send(request);
+    const double patience = timeout_seconds_ + (wanted > 1 ? longest_portion_seconds : 0);
+    done += receive(patience, [&](const Json& reply) {
+      fresh_count_ = static_cast<int>(stage) + 1;
+      sum += reply.at("ms").get<double>();
+      const double count = reply.value("iterations", 1.0);
+      if (!(count >= 1 && count <= wanted)) throw Error("{} iterations of {} came for {}", count, name(stage), wanted);
+      return static_cast<int>(count);
+    });
+  }
+  return sum;
 }
 
 void WorkerClient::bring_up(Stage last) {
@@ -195,7 +210,7 @@ SurfaceDetail WorkerClient::surface_detail(std::size_t light) {
              [&](const Json&) { return detail_from_bytes(MappedFile::open(file("detail"))->bytes()); });
 }
 
-Json ask_program(const WorkerOptions& options) {
+ProgramFacts ask_program(const WorkerOptions& options) {
   if (access(options.program.c_str(), X_OK) != 0)
     throw Error("program {} cannot be started: {}", options.program, std::strerror(errno));
   constexpr double patience = 20;  // seconds to start; a program that is no gnomon may wait for ever
@@ -212,7 +227,7 @@ Json ask_program(const WorkerOptions& options) {
   if (protocol != worker_protocol)
     throw Error("program {} speaks worker protocol {}, this one {}: build both from versions that agree", options.program,
                 json_text(protocol), worker_protocol);
-  return answer.value("context", Json::object());
+  return {.context = answer.value("context", Json::object()), .takes_iterations = answer.value("takes_iterations", false)};
 }
 
 }  // namespace gnomon

@@ -93,8 +93,10 @@ class WorkerClient {
 
   /// Stages that are up to date, from setup on: 0 .. 4.
   int fresh_count() const { return fresh_count_; }
-  /// Does one stage once more, those before it untimed where they are out of date. Milliseconds by the worker's own clock.
-  double time(Stage stage);
+  /// Does one stage so many times more, those before it untimed where they are out of date. Milliseconds of all iterations
+  /// together by the worker's own clock. They are one request, or a few where they take long: each answer may take
+  /// `timeout_seconds`, of several iterations longest_portion_seconds more.
+  double time(Stage stage, int iterations = 1);
   /// Does what is out of date up to this stage.
   void bring_up(Stage stage);
 
@@ -122,13 +124,19 @@ class WorkerClient {
   WorkerProcess process_;
   std::filesystem::path files_;
   double timeout_seconds_;
+  bool takes_iterations_;
   std::optional<WorkerGl> gl_;
   std::size_t pixel_count_ = 0, light_count_ = 1;  ///< of the frame
   int fresh_count_ = 0;
 };
 
-/// What a program says of itself before it may work for this one: machine_context. Throws Error when it
-/// cannot be started, is no gnomon, or speaks another protocol.
-Json ask_program(const WorkerOptions& options);
+/// What a program says of itself before it may work for this one.
+struct ProgramFacts {
+  Json context;           ///< machine_context
+  bool takes_iterations;  ///< as WorkerOptions says it
+};
+
+/// Throws Error when the program cannot be started, is no gnomon, or speaks another protocol.
+ProgramFacts ask_program(const WorkerOptions& options);
 
 }  // namespace gnomon

@@ -13,7 +13,7 @@ TEST(timing, every_repetition_of_every_task_is_a_sample) {
   std::vector<int> calls(3, 0);
   for (int k = 0; k < 3; ++k) {
     tasks[k].repetitions = k + 1;
-    tasks[k].milliseconds = [&calls, k] {
+    tasks[k].milliseconds = [&calls, k](int) {
       ++calls[k];
       return 10.0 * (k + 1);
     };
@@ -28,16 +28,28 @@ TEST(timing, every_repetition_of_every_task_is_a_sample) {
 }
 
 TEST(timing, a_sample_is_the_mean_of_its_iterations_as_the_task_reports_them) {
-  // The task reports 1, 2, 3 ms, and so on: repetitions of four have the means 2.5, 6.5 and 10.5, whatever the clock says.
+  // Repetitions of four iterations that take 10, 26 and 42 ms together have the means 2.5, 6.5 and 10.5, whatever the clock
+  // says.
   int call = 0;
   std::vector<TimingTask> tasks(1);
   tasks[0].repetitions = 3;
   tasks[0].iterations = 4;
-  tasks[0].milliseconds = [&] { return static_cast<double>(++call); };
+  tasks[0].milliseconds = [&](int iterations) {
+    EXPECT_EQ(iterations, 4);
+    return 10.0 + 16 * call++;
+  };
   time_interleaved(tasks);
-  EXPECT_EQ(call, 12);
+  EXPECT_EQ(call, 3) << "all iterations of a sample are one call";
   ASSERT_EQ(tasks[0].samples.size(), 3u);
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(tasks[0].samples[k], 2.5 + 4 * k, 1e-9);
+}
+
+TEST(timing, short_stages_are_repeated_for_a_millisecond_up_to_50_times) {
+  EXPECT_EQ(iterations_for(0), 50);
+  EXPECT_EQ(iterations_for(0.01), 50);
+  EXPECT_EQ(iterations_for(0.125), 8);
+  EXPECT_EQ(iterations_for(0.6), 1);
+  EXPECT_EQ(iterations_for(1e6), 1);
 }
 
 TEST(timing, repetitions_of_different_tasks_are_interleaved) {
@@ -47,7 +59,7 @@ TEST(timing, repetitions_of_different_tasks_are_interleaved) {
   std::vector<TimingTask> tasks(4);
   for (int k = 0; k < 4; ++k) {
     tasks[k].repetitions = 12;
-    tasks[k].milliseconds = [&order, k] {
+    tasks[k].milliseconds = [&order, k](int) {
       order += static_cast<char>('a' + k);
       return 1.0;
     };
@@ -63,9 +75,9 @@ TEST(timing, a_task_that_throws_costs_only_its_own_samples) {
   std::vector<TimingTask> tasks(3);
   int calls = 0;
   tasks[0].repetitions = tasks[2].repetitions = 5;
-  tasks[0].milliseconds = tasks[2].milliseconds = [] { return 2.0; };
+  tasks[0].milliseconds = tasks[2].milliseconds = [](int) { return 2.0; };
   tasks[1].repetitions = 5;
-  tasks[1].milliseconds = [&]() -> double {
+  tasks[1].milliseconds = [&](int) -> double {
     if (++calls == 3) throw std::runtime_error("the worker died");
     return 1.0;
   };
@@ -83,7 +95,7 @@ TEST(timing, nothing_to_time_is_no_error_and_nothing_remains_from_one_call_to_th
   EXPECT_NO_THROW(time_interleaved(none));
   for (int round = 0; round < 2; ++round) {
     std::vector<TimingTask> tasks(1);
-    tasks[0].milliseconds = [&] { return 1.0 + round; };
+    tasks[0].milliseconds = [&](int) { return 1.0 + round; };
     time_interleaved(tasks);
     EXPECT_EQ(tasks[0].samples, std::vector<double>(3, 1.0 + round));
   }

@@ -25,16 +25,17 @@ class ScriptedWorker : public testing::Test {
  protected:
   /// After the load has been answered the worker does what the script says: `hear` waits for a request and notes it, `say`
   /// answers.
-  WorkerClient loaded(const std::string& script, double timeout = 20) {
-    return started("hear\nsay '{\"gl\":null}'\n" + script, timeout);
+  WorkerClient loaded(const std::string& script, double timeout = 20, bool takes_iterations = true) {
+    return started("hear\nsay '{\"gl\":null}'\n" + script, timeout, takes_iterations);
   }
-  WorkerClient started(const std::string& script, double timeout = 20) {
+  WorkerClient started(const std::string& script, double timeout = 20, bool takes_iterations = true) {
     const fs::path program = folder.path() / "program";
     std::ofstream(program) << "#!/bin/bash\nsocket=$2\nhear() { read -r line <&$socket; echo \"$line\" >> " << heard().string()
                            << "; }\nsay() { printf '%s\\n' \"$1\" >&$socket; }\n"
                            << script;
     fs::permissions(program, fs::perms::owner_all);
-    return WorkerClient({.threads = 0, .plugins = {}, .program = program.string()}, folder.path() / "w", timeout);
+    return WorkerClient({.threads = 0, .plugins = {}, .program = program.string(), .takes_iterations = takes_iterations},
+                        folder.path() / "w", timeout);
   }
   fs::path heard() const { return folder.path() / "heard"; }
   std::string requests() const {
@@ -108,6 +109,46 @@ TEST_F(ScriptedWorker, nonsense_is_a_failure_of_the_worker) {
     const std::string why = reason([&] { worker.time(Stage::build); });
     EXPECT_NE(why.find(says), std::string::npos) << answer << ": " << why;
   }
+}
+
+TEST_F(ScriptedWorker, iterations_are_one_request_and_what_an_answer_leaves_is_asked_for_again) {
+  WorkerClient worker = loaded(
+      "hear\nsay '{\"ms\":6,\"iterations\":6}'\nhear\nsay '{\"ms\":1,\"iterations\":1}'\n"
+      "hear\nsay '{\"ms\":9,\"iterations\":3}'\n");
+  worker.load(anything);
+  EXPECT_EQ(worker.time(Stage::build, 10), 16);
+  EXPECT_NE(requests().find("\"iterations\":10"), std::string::npos) << requests();
+  EXPECT_NE(requests().find("\"iterations\":4"), std::string::npos) << requests();
+  EXPECT_NE(requests().find("\"iterations\":3"), std::string::npos) << requests();
+  EXPECT_EQ(worker.fresh_count(), 2);
+}
+
+TEST_F(ScriptedWorker, of_a_program_that_does_not_count_each_iteration_is_a_request) {
+  // It answers as programs did before iterations were counted. The owner may know that beforehand, or find it out.
+  for (const bool takes_iterations : {false, true}) {
+    fs::remove(heard());
+    WorkerClient worker = loaded("for k in 1 2 3; do hear; say '{\"ms\":2}'; done\n", 20, takes_iterations);
+    worker.load(anything);
+    EXPECT_EQ(worker.time(Stage::build, 3), 6);
+    EXPECT_EQ(requests().find("iterations") != std::string::npos, takes_iterations) << requests();
+  }
+}
+
+TEST_F(ScriptedWorker, a_wrong_number_of_iterations_is_a_failure) {
+  for (const auto& [count, says] :
+       {std::pair("0", "0 iterations of build came for 5"), std::pair("6", "6 iterations of build came"),
+        std::pair("1e300", "iterations of build came"), std::pair("\"2\"", "something else")}) {
+    WorkerClient worker = loaded(fmt::format("hear\nsay '{{\"ms\":1,\"iterations\":{}}}'\nhear\n", count));
+    worker.load(anything);
+    const std::string why = reason([&] { worker.time(Stage::build, 5); });
+    EXPECT_NE(why.find(says), std::string::npos) << count << ": " << why;
+  }
+}
+
+TEST_F(ScriptedWorker, iterations_that_hang_end_with_the_timeout_of_one_and_a_portion) {
+  WorkerClient worker = loaded("hear\nsleep 60\n", 0.2);
+  worker.load(anything);
+  EXPECT_EQ(reason([&] { worker.time(Stage::relight, 50); }), "hung in relight: no answer within 0.3 s");
 }
 
 TEST_F(ScriptedWorker, an_interrupt_ends_a_call_that_waits) {

@@ -1,0 +1,56 @@
+// What the harness adds to a stage that it times, by the clock on the wall.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "measure/run/timing.h"
+#include "measure/run/worker_client.h"
+#include "measure/scene/blob.h"
+#include "measure/scratch_folder.h"
+#include "places.h"
+
+namespace {
+
+using namespace gnomon;
+using Clock = std::chrono::steady_clock;
+
+/// Median over the samples of what one took from its start to the start of the next, over what its iterations took. The
+/// technique keeps a core busy for 0.1 ms by the clock: what takes the core away from it meanwhile costs nothing here.
+double wall_per_stage_time(bool takes_iterations) {
+  const ScratchFolder folder = ScratchFolder::temporary("gnomon_overhead");
+  const auto scene = folder.path() / "scene";
+  write_file(scene, scene_bytes(Scene{}));
+  WorkerClient worker({.plugins = {faults_plugin()}, .program = tested_program(), .takes_iterations = takes_iterations},
+                      folder.path() / "w", 20);
+  worker.load({.scene_file = scene, .technique = "busy", .settings = ""});
+  const double once = worker.time(Stage::build);
+  EXPECT_GE(once, 0.1);
+  std::vector<Clock::time_point> starts;
+  std::vector<TimingTask> tasks(1);
+  tasks[0].repetitions = 400;
+  tasks[0].iterations = iterations_for(0.1);
+  tasks[0].milliseconds = [&](int count) {
+    starts.push_back(Clock::now());
+    return worker.time(Stage::build, count);
+  };
+  time_interleaved(tasks);
+  EXPECT_EQ(tasks[0].failure, "");
+  std::vector<double> ratios;
+  for (std::size_t k = 0; k + 1 < starts.size(); ++k) {
+    const double wall = std::chrono::duration<double, std::milli>(starts[k + 1] - starts[k]).count();
+    ratios.push_back(wall / (tasks[0].samples[k] * tasks[0].iterations));
+  }
+  std::ranges::nth_element(ratios, ratios.begin() + ratios.size() / 2);
+  return ratios[ratios.size() / 2];
+}
+
+TEST(timing_overhead, is_a_tenth_of_a_stage_of_a_tenth_of_a_millisecond_at_most) {
+  const double ratio = wall_per_stage_time(true), one_by_one = wall_per_stage_time(false);
+  RecordProperty("wall_per_stage_time", fmt::format("{:.3f}", ratio));
+  RecordProperty("one_iteration_a_request", fmt::format("{:.3f}", one_by_one));
+  EXPECT_LE(ratio, 1.1);
+  EXPECT_LT(ratio, one_by_one);
+}
+
+}  // namespace
