@@ -1,5 +1,5 @@
 // Planar projected shadow: casters flattened onto each receiver plane by a matrix and drawn there from the eye.
-#include <gnomon/kit/gl.h>
+#include <gnomon/kit/gl_pass.h>
 #include <gnomon/kit/planes.h>
 #include <gnomon/kit/shared.h>
 #include <gnomon/registry.h>
@@ -118,8 +118,8 @@ Support PlanarProjected::supports(const Scene& scene, const Light& light, const 
 
 void PlanarProjected::setup() {
   for (int k = 0; k < 2; ++k)
-    made_->receivers_programs[k] = Program("planar_projected receivers", full_screen_vertex,
-                                           fmt::format("#define PLANES_FACE {}\n", k) + receivers_fragment);
+    made_->receivers_programs[k] = pass_program("planar_projected receivers", receivers_constants,
+                                                fmt::format("#define PLANES_FACE {}\n", k) + receivers_fragment);
   made_->shadow_program = Program("planar_projected shadow", shadow_vertex, shadow_fragment);
   made_->unclipped_program = Program("planar_projected unclipped shadow", unclipped_vertex, shadow_fragment);
   made_->framebuffer = make_framebuffer();

@@ -8,7 +8,7 @@
 // characteristic     The points that determine a shape's shadow by the paper's equations (contender) beside the projection of
 //                    all vertices of its tessellation (floor), as dearly as that is done: 1 / `ratio` is what the paper saves.
 #include <benchmark/benchmark.h>
-#include <gnomon/kit/gl.h>
+#include <gnomon/kit/gl_pass.h>
 #include <gnomon/kit/planar_shadow.h>
 #include <gnomon/kit/random.h>
 #include <gnomon/kit/shapes.h>
@@ -121,13 +121,11 @@ class FullScreenPass {
 
  private:
   Framebuffer framebuffer_ = make_framebuffer();
-  Program program_{"full screen", full_screen_vertex, std::string(faces_light_snippet) + R"(
+  Program program_ =
+      pass_program("full screen", faces_light_constants, std::string(gbuffer_snippet) + std::string(faces_light_snippet) + R"(
 layout(location = 0) out float visibility;
-void main() {
-  ivec2 pixel = ivec2(gl_FragCoord.xy);
-  visibility = faces_light(texelFetch(gbuffer_position, pixel, 0), texelFetch(gbuffer_normal, pixel, 0)) ? 0.5 : 1;
-}
-)"};
+void main() { visibility = faces_light(position_here(), normal_here()) ? 0.5 : 1; }
+)");
 };
 
 void resolve(benchmark::State& state, const std::vector<Shape>& shapes, const std::string& settings) {

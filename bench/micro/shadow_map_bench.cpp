@@ -2,14 +2,13 @@
 // resolution and faces (relight), and one full-screen pass that fetches the same textures and writes the same target
 // (resolve). Contender and floor alternate inside one run; `ratio` is the ratio of their medians.
 #include <benchmark/benchmark.h>
-#include <gnomon/kit/gl.h>
+#include <gnomon/kit/light_map.h>
 #include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
 
 #include "bench/micro/alternate.h"
 #include "device/context.h"
 #include "measure/frame/gbuffer_maker.h"
-#include "techniques/shadow_map/faces.h"
 
 extern "C" void gnomon_technique_shadow_map(gnomon::Registry&);
 
@@ -62,15 +61,9 @@ struct Rig {
 /// pixels look up, known beforehand.
 class BareMap {
  public:
-  BareMap(const Scene& scene, const Light& light) : scene_(scene) {
-    std::vector<shadow_map::MeshBox> boxes;
-    for (const Mesh& mesh : scene.meshes) {
-      boxes.push_back({.bounds = {}, .casts = mesh.casts, .receives = mesh.receives});
-      for (const glm::vec3& p : mesh.positions) boxes.back().bounds.add(p);
-    }
-    space_ = shadow_map::space_of(light, boxes);
-    faces_ = shadow_map::fit_faces(light, space_, boxes, resolution, 1);
-    depth_ = Texture(GL_DEPTH_COMPONENT32F, resolution, resolution, static_cast<int>(faces_.size()));
+  BareMap(const Scene& scene, const Light& light)
+      : scene_(scene), camera_(fit_to_scene(light, mesh_boxes(scene), resolution, 1)) {
+    depth_ = Texture(GL_DEPTH_COMPONENT32F, resolution, resolution, static_cast<int>(camera_.images.size()));
   }
 
   void draw() const {
@@ -81,13 +74,13 @@ class BareMap {
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
     glUseProgram(program_.name());
-    for (std::size_t i = 0; i < faces_.size(); ++i) {
-      if (faces_[i].casters.empty()) continue;
+    for (std::size_t i = 0; i < camera_.images.size(); ++i) {
+      if (camera_.images[i].casters.empty()) continue;
       glNamedFramebufferTextureLayer(framebuffer_.name(), GL_DEPTH_ATTACHMENT, depth_.name(), 0, static_cast<GLint>(i));
       const float infinitely_far = 0;
       glClearNamedFramebufferfv(framebuffer_.name(), GL_DEPTH, 0, &infinitely_far);
-      program_.set("clip_from_world", glm::mat4(faces_[i].clip_from_world(resolution)));
-      buffers.draw(faces_[i].casters);
+      program_.set("clip_from_world", glm::mat4(camera_.images[i].clip_from_world(resolution)));
+      buffers.draw(camera_.images[i].casters);
     }
     glFinish();
   }
@@ -97,8 +90,8 @@ class BareMap {
     std::vector<glm::vec4> at(gbuffer.size(), glm::vec4(0, 0, -1, 1));
     for (std::size_t i = 0; i < at.size(); ++i) {
       if (gbuffer.is_background(i)) continue;
-      const int which = space_.face_of(gbuffer.position(i));
-      const shadow_map::Face& face = faces_[which];
+      const int which = camera_.space.face_of(gbuffer.position(i));
+      const LightImage& face = camera_.images[which];
       at[i] = {glm::floor(face.place_of(gbuffer.position(i)) * face.scale + face.offset), which, 1};
     }
     Texture texture(GL_RGBA32F, gbuffer.width, gbuffer.height);
@@ -110,8 +103,7 @@ class BareMap {
 
  private:
   const Scene& scene_;
-  LightSpace space_;
-  std::vector<shadow_map::Face> faces_;
+  LightCamera camera_;
   Texture depth_;
   Framebuffer framebuffer_ = make_framebuffer();
   Program program_{"bare depth", std::string(position_snippet) + "void main() { gl_Position = place(vec4(position, 1)); }",

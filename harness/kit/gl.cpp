@@ -194,32 +194,6 @@ vec4 place(vec4 world) {
 }
 )";
 
-// With t = to_light and unit N, N.t in float32 is off by less than 4 * 2^-24 |t| (one rounding of t, three products, two sums),
-// and so are both sides of the cone's comparison; 2^-21 |t| leaves room for the rounding of N. Squared, for the sake of speed.
-const std::string_view faces_light_snippet = R"(
-layout(binding = 0) uniform sampler2D gbuffer_position;
-layout(binding = 1) uniform sampler2D gbuffer_normal;
-layout(binding = 2) uniform usampler2D gbuffer_ids;
-uniform vec4 light;  // homogeneous
-uniform vec4 spot;   // unit axis and squared cosine of the outer half-angle, rounded up; zero for lights without a cone
-bool faces_light(vec4 position, vec4 normal) {
-  vec3 to_light = light.xyz - light.w * position.xyz;
-  float squared = dot(to_light, to_light), height = dot(normal.xyz, to_light), along = -dot(to_light, spot.xyz);
-  return position.w * normal.w * height > 0 && height * height > squared * 2.2737368e-13 && along >= 0 &&
-         along * along >= spot.w * squared;
-}
-)";
-
-void set_light(const Program& program, const Light& light) {
-  program.set_if_used("light", glm::vec4(homogeneous_of_center(light)));
-  glm::dvec4 cone(0);
-  if (const auto* spot = std::get_if<SpotLight>(&light.kind)) {
-    const double cosine = std::cos(glm::radians(double(spot->outer_degrees)));
-    cone = {glm::normalize(glm::dvec3(spot->direction)), cosine * cosine + 0x1p-20};
-  }
-  program.set_if_used("spot", glm::vec4(cone));
-}
-
 StateGuard::~StateGuard() {
   for (const GLenum capability : {GL_BLEND, GL_COLOR_LOGIC_OP, GL_CULL_FACE, GL_DEPTH_CLAMP, GL_DEPTH_TEST, GL_FRAMEBUFFER_SRGB,
                                   GL_POLYGON_OFFSET_FILL, GL_PRIMITIVE_RESTART, GL_PROGRAM_POINT_SIZE, GL_RASTERIZER_DISCARD,
@@ -257,9 +231,5 @@ StateGuard::~StateGuard() {
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
 }
-
-const std::string_view full_screen_vertex = R"(
-void main() { gl_Position = vec4(gl_VertexID == 1 ? 3 : -1, gl_VertexID == 2 ? 3 : -1, 0.5, 1); }
-)";
 
 }  // namespace gnomon

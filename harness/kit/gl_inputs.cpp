@@ -1,9 +1,11 @@
 #include <gnomon/error.h>
-#include <gnomon/kit/gl.h>
+#include <gnomon/kit/gl_pass.h>
 
 #include <algorithm>
 #include <bit>
 #include <chrono>
+
+#include "pixel_rectangles.h"
 
 namespace gnomon {
 
@@ -73,7 +75,6 @@ struct Inputs {
   std::vector<std::unique_ptr<SceneSlot>> scenes;
   std::vector<std::unique_ptr<GBufferSlot>> gbuffers;
   Program depth_program, shape_depth_program;
-  VertexArray no_attributes;
 };
 
 // Not destroyed at exit: the context may be gone by then.
@@ -131,6 +132,7 @@ GBufferTextures upload(const GBuffer& g, const Scene& scene) {
     ids[i] = {g.mesh[i] + 1, g.triangle[i]};
   }
   GBufferTextures textures;
+  textures.receivers = rectangles_around(g.width, g.height, [&](std::size_t i) { return normals[i].w != 0; });
   textures.upload_ms = drained_ms([&] {
     const auto fill = [&](GLenum format, GLenum components, GLenum type, const void* data) {
       Texture texture(format, g.width, g.height);
@@ -226,11 +228,9 @@ const DepthStencil& depth_stencil(const Scene& scene, const GBuffer& gbuffer, Tr
   return depth;
 }
 
-void release_inputs() { inputs() = {}; }
-
-void bind_gbuffer(const GBufferTextures& textures) {
-  const GLuint names[] = {textures.position.name(), textures.normal.name(), textures.ids.name()};
-  glBindTextures(0, 3, names);
+void release_inputs() {
+  inputs() = {};
+  release_passes();
 }
 
 void SceneBuffers::draw(const std::vector<std::uint32_t>& which) const {
@@ -246,13 +246,6 @@ void SceneBuffers::draw(const std::vector<std::uint32_t>& which) const {
   if (counts.empty()) return;
   glBindVertexArray(vertex_array.name());
   glMultiDrawElements(GL_TRIANGLES, counts.data(), GL_UNSIGNED_INT, offsets.data(), static_cast<GLsizei>(counts.size()));
-  glBindVertexArray(0);
-}
-
-void draw_full_screen() {
-  if (!inputs().no_attributes) inputs().no_attributes = make_vertex_array();
-  glBindVertexArray(inputs().no_attributes.name());
-  glDrawArrays(GL_TRIANGLES, 0, 3);
   glBindVertexArray(0);
 }
 

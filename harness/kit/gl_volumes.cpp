@@ -1,3 +1,4 @@
+#include <gnomon/kit/gl_pass.h>
 #include <gnomon/kit/gl_volumes.h>
 
 #include <algorithm>
@@ -39,19 +40,18 @@ void main() {
 }
 )";
 
-const std::string mask_fragment = std::string(faces_light_snippet) + R"(
+const std::string mask_fragment = std::string(gbuffer_snippet) + std::string(faces_light_snippet) + R"(
 layout(location = 0) out float visibility;
 #ifdef WIDE
 layout(binding = 3) uniform sampler2D counts;
 #endif
 void main() {
-  ivec2 pixel = ivec2(gl_FragCoord.xy);
 #ifdef WIDE
-  bool in_shadow = texelFetch(counts, pixel, 0).r != 0;
+  bool in_shadow = texelFetch(counts, ivec2(gl_FragCoord.xy), 0).r != 0;
 #else
   const bool in_shadow = true;  // the stencil test let this pixel through
 #endif
-  bool facing = faces_light(texelFetch(gbuffer_position, pixel, 0), texelFetch(gbuffer_normal, pixel, 0));
+  bool facing = faces_light(position_here(), normal_here());
   visibility = in_shadow && facing ? 0 : 1;
 }
 )";
@@ -69,8 +69,8 @@ VolumeProgram::VolumeProgram(std::string_view title, std::string_view vertex, bo
 }
 
 void VolumeCounter::setup() {
-  mask_program_ = Program("mask of a stencil count", full_screen_vertex, mask_fragment);
-  wide_mask_program_ = Program("mask of a wide count", full_screen_vertex, "#define WIDE\n" + mask_fragment);
+  mask_program_ = pass_program("mask of a stencil count", faces_light_constants, mask_fragment);
+  wide_mask_program_ = pass_program("mask of a wide count", faces_light_constants, "#define WIDE\n" + mask_fragment);
   framebuffer_ = make_framebuffer();
 }
 

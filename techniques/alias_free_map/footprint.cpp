@@ -18,7 +18,7 @@ LightSpace space_of(const Light& light, const Bounds& casters) {
   const auto [u, v] = Across(away);
   const glm::dmat3 frame = frame_of(u, v, away);
   if (!is_parallel) return {glm::dvec3(l), frame, OppositeFaces::swapped, 2};
-  return LightSpace(LightFace{glm::dvec3(glm::vec3(center)), frame, false});
+  return LightSpace(LightSpaceFace{glm::dvec3(glm::vec3(center)), frame, false});
 }
 
 namespace {
@@ -98,7 +98,7 @@ bool find_box(const glm::dvec3 (&corners)[3], double extent, Box& box) {
 
 int find_footprints(const LightSpace& space, const glm::vec3* corners, double extent, std::uint32_t caster,
                     FaceFootprint (&found)[6]) {
-  const LightFace& own = space.main();
+  const LightSpaceFace& own = space.main();
   const glm::dvec3 seen[3] = {own.seen(corners[0]), own.seen(corners[1]), own.seen(corners[2])};
   if (space.is_parallel()) {
     Box box;

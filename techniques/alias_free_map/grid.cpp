@@ -111,7 +111,7 @@ void Grid::fit(const GBuffer& gbuffer, const LightSpace& space, int resolution) 
 Grid::Fill Grid::sort_tile(std::size_t t, const GBuffer& gbuffer, const LightSpace& space) {
   Tile& tile = tiles_[t];
   const Face& f = faces_[tile.face];
-  const LightFace& face = space[tile.face];
+  const LightSpaceFace& face = space[tile.face];
   const std::span<const std::uint32_t> pixels = bins_.of(t);
   std::uint32_t* const begins = cell_begins(t);
   std::fill_n(begins, begins_per_tile(), 0);

@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/gl.h>
+#include <gnomon/kit/gl_pass.h>
 #include <gnomon/kit/planar_shadow.h>
 
 namespace composite_planar {
@@ -18,7 +18,9 @@ struct alignas(16) TestData {
 // A patch's tests go to its pixels as flat outputs of its corners: constants of a triangle are read in no time, where every
 // pixel would gather buffers and textures anew. The head defines COUNT, the most tests of a patch.
 
-constexpr std::string_view patch_vertex = R"(
+inline const gnomon::PassConstants patch_constants(std::string(gnomon::faces_light_constants) + "float tolerance;");
+
+inline const std::string patch_vertex = patch_constants.vertex + R"(
 layout(location = 0) in uvec4 pixels;  // left, top, right, bottom
 layout(location = 1) in uvec3 what;    // plane, first, count
 struct Test { vec4 anchor, beyond, rows[4]; };
@@ -33,6 +35,7 @@ flat out float turn;
 flat out vec4 rows[6 * COUNT];
 #endif
 void main() {
+  hand_on();
   plane = planes[what.x].plane, turn = planes[what.x].turn.x;
 #if COUNT > 0
   for (int k = 0; k < COUNT; ++k) {
@@ -49,8 +52,8 @@ void main() {
 )";
 
 /// Keeps the pixels that show the patch's plane, face the light and are in the shadow of some test.
-inline const std::string patch_fragment = std::string(gnomon::faces_light_snippet) + R"(
-uniform float tolerance;
+inline const std::string patch_fragment =
+    patch_constants.fragment + std::string(gnomon::gbuffer_snippet) + std::string(gnomon::faces_light_snippet) + R"(
 flat in vec4 plane;
 flat in float turn;
 #if COUNT > 0
@@ -67,9 +70,7 @@ bool is_in_shadow(vec4 anchor, vec4 beyond, vec4 a, vec4 b, vec4 c, vec4 d, vec3
 }
 
 void main() {
-  ivec2 pixel = ivec2(gl_FragCoord.xy);
-  vec4 position = texelFetch(gbuffer_position, pixel, 0);
-  vec4 normal = texelFetch(gbuffer_normal, pixel, 0);
+  vec4 position = position_here(), normal = normal_here();
   vec3 off = normal.xyz - plane.xyz;
   bool is_dark = faces_light(position, normal) && abs(dot(plane, position)) <= tolerance && dot(off, off) <= turn * turn;
 #if COUNT > 0

@@ -1,22 +1,22 @@
 #pragma once
-#include <gnomon/kit/gl.h>
+#include <gnomon/kit/gl_pass.h>
 
 namespace planar_projected {
 
 /// Each pixel's receiver plane as a depth: depth_step times its number plus one; 0 where it lies on none or does not face the
 /// light. A plane's shadows are then drawn at its depth and pass where it equals the pixel's, before any shader runs. Where all
 /// of a plane faces the light or none of it does, the pixels need not be asked: the head defines PLANES_FACE as 1.
-inline const std::string receivers_fragment = std::string(gnomon::faces_light_snippet) + R"(
+inline const std::string receivers_constants = std::string(gnomon::faces_light_constants) + "float depth_step;";
+inline const std::string receivers_fragment =
+    std::string(gnomon::gbuffer_snippet) + std::string(gnomon::faces_light_snippet) + R"(
 layout(std430, binding = 0) readonly buffer PlaneOf { uint plane_of[]; };
 layout(std430, binding = 1) readonly buffer FirstTriangle { uint first_triangle[]; };
-uniform float depth_step;
 void main() {
-  ivec2 pixel = ivec2(gl_FragCoord.xy);
-  uvec2 ids = texelFetch(gbuffer_ids, pixel, 0).xy;
+  uvec2 ids = ids_here();
 #if PLANES_FACE
   bool facing = ids.x != 0;
 #else
-  bool facing = faces_light(texelFetch(gbuffer_position, pixel, 0), texelFetch(gbuffer_normal, pixel, 0));
+  bool facing = faces_light(position_here(), normal_here());
 #endif
   uint receiver = facing ? plane_of[first_triangle[ids.x - 1] + ids.y] + 1 : 0;  // no_plane + 1 is 0
   gl_FragDepth = float(receiver) * depth_step;

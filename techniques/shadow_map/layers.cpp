@@ -50,7 +50,7 @@ struct Placed {
 
 /// Into a cell of the sheet: turned by the multiple of a right angle, and mirrored as needed, that shows what the light sees
 /// with +y up (-z where it looks up or down), as large as its proportions allow.
-Placed place(const Face& face, bool is_drawn, const glm::dvec2& cell_low, const glm::dvec2& cell_size) {
+Placed place(const LightImage& face, bool is_drawn, const glm::dvec2& cell_low, const glm::dvec2& cell_size) {
   Placed placed;
   const glm::dvec3 axes[] = {face.axis(0), face.axis(1), face.axis(2)};  // right, down, axis
   const glm::dvec3 up(0, 1, -1e-3);
@@ -68,8 +68,8 @@ Placed place(const Face& face, bool is_drawn, const glm::dvec2& cell_low, const 
 }
 
 /// Paints one image. `depths` are its texels; empty where it is not drawn.
-void paint_face(const Face& face, std::span<const float> depths, int resolution, const Placed& placed, int width, int height,
-                std::span<float> picture) {
+void paint_face(const LightImage& face, std::span<const float> depths, int resolution, const Placed& placed, int width,
+                int height, std::span<float> picture) {
   double near = INFINITY, far = -INFINITY;
   float least = INFINITY, most = 0;
   for (const float depth : depths) {
@@ -116,7 +116,7 @@ struct TexelSize {
 };
 
 /// From how texel coordinates change from pixel to pixel, over the plane of pixel i's point.
-TexelSize texel_size(const Face& face, const Camera& camera, const GBuffer& gbuffer, std::size_t i) {
+TexelSize texel_size(const LightImage& face, const Camera& camera, const GBuffer& gbuffer, std::size_t i) {
   const double x = static_cast<double>(i % gbuffer.width) + 0.5, y = static_cast<double>(i / gbuffer.width) + 0.5;
   const glm::dvec3 point = gbuffer.position(i), normal = gbuffer.normal(i), ray = camera.ray(x, y);
   const double height = glm::dot(normal, point - camera.eye), slope = glm::dot(normal, ray);
@@ -156,7 +156,7 @@ std::vector<DebugLayer> map_layers() {
   return {map, texels};
 }
 
-std::vector<float> paint_map(std::span<const Face> faces, int resolution, int width, int height,
+std::vector<float> paint_map(const LightCamera& light_camera, int width, int height,
                              const std::function<std::span<const float>(std::size_t face)>& depths) {
   std::vector<float> picture(static_cast<std::size_t>(width) * height * 3);
   const auto fill = [&](const glm::dvec2& low, const glm::dvec2& high, const glm::dvec3& color) {
@@ -167,21 +167,21 @@ std::vector<float> paint_map(std::span<const Face> faces, int resolution, int wi
         for (int c = 0; c < 3; ++c) picture[3 * (static_cast<std::size_t>(y) * width + x) + c] = static_cast<float>(color[c]);
   };
   fill({0, 0}, {width, height}, background_color());
-  const glm::ivec2 cells = faces.size() == 1 ? glm::ivec2(1) : glm::ivec2(3, 2);
+  const glm::ivec2 cells = light_camera.images.size() == 1 ? glm::ivec2(1) : glm::ivec2(3, 2);
   const glm::dvec2 cell = glm::dvec2(width, height) / glm::dvec2(cells);
-  const double frame = faces.size() == 1 ? 0 : std::max(1.0, std::round(0.012 * cell.y)), gap = 2 * frame;
-  for (std::size_t i = 0; i < faces.size(); ++i) {
+  const double frame = light_camera.images.size() == 1 ? 0 : std::max(1.0, std::round(0.012 * cell.y)), gap = 2 * frame;
+  for (std::size_t i = 0; i < light_camera.images.size(); ++i) {
     const glm::dvec2 low = cell * glm::dvec2(i % cells.x, i / cells.x);
     const std::span<const float> texels = depths(i);
-    const Placed placed = place(faces[i], !texels.empty(), low + gap, glm::max(cell - 2 * gap, glm::dvec2(1)));
+    const Placed placed = place(light_camera.images[i], !texels.empty(), low + gap, glm::max(cell - 2 * gap, glm::dvec2(1)));
     if (frame > 0) fill(placed.low - frame, placed.low + placed.size + frame, cube_faces[i].color);
-    paint_face(faces[i], texels, resolution, placed, width, height, picture);
+    paint_face(light_camera.images[i], texels, light_camera.resolution, placed, width, height, picture);
   }
   return picture;
 }
 
-std::vector<float> paint_texels(std::span<const Face> faces, int resolution, const Scene& scene, const GBuffer& gbuffer,
-                                const Light& light, std::span<const LookUp> look_ups, std::span<const float> mask) {
+std::vector<float> paint_texels(const LightCamera& light_camera, const Scene& scene, const GBuffer& gbuffer, const Light& light,
+                                std::span<const LookUp> look_ups, std::span<const float> mask) {
   std::vector<float> picture = shaded_layer(scene, gbuffer, light, mask);
   const Camera camera(gbuffer.view, gbuffer.width, gbuffer.height);
   const int width = gbuffer.width, height = gbuffer.height;
@@ -202,14 +202,14 @@ std::vector<float> paint_texels(std::span<const Face> faces, int resolution, con
       const glm::dvec3 to_eye = glm::normalize(camera.eye - glm::dvec3(gbuffer.position(i)));
       double brightness = (0.65 + 0.35 * std::abs(glm::dot(glm::dvec3(gbuffer.normal(i)), to_eye))) * (0.35 + 0.65 * mask[i]);
       glm::dvec3 color = beside_map.color;
-      if (is_inside(texel, resolution)) {
-        const TexelSize size = texel_size(faces[face], camera, gbuffer, i);
+      if (light_camera.holds(texel)) {
+        const TexelSize size = texel_size(light_camera.images[face], camera, gbuffer, i);
         const auto is_in = [&](const TexelClass& c) { return !(size.longer > c.last); };
         color = std::ranges::find_if(texel_classes, is_in)->swatch.color;
         // A pattern finer than two pixels would be noise.
         if ((texel.x + texel.y) % 2 != 0) brightness *= 1 - 0.4 * std::clamp(size.shorter - 1, 0.0, 1.0);
       }
-      if (faces.size() > 1 && is_on_rim(i)) color = cube_faces[face].color;
+      if (light_camera.images.size() > 1 && is_on_rim(i)) color = cube_faces[face].color;
       for (int c = 0; c < 3; ++c) picture[3 * i + c] = static_cast<float>(brightness * color[c]);
     }
   });

@@ -1,7 +1,8 @@
 #pragma once
-#include <functional>
+#include <gnomon/kit/layers.h>
+#include <gnomon/kit/light_camera.h>
 
-#include "faces.h"
+#include <functional>
 
 // The pictures of a shadow map: its depth images as the light sees them, and its texels on the surfaces that they decide.
 namespace gnomon::shadow_map {
@@ -9,7 +10,7 @@ namespace gnomon::shadow_map {
 std::vector<DebugLayer> map_layers();
 
 /// The depth images, one alone or six on a sheet of 3 x 2: +x -x +y, -y +z -z. `depths` gives those of a face.
-std::vector<float> paint_map(std::span<const Face> faces, int resolution, int width, int height,
+std::vector<float> paint_map(const LightCamera& light_camera, int width, int height,
                              const std::function<std::span<const float>(std::size_t face)>& depths);
 
 /// What a pixel looked up: its image, and its texel there. -1: it does not face the light.
@@ -19,7 +20,7 @@ struct LookUp {
 };
 
 /// `look_ups` and `mask` are of the same resolve. An image that is not drawn gives texels outside 0 .. resolution - 1.
-std::vector<float> paint_texels(std::span<const Face> faces, int resolution, const Scene& scene, const GBuffer& gbuffer,
-                                const Light& light, std::span<const LookUp> look_ups, std::span<const float> mask);
+std::vector<float> paint_texels(const LightCamera& light_camera, const Scene& scene, const GBuffer& gbuffer, const Light& light,
+                                std::span<const LookUp> look_ups, std::span<const float> mask);
 
 }  // namespace gnomon::shadow_map

@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/gl.h>
+#include <gnomon/kit/gl_pass.h>
 
 namespace sphere_volume {
 
@@ -9,36 +9,39 @@ layout(location = 1) in vec4 vertex;
 void main() { gl_Position = place(vertex); }
 )";
 
-/// The same, and which body the volume bounds.
-inline const std::string bounding_vertex = std::string(gnomon::position_snippet) + R"(
-layout(location = 1) in vec4 vertex;
-layout(location = 2) in uint body_of;
-flat out uint body;
-void main() {
-  body = body_of;
-  gl_Position = place(vertex);
-}
-)";
-
 inline constexpr int kind_count = 3;  // sphere, cone, disc
 
-/// Mirrors Bodies in the shader below.
+/// Mirrors Body in the shader below.
 struct alignas(16) BodyData {
   glm::vec4 place;  ///< center or base, radius
   glm::vec4 along;  ///< unit axis or normal, height
   std::uint32_t own_mesh;
 };
 
+inline const gnomon::PassConstants exact_constants("vec4 light;");
+
+/// The same, and the body that the volume bounds.
+inline const std::string bounding_vertex = std::string(gnomon::position_snippet) + exact_constants.vertex + R"(
+layout(location = 1) in vec4 vertex;
+layout(location = 2) in uint body_of;
+struct Body { vec4 place, along; uint own_mesh; };
+layout(std430, binding = 0) readonly buffer Bodies { Body bodies[]; };
+flat out vec4 body_place, body_along;
+flat out uint own_mesh;
+void main() {
+  hand_on();
+  body_place = bodies[body_of].place, body_along = bodies[body_of].along, own_mesh = bodies[body_of].own_mesh;
+  gl_Position = place(vertex);
+}
+)";
+
 /// Keeps the pixels in a body's shadow: the way from the pixel's point to the light meets the solid. All lengths are taken from
 /// the points where it comes closest, so that nothing large cancels: the error is a few roundings of the distance to the body.
 /// The head defines KIND.
-inline constexpr std::string_view exact_fragment = R"(
-layout(binding = 0) uniform sampler2D gbuffer_position;
-layout(binding = 2) uniform usampler2D gbuffer_ids;
-uniform vec4 light;  // homogeneous
-struct Body { vec4 place, along; uint own_mesh; };
-layout(std430, binding = 0) readonly buffer Bodies { Body bodies[]; };
-flat in uint body;
+inline const std::string exact_fragment = exact_constants.fragment + std::string(gnomon::gbuffer_snippet) + R"(
+struct Body { vec4 place, along; };
+flat in vec4 body_place, body_along;
+flat in uint own_mesh;
 layout(location = 0) out vec2 count_and_faces;
 
 bool is_blocked(Body b, vec3 from, vec3 to_light, float end) {
@@ -75,11 +78,9 @@ bool is_blocked(Body b, vec3 from, vec3 to_light, float end) {
 }
 
 void main() {
-  ivec2 pixel = ivec2(gl_FragCoord.xy);
-  Body b = bodies[body];
-  vec3 point = texelFetch(gbuffer_position, pixel, 0).xyz;
-  if (texelFetch(gbuffer_ids, pixel, 0).x == b.own_mesh) discard;
-  if (!is_blocked(b, point, light.xyz - light.w * point, light.w != 0 ? 1 : 3e38)) discard;
+  vec3 point = position_here().xyz;
+  if (ids_here().x == own_mesh) discard;
+  if (!is_blocked(Body(body_place, body_along), point, light.xyz - light.w * point, light.w != 0 ? 1 : 3e38)) discard;
   count_and_faces = vec2(1);
 }
 )";

@@ -30,7 +30,7 @@ class ProjectedSpace {
     const glm::dvec3 to = glm::normalize(glm::dvec3(light));
     const auto [u, v] = Across::by_x(to, 0.6);
     const glm::dvec3 center = casters.empty() ? glm::dvec3(0) : 0.5 * (glm::dvec3(casters.min) + glm::dvec3(casters.max));
-    space_ = LightSpace(LightFace{center, frame_of(u, v, -to), false});
+    space_ = LightSpace(LightSpaceFace{center, frame_of(u, v, -to), false});
   }
 
   int face_count() const { return space_.face_count(); }

@@ -28,7 +28,7 @@ class SceneLightSpace {
     if (is_parallel()) {
       const glm::dvec3 away = -glm::dvec3(light) / glm::length(glm::dvec3(light));
       const auto [u, v] = Across(away);
-      space_ = LightSpace(LightFace{center, frame_of(u, v, away), false});
+      space_ = LightSpace(LightSpaceFace{center, frame_of(u, v, away), false});
     } else {
       space_ = LightSpace(glm::dvec3(light), glm::dmat3(1), OppositeFaces::mirrored, 2);
     }
@@ -64,7 +64,7 @@ class SceneLightSpace {
   }
   /// The plane of all points of depth > 0 whose place has `at` as its u (axis 0) or v (axis 1), positive where that is more.
   ClipPlane border(int face, int axis, double at) const {
-    const LightFace& f = space_[face];
+    const LightSpaceFace& f = space_[face];
     if (is_parallel()) return {f.axis(axis), -glm::dot(f.axis(axis), f.origin) - at * extent_};
     const glm::dvec3 normal = (f.axis(axis) - at * f.axis(2)) / std::sqrt(1 + at * at);
     return {normal, -glm::dot(normal, f.origin)};
@@ -76,13 +76,13 @@ class SceneLightSpace {
   }
   /// How far the light is from a plane; for a directional light how much a step along its rays, away from it, adds to that.
   double height(const ClipPlane& plane) const {
-    const LightFace& f = space_.main();
+    const LightSpaceFace& f = space_.main();
     return is_parallel() ? glm::dot(plane.normal, f.axis(2)) : plane.at(f.origin);
   }
   /// A plane's value as a function of the place, u * x + v * y + z: for a directional light that of the point with the depth 0;
   /// for any other what a point there is off the plane through the light, by its depth.
   glm::dvec3 line(int face, const glm::dvec3& normal, const glm::dvec3& on_plane) const {
-    const LightFace& f = space_[face];
+    const LightSpaceFace& f = space_[face];
     const glm::dvec3 n = f.turned(normal);
     return is_parallel() ? glm::dvec3(extent_ * n.x, extent_ * n.y, glm::dot(normal, f.origin - on_plane)) : n;
   }

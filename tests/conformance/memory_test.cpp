@@ -1,4 +1,5 @@
 // Whether a technique holds as many bytes as it says.
+#include <gnomon/kit/gl_pass.h>
 #include <gnomon/kit/shapes.h>
 #include <malloc.h>
 #include <unistd.h>

@@ -1,4 +1,5 @@
 #include <gnomon/kit/exact_scene.h>
+#include <gnomon/kit/gl_pass.h>
 #include <gnomon/kit/volume_faces.h>
 #include <gtest/gtest.h>
 
@@ -220,12 +221,10 @@ TEST_F(Gl, faces_light_in_glsl_is_faces_light) {
   scene.meshes.push_back(small_world::box({1.5f, 0, 1}, {2, 0.7f, 2}));
   scene.meshes[2].receives = false;
   const GBuffer g = small_world::make_gbuffer(scene, view, 64, 48);
-  const Program program("facing", full_screen_vertex, std::string(faces_light_snippet) + R"(
+  const Program program =
+      pass_program("facing", faces_light_constants, std::string(gbuffer_snippet) + std::string(faces_light_snippet) + R"(
 layout(location = 0) out float visibility;
-void main() {
-  ivec2 pixel = ivec2(gl_FragCoord.xy);
-  visibility = faces_light(texelFetch(gbuffer_position, pixel, 0), texelFetch(gbuffer_normal, pixel, 0)) ? 1 : 0;
-})");
+void main() { visibility = faces_light(position_here(), normal_here()) ? 1 : 0; })");
   const Light lights[] = {{.name = "point", .kind = PointLight{{2, 3, 1}}},
                           {.name = "low", .kind = PointLight{{2, 0, 1}}},
                           {.name = "sun", .kind = DirectionalLight{{1, -2, 0}}},

@@ -16,7 +16,7 @@ glm::dmat3 random_frame(Random& random) {
 }
 
 /// +1 for a right-handed frame, -1 for a left-handed one.
-double handedness(const LightFace& face) { return glm::dot(glm::cross(face.axis(0), face.axis(1)), face.axis(2)); }
+double handedness(const LightSpaceFace& face) { return glm::dot(glm::cross(face.axis(0), face.axis(1)), face.axis(2)); }
 
 // A light at (1, 2, 3), the cube along the axes of the world. (2, 6, 1) is 4 before it along +y, whose face has x along z and y
 // along x: the place (-2 / 4, 1 / 4). (-4, 2, 3) is straight along -x, at the distance 5.
@@ -73,12 +73,12 @@ TEST(LightSpace, places_are_rays) {
   for (int i = 0; i < 2000; ++i) {
     const glm::dvec3 light = random.uniform(glm::dvec3(-3), glm::dvec3(3));
     const glm::dmat3 frame = i % 2 ? random_frame(random) : glm::dmat3(1);
-    const LightSpace space = i % 5 == 0 ? LightSpace(LightFace{light, frame, false})
+    const LightSpace space = i % 5 == 0 ? LightSpace(LightSpaceFace{light, frame, false})
                                         : LightSpace(light, frame, all_layouts[i % 3], i % 4 == 0 ? 0 : 2);
     EXPECT_EQ(space.is_parallel(), i % 5 == 0);
     const glm::dvec3 p = random.uniform(glm::dvec3(-5), glm::dvec3(5));
     EXPECT_EQ(space.seen(p), std::pair(space.face_of(p), space[space.face_of(p)].seen(p)));
-    const LightFace& face = space[space.face_of(p)];
+    const LightSpaceFace& face = space[space.face_of(p)];
     const glm::dvec3 q = face.seen(p);
     EXPECT_LT(glm::distance(face.to_world(q), p), 1e-14);
     const glm::dvec3 ray = space.is_parallel() ? face.axis(2) : p - light, farther = p + 0.75 * ray;
@@ -108,7 +108,7 @@ TEST(LightSpace, faces_of_a_cube_exchange_components) {
 
 // A spot's one face sees in perspective, and everything falls on it.
 TEST(LightSpace, a_lone_face_takes_all) {
-  const LightSpace space(LightFace{{0, 4, 0}, frame_of({1, 0, 0}, {0, 0, 1}, {0, -1, 0}), true});
+  const LightSpace space(LightSpaceFace{{0, 4, 0}, frame_of({1, 0, 0}, {0, 0, 1}, {0, -1, 0}), true});
   EXPECT_EQ(space.face_count(), 1);
   EXPECT_FALSE(space.is_parallel());
   EXPECT_EQ(space.face_of({100, 4, 0}), 0);

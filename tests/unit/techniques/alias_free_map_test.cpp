@@ -244,7 +244,7 @@ TEST(AliasFreeMapParts, the_sides_of_a_shadow_never_contradict_exact_signs) {
       p = hit - (aimed ? random.uniform(0, 1) : 0) * to_light(l, hit);
     }
     const LightSpace space = space_of(light, {});
-    const LightFace& face = space[space.face_of(p)];
+    const LightSpaceFace& face = space[space.face_of(p)];
     const glm::dvec3 q = face.seen(p);
     const Shadow shadow = make_shadow(face, l, t.points, facing, 2 * norm1(q));
     const auto at = [&](const Side& s) { return s.at(q.x, q.y, q.z); };

@@ -114,11 +114,6 @@ class Program : public GlObject<glDeleteProgram> {
   std::vector<Uniform> uniforms_;  // by name
 };
 
-/// Vertex shader of `draw_full_screen`.
-extern const std::string_view full_screen_vertex;
-/// One triangle that covers the viewport, with the program in use. Leaves no vertex array bound.
-void draw_full_screen();
-
 // --- Cameras ---------------------------------------------------------------------------------------------------------------
 
 /// Depth of every view is reversed: near_plane / distance along the axis, 1 at the near plane, 0 at infinity, where points
@@ -132,12 +127,6 @@ glm::dmat4 clip_from_world(const View& view, int width, int height);
 /// Vertex shader code that every geometry pass uses, so that equal points get equal pixels and depths in all passes:
 /// attribute 0 `vec3 position`, `uniform mat4 clip_from_world`, `vec4 place(vec4 world)`, `invariant gl_Position`.
 extern const std::string_view position_snippet;
-
-/// Fragment shader code: textures 0, 1, 2 of `bind_gbuffer`, and `bool faces_light(vec4 position, vec4 normal)`, which means
-/// what gnomon::faces_light means, in float32: within rounding (2^-21) of the horizon and of the cone's edge it says false, so
-/// that no pixel of class F is ever taken for one to decide. Uniforms are set by `set_light`.
-extern const std::string_view faces_light_snippet;
-void set_light(const Program& program, const Light& light);
 
 // --- Inputs, owned here, uploaded outside the timed stages -----------------------------------------------------------------
 
@@ -158,10 +147,18 @@ struct SceneBuffers {
   void draw(const std::vector<std::uint32_t>& which) const;
 };
 
+/// Pixels with left <= x < right and top <= y < bottom.
+struct PixelRectangle {
+  int left = 0, top = 0, right = 0, bottom = 0;
+  bool operator==(const PixelRectangle&) const = default;
+};
+
 struct GBufferTextures {
   Texture position;  ///< RGBA32F; w = 1 where not background
   Texture normal;    ///< RGBA32F; w = 1 where the mesh receives
   Texture ids;       ///< RG32UI: mesh + 1 (0 background), triangle
+  /// Together they hold every pixel that shows a receiver; a few, apart from each other, in pixels of the picture.
+  std::vector<PixelRectangle> receivers;
   std::size_t bytes = 0;
   double upload_ms = 0;
 };
@@ -180,8 +177,6 @@ struct DepthStencil {
 const SceneBuffers& scene_buffers(const Scene& scene);
 const GBufferTextures& gbuffer_textures(const GBuffer& gbuffer, const Scene& scene);
 const DepthStencil& depth_stencil(const Scene& scene, const GBuffer& gbuffer, Truth sees = Truth::mesh);
-/// Binds position, normal, ids to texture units 0, 1, 2.
-void bind_gbuffer(const GBufferTextures& textures);
 /// Frees what this part holds. Must be called before the context goes, or after a scene was edited in place.
 void release_inputs();
 

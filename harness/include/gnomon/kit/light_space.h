@@ -45,7 +45,7 @@ struct CubeTurn {
 };
 
 /// One face.
-struct LightFace {
+struct LightSpaceFace {
   glm::dvec3 origin{0};
   glm::dmat3 light_from_world{1};  ///< its rows are x, y, z
   bool is_perspective = true;
@@ -64,7 +64,7 @@ struct LightFace {
   glm::dvec2 place_of(const glm::dvec3& point) const { return place(seen(point)); }
 };
 
-/// The frame with these axes, as `LightFace` holds it.
+/// The frame with these axes, as `LightSpaceFace` holds it.
 inline glm::dmat3 frame_of(const glm::dvec3& x, const glm::dvec3& y, const glm::dvec3& z) {
   return glm::transpose(glm::dmat3(x, y, z));
 }
@@ -74,7 +74,7 @@ inline glm::dmat3 frame_of(const glm::dvec3& x, const glm::dvec3& y, const glm::
 class LightSpace {
  public:
   LightSpace() = default;
-  explicit LightSpace(const LightFace& only) : face_count_(1) { faces_[0] = only; }
+  explicit LightSpace(const LightSpaceFace& only) : face_count_(1) { faces_[0] = only; }
   /// A cube around a light. A point exactly between faces falls on the one whose axis comes first, counted cyclically from
   /// `first_axis`: with 0 in the order x, y, z, with 2 in the order z, x, y; there is no order with 1.
   LightSpace(const glm::dvec3& light, const glm::dmat3& frame, OppositeFaces opposite, int first_axis)
@@ -86,9 +86,9 @@ class LightSpace {
   }
 
   int face_count() const { return face_count_; }
-  const LightFace& operator[](int face) const { return faces_[face]; }
+  const LightSpaceFace& operator[](int face) const { return faces_[face]; }
   /// The one face, or the one with the cube's own frame.
-  const LightFace& main() const { return faces_[face_count_ == 6 ? 4 : 0]; }
+  const LightSpaceFace& main() const { return faces_[face_count_ == 6 ? 4 : 0]; }
   bool is_parallel() const { return !faces_[0].is_perspective; }
 
   /// The face that sees a point: of a cube the one along whose axis it is farthest from the light. A component that is zero
@@ -113,7 +113,7 @@ class LightSpace {
   }
 
  private:
-  std::array<LightFace, 6> faces_{};
+  std::array<LightSpaceFace, 6> faces_{};
   int face_count_ = 0, first_axis_ = 0;
 };
 

@@ -1,0 +1,74 @@
+#pragma once
+#include <gnomon/kit/light_space.h>
+#include <gnomon/technique.h>
+
+#include <vector>
+
+namespace gnomon {
+
+// The camera of a light: one image for a directional light and for a narrow spot, six around a point light and a wide spot.
+// Each image is fitted to what casters and receivers share, or to what a view shows of it; kit/light_map.h draws it.
+
+/// What light cameras know of a scene.
+struct MeshBox {
+  Bounds bounds;  ///< with room for rounding: a flat mesh has a box with an inside
+  bool casts, receives;
+};
+struct MeshBoxes {
+  std::vector<MeshBox> meshes;
+  double extent = 0;  ///< largest coordinate of the scene, meters
+};
+MeshBoxes mesh_boxes(const Scene& scene);
+
+/// A face of the light and its image. Window coordinates of a point are its place on the face; texel coordinates are
+/// window * scale + offset, row 0 on top.
+struct LightImage : LightSpaceFace {
+  glm::dvec2 scale{1}, offset{0};
+  double near = 0, far = 0;              ///< along the axis, meters; casters outside are clamped to it
+  std::vector<std::uint32_t> casters{};  ///< indices of the meshes to draw; none: nothing to draw and nothing to look up
+  int layer = -1;                        ///< of the texture that holds the images of a camera; -1: it has no casters
+
+  /// World width of a texel across the axis at axis distance z.
+  glm::dvec2 texel_width(double z) const { return (is_perspective ? z : 1) / scale; }
+  /// Reversed depth: near / z, or linear; 1 at `near`, 0 at infinity or `far`.
+  glm::dmat4 clip_from_world(int resolution) const;
+  /// Axis distance of a stored depth; infinity where nothing is stored.
+  double axis_distance(double depth) const;
+  /// Through the center of a texel, away from the light.
+  struct Ray {
+    glm::dvec3 origin, direction;  ///< the light, or a point of the near plane; a unit vector
+    double near, stretch;          ///< a point at axis distance z lies (z - near) * stretch along the ray
+  };
+  Ray ray_through(const glm::ivec2& texel) const;
+};
+
+/// Widest half-angle of a spot light that one image serves.
+inline constexpr float widest_spot_degrees = 60;
+
+/// The faces of a light without area around a scene. A cube's faces that look against an axis are mirrored: they only exchange
+/// axes. Points between faces fall on the first of x, y, z.
+LightSpace light_space_of(const Light& light, const MeshBoxes& boxes);
+
+/// The images of a light, each `resolution` texels square.
+struct LightCamera {
+  LightSpace space{};
+  std::vector<LightImage> images{};
+  int resolution = 0, layer_count = 0;
+  double rounding = 0;  ///< float32 error of an axis distance that a shader computes, meters
+
+  bool is_cube() const { return images.size() == 6; }
+  /// Whether a texel lies on the image.
+  bool holds(const glm::ivec2& texel) const;
+};
+
+/// Fitted to the scene: each image holds all that casters and receivers share. `margin` texels are kept free on each side, so
+/// that no tap of a point on the face falls off the image: neighboring faces of a cube overlap by that much, and no tap ever
+/// has to cross a seam.
+LightCamera fit_to_scene(const Light& light, const MeshBoxes& boxes, int resolution, int margin);
+
+/// Fitted to a picture: each image holds the receiving points of the G-buffer that face the light, and of the casters what may
+/// lie before them. Costs a pass over the points on all threads.
+LightCamera fit_to_view(const Light& light, const Scene& scene, const MeshBoxes& boxes, const GBuffer& gbuffer, int resolution,
+                        int margin);
+
+}  // namespace gnomon

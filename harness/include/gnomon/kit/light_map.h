@@ -1,0 +1,63 @@
+#pragma once
+#include <gnomon/kit/gl_pass.h>
+#include <gnomon/kit/light_camera.h>
+
+#include <functional>
+
+namespace gnomon {
+
+/// Draws the images of light cameras. One serves all lights of a technique: keep it with what they share.
+class DepthPass {
+ public:
+  /// Every triangle, or of solid casters only what is turned to the light: the first surface is the same.
+  enum class Faces { all, lit };
+
+  /// Compiles; needs the context.
+  void setup();
+  /// Measures the casters. The scene must live as long as images of it are drawn.
+  void build(const Scene& scene);
+  const MeshBoxes& boxes() const { return boxes_; }
+
+  /// The first surface seen from the light, one layer for each image with casters, into `target`, which becomes D32F of the
+  /// camera's size: reversed depth, 0 where there is nothing. Answers how many triangles were drawn.
+  std::size_t draw(const LightCamera& camera, Texture& target, Faces faces = Faces::lit);
+  /// The first surface strictly behind that of `first`; what is as near as that is the same surface, or one glued to it.
+  std::size_t draw_second(const LightCamera& camera, const Texture& first, Texture& target);
+
+  std::size_t bytes() const;
+
+ private:
+  std::size_t draw(const Program& program, const LightCamera& camera, Texture& target, Faces faces);
+  Program first_program_, second_program_;
+  Framebuffer framebuffer_;
+  const Scene* scene_ = nullptr;
+  MeshBoxes boxes_;
+  std::vector<std::vector<Bounds>> solid_parts_;  // of each mesh; none where it is not solid
+};
+
+/// How a camera looks, as shaders know it: PROJECTION of `light_map_head`.
+enum class LightProjection { parallel, centered, cube };
+inline constexpr int projection_count = 3;
+LightProjection projection_of(const LightCamera& camera);
+
+/// For a pass whose fragments look points up in the images of a camera. The head comes first, the constants are declared to
+/// pass_program, and the snippet offers:
+///
+///   vec3 light_origin                 subtract it from a point; what follows takes the difference v
+///   void choose_image(vec3 v)         of the six; then `light_window` and `light_facts` are those of that image
+///   vec4 light_window                 scale and offset
+///   vec4 light_facts                  layer, the texel's larger width in window coordinates, near, and far or what
+///                                     `set_light_camera` was given instead
+///   vec3 in_image(vec3 v)             texel column and row, both times z where rays start at the light; z: the axis distance
+///   vec2 across_image(vec3 n)         how far a direction goes along columns and rows, in texels at axis distance 1
+///   float stored_depth(vec2 texel)    of a texel by its whole numbers; 0 beside the image and where nothing is stored
+///
+/// The faces_light_constants are among the constants.
+std::string light_map_head(LightProjection projection);
+std::string light_map_constants(LightProjection projection);
+extern const std::string_view light_map_snippet;
+/// Sets light, spot and the constants. `fourth` gives the last of `light_facts`; without it, that is far.
+void set_light_camera(const Program& program, const Light& light, const LightCamera& camera,
+                      const std::function<double(const LightImage&)>& fourth = {});
+
+}  // namespace gnomon

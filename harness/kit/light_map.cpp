@@ -1,0 +1,199 @@
+#include <gnomon/kit/edges.h>
+#include <gnomon/kit/light_map.h>
+
+#include <algorithm>
+#include <array>
+
+namespace gnomon {
+
+namespace {
+
+const std::string depth_vertex = std::string(position_snippet) + "void main() { gl_Position = place(vec4(position, 1)); }";
+
+constexpr std::string_view second_fragment = R"(
+layout(binding = 3) uniform sampler2DArray first_depth;
+uniform int layer;
+void main() {
+  if (gl_FragCoord.z >= texelFetch(first_depth, ivec3(gl_FragCoord.xy, layer), 0).r) discard;
+}
+)";
+
+/// The boxes of a mesh's parts, where every part is closed and wound counter-clockwise seen from outside: light from outside
+/// enters such a part through a triangle that is turned to the light before it leaves it through another. Else none.
+std::vector<Bounds> solid_parts(const Mesh& mesh) {
+  if (!mesh.casts || !mesh.facts.closed()) return {};
+  Scene alone;
+  alone.meshes = {mesh};
+  const EdgeAdjacency adjacency(alone);
+  std::vector<Bounds> parts;
+  for (const EdgeAdjacency::Part& part : adjacency.parts()) {
+    if (!part.closed || !(part.volume > 0)) return {};
+    parts.push_back(part.bounds);
+  }
+  return parts;
+}
+
+/// Whether the light is outside all parts of a solid mesh. A part's box holds its border, too.
+bool is_seen_from_outside(const std::vector<Bounds>& parts, const LightImage& image) {
+  return !parts.empty() &&
+         !(image.is_perspective && std::ranges::any_of(parts, [&](const Bounds& part) { return part.holds(image.origin); }));
+}
+
+}  // namespace
+
+std::size_t DepthPass::bytes() const {
+  std::size_t bytes = boxes_.meshes.size() * sizeof(MeshBox);
+  for (const std::vector<Bounds>& parts : solid_parts_) bytes += parts.size() * sizeof(Bounds);
+  return bytes;
+}
+
+void DepthPass::setup() {
+  first_program_ = Program("depth from the light", depth_vertex, "void main() {}");
+  second_program_ = Program("second depth from the light", depth_vertex, second_fragment);
+  framebuffer_ = make_framebuffer();
+}
+
+void DepthPass::build(const Scene& scene) {
+  scene_ = &scene;
+  boxes_ = mesh_boxes(scene);
+  solid_parts_.clear();
+  for (const Mesh& mesh : scene.meshes) solid_parts_.push_back(solid_parts(mesh));
+}
+
+std::size_t DepthPass::draw(const LightCamera& camera, Texture& target, Faces faces) {
+  return draw(first_program_, camera, target, faces);
+}
+
+std::size_t DepthPass::draw_second(const LightCamera& camera, const Texture& first, Texture& target) {
+  glBindTextureUnit(3, first.name());
+  return draw(second_program_, camera, target, Faces::all);
+}
+
+std::size_t DepthPass::draw(const Program& program, const LightCamera& camera, Texture& target, Faces faces) {
+  target.fit(GL_DEPTH_COMPONENT32F, camera.resolution, camera.resolution, std::max(camera.layer_count, 1));
+  const SceneBuffers& buffers = scene_buffers(*scene_);
+  const GLuint framebuffer = framebuffer_.name();
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  glViewport(0, 0, camera.resolution, camera.resolution);
+  glEnable(GL_DEPTH_TEST);
+  glEnable(GL_DEPTH_CLAMP);
+  glDepthFunc(GL_GREATER);
+  glUseProgram(program.name());
+  std::size_t triangles = 0;
+  std::vector<std::uint32_t> lit, all;
+  for (const LightImage& image : camera.images) {
+    if (image.layer < 0) continue;
+    glNamedFramebufferTextureLayer(framebuffer, GL_DEPTH_ATTACHMENT, target.name(), 0, image.layer);
+    const float infinitely_far = 0;
+    glClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &infinitely_far);
+    program.set("clip_from_world", glm::mat4(image.clip_from_world(camera.resolution)));
+    program.set_if_used("layer", image.layer);
+    lit.clear();
+    all.clear();
+    for (const std::uint32_t m : image.casters) {
+      (faces == Faces::lit && is_seen_from_outside(solid_parts_[m], image) ? lit : all).push_back(m);
+      triangles += buffers.meshes[m].triangle_count;
+    }
+    buffers.draw(all);
+    if (lit.empty()) continue;
+    glEnable(GL_CULL_FACE);
+    glFrontFace(glm::determinant(image.light_from_world) < 0 ? GL_CW : GL_CCW);  // a mirrored face turns triangles about
+    buffers.draw(lit);
+    glDisable(GL_CULL_FACE);
+  }
+  glFrontFace(GL_CCW);
+  glDisable(GL_DEPTH_CLAMP);
+  glDisable(GL_DEPTH_TEST);
+  glNamedFramebufferTexture(framebuffer, GL_DEPTH_ATTACHMENT, 0, 0);
+  return triangles;
+}
+
+LightProjection projection_of(const LightCamera& camera) {
+  return camera.is_cube()             ? LightProjection::cube
+         : camera.space.is_parallel() ? LightProjection::parallel
+                                      : LightProjection::centered;
+}
+
+std::string light_map_head(LightProjection projection) {
+  return fmt::format("#define PROJECTION {}\n", static_cast<int>(projection));
+}
+
+std::string light_map_constants(LightProjection projection) {
+  const int images = projection == LightProjection::cube ? 6 : 1;
+  // A cube has no axes of its own, its faces only exchange those of the world.
+  const char* const axes = projection == LightProjection::cube ? "" : "mat3 light_axes; mat3 light_steps;";
+  return fmt::format("vec3 light_origin; vec4 light_windows[{0}]; vec4 light_images[{0}]; {1} {2}", images, axes,
+                     faces_light_constants);
+}
+
+// llvmpipe executes both sides of every branch and gathers what is indexed by a variable: the six are told apart by selecting.
+const std::string_view light_map_snippet = R"(
+layout(binding = 3) uniform sampler2DArray light_map;
+#if PROJECTION == 2
+bool light_is_x, light_is_y;
+vec4 light_window, light_facts;
+// The face is the major axis; its neighbors in cyclic order span it.
+void choose_image(vec3 v) {
+  vec3 a = abs(v);
+  light_is_x = a.x >= a.y && a.x >= a.z, light_is_y = !light_is_x && a.y >= a.z;
+  bool against = (light_is_x ? v.x : light_is_y ? v.y : v.z) < 0;
+  light_window = against ? (light_is_x ? light_windows[1] : light_is_y ? light_windows[3] : light_windows[5])
+                         : (light_is_x ? light_windows[0] : light_is_y ? light_windows[2] : light_windows[4]);
+  light_facts = against ? (light_is_x ? light_images[1] : light_is_y ? light_images[3] : light_images[5])
+                        : (light_is_x ? light_images[0] : light_is_y ? light_images[2] : light_images[4]);
+}
+vec3 in_image(vec3 v) {
+  vec3 q = light_is_x ? v.yzx : light_is_y ? v.zxy : v;
+  float z = abs(q.z);
+  return vec3(q.xy * light_window.xy + z * light_window.zw, z);
+}
+vec2 across_image(vec3 n) { return (light_is_x ? n.yz : light_is_y ? n.zx : n.xy) / light_window.xy; }
+#else
+#define light_window light_windows[0]
+#define light_facts light_images[0]
+void choose_image(vec3 v) {}
+vec3 in_image(vec3 v) {
+  vec3 place = light_axes * v;
+#if PROJECTION == 0
+  place.xy += light_window.zw;
+#endif
+  return place;
+}
+vec2 across_image(vec3 n) { return vec2(dot(n, light_steps[0]), dot(n, light_steps[1])); }
+#endif
+float stored_depth(vec2 texel) {
+  ivec2 size = textureSize(light_map, 0).xy;
+  bool inside = all(lessThan(uvec2(ivec2(texel)), uvec2(size)));
+  return inside ? textureLod(light_map, vec3((texel + 0.5) / vec2(size), light_facts.x), 0).r : 0;
+}
+)";
+
+void set_light_camera(const Program& program, const Light& light, const LightCamera& camera,
+                      const std::function<double(const LightImage&)>& fourth) {
+  set_light(program, light);
+  std::array<glm::vec4, 6> windows{}, facts{};
+  for (std::size_t i = 0; i < camera.images.size(); ++i) {
+    LightImage image = camera.images[i];
+    // Where nothing casts, every look-up falls off the image.
+    if (image.layer < 0) {
+      image.scale = glm::dvec2(0);
+      image.offset = glm::dvec2(-1);
+      image.near = image.far = 1;
+    }
+    windows[i] = glm::vec4(image.scale, image.offset);
+    facts[i] = glm::vec4(std::max(image.layer, 0), 1 / std::min(image.scale.x, image.scale.y), image.near,
+                         fourth ? fourth(image) : image.far);
+    if (camera.is_cube()) continue;
+    const glm::dvec3 axes[] = {image.axis(0), image.axis(1), image.axis(2)};  // right, down, axis
+    const glm::dvec2 along_axis = image.is_perspective ? image.offset : glm::dvec2(0);
+    const glm::dmat3 rows(axes[0] * image.scale.x + axes[2] * along_axis.x, axes[1] * image.scale.y + axes[2] * along_axis.y,
+                          axes[2]);
+    program.set_if_used("light_axes", glm::mat3(glm::transpose(rows)));
+    program.set_if_used("light_steps", glm::mat3(axes[0] / image.scale.x, axes[1] / image.scale.y, axes[2]));
+  }
+  program.set_if_used("light_windows", std::span<const glm::vec4>(windows).first(camera.images.size()));
+  program.set_if_used("light_images", std::span<const glm::vec4>(facts).first(camera.images.size()));
+  program.set_if_used("light_origin", glm::vec3(camera.images[0].origin));
+}
+
+}  // namespace gnomon

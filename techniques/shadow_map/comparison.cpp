@@ -1,0 +1,52 @@
+#include "comparison.h"
+
+#include <algorithm>
+
+namespace gnomon::shadow_map {
+
+namespace {
+
+/// The ray through the center of a texel, and what is stored there; infinity also off the image.
+Tap tap_of(const DepthTexels& texels, const glm::ivec2& texel, double weight) {
+  const auto [origin, direction, near, stretch] = texels.image.ray_through(texel);
+  const std::size_t place = static_cast<std::size_t>(texel.y) * texels.camera.resolution + texel.x;
+  const double z = texels.camera.holds(texel) ? texels.image.axis_distance(texels.depths[place]) : INFINITY;
+  return {origin, direction, weight, (z - near) * stretch};
+}
+
+}  // namespace
+
+Explanation explain(const DepthTexels& texels, const Comparison& comparison, const glm::dvec3& point, const glm::dvec3& normal,
+                    const glm::ivec2& center) {
+  const LightImage& image = texels.image;
+  Explanation why;
+  glm::dvec3 q = image.seen(point);
+  const glm::dvec3 n = image.turned(normal);
+  const glm::dvec3 ray = image.is_perspective ? q / q.z : glm::dvec3(0, 0, 1);
+  const double facing = -glm::dot(n, ray);
+  const glm::dvec2 width = image.texel_width(q.z);
+  why.texel_width = std::max(width.x, width.y);
+  double axis_bias = comparison.depth_bias * why.texel_width;
+  if (comparison.bias == Bias::slope)
+    axis_bias += comparison.slope_bias * glm::length(width) / 2 * glm::length(glm::cross(n, ray)) / (facing * glm::length(ray));
+  if (comparison.bias == Bias::receiver_plane) {
+    const double error = texels.camera.rounding * (image.is_perspective ? 1 + q.z * q.z / (image.near * image.far) : 1);
+    axis_bias += (error + why.texel_width / 128) / facing;
+  }
+  if (comparison.bias == Bias::normal_offset) {
+    const double z = q.z;
+    q += n * (comparison.normal_offset * why.texel_width);
+    why.shifted = image.to_world(q);
+    axis_bias += z - q.z;  // what the look-up point is nearer to the light by
+  }
+  why.bias = axis_bias * glm::length(ray);
+  // A point that nothing shadows may be looked up beside the image; where something does, its shadow is not in there.
+  why.covered = texels.camera.holds(center);
+  const int r = comparison.radius;
+  for (int y = -r; y <= r; ++y)
+    for (int x = -r; x <= r; ++x)
+      why.taps.push_back(tap_of(texels, center + glm::ivec2(x, y), 1.0 / ((2 * r + 1) * (2 * r + 1))));
+  return why;
+}
+
+}  // namespace gnomon::shadow_map
