@@ -148,6 +148,7 @@ void SphereVolume::build(const Scene& scene) {
   for (std::size_t kind = 0; kind <= kind_count; ++kind)
     own_->first_of_kind[kind] = std::ranges::lower_bound(own_->bodies, kind, {}, kind_of) - own_->bodies.begin();
   made_->adjacency = EdgeAdjacency(flat);
+  made_->far_planes = FarPlanes(scene);
   own_->flat_positions = Buffer(made_->adjacency.positions().data(), made_->adjacency.positions().size_bytes());
 
   std::vector<BodyData> data;
@@ -174,7 +175,8 @@ void SphereVolume::relight(const Light& light) {
                  l, i, own_->bodies[i].mesh);
   }
   made_->adjacency.find_silhouette(l, silhouette_);
-  commands_ = write_faces(made_->adjacency, silhouette_, {.dark_caps = l.w != 0}, faces_);
+  ends_early_ = !made_->far_planes.empty();
+  commands_ = write_faces(made_->adjacency, silhouette_, {.dark_caps = l.w != 0 || ends_early_, .ends = ends()}, faces_);
   // A convex body has one volume; with `exact` a dark pixel is counted once.
   volume_bound_ = static_cast<std::size_t>(bound_depth(made_->adjacency, silhouette_, VolumeCounter::stencil_limit));
   if (!is_exact()) volume_bound_ += own_->bodies.size();

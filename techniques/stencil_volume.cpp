@@ -29,12 +29,12 @@ constexpr About about{
         "receivers inside that region.",
     .needs_gl = true};
 
-/// Eighteen vertices a triangle, nine under a directional light.
+/// Eighteen vertices a triangle, nine where volumes are pointed.
 constexpr std::string_view triangle_sides_body = R"(
 void main() {
-  int corners = directional ? 3 : 6, side = gl_VertexID / corners, triangle = side / 3, k = side % 3;
+  int corners = pointed ? 3 : 6, side = gl_VertexID / corners, triangle = side / 3, k = side % 3;
   uint from = triangles[3 * triangle + k], to = triangles[3 * triangle + (k + 1) % 3];
-  gl_Position = place(quad_corner(min(from, to), max(from, to), from < to, gl_VertexID % corners));
+  gl_Position = place(quad_corner(min(from, to), max(from, to), from < to, 0, gl_VertexID % corners));
 }
 )";
 
@@ -83,6 +83,7 @@ class StencilVolume final : public VolumeTechnique {
     own_->casters.reset();
     scene_buffers(scene);
     made_->adjacency = EdgeAdjacency(scene);
+    made_->far_planes = FarPlanes(scene);
     if (finder.is("gpu")) own_->gpu_finder.build(made_->adjacency);
   }
   void relight(const Light& light) override;
@@ -147,8 +148,12 @@ void StencilVolume::relight(const Light& light) {
   light_ = light;
   const glm::dvec4 l = homogeneous(light);
   const bool behind = where() == CountWhere::behind_surface;
-  const WantedFaces wanted{
-      .outline = extrusion.is("silhouette"), .light_caps = behind || near_rectangle(), .dark_caps = behind && l.w != 0};
+  // Before the surface volumes are open: only what has both caps can end where nothing receives any more.
+  ends_early_ = behind && extrusion.is("silhouette") && !made_->far_planes.empty();
+  const WantedFaces wanted{.outline = extrusion.is("silhouette"),
+                           .light_caps = behind || near_rectangle(),
+                           .dark_caps = behind && (l.w != 0 || ends_early_),
+                           .ends = ends()};
   if (finder.is("gpu")) {
     commands_ = own_->gpu_finder.find(scene_buffers(*made_->scene), made_->adjacency, l, wanted, faces_, silhouette_);
   } else {

@@ -45,7 +45,7 @@ KeyCounts write_in_order(RewrittenBuffer& buffer, std::size_t count, const Key& 
 }
 
 /// A side for every volume that starts at an edge.
-void write_sides(const Silhouette& silhouette, bool dark_caps, FaceBuffers& faces, FaceCommands& commands) {
+void write_sides(const Silhouette& silhouette, const WantedFaces& wanted, FaceBuffers& faces, FaceCommands& commands) {
   std::size_t copies = 0;
   for (const SilhouetteEdge& edge : silhouette.edges) copies += std::abs(edge.count);
   faces.sides.rewrite<glm::uvec4>(copies, [&](std::span<glm::uvec4> sides) {
@@ -53,8 +53,8 @@ void write_sides(const Silhouette& silhouette, bool dark_caps, FaceBuffers& face
     for (const SilhouetteEdge& edge : silhouette.edges)
       for (int i = 0; i < std::abs(edge.count); ++i) sides[place++] = {edge.low, edge.high, edge.part, edge.count > 0};
   });
-  commands.sides.count = static_cast<std::uint32_t>(copies * (silhouette.light.w != 0 ? 6 : 3));
-  if (dark_caps) commands.fan.count = static_cast<std::uint32_t>(copies * 3);
+  commands.sides.count = static_cast<std::uint32_t>(copies * (wanted.are_pointed(silhouette.light) ? 3 : 6));
+  if (wanted.dark_caps) commands.fan.count = static_cast<std::uint32_t>(copies * 3);
 }
 
 /// Triangles turned to the light: every one that takes part, or with an outline those of parts without a fan.
@@ -62,7 +62,7 @@ void write_turned_triangles(const EdgeAdjacency& adjacency, const Silhouette& si
                             FaceBuffers& faces, FaceCommands& commands) {
   const glm::dvec4& light = silhouette.light;
   std::vector<std::uint8_t> without_fan;
-  for (const EdgeAdjacency::Part& part : adjacency.parts()) without_fan.push_back(light.w != 0 && !has_hub(part, light));
+  for (const EdgeAdjacency::Part& part : adjacency.parts()) without_fan.push_back(!has_hub(part, light));
   if (wanted.outline && !(wanted.dark_caps && std::ranges::find(without_fan, 1) != without_fan.end())) return;
   const auto& facing = silhouette.facing;
   const auto first = adjacency.first_at_position();
@@ -75,7 +75,7 @@ void write_turned_triangles(const EdgeAdjacency& adjacency, const Silhouette& si
     return glm::uvec3(first[v.x], first[v.y], first[v.z]);
   });
   const auto count = static_cast<std::uint32_t>(written.ones);
-  if (!wanted.outline) commands.triangle_sides.count = (light.w != 0 ? 18 : 9) * count;
+  if (!wanted.outline) commands.triangle_sides.count = (wanted.are_pointed(light) ? 9 : 18) * count;
   if (wanted.dark_caps) commands.far_triangles.count = 3 * count;
 }
 
@@ -97,17 +97,26 @@ layout(std430, binding = 1) readonly buffer Sides { uvec4 sides[]; };          /
 layout(std430, binding = 2) readonly buffer Triangles { uint triangles[]; };  // three a triangle, turned to the light
 layout(std430, binding = 3) readonly buffer Hubs { vec4 hubs[]; };        // of each part; w = 0: it has none
 uniform vec4 light;  // homogeneous
+uniform vec4 far_planes[6], far_heights[6];  // the light's height over each plane in x
 vec3 fetch(uint v) { return vec3(positions[3 * v], positions[3 * v + 1], positions[3 * v + 2]); }
-vec4 extruded(vec3 p) { return vec4(light.w * p - light.xyz, 0); }
+// The way of light through p meets plane P, with H = P.p and the light's height P.L, in (P.L) p - H L. Equal points must have
+// equal ends in every draw.
+vec4 end_of(vec3 p, float end) {
+  if (end < 2) return vec4(light.w * p - light.xyz, 0);
+  vec4 plane = far_planes[int(end) - 2];
+  precise float height = (plane.x * p.x + plane.y * p.y) + (plane.z * p.z + plane.w);
+  precise vec4 meets = far_heights[int(end) - 2].x * vec4(p, 1) - height * light;
+  return meets;
+}
 )";
 
 /// Both copies of a quad that two volumes share are cut along the same diagonal and begin at the same vertex: they differ in
-/// their turn only, and so cover the very same pixels. A directional light's quad is a triangle. A quad for `high_first` runs
-/// high, low, low at infinity, high at infinity.
+/// their turn only, and so cover the very same pixels. A pointed quad is a triangle. A quad for `high_first` runs high, low,
+/// the end of low, the end of high.
 constexpr std::string_view quad_snippet = R"(
-uniform bool directional;
-vec4 quad_corner(uint low, uint high, bool high_first, int corner) {
-  if (directional) {
+uniform bool pointed;
+vec4 quad_corner(uint low, uint high, bool high_first, float end, int corner) {
+  if (pointed) {
     const int places[6] = int[](0, 2, 1, 0, 1, 2);
     int which = places[corner + (high_first ? 0 : 3)];
     return which == 0 ? vec4(fetch(low), 1) : which == 1 ? vec4(fetch(high), 1) : vec4(-light.xyz, 0);
@@ -115,27 +124,27 @@ vec4 quad_corner(uint low, uint high, bool high_first, int corner) {
   const int places[12] = int[](0, 2, 3, 0, 3, 1, 0, 3, 2, 0, 1, 3);
   int which = places[corner + (high_first ? 0 : 6)];
   vec3 p = fetch((which & 1) == 0 ? low : high);
-  return which < 2 ? vec4(p, 1) : extruded(p);
+  return which < 2 ? vec4(p, 1) : end_of(p, end);
 }
 )";
 
-/// Six vertices an edge, three under a directional light.
+/// Six vertices an edge, three where volumes are pointed.
 constexpr std::string_view sides_body = R"(
 void main() {
-  int corners = directional ? 3 : 6;
+  int corners = pointed ? 3 : 6;
   uvec4 side = sides[gl_VertexID / corners];
-  gl_Position = place(quad_corner(side.x, side.y, side.w != 0, gl_VertexID % corners));
+  gl_Position = place(quad_corner(side.x, side.y, side.w != 0, hubs[side.z].w, gl_VertexID % corners));
 }
 )";
 
-/// The dark cap of a whole part as a fan at infinity over its outline: at infinity a cap is flat, so only its outline counts.
+/// The dark cap of a whole part as a fan over its outline: at its end a volume is flat, so only its outline counts.
 constexpr std::string_view fan_body = R"(
 void main() {
   uvec4 side = sides[gl_VertexID / 3];
   vec4 hub = hubs[side.z];
   int corner = gl_VertexID % 3;
   uint v = (corner == 1) == (side.w != 0) ? side.y : side.x;
-  gl_Position = place(hub.w == 0 ? vec4(0) : extruded(corner == 0 ? hub.xyz : fetch(v)));
+  gl_Position = place(hub.w == 0 ? vec4(0) : end_of(corner == 0 ? hub.xyz : fetch(v), hub.w));
 }
 )";
 
@@ -143,12 +152,26 @@ void main() {
 constexpr std::string_view far_triangles_body = R"(
 void main() {
   int corner = gl_VertexID % 3;
-  gl_Position = place(extruded(fetch(triangles[gl_VertexID - corner + (3 - corner) % 3])));
+  gl_Position = place(end_of(fetch(triangles[gl_VertexID - corner + (3 - corner) % 3]), 0));
 }
 )";
 
 /// Light caps: the triangles of the scene as the depth of the view was drawn, so that they tie with it.
 constexpr std::string_view caps_body = "void main() { gl_Position = place(vec4(position, 1)); }";
+
+/// Points may lie on the exact shape, outside what it is tessellated to.
+void add_shape(Bounds& box, const Shape& shape) {
+  const auto add_ball = [&](const glm::vec3& center, float radius) {
+    box.add(center - radius);
+    box.add(center + radius);
+  };
+  if (const auto* sphere = std::get_if<Sphere>(&shape)) add_ball(sphere->center, sphere->radius);
+  if (const auto* disc = std::get_if<Disc>(&shape)) add_ball(disc->center, disc->radius);
+  if (const auto* cone = std::get_if<Cone>(&shape)) {
+    add_ball(cone->base, cone->radius);
+    box.add(cone->base + cone->height * glm::normalize(cone->axis));
+  }
+}
 
 const void* at(std::size_t offset) { return reinterpret_cast<const void*>(offset); }
 
@@ -171,14 +194,51 @@ void* RewrittenBuffer::map(std::size_t bytes) {
 void RewrittenBuffer::unmap() { glUnmapNamedBuffer(buffer_.name()); }
 
 bool has_hub(const EdgeAdjacency::Part& part, const glm::dvec4& light) {
-  return light.w != 0 && !part.bounds.holds(glm::dvec3(light) / light.w);
+  return light.w == 0 || !part.bounds.holds(glm::dvec3(light) / light.w);
 }
 
-void write_hubs(const EdgeAdjacency& adjacency, const glm::dvec4& light, FaceBuffers& faces) {
+FarPlanes::FarPlanes(const Scene& scene) {
+  Bounds box;
+  for (const Mesh& mesh : scene.meshes) {
+    if (!mesh.receives) continue;
+    box.add(mesh.positions);
+    if (mesh.shape) add_shape(box, *mesh.shape);
+  }
+  is_empty_ = box.empty();
+  if (is_empty_) return;
+  const glm::dvec3 low = box.min, high = box.max;
+  const double apart = extent(high - low) * 0x1p-8 + 0x1p-16 * box.extent();
+  for (int axis = 0; axis < 3; ++axis) {
+    glm::dvec4 &below = planes_[2 * axis], &above = planes_[2 * axis + 1];
+    below[axis] = 1;
+    below.w = apart - low[axis];
+    above[axis] = -1;
+    above.w = high[axis] + apart;
+  }
+}
+
+std::optional<int> FarPlanes::end_of(const EdgeAdjacency::Part& part, const glm::dvec4& light) const {
+  if (is_empty_ || !has_hub(part, light)) return std::nullopt;
+  std::optional<int> best;
+  double least = light.w != 0 ? 0.9 : INFINITY;  // a part as high as the light has its end at infinity
+  for (int k = 0; k < 6; ++k) {
+    const double light_height = glm::dot(planes_[k], light);
+    const int axis = k / 2;
+    const double top = planes_[k][axis] * (k % 2 == 0 ? part.bounds.max : part.bounds.min)[axis] + planes_[k].w;
+    if (!(light_height > 0) || !(top / light_height < least)) continue;
+    least = top / light_height;
+    best = k;
+  }
+  return best;
+}
+
+void write_hubs(const EdgeAdjacency& adjacency, const glm::dvec4& light, const FarPlanes* ends, FaceBuffers& faces) {
   faces.hubs.rewrite<glm::vec4>(std::max<std::size_t>(adjacency.parts().size(), 1), [&](std::span<glm::vec4> hubs) {
     for (std::size_t i = 0; i < adjacency.parts().size(); ++i) {
       const EdgeAdjacency::Part& part = adjacency.parts()[i];
-      hubs[i] = has_hub(part, light) ? glm::vec4((part.bounds.min + part.bounds.max) / 2.0f, 1) : glm::vec4(0);
+      const std::optional<int> plane = ends ? ends->end_of(part, light) : std::nullopt;
+      const int end = !has_hub(part, light) ? 0 : plane ? 2 + *plane : 1;
+      hubs[i] = end == 0 ? glm::vec4(0) : glm::vec4((part.bounds.min + part.bounds.max) / 2.0f, end);
     }
   });
 }
@@ -187,8 +247,8 @@ FaceCommands write_faces(const EdgeAdjacency& adjacency, const Silhouette& silho
                          FaceBuffers& faces) {
   FaceCommands commands;
   faces.clear();
-  write_hubs(adjacency, silhouette.light, faces);
-  if (wanted.outline) write_sides(silhouette, wanted.dark_caps, faces, commands);
+  write_hubs(adjacency, silhouette.light, wanted.ends, faces);
+  if (wanted.outline) write_sides(silhouette, wanted, faces, commands);
   write_turned_triangles(adjacency, silhouette, wanted, faces, commands);
   if (wanted.light_caps) write_light_caps(adjacency, silhouette, faces, commands);
   faces.commands.rewrite<FaceCommands>(1, [&](std::span<FaceCommands> mapped) { mapped[0] = commands; });
@@ -212,9 +272,14 @@ void FaceDrawer::setup(std::string_view title) {
 }
 
 void FaceDrawer::bind(const Buffer& positions, const FaceBuffers& faces, const glm::mat4& clip_from_world,
-                      const glm::dvec4& light) {
+                      const glm::dvec4& light, const FarPlanes* ends) {
   clip_from_world_ = clip_from_world;
   light_ = glm::vec4(light);
+  is_pointed_ = WantedFaces{.ends = ends}.are_pointed(light);
+  for (int k = 0; ends && k < 6; ++k) {
+    far_planes_[k] = glm::vec4((*ends)[k]);
+    far_heights_[k] = glm::vec4(glm::dot((*ends)[k], light));
+  }
   glVertexArrayVertexBuffer(vertex_array_.name(), 0, positions.name(), 0, sizeof(glm::vec3));
   if (faces.caps.name()) glVertexArrayElementBuffer(vertex_array_.name(), faces.caps.name());
   glBindVertexArray(vertex_array_.name());
@@ -230,7 +295,9 @@ void FaceDrawer::draw_arrays(const VolumeCounter& counter, const VolumeProgram& 
   program.each([&](const Program& p) {
     p.set("clip_from_world", clip_from_world_);
     p.set_if_used("light", light_);
-    p.set_if_used("directional", light_.w == 0);
+    p.set_if_used("pointed", is_pointed_ ? 1 : 0);
+    p.set_if_used("far_planes", std::span<const glm::vec4>(far_planes_));
+    p.set_if_used("far_heights", std::span<const glm::vec4>(far_heights_));
   });
   counter.use(program, face);
   glDrawArraysIndirect(GL_TRIANGLES, at(offset));
@@ -246,7 +313,7 @@ void FaceDrawer::draw_light_caps(const VolumeCounter& counter, const VolumeProgr
 void FaceDrawer::draw_caps(const VolumeCounter& counter) const {
   caps_.each([&](const Program& p) { p.set("clip_from_world", clip_from_world_); });
   draw_light_caps(counter, caps_);
-  if (light_.w == 0) return;
+  if (is_pointed_) return;
   draw_arrays(counter, fan_, VolumeFace::dark_cap, offsetof(FaceCommands, fan));
   draw_arrays(counter, far_triangles_, VolumeFace::dark_cap, offsetof(FaceCommands, far_triangles));
 }

@@ -21,7 +21,8 @@ uniform vec4 light;  // homogeneous
 const int sides_count = 0, fan_count = 4, triangle_sides_count = 8, far_count = 12;
 const int caps_count = 16, reversed_count = 21, reversed_first = 23;
 int item() { return int(gl_GlobalInvocationID.x + gl_GlobalInvocationID.y * 32768u * 256u); }
-uint corners() { return light.w != 0 ? 6u : 3u; }
+uniform bool pointed;
+uint corners() { return pointed ? 3u : 6u; }
 )";
 
 inline constexpr std::string_view facing_body = R"(
@@ -133,7 +134,7 @@ class GpuFinder {
                     const WantedFaces& wanted, FaceBuffers& faces, Silhouette& out) {
     out.light = light;
     faces.clear();
-    write_hubs(adjacency, light, faces);
+    write_hubs(adjacency, light, wanted.ends, faces);
     halves_.rewrite<std::int32_t>(std::max<std::size_t>(adjacency.parts().size(), 1), [&](std::span<std::int32_t> halves) {
       for (std::size_t i = 0; i < adjacency.parts().size(); ++i)
         halves[i] = static_cast<std::int32_t>(adjacency.half(adjacency.parts()[i], light));
@@ -141,7 +142,7 @@ class GpuFinder {
     make_room(adjacency, wanted, faces);
 
     FaceCommands commands = run(buffers, adjacency, light, wanted, faces);
-    const std::size_t corners = light.w != 0 ? 6 : 3, found = commands.sides.count / corners;
+    const std::size_t corners = wanted.are_pointed(light) ? 3 : 6, found = commands.sides.count / corners;
     const bool had_room = found * sizeof(glm::uvec4) <= faces.sides.room();
     faces.sides.reserve(std::max(found * sizeof(glm::uvec4), faces.sides.bytes()));
     if (!had_room) commands = run(buffers, adjacency, light, wanted, faces);
@@ -180,6 +181,7 @@ class GpuFinder {
       set("count", static_cast<int>(count));
       set("light", glm::vec4(light));  // exact: the light's floats
       set("outline", wanted.outline ? 1 : 0);
+      set("pointed", wanted.are_pointed(light) ? 1 : 0);
       set("light_caps", wanted.light_caps ? 1 : 0);
       set("dark_caps", wanted.dark_caps ? 1 : 0);
       set("side_capacity", static_cast<int>(faces.sides.room() / sizeof(glm::uvec4)));

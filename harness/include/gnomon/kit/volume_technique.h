@@ -30,6 +30,7 @@ class VolumeTechnique : public Technique {
   /// What the stencil cannot tell, by a pass in 32 bits that is thrown away.
   VolumeCounter::Work measure_work() const;
   Pass mask_pass() const { return wide_ ? Pass::wide : Pass::stencil; }
+  const FarPlanes* ends() const { return ends_early_ ? &made_->far_planes : nullptr; }
   /// Binds the faces to the drawer as `gbuffer_` sees them; `positions` are those of its adjacency.
   void bind_faces(const Buffer& positions) const;
 
@@ -38,6 +39,7 @@ class VolumeTechnique : public Technique {
     FaceDrawer drawer;
     const Scene* scene = nullptr;
     EdgeAdjacency adjacency;
+    FarPlanes far_planes;
   };
   Shared<Made> made_;
   const GBuffer* gbuffer_ = nullptr;
@@ -45,7 +47,8 @@ class VolumeTechnique : public Technique {
   Silhouette silhouette_;
   FaceBuffers faces_;
   FaceCommands commands_;
-  bool wide_ = false;  ///< the mask is counted in 32 bits instead of the stencil's eight
+  bool ends_early_ = false;  ///< volumes end on far planes, as far as they can
+  bool wide_ = false;        ///< the mask is counted in 32 bits instead of the stencil's eight
 };
 
 }  // namespace gnomon
