@@ -228,8 +228,10 @@ void SphereVolume::draw(Pass pass) const {
 }
 
 void SphereVolume::begin(Pass pass, int start) const {
-  made_->counter.begin(depth_stencil(*made_->scene, *gbuffer_, Truth::shape), pass, CountWhere::behind_surface, start);
-  bind_gbuffer(gbuffer_textures(*gbuffer_, *made_->scene));
+  const GBufferTextures& textures = gbuffer_textures(*gbuffer_, *made_->scene);
+  made_->counter.begin(depth_stencil(*made_->scene, *gbuffer_, Truth::shape), textures, pass, CountWhere::behind_surface,
+                       start);
+  bind_gbuffer(textures);
 }
 
 void SphereVolume::count(Pass pass) const {

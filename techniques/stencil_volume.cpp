@@ -175,7 +175,8 @@ void StencilVolume::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
 }
 
 void StencilVolume::draw(Pass pass) const {
-  made_->counter.begin(depth_stencil(*made_->scene, *gbuffer_), pass, where(), static_cast<int>(volumes_at_eye_));
+  made_->counter.begin(depth_stencil(*made_->scene, *gbuffer_), gbuffer_textures(*gbuffer_, *made_->scene), pass, where(),
+                       static_cast<int>(volumes_at_eye_));
   bind_faces(scene_buffers(*made_->scene).positions);
   if (uses_near_rectangle(gbuffer_->view) && pass != Pass::layer) {
     draw_near_cap();

@@ -74,7 +74,7 @@ void VolumeCounter::setup() {
   framebuffer_ = make_framebuffer();
 }
 
-void VolumeCounter::begin(const DepthStencil& depth, Pass pass, CountWhere where, int start) {
+void VolumeCounter::begin(const DepthStencil& depth, const GBufferTextures& gbuffer, Pass pass, CountWhere where, int start) {
   pass_ = pass;
   where_ = where;
   const GLuint target = framebuffer_.name();
@@ -93,6 +93,9 @@ void VolumeCounter::begin(const DepthStencil& depth, Pass pass, CountWhere where
     glEnable(GL_STENCIL_TEST);
     glStencilFunc(GL_ALWAYS, 0, ~0u);
     glDepthFunc(GL_GREATER);
+    const PixelRectangle within = around(gbuffer.receivers);
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(within.left, within.top, within.right - within.left, within.bottom - within.top);
   } else {
     const GLfloat first[] = {pass == Pass::wide ? static_cast<float>(start) : 0, 0, 0, 0};
     glClearNamedFramebufferfv(target, GL_COLOR, 0, first);
@@ -135,8 +138,10 @@ void VolumeCounter::write_mask(const GBufferTextures& gbuffer, const Light& ligh
   if (wide) {
     glBindTextureUnit(3, wide_.name());
   } else {
+    glDisable(GL_SCISSOR_TEST);
     const GLfloat lit[] = {1, 0, 0, 0};
     glClearNamedFramebufferfv(framebuffer_.name(), GL_COLOR, 0, lit);
+    glEnable(GL_SCISSOR_TEST);
     glStencilFunc(GL_NOTEQUAL, 0, ~0u);
     glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
   }
@@ -145,6 +150,7 @@ void VolumeCounter::write_mask(const GBufferTextures& gbuffer, const Light& ligh
   bind_gbuffer(gbuffer);
   glUseProgram(program.name());
   draw_full_screen();
+  glDisable(GL_SCISSOR_TEST);
   end();
 }
 

@@ -32,6 +32,12 @@ std::vector<PixelRectangle> strips_around(int width, int height, const std::func
 
 }  // namespace
 
+PixelRectangle around(const std::vector<PixelRectangle>& rectangles) {
+  PixelRectangle all;
+  for (const PixelRectangle& one : rectangles) all = joined(all, one);
+  return all;
+}
+
 std::vector<PixelRectangle> rectangles_around(int width, int height, const std::function<bool(std::size_t)>& wanted) {
   const std::vector<PixelRectangle> strips = strips_around(width, height, wanted);
   // The cheapest way to hold the first n strips, by its last rectangle: that of strips `from` to n - 1.

@@ -199,7 +199,8 @@ TEST_F(Gl, faces_of_a_shadow_volume_hold_what_is_in_shadow) {
       drawer.setup("test");
       FaceBuffers faces;
       write_faces(adjacency, silhouette, {}, faces);
-      counter.begin(depth_stencil(scene, g), VolumeCounter::Pass::stencil, CountWhere::behind_surface);
+      counter.begin(depth_stencil(scene, g), gbuffer_textures(g, scene), VolumeCounter::Pass::stencil,
+                    CountWhere::behind_surface);
       drawer.bind(scene_buffers(scene).positions, faces, glm::mat4(clip_from_world(g.view, g.width, g.height)),
                   homogeneous(light));
       drawer.draw_sides(counter);

@@ -71,11 +71,15 @@ TEST_F(StencilVolumeEye, near_plane_that_cuts_a_side_quad_leaves_zfail_and_zpass
         const GBuffer g = small_world::make_gbuffer(scene, view, 96, 72);
         const auto zfail = mask("count=zfail", scene, side.light, g),
                    zpass_plus = mask("count=zpass_plus", scene, side.light, g);
-        EXPECT_EQ(differences(zfail, zpass_plus), 0) << side.light.name << ' ' << distance << " m, way " << way.x;
-        Tally right;
-        right.add(Exact(scene, g, side.light), zfail);
-        EXPECT_EQ(right.unexplained, 0) << side.light.name << ' ' << distance << " m, way " << way.x;
-        EXPECT_LE(right.wrong, 2) << side.light.name << ' ' << distance << " m, way " << way.x;
+        // The volumes of one end below the ground, those of the other at infinity: corners are snapped apart from each other.
+        EXPECT_LE(differences(zfail, zpass_plus), 1) << side.light.name << ' ' << distance << " m, way " << way.x;
+        const Exact exact(scene, g, side.light);
+        for (const auto& counted : {zfail, zpass_plus}) {
+          Tally right;
+          right.add(exact, counted);
+          EXPECT_EQ(right.unexplained, 0) << side.light.name << ' ' << distance << " m, way " << way.x;
+          EXPECT_LE(right.wrong, 2) << side.light.name << ' ' << distance << " m, way " << way.x;
+        }
         EXPECT_EQ(supports("count=zpass_plus", scene, side.light, view).kind(), Support::Kind::full);
         const auto published = differences(zfail, mask("count=zpass_plus,near_cap=rectangle", scene, side.light, g));
         const Support support = supports("count=zpass_plus,near_cap=rectangle", scene, side.light, view);

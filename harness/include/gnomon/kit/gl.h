@@ -152,6 +152,8 @@ struct PixelRectangle {
   int left = 0, top = 0, right = 0, bottom = 0;
   bool operator==(const PixelRectangle&) const = default;
 };
+/// The smallest one around all of them; without pixels where there are none.
+PixelRectangle around(const std::vector<PixelRectangle>& rectangles);
 
 struct GBufferTextures {
   Texture position;  ///< RGBA32F; w = 1 where not background
