@@ -104,7 +104,7 @@ class ShadowMap final : public Technique {
   };
   struct Made {
     ReadBack read_back;
-    DepthPass depth_pass;
+    DepthImages depth_images;
     std::array<Program, projection_count> resolve_programs;  // of the present bias and filter
     std::array<std::optional<Program>, projection_count> explain_programs;
     Framebuffer framebuffer;
@@ -129,7 +129,7 @@ Program ShadowMap::resolve_program(LightProjection projection, std::string_view 
 }
 
 void ShadowMap::setup() {
-  made_->depth_pass.setup();
+  made_->depth_images.setup();
   for (int i = 0; i < projection_count; ++i) {
     made_->resolve_programs[i] = resolve_program(LightProjection(i), "shadow_map resolve", "");
     made_->explain_programs[i].reset();
@@ -141,16 +141,16 @@ void ShadowMap::setup() {
 void ShadowMap::build(const Scene& scene) {
   made_->scene = &scene;
   scene_buffers(scene);
-  made_->depth_pass.build(scene);
+  made_->depth_images.build(scene);
 }
 
 void ShadowMap::relight(const Light& light) {
   const StateGuard guard;
   light_ = light;
   if (made_->read_back.of == this) made_->read_back = {};
-  DepthPass& pass = made_->depth_pass;
+  DepthImages& pass = made_->depth_images;
   camera_ = fit_to_scene(light, pass.boxes(), resolution, margin());
-  drawn_triangles_ = pass.draw(camera_, first_, second_depth ? DepthPass::Faces::all : DepthPass::Faces::lit);
+  drawn_triangles_ = pass.draw(camera_, first_, second_depth ? DepthImages::Faces::all : DepthImages::Faces::lit);
   if (second_depth) drawn_triangles_ += pass.draw_second(camera_, first_, second_);
   glFinish();
 }
@@ -181,7 +181,7 @@ void ShadowMap::look_up(const Program& p, unsigned target) const {
 
 Counts ShadowMap::counts() const {
   const double texels = double(resolution) * resolution * camera_.layer_count * (second_depth ? 2 : 1);
-  const double bytes = double(first_.bytes + second_.bytes) + made_.own(double(made_->depth_pass.bytes()));
+  const double bytes = double(first_.bytes + second_.bytes) + made_.own(double(made_->depth_images.bytes()));
   return {{"texels", texels, "texel"},
           {"faces", double(camera_.layer_count), ""},
           {"triangles", double(drawn_triangles_), ""},

@@ -41,35 +41,35 @@ bool is_seen_from_outside(const std::vector<Bounds>& parts, const LightImage& im
 
 }  // namespace
 
-std::size_t DepthPass::bytes() const {
+std::size_t DepthImages::bytes() const {
   std::size_t bytes = boxes_.meshes.size() * sizeof(MeshBox);
   for (const std::vector<Bounds>& parts : solid_parts_) bytes += parts.size() * sizeof(Bounds);
   return bytes;
 }
 
-void DepthPass::setup() {
+void DepthImages::setup() {
   first_program_ = Program("depth from the light", depth_vertex, "void main() {}");
   second_program_ = Program("second depth from the light", depth_vertex, second_fragment);
   framebuffer_ = make_framebuffer();
 }
 
-void DepthPass::build(const Scene& scene) {
+void DepthImages::build(const Scene& scene) {
   scene_ = &scene;
   boxes_ = mesh_boxes(scene);
   solid_parts_.clear();
   for (const Mesh& mesh : scene.meshes) solid_parts_.push_back(solid_parts(mesh));
 }
 
-std::size_t DepthPass::draw(const LightCamera& camera, Texture& target, Faces faces) {
+std::size_t DepthImages::draw(const LightCamera& camera, Texture& target, Faces faces) {
   return draw(first_program_, camera, target, faces);
 }
 
-std::size_t DepthPass::draw_second(const LightCamera& camera, const Texture& first, Texture& target) {
+std::size_t DepthImages::draw_second(const LightCamera& camera, const Texture& first, Texture& target) {
   glBindTextureUnit(3, first.name());
   return draw(second_program_, camera, target, Faces::all);
 }
 
-std::size_t DepthPass::draw(const Program& program, const LightCamera& camera, Texture& target, Faces faces) {
+std::size_t DepthImages::draw(const Program& program, const LightCamera& camera, Texture& target, Faces faces) {
   target.fit(GL_DEPTH_COMPONENT32F, camera.resolution, camera.resolution, std::max(camera.layer_count, 1));
   const SceneBuffers& buffers = scene_buffers(*scene_);
   const GLuint framebuffer = framebuffer_.name();

@@ -7,7 +7,7 @@
 namespace gnomon {
 
 /// Draws the images of light cameras. One serves all lights of a technique: keep it with what they share.
-class DepthPass {
+class DepthImages {
  public:
   /// Every triangle, or of solid casters only what is turned to the light: the first surface is the same.
   enum class Faces { all, lit };
