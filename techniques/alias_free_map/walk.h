@@ -30,7 +30,8 @@ struct Shadow {
   Side sides[4];
 };
 
-inline Shadow make_shadow(const LightSpaceFace& face, const glm::dvec4& light, const glm::vec3* points, int facing, double reach) {
+inline Shadow make_shadow(const LightSpaceFace& face, const glm::dvec4& light, const glm::vec3* points, int facing,
+                          double reach) {
   Shadow shadow;
   const auto side = [](const glm::dvec3& n, double offset, double error) { return Side{n.x, n.y, n.z, offset + error, error}; };
   const auto turned = [&](const glm::dvec3& v) { return face.turned(v); };
