@@ -105,8 +105,8 @@ class ShadowMap final : public Technique {
   struct Made {
     ReadBack read_back;
     DepthImages depth_images;
-    std::array<Program, projection_count> resolve_programs;  // of the present bias and filter
-    std::array<std::optional<Program>, projection_count> explain_programs;
+    std::array<Program, light_projection_count> resolve_programs;  // of the present bias and filter
+    std::array<std::optional<Program>, light_projection_count> explain_programs;
     Framebuffer framebuffer;
     const Scene* scene = nullptr;
   };
@@ -130,7 +130,7 @@ Program ShadowMap::resolve_program(LightProjection projection, std::string_view 
 
 void ShadowMap::setup() {
   made_->depth_images.setup();
-  for (int i = 0; i < projection_count; ++i) {
+  for (int i = 0; i < light_projection_count; ++i) {
     made_->resolve_programs[i] = resolve_program(LightProjection(i), "shadow_map resolve", "");
     made_->explain_programs[i].reset();
   }
@@ -228,7 +228,7 @@ std::optional<Explanation> ShadowMap::explain(std::size_t index) const {
                                           .slope_bias = slope_bias,
                                           .normal_offset = normal_offset,
                                           .radius = radius()};
-  return shadow_map::explain({camera_, camera_.images[face], layer_depths(face)}, comparison, point, gbuffer_->normal(index),
+  return shadow_map::explain({camera_, camera_.images[face], depths()}, comparison, point, gbuffer_->normal(index),
                              glm::ivec2(looked_up()[index]));
 }
 

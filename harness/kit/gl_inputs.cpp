@@ -1,4 +1,5 @@
 #include <gnomon/error.h>
+#include <gnomon/kit/edges.h>
 #include <gnomon/kit/gl_pass.h>
 
 #include <algorithm>
@@ -96,28 +97,44 @@ Slot& find_or_make(std::vector<std::unique_ptr<Slot>>& slots, const IsWanted& is
   return *slots.front();
 }
 
+/// What MeshRange says of them.
+std::vector<Bounds> solid_parts(const Mesh& mesh) {
+  if (!mesh.casts || !mesh.facts.closed()) return {};
+  Scene alone;
+  alone.meshes = {mesh};
+  const EdgeAdjacency adjacency(alone);
+  std::vector<Bounds> parts;
+  for (const EdgeAdjacency::Part& part : adjacency.parts()) {
+    if (!part.closed || !(part.volume > 0)) return {};
+    parts.push_back(part.bounds);
+  }
+  return parts;
+}
+
 SceneBuffers upload(const Scene& scene) {
   SceneBuffers buffers;
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> triangles;
+  const auto start = std::chrono::steady_clock::now();
   for (const Mesh& mesh : scene.meshes) {
     const auto first_vertex = static_cast<std::uint32_t>(positions.size());
     buffers.meshes.push_back({first_vertex, static_cast<std::uint32_t>(triangles.size()),
-                              static_cast<std::uint32_t>(mesh.triangles.size()), mesh.casts, mesh.receives});
+                              static_cast<std::uint32_t>(mesh.triangles.size()), mesh.casts, mesh.receives, solid_parts(mesh)});
     positions.insert(positions.end(), mesh.positions.begin(), mesh.positions.end());
     for (const glm::uvec3& t : mesh.triangles) triangles.push_back(t + first_vertex);
   }
-  buffers.upload_ms = drained_ms([&] {
-    buffers.positions = Buffer(positions.data(), positions.size() * sizeof(glm::vec3));
-    buffers.triangles = Buffer(triangles.data(), triangles.size() * sizeof(glm::uvec3));
-    buffers.vertex_array = make_vertex_array();
-    const GLuint vao = buffers.vertex_array.name();
-    glVertexArrayVertexBuffer(vao, 0, buffers.positions.name(), 0, sizeof(glm::vec3));
-    glVertexArrayAttribFormat(vao, 0, 3, GL_FLOAT, GL_FALSE, 0);
-    glVertexArrayAttribBinding(vao, 0, 0);
-    glEnableVertexArrayAttrib(vao, 0);
-    glVertexArrayElementBuffer(vao, buffers.triangles.name());
-  });
+  const double sorted_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  buffers.upload_ms = sorted_ms + drained_ms([&] {
+                        buffers.positions = Buffer(positions.data(), positions.size() * sizeof(glm::vec3));
+                        buffers.triangles = Buffer(triangles.data(), triangles.size() * sizeof(glm::uvec3));
+                        buffers.vertex_array = make_vertex_array();
+                        const GLuint vao = buffers.vertex_array.name();
+                        glVertexArrayVertexBuffer(vao, 0, buffers.positions.name(), 0, sizeof(glm::vec3));
+                        glVertexArrayAttribFormat(vao, 0, 3, GL_FLOAT, GL_FALSE, 0);
+                        glVertexArrayAttribBinding(vao, 0, 0);
+                        glEnableVertexArrayAttrib(vao, 0);
+                        glVertexArrayElementBuffer(vao, buffers.triangles.name());
+                      });
   buffers.bytes = buffers.positions.bytes + buffers.triangles.bytes;
   return buffers;
 }

@@ -26,16 +26,17 @@ double LightImage::axis_distance(double depth) const {
   return is_perspective ? near / depth : far - depth * (far - near);
 }
 
-LightImage::Ray LightImage::ray_through(const glm::ivec2& texel) const {
-  const glm::dvec2 window = (glm::dvec2(texel) + 0.5 - offset) / scale;
-  if (!is_perspective) return {to_world({window, near}), axis(2), near, 1};
-  const glm::dvec3 through(window, 1);
-  const double length = glm::length(through);
-  return {origin, glm::normalize(through * light_from_world), 0, length};
-}
-
 bool LightCamera::holds(const glm::ivec2& texel) const {
   return glm::all(glm::greaterThanEqual(texel, glm::ivec2(0))) && glm::all(glm::lessThan(texel, glm::ivec2(resolution)));
+}
+
+Tap LightCamera::tap(const LightImage& image, std::span<const float> depths, const glm::ivec2& texel, double weight) const {
+  const glm::dvec2 window = (glm::dvec2(texel) + 0.5 - image.offset) / image.scale;
+  const std::size_t rows = static_cast<std::size_t>(image.layer) * resolution + texel.y;
+  const double z = holds(texel) ? image.axis_distance(depths[rows * resolution + texel.x]) : INFINITY;
+  if (!image.is_perspective) return {image.to_world({window, image.near}), image.axis(2), weight, z - image.near};
+  const glm::dvec3 through(window, 1);
+  return {image.origin, glm::normalize(through * image.light_from_world), weight, z * glm::length(through)};
 }
 
 namespace {

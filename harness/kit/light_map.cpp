@@ -1,4 +1,3 @@
-#include <gnomon/kit/edges.h>
 #include <gnomon/kit/light_map.h>
 
 #include <algorithm>
@@ -18,21 +17,6 @@ void main() {
 }
 )";
 
-/// The boxes of a mesh's parts, where every part is closed and wound counter-clockwise seen from outside: light from outside
-/// enters such a part through a triangle that is turned to the light before it leaves it through another. Else none.
-std::vector<Bounds> solid_parts(const Mesh& mesh) {
-  if (!mesh.casts || !mesh.facts.closed()) return {};
-  Scene alone;
-  alone.meshes = {mesh};
-  const EdgeAdjacency adjacency(alone);
-  std::vector<Bounds> parts;
-  for (const EdgeAdjacency::Part& part : adjacency.parts()) {
-    if (!part.closed || !(part.volume > 0)) return {};
-    parts.push_back(part.bounds);
-  }
-  return parts;
-}
-
 /// Whether the light is outside all parts of a solid mesh. A part's box holds its border, too.
 bool is_seen_from_outside(const std::vector<Bounds>& parts, const LightImage& image) {
   return !parts.empty() &&
@@ -40,12 +24,6 @@ bool is_seen_from_outside(const std::vector<Bounds>& parts, const LightImage& im
 }
 
 }  // namespace
-
-std::size_t DepthImages::bytes() const {
-  std::size_t bytes = boxes_.meshes.size() * sizeof(MeshBox);
-  for (const std::vector<Bounds>& parts : solid_parts_) bytes += parts.size() * sizeof(Bounds);
-  return bytes;
-}
 
 void DepthImages::setup() {
   first_program_ = Program("depth from the light", depth_vertex, "void main() {}");
@@ -56,8 +34,7 @@ void DepthImages::setup() {
 void DepthImages::build(const Scene& scene) {
   scene_ = &scene;
   boxes_ = mesh_boxes(scene);
-  solid_parts_.clear();
-  for (const Mesh& mesh : scene.meshes) solid_parts_.push_back(solid_parts(mesh));
+  scene_buffers(scene);
 }
 
 std::size_t DepthImages::draw(const LightCamera& camera, Texture& target, Faces faces) {
@@ -91,7 +68,7 @@ std::size_t DepthImages::draw(const Program& program, const LightCamera& camera,
     lit.clear();
     all.clear();
     for (const std::uint32_t m : image.casters) {
-      (faces == Faces::lit && is_seen_from_outside(solid_parts_[m], image) ? lit : all).push_back(m);
+      (faces == Faces::lit && is_seen_from_outside(buffers.meshes[m].solid_parts, image) ? lit : all).push_back(m);
       triangles += buffers.meshes[m].triangle_count;
     }
     buffers.draw(all);

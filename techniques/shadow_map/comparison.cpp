@@ -4,18 +4,6 @@
 
 namespace gnomon::shadow_map {
 
-namespace {
-
-/// The ray through the center of a texel, and what is stored there; infinity also off the image.
-Tap tap_of(const DepthTexels& texels, const glm::ivec2& texel, double weight) {
-  const auto [origin, direction, near, stretch] = texels.image.ray_through(texel);
-  const std::size_t place = static_cast<std::size_t>(texel.y) * texels.camera.resolution + texel.x;
-  const double z = texels.camera.holds(texel) ? texels.image.axis_distance(texels.depths[place]) : INFINITY;
-  return {origin, direction, weight, (z - near) * stretch};
-}
-
-}  // namespace
-
 Explanation explain(const DepthTexels& texels, const Comparison& comparison, const glm::dvec3& point, const glm::dvec3& normal,
                     const glm::ivec2& center) {
   const LightImage& image = texels.image;
@@ -45,7 +33,7 @@ Explanation explain(const DepthTexels& texels, const Comparison& comparison, con
   const int r = comparison.radius;
   for (int y = -r; y <= r; ++y)
     for (int x = -r; x <= r; ++x)
-      why.taps.push_back(tap_of(texels, center + glm::ivec2(x, y), 1.0 / ((2 * r + 1) * (2 * r + 1))));
+      why.taps.push_back(texels.camera.tap(image, texels.depths, center + glm::ivec2(x, y), 1.0 / ((2 * r + 1) * (2 * r + 1))));
   return why;
 }
 

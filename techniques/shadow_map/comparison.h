@@ -7,7 +7,7 @@
 // How a shadow map decides a point, in double.
 namespace gnomon::shadow_map {
 
-/// An image with its texels, row after row.
+/// An image, and the texels of all images of its camera, row after row.
 struct DepthTexels {
   const LightCamera& camera;
   const LightImage& image;

@@ -133,6 +133,9 @@ extern const std::string_view position_snippet;
 struct MeshRange {
   std::uint32_t first_vertex = 0, first_triangle = 0, triangle_count = 0;
   bool casts = true, receives = true;
+  /// The boxes of its connected parts, where every part is closed and wound counter-clockwise seen from outside: light from
+  /// outside enters such a part through a triangle that is turned to it before it leaves it through another. Else none.
+  std::vector<Bounds> solid_parts{};
 };
 
 /// All meshes one after the other. `triangles` holds three uint32 a triangle, counted over the whole scene (base vertex 0).

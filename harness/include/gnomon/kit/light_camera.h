@@ -2,6 +2,7 @@
 #include <gnomon/kit/light_space.h>
 #include <gnomon/technique.h>
 
+#include <span>
 #include <vector>
 
 namespace gnomon {
@@ -34,12 +35,8 @@ struct LightImage : LightSpaceFace {
   glm::dmat4 clip_from_world(int resolution) const;
   /// Axis distance of a stored depth; infinity where nothing is stored.
   double axis_distance(double depth) const;
-  /// Through the center of a texel, away from the light.
-  struct Ray {
-    glm::dvec3 origin, direction;  ///< the light, or a point of the near plane; a unit vector
-    double near, stretch;          ///< a point at axis distance z lies (z - near) * stretch along the ray
-  };
-  Ray ray_through(const glm::ivec2& texel) const;
+  /// How long a way along the light ray through a point is that takes 1 along the axis.
+  double stretch(const glm::dvec3& point) const { return is_perspective ? glm::length(seen(point)) / seen(point).z : 1; }
 };
 
 /// Widest half-angle of a spot light that one image serves.
@@ -59,6 +56,9 @@ struct LightCamera {
   bool is_cube() const { return images.size() == 6; }
   /// Whether a texel lies on the image.
   bool holds(const glm::ivec2& texel) const;
+  /// A texel of an image, for explanations: the ray through its center, and what is stored there; infinity where nothing is,
+  /// and beside the image. `depths` are those of all layers, row after row, as read_texels gives them.
+  Tap tap(const LightImage& image, std::span<const float> depths, const glm::ivec2& texel, double weight) const;
 };
 
 /// Fitted to the scene: each image holds all that casters and receivers share. `margin` texels are kept free on each side, so

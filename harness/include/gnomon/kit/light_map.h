@@ -14,7 +14,7 @@ class DepthImages {
 
   /// Compiles; needs the context.
   void setup();
-  /// Measures the casters. The scene must live as long as images of it are drawn.
+  /// The scene must live as long as images of it are drawn.
   void build(const Scene& scene);
   const MeshBoxes& boxes() const { return boxes_; }
 
@@ -24,7 +24,7 @@ class DepthImages {
   /// The first surface strictly behind that of `first`; what is as near as that is the same surface, or one glued to it.
   std::size_t draw_second(const LightCamera& camera, const Texture& first, Texture& target);
 
-  std::size_t bytes() const;
+  std::size_t bytes() const { return boxes_.meshes.size() * sizeof(MeshBox); }
 
  private:
   std::size_t draw(const Program& program, const LightCamera& camera, Texture& target, Faces faces);
@@ -32,12 +32,11 @@ class DepthImages {
   Framebuffer framebuffer_;
   const Scene* scene_ = nullptr;
   MeshBoxes boxes_;
-  std::vector<std::vector<Bounds>> solid_parts_;  // of each mesh; none where it is not solid
 };
 
 /// How a camera looks, as shaders know it: PROJECTION of `light_map_head`.
 enum class LightProjection { parallel, centered, cube };
-inline constexpr int projection_count = 3;
+inline constexpr int light_projection_count = 3;
 LightProjection projection_of(const LightCamera& camera);
 
 /// For a pass whose fragments look points up in the images of a camera. The head comes first, the constants are declared to
