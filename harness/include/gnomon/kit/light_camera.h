@@ -31,6 +31,7 @@ struct LightImage : LightSpaceFace {
 
   /// World width of a texel across the axis at axis distance z.
   glm::dvec2 texel_width(double z) const { return (is_perspective ? z : 1) / scale; }
+  double largest_texel(double z) const { return std::max(texel_width(z).x, texel_width(z).y); }
   /// Reversed depth: near / z, or linear; 1 at `near`, 0 at infinity or `far`.
   glm::dmat4 clip_from_world(int resolution) const;
   /// Axis distance of a stored depth; infinity where nothing is stored.
