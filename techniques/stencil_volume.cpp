@@ -103,6 +103,12 @@ class StencilVolume final : public VolumeTechnique {
   }
   void draw(Pass pass) const override;
   void draw_near_cap() const;
+  /// What the device found stays there; who asks in memory has it found again.
+  const Silhouette& silhouette() const override {
+    if (is_on_device_only_) made_->adjacency.find_silhouette(homogeneous(light_), silhouette_);
+    is_on_device_only_ = false;
+    return silhouette_;
+  }
 
   struct Own {
     VolumeProgram triangle_sides, near_cap_program;
@@ -111,7 +117,8 @@ class StencilVolume final : public VolumeTechnique {
   };
   Shared<Own> own_;
   std::int64_t depth_bound_ = 0;
-  bool counts_wide_ = false;  // while setup warms the wide pass
+  mutable bool is_on_device_only_ = false;  // the silhouette
+  bool counts_wide_ = false;                // while setup warms the wide pass
   std::int64_t volumes_at_eye_ = 0;
 };
 
@@ -155,12 +162,18 @@ void StencilVolume::relight(const Light& light) {
                            .dark_caps = behind && (l.w != 0 || ends_early_),
                            .ends = ends()};
   if (finder.is("gpu")) {
-    commands_ = own_->gpu_finder.find(scene_buffers(*made_->scene), made_->adjacency, l, wanted, faces_, silhouette_);
+    commands_ = own_->gpu_finder.find(scene_buffers(*made_->scene), made_->adjacency, l, wanted, faces_);
+    is_on_device_only_ = true;
+    depth_bound_ = own_->gpu_finder.depth_bound(made_->adjacency, l).value_or(INT64_MAX);
+    // Too many sides for the short proof, or a question of every resolve: the processor looks for itself.
+    if (depth_bound_ > VolumeCounter::stencil_limit || count.is("zpass_plus"))
+      depth_bound_ = bound_depth(made_->adjacency, silhouette(), VolumeCounter::stencil_limit);
   } else {
+    is_on_device_only_ = false;
     made_->adjacency.find_silhouette(l, silhouette_);
     commands_ = write_faces(made_->adjacency, silhouette_, wanted, faces_);
+    depth_bound_ = bound_depth(made_->adjacency, silhouette_, VolumeCounter::stencil_limit);
   }
-  depth_bound_ = bound_depth(made_->adjacency, silhouette_, VolumeCounter::stencil_limit);
   wide_ = counts_wide_ || counter.is("wide") || depth_bound_ > VolumeCounter::stencil_limit;
   glFinish();
 }
@@ -170,7 +183,7 @@ void StencilVolume::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   gbuffer_ = &gbuffer;
   volumes_at_eye_ = 0;
   if (count.is("zpass_plus") && !uses_near_rectangle(gbuffer.view))
-    volumes_at_eye_ = stencil_volume::volumes_at(made_->adjacency, gbuffer.view.eye, silhouette_);
+    volumes_at_eye_ = stencil_volume::volumes_at(made_->adjacency, gbuffer.view.eye, silhouette());
   answer(mask);
 }
 
@@ -217,13 +230,15 @@ void StencilVolume::draw_near_cap() const {
 Counts StencilVolume::counts() const {
   const auto closed = std::ranges::count_if(made_->adjacency.parts(), &EdgeAdjacency::Part::closed);
   double edges = 0;  // with multiplicity
-  for (const SilhouetteEdge& edge : silhouette_.edges) edges += std::abs(edge.count);
+  for (const SilhouetteEdge& edge : silhouette().edges) edges += std::abs(edge.count);
   const std::size_t bytes = VolumeTechnique::bytes() + static_cast<std::size_t>(own_.own(double(own_->gpu_finder.bytes())));
+  const std::int64_t depth_bound =
+      finder.is("gpu") ? bound_depth(made_->adjacency, silhouette(), VolumeCounter::stencil_limit) : depth_bound_;
   Counts counts{{"closed_parts", double(closed), ""},
                 {"open_parts", double(std::ssize(made_->adjacency.parts()) - closed), ""},
                 {"silhouette_edges", edges, ""},
                 {"triangles", double(commands_.triangle_count()), ""},
-                {"depth_bound", double(depth_bound_), "", Count::Together::largest},
+                {"depth_bound", double(depth_bound), "", Count::Together::largest},
                 {"bytes", double(bytes), "byte"}};
   if (!gbuffer_) return counts;
 
@@ -248,7 +263,7 @@ std::optional<Explanation> StencilVolume::explain(std::size_t index) const {
   std::uint64_t first = made_->adjacency.triangles().size();
   own_->casters->any(SegmentSlabs(way), 0, [&](std::uint32_t place) {
     const std::uint32_t t = own_->casters->order()[place];
-    if (silhouette_.facing[t] != 0 && crosses(way, made_->adjacency.corners(t)) != Crossing::none)
+    if (silhouette().facing[t] != 0 && crosses(way, made_->adjacency.corners(t)) != Crossing::none)
       first = std::min<std::uint64_t>(first, t);
     return false;
   });

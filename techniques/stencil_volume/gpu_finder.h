@@ -2,6 +2,7 @@
 #include <gnomon/kit/volume_faces.h>
 
 #include <algorithm>
+#include <optional>
 #include <string>
 
 namespace stencil_volume {
@@ -128,11 +129,10 @@ class GpuFinder {
     at_irregular_ = upload(adjacency.sides());
   }
 
-  /// Finds the silhouette of the scene whose buffers these are. Fills the buffers of faces, and `out` with what they hold, for
-  /// the questions that the processor asks.
+  /// Finds the silhouette of the scene whose buffers these are, and fills the buffers of faces. All of it stays on the device
+  /// but the commands.
   FaceCommands find(const SceneBuffers& buffers, const EdgeAdjacency& adjacency, const glm::dvec4& light,
-                    const WantedFaces& wanted, FaceBuffers& faces, Silhouette& out) {
-    out.light = light;
+                    const WantedFaces& wanted, FaceBuffers& faces) {
     faces.clear();
     write_hubs(adjacency, light, wanted.ends, faces);
     halves_.rewrite<std::int32_t>(std::max<std::size_t>(adjacency.parts().size(), 1), [&](std::span<std::int32_t> halves) {
@@ -146,10 +146,20 @@ class GpuFinder {
     const bool had_room = found * sizeof(glm::uvec4) <= faces.sides.room();
     faces.sides.reserve(std::max(found * sizeof(glm::uvec4), faces.sides.bytes()));
     if (!had_room) commands = run(buffers, adjacency, light, wanted, faces);
-    read_silhouette(faces, found, adjacency.triangles().size(), out);
+    side_count_ = found;
     if (!wanted.outline) commands.sides.count = commands.fan.count = 0;
     faces.commands.rewrite<FaceCommands>(1, [&](std::span<FaceCommands> mapped) { mapped[0] = commands; });
     return commands;
+  }
+
+  /// How many sides the last `find` found.
+  std::size_t side_count() const { return side_count_; }
+  /// At least as many volumes as overlap anywhere, from the number of sides alone: an outline that winds w times around a point
+  /// has more than 2 w edges, since none of them takes half a turn. None where casters may be all around the light.
+  std::optional<std::int64_t> depth_bound(const EdgeAdjacency& adjacency, const glm::dvec4& light) const {
+    const auto is_outside = [&](const EdgeAdjacency::Part& part) { return has_hub(part, light); };
+    if (!std::ranges::all_of(adjacency.parts(), is_outside)) return std::nullopt;
+    return static_cast<std::int64_t>(side_count_ / 2);
   }
 
   std::size_t bytes() const {
@@ -213,24 +223,10 @@ class GpuFinder {
     return commands;
   }
 
-  /// Reads back the outline, of `side_count` sides, and how the triangles face.
-  void read_silhouette(const FaceBuffers& faces, std::size_t side_count, std::size_t triangle_count, Silhouette& out) const {
-    const auto read = [](auto& values, GLuint buffer, GLintptr offset) {
-      if (!values.empty())
-        glGetNamedBufferSubData(buffer, offset, static_cast<GLsizeiptr>(values.size() * sizeof(values[0])), values.data());
-    };
-    std::vector<glm::uvec4> sides(side_count);
-    read(sides, faces.sides.name(), 0);
-    out.edges.clear();
-    for (const glm::uvec4& side : sides) out.edges.push_back({side.x, side.y, side.w != 0 ? 1 : -1, side.z});
-    std::vector<std::int32_t> facing(triangle_count);
-    read(facing, work_.name(), work_header);
-    out.facing.assign(facing.begin(), facing.end());
-  }
-
   Program facing_program_, edges_program_, irregular_program_;
   Buffer triangles_, first_, edges_, irregular_, at_irregular_;
   RewrittenBuffer halves_, work_;
+  std::size_t side_count_ = 0;
 };
 
 }  // namespace stencil_volume

@@ -267,8 +267,7 @@ TEST_F(StencilVolume, the_devices_finder_is_told_the_room_that_there_is) {
   finder.setup();
   finder.build(adjacency);
   FaceBuffers faces;
-  Silhouette silhouette;
-  finder.find(scene_buffers(scene), adjacency, {1, 5, 0.5, 1}, {}, faces, silhouette);
+  finder.find(scene_buffers(scene), adjacency, {1, 5, 0.5, 1}, {}, faces);
   GLint program = 0, told = 0, sides = 0, bytes = 0;
   glGetIntegerv(GL_CURRENT_PROGRAM, &program);
   glGetUniformiv(static_cast<GLuint>(program), glGetUniformLocation(static_cast<GLuint>(program), "side_capacity"), &told);
@@ -276,6 +275,39 @@ TEST_F(StencilVolume, the_devices_finder_is_told_the_room_that_there_is) {
   glGetNamedBufferParameteriv(static_cast<GLuint>(sides), GL_BUFFER_SIZE, &bytes);
   EXPECT_GE(told, 4) << "sides of the outline";
   EXPECT_LE(told * static_cast<int>(sizeof(glm::uvec4)), bytes);
+}
+
+// The short proof that the stencil's bits are enough: never less than what the processor proves, and none where casters may be
+// all around the light.
+TEST_F(StencilVolume, the_devices_depth_bound_is_one) {
+  Random random(12);
+  stencil_volume::GpuFinder finder;
+  finder.setup();
+  int bounded = 0, open = 0;
+  for (int round = 0; round < 12; ++round) {
+    const Scene scene = casters_over_ground(random, 10);
+    const EdgeAdjacency adjacency(scene);
+    for (const Light& light : lights_around(random)) {
+      const StateGuard guard;
+      finder.build(adjacency);
+      FaceBuffers faces;
+      finder.find(scene_buffers(scene), adjacency, homogeneous(light), {}, faces);
+      const auto bound = finder.depth_bound(adjacency, homogeneous(light));
+      Silhouette silhouette;
+      adjacency.find_silhouette(homogeneous(light), silhouette);
+      if (!bound) {
+        ++open;
+        continue;
+      }
+      ++bounded;
+      for (int k = 0; k < 200; ++k) {
+        const glm::vec3 point(random.uniform(-3, 3), random.uniform(0, 2), random.uniform(-3, 3));
+        EXPECT_LE(adjacency.depth_at(point, silhouette).volumes, *bound);
+      }
+    }
+  }
+  EXPECT_GT(bounded, 10);
+  EXPECT_GT(open, 0);
 }
 
 // The device finds the same outline as the processor, so every count of work is the same; buffers may be larger.

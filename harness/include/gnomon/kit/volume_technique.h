@@ -20,12 +20,14 @@ class VolumeTechnique : public Technique {
   /// The mask of `gbuffer_`.
   virtual void answer(VisibilityMask& mask) const;
   /// The lines of the layer `silhouette`.
-  virtual std::vector<Line> outlines() const { return silhouette_lines(made_->adjacency, silhouette_); }
+  virtual std::vector<Line> outlines() const { return silhouette_lines(made_->adjacency, silhouette()); }
 
+  /// Of the last relight, in memory.
+  virtual const Silhouette& silhouette() const { return silhouette_; }
   /// Of what the techniques share, for the count "bytes". The wide picture where the mask is counted in it.
   std::size_t bytes() const {
     const std::size_t shared_bytes = made_->adjacency.bytes() + (wide_ ? made_->counter.wide_bytes() : 0);
-    return static_cast<std::size_t>(made_.own(static_cast<double>(shared_bytes))) + silhouette_.bytes() + faces_.bytes();
+    return static_cast<std::size_t>(made_.own(static_cast<double>(shared_bytes))) + silhouette().bytes() + faces_.bytes();
   }
   /// What the stencil cannot tell, by a pass in 32 bits that is thrown away.
   VolumeCounter::Work measure_work() const;
@@ -44,7 +46,7 @@ class VolumeTechnique : public Technique {
   Shared<Made> made_;
   const GBuffer* gbuffer_ = nullptr;
   Light light_;
-  Silhouette silhouette_;
+  mutable Silhouette silhouette_;  ///< ask `silhouette()`
   FaceBuffers faces_;
   FaceCommands commands_;
   bool ends_early_ = false;  ///< volumes end on far planes, as far as they can
