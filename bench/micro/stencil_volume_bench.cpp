@@ -123,13 +123,13 @@ void relight(benchmark::State& state, const char* reference) {
 /// The faces of the shadow volumes of a scene as a list of triangles, in the order of stencil_volume.
 class BareVolumes {
  public:
-  BareVolumes(const Scene& scene, const Light& light, bool behind_surface) : behind_(behind_surface) {
+  BareVolumes(const Scene& scene, const Light& light, bool behind_surface) : behind_(behind_surface), ends_(scene) {
     const EdgeAdjacency adjacency(scene);
     Silhouette silhouette;
     adjacency.find_silhouette(homogeneous(light), silhouette);
     add_sides(adjacency, silhouette);
     if (behind_) add_light_caps(adjacency, silhouette);
-    if (behind_ && silhouette.light.w != 0) add_dark_caps(adjacency, silhouette);
+    if (behind_) add_dark_caps(adjacency, silhouette);
     buffer_ = Buffer(corners_.data(), corners_.size() * sizeof(glm::vec4));
     glVertexArrayVertexBuffer(vertex_array_.name(), 0, buffer_.name(), 0, sizeof(glm::vec4));
     glVertexArrayAttribFormat(vertex_array_.name(), 1, 4, GL_FLOAT, GL_FALSE, 0);
@@ -138,7 +138,7 @@ class BareVolumes {
   }
 
   /// Leaves the count in the stencil of `depth`.
-  void draw(const DepthStencil& depth, const glm::mat4& clip) const {
+  void draw(const DepthStencil& depth, const PixelRectangle& within, const glm::mat4& clip) const {
     const StateGuard guard;
     const GLint zero = 0;
     glNamedFramebufferTexture(framebuffer_.name(), GL_DEPTH_STENCIL_ATTACHMENT, depth.texture.name(), 0);
@@ -151,6 +151,8 @@ class BareVolumes {
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     glEnable(GL_STENCIL_TEST);
     glStencilFunc(GL_ALWAYS, 0, ~0u);
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(within.left, within.top, within.right - within.left, within.bottom - within.top);
     if (!behind_) glEnable(GL_DEPTH_CLAMP);
     program_.set("clip_from_world", clip);
     glUseProgram(program_.name());
@@ -191,8 +193,12 @@ class BareVolumes {
     draws_.push_back({first, static_cast<GLsizei>(corners_.size()) - first, reversed});
   }
   static glm::vec4 near(const EdgeAdjacency& adjacency, std::uint32_t v) { return {adjacency.positions()[v], 1}; }
-  static glm::vec4 far(const EdgeAdjacency& adjacency, std::uint32_t v, const glm::dvec4& light) {
-    return extruded(adjacency.positions()[v], light);
+  /// Where the way of light through a point ends: on the part's far plane, else at infinity.
+  glm::vec4 far(const glm::vec3& point, const EdgeAdjacency::Part& part, const glm::dvec4& light) const {
+    const auto k = behind_ ? ends_.end_of(part, light) : std::nullopt;
+    if (!k) return extruded(point, light);
+    const glm::dvec4 p(point, 1);
+    return glm::dot(ends_[*k], light) * p - glm::dot(ends_[*k], p) * light;
   }
   template <class Visit>
   static void for_copies(const Silhouette& silhouette, const Visit& visit) {
@@ -204,8 +210,10 @@ class BareVolumes {
     const glm::dvec4& light = silhouette.light;
     for_copies(silhouette, [&](const SilhouetteEdge& edge) {
       const glm::vec4 a = near(adjacency, edge.low), b = near(adjacency, edge.high);
-      const glm::vec4 c = far(adjacency, edge.low, light), d = far(adjacency, edge.high, light);
-      if (light.w == 0)
+      const EdgeAdjacency::Part& part = adjacency.parts()[edge.part];
+      const glm::vec4 c = far(adjacency.positions()[edge.low], part, light),
+                      d = far(adjacency.positions()[edge.high], part, light);
+      if (light.w == 0 && !behind_)
         edge.count > 0 ? add({a, c, b}) : add({a, b, c});
       else
         edge.count > 0 ? add({a, c, d, a, d, b}) : add({a, d, c, a, b, d});
@@ -226,8 +234,9 @@ class BareVolumes {
     for_copies(silhouette, [&](const SilhouetteEdge& edge) {
       const EdgeAdjacency::Part& part = adjacency.parts()[edge.part];
       if (!has_hub(part, light)) return;
-      const glm::vec4 apex(extruded((part.bounds.min + part.bounds.max) / 2.0f, light));
-      const glm::vec4 low = far(adjacency, edge.low, light), high = far(adjacency, edge.high, light);
+      const glm::vec4 apex = far((part.bounds.min + part.bounds.max) / 2.0f, part, light);
+      const glm::vec4 low = far(adjacency.positions()[edge.low], part, light),
+                      high = far(adjacency.positions()[edge.high], part, light);
       edge.count > 0 ? add({apex, high, low}) : add({apex, low, high});
     });
     end_draw(false);
@@ -236,12 +245,13 @@ class BareVolumes {
       if (has_hub(adjacency.parts()[adjacency.part_of()[t]], light)) continue;
       glm::uvec3 v = adjacency.triangles()[t];
       if (silhouette.facing[t] > 0) std::swap(v.y, v.z);
-      for (int k = 0; k < 3; ++k) add({far(adjacency, v[k], light)});
+      for (int k = 0; k < 3; ++k) add({extruded(adjacency.positions()[v[k]], light)});
     }
     end_draw(false);
   }
 
   bool behind_;
+  FarPlanes ends_;
   std::vector<glm::vec4> corners_;
   std::vector<Draw> draws_;
   Buffer buffer_;
@@ -279,7 +289,8 @@ void resolve(benchmark::State& state, const char* reference, const char* method)
   const glm::mat4 clip(clip_from_world(frame.gbuffer.view, width, height));
   VisibilityMask mask(width, height);
   const auto contender = [&] { technique->resolve(frame.gbuffer, mask); };
-  const auto floor = [&] { bare.draw(depth_stencil(*scene, frame.gbuffer), clip); };
+  const PixelRectangle within = around(gbuffer_textures(frame.gbuffer, *scene).receivers);
+  const auto floor = [&] { bare.draw(depth_stencil(*scene, frame.gbuffer), within, clip); };
   contender(), floor();
   if (!bare.agrees(depth_stencil(*scene, frame.gbuffer), mask, *scene, frame.gbuffer, light)) {
     state.SkipWithError("the bare draw and resolve disagree");
