@@ -5,13 +5,14 @@
 // relight       The outline and both caps, found and uploaded, beside a copy that reads and writes as many bytes as the stage
 //               must. Wanted: at most 15 ms for the dragon.
 // resolve       Beside a bare draw of the same triangles, whose corners lie in a buffer already: the same order, stencil
-//               state, depth and size, one draw for each kind of face. Wanted: a ratio of at most 1.3.
+//               state, depth, size and ends, one draw for each kind of face, and a pass that writes a constant where the
+//               stencil is not zero, with position and normal fetched. Wanted: a ratio of at most 1.3.
 // per_triangle  Side quads of every triangle (contender) beside those of the outline (floor), both by resolve.
 //
 // Adjacency and relight run on two threads.
 #include <benchmark/benchmark.h>
 #include <gnomon/kit/edges.h>
-#include <gnomon/kit/gl.h>
+#include <gnomon/kit/gl_pass.h>
 #include <gnomon/kit/parallel.h>
 #include <gnomon/kit/shapes.h>
 #include <gnomon/kit/volume_faces.h>
@@ -137,8 +138,9 @@ class BareVolumes {
     glEnableVertexArrayAttrib(vertex_array_.name(), 1);
   }
 
-  /// Leaves the count in the stencil of `depth`.
-  void draw(const DepthStencil& depth, const PixelRectangle& within, const glm::mat4& clip) const {
+  /// Leaves the count in the stencil of `depth`, and a pass over the pixels that it lets through in the mask.
+  void draw(const DepthStencil& depth, const GBufferTextures& gbuffer, VisibilityMask& mask, const glm::mat4& clip) const {
+    const PixelRectangle within = around(gbuffer.receivers);
     const StateGuard guard;
     const GLint zero = 0;
     glNamedFramebufferTexture(framebuffer_.name(), GL_DEPTH_STENCIL_ATTACHMENT, depth.texture.name(), 0);
@@ -164,6 +166,7 @@ class BareVolumes {
       glDrawArrays(GL_TRIANGLES, draw.first, draw.count);
     }
     glBindVertexArray(0);
+    write(mask, gbuffer);
     glFinish();
   }
 
@@ -187,6 +190,19 @@ class BareVolumes {
     GLsizei count;
     bool reversed;
   };
+  void write(VisibilityMask& mask, const GBufferTextures& gbuffer) const {
+    glNamedFramebufferTexture(framebuffer_.name(), GL_COLOR_ATTACHMENT0, mask.texture(), 0);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    const float lit[] = {1, 0, 0, 0};
+    glClearNamedFramebufferfv(framebuffer_.name(), GL_COLOR, 0, lit);
+    glDisable(GL_DEPTH_TEST);
+    glStencilFunc(GL_NOTEQUAL, 0, ~0u);
+    glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
+    bind_gbuffer(gbuffer);
+    glUseProgram(mask_program_.name());
+    draw_full_screen();
+    glNamedFramebufferTexture(framebuffer_.name(), GL_COLOR_ATTACHMENT0, 0, 0);
+  }
   void add(std::initializer_list<glm::vec4> corners) { corners_.insert(corners_.end(), corners); }
   void end_draw(bool reversed) {
     const GLint first = draws_.empty() ? 0 : draws_.back().first + draws_.back().count;
@@ -261,6 +277,9 @@ class BareVolumes {
       "bare volumes",
       std::string(position_snippet) + "layout(location = 1) in vec4 corner; void main() { gl_Position = place(corner); }",
       "void main() {}"};
+  Program mask_program_{"bare mask", full_screen_vertex, std::string(gbuffer_snippet) + R"(
+layout(location = 0) out float visibility;
+void main() { visibility = dot(position_here(), normal_here()) > 0 ? 0 : 1; })"};
 };
 
 /// A scene as resolve wants it, with its inputs uploaded.
@@ -287,10 +306,11 @@ void resolve(benchmark::State& state, const char* reference, const char* method)
   technique->relight(light);
   const BareVolumes bare(*scene, light, std::string_view(method) == "zfail");
   const glm::mat4 clip(clip_from_world(frame.gbuffer.view, width, height));
-  VisibilityMask mask(width, height);
+  VisibilityMask mask(width, height), other(width, height);
   const auto contender = [&] { technique->resolve(frame.gbuffer, mask); };
-  const PixelRectangle within = around(gbuffer_textures(frame.gbuffer, *scene).receivers);
-  const auto floor = [&] { bare.draw(depth_stencil(*scene, frame.gbuffer), within, clip); };
+  const auto floor = [&] {
+    bare.draw(depth_stencil(*scene, frame.gbuffer), gbuffer_textures(frame.gbuffer, *scene), other, clip);
+  };
   contender(), floor();
   if (!bare.agrees(depth_stencil(*scene, frame.gbuffer), mask, *scene, frame.gbuffer, light)) {
     state.SkipWithError("the bare draw and resolve disagree");
