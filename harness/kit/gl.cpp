@@ -73,31 +73,31 @@ Buffer::Buffer(const void* data, std::size_t bytes, GLbitfield flags) : GlObject
   glNamedBufferStorage(name(), static_cast<GLsizeiptr>(std::max<std::size_t>(bytes, 4)), bytes ? data : nullptr, flags);
 }
 
-Texture::Texture(GLenum format, int width, int height, int layers)
-    : width(width),
-      height(height),
-      layers(layers),
-      bytes(std::size_t(width) * height * std::max(layers, 1) * texel_bytes(format)) {
+Texture::Texture(GLenum format, int width, int height, int layers, int levels)
+    : format(format), width(width), height(height), layers(layers), levels(levels) {
+  for (int k = 0; k < levels; ++k)
+    bytes += std::size_t(level_size(width, k)) * level_size(height, k) * std::max(layers, 1) * texel_bytes(format);
   GLuint texture = 0;
   glCreateTextures(layers ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D, 1, &texture);
   static_cast<GlObject&>(*this) = GlObject(texture);
   if (layers)
-    glTextureStorage3D(texture, 1, format, width, height, layers);
+    glTextureStorage3D(texture, levels, format, width, height, layers);
   else
-    glTextureStorage2D(texture, 1, format, width, height);
+    glTextureStorage2D(texture, levels, format, width, height);
   if (const GLenum error = glGetError())
     throw Error("texture of {} x {} x {} texels, {} MiB: the OpenGL device refuses it (error {:#x})", width, height,
                 std::max(layers, 1), bytes >> 20, error);
-  glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, levels > 1 ? GL_NEAREST_MIPMAP_NEAREST : GL_NEAREST);
   glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
   glTextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
   glTextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
 }
 
-void Texture::fit(GLenum format, int new_width, int new_height, int new_layers) {
-  if (width == new_width && height == new_height && layers == new_layers) return;
+void Texture::fit(GLenum new_format, int new_width, int new_height, int new_layers, int new_levels) {
+  if (format == new_format && width == new_width && height == new_height && layers == new_layers && levels == new_levels)
+    return;
   *this = {};
-  *this = Texture(format, new_width, new_height, new_layers);
+  *this = Texture(new_format, new_width, new_height, new_layers, new_levels);
 }
 
 Program::Program(std::string_view title, std::initializer_list<std::pair<GLenum, std::string_view>> shaders)

@@ -54,22 +54,28 @@ struct Buffer : GlObject<glDeleteBuffers> {
   std::size_t bytes = 0;
 };
 
-/// One level, nearest filtering, clamped to the edge; an array when it has layers. Throws Error when there is no memory for it.
+/// Texels along one side of a level whose level 0 has `texels`: half as many in each, rounded down, at least one.
+inline int level_size(int texels, int level) { return std::max(texels >> level, 1); }
+
+/// Nearest filtering, of several levels that of the nearest one; clamped to the edge; an array when it has layers. Throws Error
+/// when there is no memory for it.
 struct Texture : GlObject<glDeleteTextures> {
   Texture() = default;
-  Texture(GLenum format, int width, int height, int layers = 0);
-  /// Becomes a texture of this size unless it is one; the old one goes before the new one comes.
-  void fit(GLenum format, int new_width, int new_height, int new_layers = 0);
-  int width = 0, height = 0, layers = 0;
-  std::size_t bytes = 0;
+  Texture(GLenum format, int width, int height, int layers = 0, int levels = 1);
+  /// Becomes a texture of this format and size unless it is one; the old one goes before the new one comes.
+  void fit(GLenum new_format, int new_width, int new_height, int new_layers = 0, int new_levels = 1);
+  GLenum format = 0;
+  int width = 0, height = 0, layers = 0, levels = 0;
+  std::size_t bytes = 0;  ///< of all levels
 };
 
-/// The texels of a texture as the floats of `format`, read back.
+/// The texels of one level of a texture as the floats of `format`, read back.
 template <class Texel>
-std::vector<Texel> read_texels(const Texture& texture, GLenum format) {
-  std::vector<Texel> texels(std::size_t(texture.width) * texture.height * std::max(texture.layers, 1));
+std::vector<Texel> read_texels(const Texture& texture, GLenum format, int level = 0) {
+  std::vector<Texel> texels(std::size_t(level_size(texture.width, level)) * level_size(texture.height, level) *
+                            std::max(texture.layers, 1));
   const auto bytes = static_cast<GLsizei>(texels.size() * sizeof(Texel));
-  glGetTextureImage(texture.name(), 0, format, GL_FLOAT, bytes, texels.data());
+  glGetTextureImage(texture.name(), level, format, GL_FLOAT, bytes, texels.data());
   return texels;
 }
 
