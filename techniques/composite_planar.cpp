@@ -83,6 +83,7 @@ class CompositePlanar final : public Technique {
     std::array<Program, 3> programs;  // for patches without a list, of one test, of more
     Framebuffer framebuffer;
     VertexArray vertex_array;
+    std::uint32_t most_tests = Patches::most;  // of a patch: fewer where the device hands fewer floats to pixels
     const Scene* scene = nullptr;
     std::vector<ShapeCaster> casters;
     ReceiverSet receivers;
@@ -111,6 +112,11 @@ std::vector<CompositePlanar::ShapeCaster> CompositePlanar::casters_of(const Scen
 
 Support CompositePlanar::supports(const Scene& scene, const Light& light, const View&) const {
   if (has_area(light)) return Support::unsupported("the formulas are of one point: lights with area have none");
+  const GlLimits needed{.varying_components = composite_planar::varying_components(1),
+                        .vertex_storage_blocks = 3,
+                        .storage_bindings = 3,
+                        .storage_block_bytes = sizeof(TestData)};
+  if (const Support enough = within_limits(needed); !enough) return enough;
   for (const Mesh& mesh : scene.meshes)
     if (mesh.casts && !mesh.shape) return Support::unsupported(fmt::format("{} has no exact shape", mesh.name));
   const ReceiverSet receivers = find_receivers(scene, min_share);
@@ -136,8 +142,11 @@ Support CompositePlanar::supports(const Scene& scene, const Light& light, const 
 }
 
 void CompositePlanar::setup() {
+  while (made_->most_tests > 1 &&
+         !within_limits({.varying_components = composite_planar::varying_components(made_->most_tests)}))
+    --made_->most_tests;
   for (std::size_t kind = 0; kind < made_->programs.size(); ++kind) {
-    const std::string head = fmt::format("#define COUNT {}\n", std::array<std::uint32_t, 3>{0, 1, Patches::most}[kind]);
+    const std::string head = fmt::format("#define COUNT {}\n", std::array<std::uint32_t, 3>{0, 1, made_->most_tests}[kind]);
     made_->programs[kind] = Program("composite_planar", head + std::string(patch_vertex), head + patch_fragment);
   }
   made_->framebuffer = make_framebuffer();
@@ -154,7 +163,7 @@ void CompositePlanar::setup() {
   // scene.
   const std::string chosen = form.text();
   form.set("exact");
-  for (const std::uint32_t limit : {0u, 1u, Patches::most}) {
+  for (const std::uint32_t limit : {0u, 1u, made_->most_tests}) {
     list_limit_ = limit;
     warm_up(*this);
   }
@@ -231,7 +240,7 @@ void CompositePlanar::find_patches(const GBuffer& gbuffer) {
     }
     tiles_.add(t, test, polygon);
   }
-  patches_.make(tiles_.sorted(), tiles_.columns(), gbuffer.width, gbuffer.height, list_limit_);
+  patches_.make(tiles_.sorted(), tiles_.columns(), gbuffer.width, gbuffer.height, std::min(list_limit_, made_->most_tests));
 }
 
 void CompositePlanar::draw(const GBuffer& gbuffer) {
@@ -243,6 +252,7 @@ void CompositePlanar::draw(const GBuffer& gbuffer) {
   const GLuint vao = made_->vertex_array.name();
   glVertexArrayVertexBuffer(vao, 0, instances_.name(), 0, sizeof(Patch));
   bind_gbuffer(gbuffer_textures(gbuffer, *made_->scene));
+  require_storage_block(std::max(tests_.bytes, lists_.bytes));
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, tests_.name());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, lists_.name());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, planes_.name());

@@ -106,6 +106,11 @@ class PlanarProjected final : public Technique {
 
 Support PlanarProjected::supports(const Scene& scene, const Light& light, const View&) const {
   if (has_area(light)) return Support::unsupported("casters are projected from one point: lights with area have none");
+  const std::size_t most = std::max(scene.triangle_count(), scene.meshes.size());
+  const GlLimits needed{.fragment_storage_blocks = 2,
+                        .storage_bindings = 2,
+                        .storage_block_bytes = static_cast<std::int64_t>(most * sizeof(std::uint32_t))};
+  if (const Support enough = within_limits(needed); !enough) return enough;
   const ReceiverPlanes planes = find_receiver_planes(scene, min_share);
   if (planes.planes.empty())
     return Support::unsupported(fmt::format("no plane holds {} of the receiving area", min_share.value()));

@@ -69,7 +69,11 @@ class ShadowMap final : public Technique {
 
  public:
   Support supports(const Scene&, const Light& light, const View&) const override {
-    return hard_lights_only(light, "a shadow map has one center: lights with area have none");
+    if (has_area(light)) return Support::unsupported("a shadow map has one center: lights with area have none");
+    const bool is_cube = std::holds_alternative<PointLight>(light.kind);
+    // Six images hand on fifteen constants, four floats each: see resolve_constants.
+    return within_limits(
+        {.varying_components = is_cube ? 60 : 44, .texture_size = resolution, .texture_layers = is_cube ? 6 : 1});
   }
   void setup() override;
   void build(const Scene& scene) override;

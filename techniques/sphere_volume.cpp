@@ -107,7 +107,8 @@ Support SphereVolume::supports(const Scene& scene, const Light& light, const Vie
       if (mesh.casts && mesh.has_curved_shape() && is_on_surface(*mesh.shape, glm::dvec3(homogeneous(light))))
         return Support::unsupported(
             fmt::format("the light lies on the surface of {}, whose outline cannot be seen from there", mesh.name));
-  return Support::full();
+  const GlLimits needed = FaceDrawer::needs(scene);
+  return within_limits(is_exact() ? most_of(needed, bodies_need(scene.meshes.size())) : needed);
 }
 
 void SphereVolume::setup() {

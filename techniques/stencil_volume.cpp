@@ -124,6 +124,9 @@ class StencilVolume final : public VolumeTechnique {
 
 Support StencilVolume::supports(const Scene& scene, const Light& light, const View& view) const {
   if (has_area(light)) return Support::unsupported("a shadow volume has one apex: lights with area have none");
+  GlLimits needed = FaceDrawer::needs(scene);
+  if (finder.is("gpu")) needed = most_of(needed, stencil_volume::GpuFinder::needs(scene));
+  if (const Support enough = within_limits(needed); !enough) return enough;
   if (count.is("zfail")) return Support::full();
   const stencil_volume::EyePlace eye = stencil_volume::EyePlaceFinder(scene, light, view).place();
   if (eye.boundary) return Support::approximate("the eye lies on the boundary of a shadow volume, within rounding");

@@ -4,6 +4,7 @@
 #include <epoxy/gl.h>
 #include <gnomon/error.h>
 #include <gnomon/kit/gl.h>
+#include <gnomon/kit/gl_limits.h>
 
 #include <cstdlib>
 #include <string_view>
@@ -91,6 +92,7 @@ GlContext::GlContext(GlChoice choice) {
       if (try_device(devices[i], wanted)) {
         info_.device = static_cast<int>(i);
         glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
+        ask_gl_limits();
         return;
       }
   }
@@ -132,6 +134,7 @@ void GlContext::destroy() {
 GlContext::~GlContext() {
   eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_);
   release_inputs();
+  forget_gl_limits();
   destroy();
 }
 

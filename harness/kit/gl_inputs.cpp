@@ -190,6 +190,14 @@ GBufferSlot& gbuffer_slot(const GBuffer& gbuffer, const Scene& scene) {
 
 }  // namespace
 
+GlLimits inputs_need(const Scene& scene, int width, int height) {
+  GlLimits needed{.texture_size = std::max(width, height)};
+  if (!scene.has_curved_shapes()) return needed;
+  needed.fragment_storage_blocks = needed.storage_bindings = 1;
+  needed.storage_block_bytes = static_cast<std::int64_t>(scene.meshes.size() * sizeof(std::uint32_t));
+  return needed;
+}
+
 const SceneBuffers& scene_buffers(const Scene& scene) {
   const std::uint64_t wanted = stamp(scene);
   const auto is_wanted = [&](const SceneSlot& slot) { return slot.stamp == wanted; };

@@ -259,6 +259,12 @@ VolumeProgram FaceDrawer::program(std::string_view title, std::string_view body)
   return VolumeProgram(title, fmt::format("{}{}{}{}", position_snippet, fetch_snippet, quad_snippet, body));
 }
 
+GlLimits FaceDrawer::needs(const Scene& scene) {
+  std::size_t most = scene.triangle_count();  // a fan reads three buffers: positions, sides, hubs
+  for (std::size_t vertices = 0; const Mesh& mesh : scene.meshes) most = std::max(most, vertices += mesh.positions.size());
+  return {.vertex_storage_blocks = 3, .storage_bindings = 4, .storage_block_bytes = static_cast<std::int64_t>(12 * most)};
+}
+
 void FaceDrawer::setup(std::string_view title) {
   const auto titled = [&](const char* faces) { return fmt::format("{} {}", title, faces); };
   sides_ = program(titled("sides"), sides_body);
@@ -273,6 +279,7 @@ void FaceDrawer::setup(std::string_view title) {
 
 void FaceDrawer::bind(const Buffer& positions, const FaceBuffers& faces, const glm::mat4& clip_from_world,
                       const glm::dvec4& light, const FarPlanes* ends) {
+  require_storage_block(std::max(faces.sides.bytes(), faces.hubs.bytes()));
   clip_from_world_ = clip_from_world;
   light_ = glm::vec4(light);
   is_pointed_ = WantedFaces{.ends = ends}.are_pointed(light);

@@ -17,6 +17,7 @@ struct alignas(16) TestData {
 
 // A patch's tests go to its pixels as flat outputs of its corners: constants of a triangle are read in no time, where every
 // pixel would gather buffers and textures anew. The head defines COUNT, the most tests of a patch.
+constexpr std::int64_t varying_components(std::uint32_t count) { return 4 * (5 + 6 * std::int64_t{count}); }
 
 inline const gnomon::PassConstants patch_constants(std::string(gnomon::faces_light_constants) + "float tolerance;");
 

@@ -17,6 +17,11 @@ struct alignas(16) BodyData {
   glm::vec4 along;  ///< unit axis or normal, height
   std::uint32_t own_mesh;
 };
+inline gnomon::GlLimits bodies_need(std::size_t count) {
+  return {.fragment_storage_blocks = 1,
+          .storage_bindings = 1,
+          .storage_block_bytes = static_cast<std::int64_t>(count * sizeof(BodyData))};
+}
 
 inline const gnomon::PassConstants exact_constants("vec4 light;");
 

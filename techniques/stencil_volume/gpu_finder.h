@@ -108,6 +108,15 @@ void main() {
 /// The order of faces in the buffers is open, the set of faces is not, so neither are the counts.
 class GpuFinder {
  public:
+  /// Of the device, beside what drawing needs. How many edges there are shows in `build`.
+  static GlLimits needs(const Scene& scene) {
+    return {.compute_storage_blocks = 8,
+            .storage_bindings = 8,
+            .storage_block_bytes = static_cast<std::int64_t>(scene.triangle_count() * sizeof(glm::uvec4)),
+            .work_group_size = 256,
+            .work_groups = 32768};
+  }
+
   void setup() {
     facing_program_ = Program::compute("stencil_volume facing", std::string(finder_head) + std::string(facing_body));
     edges_program_ = Program::compute("stencil_volume edges", std::string(finder_head) + std::string(edges_body));
@@ -120,7 +129,10 @@ class GpuFinder {
     triangles.reserve(adjacency.triangles().size());
     for (std::size_t t = 0; t < adjacency.triangles().size(); ++t)
       triangles.emplace_back(adjacency.triangles()[t], adjacency.part_of()[t]);
-    const auto upload = [](const auto& values) { return Buffer(values.data(), values.size() * sizeof(values[0])); };
+    const auto upload = [](const auto& values) {
+      require_storage_block(values.size() * sizeof(values[0]));
+      return Buffer(values.data(), values.size() * sizeof(values[0]));
+    };
     for (Buffer* const old : {&triangles_, &first_, &edges_, &irregular_, &at_irregular_}) *old = {};
     triangles_ = upload(triangles);
     first_ = upload(adjacency.first_at_position());

@@ -1,6 +1,6 @@
 #pragma once
 #include <epoxy/gl.h>
-#include <gnomon/technique.h>
+#include <gnomon/kit/gl_limits.h>
 
 #include <algorithm>
 #include <initializer_list>
@@ -182,6 +182,9 @@ struct DepthStencil {
   std::size_t bytes = 0;
   double upload_ms = 0;
 };
+
+/// What the next three need of the device.
+GlLimits inputs_need(const Scene& scene, int width, int height);
 
 /// Uploaded at the first request, looked up after. The last few scenes and G-buffers are held: ask again in every stage and
 /// keep no reference from one to the next. The harness asks first, so that a technique's call costs a look-up.

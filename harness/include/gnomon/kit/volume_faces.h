@@ -123,8 +123,12 @@ class FaceDrawer {
   /// corner)`, a corner of the six (pointed: three) of a side.
   static VolumeProgram program(std::string_view title, std::string_view body);
 
+  /// What any drawing of the volumes of this scene's triangles needs of the device; how many sides they have shows later.
+  static GlLimits needs(const Scene& scene);
+
   void setup(std::string_view title);
-  /// Before any draw of a pass. `positions` holds the vertices of the adjacency's scene, tightly packed.
+  /// Before any draw of a pass. `positions` holds the vertices of the adjacency's scene, tightly packed. Throws Error where the
+  /// device cannot read that many sides.
   void bind(const Buffer& positions, const FaceBuffers& faces, const glm::mat4& clip_from_world, const glm::dvec4& light,
             const FarPlanes* ends = nullptr);
   /// Side quads of the outline.
