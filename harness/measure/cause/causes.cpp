@@ -132,7 +132,7 @@ std::vector<std::uint8_t> any_differs(const Attribution& a, const LightRays& ray
 }
 
 /// 1 where the reference answers otherwise within the raster's snapping of the pixel's center, though no other pixel shows it:
-/// a shadow thinner than a pixel. Snapping to 1/256 pixel moves an edge by at most 1/512 pixel in each coordinate, and four
+/// a shadow thinner than a pixel. Snapping to a grid moves an edge by at most half its side in each coordinate, and four
 /// shifts of twice that meet every half-plane that such a move can. Two things are snapped: the receiver, so the point moves
 /// across the view ray; and what hides the light, so the light's ray moves by as much across itself, which under grazing light
 /// is a long way on the receiver.
@@ -143,7 +143,7 @@ std::vector<std::uint8_t> is_on_thin_edge(const Attribution& a, const LightRays&
   for (const std::uint32_t i : pixels) {
     const glm::dvec3 point = a.gbuffer.position(i), n = a.gbuffer.normal(i), from_eye = point - eye;
     const glm::dvec3 v = glm::normalize(from_eye);
-    const double step = glm::length(from_eye) * per_meter / 256 + rays.rounding();
+    const double step = glm::length(from_eye) * per_meter * snapping_grid(a.reference.subpixel_bits) + rays.rounding();
     for (const glm::dvec3& along : {v, rays.toward_light(point)}) {
       const glm::dvec3 u = step * across(along)[0], w = glm::cross(along, u);
       for (const glm::dvec3& move : {u, -u, w, -w}) starts.push_back({i, point + move + back_to_plane(move, along, n), 0});

@@ -31,7 +31,7 @@ struct Question {
 class Block {
  public:
   Block(const Attribution& a, const LightRays& rays, std::span<const TapCase> cases, std::span<Cause> causes)
-      : rays_(rays), causes_(causes) {
+      : rays_(rays), causes_(causes), grid_(snapping_grid(a.reference.subpixel_bits)) {
     for (const TapCase& c : cases) {
       Question q{.pixel = c.pixel,
                  .why = c.why,
@@ -114,8 +114,8 @@ class Block {
   }
 
   /// Whether a perfect map with these taps would be on the technique's side too. Where it would not be, taps within the
-  /// raster's tolerance of an edge may count for the other side: snapping vertices to 1/256 texel moves an edge by at most
-  /// 1/512 texel in each coordinate, and four shifts of twice that across the ray meet every half-plane that such a move can.
+  /// raster's tolerance of an edge may count for the other side: snapping vertices to a grid moves an edge by at most half its
+  /// side in each coordinate, and four shifts of twice that across the ray meet every half-plane that such a move can.
   bool can_err(const Question& q, std::span<const std::uint8_t> lit, bool unshifted) const {
     const auto mean = [&](auto&& is_lit) {
       double v = 0;
@@ -148,10 +148,10 @@ class Block {
     return q.is_on_technique_side(mean([&](std::size_t j) { return plain(j) != (flips[j] != 0); }));
   }
 
-  /// The tap's place on the tangent plane with its ray moved by 1/256 texel and float32 rounding, four ways.
+  /// The tap's place on the tangent plane with its ray moved by the grid's side and float32 rounding, four ways.
   std::array<glm::dvec3, 4> shaken(const Question& q, std::size_t j) const {
     const glm::dvec3 d = q.why->taps[j].direction, place = places_[q.first_tap + j];
-    const double step = q.why->texel_width / 256 + rays_.rounding();
+    const double step = q.why->texel_width * grid_ + rays_.rounding();
     const glm::dvec3 u = step * across(d)[0], v = glm::cross(d, u);
     const bool comes_down = glm::dot(q.normal, d) < 0;
     std::array<glm::dvec3, 4> moved;
@@ -273,6 +273,7 @@ class Block {
 
   const LightRays& rays_;
   std::span<Cause> causes_;
+  double grid_;  ///< of the raster, texels
   std::vector<Question> questions_;
   std::vector<std::uint32_t> mesh_;  ///< of each question's receiver
   std::vector<glm::dvec3> places_;   ///< of all taps of all questions, on their tangent planes

@@ -30,14 +30,15 @@ constexpr ClassInfo classes_table[] = {
 class SnappedRays {
  public:
   SnappedRays(const Scene& scene, const RayScene& everything, const RayScene& casters, const GBuffer& gbuffer,
-              const Light& light)
+              const Light& light, int subpixel_bits)
       : scene_(scene),
         everything_(everything),
         casters_(casters),
         gbuffer_(gbuffer),
         light_(light),
         l_(homogeneous(light)),
-        camera_(gbuffer.view, gbuffer.width, gbuffer.height) {}
+        camera_(gbuffer.view, gbuffer.width, gbuffer.height),
+        most_(snapping_grid(subpixel_bits) / 2) {}
 
   /// Bit k: pixel pixels[k] has another answer at some corner.
   std::uint32_t flips(std::span<const std::size_t> pixels, std::span<const float> reference) const {
@@ -48,8 +49,8 @@ class SnappedRays {
       ShadowPacket packet{};
       std::uint32_t mesh[16] = {}, triangle[16] = {}, valid = 0;
       for (int k = 0; k < count; ++k) {
-        const double x = static_cast<double>(pixels[k] % gbuffer_.width) + 0.5 + (corner & 1 ? most_snapping : -most_snapping);
-        const double y = static_cast<double>(pixels[k] / gbuffer_.width) + 0.5 + (corner & 2 ? most_snapping : -most_snapping);
+        const double x = static_cast<double>(pixels[k] % gbuffer_.width) + 0.5 + (corner & 1 ? most_ : -most_);
+        const double y = static_cast<double>(pixels[k] / gbuffer_.width) + 0.5 + (corner & 2 ? most_ : -most_);
         const SurfacePoint point = surface_through(scene_, everything_, camera_, gbuffer_.truth, x, y);
         if (!has_answer(point)) continue;
         valid |= 1u << k;
@@ -83,6 +84,7 @@ class SnappedRays {
   const Light& light_;
   glm::dvec4 l_;
   Camera camera_;
+  double most_;  // pixels that a vertex is moved by
 };
 
 }  // namespace
@@ -134,8 +136,8 @@ std::vector<PixelClass> classify(const Scene& scene, const RayScene& casters, co
 
 std::vector<std::uint8_t> find_snapping(const Scene& scene, const RayScene& everything, const RayScene& casters,
                                         const GBuffer& gbuffer, const Light& light, std::span<const float> reference,
-                                        std::span<const PixelClass> classes) {
-  const SnappedRays snapped(scene, everything, casters, gbuffer, light);
+                                        std::span<const PixelClass> classes, int subpixel_bits) {
+  const SnappedRays snapped(scene, everything, casters, gbuffer, light, subpixel_bits);
   std::vector<std::uint8_t> snapping(gbuffer.size());
   const auto is_asked = [&](std::size_t i, int, int) { return classes[i] == PixelClass::T; };
   decide_in_packets(gbuffer.width, gbuffer.height, is_asked, [&](std::span<const std::size_t> pixels) {

@@ -90,7 +90,7 @@ fs::path FrameStore::scene_file() {
   return file.empty() ? files_.put(name, scene_bytes_) : file;
 }
 
-std::string FrameStore::hash(const FrameKey& key, const Light* light, const AreaTarget& target) const {
+std::string FrameStore::hash(const FrameKey& key, const Light* light, const AreaTarget& target, int subpixel_bits) const {
   Scene fingerprint;
   fingerprint.name =
       fmt::format("{} {} {} {} {} {}", file_layout, frame_version(), scene_hash_, key.width, key.height, name(key.truth));
@@ -98,6 +98,7 @@ std::string FrameStore::hash(const FrameKey& key, const Light* light, const Area
   if (light) {
     fingerprint.name += has_area(*light) ? fmt::format(" soft {} {} {}", soft_version, target.error, target.cap)
                                          : fmt::format(" {}", snapping_version);
+    if (!has_area(*light) && subpixel_bits != usual_subpixel_bits) fingerprint.name += fmt::format(" {} bits", subpixel_bits);
     fingerprint.lights = {*light};
   }
   return content_hash(scene_bytes(fingerprint));
@@ -138,12 +139,14 @@ std::vector<std::byte> FrameTracer::make(const MissingFrame& missing) {
   const FrameKey& key = missing.key;
   if (missing.light) {
     const GBuffer gbuffer = map_gbuffer(missing.gbuffer_file, key);
-    return has_area(*missing.light) ? soft_reference(missing, gbuffer) : reference(key, gbuffer, *missing.light);
+    return has_area(*missing.light) ? soft_reference(missing, gbuffer) : reference(missing, gbuffer);
   }
   return gbuffer_bytes(make_gbuffer(scene_, everything(key.truth), key.view, key.width, key.height, key.truth));
 }
 
-std::vector<std::byte> FrameTracer::reference(const FrameKey& key, const GBuffer& g, const Light& light) {
+std::vector<std::byte> FrameTracer::reference(const MissingFrame& missing, const GBuffer& g) {
+  const FrameKey& key = missing.key;
+  const Light& light = *missing.light;
   std::vector<float> mask(g.size());
   trace_shadows(casters(key.truth), scene_, g, light, mask);
   const std::vector<PixelClass> classes = classify(scene_, casters(key.truth), g, light, mask);
@@ -151,8 +154,8 @@ std::vector<std::byte> FrameTracer::reference(const FrameKey& key, const GBuffer
   append(bytes, std::span<const float>(mask));
   append(bytes, std::span<const std::uint32_t>(find_nearest_casters(scene_, casters(key.truth), g, light, mask)));
   append(bytes, std::span<const PixelClass>(classes));
-  append(bytes, std::span<const std::uint8_t>(
-                    find_snapping(scene_, everything(key.truth), casters(key.truth), g, light, mask, classes)));
+  append(bytes, std::span<const std::uint8_t>(find_snapping(scene_, everything(key.truth), casters(key.truth), g, light, mask,
+                                                            classes, missing.subpixel_bits)));
   return bytes;
 }
 
@@ -171,18 +174,24 @@ std::vector<std::byte> FrameTracer::soft_reference(const MissingFrame& missing, 
   return bytes;
 }
 
-Reference FrameStore::reference(const FrameKey& key, const Light& light, const AreaTarget& target) {
+Reference FrameStore::reference(const FrameKey& key, const Light& light, const AreaTarget& target, int subpixel_bits) {
   require_reference(scene_, light, key.view);
-  const std::string name = hash(key, &light, target) + ".reference";
+  const std::string name = hash(key, &light, target, subpixel_bits) + ".reference";
   fs::path path = find(name, pixel_count(key) * reference_pixel(light));
   if (path.empty()) {
     const fs::path seen = gbuffer_file(key);
-    path = make(name, {.scene_file = scene_file(), .key = key, .light = light, .gbuffer_file = seen, .target = target});
+    path = make(name, {.scene_file = scene_file(),
+                       .key = key,
+                       .light = light,
+                       .gbuffer_file = seen,
+                       .target = target,
+                       .subpixel_bits = subpixel_bits});
   }
   const auto file = MappedFile::open(path);
   const std::size_t n = pixel_count(key);
   std::size_t offset = 0;
   Reference reference;
+  reference.subpixel_bits = subpixel_bits;
   reference.mask = slice<float>(*file, offset, n);
   reference.nearest_caster = slice<std::uint32_t>(*file, offset, n);
   if (has_area(light)) {

@@ -25,6 +25,7 @@ struct Reference {
   std::shared_ptr<const void> storage;
   /// 1 where the pixel is tested and a rasterizer's rounding of vertices may turn its answer over (see find_snapping), else 0.
   std::span<const std::uint8_t> snapping = {};
+  int subpixel_bits = usual_subpixel_bits;  ///< of that rasterizer
   /// Of a light with area, else empty: `mask` is the share of its area that is seen, `irradiance` that of the irradiance, each
   /// with its standard error (see SoftReference).
   std::span<const float> irradiance = {}, error = {}, irradiance_error = {}, caster_distance = {};
@@ -44,11 +45,12 @@ struct FrameKey {
 
 /// What a FrameStore has not got yet.
 struct MissingFrame {
-  std::filesystem::path scene_file;    ///< with scene_bytes
-  FrameKey key;                        ///< the G-buffer of this,
-  std::optional<Light> light;          ///< or where it holds one the reference under it,
-  std::filesystem::path gbuffer_file;  ///< which is seen in this G-buffer
-  AreaTarget target = {};              ///< of a light with area
+  std::filesystem::path scene_file;         ///< with scene_bytes
+  FrameKey key;                             ///< the G-buffer of this,
+  std::optional<Light> light;               ///< or where it holds one the reference under it,
+  std::filesystem::path gbuffer_file;       ///< which is seen in this G-buffer
+  AreaTarget target = {};                   ///< of a light with area
+  int subpixel_bits = usual_subpixel_bits;  ///< of the rasterizer whose rounding is marked
   /// Counts pixels of a reference under a light with area as they are finished, for whoever shows progress.
   std::atomic<std::size_t>* done = nullptr;
 };
@@ -72,7 +74,7 @@ class FrameTracer final : public FrameMaker {
 
  private:
   const RayScene& rays(Truth truth, RayScene::Which which);
-  std::vector<std::byte> reference(const FrameKey& key, const GBuffer& g, const Light& light);
+  std::vector<std::byte> reference(const MissingFrame& missing, const GBuffer& g);
   std::vector<std::byte> soft_reference(const MissingFrame& missing, const GBuffer& g);
 
   const Scene& scene_;
@@ -98,13 +100,15 @@ class FrameStore {
   std::filesystem::path gbuffer_file(const FrameKey& key);
   GBuffer gbuffer(const FrameKey& key);
   /// Under a light with area to the target. Throws Error as require_reference does.
-  Reference reference(const FrameKey& key, const Light& light, const AreaTarget& target = {});
+  Reference reference(const FrameKey& key, const Light& light, const AreaTarget& target = {},
+                      int subpixel_bits = usual_subpixel_bits);
   /// As FrameTracer has them, in this process.
   const RayScene& casters(Truth truth) { return tracer_.casters(truth); }
   const RayScene& everything(Truth truth) { return tracer_.everything(truth); }
 
  private:
-  std::string hash(const FrameKey& key, const Light* light, const AreaTarget& target = {}) const;
+  std::string hash(const FrameKey& key, const Light* light, const AreaTarget& target = {},
+                   int subpixel_bits = usual_subpixel_bits) const;
   /// The file of a name whose content is of that size and ends with its hash; nothing where there is none.
   std::filesystem::path find(const std::string& name, std::size_t size);
   /// Has it made, and puts it in a file of that name.

@@ -40,8 +40,9 @@ fs::path FrameWorker::file(const char* ending) {
 std::vector<std::byte> FrameWorker::make(const MissingFrame& missing) {
   const std::vector<std::byte> view_and_light = view_and_light_bytes(missing);
   const std::string_view truth = name(missing.key.truth);
-  const std::string frame = fmt::format("{} {} {} {} {} {}", content_hash(view_and_light), missing.key.width,
-                                        missing.key.height, truth, missing.target.error, missing.target.cap);
+  const std::string frame =
+      fmt::format("{} {} {} {} {} {} {}", content_hash(view_and_light), missing.key.width, missing.key.height, truth,
+                  missing.target.error, missing.target.cap, missing.subpixel_bits);
   if (const auto failure = failures_.find(frame); failure != failures_.end()) throw WorkerFailure(failure->second);
   write_file(file("view_and_light"), view_and_light);
   const Json request = json_object({{"do", "trace"},
@@ -53,6 +54,7 @@ std::vector<std::byte> FrameWorker::make(const MissingFrame& missing) {
                                     {"truth", truth},
                                     {"error", missing.target.error},
                                     {"cap", missing.target.cap},
+                                    {"subpixel_bits", missing.subpixel_bits},
                                     {"out", file("frame").string()},
                                     {"done", file("done").string()}});
   try {

@@ -20,6 +20,12 @@ const std::optional<Record::ReferenceFacts>& facts_of(const Record& record, std:
   return record.lights.empty() ? record.reference : record.lights[light].reference;
 }
 
+/// Of what drew the row; of other techniques and older records the usual ones.
+int subpixel_bits_of(const Record& record) {
+  const auto bits = record.context.find("gl_subpixel_bits");
+  return bits != record.context.end() && bits->is_number_integer() ? bits->get<int>() : usual_subpixel_bits;
+}
+
 }  // namespace
 
 KeptPlace kept_place(const Record& record, const Scene& scene, Truth truth) {
@@ -56,7 +62,7 @@ MeasuredRow kept_row(const Record& record, const std::filesystem::path& file, st
     const Light& light = place.lights[k];
     const std::string channel = fmt::format("{}.{}", light.name, what);
     Answer answer{frames.gbuffer(place.key),
-                  frames.reference(place.key, light, target_of(record, k)),
+                  frames.reference(place.key, light, target_of(record, k), subpixel_bits_of(record)),
                   read_exr(file, channel, record.width, record.height),
                   {},
                   estimates_of(record, k)};

@@ -4,6 +4,7 @@
 
 #include "analysis/analysis.h"
 #include "analysis/in_order.h"
+#include "measure/frame/classify.h"
 #include "report/table/digits.h"
 
 namespace gnomon {
@@ -79,6 +80,13 @@ bool has_metric(std::span<const Record> records, std::string_view metric) {
 
 bool any_is(std::span<const Record> records, Lighting of) {
   return std::ranges::any_of(records, [&](const Record& r) { return lighting(r) == of; });
+}
+/// Whether a rasterizer of these rows rounds vertices to another grid than most do.
+bool has_unusual_grid(std::span<const Record> records) {
+  return std::ranges::any_of(records, [](const Record& r) {
+    const auto bits = r.context.find("gl_subpixel_bits");
+    return bits != r.context.end() && *bits != usual_subpixel_bits;
+  });
 }
 bool any_is_not_hard(std::span<const Record> records) {
   return std::ranges::any_of(records, [](const Record& r) { return lighting(r) != Lighting::hard; });
@@ -265,7 +273,10 @@ Layout lay_out(std::span<const Record> records, std::span<const std::string> nam
   if (has_column("snapping_floor") && has_metric(records, "snapping_floor"))
     layout.shorthands.emplace_back(
         "snapping floor",
-        "what a shift by 1/512 pixel turns over, in every row of a group alike: up to it a rasterizer is right");
+        has_unusual_grid(records)
+            ? "what a shift by half the rasterizer's grid turns over, without OpenGL by 1/512 pixel: up to it a rasterizer is "
+              "right"
+            : "what a shift by 1/512 pixel turns over, in every row of a group alike: up to it a rasterizer is right");
   return layout;
 }
 

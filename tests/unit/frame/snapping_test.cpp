@@ -21,13 +21,13 @@ struct Frame {
   std::vector<PixelClass> classes;
   std::vector<std::uint8_t> snapping;
 
-  Frame(const Scene& scene, const Light& light, const View& view, int size, Truth truth = Truth::mesh) {
+  Frame(const Scene& scene, const Light& light, const View& view, int size, Truth truth = Truth::mesh, int subpixel_bits = 8) {
     const RayScene everything(scene, truth, RayScene::Which::all), casters(scene, truth, RayScene::Which::casters);
     gbuffer = gnomon::make_gbuffer(scene, everything, view, size, size, truth);
     reference.resize(gbuffer.size());
     trace_shadows(casters, scene, gbuffer, light, reference);
     classes = classify(scene, casters, gbuffer, light, reference);
-    snapping = find_snapping(scene, everything, casters, gbuffer, light, reference, classes);
+    snapping = find_snapping(scene, everything, casters, gbuffer, light, reference, classes, subpixel_bits);
   }
   Evidence evidence() const {
     return {.width = gbuffer.width,
@@ -65,6 +65,15 @@ TEST(snapping, an_edge_of_sixteen_pixels_counts_when_it_is_within_a_512th_of_the
     for (int y = 24; y < 40; ++y) EXPECT_EQ(frame.snapping[64 * y + 48], expected > 0) << m << " row " << y;
     const auto tested = static_cast<double>(std::ranges::count(frame.classes, PixelClass::T));
     EXPECT_DOUBLE_EQ(floor_of(frame.evidence()).value(), static_cast<double>(expected) / tested);
+  }
+}
+
+// The same plate, and a rasterizer that rounds to 1/16 px: half of that is 32/1024 px.
+TEST(snapping, a_coarser_grid_turns_over_what_is_within_half_of_it) {
+  for (const int m : {-33, -31, 31, 33}) {
+    const Scene scene = plate(1.0625f + 0.125f / 1024 * static_cast<float>(m));
+    EXPECT_EQ(Frame(scene, scene.lights[0], from_above(), 64, Truth::mesh, 4).count(), std::abs(m) == 31 ? 16u : 0u) << m;
+    EXPECT_EQ(Frame(scene, scene.lights[0], from_above(), 64).count(), 0u) << m;
   }
 }
 
