@@ -152,12 +152,16 @@ class Rendering {
     record.context["scene_hash"] = run_.frames.scene_hash(job.lights);
     record.support = support.kind();
     record.reason = support.why();
-    record.times(Stage::setup) = {{worker_.setup_ms()}};
+    const ContenderWorker::SetupTime setup = worker_.setup_time();
+    record.times(Stage::setup) = {{setup.ms}};
+    if (setup.device_ms) record.device_times(Stage::setup) = {{*setup.device_ms}};
     const auto measured = measure(record, run_, worker_, frame);
     if (!measured) require(Support::unsupported(record.reason));
     // One warm call each: `gnomon run` is for timing.
-    for (const Stage stage : {Stage::build, Stage::relight, Stage::resolve})
+    for (const Stage stage : {Stage::build, Stage::relight, Stage::resolve}) {
       record.times(stage) = {{worker_.client().time(stage)}};
+      if (const auto device_ms = worker_.client().device_ms()) record.device_times(stage) = {{*device_ms}};
+    }
     write_pictures_of(job, *measured);
     record.mask = "mask.exr";
     record.error_picture = "error" + tail_of(jobs_, job) + ".png";

@@ -30,6 +30,7 @@ int view(ViewCommand& options, const Program& program) {
   viewer::ViewOptions& view = options.view;
   viewer::Selection& selection = view.selection;
   view.workers = worker_options(program, options.threads);
+  view.workers.keeps_shaders = true;  // a side should show soon, and its setup is not measured
   selection.sides[0] = parse_side("--technique", options.technique);
   selection.sides[1] = parse_side("--against", options.against.empty() ? registry().reference().id : options.against);
   std::tie(selection.width, selection.height) = parse_size(options.size, "--size");

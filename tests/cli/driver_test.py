@@ -7,7 +7,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import ProgramTest  # noqa: E402
+from program import ProgramTest, records  # noqa: E402
 
 ZINK = {"LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": "zink", "MESA_LOADER_DRIVER_OVERRIDE": "zink"}
 
@@ -38,6 +38,27 @@ class Driver(ProgramTest):
         if "install" in drawn:
             self.skipTest(drawn)
         self.assertTrue(drawn.startswith("zink (llvmpipe"), drawn)
+
+    def test_a_smaller_device_is_a_reason_of_the_row_and_an_unknown_limit_is_refused(self):
+        self.environment = dict(type(self).environment, GNOMON_GL_LIMITS="texture_size=512,vertex_storage_blocks=0")
+        self.succeed("run", "--scene", "fence", "--light", "sun", "--technique", "shadow_map", "--technique", "shadow_map:resolution=512",
+                     "--technique", "stencil_volume", "--size", "64x36", "--processes", "1", "--repetitions", "1", "--out", "out")
+        self.assertEqual([(r["status"], r["reason"]) for r in records(self.dir / "out")],
+                         [("unsupported", "the OpenGL device has texture_size = 512; 1024 are needed"), ("ok", ""),
+                          ("unsupported", "the OpenGL device has vertex_storage_blocks = 0; 3 are needed")])
+        self.assertIn("GNOMON_GL_LIMITS: speed is none of varying_components", self.draw(GNOMON_GL_LIMITS="speed=1"))
+
+    def test_a_drawn_row_has_the_device_s_own_times(self):
+        self.succeed("run", "--scene", "fence", "--light", "sun", "--technique", "shadow_map", "--technique", "embree_rays", "--size", "64x36",
+                     "--processes", "2", "--repetitions", "2", "--out", "out")
+        drawn, traced = records(self.dir / "out")
+        self.assertEqual(traced["device_stages"], {})
+        if not drawn["device_stages"]:
+            self.skipTest("a device without a clock")
+        for stage, processes in drawn["stages"].items():
+            self.assertEqual([len(p) for p in drawn["device_stages"][stage]], [len(p) for p in processes])
+            for wall, device in zip(sum(processes, []), sum(drawn["device_stages"][stage], [])):
+                self.assertTrue(0 <= device <= wall, (stage, device, wall))
 
 
 if __name__ == "__main__":

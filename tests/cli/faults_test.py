@@ -53,6 +53,10 @@ class Faults(ProgramTest):
         self.assertEqual(workers(self.dir), [])
         self.assertFalse((self.dir / "out/.scratch").exists())
 
+    def test_addresses_may_be_reserved_beyond_all_memory(self):
+        self.succeed("--plugin", FAULTS, "run", "--scene", "single_triangle", "--technique", "reserves", "--light", "point", *SMALL, "--out", "out")
+        self.assertEqual([r["status"] for r in records(self.dir / "out")], ["ok"])
+
     def test_a_fault_in_a_later_process_costs_the_row_only(self):
         # Every process of a technique that throws is a new one; the others keep all three of theirs.
         self.succeed("--plugin", FAULTS, "run", "--scene", "single_triangle", "--technique", "crashes", "--technique", "unshadowed",

@@ -1,5 +1,5 @@
 // Eats memory: asks for blocks of 1 GiB in resolve until there are none. It never touches them, so they cost the machine
-// nothing but addresses, of which a worker has a limited number.
+// nothing but a promise, of which a worker has a limited number.
 #include <memory>
 #include <vector>
 

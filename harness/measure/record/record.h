@@ -48,7 +48,9 @@ struct Record {
   std::string reason;                    ///< why approximate, unsupported or failed
 
   std::array<ProcessTimes, std::size(stage_names)> stages;  ///< by Stage; setup has one repetition per process
-  std::map<std::string, std::uint64_t> iterations;          ///< by stage: calls whose mean is one repetition
+  /// The same by the device's own clock, with OpenGL where it has one; as many processes, repetitions and iterations.
+  std::array<ProcessTimes, std::size(stage_names)> device_stages;
+  std::map<std::string, std::uint64_t> iterations;  ///< by stage: calls whose mean is one repetition
   std::string stop;  ///< why there are no more processes: "fixed", "target" (interval narrow enough) or "budget"
   Counts counts;
   std::optional<std::uint64_t> bytes;       ///< what the technique says it holds
@@ -104,7 +106,7 @@ struct Record {
   std::optional<SceneFacts> scene_facts;  ///< sums over the meshes; closed when every mesh is
   std::vector<std::string> notes;
   /// Free, but these keys have a meaning: version, commit, build_type, compiler, flags, processor, cores, threads,
-  /// load_average, started, gl_renderer, gl_version, libraries (object: name -> version).
+  /// load_average, started, gl_renderer, gl_version, gl_subpixel_bits, libraries (object: name -> version).
   Json context = json_object();
   std::optional<double> seconds;  ///< wall time that the row took
   Json unknown = json_object();   ///< fields that this program does not know, kept as read
@@ -119,6 +121,8 @@ struct Record {
 
   const ProcessTimes& times(Stage stage) const { return stages[static_cast<std::size_t>(stage)]; }
   ProcessTimes& times(Stage stage) { return stages[static_cast<std::size_t>(stage)]; }
+  const ProcessTimes& device_times(Stage stage) const { return device_stages[static_cast<std::size_t>(stage)]; }
+  ProcessTimes& device_times(Stage stage) { return device_stages[static_cast<std::size_t>(stage)]; }
   /// The metric against one truth, or against the headline truth; nothing when it is missing or null.
   std::optional<double> metric(Truth of, std::string_view name) const;
   std::optional<double> metric(std::string_view name) const { return metric(truth, name); }

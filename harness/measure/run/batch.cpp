@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <deque>
 #include <map>
 #include <set>
 
@@ -171,7 +172,9 @@ class Batch {
       row.record.reason = support.why();
     }
     if (!support) return give_up(row, Status::unsupported);
-    row.record.times(Stage::setup).push_back({worker.setup_ms()});
+    const ContenderWorker::SetupTime setup = worker.setup_time();
+    row.record.times(Stage::setup).push_back({setup.ms});
+    if (setup.device_ms) row.record.device_times(Stage::setup).push_back({*setup.device_ms});
     row.record.iterations["setup"] = 1;
     if (process_ > 0) return;
     if (const auto measured = measure(row.record, run_, worker, frame))
@@ -189,18 +192,20 @@ class Batch {
   void time_stage(const std::vector<PendingRow*>& group, Stage stage) {
     std::vector<TimingTask> tasks;
     std::vector<PendingRow*> owners;
+    std::deque<std::vector<double>> device;  // of each task: the device's own milliseconds of every repetition
     for (PendingRow* row : group) {
       if (row->over) continue;
       if (const auto known = builds_.find(build_of(*row)); stage == Stage::build && known != builds_.end()) {
-        row->record.times(Stage::build).push_back(known->second.samples);
+        add_samples(row->record, Stage::build, known->second);
         row->record.iterations["build"] = static_cast<std::uint64_t>(known->second.iterations);
         continue;
       }
       const auto start = Clock::now();
       try {
-        tasks.push_back(warm_up(*row, stage));
+        tasks.push_back(warm_up(*row, stage, device.emplace_back()));
         owners.push_back(row);
       } catch (const std::exception& failure) {
+        device.resize(tasks.size());
         fail(*row, message_of(failure));
       }
       *row->record.seconds += seconds_since(start);
@@ -214,13 +219,21 @@ class Batch {
       double spent = 0;
       for (const double ms : tasks[k].samples) spent += ms / 1000 * tasks[k].iterations;
       *owners[k]->record.seconds += spent;
+      tasks[k].device_samples = std::move(device[k]);
       if (stage == Stage::build) builds_[build_of(*owners[k])] = tasks[k];
-      owners[k]->record.times(stage).push_back(std::move(tasks[k].samples));
+      add_samples(owners[k]->record, stage, tasks[k]);
     }
   }
 
-  /// Warm-ups, fewer when they take long; they also say how often to repeat. Stages over 0.5 s are timed once per process.
-  TimingTask warm_up(PendingRow& row, Stage stage) {
+  /// A process more.
+  static void add_samples(Record& record, Stage stage, const TimingTask& task) {
+    record.times(stage).push_back(task.samples);
+    if (!task.device_samples.empty()) record.device_times(stage).push_back(task.device_samples);
+  }
+
+  /// Warm-ups, fewer when they take long; they also say how often to repeat. `device` will get the device's times. Stages over
+  /// 0.5 s are timed once per process.
+  TimingTask warm_up(PendingRow& row, Stage stage, std::vector<double>& device) {
     WorkerClient& worker = workers_[row.contender]->client();
     double last = 0, sum = 0;
     for (int k = 0; k < run_.suite.warmups && sum < 300; ++k) {
@@ -233,7 +246,11 @@ class Batch {
     std::uint64_t& iterations = row.record.iterations[std::string(name(stage))];
     if (iterations == 0) iterations = static_cast<std::uint64_t>(iterations_for(last));
     task.iterations = static_cast<int>(iterations);
-    task.milliseconds = [&worker, stage](int count) { return worker.time(stage, count); };
+    task.milliseconds = [&worker, stage, &device](int count) {
+      const double ms = worker.time(stage, count);
+      if (worker.device_ms()) device.push_back(*worker.device_ms() / count);
+      return ms;
+    };
     return task;
   }
 

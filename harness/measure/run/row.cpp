@@ -79,21 +79,25 @@ std::size_t ContenderWorker::object_count() const {
   return static_cast<std::size_t>(std::ranges::count_if(reply_.lights, [](const Support& light) { return bool(light); }));
 }
 
-double ContenderWorker::setup_ms() {
-  const auto [found, is_new] = setup_ms_.try_emplace(object_count());
-  if (is_new) found->second = client_.time(Stage::setup);
+ContenderWorker::SetupTime ContenderWorker::setup_time() {
+  const auto [found, is_new] = setup_times_.try_emplace(object_count());
+  if (is_new) {
+    found->second.ms = client_.time(Stage::setup);
+    found->second.device_ms = client_.device_ms();
+  }
   return found->second;
 }
 
 std::vector<Answer> ContenderWorker::answers(Record* record) {
   const MaskReply reply = client_.answer();
   const FrameKey key = run_.key(frame_, truth_);
+  const int bits = client_.gl() ? client_.gl()->subpixel_bits : usual_subpixel_bits;
   const GBuffer gbuffer = run_.frames.gbuffer(key);
   std::vector<Answer> answers;
   auto next = reply.mask.begin();
   for (const Light& light : run_.lights(frame_)) {
     const auto end = next + static_cast<std::ptrdiff_t>(gbuffer.size());
-    answers.push_back({gbuffer, run_.frames.reference(key, light, run_.suite.target), {next, end}, {}});
+    answers.push_back({gbuffer, run_.frames.reference(key, light, run_.suite.target, bits), {next, end}, {}});
     next = end;
   }
   if (!record) return answers;
@@ -116,6 +120,7 @@ void ContenderWorker::note_gl(Record& record) const {
   if (!client_.gl()) return;
   record.context["gl_renderer"] = client_.gl()->renderer;
   record.context["gl_version"] = client_.gl()->version;
+  record.context["gl_subpixel_bits"] = client_.gl()->subpixel_bits;
   if (reply_.upload) record.gl = {reply_.upload->bytes, reply_.upload->ms};
 }
 

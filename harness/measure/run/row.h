@@ -55,8 +55,12 @@ class ContenderWorker {
   Support go(const RowFrame& frame, Truth truth);
   /// Objects that setup and build are done by for the frame: one for each of several lights where these share nothing.
   std::size_t object_count() const;
+  struct SetupTime {
+    double ms = 0;
+    std::optional<double> device_ms;  ///< by the clock of the device that draws
+  };
   /// What setup took in this process for so many objects; does it at the first call.
-  double setup_ms();
+  SetupTime setup_time();
   /// The technique's mask of the frame under each light beside the reference, causes left out; counts and memory go to `record`
   /// unless it is null.
   std::vector<Answer> answers(Record* record);
@@ -75,7 +79,7 @@ class ContenderWorker {
   FrameReply reply_{.support = Support::full(), .upload = {}, .lights = {}, .shares = {}};  ///< of the frame
   RowFrame frame_;
   Truth truth_ = Truth::shape;
-  std::map<std::size_t, double> setup_ms_;  ///< by objects
+  std::map<std::size_t, SetupTime> setup_times_;  ///< by objects
 };
 
 /// The answer under one light of a row.

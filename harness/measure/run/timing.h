@@ -11,6 +11,7 @@ struct TimingTask {
   int iterations = 1;                       ///< per repetition; their mean is the sample
   std::function<double(int)> milliseconds;  ///< does the stage so many times and says how long all took together; may throw
   std::vector<double> samples;              ///< out: one per repetition, milliseconds
+  std::vector<double> device_samples;       ///< the same by the device's own clock, where whoever gave the task has one
   std::string failure;                      ///< out: why there are no more samples
 };
 

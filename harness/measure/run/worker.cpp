@@ -41,6 +41,17 @@ std::string program_to_start(const WorkerOptions& options) {
   return program;
 }
 
+/// What a worker's environment has in place of its owner's.
+std::vector<std::pair<std::string_view, std::string>> set_here(const WorkerOptions& options) {
+  std::vector<std::pair<std::string_view, std::string>> variables;
+  if (options.threads > 0) variables.emplace_back("LP_NUM_THREADS", std::to_string(options.threads));
+  if (!options.keeps_shaders) {  // the drivers of Mesa and NVIDIA
+    variables.emplace_back("MESA_SHADER_CACHE_DISABLE", "true");
+    variables.emplace_back("__GL_SHADER_DISK_CACHE", "0");
+  }
+  return variables;
+}
+
 /// Environment and arguments are prepared before the fork: between fork and exec only plain system calls are safe.
 struct Launch {
   std::string program;
@@ -51,9 +62,13 @@ struct Launch {
     arguments = {program};
     for (const std::string& plugin : options.plugins) arguments.insert(arguments.end(), {"--plugin", plugin});
     arguments.insert(arguments.end(), {"worker", std::to_string(socket), std::to_string(options.threads)});
-    for (char** entry = environ; *entry; ++entry)
-      if (std::strncmp(*entry, "LP_NUM_THREADS=", 15) != 0) environment.emplace_back(*entry);
-    if (options.threads > 0) environment.push_back(fmt::format("LP_NUM_THREADS={}", options.threads));
+    const auto variables = set_here(options);
+    for (char** entry = environ; *entry; ++entry) {
+      const std::string_view name = std::string_view(*entry).substr(0, std::string_view(*entry).find('='));
+      const bool is_replaced = std::ranges::any_of(variables, [&](const auto& variable) { return variable.first == name; });
+      if (!is_replaced && name != "LP_NUM_THREADS") environment.emplace_back(*entry);
+    }
+    for (const auto& [name, value] : variables) environment.push_back(fmt::format("{}={}", name, value));
     for (std::string& a : arguments) argv.push_back(a.data());
     for (std::string& e : environment) envp.push_back(e.data());
     argv.push_back(nullptr);
@@ -87,12 +102,13 @@ void enter_worker(int owner, int threads, int errors) {
     }
   }
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // their shadow memory alone is over any limit
-  // A technique that eats all memory gets an exception in its own process instead of taking the machine down.
+  // A technique that eats all memory gets an exception in its own process instead of taking the machine down. Not addresses are
+  // counted but what may be written: drivers of GPUs reserve far more addresses than there is memory.
   struct sysinfo memory {};
   sysinfo(&memory);
   const rlim_t most = static_cast<rlim_t>(memory.totalram) * memory.mem_unit / 10 * 9;
   const rlimit limit{most, most};
-  setrlimit(RLIMIT_AS, &limit);
+  setrlimit(RLIMIT_DATA, &limit);
 #endif
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);

@@ -28,6 +28,8 @@ struct WorkerOptions {
   std::string program = {};  ///< whose processes the workers are; empty: this one
   /// Several iterations of a stage are one request. False: each is one, as older programs want it.
   bool takes_iterations = true;
+  /// Drivers may keep compiled shaders on the disk. False: every setup compiles them.
+  bool keeps_shaders = false;
 };
 
 /// Version of what is said between a program and its workers, and of the files that pass between them. One more with every
@@ -93,14 +95,16 @@ bool write_line(int socket, const std::string& line);
 ///   "shares"
 ///   {"do": "frame", "gbuffer": FILE, "stand": FILE, "width", "height", "truth"}         -> the same
 ///   {"do": "setup"}                                                         -> {"ms": t}
-///   {"do": "time", "stage": NAME, "iterations": N}                          -> {"ms": t, "iterations": n}
+///   {"do": "time", "stage": NAME, "iterations": N}                          -> {"ms": t, "iterations": n, "device_ms": t}
 ///   {"do": "bring_up", "stage": NAME}                                       -> {}          all stages up to this one, once
 ///   {"do": "answer", "mask": FILE}                                          -> {"counts": [...], "peak_bytes": n}
 ///   {"do": "mask", "mask": FILE}                                            -> {}          the mask without counting
 ///   {"do": "explain", "pixels": FILE, "out": FILE}                          -> {"explained": bool}
 ///   {"do": "debug", "layer": NAME, "out": FILE}                             -> {}
 ///   {"do": "detail", "out": FILE}                                           -> {}          detail_bytes of the last relight
-///   {"do": "trace", "scene": FILE, "stand": FILE, "gbuffer": FILE, "width", "height", "truth", "error", "cap", "out": FILE,
+///   {"do": "trace", "scene": FILE, "stand": FILE, "gbuffer": FILE, "width", "height", "truth", "error", "cap",
+///   "subpixel_bits",
+///    "out": FILE,
 ///    "done": FILE} -> {}
 /// The last one is FrameWorker's: the reference, or where `stand` holds no light the G-buffer, as the frame cache has them. The
 /// file `done`, which may be missing, is a SharedCount of the pixels that are through.

@@ -74,7 +74,8 @@ void WorkerClient::begin_load(const LoadRequest& request) {
 void WorkerClient::end_load() {
   fresh_count_ = 0;
   receive(std::max(timeout_seconds_, least_load_seconds), [&](const Json& reply) {
-    if (const Json& gl = reply.at("gl"); !gl.is_null()) gl_ = WorkerGl{gl.at("renderer"), gl.at("version")};
+    if (const Json& gl = reply.at("gl"); !gl.is_null())
+      gl_ = WorkerGl{gl.at("renderer"), gl.at("version"), gl.value("subpixel_bits", usual_subpixel_bits)};
   });
 }
 
@@ -119,6 +120,7 @@ FrameReply WorkerClient::frame(const FrameRequest& request) {
 
 double WorkerClient::time(Stage stage, int iterations) {
   double sum = 0;
+  device_ms_ = 0;
   for (int done = 0; done < iterations;) {
     const int wanted = takes_iterations_ ? iterations - done : 1;
     Json request = json_object({{"do", "time"}, {"stage", name(stage)}});
@@ -128,6 +130,8 @@ double WorkerClient::time(Stage stage, int iterations) {
     done += receive(patience, [&](const Json& reply) {
       fresh_count_ = static_cast<int>(stage) + 1;
       sum += reply.at("ms").get<double>();
+      device_ms_ = device_ms_ && reply.contains("device_ms") ? std::optional(*device_ms_ + reply.at("device_ms").get<double>())
+                                                             : std::nullopt;
       const double count = reply.value("iterations", 1.0);
       if (!(count >= 1 && count <= wanted)) throw Error("{} iterations of {} came for {}", count, name(stage), wanted);
       return static_cast<int>(count);

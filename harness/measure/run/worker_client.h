@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "measure/frame/classify.h"
 #include "measure/run/worker.h"
 
 namespace gnomon {
@@ -60,6 +61,7 @@ struct FrameReply {
 /// What a worker draws with.
 struct WorkerGl {
   std::string renderer, version;
+  int subpixel_bits = usual_subpixel_bits;
 };
 
 struct MaskReply {
@@ -97,6 +99,8 @@ class WorkerClient {
   /// together by the worker's own clock. They are one request, or a few where they take long: each answer may take
   /// `timeout_seconds`, of several iterations longest_portion_seconds more.
   double time(Stage stage, int iterations = 1);
+  /// Of the last of these by the clock of the device that draws; nothing where there is none.
+  std::optional<double> device_ms() const { return device_ms_; }
   /// Does what is out of date up to this stage.
   void bring_up(Stage stage);
 
@@ -126,6 +130,7 @@ class WorkerClient {
   double timeout_seconds_;
   bool takes_iterations_;
   std::optional<WorkerGl> gl_;
+  std::optional<double> device_ms_;
   std::size_t pixel_count_ = 0, light_count_ = 1;  ///< of the frame
   int fresh_count_ = 0;
 };

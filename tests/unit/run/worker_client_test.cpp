@@ -261,6 +261,7 @@ TEST_F(OwnWorker, answers_counts_layers_and_explanations) {
   client.load(request("shadow_map", "resolution=256"));
   ASSERT_TRUE(client.gl());
   EXPECT_FALSE(client.gl()->renderer.empty());
+  EXPECT_GE(client.gl()->subpixel_bits, 4);  // what OpenGL promises
   const FrameReply reply = client.frame(frame());
   EXPECT_TRUE(reply.support);
   ASSERT_TRUE(reply.upload);
