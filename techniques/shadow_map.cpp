@@ -21,7 +21,7 @@ using namespace gnomon;
 constexpr About about{
     .title = "Shadow map",
     .summary = "One depth image from the light, compared once per visible point.",
-    .source = "Williams 1978; Reeves, Salesin and Cook 1987 (filter=pcf); Wang and Molnar 1994 (second_depth)",
+    .source = "Williams 1978; Reeves, Salesin and Cook 1987 (filter); Wang and Molnar 1994 (second_depth)",
     .error =
         "Stair steps of one texel diagonal along every shadow edge; acne where the bias is less than the depth spread of a "
         "texel, peter-panning where an occluder is nearer than the bias. bias=receiver_plane has no acne on flat "
@@ -54,16 +54,27 @@ class ShadowMap final : public Technique {
                                {.unit = "texel", .min = 0, .max = 16},
                                Stage::relight,
                                "How far the look-up point is moved along the normal; for bias=normal_offset."};
-  Choice filter{
-      this,         "filter",
-      "nearest",    {"nearest", "pcf"},
-      Stage::setup, "One comparison, or the mean of (2 filter_radius + 1)^2 comparisons (percentage-closer filtering)."};
-  Number<int> filter_radius{this,
-                            "filter_radius",
-                            1,
-                            {.unit = "texel", .min = 1, .max = 8},
-                            Stage::relight,
-                            "Half the side of the filter beside its middle texel; for filter=pcf."};
+  Choice filter{this,
+                "filter",
+                "nearest",
+                {"nearest", "pcf", "disc", "bilinear"},
+                Stage::setup,
+                "One comparison, or the mean of several (percentage-closer filtering): of (2 filter_radius + 1)^2 texels, of a "
+                "disc around the point, or of the four nearest with the weights of graphics cards."};
+  Number<int> filter_radius{
+      this,
+      "filter_radius",
+      1,
+      {.unit = "texel", .min = 1, .max = 8},
+      Stage::relight,
+      "Half the side of the square beside its middle texel, less half a texel the disc's radius; for filter=pcf and disc."};
+  Choice fit{this,
+             "fit",
+             "scene",
+             {"scene", "view"},
+             Stage::relight,
+             "Images hold all that casters and receivers share, or what the picture shows of it: then each resolve "
+             "fits and draws them anew, and pays for it."};
   Flag second_depth{this, "second_depth", false, Stage::relight,
                     "Stores the second surface seen from the light instead of the first; the far plane where there is none."};
 
@@ -86,15 +97,28 @@ class ShadowMap final : public Technique {
   std::vector<float> draw_debug(std::string_view layer) const override;
 
  private:
-  int radius() const { return filter.is("pcf") ? filter_radius : 0; }
+  shadow_map::Filter used_filter() const { return {shadow_map::FilterKind(filter.index()), filter_radius}; }
+  /// Biases are for one texel: a filter compares with texels farther away.
+  shadow_map::Comparison comparison() const {
+    const double reach = used_filter().reach();
+    return {.bias = shadow_map::Bias(bias.index()),
+            .depth_bias = reach * depth_bias,
+            .slope_bias = reach * slope_bias,
+            .normal_offset = reach * normal_offset,
+            .filter = used_filter()};
+  }
   /// Texels that a look-up may leave the fitted window by: the filter, the normal offset, and one for rounding.
-  int margin() const { return radius() + 1 + (bias.is("normal_offset") ? static_cast<int>(std::ceil(normal_offset)) : 0); }
+  int margin() const {
+    const int offset = bias.is("normal_offset") ? static_cast<int>(std::ceil(comparison().normal_offset)) : 0;
+    return used_filter().margin() + offset + 1;
+  }
   const Texture& map() const { return second_depth ? second_ : first_; }
   /// Texels of a face; none where it is not drawn.
   std::span<const float> layer_depths(std::size_t face) const;
   const std::vector<float>& depths() const;
   const std::vector<glm::vec2>& looked_up() const;
   std::vector<float> answer() const;
+  void draw_images(LightCamera&& camera);
   /// Runs a program of resolve over all pixels, into a texture.
   void look_up(const Program& program, unsigned target) const;
   Program resolve_program(LightProjection projection, std::string_view title, std::string_view first_line) const;
@@ -127,7 +151,7 @@ class ShadowMap final : public Technique {
 };
 
 Program ShadowMap::resolve_program(LightProjection projection, std::string_view title, std::string_view first_line) const {
-  const std::string head = fmt::format("{}{}#define BIAS {}\n#define PCF {}\n", first_line, light_map_head(projection),
+  const std::string head = fmt::format("{}{}#define BIAS {}\n#define FILTER {}\n", first_line, light_map_head(projection),
                                        bias.index(), filter.index());
   return pass_program(title, shadow_map::resolve_constants(projection), head + shadow_map::resolve_fragment);
 }
@@ -151,18 +175,23 @@ void ShadowMap::build(const Scene& scene) {
 void ShadowMap::relight(const Light& light) {
   const StateGuard guard;
   light_ = light;
-  if (made_->read_back.of == this) made_->read_back = {};
-  DepthImages& pass = made_->depth_images;
-  camera_ = fit_to_scene(light, pass.boxes(), resolution, margin());
-  drawn_triangles_ = pass.draw(camera_, first_, second_depth ? DepthImages::Faces::all : DepthImages::Faces::lit);
-  if (second_depth) drawn_triangles_ += pass.draw_second(camera_, first_, second_);
+  if (fit.is("scene")) draw_images(fit_to_scene(light, made_->depth_images.boxes(), resolution, margin()));
   glFinish();
+}
+
+void ShadowMap::draw_images(LightCamera&& camera) {
+  if (made_->read_back.of == this) made_->read_back = {};
+  camera_ = std::move(camera);
+  DepthImages& images = made_->depth_images;
+  drawn_triangles_ = images.draw(camera_, first_, second_depth ? DepthImages::Faces::all : DepthImages::Faces::lit);
+  if (second_depth) drawn_triangles_ += images.draw_second(camera_, first_, second_);
 }
 
 void ShadowMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   const StateGuard guard;
   gbuffer_ = &gbuffer;
   if (made_->read_back.of == this) made_->read_back.looked_up.clear();
+  if (fit.is("view")) draw_images(fit_to_view(light_, made_->depth_images.boxes(), gbuffer, resolution, margin()));
   look_up(made_->resolve_programs[int(projection())], mask.texture());
   glFinish();
 }
@@ -172,8 +201,9 @@ void ShadowMap::look_up(const Program& p, unsigned target) const {
     if (!image.is_perspective) return image.far;
     return bias.is("slope") ? glm::length(1.0 / image.scale) : camera_.rounding / (image.near * image.far);
   });
-  p.set_if_used("radius", radius());
-  p.set_if_used("biases", glm::vec4(depth_bias.value(), 0.5 * slope_bias, normal_offset.value(), camera_.rounding));
+  const shadow_map::Comparison compared = comparison();
+  p.set_if_used("radius", filter_radius.value());
+  p.set_if_used("biases", glm::vec4(compared.depth_bias, 0.5 * compared.slope_bias, compared.normal_offset, camera_.rounding));
   p.set_if_used("diagonal", static_cast<float>(glm::length(1.0 / camera_.images[0].scale)));
   const GBufferTextures& textures = gbuffer_textures(*gbuffer_, *made_->scene);
   bind_gbuffer(textures);
@@ -198,7 +228,7 @@ const std::vector<float>& ShadowMap::depths() const {
   return depths;
 }
 
-/// The texel that each pixel looked up in the last resolve, by the very shader: next to a border of texels, float32 decides.
+/// Where each pixel looked in the last resolve, in texels, by the very shader: next to a border of texels, float32 decides.
 const std::vector<glm::vec2>& ShadowMap::looked_up() const {
   std::vector<glm::vec2>& looked_up = read_back().looked_up;
   if (!looked_up.empty()) return looked_up;
@@ -227,13 +257,8 @@ std::optional<Explanation> ShadowMap::explain(std::size_t index) const {
   const glm::dvec3 point = gbuffer_->position(index);
   const int face = camera_.space.face_of(point);
   if (camera_.images[face].layer < 0) return Explanation();  // nothing casts there
-  const shadow_map::Comparison comparison{.bias = shadow_map::Bias(bias.index()),
-                                          .depth_bias = depth_bias,
-                                          .slope_bias = slope_bias,
-                                          .normal_offset = normal_offset,
-                                          .radius = radius()};
-  return shadow_map::explain({camera_, camera_.images[face], depths()}, comparison, point, gbuffer_->normal(index),
-                             glm::ivec2(looked_up()[index]));
+  return shadow_map::explain({camera_, camera_.images[face], depths()}, comparison(), point, gbuffer_->normal(index),
+                             glm::dvec2(looked_up()[index]));
 }
 
 std::span<const float> ShadowMap::layer_depths(std::size_t face) const {
@@ -252,7 +277,7 @@ std::vector<float> ShadowMap::draw_debug(std::string_view layer) const {
   const std::vector<glm::vec2>& texels = looked_up();
   for (std::size_t i = 0; i < look_ups.size(); ++i)
     if (faces_light(*made_->scene, *gbuffer_, light_, i))
-      look_ups[i] = {camera_.space.face_of(gbuffer_->position(i)), glm::ivec2(texels[i])};
+      look_ups[i] = {camera_.space.face_of(gbuffer_->position(i)), glm::ivec2(glm::floor(texels[i]))};
   return shadow_map::paint_texels(camera_, *made_->scene, *gbuffer_, light_, look_ups, answer());
 }
 

@@ -199,6 +199,29 @@ void number_layers(LightCamera& camera) {
     if (!image.casters.empty()) image.layer = camera.layer_count++;
 }
 
+/// What of each face the points of a picture take that face the light.
+std::array<Extent, 6> seen_in_picture(const Light& light, const MeshBoxes& boxes, const LightSpace& space,
+                                      const GBuffer& gbuffer) {
+  const glm::dvec4 l = homogeneous(light);
+  const bool has_cone = std::holds_alternative<SpotLight>(light.kind);
+  std::array<Extent, 6> all;
+  std::mutex mutex;
+  for_blocks(gbuffer.size(), 8192, [&](std::size_t begin, std::size_t end) {
+    std::array<Extent, 6> found;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (gbuffer.is_background(i) || !boxes.meshes[gbuffer.mesh[i]].receives) continue;
+      const glm::dvec3 point = gbuffer.position(i);
+      if (!(glm::dot(glm::dvec3(gbuffer.normal(i)), to_light(l, point)) > 0)) continue;
+      if (has_cone && !in_spot_cone(light, point)) continue;
+      const auto [face, q] = space.seen(point);
+      found[face].add(space.is_parallel() ? glm::dvec2(q) : glm::dvec2(q) / q.z, q.z);
+    }
+    const std::scoped_lock lock(mutex);
+    for (std::size_t face = 0; face < found.size(); ++face) all[face].add(found[face]);
+  });
+  return all;
+}
+
 }  // namespace
 
 MeshBoxes mesh_boxes(const Scene& scene) {
@@ -240,22 +263,10 @@ LightCamera fit_to_scene(const Light& light, const MeshBoxes& boxes, int resolut
   return camera;
 }
 
-LightCamera fit_to_view(const Light& light, const Scene& scene, const MeshBoxes& boxes, const GBuffer& gbuffer, int resolution,
-                        int margin) {
+LightCamera fit_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int resolution, int margin) {
   const Fit fit{tangent_of(light), resolution, margin};
   LightCamera camera = camera_of(light, boxes, resolution);
-  std::array<Extent, 6> receivers;
-  std::mutex mutex;
-  for_blocks(gbuffer.size(), 8192, [&](std::size_t begin, std::size_t end) {
-    std::array<Extent, 6> found;
-    for (std::size_t i = begin; i < end; ++i) {
-      if (!faces_light(scene, gbuffer, light, i)) continue;
-      const auto [face, q] = camera.space.seen(gbuffer.position(i));
-      found[face].add(camera.images[face].place(q), q.z);
-    }
-    const std::scoped_lock lock(mutex);
-    for (std::size_t face = 0; face < found.size(); ++face) receivers[face].add(found[face]);
-  });
+  const std::array<Extent, 6> receivers = seen_in_picture(light, boxes, camera.space, gbuffer);
   for (std::size_t i = 0; i < camera.images.size(); ++i) {
     fit_image(camera.images[i], boxes, receivers[i], fit);
     leave_out_unseen(camera.images[i], boxes, receivers[i], fit);

@@ -5,7 +5,7 @@
 namespace gnomon::shadow_map {
 
 Explanation explain(const DepthTexels& texels, const Comparison& comparison, const glm::dvec3& point, const glm::dvec3& normal,
-                    const glm::ivec2& center) {
+                    const glm::dvec2& place) {
   const LightImage& image = texels.image;
   Explanation why;
   glm::dvec3 q = image.seen(point);
@@ -29,11 +29,9 @@ Explanation explain(const DepthTexels& texels, const Comparison& comparison, con
   }
   why.bias = axis_bias * glm::length(ray);
   // A point that nothing shadows may be looked up beside the image; where something does, its shadow is not in there.
-  why.covered = texels.camera.holds(center);
-  const int r = comparison.radius;
-  for (int y = -r; y <= r; ++y)
-    for (int x = -r; x <= r; ++x)
-      why.taps.push_back(texels.camera.tap(image, texels.depths, center + glm::ivec2(x, y), 1.0 / ((2 * r + 1) * (2 * r + 1))));
+  why.covered = texels.camera.holds(glm::ivec2(glm::floor(place)));
+  for (const auto& [texel, weight] : comparison.filter.texels(place))
+    if (weight > 0) why.taps.push_back(texels.camera.tap(image, texels.depths, texel, weight));
   return why;
 }
 

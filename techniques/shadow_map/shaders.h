@@ -3,18 +3,18 @@
 
 namespace gnomon::shadow_map {
 
-/// Beside those of the light's camera: depth_bias, half of slope_bias, normal_offset, rounding; the diagonal of a texel in
-/// window coordinates, under parallel rays.
+/// Beside those of the light's camera: depth_bias, half of slope_bias and normal_offset, each times the filter's reach, and
+/// rounding; the diagonal of a texel in window coordinates, under parallel rays.
 inline std::string resolve_constants(LightProjection projection) {
   return light_map_constants(projection) + "vec4 biases; float diagonal;";
 }
 
-/// Mirrors shadow_map::explain; see there for the meaning of each quantity. The head defines BIAS and PCF beside PROJECTION: a
-/// branch on a uniform would be paid in full on llvmpipe, which executes both sides of every branch. With EXPLAIN it writes the
-/// texel that it would look up instead of the visibility. The last of an image's facts is far (parallel rays), the texel's
+/// Mirrors shadow_map::explain; see there for the meaning of each quantity. The head defines BIAS and FILTER beside PROJECTION:
+/// a branch on a uniform would be paid in full on llvmpipe, which executes both sides of every branch. With EXPLAIN it writes
+/// where it would look, in texels, instead of the visibility. The last of an image's facts is far (parallel rays), the texel's
 /// diagonal in window coordinates (slope bias) or the rounding error of the depth per squared axis distance (receiver plane).
 inline const std::string resolve_fragment = std::string(gbuffer_snippet) + std::string(light_map_snippet) + R"(
-#if PCF
+#if FILTER == 1 || FILTER == 2
 uniform int radius;
 #endif
 #ifdef EXPLAIN
@@ -85,18 +85,25 @@ void main() {
   vec2 step_height = across_image(normal);
 #endif
   float depth = q_z * scale - error;
-  vec2 center = floor(position);
 
 #ifdef EXPLAIN
-  looked_up = center;
+  looked_up = position;
 #else
-#if PCF
+#if FILTER == 0
+      vec2 tap = floor(position);
+#elif FILTER == 3
   float lit = 0;
-  for (int y = -radius; y <= radius; ++y)
-    for (int x = -radius; x <= radius; ++x) {
-      vec2 tap = center + vec2(x, y);
+  vec2 corner = floor(position - 0.5), share = position - 0.5 - corner;
+  for (int y = 0; y <= 1; ++y)
+    for (int x = 0; x <= 1; ++x) {
+      vec2 tap = corner + vec2(x, y);
 #else
-      vec2 tap = center;
+  float lit = 0, sum = 0;
+  vec2 center = floor(position);
+  int reach = radius + FILTER - 1;
+  for (int y = -reach; y <= reach; ++y)
+    for (int x = -reach; x <= reach; ++x) {
+      vec2 tap = center + vec2(x, y);
 #endif
       float d = stored_depth(tap);
       // How much the receiver's plane rises toward the light between the point and the texel's center.
@@ -113,12 +120,22 @@ void main() {
       float m = max(scale - rise, 0);
       bool dark = near * m < (depth - bias * m) * d;
 #endif
-#if PCF
-      lit += dark ? 0 : 1;
-    }
-  visibility = faces ? lit / float((2 * radius + 1) * (2 * radius + 1)) : 1;
-#else
+#if FILTER == 0
   visibility = faces && dark ? 0 : 1;
+#elif FILTER == 3
+      vec2 near_to = mix(1 - share, share, vec2(x, y));
+      lit += dark ? 0 : near_to.x * near_to.y;
+    }
+  visibility = faces ? lit : 1;
+#else
+#if FILTER == 1
+      float weight = 1;
+#else
+      float weight = clamp(float(radius) + 0.5 - distance(tap + 0.5, position), 0, 1);
+#endif
+      lit += dark ? 0 : weight, sum += weight;
+    }
+  visibility = faces ? lit / sum : 1;
 #endif
 #endif
 }

@@ -42,7 +42,7 @@ TEST(light_camera, every_point_in_shadow_is_inside_the_margins_of_its_image) {
       const GBuffer g = small_world::make_gbuffer(scene, view, 64, 48);
       for (const Light& light : lights) {
         const LightCamera to_scene = fit_to_scene(light, boxes, resolution, margin);
-        const LightCamera to_view = fit_to_view(light, scene, boxes, g, resolution, margin);
+        const LightCamera to_view = fit_to_view(light, boxes, g, resolution, margin);
         int dark = 0;
         for (std::size_t i = 0; i < g.size(); ++i) {
           if (!faces_light(scene, g, light, i)) continue;
@@ -67,7 +67,7 @@ TEST(light_camera, fitted_to_a_view_texels_are_no_larger_and_casters_no_more) {
   double most = 0;
   for (const Light& light : lights) {
     const LightCamera to_scene = fit_to_scene(light, boxes, resolution, margin);
-    const LightCamera to_view = fit_to_view(light, scene, boxes, g, resolution, margin);
+    const LightCamera to_view = fit_to_view(light, boxes, g, resolution, margin);
     ASSERT_EQ(to_scene.images.size(), to_view.images.size());
     EXPECT_LE(to_view.layer_count, to_scene.layer_count);
     for (std::size_t k = 0; k < to_view.images.size(); ++k) {

@@ -79,7 +79,7 @@ TEST_F(LightMap, shaders_look_points_up_where_the_camera_says) {
   const MeshBoxes boxes = mesh_boxes(scene);
   for (const Light& light : lights)
     for (const bool to_view : {false, true}) {
-      const LightCamera camera = to_view ? fit_to_view(light, scene, boxes, g, 512, 2) : fit_to_scene(light, boxes, 512, 2);
+      const LightCamera camera = to_view ? fit_to_view(light, boxes, g, 512, 2) : fit_to_scene(light, boxes, 512, 2);
       const LightProjection projection = projection_of(camera);
       const Program program =
           pass_program("look up", light_map_constants(projection),

@@ -69,7 +69,6 @@ LightCamera fit_to_scene(const Light& light, const MeshBoxes& boxes, int resolut
 
 /// Fitted to a picture: each image holds the receiving points of the G-buffer that face the light, and of the casters what may
 /// lie before them. Costs a pass over the points on all threads.
-LightCamera fit_to_view(const Light& light, const Scene& scene, const MeshBoxes& boxes, const GBuffer& gbuffer, int resolution,
-                        int margin);
+LightCamera fit_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int resolution, int margin);
 
 }  // namespace gnomon
