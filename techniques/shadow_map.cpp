@@ -7,12 +7,12 @@
 //
 // The bias is a length along the axis of the image. Its parameters are in texels because acne is: a texel's world width at the
 // point, times the parameter, gives meters.
+#include <gnomon/kit/light_layers.h>
 #include <gnomon/kit/light_map.h>
 #include <gnomon/kit/shared.h>
 #include <gnomon/registry.h>
 
 #include "shadow_map/comparison.h"
-#include "shadow_map/layers.h"
 #include "shadow_map/shaders.h"
 
 namespace {
@@ -93,7 +93,7 @@ class ShadowMap final : public Technique {
   Counts counts() const override;
   std::unique_ptr<Technique> for_another_light() const override { return another(*this, &ShadowMap::made_); }
   std::optional<Explanation> explain(std::size_t index) const override;
-  std::vector<DebugLayer> debug_layers() const override { return shadow_map::map_layers(); }
+  std::vector<DebugLayer> debug_layers() const override { return map_layers(); }
   std::vector<float> draw_debug(std::string_view layer) const override;
 
  private:
@@ -113,8 +113,6 @@ class ShadowMap final : public Technique {
     return used_filter().margin() + offset + 1;
   }
   const Texture& map() const { return second_depth ? second_ : first_; }
-  /// Texels of a face; none where it is not drawn.
-  std::span<const float> layer_depths(std::size_t face) const;
   const std::vector<float>& depths() const;
   const std::vector<glm::vec2>& looked_up() const;
   std::vector<float> answer() const;
@@ -261,24 +259,18 @@ std::optional<Explanation> ShadowMap::explain(std::size_t index) const {
                              glm::dvec2(looked_up()[index]));
 }
 
-std::span<const float> ShadowMap::layer_depths(std::size_t face) const {
-  const std::size_t texels = std::size_t(resolution) * resolution;
-  const int layer = camera_.images[face].layer;
-  return layer < 0 ? std::span<const float>() : std::span(depths()).subspan(layer * texels, texels);
-}
-
 std::vector<float> ShadowMap::draw_debug(std::string_view layer) const {
   if (layer == "map") {
-    return shadow_map::paint_map(camera_, gbuffer_->width, gbuffer_->height,
-                                 [&](std::size_t face) { return layer_depths(face); });
+    return paint_map(camera_, gbuffer_->width, gbuffer_->height,
+                     [&](std::size_t face) { return camera_.texels_of(camera_.images[face], depths()); });
   }
   if (layer != "texels") return Technique::draw_debug(layer);
-  std::vector<shadow_map::LookUp> look_ups(gbuffer_->size());
+  std::vector<LookUp> look_ups(gbuffer_->size());
   const std::vector<glm::vec2>& texels = looked_up();
   for (std::size_t i = 0; i < look_ups.size(); ++i)
     if (faces_light(*made_->scene, *gbuffer_, light_, i))
       look_ups[i] = {camera_.space.face_of(gbuffer_->position(i)), glm::ivec2(glm::floor(texels[i]))};
-  return shadow_map::paint_texels(camera_, *made_->scene, *gbuffer_, light_, look_ups, answer());
+  return paint_texels(camera_, *made_->scene, *gbuffer_, light_, look_ups, answer());
 }
 
 }  // namespace

@@ -30,6 +30,11 @@ bool LightCamera::holds(const glm::ivec2& texel) const {
   return glm::all(glm::greaterThanEqual(texel, glm::ivec2(0))) && glm::all(glm::lessThan(texel, glm::ivec2(resolution)));
 }
 
+std::span<const float> LightCamera::texels_of(const LightImage& image, std::span<const float> all) const {
+  const std::size_t texels = static_cast<std::size_t>(resolution) * resolution;
+  return image.layer < 0 ? std::span<const float>() : all.subspan(image.layer * texels, texels);
+}
+
 Tap LightCamera::tap(const LightImage& image, std::span<const float> depths, const glm::ivec2& texel, double weight) const {
   const glm::dvec2 window = (glm::dvec2(texel) + 0.5 - image.offset) / image.scale;
   const std::size_t rows = static_cast<std::size_t>(image.layer) * resolution + texel.y;

@@ -23,6 +23,35 @@ layout(location = 0) out vec2 looked_up;
 layout(location = 0) out float visibility;
 #endif
 
+/// A point as it is compared with texels.
+struct Point {
+  vec2 position;
+  float scale, depth, bias;  // all comparisons are multiplied by the scale
+#if BIAS == 3
+  vec2 step_height;
+#endif
+};
+
+// Dark: something is stored, and before the receiver by more than the bias. No quotient of depths is formed: with a center,
+// near / d < q_z / m - bias; where m <= 0 the texel's ray meets the receiver's plane at infinity.
+float lit_at(Point point, vec2 tap) {
+  float d = stored_depth(tap), near = light_facts.z;
+  // How much the receiver's plane rises toward the light between the point and the texel's center.
+#if BIAS == 3
+  float rise = dot(point.step_height, tap + 0.5 - point.position);
+#else
+  const float rise = 0;
+#endif
+#if PROJECTION == 0
+  float far = light_facts.w;
+  bool dark = d > 0 && d * (far - near) * point.scale > far * point.scale - point.depth - rise + point.bias * point.scale;
+#else
+  float m = max(point.scale - rise, 0);
+  bool dark = near * m < (point.depth - point.bias * m) * d;
+#endif
+  return dark ? 0 : 1;
+}
+
 void main() {
   vec4 surface = position_here(), facet = normal_here();
   vec3 v = surface.xyz - light_origin, normal = facet.xyz;
@@ -56,7 +85,7 @@ void main() {
 #endif
 
   // Texel coordinates; the axis distance; how fast the light ray, per unit of the axis, sinks into the receiver's plane.
-  float q_z = h.z, near = light_facts.z, fourth = light_facts.w;
+  float q_z = h.z, fourth = light_facts.w;
 #if PROJECTION == 0
   vec2 position = h.xy;
   float texel_width = light_facts.y, facing = height;
@@ -89,14 +118,20 @@ void main() {
 #ifdef EXPLAIN
   looked_up = position;
 #else
+#if BIAS == 3
+  Point point = Point(position, scale, depth, bias, step_height);
+#else
+  Point point = Point(position, scale, depth, bias);
+#endif
 #if FILTER == 0
-      vec2 tap = floor(position);
+  float lit = lit_at(point, floor(position));
 #elif FILTER == 3
-  float lit = 0;
   vec2 corner = floor(position - 0.5), share = position - 0.5 - corner;
-  for (int y = 0; y <= 1; ++y)
-    for (int x = 0; x <= 1; ++x) {
-      vec2 tap = corner + vec2(x, y);
+  float upper = lit_at(point, corner), upper_right = lit_at(point, corner + vec2(1, 0));
+  float lower = lit_at(point, corner + vec2(0, 1)), lower_right = lit_at(point, corner + vec2(1, 1));
+  // Differences: four of one kind give that exactly.
+  upper += share.x * (upper_right - upper), lower += share.x * (lower_right - lower);
+  float lit = upper + share.y * (lower - upper);
 #else
   float lit = 0, sum = 0;
   vec2 center = floor(position);
@@ -104,39 +139,12 @@ void main() {
   for (int y = -reach; y <= reach; ++y)
     for (int x = -reach; x <= reach; ++x) {
       vec2 tap = center + vec2(x, y);
-#endif
-      float d = stored_depth(tap);
-      // How much the receiver's plane rises toward the light between the point and the texel's center.
-#if BIAS == 3
-      float rise = dot(step_height, tap + 0.5 - position);
-#else
-      const float rise = 0;
-#endif
-      // Dark: something is stored, and before the receiver by more than the bias. No quotient of depths is formed: with a
-      // center, near / d < q_z / m - bias; where m <= 0 the texel's ray meets the receiver's plane at infinity.
-#if PROJECTION == 0
-      bool dark = d > 0 && d * (fourth - near) * scale > fourth * scale - depth - rise + bias * scale;
-#else
-      float m = max(scale - rise, 0);
-      bool dark = near * m < (depth - bias * m) * d;
-#endif
-#if FILTER == 0
-  visibility = faces && dark ? 0 : 1;
-#elif FILTER == 3
-      vec2 near_to = mix(1 - share, share, vec2(x, y));
-      lit += dark ? 0 : near_to.x * near_to.y;
+      float weight = FILTER == 1 ? 1 : clamp(float(radius) + 0.5 - distance(tap + 0.5, position), 0, 1);
+      lit += weight * lit_at(point, tap), sum += weight;
     }
+  lit /= sum;
+#endif
   visibility = faces ? lit : 1;
-#else
-#if FILTER == 1
-      float weight = 1;
-#else
-      float weight = clamp(float(radius) + 0.5 - distance(tap + 0.5, position), 0, 1);
-#endif
-      lit += dark ? 0 : weight, sum += weight;
-    }
-  visibility = faces ? lit / sum : 1;
-#endif
 #endif
 }
 )";

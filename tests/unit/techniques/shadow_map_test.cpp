@@ -1,12 +1,14 @@
 #include <gnomon/kit/gl.h>
 #include <gtest/gtest.h>
-
+#define GLM_ENABLE_EXPERIMENTAL
 #include <algorithm>
+#include <glm/gtx/component_wise.hpp>
 #include <numbers>
 
 #include "device/context.h"
 #include "gl_state.h"
 #include "small_world.h"
+#include "techniques/shadow_map/filter.h"
 
 extern "C" void gnomon_technique_shadow_map(gnomon::Registry&);
 
@@ -158,7 +160,7 @@ TEST_F(ShadowMap, fitted_window_never_loses_a_shadow) {
     const Scene scene = soup_over_ground(seed);
     const GBuffer g = small_world::make_gbuffer(scene, view, 96, 72);
     for (const Light& light : all_kinds) {
-      const auto shadow_map = run("resolution=512", scene, light, g);
+      const auto shadow_map = run(seed % 2 ? "resolution=512" : "resolution=512,fit=view", scene, light, g);
       int dark = 0, unexplained = 0;
       for (std::size_t i = 0; i < g.size(); ++i) {
         if (!faces_light(scene, g, light, i)) {
@@ -195,7 +197,7 @@ TEST_F(ShadowMap, caster_behind_the_light_or_beyond_the_receivers_casts_nothing)
 TEST_F(ShadowMap, explain_reproduces_the_mask_from_its_taps) {
   const Scene scene = soup_over_ground(7);
   const GBuffer g = small_world::make_gbuffer(scene, view, 96, 72);
-  for (const std::string filter : {"nearest", "pcf,filter_radius=2"})
+  for (const std::string filter : {"nearest", "pcf,filter_radius=2", "disc,filter_radius=2", "bilinear", "bilinear,fit=view"})
     for (const std::string depth : {"false", "true"})
       for (const Light& light : {all_kinds[0], all_kinds[1], all_kinds[2], all_kinds[6]}) {
         const auto shadow_map =
@@ -229,7 +231,7 @@ TEST_F(ShadowMap, explain_reproduces_the_mask_in_every_bias_mode) {
   const Scene scene = soup_over_ground(7);
   const GBuffer g = small_world::make_gbuffer(scene, view, 96, 72);
   for (const Light& light : {all_kinds[2], all_kinds[6]})
-    for (const std::string bias : {"constant", "slope", "normal_offset"}) {
+    for (const std::string bias : {"constant", "slope", "normal_offset", "slope,fit=view"}) {
       const auto shadow_map = run("resolution=256,filter=pcf,bias=" + bias, scene, light, g);
       const auto* spot = std::get_if<SpotLight>(&light.kind);
       const glm::dvec3 axis =
@@ -255,6 +257,54 @@ TEST_F(ShadowMap, explain_reproduces_the_mask_in_every_bias_mode) {
       }
       EXPECT_GT(compared, 1000);
       EXPECT_EQ(different, 0) << bias << " " << light.name;
+    }
+}
+
+// Wide filters compare with texels farther away, over which depth spreads more: the bias grows with them, so a lit slope has no
+// acne at all, be it less than half of the taps.
+TEST_F(ShadowMap, filters_leave_no_acne_on_a_slope_that_one_texel_leaves_none_on) {
+  Scene scene;
+  scene.meshes = {small_world::ground(3)};
+  const GBuffer g = small_world::make_gbuffer(scene, view, 96, 72);
+  for (const Light& light : {Light{.name = "sun", .kind = DirectionalLight{{1, -0.4f, 0.3f}}},
+                             Light{.name = "point", .kind = PointLight{{2, 1, 2}}}})
+    for (const std::string bias : {"slope", "receiver_plane"})
+      for (const std::string filter :
+           {"nearest", "pcf,filter_radius=1", "pcf,filter_radius=4", "disc,filter_radius=3", "bilinear"}) {
+        const auto shadow_map = run("resolution=128,bias=" + bias + ",filter=" + filter, scene, light, g);
+        EXPECT_EQ(std::ranges::count_if(shadow_map.mask, [](float v) { return v < 1; }), 0)
+            << light.name << ' ' << bias << ' ' << filter;
+      }
+}
+
+// Of every filter: weights sum to 1, none is negative, and all texels lie within the margin; the disc's and the bilinear
+// filter's centers of weight follow the point to a tenth of a texel and exactly.
+TEST(shadow_map_filter, weights_are_shares_around_the_point) {
+  using shadow_map::Filter;
+  using shadow_map::FilterKind;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> place(10, 20);
+  for (const Filter filter : {Filter{FilterKind::nearest, 0}, Filter{FilterKind::pcf, 3}, Filter{FilterKind::disc, 1},
+                              Filter{FilterKind::disc, 5}, Filter{FilterKind::bilinear, 0}})
+    for (int round = 0; round < 200; ++round) {
+      const glm::dvec2 point(place(random), place(random));
+      double sum = 0, farthest = 0;
+      glm::dvec2 center(0);
+      for (const auto& [texel, weight] : filter.texels(point)) {
+        EXPECT_GE(weight, 0);
+        sum += weight;
+        center += weight * (glm::dvec2(texel) + 0.5);
+        EXPECT_LE(glm::compMax(glm::abs(texel - glm::ivec2(point))), filter.margin());
+        if (weight > 0) farthest = std::max(farthest, glm::distance(glm::dvec2(texel) + 0.5, point));
+      }
+      EXPECT_NEAR(sum, 1, 1e-12);
+      EXPECT_LE(farthest, filter.reach() * std::sqrt(0.5) + 1e-9);
+      if (filter.kind == FilterKind::bilinear) {
+        EXPECT_NEAR(glm::distance(center, point), 0, 1e-9);
+      }
+      if (filter.kind == FilterKind::disc) {
+        EXPECT_LT(glm::distance(center, point), 0.25);
+      }
     }
 }
 

@@ -57,6 +57,8 @@ struct LightCamera {
   bool is_cube() const { return images.size() == 6; }
   /// Whether a texel lies on the image.
   bool holds(const glm::ivec2& texel) const;
+  /// Those of an image among the texels of all layers, row after row; none where it is not drawn.
+  std::span<const float> texels_of(const LightImage& image, std::span<const float> all) const;
   /// A texel of an image, for explanations: the ray through its center, and what is stored there; infinity where nothing is,
   /// and beside the image. `depths` are those of all layers, row after row, as read_texels gives them.
   Tap tap(const LightImage& image, std::span<const float> depths, const glm::ivec2& texel, double weight) const;

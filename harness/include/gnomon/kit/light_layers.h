@@ -4,8 +4,8 @@
 
 #include <functional>
 
-// The pictures of a shadow map: its depth images as the light sees them, and its texels on the surfaces that they decide.
-namespace gnomon::shadow_map {
+// The debug layers `map` and `texels` of techniques that stand on a light camera: its depth images as the light sees them, and its texels on the surfaces that they decide.
+namespace gnomon {
 
 std::vector<DebugLayer> map_layers();
 
@@ -23,4 +23,4 @@ struct LookUp {
 std::vector<float> paint_texels(const LightCamera& light_camera, const Scene& scene, const GBuffer& gbuffer, const Light& light,
                                 std::span<const LookUp> look_ups, std::span<const float> mask);
 
-}  // namespace gnomon::shadow_map
+}  // namespace gnomon

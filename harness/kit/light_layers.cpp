@@ -1,14 +1,12 @@
-#include "layers.h"
-
 #include <gnomon/kit/camera.h>
-#include <gnomon/kit/layers.h>
+#include <gnomon/kit/light_layers.h>
 #include <gnomon/kit/parallel.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-namespace gnomon::shadow_map {
+namespace gnomon {
 
 namespace {
 
@@ -216,4 +214,4 @@ std::vector<float> paint_texels(const LightCamera& light_camera, const Scene& sc
   return picture;
 }
 
-}  // namespace gnomon::shadow_map
+}  // namespace gnomon

@@ -1,0 +1,91 @@
+#pragma once
+#include <gnomon/kit/image_passes.h>
+#include <gnomon/kit/light_map.h>
+#include <gnomon/kit/shared.h>
+
+#include <array>
+#include <string>
+
+namespace gnomon {
+
+/// What techniques share whose map is filtered before it is asked: every texel holds functions of the depth t stored there
+/// (moments, exponentials), a blur takes their means, and one look-up tells from these how much of the light arrives. Depth is
+/// the distance along the image's axis, from 0 at its near end to 1 at its far end and where nothing is stored.
+class FilteredMap : public Technique {
+ public:
+  Support supports(const Scene&, const Light& light, const View&) const override;
+  void setup() override;
+  void build(const Scene& scene) override;
+  void relight(const Light& light) override;
+  void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
+  Counts counts() const override;
+  std::optional<Explanation> explain(std::size_t index) const override;
+  std::vector<DebugLayer> debug_layers() const override;
+  std::vector<float> draw_debug(std::string_view layer) const override;
+
+ protected:
+  /// What a technique says of its texels, in GLSL.
+  struct Method {
+    GLenum format;          ///< R32F, RG32F or RGBA32F
+    std::string encode;     ///< `vec4 encode(float t)`: what a texel holds
+    std::string answer;     ///< `float answer(vec4 mean, float t)`: how much of the light arrives at depth t, 0 .. 1
+    std::string constants;  ///< that both may read, as PassConstants has them
+  };
+  virtual Method method() const = 0;
+  /// Sets those constants; a program may use some of them only.
+  virtual void set_constants(const Program& program) const = 0;
+
+  Number<int> resolution{this,           "resolution",
+                         1024,           {.unit = "texel", .min = 64, .max = 4096, .log = true},
+                         Stage::relight, "Side of the square image (of each cube face for point lights)."};
+  Choice fit{this,
+             "fit",
+             "scene",
+             {"scene", "view"},
+             Stage::relight,
+             "Images hold all that casters and receivers share, or what the picture shows of it: then each resolve "
+             "fits, draws and blurs them anew, and pays for it."};
+  Number<int> blur_radius{this,
+                          "blur_radius",
+                          2,
+                          {.unit = "texel", .min = 0, .max = Blur::most_radius},
+                          Stage::setup,
+                          "Half the side of the blur beside its middle texel; 0: none."};
+  Choice blur_weights{this, "blur_weights", "box", {"box", "gaussian"}, Stage::setup, "What the blur weighs texels by."};
+  Number<double> bias{
+      this,           "bias",
+      0.25,           {.unit = "texel", .min = 0, .max = 64},
+      Stage::resolve, "What a point is nearer to the light by when it is asked for, in widths of a texel at the point."};
+  Number<double> leak_reduction{this,
+                                "leak_reduction",
+                                0,
+                                {.unit = "", .min = 0, .max = 0.95},
+                                Stage::resolve,
+                                "Answers up to this are dark, and the rest is stretched to 0 .. 1."};
+
+  /// What all lights share: a member of it each technique passes to `another`.
+  struct Made {
+    DepthImages depth_images;
+    std::array<Program, 2> encode_programs;  // parallel rays, and rays from a center
+    std::array<Program, light_projection_count> resolve_programs;
+    Blur blur;
+    Framebuffer framebuffer;
+    const Scene* scene = nullptr;
+  };
+  Shared<Made> made_;
+
+ private:
+  void draw_images(LightCamera&& camera);
+  void look_up(unsigned target) const;
+  int margin() const { return blur_radius + 2; }  // one for the four texels of a look-up, one for rounding
+  const std::vector<float>& depths() const;
+
+  Light light_;
+  LightCamera camera_;
+  Texture depths_, means_;  // of all images
+  std::size_t drawn_triangles_ = 0;
+  const GBuffer* gbuffer_ = nullptr;
+  mutable std::vector<float> read_depths_;  // at the first question after a drawing
+};
+
+}  // namespace gnomon

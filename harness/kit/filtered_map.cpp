@@ -1,0 +1,193 @@
+#include <gnomon/kit/filtered_map.h>
+#include <gnomon/kit/light_layers.h>
+
+#include <cmath>
+
+namespace gnomon {
+
+namespace {
+
+/// Depths of an image as what the blur takes means of. The head defines PROJECTION as 0 for parallel rays.
+constexpr std::string_view encode_body = R"(
+layout(binding = 3) uniform sampler2DArray depths;
+layout(location = 0) out vec4 encoded;
+void main() {
+  float d = texelFetch(depths, ivec3(gl_FragCoord.xy, int(image.x)), 0).r, near = image.y, far = image.z;
+#if PROJECTION == 0
+  float t = 1 - d;
+#else
+  float t = d > 0 ? min((near / d - near) / (far - near), 1) : 1;
+#endif
+  encoded = encode(t);
+}
+)";
+
+constexpr std::string_view resolve_body = R"(
+layout(location = 0) out float visibility;
+void main() {
+  vec4 position = position_here(), normal = normal_here();
+  vec3 v = position.xyz - light_origin;
+  choose_image(v);
+  vec3 place = in_image(v);
+  float width = light_facts.y;  // of a texel, meters
+#if PROJECTION != 0
+  place.xy /= place.z, width *= place.z;
+#endif
+  vec2 size = vec2(textureSize(light_map, 0).xy);
+  bool inside = all(greaterThanEqual(place.xy, vec2(0))) && all(lessThan(place.xy, size));
+  float near = light_facts.z, far = light_facts.w, t = clamp((place.z - bias * width - near) / (far - near), 0, 1);
+  float lit = answer(textureLod(light_map, vec3(place.xy / size, light_facts.x), 0), t);
+  lit = clamp((lit - leak_reduction) / (1 - leak_reduction), 0, 1);
+  visibility = inside && faces_light(position, normal) ? lit : 1;
+}
+)";
+
+}  // namespace
+
+Support FilteredMap::supports(const Scene&, const Light& light, const View&) const {
+  return hard_lights_only(light, "a map has one center: lights with area have none");
+}
+
+void FilteredMap::setup() {
+  const Method how = method();
+  made_->depth_images.setup();
+  for (int k = 0; k < 2; ++k)
+    made_->encode_programs[k] = pass_program(fmt::format("{} encode", id()), how.constants + "vec3 image;",
+                                             fmt::format("#define PROJECTION {}\n{}{}", k, how.encode, encode_body));
+  for (int k = 0; k < light_projection_count; ++k) {
+    const LightProjection projection = LightProjection(k);
+    made_->resolve_programs[k] = pass_program(
+        fmt::format("{} resolve", id()), light_map_constants(projection) + how.constants + "float bias; float leak_reduction;",
+        fmt::format("{}{}{}{}{}{}", light_map_head(projection), gbuffer_snippet, light_map_snippet, faces_light_snippet,
+                    how.answer, resolve_body));
+  }
+  if (blur_radius > 0)
+    made_->blur.setup({.format = how.format, .has_layers = true},
+                      blur_weights.is("box") ? Blur::Weights::box : Blur::Weights::gaussian, blur_radius);
+  made_->framebuffer = make_framebuffer();
+  warm_up(*this);
+}
+
+void FilteredMap::build(const Scene& scene) {
+  made_->scene = &scene;
+  made_->depth_images.build(scene);
+}
+
+void FilteredMap::relight(const Light& light) {
+  const StateGuard guard;
+  light_ = light;
+  if (fit.is("scene")) draw_images(fit_to_scene(light, made_->depth_images.boxes(), resolution, margin()));
+  glFinish();
+}
+
+void FilteredMap::draw_images(LightCamera&& camera) {
+  read_depths_.clear();
+  camera_ = std::move(camera);
+  drawn_triangles_ = made_->depth_images.draw(camera_, depths_);
+  means_.fit(method().format, resolution, resolution, std::max(camera_.layer_count, 1));
+  glTextureParameteri(means_.name(), GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTextureParameteri(means_.name(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  const Program& program = made_->encode_programs[camera_.space.is_parallel() ? 0 : 1];
+  set_constants(program);
+  glBindTextureUnit(3, depths_.name());
+  glUseProgram(program.name());
+  glBindFramebuffer(GL_FRAMEBUFFER, made_->framebuffer.name());
+  glViewport(0, 0, resolution, resolution);
+  for (const LightImage& image : camera_.images) {
+    if (image.layer < 0) continue;
+    glNamedFramebufferTextureLayer(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, means_.name(), 0, image.layer);
+    program.set("image", glm::vec3(image.layer, image.near, image.far));
+    draw_full_screen();
+  }
+  glNamedFramebufferTexture(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, 0, 0);
+  if (blur_radius > 0) made_->blur.run(means_, means_);
+}
+
+void FilteredMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
+  const StateGuard guard;
+  gbuffer_ = &gbuffer;
+  if (fit.is("view")) draw_images(fit_to_view(light_, made_->depth_images.boxes(), gbuffer, resolution, margin()));
+  look_up(mask.texture());
+  glFinish();
+}
+
+void FilteredMap::look_up(unsigned target) const {
+  const GBufferTextures& textures = gbuffer_textures(*gbuffer_, *made_->scene);
+  const Program& program = made_->resolve_programs[static_cast<int>(projection_of(camera_))];
+  set_light_camera(program, light_, camera_);
+  set_constants(program);
+  program.set("bias", static_cast<float>(bias));
+  program.set("leak_reduction", static_cast<float>(leak_reduction));
+  bind_gbuffer(textures);
+  glBindTextureUnit(3, means_.name());
+  begin_mask(made_->framebuffer, target, textures);
+  glUseProgram(program.name());
+  draw_receivers(textures);
+  glNamedFramebufferTexture(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, 0, 0);
+}
+
+Counts FilteredMap::counts() const {
+  const double texels = double(resolution) * resolution * camera_.layer_count;
+  const double shared_bytes = double(made_->depth_images.bytes() + made_->blur.bytes());
+  return {{"texels", texels, "texel"},
+          {"faces", double(camera_.layer_count), ""},
+          {"triangles", double(drawn_triangles_), ""},
+          {"bytes", double(depths_.bytes + means_.bytes) + made_.own(shared_bytes), "byte"}};
+}
+
+const std::vector<float>& FilteredMap::depths() const {
+  if (read_depths_.empty()) read_depths_ = read_texels<float>(depths_, GL_DEPTH_COMPONENT);
+  return read_depths_;
+}
+
+/// The taps are the texels whose means were looked up, each with what it weighs in the blur and between four of them.
+std::optional<Explanation> FilteredMap::explain(std::size_t index) const {
+  if (!faces_light(*made_->scene, *gbuffer_, light_, index)) return Explanation();
+  const glm::dvec3 point = gbuffer_->position(index);
+  const LightImage& image = camera_.images[camera_.space.face_of(point)];
+  if (image.layer < 0) return Explanation();  // nothing casts there
+  const glm::dvec2 place = image.place_of(point) * image.scale + image.offset, corner = glm::floor(place - 0.5);
+  const glm::dvec2 share = place - 0.5 - corner;
+  const int r = blur_radius;
+  std::vector<float> blur{1};
+  if (r > 0) blur = gnomon::blur_weights(blur_weights.is("box") ? Blur::Weights::box : Blur::Weights::gaussian, r);
+  // Along one axis: between two neighbors, each the middle of a blur.
+  const auto weight = [&](int k, double s) {
+    const auto of = [&](int d) { return std::abs(d) <= r ? double(blur[std::abs(d)]) : 0; };
+    return (1 - s) * of(k) + s * of(k - 1);
+  };
+  Explanation why;
+  why.texel_width = image.largest_texel(image.seen(point).z);
+  why.bias = bias * why.texel_width * image.stretch(point);
+  why.covered = camera_.holds(glm::ivec2(glm::floor(place)));
+  for (int y = -r; y <= r + 1; ++y)
+    for (int x = -r; x <= r + 1; ++x)
+      if (const double w = weight(x, share.x) * weight(y, share.y); w > 0)
+        why.taps.push_back(camera_.tap(image, depths(), glm::ivec2(corner) + glm::ivec2(x, y), w));
+  return why;
+}
+
+std::vector<DebugLayer> FilteredMap::debug_layers() const { return map_layers(); }
+
+std::vector<float> FilteredMap::draw_debug(std::string_view layer) const {
+  if (layer == "map")
+    return paint_map(camera_, gbuffer_->width, gbuffer_->height,
+                     [&](std::size_t face) { return camera_.texels_of(camera_.images[face], depths()); });
+  if (layer != "texels") return Technique::draw_debug(layer);
+  std::vector<LookUp> look_ups(gbuffer_->size());
+  for (std::size_t i = 0; i < look_ups.size(); ++i) {
+    if (!faces_light(*made_->scene, *gbuffer_, light_, i)) continue;
+    const int face = camera_.space.face_of(gbuffer_->position(i));
+    const LightImage& image = camera_.images[face];
+    const glm::dvec2 place = image.place_of(gbuffer_->position(i)) * image.scale + image.offset;
+    look_ups[i] = {face, image.layer < 0 ? glm::ivec2(-1) : glm::ivec2(glm::floor(place))};
+  }
+  VisibilityMask mask(gbuffer_->width, gbuffer_->height);
+  {
+    const StateGuard guard;
+    look_up(mask.texture());
+  }
+  return paint_texels(camera_, *made_->scene, *gbuffer_, light_, look_ups, mask.read());
+}
+
+}  // namespace gnomon

@@ -1,0 +1,42 @@
+// Exponential shadow map: a texel holds an exponential of depth, whose mean tells how much of the light arrives.
+#include <gnomon/kit/filtered_map.h>
+#include <gnomon/registry.h>
+
+namespace {
+using namespace gnomon;
+
+constexpr About about{
+    .title = "Exponential shadow map",
+    .summary = "The mean of exponentials of the depths around a texel, times one of the receiver's, tells how much arrives.",
+    .source = "Annen, Mertens, Seidel, Flerackers and Kautz 2008; Salvi 2008",
+    .error =
+        "A step in depth becomes an exponential of 1 / exponent of the depth range: shadows are lit near their casters, and "
+        "wrong where some texels around lie behind the receiver, since one far depth outweighs all near ones.",
+    .fails = "Contacts; edges of receivers before a far background, which light leaks to.",
+    .needs_gl = true};
+
+class ExponentialMap final : public FilteredMap {
+  // exp(88.7) is the largest float32; a blur adds up to no more than its largest texel.
+  Number<double> exponent{this,
+                          "exponent",
+                          80,
+                          {.unit = "", .min = 1, .max = 88},
+                          Stage::relight,
+                          "How steep the exponential is, over the image's depth range."};
+
+ public:
+  std::unique_ptr<Technique> for_another_light() const override { return another(*this, &ExponentialMap::made_); }
+
+ private:
+  Method method() const override {
+    return {.format = GL_R32F,
+            .encode = "vec4 encode(float t) { return vec4(exp(exponent * t)); }\n",
+            .answer = "float answer(vec4 mean, float t) { return min(mean.x * exp(-exponent * t), 1); }\n",
+            .constants = "float exponent;"};
+  }
+  void set_constants(const Program& program) const override { program.set_if_used("exponent", static_cast<float>(exponent)); }
+};
+
+}  // namespace
+
+GNOMON_TECHNIQUE(exponential_map, ExponentialMap, about)

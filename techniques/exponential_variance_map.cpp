@@ -1,0 +1,64 @@
+// Exponential variance shadow map: a variance map of depths that are warped by exponentials first.
+#include <gnomon/kit/filtered_map.h>
+#include <gnomon/registry.h>
+
+#include "exponential_variance_map/answer.h"
+
+namespace {
+using namespace gnomon;
+
+constexpr About about{
+    .title = "Exponential variance shadow map",
+    .summary = "Mean and variance of exponentials of the depths around a texel bound how much of the light arrives.",
+    .source = "Lauritzen and McCool 2008 (layered variance shadow maps, section on exponential warps)",
+    .error =
+        "Leaks of a variance map shrink by the exponential between the two casters; with four components a second warp, the "
+        "other way round, bounds what the first leaks.",
+    .fails = "Casters close above each other along the ray, over the whole depth range of a large scene.",
+    .needs_gl = true};
+
+class ExponentialVarianceMap final : public FilteredMap {
+  Choice components{this, "components", "4", {"2", "4"}, Stage::setup, "Moments of the first warp alone, or of both."};
+  // The square of a warp must be a float32: exp(2 * 42) = 3.03e36.
+  Number<double> exponent{
+      this, "exponent", 40, {.unit = "", .min = 1, .max = 42}, Stage::relight, "Of the first warp, exp(exponent t)."};
+  Number<double> negative_exponent{this,
+                                   "negative_exponent",
+                                   5,
+                                   {.unit = "", .min = 1, .max = 42},
+                                   Stage::relight,
+                                   "Of the second warp, -exp(-negative_exponent t); for components=4."};
+  Number<double> least_deviation{
+      this,
+      "least_deviation",
+      0.1,
+      {.unit = "permille", .min = 0, .max = 100},
+      Stage::resolve,
+      "Depths count as spread by at least this share of the image's depth range, against rounding and acne."};
+
+ public:
+  std::unique_ptr<Technique> for_another_light() const override { return another(*this, &ExponentialVarianceMap::made_); }
+
+ private:
+  Method method() const override {
+    const std::string head = fmt::format("#define COMPONENTS {}\n", components.text());
+    return {.format = static_cast<GLenum>(components.is("2") ? GL_RG32F : GL_RGBA32F),
+            .encode = head + R"(
+vec4 encode(float t) {
+  float near_warp = exp(exponent * t), far_warp = COMPONENTS == 4 ? -exp(-negative_exponent * t) : 0;
+  return vec4(near_warp, near_warp * near_warp, far_warp, far_warp * far_warp);
+}
+)",
+            .answer = head + std::string(exponential_variance_map::answer),
+            .constants = "float exponent; float negative_exponent; float least_deviation;"};
+  }
+  void set_constants(const Program& program) const override {
+    program.set_if_used("exponent", static_cast<float>(exponent));
+    program.set_if_used("negative_exponent", static_cast<float>(negative_exponent));
+    program.set_if_used("least_deviation", static_cast<float>(1e-3 * least_deviation));
+  }
+};
+
+}  // namespace
+
+GNOMON_TECHNIQUE(exponential_variance_map, ExponentialVarianceMap, about)

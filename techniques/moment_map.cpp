@@ -1,0 +1,54 @@
+// Moment shadow map: a texel holds four powers of depth, so that means of texels tell where two layers of depth lie.
+#include <gnomon/kit/filtered_map.h>
+#include <gnomon/registry.h>
+
+#include "moment_map/answer.h"
+
+namespace {
+using namespace gnomon;
+
+constexpr About about{
+    .title = "Moment shadow map",
+    .summary = "Four moments of the depths around a texel bound how much of the light arrives.",
+    .source = "Peters and Klein 2015 (Hamburger's moment problem, with the corrections of the authors' version)",
+    .error =
+        "The sharpest bound that four moments allow, toward light: exact for two layers of depth but for moment_bias and "
+        "rounding; under three light leaks by a seventh of what variance leaks in the worst case.",
+    .fails = "Three layers and more between light and receiver: leaves, fences before walls.",
+    .needs_gl = true};
+
+class MomentMap final : public FilteredMap {
+  Number<double> moment_bias{
+      this,
+      "moment_bias",
+      1e-5,
+      {.unit = "", .min = 1e-8, .max = 0.1, .log = true},
+      Stage::resolve,
+      "Share of the moments that is replaced by those of depth spread evenly over both ends: against rounding."};
+
+ public:
+  std::unique_ptr<Technique> for_another_light() const override { return another(*this, &MomentMap::made_); }
+
+ private:
+  Method method() const override {
+    return {.format = GL_RGBA32F,
+            .encode = R"(
+vec4 encode(float t) {
+  float s = 0.1 + 0.8 * t;
+  return vec4(s, s * s, s * s * s, s * s * s * s);
+}
+)",
+            .answer = std::string(moment_map::answer) + R"(
+// What moment_bias and rounding make dark, less than 1/512, is lit.
+float answer(vec4 mean, float t) { return clamp(least_lit(mean, 0.1 + 0.8 * t) * (512.0 / 511.0), 0, 1); }
+)",
+            .constants = "float moment_bias;"};
+  }
+  void set_constants(const Program& program) const override {
+    program.set_if_used("moment_bias", static_cast<float>(moment_bias));
+  }
+};
+
+}  // namespace
+
+GNOMON_TECHNIQUE(moment_map, MomentMap, about)
