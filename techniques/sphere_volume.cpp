@@ -94,7 +94,7 @@ class SphereVolume final : public VolumeTechnique {
   };
   Shared<Own> own_;
   Volumes volumes_;  // of the bodies; those of other casters are `faces_`
-  Buffer vertices_, body_of_, indices_;
+  RewrittenBuffer vertices_, body_of_, indices_;
   std::array<std::size_t, 3> first_index_{};  // of each face, in `indices_`
   VertexArray vertex_array_;
   std::size_t volume_bound_ = 0, stencil_limit_ = VolumeCounter::stencil_limit;
@@ -185,27 +185,31 @@ void SphereVolume::relight(const Light& light) {
   upload();
 }
 
+template <class T>
+void refill(RewrittenBuffer& buffer, const std::vector<T>& values) {
+  buffer.clear();
+  buffer.rewrite<T>(values.size(), [&](std::span<T> mapped) { std::ranges::copy(values, mapped.begin()); });
+}
+
 void SphereVolume::upload() {
-  vertices_ = Buffer(volumes_.vertices.data(), volumes_.vertices.size() * sizeof(glm::vec4));
-  body_of_ = is_exact() ? Buffer(volumes_.body_of.data(), volumes_.body_of.size() * 4) : Buffer();
+  refill(vertices_, volumes_.vertices);
+  refill(body_of_, is_exact() ? volumes_.body_of : std::vector<std::uint32_t>());
   std::vector<std::uint32_t> all;
   for (int f = 0; f < 3; ++f) {
     first_index_[f] = all.size();
     all.insert(all.end(), volumes_.indices[f].begin(), volumes_.indices[f].end());
   }
-  indices_ = Buffer(all.data(), all.size() * 4);
-  vertex_array_ = make_vertex_array();
+  refill(indices_, all);
+  if (!vertex_array_) vertex_array_ = make_vertex_array();
   const GLuint vao = vertex_array_.name();
   glVertexArrayVertexBuffer(vao, 1, vertices_.name(), 0, sizeof(glm::vec4));
   glVertexArrayAttribFormat(vao, 1, 4, GL_FLOAT, GL_FALSE, 0);
   glVertexArrayAttribBinding(vao, 1, 1);
   glEnableVertexArrayAttrib(vao, 1);
-  if (is_exact()) {
-    glVertexArrayVertexBuffer(vao, 2, body_of_.name(), 0, 4);
-    glVertexArrayAttribIFormat(vao, 2, 1, GL_UNSIGNED_INT, 0);
-    glVertexArrayAttribBinding(vao, 2, 2);
-    glEnableVertexArrayAttrib(vao, 2);
-  }
+  glVertexArrayVertexBuffer(vao, 2, body_of_.name(), 0, 4);
+  glVertexArrayAttribIFormat(vao, 2, 1, GL_UNSIGNED_INT, 0);
+  glVertexArrayAttribBinding(vao, 2, 2);
+  (is_exact() ? glEnableVertexArrayAttrib : glDisableVertexArrayAttrib)(vao, 2);
   glVertexArrayElementBuffer(vao, indices_.name());
   glFinish();
 }
@@ -297,7 +301,7 @@ void SphereVolume::count_bodies_exactly(Pass pass) const {
 
 Counts SphereVolume::counts() const {
   const std::size_t bytes =
-      VolumeTechnique::bytes() + volumes_.bytes() + vertices_.bytes + body_of_.bytes + indices_.bytes +
+      VolumeTechnique::bytes() + volumes_.bytes() + vertices_.bytes() + body_of_.bytes() + indices_.bytes() +
       static_cast<std::size_t>(own_.own(double(bytes_of(own_->bodies) + own_->body_data.bytes + own_->flat_positions.bytes)));
   const std::size_t side_triangles = volumes_.triangle_count(VolumeFace::side) + commands_.sides.count / 3;
   const std::size_t triangles = side_triangles + volumes_.triangle_count(VolumeFace::light_cap) +
