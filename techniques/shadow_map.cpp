@@ -80,11 +80,7 @@ class ShadowMap final : public Technique {
 
  public:
   Support supports(const Scene&, const Light& light, const View&) const override {
-    if (has_area(light)) return Support::unsupported("a shadow map has one center: lights with area have none");
-    const bool is_cube = std::holds_alternative<PointLight>(light.kind);
-    // Six images hand on fifteen constants, four floats each: see resolve_constants.
-    return within_limits(
-        {.varying_components = is_cube ? 60 : 44, .texture_size = resolution, .texture_layers = is_cube ? 6 : 1});
+    return light_map_support(light, resolution, 0);  // the biases come in place of the light, which it has no use for
   }
   void setup() override;
   void build(const Scene& scene) override;

@@ -45,7 +45,8 @@ void main() {
 }  // namespace
 
 Support FilteredMap::supports(const Scene&, const Light& light, const View&) const {
-  return hard_lights_only(light, "a map has one center: lights with area have none");
+  constexpr int most_constants = 5;  // bias, leak_reduction, and up to three of a method
+  return light_map_support(light, resolution, most_constants);
 }
 
 void FilteredMap::setup() {

@@ -1,3 +1,4 @@
+#include <gnomon/kit/gl_limits.h>
 #include <gnomon/kit/light_map.h>
 
 #include <algorithm>
@@ -93,6 +94,15 @@ LightProjection projection_of(const LightCamera& camera) {
 
 std::string light_map_head(LightProjection projection) {
   return fmt::format("#define PROJECTION {}\n", static_cast<int>(projection));
+}
+
+Support light_map_support(const Light& light, int resolution, int more_constants) {
+  if (has_area(light)) return Support::unsupported("a map has one center: lights with area have none");
+  const auto* const spot = std::get_if<SpotLight>(&light.kind);
+  const bool is_cube = std::holds_alternative<PointLight>(light.kind) || (spot && spot->outer_degrees > widest_spot_degrees);
+  // The origin, two vectors for each image, six for the axes of a single one; light and spot.
+  const int constants = 1 + (is_cube ? 12 : 8) + 2 + more_constants;
+  return within_limits({.varying_components = 4 * constants, .texture_size = resolution, .texture_layers = is_cube ? 6 : 1});
 }
 
 std::string light_map_constants(LightProjection projection) {

@@ -53,6 +53,9 @@ LightProjection projection_of(const LightCamera& camera);
 ///
 /// The faces_light_constants are among the constants.
 std::string light_map_head(LightProjection projection);
+/// Full, unless the light has an area (a map has one center) or the device is too small for its images of this many texels and
+/// for a pass that has so many constants beside those below.
+Support light_map_support(const Light& light, int resolution, int more_constants);
 std::string light_map_constants(LightProjection projection);
 extern const std::string_view light_map_snippet;
 /// Sets light, spot and the constants. `fourth` gives the last of `light_facts`; without it, that is far.
