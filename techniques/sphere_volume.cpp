@@ -185,21 +185,15 @@ void SphereVolume::relight(const Light& light) {
   upload();
 }
 
-template <class T>
-void refill(RewrittenBuffer& buffer, const std::vector<T>& values) {
-  buffer.clear();
-  buffer.rewrite<T>(values.size(), [&](std::span<T> mapped) { std::ranges::copy(values, mapped.begin()); });
-}
-
 void SphereVolume::upload() {
-  refill(vertices_, volumes_.vertices);
-  refill(body_of_, is_exact() ? volumes_.body_of : std::vector<std::uint32_t>());
+  vertices_.rewrite(volumes_.vertices);
+  body_of_.rewrite(is_exact() ? volumes_.body_of : std::vector<std::uint32_t>());
   std::vector<std::uint32_t> all;
   for (int f = 0; f < 3; ++f) {
     first_index_[f] = all.size();
     all.insert(all.end(), volumes_.indices[f].begin(), volumes_.indices[f].end());
   }
-  refill(indices_, all);
+  indices_.rewrite(all);
   if (!vertex_array_) vertex_array_ = make_vertex_array();
   const GLuint vao = vertex_array_.name();
   glVertexArrayVertexBuffer(vao, 1, vertices_.name(), 0, sizeof(glm::vec4));

@@ -82,7 +82,7 @@ void FilteredMap::relight(const Light& light) {
 }
 
 void FilteredMap::draw_images(LightCamera&& camera) {
-  read_depths_.clear();
+  if (made_->read_of == this) made_->read_of = nullptr;
   camera_ = std::move(camera);
   drawn_triangles_ = made_->depth_images.draw(camera_, depths_);
   means_.fit(method().format, resolution, resolution, std::max(camera_.layer_count, 1));
@@ -137,8 +137,9 @@ Counts FilteredMap::counts() const {
 }
 
 const std::vector<float>& FilteredMap::depths() const {
-  if (read_depths_.empty()) read_depths_ = read_texels<float>(depths_, GL_DEPTH_COMPONENT);
-  return read_depths_;
+  if (made_->read_of != this) made_->read_depths = read_texels<float>(depths_, GL_DEPTH_COMPONENT);
+  made_->read_of = this;
+  return made_->read_depths;
 }
 
 /// The taps are the texels whose means were looked up, each with what it weighs in the blur and between four of them.

@@ -71,6 +71,9 @@ class FilteredMap : public Technique {
     Blur blur;
     Framebuffer framebuffer;
     const Scene* scene = nullptr;
+    // What questions need, in memory: of one object at a time, for 64 lights' images fill a gigabyte.
+    const FilteredMap* read_of = nullptr;
+    std::vector<float> read_depths;
   };
   Shared<Made> made_;
 
@@ -85,7 +88,6 @@ class FilteredMap : public Technique {
   Texture depths_, means_;  // of all images
   std::size_t drawn_triangles_ = 0;
   const GBuffer* gbuffer_ = nullptr;
-  mutable std::vector<float> read_depths_;  // at the first question after a drawing
 };
 
 }  // namespace gnomon

@@ -2,6 +2,7 @@
 #include <gnomon/kit/edges.h>
 #include <gnomon/kit/gl_volumes.h>
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <span>
@@ -47,6 +48,10 @@ class RewrittenBuffer {
     if (count == 0) return;
     fill(std::span<T>(static_cast<T*>(map(count * sizeof(T))), count));
     unmap();
+  }
+  template <class T>
+  void rewrite(const std::vector<T>& values) {
+    rewrite<T>(values.size(), [&](std::span<T> mapped) { std::ranges::copy(values, mapped.begin()); });
   }
   void reserve(std::size_t bytes);
   void clear() { bytes_ = 0; }
