@@ -97,7 +97,7 @@ std::string light_map_head(LightProjection projection) {
 }
 
 Support light_map_support(const Light& light, int resolution, int more_constants) {
-  if (has_area(light)) return Support::unsupported("a map has one center: lights with area have none");
+  if (has_area(light)) return Support::unsupported("a shadow map has one center: lights with area have none");
   const auto* const spot = std::get_if<SpotLight>(&light.kind);
   const bool is_cube = std::holds_alternative<PointLight>(light.kind) || (spot && spot->outer_degrees > widest_spot_degrees);
   // The origin, two vectors for each image, six for the axes of a single one; light and spot.

@@ -5,8 +5,8 @@ namespace gnomon::moment_map {
 
 /// Hamburger's moment problem with four moments: of all distributions of depth that have them, the one with the least below t
 /// lies on three points, t and the roots z of a quadratic; how much it has below t is in shadow for sure. `moment_bias` blends
-/// the moments with those of both ends alike, 0 and 1, without which two layers of depth make a singular matrix, and so do layers
-/// at the ends themselves: depths have to stay away from them.
+/// the moments with those of both ends alike, 0 and 1, without which two layers of depth make a singular matrix, and so do
+/// layers at the ends themselves: depths have to stay away from them.
 inline constexpr std::string_view answer = R"(
 float least_lit(vec4 mean, float t) {
   vec4 b = mix(mean, vec4(0.5), moment_bias);
