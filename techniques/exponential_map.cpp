@@ -16,11 +16,12 @@ constexpr About about{
     .needs_gl = true};
 
 class ExponentialMap final : public FilteredMap {
-  // exp(88.7) is the largest float32; a blur adds up to no more than its largest texel.
+  // exp(88.7) is the largest float32, and exp(-87.3) the least that every device keeps. A blur adds up to no more than its
+  // largest texel.
   Number<double> exponent{this,
                           "exponent",
                           80,
-                          {.unit = "", .min = 1, .max = 88},
+                          {.unit = "", .min = 1, .max = 87},
                           Stage::relight,
                           "How steep the exponential is, over the image's depth range."};
 

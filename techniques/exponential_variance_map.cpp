@@ -25,7 +25,7 @@ class ExponentialVarianceMap final : public FilteredMap {
   Number<double> negative_exponent{this,
                                    "negative_exponent",
                                    5,
-                                   {.unit = "", .min = 1, .max = 42},
+                                   {.unit = "", .min = 1, .max = 35},
                                    Stage::relight,
                                    "Of the second warp, -exp(-negative_exponent t); for components=4."};
   Number<double> least_deviation{
@@ -45,17 +45,15 @@ class ExponentialVarianceMap final : public FilteredMap {
     return {.format = static_cast<GLenum>(components.is("2") ? GL_RG32F : GL_RGBA32F),
             .encode = head + R"(
 vec4 encode(float t) {
-  float near_warp = exp(exponent * t), far_warp = COMPONENTS == 4 ? -exp(-negative_exponent * t) : 0;
+  float near_warp = exp(warps.x * t), far_warp = COMPONENTS == 4 ? -exp(-warps.y * t) : 0;
   return vec4(near_warp, near_warp * near_warp, far_warp, far_warp * far_warp);
 }
 )",
             .answer = head + std::string(exponential_variance_map::answer),
-            .constants = "float exponent; float negative_exponent; float least_deviation;"};
+            .constants = "vec3 warps;"};
   }
   void set_constants(const Program& program) const override {
-    program.set_if_used("exponent", static_cast<float>(exponent));
-    program.set_if_used("negative_exponent", static_cast<float>(negative_exponent));
-    program.set_if_used("least_deviation", static_cast<float>(1e-3 * least_deviation));
+    program.set_if_used("warps", glm::vec3(exponent.value(), negative_exponent.value(), 1e-3 * least_deviation));
   }
 };
 

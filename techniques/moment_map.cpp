@@ -21,8 +21,8 @@ class MomentMap final : public FilteredMap {
   Number<double> moment_bias{
       this,
       "moment_bias",
-      1e-5,
-      {.unit = "", .min = 1e-8, .max = 0.1, .log = true},
+      3e-5,
+      {.unit = "", .min = 3e-6, .max = 0.1, .log = true},
       Stage::resolve,
       "Share of the moments that is replaced by those of depth spread evenly over both ends: against rounding."};
 

@@ -80,7 +80,7 @@ class ShadowMap final : public Technique {
 
  public:
   Support supports(const Scene&, const Light& light, const View&) const override {
-    return light_map_support(light, resolution, 0);  // the biases come in place of the light, which it has no use for
+    return light_map_support(light, resolution, margin(), 1);
   }
   void setup() override;
   void build(const Scene& scene) override;
@@ -209,7 +209,8 @@ void ShadowMap::look_up(const Program& p, unsigned target) const {
 
 Counts ShadowMap::counts() const {
   const double texels = double(resolution) * resolution * camera_.layer_count * (second_depth ? 2 : 1);
-  const double bytes = double(first_.bytes + second_.bytes) + made_.own(double(made_->depth_images.bytes()));
+  const double bytes =
+      double(first_.bytes + (second_depth ? second_.bytes : 0)) + made_.own(double(made_->depth_images.bytes()));
   return {{"texels", texels, "texel"},
           {"faces", double(camera_.layer_count), ""},
           {"triangles", double(drawn_triangles_), ""},

@@ -35,18 +35,18 @@ void main() {
 #endif
   vec2 size = vec2(textureSize(light_map, 0).xy);
   bool inside = all(greaterThanEqual(place.xy, vec2(0))) && all(lessThan(place.xy, size));
+  float bias = look_up.x, leak_reduction = look_up.y;
   float near = light_facts.z, far = light_facts.w, t = clamp((place.z - bias * width - near) / (far - near), 0, 1);
   float lit = answer(textureLod(light_map, vec3(place.xy / size, light_facts.x), 0), t);
   lit = clamp((lit - leak_reduction) / (1 - leak_reduction), 0, 1);
-  visibility = inside && faces_light(position, normal) ? lit : 1;
+  visibility = inside && faces_light_at(position, normal, v) ? lit : 1;
 }
 )";
 
 }  // namespace
 
 Support FilteredMap::supports(const Scene&, const Light& light, const View&) const {
-  constexpr int most_constants = 5;  // bias, leak_reduction, and up to three of a method
-  return light_map_support(light, resolution, most_constants);
+  return light_map_support(light, resolution, margin(), 2);  // that of the look-up, and the method's
 }
 
 void FilteredMap::setup() {
@@ -58,9 +58,8 @@ void FilteredMap::setup() {
   for (int k = 0; k < light_projection_count; ++k) {
     const LightProjection projection = LightProjection(k);
     made_->resolve_programs[k] = pass_program(
-        fmt::format("{} resolve", id()), light_map_constants(projection) + how.constants + "float bias; float leak_reduction;",
-        fmt::format("{}{}{}{}{}{}", light_map_head(projection), gbuffer_snippet, light_map_snippet, faces_light_snippet,
-                    how.answer, resolve_body));
+        fmt::format("{} resolve", id()), light_map_constants(projection) + how.constants + "vec2 look_up;",
+        fmt::format("{}{}{}{}{}", light_map_head(projection), gbuffer_snippet, light_map_snippet, how.answer, resolve_body));
   }
   if (blur_radius > 0)
     made_->blur.setup({.format = how.format, .has_layers = true},
@@ -117,8 +116,7 @@ void FilteredMap::look_up(unsigned target) const {
   const Program& program = made_->resolve_programs[static_cast<int>(projection_of(camera_))];
   set_light_camera(program, light_, camera_);
   set_constants(program);
-  program.set("bias", static_cast<float>(bias));
-  program.set("leak_reduction", static_cast<float>(leak_reduction));
+  program.set("look_up", glm::vec2(bias.value(), leak_reduction.value()));
   bind_gbuffer(textures);
   glBindTextureUnit(3, means_.name());
   begin_mask(made_->framebuffer, target, textures);
@@ -129,7 +127,8 @@ void FilteredMap::look_up(unsigned target) const {
 
 Counts FilteredMap::counts() const {
   const double texels = double(resolution) * resolution * camera_.layer_count;
-  const double shared_bytes = double(made_->depth_images.bytes() + made_->blur.bytes());
+  // The blur's own image is as large as that which it blurs.
+  const double shared_bytes = double(made_->depth_images.bytes() + (blur_radius > 0 ? means_.bytes : 0));
   return {{"texels", texels, "texel"},
           {"faces", double(camera_.layer_count), ""},
           {"triangles", double(drawn_triangles_), ""},

@@ -93,9 +93,6 @@ void VolumeCounter::begin(const DepthStencil& depth, const GBufferTextures& gbuf
     glEnable(GL_STENCIL_TEST);
     glStencilFunc(GL_ALWAYS, 0, ~0u);
     glDepthFunc(GL_GREATER);
-    const PixelRectangle within = around(gbuffer.receivers);
-    glEnable(GL_SCISSOR_TEST);
-    glScissor(within.left, within.top, within.right - within.left, within.bottom - within.top);
   } else {
     const GLfloat first[] = {pass == Pass::wide ? static_cast<float>(start) : 0, 0, 0, 0};
     glClearNamedFramebufferfv(target, GL_COLOR, 0, first);
@@ -103,6 +100,11 @@ void VolumeCounter::begin(const DepthStencil& depth, const GBufferTextures& gbuf
     glBlendFunc(GL_ONE, GL_ONE);
     // What fails "nearer" is counted by z-fail. Volumes are looked at on the background too, where the depth is 0.
     glDepthFunc(pass == Pass::layer ? GL_GEQUAL : where == CountWhere::behind_surface ? GL_LEQUAL : GL_GREATER);
+  }
+  if (pass != Pass::layer) {
+    const PixelRectangle within = around(gbuffer.receivers);
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(within.left, within.top, within.right - within.left, within.bottom - within.top);
   }
   // Before the surface, a face nearer than the near plane counts as well: the way starts at the eye.
   if (pass == Pass::layer || where == CountWhere::before_surface) glEnable(GL_DEPTH_CLAMP);
@@ -131,6 +133,7 @@ void VolumeCounter::use(const VolumeProgram& program, VolumeFace face, bool reve
 
 void VolumeCounter::write_mask(const GBufferTextures& gbuffer, const Light& light, VisibilityMask& mask) {
   const bool wide = pass_ == Pass::wide;
+  glDisable(GL_SCISSOR_TEST);
   glNamedFramebufferTexture(framebuffer_.name(), GL_COLOR_ATTACHMENT0, mask.texture(), 0);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glDisable(GL_DEPTH_TEST);
@@ -138,7 +141,6 @@ void VolumeCounter::write_mask(const GBufferTextures& gbuffer, const Light& ligh
   if (wide) {
     glBindTextureUnit(3, wide_.name());
   } else {
-    glDisable(GL_SCISSOR_TEST);
     const GLfloat lit[] = {1, 0, 0, 0};
     glClearNamedFramebufferfv(framebuffer_.name(), GL_COLOR, 0, lit);
     glEnable(GL_SCISSOR_TEST);
@@ -150,12 +152,12 @@ void VolumeCounter::write_mask(const GBufferTextures& gbuffer, const Light& ligh
   bind_gbuffer(gbuffer);
   glUseProgram(program.name());
   draw_full_screen();
-  glDisable(GL_SCISSOR_TEST);
   end();
 }
 
 /// Mask and depth are others': they may go before this framebuffer does.
 void VolumeCounter::end() const {
+  glDisable(GL_SCISSOR_TEST);
   glNamedFramebufferTexture(framebuffer_.name(), GL_COLOR_ATTACHMENT0, 0, 0);
   glNamedFramebufferTexture(framebuffer_.name(), GL_DEPTH_STENCIL_ATTACHMENT, 0, 0);
 }

@@ -96,12 +96,16 @@ std::string light_map_head(LightProjection projection) {
   return fmt::format("#define PROJECTION {}\n", static_cast<int>(projection));
 }
 
-Support light_map_support(const Light& light, int resolution, int more_constants) {
+Support light_map_support(const Light& light, int resolution, int margin, int more_constants) {
   if (has_area(light)) return Support::unsupported("a shadow map has one center: lights with area have none");
   const auto* const spot = std::get_if<SpotLight>(&light.kind);
   const bool is_cube = std::holds_alternative<PointLight>(light.kind) || (spot && spot->outer_degrees > widest_spot_degrees);
-  // The origin, two vectors for each image, six for the axes of a single one; light and spot.
-  const int constants = 1 + (is_cube ? 12 : 8) + 2 + more_constants;
+  if (4 * margin > resolution)
+    return Support::unsupported(
+        fmt::format("filter and offset reach {} texels beyond what an image of {} is fitted to: it needs {} or more", margin,
+                    resolution, 4 * margin));
+  // Of a cube, which has most: the origin, two vectors for each image, spot.
+  const int constants = 1 + 12 + 1 + more_constants;
   return within_limits({.varying_components = 4 * constants, .texture_size = resolution, .texture_layers = is_cube ? 6 : 1});
 }
 
@@ -109,8 +113,8 @@ std::string light_map_constants(LightProjection projection) {
   const int images = projection == LightProjection::cube ? 6 : 1;
   // A cube has no axes of its own, its faces only exchange those of the world.
   const char* const axes = projection == LightProjection::cube ? "" : "mat3 light_axes; mat3 light_steps;";
-  return fmt::format("vec3 light_origin; vec4 light_windows[{0}]; vec4 light_images[{0}]; {1} {2}", images, axes,
-                     faces_light_constants);
+  const char* const cone = projection == LightProjection::parallel ? "" : "vec4 spot;";
+  return fmt::format("vec3 light_origin; vec4 light_windows[{0}]; vec4 light_images[{0}]; {1} {2}", images, axes, cone);
 }
 
 // llvmpipe executes both sides of every branch and gathers what is indexed by a variable: the six are told apart by selecting.
@@ -148,6 +152,16 @@ vec3 in_image(vec3 v) {
 }
 vec2 across_image(vec3 n) { return vec2(dot(n, light_steps[0]), dot(n, light_steps[1])); }
 #endif
+bool faces_light_at(vec4 position, vec4 normal, vec3 v) {
+#if PROJECTION == 0
+  float height = -dot(normal.xyz, light_steps[2]), squared = 1;
+  const bool is_in_cone = true;
+#else
+  float height = -dot(normal.xyz, v), squared = dot(v, v), along = dot(v, spot.xyz);
+  bool is_in_cone = along >= 0 && along * along >= spot.w * squared;
+#endif
+  return position.w * normal.w * height > 0 && height * height > squared * 2.2737368e-13 && is_in_cone;
+}
 float stored_depth(vec2 texel) {
   ivec2 size = textureSize(light_map, 0).xy;
   bool inside = all(lessThan(uvec2(ivec2(texel)), uvec2(size)));
@@ -161,11 +175,12 @@ void set_light_camera(const Program& program, const Light& light, const LightCam
   std::array<glm::vec4, 6> windows{}, facts{};
   for (std::size_t i = 0; i < camera.images.size(); ++i) {
     LightImage image = camera.images[i];
-    // Where nothing casts, every look-up falls off the image.
+    // Where nothing casts, every look-up falls far off the image.
     if (image.layer < 0) {
-      image.scale = glm::dvec2(0);
-      image.offset = glm::dvec2(-1);
-      image.near = image.far = 1;
+      image.scale = glm::dvec2(1);
+      image.offset = glm::dvec2(-1e6);
+      image.near = 0.5;
+      image.far = 1;
     }
     windows[i] = glm::vec4(image.scale, image.offset);
     facts[i] = glm::vec4(std::max(image.layer, 0), 1 / std::min(image.scale.x, image.scale.y), image.near,

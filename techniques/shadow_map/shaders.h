@@ -6,7 +6,8 @@ namespace gnomon::shadow_map {
 /// Beside those of the light's camera: depth_bias, half of slope_bias and normal_offset, each times the filter's reach, and
 /// rounding; the diagonal of a texel in window coordinates, under parallel rays.
 inline std::string resolve_constants(LightProjection projection) {
-  return light_map_constants(projection) + "vec4 biases; float diagonal;";
+  return light_map_constants(projection) +
+         (projection == LightProjection::parallel ? "vec4 biases; float diagonal;" : "vec4 biases;");
 }
 
 /// Mirrors shadow_map::explain; see there for the meaning of each quantity. The head defines BIAS and FILTER beside PROJECTION:

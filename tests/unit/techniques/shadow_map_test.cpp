@@ -330,6 +330,22 @@ TEST_F(ShadowMap, second_depth_needs_no_bias_on_closed_casters) {
   EXPECT_GT(dark_ground, 100);
 }
 
+// A filter and an offset may reach farther than the image has texels: then nothing would be left to fit, and all be lit.
+TEST_F(ShadowMap, filter_and_offset_that_leave_too_little_of_the_image_are_unsupported) {
+  Registry registry;
+  gnomon_technique_shadow_map(registry);
+  const auto supports = [&](const std::string& settings) {
+    const auto technique = registry.techniques()[0].make();
+    technique->apply(settings);
+    return technique->supports({}, {.kind = PointLight{}}, {});
+  };
+  const Support refused = supports("resolution=64,bias=normal_offset,filter=pcf,filter_radius=8");
+  EXPECT_EQ(refused.kind(), Support::Kind::unsupported);
+  EXPECT_EQ(refused.why(), "filter and offset reach 35 texels beyond what an image of 64 is fitted to: it needs 140 or more");
+  EXPECT_TRUE(supports("resolution=140,bias=normal_offset,filter=pcf,filter_radius=8"));
+  EXPECT_TRUE(supports("resolution=64,filter=pcf,filter_radius=8"));
+}
+
 TEST_F(ShadowMap, light_with_area_is_unsupported_with_a_reason) {
   Registry registry;
   gnomon_technique_shadow_map(registry);
@@ -345,7 +361,7 @@ TEST_F(ShadowMap, parameter_set_later_gives_the_mask_of_a_fresh_object) {
   const GBuffer g = small_world::make_gbuffer(scene, view, 64, 48);
   const Light& light = all_kinds[0];
   const auto live = run("resolution=128", scene, light, g);
-  for (const std::string settings : {"bias=slope", "filter=pcf", "filter_radius=4", "bias=normal_offset", "normal_offset=7",
+  for (const std::string settings : {"bias=slope", "filter=pcf", "filter_radius=2", "bias=normal_offset", "normal_offset=2",
                                      "second_depth=true", "depth_bias=5", "resolution=64", "bias=constant"}) {
     live.technique->apply(settings);
     const Stage from = live.technique->parameter(settings.substr(0, settings.find('='))).spoils();

@@ -29,7 +29,7 @@ class FilteredMap : public Technique {
     GLenum format;          ///< R32F, RG32F or RGBA32F
     std::string encode;     ///< `vec4 encode(float t)`: what a texel holds
     std::string answer;     ///< `float answer(vec4 mean, float t)`: how much of the light arrives at depth t, 0 .. 1
-    std::string constants;  ///< that both may read, as PassConstants has them
+    std::string constants;  ///< one that both may read, as PassConstants has it
   };
   virtual Method method() const = 0;
   /// Sets those constants; a program may use some of them only.

@@ -41,8 +41,8 @@ class VolumeCounter {
   /// Makes programs and the framebuffer.
   void setup();
   /// Clears the count to `start` and sets the state that draws count in. In Pass::layer, faces in front of the surface are
-  /// gathered for `layer_faces`, whatever `where` says. In Pass::stencil nothing is counted where no pixel of `gbuffer` shows a
-  /// receiver. Sizes are those of `depth`. Bind nothing to texture unit 3.
+  /// gathered for `layer_faces`, whatever `where` says. In the other passes nothing is counted far from all pixels of
+  /// `gbuffer` that show a receiver. Sizes are those of `depth`. Bind nothing to texture unit 3.
   void begin(const DepthStencil& depth, const GBufferTextures& gbuffer, Pass pass, CountWhere where, int start = 0);
   /// Puts the program of this pass in use and says what is drawn next. `reversed`: faces are wound clockwise seen from outside.
   void use(const VolumeProgram& program, VolumeFace face, bool reversed = false) const;

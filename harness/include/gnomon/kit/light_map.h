@@ -50,12 +50,14 @@ LightProjection projection_of(const LightCamera& camera);
 ///   vec3 in_image(vec3 v)             texel column and row, both times z where rays start at the light; z: the axis distance
 ///   vec2 across_image(vec3 n)         how far a direction goes along columns and rows, in texels at axis distance 1
 ///   float stored_depth(vec2 texel)    of a texel by its whole numbers; 0 beside the image and where nothing is stored
+///   bool faces_light_at(vec4 position, vec4 normal, vec3 v)   what faces_light says, with no constant more
 ///
-/// The faces_light_constants are among the constants.
+/// `spot` of faces_light_constants is among the constants where rays start at the light.
 std::string light_map_head(LightProjection projection);
-/// Full, unless the light has an area (a map has one center) or the device is too small for its images of this many texels and
-/// for a pass that has so many constants beside those below.
-Support light_map_support(const Light& light, int resolution, int more_constants);
+/// Full, unless the light has an area (a map has one center), the margin of a fit leaves less than half of the texels, or the
+/// device is too small for images of so many and for passes, one for each projection, that have so many constants beside those
+/// below.
+Support light_map_support(const Light& light, int resolution, int margin, int more_constants);
 std::string light_map_constants(LightProjection projection);
 extern const std::string_view light_map_snippet;
 /// Sets light, spot and the constants. `fourth` gives the last of `light_facts`; without it, that is far.
