@@ -98,8 +98,10 @@ TEST_P(Limits, are_kept_or_named) {
       const GBuffer gbuffer = w->gbuffer();
       for (const std::string& settings : all_settings) {
         SCOPED_TRACE(fmt::format("{} {} {}", limit, reference, settings));
+        // One scene and light will do for settings: their programs are compiled for each limit anew.
+        if (!settings.empty() && w->scene.has_curved_shapes()) continue;
         std::vector<Light> lights = supported_lights(w->scene, settings);
-        if (lights.size() > 2) lights.resize(2);
+        lights.resize(std::min<std::size_t>(lights.size(), settings.empty() ? 2 : 1));
         release_inputs();
         const Pretended pretended(limit);
         const Support inputs = within_limits(inputs_need(w->scene, gbuffer.width, gbuffer.height));
