@@ -36,7 +36,7 @@ class FilteredMap : public Technique {
   virtual void set_constants(const Program& program) const = 0;
 
   Number<int> resolution{this,           "resolution",
-                         1024,           {.unit = "texel", .min = 64, .max = 4096, .log = true},
+                         1024,           {.unit = "texel", .min = 64, .max = 2048, .log = true},
                          Stage::relight, "Side of the square image (of each cube face for point lights)."};
   Choice fit{this,
              "fit",
