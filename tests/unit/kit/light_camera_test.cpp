@@ -1,24 +1,18 @@
 #include <gnomon/kit/light_camera.h>
 #include <gtest/gtest.h>
 
+#include "map_scenes.h"
 #include "small_world.h"
 
 namespace {
 using namespace gnomon;
+using map_scenes::soup_over_ground;
 
 const std::vector<Light> lights = {{.name = "point", .kind = PointLight{{1, 4, 0.5f}}},
                                    {.name = "inside", .kind = PointLight{{0.2f, 1.2f, 0.3f}}},
                                    {.name = "sun", .kind = DirectionalLight{{0.4f, -1, 0.2f}}},
                                    {.name = "spot", .kind = SpotLight{{1, 4, 1}, {-0.2f, -1, -0.2f}, 20, 35}},
                                    {.name = "wide_spot", .kind = SpotLight{{1, 3, 1}, {-0.2f, -1, -0.2f}, 60, 75}}};
-
-Scene soup_over_ground(unsigned seed) {
-  std::mt19937 random(seed);
-  Scene scene;
-  scene.meshes = {small_world::ground(3), small_world::random_soup(random, 25, 1.5f, 0.6f, 2.0f, 0.6f),
-                  small_world::box({-2.5f, 0, -2.5f}, {-1.5f, 1, -1.2f})};
-  return scene;
-}
 
 constexpr int resolution = 512, margin = 3;
 

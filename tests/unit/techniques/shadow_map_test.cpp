@@ -1,19 +1,19 @@
 #include <gnomon/kit/gl.h>
 #include <gtest/gtest.h>
-#define GLM_ENABLE_EXPERIMENTAL
+
 #include <algorithm>
-#include <glm/gtx/component_wise.hpp>
 #include <numbers>
 
 #include "device/context.h"
 #include "gl_state.h"
+#include "map_scenes.h"
 #include "small_world.h"
-#include "techniques/shadow_map/filter.h"
 
 extern "C" void gnomon_technique_shadow_map(gnomon::Registry&);
 
 namespace {
 using namespace gnomon;
+using map_scenes::soup_over_ground;
 using small_world::make_mesh;
 
 class ShadowMap : public testing::Test {
@@ -27,14 +27,6 @@ class ShadowMap : public testing::Test {
 };
 
 const View view{.eye = {3, 5, 6}, .target = {0, 0.3f, 0}};
-
-Scene soup_over_ground(unsigned seed) {
-  std::mt19937 random(seed);
-  Scene scene;
-  scene.meshes = {small_world::ground(3), small_world::random_soup(random, 25, 1.5f, 0.6f, 2.0f, 0.6f),
-                  small_world::box({-2.5f, 0, -2.5f}, {-1.5f, 1, -1.2f})};
-  return scene;
-}
 
 /// Whether the reference answers otherwise somewhere within `radius` of the point, across the light ray: such points are cut
 /// with the tangent plane along their own light rays, as a texel's center is.
@@ -260,54 +252,6 @@ TEST_F(ShadowMap, explain_reproduces_the_mask_in_every_bias_mode) {
     }
 }
 
-// Wide filters compare with texels farther away, over which depth spreads more: the bias grows with them, so a lit slope has no
-// acne at all, be it less than half of the taps.
-TEST_F(ShadowMap, filters_leave_no_acne_on_a_slope_that_one_texel_leaves_none_on) {
-  Scene scene;
-  scene.meshes = {small_world::ground(3)};
-  const GBuffer g = small_world::make_gbuffer(scene, view, 96, 72);
-  for (const Light& light : {Light{.name = "sun", .kind = DirectionalLight{{1, -0.4f, 0.3f}}},
-                             Light{.name = "point", .kind = PointLight{{2, 1, 2}}}})
-    for (const std::string bias : {"slope", "receiver_plane"})
-      for (const std::string filter :
-           {"nearest", "pcf,filter_radius=1", "pcf,filter_radius=4", "disc,filter_radius=3", "bilinear"}) {
-        const auto shadow_map = run("resolution=128,bias=" + bias + ",filter=" + filter, scene, light, g);
-        EXPECT_EQ(std::ranges::count_if(shadow_map.mask, [](float v) { return v < 1; }), 0)
-            << light.name << ' ' << bias << ' ' << filter;
-      }
-}
-
-// Of every filter: weights sum to 1, none is negative, and all texels lie within the margin; the disc's and the bilinear
-// filter's centers of weight follow the point to a tenth of a texel and exactly.
-TEST(shadow_map_filter, weights_are_shares_around_the_point) {
-  using shadow_map::Filter;
-  using shadow_map::FilterKind;
-  std::mt19937 random(5);
-  std::uniform_real_distribution<double> place(10, 20);
-  for (const Filter filter : {Filter{FilterKind::nearest, 0}, Filter{FilterKind::pcf, 3}, Filter{FilterKind::disc, 1},
-                              Filter{FilterKind::disc, 5}, Filter{FilterKind::bilinear, 0}})
-    for (int round = 0; round < 200; ++round) {
-      const glm::dvec2 point(place(random), place(random));
-      double sum = 0, farthest = 0;
-      glm::dvec2 center(0);
-      for (const auto& [texel, weight] : filter.texels(point)) {
-        EXPECT_GE(weight, 0);
-        sum += weight;
-        center += weight * (glm::dvec2(texel) + 0.5);
-        EXPECT_LE(glm::compMax(glm::abs(texel - glm::ivec2(point))), filter.margin());
-        if (weight > 0) farthest = std::max(farthest, glm::distance(glm::dvec2(texel) + 0.5, point));
-      }
-      EXPECT_NEAR(sum, 1, 1e-12);
-      EXPECT_LE(farthest, filter.reach() * std::sqrt(0.5) + 1e-9);
-      if (filter.kind == FilterKind::bilinear) {
-        EXPECT_NEAR(glm::distance(center, point), 0, 1e-9);
-      }
-      if (filter.kind == FilterKind::disc) {
-        EXPECT_LT(glm::distance(center, point), 0.25);
-      }
-    }
-}
-
 // A closed box on a ground: the first surface it shows the light is its top, the second its bottom, which lies on the ground.
 // Without any bias the top then has no acne, since it is compared with the bottom; the ground beside it keeps the far plane.
 TEST_F(ShadowMap, second_depth_needs_no_bias_on_closed_casters) {
@@ -328,22 +272,6 @@ TEST_F(ShadowMap, second_depth_needs_no_bias_on_closed_casters) {
   EXPECT_GT(acne_first, 100);
   EXPECT_EQ(acne_second, 0);
   EXPECT_GT(dark_ground, 100);
-}
-
-// A filter and an offset may reach farther than the image has texels: then nothing would be left to fit, and all be lit.
-TEST_F(ShadowMap, filter_and_offset_that_leave_too_little_of_the_image_are_unsupported) {
-  Registry registry;
-  gnomon_technique_shadow_map(registry);
-  const auto supports = [&](const std::string& settings) {
-    const auto technique = registry.techniques()[0].make();
-    technique->apply(settings);
-    return technique->supports({}, {.kind = PointLight{}}, {});
-  };
-  const Support refused = supports("resolution=64,bias=normal_offset,filter=pcf,filter_radius=8");
-  EXPECT_EQ(refused.kind(), Support::Kind::unsupported);
-  EXPECT_EQ(refused.why(), "filter and offset reach 35 texels beyond what an image of 64 is fitted to: it needs 140 or more");
-  EXPECT_TRUE(supports("resolution=140,bias=normal_offset,filter=pcf,filter_radius=8"));
-  EXPECT_TRUE(supports("resolution=64,filter=pcf,filter_radius=8"));
 }
 
 TEST_F(ShadowMap, light_with_area_is_unsupported_with_a_reason) {

@@ -1,0 +1,92 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "device/context.h"
+#include "gl_state.h"
+#include "small_world.h"
+#include "techniques/shadow_map/filter.h"
+
+extern "C" void gnomon_technique_shadow_map(gnomon::Registry&);
+
+namespace {
+using namespace gnomon;
+
+class ShadowMapFilter : public testing::Test {
+ protected:
+  ShadowMapFilter() { process_context(); }
+  void TearDown() override { EXPECT_EQ(state_differences(), std::vector<std::string>{}); }
+
+  static small_world::Run run(const std::string& settings, const Scene& scene, const Light& light, const GBuffer& g) {
+    return small_world::run(gnomon_technique_shadow_map, settings, scene, light, g);
+  }
+};
+
+const View view{.eye = {3, 5, 6}, .target = {0, 0.3f, 0}};
+
+// Wide filters compare with texels farther away, over which depth spreads more: the bias grows with them, so a lit slope has no
+// acne at all, be it less than half of the taps.
+TEST_F(ShadowMapFilter, filters_leave_no_acne_on_a_slope_that_one_texel_leaves_none_on) {
+  Scene scene;
+  scene.meshes = {small_world::ground(3)};
+  const GBuffer g = small_world::make_gbuffer(scene, view, 96, 72);
+  for (const Light& light : {Light{.name = "sun", .kind = DirectionalLight{{1, -0.4f, 0.3f}}},
+                             Light{.name = "point", .kind = PointLight{{2, 1, 2}}}})
+    for (const std::string bias : {"slope", "receiver_plane"})
+      for (const std::string filter :
+           {"nearest", "pcf,filter_radius=1", "pcf,filter_radius=4", "disc,filter_radius=3", "bilinear"}) {
+        const auto shadow_map = run("resolution=128,bias=" + bias + ",filter=" + filter, scene, light, g);
+        EXPECT_EQ(std::ranges::count_if(shadow_map.mask, [](float v) { return v < 1; }), 0)
+            << light.name << ' ' << bias << ' ' << filter;
+      }
+}
+
+// Of every filter: weights sum to 1, none is negative, and all texels lie within the margin; the disc's and the bilinear
+// filter's centers of weight follow the point to a tenth of a texel and exactly.
+TEST(shadow_map_filter, weights_are_shares_around_the_point) {
+  using shadow_map::Filter;
+  using shadow_map::FilterKind;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> place(10, 20);
+  for (const Filter filter : {Filter{FilterKind::nearest, 0}, Filter{FilterKind::pcf, 3}, Filter{FilterKind::disc, 1},
+                              Filter{FilterKind::disc, 5}, Filter{FilterKind::bilinear, 0}})
+    for (int round = 0; round < 200; ++round) {
+      const glm::dvec2 point(place(random), place(random));
+      double sum = 0, farthest = 0;
+      glm::dvec2 center(0);
+      for (const auto& [texel, weight] : filter.texels(point)) {
+        EXPECT_GE(weight, 0);
+        sum += weight;
+        center += weight * (glm::dvec2(texel) + 0.5);
+        const glm::ivec2 aside = glm::abs(texel - glm::ivec2(point));
+        EXPECT_LE(std::max(aside.x, aside.y), filter.margin());
+        if (weight > 0) farthest = std::max(farthest, glm::distance(glm::dvec2(texel) + 0.5, point));
+      }
+      EXPECT_NEAR(sum, 1, 1e-12);
+      EXPECT_LE(farthest, filter.reach() * std::sqrt(0.5) + 1e-9);
+      if (filter.kind == FilterKind::bilinear) {
+        EXPECT_NEAR(glm::distance(center, point), 0, 1e-9);
+      }
+      if (filter.kind == FilterKind::disc) {
+        EXPECT_LT(glm::distance(center, point), 0.25);
+      }
+    }
+}
+
+// A filter and an offset may reach farther than the image has texels: then nothing would be left to fit, and all be lit.
+TEST_F(ShadowMapFilter, filter_and_offset_that_leave_too_little_of_the_image_are_unsupported) {
+  Registry registry;
+  gnomon_technique_shadow_map(registry);
+  const auto supports = [&](const std::string& settings) {
+    const auto technique = registry.techniques()[0].make();
+    technique->apply(settings);
+    return technique->supports({}, {.kind = PointLight{}}, {});
+  };
+  const Support refused = supports("resolution=64,bias=normal_offset,filter=pcf,filter_radius=8");
+  EXPECT_EQ(refused.kind(), Support::Kind::unsupported);
+  EXPECT_EQ(refused.why(), "filter and offset reach 35 texels beyond what an image of 64 is fitted to: it needs 140 or more");
+  EXPECT_TRUE(supports("resolution=140,bias=normal_offset,filter=pcf,filter_radius=8"));
+  EXPECT_TRUE(supports("resolution=64,filter=pcf,filter_radius=8"));
+}
+
+}  // namespace
