@@ -46,20 +46,6 @@ Tap LightCamera::tap(const LightImage& image, std::span<const float> depths, con
 
 namespace {
 
-/// What of some boxes is seen through a window: a rectangle of window coordinates and a range of axis distance.
-struct Extent {
-  glm::dvec2 low{INFINITY}, high{-INFINITY};
-  double near = INFINITY, far = -INFINITY;
-  bool empty() const { return near > far; }
-  void add(const glm::dvec2& window, double z) { add({window, window, z, z}); }
-  void add(const Extent& e) {
-    low = glm::min(low, e.low);
-    high = glm::max(high, e.high);
-    near = std::min(near, e.near);
-    far = std::max(far, e.far);
-  }
-};
-
 /// Corner i has the larger x where bit 0 of i is set, y for bit 1, z for bit 2.
 std::array<glm::dvec3, 8> corners_of(const LightSpaceFace& face, const Bounds& box) {
   std::array<glm::dvec3, 8> corners;
@@ -70,10 +56,10 @@ std::array<glm::dvec3, 8> corners_of(const LightSpaceFace& face, const Bounds& b
 
 /// The part of a solid box inside the pyramid |x|, |y| <= tangent * z. From outside, a solid's picture is its surface's
 /// picture.
-Extent seen_in_pyramid(const LightSpaceFace& face, const Bounds& box, double tangent) {
+LightExtent seen_in_pyramid(const LightSpaceFace& face, const Bounds& box, double tangent) {
   const glm::dvec3 planes[] = {{1, 0, tangent}, {-1, 0, tangent}, {0, 1, tangent}, {0, -1, tangent}};
   const std::array<glm::dvec3, 8> corners = corners_of(face, box);
-  Extent extent;
+  LightExtent extent;
   bool all_inside = true;
   for (const glm::dvec3& plane : planes) {
     const auto inside = std::ranges::count_if(corners, [&](const glm::dvec3& c) { return glm::dot(plane, c) > 0; });
@@ -105,14 +91,14 @@ Extent seen_in_pyramid(const LightSpaceFace& face, const Bounds& box, double tan
   return extent;
 }
 
-Extent seen_orthographic(const LightSpaceFace& face, const Bounds& box) {
-  Extent extent;
+LightExtent seen_orthographic(const LightSpaceFace& face, const Bounds& box) {
+  LightExtent extent;
   for (const glm::dvec3& q : corners_of(face, box)) extent.add(glm::dvec2(q), q.z);
   return extent;
 }
 
 /// What of a mesh's box is seen through a face; `tangent` is half the pyramid's opening (unused when orthographic).
-Extent seen_of(const LightSpaceFace& face, const Bounds& box, double tangent) {
+LightExtent seen_of(const LightSpaceFace& face, const Bounds& box, double tangent) {
   return face.is_perspective ? seen_in_pyramid(face, box, tangent) : seen_orthographic(face, box);
 }
 
@@ -120,13 +106,16 @@ Extent seen_of(const LightSpaceFace& face, const Bounds& box, double tangent) {
 struct Fit {
   double tangent;
   int resolution, margin;
+  FitWindow window = FitWindow::shared;
   double inner() const { return resolution - 2.0 * margin; }
   double wide() const { return tangent * resolution / inner(); }  ///< the pyramid with its margin
 };
 
 /// Scale, offset and depths of an image that holds what casters and receivers share. Whether they share anything.
-bool fit_window(LightImage& image, const Extent& casters, const Extent& receivers, const Fit& fit) {
-  const glm::dvec2 low = glm::max(casters.low, receivers.low), high = glm::min(casters.high, receivers.high);
+bool fit_window(LightImage& image, const LightExtent& casters, const LightExtent& receivers, const Fit& fit) {
+  const bool is_shared = fit.window == FitWindow::shared;
+  const glm::dvec2 low = is_shared ? glm::max(casters.low, receivers.low) : receivers.low;
+  const glm::dvec2 high = is_shared ? glm::min(casters.high, receivers.high) : receivers.high;
   if (casters.empty() || receivers.empty() || low.x > high.x || low.y > high.y || casters.near >= receivers.far) return false;
   // Texels below the float32 resolution of window coordinates would be noise; a window of one point has one all the same.
   const glm::dvec2 least = 0x1p-20 * glm::max(glm::max(glm::abs(low), glm::abs(high)), glm::dvec2(glm::length(high - low)));
@@ -140,11 +129,11 @@ bool fit_window(LightImage& image, const Extent& casters, const Extent& receiver
 }
 
 /// Fits the image to its casters and to these receivers.
-void fit_image(LightImage& image, const MeshBoxes& boxes, const Extent& receivers, const Fit& fit) {
-  Extent casters;
+void fit_image(LightImage& image, const MeshBoxes& boxes, const LightExtent& receivers, const Fit& fit) {
+  LightExtent casters;
   for (std::uint32_t i = 0; i < boxes.meshes.size(); ++i) {
     if (!boxes.meshes[i].casts) continue;
-    const Extent extent = seen_of(image, boxes.meshes[i].bounds, fit.wide());
+    const LightExtent extent = seen_of(image, boxes.meshes[i].bounds, fit.wide());
     if (extent.empty()) continue;
     casters.add(extent);
     image.casters.push_back(i);
@@ -153,12 +142,12 @@ void fit_image(LightImage& image, const MeshBoxes& boxes, const Extent& receiver
 }
 
 /// Leaves out the casters that the window does not see, or only behind all receivers, and fits the depths to the others.
-void leave_out_unseen(LightImage& image, const MeshBoxes& boxes, const Extent& receivers, const Fit& fit) {
+void leave_out_unseen(LightImage& image, const MeshBoxes& boxes, const LightExtent& receivers, const Fit& fit) {
   if (image.casters.empty()) return;
   const glm::dvec2 low = -image.offset / image.scale, high = (double(fit.resolution) - image.offset) / image.scale;
-  Extent casters;
+  LightExtent casters;
   std::erase_if(image.casters, [&](std::uint32_t i) {
-    const Extent extent = seen_of(image, boxes.meshes[i].bounds, fit.wide());
+    const LightExtent extent = seen_of(image, boxes.meshes[i].bounds, fit.wide());
     const bool is_seen = glm::all(glm::lessThanEqual(extent.low, high)) && glm::all(glm::greaterThanEqual(extent.high, low)) &&
                          extent.near < receivers.far;
     if (is_seen) casters.add(extent);
@@ -205,14 +194,14 @@ void number_layers(LightCamera& camera) {
 }
 
 /// What of each face the points of a picture take that face the light.
-std::array<Extent, 6> seen_in_picture(const Light& light, const MeshBoxes& boxes, const LightSpace& space,
-                                      const GBuffer& gbuffer) {
+std::array<LightExtent, 6> seen_in_picture(const Light& light, const MeshBoxes& boxes, const LightSpace& space,
+                                           const GBuffer& gbuffer) {
   const glm::dvec4 l = homogeneous(light);
   const bool has_cone = std::holds_alternative<SpotLight>(light.kind);
-  std::array<Extent, 6> all;
+  std::array<LightExtent, 6> all;
   std::mutex mutex;
   for_blocks(gbuffer.size(), 8192, [&](std::size_t begin, std::size_t end) {
-    std::array<Extent, 6> found;
+    std::array<LightExtent, 6> found;
     for (std::size_t i = begin; i < end; ++i) {
       if (gbuffer.is_background(i) || !boxes.meshes[gbuffer.mesh[i]].receives) continue;
       const glm::dvec3 point = gbuffer.position(i);
@@ -259,7 +248,7 @@ LightCamera fit_to_scene(const Light& light, const MeshBoxes& boxes, int resolut
   const Fit fit{tangent_of(light), resolution, margin};
   LightCamera camera = camera_of(light, boxes, resolution);
   for (LightImage& image : camera.images) {
-    Extent receivers;
+    LightExtent receivers;
     for (const MeshBox& mesh : boxes.meshes)
       if (mesh.receives) receivers.add(seen_of(image, mesh.bounds, fit.tangent));
     fit_image(image, boxes, receivers, fit);
@@ -269,9 +258,16 @@ LightCamera fit_to_scene(const Light& light, const MeshBoxes& boxes, int resolut
 }
 
 LightCamera fit_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int resolution, int margin) {
-  const Fit fit{tangent_of(light), resolution, margin};
+  const LightSpace space = light_space_of(light, boxes);
+  const std::array<LightExtent, 6> receivers = seen_in_picture(light, boxes, space, gbuffer);
+  return fit_to_extents(light, boxes, std::span(receivers).first(space.face_count()), resolution, margin);
+}
+
+LightCamera fit_to_extents(const Light& light, const MeshBoxes& boxes, std::span<const LightExtent> receivers, int resolution,
+                           int margin, FitWindow window) {
+  const Fit fit{tangent_of(light), resolution, margin, window};
   LightCamera camera = camera_of(light, boxes, resolution);
-  const std::array<Extent, 6> receivers = seen_in_picture(light, boxes, camera.space, gbuffer);
+  camera.images.resize(receivers.size(), camera.images[0]);
   for (std::size_t i = 0; i < camera.images.size(); ++i) {
     fit_image(camera.images[i], boxes, receivers[i], fit);
     leave_out_unseen(camera.images[i], boxes, receivers[i], fit);

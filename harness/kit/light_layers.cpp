@@ -133,29 +133,32 @@ TexelSize texel_size(const LightImage& face, const Camera& camera, const GBuffer
 
 }  // namespace
 
-std::vector<DebugLayer> map_layers() {
+std::vector<DebugLayer> map_layers(bool is_sliced) {
   DebugLayer map{.name = "map",
-                 .sentence =
+                 .sentence = fmt::format(
                      "The depth images as the light sees them, upright and in their proportions, each from its nearest "
-                     "stored depth (dark) to its farthest (light), with lines where depth jumps; around a point light "
-                     "six, framed by the way they look.",
+                     "stored depth (dark) to its farthest (light), with lines where depth jumps; {}.",
+                     is_sliced ? "one for each slice of the picture, from near to far, framed in its color"
+                               : "around a point light six, framed by the way they look"),
                  .legend = {nothing_stored, not_drawn}};
   DebugLayer texels{.name = "texels",
                     .sentence =
                         "Texels on the surfaces that they decide, checkered where a pixel can show it, dimmed where the "
-                        "map answers dark: the color is a texel's length in pixels, along its longer way. Where two of "
-                        "six images meet, each has a rim in the color of its frame in the layer map."};
+                        "map answers dark: the color is a texel's length in pixels, along its longer way. Where two "
+                        "images meet, each has a rim in the color of its frame in the layer map."};
   for (const TexelClass& c : texel_classes) texels.legend.push_back(c.swatch);
   texels.legend.push_back(beside_map);
-  for (const Swatch& face : cube_faces) {
-    map.legend.push_back(face);
-    texels.legend.push_back(face);
+  for (int i = 0; i < (is_sliced ? ViewSlices::most : 6); ++i) {
+    Swatch frame = cube_faces[i];
+    if (is_sliced) frame.name = fmt::format("slice {}", i + 1);
+    map.legend.push_back(frame);
+    texels.legend.push_back(frame);
   }
   return {map, texels};
 }
 
 std::vector<float> paint_map(const LightCamera& light_camera, int width, int height,
-                             const std::function<std::span<const float>(std::size_t face)>& depths) {
+                             const std::function<std::span<const float>(std::size_t image)>& depths) {
   std::vector<float> picture(static_cast<std::size_t>(width) * height * 3);
   const auto fill = [&](const glm::dvec2& low, const glm::dvec2& high, const glm::dvec3& color) {
     const glm::ivec2 from = glm::max(glm::ivec2(glm::round(low)), glm::ivec2(0)),
@@ -165,10 +168,11 @@ std::vector<float> paint_map(const LightCamera& light_camera, int width, int hei
         for (int c = 0; c < 3; ++c) picture[3 * (static_cast<std::size_t>(y) * width + x) + c] = static_cast<float>(color[c]);
   };
   fill({0, 0}, {width, height}, background_color());
-  const glm::ivec2 cells = light_camera.images.size() == 1 ? glm::ivec2(1) : glm::ivec2(3, 2);
+  const std::size_t count = light_camera.images.size();
+  const glm::ivec2 cells = count == 1 ? glm::ivec2(1) : count > 4 ? glm::ivec2(3, 2) : glm::ivec2(2, 2);
   const glm::dvec2 cell = glm::dvec2(width, height) / glm::dvec2(cells);
-  const double frame = light_camera.images.size() == 1 ? 0 : std::max(1.0, std::round(0.012 * cell.y)), gap = 2 * frame;
-  for (std::size_t i = 0; i < light_camera.images.size(); ++i) {
+  const double frame = count == 1 ? 0 : std::max(1.0, std::round(0.012 * cell.y)), gap = 2 * frame;
+  for (std::size_t i = 0; i < count; ++i) {
     const glm::dvec2 low = cell * glm::dvec2(i % cells.x, i / cells.x);
     const std::span<const float> texels = depths(i);
     const Placed placed = place(light_camera.images[i], !texels.empty(), low + gap, glm::max(cell - 2 * gap, glm::dvec2(1)));

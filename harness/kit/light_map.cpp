@@ -92,27 +92,37 @@ LightProjection projection_of(const LightCamera& camera) {
                                       : LightProjection::centered;
 }
 
-std::string light_map_head(LightProjection projection) {
-  return fmt::format("#define PROJECTION {}\n", static_cast<int>(projection));
+std::string light_map_head(LightProjection projection, bool is_sliced) {
+  return fmt::format("#define PROJECTION {}\n{}", static_cast<int>(projection), is_sliced ? "#define SLICED\n" : "");
 }
 
-Support light_map_support(const Light& light, int resolution, int margin, int more_constants) {
+Support light_map_support(const Light& light, int resolution, int margin, int more_constants, bool is_sliced) {
   if (has_area(light)) return Support::unsupported("a shadow map has one center: lights with area have none");
   const auto* const spot = std::get_if<SpotLight>(&light.kind);
   const bool is_cube = std::holds_alternative<PointLight>(light.kind) || (spot && spot->outer_degrees > widest_spot_degrees);
+  if (is_sliced && is_cube)
+    return Support::unsupported(
+        fmt::format("slices are of one image: a point light and a spot wider than {} degrees have six", widest_spot_degrees));
   if (4 * margin > resolution)
     return Support::unsupported(
         fmt::format("filter and offset reach {} texels beyond what an image of {} is fitted to: it needs {} or more", margin,
                     resolution, 4 * margin));
-  // Of a cube, which has most: the origin, two vectors for each image, spot.
-  const int constants = 1 + 12 + 1 + more_constants;
-  return within_limits({.varying_components = 4 * constants, .texture_size = resolution, .texture_layers = is_cube ? 6 : 1});
+  // Of a cube, which has most: the origin, two vectors for each image, spot. Of slices: the origin, two vectors for each, two
+  // for the division, the axes, spot.
+  const int constants = is_sliced ? 1 + 2 * ViewSlices::most + 2 + 3 + 1 : 1 + 12 + 1;
+  return within_limits({.varying_components = 4 * (constants + more_constants),
+                        .texture_size = resolution,
+                        .texture_layers = is_cube     ? 6
+                                          : is_sliced ? ViewSlices::most
+                                                      : 1});
 }
 
-std::string light_map_constants(LightProjection projection) {
-  const int images = projection == LightProjection::cube ? 6 : 1;
-  // A cube has no axes of its own, its faces only exchange those of the world.
-  const char* const axes = projection == LightProjection::cube ? "" : "mat3 light_axes; mat3 light_steps;";
+std::string light_map_constants(LightProjection projection, bool is_sliced) {
+  const int images = projection == LightProjection::cube ? 6 : is_sliced ? ViewSlices::most : 1;
+  // A cube has no axes of its own, its faces only exchange those of the world. Slices have theirs in meters.
+  const char* const axes = projection == LightProjection::cube ? ""
+                           : is_sliced                         ? "mat3 light_axes; vec4 light_depth; vec3 light_ends;"
+                                                               : "mat3 light_axes; mat3 light_steps;";
   const char* const cone = projection == LightProjection::parallel ? "" : "vec4 spot;";
   return fmt::format("vec3 light_origin; vec4 light_windows[{0}]; vec4 light_images[{0}]; {1} {2}", images, axes, cone);
 }
@@ -139,6 +149,24 @@ vec3 in_image(vec3 v) {
   return vec3(q.xy * light_window.xy + z * light_window.zw, z);
 }
 vec2 across_image(vec3 n) { return (light_is_x ? n.yz : light_is_y ? n.zx : n.xy) / light_window.xy; }
+#elif defined(SLICED)
+vec4 light_window, light_facts;
+void choose_image(vec3 v) {
+  float depth = dot(v, light_depth.xyz) + light_depth.w;
+  bool is_second = depth > light_ends.x, is_third = depth > light_ends.y, is_fourth = depth > light_ends.z;
+  light_window = is_third ? (is_fourth ? light_windows[3] : light_windows[2])
+                          : (is_second ? light_windows[1] : light_windows[0]);
+  light_facts = is_third ? (is_fourth ? light_images[3] : light_images[2]) : (is_second ? light_images[1] : light_images[0]);
+}
+vec3 in_image(vec3 v) {
+  vec3 q = light_axes * v;
+#if PROJECTION == 0
+  return vec3(q.xy * light_window.xy + light_window.zw, q.z);
+#else
+  return vec3(q.xy * light_window.xy + q.z * light_window.zw, q.z);
+#endif
+}
+vec2 across_image(vec3 n) { return (light_axes * n).xy / light_window.xy; }
 #else
 #define light_window light_windows[0]
 #define light_facts light_images[0]
@@ -152,9 +180,16 @@ vec3 in_image(vec3 v) {
 }
 vec2 across_image(vec3 n) { return vec2(dot(n, light_steps[0]), dot(n, light_steps[1])); }
 #endif
+#if PROJECTION == 0
+#ifdef SLICED
+float height_over_light(vec3 normal) { return -(light_axes * normal).z; }
+#else
+float height_over_light(vec3 normal) { return -dot(normal, light_steps[2]); }
+#endif
+#endif
 bool faces_light_at(vec4 position, vec4 normal, vec3 v) {
 #if PROJECTION == 0
-  float height = -dot(normal.xyz, light_steps[2]), squared = 1;
+  float height = height_over_light(normal.xyz), squared = 1;
   const bool is_in_cone = true;
 #else
   float height = -dot(normal.xyz, v), squared = dot(v, v), along = dot(v, spot.xyz);
@@ -173,6 +208,7 @@ void set_light_camera(const Program& program, const Light& light, const LightCam
                       const std::function<double(const LightImage&)>& fourth) {
   set_light(program, light);
   std::array<glm::vec4, 6> windows{}, facts{};
+  const bool is_sliced = camera.slices.axis != glm::dvec3(0);
   for (std::size_t i = 0; i < camera.images.size(); ++i) {
     LightImage image = camera.images[i];
     // Where nothing casts, every look-up falls far off the image.
@@ -185,16 +221,28 @@ void set_light_camera(const Program& program, const Light& light, const LightCam
     windows[i] = glm::vec4(image.scale, image.offset);
     facts[i] = glm::vec4(std::max(image.layer, 0), 1 / std::min(image.scale.x, image.scale.y), image.near,
                          fourth ? fourth(image) : image.far);
-    if (camera.is_cube()) continue;
+    if (camera.is_cube() || i > 0) continue;
     const glm::dvec3 axes[] = {image.axis(0), image.axis(1), image.axis(2)};  // right, down, axis
+    if (is_sliced) {
+      program.set_if_used("light_axes", glm::mat3(glm::transpose(glm::dmat3(axes[0], axes[1], axes[2]))));
+      continue;
+    }
     const glm::dvec2 along_axis = image.is_perspective ? image.offset : glm::dvec2(0);
     const glm::dmat3 rows(axes[0] * image.scale.x + axes[2] * along_axis.x, axes[1] * image.scale.y + axes[2] * along_axis.y,
                           axes[2]);
     program.set_if_used("light_axes", glm::mat3(glm::transpose(rows)));
     program.set_if_used("light_steps", glm::mat3(axes[0] / image.scale.x, axes[1] / image.scale.y, axes[2]));
   }
-  program.set_if_used("light_windows", std::span<const glm::vec4>(windows).first(camera.images.size()));
-  program.set_if_used("light_images", std::span<const glm::vec4>(facts).first(camera.images.size()));
+  if (is_sliced) {
+    const ViewSlices& slices = camera.slices;
+    program.set_if_used("light_depth", glm::vec4(slices.axis, glm::dot(slices.axis, camera.images[0].origin - slices.eye)));
+    glm::vec3 ends(std::numeric_limits<float>::max());
+    for (std::size_t i = 0; i < slices.ends.size(); ++i) ends[static_cast<int>(i)] = static_cast<float>(slices.ends[i]);
+    program.set_if_used("light_ends", ends);
+  }
+  const std::size_t count = is_sliced ? ViewSlices::most : camera.images.size();
+  program.set_if_used("light_windows", std::span<const glm::vec4>(windows).first(count));
+  program.set_if_used("light_images", std::span<const glm::vec4>(facts).first(count));
   program.set_if_used("light_origin", glm::vec3(camera.images[0].origin));
 }
 

@@ -1,3 +1,4 @@
+#include <gnomon/kit/map_comparison.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -5,7 +6,6 @@
 #include "device/context.h"
 #include "gl_state.h"
 #include "small_world.h"
-#include "techniques/shadow_map/filter.h"
 
 extern "C" void gnomon_technique_shadow_map(gnomon::Registry&);
 
@@ -44,8 +44,8 @@ TEST_F(ShadowMapFilter, filters_leave_no_acne_on_a_slope_that_one_texel_leaves_n
 // Of every filter: weights sum to 1, none is negative, and all texels lie within the margin; the disc's and the bilinear
 // filter's centers of weight follow the point to a tenth of a texel and exactly.
 TEST(shadow_map_filter, weights_are_shares_around_the_point) {
-  using shadow_map::Filter;
-  using shadow_map::FilterKind;
+  using Filter = MapFilter;
+  using FilterKind = MapFilter::Kind;
   std::mt19937 random(5);
   std::uniform_real_distribution<double> place(10, 20);
   for (const Filter filter : {Filter{FilterKind::nearest, 0}, Filter{FilterKind::pcf, 3}, Filter{FilterKind::disc, 1},

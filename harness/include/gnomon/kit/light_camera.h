@@ -2,6 +2,7 @@
 #include <gnomon/kit/light_space.h>
 #include <gnomon/technique.h>
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -47,14 +48,43 @@ inline constexpr float widest_spot_degrees = 60;
 /// axes. Points between faces fall on the first of x, y, z.
 LightSpace light_space_of(const Light& light, const MeshBoxes& boxes);
 
-/// The images of a light, each `resolution` texels square.
+/// What of some points is seen through a face: a rectangle of window coordinates and a range of axis distance.
+struct LightExtent {
+  glm::dvec2 low{INFINITY}, high{-INFINITY};
+  double near = INFINITY, far = -INFINITY;
+  bool empty() const { return near > far; }
+  void add(const glm::dvec2& window, double z) { add({window, window, z, z}); }
+  void add(const LightExtent& e) {
+    low = glm::min(low, e.low);
+    high = glm::max(high, e.high);
+    near = std::min(near, e.near);
+    far = std::max(far, e.far);
+  }
+};
+
+/// How a picture is divided by depth, each slice with an image of its own; of lights with one face.
+struct ViewSlices {
+  static constexpr int most = 4;
+  glm::dvec3 eye{0}, axis{0};  ///< depth is measured along the axis, unit, from the eye
+  std::vector<double> ends{};  ///< where all slices but the last one end, ascending, meters
+
+  double depth_of(const glm::dvec3& point) const { return glm::dot(axis, point - eye); }
+  int slice_of(const glm::dvec3& point) const {
+    return static_cast<int>(std::ranges::lower_bound(ends, depth_of(point)) - ends.begin());
+  }
+};
+
+/// The images of a light, each `resolution` texels square: one for each of its faces, or for each slice of a picture.
 struct LightCamera {
   LightSpace space{};
   std::vector<LightImage> images{};
   int resolution = 0, layer_count = 0;
   double rounding = 0;  ///< float32 error of an axis distance that a shader computes, meters
+  ViewSlices slices{};
 
-  bool is_cube() const { return images.size() == 6; }
+  bool is_cube() const { return space.face_count() == 6; }
+  /// The image that a point is looked up in.
+  int image_of(const glm::dvec3& point) const { return is_cube() ? space.face_of(point) : slices.slice_of(point); }
   /// Whether a texel lies on the image.
   bool holds(const glm::ivec2& texel) const;
   /// Those of an image among the texels of all layers, row after row; none where it is not drawn.
@@ -72,5 +102,12 @@ LightCamera fit_to_scene(const Light& light, const MeshBoxes& boxes, int resolut
 /// Fitted to a picture: each image holds the receiving points of the G-buffer that face the light, and of the casters what may
 /// lie before them. Costs a pass over the points on all threads.
 LightCamera fit_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int resolution, int margin);
+
+/// Whether images take all of the extents that they are given, or what casters share with them.
+enum class FitWindow { shared, whole };
+/// Fitted to what receives: an image for each of the extents, which are those of the light's faces, or of the slices of a
+/// picture through its only face.
+LightCamera fit_to_extents(const Light& light, const MeshBoxes& boxes, std::span<const LightExtent> receivers, int resolution,
+                           int margin, FitWindow window = FitWindow::shared);
 
 }  // namespace gnomon

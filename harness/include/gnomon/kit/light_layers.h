@@ -8,11 +8,13 @@
 // its texels on the surfaces that they decide.
 namespace gnomon {
 
-std::vector<DebugLayer> map_layers();
+/// Of six faces, or of slices of the picture.
+std::vector<DebugLayer> map_layers(bool is_sliced = false);
 
-/// The depth images, one alone or six on a sheet of 3 x 2: +x -x +y, -y +z -z. `depths` gives those of a face.
+/// The depth images: one alone, six on a sheet of 3 x 2 (+x -x +y, -y +z -z), slices on one of 2 x 2. `depths` gives those of
+/// an image.
 std::vector<float> paint_map(const LightCamera& light_camera, int width, int height,
-                             const std::function<std::span<const float>(std::size_t face)>& depths);
+                             const std::function<std::span<const float>(std::size_t image)>& depths);
 
 /// What a pixel looked up: its image, and its texel there. -1: it does not face the light.
 struct LookUp {

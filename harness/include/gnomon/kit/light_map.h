@@ -52,13 +52,14 @@ LightProjection projection_of(const LightCamera& camera);
 ///   float stored_depth(vec2 texel)    of a texel by its whole numbers; 0 beside the image and where nothing is stored
 ///   bool faces_light_at(vec4 position, vec4 normal, vec3 v)   what faces_light says, with no constant more
 ///
-/// `spot` of faces_light_constants is among the constants where rays start at the light.
-std::string light_map_head(LightProjection projection);
+/// `spot` of faces_light_constants is among the constants where rays start at the light. A sliced camera has an image for each
+/// slice of the picture; how many there are is for the camera to say, up to ViewSlices::most.
+std::string light_map_head(LightProjection projection, bool is_sliced = false);
 /// Full, unless the light has an area (a map has one center), the margin of a fit leaves less than half of the texels, or the
 /// device is too small for images of so many and for passes, one for each projection, that have so many constants beside those
 /// below.
-Support light_map_support(const Light& light, int resolution, int margin, int more_constants);
-std::string light_map_constants(LightProjection projection);
+Support light_map_support(const Light& light, int resolution, int margin, int more_constants, bool is_sliced = false);
+std::string light_map_constants(LightProjection projection, bool is_sliced = false);
 extern const std::string_view light_map_snippet;
 /// Sets light, spot and the constants. `fourth` gives the last of `light_facts`; without it, that is far.
 void set_light_camera(const Program& program, const Light& light, const LightCamera& camera,

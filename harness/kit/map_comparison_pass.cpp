@@ -1,31 +1,46 @@
-#pragma once
-#include <gnomon/kit/light_map.h>
+#include <gnomon/kit/map_comparison.h>
 
-namespace gnomon::shadow_map {
+namespace gnomon {
 
-/// Beside those of the light's camera: depth_bias, half of slope_bias and normal_offset, each times the filter's reach, and
-/// rounding; the diagonal of a texel in window coordinates, under parallel rays.
-inline std::string resolve_constants(LightProjection projection) {
-  return light_map_constants(projection) +
-         (projection == LightProjection::parallel ? "vec4 biases; float diagonal;" : "vec4 biases;");
+std::string comparison_head(const MapComparison& comparison) {
+  return fmt::format("#define BIAS {}\n#define FILTER {}\n", static_cast<int>(comparison.bias),
+                     static_cast<int>(comparison.filter.kind));
 }
 
-/// Mirrors shadow_map::explain; see there for the meaning of each quantity. The head defines BIAS and FILTER beside PROJECTION:
-/// a branch on a uniform would be paid in full on llvmpipe, which executes both sides of every branch. With EXPLAIN it writes
-/// where it would look, in texels, instead of the visibility. The last of an image's facts is far (parallel rays), the texel's
-/// diagonal in window coordinates (slope bias) or the rounding error of the depth per squared axis distance (receiver plane).
-inline const std::string resolve_fragment = std::string(gbuffer_snippet) + std::string(light_map_snippet) + R"(
+// depth_bias, half of slope_bias and normal_offset, each times the filter's reach, and rounding; the diagonal of a texel in
+// window coordinates, under parallel rays.
+std::string comparison_constants(LightProjection projection, bool is_sliced) {
+  return light_map_constants(projection, is_sliced) +
+         (projection == LightProjection::parallel && !is_sliced ? "vec4 biases; float diagonal;" : "vec4 biases;");
+}
+
+void set_comparison(const Program& program, const Light& light, const LightCamera& camera, const MapComparison& comparison) {
+  using Bias = MapComparison::Bias;
+  set_light_camera(program, light, camera, [&](const LightImage& image) {
+    if (!image.is_perspective) return image.far;
+    return comparison.bias == Bias::slope ? glm::length(1.0 / image.scale) : camera.rounding / (image.near * image.far);
+  });
+  program.set_if_used("radius", comparison.filter.radius);
+  program.set_if_used("biases",
+                      glm::vec4(comparison.depth_bias, 0.5 * comparison.slope_bias, comparison.normal_offset, camera.rounding));
+  program.set_if_used("diagonal", static_cast<float>(glm::length(1.0 / camera.images[0].scale)));
+}
+
+// Mirrors explain_comparison; see there for the meaning of each quantity. A branch on a uniform would be paid in full on
+// llvmpipe, which executes both sides of every branch: so bias and filter are the head's. The last of an image's facts is far
+// (parallel rays), the texel's diagonal in window coordinates (slope bias) or the rounding error of the depth per squared axis
+// distance (receiver plane).
+const std::string_view comparison_snippet = R"(
 #if FILTER == 1 || FILTER == 2
 uniform int radius;
 #endif
-#ifdef EXPLAIN
-layout(location = 0) out vec2 looked_up;
-#else
-layout(location = 0) out float visibility;
+#if PROJECTION == 0 && defined(SLICED)
+#define diagonal length(1 / light_window.xy)
 #endif
 
 /// A point as it is compared with texels.
-struct Point {
+struct Asked {
+  bool is_asked;
   vec2 position;
   float scale, depth, bias;  // all comparisons are multiplied by the scale
 #if BIAS == 3
@@ -35,7 +50,7 @@ struct Point {
 
 // Dark: something is stored, and before the receiver by more than the bias. No quotient of depths is formed: with a center,
 // near / d < q_z / m - bias; where m <= 0 the texel's ray meets the receiver's plane at infinity.
-float lit_at(Point point, vec2 tap) {
+float lit_at(Asked point, vec2 tap) {
   float d = stored_depth(tap), near = light_facts.z;
   // How much the receiver's plane rises toward the light between the point and the texel's center.
 #if BIAS == 3
@@ -53,13 +68,12 @@ float lit_at(Point point, vec2 tap) {
   return dark ? 0 : 1;
 }
 
-void main() {
-  vec4 surface = position_here(), facet = normal_here();
+Asked ask(vec4 surface, vec4 facet) {
   vec3 v = surface.xyz - light_origin, normal = facet.xyz;
 
   // What faces_light says, from the products that the look-up needs anyway.
 #if PROJECTION == 0
-  float height = -dot(normal, light_steps[2]), squared = 1;
+  float height = height_over_light(normal), squared = 1;
 #else
   float height = -dot(normal, v), squared = dot(v, v);
 #endif
@@ -116,14 +130,15 @@ void main() {
 #endif
   float depth = q_z * scale - error;
 
-#ifdef EXPLAIN
-  looked_up = position;
-#else
 #if BIAS == 3
-  Point point = Point(position, scale, depth, bias, step_height);
+  return Asked(faces, position, scale, depth, bias, step_height);
 #else
-  Point point = Point(position, scale, depth, bias);
+  return Asked(faces, position, scale, depth, bias);
 #endif
+}
+
+float compared(Asked point) {
+  vec2 position = point.position;
 #if FILTER == 0
   float lit = lit_at(point, floor(position));
 #elif FILTER == 3
@@ -145,9 +160,8 @@ void main() {
     }
   lit /= sum;
 #endif
-  visibility = faces ? lit : 1;
-#endif
+  return point.is_asked ? lit : 1;
 }
 )";
 
-}  // namespace gnomon::shadow_map
+}  // namespace gnomon
