@@ -43,7 +43,8 @@ class Colonnade final : public SceneGenerator {
     scene.lights = {{.name = "point", .kind = PointLight{{-5.2f, 3.2f, 0.3f}}},
                     {.name = "sun", .kind = DirectionalLight{{0.4f, -0.8f, -0.75f}}}};
     scene.views = {{.name = "view", .eye = {-12.5f, 5.2f, -9}, .target = {-5, 1.2f, -1}, .fov_y_degrees = 42},
-                   {.name = "inside", .eye = {-11, 2.1f, 0.9f}, .target = {-3, 1.5f, -0.3f}, .fov_y_degrees = 50}};
+                   {.name = "inside", .eye = {-11, 2.1f, 0.9f}, .target = {-3, 1.5f, -0.3f}, .fov_y_degrees = 50},
+                   {.name = "low", .eye = {-10.2f, 0.4f, -4.6f}, .target = {0, 0.7f, -2.8f}, .fov_y_degrees = 50}};
     return scene;
   }
 };

@@ -49,7 +49,8 @@ class Fence final : public SceneGenerator {
                     {.name = "sun", .kind = DirectionalLight{{0.45f, -0.5f, 1}}},
                     {.name = "globe", .kind = SphereLight{.center = {-1.5f, 2.6f, -3.5f}, .radius = 0.15f}},
                     {.name = "soft_sun", .kind = SphereLight{.center = {-22.5f, 25, -50}, .radius = 0.2804f}}};
-    scene.views = {{.name = "view", .eye = {2.6f, 2.1f, 5}, .target = {0.2f, 0.2f, 0.6f}, .fov_y_degrees = 40}};
+    scene.views = {{.name = "view", .eye = {2.6f, 2.1f, 5}, .target = {0.2f, 0.2f, 0.6f}, .fov_y_degrees = 40},
+                   {.name = "low", .eye = {-4.6f, 0.16f, 1.5f}, .target = {4, 0.1f, 0.7f}, .fov_y_degrees = 40}};
     return scene;
   }
 };

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "small_world.h"
+
 namespace {
 
 using namespace gnomon;
@@ -313,6 +315,25 @@ TEST(Scenes, fence_has_as_many_pickets_as_fit_eight_meters) {
   // n pickets and n - 1 gaps fit when n (width + spacing) - spacing <= 8. A picket has 10 vertices.
   EXPECT_EQ(mesh(make("fence"), "pickets").positions.size() / 10, 40u);
   EXPECT_EQ(mesh(make("fence", "width=0.5,spacing=0.5"), "pickets").positions.size() / 10, 8u);
+}
+
+// What a low view is for: texels that serve the near end of the picture are wasted on the far one.
+TEST(Scenes, low_views_run_from_near_to_far_as_one_to_twenty) {
+  for (const std::string_view id : {"fence", "colonnade"}) {
+    const Scene scene = make(id);
+    const auto low = std::ranges::find(scene.views, "low", &View::name);
+    ASSERT_NE(low, scene.views.end()) << id;
+    const GBuffer g = small_world::make_gbuffer(scene, *low, 64, 36);
+    const glm::dvec3 axis = glm::normalize(glm::dvec3(low->target) - glm::dvec3(low->eye));
+    double near = INFINITY, far = 0;
+    for (std::size_t i = 0; i < g.size(); ++i) {
+      if (g.is_background(i)) continue;
+      const double depth = glm::dot(axis, glm::dvec3(g.position(i)) - glm::dvec3(low->eye));
+      near = std::min(near, depth);
+      far = std::max(far, depth);
+    }
+    EXPECT_GE(far / near, 20) << id << ": " << near << " to " << far << " m";
+  }
 }
 
 TEST(Scenes, colonnade_has_two_rows_of_columns) {

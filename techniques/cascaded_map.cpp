@@ -1,0 +1,93 @@
+// Cascaded shadow map: the picture is divided by depth, and each slice has a depth image of its own.
+//
+// Images depend on the view: each resolve divides, fits, draws and looks up, and pays for all of it. A point is looked up in
+// the image of its slice; slices do not blend, so where two meet the texels' width jumps.
+//
+// placement=fitted is as tight as images can be: each holds the rectangle of what its slice shows that faces the light, and
+// slices divide the range of depths that is seen. placement=stable gives the rest of the sharpness for rest: the size of an
+// image depends on its slice alone, and its place goes in steps of a texel, so edges do not crawl while the eye moves.
+#include <gnomon/kit/camera.h>
+#include <gnomon/kit/compared_map.h>
+#include <gnomon/registry.h>
+
+#include "cascaded_map/slices.h"
+
+namespace {
+using namespace gnomon;
+
+constexpr About about{
+    .title = "Cascaded shadow map",
+    .summary = "The picture is divided by depth into slices, each with a depth image of its own.",
+    .source =
+        "Zhang, Sun, Xu and Lun 2006 (splits); Engel 2006; Valient 2008 (stable); Lauritzen, Salvi and Lefohn 2010 (fitted to "
+        "what is seen)",
+    .error =
+        "As a shadow map's, with texels that grow with the distance from the eye: stair steps of about the same width in the "
+        "picture. Jumps of the texels' width where slices meet.",
+    .fails =
+        "A light that shines along the view: the slices see the same stretch of the light's picture. One receiver near the "
+        "eye and none between it and the horizon.",
+    .needs_gl = true};
+
+class CascadedMap final : public ComparedMap {
+  Number<int> cascades{this,           "cascades",        4, {.unit = "", .min = 1, .max = ViewSlices::most},
+                       Stage::resolve, "How many slices."};
+  Number<double> logarithmic{this,
+                             "logarithmic",
+                             0.5,
+                             {.unit = "", .min = 0, .max = 1},
+                             Stage::resolve,
+                             "How slices divide depth: 0 into equal lengths, 1 into equal ratios, between them a mean."};
+  Choice placement{
+      this,           "placement",
+      "fitted",       {"fitted", "stable"},
+      Stage::resolve, "Images hold what their slice shows, or the sphere around the slice, moved by whole texels."};
+
+ public:
+  CascadedMap() : ComparedMap({.bias = "slope", .depth_bias = 0.25, .slope_bias = 1}) {}
+  Support supports(const Scene& scene, const Light& light, const View& view) const override {
+    if (placement.is("stable") && std::holds_alternative<SpotLight>(light.kind))
+      return Support::unsupported("images that stand still while the eye moves need parallel rays; placement=fitted does not");
+    return ComparedMap::supports(scene, light, view);
+  }
+  std::unique_ptr<Technique> for_another_light() const override { return another(*this, &CascadedMap::made_); }
+
+ private:
+  std::optional<LightCamera> fitted_to_scene(const Light&, const MeshBoxes&, int) const override { return std::nullopt; }
+  LightCamera fitted_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int margin) const override;
+  bool is_sliced() const override { return true; }
+};
+
+LightCamera CascadedMap::fitted_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int margin) const {
+  using namespace cascaded_map;
+  const View& view = gbuffer.view;
+  ViewSlices slices{.eye = view.eye, .axis = glm::normalize(glm::dvec3(view.target) - glm::dvec3(view.eye))};
+  DepthRange range = depths_seen(scene(), light, slices, gbuffer);
+  const bool is_stable = placement.is("stable");
+  // All that is seen may have one depth, or none at all may face the light.
+  if (!(range.near < range.far)) range = range.near == range.far ? DepthRange{range.near * 0.5, range.far} : DepthRange{1, 2};
+  if (is_stable) range = quantized(range);
+  slices.ends = practical_splits(range, cascades, logarithmic);
+
+  const LightSpaceFace face = light_space_of(light, boxes).main();
+  std::vector<LightExtent> seen;
+  if (is_stable) {
+    const double up = std::tan(glm::radians(double(view.fov_y_degrees)) / 2),
+                 tangent = up * std::hypot(1, double(gbuffer.width) / gbuffer.height);
+    for (int i = 0; i < cascades; ++i) {
+      const DepthRange slice{i == 0 ? range.near : slices.ends[i - 1], i == cascades - 1 ? range.far : slices.ends[i]};
+      seen.push_back(
+          stable_window(face, sphere_around(slices.eye, slices.axis, tangent, slice), image_resolution() - 2 * margin));
+    }
+  } else {
+    seen = seen_in_slices(scene(), light, face, slices, gbuffer);
+  }
+  LightCamera camera =
+      fit_to_extents(light, boxes, seen, image_resolution(), margin, is_stable ? FitWindow::whole : FitWindow::shared);
+  camera.slices = slices;
+  return camera;
+}
+
+}  // namespace
+
+GNOMON_TECHNIQUE(cascaded_map, CascadedMap, about)

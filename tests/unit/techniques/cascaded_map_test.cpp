@@ -1,0 +1,172 @@
+#include <gnomon/kit/light_map.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "device/context.h"
+#include "gl_state.h"
+#include "map_scenes.h"
+#include "small_world.h"
+#include "techniques/cascaded_map/slices.h"
+
+extern "C" void gnomon_technique_cascaded_map(gnomon::Registry&);
+extern "C" void gnomon_technique_shadow_map(gnomon::Registry&);
+
+namespace {
+using namespace gnomon;
+using namespace gnomon::cascaded_map;
+
+const View low_view{.eye = {-2.8f, 0.2f, 0.3f}, .target = {3, 0.1f, 0}};
+const Light sun{.name = "sun", .kind = DirectionalLight{{0.4f, -1, 0.3f}}};
+
+class CascadedMap : public testing::Test {
+ protected:
+  CascadedMap() { process_context(); }
+  void TearDown() override { EXPECT_EQ(state_differences(), std::vector<std::string>{}); }
+  static small_world::Run run(const std::string& settings, const Scene& scene, const Light& light, const GBuffer& g) {
+    return small_world::run(gnomon_technique_cascaded_map, settings, scene, light, g);
+  }
+  /// Pixels whose answer is not that of a ray.
+  static int wrong(const small_world::Run& map, const Scene& scene, const Light& light, const GBuffer& g) {
+    int count = 0;
+    for (std::size_t i = 0; i < g.size(); ++i)
+      if (faces_light(scene, g, light, i))
+        count += (small_world::caster_distance(scene, light, g.position(i)) < INFINITY) != (map.mask[i] < 0.5f);
+    return count;
+  }
+};
+
+// From 1 to 16 in four: equal ratios end at 2, 4, 8, equal lengths at 4.75, 8.5, 12.25, and halfway between are their means.
+TEST(cascaded_map_slices, splits_are_means_of_equal_ratios_and_equal_lengths) {
+  const auto expect = [](double logarithmic, std::vector<double> ends) {
+    const std::vector<double> splits = practical_splits({1, 16}, 4, logarithmic);
+    ASSERT_EQ(splits.size(), ends.size());
+    for (std::size_t i = 0; i < ends.size(); ++i) EXPECT_NEAR(splits[i], ends[i], 1e-12);
+  };
+  expect(1, {2, 4, 8});
+  expect(0, {4.75, 8.5, 12.25});
+  expect(0.5, {3.375, 6.25, 10.125});
+  EXPECT_TRUE(practical_splits({1, 16}, 1, 0.5).empty());
+}
+
+// Corners of the slice's pyramid lie in the sphere, and the farthest of them on it.
+TEST(cascaded_map_slices, sphere_holds_its_slice_and_no_more) {
+  const glm::dvec3 eye(1, 2, 3), axis = glm::normalize(glm::dvec3(1, -0.5, 2));
+  const glm::dvec3 side = glm::normalize(glm::cross(axis, glm::dvec3(0, 1, 0)));
+  for (const double tangent : {0.1, 0.5, 1.0, 3.0})
+    for (const DepthRange slice : {DepthRange{1, 2}, DepthRange{0.01, 5}, DepthRange{4.9, 5}}) {
+      const SliceSphere sphere = sphere_around(eye, axis, tangent, slice);
+      const auto distance = [&](double depth) { return glm::distance(sphere.center, eye + depth * (axis + tangent * side)); };
+      EXPECT_LE(distance(slice.near), sphere.radius * (1 + 1e-12));
+      EXPECT_NEAR(distance(slice.far), sphere.radius, 1e-12);
+    }
+}
+
+// However the sphere moves, its square is as large, holds it, and begins at a whole number of texels.
+TEST(cascaded_map_slices, stable_windows_move_by_whole_texels) {
+  const LightSpaceFace face = light_space_of(sun, mesh_boxes(map_scenes::soup_over_ground(1))).main();
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> place(-5, 5);
+  const double radius = 1.7, texel = 2 * radius / 99;
+  for (int round = 0; round < 200; ++round) {
+    const SliceSphere sphere{{place(random), place(random), place(random)}, radius};
+    const LightExtent window = stable_window(face, sphere, 100);
+    const glm::dvec2 center(face.seen(sphere.center));
+    for (int k = 0; k < 2; ++k) {
+      EXPECT_NEAR(window.high[k] - window.low[k], 100 * texel, 1e-12);
+      EXPECT_LE(window.low[k], center[k] - radius + 1e-12);
+      EXPECT_GE(window.high[k], center[k] + radius - 1e-12);
+      EXPECT_NEAR(window.low[k] / texel, std::round(window.low[k] / texel), 1e-9);
+    }
+  }
+}
+
+// One slice is the whole picture: the mask of a map that is fitted to the view.
+TEST_F(CascadedMap, one_cascade_is_a_map_fitted_to_the_view) {
+  const Scene scene = map_scenes::soup_over_ground(21);
+  const GBuffer g = small_world::make_gbuffer(scene, low_view, 96, 72);
+  for (const Light& light : {sun, Light{.name = "spot", .kind = SpotLight{{1, 4, 1}, {-0.2f, -1, -0.2f}, 20, 35}}}) {
+    const auto cascaded = run("resolution=256,cascades=1", scene, light, g);
+    const auto one = small_world::run(gnomon_technique_shadow_map, "resolution=256,fit=view", scene, light, g);
+    int different = 0;
+    for (std::size_t i = 0; i < g.size(); ++i) different += cascaded.mask[i] != one.mask[i];
+    EXPECT_LE(different, 8) << light.name;  // the windows' double and float32 may round a texel's border otherwise
+  }
+}
+
+// Along a low view four images tell more than one of the same texels together.
+TEST_F(CascadedMap, four_images_beat_one_of_their_texels_along_a_low_view) {
+  Scene scene;
+  scene.meshes = {small_world::ground(3)};
+  for (int i = 0; i < 24; ++i) {
+    const float x = -2.6f + 0.22f * static_cast<float>(i);
+    scene.meshes.push_back(small_world::box({x, 0, -0.02f}, {x + 0.08f, 0.5f, 0.02f}));
+  }
+  const GBuffer g = small_world::make_gbuffer(scene, low_view, 160, 120);
+  const int of_one = wrong(small_world::run(gnomon_technique_shadow_map, "resolution=256", scene, sun, g), scene, sun, g);
+  for (const std::string placement : {"fitted", "stable"}) {
+    const int of_four = wrong(run("resolution=128,placement=" + placement, scene, sun, g), scene, sun, g);
+    EXPECT_LT(of_four, (placement == "fitted" ? 0.6 : 1.0) * of_one) << placement << ' ' << of_one;
+  }
+}
+
+// In every slice the texel that a pixel looked up is on the light's ray to it, to a texel.
+TEST_F(CascadedMap, explanations_name_the_texels_of_the_right_image) {
+  const Scene scene = map_scenes::soup_over_ground(4);
+  const GBuffer g = small_world::make_gbuffer(scene, low_view, 96, 72);
+  const auto cascaded = run("resolution=256,bias=receiver_plane", scene, sun, g);
+  std::vector<double> widths;
+  for (std::size_t i = 0; i < g.size(); ++i) {
+    if (!faces_light(scene, g, sun, i)) continue;
+    const auto why = cascaded.technique->explain(i);
+    ASSERT_TRUE(why);
+    if (why->taps.empty()) continue;
+    ASSERT_EQ(why->taps.size(), 1u);
+    const glm::dvec3 to = glm::dvec3(g.position(i)) - why->taps[0].origin;
+    EXPECT_LE(glm::length(glm::cross(to, why->taps[0].direction)), why->texel_width * std::sqrt(0.5) * 1.01);
+    if (std::ranges::find(widths, why->texel_width) == widths.end()) widths.push_back(why->texel_width);
+  }
+  EXPECT_EQ(widths.size(), 4u) << "one width of texels for each slice";
+}
+
+// A step of the eye that is no multiple of a texel leaves shadow edges on the ground where they are.
+TEST_F(CascadedMap, stable_images_keep_their_texels_while_the_eye_slides) {
+  const Scene scene = map_scenes::soup_over_ground(8);
+  const auto texel_corners = [&](const std::string& placement, float slide) {
+    View view = low_view;
+    view.eye.x += slide;
+    view.target.x += slide;
+    const GBuffer g = small_world::make_gbuffer(scene, view, 64, 48);
+    const auto map = run("resolution=256,cascades=1,placement=" + placement, scene, sun, g);
+    for (std::size_t i = 0; i < g.size(); ++i)
+      if (const auto why = map.technique->explain(i); why && !why->taps.empty()) return why->taps[0].origin / why->texel_width;
+    throw Error("no pixel looked up a texel");
+  };
+  const glm::dvec3 before = texel_corners("stable", 0), after = texel_corners("stable", 0.0137f);
+  // Centers of texels differ by whole steps along both axes of the face.
+  const LightSpaceFace face = light_space_of(sun, mesh_boxes(scene)).main();
+  for (int k = 0; k < 2; ++k) {
+    const double steps = glm::dot(after - before, face.axis(k));
+    EXPECT_NEAR(steps, std::round(steps), 1e-3) << k;
+  }
+}
+
+// Points have six images and no slices; what is unsupported says why.
+TEST_F(CascadedMap, lights_of_six_images_are_refused_with_the_reason) {
+  const Scene scene = map_scenes::soup_over_ground(8);
+  Registry registry;
+  gnomon_technique_cascaded_map(registry);
+  const auto technique = registry.techniques()[0].make();
+  for (const Light& light : {Light{.kind = PointLight{{0, 3, 0}}}, Light{.kind = SpotLight{{0, 3, 0}, {0, -1, 0}, 50, 70}}}) {
+    const Support support = technique->supports(scene, light, low_view);
+    EXPECT_EQ(support.kind(), Support::Kind::unsupported);
+    EXPECT_NE(support.why().find("slices are of one image"), std::string::npos) << support.why();
+  }
+  technique->apply("placement=stable");
+  EXPECT_EQ(technique->supports(scene, {.kind = SpotLight{{0, 3, 0}, {0, -1, 0}, 20, 30}}, low_view).kind(),
+            Support::Kind::unsupported);
+  EXPECT_EQ(technique->supports(scene, sun, low_view).kind(), Support::Kind::full);
+}
+
+}  // namespace
