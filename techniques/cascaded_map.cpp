@@ -55,7 +55,7 @@ class CascadedMap final : public ComparedMap {
  private:
   std::optional<LightCamera> fitted_to_scene(const Light&, const MeshBoxes&, int) const override { return std::nullopt; }
   LightCamera fitted_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int margin) const override;
-  bool is_sliced() const override { return true; }
+  LightImages images() const override { return LightImages::slices; }
 };
 
 LightCamera CascadedMap::fitted_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int margin) const {
@@ -69,7 +69,7 @@ LightCamera CascadedMap::fitted_to_view(const Light& light, const MeshBoxes& box
   if (is_stable) range = quantized(range);
   slices.ends = practical_splits(range, cascades, logarithmic);
 
-  const LightSpaceFace face = light_space_of(light, boxes).main();
+  const LightSpace space = light_space_of(light, boxes);
   std::vector<LightExtent> seen;
   if (is_stable) {
     const double up = std::tan(glm::radians(double(view.fov_y_degrees)) / 2),
@@ -77,13 +77,13 @@ LightCamera CascadedMap::fitted_to_view(const Light& light, const MeshBoxes& box
     for (int i = 0; i < cascades; ++i) {
       const DepthRange slice{i == 0 ? range.near : slices.ends[i - 1], i == cascades - 1 ? range.far : slices.ends[i]};
       seen.push_back(
-          stable_window(face, sphere_around(slices.eye, slices.axis, tangent, slice), image_resolution() - 2 * margin));
+          stable_window(space.main(), sphere_around(slices.eye, slices.axis, tangent, slice), image_resolution() - 2 * margin));
     }
   } else {
-    seen = seen_in_slices(scene(), light, face, slices, gbuffer);
+    seen = seen_in_slices(scene(), light, space.main(), slices, gbuffer);
   }
   LightCamera camera =
-      fit_to_extents(light, boxes, seen, image_resolution(), margin, is_stable ? FitWindow::whole : FitWindow::shared);
+      fit_to_extents(light, space, boxes, seen, image_resolution(), margin, is_stable ? FitWindow::whole : FitWindow::shared);
   camera.slices = slices;
   return camera;
 }

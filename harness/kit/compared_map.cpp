@@ -79,8 +79,8 @@ MapComparison ComparedMap::comparison() const {
 
 Program ComparedMap::resolve_program(LightProjection projection, bool explains) const {
   return pass_program(
-      fmt::format("{} {}", id(), explains ? "explain" : "resolve"), comparison_constants(projection, is_sliced()),
-      fmt::format("{}{}{}{}{}{}{}", explains ? "#define EXPLAIN\n" : "", light_map_head(projection, is_sliced()),
+      fmt::format("{} {}", id(), explains ? "explain" : "resolve"), comparison_constants(projection, images()),
+      fmt::format("{}{}{}{}{}{}{}", explains ? "#define EXPLAIN\n" : "", light_map_head(projection, images()),
                   comparison_head(comparison()), gbuffer_snippet, light_map_snippet, comparison_snippet, resolve_body));
 }
 
@@ -88,8 +88,8 @@ void ComparedMap::setup() {
   made_->depth_images.setup();
   for (int i = 0; i < light_projection_count; ++i) {
     made_->explain_programs[i].reset();
-    // Slices are of one image: a cube has none.
-    if (!(is_sliced() && LightProjection(i) == LightProjection::cube))
+    // Slices and warps are of one image: a cube has none.
+    if (images() == LightImages::faces || LightProjection(i) != LightProjection::cube)
       made_->resolve_programs[i] = resolve_program(LightProjection(i), false);
   }
   made_->framebuffer = make_framebuffer();
@@ -113,9 +113,9 @@ void ComparedMap::relight(const Light& light) {
 void ComparedMap::draw_images(LightCamera&& camera) {
   if (made_->read_of == this) made_->read_of = nullptr;
   camera_ = std::move(camera);
-  DepthImages& images = made_->depth_images;
-  drawn_triangles_ = images.draw(camera_, first_, stores_second() ? DepthImages::Faces::all : DepthImages::Faces::lit);
-  if (stores_second()) drawn_triangles_ += images.draw_second(camera_, first_, second_);
+  DepthImages& depth_images = made_->depth_images;
+  drawn_triangles_ = depth_images.draw(camera_, first_, stores_second() ? DepthImages::Faces::all : DepthImages::Faces::lit);
+  if (stores_second()) drawn_triangles_ += depth_images.draw_second(camera_, first_, second_);
 }
 
 void ComparedMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
@@ -196,7 +196,7 @@ std::optional<Explanation> ComparedMap::explain(std::size_t index) const {
                             texel);
 }
 
-std::vector<DebugLayer> ComparedMap::debug_layers() const { return map_layers(is_sliced()); }
+std::vector<DebugLayer> ComparedMap::debug_layers() const { return map_layers(images()); }
 
 std::vector<float> ComparedMap::draw_debug(std::string_view layer) const {
   if (layer == "map") {

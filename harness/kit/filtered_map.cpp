@@ -147,7 +147,7 @@ std::optional<Explanation> FilteredMap::explain(std::size_t index) const {
   const glm::dvec3 point = gbuffer_->position(index);
   const LightImage& image = camera_.images[camera_.space.face_of(point)];
   if (image.layer < 0) return Explanation();  // nothing casts there
-  const glm::dvec2 place = image.place_of(point) * image.scale + image.offset, corner = glm::floor(place - 0.5);
+  const glm::dvec2 place = image.texel_of(image.place_of(point)), corner = glm::floor(place - 0.5);
   const glm::dvec2 share = place - 0.5 - corner;
   const int r = blur_radius;
   std::vector<float> blur{1};
@@ -158,7 +158,7 @@ std::optional<Explanation> FilteredMap::explain(std::size_t index) const {
     return (1 - s) * of(k) + s * of(k - 1);
   };
   Explanation why;
-  why.texel_width = image.largest_texel(image.seen(point).z);
+  why.texel_width = image.largest_texel(image.seen(point));
   why.bias = bias * why.texel_width * image.stretch(point);
   why.covered = camera_.holds(glm::ivec2(glm::floor(place)));
   for (int y = -r; y <= r + 1; ++y)
@@ -180,7 +180,7 @@ std::vector<float> FilteredMap::draw_debug(std::string_view layer) const {
     if (!faces_light(*made_->scene, *gbuffer_, light_, i)) continue;
     const int face = camera_.space.face_of(gbuffer_->position(i));
     const LightImage& image = camera_.images[face];
-    const glm::dvec2 place = image.place_of(gbuffer_->position(i)) * image.scale + image.offset;
+    const glm::dvec2 place = image.texel_of(image.place_of(gbuffer_->position(i)));
     look_ups[i] = {face, image.layer < 0 ? glm::ivec2(-1) : glm::ivec2(glm::floor(place))};
   }
   VisibilityMask mask(gbuffer_->width, gbuffer_->height);

@@ -10,11 +10,29 @@
 
 namespace gnomon {
 
+glm::dvec2 LightImage::window_of(const glm::dvec2& texel) const {
+  const glm::dvec2 q = (texel - offset) / scale;
+  return pivot + q / (1 - lean * q.y);
+}
+
+glm::dvec2 LightImage::texel_step(const glm::dvec2& window, const glm::dvec2& step) const {
+  const double d = divisor(window);
+  return (step - (window - pivot) * (lean * step.y / d)) / d * scale;
+}
+
+glm::dvec2 LightImage::texel_width(const glm::dvec3& q) const {
+  const glm::dvec2 window = place(q);
+  // A column of a warped image runs toward its center: one row on, it has moved aside.
+  const double d = divisor(window), row = d * d / scale.y, aside = row * std::abs(lean * (window.x - pivot.x)) / d;
+  return (is_perspective ? q.z : 1) * glm::dvec2(d / scale.x + aside, row);
+}
+
 glm::dmat4 LightImage::clip_from_world(int resolution) const {
   const glm::dvec2 s = 2.0 * scale / double(resolution), o = 2.0 * offset / double(resolution) - 1.0;
-  // Clip space has y up and texel rows go down.
-  const glm::dvec4 w = is_perspective ? glm::dvec4(0, 0, 1, 0) : glm::dvec4(0, 0, 0, 1);
-  const glm::dvec4 x = s.x * glm::dvec4(1, 0, 0, 0) + o.x * w, y = -s.y * glm::dvec4(0, 1, 0, 0) - o.y * w;
+  // Clip space has y up and texel rows go down. `one` is what window coordinates are over, w that times the divisor.
+  const glm::dvec4 one = is_perspective ? glm::dvec4(0, 0, 1, 0) : glm::dvec4(0, 0, 0, 1), up(0, 1, 0, 0);
+  const glm::dvec4 w = (1 - lean * pivot.y) * one + lean * up;
+  const glm::dvec4 x = s.x * (glm::dvec4(1, 0, 0, 0) - pivot.x * one) + o.x * w, y = -s.y * (up - pivot.y * one) - o.y * w;
   const glm::dvec4 z = is_perspective ? glm::dvec4(0, 0, 0, near) : glm::dvec4(0, 0, -1, far) / (far - near);
   glm::dmat4 turned_and_moved(light_from_world);
   turned_and_moved[3] = glm::dvec4(-(light_from_world * origin), 1);
@@ -36,9 +54,9 @@ std::span<const float> LightCamera::texels_of(const LightImage& image, std::span
 }
 
 Tap LightCamera::tap(const LightImage& image, std::span<const float> depths, const glm::ivec2& texel, double weight) const {
-  const glm::dvec2 window = (glm::dvec2(texel) + 0.5 - image.offset) / image.scale;
+  const glm::dvec2 window = image.window_of(glm::dvec2(texel) + 0.5);
   const std::size_t rows = static_cast<std::size_t>(image.layer) * resolution + texel.y;
-  const double z = holds(texel) ? image.axis_distance(depths[rows * resolution + texel.x]) : INFINITY;
+  const double z = holds(texel) ? image.axis_distance(depths[rows * resolution + texel.x] * image.divisor(window)) : INFINITY;
   if (!image.is_perspective) return {image.to_world({window, image.near}), image.axis(2), weight, z - image.near};
   const glm::dvec3 through(window, 1);
   return {image.origin, glm::normalize(through * image.light_from_world), weight, z * glm::length(through)};
@@ -178,8 +196,8 @@ double tangent_of(const Light& light) {
 }
 
 /// Without images that are fitted yet.
-LightCamera camera_of(const Light& light, const MeshBoxes& boxes, int resolution) {
-  LightCamera camera{.space = light_space_of(light, boxes), .resolution = resolution};
+LightCamera camera_of(const Light& light, const LightSpace& space, const MeshBoxes& boxes, int resolution) {
+  LightCamera camera{.space = space, .resolution = resolution};
   // Sixteen half units in the last place of the largest coordinate: the three of the rounded point and vertices (sqrt 3 each),
   // and four products and three sums of the transforms in float32, twice.
   const glm::dvec4 l = homogeneous(light);
@@ -246,7 +264,7 @@ LightSpace light_space_of(const Light& light, const MeshBoxes& boxes) {
 
 LightCamera fit_to_scene(const Light& light, const MeshBoxes& boxes, int resolution, int margin) {
   const Fit fit{tangent_of(light), resolution, margin};
-  LightCamera camera = camera_of(light, boxes, resolution);
+  LightCamera camera = camera_of(light, light_space_of(light, boxes), boxes, resolution);
   for (LightImage& image : camera.images) {
     LightExtent receivers;
     for (const MeshBox& mesh : boxes.meshes)
@@ -260,13 +278,13 @@ LightCamera fit_to_scene(const Light& light, const MeshBoxes& boxes, int resolut
 LightCamera fit_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int resolution, int margin) {
   const LightSpace space = light_space_of(light, boxes);
   const std::array<LightExtent, 6> receivers = seen_in_picture(light, boxes, space, gbuffer);
-  return fit_to_extents(light, boxes, std::span(receivers).first(space.face_count()), resolution, margin);
+  return fit_to_extents(light, space, boxes, std::span(receivers).first(space.face_count()), resolution, margin);
 }
 
-LightCamera fit_to_extents(const Light& light, const MeshBoxes& boxes, std::span<const LightExtent> receivers, int resolution,
-                           int margin, FitWindow window) {
+LightCamera fit_to_extents(const Light& light, const LightSpace& space, const MeshBoxes& boxes,
+                           std::span<const LightExtent> receivers, int resolution, int margin, FitWindow window) {
   const Fit fit{tangent_of(light), resolution, margin, window};
-  LightCamera camera = camera_of(light, boxes, resolution);
+  LightCamera camera = camera_of(light, space, boxes, resolution);
   camera.images.resize(receivers.size(), camera.images[0]);
   for (std::size_t i = 0; i < camera.images.size(); ++i) {
     fit_image(camera.images[i], boxes, receivers[i], fit);

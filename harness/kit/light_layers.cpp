@@ -68,11 +68,14 @@ Placed place(const LightImage& face, bool is_drawn, const glm::dvec2& cell_low, 
 /// Paints one image. `depths` are its texels; empty where it is not drawn.
 void paint_face(const LightImage& face, std::span<const float> depths, int resolution, const Placed& placed, int width,
                 int height, std::span<float> picture) {
-  double near = INFINITY, far = -INFINITY;
-  float least = INFINITY, most = 0;
-  for (const float depth : depths) {
-    if (depth > 0) least = std::min(least, depth);
-    most = std::max(most, depth);
+  const auto depth_of = [&](std::size_t texel) {
+    const double row = static_cast<double>(texel / resolution) + 0.5;
+    return depths[texel] * face.divisor(face.window_of({0, row}));
+  };
+  double near = INFINITY, far = -INFINITY, least = INFINITY, most = 0;
+  for (std::size_t i = 0; i < depths.size(); ++i) {
+    if (depths[i] > 0) least = std::min(least, depth_of(i));
+    most = std::max(most, depth_of(i));
   }
   if (most > 0) {
     near = face.axis_distance(most);
@@ -83,7 +86,7 @@ void paint_face(const LightImage& face, std::span<const float> depths, int resol
   constexpr double jump = 0.015;  // of the range
   const auto depth_at = [&](const glm::ivec2& texel) -> double {
     const glm::ivec2 t = glm::clamp(texel, glm::ivec2(0), glm::ivec2(resolution - 1));
-    return depths[static_cast<std::size_t>(t.y) * resolution + t.x];
+    return depth_of(static_cast<std::size_t>(t.y) * resolution + t.x);
   };
   const auto color_at = [&](const glm::dvec2& share) -> glm::dvec3 {
     if (depths.empty()) return not_drawn.color;
@@ -122,7 +125,8 @@ TexelSize texel_size(const LightImage& face, const Camera& camera, const GBuffer
   const auto texels = [&](const glm::dvec3& ray_step) {
     const glm::dvec3 step = height * (ray_step * slope - ray * glm::dot(normal, ray_step)) / (slope * slope);
     const glm::dvec3 s = face.turned(step);
-    return (face.is_perspective ? (glm::dvec2(s) - glm::dvec2(q) / q.z * s.z) / q.z : glm::dvec2(s)) * face.scale;
+    const glm::dvec2 window = face.place(q);
+    return face.texel_step(window, face.is_perspective ? (glm::dvec2(s) - window * s.z) / q.z : glm::dvec2(s));
   };
   const glm::dvec2 a = texels(camera.ray(x + 1, y) - ray), b = texels(camera.ray(x, y + 1) - ray);
   // Singular values of the matrix (a b): its area is their product, the sum of its squares the sum of theirs.
@@ -133,13 +137,14 @@ TexelSize texel_size(const LightImage& face, const Camera& camera, const GBuffer
 
 }  // namespace
 
-std::vector<DebugLayer> map_layers(bool is_sliced) {
+std::vector<DebugLayer> map_layers(LightImages images) {
+  constexpr std::string_view which[] = {"; around a point light six, framed by the way they look",
+                                        "; one for each slice of the picture, from near to far, framed in its color", ""};
   DebugLayer map{.name = "map",
                  .sentence = fmt::format(
                      "The depth images as the light sees them, upright and in their proportions, each from its nearest "
-                     "stored depth (dark) to its farthest (light), with lines where depth jumps; {}.",
-                     is_sliced ? "one for each slice of the picture, from near to far, framed in its color"
-                               : "around a point light six, framed by the way they look"),
+                     "stored depth (dark) to its farthest (light), with lines where depth jumps{}.",
+                     which[static_cast<int>(images)]),
                  .legend = {nothing_stored, not_drawn}};
   DebugLayer texels{.name = "texels",
                     .sentence =
@@ -148,9 +153,10 @@ std::vector<DebugLayer> map_layers(bool is_sliced) {
                         "images meet, each has a rim in the color of its frame in the layer map."};
   for (const TexelClass& c : texel_classes) texels.legend.push_back(c.swatch);
   texels.legend.push_back(beside_map);
-  for (int i = 0; i < (is_sliced ? ViewSlices::most : 6); ++i) {
+  const int frames = images == LightImages::faces ? 6 : images == LightImages::slices ? ViewSlices::most : 0;
+  for (int i = 0; i < frames; ++i) {
     Swatch frame = cube_faces[i];
-    if (is_sliced) frame.name = fmt::format("slice {}", i + 1);
+    if (images == LightImages::slices) frame.name = fmt::format("slice {}", i + 1);
     map.legend.push_back(frame);
     texels.legend.push_back(frame);
   }

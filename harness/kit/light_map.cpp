@@ -92,39 +92,43 @@ LightProjection projection_of(const LightCamera& camera) {
                                       : LightProjection::centered;
 }
 
-std::string light_map_head(LightProjection projection, bool is_sliced) {
-  return fmt::format("#define PROJECTION {}\n{}", static_cast<int>(projection), is_sliced ? "#define SLICED\n" : "");
+std::string light_map_head(LightProjection projection, LightImages images) {
+  constexpr std::string_view heads[] = {"", "#define SLICED\n", "#define WARPED\n"};
+  return fmt::format("#define PROJECTION {}\n{}", static_cast<int>(projection), heads[static_cast<int>(images)]);
 }
 
-Support light_map_support(const Light& light, int resolution, int margin, int more_constants, bool is_sliced) {
+Support light_map_support(const Light& light, int resolution, int margin, int more_constants, LightImages images) {
   if (has_area(light)) return Support::unsupported("a shadow map has one center: lights with area have none");
   const auto* const spot = std::get_if<SpotLight>(&light.kind);
   const bool is_cube = std::holds_alternative<PointLight>(light.kind) || (spot && spot->outer_degrees > widest_spot_degrees);
-  if (is_sliced && is_cube)
-    return Support::unsupported(
-        fmt::format("slices are of one image: a point light and a spot wider than {} degrees have six", widest_spot_degrees));
+  if (images != LightImages::faces && is_cube)
+    return Support::unsupported(fmt::format("{} of one image: a point light and a spot wider than {} degrees have six",
+                                            images == LightImages::slices ? "slices are" : "a warp is", widest_spot_degrees));
   if (4 * margin > resolution)
     return Support::unsupported(
         fmt::format("filter and offset reach {} texels beyond what an image of {} is fitted to: it needs {} or more", margin,
                     resolution, 4 * margin));
-  // Of a cube, which has most: the origin, two vectors for each image, spot. Of slices: the origin, two vectors for each, two
-  // for the division, the axes, spot.
-  const int constants = is_sliced ? 1 + 2 * ViewSlices::most + 2 + 3 + 1 : 1 + 12 + 1;
+  // Of faces a cube has most: the origin, two vectors for each image, spot. Of slices: the origin, two vectors for each, two
+  // for the division, the axes, spot. Of a warp: the origin, two vectors for its image, the warp, the axes, spot.
+  const int constants = images == LightImages::slices   ? 1 + 2 * ViewSlices::most + 2 + 3 + 1
+                        : images == LightImages::warped ? 1 + 2 + 1 + 3 + 1
+                                                        : 1 + 12 + 1;
   return within_limits({.varying_components = 4 * (constants + more_constants),
                         .texture_size = resolution,
-                        .texture_layers = is_cube     ? 6
-                                          : is_sliced ? ViewSlices::most
-                                                      : 1});
+                        .texture_layers = is_cube                         ? 6
+                                          : images == LightImages::slices ? ViewSlices::most
+                                                                          : 1});
 }
 
-std::string light_map_constants(LightProjection projection, bool is_sliced) {
-  const int images = projection == LightProjection::cube ? 6 : is_sliced ? ViewSlices::most : 1;
-  // A cube has no axes of its own, its faces only exchange those of the world. Slices have theirs in meters.
-  const char* const axes = projection == LightProjection::cube ? ""
-                           : is_sliced                         ? "mat3 light_axes; vec4 light_depth; vec3 light_ends;"
-                                                               : "mat3 light_axes; mat3 light_steps;";
+std::string light_map_constants(LightProjection projection, LightImages images) {
+  const int count = projection == LightProjection::cube ? 6 : images == LightImages::slices ? ViewSlices::most : 1;
+  // A cube has no axes of its own, its faces only exchange those of the world. Slices and warps have theirs in meters.
+  constexpr std::string_view axes[] = {"mat3 light_axes; mat3 light_steps;",
+                                       "mat3 light_axes; vec4 light_depth; vec3 light_ends;",
+                                       "mat3 light_axes; vec3 light_warp;"};
   const char* const cone = projection == LightProjection::parallel ? "" : "vec4 spot;";
-  return fmt::format("vec3 light_origin; vec4 light_windows[{0}]; vec4 light_images[{0}]; {1} {2}", images, axes, cone);
+  return fmt::format("vec3 light_origin; vec4 light_windows[{0}]; vec4 light_images[{0}]; {1} {2}", count,
+                     projection == LightProjection::cube ? "" : axes[static_cast<int>(images)], cone);
 }
 
 // llvmpipe executes both sides of every branch and gathers what is indexed by a variable: the six are told apart by selecting.
@@ -167,6 +171,35 @@ vec3 in_image(vec3 v) {
 #endif
 }
 vec2 across_image(vec3 n) { return (light_axes * n).xy / light_window.xy; }
+#elif defined(WARPED)
+#define light_window light_windows[0]
+vec4 light_facts;
+vec2 light_stretch;
+void choose_image(vec3 v) {}
+vec3 in_image(vec3 v) {
+  vec3 q = light_axes * v;
+#if PROJECTION != 0
+  q.xy /= q.z;
+#endif
+  vec2 from_pivot = q.xy - light_warp.xy;
+  float divisor = 1 + light_warp.z * from_pivot.y;
+  float aside = divisor * abs(light_warp.z * from_pivot.x) * (light_window.x / light_window.y);
+  light_stretch = vec2(divisor + aside, divisor * divisor), light_facts = light_images[0];
+  light_facts.y = max(light_stretch.x / light_window.x, light_stretch.y / light_window.y);
+  // Behind the center of the warp nothing is seen.
+  vec2 texel = divisor > 0 ? from_pivot / divisor * light_window.xy + light_window.zw : vec2(-1e6);
+#if PROJECTION != 0
+  texel *= q.z;
+#endif
+  return vec3(texel, q.z);
+}
+vec2 across_image(vec3 n) { return (light_axes * n).xy / light_window.xy; }
+// What texel coordinates are without the warp, but for where they begin.
+vec2 unwarped(vec2 texel) {
+  vec2 q = texel - light_window.zw;
+  return q / (1 - light_warp.z / light_window.y * q.y);
+}
+vec2 way_in_image(vec2 a, vec2 b) { return unwarped(b) - unwarped(a); }
 #else
 #define light_window light_windows[0]
 #define light_facts light_images[0]
@@ -180,8 +213,11 @@ vec3 in_image(vec3 v) {
 }
 vec2 across_image(vec3 n) { return vec2(dot(n, light_steps[0]), dot(n, light_steps[1])); }
 #endif
+#ifndef WARPED
+vec2 way_in_image(vec2 a, vec2 b) { return b - a; }
+#endif
 #if PROJECTION == 0
-#ifdef SLICED
+#if defined(SLICED) || defined(WARPED)
 float height_over_light(vec3 normal) { return -(light_axes * normal).z; }
 #else
 float height_over_light(vec3 normal) { return -dot(normal, light_steps[2]); }
@@ -200,7 +236,11 @@ bool faces_light_at(vec4 position, vec4 normal, vec3 v) {
 float stored_depth(vec2 texel) {
   ivec2 size = textureSize(light_map, 0).xy;
   bool inside = all(lessThan(uvec2(ivec2(texel)), uvec2(size)));
-  return inside ? textureLod(light_map, vec3((texel + 0.5) / vec2(size), light_facts.x), 0).r : 0;
+  float depth = inside ? textureLod(light_map, vec3((texel + 0.5) / vec2(size), light_facts.x), 0).r : 0;
+#ifdef WARPED
+  depth /= 1 - light_warp.z / light_window.y * (texel.y + 0.5 - light_window.w);
+#endif
+  return depth;
 }
 )";
 
@@ -208,13 +248,15 @@ void set_light_camera(const Program& program, const Light& light, const LightCam
                       const std::function<double(const LightImage&)>& fourth) {
   set_light(program, light);
   std::array<glm::vec4, 6> windows{}, facts{};
-  const bool is_sliced = camera.slices.axis != glm::dvec3(0);
+  const bool is_sliced = camera.slices.axis != glm::dvec3(0), is_warped = program.uses("light_warp");
   for (std::size_t i = 0; i < camera.images.size(); ++i) {
     LightImage image = camera.images[i];
     // Where nothing casts, every look-up falls far off the image.
     if (image.layer < 0) {
       image.scale = glm::dvec2(1);
       image.offset = glm::dvec2(-1e6);
+      image.pivot = glm::dvec2(0);
+      image.lean = 0;
       image.near = 0.5;
       image.far = 1;
     }
@@ -223,7 +265,8 @@ void set_light_camera(const Program& program, const Light& light, const LightCam
                          fourth ? fourth(image) : image.far);
     if (camera.is_cube() || i > 0) continue;
     const glm::dvec3 axes[] = {image.axis(0), image.axis(1), image.axis(2)};  // right, down, axis
-    if (is_sliced) {
+    if (is_sliced || is_warped) {
+      program.set_if_used("light_warp", glm::vec3(image.pivot, image.lean));
       program.set_if_used("light_axes", glm::mat3(glm::transpose(glm::dmat3(axes[0], axes[1], axes[2]))));
       continue;
     }

@@ -74,7 +74,7 @@ Explanation explain_comparison(const DepthTexels& texels, const MapComparison& c
   const glm::dvec3 n = image.turned(normal);
   const glm::dvec3 ray = image.is_perspective ? q / q.z : glm::dvec3(0, 0, 1);
   const double facing = -glm::dot(n, ray);
-  const glm::dvec2 width = image.texel_width(q.z);
+  const glm::dvec2 width = image.texel_width(q);
   why.texel_width = std::max(width.x, width.y);
   double axis_bias = comparison.depth_bias * why.texel_width;
   if (comparison.bias == MapComparison::Bias::slope)

@@ -9,9 +9,10 @@ std::string comparison_head(const MapComparison& comparison) {
 
 // depth_bias, half of slope_bias and normal_offset, each times the filter's reach, and rounding; the diagonal of a texel in
 // window coordinates, under parallel rays.
-std::string comparison_constants(LightProjection projection, bool is_sliced) {
-  return light_map_constants(projection, is_sliced) +
-         (projection == LightProjection::parallel && !is_sliced ? "vec4 biases; float diagonal;" : "vec4 biases;");
+std::string comparison_constants(LightProjection projection, LightImages images) {
+  return light_map_constants(projection, images) + (projection == LightProjection::parallel && images == LightImages::faces
+                                                        ? "vec4 biases; float diagonal;"
+                                                        : "vec4 biases;");
 }
 
 void set_comparison(const Program& program, const Light& light, const LightCamera& camera, const MapComparison& comparison) {
@@ -34,7 +35,12 @@ const std::string_view comparison_snippet = R"(
 #if FILTER == 1 || FILTER == 2
 uniform int radius;
 #endif
-#if PROJECTION == 0 && defined(SLICED)
+// Of a texel, in window coordinates.
+#ifdef WARPED
+#define diagonal length(light_stretch / light_window.xy)
+#elif PROJECTION != 0
+#define diagonal light_facts.w
+#elif defined(SLICED)
 #define diagonal length(1 / light_window.xy)
 #endif
 
@@ -54,7 +60,7 @@ float lit_at(Asked point, vec2 tap) {
   float d = stored_depth(tap), near = light_facts.z;
   // How much the receiver's plane rises toward the light between the point and the texel's center.
 #if BIAS == 3
-  float rise = dot(point.step_height, tap + 0.5 - point.position);
+  float rise = dot(point.step_height, way_in_image(point.position, tap + 0.5));
 #else
   const float rise = 0;
 #endif
@@ -88,6 +94,9 @@ Asked ask(vec4 surface, vec4 facet) {
 #endif
   vec3 h = in_image(v);
 #elif BIAS == 2
+#ifdef WARPED
+  in_image(v);  // for the width of a texel there
+#endif
   float along = (light_axes * v).z;
   v += normal * (biases.z * light_facts.y * (PROJECTION == 0 ? 1 : along));
   vec3 h = in_image(v);
@@ -117,7 +126,7 @@ Asked ask(vec4 surface, vec4 facet) {
 #if PROJECTION == 0
   error = biases.y * diagonal * sqrt(max(1 - height * height, 0));
 #else
-  error = biases.y * fourth * q_z * sqrt(max(1 - height * height / squared, 0));
+  error = biases.y * diagonal * q_z * sqrt(max(1 - height * height / squared, 0));
 #endif
   scale = facing;
 #elif BIAS == 3

@@ -14,7 +14,7 @@ namespace gnomon {
 class ComparedMap : public Technique {
  public:
   Support supports(const Scene&, const Light& light, const View&) const override {
-    return light_map_support(light, resolution, comparison().margin(), MapComparison::constant_count, is_sliced());
+    return light_map_support(light, resolution, comparison().margin(), MapComparison::constant_count, images());
   }
   void setup() override;
   void build(const Scene& scene) override;
@@ -38,8 +38,7 @@ class ComparedMap : public Technique {
   virtual LightCamera fitted_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int margin) const = 0;
   /// Whether the second surface seen from the light is stored instead of the first.
   virtual bool stores_second() const { return false; }
-  /// Whether images are those of slices of the picture.
-  virtual bool is_sliced() const { return false; }
+  virtual LightImages images() const { return LightImages::faces; }
 
   const Scene& scene() const { return *made_->scene; }
   int image_resolution() const { return resolution; }

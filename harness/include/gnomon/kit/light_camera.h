@@ -23,19 +23,29 @@ struct MeshBoxes {
 MeshBoxes mesh_boxes(const Scene& scene);
 
 /// A face of the light and its image. Window coordinates of a point are its place on the face; texel coordinates are
-/// window * scale + offset, row 0 on top.
+/// window * scale + offset, row 0 on top. A warped image is seen in perspective: its texels are largest where window.y is, and
+/// their coordinates are (window - pivot) / (1 + lean * (window.y - pivot.y)) * scale + offset.
 struct LightImage : LightSpaceFace {
   glm::dvec2 scale{1}, offset{0};
+  glm::dvec2 pivot{0};
+  double lean = 0;                       ///< 0: not warped; all of a warped image lies at window.y >= pivot.y
   double near = 0, far = 0;              ///< along the axis, meters; casters outside are clamped to it
   std::vector<std::uint32_t> casters{};  ///< indices of the meshes to draw; none: nothing to draw and nothing to look up
   int layer = -1;                        ///< of the texture that holds the images of a camera; -1: it has no casters
 
-  /// World width of a texel across the axis at axis distance z.
-  glm::dvec2 texel_width(double z) const { return (is_perspective ? z : 1) / scale; }
-  double largest_texel(double z) const { return std::max(texel_width(z).x, texel_width(z).y); }
-  /// Reversed depth: near / z, or linear; 1 at `near`, 0 at infinity or `far`.
+  /// What a warped image divides by: 1 at the pivot, larger where texels are.
+  double divisor(const glm::dvec2& window) const { return 1 + lean * (window.y - pivot.y); }
+  glm::dvec2 texel_of(const glm::dvec2& window) const { return (window - pivot) / divisor(window) * scale + offset; }
+  glm::dvec2 window_of(const glm::dvec2& texel) const;
+  /// How texel coordinates change when window coordinates do, by a small step.
+  glm::dvec2 texel_step(const glm::dvec2& window, const glm::dvec2& step) const;
+  /// World width of a texel across the axis at a point of the face's frame: of the box around it, for one of a warped image
+  /// leans.
+  glm::dvec2 texel_width(const glm::dvec3& q) const;
+  double largest_texel(const glm::dvec3& q) const { return std::max(texel_width(q).x, texel_width(q).y); }
+  /// Reversed depth: near / z, or linear; 1 at `near`, 0 at infinity or `far`. A warped image stores it over its divisor.
   glm::dmat4 clip_from_world(int resolution) const;
-  /// Axis distance of a stored depth; infinity where nothing is stored.
+  /// Axis distance of a depth, in a warped image after its divisor is taken away; infinity where nothing is stored.
   double axis_distance(double depth) const;
   /// How long a way along the light ray through a point is that takes 1 along the axis.
   double stretch(const glm::dvec3& point) const { return is_perspective ? glm::length(seen(point)) / seen(point).z : 1; }
@@ -74,6 +84,10 @@ struct ViewSlices {
   }
 };
 
+/// What images a camera has: one for each face of the light; one for each slice of the picture, up to ViewSlices::most; one
+/// that is warped. Slices and warps are of lights with one face.
+enum class LightImages { faces, slices, warped };
+
 /// The images of a light, each `resolution` texels square: one for each of its faces, or for each slice of a picture.
 struct LightCamera {
   LightSpace space{};
@@ -105,9 +119,10 @@ LightCamera fit_to_view(const Light& light, const MeshBoxes& boxes, const GBuffe
 
 /// Whether images take all of the extents that they are given, or what casters share with them.
 enum class FitWindow { shared, whole };
-/// Fitted to what receives: an image for each of the extents, which are those of the light's faces, or of the slices of a
-/// picture through its only face.
-LightCamera fit_to_extents(const Light& light, const MeshBoxes& boxes, std::span<const LightExtent> receivers, int resolution,
-                           int margin, FitWindow window = FitWindow::shared);
+/// Fitted to what receives: an image for each of the extents, which are those of the faces of the light's space, or of the
+/// slices of a picture through its only face.
+LightCamera fit_to_extents(const Light& light, const LightSpace& space, const MeshBoxes& boxes,
+                           std::span<const LightExtent> receivers, int resolution, int margin,
+                           FitWindow window = FitWindow::shared);
 
 }  // namespace gnomon

@@ -8,8 +8,7 @@
 // its texels on the surfaces that they decide.
 namespace gnomon {
 
-/// Of six faces, or of slices of the picture.
-std::vector<DebugLayer> map_layers(bool is_sliced = false);
+std::vector<DebugLayer> map_layers(LightImages images = LightImages::faces);
 
 /// The depth images: one alone, six on a sheet of 3 x 2 (+x -x +y, -y +z -z), slices on one of 2 x 2. `depths` gives those of
 /// an image.

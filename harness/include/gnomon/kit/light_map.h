@@ -49,17 +49,21 @@ LightProjection projection_of(const LightCamera& camera);
 ///                                     `set_light_camera` was given instead
 ///   vec3 in_image(vec3 v)             texel column and row, both times z where rays start at the light; z: the axis distance
 ///   vec2 across_image(vec3 n)         how far a direction goes along columns and rows, in texels at axis distance 1
+///   vec2 way_in_image(vec2 a, vec2 b) from texel to texel, in the measure of across_image: b - a unless the image is warped
 ///   float stored_depth(vec2 texel)    of a texel by its whole numbers; 0 beside the image and where nothing is stored
 ///   bool faces_light_at(vec4 position, vec4 normal, vec3 v)   what faces_light says, with no constant more
 ///
-/// `spot` of faces_light_constants is among the constants where rays start at the light. A sliced camera has an image for each
-/// slice of the picture; how many there are is for the camera to say, up to ViewSlices::most.
-std::string light_map_head(LightProjection projection, bool is_sliced = false);
+/// In a warped image, across_image is for texels as large as at the pivot, and `light_stretch` is how much larger the
+/// box around one is at the point that in_image was asked for last; `light_facts.y` is then of that place.
+///
+/// `spot` of faces_light_constants is among the constants where rays start at the light.
+std::string light_map_head(LightProjection projection, LightImages images = LightImages::faces);
 /// Full, unless the light has an area (a map has one center), the margin of a fit leaves less than half of the texels, or the
 /// device is too small for images of so many and for passes, one for each projection, that have so many constants beside those
 /// below.
-Support light_map_support(const Light& light, int resolution, int margin, int more_constants, bool is_sliced = false);
-std::string light_map_constants(LightProjection projection, bool is_sliced = false);
+Support light_map_support(const Light& light, int resolution, int margin, int more_constants,
+                          LightImages images = LightImages::faces);
+std::string light_map_constants(LightProjection projection, LightImages images = LightImages::faces);
 extern const std::string_view light_map_snippet;
 /// Sets light, spot and the constants. `fourth` gives the last of `light_facts`; without it, that is far.
 void set_light_camera(const Program& program, const Light& light, const LightCamera& camera,

@@ -64,7 +64,7 @@ Explanation explain_comparison(const DepthTexels& texels, const MapComparison& c
 ///
 /// and in `Asked` the `position`, in texels, where the point is looked up.
 std::string comparison_head(const MapComparison& comparison);
-std::string comparison_constants(LightProjection projection, bool is_sliced = false);
+std::string comparison_constants(LightProjection projection, LightImages images = LightImages::faces);
 extern const std::string_view comparison_snippet;
 /// Sets camera, light and the constants.
 void set_comparison(const Program& program, const Light& light, const LightCamera& camera, const MapComparison& comparison);

@@ -1,0 +1,88 @@
+#include "warp.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gnomon::warped_map {
+
+double light_space_perspective_distance(double near, double far, double sine) { return (near + std::sqrt(near * far)) / sine; }
+
+// With the center at n below the low end, f(y) = a + b / (y + n) maps 0 to -1 and `length` to 1; f(focus) = 0.6 gives n.
+double trapezoidal_distance(double length, double focus) {
+  constexpr double line = 0.6;  // 80 % of the way from -1 to 1
+  const double rest = (1 + line) * length - 2 * focus;
+  return rest > 0 ? (1 - line) * length * focus / rest : INFINITY;
+}
+
+Rows::Rows(double low, double high, int count)
+    : low_(low), step_(std::max((high - low) / count, 1e-300)), bounds_(count, glm::dvec2(INFINITY, -INFINITY)) {}
+
+void Rows::add(const glm::dvec2& window) {
+  const auto row = static_cast<std::size_t>(std::clamp((window.y - low_) / step_, 0.0, double(bounds_.size() - 1)));
+  bounds_[row] = {std::min(bounds_[row].x, window.x), std::max(bounds_[row].y, window.x)};
+}
+
+void Rows::add(const Rows& other) {
+  for (std::size_t i = 0; i < bounds_.size(); ++i)
+    bounds_[i] = {std::min(bounds_[i].x, other.bounds_[i].x), std::max(bounds_[i].y, other.bounds_[i].y)};
+}
+
+std::vector<glm::dvec2> Rows::corners() const {
+  std::vector<glm::dvec2> corners;
+  for (std::size_t i = 0; i < bounds_.size(); ++i)
+    if (bounds_[i].x <= bounds_[i].y)
+      for (const double y : {low_ + step_ * double(i), low_ + step_ * double(i + 1)})
+        for (const double x : {bounds_[i].x, bounds_[i].y}) corners.push_back({x, y});
+  return corners;
+}
+
+namespace {
+
+struct Span {
+  double low = INFINITY, high = -INFINITY;
+  void add(double value) {
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  double length() const { return high - low; }
+};
+
+/// How much of an image's x the corners take, seen from this x.
+Span seen_from(const LightImage& image, const std::vector<glm::dvec2>& corners, double x) {
+  Span span;
+  for (const glm::dvec2& corner : corners) span.add((corner.x - x) / image.divisor(corner));
+  return span;
+}
+
+/// The x from which they take least: a maximum less a minimum of linear functions is convex.
+double best_center(const LightImage& image, const std::vector<glm::dvec2>& corners, Span among) {
+  for (int round = 0; round < 60; ++round) {
+    const double a = among.low + among.length() / 3, b = among.high - among.length() / 3;
+    (seen_from(image, corners, a).length() < seen_from(image, corners, b).length() ? among.high : among.low) =
+        seen_from(image, corners, a).length() < seen_from(image, corners, b).length() ? b : a;
+  }
+  return (among.low + among.high) / 2;
+}
+
+}  // namespace
+
+void warp(LightImage& image, const std::vector<glm::dvec2>& corners, double distance, int resolution, int margin) {
+  Span x, y;
+  for (const glm::dvec2& corner : corners) {
+    x.add(corner.x);
+    y.add(corner.y);
+  }
+  const double inner = resolution - 2.0 * margin;
+  // The margin below the low end is seen, too: divisors are 1 and more from its border on.
+  image.pivot.y = y.low - y.length() * (margin + 1) / inner;
+  image.lean = 1 / (distance + (y.low - image.pivot.y));
+  image.pivot.x = best_center(image, corners, x);
+  const Span across = seen_from(image, corners, image.pivot.x);
+  const auto along = [&](double v) { return (v - image.pivot.y) / image.divisor({0, v}); };
+  const Span down{along(y.low), along(y.high)};
+  const auto least = [](double value) { return std::max(value, 0x1p-40); };
+  image.scale = inner / glm::dvec2(least(across.length()), least(down.length()));
+  image.offset = resolution / 2.0 - glm::dvec2(across.low + across.high, down.low + down.high) / 2.0 * image.scale;
+}
+
+}  // namespace gnomon::warped_map
