@@ -18,13 +18,12 @@ void main() {
 }
 )";
 
-/// Whether the light is outside all parts of a solid mesh. A part's box holds its border, too.
-bool is_seen_from_outside(const std::vector<Bounds>& parts, const LightImage& image) {
-  return !parts.empty() &&
-         !(image.is_perspective && std::ranges::any_of(parts, [&](const Bounds& part) { return part.holds(image.origin); }));
-}
-
 }  // namespace
+
+bool is_seen_from_outside(const MeshRange& mesh, const LightSpaceFace& face) {
+  const auto holds_light = [&](const Bounds& part) { return part.holds(face.origin); };  // a part's box holds its border, too
+  return !mesh.solid_parts.empty() && !(face.is_perspective && std::ranges::any_of(mesh.solid_parts, holds_light));
+}
 
 void DepthImages::setup() {
   first_program_ = Program("depth from the light", depth_vertex, "void main() {}");
@@ -69,7 +68,7 @@ std::size_t DepthImages::draw(const Program& program, const LightCamera& camera,
     lit.clear();
     all.clear();
     for (const std::uint32_t m : image.casters) {
-      (faces == Faces::lit && is_seen_from_outside(buffers.meshes[m].solid_parts, image) ? lit : all).push_back(m);
+      (faces == Faces::lit && is_seen_from_outside(buffers.meshes[m], image) ? lit : all).push_back(m);
       triangles += buffers.meshes[m].triangle_count;
     }
     buffers.draw(all);

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <numbers>
 
 #include "device/context.h"
 #include "gl_state.h"
@@ -13,6 +12,8 @@ extern "C" void gnomon_technique_shadow_map(gnomon::Registry&);
 
 namespace {
 using namespace gnomon;
+using map_scenes::all_kinds;
+using map_scenes::near_shadow_edge;
 using map_scenes::soup_over_ground;
 using small_world::make_mesh;
 
@@ -27,35 +28,6 @@ class ShadowMap : public testing::Test {
 };
 
 const View view{.eye = {3, 5, 6}, .target = {0, 0.3f, 0}};
-
-/// Whether the reference answers otherwise somewhere within `radius` of the point, across the light ray: such points are cut
-/// with the tangent plane along their own light rays, as a texel's center is.
-bool near_shadow_edge(const Scene& scene, const Light& light, const glm::dvec3& point, const glm::dvec3& normal, double radius,
-                      bool dark) {
-  const glm::dvec4 l = homogeneous(light);
-  const glm::dvec3 to = glm::normalize(to_light(l, point));
-  const glm::dvec3 u = glm::normalize(glm::cross(to, std::abs(to.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
-  const glm::dvec3 v = glm::cross(to, u);
-  for (int ring = 1; ring <= 6; ++ring)
-    for (int k = 0; k < 24; ++k) {
-      const double angle = 2 * std::numbers::pi * k / 24, r = radius * ring / 6;
-      const glm::dvec3 moved = point + (u * std::cos(angle) + v * std::sin(angle)) * r;
-      const glm::dvec3 ray = to_light(l, moved);
-      const glm::dvec3 cut = moved + ray * (glm::dot(normal, point - moved) / glm::dot(normal, ray));
-      if ((small_world::caster_distance(scene, light, cut) < INFINITY) != dark) return true;
-    }
-  return false;
-}
-
-const std::vector<Light> all_kinds = {
-    {.name = "point", .kind = PointLight{{1, 4, 0.5f}}},
-    {.name = "inside", .kind = PointLight{{0.2f, 1.2f, 0.3f}}},  // in the box of the soup: near planes and all six faces
-    {.name = "sun", .kind = DirectionalLight{{0.4f, -1, 0.2f}}},
-    {.name = "down", .kind = DirectionalLight{{0, -3, 0}}},
-    {.name = "along_x", .kind = DirectionalLight{{1, -0.2f, 0}}},
-    {.name = "along_z", .kind = DirectionalLight{{0, -0.2f, -1}}},
-    {.name = "spot", .kind = SpotLight{{1, 4, 1}, {-0.2f, -1, -0.2f}, 20, 35}},
-    {.name = "wide_spot", .kind = SpotLight{{1, 3, 1}, {-0.2f, -1, -0.2f}, 60, 75}}};
 
 // Orthographic, straight down on a sheet at height 1 over a ground at 0 with half-side 3: the image's taps store 1 meter less
 // than the distance to the ground under the sheet, whose own depth is constant.

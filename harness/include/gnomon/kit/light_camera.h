@@ -47,6 +47,8 @@ struct LightImage : LightSpaceFace {
   glm::dmat4 clip_from_world(int resolution) const;
   /// Axis distance of a depth, in a warped image after its divisor is taken away; infinity where nothing is stored.
   double axis_distance(double depth) const;
+  /// For explanations: the ray through a place, in texels, and a surface stored there at axis distance z.
+  Tap tap(const glm::dvec2& place, double z, double weight) const;
   /// How long a way along the light ray through a point is that takes 1 along the axis.
   double stretch(const glm::dvec3& point) const { return is_perspective ? glm::length(seen(point)) / seen(point).z : 1; }
 };
@@ -116,9 +118,6 @@ LightCamera fit_to_scene(const Light& light, const MeshBoxes& boxes, int resolut
 /// Fitted to a picture: each image holds the receiving points of the G-buffer that face the light, and of the casters what may
 /// lie before them. Costs a pass over the points on all threads.
 LightCamera fit_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int resolution, int margin);
-
-/// The receiving points of a picture that face the light, row after row: for fits of one's own.
-std::vector<glm::dvec3> points_facing(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer);
 
 /// Whether images take all of the extents that they are given, or what casters share with them.
 enum class FitWindow { shared, whole };

@@ -6,6 +6,9 @@
 
 namespace gnomon {
 
+/// Whether the light is outside all parts of a solid mesh: what is turned away from it then hides nothing more.
+bool is_seen_from_outside(const MeshRange& mesh, const LightSpaceFace& face);
+
 /// Draws the images of light cameras. One serves all lights of a technique: keep it with what they share.
 class DepthImages {
  public:
