@@ -1,0 +1,190 @@
+#include "draw_lists.h"
+
+#include <gnomon/kit/clip.h>
+#include <gnomon/kit/light_map.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace gnomon::virtual_map {
+
+namespace {
+
+constexpr std::size_t block = 4096;
+/// How far beyond a page drivers need not clip, in pages.
+constexpr double guard = 0.5;
+
+/// A triangle as a face sees it.
+std::array<glm::dvec3, 3> seen(const LightImage& image, const Mesh& mesh, std::uint32_t triangle) {
+  const glm::uvec3& t = mesh.triangles[triangle];
+  return {image.seen(mesh.positions[t.x]), image.seen(mesh.positions[t.y]), image.seen(mesh.positions[t.z])};
+}
+
+/// A point of a face's frame as homogeneous texel coordinates of level 0.
+glm::dvec3 texel_of(const LightImage& image, const glm::dvec3& q) {
+  const double w = image.is_perspective ? q.z : 1;
+  return {glm::dvec2(q) * image.scale + image.offset * w, w};
+}
+
+/// Whether a triangle shows the light its back, beyond what rounding may make of one seen edge-on.
+bool is_turned_away(const LightImage& image, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+  // Of a mirrored frame the winding is the other way round.
+  const glm::dvec3 normal = glm::cross(b - a, c - a) * (glm::determinant(image.light_from_world) < 0 ? -1.0 : 1.0);
+  const glm::dvec3 ray = image.is_perspective ? a : glm::dvec3(0, 0, 1);
+  return glm::dot(normal, ray) > 0x1p-30 * glm::length(normal) * glm::length(ray);
+}
+
+/// A box around what the triangle covers of the image; empty where it covers nothing.
+bool find_box(const LightImage& image, const std::array<glm::dvec3, 3>& q, glm::dvec2& low, glm::dvec2& high) {
+  low = glm::dvec2(INFINITY);
+  high = glm::dvec2(-INFINITY);
+  const auto add = [&](const glm::dvec3& t) {
+    low = glm::min(low, glm::dvec2(t) / t.z);
+    high = glm::max(high, glm::dvec2(t) / t.z);
+  };
+  if (!image.is_perspective || std::ranges::all_of(q, [](const glm::dvec3& p) { return p.z > 0; })) {
+    for (const glm::dvec3& p : q) add(texel_of(image, p));
+  } else {
+    // Beside the light's plane, where a center would divide by zero: only what lies within the image's pyramid.
+    Clipper polygon;
+    polygon.start();
+    for (const glm::dvec3& p : q) polygon.add({texel_of(image, p)});
+    constexpr double side = finest_side;
+    for (const glm::dvec3& plane : {glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(-1, 0, side), glm::dvec3(0, -1, side)})
+      if (polygon.keep_positive({plane, 0}, 0) == Lies::negative) return false;
+    for (const Corner& corner : polygon.corners())
+      if (corner.at.z > 0) add(corner.at);
+  }
+  return low.x < finest_side && low.y < finest_side && high.x > 0 && high.y > 0;
+}
+
+/// The half-planes that a triangle is cut from on a face: points (x, y) of texel coordinates with dot(side, (x, y, 1)) > 0
+/// (Olano and Greer 1997). They hold for triangles that go through the light's plane, too.
+class Sides {
+ public:
+  Sides(const LightImage& image, const std::array<glm::dvec3, 3>& q) {
+    const glm::dvec3 t[] = {texel_of(image, q[0]), texel_of(image, q[1]), texel_of(image, q[2])};
+    const double turn = glm::dot(t[0], glm::cross(t[1], t[2])) < 0 ? -1 : 1;
+    for (int k = 0; k < 3; ++k) sides_[k] = turn * glm::cross(t[k], t[(k + 1) % 3]);
+  }
+  bool may_touch(const glm::dvec2& low, const glm::dvec2& high) const {
+    return std::ranges::all_of(sides_, [&](const glm::dvec3& s) {
+      return s.x * (s.x > 0 ? high.x : low.x) + s.y * (s.y > 0 ? high.y : low.y) + s.z >= 0;
+    });
+  }
+
+ private:
+  std::array<glm::dvec3, 3> sides_;
+};
+
+/// The pages of one level of one face, row after row.
+struct LevelPages {
+  int face, level;
+  std::span<const PageAddress> pages;
+  std::uint32_t first_slot;
+  int first_row = 0;
+  std::vector<std::uint32_t> row_begin{};  ///< of each row from the first, in pages; one more ends the last
+
+  LevelPages(std::span<const PageAddress> of_level, std::uint32_t slot)
+      : face(of_level[0].face()), level(of_level[0].level()), pages(of_level), first_slot(slot), first_row(pages[0].page().y) {
+    for (std::uint32_t k = 0; k < pages.size(); ++k)
+      while (first_row + static_cast<int>(row_begin.size()) <= pages[k].page().y) row_begin.push_back(k);
+    row_begin.push_back(static_cast<std::uint32_t>(pages.size()));
+  }
+  int last_row() const { return first_row + static_cast<int>(row_begin.size()) - 2; }
+
+  /// Calls visit(slot, page) for the pages with low <= page <= high.
+  template <class Visit>
+  void for_pages(const glm::ivec2& low, const glm::ivec2& high, const Visit& visit) const {
+    for (int y = std::max(low.y, first_row); y <= std::min(high.y, last_row()); ++y) {
+      const auto row = pages.subspan(row_begin[y - first_row], row_begin[y - first_row + 1] - row_begin[y - first_row]);
+      const auto from = std::ranges::lower_bound(row, low.x, {}, [](const PageAddress& page) { return page.page().x; });
+      for (auto page = from; page != row.end() && page->page().x <= high.x; ++page)
+        visit(first_slot + static_cast<std::uint32_t>(&*page - pages.data()), page->page());
+    }
+  }
+};
+
+/// Level by level, those of a face side by side.
+std::vector<LevelPages> levels_of(const PageTable& table) {
+  std::vector<LevelPages> levels;
+  for (std::size_t begin = 0, end = 0; begin < table.pages.size(); begin = end) {
+    const PageAddress first = table.pages[begin];
+    while (end < table.pages.size() && table.pages[end].face() == first.face() && table.pages[end].level() == first.level())
+      ++end;
+    levels.emplace_back(std::span(table.pages).subspan(begin, end - begin), static_cast<std::uint32_t>(begin));
+  }
+  return levels;
+}
+
+}  // namespace
+
+Footprints footprints_of(const Scene& scene, const SceneBuffers& buffers, const LightCamera& camera) {
+  Footprints footprints;
+  std::vector<std::vector<Footprint>> found;
+  for (const LightImage& image : camera.images) {
+    footprints.begin.push_back(footprints.all.size());
+    if (image.layer < 0) continue;
+    for (const std::uint32_t m : image.casters) {
+      const Mesh& mesh = scene.meshes[m];
+      const bool only_lit = is_seen_from_outside(buffers.meshes[m], image);
+      found.assign((mesh.triangles.size() + block - 1) / block, {});
+      for_blocks(mesh.triangles.size(), block, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+          const auto q = seen(image, mesh, static_cast<std::uint32_t>(i));
+          glm::dvec2 low, high;
+          if (only_lit && is_turned_away(image, q[0], q[1], q[2])) continue;
+          if (find_box(image, q, low, high)) found[begin / block].push_back({low, high, m, static_cast<std::uint32_t>(i)});
+        }
+      });
+      for (const auto& mine : found) footprints.all.insert(footprints.all.end(), mine.begin(), mine.end());
+    }
+  }
+  footprints.begin.push_back(footprints.all.size());
+  footprints.all.shrink_to_fit();
+  return footprints;
+}
+
+void fill(DrawLists& lists, const Scene& scene, const SceneBuffers& buffers, const LightCamera& camera,
+          const Footprints& footprints, const PageTable& table, int page_size) {
+  const std::vector<LevelPages> levels = levels_of(table);
+  const auto face_of = [&](std::size_t i) {
+    return static_cast<int>(std::ranges::upper_bound(footprints.begin, i) - footprints.begin.begin()) - 1;
+  };
+  sort_into_bins_at_once(footprints.all.size(), block, 2 * table.pages.size(), lists.bins, [&](std::size_t i, auto&& visit) {
+    const Footprint& f = footprints.all[i];
+    const int face = face_of(i);
+    const LightImage& image = camera.images[face];
+    std::optional<Sides> sides;
+    for (const LevelPages& level : levels) {
+      if (level.face != face) continue;
+      // Half a texel for the rounding of shaders and rasterizer, which cover a texel at its center.
+      const double per_page = std::ldexp(1.0, -level.level) / page_size, slack = 0.5 / page_size;
+      const glm::ivec2 low(glm::clamp(glm::floor(glm::dvec2(f.low) * per_page - slack), -1.0, 4096.0));
+      const glm::ivec2 high(glm::clamp(glm::floor(glm::dvec2(f.high) * per_page + slack), -1.0, 4096.0));
+      const bool is_large = std::int64_t(high.x - low.x + 1) * (high.y - low.y + 1) > 4;
+      level.for_pages(low, high, [&](std::uint32_t slot, const glm::ivec2& page) {
+        if (is_large) {
+          if (!sides) sides.emplace(image, seen(image, scene.meshes[f.mesh], f.triangle));
+          if (!sides->may_touch((glm::dvec2(page) - slack) / per_page, (glm::dvec2(page) + 1.0 + slack) / per_page)) return;
+        }
+        const glm::dvec2 page_low = (glm::dvec2(page) - guard) / per_page,
+                         page_high = (glm::dvec2(page) + 1.0 + guard) / per_page;
+        const bool is_near =
+            glm::all(glm::greaterThan(glm::dvec2(f.low), page_low)) && glm::all(glm::lessThan(glm::dvec2(f.high), page_high));
+        visit(2 * slot + (is_near ? 0 : 1));
+      });
+    }
+  });
+  lists.corners.resize(3 * lists.triangle_count());
+  for_blocks(lists.triangle_count(), block, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const Footprint& f = footprints.all[lists.bins.items[k]];
+      const glm::uvec3 corners = scene.meshes[f.mesh].triangles[f.triangle] + buffers.meshes[f.mesh].first_vertex;
+      for (int c = 0; c < 3; ++c) lists.corners[3 * k + c] = corners[c];
+    }
+  });
+}
+
+}  // namespace gnomon::virtual_map

@@ -1,0 +1,110 @@
+#include "layers.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace gnomon::virtual_map {
+
+namespace {
+
+/// Linear colors; neighbors differ in hue. The coarsest page of 64 texels is level 11.
+constexpr std::array<glm::dvec3, 12> level_colors{{{0.55, 0.02, 0.03},
+                                                   {0.90, 0.25, 0.02},
+                                                   {0.93, 0.70, 0.08},
+                                                   {0.35, 0.65, 0.06},
+                                                   {0.03, 0.32, 0.09},
+                                                   {0.05, 0.55, 0.50},
+                                                   {0.15, 0.50, 0.90},
+                                                   {0.06, 0.10, 0.60},
+                                                   {0.30, 0.07, 0.58},
+                                                   {0.72, 0.20, 0.72},
+                                                   {0.80, 0.45, 0.45},
+                                                   {0.60, 0.60, 0.60}}};
+const Swatch nothing_asked{"nothing asked for", {0.045, 0.05, 0.06}};
+
+/// Texels along a side of the image that `paint_map` puts pages into.
+constexpr int sheet_level = 7, sheet_side = finest_side >> sheet_level;
+
+}  // namespace
+
+std::vector<DebugLayer> debug_layers() {
+  DebugLayer pages{
+      .name = "pages",
+      .sentence =
+          "The page table from the eye: the color is the level of a pixel's page, named by the texels along a side of "
+          "the whole virtual image, neighboring pages are lighter and darker in turn, and what the map answers dark is "
+          "dimmed."};
+  for (std::size_t level = 0; level < level_colors.size(); ++level)
+    pages.legend.push_back({fmt::format("{}", finest_side >> level), level_colors[level]});
+  pages.legend.push_back(nothing_asked);
+  std::vector<DebugLayer> layers{pages};
+  for (DebugLayer& layer : map_layers()) {
+    if (layer.name == "map")
+      layer.sentence += " Of each place the finest page is shown; what was not asked for stores nothing.";
+    layers.push_back(std::move(layer));
+  }
+  return layers;
+}
+
+std::vector<float> paint_pages(const Resolved& r) {
+  std::vector<float> picture = shaded_layer(r.scene, r.gbuffer, r.light, r.mask);
+  for (std::size_t i = 0; i < r.pages.size(); ++i) {
+    if (r.gbuffer.is_background(i)) continue;
+    glm::dvec3 color = nothing_asked.color;
+    if (const PageAddress page = r.pages[i]; page != PageAddress()) {
+      const bool is_odd = (page.page().x + page.page().y + page.face()) % 2 != 0;
+      color = level_colors[page.level()] * (is_odd ? 0.6 : 1.0) * (0.35 + 0.65 * r.mask[i]);
+    }
+    for (int c = 0; c < 3; ++c) picture[3 * i + c] = static_cast<float>(color[c]);
+  }
+  return picture;
+}
+
+// Level by level, as if each were a map of its own.
+std::vector<float> paint_texels(const Resolved& r) {
+  std::vector<float> picture = shaded_layer(r.scene, r.gbuffer, r.light, r.mask);
+  for (int level = 0; level < static_cast<int>(level_colors.size()); ++level) {
+    std::vector<LookUp> look_ups(r.pages.size());
+    bool is_used = false;
+    for (std::size_t i = 0; i < r.pages.size(); ++i) {
+      if (r.pages[i] == PageAddress() || r.pages[i].level() != level) continue;
+      look_ups[i] = {r.pages[i].face(), r.texels[i]};
+      is_used = true;
+    }
+    if (!is_used) continue;
+    LightCamera camera = r.camera;
+    camera.resolution = finest_side >> level;
+    for (LightImage& image : camera.images) image = at_level(image, level);
+    const std::vector<float> of_level = paint_texels(camera, r.scene, r.gbuffer, r.light, look_ups, r.mask);
+    for (std::size_t i = 0; i < r.pages.size(); ++i)
+      if (look_ups[i].face >= 0) std::copy_n(&of_level[3 * i], 3, &picture[3 * i]);
+  }
+  return picture;
+}
+
+std::vector<float> paint_map(const LightCamera& camera, const PageTable& table, int page_size, int width, int height,
+                             const std::function<float(std::uint32_t slot, const glm::ivec2& texel)>& depth_at) {
+  LightCamera sheet = camera;
+  sheet.resolution = sheet_side;
+  for (LightImage& image : sheet.images) image = at_level(image, sheet_level);
+  std::array<std::vector<float>, 6> depths;
+  for (std::size_t face = 0; face < sheet.images.size(); ++face)
+    if (sheet.images[face].layer >= 0) depths[face].assign(std::size_t(sheet_side) * sheet_side, 0);
+  // From the coarsest to the finest.
+  for (std::size_t k = table.pages.size(); k-- > 0;) {
+    const PageAddress page = table.pages[k];
+    const double texels = std::ldexp(1.0, sheet_level - page.level());  // of the page, along one of the sheet
+    const glm::ivec2 low(glm::floor(glm::dvec2(page.page() * page_size) / texels));
+    const glm::ivec2 high(glm::ceil(glm::dvec2((page.page() + 1) * page_size) / texels));
+    for (int y = low.y; y < high.y; ++y)
+      for (int x = low.x; x < high.x; ++x) {
+        const glm::ivec2 texel = glm::ivec2(glm::floor((glm::dvec2(x, y) + 0.5) * texels)) - page.page() * page_size;
+        depths[page.face()][std::size_t(y) * sheet_side + x] =
+            depth_at(static_cast<std::uint32_t>(k), glm::clamp(texel, glm::ivec2(0), glm::ivec2(page_size - 1)));
+      }
+  }
+  return gnomon::paint_map(sheet, width, height, [&](std::size_t face) { return std::span<const float>(depths[face]); });
+}
+
+}  // namespace gnomon::virtual_map

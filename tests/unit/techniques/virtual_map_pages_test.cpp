@@ -1,0 +1,131 @@
+// Which pages a picture asks for, and which triangles they draw.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "device/context.h"
+#include "map_scenes.h"
+#include "techniques/virtual_map/draw_lists.h"
+#include "techniques/virtual_map/pool.h"
+
+namespace {
+using namespace gnomon;
+using namespace gnomon::virtual_map;
+
+TEST(VirtualMapPages, an_address_gives_back_what_it_was_made_of) {
+  for (const int face : {0, 5})
+    for (const int level : {0, 11})
+      for (const glm::ivec2 page : {glm::ivec2(0), glm::ivec2(2047, 0), glm::ivec2(17, 2047)}) {
+        const PageAddress address = PageAddress::of(face, level, page);
+        EXPECT_NE(address.word, PageAddress::none);
+        EXPECT_EQ(address.face(), face);
+        EXPECT_EQ(address.level(), level);
+        EXPECT_EQ(address.page(), page);
+      }
+}
+
+// Of pages of 128 texels level 10 is one page: 2^17 / 2^10 = 128.
+TEST(VirtualMapPages, a_raised_page_holds_the_one_below) {
+  EXPECT_EQ(top_level(128), 10);
+  const PageAddress page = PageAddress::of(3, 2, {201, 77});
+  EXPECT_EQ(page.raised(1, 10), PageAddress::of(3, 3, {100, 38}));
+  EXPECT_EQ(page.raised(4, 10), PageAddress::of(3, 6, {12, 4}));
+  EXPECT_EQ(page.raised(20, 10), PageAddress::of(3, 10, {0, 0}));
+}
+
+// A block of 8 x 8 pages fits into 16 after one raise (4 x 4), into 15 after two (2 x 2).
+TEST(VirtualMapPages, levels_rise_until_there_is_room) {
+  std::vector<std::uint32_t> asked(1000, PageAddress::none);
+  for (int k = 0; k < 20000; ++k) asked.push_back(PageAddress::of(0, 4, {8 + k % 8, 16 + k / 8 % 8}).word);
+  for (const auto& [room, raised, pages] : {std::tuple(64, 0, 64), {63, 1, 16}, {16, 1, 16}, {15, 2, 4}, {3, 3, 1}}) {
+    const PageTable table = pages_of(asked, std::size_t(room), 10);
+    EXPECT_EQ(table.asked_count, 64);
+    EXPECT_EQ(table.raised, raised);
+    ASSERT_EQ(table.pages.size(), std::size_t(pages));
+    EXPECT_TRUE(std::ranges::is_sorted(table.pages));
+    for (std::uint32_t k = 0; k < table.pages.size(); ++k) EXPECT_EQ(table.slot(table.pages[k]), k);
+    EXPECT_EQ(table.level_count(), 1);
+  }
+}
+
+TEST(VirtualMapPages, every_slot_has_a_place_of_its_own) {
+  for (const int page_size : {64, 128, 256})
+    for (const std::size_t count : {0, 1, 100, 5000, 32768}) {
+      const PoolLayout layout(count, page_size);
+      EXPECT_LE(layout.rows * page_size, PoolLayout::most_height);
+      std::set<std::uint32_t> words;
+      for (std::uint32_t slot = 0; slot < count; ++slot) {
+        const glm::ivec3 place = layout.place(slot);
+        EXPECT_LT(place.x, layout.columns());
+        EXPECT_LT(place.y, layout.rows);
+        EXPECT_LT(place.z, layout.layers);
+        words.insert(layout.word(slot));
+      }
+      EXPECT_EQ(words.size(), count);
+      // No more than a row of pages a layer is left over.
+      EXPECT_LE(layout.columns() * layout.rows * layout.layers,
+                static_cast<int>(count) + layout.columns() * (layout.layers + 1));
+    }
+}
+
+// A ray from the light through a texel's center that meets a triangle must find it in the list of the texel's page. Among them
+// are triangles that go through the light's plane, whose corners lie behind the faces that see them.
+TEST(VirtualMapPages, every_triangle_over_a_texel_is_in_the_list_of_its_page) {
+  process_context();
+  for (const unsigned seed : {1u, 2u}) {
+    const Scene scene = map_scenes::soup_over_ground(seed);
+    const SceneBuffers& buffers = scene_buffers(scene);
+    const MeshBoxes boxes = mesh_boxes(scene);
+    for (const Light& light : map_scenes::all_kinds) {
+      const LightCamera camera = finest_camera(light, boxes);
+      std::vector<std::uint32_t> asked;
+      for (std::size_t face = 0; face < camera.images.size(); ++face)
+        if (camera.images[face].layer >= 0)
+          for (const int level : {7, 10})
+            for (int k = 0; k < 1 << 2 * (10 - level); ++k)
+              asked.push_back(PageAddress::of(int(face), level, {k % (1 << (10 - level)), k / (1 << (10 - level))}).word);
+      const PageTable table = pages_of(asked, asked.size(), 10);
+      const Footprints footprints = footprints_of(scene, buffers, camera);
+      DrawLists lists;
+      fill(lists, scene, buffers, camera, footprints, table, 128);
+      std::size_t met = 0;
+      for (std::size_t slot = 0; slot < table.pages.size(); ++slot) {
+        const PageAddress page = table.pages[slot];
+        const LightImage image = at_level(camera.images[page.face()], page.level());
+        std::set<std::pair<std::uint32_t, std::uint32_t>> listed;
+        for (const std::size_t bin : {2 * slot, 2 * slot + 1})
+          for (const std::uint32_t item : lists.bins.of(bin))
+            listed.insert({footprints.all[item].mesh, footprints.all[item].triangle});
+        for (int k = 0; k < 64; ++k) {
+          const glm::ivec2 texel = page.page() * 128 + glm::ivec2(k % 8, k / 8) * 16 + 5;
+          const Tap ray = image.tap(glm::dvec2(texel) + 0.5, image.near, 1);
+          for (std::uint32_t m = 0; m < scene.meshes.size(); ++m)
+            for (std::uint32_t t = 0; t < scene.meshes[m].triangles.size(); ++t) {
+              const Mesh& mesh = scene.meshes[m];
+              const glm::uvec3 c = mesh.triangles[t];
+              const double hit = small_world::intersect(ray.origin, ray.direction, mesh.positions[c.x], mesh.positions[c.y],
+                                                        mesh.positions[c.z]);
+              const bool is_met = hit < INFINITY && (hit > 0 || !image.is_perspective);
+              const glm::dvec3 a = mesh.positions[c.x], b = mesh.positions[c.y], d = mesh.positions[c.z];
+              const bool is_away = m == 2 && glm::dot(glm::cross(b - a, d - a), ray.direction) > 0;
+              // Beyond its pyramid, or the cone, a face is asked nothing.
+              const glm::dvec3 at = ray.origin + hit * ray.direction;
+              const bool is_asked = camera.space.face_of(at) == page.face() && in_spot_cone(light, at);
+              if (!is_met || !is_asked || is_away) continue;
+              ++met;
+              EXPECT_TRUE(listed.contains({m, t})) << light.name << " mesh " << m << " triangle " << t;
+            }
+        }
+      }
+      EXPECT_GT(met, 100) << light.name;
+      // The lists are not everything that there is.
+      if (camera.space.is_parallel()) {
+        EXPECT_LT(lists.triangle_count(), 0.5 * double(footprints.all.size() * table.pages.size()));
+      }
+    }
+  }
+  release_inputs();
+}
+
+}  // namespace
