@@ -62,7 +62,8 @@ LightCamera CascadedMap::fitted_to_view(const Light& light, const MeshBoxes& box
   using namespace cascaded_map;
   const View& view = gbuffer.view;
   ViewSlices slices{.eye = view.eye, .axis = glm::normalize(glm::dvec3(view.target) - glm::dvec3(view.eye))};
-  DepthRange range = depths_seen(scene(), light, slices, gbuffer);
+  const std::vector<glm::dvec3> points = points_facing(light, boxes, gbuffer);
+  DepthRange range = depths_of(points, slices);
   const bool is_stable = placement.is("stable");
   // All that is seen may have one depth, or none at all may face the light.
   if (!(range.near < range.far)) range = range.near == range.far ? DepthRange{range.near * 0.5, range.far} : DepthRange{1, 2};
@@ -80,7 +81,7 @@ LightCamera CascadedMap::fitted_to_view(const Light& light, const MeshBoxes& box
           stable_window(space.main(), sphere_around(slices.eye, slices.axis, tangent, slice), image_resolution() - 2 * margin));
     }
   } else {
-    seen = seen_in_slices(scene(), light, space.main(), slices, gbuffer);
+    seen = seen_in_slices(points, space.main(), slices);
   }
   LightCamera camera =
       fit_to_extents(light, space, boxes, seen, image_resolution(), margin, is_stable ? FitWindow::whole : FitWindow::shared);

@@ -30,6 +30,8 @@ constexpr About about{
         "Casters high above what the eye sees close by.",
     .needs_gl = true};
 
+constexpr int row_count = 256;  // of what the window shows: its hull is known to a row
+
 /// What of the light's window a picture shows, and how deep it is.
 struct Seen {
   LightExtent extent{};
@@ -64,15 +66,14 @@ class WarpedMap final : public ComparedMap {
   double distance(const LightImage& image, const Seen& seen, double sine, double length) const;
 };
 
-/// Calls add(found, point) for all points that face the light, with a `found` of its own on each thread, and joins them.
+/// Calls add(found, point) for all points, with a `found` of its own on each thread, and joins them.
 template <class Found, class Add>
-Found over_points(const Scene& scene, const Light& light, const GBuffer& gbuffer, const Found& none, Add add) {
+Found over(std::span<const glm::dvec3> points, const Found& none, Add add) {
   Found all = none;
   std::mutex mutex;
-  for_blocks(gbuffer.size(), 8192, [&](std::size_t begin, std::size_t end) {
+  for_blocks(points.size(), 8192, [&](std::size_t begin, std::size_t end) {
     Found found = none;
-    for (std::size_t i = begin; i < end; ++i)
-      if (faces_light(scene, gbuffer, light, i)) add(found, glm::dvec3(gbuffer.position(i)));
+    for (const glm::dvec3& point : points.subspan(begin, end - begin)) add(found, point);
     const std::scoped_lock lock(mutex);
     all.add(found);
   });
@@ -103,6 +104,7 @@ double WarpedMap::distance(const LightImage& image, const Seen& seen, double sin
 
 LightCamera WarpedMap::fitted_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int margin) const {
   const glm::dvec3 eye = gbuffer.view.eye, axis = glm::normalize(glm::dvec3(gbuffer.view.target) - eye);
+  const std::vector<glm::dvec3> points = points_facing(light, boxes, gbuffer);
   LightSpaceFace face = light_space_of(light, boxes).main();
   const auto add = [&](Seen& found, const glm::dvec3& point) {
     const glm::dvec3 q = face.seen(point);
@@ -110,7 +112,7 @@ LightCamera WarpedMap::fitted_to_view(const Light& light, const MeshBoxes& boxes
     found.add({{face.place(q), face.place(q), q.z, q.z}, depth, depth});
   };
   // The view's way through the window is that in the middle of what is seen.
-  const Seen before = over_points(scene(), light, gbuffer, Seen{}, add);
+  const Seen before = over(points, Seen{}, add);
   const glm::dvec2 middle = (before.extent.low + before.extent.high) / 2.0;
   const double z = (before.extent.near + before.extent.far) / 2;
   double sine = 0;
@@ -119,17 +121,17 @@ LightCamera WarpedMap::fitted_to_view(const Light& light, const MeshBoxes& boxes
     const glm::dvec3 to_light = face.is_perspective ? glm::normalize(face.to_world({0, 0, z}) - face.origin) : face.axis(2);
     sine = glm::length(glm::cross(to_light, axis));
   }
-  const Seen seen = over_points(scene(), light, gbuffer, Seen{}, add);
+  const Seen seen = over(points, Seen{}, add);
   LightCamera camera = fit_to_extents(light, LightSpace(face), boxes, {&seen.extent, 1}, image_resolution(), margin);
   LightImage& image = camera.images[0];
   if (image.layer < 0) return camera;
   const glm::dvec2 low = image.window_of(glm::dvec2(margin)), high = image.window_of(glm::dvec2(image_resolution() - margin));
-  const auto rows = over_points(scene(), light, gbuffer, warped_map::Rows(low.y, high.y, image_resolution()),
-                                [&](warped_map::Rows& found, const glm::dvec3& point) {
-                                  const glm::dvec2 window = face.place_of(point);
-                                  const glm::dvec2 inside = glm::clamp(window, low, high);
-                                  if (window == inside) found.add(window);
-                                });
+  const auto rows =
+      over(points, warped_map::Rows(low.y, high.y, row_count), [&](warped_map::Rows& found, const glm::dvec3& point) {
+        const glm::dvec2 window = face.place_of(point);
+        const glm::dvec2 inside = glm::clamp(window, low, high);
+        if (window == inside) found.add(window);
+      });
   if (const auto corners = rows.corners(); !corners.empty() && (high.y > low.y))
     warped_map::warp(image, corners, distance(image, seen, sine, high.y - low.y), image_resolution(), margin);
   return camera;

@@ -217,20 +217,42 @@ void number_layers(LightCamera& camera) {
     if (!image.casters.empty()) image.layer = camera.layer_count++;
 }
 
+/// Whether a point of a picture is one that the light's images are asked for.
+class Asked {
+ public:
+  Asked(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer)
+      : light_(light),
+        boxes_(boxes),
+        gbuffer_(gbuffer),
+        l_(homogeneous(light)),
+        has_cone_(std::holds_alternative<SpotLight>(light.kind)) {}
+  bool operator()(std::size_t i, const glm::dvec3& point) const {
+    return glm::dot(glm::dvec3(gbuffer_.normal(i)), to_light(l_, point)) > 0 && (!has_cone_ || in_spot_cone(light_, point));
+  }
+  bool receives(std::size_t i) const { return !gbuffer_.is_background(i) && boxes_.meshes[gbuffer_.mesh[i]].receives; }
+
+ private:
+  const Light& light_;
+  const MeshBoxes& boxes_;
+  const GBuffer& gbuffer_;
+  glm::dvec4 l_;
+  bool has_cone_;
+};
+
+constexpr std::size_t point_block = 8192;
+
 /// What of each face the points of a picture take that face the light.
 std::array<LightExtent, 6> seen_in_picture(const Light& light, const MeshBoxes& boxes, const LightSpace& space,
                                            const GBuffer& gbuffer) {
-  const glm::dvec4 l = homogeneous(light);
-  const bool has_cone = std::holds_alternative<SpotLight>(light.kind);
+  const Asked is_asked(light, boxes, gbuffer);
   std::array<LightExtent, 6> all;
   std::mutex mutex;
-  for_blocks(gbuffer.size(), 8192, [&](std::size_t begin, std::size_t end) {
+  for_blocks(gbuffer.size(), point_block, [&](std::size_t begin, std::size_t end) {
     std::array<LightExtent, 6> found;
     for (std::size_t i = begin; i < end; ++i) {
-      if (gbuffer.is_background(i) || !boxes.meshes[gbuffer.mesh[i]].receives) continue;
+      if (!is_asked.receives(i)) continue;
       const glm::dvec3 point = gbuffer.position(i);
-      if (!(glm::dot(glm::dvec3(gbuffer.normal(i)), to_light(l, point)) > 0)) continue;
-      if (has_cone && !in_spot_cone(light, point)) continue;
+      if (!is_asked(i, point)) continue;
       const auto [face, q] = space.seen(point);
       found[face].add(space.is_parallel() ? glm::dvec2(q) : glm::dvec2(q) / q.z, q.z);
     }
@@ -279,6 +301,22 @@ LightCamera fit_to_scene(const Light& light, const MeshBoxes& boxes, int resolut
   }
   number_layers(camera);
   return camera;
+}
+
+std::vector<glm::dvec3> points_facing(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer) {
+  const Asked is_asked(light, boxes, gbuffer);
+  std::vector<std::vector<glm::dvec3>> found((gbuffer.size() + point_block - 1) / point_block);
+  for_blocks(gbuffer.size(), point_block, [&](std::size_t begin, std::size_t end) {
+    std::vector<glm::dvec3>& points = found[begin / point_block];
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!is_asked.receives(i)) continue;
+      const glm::dvec3 point = gbuffer.position(i);
+      if (is_asked(i, point)) points.push_back(point);
+    }
+  });
+  std::vector<glm::dvec3> all;
+  for (const std::vector<glm::dvec3>& points : found) all.insert(all.end(), points.begin(), points.end());
+  return all;
 }
 
 LightCamera fit_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int resolution, int margin) {

@@ -36,57 +36,34 @@ LightExtent stable_window(const LightSpaceFace& face, const SliceSphere& sphere,
   return {low, low + inner * texel, center.z - sphere.radius, center.z + sphere.radius};
 }
 
-namespace {
-
-/// Calls `add(found, point)` for every point that faces the light, with a `found` for each thread, and joins them.
-template <class Found, class Add, class Join>
-void for_points_facing(const Scene& scene, const Light& light, const GBuffer& gbuffer, const Found& none, Add add, Join join) {
-  std::mutex mutex;
-  for_blocks(gbuffer.size(), 8192, [&](std::size_t begin, std::size_t end) {
-    Found found = none;
-    for (std::size_t i = begin; i < end; ++i)
-      if (faces_light(scene, gbuffer, light, i)) add(found, glm::dvec3(gbuffer.position(i)));
-    const std::scoped_lock lock(mutex);
-    join(found);
-  });
-}
-
-}  // namespace
-
-DepthRange depths_seen(const Scene& scene, const Light& light, const ViewSlices& slices, const GBuffer& gbuffer) {
-  const DepthRange none{INFINITY, -INFINITY};
-  DepthRange all = none;
-  const auto add = [](DepthRange& range, const DepthRange& other) {
-    range = {std::min(range.near, other.near), std::max(range.far, other.far)};
-  };
-  for_points_facing(
-      scene, light, gbuffer, none,
-      [&](DepthRange& found, const glm::dvec3& point) {
-        const double depth = slices.depth_of(point);
-        add(found, {depth, depth});
-      },
-      [&](const DepthRange& found) { add(all, found); });
+DepthRange depths_of(std::span<const glm::dvec3> points, const ViewSlices& slices) {
+  DepthRange all{INFINITY, -INFINITY};
+  for (const glm::dvec3& point : points) {
+    const double depth = slices.depth_of(point);
+    all = {std::min(all.near, depth), std::max(all.far, depth)};
+  }
   return all;
 }
 
-std::vector<LightExtent> seen_in_slices(const Scene& scene, const Light& light, const LightSpaceFace& face,
-                                        const ViewSlices& slices, const GBuffer& gbuffer) {
+std::vector<LightExtent> seen_in_slices(std::span<const glm::dvec3> points, const LightSpaceFace& face,
+                                        const ViewSlices& slices) {
   std::vector<LightExtent> all(slices.ends.size() + 1);
-  const std::vector<LightExtent> none = all;
-  for_points_facing(
-      scene, light, gbuffer, none,
-      [&](std::vector<LightExtent>& found, const glm::dvec3& point) {
-        const glm::dvec3 q = face.seen(point);
-        const int slice = slices.slice_of(point);
-        found[slice].add(face.place(q), q.z);
-        // What rounding may put into a neighbor is seen by both: shaders compute depths in float32.
-        const double depth = slices.depth_of(point), slack = 0x1p-18 * std::abs(depth) + 0x1p-20 * glm::length(point);
-        if (slice > 0 && depth - slices.ends[slice - 1] < slack) found[slice - 1].add(face.place(q), q.z);
-        if (slice < std::ssize(slices.ends) && slices.ends[slice] - depth < slack) found[slice + 1].add(face.place(q), q.z);
-      },
-      [&](const std::vector<LightExtent>& found) {
-        for (std::size_t k = 0; k < all.size(); ++k) all[k].add(found[k]);
-      });
+  std::mutex mutex;
+  for_blocks(points.size(), 8192, [&](std::size_t begin, std::size_t end) {
+    std::vector<LightExtent> found(all.size());
+    for (const glm::dvec3& point : points.subspan(begin, end - begin)) {
+      const glm::dvec3 q = face.seen(point);
+      const glm::dvec2 place = face.place(q);
+      const int slice = slices.slice_of(point);
+      found[slice].add(place, q.z);
+      // What rounding may put into a neighbor is seen by both: shaders compute depths in float32.
+      const double depth = slices.depth_of(point), slack = 0x1p-18 * std::abs(depth) + 0x1p-20 * glm::length(point);
+      if (slice > 0 && depth - slices.ends[slice - 1] < slack) found[slice - 1].add(place, q.z);
+      if (slice < std::ssize(slices.ends) && slices.ends[slice] - depth < slack) found[slice + 1].add(place, q.z);
+    }
+    const std::scoped_lock lock(mutex);
+    for (std::size_t k = 0; k < all.size(); ++k) all[k].add(found[k]);
+  });
   return all;
 }
 

@@ -29,10 +29,10 @@ SliceSphere sphere_around(const glm::dvec3& eye, const glm::dvec3& axis, double 
 /// its place goes in steps of a texel. `inner` is how many texels of an image it may take, one of them for the step.
 LightExtent stable_window(const LightSpaceFace& face, const SliceSphere& sphere, int inner);
 
-/// What of each slice faces the light, as seen through its only face.
-std::vector<LightExtent> seen_in_slices(const Scene& scene, const Light& light, const LightSpaceFace& face,
-                                        const ViewSlices& slices, const GBuffer& gbuffer);
-/// Depths of all that faces the light; near > far where there is nothing.
-DepthRange depths_seen(const Scene& scene, const Light& light, const ViewSlices& slices, const GBuffer& gbuffer);
+/// What of each slice the points take, as seen through the light's only face.
+std::vector<LightExtent> seen_in_slices(std::span<const glm::dvec3> points, const LightSpaceFace& face,
+                                        const ViewSlices& slices);
+/// Depths of the points; near > far where there is none.
+DepthRange depths_of(std::span<const glm::dvec3> points, const ViewSlices& slices);
 
 }  // namespace gnomon::cascaded_map

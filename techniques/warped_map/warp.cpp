@@ -56,10 +56,12 @@ Span seen_from(const LightImage& image, const std::vector<glm::dvec2>& corners, 
 
 /// The x from which they take least: a maximum less a minimum of linear functions is convex.
 double best_center(const LightImage& image, const std::vector<glm::dvec2>& corners, Span among) {
-  for (int round = 0; round < 60; ++round) {
+  for (int round = 0; round < 40; ++round) {
     const double a = among.low + among.length() / 3, b = among.high - among.length() / 3;
-    (seen_from(image, corners, a).length() < seen_from(image, corners, b).length() ? among.high : among.low) =
-        seen_from(image, corners, a).length() < seen_from(image, corners, b).length() ? b : a;
+    if (seen_from(image, corners, a).length() < seen_from(image, corners, b).length())
+      among.high = b;
+    else
+      among.low = a;
   }
   return (among.low + among.high) / 2;
 }

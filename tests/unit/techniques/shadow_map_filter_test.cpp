@@ -7,6 +7,7 @@
 #include "gl_state.h"
 #include "small_world.h"
 
+extern "C" void gnomon_scene_fence(gnomon::Registry&);
 extern "C" void gnomon_technique_shadow_map(gnomon::Registry&);
 
 namespace {
@@ -87,6 +88,35 @@ TEST_F(ShadowMapFilter, filter_and_offset_that_leave_too_little_of_the_image_are
   EXPECT_EQ(refused.why(), "filter and offset reach 35 texels beyond what an image of 64 is fitted to: it needs 140 or more");
   EXPECT_TRUE(supports("resolution=140,bias=normal_offset,filter=pcf,filter_radius=8"));
   EXPECT_TRUE(supports("resolution=64,filter=pcf,filter_radius=8"));
+}
+
+// Wrong pixels follow the width of texels: fitted to the view, a map has at least 0.8 of the gain that its texels predict.
+TEST_F(ShadowMapFilter, a_fit_to_the_view_gains_what_its_texels_predict) {
+  Registry registry;
+  gnomon_scene_fence(registry);
+  const Scene fence = registry.scenes()[0].make()->make();
+  double before = 0, after = 0, texels_before = 0, texels_after = 0;
+  for (const View& from : fence.views)
+    for (const Light& light : fence.lights) {
+      if (has_area(light)) continue;
+      const GBuffer g = small_world::make_gbuffer(fence, from, 240, 135);
+      std::vector<bool> dark(g.size());
+      for (std::size_t i = 0; i < g.size(); ++i)
+        dark[i] = faces_light(fence, g, light, i) && small_world::caster_distance(fence, light, g.position(i)) < INFINITY;
+      const auto count = [&](const std::string& fit, double& wrong, double& width) {
+        const auto map = run("resolution=512,fit=" + fit, fence, light, g);
+        for (std::size_t i = 0; i < g.size(); ++i) {
+          if (!faces_light(fence, g, light, i)) continue;
+          wrong += dark[i] != (map.mask[i] < 0.5f);
+          width += map.technique->explain(i)->texel_width;
+        }
+      };
+      count("scene", before, texels_before);
+      count("view", after, texels_after);
+    }
+  const double predicted = texels_before / texels_after - 1, reached = before / after - 1;
+  EXPECT_GT(predicted, 0.3);
+  EXPECT_GE(reached, 0.8 * predicted) << before << " wrong pixels became " << after;
 }
 
 }  // namespace

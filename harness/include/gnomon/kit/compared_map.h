@@ -40,7 +40,6 @@ class ComparedMap : public Technique {
   virtual bool stores_second() const { return false; }
   virtual LightImages images() const { return LightImages::faces; }
 
-  const Scene& scene() const { return *made_->scene; }
   int image_resolution() const { return resolution; }
 
   /// What all lights share: a member of it each technique passes to `another`.

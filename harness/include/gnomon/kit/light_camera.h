@@ -119,6 +119,9 @@ LightCamera fit_to_scene(const Light& light, const MeshBoxes& boxes, int resolut
 /// lie before them. Costs a pass over the points on all threads.
 LightCamera fit_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int resolution, int margin);
 
+/// The receiving points of a picture that face the light, row after row: for fits of one's own.
+std::vector<glm::dvec3> points_facing(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer);
+
 /// Whether images take all of the extents that they are given, or what casters share with them.
 enum class FitWindow { shared, whole };
 /// Fitted to what receives: an image for each of the extents, which are those of the faces of the light's space, or of the
