@@ -29,11 +29,23 @@ class ExponentialMap final : public FilteredMap {
   std::unique_ptr<Technique> for_another_light() const override { return another(*this, &ExponentialMap::made_); }
 
  private:
+  Texel texel() const override { return {.channels = 1, .to_one = glm::vec4(static_cast<float>(std::exp(-exponent)))}; }
   Method method() const override {
-    return {.format = GL_R32F,
-            .encode = "vec4 encode(float t) { return vec4(exp(exponent * t)); }\n",
-            .answer = "float answer(vec4 mean, float t) { return min(mean.x * exp(-exponent * t), 1); }\n",
-            .constants = "float exponent;"};
+    return {
+        .encode = "vec4 encode(float t) { return vec4(exp(exponent * t)); }\n",
+        .answer = fmt::format("float answer(vec4 mean, float t) {{ return min(mean.x * exp(-exponent * t) * {:.6f}, 1); }}\n",
+                              1 + rounding().share),
+        .constants = "float exponent;"};
+  }
+  Support method_support() const override {
+    // exp(11.08) = 64860 is the last below 65504, and 1 / 10 of 2^15 = exp(10.4) is what a table still tells from its largest.
+    if (has_16_bits() && exponent > 11.08)
+      return Support::unsupported(
+          fmt::format("exponent = {:g}: a float of 16 bits holds up to 65504, exponents up to 11.08", exponent.value()));
+    if (has_table() && exponent > 10)
+      return Support::unsupported(
+          fmt::format("exponent = {:g}: sums of whole numbers tell exponents up to 10 from rounding", exponent.value()));
+    return Support::full();
   }
   void set_constants(const Program& program) const override { program.set_if_used("exponent", static_cast<float>(exponent)); }
 };

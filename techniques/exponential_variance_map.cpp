@@ -40,10 +40,16 @@ class ExponentialVarianceMap final : public FilteredMap {
   std::unique_ptr<Technique> for_another_light() const override { return another(*this, &ExponentialVarianceMap::made_); }
 
  private:
+  Texel texel() const override {
+    return {.channels = components.is("2") ? 2 : 4, .to_one = glm::vec4(std::exp(-exponent), std::exp(-2 * exponent), -1, 1)};
+  }
   Method method() const override {
-    const std::string head = fmt::format("#define COMPONENTS {}\n", components.text());
-    return {.format = static_cast<GLenum>(components.is("2") ? GL_RG32F : GL_RGBA32F),
-            .encode = head + R"(
+    // What storing takes off a variance: off the mean square, and twice off the mean.
+    const StoredRounding lost = has_table() ? StoredRounding{.absolute = 1, .share = rounding().absolute} : rounding();
+    std::string head = fmt::format("#define COMPONENTS {}\n", components.text());
+    if (lost.share > 0)
+      head += fmt::format("#define ROUNDED {:.6e}\n#define ROUNDED_BELOW {:.6e}\n", 3 * lost.share, has_table() ? 1 : 0x1p-14);
+    return {.encode = head + R"(
 vec4 encode(float t) {
   float near_warp = exp(warps.x * t), far_warp = COMPONENTS == 4 ? -exp(-warps.y * t) : 0;
   return vec4(near_warp, near_warp * near_warp, far_warp, far_warp * far_warp);
@@ -51,6 +57,17 @@ vec4 encode(float t) {
 )",
             .answer = head + std::string(exponential_variance_map::answer),
             .constants = "vec3 warps;"};
+  }
+  Support method_support() const override {
+    const double steepest = std::max(exponent.value(), components.is("2") ? 0 : negative_exponent.value());
+    // The square of a warp: exp(2 * 5.54) = 64860.
+    if (has_16_bits() && steepest > 5.54)
+      return Support::unsupported(
+          fmt::format("exponent {:g}: a float of 16 bits holds squares up to 65504, exponents up to 5.54", steepest));
+    if (has_table() && steepest > 5)
+      return Support::unsupported(
+          fmt::format("exponent {:g}: sums of whole numbers tell squares of exponents up to 5 from rounding", steepest));
+    return Support::full();
   }
   void set_constants(const Program& program) const override {
     program.set_if_used("warps", glm::vec3(exponent.value(), negative_exponent.value(), 1e-3 * least_deviation));

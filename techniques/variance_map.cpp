@@ -18,28 +18,29 @@ constexpr About about{
     .needs_gl = true};
 
 class VarianceMap final : public FilteredMap {
-  Number<double> least_deviation{
-      this,
-      "least_deviation",
-      0.5,
-      {.unit = "permille", .min = 0, .max = 100},
-      Stage::resolve,
-      "Depths count as spread by at least this share of the image's depth range, against rounding and acne."};
+  Number<double> least_deviation{this,
+                                 "least_deviation",
+                                 0.5,
+                                 {.unit = "permille", .min = 0, .max = 100},
+                                 Stage::resolve,
+                                 "Depths count as spread by at least this share of the image's depth range, against acne, and "
+                                 "by more where 16 bits round."};
 
  public:
   std::unique_ptr<Technique> for_another_light() const override { return another(*this, &VarianceMap::made_); }
 
  private:
+  Texel texel() const override { return {.channels = 2, .is_within_one = true}; }
   Method method() const override {
-    return {.format = GL_RG32F,
-            .encode = "vec4 encode(float t) { return vec4(t, t * t, 0, 0); }\n",
+    return {.encode = "vec4 encode(float t) { return vec4(t, t * t, 0, 0); }\n",
             .answer = std::string(variance_map::answer),
             .constants = "float least_variance;"};
   }
   void set_constants(const Program& program) const override {
     const double deviation = 1e-3 * least_deviation;
-    constexpr double rounding = 1e-7;  // of a square near 1 in float32
-    program.set_if_used("least_variance", static_cast<float>(deviation * deviation + rounding));
+    // Of a square near 1 in float32; and of the mean square, and twice that of the mean, where they are stored.
+    const double rounded = 1e-7 + 3 * rounding().absolute;
+    program.set_if_used("least_variance", static_cast<float>(deviation * deviation + rounded));
   }
 };
 

@@ -15,7 +15,7 @@ using namespace gnomon;
 
 constexpr int width = 960, height = 540;
 
-void resolve(benchmark::State& state, const std::string& id, const std::string& light_name) {
+void resolve(benchmark::State& state, const std::string& id, const std::string& settings, const std::string& light_name) {
   process_context();
   const Scene scene = load_scene("fence");
   const Light& light = *std::ranges::find(scene.lights, light_name, &Light::name);
@@ -31,19 +31,25 @@ void resolve(benchmark::State& state, const std::string& id, const std::string& 
     technique->relight(light);
     return technique;
   };
-  const auto contender = made(id, ""), floor = made("shadow_map", "filter=pcf,filter_radius=2");
+  const auto contender = made(id, settings), floor = made("shadow_map", "filter=pcf,filter_radius=2");
   VisibilityMask mask(width, height), other(width, height);
   alternate(
       state, [&] { contender->resolve(gbuffer, mask); }, [&] { floor->resolve(gbuffer, other); });
 }
 
 [[maybe_unused]] const bool is_registered = [] {
-  for (const std::string id : {"variance_map", "exponential_map", "exponential_variance_map", "moment_map"})
-    for (const std::string light : {"point", "sun"})
-      benchmark::RegisterBenchmark(fmt::format("filtered_map/resolve/{}/{}", id, light).c_str(),
-                                   [=](benchmark::State& state) { resolve(state, id, light); })
-          ->UseManualTime()
-          ->Unit(benchmark::kMillisecond);
+  const auto add = [](const std::string& id, const std::string& settings, const std::string& light) {
+    const std::string name = fmt::format("filtered_map/resolve/{}/{}{}{}", id, settings, settings.empty() ? "" : "/", light);
+    benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) { resolve(state, id, settings, light); })
+        ->UseManualTime()
+        ->Unit(benchmark::kMillisecond);
+  };
+  for (const std::string light : {"point", "sun"}) {
+    for (const std::string id : {"variance_map", "exponential_map", "exponential_variance_map", "moment_map"})
+      add(id, "", light);
+    for (const std::string settings : {"bits=16", "prefilter=mips", "prefilter=mips,bits=16", "prefilter=table"})
+      if (settings != "prefilter=table" || light == "sun") add("moment_map", settings, light);
+  }
   return true;
 }();
 

@@ -1,6 +1,7 @@
 #include <gnomon/error.h>
 #include <gnomon/kit/image_passes.h>
 
+#include <algorithm>
 #include <bit>
 #include <cassert>
 #include <cmath>
@@ -14,36 +15,58 @@ namespace {
 // test for the border. Lanes lie along x of the group, and llvmpipe computes eight of them at once.
 constexpr int lanes = 16;
 
-int channel_count(GLenum format) {
-  switch (format) {
-    case GL_R32F:
-      return 1;
-    case GL_RG32F:
-      return 2;
-    case GL_RGBA32F:
-      return 4;
-    default:
-      throw Error("image of format {:#x}: passes take R32F, RG32F and RGBA32F", format);
-  }
+/// A format as GLSL has it.
+struct FormatFacts {
+  GLenum format;
+  int channels;
+  const char* name;
+  bool is_whole = false;  ///< uint
+};
+constexpr FormatFacts known_formats[] = {
+    {GL_R32F, 1, "r32f"},         {GL_RG32F, 2, "rg32f"},         {GL_RGBA32F, 4, "rgba32f"},
+    {GL_R16F, 1, "r16f"},         {GL_RG16F, 2, "rg16f"},         {GL_RGBA16F, 4, "rgba16f"},
+    {GL_R16, 1, "r16"},           {GL_RG16, 2, "rg16"},           {GL_RGBA16, 4, "rgba16"},
+    {GL_R32UI, 1, "r32ui", true}, {GL_RG32UI, 2, "rg32ui", true}, {GL_RGBA32UI, 4, "rgba32ui", true}};
+
+const FormatFacts& facts_of(GLenum format) {
+  const auto* const facts = std::ranges::find(known_formats, format, &FormatFacts::format);
+  if (facts == std::end(known_formats))
+    throw Error("image of format {:#x}: passes take one, two or four floats a texel", format);
+  return *facts;
+}
+
+int channel_count(GLenum format) { return facts_of(format).channels; }
+
+bool is_in_32_bits(GLenum format) {
+  const FormatFacts& facts = facts_of(format);
+  return facts.is_whole || std::string_view(facts.name).ends_with("32f");
+}
+
+/// Throws Error where a pass that takes means is to take whole numbers.
+void require_floats(const ImageKind& kind) {
+  if (facts_of(kind.format).is_whole)
+    throw Error("image of format {:#x}: a mean of whole numbers is none; summed-area tables take them", kind.format);
 }
 
 /// The beginning of every program: `Texel` with as many channels as the format has, `load` and `store`. Layers lie along z.
 std::string head(const ImageKind& kind) {
-  const int channels = channel_count(kind.format);
+  const FormatFacts& facts = facts_of(kind.format);
   const auto text = [&](const char* of_one, const char* of_two, const char* of_four) {
-    return channels == 1 ? of_one : channels == 2 ? of_two : of_four;
+    return facts.channels == 1 ? of_one : facts.channels == 2 ? of_two : of_four;
   };
+  const char* const number = facts.is_whole ? "u" : "";
   return fmt::format(R"(
 layout(local_size_x = {0}) in;
-layout(binding = 0, {1}) readonly uniform {2} from;
-layout(binding = 1) writeonly uniform {2} to;
+layout(binding = 0, {1}) readonly uniform {7}{2} from;
+layout(binding = 1) writeonly uniform {7}{2} to;
 #define Texel {3}
 #define load(at) imageLoad(from, {4}).{5}
-#define store(at, texel) imageStore(to, {4}, {6})
+#define store(at, texel) imageStore(to, {4}, {7}{6})
 )",
-                     lanes, text("r32f", "rg32f", "rgba32f"), kind.has_layers ? "image2DArray" : "image2D",
-                     text("float", "vec2", "vec4"), kind.has_layers ? "ivec3(at, gl_GlobalInvocationID.z)" : "at",
-                     text("r", "rg", "rgba"), text("vec4(texel, 0, 0, 0)", "vec4(texel, 0, 0)", "texel"));
+                     lanes, facts.name, kind.has_layers ? "image2DArray" : "image2D",
+                     facts.is_whole ? text("uint", "uvec2", "uvec4") : text("float", "vec2", "vec4"),
+                     kind.has_layers ? "ivec3(at, gl_GlobalInvocationID.z)" : "at", text("r", "rg", "rgba"),
+                     text("vec4(texel, 0, 0, 0)", "vec4(texel, 0, 0)", "vec4(texel)"), number);
 }
 
 int groups(int count) { return (count + lanes - 1) / lanes; }
@@ -124,11 +147,11 @@ void main() {
 /// neighboring rows or columns and takes `step` texels of each at a time; it loads them all before it stores one, so that a
 /// line of the cache is used up before others drive it out.
 std::string scan_source(const ImageKind& kind, bool along_x) {
-  const bool is_long = channel_count(kind.format) == 4;
+  const bool is_long = channel_count(kind.format) == 4, is_whole = facts_of(kind.format).is_whole;
   const int wide = along_x ? 1 : is_long ? 4 : 2, step = along_x || !is_long ? 4 : 2;
   std::string text = head(kind) + "uniform vec4 offset;\n";
-  text += along_x ? "#define place(i, k) ivec2(i, first + k)\n#define moved(texel) (texel - Texel(offset))\n"
-                  : "#define place(i, k) ivec2(first + k, i)\n#define moved(texel) texel\n";
+  text += along_x ? "#define place(i, k) ivec2(i, first + k)\n" : "#define place(i, k) ivec2(first + k, i)\n";
+  text += along_x && !is_whole ? "#define moved(texel) (texel - Texel(offset))\n" : "#define moved(texel) texel\n";
   text += fmt::format("void main() {{\n  int first = {} * int(gl_GlobalInvocationID.x);\n  precise Texel term, next;\n", wide);
   const auto each = [&](const auto& line) {
     for (int i = 0; i < step; ++i)
@@ -138,6 +161,7 @@ std::string scan_source(const ImageKind& kind, bool along_x) {
   text += fmt::format("  for (int i = 0; i < imageSize(from).{}; i += {}) {{\n", along_x ? "x" : "y", step);
   each([&](int i, int k) { return fmt::format("    precise Texel texel{0}_{1} = load(place(i + {0}, {1}));\n", i, k); });
   each([&](int i, int k) {
+    if (is_whole) return fmt::format("    sum{1} += texel{0}_{1}; texel{0}_{1} = sum{1};\n", i, k);
     return fmt::format(
         "    term = moved(texel{0}_{1}) - lost{1}; next = sum{1} + term; lost{1} = (next - sum{1}) - term;\n"
         "    sum{1} = texel{0}_{1} = next;\n",
@@ -148,6 +172,12 @@ std::string scan_source(const ImageKind& kind, bool along_x) {
 }
 
 }  // namespace
+
+StoredRounding stored_rounding(GLenum format) {
+  const std::string_view name = facts_of(format).name;
+  if (name.ends_with("16f")) return {.absolute = 0x1p-24, .share = 0x1p-10};
+  return {.absolute = name.ends_with("16") ? 0x1p-16 : 0};
+}
 
 std::vector<float> blur_weights(Blur::Weights weights, int radius) {
   const double deviation = radius / 2.0;
@@ -164,6 +194,7 @@ std::vector<float> blur_weights(Blur::Weights weights, int radius) {
 
 void Blur::setup(const ImageKind& kind, Weights weights, int radius) {
   if (radius < 1 || radius > most_radius) throw Error("blur radius = {} is outside 1 .. {} texel", radius, most_radius);
+  require_floats(kind);
   kind_ = kind;
   const std::vector<float> each = blur_weights(weights, radius);
   rows_ = Program::compute("blur of rows", blur_source(kind, each, true));
@@ -197,6 +228,7 @@ int level_count(int width, int height) {
 }
 
 void MipChain::setup(const ImageKind& kind) {
+  require_floats(kind);
   kind_ = kind;
   body_ = Program::compute("mean of two by two", head(kind) + std::string(body_source));
   edge_ = Program::compute("mean at the edge", head(kind) + std::string(edge_source));
@@ -232,6 +264,7 @@ void MipChain::run(const Texture& texture) const {
 }
 
 void SummedAreaTable::setup(const ImageKind& kind) {
+  if (!is_in_32_bits(kind.format)) throw Error("image of format {:#x}: sums need 32 bits a channel", kind.format);
   kind_ = kind;
   rows_ = Program::compute("sums of rows", scan_source(kind, true));
   columns_ = Program::compute("sums of columns", scan_source(kind, false));
@@ -242,7 +275,7 @@ void SummedAreaTable::run(const Texture& from, Texture& to, const glm::vec4& off
   const StateGuard guard;
   fit_size(to, from);
   const int together = channel_count(kind_.format) == 4 ? 4 : 2;  // columns of an invocation
-  rows_.set("offset", offset);
+  rows_.set_if_used("offset", offset);
   glUseProgram(rows_.name());
   bind(from, 0, to, 0);
   glDispatchCompute(groups(from.height), 1, layer_count(from));

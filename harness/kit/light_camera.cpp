@@ -264,6 +264,11 @@ std::array<LightExtent, 6> seen_in_picture(const Light& light, const MeshBoxes& 
 
 }  // namespace
 
+bool looks_through_cube(const Light& light) {
+  return std::holds_alternative<PointLight>(light.kind) ||
+         (std::holds_alternative<SpotLight>(light.kind) && !narrow_spot(light));
+}
+
 MeshBoxes mesh_boxes(const Scene& scene) {
   MeshBoxes boxes{.meshes = {}, .extent = scene.bounds().extent()};
   const glm::vec3 slack(static_cast<float>(boxes.extent * 0x1p-20));

@@ -1,6 +1,7 @@
 #include <gnomon/kit/camera.h>
 #include <gnomon/kit/light_layers.h>
 #include <gnomon/kit/parallel.h>
+#include <gnomon/kit/prefilter.h>
 
 #include <algorithm>
 #include <array>
@@ -118,21 +119,8 @@ struct TexelSize {
 
 /// From how texel coordinates change from pixel to pixel, over the plane of pixel i's point.
 TexelSize texel_size(const LightImage& face, const Camera& camera, const GBuffer& gbuffer, std::size_t i) {
-  const double x = static_cast<double>(i % gbuffer.width) + 0.5, y = static_cast<double>(i / gbuffer.width) + 0.5;
-  const glm::dvec3 point = gbuffer.position(i), normal = gbuffer.normal(i), ray = camera.ray(x, y);
-  const double height = glm::dot(normal, point - camera.eye), slope = glm::dot(normal, ray);
-  const glm::dvec3 q = face.seen(point);
-  const auto texels = [&](const glm::dvec3& ray_step) {
-    const glm::dvec3 step = height * (ray_step * slope - ray * glm::dot(normal, ray_step)) / (slope * slope);
-    const glm::dvec3 s = face.turned(step);
-    const glm::dvec2 window = face.place(q);
-    return face.texel_step(window, face.is_perspective ? (glm::dvec2(s) - window * s.z) / q.z : glm::dvec2(s));
-  };
-  const glm::dvec2 a = texels(camera.ray(x + 1, y) - ray), b = texels(camera.ray(x, y + 1) - ray);
-  // Singular values of the matrix (a b): its area is their product, the sum of its squares the sum of theirs.
-  const double area = std::abs(a.x * b.y - a.y * b.x), squares = glm::dot(a, a) + glm::dot(b, b);
-  const double large = std::sqrt((squares + std::sqrt(std::max(0.0, squares * squares - 4 * area * area))) / 2);
-  return {large / area, 1 / large};
+  const glm::dvec2 ways = squared_ways(pixel_on_image(face, camera, gbuffer.position(i), gbuffer.normal(i)));
+  return {1 / std::sqrt(ways.y), 1 / std::sqrt(ways.x)};
 }
 
 }  // namespace

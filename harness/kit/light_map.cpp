@@ -98,8 +98,7 @@ std::string light_map_head(LightProjection projection, LightImages images) {
 
 Support light_map_support(const Light& light, int resolution, int margin, int more_constants, LightImages images) {
   if (has_area(light)) return Support::unsupported("a shadow map has one center: lights with area have none");
-  const auto* const spot = std::get_if<SpotLight>(&light.kind);
-  const bool is_cube = std::holds_alternative<PointLight>(light.kind) || (spot && spot->outer_degrees > widest_spot_degrees);
+  const bool is_cube = looks_through_cube(light);
   if (images != LightImages::faces && is_cube)
     return Support::unsupported(fmt::format("{} of one image: a point light and a spot wider than {} degrees have six",
                                             images == LightImages::slices ? "slices are" : "a warp is", widest_spot_degrees));
@@ -134,13 +133,13 @@ std::string light_map_constants(LightProjection projection, LightImages images) 
 const std::string_view light_map_snippet = R"(
 layout(binding = 3) uniform sampler2DArray light_map;
 #if PROJECTION == 2
-bool light_is_x, light_is_y;
+bool light_is_x, light_is_y, light_is_against;
 vec4 light_window, light_facts;
 // The face is the major axis; its neighbors in cyclic order span it.
 void choose_image(vec3 v) {
   vec3 a = abs(v);
   light_is_x = a.x >= a.y && a.x >= a.z, light_is_y = !light_is_x && a.y >= a.z;
-  bool against = (light_is_x ? v.x : light_is_y ? v.y : v.z) < 0;
+  bool against = light_is_against = (light_is_x ? v.x : light_is_y ? v.y : v.z) < 0;
   light_window = against ? (light_is_x ? light_windows[1] : light_is_y ? light_windows[3] : light_windows[5])
                          : (light_is_x ? light_windows[0] : light_is_y ? light_windows[2] : light_windows[4]);
   light_facts = against ? (light_is_x ? light_images[1] : light_is_y ? light_images[3] : light_images[5])
@@ -149,6 +148,11 @@ void choose_image(vec3 v) {
 vec3 in_image(vec3 v) {
   vec3 q = light_is_x ? v.yzx : light_is_y ? v.zxy : v;
   float z = abs(q.z);
+  return vec3(q.xy * light_window.xy + z * light_window.zw, z);
+}
+vec3 along_image(vec3 step) {
+  vec3 q = light_is_x ? step.yzx : light_is_y ? step.zxy : step;
+  float z = light_is_against ? -q.z : q.z;
   return vec3(q.xy * light_window.xy + z * light_window.zw, z);
 }
 vec2 across_image(vec3 n) { return (light_is_x ? n.yz : light_is_y ? n.zx : n.xy) / light_window.xy; }
@@ -210,6 +214,7 @@ vec3 in_image(vec3 v) {
 #endif
   return place;
 }
+vec3 along_image(vec3 step) { return light_axes * step; }
 vec2 across_image(vec3 n) { return vec2(dot(n, light_steps[0]), dot(n, light_steps[1])); }
 #endif
 #ifndef WARPED

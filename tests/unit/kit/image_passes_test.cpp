@@ -67,7 +67,8 @@ Image image_of(const Texture& texture, int level = 0) {
 /// Each channel of the format is off by at most the share `tolerance` of what `scale` says there.
 void expect_near(const Image& is, const Image& wanted, const Image& scale, double tolerance, GLenum format) {
   ASSERT_EQ(is.texels.size(), wanted.texels.size());
-  const int channels = format == GL_R32F ? 1 : format == GL_RG32F ? 2 : 4;
+  const auto is_in = [&](std::initializer_list<GLenum> formats) { return std::ranges::find(formats, format) != formats.end(); };
+  const int channels = is_in({GL_R32F, GL_R16F, GL_R16}) ? 1 : is_in({GL_RG32F, GL_RG16F, GL_RG16}) ? 2 : 4;
   for (std::size_t i = 0; i < is.texels.size(); ++i)
     for (int c = 0; c < channels; ++c)
       ASSERT_LE(std::abs(is.texels[i][c] - wanted.texels[i][c]), tolerance * scale.texels[i][c])
@@ -226,6 +227,10 @@ TEST_F(ImagePasses, what_cannot_be_set_up_is_refused) {
   EXPECT_THROW(blur.setup({.format = GL_R8}, Blur::Weights::box, 1), Error);
   EXPECT_THROW(MipChain().setup({.format = GL_R32UI}), Error);
   EXPECT_THROW(SummedAreaTable().setup({.format = GL_DEPTH_COMPONENT32F}), Error);
+  // Whole numbers have no means, and 16 bits no sums.
+  EXPECT_THROW(blur.setup({.format = GL_RG32UI}, Blur::Weights::box, 1), Error);
+  EXPECT_THROW(MipChain().setup({.format = GL_RGBA32UI}), Error);
+  for (const GLenum format : {GL_R16, GL_RGBA16F}) EXPECT_THROW(SummedAreaTable().setup({.format = format}), Error);
 }
 
 /// The next level in double: the last texel of an odd side takes three, of a single one one.

@@ -6,9 +6,11 @@
 namespace gnomon {
 
 // Passes over images of floats, for maps that are filtered before they are asked (variance, moments, exponentials): blurred,
-// halved again and again, summed up. An image is a texture of one, two or four float32 a texel (R32F, RG32F, RGBA32F); each
-// channel and each layer is treated by itself. Values are to be finite: what is not spreads, and 0 times it is NaN. What is
-// below 2^-126 may count as 0.
+// halved again and again, summed up. An image is a texture of one, two or four numbers a texel: float32 (R32F, RG32F, RGBA32F),
+// float16 (R16F, RG16F, RGBA16F), 16 bits for 0 .. 1 (R16, RG16, RGBA16), and for sums whole numbers of 32 bits (R32UI, RG32UI,
+// RGBA32UI); each channel and each layer is treated by itself. Values are to be finite: what is not spreads, and 0 times it is
+// NaN. What is below 2^-126 may count as 0. Errors are those of float32; whatever has 16 bits is computed in float32 and
+// rounded where it is stored, by up to `stored_rounding` more.
 //
 // `setup` compiles for one kind of image; `run` takes those, of any size. Drivers compile once more at the first use, llvmpipe
 // for sides and numbers of layers that are powers of two apart from others: `warm_up`, which ends a technique's setup, keeps
@@ -17,14 +19,21 @@ namespace gnomon {
 
 /// What the programs of a pass are compiled for.
 struct ImageKind {
-  GLenum format = GL_RGBA32F;  ///< R32F, RG32F or RGBA32F
-  bool has_layers = false;     ///< an array, be it of one layer
+  GLenum format = GL_RGBA32F;
+  bool has_layers = false;  ///< an array, be it of one layer
 };
+
+/// What storing rounds off at most: 2^-16 where 16 bits hold 0 .. 1, the share 2^-10 of a float16, and 2^-24 where it is below
+/// 2^-14 (twice a half of the last bit, since drivers may round toward 0); 0 for 32 bits.
+struct StoredRounding {
+  double absolute = 0, share = 0;
+};
+StoredRounding stored_rounding(GLenum format);
 
 /// Every texel becomes a weighted mean of the (2 radius + 1)^2 around it, first along rows, then along columns. Beyond the
 /// border stands the texel at the border. The weights are those of `blur_weights`. Source: Donnelly and Lauritzen 2006, who
 /// blur a variance map in this way. Error: below (2 radius + 3) * 2^-23 of the largest absolute value in the window (2 radius
-/// + 3 roundings of 2^-24 in each of two passes).
+/// + 3 roundings of 2^-24 in each of two passes). Of 16 bits two stores round.
 class Blur {
  public:
   enum class Weights { box, gaussian };
@@ -58,7 +67,7 @@ int level_count(int width, int height);
 /// of rows or columns the last texel takes the last three, so that each texel counts, if less than its share; of a single one
 /// the only one. Source: Donnelly and Lauritzen 2006, who ask means of areas from such levels. Error of level k: below
 /// k * 2^-21 of the mean absolute value below the texel (at most eight roundings of 2^-24 a level). Absolute values up to
-/// 2^124.
+/// 2^124. Of 16 bits each level is stored, and so rounded, once more.
 class MipChain {
  public:
   void setup(const ImageKind& kind);
@@ -78,6 +87,11 @@ class MipChain {
 /// below 2^-21 times the sum of the absolute values that it adds up, whatever the size, since rows and columns are summed with
 /// compensation (Kahan 1965). An `offset` that lies in the middle of the values makes that sum, and so the error, smaller
 /// (Hensley et al. 2005): it is taken off every texel first; add it times the area to what the table says.
+///
+/// Small areas of a large image are differences of large sums: of 1024 x 1024 values in 0 .. 1 a float32 sum is off by 2^-24 of
+/// up to 2^20, a sixteenth of one value. Sums of whole numbers are exact modulo 2^32, and so is each difference that is less
+/// than that, however large the sums: an image of uint holds values times 2^32 over the largest area that will be asked for
+/// (Lauritzen 2007). They have no offset; 16 bits are too few.
 class SummedAreaTable {
  public:
   void setup(const ImageKind& kind);

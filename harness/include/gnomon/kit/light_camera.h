@@ -56,6 +56,9 @@ struct LightImage : LightSpaceFace {
 /// Widest half-angle of a spot light that one image serves.
 inline constexpr float widest_spot_degrees = 60;
 
+/// Whether a light without area looks through the six faces of a cube: a point light, and a spot that is wider than that.
+bool looks_through_cube(const Light& light);
+
 /// The faces of a light without area around a scene. A cube's faces that look against an axis are mirrored: they only exchange
 /// axes. Points between faces fall on the first of x, y, z.
 LightSpace light_space_of(const Light& light, const MeshBoxes& boxes);

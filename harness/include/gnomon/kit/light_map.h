@@ -51,6 +51,7 @@ LightProjection projection_of(const LightCamera& camera);
 ///   vec4 light_facts                  layer, the texel's larger width in window coordinates, near, and far or what
 ///                                     `set_light_camera` was given instead
 ///   vec3 in_image(vec3 v)             texel column and row, both times z where rays start at the light; z: the axis distance
+///   vec3 along_image(vec3 step)       what in_image gives more where v is longer by a step; of faces
 ///   vec2 across_image(vec3 n)         how far a direction goes along columns and rows, in texels at axis distance 1
 ///   vec2 way_in_image(vec2 a, vec2 b) from texel to texel, in the measure of across_image: b - a unless the image is warped
 ///   float stored_depth(vec2 texel)    of a texel by its whole numbers; 0 beside the image and where nothing is stored
