@@ -5,8 +5,8 @@ namespace gnomon::exponential_variance_map {
 
 /// Chebyshev's inequality on depths warped by exp(warps.x t), and with four components also by -exp(-warps.y t): the
 /// smaller answer holds. The head defines COMPONENTS; `warps` are both exponents and the least deviation. A deviation of
-/// warps.z in t is one of the warp's slope times as much. Where storing rounds, the head defines by what share of the mean square
-/// a variance may be off (ROUNDED), and the share of the largest square below which it is no smaller (ROUNDED_BELOW).
+/// warps.z in t is one of the warp's slope times as much. Where storing rounds, the head defines by what share of the mean
+/// square a variance may be off (ROUNDED), and the share of the largest square below which it is no smaller (ROUNDED_BELOW).
 inline constexpr std::string_view answer = R"(
 float bound(vec2 mean, float warped, float slope, float largest) {
   float least = warps.z * slope, spread = least * least;
