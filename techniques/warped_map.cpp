@@ -5,6 +5,8 @@
 // what is in focus 80 % of the image. The window itself is fitted to what the picture shows, as that of shadow_map:fit=view: so
 // each resolve fits and draws, and warp=none is what the fit alone buys.
 //
+// Defaults: the setting with the lowest mean wrong rate in suite map_defaults (results/map_defaults).
+//
 // Depths are stored over the warp's divisor, which planes keep: rasterizing stays exact, and look-ups multiply it back.
 #include <gnomon/kit/compared_map.h>
 #include <gnomon/kit/parallel.h>
@@ -52,11 +54,11 @@ class WarpedMap final : public ComparedMap {
               "Where the center of the image's perspective lies."};
   Number<double> focus{
       this,           "focus",
-      0.25,           {.unit = "", .min = 0.01, .max = 0.8},
+      0.5,           {.unit = "", .min = 0.01, .max = 0.8},
       Stage::resolve, "Share of what is seen, along the view, that gets 80 % of the image; for warp=trapezoidal."};
 
  public:
-  WarpedMap() : ComparedMap({.bias = "slope", .depth_bias = 0.25, .slope_bias = 1}) {}
+  WarpedMap() : ComparedMap({.bias = "receiver_plane", .depth_bias = 2, .slope_bias = 1}) {}
   std::unique_ptr<Technique> for_another_light() const override { return another(*this, &WarpedMap::made_); }
 
  private:
