@@ -52,10 +52,12 @@ class WarpedMap final : public ComparedMap {
               {"light_space_perspective", "trapezoidal", "none"},
               Stage::resolve,
               "Where the center of the image's perspective lies."};
-  Number<double> focus{
-      this,           "focus",
-      0.5,           {.unit = "", .min = 0.01, .max = 0.8},
-      Stage::resolve, "Share of what is seen, along the view, that gets 80 % of the image; for warp=trapezoidal."};
+  Number<double> focus{this,
+                       "focus",
+                       0.5,
+                       {.unit = "", .min = 0.01, .max = 0.8},
+                       Stage::resolve,
+                       "Share of what is seen, along the view, that gets 80 % of the image; for warp=trapezoidal."};
 
  public:
   WarpedMap() : ComparedMap({.bias = "receiver_plane", .depth_bias = 2, .slope_bias = 1}) {}
