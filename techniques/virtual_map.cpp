@@ -66,7 +66,7 @@ class VirtualMap final : public Technique {
       "64 KiB (16 KiB, 256 KiB) where page_size is 128 (64, 256); what is not asked for takes none."};
   Number<double> depth_bias{this,
                             "depth_bias",
-                            1,
+                            2,
                             {.unit = "texel", .min = 0, .max = 64},
                             Stage::resolve,
                             "What is added to the bias of the receiver's own plane, in world widths of a texel at the point."};

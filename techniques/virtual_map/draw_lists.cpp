@@ -12,6 +12,8 @@ namespace gnomon::virtual_map {
 namespace {
 
 constexpr std::size_t block = 4096;
+/// By how many texels shaders, boxes in float32 and the rasterizer's grid may be off together, amply.
+constexpr double rounding = 1.0 / 16;
 /// How far beyond a page drivers need not clip, in pages.
 constexpr double guard = 0.5;
 
@@ -159,10 +161,15 @@ void fill(DrawLists& lists, const Scene& scene, const SceneBuffers& buffers, con
     std::optional<Sides> sides;
     for (const LevelPages& level : levels) {
       if (level.face != face) continue;
-      // Half a texel for the rounding of shaders and rasterizer, which cover a texel at its center.
-      const double per_page = std::ldexp(1.0, -level.level) / page_size, slack = 0.5 / page_size;
-      const glm::ivec2 low(glm::clamp(glm::floor(glm::dvec2(f.low) * per_page - slack), -1.0, 4096.0));
-      const glm::ivec2 high(glm::clamp(glm::floor(glm::dvec2(f.high) * per_page + slack), -1.0, 4096.0));
+      // A texel is covered at its center. Of small triangles many cover none: one of five on `terrain`, one of seven on
+      // `bunny`.
+      const double per_texel = std::ldexp(1.0, -level.level), per_page = per_texel / page_size, slack = rounding / page_size;
+      const glm::dvec2 first = glm::ceil(glm::dvec2(f.low) * per_texel - 0.5 - rounding);
+      const glm::dvec2 last = glm::floor(glm::dvec2(f.high) * per_texel - 0.5 + rounding);
+      if (first.x > last.x || first.y > last.y) continue;
+      constexpr double beyond = 1 << 18;
+      const glm::ivec2 low(glm::floor(glm::clamp(first, -1.0, beyond) / double(page_size)));
+      const glm::ivec2 high(glm::floor(glm::clamp(last, -1.0, beyond) / double(page_size)));
       const bool is_large = std::int64_t(high.x - low.x + 1) * (high.y - low.y + 1) > 4;
       level.for_pages(low, high, [&](std::uint32_t slot, const glm::ivec2& page) {
         if (is_large) {
