@@ -13,7 +13,9 @@ using namespace gnomon;
 constexpr About about{
     .title = "Shadow map",
     .summary = "One depth image from the light, compared once per visible point.",
-    .source = "Williams 1978; Reeves, Salesin and Cook 1987 (filter); Wang and Molnar 1994 (second_depth)",
+    .source =
+        "Williams 1978; Reeves, Salesin and Cook 1987 (filter); Woo 1992, Wang and Molnar 1994, Weiskopf and Ertl 2003 "
+        "(stored)",
     .error =
         "Stair steps of one texel diagonal along every shadow edge; acne where the bias is less than the depth spread of a "
         "texel, peter-panning where an occluder is nearer than the bias. bias=receiver_plane has no acne on flat "
@@ -30,8 +32,19 @@ class ShadowMap final : public ComparedMap {
              Stage::relight,
              "Images hold all that casters and receivers share, or what the picture shows of it: then each resolve "
              "fits and draws them anew, and pays for it."};
-  Flag second_depth{this, "second_depth", false, Stage::relight,
-                    "Stores the second surface seen from the light instead of the first; the far plane where there is none."};
+  Choice stored{this,
+                "stored",
+                "first",
+                {"first", "second", "midpoint", "dual"},
+                Stage::setup,
+                "What a texel holds: the first surface seen from the light, the second, the mean of both (the far plane where "
+                "there is no second), or that mean, but no more than dual_offset behind the first."};
+  Number<double> dual_offset{this,
+                             "dual_offset",
+                             2,
+                             {.unit = "texel", .min = 0, .max = 64},
+                             Stage::relight,
+                             "How far behind the first surface, at most, in widths of a texel there; for stored=dual."};
 
  public:
   ShadowMap() : ComparedMap({.bias = "slope", .depth_bias = 0.25, .slope_bias = 1}) {}
@@ -45,7 +58,7 @@ class ShadowMap final : public ComparedMap {
   LightCamera fitted_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int margin) const override {
     return fit_to_view(light, boxes, gbuffer, image_resolution(), margin);
   }
-  bool stores_second() const override { return second_depth; }
+  StoredDepth stored_depth() const override { return {StoredDepth::Kind(stored.index()), dual_offset}; }
 };
 
 }  // namespace

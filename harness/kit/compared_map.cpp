@@ -92,6 +92,7 @@ void ComparedMap::setup() {
     if (images() == LightImages::faces || LightProjection(i) != LightProjection::cube)
       made_->resolve_programs[i] = resolve_program(LightProjection(i), false);
   }
+  if (stored_depth().is_combined()) made_->combination.setup(stored_depth().kind);
   made_->framebuffer = make_framebuffer();
   warm_up(*this);
 }
@@ -114,8 +115,11 @@ void ComparedMap::draw_images(LightCamera&& camera) {
   if (made_->read_of == this) made_->read_of = nullptr;
   camera_ = std::move(camera);
   DepthImages& depth_images = made_->depth_images;
-  drawn_triangles_ = depth_images.draw(camera_, first_, stores_second() ? DepthImages::Faces::all : DepthImages::Faces::lit);
-  if (stores_second()) drawn_triangles_ += depth_images.draw_second(camera_, first_, second_);
+  const StoredDepth stored = stored_depth();
+  drawn_triangles_ =
+      depth_images.draw(camera_, first_, stored.needs_second() ? DepthImages::Faces::all : DepthImages::Faces::lit);
+  if (stored.needs_second()) drawn_triangles_ += depth_images.draw_second(camera_, first_, second_);
+  if (stored.is_combined()) made_->combination.run(camera_, stored, first_, second_, combined_);
 }
 
 void ComparedMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
@@ -138,9 +142,10 @@ void ComparedMap::look_up(const Program& p, unsigned target) const {
 }
 
 Counts ComparedMap::counts() const {
-  const double texels = double(resolution) * resolution * camera_.layer_count * (stores_second() ? 2 : 1);
-  const double bytes =
-      double(first_.bytes + (stores_second() ? second_.bytes : 0)) + made_.own(double(made_->depth_images.bytes()));
+  const StoredDepth stored = stored_depth();
+  const int images = 1 + stored.needs_second() + stored.is_combined();
+  const double texels = double(resolution) * resolution * camera_.layer_count * images;
+  const double bytes = double(images * first_.bytes) + made_.own(double(made_->depth_images.bytes()));
   return {{"texels", texels, "texel"},
           {"faces", double(camera_.layer_count), ""},
           {"triangles", double(drawn_triangles_), ""},

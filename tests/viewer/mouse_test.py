@@ -144,10 +144,15 @@ class Controls(ViewerTest):
         saved = viewer.until(lambda s: s.has("left.reset"), "a taller window")
         viewer.choose(saved, "left.filter", "pcf")
         saved = viewer.until(lambda s: s.technique == "shadow_map:filter=pcf", "the choice")
-        viewer.use(saved, "left.second_depth")
-        saved = viewer.until(lambda s: "second_depth=true" in s.technique, "the flag")
         viewer.use(saved, "left.reset")
-        self.assertEqual(viewer.until(lambda s: s.technique == "shadow_map", "the defaults").sides["left"]["settings"], "")
+        saved = viewer.until(lambda s: s.technique == "shadow_map", "the defaults")
+        self.assertEqual(saved.sides["left"]["settings"], "")
+        viewer.choose(saved, "left.technique", "svbsp")
+        saved = viewer.until(lambda s: s.technique == "svbsp" and s.has("left.merge"), "another technique")
+        viewer.use(saved, "left.merge")
+        saved = viewer.until(lambda s: "merge=false" in s.technique, "the flag")
+        viewer.use(saved, "left.reset")
+        self.assertEqual(viewer.until(lambda s: s.technique == "svbsp", "the defaults").sides["left"]["settings"], "")
 
     def test_scene_light_and_view_are_chosen_from_lists(self):
         viewer = self.view_scene()

@@ -214,13 +214,30 @@ class Block {
     return best.off <= q.reach || best.is_shape ? best.mesh : no_mesh;
   }
 
+  /// What a tap's depth stands for: the surface that it was drawn from, or where it lies on none, as midpoints of two do, the
+  /// first surface on the tap's ray, if that lies before it.
+  struct Stored {
+    std::uint32_t mesh = no_mesh;
+    glm::dvec3 at{0};
+  };
+  Stored stored_surface(const Question& q, std::size_t j) const {
+    const Tap& tap = q.why->taps[j];
+    const Stored drawn{stored_mesh(q, j), tap.origin + tap.stored * tap.direction};
+    if (drawn.mesh != no_mesh) return drawn;
+    const glm::dvec3 place = places_[q.first_tap + j];
+    const double above = rays_.farthest_along(place, -tap.direction);
+    const glm::dvec3 first = place - above * tap.direction;
+    if (!std::isfinite(above) || !(glm::dot(first - tap.origin, tap.direction) < tap.stored)) return {};
+    return {rays_.surface_at(first, tap.direction).mesh, first};
+  }
+
   /// A perfect map would be lit here: what is stored is at fault.
   Cause of_false_dark(const Question& q, std::uint32_t own) const {
     bool is_over_dark = false;
     for (const std::size_t j : guilty(q, false)) {
       const Tap& tap = q.why->taps[j];
       if (!std::isfinite(tap.stored)) continue;
-      const std::uint32_t mesh = stored_mesh(q, j);
+      const auto [mesh, stored] = stored_surface(q, j);
       if (mesh == no_mesh) continue;
       if (mesh != own) {
         is_over_dark = true;
@@ -231,7 +248,6 @@ class Block {
       const double k = filter_radius(q), facing = std::max(glm::dot(q.normal, q.to_light), 1e-3);
       const double reach =
           std::max((k + 1) * q.reach / facing, (k + 0.5) * std::numbers::sqrt2 * q.why->texel_width / facing + q.reach);
-      const glm::dvec3 stored = tap.origin + tap.stored * tap.direction;
       if (glm::distance(stored, q.point + q.shift) <= reach + rays_.rounding()) return Cause::acne;
     }
     return is_over_dark ? Cause::over_dark : Cause::unexplained;

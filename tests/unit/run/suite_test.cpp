@@ -104,8 +104,8 @@ TEST(contenders, a_sweep_names_the_default_of_what_it_sweeps_and_asks_for_the_sa
   EXPECT_EQ(sizes[1].label, "shadow_map:resolution=" + size + ",depth_bias=7");
   EXPECT_EQ(sizes[1].name(), "shadow_map:depth_bias=7");
   // A default that is only stated, not swept, is not named.
-  const std::vector<Contender> flags = parse_contenders("shadow_map:second_depth={false,true},resolution=" + size);
-  EXPECT_EQ(flags[0].label, "shadow_map:second_depth=false");
+  const std::vector<Contender> flags = parse_contenders("shadow_map:stored={first,second},resolution=" + size);
+  EXPECT_EQ(flags[0].label, "shadow_map:stored=first");
   EXPECT_EQ(flags[1].label, "");
   for (const char* text : {"shadow_map", "shadow_map:resolution={256,512}", "{unshadowed,shadow_map}"})
     for (const Contender& contender : parse_contenders(text)) EXPECT_EQ(contender.label, "") << text;
@@ -114,12 +114,12 @@ TEST(contenders, a_sweep_names_the_default_of_what_it_sweeps_and_asks_for_the_sa
 TEST(jobs, a_row_that_two_groups_have_runs_once_with_the_first_label_that_either_gives_it) {
   Suite suite;
   suite.groups = {{{"contact"}, {"sun"}, {}, parse_contenders("shadow_map")},
-                  {{"contact"}, {"sun"}, {}, parse_contenders("shadow_map:second_depth={false,true}")},
+                  {{"contact"}, {"sun"}, {}, parse_contenders("shadow_map:stored={first,second}")},
                   {{"contact"}, {"sun"}, {}, parse_contenders("shadow_map", "late")}};
   SceneLibrary library;
   const std::vector<Job> jobs = expand_jobs(suite, library);
   ASSERT_EQ(jobs.size(), 2u);
-  EXPECT_EQ(jobs[0].contender.label, "shadow_map:second_depth=false");
+  EXPECT_EQ(jobs[0].contender.label, "shadow_map:stored=first");
   EXPECT_EQ(jobs[1].contender.label, "");
 }
 

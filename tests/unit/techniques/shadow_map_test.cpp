@@ -162,10 +162,10 @@ TEST_F(ShadowMap, explain_reproduces_the_mask_from_its_taps) {
   const Scene scene = soup_over_ground(7);
   const GBuffer g = small_world::make_gbuffer(scene, view, 96, 72);
   for (const std::string filter : {"nearest", "pcf,filter_radius=2", "disc,filter_radius=2", "bilinear", "bilinear,fit=view"})
-    for (const std::string depth : {"false", "true"})
+    for (const std::string depth : {"first", "second", "midpoint", "dual"})
       for (const Light& light : {all_kinds[0], all_kinds[1], all_kinds[2], all_kinds[6]}) {
         const auto shadow_map =
-            run("resolution=256,bias=receiver_plane,second_depth=" + depth + ",filter=" + filter, scene, light, g);
+            run("resolution=256,bias=receiver_plane,stored=" + depth + ",filter=" + filter, scene, light, g);
         int compared = 0, different = 0;
         for (std::size_t i = 0; i < g.size(); ++i) {
           if (!faces_light(scene, g, light, i)) continue;
@@ -226,13 +226,13 @@ TEST_F(ShadowMap, explain_reproduces_the_mask_in_every_bias_mode) {
 
 // A closed box on a ground: the first surface it shows the light is its top, the second its bottom, which lies on the ground.
 // Without any bias the top then has no acne, since it is compared with the bottom; the ground beside it keeps the far plane.
-TEST_F(ShadowMap, second_depth_needs_no_bias_on_closed_casters) {
+TEST_F(ShadowMap, the_second_surface_needs_no_bias_on_closed_casters) {
   Scene scene;
   scene.meshes = {small_world::ground(3, 0, false), small_world::box({-1, 0.5f, -1}, {1, 1, 1})};
   const Light light{.kind = DirectionalLight{{0.5f, -1, 0.25f}}};
   const GBuffer g = small_world::make_gbuffer(scene, view, 96, 72);
   const auto first = run("resolution=256,bias=constant,depth_bias=0", scene, light, g);
-  const auto second = run("resolution=256,bias=constant,depth_bias=0,second_depth=true", scene, light, g);
+  const auto second = run("resolution=256,bias=constant,depth_bias=0,stored=second", scene, light, g);
   int acne_first = 0, acne_second = 0, dark_ground = 0;
   for (std::size_t i = 0; i < g.size(); ++i) {
     if (g.is_background(i)) continue;
@@ -261,8 +261,9 @@ TEST_F(ShadowMap, parameter_set_later_gives_the_mask_of_a_fresh_object) {
   const GBuffer g = small_world::make_gbuffer(scene, view, 64, 48);
   const Light& light = all_kinds[0];
   const auto live = run("resolution=128", scene, light, g);
-  for (const std::string settings : {"bias=slope", "filter=pcf", "filter_radius=2", "bias=normal_offset", "normal_offset=2",
-                                     "second_depth=true", "depth_bias=5", "resolution=64", "bias=constant"}) {
+  for (const std::string settings :
+       {"bias=slope", "filter=pcf", "filter_radius=2", "bias=normal_offset", "normal_offset=2", "stored=second", "stored=dual",
+        "dual_offset=5", "depth_bias=5", "resolution=64", "bias=constant"}) {
     live.technique->apply(settings);
     const Stage from = live.technique->parameter(settings.substr(0, settings.find('='))).spoils();
     if (from <= Stage::setup) live.technique->setup();

@@ -1,6 +1,7 @@
 #pragma once
 #include <gnomon/kit/map_comparison.h>
 #include <gnomon/kit/shared.h>
+#include <gnomon/kit/stored_depth.h>
 
 #include <array>
 #include <optional>
@@ -36,8 +37,8 @@ class ComparedMap : public Technique {
   virtual std::optional<LightCamera> fitted_to_scene(const Light& light, const MeshBoxes& boxes, int margin) const = 0;
   /// Images for this picture, drawn by resolve, which then pays for it; asked where there are none for any view.
   virtual LightCamera fitted_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int margin) const = 0;
-  /// Whether the second surface seen from the light is stored instead of the first.
-  virtual bool stores_second() const { return false; }
+  /// What texels hold. Its kind is asked by setup, its offset whenever images are drawn.
+  virtual StoredDepth stored_depth() const { return {}; }
   virtual LightImages images() const { return LightImages::faces; }
 
   int image_resolution() const { return resolution; }
@@ -45,6 +46,7 @@ class ComparedMap : public Technique {
   /// What all lights share: a member of it each technique passes to `another`.
   struct Made {
     DepthImages depth_images;
+    DepthCombination combination;
     std::array<Program, light_projection_count> resolve_programs;  // of the present bias and filter
     std::array<std::optional<Program>, light_projection_count> explain_programs;
     Framebuffer framebuffer;
@@ -65,7 +67,10 @@ class ComparedMap : public Technique {
 
   /// Biases are for one texel: a filter compares with texels farther away.
   MapComparison comparison() const;
-  const Texture& map() const { return stores_second() ? second_ : first_; }
+  const Texture& map() const {
+    const StoredDepth stored = stored_depth();
+    return stored.is_combined() ? combined_ : stored.needs_second() ? second_ : first_;
+  }
   void start_questions() const;
   const std::vector<float>& depths() const;
   /// A pixel's image and its place there, in texels, in the last resolve.
@@ -84,7 +89,7 @@ class ComparedMap : public Technique {
   Light light_;
   LightCamera camera_;
   bool draws_in_resolve_ = false;
-  Texture first_, second_;  // arrays with one layer for each image that is drawn
+  Texture first_, second_, combined_;  // arrays with one layer for each image that is drawn
   std::size_t drawn_triangles_ = 0;
   const GBuffer* gbuffer_ = nullptr;
 };

@@ -93,6 +93,12 @@ struct ViewSlices {
 /// that is warped. Slices and warps are of lights with one face.
 enum class LightImages { faces, slices, warped };
 
+/// A texel that counts for a point, and its share of the answer.
+struct WeightedTexel {
+  glm::ivec2 texel;
+  double weight;
+};
+
 /// The images of a light, each `resolution` texels square: one for each of its faces, or for each slice of a picture.
 struct LightCamera {
   LightSpace space{};

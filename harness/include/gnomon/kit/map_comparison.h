@@ -10,12 +10,6 @@ namespace gnomon {
 // How a point is compared with the depths that a light camera stored: bias and filter, for techniques that differ in which
 // images they draw. The shader decides; the same in double explains.
 
-/// A texel that is compared for a point, and its share of the answer.
-struct WeightedTexel {
-  glm::ivec2 texel;
-  double weight;
-};
-
 /// Which texels are compared for one point. Mirrored by the shader.
 struct MapFilter {
   enum class Kind { nearest, pcf, disc, bilinear };  ///< in the order of the parameter's choices
