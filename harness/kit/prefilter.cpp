@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cmath>
+#include <numbers>
 
 namespace gnomon {
 
@@ -126,7 +127,12 @@ void add(std::vector<WeightedTexel>& texels, const Run& columns, const Run& rows
 
 }  // namespace
 
-int Prefilter::widest() const { return std::max(narrowest(), kind == Kind::blur ? 1 : widest_footprint); }
+double Prefilter::narrowest() const {
+  const double box = 2 * radius + 1;
+  return kind == Kind::mips ? std::max(box / std::numbers::sqrt3, 1.0) : box;
+}
+
+int Prefilter::widest() const { return std::max(2 * radius + 1, kind == Kind::blur ? 1 : widest_footprint); }
 
 int Prefilter::last_level() const { return static_cast<int>(std::bit_width(static_cast<unsigned>(widest() - 1))); }
 
@@ -163,7 +169,7 @@ std::vector<WeightedTexel> Prefilter::texels(const glm::dvec2& place, const glm:
     add(all, blur_run(*this, place.x), blur_run(*this, place.y), 1);
   } else if (kind == Kind::mips) {
     const double way = std::sqrt(squared_ways(pixel).x), wide = way < widest() ? way : widest();
-    const double level = std::log2(std::max(wide, double(narrowest())));
+    const double level = std::log2(std::max(wide, narrowest()));
     const int k = static_cast<int>(level);
     for (int i = 0; i < 2; ++i)
       if (const double share = i == 0 ? 1 - (level - k) : level - k; share > 0)
@@ -171,7 +177,7 @@ std::vector<WeightedTexel> Prefilter::texels(const glm::dvec2& place, const glm:
   } else {
     const auto way = [&](int axis) {
       const double footprint = std::abs(pixel[0][axis]) + std::abs(pixel[1][axis]);
-      return std::max(footprint < widest() ? footprint : double(widest()), double(narrowest()));
+      return std::max(footprint < widest() ? footprint : double(widest()), narrowest());
     };
     add(all, box_run(place.x, way(0), resolution), box_run(place.y, way(1), resolution), 1);
   }

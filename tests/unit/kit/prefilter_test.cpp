@@ -68,6 +68,25 @@ TEST(Prefilter, mips_weigh_two_by_two_of_each_of_two_levels) {
   for (const auto& [texel, weight] : between) EXPECT_NEAR(weight, 1 / 64.0, 1e-12);
 }
 
+// Along one axis a box of five texels has a mean square distance of 5^2 / 12, the texels' own width included, and the weights
+// between two texels add 1/6 in the mean over places: 2.25. Level k has 4^k / 12 + 4^k / 6 = 4^k / 4; radius 2 asks level
+// log2(5 / sqrt 3) = 1.53, between 1 and 4, by 0.47 and 0.53: 2.59.
+TEST(Prefilter, mips_spread_as_much_as_the_blur_up_to_what_two_levels_add) {
+  const auto square = [](const Prefilter& filter) {
+    double sum = 0;
+    constexpr int places = 64;
+    for (int k = 0; k < places; ++k) {
+      const glm::dvec2 place(28 + 8 * (k + 0.5) / places, 32);
+      for (const auto& [texel, weight] : weights_of(filter, place, small_pixel))
+        sum += weight * (std::pow(texel.first + 0.5 - place.x, 2) + 1 / 12.0) / places;
+    }
+    return sum;
+  };
+  EXPECT_NEAR(square({.kind = Prefilter::Kind::table, .radius = 2}), 2.25, 0.01);
+  EXPECT_NEAR(square({.kind = Prefilter::Kind::mips, .radius = 2}), 0.47 * 1 + 0.53 * 4, 0.05);
+  EXPECT_EQ((Prefilter{.kind = Prefilter::Kind::mips, .radius = 0}.narrowest()), 1);
+}
+
 TEST(Prefilter, weights_add_up_to_one_and_reach_no_farther_than_the_margin) {
   for (const Prefilter::Kind kind : {Prefilter::Kind::blur, Prefilter::Kind::mips, Prefilter::Kind::table})
     for (const int radius : {0, 2, 5})

@@ -79,7 +79,7 @@ class FilteredMap : public Technique {
                           2,
                           {.unit = "texel", .min = 0, .max = Blur::most_radius},
                           Stage::setup,
-                          "Half the side of the blur beside its middle texel; 0: none. Other means are no narrower."};
+                          "Half the side of the blur beside its middle texel; 0: none. Other means spread no less."};
   Choice blur_weights{
       this, "blur_weights", "box", {"box", "gaussian"}, Stage::setup, "What the blur weighs texels by; for prefilter=blur."};
   Number<double> bias{

@@ -13,12 +13,6 @@ namespace gnomon {
 // looked up at each pixel's place. A pixel's footprint is the parallelogram that it covers on the image, over the plane of its
 // point.
 
-/// How much a texel counts.
-struct WeightedTexel {
-  glm::ivec2 texel;
-  double weight;
-};
-
 struct Prefilter {
   enum class Kind {
     blur,  ///< every texel is blurred; the four around a place are weighted as graphics cards do
@@ -27,10 +21,12 @@ struct Prefilter {
   };
   Kind kind = Kind::blur;
   Blur::Weights weights = Blur::Weights::box;  ///< of a blur
-  int radius = 0;                              ///< texels; means are no narrower than 2 radius + 1
+  int radius = 0;                              ///< texels; means spread no less than those of a box of 2 radius + 1
   int widest_footprint = 1;                    ///< texels; those of mips and table follow footprints up to this
 
-  int narrowest() const { return 2 * radius + 1; }
+  /// The least footprint that is looked up. Between texels of a level k that weigh as graphics cards do, squares of distances
+  /// are 4^k / 4 in the mean over places, three times those in a box of 2^k.
+  double narrowest() const;
   int widest() const;
   /// Of mips, the last that is looked at.
   int last_level() const;
