@@ -41,7 +41,10 @@ std::vector<DebugLayer> debug_layers() {
   std::vector<DebugLayer> layers{pages};
   for (DebugLayer& layer : map_layers()) {
     if (layer.name == "map")
-      layer.sentence += " Of each place the finest page is shown; what was not asked for stores nothing.";
+      layer.sentence =
+          "What the pages store, the finest of each place, as one image a face: upright, from the nearest stored depth (dark) "
+          "to the "
+          "farthest (light), with lines where depth jumps; around a point light six, framed by the way they look.";
     layers.push_back(std::move(layer));
   }
   return layers;

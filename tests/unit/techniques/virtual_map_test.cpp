@@ -236,6 +236,35 @@ TEST_F(VirtualMap, nothing_that_casts_asks_for_no_page_and_is_lit) {
   }
 }
 
+// The legend names a level by the texels along its side; a texel of it is 2^level times as wide as one of level 0. Colors are
+// darkened, not changed.
+TEST_F(VirtualMap, the_layer_of_pages_shows_the_level_that_was_looked_up) {
+  const Scene scene = soup_over_ground(4);
+  const GBuffer g = small_world::make_gbuffer(scene, view, 96, 72);
+  const MeshBoxes boxes = mesh_boxes(scene);
+  for (const Light& light : all_kinds) {
+    const auto map = run("pages=60", scene, light, g);
+    const LightCamera finest = virtual_map::finest_camera(light, boxes);
+    const std::vector<float> picture = map.technique->draw_debug("pages");
+    const std::vector<DebugLayer> layers = map.technique->debug_layers();
+    const std::vector<Swatch>& legend = std::ranges::find(layers, "pages", &DebugLayer::name)->legend;
+    int seen = 0;
+    for (std::size_t i = 0; i < g.size(); ++i) {
+      const Explanation why = *map.technique->explain(i);
+      if (why.taps.empty()) continue;
+      const LightImage& image = finest.images[finest.image_of(g.position(i))];
+      const double times = why.texel_width / image.largest_texel(image.seen(g.position(i)));
+      const std::string name = fmt::format("{}", std::lround(virtual_map::finest_side / times));
+      const auto swatch = std::ranges::find(legend, name, &Swatch::name);
+      ASSERT_NE(swatch, legend.end()) << name;
+      const glm::dvec3 color(picture[3 * i], picture[3 * i + 1], picture[3 * i + 2]);
+      EXPECT_LT(glm::distance(glm::normalize(color), glm::normalize(swatch->color)), 1e-5);
+      ++seen;
+    }
+    EXPECT_GT(seen, 1000);
+  }
+}
+
 TEST_F(VirtualMap, light_with_area_is_unsupported_with_a_reason) {
   Registry registry;
   gnomon_technique_virtual_map(registry);
