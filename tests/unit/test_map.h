@@ -18,7 +18,8 @@ class TestMap {
     int radius = 0;            ///< of a square filter
     double normal_offset = 0;  ///< texels
     bool receiver_plane = false;
-    bool second = false;  ///< stores the second surface, none where there is no second
+    bool second = false;    ///< stores the second surface, none where there is no second
+    bool midpoint = false;  ///< stores what lies half way between both
   };
 
   TestMap(const Scene& scene, const RayScene& casters, const Light& light, const Settings& settings)
@@ -91,9 +92,9 @@ class TestMap {
 
   double stored(const Tap& tap) const {
     const RayScene::Hit first = casters_.closest(tap.origin, tap.direction);
-    if (!settings_.second || first.mesh == no_mesh) return first.t;
-    const double step = first.t + 1e-3;
-    return step + casters_.closest(tap.origin + step * tap.direction, tap.direction).t;
+    if ((!settings_.second && !settings_.midpoint) || first.mesh == no_mesh) return first.t;
+    const double step = first.t + 1e-3, second = step + casters_.closest(tap.origin + step * tap.direction, tap.direction).t;
+    return settings_.midpoint ? (first.t + second) / 2 : second;
   }
 
   const RayScene& casters_;
