@@ -75,6 +75,8 @@ LightCamera CascadedMap::fitted_to_view(const Light& light, const MeshBoxes& box
 
   const LightSpace space = light_space_of(light, boxes);
   std::vector<LightExtent> seen;
+  // Of a depth that a shader computes in float32: the products and sums of coordinates as large as these.
+  const double rounding = 0x1p-20 * std::max(boxes.extent, extent(slices.eye)) + 0x1p-18 * range.far;
   if (is_stable) {
     const double up = std::tan(glm::radians(double(view.fov_y_degrees)) / 2),
                  tangent = up * std::hypot(1, double(gbuffer.width) / gbuffer.height);
@@ -84,7 +86,7 @@ LightCamera CascadedMap::fitted_to_view(const Light& light, const MeshBoxes& box
           stable_window(space.main(), sphere_around(slices.eye, slices.axis, tangent, slice), image_resolution() - 2 * margin));
     }
   } else {
-    seen = seen_in_slices(points, space.main(), slices);
+    seen = seen_in_slices(points, space.main(), slices, rounding);
   }
   LightCamera camera =
       fit_to_extents(light, space, boxes, seen, image_resolution(), margin, is_stable ? FitWindow::whole : FitWindow::shared);

@@ -34,14 +34,23 @@ constexpr About about{
 
 constexpr int row_count = 256;  // of what the window shows: its hull is known to a row
 
-/// What of the light's window a picture shows, and how deep it is.
-struct Seen {
-  LightExtent extent{};
-  double near = INFINITY, far = -INFINITY;  // depth from the eye, meters
-  void add(const Seen& other) {
-    extent.add(other.extent);
+/// Depths from the eye, meters.
+struct Depths {
+  double near = INFINITY, far = -INFINITY;
+  void add(double depth) { add({depth, depth}); }
+  void add(const Depths& other) {
     near = std::min(near, other.near);
     far = std::max(far, other.far);
+  }
+};
+
+/// What an image's window shows.
+struct Shown {
+  warped_map::Rows rows;
+  Depths depths{};
+  void add(const Shown& other) {
+    rows.add(other.rows);
+    depths.add(other.depths);
   }
 };
 
@@ -67,7 +76,9 @@ class WarpedMap final : public ComparedMap {
   std::optional<LightCamera> fitted_to_scene(const Light&, const MeshBoxes&, int) const override { return std::nullopt; }
   LightCamera fitted_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int margin) const override;
   LightImages images() const override { return LightImages::warped; }
-  double distance(const LightImage& image, const Seen& seen, double sine, double length) const;
+  /// Of the center of the warp, in window coordinates; infinity for none. `sine` is that of the angle between light and view,
+  /// `length` that of the window along the view.
+  double distance(const LightImage& image, const Depths& depths, double sine, double length) const;
 };
 
 /// Calls add(found, point) for all points, with a `found` of its own on each thread, and joins them.
@@ -84,60 +95,68 @@ Found over(std::span<const glm::dvec3> points, const Found& none, Add add) {
   return all;
 }
 
-/// The face turned about its axis until depth of the eye runs along its y, as far as it shows; how fast it does there, per
-/// meter of depth, is that of window coordinates.
-double turn_along_view(LightSpaceFace& face, const glm::dvec3& seen_from, const glm::dvec3& axis) {
-  const glm::dvec3 q = face.seen(seen_from), way = face.turned(axis);
-  const glm::dvec2 along = face.is_perspective ? (glm::dvec2(way) - glm::dvec2(q) / q.z * way.z) / q.z : glm::dvec2(way);
+/// Turns a face about its axis until depth of the eye runs along its y, at a point. Whether it does: not where the light shines
+/// along the view.
+bool turn_along_view(LightSpaceFace& face, const glm::dvec3& point, const glm::dvec3& axis) {
+  const glm::dvec3 q = face.seen(point), way = face.turned(axis);
+  // The window's change per meter of depth, times q.z where that is a tangent.
+  const glm::dvec2 along = face.is_perspective ? glm::dvec2(way) - glm::dvec2(q) / q.z * way.z : glm::dvec2(way);
   const double speed = glm::length(along);
-  if (speed < 1e-6) return 0;
+  if (!(speed > 1e-6)) return false;
   const glm::dvec2 y = along / speed;
   const glm::dvec3 right = face.axis(0), down = face.axis(1);
   face.light_from_world = frame_of(y.y * right - y.x * down, y.x * right + y.y * down, face.axis(2));
   face.is_along_world = false;
-  return speed;
+  return true;
 }
 
-double WarpedMap::distance(const LightImage& image, const Seen& seen, double sine, double length) const {
-  if (warp.is("none") || sine == 0 || !(seen.near < seen.far) || seen.near <= 0) return INFINITY;
-  if (warp.is("trapezoidal")) return warped_map::trapezoidal_distance(length, focus * length);
-  const double meters = warped_map::light_space_perspective_distance(seen.near, seen.far, sine);
-  // Tangents are no meters: the distance is to the window's length as it would be among parallel rays.
-  return image.is_perspective ? meters * length / ((seen.far - seen.near) * sine) : meters;
+double WarpedMap::distance(const LightImage& image, const Depths& depths, double sine, double length) const {
+  const double depth = (depths.far - depths.near) * sine;  // of what is shown, along the window if it were in meters
+  if (warp.is("none") || !(depth > 0) || depths.near <= 0) return INFINITY;
+  // Where depth is less than the window's length, so is the perspective that it asks for.
+  if (warp.is("trapezoidal")) {
+    const double share = image.is_perspective ? 1 : std::min(1.0, depth / length);
+    return warped_map::trapezoidal_distance(length, focus * length) / share;
+  }
+  const double meters = warped_map::light_space_perspective_distance(depths.near, depths.far, sine);
+  return image.is_perspective ? meters * length / depth : meters;
 }
 
 LightCamera WarpedMap::fitted_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int margin) const {
   const glm::dvec3 eye = gbuffer.view.eye, axis = glm::normalize(glm::dvec3(gbuffer.view.target) - eye);
   const std::vector<glm::dvec3> points = points_facing(light, boxes, gbuffer);
   LightSpaceFace face = light_space_of(light, boxes).main();
-  const auto add = [&](Seen& found, const glm::dvec3& point) {
+  const auto add = [&](LightExtent& found, const glm::dvec3& point) {
     const glm::dvec3 q = face.seen(point);
-    const double depth = glm::dot(axis, point - eye);
-    found.add({{face.place(q), face.place(q), q.z, q.z}, depth, depth});
+    found.add(face.place(q), q.z);
   };
   // The view's way through the window is that in the middle of what is seen.
-  const Seen before = over(points, Seen{}, add);
-  const glm::dvec2 middle = (before.extent.low + before.extent.high) / 2.0;
-  const double z = (before.extent.near + before.extent.far) / 2;
+  const LightExtent before = over(points, LightExtent{}, add);
   double sine = 0;
-  if (!before.extent.empty()) {
-    turn_along_view(face, face.to_world(glm::dvec3(face.is_perspective ? middle * z : middle, z)), axis);
-    const glm::dvec3 to_light = face.is_perspective ? glm::normalize(face.to_world({0, 0, z}) - face.origin) : face.axis(2);
-    sine = glm::length(glm::cross(to_light, axis));
+  if (!before.empty()) {
+    const double z = (before.near + before.far) / 2;
+    const glm::dvec2 window = (before.low + before.high) / 2.0;
+    const glm::dvec3 middle = face.to_world(glm::dvec3(face.is_perspective ? window * z : window, z));
+    const glm::dvec3 from_light = face.is_perspective ? glm::normalize(middle - face.origin) : face.axis(2);
+    if (turn_along_view(face, middle, axis)) sine = glm::length(glm::cross(from_light, axis));
   }
-  const Seen seen = over(points, Seen{}, add);
-  LightCamera camera = fit_to_extents(light, LightSpace(face), boxes, {&seen.extent, 1}, image_resolution(), margin);
+  const LightExtent seen = over(points, LightExtent{}, add);
+  LightCamera camera = fit_to_extents(light, LightSpace(face), boxes, {&seen, 1}, image_resolution(), margin);
   LightImage& image = camera.images[0];
   if (image.layer < 0) return camera;
+  // Of the points those where something may cast: in the window, which rounding must not take the outermost out of.
   const glm::dvec2 low = image.window_of(glm::dvec2(margin)), high = image.window_of(glm::dvec2(image_resolution() - margin));
-  const auto rows =
-      over(points, warped_map::Rows(low.y, high.y, row_count), [&](warped_map::Rows& found, const glm::dvec3& point) {
-        const glm::dvec2 window = face.place_of(point);
-        const glm::dvec2 inside = glm::clamp(window, low, high);
-        if (window == inside) found.add(window);
+  const glm::dvec2 slack = 0.5 / image.scale;
+  const Shown shown =
+      over(points, Shown{warped_map::Rows(low.y, high.y, row_count)}, [&](Shown& found, const glm::dvec3& point) {
+        const glm::dvec2 window = face.place_of(point), inside = glm::clamp(window, low, high);
+        if (glm::any(glm::greaterThan(glm::abs(window - inside), slack))) return;
+        found.rows.add(inside);
+        found.depths.add(glm::dot(axis, point - eye));
       });
-  if (const auto corners = rows.corners(); !corners.empty() && (high.y > low.y))
-    warped_map::warp(image, corners, distance(image, seen, sine, high.y - low.y), image_resolution(), margin);
+  const double length = high.y - low.y;
+  if (const auto corners = shown.rows.corners(); !corners.empty() && length > 0)
+    warped_map::warp(image, corners, distance(image, shown.depths, sine, length), image_resolution(), margin);
   return camera;
 }
 

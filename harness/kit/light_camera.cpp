@@ -146,7 +146,8 @@ bool fit_window(LightImage& image, const LightExtent& casters, const LightExtent
   const glm::dvec2 texel = glm::max(glm::max((high - low) / fit.inner(), least), glm::dvec2(0x1p-40));
   image.scale = 1.0 / texel;
   image.offset = fit.resolution / 2.0 - (low + high) / 2.0 * image.scale;
-  // Casters nearer than 1/1024 of the reach are clamped to it: they still cast, and depth keeps its precision.
+  // Casters nearer than 1/1024 of the reach are clamped to it, for the precision of depth: they still cast, but on nothing that
+  // is as near.
   image.far = receivers.far;
   image.near = image.is_perspective ? std::max(casters.near, image.far * 0x1p-10) : casters.near;
   return true;
@@ -177,7 +178,10 @@ void leave_out_unseen(LightImage& image, const MeshBoxes& boxes, const LightExte
     if (is_seen) casters.add(extent);
     return !is_seen;
   });
-  if (!image.casters.empty()) image.near = image.is_perspective ? std::max(casters.near, image.far * 0x1p-10) : casters.near;
+  if (image.casters.empty()) return;
+  // Receivers nearer than that, which are known here, bring the near end with them.
+  const double nearest = std::clamp(receivers.near, image.far * 0x1p-20, image.far * 0x1p-10);
+  image.near = image.is_perspective ? std::max(casters.near, nearest) : casters.near;
 }
 
 /// Right, down, axis.

@@ -46,7 +46,7 @@ DepthRange depths_of(std::span<const glm::dvec3> points, const ViewSlices& slice
 }
 
 std::vector<LightExtent> seen_in_slices(std::span<const glm::dvec3> points, const LightSpaceFace& face,
-                                        const ViewSlices& slices) {
+                                        const ViewSlices& slices, double rounding) {
   std::vector<LightExtent> all(slices.ends.size() + 1);
   std::mutex mutex;
   for_blocks(points.size(), 8192, [&](std::size_t begin, std::size_t end) {
@@ -57,9 +57,9 @@ std::vector<LightExtent> seen_in_slices(std::span<const glm::dvec3> points, cons
       const int slice = slices.slice_of(point);
       found[slice].add(place, q.z);
       // What rounding may put into a neighbor is seen by both: shaders compute depths in float32.
-      const double depth = slices.depth_of(point), slack = 0x1p-18 * std::abs(depth) + 0x1p-20 * glm::length(point);
-      if (slice > 0 && depth - slices.ends[slice - 1] < slack) found[slice - 1].add(place, q.z);
-      if (slice < std::ssize(slices.ends) && slices.ends[slice] - depth < slack) found[slice + 1].add(place, q.z);
+      const double depth = slices.depth_of(point);
+      if (slice > 0 && depth - slices.ends[slice - 1] < rounding) found[slice - 1].add(place, q.z);
+      if (slice < std::ssize(slices.ends) && slices.ends[slice] - depth < rounding) found[slice + 1].add(place, q.z);
     }
     const std::scoped_lock lock(mutex);
     for (std::size_t k = 0; k < all.size(); ++k) all[k].add(found[k]);

@@ -29,9 +29,10 @@ SliceSphere sphere_around(const glm::dvec3& eye, const glm::dvec3& axis, double 
 /// its place goes in steps of a texel. `inner` is how many texels of an image it may take, one of them for the step.
 LightExtent stable_window(const LightSpaceFace& face, const SliceSphere& sphere, int inner);
 
-/// What of each slice the points take, as seen through the light's only face.
+/// What of each slice the points take, as seen through the light's only face. Points within `rounding` meters of depth of two
+/// slices are in both.
 std::vector<LightExtent> seen_in_slices(std::span<const glm::dvec3> points, const LightSpaceFace& face,
-                                        const ViewSlices& slices);
+                                        const ViewSlices& slices, double rounding);
 /// Depths of the points; near > far where there is none.
 DepthRange depths_of(std::span<const glm::dvec3> points, const ViewSlices& slices);
 

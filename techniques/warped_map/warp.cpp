@@ -74,17 +74,27 @@ void warp(LightImage& image, const std::vector<glm::dvec2>& corners, double dist
     x.add(corner.x);
     y.add(corner.y);
   }
-  const double inner = resolution - 2.0 * margin;
-  // The margin below the low end is seen, too: divisors are 1 and more from its border on.
-  image.pivot.y = y.low - y.length() * (margin + 1) / inner;
-  image.lean = 1 / (distance + (y.low - image.pivot.y));
-  image.pivot.x = best_center(image, corners, x);
-  const Span across = seen_from(image, corners, image.pivot.x);
-  const auto along = [&](double v) { return (v - image.pivot.y) / image.divisor({0, v}); };
-  const Span down{along(y.low), along(y.high)};
-  const auto least = [](double value) { return std::max(value, 0x1p-40); };
-  image.scale = inner / glm::dvec2(least(across.length()), least(down.length()));
-  image.offset = resolution / 2.0 - glm::dvec2(across.low + across.high, down.low + down.high) / 2.0 * image.scale;
+  const double inner = resolution - 2.0 * margin, length = y.length();
+  // Texels below the float32 resolution of window coordinates would be noise.
+  const auto least = [](const Span& span) {
+    return std::max(0x1p-40, 0x1p-20 * std::max({std::abs(span.low), std::abs(span.high), span.length()}));
+  };
+  for (;; distance *= 2) {
+    // Row 0, a margin below the low end, is at the pivot, so divisors are 1 and more: with e = y.low - pivot.y it is
+    // e (n + length) / ((n - e) length) of the image's inner rows below it, for a center at the distance n.
+    const double below = margin * length / (inner * (1 + length / distance)), e = below / (1 + below / distance);
+    image.pivot = {0, y.low - e};
+    image.lean = 1 / (distance - e);
+    image.pivot.x = best_center(image, corners, x);
+    const Span across = seen_from(image, corners, image.pivot.x);
+    const auto along = [&](double v) { return (v - image.pivot.y) / image.divisor({0, v}); };
+    const Span down{along(y.low), along(y.high)};
+    const glm::dvec2 texel = glm::dvec2(across.length(), down.length()) / inner, smallest(least(x), least(y));
+    if (glm::any(glm::lessThan(texel, smallest)) && distance < 0x1p20 * length) continue;
+    image.scale = 1.0 / glm::max(texel, smallest);
+    image.offset = resolution / 2.0 - glm::dvec2(across.low + across.high, down.low + down.high) / 2.0 * image.scale;
+    return;
+  }
 }
 
 }  // namespace gnomon::warped_map

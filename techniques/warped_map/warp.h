@@ -31,7 +31,8 @@ class Rows {
 };
 
 /// Gives an image the warp of a center at this distance from the lowest of the corners, and fits it to them: `margin` of its
-/// `resolution` texels stay free on each side.
+/// `resolution` texels stay free on each side. The center is farther where texels would be finer than float32 window
+/// coordinates.
 void warp(LightImage& image, const std::vector<glm::dvec2>& corners, double distance, int resolution, int margin);
 
 }  // namespace gnomon::warped_map

@@ -101,4 +101,16 @@ TEST(light_camera, taps_lie_on_the_rays_through_their_texels) {
   }
 }
 
+// A receiver may be as near to a light as it likes, if the picture shows it: what stands before it is nearer than the near end.
+TEST(light_camera, images_fitted_to_a_view_begin_before_the_nearest_receiver) {
+  Scene scene;
+  // 2 mm below the light and far below it; the caster is in between of both.
+  scene.meshes = {small_world::ground(0.01f, -0.002f), small_world::ground(50, -10), small_world::ground(0.0005f, -0.001f)};
+  const Light light{.kind = SpotLight{{0, 0, 0}, {0, -1, 0}, 40, 50}};
+  const GBuffer g = small_world::make_gbuffer(scene, {.eye = {0.004f, 0.004f, 0.004f}, .target = {0, -0.002f, 0}}, 64, 48);
+  const LightCamera camera = fit_to_view(light, mesh_boxes(scene), g, 256, 2);
+  ASSERT_GE(camera.images[0].layer, 0);
+  EXPECT_LE(camera.images[0].near, 0.002);
+}
+
 }  // namespace

@@ -88,6 +88,27 @@ TEST(warp, trapezoidal_gives_the_focus_four_fifths_of_the_rows) {
   EXPECT_EQ(trapezoidal_distance(2, 1.6), INFINITY);
 }
 
+// The image itself keeps that, whatever margin it has: of the rows inside, four fifths lie before the focus, and row 0 begins
+// at the pivot.
+TEST(warp, images_have_their_center_where_it_was_asked_for) {
+  for (const double focus : {0.01, 0.25, 0.5})
+    for (const int margin : {1, 9}) {
+      const std::vector<glm::dvec2> corners{{-1, 2}, {1, 2}, {-3, 6}, {3, 6}};
+      LightImage image;
+      warped_map::warp(image, corners, trapezoidal_distance(4, 4 * focus), 256, margin);
+      EXPECT_NEAR(image.texel_of({0, 2 + 4 * focus}).y, margin + 0.8 * (256 - 2 * margin), 1e-6) << focus << ' ' << margin;
+      EXPECT_NEAR(image.texel_of({0, image.pivot.y}).y, 0, 1e-6);
+    }
+}
+
+// However near the center is asked for, no texel is finer than float32 tells window coordinates apart.
+TEST(warp, texels_are_no_finer_than_window_coordinates) {
+  LightImage image;
+  warped_map::warp(image, {{-1e5, -1e5}, {1e5, -1e5}, {-1e5, 1e5}, {1e5, 1e5}}, 1e-3, 8192, 1);
+  EXPECT_GE(1 / image.scale.y, 0x1p-20 * 1e5);
+  EXPECT_GE(1 / image.scale.x, 0x1p-20 * 1e5);
+}
+
 // Whatever corners an image is warped to lie inside its margins and touch them on all sides.
 TEST(warp, images_hold_their_corners_inside_the_margin) {
   std::mt19937 random(11);
@@ -170,6 +191,20 @@ TEST_F(WarpedMap, explanations_name_the_texels_that_were_asked) {
       stored += std::abs(first - tap.stored) < 1e-4;
     }
     EXPECT_GT(stored, 1000) << light.name;
+  }
+}
+
+// In a small picture one pixel alone may be the end of what the window shows: a roof shadows all, and none is beside the image.
+TEST_F(WarpedMap, the_outermost_points_of_a_small_picture_are_in_the_image) {
+  Scene scene;
+  scene.meshes = {small_world::ground(3), small_world::ground(40, 5)};
+  for (const auto& [width, height] : {std::pair(16, 9), std::pair(7, 5), std::pair(40, 30)}) {
+    const GBuffer g = small_world::make_gbuffer(scene, {.eye = {0.3f, 3, 2}, .target = {0, 0, 0}}, width, height);
+    for (const std::string warp : {"light_space_perspective", "trapezoidal", "none"}) {
+      const auto map = run("resolution=1024,warp=" + warp, scene, sun, g);
+      for (std::size_t i = 0; i < g.size(); ++i)
+        if (faces_light(scene, g, sun, i)) EXPECT_EQ(map.mask[i], 0) << warp << ' ' << width << ' ' << i;
+    }
   }
 }
 
