@@ -7,8 +7,8 @@ namespace gnomon {
 
 namespace {
 
-/// A triangle and one of each curved shape over a floor, under a light of each kind without area: every stage has something to
-/// do. All have exact shapes, for techniques that see nothing else.
+/// A triangle and one of each curved shape over a floor, under a light of each kind: every stage has something to do. All have
+/// exact shapes, for techniques that see nothing else.
 struct TinyScene {
   Scene scene;
   std::vector<float> x, z, zero, one;
@@ -22,7 +22,10 @@ struct TinyScene {
       scene.meshes.push_back(tessellate(shape, 8, "shape"));
     scene.lights = {{.name = "sun", .kind = DirectionalLight{}},
                     {.name = "spot", .kind = SpotLight{.position = {0, 5, 0}}},
-                    {.name = "point", .kind = PointLight{{0, 5, 0}}}};
+                    {.name = "point", .kind = PointLight{{0, 5, 0}}},
+                    {.name = "rect", .kind = RectLight{.center = {0, 5, 0}}},
+                    {.name = "disc", .kind = DiscLight{.center = {0, 5, 0}}},
+                    {.name = "sphere", .kind = SphereLight{.center = {0, 5, 0}}}};
     scene.views = {View{.eye = {0, 5, 5}}};
     constexpr int side = 8;
     for (int i = 0; i < side * side; ++i) {

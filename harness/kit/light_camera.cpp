@@ -222,33 +222,26 @@ void number_layers(LightCamera& camera) {
 }
 
 /// Whether a point of a picture is one that the light's images are asked for.
-class Asked {
- public:
-  Asked(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer)
-      : light_(light),
-        boxes_(boxes),
-        gbuffer_(gbuffer),
-        l_(homogeneous(light)),
-        has_cone_(std::holds_alternative<SpotLight>(light.kind)) {}
-  bool operator()(std::size_t i, const glm::dvec3& point) const {
-    return glm::dot(glm::dvec3(gbuffer_.normal(i)), to_light(l_, point)) > 0 && (!has_cone_ || in_spot_cone(light_, point));
-  }
-  bool receives(std::size_t i) const { return !gbuffer_.is_background(i) && boxes_.meshes[gbuffer_.mesh[i]].receives; }
+struct Asked {
+  const Light& light;
+  const MeshBoxes& boxes;
+  const GBuffer& gbuffer;
+  double radius = 0;  // of a ball around the light
+  glm::dvec4 l = homogeneous(light);
+  bool has_cone = std::holds_alternative<SpotLight>(light.kind);
 
- private:
-  const Light& light_;
-  const MeshBoxes& boxes_;
-  const GBuffer& gbuffer_;
-  glm::dvec4 l_;
-  bool has_cone_;
+  bool operator()(std::size_t i, const glm::dvec3& point) const {
+    return glm::dot(glm::dvec3(gbuffer.normal(i)), to_light(l, point)) > -radius && (!has_cone || in_spot_cone(light, point));
+  }
+  bool receives(std::size_t i) const { return !gbuffer.is_background(i) && boxes.meshes[gbuffer.mesh[i]].receives; }
 };
 
 constexpr std::size_t point_block = 8192;
 
 /// What of each face the points of a picture take that face the light.
 std::array<LightExtent, 6> seen_in_picture(const Light& light, const MeshBoxes& boxes, const LightSpace& space,
-                                           const GBuffer& gbuffer) {
-  const Asked is_asked(light, boxes, gbuffer);
+                                           const GBuffer& gbuffer, double radius) {
+  const Asked is_asked{light, boxes, gbuffer, radius};
   std::array<LightExtent, 6> all;
   std::mutex mutex;
   for_blocks(gbuffer.size(), point_block, [&](std::size_t begin, std::size_t end) {
@@ -313,7 +306,7 @@ LightCamera fit_to_scene(const Light& light, const MeshBoxes& boxes, int resolut
 }
 
 std::vector<glm::dvec3> points_facing(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer) {
-  const Asked is_asked(light, boxes, gbuffer);
+  const Asked is_asked{light, boxes, gbuffer};
   std::vector<std::vector<glm::dvec3>> found((gbuffer.size() + point_block - 1) / point_block);
   for_blocks(gbuffer.size(), point_block, [&](std::size_t begin, std::size_t end) {
     std::vector<glm::dvec3>& points = found[begin / point_block];
@@ -328,9 +321,10 @@ std::vector<glm::dvec3> points_facing(const Light& light, const MeshBoxes& boxes
   return all;
 }
 
-LightCamera fit_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int resolution, int margin) {
+LightCamera fit_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int resolution, int margin,
+                        double radius) {
   const LightSpace space = light_space_of(light, boxes);
-  const std::array<LightExtent, 6> receivers = seen_in_picture(light, boxes, space, gbuffer);
+  const std::array<LightExtent, 6> receivers = seen_in_picture(light, boxes, space, gbuffer, radius);
   return fit_to_extents(light, space, boxes, std::span(receivers).first(space.face_count()), resolution, margin);
 }
 

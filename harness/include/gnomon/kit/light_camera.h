@@ -125,8 +125,10 @@ struct LightCamera {
 LightCamera fit_to_scene(const Light& light, const MeshBoxes& boxes, int resolution, int margin);
 
 /// Fitted to a picture: each image holds the receiving points of the G-buffer that face the light, and of the casters what may
-/// lie before them. Costs a pass over the points on all threads.
-LightCamera fit_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int resolution, int margin);
+/// lie before them. Costs a pass over the points on all threads. `radius` is that of a ball around the light: points count
+/// that face any of it.
+LightCamera fit_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int resolution, int margin,
+                        double radius = 0);
 
 /// The receiving points of a picture that face the light, row after row: for fits of one's own.
 std::vector<glm::dvec3> points_facing(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer);
