@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
 
 #include "measure/cause/causes_taps.h"
 #include "measure/cause/components.h"
@@ -92,7 +93,10 @@ class SoftCauses {
     const Attribution by_center{a_.scene, a_.casters, a_.gbuffer, center, truth, a_.mask, {}, nullptr};
     const std::vector<Cause> found =
         find_soft_tap_causes(by_center, LightRays(a_.scene, a_.casters, a_.gbuffer, center), cases);
-    for (std::size_t k = 0; k < cases.size(); ++k) causes_[cases[k].pixel] = found[k];
+    for (std::size_t k = 0; k < cases.size(); ++k) {
+      causes_[cases[k].pixel] = found[k];
+      if (found[k] == Cause::none) filter_taps_[cases[k].pixel] = cases[k].why->taps.size();
+    }
   }
 
   /// What the mask shows.
@@ -117,7 +121,16 @@ class SoftCauses {
       if (larger && share >= 1 - slack && v < *larger - slack) return Cause::region;
     }
     if (const Cause cause = shapes_.of_form(i); cause != Cause::none) return cause;
-    return !is_small && is_right_after_all(i) ? Cause::reference_error : Cause::unexplained;
+    if (!is_small && is_right_after_all(i)) return Cause::reference_error;
+    return is_of_few_taps(i) ? Cause::noise : Cause::unexplained;
+  }
+
+  /// Whether a filter stands for the light, and so many taps as it has, on independent places, may err by as much.
+  bool is_of_few_taps(std::uint32_t i) const {
+    const auto taps = filter_taps_.find(i);
+    if (taps == filter_taps_.end()) return false;
+    const double n = static_cast<double>(taps->second), share = truth_.share[i];
+    return std::abs(error(i)) <= 4 * std::sqrt(std::max(share * (1 - share), 1 / n) / n) + 1 / n;
   }
 
   /// Whether the reference, asked again by other rays, agrees with the mask.
@@ -151,6 +164,7 @@ class SoftCauses {
   const Attribution& a_;
   const SoftTruth truth_;
   std::vector<Cause> causes_;
+  std::unordered_map<std::uint32_t, std::size_t> filter_taps_;  ///< by pixel, where its footprint errs most
   LightQuestions questions_;
   PenumbraShapes shapes_;
 };

@@ -272,4 +272,28 @@ TEST(soft_causes, an_unexplained_pixel_is_left) {
   EXPECT_EQ(world.causes()[at], Cause::reference_error);
 }
 
+// A filter that errs by what 16 taps may err by is noise where nothing else holds; 400 that err as much are not.
+TEST(soft_causes, few_taps_of_a_filter_are_noise) {
+  World world(on_ground({plate(3, 3.6f, 3, 3.6f, 2)}), lamp(half));
+  const auto at = static_cast<std::uint32_t>(world.gbuffer.width) * 20 + 26;
+  ASSERT_EQ(world.truth.classes[at], PixelClass::T);
+  world.truth.area[at] = 0.985f;
+  world.mask[at] = 0.8125f;
+  const glm::dvec3 light(0, 6, 0), point = world.gbuffer.position(at), plate_middle(3.3, 2, 3.3);
+  const auto with_taps = [&](int count) {
+    return world.causes([&](std::uint32_t) {
+      Explanation why;
+      why.bias = why.texel_width = 0.01;
+      for (int k = 0; k < count; ++k) {
+        const bool is_dark = k % 16 < 3;
+        const glm::dvec3 to = (is_dark ? plate_middle : point) - light;
+        why.taps.push_back({light, glm::normalize(to), 1.0 / count, is_dark ? glm::length(to) : INFINITY});
+      }
+      return why;
+    })[at];
+  };
+  EXPECT_EQ(with_taps(16), Cause::noise);
+  EXPECT_EQ(with_taps(400), Cause::unexplained);
+}
+
 }  // namespace
