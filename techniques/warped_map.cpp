@@ -5,7 +5,7 @@
 // what is in focus 80 % of the image. The window itself is fitted to what the picture shows, as that of shadow_map:fit=view: so
 // each resolve fits and draws, and warp=none is what the fit alone buys.
 //
-// Defaults: the setting with the lowest mean wrong rate in suite map_defaults (results/map_defaults).
+// Defaults: of each warp the setting within 1 % of its lowest mean wrong rate in suite map_defaults (results/map_defaults).
 //
 // Depths are stored over the warp's divisor, which planes keep: rasterizing stays exact, and look-ups multiply it back.
 #include <gnomon/kit/compared_map.h>
