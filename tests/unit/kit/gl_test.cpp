@@ -7,7 +7,7 @@
 #include <cstdlib>
 
 #include "device/context.h"
-#include "gl_state.h"
+#include "measure/conformance/gl_state.h"
 #include "small_world.h"
 
 namespace {

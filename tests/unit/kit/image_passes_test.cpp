@@ -8,7 +8,7 @@
 #include <random>
 
 #include "device/context.h"
-#include "gl_state.h"
+#include "measure/conformance/gl_state.h"
 
 namespace {
 using namespace gnomon;

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "device/context.h"
-#include "gl_state.h"
+#include "measure/conformance/gl_state.h"
 #include "small_world.h"
 
 extern "C" void gnomon_technique_percentage_closer_soft(gnomon::Registry&);

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "device/context.h"
-#include "gl_state.h"
+#include "measure/conformance/gl_state.h"
 #include "shape_world.h"
 #include "small_world.h"
 

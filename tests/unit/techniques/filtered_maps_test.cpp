@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "device/context.h"
-#include "gl_state.h"
+#include "measure/conformance/gl_state.h"
 #include "small_world.h"
 #include "techniques/exponential_variance_map/answer.h"
 #include "techniques/moment_map/answer.h"

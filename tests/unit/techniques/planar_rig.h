@@ -8,7 +8,7 @@
 #include <string>
 
 #include "device/context.h"
-#include "gl_state.h"
+#include "measure/conformance/gl_state.h"
 #include "small_world.h"
 
 extern "C" void gnomon_technique_planar_projected(gnomon::Registry&);

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "device/context.h"
-#include "gl_state.h"
+#include "measure/conformance/gl_state.h"
 #include "small_world.h"
 
 extern "C" void gnomon_scene_fence(gnomon::Registry&);

@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "device/context.h"
-#include "gl_state.h"
 #include "map_scenes.h"
+#include "measure/conformance/gl_state.h"
 #include "small_world.h"
 
 extern "C" void gnomon_technique_shadow_map(gnomon::Registry&);

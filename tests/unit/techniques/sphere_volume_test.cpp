@@ -8,8 +8,8 @@
 #include <numbers>
 
 #include "device/context.h"
-#include "gl_state.h"
 #include "kit/shape_rays.h"
+#include "measure/conformance/gl_state.h"
 #include "shape_world.h"
 #include "small_world.h"
 #include "techniques/sphere_volume/bodies.h"

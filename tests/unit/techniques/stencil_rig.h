@@ -9,7 +9,7 @@
 #include <numeric>
 
 #include "device/context.h"
-#include "gl_state.h"
+#include "measure/conformance/gl_state.h"
 #include "small_world.h"
 #include "volume_scenes.h"
 

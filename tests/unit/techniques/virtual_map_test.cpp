@@ -5,8 +5,8 @@
 #include <set>
 
 #include "device/context.h"
-#include "gl_state.h"
 #include "map_scenes.h"
+#include "measure/conformance/gl_state.h"
 #include "small_world.h"
 #include "techniques/virtual_map/pages.h"
 

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "device/context.h"
-#include "gl_state.h"
 #include "map_scenes.h"
+#include "measure/conformance/gl_state.h"
 #include "small_world.h"
 #include "techniques/warped_map/warp.h"
 

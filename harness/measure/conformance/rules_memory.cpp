@@ -4,11 +4,14 @@
 #include <malloc.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <fstream>
 #include <optional>
 
-#include "stage.h"
+#include "device/context.h"
+#include "measure/conformance/trial.h"
+#include "measure/scene/load.h"
 
 #if defined(__SANITIZE_ADDRESS__)
 constexpr bool memory_is_instrumented = true;
@@ -16,7 +19,7 @@ constexpr bool memory_is_instrumented = true;
 constexpr bool memory_is_instrumented = false;
 #endif
 
-namespace conformance {
+namespace gnomon::conformance {
 namespace {
 
 constexpr double MiB = 1 << 20;
@@ -56,76 +59,95 @@ Scene ball(int segments) {
   return scene;
 }
 
-class Memory : public Every {
- protected:
-  struct Figures {
-    double reported = 0, growth = 0, seconds = 0;
-    std::string text;
-  };
+struct Figures {
+  double reported = 0, growth = 0, seconds = 0;
+  std::string text;
+};
+
+class Scales {
+ public:
+  explicit Scales(Trial& trial) : trial_(trial) {}
+
   /// From before setup to after resolve, under the first light that is supported; nothing when none is.
   std::optional<Figures> measure(int segments) {
-    worlds_.push_back(world(ball(segments)));
+    worlds_.push_back(trial_.world(ball(segments)));
     const World* w = worlds_.back().get();
     const std::vector<Light> lights = lights_of_all_kinds(w->scene);
-    const auto light = std::ranges::find_if(lights, [&](const Light& l) { return bool(support(w->scene, l)); });
+    const auto light = std::ranges::find_if(lights, [&](const Light& l) { return bool(trial_.support(w->scene, l)); });
     if (light == lights.end()) return std::nullopt;
+    trial_.at(fmt::format("sphere_over_plane:segments={}", segments));
+    trial_.at(*light);
     const GBuffer gbuffer = w->gbuffer(w->scene.views[0], 320, 180);
     VisibilityMask mask(gbuffer.width, gbuffer.height);
-    if (uses_gl()) {  // mask and inputs are not the technique's
+    if (trial_.uses_gl()) {  // mask and inputs are not the technique's
       scene_buffers(w->scene);
       gbuffer_textures(gbuffer, w->scene);
       glClearTexImage(mask.texture(), 0, GL_RED, GL_FLOAT, nullptr);
     }
     Figures f;
-    const double before = resident_bytes(uses_gl());
+    const double before = resident_bytes(trial_.uses_gl());
     const auto start = std::chrono::steady_clock::now();
-    techniques_.push_back(set_up());  // it may keep what it warmed up with
+    techniques_.push_back(trial_.set_up());  // it may keep what it warmed up with
     Technique* const technique = techniques_.back().get();
     technique->build(w->scene);
     technique->relight(*light);
     technique->resolve(gbuffer, mask);
     f.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    f.growth = resident_bytes(uses_gl()) - before;
+    f.growth = resident_bytes(trial_.uses_gl()) - before;
     for (const Count& count : technique->counts())
       if (count.name == "bytes") f.reported = count.value;
-    f.text = fmt::format("{} triangles, {}: {:.1f} MiB reported, resident memory grew by {:.1f} MiB", w->scene.triangle_count(),
-                         title(*light), f.reported / MiB, f.growth / MiB);
+    f.text = fmt::format("{:.1f} MiB reported, resident memory grew by {:.1f} MiB", f.reported / MiB, f.growth / MiB);
     return f;
   }
 
  private:
+  Trial& trial_;
   // All live to the end: what is freed in one measurement, and when the driver does it, would show in the next.
   std::vector<std::unique_ptr<World>> worlds_;
   std::vector<std::unique_ptr<Technique>> techniques_;
 };
-INSTANTIATE_TEST_SUITE_P(technique, Memory, testing::ValuesIn(technique_ids()), id_of);
 
 // From 6 thousand triangles to 400 thousand, until it takes half a second or holds 64 MiB. Both figures may be off by 8 MiB:
 // arenas, drivers and libraries keep memory of their own. A software driver also keeps that of a draw, and gives it back when
 // it likes: the median of three measurements has to agree.
-TEST_P(Memory, reported_bytes_are_within_a_factor_of_two_of_the_growth_in_resident_memory) {
-  if (memory_is_instrumented) GTEST_SKIP() << "the sanitizer multiplies memory";
-  if (uses_gl() && !process_context().info().is_software()) GTEST_SKIP() << "textures lie in the memory of the device";
+void reported_bytes(Trial& trial) {
+  if (memory_is_instrumented) return trial.does_not_apply("the sanitizer multiplies memory");
+  if (trial.uses_gl() && !process_context().info().is_software())
+    return trial.does_not_apply("textures lie in the memory of the device");
   mallopt(M_MMAP_THRESHOLD, 128 << 10);  // a constant one: what is large goes back when it is freed
-  measure(40);                           // threads, shaders and libraries come up
+  Scales scales(trial);
+  scales.measure(40);  // threads, shaders and libraries come up
   for (const int segments : {80, 160, 320, 640}) {
     std::vector<Figures> measured;
-    std::string texts;
+    std::vector<std::string> texts;
     for (int k = 0; k < 3; ++k) {
-      const auto figures = measure(segments);
+      const auto figures = scales.measure(segments);
       if (!figures) return;
       measured.push_back(*figures);
-      texts += figures->text + "\n";
+      texts.push_back(figures->text);
     }
     std::ranges::sort(measured, {}, &Figures::growth);
     const Figures& median = measured[1];
-    const double floor = 8 * MiB + (uses_gl() ? 64.0 * segments * segments : 0);
-    EXPECT_LE(median.growth, 2 * median.reported + floor) << texts;
-    EXPECT_LE(median.reported, 2 * median.growth + floor) << texts;
-    RecordProperty(fmt::format("segments_{}", segments), texts);
+    const double floor = 8 * MiB + (trial.uses_gl() ? 64.0 * segments * segments : 0);
+    trial.expect(median.growth <= 2 * median.reported + floor, "it holds more than it reports: " + joined(texts, "; "));
+    trial.expect(median.reported <= 2 * median.growth + floor, "it reports more than it holds: " + joined(texts, "; "));
     if (median.seconds > 0.5 || median.reported > 64 * MiB) break;
   }
 }
 
 }  // namespace
-}  // namespace conformance
+
+std::vector<Rule> memory_rules() {
+  return {
+      {.name = "reported_bytes",
+       .sentence =
+           "The count bytes is within a factor of two of the growth in resident memory, and 8 MiB, from 6 thousand to 400 "
+           "thousand triangles.",
+       .advice = "Count everything that the object holds after resolve, textures and buffers of OpenGL included: those of the "
+                 "kit know "
+                 "their bytes. What is only needed within a stage is freed at its end.",
+       .check = reported_bytes},
+  };
+}
+
+}  // namespace gnomon::conformance

@@ -1,4 +1,4 @@
-#include "gl_state.h"
+#include "measure/conformance/gl_state.h"
 
 #include <gnomon/kit/gl.h>
 

@@ -1,14 +1,13 @@
 // On a device that can do less, a technique that draws says which limit is too small, or keeps within it.
+#include <gnomon/kit/gl.h>
+
+#include <algorithm>
 #include <cstdlib>
 
-#include "stage.h"
+#include "measure/conformance/trial.h"
 
-namespace conformance {
+namespace gnomon::conformance {
 namespace {
-
-class Limits : public Every {};
-INSTANTIATE_TEST_SUITE_P(technique, Limits, testing::ValuesIn(ids_where([](const About& about) { return about.needs_gl; })),
-                         id_of);
 
 /// The device has less while this lives.
 class Pretended {
@@ -80,13 +79,39 @@ GlLimits used_limits() {
   return used;
 }
 
-TEST_P(Limits, are_kept_or_named) {
-  const auto names = entry().make();
-  std::vector<std::string> all_settings = {""};
-  for (const Parameter* parameter : names->parameters())
-    if (dynamic_cast<const Choice*>(parameter))
-      for (const std::string& value : parameter->probes())
-        all_settings.push_back(fmt::format("{}={}", parameter->name(), value));
+/// Asks it in one scene, with one choice, on the device that is pretended; how often it ran.
+int run_within(Trial& trial, const World& w, const GBuffer& gbuffer, const std::string& settings, std::string_view limit) {
+  std::vector<Light> lights = trial.supported_lights(w.scene, settings);
+  lights.resize(std::min<std::size_t>(lights.size(), settings.empty() ? 2 : 1));
+  release_inputs();
+  const Pretended pretended{std::string(limit)};
+  const Support inputs = within_limits(inputs_need(w.scene, gbuffer.width, gbuffer.height));
+  const std::string_view name = limit.substr(0, limit.find('='));
+  int runs = 0;
+  for (const Light& light : lights) {
+    trial.at(light);
+    if (!inputs) {  // a worker says so in the technique's place
+      trial.expect(inputs.why().find(name) != std::string::npos,
+                   fmt::format("{}: the inputs are refused with '{}', without the limit's name", limit, inputs.why()));
+      continue;
+    }
+    if (const Support support = trial.support(w.scene, light, settings); !support) {
+      trial.expect(support.why().find(name) != std::string::npos,
+                   fmt::format("{}: it is unsupported with '{}', without the limit's name", limit, support.why()));
+      continue;
+    }
+    ++runs;
+    const auto technique = trial.set_up(settings);
+    trial.expect_mask(trial.answer(*technique, w.scene, light, gbuffer), w.scene, gbuffer, light);
+    const Support kept = within_limits(used_limits());
+    trial.expect(bool(kept), fmt::format("{}: it ran and is beyond the limit: {}", limit, kept.why()));
+  }
+  return runs;
+}
+
+void device_limits(Trial& trial) {
+  const auto is_choice = [](const Parameter& parameter) { return dynamic_cast<const Choice*>(&parameter) != nullptr; };
+  const std::vector<std::string> all_settings = settings_of(trial.entry(), is_choice);
   int runs = 0;
   for (const char* limit :
        {"varying_components=60", "varying_components=16", "vertex_storage_blocks=0", "vertex_storage_blocks=2",
@@ -94,38 +119,33 @@ TEST_P(Limits, are_kept_or_named) {
         "storage_bindings=0", "storage_bindings=2", "storage_block_bytes=16", "work_group_size=128", "work_groups=1024",
         "texture_size=96", "texture_layers=1"}) {
     for (const char* reference : {"sphere_over_plane:segments=16", "box_city:count=12"}) {
-      const auto w = world(reference);
+      trial.at(reference);
+      const auto w = trial.world(reference);
       const GBuffer gbuffer = w->gbuffer();
       for (const std::string& settings : all_settings) {
-        SCOPED_TRACE(fmt::format("{} {} {}", limit, reference, settings));
         // One scene and light will do for settings: their programs are compiled for each limit anew.
         if (!settings.empty() && w->scene.has_curved_shapes()) continue;
-        std::vector<Light> lights = supported_lights(w->scene, settings);
-        lights.resize(std::min<std::size_t>(lights.size(), settings.empty() ? 2 : 1));
-        release_inputs();
-        const Pretended pretended(limit);
-        const Support inputs = within_limits(inputs_need(w->scene, gbuffer.width, gbuffer.height));
-        for (const Light& light : lights) {
-          const std::string name(limit, std::string_view(limit).find('='));
-          if (!inputs) {  // a worker says so in the technique's place
-            EXPECT_NE(inputs.why().find(name), std::string::npos) << inputs.why();
-            continue;
-          }
-          if (const Support support = this->support(w->scene, light, settings); !support) {
-            EXPECT_NE(support.why().find(name), std::string::npos) << support.why();
-            continue;
-          }
-          ++runs;
-          const auto technique = set_up(settings);
-          EXPECT_TRUE(is_mask(answer(*technique, w->scene, light, gbuffer), *w, gbuffer, light));
-          const Support kept = within_limits(used_limits());
-          EXPECT_TRUE(kept) << kept.why();
-        }
+        trial.at(reference, settings);
+        runs += run_within(trial, *w, gbuffer, settings, limit);
       }
     }
   }
-  EXPECT_GT(runs, 0);
+  trial.at("");
+  trial.expect(runs > 0, "it ran on none of these devices");
 }
 
 }  // namespace
-}  // namespace conformance
+
+std::vector<Rule> limit_rules() {
+  return {
+      {.name = "device_limits",
+       .sentence = "On a device that can do less it says which limit is too small, or keeps within it.",
+       .advice = "Say in supports() what the programs and textures need, with within_limits of gnomon/kit/gl_limits.h; what "
+                 "the kit makes "
+                 "has a function that says what it needs.",
+       .check = device_limits,
+       .asked = Asked::drawing},
+  };
+}
+
+}  // namespace gnomon::conformance

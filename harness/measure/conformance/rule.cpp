@@ -1,0 +1,89 @@
+#include "measure/conformance/rule.h"
+
+#include <algorithm>
+#include <new>
+
+#include "device/context.h"
+#include "measure/conformance/trial.h"
+
+namespace gnomon::conformance {
+
+namespace {
+
+std::vector<Rule> all_rules() {
+  std::vector<Rule> all;
+  for (auto* of_file : {about_rules, answer_rules, promise_rules, cause_rules, life_rules, light_rules, neighbor_rules,
+                        limit_rules, memory_rules})
+    std::ranges::copy(of_file(), std::back_inserter(all));
+  return all;
+}
+
+}  // namespace
+
+std::string place_text(const Finding& finding) {
+  std::vector<std::string> parts;
+  if (!finding.place.scene.empty()) parts.push_back("in " + finding.place.scene);
+  if (!finding.place.light.empty()) parts.push_back("light " + finding.place.light);
+  if (!finding.place.settings.empty()) parts.push_back("with " + finding.place.settings);
+  if (const auto& p = finding.pixel) parts.push_back(fmt::format("pixel {}, {} of {} x {}", p->x, p->y, p->width, p->height));
+  return joined(parts);
+}
+
+std::string_view name(Verdict::Kind kind) {
+  static constexpr std::string_view names[] = {"holds", "does not apply", "fails"};
+  return names[static_cast<int>(kind)];
+}
+
+std::string_view name(Asked asked) {
+  static constexpr std::string_view names[] = {"every technique", "techniques that draw", "techniques that promise to be exact",
+                                               "techniques of samples, but baselines"};
+  return names[static_cast<int>(asked)];
+}
+
+std::span<const Rule> rules() {
+  static const std::vector<Rule> all = all_rules();
+  return all;
+}
+
+const Rule& rule(std::string_view name) {
+  std::vector<std::string> names;
+  for (const Rule& rule : rules()) {
+    if (rule.name == name) return rule;
+    names.emplace_back(rule.name);
+  }
+  throw Error("there is no rule {}; did you mean {}? There are: {}", name, nearest_word(name, names), joined(names));
+}
+
+std::string_view why_not_asked(const Rule& rule, const About& about) {
+  switch (rule.asked) {
+    case Asked::everybody:
+      return "";
+    case Asked::drawing:
+      return about.needs_gl ? "" : "it does not draw";
+    case Asked::exact:
+      return about.promise == Promise::exact ? "" : "it does not promise to be exact";
+    case Asked::sampled:
+      if (about.promise != Promise::sampled) return "it promises to be exact";
+      return about.role == Role::baseline ? "it is a baseline" : "";
+  }
+  return "";
+}
+
+Verdict judge(const Rule& rule, const TechniqueEntry& entry, const std::function<void(const Place&)>& moves) {
+  if (const std::string_view why = why_not_asked(rule, entry.about); !why.empty())
+    return {.kind = Verdict::Kind::does_not_apply, .why = std::string(why)};
+  if (rule.has_context && entry.about.needs_gl) process_context();
+  Trial trial(entry, moves);
+  try {
+    rule.check(trial);
+  } catch (const std::bad_alloc&) {
+    trial.found("it ran out of memory");
+  } catch (const std::exception& error) {
+    trial.found(fmt::format("it threw: {}", error.what()));
+  } catch (...) {
+    trial.found("it threw what is no std::exception");
+  }
+  return trial.verdict();
+}
+
+}  // namespace gnomon::conformance

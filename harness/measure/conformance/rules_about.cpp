@@ -1,0 +1,162 @@
+// What a technique says of itself: texts, parameters, support.
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <set>
+
+#include "measure/conformance/trial.h"
+#include "measure/scene/load.h"
+
+namespace gnomon::conformance {
+namespace {
+
+bool is_sentence(std::string_view text) {
+  return !text.empty() && text.back() == '.' && !std::islower(static_cast<unsigned char>(text.front()));
+}
+
+void data_sheet(Trial& trial) {
+  const TechniqueEntry& entry = trial.entry();
+  trial.expect(is_plain_name(entry.id), fmt::format("the id {} is no plain name", entry.id));
+  const About& about = entry.about;
+  trial.expect(!about.title.empty(), "the title is empty");
+  trial.expect(!about.source.empty(), "the source is empty");
+  for (const auto& [what, text] : {std::pair("summary", about.summary), {"error", about.error}, {"fails", about.fails}})
+    trial.expect(is_sentence(text), fmt::format("{} is no sentence: '{}'", what, text));
+  const auto made = entry.make();
+  trial.expect(made->id() == entry.id, fmt::format("its object has the id {}, not {}", made->id(), entry.id));
+}
+
+// One that refuses everything would pass all that is asked of answers.
+void supports_a_light(Trial& trial) {
+  for (const char* reference : {"sphere_over_plane:segments=24", "box_city:count=12"}) {
+    trial.at(reference);
+    trial.expect(!trial.supported_lights(load_scene(reference)).empty(), "it supports no light at all");
+  }
+}
+
+void check_layers(Trial& trial, const Technique& technique) {
+  std::set<std::string> names;
+  for (const DebugLayer& layer : technique.debug_layers()) {
+    trial.expect(is_plain_name(layer.name), fmt::format("the debug layer's name '{}' is no plain name", layer.name));
+    trial.expect(names.insert(layer.name).second, fmt::format("debug layer {} is there twice", layer.name));
+    trial.expect(is_sentence(layer.sentence), fmt::format("debug layer {} has no sentence: '{}'", layer.name, layer.sentence));
+    std::set<std::string> swatches;
+    for (const Swatch& swatch : layer.legend) {
+      trial.expect(!swatch.name.empty() && swatches.insert(swatch.name).second,
+                   fmt::format("debug layer {}: swatch '{}' has no name or that of another", layer.name, swatch.name));
+      for (int c = 0; c < 3; ++c)
+        trial.expect(swatch.color[c] >= 0 && swatch.color[c] <= 1,
+                     fmt::format("debug layer {}: the color of {} is outside 0 .. 1", layer.name, swatch.name));
+    }
+  }
+}
+
+void parameters_and_layers(Trial& trial) {
+  const auto technique = trial.entry().make();
+  std::set<std::string> names;
+  for (const Parameter* p : technique->parameters()) {
+    const std::string name(p->name());
+    trial.expect(is_plain_name(name), fmt::format("the parameter's name '{}' is no plain name", name));
+    trial.expect(names.insert(name).second, fmt::format("parameter {} is there twice", name));
+    trial.expect(is_sentence(p->sentence()), fmt::format("parameter {} has no sentence: '{}'", name, p->sentence()));
+    trial.expect(!p->allowed().empty(), fmt::format("parameter {} does not say what is allowed", name));
+    trial.expect(p->text() == p->default_text(),
+                 fmt::format("parameter {} begins with {}, not with its default {}", name, p->text(), p->default_text()));
+    trial.expect(p->probes().size() >= 2, fmt::format("parameter {} has fewer than two probes", name));
+    trial.expect(&technique->parameter(name) == p, fmt::format("parameter {} is not found by its name", name));
+  }
+  check_layers(trial, *technique);
+  trial.expect(technique->settings().empty(), fmt::format("a fresh object has the settings '{}'", technique->settings()));
+}
+
+void check_refusals(Trial& trial, Parameter& p) {
+  for (const char* value : {"nonsense", "1e300", "-1e300"}) {
+    try {
+      p.set(value);
+      trial.found(fmt::format("parameter {} took {}", p.name(), value));
+    } catch (const Error& error) {
+      const std::string wanted = fmt::format("{}.{} = {} is outside {}", trial.entry().id, p.name(), value, p.allowed());
+      trial.expect(std::string_view(error.what()).find(wanted) != std::string_view::npos,
+                   fmt::format("it is refused with '{}', which does not hold '{}'", error.what(), wanted));
+    }
+    trial.expect(p.text() == p.default_text(), fmt::format("parameter {} changed by a value that it refused", p.name()));
+  }
+}
+
+void parameter_values(Trial& trial) {
+  const auto technique = trial.entry().make();
+  for (Parameter* p : technique->parameters()) {
+    std::vector<std::string> values = p->probes();
+    values.push_back(p->default_text());
+    for (const std::string& value : values) {
+      p->set(value);
+      trial.expect(p->text() == value, fmt::format("parameter {} set to {} is {}", p->name(), value, p->text()));
+      p->set(p->text());
+      trial.expect(p->text() == value, fmt::format("parameter {} set to its own text {} is {}", p->name(), value, p->text()));
+    }
+    check_refusals(trial, *p);
+  }
+  try {
+    technique->apply("no_such_parameter=1");
+    trial.found("it took the setting no_such_parameter=1");
+  } catch (const Error&) {
+  }
+}
+
+// For every kind of light a fresh object answers: full, or why not. An area light is no exception.
+void support_answered(Trial& trial) {
+  for (const char* reference : {"sphere_over_plane:segments=16", "box_city:count=12", "single_triangle"}) {
+    const Scene scene = load_scene(reference);
+    trial.at(reference);
+    for (const Light& light : lights_of_all_kinds(scene)) {
+      trial.at(light);
+      const Support support = trial.support(scene, light);
+      const std::string_view kind = name(support.kind());
+      trial.expect(support.why().empty() == (support.kind() == Support::Kind::full),
+                   fmt::format("the support is {} with the reason '{}'", kind, support.why()));
+      const Support again = trial.support(scene, light);
+      trial.expect(support.kind() == again.kind() && support.why() == again.why(),
+                   fmt::format("the support is {} ('{}') when asked first and {} ('{}') when asked again", kind, support.why(),
+                               name(again.kind()), again.why()));
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<Rule> about_rules() {
+  return {
+      {.name = "data_sheet",
+       .sentence = "Its id is a plain name; title and source are there; summary, error and fails are sentences.",
+       .advice =
+           "Fill in the About: a sentence begins with no small letter and ends with a period. The id is the stem of the file.",
+       .check = data_sheet},
+      {.name = "supports_a_light",
+       .sentence = "It supports at least one kind of light in each of two simple scenes.",
+       .advice =
+           "Look at what supports() answers for a point light; one that refuses everything cannot be asked anything else.",
+       .check = supports_a_light},
+      {.name = "support_answered",
+       .sentence = "For every kind of light it says whether it supports it, the same each time, before anything runs and "
+                   "without OpenGL; "
+                   "a reason stands with everything but full support.",
+       .advice =
+           "supports() is asked of a fresh object: compute the answer from scene, light and view alone, and never from what a "
+           "stage has made. Give Support::unsupported and Support::approximate a reason.",
+       .check = support_answered,
+       .has_context = false},
+      {.name = "parameters_and_layers",
+       .sentence =
+           "Every parameter and debug layer has a plain name of its own and a sentence; colors of legends lie in 0 .. 1; a "
+           "fresh object has its defaults.",
+       .advice = "Mend the row of the parameter or the entry of debug_layers() that is named. Constructors set nothing.",
+       .check = parameters_and_layers},
+      {.name = "parameter_values",
+       .sentence = "Parameters take every value that they allow and refuse others with what, which value and what is allowed.",
+       .advice =
+           "Use Number, Choice and Flag of gnomon/param.h, which do so; a parameter of your own has to throw Error as they do.",
+       .check = parameter_values},
+  };
+}
+
+}  // namespace gnomon::conformance

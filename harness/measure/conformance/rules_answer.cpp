@@ -1,0 +1,213 @@
+// What a technique answers: a mask, the same one twice, and lit where nothing casts.
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "measure/conformance/trial.h"
+#include "measure/scene/load.h"
+
+namespace gnomon::conformance {
+namespace {
+
+void same_mask(Trial& trial) {
+  for (const char* reference : {"sphere_over_plane:segments=24", "box_city:count=12"}) {
+    trial.at(reference);
+    const auto w = trial.world(reference);
+    const GBuffer gbuffer = w->gbuffer();
+    for (const Light& light : trial.supported_lights(w->scene)) {
+      trial.at(light);
+      const auto technique = trial.set_up();
+      const std::vector<float> first = trial.answer(*technique, w->scene, light, gbuffer);
+      trial.expect_mask(first, w->scene, gbuffer, light);
+      trial.expect_same(first, trial.resolve(*technique, gbuffer), "resolve again", &gbuffer);
+      trial.expect_same(first, trial.answer(*technique, w->scene, light, gbuffer), "build, relight, resolve again", &gbuffer);
+      trial.expect_same(first, trial.fresh_answer(w->scene, light, gbuffer), "another object", &gbuffer);
+    }
+  }
+}
+
+void lit_where_nothing_receives(Trial& trial) {
+  Scene scene = load_scene("box_city:count=12");
+  for (std::size_t m = 1; m < scene.meshes.size(); m += 2) scene.meshes[m].receives = false;
+  trial.at("box_city:count=12, of which every other mesh does not receive");
+  const auto w = trial.world(std::move(scene));
+  const GBuffer gbuffer = w->gbuffer();
+  for (const Light& light : trial.supported_lights(w->scene)) {
+    trial.at(light);
+    trial.expect_mask(trial.fresh_answer(w->scene, light, gbuffer), w->scene, gbuffer, light);
+  }
+}
+
+void lit_without_casters(Trial& trial) {
+  Scene scene = load_scene("box_city:count=12");
+  for (Mesh& mesh : scene.meshes) mesh.casts = false;
+  trial.at("box_city:count=12, of which no mesh casts");
+  const auto w = trial.world(std::move(scene));
+  const GBuffer gbuffer = w->gbuffer();
+  for (const Light& light : trial.supported_lights(w->scene)) {
+    trial.at(light);
+    trial.expect_same(trial.fresh_answer(w->scene, light, gbuffer), std::vector<float>(gbuffer.size(), 1.0f),
+                      "its mask, and one of ones", &gbuffer);
+  }
+}
+
+// The sphere does not cast; the ground does, on nothing: it lies below all that faces the light. A technique of samples may
+// find acne there, on one pixel of a hundred.
+void lit_below_no_caster(Trial& trial) {
+  Scene scene = load_scene("sphere_over_plane:segments=24");
+  scene.meshes[1].casts = false;
+  trial.at("sphere_over_plane:segments=24, of which the sphere does not cast");
+  const auto w = trial.world(std::move(scene));
+  const GBuffer gbuffer = w->gbuffer();
+  for (const Light& light : trial.supported_lights(w->scene)) {
+    trial.at(light);
+    const auto truth = w->reference(gbuffer, light);
+    const std::vector<float> mask = trial.fresh_answer(w->scene, light, gbuffer);
+    std::size_t tested = 0, wrong = 0, first = 0;
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+      if (truth.classes[i] != PixelClass::T) continue;
+      if (truth.mask[i] != 1) return trial.found("the reference itself is not lit there", i, gbuffer);
+      ++tested;
+      if (mask[i] >= 0.5f) continue;
+      if (wrong++ == 0) first = i;
+    }
+    const std::size_t most = trial.entry().about.promise == Promise::exact ? 0 : tested / 100;
+    if (wrong > most)
+      trial.found(fmt::format("{} of {} tested pixels are dark; {} may be", wrong, tested, most), first, gbuffer);
+  }
+}
+
+void counts(Trial& trial) {
+  const char* const reference = "box_city:count=12";
+  trial.at(reference);
+  const auto w = trial.world(reference);
+  const GBuffer gbuffer = w->gbuffer();
+  for (const Light& light : trial.supported_lights(w->scene)) {
+    trial.at(light);
+    const auto technique = trial.set_up();
+    trial.answer(*technique, w->scene, light, gbuffer);
+    int bytes = 0;
+    for (const Count& count : technique->counts()) {
+      trial.expect(is_plain_name(count.name), fmt::format("the count's name '{}' is no plain name", count.name));
+      trial.expect(std::isfinite(count.value) && count.value >= 0, fmt::format("the count {} is {}", count.name, count.value));
+      bytes += count.name == "bytes";
+    }
+    trial.expect(bytes == 1, fmt::format("{} counts are named bytes, not 1", bytes));
+  }
+}
+
+// Weights of the taps of a pixel sum to 1, and asking changes nothing.
+void explanations(Trial& trial) {
+  const char* const reference = "sphere_over_plane:segments=24";
+  trial.at(reference);
+  const auto w = trial.world(reference);
+  const GBuffer gbuffer = w->gbuffer();
+  for (const Light& light : trial.supported_lights(w->scene)) {
+    trial.at(light);
+    const auto technique = trial.set_up();
+    const std::vector<float> mask = trial.answer(*technique, w->scene, light, gbuffer);
+    for (std::size_t i = 0; i < gbuffer.size(); i += 7) {
+      const auto why = technique->explain(i);
+      if (!why) continue;
+      const auto add = [](double sum, const Tap& tap) { return sum + tap.weight; };
+      const double sum = std::accumulate(why->taps.begin(), why->taps.end(), 0.0, add);
+      if (!why->taps.empty() && !(std::abs(sum - 1) <= 1e-6))
+        trial.found(fmt::format("the weights of its taps sum to {}, not 1", sum), i, gbuffer);
+      for (const Tap& tap : why->taps)
+        if (!(std::abs(glm::length(tap.direction) - 1) <= 1e-6))
+          trial.found(fmt::format("a tap's direction is {} long, not 1", glm::length(tap.direction)), i, gbuffer);
+      if (!(std::isfinite(why->bias) && why->texel_width >= 0))
+        trial.found(fmt::format("its bias is {}, its texel width {}", why->bias, why->texel_width), i, gbuffer);
+    }
+    trial.expect_same(mask, trial.resolve(*technique, gbuffer), "resolve after explain", &gbuffer);
+  }
+}
+
+void check_unknown_layers(Trial& trial, const Technique& technique) {
+  for (const char* const unknown : {"no_such_layer", ""}) {
+    try {
+      technique.draw_debug(unknown);
+      trial.found(fmt::format("it drew a layer named '{}'", unknown));
+    } catch (const Error& error) {
+      trial.expect(std::string_view(error.what()).find(trial.entry().id) != std::string_view::npos,
+                   fmt::format("a layer that is not there is refused without the technique's name: {}", error.what()));
+    }
+  }
+}
+
+// On either truth, whatever the technique sees: pictures are of the G-buffer's size and linear RGB, the same when asked twice,
+// and leave the answer alone. A layer that is not there is refused by name.
+void debug_layers(Trial& trial) {
+  const char* const reference = "sphere_over_plane:segments=24";
+  for (const Truth truth : {Truth::mesh, Truth::shape}) {
+    trial.at(reference);
+    const World w(load_scene(reference), truth);
+    const GBuffer gbuffer = w.gbuffer();
+    for (const Light& light : trial.supported_lights(w.scene)) {
+      trial.at(light);
+      const auto technique = trial.set_up();
+      const std::vector<float> mask = trial.answer(*technique, w.scene, light, gbuffer);
+      for (const DebugLayer& layer : technique->debug_layers()) {
+        const std::vector<float> picture = technique->draw_debug(layer.name);
+        trial.expect(picture.size() == 3 * gbuffer.size(),
+                     fmt::format("layer {} has {} floats, not {}", layer.name, picture.size(), 3 * gbuffer.size()));
+        trial.expect(std::ranges::all_of(picture, [](float v) { return v >= 0 && v <= 1; }),
+                     fmt::format("layer {} has colors outside 0 .. 1", layer.name));
+        trial.expect_same(picture, technique->draw_debug(layer.name), fmt::format("layer {} drawn again", layer.name));
+      }
+      trial.expect_same(mask, trial.resolve(*technique, gbuffer), "resolve after draw_debug", &gbuffer);
+      check_unknown_layers(trial, *technique);
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<Rule> answer_rules() {
+  return {
+      {.name = "same_mask",
+       .sentence =
+           "Under every light that it supports it writes every pixel of the mask, a number from 0 to 1, and 1 where nothing "
+           "faces the light; the same, bit for bit, when a stage or everything is done again and by another object.",
+       .advice =
+           "Write every pixel, 1 where faces_light() says no. What differs from call to call comes from memory that is not "
+           "set, from "
+           "work that an earlier call left half done, or from the order of threads. Random numbers come from a seed parameter.",
+       .check = same_mask},
+      {.name = "lit_where_nothing_receives",
+       .sentence = "The mask is a mask, too, where some meshes do not receive shadows.",
+       .advice = "Leave meshes with receives = false lit and keep looking at the others.",
+       .check = lit_where_nothing_receives},
+      {.name = "lit_without_casters",
+       .sentence = "Where no mesh casts, every pixel is exactly 1.",
+       .advice = "Leave meshes with casts = false out of build and relight, and see that empty lists and buffers are no "
+                 "special case.",
+       .check = lit_without_casters},
+      {.name = "lit_below_no_caster",
+       .sentence =
+           "A mesh that does not cast leaves what lies behind it lit: none of the tested pixels is dark where the technique "
+           "promises to be exact, one of a hundred elsewhere.",
+       .advice = "Look for acne on the ground, and for casts = false that is forgotten.",
+       .check = lit_below_no_caster},
+      {.name = "counts",
+       .sentence = "Counts have plain names and values from 0 on, and exactly one is named bytes.",
+       .advice = "Return {\"bytes\", N, \"byte\"} from counts(), with all that the object holds after resolve.",
+       .check = counts},
+      {.name = "explanations",
+       .sentence = "What it says of a pixel is well formed: weights of taps sum to 1, directions have length 1, the bias is "
+                   "finite; and "
+                   "asking changes no answer.",
+       .advice = "Look at explain(): divide the weights by their sum, normalize directions, and let it only read.",
+       .check = explanations},
+      {.name = "debug_layers",
+       .sentence =
+           "Every debug layer is a picture of three numbers from 0 to 1 for each pixel, the same twice, under both truths; it "
+           "changes no answer, and a layer that is not there is refused with the technique's name.",
+       .advice = "Size the picture by the last G-buffer, clamp what is a color, and end draw_debug with "
+                 "Technique::draw_debug(layer), "
+                 "which words the refusal.",
+       .check = debug_layers},
+  };
+}
+
+}  // namespace gnomon::conformance

@@ -1,0 +1,95 @@
+// Whether a technique's own account of a pixel explains every error that it makes.
+#include <cmath>
+
+#include "measure/cause/causes.h"
+#include "measure/conformance/trial.h"
+#include "measure/frame/frame.h"
+#include "measure/scene/load.h"
+#include "measure/scratch_folder.h"
+
+namespace gnomon::conformance {
+namespace {
+
+/// Under a light with area every pixel that is off at all has a cause, and at most 1 % of the error none that has a name.
+void expect_soft_causes(Trial& trial, std::span<const Cause> causes, const Reference& truth, std::span<const float> mask,
+                        const GBuffer& gbuffer) {
+  const bool is_area = trial.entry().about.estimates == LightShareKind::area;
+  const std::span<const float> share = is_area ? truth.mask : truth.irradiance;
+  double all = 0, unexplained = 0;
+  std::size_t worst = 0;
+  for (std::size_t i = 0; i < causes.size(); ++i) {
+    const double error = std::abs(static_cast<double>(mask[i]) - share[i]);
+    const bool is_off = truth.classes[i] == PixelClass::T && error > 0;
+    if ((causes[i] != Cause::none) != is_off)
+      return trial.found(is_off ? "it is off and has no cause" : "it is not off and has a cause", i, gbuffer);
+    if (causes[i] != Cause::none) all += error;
+    if (causes[i] != Cause::unexplained) continue;
+    if (unexplained == 0) worst = i;
+    unexplained += error;
+  }
+  if (!(unexplained <= 0.01 * all))
+    trial.found(fmt::format("{:.2g} % of the error has no cause that explains it; 1 % may be", 100 * unexplained / all), worst,
+                gbuffer);
+}
+
+void expect_causes(Trial& trial, std::span<const Cause> causes, const Reference& truth, std::span<const float> mask,
+                   const GBuffer& gbuffer) {
+  std::size_t unexplained = 0, first = 0;
+  for (std::size_t i = 0; i < causes.size(); ++i) {
+    const bool is_wrong = truth.classes[i] == PixelClass::T && std::abs(mask[i] - truth.mask[i]) > 0.5f;
+    if ((causes[i] != Cause::none) != is_wrong)
+      return trial.found(is_wrong ? "it is wrong and has no cause" : "it is not wrong and has a cause", i, gbuffer);
+    if (causes[i] == Cause::unexplained && unexplained++ == 0) first = i;
+  }
+  if (unexplained > 0)
+    trial.found(fmt::format("{} wrong pixels have no cause that explains them", unexplained), first, gbuffer);
+}
+
+void named_causes(Trial& trial) {
+  const ScratchFolder cache = ScratchFolder::temporary("gnomon_causes");
+  std::size_t tested = 0;
+  for (const char* reference : {"box_city:count=30", "soup:count=200", "fence", "contact"}) {
+    trial.at(reference);
+    const Scene scene = load_scene(reference);
+    FrameStore frames(scene, cache.path());
+    const FrameKey key{scene.views[0], 192, 108, trial.entry().about.sees};
+    const GBuffer gbuffer = frames.gbuffer(key);
+    for (const Light& light : scene.lights) {
+      if (!trial.support(scene, light)) continue;
+      trial.at(light);
+      const auto technique = trial.set_up();
+      const std::vector<float> mask = trial.answer(*technique, scene, light, gbuffer);
+      const Reference truth = frames.reference(key, light);
+      const auto explain = [&](std::span<const std::uint32_t> pixels) {
+        std::vector<std::optional<Explanation>> explanations;
+        for (const std::uint32_t pixel : pixels) explanations.push_back(technique->explain(pixel));
+        return explanations;
+      };
+      const LightShareKind estimates = trial.entry().about.estimates;
+      const auto causes = find_causes({scene, frames.casters(key.truth), gbuffer, light, truth, mask, {}, explain, estimates});
+      ++tested;
+      if (has_area(light))
+        expect_soft_causes(trial, causes, truth, mask, gbuffer);
+      else
+        expect_causes(trial, causes, truth, mask, gbuffer);
+    }
+  }
+  if (tested == 0) trial.does_not_apply("it supports no light of these scenes");
+}
+
+}  // namespace
+
+std::vector<Rule> cause_rules() {
+  return {
+      {.name = "named_causes",
+       .sentence = "Every wrong pixel of four scenes has a cause that explains it; under lights with area all but 1 % of the "
+                   "error has.",
+       .advice =
+           "Return from explain() what decided the pixel: the taps with their weights and stored depths, or the samples of the "
+           "light, "
+           "the bias, and covered = false where the technique has no opinion. docs/causes.md says what each cause looks at.",
+       .check = named_causes},
+  };
+}
+
+}  // namespace gnomon::conformance

@@ -1,0 +1,159 @@
+// What a technique must leave alone: its inputs, other people's textures, the state of OpenGL.
+#include <gnomon/kit/gl.h>
+
+#include <cstring>
+
+#include "measure/conformance/gl_state.h"
+#include "measure/conformance/trial.h"
+
+namespace gnomon::conformance {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+template <class T>
+void append(Bytes& bytes, const T& values) {
+  const auto part = std::as_bytes(std::span(values));
+  const auto* first = reinterpret_cast<const std::uint8_t*>(part.data());
+  bytes.insert(bytes.end(), first, first + part.size());
+}
+
+Bytes bytes_of(const Scene& scene, const GBuffer& g) {
+  Bytes bytes;
+  for (const Mesh& mesh : scene.meshes) {
+    append(bytes, mesh.positions);
+    append(bytes, mesh.triangles);
+  }
+  for (const auto& part : {g.px, g.py, g.pz, g.nx, g.ny, g.nz}) append(bytes, part);
+  append(bytes, g.mesh);
+  append(bytes, g.triangle);
+  return bytes;
+}
+
+Bytes read(const Texture& texture, GLenum format, GLenum type) {
+  Bytes bytes(texture.bytes);
+  glGetTextureImage(texture.name(), 0, format, type, static_cast<GLsizei>(bytes.size()), bytes.data());
+  return bytes;
+}
+
+Bytes read(const Buffer& buffer) {
+  Bytes bytes(buffer.bytes);
+  glGetNamedBufferSubData(buffer.name(), 0, static_cast<GLsizeiptr>(bytes.size()), bytes.data());
+  return bytes;
+}
+
+struct GlInput {
+  const char* name;
+  Bytes bytes;
+};
+
+/// All that kit/gl hands to a technique to read, in order.
+std::vector<GlInput> gl_inputs_now(const Scene& scene, const GBuffer& gbuffer) {
+  const SceneBuffers& buffers = scene_buffers(scene);
+  const GBufferTextures& textures = gbuffer_textures(gbuffer, scene);
+  const DepthStencil& depth = depth_stencil(scene, gbuffer, gbuffer.truth);
+  Bytes depths(gbuffer.size() * 4);
+  glGetTextureImage(depth.texture.name(), 0, GL_DEPTH_COMPONENT, GL_FLOAT, static_cast<GLsizei>(depths.size()), depths.data());
+  return {{"the buffer of positions", read(buffers.positions)},
+          {"the buffer of triangles", read(buffers.triangles)},
+          {"the G-buffer's positions", read(textures.position, GL_RGBA, GL_FLOAT)},
+          {"the G-buffer's normals", read(textures.normal, GL_RGBA, GL_FLOAT)},
+          {"the G-buffer's ids", read(textures.ids, GL_RG_INTEGER, GL_UNSIGNED_INT)},
+          {"the eye's depths", depths}};
+}
+
+/// A texture with something in it, like the mask of somebody else.
+Texture canary(int width, int height) {
+  Texture texture(GL_R32F, width, height);
+  const float value = 0.25f;
+  glClearTexImage(texture.name(), 0, GL_RED, GL_FLOAT, &value);
+  return texture;
+}
+
+void inputs(Trial& trial) {
+  const char* const reference = "box_city:count=12";
+  trial.at(reference);
+  const auto w = trial.world(reference);
+  const GBuffer gbuffer = w->gbuffer();
+  const Bytes before = bytes_of(w->scene, gbuffer);
+  for (const Light& light : trial.supported_lights(w->scene)) {
+    trial.at(light);
+    trial.fresh_answer(w->scene, light, gbuffer);
+    if (bytes_of(w->scene, gbuffer) != before) return trial.found("scene or G-buffer were written to");
+  }
+}
+
+void gl_inputs(Trial& trial) {
+  const char* const reference = "box_city:count=12";
+  trial.at(reference);
+  const auto w = trial.world(reference);
+  const GBuffer gbuffer = w->gbuffer();
+  const Texture first = canary(gbuffer.width, gbuffer.height);
+  const std::vector<GlInput> before = gl_inputs_now(w->scene, gbuffer);
+  const Bytes colors = read(first, GL_RED, GL_FLOAT);
+  for (const Light& light : trial.supported_lights(w->scene)) {
+    trial.at(light);
+    const auto technique = trial.set_up();
+    const Texture second = canary(gbuffer.width, gbuffer.height);
+    trial.answer(*technique, w->scene, light, gbuffer);
+    const std::vector<GlInput> after = gl_inputs_now(w->scene, gbuffer);
+    for (std::size_t k = 0; k < before.size(); ++k)
+      trial.expect(after[k].bytes == before[k].bytes, fmt::format("{} were written to", before[k].name));
+    trial.expect(read(first, GL_RED, GL_FLOAT) == colors && read(second, GL_RED, GL_FLOAT) == colors,
+                 "a texture that is not the technique's was written to");
+  }
+}
+
+void gl_state(Trial& trial) {
+  const char* const reference = "sphere_over_plane:segments=16";
+  trial.at(reference);
+  const auto w = trial.world(reference);
+  const GBuffer gbuffer = w->gbuffer();
+  const auto look = [&](std::string_view after) {
+    for (const std::string& difference : state_differences()) trial.found(fmt::format("after {}: {}", after, difference));
+  };
+  look("nothing but the harness");
+  for (const Light& light : trial.supported_lights(w->scene)) {
+    trial.at(light);
+    const auto technique = trial.set_up();
+    look("setup");
+    technique->build(w->scene);
+    look("build");
+    technique->relight(light);
+    look("relight");
+    VisibilityMask mask(gbuffer.width, gbuffer.height);
+    technique->resolve(gbuffer, mask);
+    look("resolve");
+    technique->explain(gbuffer.size() / 2);
+    for (const DebugLayer& layer : technique->debug_layers()) technique->draw_debug(layer.name);
+    look("explain and draw_debug");
+  }
+  look("destruction");
+}
+
+}  // namespace
+
+std::vector<Rule> neighbor_rules() {
+  return {
+      {.name = "inputs",
+       .sentence = "Scene and G-buffer in memory stay as they are.",
+       .advice = "Take no const away: copy what has to be changed.",
+       .check = inputs},
+      {.name = "gl_inputs",
+       .sentence = "Buffers and textures of scene and G-buffer in OpenGL stay as they are, and so do textures of others.",
+       .advice =
+           "Write to objects of your own only: look for a framebuffer, an image unit or a storage binding that still holds "
+           "somebody else's name.",
+       .check = gl_inputs,
+       .asked = Asked::drawing},
+      {.name = "gl_state",
+       .sentence = "Every stage, explain, draw_debug and the destructor leave the state of OpenGL at its defaults, and no "
+                   "error pending.",
+       .advice =
+           "Put a StateGuard (gnomon/kit/gl_pass.h) at the beginning of every function that draws, or set back what is named.",
+       .check = gl_state,
+       .asked = Asked::drawing},
+  };
+}
+
+}  // namespace gnomon::conformance

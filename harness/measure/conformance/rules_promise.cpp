@@ -1,0 +1,187 @@
+// Whether a technique keeps its promise, on the pixels of class T and against the truth of the geometry that it sees.
+#include <algorithm>
+#include <cmath>
+
+#include "measure/conformance/trial.h"
+#include "measure/frame/certify_soft.h"
+#include "measure/scene/load.h"
+#include "measure/statistics/statistics.h"
+
+namespace gnomon::conformance {
+namespace {
+
+/// Pixels of class T that the technique covers, and what is wrong about them.
+struct Tally {
+  std::size_t tested = 0, dark = 0, wrong = 0, first_wrong = 0;
+};
+
+Tally tally(const std::vector<float>& mask, const World::Truthful& truth, const Technique& technique) {
+  Tally t;
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    if (truth.classes[i] != PixelClass::T) continue;
+    const auto why = technique.explain(i);
+    if (why && !why->covered) continue;
+    ++t.tested;
+    t.dark += truth.mask[i] < 0.5f;
+    const bool is_wrong = std::abs(mask[i] - truth.mask[i]) >= 0.5f;
+    if (is_wrong && t.wrong++ == 0) t.first_wrong = i;
+  }
+  return t;
+}
+
+// Zero wrong pixels on every generated scene, both lights; and what is not covered must not hide behind the promise.
+void exact(Trial& trial) {
+  std::size_t tested = 0, dark = 0;
+  for (const char* reference : {"sphere_over_plane", "box_city:count=30", "soup:count=200", "fence", "contact"}) {
+    trial.at(reference);
+    const auto w = trial.world(reference);
+    const GBuffer gbuffer = w->gbuffer(w->scene.views[0], 160, 90);
+    for (const Light& light : w->scene.lights) {
+      const Support support = trial.support(w->scene, light);
+      if (!support || has_area(light)) continue;
+      trial.at(light);
+      const auto technique = trial.set_up();
+      const std::vector<float> mask = trial.answer(*technique, w->scene, light, gbuffer);
+      const World::Truthful truth = w->reference(gbuffer, light);
+      const Tally t = tally(mask, truth, *technique);
+      if (t.wrong > 0)
+        trial.found(fmt::format("{} of {} tested pixels are wrong; the mask is {}, the reference {}", t.wrong, t.tested,
+                                mask[t.first_wrong], truth.mask[t.first_wrong]),
+                    t.first_wrong, gbuffer);
+      const std::size_t all = count_classes(truth.classes)[static_cast<std::size_t>(PixelClass::T)];
+      if (support.kind() == Support::Kind::full && t.tested != all)
+        trial.found(fmt::format("its support is full, but it covers {} of {} tested pixels", t.tested, all));
+      tested += t.tested;
+      dark += t.dark;
+    }
+  }
+  trial.at("");
+  if (tested == 0) return trial.does_not_apply("it supports no light without area on these scenes");
+  trial.expect(dark > 1000, fmt::format("{} dark pixels in all: too few to judge by", dark));  // the scenes do have shadows
+}
+
+// Under lights with area exact means: within 4 standard errors of the reference, but for as many pixels as these errors are
+// themselves uncertain by, and nowhere beyond 12.
+void exact_soft(Trial& trial) {
+  std::size_t penumbra = 0, tested = 0;
+  for (const char* reference : {"sphere_over_plane:segments=24", "box_city:count=12", "soup:count=60"}) {
+    trial.at(reference);
+    const auto w = trial.world(reference);
+    const GBuffer gbuffer = w->gbuffer();
+    for (const Light& light : trial.supported_lights(w->scene)) {
+      if (!has_area(light)) continue;
+      trial.at(light);
+      const std::vector<float> mask = trial.fresh_answer(w->scene, light, gbuffer);
+      const World::Truthful truth = w->reference(gbuffer, light, trial.entry().about.estimates);
+      std::size_t soft = 0, beyond_4 = 0;
+      for (std::size_t i = 0; i < mask.size(); ++i) {
+        if (truth.classes[i] != PixelClass::T) continue;
+        ++tested;
+        soft += truth.mask[i] > 0 && truth.mask[i] < 1;
+        const float off = std::abs(mask[i] - truth.mask[i]);
+        beyond_4 += off > 4 * truth.error[i];
+        if (!(off <= 12 * truth.error[i]))
+          return trial.found(fmt::format("the mask is {}, the reference {} with a standard error of {}", mask[i], truth.mask[i],
+                                         truth.error[i]),
+                             i, gbuffer);
+      }
+      const auto most = most_by_chance(soft, 2 * student_tail(4, 7), 1e-6);
+      trial.expect(beyond_4 <= most,
+                   fmt::format("{} pixels are more than 4 standard errors off; of {} in penumbrae {} may be by chance",
+                               beyond_4, soft, most));
+      penumbra += soft;
+    }
+  }
+  trial.at("");
+  if (tested == 0) return trial.does_not_apply("it supports no light with area on these scenes");
+  trial.expect(penumbra > 1000, fmt::format("{} pixels of penumbrae in all: too few to judge by", penumbra));
+}
+
+// At its defaults a technique of samples errs on less than a quarter of what the absence of shadows errs on.
+void better_than_nothing(Trial& trial) {
+  const char* const reference = "sphere_over_plane";
+  trial.at(reference);
+  const auto w = trial.world(reference);
+  const GBuffer gbuffer = w->gbuffer(w->scene.views[0], 320, 180);
+  std::size_t tested = 0;
+  for (const Light& light : w->scene.lights) {
+    if (!trial.support(w->scene, light)) continue;
+    trial.at(light);
+    const auto technique = trial.set_up();
+    const std::vector<float> mask = trial.answer(*technique, w->scene, light, gbuffer);
+    const Tally t = tally(mask, w->reference(gbuffer, light), *technique);
+    if (t.wrong >= t.dark / 4)
+      trial.found(fmt::format("{} of {} tested pixels are wrong; {} are without shadows, of which a quarter may be", t.wrong,
+                              t.tested, t.dark),
+                  t.first_wrong, gbuffer);
+    tested += t.tested;
+  }
+  if (tested == 0) trial.does_not_apply("it supports no light without area on this scene");
+}
+
+void better_than_nothing_soft(Trial& trial) {
+  const char* const reference = "sphere_over_plane";
+  trial.at(reference);
+  const auto w = trial.world(reference);
+  const GBuffer gbuffer = w->gbuffer(w->scene.views[0], 160, 90);
+  std::size_t asked = 0;
+  for (const Light& light : trial.supported_lights(w->scene)) {
+    if (!has_area(light)) continue;
+    trial.at(light);
+    const std::vector<float> mask = trial.fresh_answer(w->scene, light, gbuffer);
+    const World::Truthful truth = w->reference(gbuffer, light, trial.entry().about.estimates);
+    double error = 0, without = 0;
+    std::size_t tested = 0;
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+      if (truth.classes[i] != PixelClass::T) continue;
+      ++tested;
+      error += std::abs(mask[i] - truth.mask[i]);
+      without += 1 - truth.mask[i];
+    }
+    trial.expect(error < without / 4,
+                 fmt::format("the mean error is {:.3g}; without shadows it is {:.3g}, of which a quarter may be",
+                             error / tested, without / tested));
+    ++asked;
+  }
+  if (asked == 0) trial.does_not_apply("it supports no light with area on this scene");
+}
+
+}  // namespace
+
+std::vector<Rule> promise_rules() {
+  return {
+      {.name = "exact",
+       .sentence =
+           "One that promises to be exact is wrong at no tested pixel of five scenes, under every light without area that it "
+           "supports; with full support it covers them all.",
+       .advice =
+           "Look at the pixel that is named: gnomon run with this scene, light and size shows it in the color of its cause. "
+           "Where "
+           "the method errs, promise Promise::sampled; where it has no opinion, say Support::approximate and covered = false.",
+       .check = exact,
+       .asked = Asked::exact},
+      {.name = "exact_soft",
+       .sentence =
+           "Under lights with area one that promises to be exact is within 4 standard errors of the reference, but for as many "
+           "pixels as chance puts beyond, and nowhere beyond 12.",
+       .advice = "See that About::estimates names the share that the mask holds, of the area or of the irradiance. Where the "
+                 "method errs, "
+                 "promise Promise::sampled.",
+       .check = exact_soft,
+       .asked = Asked::exact},
+      {.name = "better_than_nothing",
+       .sentence =
+           "At its defaults one of samples is wrong at less than a quarter of the pixels that are wrong without shadows.",
+       .advice = "See that the defaults suit a scene of a few meters.",
+       .check = better_than_nothing,
+       .asked = Asked::sampled},
+      {.name = "better_than_nothing_soft",
+       .sentence = "Under lights with area the mean error of one of samples is less than a quarter of that without shadows.",
+       .advice =
+           "See that About::estimates names the share that the mask holds, and that the defaults suit a scene of a few meters.",
+       .check = better_than_nothing_soft,
+       .asked = Asked::sampled},
+  };
+}
+
+}  // namespace gnomon::conformance

@@ -1,0 +1,121 @@
+#include "measure/conformance/trial.h"
+
+#include <gnomon/kit/gl.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "measure/scene/load.h"
+
+namespace gnomon::conformance {
+
+std::unique_ptr<World> Trial::world(const std::string& reference) const { return world(load_scene(reference)); }
+
+Support Trial::support(const Scene& scene, const Light& light, const std::string& settings) const {
+  const auto technique = entry_.make();
+  technique->apply(settings);
+  return technique->supports(scene, light, scene.views[0]);
+}
+
+std::vector<Light> Trial::supported_lights(const Scene& scene, const std::string& settings) const {
+  std::vector<Light> lights = lights_of_all_kinds(scene);
+  std::erase_if(lights, [&](const Light& light) { return !support(scene, light, settings); });
+  return lights;
+}
+
+std::unique_ptr<Technique> Trial::set_up(const std::string& settings) const {
+  auto technique = entry_.make();
+  technique->apply(settings);
+  technique->setup();
+  return technique;
+}
+
+std::vector<float> Trial::resolve(Technique& technique, const GBuffer& gbuffer) const {
+  VisibilityMask mask(gbuffer.width, gbuffer.height);
+  const float nonsense = -7;
+  if (uses_gl()) glClearTexImage(mask.texture(), 0, GL_RED, GL_FLOAT, &nonsense);
+  std::ranges::fill(mask.pixels(), nonsense);
+  technique.resolve(gbuffer, mask);
+  const auto pixels = mask.read();
+  return {pixels.begin(), pixels.end()};
+}
+
+std::vector<float> Trial::answer(Technique& technique, const Scene& scene, const Light& light, const GBuffer& gbuffer) const {
+  technique.build(scene);
+  technique.relight(light);
+  return resolve(technique, gbuffer);
+}
+
+std::vector<float> Trial::fresh_answer(const Scene& scene, const Light& light, const GBuffer& gbuffer,
+                                       const std::string& settings) const {
+  return answer(*set_up(settings), scene, light, gbuffer);
+}
+
+void Trial::at(std::string scene, std::string settings) {
+  place_ = {std::move(scene), "", std::move(settings)};
+  if (moves_) moves_(place_);
+}
+
+void Trial::at(const Light& light) {
+  place_.light = title(light);
+  if (moves_) moves_(place_);
+}
+
+void Trial::found(std::string what, std::size_t pixel, const GBuffer& gbuffer) {
+  const int x = static_cast<int>(pixel) % gbuffer.width, y = static_cast<int>(pixel) / gbuffer.width;
+  add({std::move(what), place_, PlacedPixel{x, y, gbuffer.width, gbuffer.height}});
+}
+
+void Trial::add(Finding finding) {
+  if (verdict_.findings.size() < most_findings) verdict_.findings.push_back(std::move(finding));
+  ++verdict_.finding_count;
+}
+
+void Trial::expect_same(const std::vector<float>& a, const std::vector<float>& b, std::string_view when,
+                        const GBuffer* gbuffer) {
+  if (a.size() != b.size()) return found(fmt::format("{}: {} and {} values", when, a.size(), b.size()));
+  std::size_t count = 0, first = 0;
+  for (std::size_t i = a.size(); i-- > 0;) {
+    if (std::bit_cast<std::uint32_t>(a[i]) == std::bit_cast<std::uint32_t>(b[i])) continue;
+    ++count;
+    first = i;
+  }
+  if (count == 0) return;
+  std::string what =
+      fmt::format("{}: {} of {} values differ, the first is {} and {}", when, count, a.size(), a[first], b[first]);
+  return gbuffer ? found(std::move(what), first, *gbuffer) : found(std::move(what));
+}
+
+void Trial::expect_mask(const std::vector<float>& mask, const Scene& scene, const GBuffer& gbuffer, const Light& light) {
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    if (!(mask[i] >= 0 && mask[i] <= 1))
+      return found(fmt::format("the mask is {}, outside 0 .. 1{}", mask[i],
+                               mask[i] == -7 ? ": that was there before; the pixel was not written" : ""),
+                   i, gbuffer);
+    if (mask[i] != 1 && !faces_light(scene, gbuffer, light, i))
+      return found(fmt::format("the mask is {}, not 1, where the pixel does not face the light", mask[i]), i, gbuffer);
+  }
+}
+
+Verdict Trial::verdict() const {
+  Verdict verdict = verdict_;
+  if (verdict.finding_count > 0) {
+    verdict.kind = Verdict::Kind::fails;
+    verdict.why.clear();
+  } else if (!verdict.why.empty()) {
+    verdict.kind = Verdict::Kind::does_not_apply;
+  }
+  return verdict;
+}
+
+std::vector<std::string> settings_of(const TechniqueEntry& entry, const std::function<bool(const Parameter&)>& wanted) {
+  std::vector<std::string> all = {""};
+  const auto names = entry.make();
+  for (const Parameter* parameter : names->parameters()) {
+    if (wanted && !wanted(*parameter)) continue;
+    for (const std::string& value : parameter->probes()) all.push_back(fmt::format("{}={}", parameter->name(), value));
+  }
+  return all;
+}
+
+}  // namespace gnomon::conformance

@@ -1,0 +1,79 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "measure/conformance/rule.h"
+#include "measure/conformance/world.h"
+
+namespace gnomon::conformance {
+
+/// One technique before one rule: fresh objects of it, the worlds that it is asked in, and what was found.
+class Trial {
+ public:
+  explicit Trial(const TechniqueEntry& entry, std::function<void(const Place&)> moves = {})
+      : entry_(entry), moves_(std::move(moves)) {}
+
+  const TechniqueEntry& entry() const { return entry_; }
+  bool uses_gl() const { return entry_.about.needs_gl; }
+
+  std::unique_ptr<World> world(const std::string& reference) const;
+  std::unique_ptr<World> world(Scene scene) const { return std::make_unique<World>(std::move(scene), entry_.about.sees); }
+
+  /// The answer of a fresh object, as everything else asks: before it runs.
+  Support support(const Scene& scene, const Light& light, const std::string& settings = "") const;
+  std::vector<Light> supported_lights(const Scene& scene, const std::string& settings = "") const;
+
+  std::unique_ptr<Technique> set_up(const std::string& settings = "") const;
+  /// In a mask that holds nonsense until the technique has written every pixel of it, in memory or in its texture.
+  std::vector<float> resolve(Technique& technique, const GBuffer& gbuffer) const;
+  std::vector<float> answer(Technique& technique, const Scene& scene, const Light& light, const GBuffer& gbuffer) const;
+  std::vector<float> fresh_answer(const Scene& scene, const Light& light, const GBuffer& gbuffer,
+                                  const std::string& settings = "") const;
+
+  /// From here on it is asked there.
+  void at(std::string scene, std::string settings = "");
+  /// The same scene and settings under this light.
+  void at(const Light& light);
+
+  void found(std::string what) { add({std::move(what), place_, {}}); }
+  void found(std::string what, std::size_t pixel, const GBuffer& gbuffer);
+  void expect(bool holds, std::string_view what) {
+    if (!holds) found(std::string(what));
+  }
+  /// Bit for bit, so that also a NaN equals itself. `when` begins the finding. Without a G-buffer: of anything else.
+  void expect_same(const std::vector<float>& a, const std::vector<float>& b, std::string_view when,
+                   const GBuffer* gbuffer = nullptr);
+  /// Every value is a share of light, and 1 where there is nothing to decide (classes B and F).
+  void expect_mask(const std::vector<float>& mask, const Scene& scene, const GBuffer& gbuffer, const Light& light);
+
+  /// Ends nothing; counts where nothing was found.
+  void does_not_apply(std::string why) { verdict_.why = std::move(why); }
+  Verdict verdict() const;
+
+ private:
+  void add(Finding finding);
+
+  const TechniqueEntry& entry_;
+  std::function<void(const Place&)> moves_;
+  Place place_;
+  Verdict verdict_;
+};
+
+/// "" and "a=1" for every probe of every parameter that is wanted.
+std::vector<std::string> settings_of(const TechniqueEntry& entry, const std::function<bool(const Parameter&)>& wanted = {});
+
+// The rules of each file.
+std::vector<Rule> about_rules();
+std::vector<Rule> answer_rules();
+std::vector<Rule> life_rules();
+std::vector<Rule> light_rules();
+std::vector<Rule> neighbor_rules();
+std::vector<Rule> limit_rules();
+std::vector<Rule> memory_rules();
+std::vector<Rule> cause_rules();
+std::vector<Rule> promise_rules();
+
+}  // namespace gnomon::conformance
