@@ -12,6 +12,8 @@
 #include <thread>
 
 #include "measure/notice.h"
+#include "measure/paths.h"
+#include "measure/program/program_technique.h"
 #include "measure/scene/import.h"
 
 namespace gnomon::app {
@@ -70,8 +72,14 @@ int run_program(int argc, char** argv) {
                                 load_plugin(path);
                                 program.plugins.push_back(path);
                               });
+    program.line.early_option("--program", "FILE.toml", "Load a technique that is a program of its own (docs/protocol.md)",
+                              [&](const std::string& path) {
+                                load_program(path);
+                                program.plugins.push_back(path);
+                              });
+    if (const std::filesystem::path root = find_data_root(); !root.empty()) load_programs_of(root / "techniques");
     for (auto* add : {add_list, add_describe, add_render, add_run, add_table, add_compare, add_merge, add_report, add_analyze,
-                      add_figure, add_certify, add_docs, add_score, add_cache, add_view, add_worker})
+                      add_figure, add_certify, add_docs, add_score, add_export, add_cache, add_view, add_worker})
       add(program);
     const int status = program.line.run(argc, argv);
     if (std::fflush(stdout) != 0) throw std::system_error(errno, std::generic_category());

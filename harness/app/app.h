@@ -13,7 +13,7 @@ namespace gnomon::app {
 /// What every command may look at: options given before the command.
 struct Program {
   CommandLine line;
-  std::vector<std::string> plugins;
+  std::vector<std::string> plugins;  ///< as WorkerOptions has them
 };
 
 // One function per command: adds it, what it takes and what it does. Each is in command_NAME.cpp, or with a command of its
@@ -28,6 +28,7 @@ void add_merge(Program& program);
 void add_report(Program& program);
 void add_analyze(Program& program);
 void add_figure(Program& program);
+void add_export(Program& program);
 void add_certify(Program& program);
 void add_docs(Program& program);
 void add_score(Program& program);

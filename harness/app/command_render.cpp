@@ -153,14 +153,18 @@ class Rendering {
     record.support = support.kind();
     record.reason = support.why();
     const ContenderWorker::SetupTime setup = worker_.setup_time();
-    record.times(Stage::setup) = {{setup.ms}};
-    if (setup.device_ms) record.device_times(Stage::setup) = {{*setup.device_ms}};
+    const auto note = [&](Stage stage, double ms, const OtherClocks& others) {
+      record.times(stage) = {{ms}};
+      if (others.device) record.device_times(stage) = {{*others.device}};
+      if (others.wall) record.wall_times(stage) = {{*others.wall}};
+    };
+    note(Stage::setup, setup.ms, setup.other_clocks);
     const auto measured = measure(record, run_, worker_, frame);
     if (!measured) require(Support::unsupported(record.reason));
     // One warm call each: `gnomon run` is for timing.
     for (const Stage stage : {Stage::build, Stage::relight, Stage::resolve}) {
-      record.times(stage) = {{worker_.client().time(stage)}};
-      if (const auto device_ms = worker_.client().device_ms()) record.device_times(stage) = {{*device_ms}};
+      const double ms = worker_.client().time(stage);
+      note(stage, ms, worker_.client().other_clocks());
     }
     write_pictures_of(job, *measured);
     record.mask = "mask.exr";

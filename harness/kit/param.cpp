@@ -42,9 +42,9 @@ void Number<T>::set(std::string_view value) {
 template class Number<int>;
 template class Number<double>;
 
-Choice::Choice(Parametrized* owner, std::string_view name, std::string_view value,
-               std::initializer_list<std::string_view> choices, Stage spoils, std::string_view sentence)
-    : Parameter(owner, name, "", spoils, sentence), choices_(choices) {
+Choice::Choice(Parametrized* owner, std::string_view name, std::string_view value, std::vector<std::string_view> choices,
+               Stage spoils, std::string_view sentence)
+    : Parameter(owner, name, "", spoils, sentence), choices_(std::move(choices)) {
   const auto found = std::find(choices_.begin(), choices_.end(), value);
   if (found == choices_.end()) throw Error("parameter {}: default {} is outside {}", name, value, allowed());
   index_ = default_ = static_cast<int>(found - choices_.begin());

@@ -7,11 +7,14 @@ namespace gnomon {
 
 namespace {
 
+std::string source(const std::string& origin) { return origin.empty() ? "that is built in" : fmt::format("of {}", origin); }
+
 template <class Entry>
 void insert(std::vector<Entry>& entries, Entry entry, std::string_view what) {
   const auto place = std::lower_bound(entries.begin(), entries.end(), entry.id,
                                       [](const Entry& e, const std::string& id) { return e.id < id; });
-  if (place != entries.end() && place->id == entry.id) throw Error("{} {} is registered twice", what, entry.id);
+  if (place != entries.end() && place->id == entry.id)
+    throw Error("{} {} {} is there already: {}", what, entry.id, source(entry.origin), source(place->origin));
   entries.insert(place, std::move(entry));
 }
 
@@ -42,8 +45,14 @@ std::vector<float> Technique::draw_debug(std::string_view layer) const {
   throw Error("{} has no debug layer {}; it has: {}", id(), layer, joined(layers, ", "));
 }
 
-void Registry::add(TechniqueEntry entry) { insert(techniques_, std::move(entry), "technique"); }
-void Registry::add(SceneEntry entry) { insert(scenes_, std::move(entry), "scene"); }
+void Registry::add(TechniqueEntry entry) {
+  if (entry.origin.empty()) entry.origin = origin_;
+  insert(techniques_, std::move(entry), "technique");
+}
+void Registry::add(SceneEntry entry) {
+  if (entry.origin.empty()) entry.origin = origin_;
+  insert(scenes_, std::move(entry), "scene");
+}
 
 const TechniqueEntry& Registry::technique(std::string_view id) const {
   if (const TechniqueEntry* entry = find(techniques_, id)) return *entry;
@@ -63,6 +72,13 @@ const TechniqueEntry& Registry::reference() const {
   throw Error("no technique has the role of the reference");
 }
 
+std::vector<std::optional<Explanation>> Technique::explain_all(std::span<const std::uint32_t> pixels) const {
+  std::vector<std::optional<Explanation>> all;
+  all.reserve(pixels.size());
+  for (const std::uint32_t pixel : pixels) all.push_back(explain(pixel));
+  return all;
+}
+
 Registry& registry() {
   static Registry the_registry;
   return the_registry;
@@ -77,7 +93,9 @@ void load_plugin(const std::string& path) {
     throw Error("plugin {} was built for contract {}; this program speaks {}: build it again", path, *abi, abi_version);
   const auto roll_call = reinterpret_cast<void (*)(Registry&)>(dlsym(library, "gnomon_plugin_roll_call"));
   if (!roll_call) throw Error("plugin {} is not a Gnomon plugin: it has no symbol gnomon_plugin_roll_call", path);
+  registry().set_origin(path);
   roll_call(registry());
+  registry().set_origin("");
 }
 
 }  // namespace gnomon

@@ -33,6 +33,14 @@ fs::path data_root() {
   throw Error("no folder above {} holds scenes/ and bench/suites/; set GNOMON_ROOT", program_path().string());
 }
 
+fs::path find_data_root() {
+  try {
+    return data_root();
+  } catch (const Error&) {
+    return {};
+  }
+}
+
 fs::path cache_root() {
   if (const char* cache = std::getenv("GNOMON_CACHE")) return cache;
   const fs::path root = data_root();

@@ -6,6 +6,8 @@ namespace gnomon {
 /// Folder that holds scenes/ and bench/suites/: $GNOMON_ROOT, else the nearest folder above the program that has both, else
 /// the installed share/gnomon. Throws Error when there is none.
 std::filesystem::path data_root();
+/// The same; empty where there is none.
+std::filesystem::path find_data_root();
 
 /// Folder for what can be made again: $GNOMON_CACHE, else data_root()/cache where that can be written, else the user's
 /// cache folder. Fetched scenes lie in `scenes/ID/` below it.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "measure/scene/scene_json.h"
 #include "report/listing.h"
 #include "report/table/text_table.h"
 
@@ -12,60 +13,14 @@ namespace gnomon {
 
 namespace {
 
-/// A float as the fewest digits that read back as the same float.
-Json number(float value) { return parse_json(fmt::format("{}", value)); }
-Json number(const glm::vec3& v) { return Json::array({number(v.x), number(v.y), number(v.z)}); }
-
-/// A table of a scene file.
-using Keys = std::vector<std::pair<std::string, Json>>;
-
-Keys keys_of(const PointLight& light) { return {{"position", number(light.position)}}; }
-Keys keys_of(const SpotLight& light) {
-  return {{"position", number(light.position)},
-          {"direction", number(light.direction)},
-          {"inner_degrees", number(light.inner_degrees)},
-          {"outer_degrees", number(light.outer_degrees)}};
-}
-Keys keys_of(const DirectionalLight& light) { return {{"direction", number(light.direction)}}; }
-Keys keys_of(const RectLight& light) {
-  return {{"center", number(light.center)},
-          {"half_u", number(light.half_u)},
-          {"half_v", number(light.half_v)},
-          {"one_sided", light.emits == Emits::in_front}};
-}
-Keys keys_of(const DiscLight& light) {
-  return {{"center", number(light.center)},
-          {"normal", number(light.normal)},
-          {"radius", number(light.radius)},
-          {"one_sided", light.emits == Emits::in_front}};
-}
-Keys keys_of(const SphereLight& light) { return {{"center", number(light.center)}, {"radius", number(light.radius)}}; }
-
-Keys keys_of(const View& view) {
-  return {{"eye", number(view.eye)},
-          {"target", number(view.target)},
-          {"up", number(view.up)},
-          {"fov_y_degrees", number(view.fov_y_degrees)}};
-}
-Keys keys_of(const Light& light) {
-  Keys keys = std::visit([](const auto& kind) { return keys_of(kind); }, light.kind);
-  keys.emplace_back("intensity", number(light.intensity));
-  return keys;
-}
-
 /// "center -1.3 0.8 0.35, radius 0.08".
-std::string words(const Keys& keys) {
+std::string words(const SceneKeys& keys) {
   std::string text;
   for (const auto& [key, value] : keys) {
     text += (text.empty() ? "" : ", ") + key;
     for (const Json& one : value.is_array() ? value : Json::array({value})) text += ' ' + json_text(one);
   }
   return text;
-}
-
-Json object(Json named, const Keys& keys) {
-  for (const auto& [key, value] : keys) named[key] = value;
-  return named;
 }
 
 std::string mesh_table(const Scene& scene, std::size_t width) {
@@ -117,9 +72,9 @@ std::string describe_text(const std::string& reference, const Scene& scene, std:
   if (const SceneEntry* entry = generator_of(reference))
     text += fmt::format("\n{}\n\n{}", entry->about.summary, parameters_text(*entry->make(), width));
   TextTable lights({{"light", ""}, {"kind", ""}, {"keys of a scene file", "meters"}});
-  for (const Light& light : scene.lights) lights.add_row({light.name, std::string(kind_name(light)), words(keys_of(light))});
+  for (const Light& light : scene.lights) lights.add_row({light.name, std::string(kind_name(light)), words(scene_keys(light))});
   TextTable views({{"view", ""}, {"keys of a scene file", "meters"}});
-  for (const View& view : scene.views) views.add_row({view.name, words(keys_of(view))});
+  for (const View& view : scene.views) views.add_row({view.name, words(scene_keys(view))});
   return text + fmt::format("\n{}\n{}\n{}", lights.text(width), views.text(width), mesh_table(scene, width));
 }
 
@@ -127,7 +82,7 @@ Json describe_json(const std::string& reference, const Scene& scene) {
   const Bounds b = scene.bounds();
   Json json = {{"scene", reference},
                {"triangles", scene.triangle_count()},
-               {"bounds", {{"min", number(b.min)}, {"max", number(b.max)}}},
+               {"bounds", {{"min", number_json(b.min)}, {"max", number_json(b.max)}}},
                {"notes", scene.notes},
                {"summary", Json()},
                {"parameters", Json::array()}};
@@ -136,9 +91,8 @@ Json describe_json(const std::string& reference, const Scene& scene) {
     json["parameters"] = parameters_json(*entry->make());
   }
   for (const char* list : {"lights", "views", "meshes"}) json[list] = Json::array();
-  for (const Light& light : scene.lights)
-    json["lights"].push_back(object({{"name", light.name}, {"kind", kind_name(light)}}, keys_of(light)));
-  for (const View& view : scene.views) json["views"].push_back(object({{"name", view.name}}, keys_of(view)));
+  for (const Light& light : scene.lights) json["lights"].push_back(scene_json(light));
+  for (const View& view : scene.views) json["views"].push_back(scene_json(view));
   for (const Mesh& mesh : scene.meshes) json["meshes"].push_back(mesh_json(mesh));
   return json;
 }

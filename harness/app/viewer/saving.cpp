@@ -184,7 +184,7 @@ std::string state_toml(const Selection& shown, const fs::path& file) {
 std::string render_command(const Selection& shown, std::span<const std::string> plugins, const fs::path& scene_file,
                            const fs::path& out) {
   std::vector<std::string> words = {"gnomon"};
-  for (const std::string& plugin : plugins) words.insert(words.end(), {"--plugin", path_word(plugin)});
+  for (const std::string& plugin : plugins) words.insert(words.end(), {load_option(plugin), path_word(plugin)});
   words.insert(words.end(), {"render", "--scene", path_word(scene_file.string()), "--technique", written(shown.sides[0]),
                              "--light", shown.together.empty() ? shown.light.name : "all+", "--view", shown.view.name, "--size",
                              fmt::format("{}x{}", shown.width, shown.height)});

@@ -117,6 +117,9 @@ extern template class Number<double>;
 class Choice : public Parameter {
  public:
   Choice(Parametrized* owner, std::string_view name, std::string_view value, std::initializer_list<std::string_view> choices,
+         Stage spoils, std::string_view sentence)
+      : Choice(owner, name, value, std::vector<std::string_view>(choices), spoils, sentence) {}
+  Choice(Parametrized* owner, std::string_view name, std::string_view value, std::vector<std::string_view> choices,
          Stage spoils, std::string_view sentence);
   std::string_view value() const { return choices_[index_]; }
   int index() const { return index_; }  ///< position in the list of choices

@@ -1,10 +1,12 @@
 #pragma once
 #include <gnomon/technique.h>
 
+#include <functional>
+
 namespace gnomon {
 
 /// Version of the contract: a plugin built for another number is refused.
-inline constexpr int abi_version = 11;
+inline constexpr int abi_version = 12;
 
 /// A scene made by a program instead of a file; one per file in scenes/. Gives lights `point` and `sun` and at least one view.
 class SceneGenerator : public Parametrized {
@@ -31,19 +33,23 @@ struct SceneAbout {
 struct TechniqueEntry {
   std::string id;
   About about;
-  std::unique_ptr<Technique> (*make)();  ///< fresh object, id set
+  std::function<std::unique_ptr<Technique>()> make;  ///< fresh object, id set
+  std::string origin = {};  ///< file that it was loaded from, as given: of a plugin or of a program; empty: built in
 };
 struct SceneEntry {
   std::string id;
   SceneAbout about;
-  std::unique_ptr<SceneGenerator> (*make)();
+  std::function<std::unique_ptr<SceneGenerator>()> make;
+  std::string origin = {};
 };
 
 /// All that was called in the roll: techniques and generated scenes in alphabetical order of their ids.
 class Registry {
  public:
-  void add(TechniqueEntry entry);  ///< throws Error on an id that is taken
+  void add(TechniqueEntry entry);  ///< throws Error on an id that is taken, with where both come from
   void add(SceneEntry entry);
+  /// Where what is added from now on comes from; empty: built in.
+  void set_origin(std::string origin) { origin_ = std::move(origin); }
   const std::vector<TechniqueEntry>& techniques() const { return techniques_; }
   const std::vector<SceneEntry>& scenes() const { return scenes_; }
   /// Throws Error with the nearest id and the list.
@@ -58,6 +64,7 @@ class Registry {
  private:
   std::vector<TechniqueEntry> techniques_;
   std::vector<SceneEntry> scenes_;
+  std::string origin_;
 };
 
 /// The registry of this process.

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -146,8 +147,13 @@ class Technique : public Parametrized {
   /// itself. This object outlives it. Null when the technique shares nothing: then every light gets a whole object. Kit:
   /// gnomon/kit/shared.h.
   virtual std::unique_ptr<Technique> for_another_light() const { return nullptr; }
+  /// Milliseconds of the last stage by the technique's own clock, where what it does runs elsewhere: these count then, and the
+  /// harness's own clock stands beside them. Nothing: the harness's counts.
+  virtual std::optional<double> own_ms() const { return std::nullopt; }
   /// Why pixel `index` of the last resolve got its answer; nothing when the technique has no samples to show. Untimed.
   virtual std::optional<Explanation> explain([[maybe_unused]] std::size_t index) const { return std::nullopt; }
+  /// The same of many pixels, in their order: for techniques to which one question costs as much as a thousand.
+  virtual std::vector<std::optional<Explanation>> explain_all(std::span<const std::uint32_t> pixels) const;
   /// The lit and shadowed polygons of the last relight; nothing from techniques that do not make polygons. A fresh object of
   /// one that does gives an empty detail. Untimed.
   virtual std::optional<SurfaceDetail> surface_detail() const { return std::nullopt; }

@@ -174,7 +174,8 @@ class Batch {
     if (!support) return give_up(row, Status::unsupported);
     const ContenderWorker::SetupTime setup = worker.setup_time();
     row.record.times(Stage::setup).push_back({setup.ms});
-    if (setup.device_ms) row.record.device_times(Stage::setup).push_back({*setup.device_ms});
+    if (setup.other_clocks.device) row.record.device_times(Stage::setup).push_back({*setup.other_clocks.device});
+    if (setup.other_clocks.wall) row.record.wall_times(Stage::setup).push_back({*setup.other_clocks.wall});
     row.record.iterations["setup"] = 1;
     if (process_ > 0) return;
     if (const auto measured = measure(row.record, run_, worker, frame))
@@ -192,7 +193,7 @@ class Batch {
   void time_stage(const std::vector<PendingRow*>& group, Stage stage) {
     std::vector<TimingTask> tasks;
     std::vector<PendingRow*> owners;
-    std::deque<std::vector<double>> device;  // of each task: the device's own milliseconds of every repetition
+    std::deque<OtherSamples> others;  // of each task
     for (PendingRow* row : group) {
       if (row->over) continue;
       if (const auto known = builds_.find(build_of(*row)); stage == Stage::build && known != builds_.end()) {
@@ -202,10 +203,10 @@ class Batch {
       }
       const auto start = Clock::now();
       try {
-        tasks.push_back(warm_up(*row, stage, device.emplace_back()));
+        tasks.push_back(warm_up(*row, stage, others.emplace_back()));
         owners.push_back(row);
       } catch (const std::exception& failure) {
-        device.resize(tasks.size());
+        others.resize(tasks.size());
         fail(*row, message_of(failure));
       }
       *row->record.seconds += seconds_since(start);
@@ -219,7 +220,7 @@ class Batch {
       double spent = 0;
       for (const double ms : tasks[k].samples) spent += ms / 1000 * tasks[k].iterations;
       *owners[k]->record.seconds += spent;
-      tasks[k].device_samples = std::move(device[k]);
+      tasks[k].others = std::move(others[k]);
       if (stage == Stage::build) builds_[build_of(*owners[k])] = tasks[k];
       add_samples(owners[k]->record, stage, tasks[k]);
     }
@@ -228,12 +229,13 @@ class Batch {
   /// A process more.
   static void add_samples(Record& record, Stage stage, const TimingTask& task) {
     record.times(stage).push_back(task.samples);
-    if (!task.device_samples.empty()) record.device_times(stage).push_back(task.device_samples);
+    if (!task.others.device.empty()) record.device_times(stage).push_back(task.others.device);
+    if (!task.others.wall.empty()) record.wall_times(stage).push_back(task.others.wall);
   }
 
-  /// Warm-ups, fewer when they take long; they also say how often to repeat. `device` will get the device's times. Stages over
-  /// 0.5 s are timed once per process.
-  TimingTask warm_up(PendingRow& row, Stage stage, std::vector<double>& device) {
+  /// Warm-ups, fewer when they take long; they also say how often to repeat. `others` will get the other clocks' times. Stages
+  /// over 0.5 s are timed once per process.
+  TimingTask warm_up(PendingRow& row, Stage stage, OtherSamples& others) {
     WorkerClient& worker = workers_[row.contender]->client();
     double last = 0, sum = 0;
     for (int k = 0; k < run_.suite.warmups && sum < 300; ++k) {
@@ -246,9 +248,11 @@ class Batch {
     std::uint64_t& iterations = row.record.iterations[std::string(name(stage))];
     if (iterations == 0) iterations = static_cast<std::uint64_t>(iterations_for(last));
     task.iterations = static_cast<int>(iterations);
-    task.milliseconds = [&worker, stage, &device](int count) {
+    task.milliseconds = [&worker, stage, &others](int count) {
       const double ms = worker.time(stage, count);
-      if (worker.device_ms()) device.push_back(*worker.device_ms() / count);
+      const OtherClocks& clocks = worker.other_clocks();
+      if (clocks.device) others.device.push_back(*clocks.device / count);
+      if (clocks.wall) others.wall.push_back(*clocks.wall / count);
       return ms;
     };
     return task;

@@ -83,7 +83,7 @@ ContenderWorker::SetupTime ContenderWorker::setup_time() {
   const auto [found, is_new] = setup_times_.try_emplace(object_count());
   if (is_new) {
     found->second.ms = client_.time(Stage::setup);
-    found->second.device_ms = client_.device_ms();
+    found->second.other_clocks = client_.other_clocks();
   }
   return found->second;
 }

@@ -57,7 +57,7 @@ class ContenderWorker {
   std::size_t object_count() const;
   struct SetupTime {
     double ms = 0;
-    std::optional<double> device_ms;  ///< by the clock of the device that draws
+    OtherClocks other_clocks;
   };
   /// What setup took in this process for so many objects; does it at the first call.
   SetupTime setup_time();

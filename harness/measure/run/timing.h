@@ -5,13 +5,18 @@
 
 namespace gnomon {
 
+/// Milliseconds of every repetition by clocks beside the one that counts; empty where there is none.
+struct OtherSamples {
+  std::vector<double> device, wall;
+};
+
 /// One contender's stage to be timed.
 struct TimingTask {
   int repetitions = 3;
   int iterations = 1;                       ///< per repetition; their mean is the sample
   std::function<double(int)> milliseconds;  ///< does the stage so many times and says how long all took together; may throw
   std::vector<double> samples;              ///< out: one per repetition, milliseconds
-  std::vector<double> device_samples;       ///< the same by the device's own clock, where whoever gave the task has one
+  OtherSamples others;                      ///< the same by other clocks, where whoever gave the task has some
   std::string failure;                      ///< out: why there are no more samples
 };
 

@@ -14,8 +14,10 @@
 
 #include <algorithm>
 #include <cstring>
+#include <fstream>
 
 #include "measure/paths.h"
+#include "measure/program/program_technique.h"
 
 namespace gnomon {
 
@@ -41,14 +43,39 @@ std::string program_to_start(const WorkerOptions& options) {
   return program;
 }
 
+/// Tells the processes of one worker, and all that they start, from all others: "GNOMON_WORKER=4711.3".
+constexpr std::string_view mark_variable = "GNOMON_WORKER";
+std::string fresh_mark() {
+  static std::atomic<int> count = 0;
+  return fmt::format("{}.{}", getpid(), ++count);
+}
+
+/// Puts down what a worker's processes started in sessions of their own: whatever has its mark.
+void end_marked(const std::string& mark) {
+  const std::string wanted = fmt::format("{}={}", mark_variable, mark);
+  constexpr int most_rounds = 10;  // what is found may just have started another one
+  for (int round = 0, found = 1; round < most_rounds && found > 0; ++round) {
+    found = 0;
+    std::error_code ignored;
+    for (const auto& entry : std::filesystem::directory_iterator("/proc", ignored)) {
+      const std::string number = entry.path().filename().string();
+      if (number.find_first_not_of("0123456789") != number.npos) continue;
+      std::ifstream file(entry.path() / "environ", std::ios::binary);
+      for (std::string variable; std::getline(file, variable, '\0');)
+        if (variable == wanted && kill(std::stoi(number), SIGKILL) == 0) ++found;
+    }
+  }
+}
+
 /// What a worker's environment has in place of its owner's.
-std::vector<std::pair<std::string_view, std::string>> set_here(const WorkerOptions& options) {
-  std::vector<std::pair<std::string_view, std::string>> variables;
+std::vector<std::pair<std::string_view, std::string>> set_here(const WorkerOptions& options, const std::string& mark) {
+  std::vector<std::pair<std::string_view, std::string>> variables = {{mark_variable, mark}};
   if (options.threads > 0) variables.emplace_back("LP_NUM_THREADS", std::to_string(options.threads));
   if (!options.keeps_shaders) {  // the drivers of Mesa and NVIDIA
     variables.emplace_back("MESA_SHADER_CACHE_DISABLE", "true");
     variables.emplace_back("__GL_SHADER_DISK_CACHE", "0");
   }
+  if (!options.program_folder.empty()) variables.emplace_back(program_folder_variable, options.program_folder);
   return variables;
 }
 
@@ -58,11 +85,11 @@ struct Launch {
   std::vector<std::string> arguments, environment;
   std::vector<char*> argv, envp;
 
-  Launch(const WorkerOptions& options, int socket) : program(program_to_start(options)) {
+  Launch(const WorkerOptions& options, int socket, const std::string& mark) : program(program_to_start(options)) {
     arguments = {program};
-    for (const std::string& plugin : options.plugins) arguments.insert(arguments.end(), {"--plugin", plugin});
+    for (const std::string& plugin : options.plugins) arguments.insert(arguments.end(), {load_option(plugin), plugin});
     arguments.insert(arguments.end(), {"worker", std::to_string(socket), std::to_string(options.threads)});
-    const auto variables = set_here(options);
+    const auto variables = set_here(options, mark);
     for (char** entry = environ; *entry; ++entry) {
       const std::string_view name = std::string_view(*entry).substr(0, std::string_view(*entry).find('='));
       const bool is_replaced = std::ranges::any_of(variables, [&](const auto& variable) { return variable.first == name; });
@@ -116,6 +143,8 @@ void enter_worker(int owner, int threads, int errors) {
 
 }  // namespace
 
+std::string load_option(const std::string& path) { return path.ends_with(".toml") ? "--program" : "--plugin"; }
+
 bool write_line(int socket, const std::string& line) {
   const std::string bytes = line + '\n';
   for (std::size_t sent = 0; sent < bytes.size();) {
@@ -127,7 +156,7 @@ bool write_line(int socket, const std::string& line) {
   return true;
 }
 
-WorkerProcess::WorkerProcess(const WorkerOptions& options) : options_(options) {
+WorkerProcess::WorkerProcess(const WorkerOptions& options) : options_(options), mark_(fresh_mark()) {
   int sockets[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, sockets) != 0)
     throw Error("no socket for a worker: {}", std::strerror(errno));
@@ -138,7 +167,7 @@ WorkerProcess::WorkerProcess(const WorkerOptions& options) : options_(options) {
     close(errors_);
   };
   try {
-    Launch launch(options, sockets[1]);
+    Launch launch(options, sockets[1], mark_);
     const int owner = getpid();
     process_ = fork();
     if (process_ == 0) {
@@ -170,6 +199,7 @@ void WorkerProcess::end_process() {
   kill(process_, SIGKILL);  // before it had a group of its own
   waitpid(process_, nullptr, 0);
   process_ = -1;
+  end_marked(mark_);
 }
 
 void WorkerProcess::interrupt() {
@@ -224,6 +254,7 @@ void WorkerProcess::fail_as_it_ended() {
   if (!has_ended) fail(fmt::format("crashed in {}: it closed its connection and went on", doing_));
   kill(-process_, SIGKILL);  // what the technique started
   process_ = -1;
+  end_marked(mark_);
   constexpr int not_started = 127;  // what is left where exec fails: the program may have gone since it was looked at
   if (WIFEXITED(status) && WEXITSTATUS(status) == not_started) program_to_start(options_);
   if (WIFSIGNALED(status))

@@ -22,10 +22,14 @@ class WorkerCrash : public WorkerFailure {
   using WorkerFailure::WorkerFailure;
 };
 
+/// The option that loads such a file: --program for a .toml, --plugin for any other.
+std::string load_option(const std::string& path);
+
 struct WorkerOptions {
   int threads = 0;  ///< pins the worker to this many cores and tells llvmpipe, Embree and TBB before any starts; 0: all
-  std::vector<std::string> plugins;
-  std::string program = {};  ///< whose processes the workers are; empty: this one
+  std::vector<std::string> plugins;  ///< files of plugins, and of programs as techniques
+  std::string program = {};          ///< whose processes the workers are; empty: this one
+  std::string program_folder = {};   ///< for files between the worker and a technique that is a program; empty: one of its own
   /// Several iterations of a stage are one request. False: each is one, as older programs want it.
   bool takes_iterations = true;
   /// Drivers may keep compiled shaders on the disk. False: every setup compiles them.
@@ -76,6 +80,7 @@ class WorkerProcess {
   std::string last_words() const;
 
   WorkerOptions options_;
+  std::string mark_;  ///< in the environment of the process and of all that it starts
   int process_ = -1;  ///< -1: it has ended
   int socket_ = -1, errors_ = -1;
   std::atomic<bool> is_interrupted_ = false;
@@ -95,7 +100,8 @@ bool write_line(int socket, const std::string& line);
 ///   "shares"
 ///   {"do": "frame", "gbuffer": FILE, "stand": FILE, "width", "height", "truth"}         -> the same
 ///   {"do": "setup"}                                                         -> {"ms": t}
-///   {"do": "time", "stage": NAME, "iterations": N}                          -> {"ms": t, "iterations": n, "device_ms": t}
+///   {"do": "time", "stage": NAME, "iterations": N}                          -> {"ms": t, "iterations": n, "device_ms": t,
+///   "wall_ms": t}
 ///   {"do": "bring_up", "stage": NAME}                                       -> {}          all stages up to this one, once
 ///   {"do": "answer", "mask": FILE}                                          -> {"counts": [...], "peak_bytes": n}
 ///   {"do": "mask", "mask": FILE}                                            -> {}          the mask without counting
@@ -110,11 +116,11 @@ bool write_line(int socket, const std::string& line);
 /// file `done`, which may be missing, is a SharedCount of the pixels that are through.
 /// `stand` is a file with the scene_bytes of a scene without meshes that holds a light or several and one view, wherever they
 /// are: they count instead of the scene's. `time` brings earlier stages up untimed, does this one N times, once where nothing
-/// is said, or fewer (longest_portion_seconds), and answers the sum of their times and their number. Masks of several lights
-/// follow each other in one file; `explain`, `debug` and `detail` are about the frame's first light, or that of their "light".
-/// A light that is unsupported beside others has a mask of ones. `fresh` is how many stages, from setup on, are up to date.
-/// `pixels` holds uint32 indices of the mask answered last; `out` gets their explanation_bytes, in the same order. An exception
-/// is answered as {"error": text}.
+/// is said, or fewer (longest_portion_seconds), and answers the sum of their times and their number; `wall_ms` beside `ms`
+/// where that is by the technique's own clock. Masks of several lights follow each other in one file; `explain`, `debug` and
+/// `detail` are about the frame's first light, or that of their "light". A light that is unsupported beside others has a mask
+/// of ones. `fresh` is how many stages, from setup on, are up to date. `pixels` holds uint32 indices of the mask answered last;
+/// `out` gets their explanation_bytes, in the same order. An exception is answered as {"error": text}.
 int worker_main(int socket, int threads);
 
 }  // namespace gnomon

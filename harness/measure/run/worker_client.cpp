@@ -22,6 +22,11 @@ constexpr double least_load_seconds = 60;
 
 constexpr Stage all_stages[] = {Stage::setup, Stage::build, Stage::relight, Stage::resolve};
 
+WorkerOptions with_program_folder(WorkerOptions options, const fs::path& folder) {
+  options.program_folder = folder.string();
+  return options;
+}
+
 Support support_of(const std::string& kind, const std::string& why) {
   for (const Support& support : {Support::full(), Support::approximate(why), Support::unsupported(why)})
     if (kind == name(support.kind())) return support;
@@ -38,8 +43,9 @@ std::vector<std::byte> light_and_view_bytes(const std::vector<Light>& lights, co
 }
 
 WorkerClient::WorkerClient(const WorkerOptions& options, fs::path files, double timeout_seconds)
-    : process_(options),
-      files_(std::move(files)),
+    : files_(std::move(files)),
+      program_files_(ScratchFolder::at(fs::path(files_) += ".program")),
+      process_(with_program_folder(options, program_files_.path())),
       timeout_seconds_(timeout_seconds),
       takes_iterations_(options.takes_iterations) {}
 
@@ -120,7 +126,10 @@ FrameReply WorkerClient::frame(const FrameRequest& request) {
 
 double WorkerClient::time(Stage stage, int iterations) {
   double sum = 0;
-  device_ms_ = 0;
+  other_clocks_ = {.device = 0, .wall = 0};
+  const auto add = [](std::optional<double>& sum, const Json& reply, const char* key) {
+    sum = sum && reply.contains(key) ? std::optional(*sum + reply.at(key).get<double>()) : std::nullopt;
+  };
   for (int done = 0; done < iterations;) {
     const int wanted = takes_iterations_ ? iterations - done : 1;
     Json request = json_object({{"do", "time"}, {"stage", name(stage)}});
@@ -130,8 +139,8 @@ double WorkerClient::time(Stage stage, int iterations) {
     done += receive(patience, [&](const Json& reply) {
       fresh_count_ = static_cast<int>(stage) + 1;
       sum += reply.at("ms").get<double>();
-      device_ms_ = device_ms_ && reply.contains("device_ms") ? std::optional(*device_ms_ + reply.at("device_ms").get<double>())
-                                                             : std::nullopt;
+      add(other_clocks_.device, reply, "device_ms");
+      add(other_clocks_.wall, reply, "wall_ms");
       const double count = reply.value("iterations", 1.0);
       if (!(count >= 1 && count <= wanted)) throw Error("{} iterations of {} came for {}", count, name(stage), wanted);
       return static_cast<int>(count);

@@ -9,6 +9,7 @@
 
 #include "measure/frame/classify.h"
 #include "measure/run/worker.h"
+#include "measure/scratch_folder.h"
 
 namespace gnomon {
 
@@ -58,6 +59,12 @@ struct FrameReply {
   std::optional<bool> shares;   ///< of several lights: whether they share what setup and build make
 };
 
+/// What a stage took, in milliseconds, by clocks beside the one that counts; nothing where there is none.
+struct OtherClocks {
+  std::optional<double> device;  ///< of the device that draws
+  std::optional<double> wall;    ///< the harness's, where the technique's own one counts
+};
+
 /// What a worker draws with.
 struct WorkerGl {
   std::string renderer, version;
@@ -99,8 +106,8 @@ class WorkerClient {
   /// together by the worker's own clock. They are one request, or a few where they take long: each answer may take
   /// `timeout_seconds`, of several iterations longest_portion_seconds more.
   double time(Stage stage, int iterations = 1);
-  /// Of the last of these by the clock of the device that draws; nothing where there is none.
-  std::optional<double> device_ms() const { return device_ms_; }
+  /// The last of these by other clocks.
+  const OtherClocks& other_clocks() const { return other_clocks_; }
   /// Does what is out of date up to this stage.
   void bring_up(Stage stage);
 
@@ -125,12 +132,13 @@ class WorkerClient {
   auto receive(double timeout_seconds, const Read& read);
   std::filesystem::path file(const char* ending) const;
 
-  WorkerProcess process_;
   std::filesystem::path files_;
+  ScratchFolder program_files_;  ///< outlives the process
+  WorkerProcess process_;
   double timeout_seconds_;
   bool takes_iterations_;
   std::optional<WorkerGl> gl_;
-  std::optional<double> device_ms_;
+  OtherClocks other_clocks_;
   std::size_t pixel_count_ = 0, light_count_ = 1;  ///< of the frame
   int fresh_count_ = 0;
 };

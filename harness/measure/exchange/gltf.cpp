@@ -1,0 +1,150 @@
+#include "measure/exchange/gltf.h"
+
+#include <gnomon/kit/across.h>
+#include <gnomon/kit/camera.h>
+
+#include <cstring>
+
+#include "measure/scene/blob.h"
+#include "measure/scene/scene_json.h"
+
+namespace gnomon {
+
+namespace {
+
+// Numbers of the format: component types, targets of buffers.
+constexpr int float_type = 5126, unsigned_type = 5125, vertex_target = 34962, index_target = 34963;
+
+/// Columns of a node's matrix: x to the right, y up, z backward, as cameras and lights of glTF look along -z.
+Json matrix(const glm::dvec3& right, const glm::dvec3& up, const glm::dvec3& back, const glm::dvec3& place) {
+  Json m = Json::array();
+  const glm::dvec3 columns[] = {right, up, back, place};
+  for (int c = 0; c < 4; ++c) {
+    for (int r = 0; r < 3; ++r) m.push_back(columns[c][r]);
+    m.push_back(c == 3 ? 1 : 0);
+  }
+  return m;
+}
+
+/// Looks along a direction from a place.
+Json looking(const glm::dvec3& direction, const glm::dvec3& place) {
+  const glm::dvec3 back = -glm::normalize(direction);
+  const Across sides(back);
+  return matrix(sides.u, sides.v, back, place);
+}
+
+class GltfWriter {
+ public:
+  explicit GltfWriter(const Scene& scene) : scene_(scene) {
+    json_ = json_object({{"asset", json_object({{"version", "2.0"}, {"generator", "gnomon"}})}, {"scene", 0}});
+    for (const char* list : {"scenes", "nodes", "meshes", "materials", "accessors", "bufferViews", "cameras"})
+      json_[list] = Json::array();
+    for (const Mesh& mesh : scene.meshes) add(mesh);
+    for (const View& view : scene.views) add(view);
+    for (const Light& light : scene.lights) add(light);
+    Json roots = Json::array();
+    for (std::size_t n = 0; n < json_["nodes"].size(); ++n) roots.push_back(n);
+    json_["scenes"].push_back(json_object({{"name", scene.name}, {"nodes", roots}}));
+    if (!punctual_.empty()) {
+      json_["extensionsUsed"] = Json::array({"KHR_lights_punctual"});
+      json_["extensions"]["KHR_lights_punctual"]["lights"] = punctual_;
+    }
+    for (const char* list : {"meshes", "materials", "accessors", "bufferViews", "cameras"})
+      if (json_[list].empty()) json_.erase(list);  // the format wants no empty lists
+  }
+
+  void write(const std::filesystem::path& file) {
+    const std::filesystem::path numbers = std::filesystem::path(file).replace_extension(".bin");
+    if (!bytes_.empty())
+      json_["buffers"].push_back(json_object({{"uri", numbers.filename().string()}, {"byteLength", bytes_.size()}}));
+    write_file(numbers, bytes_);
+    write_file(file, json_text(json_, 1) + "\n");
+  }
+
+ private:
+  std::size_t add_numbers(std::span<const std::byte> numbers, int target) {
+    json_["bufferViews"].push_back(
+        json_object({{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", numbers.size()}, {"target", target}}));
+    bytes_.insert(bytes_.end(), numbers.begin(), numbers.end());
+    return json_["bufferViews"].size() - 1;
+  }
+  std::size_t add_accessor(std::size_t view, int type, std::size_t count, const char* shape) {
+    json_["accessors"].push_back(
+        json_object({{"bufferView", view}, {"componentType", type}, {"count", count}, {"type", shape}}));
+    return json_["accessors"].size() - 1;
+  }
+
+  void add(const Mesh& mesh) {
+    Json node = json_object({{"name", mesh.name}});
+    node["extras"] = json_object(
+        {{"casts", mesh.casts}, {"receives", mesh.receives}, {"shape", mesh.shape ? scene_json(*mesh.shape) : Json()}});
+    if (!mesh.triangles.empty()) {
+      Bounds bounds;
+      bounds.add(mesh.positions);
+      const std::size_t positions = add_accessor(add_numbers(std::as_bytes(std::span(mesh.positions)), vertex_target),
+                                                 float_type, mesh.positions.size(), "VEC3");
+      json_["accessors"][positions]["min"] = number_json(bounds.min);
+      json_["accessors"][positions]["max"] = number_json(bounds.max);
+      const std::size_t indices = add_accessor(add_numbers(std::as_bytes(std::span(mesh.triangles)), index_target),
+                                               unsigned_type, 3 * mesh.triangles.size(), "SCALAR");
+      Json color = number_json(mesh.albedo);
+      color.push_back(1);
+      json_["materials"].push_back(json_object(
+          {{"pbrMetallicRoughness", json_object({{"baseColorFactor", color}, {"metallicFactor", 0}, {"roughnessFactor", 1}})},
+           {"doubleSided", true}}));
+      const Json primitive = json_object({{"attributes", json_object({{"POSITION", positions}})},
+                                          {"indices", indices},
+                                          {"material", json_["materials"].size() - 1}});
+      node["mesh"] = json_["meshes"].size();
+      json_["meshes"].push_back(json_object({{"name", mesh.name}, {"primitives", Json::array({primitive})}}));
+    }
+    json_["nodes"].push_back(node);
+  }
+
+  void add(const View& view) {
+    const Camera camera(view, 1, 1);
+    Json node = json_object({{"name", view.name}, {"camera", json_["cameras"].size()}});
+    node["matrix"] = matrix(camera.right, camera.up, -camera.forward, camera.eye);
+    node["extras"] = scene_json(view);
+    json_["nodes"].push_back(node);
+    json_["cameras"].push_back(json_object(
+        {{"name", view.name},
+         {"type", "perspective"},
+         {"perspective", json_object({{"yfov", glm::radians(static_cast<double>(view.fov_y_degrees))}, {"znear", near()}})}}));
+  }
+
+  void add(const Light& light) {
+    Json node = json_object({{"name", light.name}, {"extras", scene_json(light)}});
+    Json facts = json_object({{"name", light.name}, {"type", kind_name(light)}, {"intensity", number_json(light.intensity)}});
+    if (const auto* point = std::get_if<PointLight>(&light.kind)) {
+      node["translation"] = number_json(point->position);
+    } else if (const auto* spot = std::get_if<SpotLight>(&light.kind)) {
+      node["matrix"] = looking(spot->direction, spot->position);
+      facts["spot"] = json_object({{"innerConeAngle", glm::radians(static_cast<double>(spot->inner_degrees))},
+                                   {"outerConeAngle", glm::radians(static_cast<double>(spot->outer_degrees))}});
+    } else if (const auto* sun = std::get_if<DirectionalLight>(&light.kind)) {
+      node["matrix"] = looking(sun->direction, glm::dvec3(0));
+    }
+    if (!has_area(light)) {
+      node["extensions"]["KHR_lights_punctual"]["light"] = punctual_.size();
+      punctual_.push_back(facts);
+    }
+    json_["nodes"].push_back(node);
+  }
+
+  /// Cameras of the format need a near plane; a thousandth of the scene is before everything.
+  double near() const {
+    const double size = scene_.bounds().extent();
+    return size > 0 ? size / 1000 : 0.001;
+  }
+
+  const Scene& scene_;
+  Json json_, punctual_ = Json::array();
+  std::vector<std::byte> bytes_;
+};
+
+}  // namespace
+
+void write_gltf(const std::filesystem::path& file, const Scene& scene) { GltfWriter(scene).write(file); }
+
+}  // namespace gnomon

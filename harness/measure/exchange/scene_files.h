@@ -1,0 +1,43 @@
+#pragma once
+#include <gnomon/gbuffer.h>
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "measure/exchange/arrays.h"
+
+namespace gnomon {
+
+/// Named arrays.
+using Arrays = std::map<std::string, ArrayParts>;
+
+/// Everything of a scene but its triangles: name, ambient, meshes (name, casts, receives, albedo, shape, and where in the
+/// arrays their vertices and triangles are), lights, views.
+Json scene_facts_json(const Scene& scene);
+
+/// All meshes of a scene behind each other. `position`: float32, vertices x 3, meters. `triangle`: uint32, triangles x 3,
+/// indices into `position`. `mesh`: uint32, the mesh of each triangle.
+class SceneArrays {
+ public:
+  explicit SceneArrays(const Scene& scene);
+  Arrays arrays() const;
+
+ private:
+  std::vector<glm::vec3> positions_;
+  std::vector<glm::uvec3> triangles_;
+  std::vector<std::uint32_t> meshes_;
+};
+
+/// `position` and `normal`: float32, 3 x height x width, the x of all pixels, then y, then z. `mesh` and `triangle`: uint32,
+/// height x width; the mesh is 4294967295 where the background is.
+Arrays gbuffer_arrays(const GBuffer& gbuffer);
+
+/// The same as an EXR of float channels: position.X, .Y, .Z, normal.X, .Y, .Z, mesh (-1: background), triangle.
+void write_gbuffer_exr(const std::filesystem::path& file, const GBuffer& gbuffer);
+
+/// Writes WHAT_NAME.npy for each, "gbuffer_position.npy" of "gbuffer", into a folder that is there. Answers what write_array
+/// says of each under its name.
+Json write_arrays(const std::filesystem::path& folder, const std::string& what, const Arrays& arrays);
+
+}  // namespace gnomon

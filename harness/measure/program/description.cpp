@@ -1,0 +1,216 @@
+#include "measure/program/description.h"
+
+#include <unistd.h>
+
+#include <cstdlib>
+#include <map>
+#include <mutex>
+
+#include "measure/program/program_process.h"
+#include "measure/scene/toml_table.h"
+
+namespace gnomon {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::string_view all_light_kinds[] = {"point", "spot", "directional", "rect", "disc", "sphere"};
+
+/// Texts of a list that must each be one of some words; `fallback` without the key.
+std::vector<std::string> words_of(const toml::table& toml, const Table& table, std::string_view key,
+                                  std::span<const std::string_view> allowed, std::vector<std::string> fallback) {
+  const toml::node* const node = toml.get(key);
+  if (!node) return fallback;
+  const std::vector<std::string> known(allowed.begin(), allowed.end());
+  const toml::array* const array = node->as_array();
+  if (!array) table.refuse(key, "no list", "a list of " + joined(known, ", "));
+  std::vector<std::string> words;
+  for (const toml::node& item : *array) {
+    const auto word = item.value_exact<std::string>();
+    if (!word || std::ranges::find(known, *word) == known.end())
+      table.refuse(key, word ? '\'' + *word + '\'' : "something else than text", "a list of " + joined(known, ", "));
+    if (std::ranges::find(words, *word) == words.end()) words.push_back(*word);
+  }
+  return words;
+}
+
+std::vector<std::string> command_of(const toml::table& toml, const Table& table, std::string_view key) {
+  const toml::array* const array = toml.get(key) ? toml.get(key)->as_array() : nullptr;
+  std::vector<std::string> words;
+  for (std::size_t k = 0; array && k < array->size(); ++k) words.push_back((*array)[k].value_exact<std::string>().value_or(""));
+  if (words.empty() || words[0].empty())
+    table.refuse(key, toml.get(key) ? "no list of texts" : "missing",
+                 R"(a list of texts, the program first: ["python3", "a.py"])");
+  return words;
+}
+
+bool holds(const std::vector<std::string>& words, std::string_view word) {
+  return std::ranges::find(words, word) != words.end();
+}
+
+Stage stage_of(const Table& table) {
+  const std::string word = table.text("stage");
+  const auto found = std::ranges::find(stage_names, word);
+  if (found == std::end(stage_names)) table.refuse("stage", '\'' + word + '\'', "setup, build, relight or resolve");
+  return static_cast<Stage>(found - std::begin(stage_names));
+}
+
+ProgramParameter parameter_of(const toml::table& toml, const fs::path& file, const std::vector<ProgramParameter>& others) {
+  const Table table(toml, file, "parameter", {"name", "value", "min", "max", "choices", "unit", "log", "stage", "sentence"});
+  ProgramParameter row;
+  row.name = table.name("name", others, "");
+  row.sentence = table.text("sentence");
+  row.stage = stage_of(table);
+  row.unit = table.has("unit") ? table.text("unit") : "";
+  const toml::node* const value = toml.get("value");
+  const auto range_of = [&](auto whole) {
+    using Number = decltype(whole);
+    Range<Number> range{.unit = {},
+                        .min = static_cast<Number>(table.number("min")),
+                        .max = static_cast<Number>(table.number("max")),
+                        .log = table.flag("log", false)};
+    if (!(range.min <= range.max)) table.refuse("min", range.min, fmt::format("at most max = {}", range.max));
+    const auto number = static_cast<Number>(table.number("value"));
+    if (!(number >= range.min && number <= range.max))
+      table.refuse("value", number, fmt::format("within {} .. {}", range.min, range.max));
+    return std::pair(number, range);
+  };
+  const auto refuse_keys = [&](std::initializer_list<std::string_view> keys, std::string_view kind) {
+    for (const std::string_view key : keys)
+      if (table.has(key)) table.refuse(key, "given", fmt::format("a key of a {}", kind));
+  };
+  if (value && value->is_boolean()) {
+    refuse_keys({"min", "max", "log", "choices", "unit"}, "true or false value");
+    row.kind = *value->value_exact<bool>();
+  } else if (value && value->is_string()) {
+    refuse_keys({"min", "max", "log", "unit"}, "word");
+    ProgramParameter::Word word{table.text("value"), {}};
+    const toml::array* const choices = toml.get("choices") ? toml.get("choices")->as_array() : nullptr;
+    for (std::size_t k = 0; choices && k < choices->size(); ++k)
+      word.choices.push_back((*choices)[k].value_exact<std::string>().value_or(""));
+    if (!holds(word.choices, word.value) || holds(word.choices, ""))
+      table.refuse("choices", "this", fmt::format("a list of words with '{}' among them", word.value));
+    row.kind = word;
+  } else if (value && value->is_integer()) {
+    refuse_keys({"choices"}, "word");
+    for (const std::string_view key : {"value", "min", "max"}) table.integer(key, 0, -1'000'000'000, 1'000'000'000);
+    const auto [number, range] = range_of(int());
+    row.kind = ProgramParameter::Whole{number, range};
+  } else {
+    refuse_keys({"choices"}, "word");
+    const auto [number, range] = range_of(double());
+    row.kind = ProgramParameter::Real{number, range};
+  }
+  return row;
+}
+
+ProgramNeed need_of(const toml::table& toml, const fs::path& file) {
+  const Table table(toml, file, "need", {"program", "runs", "install"});
+  ProgramNeed need;
+  need.install = table.text("install");
+  if (table.has("program") == table.has("runs")) table.refuse("program", "this", "one of program and runs, and only one");
+  if (table.has("program"))
+    need.program = table.text("program");
+  else
+    need.runs = command_of(toml, table, "runs");
+  return need;
+}
+
+/// One of a few words of a text key.
+template <class Value>
+Value one_of(const Table& table, std::string_view key, std::initializer_list<std::pair<std::string_view, Value>> values,
+             Value fallback) {
+  if (!table.has(key)) return fallback;
+  std::vector<std::string> words;
+  for (const auto& [word, value] : values) {
+    if (word == table.text(key)) return value;
+    words.emplace_back(word);
+  }
+  table.refuse(key, '\'' + table.text(key) + '\'', "one of " + joined(words, ", "));
+}
+
+/// The full path of a program, or nothing where PATH has none.
+std::optional<std::string> found_in_path(const std::string& program) {
+  const char* const path = std::getenv("PATH");
+  for (std::string_view rest = path ? path : "/usr/bin:/bin"; !rest.empty();) {
+    const std::size_t end = rest.find(':');
+    const fs::path candidate = fs::path(rest.substr(0, end)) / program;
+    if (fs::is_regular_file(candidate) && access(candidate.c_str(), X_OK) == 0) return candidate.string();
+    rest = end == rest.npos ? std::string_view() : rest.substr(end + 1);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::shared_ptr<const ProgramDescription> read_program(const fs::path& file) {
+  const toml::table toml = read_toml("program " + file.string(), file);
+  const Table table(toml, file, "program",
+                    {"title", "summary", "source", "error", "fails", "command", "stages", "lights", "approximate", "promise",
+                     "sees", "estimates", "role", "answers", "scene", "gbuffer", "mask", "need", "parameter"});
+  auto made = std::make_shared<ProgramDescription>();
+  ProgramDescription& d = *made;
+  d.file = file;
+  d.id = file.stem().string();
+  if (!is_plain_name(d.id))
+    throw Error("program {}: '{}' is no id; a file's stem of a..z, 0..9 and _ is wanted", file.string(), d.id);
+  d.title = table.text("title");
+  d.summary = table.text("summary");
+  d.source = table.text("source");
+  d.error = table.text("error");
+  d.fails = table.text("fails");
+  d.about = {.title = d.title, .summary = d.summary, .source = d.source, .error = d.error, .fails = d.fails};
+  d.about.promise =
+      one_of<Promise>(table, "promise", {{"exact", Promise::exact}, {"sampled", Promise::sampled}}, Promise::sampled);
+  d.about.sees = one_of<Truth>(table, "sees", {{"mesh", Truth::mesh}, {"shape", Truth::shape}}, Truth::mesh);
+  d.about.estimates = one_of<LightShareKind>(
+      table, "estimates", {{"area", LightShareKind::area}, {"irradiance", LightShareKind::irradiance}}, LightShareKind::area);
+  d.about.role = one_of<Role>(table, "role", {{"contender", Role::contender}, {"baseline", Role::baseline}}, Role::contender);
+  d.mask = one_of<ProgramMask>(table, "mask",
+                               {{"float32", ProgramMask::float32}, {"exr", ProgramMask::exr}, {"png", ProgramMask::png}},
+                               ProgramMask::float32);
+  d.command = command_of(toml, table, "command");
+  if (d.command[0].find('/') != std::string::npos)
+    d.command[0] = fs::absolute(file.parent_path() / d.command[0]).lexically_normal().string();
+  const std::vector<std::string> stages =
+      words_of(toml, table, "stages", stage_names, {"setup", "build", "relight", "resolve"});
+  for (std::size_t s = 0; s < d.knows.size(); ++s) d.knows[s] = holds(stages, stage_names[s]);
+  if (!d.knows.back()) table.refuse("stages", "this", "a list with resolve, which makes the mask");
+  d.lights = words_of(toml, table, "lights", all_light_kinds, {"point", "spot", "directional"});
+  if (table.has("approximate")) d.approximate = table.text("approximate");
+  constexpr std::string_view questions[] = {"supports", "explain"};
+  const std::vector<std::string> answers = words_of(toml, table, "answers", questions, {});
+  d.answers_supports = holds(answers, "supports");
+  d.explains = holds(answers, "explain");
+  constexpr std::string_view scene_files[] = {"arrays", "gltf"}, gbuffer_files[] = {"arrays", "exr"};
+  const std::vector<std::string> scene = words_of(toml, table, "scene", scene_files, {"arrays"}),
+                                 gbuffer = words_of(toml, table, "gbuffer", gbuffer_files, {"arrays"});
+  d.wants_scene_arrays = holds(scene, "arrays");
+  d.wants_gltf = holds(scene, "gltf");
+  d.wants_gbuffer_arrays = holds(gbuffer, "arrays");
+  d.wants_gbuffer_exr = holds(gbuffer, "exr");
+  for (const toml::table* need : table.tables("need")) d.needs.push_back(need_of(*need, file));
+  for (const toml::table* row : table.tables("parameter")) d.parameters.push_back(parameter_of(*row, file, d.parameters));
+  return made;
+}
+
+std::string missing_needs(const ProgramDescription& d) {
+  static std::map<const ProgramDescription*, std::string> known;  // a need may be a command, which takes its time
+  static std::mutex one_at_a_time;
+  const std::lock_guard lock(one_at_a_time);
+  if (const auto found = known.find(&d); found != known.end()) return found->second;
+  std::vector<std::string> missing;
+  const bool has_path = d.command[0].find('/') != std::string::npos;
+  if (has_path ? access(d.command[0].c_str(), X_OK) != 0 : !found_in_path(d.command[0]))
+    missing.push_back(fmt::format("{} is not on this machine", d.command[0]));
+  for (const ProgramNeed& need : d.needs) {
+    if (need.runs.empty() ? found_in_path(need.program).has_value() : ends_well(need.runs, d.file.parent_path())) continue;
+    const std::string what =
+        need.runs.empty() ? need.program + " is not on this machine" : joined(need.runs, " ") + " fails here";
+    missing.push_back(fmt::format("{}: {}", what, need.install));
+  }
+  return known[&d] = joined(missing, "; ");
+}
+
+}  // namespace gnomon

@@ -1,0 +1,64 @@
+#pragma once
+#include <gnomon/technique.h>
+
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace gnomon {
+
+/// A parameter row as a program's description gives it.
+struct ProgramParameter {
+  struct Whole {
+    int value;
+    Range<int> range;
+  };
+  struct Real {
+    double value;
+    Range<double> range;
+  };
+  struct Word {
+    std::string value;
+    std::vector<std::string> choices;
+  };
+  std::string name, unit, sentence;
+  Stage stage = Stage::resolve;
+  std::variant<Whole, Real, Word, bool> kind;
+};
+
+/// What must be there before a program can run, and how it gets there.
+struct ProgramNeed {
+  std::string program;            ///< looked for in PATH; or
+  std::vector<std::string> runs;  ///< a command that ends with 0
+  std::string install;            ///< "apt install povray"
+};
+
+enum class ProgramMask { float32, exr, png };
+
+/// A technique that is a program: the content of techniques/ID.toml. docs/protocol.md describes each key.
+struct ProgramDescription {
+  std::filesystem::path file;  ///< as given
+  std::string id;              ///< the file's stem
+  std::string title, summary, source, error, fails;
+  About about;                       ///< of the texts above
+  std::vector<std::string> command;  ///< run in the file's folder; the first word ready for exec
+  std::array<bool, 4> knows{};       ///< by stage: whether the program is told of it
+  std::vector<std::string> lights;   ///< kinds that it knows
+  std::string approximate;           ///< why its answers are; empty: they are not
+  bool answers_supports = false, explains = false;
+  bool wants_gltf = false, wants_scene_arrays = true, wants_gbuffer_exr = false, wants_gbuffer_arrays = true;
+  ProgramMask mask = ProgramMask::float32;
+  std::vector<ProgramNeed> needs;
+  std::vector<ProgramParameter> parameters;
+};
+
+/// Reads and checks it. Throws Error with file and line.
+std::shared_ptr<const ProgramDescription> read_program(const std::filesystem::path& file);
+
+/// Which of its needs this machine lacks, in words with the way to get them; empty: none. Looked up once in a process.
+std::string missing_needs(const ProgramDescription& description);
+
+}  // namespace gnomon

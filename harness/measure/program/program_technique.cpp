@@ -1,0 +1,377 @@
+#include "measure/program/program_technique.h"
+
+#include <fcntl.h>
+#include <sched.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <set>
+
+#include "measure/exchange/gltf.h"
+#include "measure/exchange/scene_files.h"
+#include "measure/paths.h"
+#include "measure/picture/picture.h"
+#include "measure/program/description.h"
+#include "measure/program/explanation_json.h"
+#include "measure/program/program_process.h"
+#include "measure/scene/blob.h"
+#include "measure/scene/scene_json.h"
+#include "measure/scratch_folder.h"
+
+namespace gnomon {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+ScratchFolder fresh_folder() {
+  const char* const named = std::getenv(program_folder_variable);
+  if (named && *named) return ScratchFolder::in(named, "program");
+  const fs::path memory = "/dev/shm";
+  return access(memory.c_str(), W_OK) == 0 ? ScratchFolder::in(memory, "gnomon-program")
+                                           : ScratchFolder::temporary("gnomon-program");
+}
+
+/// Where gnomon_technique.py lies: in the source tree, or installed.
+fs::path python_folder() {
+  const fs::path root = find_data_root();
+  return fs::is_directory(root / "harness/python") ? root / "harness/python" : root / "python";
+}
+
+int usable_cores() {
+  cpu_set_t cores;
+  CPU_ZERO(&cores);
+  return sched_getaffinity(0, sizeof cores, &cores) == 0 ? CPU_COUNT(&cores) : 1;
+}
+
+/// What a program reads, as files: each is written anew only where its numbers are other ones than those it holds.
+class Inputs {
+ public:
+  explicit Inputs(const ProgramDescription& description) : description_(description) {}
+
+  const fs::path& folder() const { return folder_.path(); }
+
+  /// {"file": FOLDER/scene.json, "gltf": FILE}.
+  Json scene(const Scene& scene) {
+    const SceneArrays all(scene);
+    const Arrays arrays = all.arrays();
+    Json facts = scene_facts_json(scene);
+    const std::uint64_t hash = hash_of(arrays) ^ std::hash<std::string>()(json_text(facts));
+    Json request = json_object({{"file", (folder() / "scene.json").string()}});
+    if (description_.wants_gltf) request["gltf"] = (folder() / "scene.gltf").string();
+    if (std::exchange(scene_hash_, hash) == hash) return request;
+    scene_hash_.reset();  // until all of it is written
+    if (description_.wants_scene_arrays) facts["arrays"] = write_arrays(folder(), "scene", arrays);
+    if (description_.wants_gltf) write_gltf(folder() / "scene.gltf", scene);
+    write_file(folder() / "scene.json", json_text(facts, 1) + "\n");
+    scene_hash_ = hash;
+    return request;
+  }
+
+  /// {"truth", "width", "height", "arrays", "exr"}.
+  Json gbuffer(const GBuffer& gbuffer) {
+    const Arrays arrays = gbuffer_arrays(gbuffer);
+    const std::uint64_t hash = hash_of(arrays);
+    if (gbuffer_hash_ != hash) {
+      gbuffer_hash_.reset();
+      gbuffer_ = json_object({{"width", gbuffer.width}, {"height", gbuffer.height}});
+      if (description_.wants_gbuffer_arrays) gbuffer_["arrays"] = write_arrays(folder(), "gbuffer", arrays);
+      if (description_.wants_gbuffer_exr) {
+        write_gbuffer_exr(folder() / "gbuffer.exr", gbuffer);
+        gbuffer_["exr"] = (folder() / "gbuffer.exr").string();
+      }
+      gbuffer_hash_ = hash;
+    }
+    gbuffer_["truth"] = name(gbuffer.truth);
+    return gbuffer_;
+  }
+
+ private:
+  static std::uint64_t hash_of(const Arrays& arrays) {
+    std::uint64_t hash = 0;
+    for (const auto& [name, array] : arrays) hash = std::rotl(hash, 1) ^ gnomon::hash_of(array);
+    return hash;
+  }
+
+  const ProgramDescription& description_;
+  ScratchFolder folder_ = fresh_folder();
+  std::optional<std::uint64_t> scene_hash_, gbuffer_hash_;
+  Json gbuffer_;
+};
+
+/// The mask that a program writes: raw float32 from the first byte on, or an image.
+class MaskFile {
+ public:
+  MaskFile(ProgramMask kind, const fs::path& folder)
+      : kind_(kind),
+        file_(folder / (kind == ProgramMask::float32 ? "mask.f32"
+                        : kind == ProgramMask::exr   ? "mask.exr"
+                                                     : "mask.png")) {}
+
+  /// {"file", "type", "shape"}. Of float32 there is a file, of not-a-numbers; an image there is none.
+  Json fresh(int width, int height) const {
+    const std::size_t bytes = 4 * static_cast<std::size_t>(width) * height;
+    Json request = json_object({{"file", file_.string()}, {"format", words[int(kind_)]}, {"shape", {height, width}}});
+    if (kind_ != ProgramMask::float32) {
+      fs::remove(file_);
+      return request;
+    }
+    const std::vector<std::byte> nothing(bytes, std::byte{0xff});
+    const int descriptor = open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+    const bool is_written = descriptor >= 0 && ftruncate(descriptor, static_cast<off_t>(bytes)) == 0 &&
+                            pwrite(descriptor, nothing.data(), bytes, 0) == static_cast<ssize_t>(bytes);
+    const int code = errno;
+    if (descriptor >= 0) close(descriptor);
+    if (!is_written) throw Error("{} cannot be written: {}", file_.string(), std::strerror(code));
+    return request;
+  }
+
+  /// Throws Error on a mask of another size, a pixel that was left out, and a value outside 0 .. 1.
+  void read(VisibilityMask& mask) const {
+    const std::span<float> pixels = mask.pixels();
+    if (kind_ == ProgramMask::float32)
+      read_numbers(pixels);
+    else
+      read_image(mask);
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+      if (pixels[i] >= 0 && pixels[i] <= 1) continue;
+      const bool is_left_out = std::bit_cast<std::uint32_t>(pixels[i]) == 0xffffffffu;
+      throw Error("the mask's pixel ({}, {}) {}", i % mask.width(), i / mask.width(),
+                  is_left_out ? "was not written" : fmt::format("is {}, outside 0 .. 1", pixels[i]));
+    }
+  }
+
+ private:
+  static constexpr std::string_view words[] = {"float32", "exr", "png"};
+
+  void read_numbers(std::span<float> pixels) const {
+    const int descriptor = open(file_.c_str(), O_RDONLY | O_CLOEXEC);
+    struct stat facts {};
+    const bool is_there = descriptor >= 0 && fstat(descriptor, &facts) == 0;
+    const auto size = is_there ? static_cast<std::size_t>(facts.st_size) : 0;
+    const bool is_read = size == pixels.size_bytes() && pread(descriptor, pixels.data(), size, 0) == static_cast<ssize_t>(size);
+    if (descriptor >= 0) close(descriptor);
+    if (!is_there) throw Error("the mask {} is gone", file_.string());
+    if (!is_read) throw Error("the mask has {} bytes; {} are wanted, four a pixel", size, pixels.size_bytes());
+  }
+
+  void read_image(VisibilityMask& mask) const {
+    if (!fs::exists(file_)) throw Error("no mask was written to {}", file_.string());
+    const auto [width, height] = image_files().exr_size(file_);
+    if (width != mask.width() || height != mask.height())
+      throw Error("the mask is {} x {}; {} x {} is wanted", width, height, mask.width(), mask.height());
+    const std::vector<std::string> channels = image_files().exr_channels(file_);
+    const std::vector<float> read = read_exr(file_, channels.at(0), width, height);
+    std::ranges::copy(read, mask.pixels().begin());
+  }
+
+  ProgramMask kind_;
+  fs::path file_;
+};
+
+class ProgramTechnique final : public Technique {
+ public:
+  explicit ProgramTechnique(std::shared_ptr<const ProgramDescription> description) : d_(std::move(description)) {
+    set_id(d_->id);
+    for (const ProgramParameter& row : d_->parameters) rows_.push_back(made(row));
+  }
+
+  Support supports(const Scene& scene, const Light& light, const View& view) const override {
+    if (const std::string missing = missing_needs(*d_); !missing.empty()) return Support::unsupported(missing);
+    if (std::ranges::find(d_->lights, kind_name(light)) == d_->lights.end())
+      return Support::unsupported(
+          fmt::format("it knows no {} lights; it knows {}", kind_name(light), joined(d_->lights, ", ")));
+    if (d_->answers_supports) return asked_support(scene, light, view);
+    return d_->approximate.empty() ? Support::full() : Support::approximate(d_->approximate);
+  }
+
+  void setup() override {
+    program_.reset();
+    stage_counts_ = {};
+    program_.emplace(*d_);
+    tell(Stage::setup, {});
+  }
+  void build(const Scene& scene) override { tell(Stage::build, {{"scene", program().inputs.scene(scene)}}); }
+  void relight(const Light& light) override { tell(Stage::relight, {{"light", scene_json(light)}}); }
+  void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
+    const MaskFile file(d_->mask, program().inputs.folder());
+    tell(Stage::resolve, {{"view", scene_json(gbuffer.view)},
+                          {"gbuffer", program().inputs.gbuffer(gbuffer)},
+                          {"mask", file.fresh(gbuffer.width, gbuffer.height)}});
+    file.read(mask);
+  }
+
+  /// Those that the stages answered last, and `bytes`: what the process has grown by since it started, unless it says so
+  /// itself.
+  Counts counts() const override {
+    Counts all;
+    std::set<std::string> known;
+    for (auto stage = stage_counts_.rbegin(); stage != stage_counts_.rend(); ++stage)
+      for (const Count& count : *stage)
+        if (known.insert(count.name).second) all.push_back(count);
+    if (!known.contains("bytes") && program_) {
+      const double grown = program_->process.resident_bytes() - program_->bytes_at_start;
+      all.push_back({"bytes", std::max(0.0, grown), "byte"});
+    }
+    return all;
+  }
+  std::optional<double> own_ms() const override { return own_ms_; }
+
+  std::optional<Explanation> explain(std::size_t index) const override {
+    return explain_all(std::vector{static_cast<std::uint32_t>(index)}).at(0);
+  }
+  std::vector<std::optional<Explanation>> explain_all(std::span<const std::uint32_t> pixels) const override {
+    std::vector<std::optional<Explanation>> all;
+    if (!d_->explains) {
+      all.resize(pixels.size());
+      return all;
+    }
+    constexpr std::size_t portion = 1000;
+    while (all.size() < pixels.size()) {
+      const auto some = pixels.subspan(all.size(), std::min(portion, pixels.size() - all.size()));
+      const Json answer = program().process.ask(json_object(
+          {{"do", "explain"}, {"settings", settings_json()}, {"pixels", Json(std::vector(some.begin(), some.end()))}}));
+      if (!answer.contains("explanations")) throw Error("explain was answered without explanations");
+      const auto known = explanations_from_json(answer["explanations"]);
+      if (known.size() != some.size()) throw Error("{} explanations came for {} pixels", known.size(), some.size());
+      all.insert(all.end(), known.begin(), known.end());
+    }
+    return all;
+  }
+
+ private:
+  /// A program that runs, and the files between it and this process.
+  struct Running {
+    explicit Running(const ProgramDescription& d)
+        : inputs(d),
+          process(d.command, fs::absolute(d.file).parent_path(),
+                  {{"PYTHONPATH", python_folder().string()}, {"PYTHONDONTWRITEBYTECODE", "1"}}) {
+      const Json answer = process.ask(json_object({{"do", "hello"},
+                                                   {"protocol", program_protocol},
+                                                   {"technique", d.id},
+                                                   {"folder", inputs.folder().string()},
+                                                   {"threads", usable_cores()}}));
+      if (answer.value("protocol", Json()) != program_protocol)
+        throw Error("{} speaks protocol {}; this program speaks {}", d.command[0], json_text(answer.value("protocol", Json())),
+                    program_protocol);
+      bytes_at_start = process.resident_bytes();
+    }
+    Inputs inputs;
+    ProgramProcess process;
+    double bytes_at_start = 0;
+  };
+
+  std::unique_ptr<Parameter> made(const ProgramParameter& row) {
+    return std::visit(
+        [&](const auto& kind) -> std::unique_ptr<Parameter> {
+          using Kind = std::decay_t<decltype(kind)>;
+          if constexpr (std::is_same_v<Kind, ProgramParameter::Whole> || std::is_same_v<Kind, ProgramParameter::Real>) {
+            auto range = kind.range;
+            range.unit = row.unit;
+            return std::make_unique<Number<std::decay_t<decltype(kind.value)>>>(this, row.name, kind.value, range, row.stage,
+                                                                                row.sentence);
+          } else if constexpr (std::is_same_v<Kind, ProgramParameter::Word>) {
+            const std::vector<std::string_view> choices(kind.choices.begin(), kind.choices.end());
+            return std::make_unique<Choice>(this, row.name, kind.value, choices, row.stage, row.sentence);
+          } else {
+            return std::make_unique<Flag>(this, row.name, kind, row.stage, row.sentence);
+          }
+        },
+        row.kind);
+  }
+
+  Json settings_json() const {
+    Json settings = json_object();
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+      const bool is_word = std::holds_alternative<ProgramParameter::Word>(d_->parameters[k].kind);
+      settings[std::string(rows_[k]->name())] = is_word ? Json(rows_[k]->text()) : parse_json(rows_[k]->text());
+    }
+    return settings;
+  }
+
+  Running& program() const {
+    if (!program_) throw Error("{} is not set up", id());
+    return *program_;
+  }
+
+  /// One stage, where the program knows it.
+  void tell(Stage stage, std::initializer_list<JsonField> facts) {
+    own_ms_ = 0;
+    if (!d_->knows[static_cast<std::size_t>(stage)]) return;
+    Json request = json_object({{"do", name(stage)}, {"settings", settings_json()}});
+    for (const JsonField& fact : facts) request[fact.key] = fact.value;
+    const Json answer = program().process.ask(request);
+    own_ms_.reset();
+    for (const auto& [key, value] : answer.items()) {
+      if (key == "ms") {
+        if (!value.is_number())
+          throw Error("{} took ms = {}; a number of milliseconds is wanted", name(stage), json_text(value));
+        own_ms_ = value.get<double>();
+      } else if (key == "counts") {
+        stage_counts_[static_cast<std::size_t>(stage)] = counts_from(value);
+      } else {
+        throw Error("{} was answered with the key {}; it may have: ms, counts", name(stage), key);
+      }
+    }
+  }
+
+  static Counts counts_from(const Json& list) {
+    if (!list.is_array()) throw Error("counts are {}; a list is wanted", list.type_name());
+    Counts counts;
+    for (const Json& item : list) {
+      const bool is_count = item.is_object() && item.contains("name") && item["name"].is_string() && item.contains("value") &&
+                            item["value"].is_number() && item["value"].get<double>() >= 0 &&
+                            item.value("unit", Json("")).is_string();
+      if (!is_count) throw Error("the count {} has not name, value of 0 or more, and unit", json_text(item));
+      counts.push_back({item["name"], item["value"], item.value("unit", "")});
+    }
+    return counts;
+  }
+
+  /// By a process of its own: it is asked before anything runs.
+  Support asked_support(const Scene& scene, const Light& light, const View& view) const {
+    Running running(*d_);
+    const Json answer = running.process.ask(json_object({{"do", "supports"},
+                                                         {"settings", settings_json()},
+                                                         {"scene", running.inputs.scene(scene)},
+                                                         {"light", scene_json(light)},
+                                                         {"view", scene_json(view)}}));
+    const std::string support = plain_text(answer.value("support", Json())), why = plain_text(answer.value("why", Json("")));
+    if (support == "full") return Support::full();
+    if (why.empty()) throw Error("supports was answered with {} without a why", support);
+    if (support == "approximate") return Support::approximate(why);
+    if (support == "unsupported") return Support::unsupported(why);
+    throw Error("supports was answered with {}; full, approximate or unsupported is wanted", support);
+  }
+
+  std::shared_ptr<const ProgramDescription> d_;
+  std::vector<std::unique_ptr<Parameter>> rows_;
+  mutable std::optional<Running> program_;
+  std::array<Counts, 4> stage_counts_;
+  std::optional<double> own_ms_;
+};
+
+}  // namespace
+
+void load_program(const fs::path& file) {
+  const auto description = read_program(file);
+  TechniqueEntry entry;
+  entry.id = description->id;
+  entry.about = description->about;
+  entry.make = [description] { return std::make_unique<ProgramTechnique>(description); };
+  entry.origin = file.string();
+  registry().add(std::move(entry));
+}
+
+void load_programs_of(const fs::path& folder) {
+  std::error_code ignored;
+  std::set<fs::path> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
+    if (entry.path().extension() == ".toml") files.insert(entry.path());
+  for (const fs::path& file : files) load_program(file);
+}
+
+}  // namespace gnomon

@@ -1,0 +1,183 @@
+"""Shadow techniques in Python, for Gnomon: a class with up to four stages, and `serve`. See docs/protocol.md.
+
+    from gnomon_technique import Technique, serve
+
+    class AllLit(Technique):
+        def resolve(self, gbuffer, mask):
+            mask[...] = 1
+
+    serve(AllLit)
+"""
+
+import json
+import os
+import sys
+import time
+import traceback
+from types import SimpleNamespace
+
+import numpy as np
+
+PROTOCOL = 1
+NO_MESH = 0xFFFFFFFF  # of G-buffers: where the background is
+
+
+class Technique:
+    """What the testbed asks, in the order of a technique's life; each may be left out but `resolve`.
+
+    `self.settings` holds the parameters by name (`self.settings.samples`), `self.counts` what was counted: {"rays": 12} or
+    {"bytes": (1024, "byte")}. `self.threads` is how many cores it may use.
+    """
+
+    def setup(self):
+        """Once in a process."""
+
+    def build(self, scene):
+        """Geometry: see Scene."""
+
+    def relight(self, light):
+        """A light: `light.kind` is "point", "spot", "directional", "rect", "disc" or "sphere"; the rest are the keys of a scene
+        file as arrays and numbers: `light.position`, `light.direction` (the way light travels), `light.radius`, ..."""
+
+    def resolve(self, gbuffer, mask):
+        """Writes every pixel of `mask`, height x width: 1 lit, 0 in shadow, and 1 where a pixel does not face the light."""
+        raise NotImplementedError
+
+    def supports(self, scene, light, view):
+        """"full", ("approximate", why) or ("unsupported", why); asked where the description has answers = ["supports"]."""
+        return "full"
+
+    def explain(self, pixels):
+        """For each pixel (row * width + column) None or a dictionary with the keys of an explanation; asked where the
+        description has answers = ["explain"]."""
+        return [None] * len(pixels)
+
+
+def _arrays(entries):
+    """Read-only views of the files."""
+    return {
+        name: np.memmap(entry["file"], dtype=entry["type"], mode="r", offset=entry["offset"], shape=tuple(entry["shape"]))
+        if 0 not in entry["shape"] else np.empty(entry["shape"], entry["type"])
+        for name, entry in entries.items()
+    }  # fmt: skip
+
+
+def _values(facts):
+    """Facts as attributes; lists of numbers as arrays of doubles."""
+    is_numbers = lambda value: isinstance(value, list) and value and isinstance(value[0], (int, float))
+    return SimpleNamespace(**{key: np.array(value, float) if is_numbers(value) else value for key, value in facts.items()})
+
+
+class Scene:
+    """`position` (vertices x 3, float32), `triangle` (triangles x 3, indices into position), `mesh` (of each triangle);
+    `meshes`, `lights`, `views` with the keys of a scene file, of a mesh also name, casts, receives, first_triangle, triangles.
+    """
+
+    def __init__(self, request):
+        with open(request["file"], encoding="utf-8") as file:
+            facts = json.load(file)
+        self.name, self.ambient = facts["name"], facts["ambient"]
+        self.meshes, self.lights, self.views = ([_values(item) for item in facts[key]] for key in ("meshes", "lights", "views"))
+        self.gltf = request.get("gltf")
+        for name, array in _arrays(facts.get("arrays", {})).items():
+            setattr(self, name, array)
+
+    def corners(self, casters_only=True):
+        """The triangles' corners, triangles x 3 x 3 doubles; of all meshes, or of those that cast."""
+        casts = np.array([mesh.casts for mesh in self.meshes], bool)
+        chosen = casts[self.mesh] if casters_only else slice(None)
+        return self.position[self.triangle[chosen]].astype(float)
+
+
+class GBuffer:
+    """What the eye sees: `position` and `normal` (height x width x 3, float32), `mesh` and `triangle` (height x width, uint32;
+    mesh is NO_MESH on the background), `view`, `width`, `height`, `truth`, `is_background`."""
+
+    def __init__(self, request, view):
+        self.width, self.height, self.truth, self.view = request["width"], request["height"], request["truth"], view
+        self.exr = request.get("exr")
+        for name, array in _arrays(request.get("arrays", {})).items():
+            setattr(self, name, np.moveaxis(array, 0, -1) if array.ndim == 3 else array)
+
+    @property
+    def is_background(self):
+        return self.mesh == NO_MESH
+
+    def to_light(self, light):
+        """From each pixel's point to a light without area, doubles, not normalized: position - point, or -direction."""
+        if light.kind == "directional":
+            return np.broadcast_to(-light.direction, self.position.shape)
+        return light.position - self.position.astype(float)
+
+    def faces(self, light, scene):
+        """Where a pixel must be decided at all: on a mesh that receives, turned to a light without area, in its cone."""
+        receives = np.append(np.array([mesh.receives for mesh in scene.meshes], bool), False)
+        way = self.to_light(light)
+        seen = receives[np.minimum(self.mesh, len(scene.meshes))] & (np.einsum("ijk,ijk->ij", self.normal.astype(float), way) > 0)
+        if light.kind == "spot":
+            axis = light.direction / np.linalg.norm(light.direction)
+            along = -way @ axis
+            seen &= along >= np.linalg.norm(way, axis=-1) * np.cos(np.radians(light.outer_degrees))
+        return seen
+
+
+def _counts(counts):
+    pairs = [(name, value if isinstance(value, tuple) else (value, "")) for name, value in counts.items()]
+    return [{"name": name, "value": float(value), "unit": unit} for name, (value, unit) in pairs]
+
+
+class _Server:
+    def __init__(self, make):
+        self.make, self.technique, self.threads = make, None, 1
+
+    def fresh(self):
+        self.technique = self.make()
+        self.technique.counts, self.technique.threads = {}, self.threads
+
+    def answer(self, request):
+        doing = request["do"]
+        if doing == "hello":
+            self.threads = request["threads"]
+            self.fresh()
+            return {"protocol": PROTOCOL}
+        technique = self.technique
+        technique.settings = SimpleNamespace(**request["settings"])
+        if doing == "supports":
+            said = technique.supports(Scene(request["scene"]), _values(request["light"]), _values(request["view"]))
+            support, why = (said, "") if isinstance(said, str) else said
+            return {"support": support, "why": why}
+        if doing == "explain":
+            return {"explanations": technique.explain(request["pixels"])}
+        given, mask = self.given(doing, request)
+        start = time.perf_counter()
+        getattr(technique, doing)(*given)
+        if mask is not None:
+            del given
+        return {"ms": 1000 * (time.perf_counter() - start), "counts": _counts(technique.counts)}
+
+    @staticmethod
+    def given(doing, request):
+        """The arguments of a stage, and the mask among them."""
+        if doing == "setup":
+            return (), None
+        if doing == "build":
+            return (Scene(request["scene"]),), None
+        if doing == "relight":
+            return (_values(request["light"]),), None
+        mask = np.memmap(request["mask"]["file"], dtype="float32", mode="r+", shape=tuple(request["mask"]["shape"]))
+        return (GBuffer(request["gbuffer"], _values(request["view"])), mask), mask
+
+
+def serve(make):
+    """Answers the testbed's questions with an object of `make`, a class that derives from Technique, until it asks no more."""
+    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)  # what a technique prints goes to standard error, not between the answers
+    server = _Server(make)
+    for line in sys.stdin:
+        try:
+            answer = server.answer(json.loads(line))
+        except Exception as problem:  # pylint: disable=broad-except
+            traceback.print_exc()
+            answer = {"error": f"{type(problem).__name__}: {problem}"}
+        answers.write(json.dumps(answer) + "\n")
+        answers.flush()
