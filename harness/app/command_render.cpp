@@ -156,7 +156,7 @@ class Rendering {
     const auto note = [&](Stage stage, double ms, const OtherClocks& others) {
       record.times(stage) = {{ms}};
       if (others.device) record.device_times(stage) = {{*others.device}};
-      if (others.wall) record.wall_times(stage) = {{*others.wall}};
+      if (others.harness) record.harness_times(stage) = {{*others.harness}};
     };
     note(Stage::setup, setup.ms, setup.other_clocks);
     const auto measured = measure(record, run_, worker_, frame);

@@ -87,7 +87,7 @@ def what(record):
 # All that may differ from run to run of one row on one machine, and why.
 LOOSE = {
     "stages": "times",
-    "wall_stages": "times",
+    "harness_stages": "times",
     "iterations": "as many calls as take a millisecond",
     "stop": "says which times were narrow enough",
     "seconds": "a time",

@@ -5,7 +5,7 @@
 import json
 import os
 import re
-import subprocess
+import shutil
 import sys
 import time
 import unittest
@@ -122,9 +122,9 @@ sentence = "Whether."
             self.assertEqual(rows[0][key], rows[2][key], key)
         # Its own clock counts, the harness's stands beside it; a stage that it is not told of takes no time.
         self.assertEqual(rows[0]["stages"]["resolve"], [[0.0]])
-        self.assertGreater(rows[0]["wall_stages"]["resolve"][0][0], 0)
+        self.assertGreater(rows[0]["harness_stages"]["resolve"][0][0], 0)
         self.assertEqual(rows[0]["stages"]["relight"], [[0.0]])
-        self.assertEqual(rows[2]["wall_stages"], {})
+        self.assertEqual(rows[2]["harness_stages"], {})
         self.assertGreater(rows[0]["bytes"], 0)  # what it has grown by
         described = self.succeed(*options, "describe", "lit")
         for words in ("S.", "depth", "1 .. 9 level", "How deep.", "fast | slow"):
@@ -195,7 +195,6 @@ sentence = "Whether."
     def test_nothing_stays_behind(self):
         # One leaves a child in a session of its own, one ignores the end of its input; both are gone after the run, and their files.
         options = self.program("parent", fault="""
-import subprocess
 def fault(r):
     if r["do"] == "build":
         subprocess.Popen(["/bin/sleep", "987"], start_new_session=True, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
@@ -241,7 +240,6 @@ def fault(r):
         self.assertEqual({cause for cause, count in sun["causes"].items() if count}, {"beyond_coverage"})
 
     def test_masks_may_be_pictures(self):
-        import shutil
         self.succeed("render", "--scene", "single_triangle", "--technique", "embree_rays", "--light", "sun", "--size", "160x90", "--out", "true")
         for kind in ("exr", "png"):
             options = self.program(f"copies_{kind}", sheet=f'mask = "{kind}"\n', fault=f"""
@@ -251,7 +249,7 @@ def fault(r):
         shutil.copy({str(self.dir / "true")!r} + "/mask.{kind}", r["mask"]["file"])
         return {{"ms": 0}}
 """)
-            row, = self.run_one(f"copies_{kind}", options, "--out", kind)
+            row, = self.run_one(f"copies_{kind}", options)
             self.assertEqual((row["status"], row["metrics"]["shape"]["wrong_rate"]), ("ok", 0))
             shutil.rmtree(self.dir / "out", ignore_errors=True)
 
@@ -297,7 +295,7 @@ def fault(r):
                      "--repetitions", "9", "--out", "out")
         row, = records(self.dir / "out")
         for stage in ("build", "relight", "resolve"):
-            own, wall = (sorted(row[key][stage][0]) for key in ("stages", "wall_stages"))
+            own, wall = (sorted(row[key][stage][0]) for key in ("stages", "harness_stages"))
             self.assertLess(wall[len(wall) // 2] - own[len(own) // 2], 3, f"{stage}: {wall}")
 
 

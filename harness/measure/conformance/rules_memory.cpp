@@ -61,6 +61,7 @@ Scene ball(int segments) {
 
 struct Figures {
   double reported = 0, growth = 0, seconds = 0;
+  bool is_elsewhere = false;  ///< what the technique does, and so what it holds
   std::string text;
 };
 
@@ -94,6 +95,7 @@ class Scales {
     technique->resolve(gbuffer, mask);
     f.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     f.growth = resident_bytes(trial_.uses_gl()) - before;
+    f.is_elsewhere = technique->own_ms().has_value();
     for (const Count& count : technique->counts())
       if (count.name == "bytes") f.reported = count.value;
     f.text = fmt::format("{:.1f} MiB reported, resident memory grew by {:.1f} MiB", f.reported / MiB, f.growth / MiB);
@@ -116,7 +118,9 @@ void reported_bytes(Trial& trial) {
     return trial.does_not_apply("textures lie in the memory of the device");
   mallopt(M_MMAP_THRESHOLD, 128 << 10);  // a constant one: what is large goes back when it is freed
   Scales scales(trial);
-  scales.measure(40);  // threads, shaders and libraries come up
+  // Threads, shaders and libraries come up.
+  if (const auto first = scales.measure(40); first && first->is_elsewhere)
+    return trial.does_not_apply("it holds its memory in a process of its own");
   for (const int segments : {80, 160, 320, 640}) {
     std::vector<Figures> measured;
     std::vector<std::string> texts;

@@ -40,7 +40,8 @@ Json write_array(const std::filesystem::path& file, const ArrayParts& array) {
   }
   const std::size_t wanted = std::accumulate(array.shape.begin(), array.shape.end(), std::size_t{4}, std::multiplies<>());
   if (size != wanted) throw Error("{}: {} bytes for a shape of {}", file.string(), size, wanted);
-  const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  unlink(file.c_str());
+  const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
   if (descriptor < 0) throw Error("{} cannot be written: {}", file.string(), std::strerror(errno));
   std::size_t first = 0;
   while (first < pieces.size()) {

@@ -28,8 +28,8 @@ ArrayParts array_of(std::vector<std::size_t> shape, std::initializer_list<std::s
   return array;
 }
 
-/// Writes it and answers {"file", "type", "shape", "offset"}, the file by its whole path. Throws Error when the parts do not
-/// fill the shape, or the file cannot be written.
+/// Writes it, as a new file where there is one of that name, and answers {"file", "type", "shape", "offset"}, the file by its
+/// whole path. Throws Error when the parts do not fill the shape, or the file cannot be written.
 Json write_array(const std::filesystem::path& file, const ArrayParts& array);
 
 /// 64-bit hash of the numbers: tells whether a file holds them already.

@@ -10,8 +10,9 @@
 
 #include <chrono>
 #include <cstring>
-#include <fstream>
 #include <optional>
+
+#include "measure/process_memory.h"
 
 namespace gnomon {
 
@@ -157,12 +158,6 @@ void ProgramProcess::fail_as_it_ended(const std::string& doing) {
   throw Error("{} ended in {}{}: exit status {}", name_, doing, half, WEXITSTATUS(*status));
 }
 
-double ProgramProcess::resident_bytes() const {
-  if (process_ <= 0) return 0;
-  std::ifstream file(fmt::format("/proc/{}/statm", process_));
-  double size = 0, resident = 0, shared = 0;
-  file >> size >> resident >> shared;
-  return file ? (resident - shared) * static_cast<double>(sysconf(_SC_PAGESIZE)) : 0;
-}
+double ProgramProcess::resident_bytes() const { return process_ > 0 ? own_resident_bytes(process_) : 0; }
 
 }  // namespace gnomon

@@ -1,39 +1,21 @@
 #include "measure/program/program_technique.h"
 
-#include <fcntl.h>
 #include <sched.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-#include <bit>
-#include <cmath>
-#include <cstring>
 #include <set>
 
-#include "measure/exchange/gltf.h"
-#include "measure/exchange/scene_files.h"
 #include "measure/paths.h"
-#include "measure/picture/picture.h"
 #include "measure/program/description.h"
 #include "measure/program/explanation_json.h"
+#include "measure/program/program_files.h"
 #include "measure/program/program_process.h"
-#include "measure/scene/blob.h"
 #include "measure/scene/scene_json.h"
-#include "measure/scratch_folder.h"
 
 namespace gnomon {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-ScratchFolder fresh_folder() {
-  const char* const named = std::getenv(program_folder_variable);
-  if (named && *named) return ScratchFolder::in(named, "program");
-  const fs::path memory = "/dev/shm";
-  return access(memory.c_str(), W_OK) == 0 ? ScratchFolder::in(memory, "gnomon-program")
-                                           : ScratchFolder::temporary("gnomon-program");
-}
 
 /// Where gnomon_technique.py lies: in the source tree, or installed.
 fs::path python_folder() {
@@ -46,131 +28,6 @@ int usable_cores() {
   CPU_ZERO(&cores);
   return sched_getaffinity(0, sizeof cores, &cores) == 0 ? CPU_COUNT(&cores) : 1;
 }
-
-/// What a program reads, as files: each is written anew only where its numbers are other ones than those it holds.
-class Inputs {
- public:
-  explicit Inputs(const ProgramDescription& description) : description_(description) {}
-
-  const fs::path& folder() const { return folder_.path(); }
-
-  /// {"file": FOLDER/scene.json, "gltf": FILE}.
-  Json scene(const Scene& scene) {
-    const SceneArrays all(scene);
-    const Arrays arrays = all.arrays();
-    Json facts = scene_facts_json(scene);
-    const std::uint64_t hash = hash_of(arrays) ^ std::hash<std::string>()(json_text(facts));
-    Json request = json_object({{"file", (folder() / "scene.json").string()}});
-    if (description_.wants_gltf) request["gltf"] = (folder() / "scene.gltf").string();
-    if (std::exchange(scene_hash_, hash) == hash) return request;
-    scene_hash_.reset();  // until all of it is written
-    if (description_.wants_scene_arrays) facts["arrays"] = write_arrays(folder(), "scene", arrays);
-    if (description_.wants_gltf) write_gltf(folder() / "scene.gltf", scene);
-    write_file(folder() / "scene.json", json_text(facts, 1) + "\n");
-    scene_hash_ = hash;
-    return request;
-  }
-
-  /// {"truth", "width", "height", "arrays", "exr"}.
-  Json gbuffer(const GBuffer& gbuffer) {
-    const Arrays arrays = gbuffer_arrays(gbuffer);
-    const std::uint64_t hash = hash_of(arrays);
-    if (gbuffer_hash_ != hash) {
-      gbuffer_hash_.reset();
-      gbuffer_ = json_object({{"width", gbuffer.width}, {"height", gbuffer.height}});
-      if (description_.wants_gbuffer_arrays) gbuffer_["arrays"] = write_arrays(folder(), "gbuffer", arrays);
-      if (description_.wants_gbuffer_exr) {
-        write_gbuffer_exr(folder() / "gbuffer.exr", gbuffer);
-        gbuffer_["exr"] = (folder() / "gbuffer.exr").string();
-      }
-      gbuffer_hash_ = hash;
-    }
-    gbuffer_["truth"] = name(gbuffer.truth);
-    return gbuffer_;
-  }
-
- private:
-  static std::uint64_t hash_of(const Arrays& arrays) {
-    std::uint64_t hash = 0;
-    for (const auto& [name, array] : arrays) hash = std::rotl(hash, 1) ^ gnomon::hash_of(array);
-    return hash;
-  }
-
-  const ProgramDescription& description_;
-  ScratchFolder folder_ = fresh_folder();
-  std::optional<std::uint64_t> scene_hash_, gbuffer_hash_;
-  Json gbuffer_;
-};
-
-/// The mask that a program writes: raw float32 from the first byte on, or an image.
-class MaskFile {
- public:
-  MaskFile(ProgramMask kind, const fs::path& folder)
-      : kind_(kind),
-        file_(folder / (kind == ProgramMask::float32 ? "mask.f32"
-                        : kind == ProgramMask::exr   ? "mask.exr"
-                                                     : "mask.png")) {}
-
-  /// {"file", "type", "shape"}. Of float32 there is a file, of not-a-numbers; an image there is none.
-  Json fresh(int width, int height) const {
-    const std::size_t bytes = 4 * static_cast<std::size_t>(width) * height;
-    Json request = json_object({{"file", file_.string()}, {"format", words[int(kind_)]}, {"shape", {height, width}}});
-    if (kind_ != ProgramMask::float32) {
-      fs::remove(file_);
-      return request;
-    }
-    const std::vector<std::byte> nothing(bytes, std::byte{0xff});
-    const int descriptor = open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-    const bool is_written = descriptor >= 0 && ftruncate(descriptor, static_cast<off_t>(bytes)) == 0 &&
-                            pwrite(descriptor, nothing.data(), bytes, 0) == static_cast<ssize_t>(bytes);
-    const int code = errno;
-    if (descriptor >= 0) close(descriptor);
-    if (!is_written) throw Error("{} cannot be written: {}", file_.string(), std::strerror(code));
-    return request;
-  }
-
-  /// Throws Error on a mask of another size, a pixel that was left out, and a value outside 0 .. 1.
-  void read(VisibilityMask& mask) const {
-    const std::span<float> pixels = mask.pixels();
-    if (kind_ == ProgramMask::float32)
-      read_numbers(pixels);
-    else
-      read_image(mask);
-    for (std::size_t i = 0; i < pixels.size(); ++i) {
-      if (pixels[i] >= 0 && pixels[i] <= 1) continue;
-      const bool is_left_out = std::bit_cast<std::uint32_t>(pixels[i]) == 0xffffffffu;
-      throw Error("the mask's pixel ({}, {}) {}", i % mask.width(), i / mask.width(),
-                  is_left_out ? "was not written" : fmt::format("is {}, outside 0 .. 1", pixels[i]));
-    }
-  }
-
- private:
-  static constexpr std::string_view words[] = {"float32", "exr", "png"};
-
-  void read_numbers(std::span<float> pixels) const {
-    const int descriptor = open(file_.c_str(), O_RDONLY | O_CLOEXEC);
-    struct stat facts {};
-    const bool is_there = descriptor >= 0 && fstat(descriptor, &facts) == 0;
-    const auto size = is_there ? static_cast<std::size_t>(facts.st_size) : 0;
-    const bool is_read = size == pixels.size_bytes() && pread(descriptor, pixels.data(), size, 0) == static_cast<ssize_t>(size);
-    if (descriptor >= 0) close(descriptor);
-    if (!is_there) throw Error("the mask {} is gone", file_.string());
-    if (!is_read) throw Error("the mask has {} bytes; {} are wanted, four a pixel", size, pixels.size_bytes());
-  }
-
-  void read_image(VisibilityMask& mask) const {
-    if (!fs::exists(file_)) throw Error("no mask was written to {}", file_.string());
-    const auto [width, height] = image_files().exr_size(file_);
-    if (width != mask.width() || height != mask.height())
-      throw Error("the mask is {} x {}; {} x {} is wanted", width, height, mask.width(), mask.height());
-    const std::vector<std::string> channels = image_files().exr_channels(file_);
-    const std::vector<float> read = read_exr(file_, channels.at(0), width, height);
-    std::ranges::copy(read, mask.pixels().begin());
-  }
-
-  ProgramMask kind_;
-  fs::path file_;
-};
 
 class ProgramTechnique final : public Technique {
  public:
@@ -197,7 +54,7 @@ class ProgramTechnique final : public Technique {
   void build(const Scene& scene) override { tell(Stage::build, {{"scene", program().inputs.scene(scene)}}); }
   void relight(const Light& light) override { tell(Stage::relight, {{"light", scene_json(light)}}); }
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
-    const MaskFile file(d_->mask, program().inputs.folder());
+    const ProgramMaskFile file(d_->mask, program().inputs.folder());
     tell(Stage::resolve, {{"view", scene_json(gbuffer.view)},
                           {"gbuffer", program().inputs.gbuffer(gbuffer)},
                           {"mask", file.fresh(gbuffer.width, gbuffer.height)}});
@@ -259,7 +116,7 @@ class ProgramTechnique final : public Technique {
                     program_protocol);
       bytes_at_start = process.resident_bytes();
     }
-    Inputs inputs;
+    ProgramInputs inputs;
     ProgramProcess process;
     double bytes_at_start = 0;
   };

@@ -8,10 +8,6 @@ namespace gnomon {
 /// Version of the protocol that a program speaks, docs/protocol.md.
 inline constexpr int program_protocol = 1;
 
-/// Where the files between a worker and its program lie: a folder that the worker's owner removes. Without it, a folder of the
-/// technique's own.
-inline constexpr const char* program_folder_variable = "GNOMON_PROGRAM_FOLDER";
-
 /// The technique that a description tells of, registered under the file's stem. Throws Error on a file that is no description,
 /// and on an id that is taken.
 void load_program(const std::filesystem::path& file);

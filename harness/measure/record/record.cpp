@@ -89,7 +89,7 @@ void for_each_field(MaybeConst<Record> auto& r, const auto& use) {
   use("reason", r.reason);
   use("stages", r.stages);
   use("device_stages", r.device_stages);
-  use("wall_stages", r.wall_stages);
+  use("harness_stages", r.harness_stages);
   use("iterations", r.iterations);
   use("stop", r.stop);
   use("counts", r.counts);
@@ -300,7 +300,7 @@ void from_json(const Json& json, Record& record) {
 
 void forget_results(Record& r) {
   const auto empty = [](auto&... fields) { ((fields = std::decay_t<decltype(fields)>()), ...); };
-  empty(r.stages, r.device_stages, r.wall_stages, r.iterations, r.stop, r.counts, r.bytes, r.peak_bytes, r.gl, r.reference,
+  empty(r.stages, r.device_stages, r.harness_stages, r.iterations, r.stop, r.counts, r.bytes, r.peak_bytes, r.gl, r.reference,
         r.classes, r.metrics, r.causes, r.cause_errors, r.frames, r.mask, r.error_picture, r.shaded_picture, r.shares_build);
   for (Record::LightFacts& light : r.lights)
     empty(light.reference, light.classes, light.metrics, light.causes, light.cause_errors);

@@ -51,7 +51,7 @@ struct Record {
   /// The same by the device's own clock, with OpenGL where it has one; as many processes, repetitions and iterations.
   std::array<ProcessTimes, std::size(stage_names)> device_stages;
   /// The same by the harness's clock, of a technique whose own clock counts, because it runs in a program of its own.
-  std::array<ProcessTimes, std::size(stage_names)> wall_stages;
+  std::array<ProcessTimes, std::size(stage_names)> harness_stages;
   std::map<std::string, std::uint64_t> iterations;  ///< by stage: calls whose mean is one repetition
   std::string stop;  ///< why there are no more processes: "fixed", "target" (interval narrow enough) or "budget"
   Counts counts;
@@ -125,8 +125,8 @@ struct Record {
   ProcessTimes& times(Stage stage) { return stages[static_cast<std::size_t>(stage)]; }
   const ProcessTimes& device_times(Stage stage) const { return device_stages[static_cast<std::size_t>(stage)]; }
   ProcessTimes& device_times(Stage stage) { return device_stages[static_cast<std::size_t>(stage)]; }
-  const ProcessTimes& wall_times(Stage stage) const { return wall_stages[static_cast<std::size_t>(stage)]; }
-  ProcessTimes& wall_times(Stage stage) { return wall_stages[static_cast<std::size_t>(stage)]; }
+  const ProcessTimes& harness_times(Stage stage) const { return harness_stages[static_cast<std::size_t>(stage)]; }
+  ProcessTimes& harness_times(Stage stage) { return harness_stages[static_cast<std::size_t>(stage)]; }
   /// The metric against one truth, or against the headline truth; nothing when it is missing or null.
   std::optional<double> metric(Truth of, std::string_view name) const;
   std::optional<double> metric(std::string_view name) const { return metric(truth, name); }

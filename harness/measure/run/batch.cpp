@@ -175,7 +175,7 @@ class Batch {
     const ContenderWorker::SetupTime setup = worker.setup_time();
     row.record.times(Stage::setup).push_back({setup.ms});
     if (setup.other_clocks.device) row.record.device_times(Stage::setup).push_back({*setup.other_clocks.device});
-    if (setup.other_clocks.wall) row.record.wall_times(Stage::setup).push_back({*setup.other_clocks.wall});
+    if (setup.other_clocks.harness) row.record.harness_times(Stage::setup).push_back({*setup.other_clocks.harness});
     row.record.iterations["setup"] = 1;
     if (process_ > 0) return;
     if (const auto measured = measure(row.record, run_, worker, frame))
@@ -230,7 +230,7 @@ class Batch {
   static void add_samples(Record& record, Stage stage, const TimingTask& task) {
     record.times(stage).push_back(task.samples);
     if (!task.others.device.empty()) record.device_times(stage).push_back(task.others.device);
-    if (!task.others.wall.empty()) record.wall_times(stage).push_back(task.others.wall);
+    if (!task.others.harness.empty()) record.harness_times(stage).push_back(task.others.harness);
   }
 
   /// Warm-ups, fewer when they take long; they also say how often to repeat. `others` will get the other clocks' times. Stages
@@ -252,7 +252,7 @@ class Batch {
       const double ms = worker.time(stage, count);
       const OtherClocks& clocks = worker.other_clocks();
       if (clocks.device) others.device.push_back(*clocks.device / count);
-      if (clocks.wall) others.wall.push_back(*clocks.wall / count);
+      if (clocks.harness) others.harness.push_back(*clocks.harness / count);
       return ms;
     };
     return task;

@@ -7,7 +7,7 @@ namespace gnomon {
 
 /// Milliseconds of every repetition by clocks beside the one that counts; empty where there is none.
 struct OtherSamples {
-  std::vector<double> device, wall;
+  std::vector<double> device, harness;
 };
 
 /// One contender's stage to be timed.

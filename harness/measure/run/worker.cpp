@@ -17,7 +17,7 @@
 #include <fstream>
 
 #include "measure/paths.h"
-#include "measure/program/program_technique.h"
+#include "measure/program/program_files.h"
 
 namespace gnomon {
 

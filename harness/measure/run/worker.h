@@ -101,7 +101,7 @@ bool write_line(int socket, const std::string& line);
 ///   {"do": "frame", "gbuffer": FILE, "stand": FILE, "width", "height", "truth"}         -> the same
 ///   {"do": "setup"}                                                         -> {"ms": t}
 ///   {"do": "time", "stage": NAME, "iterations": N}                          -> {"ms": t, "iterations": n, "device_ms": t,
-///   "wall_ms": t}
+///   "harness_ms": t}
 ///   {"do": "bring_up", "stage": NAME}                                       -> {}          all stages up to this one, once
 ///   {"do": "answer", "mask": FILE}                                          -> {"counts": [...], "peak_bytes": n}
 ///   {"do": "mask", "mask": FILE}                                            -> {}          the mask without counting
@@ -116,7 +116,7 @@ bool write_line(int socket, const std::string& line);
 /// file `done`, which may be missing, is a SharedCount of the pixels that are through.
 /// `stand` is a file with the scene_bytes of a scene without meshes that holds a light or several and one view, wherever they
 /// are: they count instead of the scene's. `time` brings earlier stages up untimed, does this one N times, once where nothing
-/// is said, or fewer (longest_portion_seconds), and answers the sum of their times and their number; `wall_ms` beside `ms`
+/// is said, or fewer (longest_portion_seconds), and answers the sum of their times and their number; `harness_ms` beside `ms`
 /// where that is by the technique's own clock. Masks of several lights follow each other in one file; `explain`, `debug` and
 /// `detail` are about the frame's first light, or that of their "light". A light that is unsupported beside others has a mask
 /// of ones. `fresh` is how many stages, from setup on, are up to date. `pixels` holds uint32 indices of the mask answered last;

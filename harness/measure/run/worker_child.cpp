@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <fstream>
 #include <map>
 #include <utility>
 
@@ -15,6 +14,7 @@
 #include "device/stopwatch.h"
 #include "measure/cause/causes.h"
 #include "measure/picture/detail_export.h"
+#include "measure/process_memory.h"
 #include "measure/run/light_objects.h"
 #include "measure/run/shared_count.h"
 #include "measure/run/worker.h"
@@ -25,14 +25,6 @@ namespace gnomon {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-/// Largest resident memory of this process in bytes. Not from getrusage: that figure survives exec, and would be the parent's.
-double peak_bytes() {
-  std::ifstream status("/proc/self/status");
-  for (std::string line; std::getline(status, line);)
-    if (line.starts_with("VmHWM:")) return 1024.0 * std::stod(line.substr(6));
-  return 0;
-}
 
 /// Serves requests for one technique: it has the scene and the frame, and knows which stages are up to date.
 class TechniqueServer {
@@ -164,7 +156,7 @@ class TechniqueServer {
   Json time_stage(int stage, double iterations) {
     if (!(iterations >= 1)) throw Error("iterations = {} is below 1", iterations);
     bring_up(stage - 1);
-    double own_sum = 0, wall_sum = 0;
+    double own_sum = 0, harness_sum = 0;
     bool is_own = false;
     std::optional<double> device_sum = 0;
     int done = 0;
@@ -172,15 +164,15 @@ class TechniqueServer {
     const std::chrono::duration<double> longest(longest_portion_seconds);
     do {
       const StageTime time = this->time(static_cast<Stage>(stage));
-      wall_sum += time.wall_ms;
-      own_sum += time.own_ms.value_or(time.wall_ms);
+      harness_sum += time.harness_ms;
+      own_sum += time.own_ms.value_or(time.harness_ms);
       is_own = is_own || time.own_ms;
       const auto device_ms = stopwatch_ ? stopwatch_->milliseconds() : std::nullopt;
       device_sum = device_sum && device_ms ? std::optional(*device_sum + *device_ms) : std::nullopt;
       ++done;
     } while (done < iterations && Clock::now() - start < longest);
     Json result = json_object({{"ms", own_sum}, {"iterations", done}});
-    if (is_own) result["wall_ms"] = wall_sum;
+    if (is_own) result["harness_ms"] = harness_sum;
     if (device_sum) result["device_ms"] = *device_sum;
     return result;
   }
@@ -191,7 +183,7 @@ class TechniqueServer {
   }
 
   struct StageTime {
-    double wall_ms;
+    double harness_ms;
     std::optional<double> own_ms;  ///< by the technique's own clock, where it has one
   };
   /// Does one stage; what follows it is out of date then.
@@ -228,15 +220,11 @@ class TechniqueServer {
     fresh_ = static_cast<int>(stage);
     if (own_ms && !(*own_ms >= 0 && *own_ms <= ms))
       throw Error("{} took {:g} ms by the technique's own clock, {:g} ms by the harness's", name(stage), *own_ms, ms);
-    return {.wall_ms = ms, .own_ms = own_ms};
+    return {.harness_ms = ms, .own_ms = own_ms};
   }
 
   Json write_mask(const std::string& path) {
     bring_up(static_cast<int>(Stage::resolve));
-    if (masks_.size() == 1) {
-      write_file(path, std::as_bytes(masks_[0].read()));
-      return Json::object();
-    }
     std::vector<float> all;
     for (VisibilityMask& mask : masks_) all.insert(all.end(), mask.read().begin(), mask.read().end());
     write_file(path, std::as_bytes(std::span(all)));

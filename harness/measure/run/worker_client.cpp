@@ -126,7 +126,7 @@ FrameReply WorkerClient::frame(const FrameRequest& request) {
 
 double WorkerClient::time(Stage stage, int iterations) {
   double sum = 0;
-  other_clocks_ = {.device = 0, .wall = 0};
+  other_clocks_ = {.device = 0, .harness = 0};
   const auto add = [](std::optional<double>& sum, const Json& reply, const char* key) {
     sum = sum && reply.contains(key) ? std::optional(*sum + reply.at(key).get<double>()) : std::nullopt;
   };
@@ -140,7 +140,7 @@ double WorkerClient::time(Stage stage, int iterations) {
       fresh_count_ = static_cast<int>(stage) + 1;
       sum += reply.at("ms").get<double>();
       add(other_clocks_.device, reply, "device_ms");
-      add(other_clocks_.wall, reply, "wall_ms");
+      add(other_clocks_.harness, reply, "harness_ms");
       const double count = reply.value("iterations", 1.0);
       if (!(count >= 1 && count <= wanted)) throw Error("{} iterations of {} came for {}", count, name(stage), wanted);
       return static_cast<int>(count);

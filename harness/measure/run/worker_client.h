@@ -61,8 +61,8 @@ struct FrameReply {
 
 /// What a stage took, in milliseconds, by clocks beside the one that counts; nothing where there is none.
 struct OtherClocks {
-  std::optional<double> device;  ///< of the device that draws
-  std::optional<double> wall;    ///< the harness's, where the technique's own one counts
+  std::optional<double> device;   ///< of the device that draws
+  std::optional<double> harness;  ///< the harness's, where the technique's own one counts
 };
 
 /// What a worker draws with.

@@ -114,8 +114,9 @@ void add_times(std::vector<Column>& columns) {
     columns.back().cell = [stage](const Record& r) { return number(median_of_medians(r.device_times(stage))); };
   }
   for (const Stage stage : {Stage::setup, Stage::build, Stage::relight, Stage::resolve}) {
-    columns.push_back(number_column(fmt::format("{}_wall_ms", name(stage)), "ms", fmt::format("{} by wall", name(stage))));
-    columns.back().cell = [stage](const Record& r) { return number(median_of_medians(r.wall_times(stage))); };
+    columns.push_back(
+        number_column(fmt::format("{}_harness_ms", name(stage)), "ms", fmt::format("{} by harness", name(stage))));
+    columns.back().cell = [stage](const Record& r) { return number(median_of_medians(r.harness_times(stage))); };
   }
   columns.push_back(
       whole_column("processes", "", "processes", [](const Record& r) { return count_cell(r.times(Stage::resolve).size()); }));

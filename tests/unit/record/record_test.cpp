@@ -54,7 +54,7 @@ Record example(const std::string& job = "00ff") {
   r.times(Stage::setup) = {{12.5}, {13}};
   r.times(Stage::resolve) = {{0.1, 0.2, 0.30000000000000004}, {1e-3, 2, 3}};
   r.device_times(Stage::resolve) = {{0.05, 0.1, 0.15}};
-  r.wall_times(Stage::build) = {{2.5}, {3.5}};
+  r.harness_times(Stage::build) = {{2.5}, {3.5}};
   r.iterations = {{"resolve", 7}};
   r.stop = "target";
   r.counts = {{"texels", 65536, "texel"}};
@@ -86,7 +86,7 @@ TEST(record, every_field_survives_writing_and_reading) {
   EXPECT_EQ(back.times(Stage::resolve), example().times(Stage::resolve));  // to the last bit
   EXPECT_TRUE(back.times(Stage::build).empty());
   EXPECT_EQ(back.device_times(Stage::resolve), example().device_times(Stage::resolve));
-  EXPECT_EQ(back.wall_times(Stage::build), example().wall_times(Stage::build));
+  EXPECT_EQ(back.harness_times(Stage::build), example().harness_times(Stage::build));
   EXPECT_EQ(back.peak_bytes, 8589934592u);
   EXPECT_EQ(back.metric("wrong_rate"), 1.0 / 3);
   EXPECT_EQ(back.metric(Truth::shape, "wrong_rate"), 0);
