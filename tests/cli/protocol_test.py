@@ -195,6 +195,7 @@ sentence = "Whether."
     def test_nothing_stays_behind(self):
         # One leaves a child in a session of its own, one ignores the end of its input; both are gone after the run, and their files.
         options = self.program("parent", fault="""
+import subprocess
 def fault(r):
     if r["do"] == "build":
         subprocess.Popen(["/bin/sleep", "987"], start_new_session=True, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
