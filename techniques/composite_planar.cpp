@@ -32,7 +32,8 @@ constexpr About about{
         "and printed: all but spheres, discs along the plane, upright cones and triangles, below the light.",
     .promise = Promise::exact,
     .sees = Truth::shape,
-    .needs_gl = true};
+    .needs_gl = true,
+    .rasterizes = true};
 
 class CompositePlanar final : public Technique {
   Choice form{this,           "form",

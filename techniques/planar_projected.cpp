@@ -22,7 +22,8 @@ constexpr About about{
         "(at most 1 in 10 000 of the tested pixels in our scenes, none farther than 1/100 pixel from an edge). Wrong on "
         "purpose with a textbook artefact on.",
     .fails = "Receivers that are not flat: pixels off the receiver planes are lit and reported as not covered.",
-    .needs_gl = true};
+    .needs_gl = true,
+    .rasterizes = true};
 
 // With the plane P = (n, d), n toward the light L, M = (P.L) I - L P^T. The image of a caster's point p has w = P.L - (light's
 // w) P.p: positive between the plane and the light, zero at the light's height. Lecture notes print the matrix of the plane

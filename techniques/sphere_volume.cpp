@@ -28,7 +28,8 @@ constexpr About about{
         "rasterizer snaps vertices to 1/256 pixel.",
     .fails = "Few segments, seen near. Nothing it supports with fit = exact, but for the triangles of other casters.",
     .sees = Truth::shape,
-    .needs_gl = true};
+    .needs_gl = true,
+    .rasterizes = true};
 
 // A convex body casts no shadow on its own surface facing the light, so its faces leave alone the pixels of its own mesh; its
 // light cap runs inside it, where no eye outside sees it. A body with the light inside has no outline and casts no volume:

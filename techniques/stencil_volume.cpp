@@ -27,7 +27,8 @@ constexpr About about{
         "says so. An edge that meets the middle of another one (T-junction) is a crack of the input: single pixels along "
         "its side quad may be wrong. A closed mesh that winds around some region the wrong way (self-intersecting) lights "
         "receivers inside that region.",
-    .needs_gl = true};
+    .needs_gl = true,
+    .rasterizes = true};
 
 /// Eighteen vertices a triangle, nine where volumes are pointed.
 constexpr std::string_view triangle_sides_body = R"(

@@ -11,6 +11,7 @@
 #include <system_error>
 #include <thread>
 
+#include "measure/cause/own_causes.h"
 #include "measure/notice.h"
 #include "measure/paths.h"
 #include "measure/program/program_technique.h"
@@ -70,11 +71,13 @@ int run_program(int argc, char** argv) {
     program.line.early_option("--plugin", "FILE.so", "Load techniques from a plugin built with gnomon_add_plugin",
                               [&](const std::string& path) {
                                 load_plugin(path);
+                                check_own_causes(registry().techniques());
                                 program.plugins.push_back(path);
                               });
     program.line.early_option("--program", "FILE.toml", "Load a technique that is a program of its own (docs/protocol.md)",
                               [&](const std::string& path) {
                                 load_program(path);
+                                check_own_causes(registry().techniques());
                                 program.plugins.push_back(path);
                               });
     if (const std::filesystem::path root = find_data_root(); !root.empty()) load_programs_of(root / "techniques");

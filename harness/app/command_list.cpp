@@ -62,7 +62,7 @@ void list(const ListOptions& options) {
   else if (options.what == "metrics")
     print(list_text(metric_infos(), terminal_width()), list_json(metric_infos()), options.json);
   else if (options.what == "causes")
-    print(list_text(cause_infos(), terminal_width()), list_json(cause_infos()), options.json);
+    print(list_text(cause_infos(), techniques, terminal_width()), list_json(cause_infos(), techniques), options.json);
   else if (options.what == "scenes")
     print_scenes(options.json);
   else if (options.what == "suites")

@@ -14,6 +14,10 @@ Json about_json(const TechniqueEntry& entry) {
       {"sees", name(about.sees)}, {"needs_gl", about.needs_gl}, {"summary", about.summary}};
 }
 
+std::string hex(const std::array<std::uint8_t, 3>& color) {
+  return fmt::format("#{:02x}{:02x}{:02x}", color[0], color[1], color[2]);
+}
+
 /// Choices and flags give no unit; a metric without one is a share of 1.
 std::string unit_of(const MetricInfo& metric) { return metric.unit.empty() ? "share" : std::string(metric.unit); }
 
@@ -50,18 +54,22 @@ Json list_json(std::span<const MetricInfo> metrics) {
   return list;
 }
 
-std::string list_text(std::span<const CauseInfo> causes, std::size_t width) {
-  TextTable table({{"cause", ""}, {"meaning", ""}});
-  for (const CauseInfo& cause : causes) table.add_row({std::string(cause.name), std::string(cause.sentence)});
+std::string list_text(std::span<const CauseInfo> causes, std::span<const TechniqueEntry> entries, std::size_t width) {
+  TextTable table({{"cause", ""}, {"of", ""}, {"meaning", ""}});
+  for (const CauseInfo& cause : causes) table.add_row({std::string(cause.name), "all", std::string(cause.sentence)});
+  for (const TechniqueEntry& entry : entries)
+    for (const OwnCause& cause : entry.about.causes)
+      table.add_row({std::string(cause.id), entry.id, std::string(cause.sentence)});
   return table.text(width);
 }
 
-Json list_json(std::span<const CauseInfo> causes) {
+Json list_json(std::span<const CauseInfo> causes, std::span<const TechniqueEntry> entries) {
   Json list = Json::array();
   for (const CauseInfo& cause : causes)
-    list.push_back({{"name", cause.name},
-                    {"sentence", cause.sentence},
-                    {"color", fmt::format("#{:02x}{:02x}{:02x}", cause.color[0], cause.color[1], cause.color[2])}});
+    list.push_back({{"name", cause.name}, {"sentence", cause.sentence}, {"color", hex(cause.color)}, {"technique", nullptr}});
+  for (const TechniqueEntry& entry : entries)
+    for (const OwnCause& cause : entry.about.causes)
+      list.push_back({{"name", cause.id}, {"sentence", cause.sentence}, {"color", hex(cause.color)}, {"technique", entry.id}});
   return list;
 }
 
@@ -108,6 +116,11 @@ std::string describe_text(const TechniqueEntry& entry, std::size_t width) {
     for (const DebugLayer& layer : layers) table.add_row({layer.name, layer.sentence});
     text += '\n' + table.text(width);
   }
+  if (!about.causes.empty()) {
+    TextTable table({{"cause of its own", ""}, {"meaning", ""}});
+    for (const OwnCause& cause : about.causes) table.add_row({std::string(cause.id), std::string(cause.sentence)});
+    text += '\n' + table.text(width);
+  }
   return text;
 }
 
@@ -122,6 +135,9 @@ Json describe_json(const TechniqueEntry& entry) {
   json["debug_layers"] = Json::array();
   for (const DebugLayer& layer : technique->debug_layers())
     json["debug_layers"].push_back({{"name", layer.name}, {"sentence", layer.sentence}});
+  json["causes"] = Json::array();
+  for (const OwnCause& cause : entry.about.causes)
+    json["causes"].push_back({{"name", cause.id}, {"sentence", cause.sentence}, {"color", hex(cause.color)}});
   return json;
 }
 

@@ -17,8 +17,9 @@ Json list_json(std::span<const TechniqueEntry> entries);
 std::string list_text(std::span<const MetricInfo> metrics, std::size_t width = 0);
 Json list_json(std::span<const MetricInfo> metrics);
 
-std::string list_text(std::span<const CauseInfo> causes, std::size_t width = 0);
-Json list_json(std::span<const CauseInfo> causes);
+/// The causes, then those that the techniques have of their own.
+std::string list_text(std::span<const CauseInfo> causes, std::span<const TechniqueEntry> entries, std::size_t width = 0);
+Json list_json(std::span<const CauseInfo> causes, std::span<const TechniqueEntry> entries);
 
 std::string describe_text(const TechniqueEntry& entry, std::size_t width = 0);
 Json describe_json(const TechniqueEntry& entry);

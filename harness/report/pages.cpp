@@ -119,6 +119,13 @@ std::string technique_page(const TechniqueEntry& entry) {
     for (const DebugLayer& layer : layers)
       page += fmt::format("| {} | {} |\n", code(layer.name), markdown_text(layer.sentence));
   }
+  if (!about.causes.empty()) {
+    page +=
+        "\n## Causes of its own\n\nBeside the [common ones](../causes.md) of wrong pixels:\n\n| cause | meaning |\n| --- | --- "
+        "|\n";
+    for (const OwnCause& cause : about.causes)
+      page += fmt::format("| {} | {} |\n", code(cause.id), markdown_text(cause.sentence));
+  }
   if (technique->surface_detail())
     page += fmt::format(
         "\n## Surface detail\n\n`gnomon render --technique {} --detail FILE.obj` writes its lit and shadowed polygons: "

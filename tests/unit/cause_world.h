@@ -41,11 +41,12 @@ struct World {
       return all;
     };
     const Reference r = reference();
-    const std::vector<Cause> found = find_causes({scene, casters, gbuffer, light, r, mask, right_on_mesh, explain});
+    const std::vector<Cause> found = find_causes(
+        {scene, casters, gbuffer, light, r, mask, right_on_mesh, explain, LightShareKind::area, own_causes, rasterizes});
     EXPECT_EQ(found.size(), mask.size());
     for (std::size_t i = 0; i < found.size(); ++i)
       EXPECT_EQ(found[i] != Cause::none, classes[i] == PixelClass::T && std::abs(mask[i] - truth[i]) > 0.5f) << i;
-    Causes counts = count_causes(found);
+    Causes counts = count_causes(found, own_causes);
     std::erase_if(counts, [](const auto& item) { return item.second == 0; });
     return counts;
   }
@@ -87,6 +88,8 @@ struct World {
   std::vector<PixelClass> classes;
   std::vector<std::uint32_t> nearest_caster;
   std::vector<std::uint8_t> right_on_mesh;
+  std::vector<CauseInfo> own_causes;
+  bool rasterizes = true;
 };
 
 /// Horizontal rectangle at a height, and the ground: meshes 1 and 0.

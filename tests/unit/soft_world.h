@@ -1,6 +1,7 @@
 #pragma once
 // Small scenes under a light with area, with a soft reference and a mask to be spoiled, for tests of the causes of soft errors.
 #include "cause_world.h"
+#include "measure/cause/own_causes.h"
 #include "measure/frame/soft_reference.h"
 
 namespace gnomon::soft_world {
@@ -41,6 +42,7 @@ struct World {
     const Reference all = reference();
     Attribution attribution{scene, casters, gbuffer, light, all, mask, right_on_mesh, nullptr};
     if (why) attribution.explain = explain;
+    attribution.own_causes = own_causes;
     return find_causes(attribution);
   }
   /// What each cause holds of the error that is more than the reference's own; causes that hold none left out.
@@ -52,7 +54,7 @@ struct World {
       const double error = std::abs(static_cast<double>(mask[i]) - truth.area[i]);
       EXPECT_EQ(found[i] != Cause::none, truth.classes[i] == PixelClass::T && error > 0) << i;
       if (found[i] == Cause::none || found[i] == Cause::reference_error) continue;
-      sums[std::string(name(found[i]))] += error;
+      sums[std::string(with_common(own_causes)[static_cast<std::size_t>(found[i]) - 1].name)] += error;
       all += error;
     }
     for (auto& [name, sum] : sums) sum /= all;
@@ -67,6 +69,7 @@ struct World {
   SoftReference truth;
   std::vector<float> mask;
   std::vector<std::uint8_t> right_on_mesh;
+  std::vector<CauseInfo> own_causes;
 };
 
 /// A square lamp of side 2 * half, 6 m above `center` of the ground, horizontal.

@@ -78,7 +78,7 @@ class SidePainter {
         evidence_ = *evidence;
         is_soft_ = is_soft(evidence_);
         shown_ = Shown::errors;
-        for (const ErrorKind& kind : error_kinds(!evidence->causes.empty())) kind_colors_.push_back(kind.color);
+        for (const ErrorKind& kind : error_kinds(*evidence, false)) kind_colors_.push_back(kind.color);
         break;
       }
       case Paint::classes:

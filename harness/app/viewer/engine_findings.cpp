@@ -5,6 +5,7 @@
 
 #include "app/viewer/engine_side.h"
 #include "app/viewer/several_lights.h"
+#include "measure/cause/own_causes.h"
 #include "measure/score/score.h"
 
 namespace gnomon::viewer {
@@ -65,7 +66,9 @@ void Engine::Body::Side::count_wrong(const std::shared_ptr<const SideAnswer>& an
   auto verdict = std::make_shared<Verdict>();
   verdict->answer = answer;
   verdict->reference = reference;
-  verdict->estimates = registry().technique(loaded_->technique).about.estimates;
+  const About& about = registry().technique(loaded_->technique).about;
+  verdict->estimates = about.estimates;
+  verdict->own_causes = own_causes(about);
   const GBuffer& g = answer->frame->gbuffer;
   if (answer->frame->is_together()) verdict->together = put_together(*answer, *reference, verdict->estimates, {});
   const Evidence evidence = verdict->together ? verdict->together->evidence()
@@ -110,8 +113,8 @@ void Engine::Body::Side::find_causes_of(const std::shared_ptr<const Verdict>& ve
   const Frame& frame = *verdict->answer->frame;
   const std::vector<std::shared_ptr<const ReferenceState>> lights = frame.is_together() ? truth->lights : std::vector{truth};
   std::vector<std::vector<std::uint8_t>> right(lights.size());
-  if (lights[0]->on_mesh && registry().technique(loaded_->technique).about.sees == Truth::mesh)
-    right = right_on_mesh(frame, lights);
+  const About& about = registry().technique(loaded_->technique).about;
+  if (lights[0]->on_mesh && about.sees == Truth::mesh) right = right_on_mesh(frame, lights);
   std::vector<std::vector<Cause>> causes(lights.size());
   auto complete = std::make_shared<Verdict>(*verdict);
   const bool is_done = causes_.run(ticket, [&] {
@@ -122,15 +125,17 @@ void Engine::Body::Side::find_causes_of(const std::shared_ptr<const Verdict>& ve
       reference.irradiance_error = lights[k]->irradiance_error;
       causes[k] = find_causes({frame.scene(), frame.loaded->store->casters(frame.gbuffer.truth), frame.gbuffer,
                                frame.all_lights()[k], reference, verdict->answer->mask_under(k), right[k],
-                               [&](std::span<const std::uint32_t> pixels) { return explain(pixels, k); }, verdict->estimates});
+                               [&](std::span<const std::uint32_t> pixels) { return explain(pixels, k); }, verdict->estimates,
+                               verdict->own_causes, about.rasterizes});
     }
   });
   if (!is_done) return;
   if (frame.is_together())
-    complete->together = put_together(*verdict->answer, *truth, verdict->estimates, causes);
+    complete->together = put_together(*verdict->answer, *truth, verdict->estimates, causes, verdict->own_causes);
   else
     complete->causes = std::move(causes[0]);
-  complete->cause_counts = count_causes(frame.is_together() ? complete->together->causes : complete->causes);
+  complete->cause_counts =
+      count_causes(frame.is_together() ? complete->together->causes : complete->causes, verdict->own_causes);
   complete->has_causes = true;
   complete->reference = truth;
   body_.change([&](EngineState&) {

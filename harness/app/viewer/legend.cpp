@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "app/viewer/compose.h"
+#include "measure/cause/own_causes.h"
 #include "measure/picture/signed_color.h"
 #include "measure/score/error_picture.h"
 
@@ -58,7 +59,7 @@ std::vector<LegendEntry> difference_legend(const Composition& composition, int s
 
 /// Under a light with area: of each kind that is drawn its part of the error.
 std::vector<LegendEntry> soft_errors_legend(const Evidence& evidence) {
-  const std::span<const ErrorKind> kinds = error_kinds(!evidence.causes.empty(), true);
+  const std::vector<ErrorKind> kinds = error_kinds(evidence, true);
   std::vector<double> errors(kinds.size(), 0);
   std::vector<bool> is_drawn(kinds.size(), false);
   double all = 0;
@@ -81,11 +82,12 @@ std::vector<LegendEntry> errors_legend(const Composition& composition, int side,
   if (const std::optional<Evidence> evidence = evidence_of(composition, side, with_causes); evidence && is_soft(*evidence))
     return soft_errors_legend(*evidence);
   std::vector<LegendEntry> entries;
-  const std::span<const ErrorKind> kinds = error_kinds(with_causes);
+  const std::vector<ErrorKind> kinds = error_kinds(with_causes, false, verdict->own_causes);
+  const std::vector<CauseInfo> causes = with_common(verdict->own_causes);
   for (std::size_t k = 0; k < kinds.size(); ++k) {
     std::size_t count = k == 0 ? verdict->errors.false_dark : verdict->errors.false_lit;
     if (with_causes) {
-      const auto found = verdict->cause_counts.find(std::string(cause_infos()[k].name));
+      const auto found = verdict->cause_counts.find(std::string(causes[k].name));
       count = found == verdict->cause_counts.end() ? 0 : found->second;
     }
     if (count > 0) entries.push_back({kinds[k].color, kinds[k].label, share_of(count, verdict->errors.tested), of_tested});
@@ -175,6 +177,7 @@ std::optional<Evidence> evidence_of(const Composition& composition, int side, bo
   if (!with_causes || (verdict && verdict->has_causes && verdict->causes.empty())) return evidence;  // none were sought
   if (!verdict || verdict->causes.size() != s.mask.size()) return std::nullopt;
   evidence.causes = verdict->causes;
+  evidence.own_causes = verdict->own_causes;
   return evidence;
 }
 

@@ -6,6 +6,7 @@
 
 #include "app/viewer/panels.h"
 #include "app/viewer/widgets.h"
+#include "measure/cause/own_causes.h"
 #include "measure/picture/signed_color.h"
 #include "measure/score/error_picture.h"
 
@@ -32,10 +33,15 @@ void draw_swatch(ImU32 color) {
 }
 
 /// What the name of a cause or class means; empty of others.
-std::string sentence_of(Paint paint, const std::string& name) {
+std::string sentence_of(const Composition& composition, const std::string& name) {
+  const Paint paint = composition.paint;
   if (paint == Paint::causes)
-    for (std::size_t k = 0; k < cause_infos().size(); ++k)
-      if (error_kinds(true)[k].label == name) return std::string(cause_infos()[k].sentence);
+    for (const ComposeSide& side : composition.sides) {
+      const std::vector<CauseInfo> own = side.verdict ? side.verdict->own_causes : std::vector<CauseInfo>();
+      const std::vector<ErrorKind> kinds = error_kinds(true, false, own);
+      const auto found = std::ranges::find(kinds, name, &ErrorKind::label);
+      if (found != kinds.end()) return std::string(with_common(own)[static_cast<std::size_t>(found - kinds.begin())].sentence);
+    }
   if (paint == Paint::classes)
     for (const ClassInfo& row : class_infos())
       if (name.starts_with(row.letter)) return std::string(row.sentence);
@@ -120,7 +126,7 @@ void draw_legend_table(const PaintLegend& legend, const Shown& shown) {
     ImGui::TableNextColumn();
     draw_swatch(color_of(line.entry.color));
     Widgets::wrapped(line.entry.name);
-    Widgets::tooltip(sentence_of(paint, line.entry.name));
+    Widgets::tooltip(sentence_of(shown.composition, line.entry.name));
     // A color that only one of two sides shows has share 0 in the other.
     draw_shares([&](int side) { Widgets::right(percent_words(line.share[side].value_or(0))); });
   }

@@ -86,6 +86,7 @@ struct Verdict {
   std::optional<double> received_error;   ///< of several lights: rms error of the light received, as a share of that
   bool has_causes = false;                ///< they are known
   std::vector<Cause> causes;              ///< empty until then
+  std::vector<CauseInfo> own_causes;      ///< of the technique
   std::map<std::string, std::uint64_t> cause_counts;
 };
 

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "app/viewer/compose.h"
+#include "measure/cause/own_causes.h"
 #include "measure/score/error_picture.h"
 
 namespace gnomon::viewer {
@@ -108,6 +109,7 @@ void add_explanation(const Explanation& why, const glm::dvec3& point, std::optio
   if (why.element) facts.push_back({"element", fmt::format("{}", *why.element)});
   if (why.outline_error > 0) facts.push_back({"outline error", meters(why.outline_error)});
   if (why.formula_differs) facts.push_back({"formula", "the technique's own exact one answers otherwise"});
+  if (!why.cause.empty()) facts.push_back({"own cause", why.cause});
 }
 
 /// Whether the pixel is wrong, or under a light with area how far it is off, and why.
@@ -123,7 +125,8 @@ void add_error(const Evidence& evidence, const std::optional<Evidence>& with_cau
   facts.push_back({"error", words});
   if (!with_causes || with_causes->causes.empty()) return;
   if (const int cause = error_mark(*with_causes, i, soft).kind; cause >= 0)
-    facts.push_back({"cause", fmt::format("{}. {}", error_kinds(true)[cause].label, cause_infos()[cause].sentence)});
+    facts.push_back({"cause", fmt::format("{}. {}", error_kinds(*with_causes, soft)[cause].label,
+                                          with_common(with_causes->own_causes)[cause].sentence)});
 }
 
 }  // namespace

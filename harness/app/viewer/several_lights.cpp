@@ -109,11 +109,13 @@ Evidence evidence_of(const SideAnswer& answer, const ReferenceState& reference, 
 }
 
 std::shared_ptr<const Together> put_together(const SideAnswer& answer, const ReferenceState& reference,
-                                             LightShareKind estimates, std::span<const std::vector<Cause>> causes) {
+                                             LightShareKind estimates, std::span<const std::vector<Cause>> causes,
+                                             std::span<const CauseInfo> own_causes) {
   std::vector<Evidence> lights;
   for (std::size_t k = 0; k < answer.masks.size(); ++k) {
     lights.push_back(evidence_of(answer, reference, estimates, k));
     if (!causes.empty()) lights.back().causes = causes[k];
+    lights.back().own_causes = own_causes;
   }
   return std::make_shared<const Together>(together(lights));
 }

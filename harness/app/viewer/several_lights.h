@@ -20,6 +20,7 @@ Evidence evidence_of(const SideAnswer& answer, const ReferenceState& reference, 
 
 /// The answer against the reference; with the causes under each light where these are known.
 std::shared_ptr<const Together> put_together(const SideAnswer& answer, const ReferenceState& reference,
-                                             LightShareKind estimates, std::span<const std::vector<Cause>> causes);
+                                             LightShareKind estimates, std::span<const std::vector<Cause>> causes,
+                                             std::span<const CauseInfo> own_causes = {});
 
 }  // namespace gnomon::viewer

@@ -2,6 +2,7 @@
 #include <gnomon/gbuffer.h>
 #include <gnomon/param.h>
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <span>
@@ -74,6 +75,7 @@ struct Explanation {
   /// The formula or setting that answered is known to be wrong here: the technique's own exact one answers otherwise.
   bool formula_differs = false;
   std::vector<LightSample> samples = {};  ///< of a light with area
+  std::string cause = {};                 ///< id of the one of About::causes that holds here; empty: none of them
 };
 
 /// A color of a debug layer and its meaning, as its legend shows them.
@@ -111,6 +113,14 @@ inline constexpr std::string_view name(LightShareKind kind) { return kind == Lig
 enum class Promise { exact, sampled };
 enum class Role { contender, baseline, reference };
 
+/// A reason for wrong pixels that a technique knows of itself, beside the common ones of docs/causes.md. It says by
+/// Explanation::cause at which pixels it holds.
+struct OwnCause {
+  std::string_view id;                  ///< plain name that no common cause has: "off_screen"
+  std::string_view sentence;            ///< what it means, for people
+  std::array<std::uint8_t, 3> color{};  ///< sRGB, in every picture; at least 10 in CIE Lab from every other cause's
+};
+
 struct About {
   std::string_view title;
   std::string_view summary;  ///< one sentence
@@ -123,6 +133,9 @@ struct About {
   Role role = Role::contender;
   bool needs_gl = false;    ///< called with a current OpenGL 4.5 core context
   bool is_default = false;  ///< the technique that `gnomon view` shows when none is named
+  /// The edges of its shadows are those of polygons that a rasterizer draws in the picture's pixels, snapped to its grid.
+  bool rasterizes = false;
+  std::span<const OwnCause> causes = {};  ///< of its own
 };
 
 /// A shadow technique. Life: construct (no work), set parameters, then setup, build, relight, resolve in this order; each

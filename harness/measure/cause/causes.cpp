@@ -9,91 +9,13 @@
 
 #include "measure/cause/causes_taps.h"
 #include "measure/cause/components.h"
+#include "measure/cause/own_causes.h"
 #include "measure/cause/soft_causes.h"
 #include "measure/frame/boundary.h"
 
 namespace gnomon {
 
 namespace {
-
-// False dark in warm colors, false lit in cool ones, the rest between. Any two differ by 19 in CIE Lab, also for people without
-// one kind of cone, and each from every gray of the picture below; those of lights with area by 14.
-constexpr CauseInfo rows[] = {
-    {Cause::tessellation,
-     "tessellation",
-     "Right against the triangles, wrong against the exact shape that they stand for.",
-     {189, 230, 0}},
-    {Cause::beyond_coverage, "beyond_coverage", "The technique says that it does not cover this point.", {56, 0, 72}},
-    {Cause::formula,
-     "formula",
-     "The formula or setting that the technique used is known to be wrong here; its own exact one answers otherwise.",
-     {120, 87, 60}},
-    {Cause::missing_caster,
-     "missing_caster",
-     "Lit in a shadow that the technique hardly has: less than a tenth of it is dark.",
-     {32, 84, 148}},
-    {Cause::edge_resolution, "edge_resolution", "A perfect map of the same texels would be wrong here too.", {239, 220, 113}},
-    {Cause::lookup_shift, "lookup_shift", "The moved look-up point fell on the other side of a shadow edge.", {155, 230, 164}},
-    {Cause::acne, "acne", "The receiver's own surface, stored at a texel, shadows it: too little bias.", {224, 120, 0}},
-    {Cause::over_dark,
-     "over_dark",
-     "Another object's surface, stored at a texel, shadows a point that it does not.",
-     {194, 21, 0}},
-    {Cause::peter_panning,
-     "peter_panning",
-     "All that shadows the point is nearer than the bias: too much of it.",
-     {46, 145, 183}},
-    {Cause::leak_layered,
-     "leak_layered",
-     "The bias skips what is near, and what is farther does not cover the texel.",
-     {61, 1, 246}},
-    {Cause::leak_representation,
-     "leak_representation",
-     "The texels are in shadow, yet what they store says light.",
-     {85, 218, 255}},
-    {Cause::crack, "crack", "At most four pixels together, away from every shadow edge: a numerical crack.", {248, 0, 255}},
-    {Cause::edge_raster,
-     "edge_raster",
-     "Within 1.5 pixels of a shadow edge of the reference, or on an edge that no pixel shows.",
-     {173, 136, 89}},
-    {Cause::region,
-     "region",
-     "A whole region is wrong: a geometric technique has a bug, or its input breaks its hypothesis.",
-     {107, 17, 4}},
-    {Cause::reference_error,
-     "reference_error",
-     "Light with area: within what the reference itself may be off by, four of its standard errors.",
-     {227, 212, 229}},
-    {Cause::false_sample,
-     "false_sample",
-     "Light with area: of places of the light the technique says otherwise than the reference.",
-     {214, 255, 214}},
-    {Cause::horizon,
-     "horizon",
-     "Light with area: what of the light is below the point's horizon was counted, as seen or as hidden.",
-     {50, 117, 25}},
-    {Cause::hard_shadow, "hard_shadow", "Light with area: the hard shadow of one point of the light.", {141, 16, 229}},
-    {Cause::banding,
-     "banding",
-     "Light with area: few levels, because neighbors ask the same few places of the light.",
-     {87, 186, 49}},
-    {Cause::noise,
-     "noise",
-     "Light with area: what that number of places may err by, other ones at every pixel.",
-     {134, 179, 203}},
-    {Cause::caster_fusion,
-     "caster_fusion",
-     "Light with area: overlapping penumbrae were joined by product or minimum, as if one caster knew nothing of the other.",
-     {16, 37, 145}},
-    {Cause::lost_umbra,
-     "lost_umbra",
-     "Light with area: no part of the light is seen, not of one four times the size, yet there is light.",
-     {2, 0, 100}},
-    {Cause::too_wide, "too_wide", "Light with area: the penumbra is wider than that of the light.", {240, 167, 113}},
-    {Cause::too_narrow, "too_narrow", "Light with area: the penumbra is narrower than that of the light.", {91, 40, 99}},
-    {Cause::shifted, "shifted", "Light with area: the penumbra lies in another place.", {111, 104, 200}},
-    {Cause::unexplained, "unexplained", "None of the others; meant to be 0.", {255, 255, 255}},
-};
 
 constexpr float edge_width = 1.5f;        ///< pixels
 constexpr std::uint32_t crack_size = 4;   ///< pixels
@@ -183,17 +105,18 @@ void find_regions(const Attribution& a, const LightRays& rays, std::span<const s
   const int width = a.gbuffer.width, height = a.gbuffer.height;
   const std::vector<float> to_edge =
       distance_transform(shadow_boundary(a.reference.mask, a.reference.classes, width, height), width, height);
+  const Cause at_edge = a.rasterizes ? Cause::edge_raster : Cause::edge;
   std::vector<std::uint32_t> candidates, far_away(a.mask.size(), 0);
   for (const std::uint32_t i : pixels) {
     if (to_edge[i] <= edge_width)
-      causes[i] = Cause::edge_raster;
+      causes[i] = at_edge;
     else
       candidates.push_back(i);
   }
   const std::vector<std::uint8_t> thin = is_on_thin_edge(a, rays, candidates);
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     if (thin[k])
-      causes[candidates[k]] = Cause::edge_raster;
+      causes[candidates[k]] = at_edge;
     else
       far_away[candidates[k]] = 1;
   }
@@ -203,10 +126,6 @@ void find_regions(const Attribution& a, const LightRays& rays, std::span<const s
 }
 
 }  // namespace
-
-std::span<const CauseInfo> cause_infos() { return rows; }
-
-std::string_view name(Cause cause) { return cause == Cause::none ? "none" : rows[static_cast<std::size_t>(cause) - 1].name; }
 
 std::vector<Cause> find_causes(const Attribution& a) {
   assert(a.mask.size() == a.gbuffer.size() && a.reference.mask.size() == a.mask.size());
@@ -239,6 +158,8 @@ std::vector<Cause> find_causes(const Attribution& a) {
         causes[i] = Cause::beyond_coverage;
       else if (why && why->formula_differs)
         causes[i] = Cause::formula;
+      else if (why && !why->cause.empty())
+        causes[i] = own_cause_named(why->cause, a.own_causes);
       else if (a.mask[i] > a.reference.mask[i] && missing[i])
         causes[i] = Cause::missing_caster;
       else if (why && !why->taps.empty())
@@ -259,32 +180,6 @@ std::vector<Cause> find_causes(const Attribution& a) {
     for (std::size_t k = 0; k < cases.size(); ++k) causes[cases[k].pixel] = found[k];
   }
   if (!geometric.empty()) find_regions(a, rays, geometric, causes);
-  return causes;
-}
-
-std::map<std::string, std::uint64_t> count_causes(std::span<const Cause> causes) {
-  std::map<std::string, std::uint64_t> counts;
-  for (const CauseInfo& info : rows) counts[std::string(info.name)] = 0;
-  std::array<std::uint64_t, std::size(rows) + 1> by_cause{};
-  for (const Cause cause : causes) ++by_cause[static_cast<std::size_t>(cause)];
-  for (const CauseInfo& info : rows) counts[std::string(info.name)] = by_cause[static_cast<std::size_t>(info.cause)];
-  return counts;
-}
-
-std::vector<Cause> causes_from_numbers(std::span<const float> numbers,
-                                       const std::optional<std::map<std::string, std::uint64_t>>& counts) {
-  std::vector<Cause> known{Cause::none};
-  for (const CauseInfo& info : rows) {
-    // Programs that knew no lights with area kept the number before the last for one that no pixel ever had.
-    if (info.cause == Cause::unexplained && counts && counts->contains("penumbra")) known.push_back(Cause::unexplained);
-    if (!counts || counts->contains(std::string(info.name))) known.push_back(info.cause);
-  }
-  std::vector<Cause> causes;
-  for (const float number : numbers) {
-    if (!(number >= 0 && number < static_cast<float>(known.size()) && number == std::floor(number)))
-      throw Error("a cause is {}; it is a whole number, 0 .. {}", number, known.size() - 1);
-    causes.push_back(known[static_cast<std::size_t>(number)]);
-  }
   return causes;
 }
 

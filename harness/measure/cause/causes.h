@@ -17,7 +17,7 @@ namespace gnomon {
 
 /// Why a pixel is wrong: ordered, exhaustive, first match decides. `unexplained` is meant to be 0. docs/causes.md derives each.
 /// Under a light with area, every pixel that is off at all has one; those from `reference_error` on come before the ones that
-/// a mask alone shows.
+/// a mask alone shows. Numbers behind the last are causes of a technique's own (own_causes.h).
 enum class Cause : std::uint8_t {
   none,  ///< right, or not tested
   tessellation,
@@ -33,6 +33,7 @@ enum class Cause : std::uint8_t {
   leak_representation,
   crack,
   edge_raster,
+  edge,
   region,
   reference_error,
   false_sample,
@@ -55,8 +56,9 @@ struct CauseInfo {
   std::string_view sentence;            ///< what it means, for people
   std::array<std::uint8_t, 3> color{};  ///< sRGB, in every picture
 };
-/// All but `none`, in order.
+/// All that every technique may have, but `none`, in order.
 std::span<const CauseInfo> cause_infos();
+/// Of one of those, or of `none`.
 std::string_view name(Cause cause);
 
 /// What is asked about one mask.
@@ -73,20 +75,23 @@ struct Attribution {
   /// The technique's own account of each of these pixels of this mask, in their order; nothing where it has none.
   std::function<std::vector<std::optional<Explanation>>(std::span<const std::uint32_t> pixels)> explain;
   LightShareKind estimates = LightShareKind::area;  ///< what the mask is compared with under a light with area
+  std::span<const CauseInfo> own_causes = {};       ///< that an explanation may name
+  bool rasterizes = false;                          ///< see About
 };
 
 /// The cause of every wrong pixel of class T, under a light with area of every one that is off at all; `none` elsewhere;
-/// width * height.
+/// width * height. Throws Error on an explanation that names a cause which is not among the technique's own.
 std::vector<Cause> find_causes(const Attribution& attribution);
 
-/// By name, every cause; zeros too.
-std::map<std::string, std::uint64_t> count_causes(std::span<const Cause> causes);
+/// By name, every cause, common and `own`; zeros too.
+std::map<std::string, std::uint64_t> count_causes(std::span<const Cause> causes, std::span<const CauseInfo> own = {});
 
 /// The causes of a picture that holds each as a number: 0 none, k the k-th of those that its record counts (`counts`, as
-/// count_causes wrote them), for a program that knew fewer causes numbered fewer. Without counts today's numbers are meant.
-/// Throws Error on a number that is none of these.
+/// count_causes wrote them), for a program that knew fewer causes numbered fewer; behind them the `own` ones of its record.
+/// Without counts today's numbers are meant. Throws Error on a number that is none of these.
 std::vector<Cause> causes_from_numbers(std::span<const float> numbers,
-                                       const std::optional<std::map<std::string, std::uint64_t>>& counts);
+                                       const std::optional<std::map<std::string, std::uint64_t>>& counts,
+                                       std::span<const CauseInfo> own = {});
 
 /// Explanations as bytes, between a worker and its owner. Throws Error on an explanation that cannot be traced: a number that
 /// is not finite (but a stored distance may be infinite), or a tap's direction that has not length 1.

@@ -5,8 +5,9 @@
 #include "measure/scene/fields.h"
 
 // Layout: magic, count; for each pixel one record and its taps; where any pixel has samples of the light the magic is another
-// one, and each pixel's samples follow its taps. All little pieces of plain memory: both sides are this
-// program on this machine, or one that knows no samples.
+// one, and each pixel's samples follow its taps; where any names a cause of the technique's own it is a third one, and the name
+// follows the samples. All little pieces of plain memory: both sides are this program on this machine, or one that knows no
+// samples or no causes of a technique's own.
 
 namespace gnomon {
 
@@ -14,6 +15,7 @@ namespace {
 
 constexpr std::uint64_t magic = 0x33'79'68'77'6d'6e'67ull;               // "gnmwhy3"
 constexpr std::uint64_t magic_with_samples = 0x34'79'68'77'6d'6e'67ull;  // "gnmwhy4"
+constexpr std::uint64_t magic_with_causes = 0x35'79'68'77'6d'6e'67ull;   // "gnmwhy5"
 
 /// One explanation less its taps.
 struct Plain {
@@ -56,8 +58,12 @@ void check(const Explanation& why, std::size_t place) {
 
 std::vector<std::byte> explanation_bytes(std::span<const std::optional<Explanation>> explanations) {
   const bool has_samples = std::ranges::any_of(explanations, [](const auto& why) { return why && !why->samples.empty(); });
+  const bool has_causes = std::ranges::any_of(explanations, [](const auto& why) { return why && !why->cause.empty(); });
   FieldWriter io;
-  io(has_samples ? magic_with_samples : magic, static_cast<std::uint64_t>(explanations.size()));
+  io(has_causes    ? magic_with_causes
+     : has_samples ? magic_with_samples
+                   : magic,
+     static_cast<std::uint64_t>(explanations.size()));
   for (const auto& why : explanations) {
     Plain plain;
     if (why) {
@@ -76,7 +82,8 @@ std::vector<std::byte> explanation_bytes(std::span<const std::optional<Explanati
     }
     io(plain);
     if (why) io.items(why->taps);
-    if (why && has_samples) io(why->samples);
+    if (why && (has_samples || has_causes)) io(why->samples);
+    if (why && has_causes) io(why->cause);
   }
   return std::move(io.bytes);
 }
@@ -85,8 +92,9 @@ std::vector<std::optional<Explanation>> explanations_from_bytes(std::span<const 
   FieldReader io(bytes, fmt::format("explanations end early: there are {} bytes", bytes.size()));
   std::uint64_t mark = 0;
   io(mark);
-  if (mark != magic && mark != magic_with_samples)
-    throw Error("these bytes are no explanations: they begin with {:#x}, not {:#x} or {:#x}", mark, magic, magic_with_samples);
+  if (mark != magic && mark != magic_with_samples && mark != magic_with_causes)
+    throw Error("these bytes are no explanations: they begin with {:#x}, not {:#x}, {:#x} or {:#x}", mark, magic,
+                magic_with_samples, magic_with_causes);
   std::vector<std::optional<Explanation>> explanations;
   io.list(explanations, [&](auto& sub, auto& why) {
     Plain plain;
@@ -101,7 +109,8 @@ std::vector<std::optional<Explanation>> explanations_from_bytes(std::span<const 
     if (plain.has_shifted) why->shifted = plain.shifted;
     if (plain.has_element) why->element = plain.element;
     sub.items(why->taps, plain.tap_count);
-    if (mark == magic_with_samples) sub(why->samples);
+    if (mark != magic) sub(why->samples);
+    if (mark == magic_with_causes) sub(why->cause);
   });
   if (io.left() > 0) throw Error("{} bytes are left after the last explanation", io.left());
   return explanations;

@@ -10,6 +10,7 @@
 
 #include "measure/cause/causes_taps.h"
 #include "measure/cause/components.h"
+#include "measure/cause/own_causes.h"
 
 namespace gnomon {
 
@@ -79,6 +80,8 @@ class SoftCauses {
         cause = Cause::beyond_coverage;
       else if (whys[k]->formula_differs)
         cause = Cause::formula;
+      else if (!whys[k]->cause.empty())
+        cause = own_cause_named(whys[k]->cause, a_.own_causes);
       else if (whys[k]->taps.empty())
         cause = by_samples[k];
       else

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "measure/cause/own_causes.h"
 #include "measure/conformance/trial.h"
 #include "measure/scene/load.h"
 
@@ -22,6 +23,9 @@ void data_sheet(Trial& trial) {
   trial.expect(!about.source.empty(), "the source is empty");
   for (const auto& [what, text] : {std::pair("summary", about.summary), {"error", about.error}, {"fails", about.fails}})
     trial.expect(is_sentence(text), fmt::format("{} is no sentence: '{}'", what, text));
+  for (const OwnCause& cause : about.causes)
+    trial.expect(is_sentence(cause.sentence), fmt::format("cause {} has no sentence: '{}'", cause.id, cause.sentence));
+  check_own_causes(std::span(&entry, 1));
   const auto made = entry.make();
   trial.expect(made->id() == entry.id, fmt::format("its object has the id {}, not {}", made->id(), entry.id));
 }

@@ -1,7 +1,7 @@
 // Whether a technique's own account of a pixel explains every error that it makes.
 #include <cmath>
 
-#include "measure/cause/causes.h"
+#include "measure/cause/own_causes.h"
 #include "measure/conformance/trial.h"
 #include "measure/frame/frame.h"
 #include "measure/scene/load.h"
@@ -65,8 +65,10 @@ void named_causes(Trial& trial) {
         for (const std::uint32_t pixel : pixels) explanations.push_back(technique->explain(pixel));
         return explanations;
       };
-      const LightShareKind estimates = trial.entry().about.estimates;
-      const auto causes = find_causes({scene, frames.casters(key.truth), gbuffer, light, truth, mask, {}, explain, estimates});
+      const About& about = trial.entry().about;
+      const std::vector<CauseInfo> own = own_causes(about);
+      const auto causes = find_causes(
+          {scene, frames.casters(key.truth), gbuffer, light, truth, mask, {}, explain, about.estimates, own, about.rasterizes});
       ++tested;
       if (has_area(light))
         expect_soft_causes(trial, causes, truth, mask, gbuffer);

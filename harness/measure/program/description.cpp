@@ -105,6 +105,20 @@ ProgramParameter parameter_of(const toml::table& toml, const fs::path& file, con
   return row;
 }
 
+ProgramCause cause_of(const toml::table& toml, const fs::path& file) {
+  const Table table(toml, file, "cause", {"id", "sentence", "color"});
+  ProgramCause cause{table.text("id"), table.text("sentence")};
+  const toml::array* const color = toml.get("color") ? toml.get("color")->as_array() : nullptr;
+  bool is_color = color && color->size() == cause.color.size();
+  for (std::size_t c = 0; is_color && c < cause.color.size(); ++c) {
+    const std::int64_t level = (*color)[c].value_exact<std::int64_t>().value_or(-1);
+    is_color = level >= 0 && level <= 255;
+    cause.color[c] = static_cast<std::uint8_t>(level);
+  }
+  if (!is_color) table.refuse("color", "this", "a list of three whole numbers, 0 .. 255: red, green and blue in sRGB");
+  return cause;
+}
+
 ProgramNeed need_of(const toml::table& toml, const fs::path& file) {
   const Table table(toml, file, "need", {"program", "runs", "install"});
   ProgramNeed need;
@@ -146,9 +160,9 @@ std::optional<std::string> found_in_path(const std::string& program) {
 
 std::shared_ptr<const ProgramDescription> read_program(const fs::path& file) {
   const toml::table toml = read_toml("program " + file.string(), file);
-  const Table table(toml, file, "program",
-                    {"title", "summary", "source", "error", "fails", "command", "stages", "lights", "approximate", "promise",
-                     "sees", "estimates", "role", "answers", "scene", "gbuffer", "mask", "need", "parameter"});
+  const Table table(toml, file, "program", {"title",  "summary",     "source",  "error", "fails",     "command", "stages",
+                                            "lights", "approximate", "promise", "sees",  "estimates", "role",    "answers",
+                                            "scene",  "gbuffer",     "mask",    "need",  "parameter", "cause",   "rasterizes"});
   auto made = std::make_shared<ProgramDescription>();
   ProgramDescription& d = *made;
   d.file = file;
@@ -192,6 +206,10 @@ std::shared_ptr<const ProgramDescription> read_program(const fs::path& file) {
   d.wants_gbuffer_exr = holds(gbuffer, "exr");
   for (const toml::table* need : table.tables("need")) d.needs.push_back(need_of(*need, file));
   for (const toml::table* row : table.tables("parameter")) d.parameters.push_back(parameter_of(*row, file, d.parameters));
+  for (const toml::table* row : table.tables("cause")) d.causes.push_back(cause_of(*row, file));
+  for (const ProgramCause& cause : d.causes) d.cause_rows.push_back({cause.id, cause.sentence, cause.color});
+  d.about.causes = d.cause_rows;
+  d.about.rasterizes = table.flag("rasterizes", false);
   return made;
 }
 

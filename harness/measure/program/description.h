@@ -29,6 +29,12 @@ struct ProgramParameter {
   std::variant<Whole, Real, Word, bool> kind;
 };
 
+/// A cause of wrong pixels that the program alone has (OwnCause).
+struct ProgramCause {
+  std::string id, sentence;
+  std::array<std::uint8_t, 3> color{};
+};
+
 /// What must be there before a program can run, and how it gets there.
 struct ProgramNeed {
   std::string program;            ///< looked for in PATH; or
@@ -53,6 +59,8 @@ struct ProgramDescription {
   ProgramMask mask = ProgramMask::float32;
   std::vector<ProgramNeed> needs;
   std::vector<ProgramParameter> parameters;
+  std::vector<ProgramCause> causes;
+  std::vector<OwnCause> cause_rows;  ///< of these, for `about`
 };
 
 /// Reads and checks it. Throws Error with file and line.

@@ -88,6 +88,10 @@ Explanation explanation(const Json& json, const std::string& what) {
   });
   keys.read("outline_error", [&](const Json& j, const std::string& w) { e.outline_error = number(j, w); });
   keys.read("formula_differs", [&](const Json& j, const std::string& w) { e.formula_differs = flag(j, w); });
+  keys.read("cause", [&](const Json& j, const std::string& w) {
+    if (!j.is_null() && !j.is_string()) throw Error("{} = {} is no name of a cause", w, json_text(j));
+    if (j.is_string()) e.cause = j.get<std::string>();
+  });
   keys.read("samples", [&](const Json& j, const std::string& w) { e.samples = list_of(j, w, sample); });
   keys.refuse_others();
   return e;

@@ -58,6 +58,11 @@ void for_each_field(MaybeConst<Record::LightFacts> auto& light, const auto& use)
   use("causes", light.causes);
   use("cause_errors", light.cause_errors);
 }
+void for_each_field(MaybeConst<Record::OwnCauseFacts> auto& cause, const auto& use) {
+  use("name", cause.name);
+  use("sentence", cause.sentence);
+  use("color", cause.color);
+}
 void for_each_field(MaybeConst<Record::SceneFacts> auto& facts, const auto& use) {
   use("meshes", facts.meshes);
   use("triangles", facts.triangles);
@@ -102,6 +107,7 @@ void for_each_field(MaybeConst<Record> auto& r, const auto& use) {
   use("classes", r.classes);
   use("metrics", r.metrics);
   use("causes", r.causes);
+  use("own_causes", r.own_causes);
   use("cause_errors", r.cause_errors);
   use("frames", r.frames);
   use("mask", r.mask);
@@ -119,6 +125,9 @@ template <class T>
 constexpr bool is_vector<std::vector<T>> = true;
 
 using Stages = decltype(Record::stages);
+using Color = decltype(Record::OwnCauseFacts::color);
+/// More would not fit into a picture of causes as numbers of one byte.
+constexpr std::size_t most_own_causes = 200;
 
 template <class T>
 Json written(const T& value) {
@@ -183,8 +192,16 @@ void read(const std::string& field, const Json& value, T& into) {
   } else if constexpr (requires { into.has_value(); }) {
     into.reset();
     if (!value.is_null()) read(field, value, into.emplace());
+  } else if constexpr (std::is_same_v<T, Color>) {
+    const bool is_color = value.is_array() && value.size() == 3 && std::ranges::all_of(value, [](const Json& level) {
+                            return level.is_number_unsigned() && level.get<std::uint64_t>() <= 255;
+                          });
+    need(is_color, "three whole numbers, 0 .. 255");
+    into = value.get<Color>();
   } else if constexpr (is_vector<T>) {
     need(value.is_array(), "an array");
+    if constexpr (std::is_same_v<typename T::value_type, Record::OwnCauseFacts>)
+      need(value.size() <= most_own_causes, fmt::format("an array of at most {}", most_own_causes));
     into.clear();
     // A null is a value that is not defined at its place, where there is such a place; else a time that was not taken.
     for (const Json& item : value)

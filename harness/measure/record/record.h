@@ -93,6 +93,12 @@ struct Record {
   /// Wrong pixels of T by cause (of a light with area, those that are off at all), headline truth, on a path summed over its
   /// frames; nothing when the run sought none.
   std::optional<std::map<std::string, std::uint64_t>> causes;
+  /// A cause that the technique alone has, as its data sheet says: enough to show it where the technique is not loaded.
+  struct OwnCauseFacts {
+    std::string name, sentence;
+    std::array<std::uint8_t, 3> color{};  ///< sRGB
+  };
+  std::vector<OwnCauseFacts> own_causes;  ///< in the data sheet's order; empty where the technique has none
   /// Under a light with area: what each cause holds of the mean error; they add up to `error_mean`. Of several lights: of
   /// the mean error of the share of the light received, where pixels have the cause of the light that errs most.
   std::optional<std::map<std::string, double>> cause_errors;

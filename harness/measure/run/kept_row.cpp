@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "measure/scene/motion.h"
+#include "measure/score/record_causes.h"
 
 namespace gnomon {
 
@@ -65,7 +66,8 @@ MeasuredRow kept_row(const Record& record, const std::filesystem::path& file, st
                   frames.reference(place.key, light, target_of(record, k), subpixel_bits_of(record)),
                   read_exr(file, channel, record.width, record.height),
                   {},
-                  estimates_of(record, k)};
+                  estimates_of(record, k),
+                  own_causes(record)};
     const auto is_wild = [](float v) { return !(v >= 0 && v <= 1); };
     if (const auto wild = std::ranges::find_if(answer.mask, is_wild); wild != answer.mask.end())
       throw Error("{}: {} at pixel {} is {}; a visibility is 0 .. 1", file.string(), channel, wild - answer.mask.begin(),
@@ -79,7 +81,7 @@ std::vector<Cause> kept_causes(const Record& record, const std::filesystem::path
   const std::string channel = light_names(record)[light] + ".cause";
   const std::vector<float> numbers = read_exr(file, channel, record.width, record.height);
   try {
-    return causes_from_numbers(numbers, known_causes(record, light));
+    return causes_from_numbers(numbers, known_causes(record, light), own_causes(record));
   } catch (const Error& error) {
     throw Error("{}: channel {}: {}", file.string(), channel, error.what());
   }

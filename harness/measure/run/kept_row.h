@@ -18,7 +18,7 @@ LightShareKind estimates_of(const Record& record, std::size_t light);
 const std::optional<std::map<std::string, std::uint64_t>>& known_causes(const Record& record, std::size_t light);
 
 /// The masks in the channels LIGHT.WHAT of a record's file beside today's references, causes left out; not put together. Throws
-/// Error on a file without them and on what is no visibility.
+/// Error on a file without them and on what is no visibility. The record outlives the row.
 MeasuredRow kept_row(const Record& record, const std::filesystem::path& file, std::string_view what, const KeptPlace& place,
                      FrameStore& frames);
 /// The causes in the channel LIGHT.cause. Throws Error on what is no cause.

@@ -167,7 +167,7 @@ class Row {
       known.causes.reset();
       known.errors.reset();
     } else if (!causes.empty()) {
-      known.causes = count_causes(causes);
+      known.causes = count_causes(causes, answer.own_causes);
       answer.causes = std::move(causes);
       if (has_area(light)) known.errors = cause_errors(answer.evidence());
     }

@@ -165,6 +165,8 @@ Record start_record(const Job& job, const Suite& suite, const Scene* scene, cons
   if (!job.contender.label.empty()) record.label = job.contender.label;
   const TechniqueEntry& entry = registry().technique(job.contender.technique);
   record.role = entry.about.role;
+  for (const OwnCause& cause : entry.about.causes)
+    record.own_causes.push_back({std::string(cause.id), std::string(cause.sentence), cause.color});
   const auto technique = entry.make();
   technique->apply(job.contender.settings);
   for (const Parameter* row : technique->parameters()) {

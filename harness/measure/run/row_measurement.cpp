@@ -1,7 +1,7 @@
 // What a row's masks are worth: metrics, causes and classes, frame by frame and light by light.
 #include <gnomon/registry.h>
 
-#include "measure/cause/causes.h"
+#include "measure/cause/own_causes.h"
 #include "measure/run/row.h"
 
 namespace gnomon {
@@ -165,6 +165,7 @@ class RowMeasurement {
     std::vector<Answer> answers = worker_.answers(record);
     for (std::size_t k = 0; k < answers.size(); ++k) {
       answers[k].estimates = about().estimates;
+      answers[k].own_causes = own_causes(about());
       row.lights[k].answer = std::move(answers[k]);
     }
   }
@@ -173,10 +174,12 @@ class RowMeasurement {
   void add_light(std::size_t k, double share, std::span<const std::uint8_t> right_on_mesh) {
     const Light& light = now_.lights[k].light;
     Answer& answer = now_.lights[k].answer;
-    answer.causes = find_causes(
-        {run_.scene, run_.frames.casters(truth_), answer.gbuffer, light, answer.reference, answer.mask, right_on_mesh,
-         [&](std::span<const std::uint32_t> pixels) { return worker_.client().explain(pixels, k); }, answer.estimates});
-    add_to(*record_.causes, count_causes(answer.causes));
+    answer.causes =
+        find_causes({run_.scene, run_.frames.casters(truth_), answer.gbuffer, light, answer.reference, answer.mask,
+                     right_on_mesh, [&](std::span<const std::uint32_t> pixels) { return worker_.client().explain(pixels, k); },
+                     answer.estimates, answer.own_causes, about().rasterizes});
+    const std::map<std::string, std::uint64_t> counts = count_causes(answer.causes, answer.own_causes);
+    add_to(*record_.causes, counts);
     std::optional<Record::ReferenceFacts> facts;
     if (has_area(light)) facts = facts_of(answer.reference, answer.estimates, run_.suite.target);
     if (record_.lights.empty()) {
@@ -186,7 +189,7 @@ class RowMeasurement {
     Record::LightFacts& of = record_.lights[k];
     of.reference = facts;
     add_to(of.classes, class_counts(answer.reference.classes));
-    add_to(*of.causes, count_causes(answer.causes));
+    add_to(*of.causes, counts);
     const Evidence evidence = answer.evidence(run_.scene, light);
     light_means_[k].add(measure_metrics(Scoring(evidence)));
     if (!facts) return;

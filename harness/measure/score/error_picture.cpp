@@ -3,28 +3,24 @@
 #include <algorithm>
 #include <numeric>
 
+#include "measure/cause/own_causes.h"
 #include "measure/picture/legend.h"
 
 namespace gnomon {
 
-std::span<const ErrorKind> error_kinds(bool with_causes, bool is_soft) {
-  static const std::vector<ErrorKind> causes = [] {
-    std::vector<ErrorKind> kinds;
-    for (const CauseInfo& info : cause_infos()) {
-      std::string label(info.name);
-      std::ranges::replace(label, '_', ' ');
-      kinds.push_back({info.color, label});
-    }
-    return kinds;
-  }();
-  static const auto sides_called = [](const char* dark, const char* lit) {
+std::vector<ErrorKind> error_kinds(bool with_causes, bool is_soft, std::span<const CauseInfo> own) {
+  std::vector<ErrorKind> kinds;
+  if (!with_causes) {
     const auto color = [](Cause cause) { return cause_infos()[static_cast<std::size_t>(cause) - 1].color; };
-    return std::array<ErrorKind, 2>{{{color(Cause::acne), dark}, {color(Cause::peter_panning), lit}}};
-  };
-  static const std::array<ErrorKind, 2> hard = sides_called("false dark", "false lit");
-  static const std::array<ErrorKind, 2> soft = sides_called("too dark", "too light");
-  if (with_causes) return causes;
-  return is_soft ? soft : hard;
+    return {{color(Cause::acne), is_soft ? "too dark" : "false dark"},
+            {color(Cause::peter_panning), is_soft ? "too light" : "false lit"}};
+  }
+  for (const CauseInfo& info : with_common(own)) {
+    std::string label(info.name);
+    std::ranges::replace(label, '_', ' ');
+    kinds.push_back({info.color, label});
+  }
+  return kinds;
 }
 
 namespace {
@@ -82,7 +78,7 @@ void add_soft(PictureLegend& legend, std::span<const ErrorKind> kinds, const Sum
 Picture draw_errors(const Evidence& evidence, const std::string& title) {
   const GBuffer& gbuffer = *evidence.gbuffer;
   const bool soft = is_soft(evidence);
-  const std::span<const ErrorKind> kinds = error_kinds(!evidence.causes.empty(), soft);
+  const std::vector<ErrorKind> kinds = error_kinds(evidence, soft);
   std::vector<ErrorMark> marks(gbuffer.size());
   for (std::size_t i = 0; i < gbuffer.size(); ++i) marks[i] = error_mark(evidence, i, soft);
   const Sums sums = add_up(evidence, marks, kinds.size());

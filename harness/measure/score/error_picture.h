@@ -3,6 +3,7 @@
 #include <cmath>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "measure/picture/picture.h"
 #include "measure/picture/shading.h"
@@ -15,9 +16,13 @@ struct ErrorKind {
   Color color;
   std::string label;  ///< "false dark", "peter panning"
 };
-/// The causes, in their order; without causes false dark and false lit, in the colors of acne and of peter-panning: under a
-/// light with area too dark and too light.
-std::span<const ErrorKind> error_kinds(bool with_causes, bool is_soft = false);
+/// The causes, in their order, the common ones and those of the technique's own; without causes false dark and false lit, in
+/// the colors of acne and of peter-panning: under a light with area too dark and too light.
+std::vector<ErrorKind> error_kinds(bool with_causes, bool is_soft = false, std::span<const CauseInfo> own = {});
+/// Those of an evidence.
+inline std::vector<ErrorKind> error_kinds(const Evidence& evidence, bool is_soft) {
+  return error_kinds(!evidence.causes.empty(), is_soft, evidence.own_causes);
+}
 
 /// Errors under a light with area are told apart by how strong their color is: from `least` on by this weight of the kind's
 /// color. The same in every picture, so that pictures can be compared.

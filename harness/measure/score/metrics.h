@@ -30,6 +30,7 @@ struct Evidence {
   /// Of several lights together (see Together), else empty: what a pixel would receive of them without shadows. Mask and
   /// reference are shares of it, and `light` is null.
   std::span<const double> received = {};
+  std::span<const CauseInfo> own_causes = {};  ///< that the technique has beside the common ones
 
   bool faces_light(std::size_t i) const { return classes[i] > PixelClass::F; }
   bool is_wrong(std::size_t i) const { return gnomon::is_wrong(mask[i], reference[i]); }

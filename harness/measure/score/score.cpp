@@ -6,6 +6,8 @@
 #include <cassert>
 #include <cstring>
 
+#include "measure/cause/own_causes.h"
+
 namespace gnomon {
 
 bool causes_fit(const Answer& answer, std::span<const Cause> causes) {
@@ -17,7 +19,8 @@ bool causes_fit(const Answer& answer, std::span<const Cause> causes) {
 }
 
 std::map<std::string, double> cause_errors(const Evidence& evidence) {
-  std::vector<double> sums(cause_infos().size() + 1, 0.0);
+  const std::vector<CauseInfo> infos = with_common(evidence.own_causes);
+  std::vector<double> sums(infos.size() + 1, 0.0);
   std::size_t tested = 0;
   for (std::size_t i = 0; i < evidence.mask.size(); ++i) {
     if (evidence.classes[i] != PixelClass::T) continue;
@@ -26,7 +29,7 @@ std::map<std::string, double> cause_errors(const Evidence& evidence) {
         std::abs(static_cast<double>(evidence.mask[i]) - evidence.reference[i]);
   }
   std::map<std::string, double> errors;
-  for (const CauseInfo& info : cause_infos())
+  for (const CauseInfo& info : infos)
     errors[std::string(info.name)] = tested > 0 ? sums[static_cast<std::size_t>(info.cause)] / static_cast<double>(tested) : 0;
   return errors;
 }

@@ -12,6 +12,7 @@ struct Answer {
   std::vector<float> mask;
   std::vector<Cause> causes;                        ///< empty until they are looked for
   LightShareKind estimates = LightShareKind::area;  ///< what the mask is compared with under a light with area
+  std::vector<CauseInfo> own_causes = {};           ///< of the technique; what they look at outlives the answer
 
   /// Scene and light must outlive it, as this must.
   Evidence evidence(const Scene& scene, const Light& light) const {
@@ -33,7 +34,8 @@ struct Answer {
             .snapping = reference.snapping,
             .reference_error = is_irradiance ? reference.irradiance_error : reference.error,
             .other_reference = is_irradiance ? reference.mask : reference.irradiance,
-            .caster_distance = reference.caster_distance};
+            .caster_distance = reference.caster_distance,
+            .own_causes = own_causes};
   }
 };
 

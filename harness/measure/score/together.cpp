@@ -52,7 +52,8 @@ Together together(std::span<const Evidence> lights) {
                  .shown = {},
                  .reference_error = {},
                  .classes = std::vector<PixelClass>(pixels, PixelClass::B),
-                 .causes = {}};
+                 .causes = {},
+                 .own_causes = {lights.front().own_causes.begin(), lights.front().own_causes.end()}};
   if (std::ranges::any_of(lights, [](const Evidence& e) { return !e.causes.empty(); }))
     whole.causes.assign(pixels, Cause::none);
   Sums sums(pixels);
@@ -83,7 +84,8 @@ Evidence Together::evidence() const {
           .scene = scene,
           .gbuffer = gbuffer,
           .reference_error = reference_error,
-          .received = received};
+          .received = received,
+          .own_causes = own_causes};
 }
 
 }  // namespace gnomon

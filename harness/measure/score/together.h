@@ -15,6 +15,7 @@ struct Together {
   std::vector<float> reference_error;  ///< standard errors of `reference`; empty where no light has an area
   std::vector<PixelClass> classes;     ///< T where some light is tested; else the first of U, S, G that one has; else F or B
   std::vector<Cause> causes;           ///< of the light that errs most there; empty where none of the lights has causes
+  std::vector<CauseInfo> own_causes;   ///< of the technique
 
   /// It must not outlive this.
   Evidence evidence() const;

@@ -3,7 +3,7 @@
 #include <map>
 #include <numeric>
 
-#include "measure/cause/causes.h"
+#include "measure/score/record_causes.h"
 #include "report/figure/figure_script.h"
 #include "report/table/digits.h"
 
@@ -91,11 +91,11 @@ struct CauseShares {
   double error = 0;                                     ///< mean over the places
 };
 
-CauseShares shares_of(const Bar& bar) {
+CauseShares shares_of(const Bar& bar, std::span<const CauseInfo> causes) {
   CauseShares shares;
   for (const Record* row : bar.rows) {
     shares.error += *row->metric("error") / static_cast<double>(bar.rows.size());
-    for (const CauseInfo& info : cause_infos())
+    for (const CauseInfo& info : causes)
       shares.by_cause[std::string(info.name)] += quantity(*row, fmt::format("cause.{}", info.name)).value_or(0);
   }
   double sum = 0;
@@ -170,9 +170,10 @@ void draw_causes(std::span<const Record> records, FigureScript& script) {
   std::erase_if(bars, [](const Bar& bar) { return bar.role != Role::contender; });
   if (bars.empty()) throw Error("there is nothing to draw: no place has the causes of every setting");
   std::vector<CauseShares> shares;
-  for (const Bar& bar : bars) shares.push_back(shares_of(bar));
+  const std::vector<CauseInfo> causes = causes_of(records);
+  for (const Bar& bar : bars) shares.push_back(shares_of(bar, causes));
   std::vector<Piece> pieces;
-  for (const CauseInfo& info : cause_infos()) {
+  for (const CauseInfo& info : causes) {
     pieces.push_back({with_blanks(info.name), fmt::format("#{:02x}{:02x}{:02x}", info.color[0], info.color[1], info.color[2])});
     for (const CauseShares& bar : shares) pieces.back().lengths.push_back(bar.by_cause.find(info.name)->second * 100);
   }

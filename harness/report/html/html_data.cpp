@@ -4,12 +4,12 @@
 #include <set>
 
 #include "analysis/growth.h"
-#include "measure/cause/causes.h"
 #include "measure/frame/classify.h"
 #include "measure/json.h"
 #include "measure/picture/signed_color.h"
 #include "measure/score/error_picture.h"
 #include "measure/score/metrics.h"
+#include "measure/score/record_causes.h"
 #include "report/html/html_parts.h"
 
 namespace gnomon {
@@ -49,19 +49,20 @@ Json value_json(const Cell& cell) {
   return {};
 }
 
-/// What each cause holds of the error, in the order of cause_infos(); null where the run did not look for causes.
-Json causes_json(const Record& record) {
+/// What each cause holds of the error, in the order of the page's; null where the run did not look for causes.
+Json causes_json(const Record& record, std::span<const CauseInfo> causes) {
   const auto shares = cause_shares(record);
   if (!shares) return {};
   Json list = Json::array();
-  for (const CauseInfo& info : cause_infos()) {
+  for (const CauseInfo& info : causes) {
     const auto found = shares->find(std::string(info.name));
     list.push_back(found == shares->end() ? 0 : found->second);
   }
   return list;
 }
 
-Json row_json(const Layout& layout, const Layout::Row& row, std::size_t group, const std::string& family) {
+Json row_json(const Layout& layout, const Layout::Row& row, std::size_t group, const std::string& family,
+              std::span<const CauseInfo> causes) {
   const Record& r = *row.record;
   Json values = Json::array(), texts = Json::array(), best = Json::array(), flagged = Json::array();
   for (std::size_t k = 0; k < layout.columns.size(); ++k) {
@@ -103,7 +104,7 @@ Json row_json(const Layout& layout, const Layout::Row& row, std::size_t group, c
           {"flagged", std::move(flagged)},
           {"stages", std::move(stages)},
           {"costs", std::move(costs)},
-          {"causes", causes_json(r)},
+          {"causes", causes_json(r, causes)},
           {"estimates", r.reference ? Json(name(r.reference->estimates)) : Json()},
           {"tested", tested == r.classes.end() ? Json() : Json(tested->second)},
           {"frames", std::move(frames)}};
@@ -117,12 +118,20 @@ Json pairs_json(const Remarks& pairs) {
 
 }  // namespace
 
+std::vector<CauseInfo> page_causes(const Layout& layout) {
+  std::vector<const Record*> records;
+  for (const Layout::Group& group : layout.groups)
+    for (const Layout::Row& row : group.rows) records.push_back(row.record);
+  return causes_of(records);
+}
+
 Json report_data(const Layout& layout, std::span<const Record> records) {
   Json data = {{"schema", "gnomon-report-1"}};
   const std::vector<std::string> names = headline_columns(records, true);
   const std::set<std::string> headline(names.begin(), names.end());
   for (const Column& column : layout.columns) data["columns"].push_back(column_json(column, headline.contains(column.name)));
   data["groups"] = data["rows"] = Json::array();
+  const std::vector<CauseInfo> causes = page_causes(layout);
   const std::map<std::string, std::string> families = scene_families(records);
   for (std::size_t group = 0; group < layout.groups.size(); ++group) {
     const Record& first = *layout.groups[group].rows.front().record;
@@ -136,12 +145,12 @@ Json report_data(const Layout& layout, std::span<const Record> records) {
                               {"height", first.height},
                               {"truth", name(first.truth)}});
     for (const Layout::Row& row : layout.groups[group].rows)
-      data["rows"].push_back(row_json(layout, row, group, families.at(row.record->scene)));
+      data["rows"].push_back(row_json(layout, row, group, families.at(row.record->scene), causes));
   }
   for (const Event& event : events)
     data["costs"].push_back(
         {{"name", name(event.cost)}, {"heading", fmt::format("{}: {}", event.heading, sentence(event.cost))}});
-  for (const CauseInfo& info : cause_infos())
+  for (const CauseInfo& info : causes)
     data["causes"].push_back({{"name", info.name}, {"sentence", info.sentence}, {"color", info.color}});
   for (const ClassInfo& info : class_infos())
     data["classes"].push_back({{"name", info.letter}, {"word", info.word}, {"sentence", info.sentence}, {"color", info.color}});

@@ -1,6 +1,7 @@
 #pragma once
 #include <filesystem>
 
+#include "measure/cause/causes.h"
 #include "report/table/layout.h"
 
 namespace gnomon {
@@ -22,6 +23,8 @@ inline constexpr std::string_view pictures_slot = "@GNOMON_PICTURES@";
 /// Columns, rows, groups, legends, provenance: everything but pictures. The rows are those of the layout in its order, which
 /// must have been laid out with every column.
 Json report_data(const Layout& layout, std::span<const Record> records);
+/// The page's list of causes: the common ones, then those that its techniques have of their own.
+std::vector<CauseInfo> page_causes(const Layout& layout);
 
 /// JSON that may stand inside a script element: no `<` in it, and text that is not UTF-8 mended.
 std::string script_text(const Json& json);
@@ -39,7 +42,8 @@ struct PictureSet {
   /// rows that estimate the share of a light's irradiance, null where there is none. The errors are standard errors (see
   /// error_bytes) of the references of lights with area, else null.
   Json groups = Json::array();
-  /// By row in the layout's order: null, or {mask, causes}; causes is null or one byte a pixel, index of Cause.
+  /// By row in the layout's order: null, or {mask, causes}; causes is null or one byte a pixel: 0, or k for the k-th of
+  /// page_causes.
   Json rows = Json::array();
   std::vector<std::string> notes;  ///< which groups and rows have none, and why
 };

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "analysis/in_order.h"
+#include "measure/cause/own_causes.h"
 #include "measure/paths.h"
 #include "measure/run/frame_worker.h"
 #include "measure/run/kept_row.h"
@@ -80,7 +81,8 @@ class Collector {
   static constexpr int bits_of_several = 12;           ///< of shares of the light of several
 
  public:
-  Collector(const fs::path& dir, PictureSet& set) : dir_(dir), set_(set) {}
+  Collector(const fs::path& dir, std::vector<CauseInfo> causes, PictureSet& set)
+      : dir_(dir), causes_(std::move(causes)), set_(set) {}
 
   void add(const Layout::Group& group) {
     Json base;
@@ -185,7 +187,7 @@ class Collector {
       put_together(row, frames_.scene());
       Json json;
       json["mask"] = keep(share_bytes(row.together->mask, bits_of_several));
-      json["causes"] = row.together->causes.empty() ? Json() : Json(keep(index_bytes(row.together->causes)));
+      json["causes"] = row.together->causes.empty() ? Json() : Json(keep(page_numbers(row.together->evidence())));
       for (const MeasuredLight& light : shown_lights(row)) json["lights"].push_back(mask_of(light));
       return json;
     } catch (const std::exception& error) {
@@ -197,8 +199,21 @@ class Collector {
   Json mask_of(const MeasuredLight& of) {
     Json json;
     json["mask"] = keep(share_bytes(of.answer.mask, bits_of_shares(of.light)));
-    json["causes"] = of.answer.causes.empty() ? Json() : Json(keep(index_bytes(of.answer.causes)));
+    json["causes"] = of.answer.causes.empty() ? Json() : Json(keep(page_numbers(of.answer.evidence())));
     return json;
+  }
+
+  /// Its causes as numbers of the page's list: those of a technique's own have another number in every record.
+  Bytes page_numbers(const Evidence& evidence) const {
+    if (causes_.size() > 255) throw Error("the rows have {} causes; a picture of them holds 255", causes_.size());
+    std::vector<std::uint8_t> number{0};
+    for (const CauseInfo& info : with_common(evidence.own_causes)) {
+      const auto found = std::ranges::find(causes_, info.name, &CauseInfo::name);
+      number.push_back(static_cast<std::uint8_t>(found - causes_.begin() + 1));
+    }
+    Bytes bytes;
+    for (const Cause cause : evidence.causes) bytes.push_back(number[static_cast<std::size_t>(cause)]);
+    return bytes;
   }
 
   /// The causes of a mask; none, with a note, when they belong to another reference than the page shows.
@@ -212,6 +227,7 @@ class Collector {
   }
 
   const fs::path& dir_;
+  const std::vector<CauseInfo> causes_;
   PictureSet& set_;
   Frames frames_;
 };
@@ -252,7 +268,7 @@ std::string packed(std::span<const std::uint8_t> bytes) {
 
 PictureSet collect_pictures(const fs::path& dir, const Layout& layout) {
   PictureSet set;
-  Collector collector(dir, set);
+  Collector collector(dir, page_causes(layout), set);
   for (const Layout::Group& group : layout.groups) collector.add(group);
   return set;
 }

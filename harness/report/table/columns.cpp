@@ -6,10 +6,10 @@
 #include <memory>
 
 #include "analysis/analysis.h"
-#include "measure/cause/causes.h"
 #include "measure/frame/classify.h"
 #include "measure/json.h"
 #include "measure/score/metrics.h"
+#include "measure/score/record_causes.h"
 #include "report/table/columns_metrics.h"
 #include "report/table/digits.h"
 
@@ -139,11 +139,11 @@ void add_memory(std::vector<Column>& columns) {
                                   [](const Record& r) { return r.gl ? Cell{.value = r.gl->upload_ms} : Cell{}; }));
 }
 
-void add_causes(std::vector<Column>& columns) {
+void add_causes(std::vector<Column>& columns, std::span<const Record> records) {
   columns.push_back(text_column("causes", "causes", [](const Record& r) { return text_cell(top_causes(r)); }));
   columns.back().sentence =
       "What made most of the wrong pixels wrong, under a light with area most of the error, with shares of them.";
-  for (const CauseInfo& info : cause_infos()) {
+  for (const CauseInfo& info : causes_of(records)) {
     Column column = number_column(fmt::format("cause.{}", info.name), "", with_blanks(info.name));
     column.shown_unit = "%";
     column.shown_scale = 100;
@@ -244,7 +244,7 @@ std::vector<Column> all_columns(std::span<const Record> records) {
   add_memory(columns);
   add_metrics(columns);
   add_worst_light(columns);
-  add_causes(columns);
+  add_causes(columns, records);
   add_facts(columns);
   add_parameters(columns, records);
   add_counts(columns, records);

@@ -54,8 +54,9 @@ Column for_programs(Column column);
 Cell text_cell(std::string_view text);
 
 /// Every column that the records can fill: identity, times with their intervals, memory, metrics against the headline truth
-/// (`wrong_rate`) and against each (`shape.wrong_rate`, `mesh.wrong_rate`), causes of wrong pixels (`cause.acne`), pixel
-/// classes (`class.T`), and one for each parameter (`parameter.resolution`) and count (`count.texels`) that occurs.
+/// (`wrong_rate`) and against each (`shape.wrong_rate`, `mesh.wrong_rate`), causes of wrong pixels (`cause.acne`; those of a
+/// technique's own where its rows occur), pixel classes (`class.T`), and one for each parameter (`parameter.resolution`) and
+/// count (`count.texels`) that occurs.
 std::vector<Column> all_columns(std::span<const Record> records);
 
 /// Below this share of tested pixels a wrong rate speaks for too small a part of the picture; such cells are flagged.

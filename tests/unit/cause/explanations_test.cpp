@@ -29,13 +29,16 @@ TEST(explanations, come_back_from_their_bytes) {
     if (k % 5 == 0) why->element = random() * (1ull << 33);
     for (int j = k % 4; j > 0; --j)
       why->taps.push_back({vector(), glm::normalize(vector()), uniform(random), j == 1 ? double(INFINITY) : uniform(random)});
+    if (k >= 50 && k % 2) why->cause = fmt::format("cause_{}", k);
     if (k >= 40)
       for (int j = k % 3; j > 0; --j) why->samples.push_back({vector(), uniform(random), j == 1 ? 0.25 : 1.0});
   }
-  // Without samples the bytes are those that programs write and read which know none.
+  // Without samples, or without causes of the technique's own, the bytes are those of programs that know none.
   const auto first_byte = [](std::span<const std::optional<Explanation>> some) { return explanation_bytes(some)[6]; };
   EXPECT_EQ(first_byte(std::span(all).first(40)), std::byte{'3'});
-  EXPECT_EQ(first_byte(all), std::byte{'4'});
+  EXPECT_EQ(first_byte(std::span(all).first(50)), std::byte{'4'});
+  EXPECT_EQ(first_byte(all), std::byte{'5'});
+  EXPECT_EQ(explanations_from_bytes(explanation_bytes(std::span(all).first(50)))[45]->samples.size(), all[45]->samples.size());
   EXPECT_EQ(explanations_from_bytes(explanation_bytes(std::span(all).first(40)))[5]->taps.size(), all[5]->taps.size());
   const std::vector<std::byte> bytes = explanation_bytes(all);
   const auto back = explanations_from_bytes(bytes);
@@ -50,6 +53,7 @@ TEST(explanations, come_back_from_their_bytes) {
     EXPECT_EQ(back[k]->formula_differs, all[k]->formula_differs);
     EXPECT_EQ(back[k]->shifted, all[k]->shifted);
     EXPECT_EQ(back[k]->element, all[k]->element);
+    EXPECT_EQ(back[k]->cause, all[k]->cause);
     ASSERT_EQ(back[k]->taps.size(), all[k]->taps.size());
     for (std::size_t j = 0; j < all[k]->taps.size(); ++j) {
       EXPECT_EQ(back[k]->taps[j].origin, all[k]->taps[j].origin);

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "hand_made.h"
+#include "measure/cause/own_causes.h"
 #include "measure/scene/blob.h"
 #include "measure/score/error_picture.h"
 #include "measure/scratch_folder.h"
@@ -148,6 +149,7 @@ struct Scored : Flat {
   std::vector<PixelClass> classes;
   std::vector<float> reference, mask;
   std::vector<Cause> causes;
+  std::vector<CauseInfo> own_causes;
   Light light = hand_made::sun({0, -1, 0});
   Scored(int width, int height)
       : Flat(width, height),
@@ -161,19 +163,27 @@ struct Scored : Flat {
   }
   Picture draw(const std::string& title = "") const {
     const GBuffer& g = picture.gbuffer;
-    return draw_errors({g.width, g.height, classes, reference, mask, causes, &scene, &g, &light, nullptr}, title);
+    Evidence evidence{g.width, g.height, classes, reference, mask, causes, &scene, &g, &light, nullptr};
+    evidence.own_causes = own_causes;
+    return draw_errors(evidence, title);
   }
 };
 
 TEST(error_picture, exactly_the_wrong_tested_pixels_have_the_color_of_their_cause) {
   constexpr int w = 420, h = 40;
   Scored scored(w, h);
+  scored.own_causes = {{own_cause(0), "off_screen", "What casts the shadow is out of the picture.", {252, 0, 132}}};
+  const std::vector<CauseInfo> infos = with_common(scored.own_causes);
+  const auto color_in = [&](Cause cause) {
+    const auto& c = infos[static_cast<std::size_t>(cause) - 1].color;
+    return Rgb{c[0], c[1], c[2]};
+  };
   std::mt19937 random(1);
   for (std::size_t i = 0; i < scored.mask.size(); ++i) {
     scored.classes[i] = random() % 3 == 0 ? PixelClass::U : PixelClass::T;
     scored.reference[i] = scored.mask[i] = static_cast<float>(random() % 2);
     if (random() % 2 == 0)
-      scored.err(i, scored.classes[i] == PixelClass::T ? static_cast<Cause>(1 + random() % cause_infos().size()) : Cause::none);
+      scored.err(i, scored.classes[i] == PixelClass::T ? static_cast<Cause>(1 + random() % infos.size()) : Cause::none);
   }
   const Picture picture = scored.draw("title");
   EXPECT_EQ(picture.width, w);
@@ -182,7 +192,7 @@ TEST(error_picture, exactly_the_wrong_tested_pixels_have_the_color_of_their_caus
   for (int i = 0; i < w * h; ++i) {
     const Rgb color = pixel(picture, i % w, i / w);
     if (scored.causes[i] != Cause::none) {
-      ASSERT_EQ(color, color_of(scored.causes[i]));
+      ASSERT_EQ(color, color_in(scored.causes[i]));
       continue;
     }
     // The rest is gray, so that no error hides in it.
@@ -190,9 +200,9 @@ TEST(error_picture, exactly_the_wrong_tested_pixels_have_the_color_of_their_caus
     (scored.classes[i] == PixelClass::T ? right : untested) = color;
   }
   EXPECT_LT(untested[0], right[0]) << "untested pixels are darker";
-  for (const CauseInfo& info : cause_infos()) {
+  for (const CauseInfo& info : infos) {
     if (info.cause == Cause::unexplained) continue;  // white, as the paper of the legend
-    EXPECT_EQ(count(picture, color_of(info.cause), h, picture.height), 12 * 12) << info.name << ": one swatch";
+    EXPECT_EQ(count(picture, color_in(info.cause), h, picture.height), 12 * 12) << info.name << ": one swatch";
   }
 }
 

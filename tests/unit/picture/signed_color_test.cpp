@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "color_vision.h"
+#include "measure/cause/color_vision.h"
 
 namespace {
 

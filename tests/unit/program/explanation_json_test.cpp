@@ -10,7 +10,7 @@ using namespace gnomon;
 
 TEST(ExplanationJson, reads_what_is_there_and_keeps_the_defaults_of_what_is_not) {
   const auto all = explanations_from_json(parse_json(R"([null, {}, {"covered": false, "bias": 0.5, "texel_width": 0.25,
-      "shifted": [1, 2, 3], "element": 7, "outline_error": 0.125, "formula_differs": true,
+      "shifted": [1, 2, 3], "element": 7, "outline_error": 0.125, "formula_differs": true, "cause": "off_screen",
       "taps": [{"origin": [0, 1, 0], "direction": [0, -1, 0], "weight": 0.75, "stored": null}, {"stored": 2}],
       "samples": [{"place": [4, 5, 6], "weight": 1, "visibility": 0.5}]}])"));
   ASSERT_EQ(all.size(), 3u);
@@ -24,6 +24,8 @@ TEST(ExplanationJson, reads_what_is_there_and_keeps_the_defaults_of_what_is_not)
   EXPECT_EQ(*e.element, 7u);
   EXPECT_EQ(e.outline_error, 0.125);
   EXPECT_TRUE(e.formula_differs);
+  EXPECT_EQ(e.cause, "off_screen");
+  EXPECT_TRUE(all[1]->cause.empty());
   ASSERT_EQ(e.taps.size(), 2u);
   EXPECT_EQ(e.taps[0].direction, glm::dvec3(0, -1, 0));
   EXPECT_TRUE(std::isinf(e.taps[0].stored));
@@ -42,6 +44,7 @@ TEST(ExplanationJson, says_what_is_wrong_and_where) {
       {R"([{"bias": "big"}])", "explanations[0].bias = \"big\" is no number"},
       {R"([{"taps": {}}])", "explanations[0].taps is no list"},
       {R"([{"taps": [{"origin": [1, 2]}]}])", "explanations[0].taps[0].origin = [1,2] is no list of three numbers"},
+      {R"([{"cause": 3}])", "explanations[0].cause = 3 is no name of a cause"},
       {R"([{"element": -1}])", "explanations[0].element = -1 is no number of an element"},
   };
   for (const auto& [text, says] : wrong) {

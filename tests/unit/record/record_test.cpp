@@ -64,7 +64,8 @@ Record example(const std::string& job = "00ff") {
   r.classes = {{"B", 10}, {"T", 307190}};
   r.metrics[Truth::mesh] = {{"wrong_rate", 1.0 / 3}, {"displacement_mean", std::nullopt}};
   r.metrics[Truth::shape] = {{"wrong_rate", 0.0}};
-  r.causes = {{"acne", 3}, {"crack", 0}};
+  r.causes = {{"acne", 3}, {"crack", 0}, {"off_screen", 2}};
+  r.own_causes = {{"off_screen", "What casts the shadow is out of the picture.", {252, 0, 132}}};
   r.frames = {{"wrong_rate", {0.5, std::nullopt, 1.0 / 3}}};
   r.mask = "masks/00ff.exr";
   r.scene_facts = Record::SceneFacts{.meshes = 2, .triangles = 12, .closed = true};
@@ -97,6 +98,10 @@ TEST(record, every_field_survives_writing_and_reading) {
   EXPECT_EQ(back.iterations.at("resolve"), 7u);
   EXPECT_EQ(back.stop, "target");
   EXPECT_EQ(back.causes, example().causes);
+  ASSERT_EQ(back.own_causes.size(), 1u);
+  EXPECT_EQ(back.own_causes[0].name, "off_screen");
+  EXPECT_EQ(back.own_causes[0].sentence, "What casts the shadow is out of the picture.");
+  EXPECT_EQ(back.own_causes[0].color, (std::array<std::uint8_t, 3>{252, 0, 132}));
   EXPECT_EQ(back.frames, example().frames);  // a frame without a value keeps its place
   EXPECT_TRUE(back.unknown.empty());
 }
@@ -183,6 +188,11 @@ TEST(record, wrong_field_is_named_with_its_value_and_what_is_allowed) {
   EXPECT_EQ(message("schema", 99), "schema = 99 is outside 1 .. 2");
   EXPECT_EQ(message("stages", {{"build", {{"x"}}}}), "stages.build = \"x\" is not a number");
   EXPECT_EQ(message("gl", {{"upload_ms", true}}), "gl.upload_ms = true is not a number");
+  const auto color = [&](const Json& value) { return message("own_causes", Json::array({{{"color", value}}})); };
+  EXPECT_EQ(color({1, 2, 256}), "own_causes.color = [1,2,256] is not three whole numbers, 0 .. 255");
+  for (const Json& bad : {Json{1, 2}, Json{1, 2, -3}, Json{1, 2, 3.5}, Json{1, 2, 3, 4}, Json("red"), Json{1, 2, "3"}})
+    EXPECT_NE(color(bad).find("is not three whole numbers, 0 .. 255"), std::string::npos) << bad;
+  EXPECT_NE(message("own_causes", std::vector(201, Json::object())).find("is not an array of at most 200"), std::string::npos);
 }
 
 TEST_F(RecordFileTest, a_newer_schema_is_refused_with_file_and_line) {

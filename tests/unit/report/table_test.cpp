@@ -171,6 +171,24 @@ TEST(table, causes_are_shares_of_wrong_pixels_for_people_and_of_tested_ones_in_t
   EXPECT_EQ(csv, "cause.acne,cause.region,cause.missing_caster\r\n0.078,0,\r\n");
 }
 
+TEST(table, a_cause_of_a_techniques_own_has_a_column_where_one_of_the_records_tells_it) {
+  std::vector<Record> records{row("a", 3, 0.1), row("b", 3, 0.1), row("c", 3, 0.1)};
+  for (Record& record : records) record.classes["T"] = 1000;
+  records[0].causes = {{"acne", 100}};
+  records[1].causes = {{"acne", 25}, {"off_screen", 75}};
+  records[1].own_causes = {{"off_screen", "What casts the shadow is out of the picture.", {252, 0, 132}}};
+  records[2].causes = {{"off_screen", 0}};
+  records[2].own_causes = {{"off_screen", "Said otherwise by a later version.", {20, 255, 148}}};
+  EXPECT_EQ(top_causes(records[1]), "off screen 75 %, acne 25 %");
+  EXPECT_EQ(render_table(records, Format::csv, {.columns = {"cause.off_screen"}}), "cause.off_screen\r\n\r\n0.075\r\n0\r\n");
+  const std::vector<Column> columns = all_columns(records);
+  const auto is_it = [](const Column& column) { return column.name == "cause.off_screen"; };
+  ASSERT_EQ(std::ranges::count_if(columns, is_it), 1);
+  EXPECT_EQ(std::ranges::find_if(columns, is_it)->sentence, "What casts the shadow is out of the picture.");
+  records.erase(records.begin() + 1, records.end());
+  EXPECT_EQ(std::ranges::count_if(all_columns(records), is_it), 0);
+}
+
 TEST(table, spread_of_times_is_the_median_absolute_deviation_of_the_processes) {
   // Process medians 4, 8, 4, 4, 2 have the median 4 and the distances 0, 4, 0, 0, 2: their median is 0. With 1 in place of a 4:
   // 2, 8, 4, 1, 4 has median 4, distances 2, 4, 0, 3, 0: 2.

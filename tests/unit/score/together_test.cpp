@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "measure/cause/own_causes.h"
 #include "measure/picture/picture.h"
 #include "measure/picture/shading.h"
 #include "measure/score/score.h"
@@ -103,6 +104,15 @@ TEST_F(Suns, a_pixel_has_the_cause_of_the_light_that_errs_most) {
   EXPECT_NEAR(errors.at("acne"), 1.0 / 12, 1e-6);
   EXPECT_NEAR(errors.at("crack"), 5.0 / 12, 1e-6);
   EXPECT_NEAR(*measure_metric(Scoring(all.evidence()), "error_mean"), 6.0 / 12, 1e-6);
+  // A cause of the technique's own is like any other.
+  const std::vector<CauseInfo> own{{own_cause(0), "off_screen", "It is out of the picture.", {252, 0, 132}}};
+  const std::vector<Cause> off_screen{Cause::none, own_cause(0), own_cause(0), Cause::none};
+  for (Evidence& light : lights) light.own_causes = own;
+  lights[1].causes = off_screen;
+  const Together with_own = together(lights);
+  EXPECT_EQ(with_own.causes, (std::vector{Cause::acne, own_cause(0), own_cause(0), Cause::none}));
+  EXPECT_NEAR(cause_errors(with_own.evidence()).at("off_screen"), 5.0 / 12, 1e-6);
+  EXPECT_EQ(cause_errors(with_own.evidence()).at("crack"), 0);
 }
 
 // Independent errors add up as squares do: 0.01 of 1 and 0.02 of 2 are sqrt(0.01^2 + 0.04^2) of 3.

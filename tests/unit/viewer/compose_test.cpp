@@ -8,8 +8,8 @@
 #include <random>
 
 #include "app/viewer/several_lights.h"
-#include "color_vision.h"
 #include "hand_made_frame.h"
+#include "measure/cause/color_vision.h"
 #include "measure/picture/signed_color.h"
 #include "measure/score/error_picture.h"
 

@@ -1,6 +1,6 @@
 // What the window says in words: what colors mean, and what is known of a pixel.
-#include "color_vision.h"
 #include "hand_made_frame.h"
+#include "measure/cause/color_vision.h"
 
 namespace {
 

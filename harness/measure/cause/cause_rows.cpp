@@ -1,0 +1,137 @@
+// The common causes, one row each, and causes as counts and as numbers.
+#include <gnomon/error.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "measure/cause/own_causes.h"
+
+namespace gnomon {
+
+namespace {
+
+// False dark in warm colors, false lit in cool ones, the rest between. Any two differ by 19 in CIE Lab, also for people without
+// one kind of cone, and each from every gray of the picture below; those of lights with area by 14.
+constexpr CauseInfo rows[] = {
+    {Cause::tessellation,
+     "tessellation",
+     "Right against the triangles, wrong against the exact shape that they stand for.",
+     {189, 230, 0}},
+    {Cause::beyond_coverage, "beyond_coverage", "The technique says that it does not cover this point.", {56, 0, 72}},
+    {Cause::formula,
+     "formula",
+     "The formula or setting that the technique used is known to be wrong here; its own exact one answers otherwise.",
+     {120, 87, 60}},
+    {Cause::missing_caster,
+     "missing_caster",
+     "Lit in a shadow that the technique hardly has: less than a tenth of it is dark.",
+     {32, 84, 148}},
+    {Cause::edge_resolution, "edge_resolution", "A perfect map of the same texels would be wrong here too.", {239, 220, 113}},
+    {Cause::lookup_shift, "lookup_shift", "The moved look-up point fell on the other side of a shadow edge.", {155, 230, 164}},
+    {Cause::acne, "acne", "The receiver's own surface, stored at a texel, shadows it: too little bias.", {224, 120, 0}},
+    {Cause::over_dark,
+     "over_dark",
+     "Another object's surface, stored at a texel, shadows a point that it does not.",
+     {194, 21, 0}},
+    {Cause::peter_panning,
+     "peter_panning",
+     "All that shadows the point is nearer than the bias: too much of it.",
+     {46, 145, 183}},
+    {Cause::leak_layered,
+     "leak_layered",
+     "The bias skips what is near, and what is farther does not cover the texel.",
+     {61, 1, 246}},
+    {Cause::leak_representation,
+     "leak_representation",
+     "The texels are in shadow, yet what they store says light.",
+     {85, 218, 255}},
+    {Cause::crack,
+     "crack",
+     "At most four pixels together, away from every shadow edge, as numerical cracks are.",
+     {248, 0, 255}},
+    {Cause::edge_raster,
+     "edge_raster",
+     "Of drawn shadows: within 1.5 pixels of a shadow edge of the reference, or on an edge that no pixel shows.",
+     {173, 136, 89}},
+    {Cause::edge,
+     "edge",
+     "Of a technique that draws no shadows: within 1.5 pixels of a shadow edge, or on an edge that no pixel shows.",
+     {106, 37, 187}},
+    {Cause::region,
+     "region",
+     "More than four pixels together, away from every shadow edge; the technique says no cause.",
+     {107, 17, 4}},
+    {Cause::reference_error,
+     "reference_error",
+     "Light with area: within what the reference itself may be off by, four of its standard errors.",
+     {227, 212, 229}},
+    {Cause::false_sample,
+     "false_sample",
+     "Light with area: of places of the light the technique says otherwise than the reference.",
+     {214, 255, 214}},
+    {Cause::horizon,
+     "horizon",
+     "Light with area: what of the light is below the point's horizon was counted, as seen or as hidden.",
+     {50, 117, 25}},
+    {Cause::hard_shadow, "hard_shadow", "Light with area: the hard shadow of one point of the light.", {141, 16, 229}},
+    {Cause::banding,
+     "banding",
+     "Light with area: few levels, because neighbors ask the same few places of the light.",
+     {87, 186, 49}},
+    {Cause::noise,
+     "noise",
+     "Light with area: what that number of places may err by, other ones at every pixel.",
+     {134, 179, 203}},
+    {Cause::caster_fusion,
+     "caster_fusion",
+     "Light with area: overlapping penumbrae were joined by product or minimum, as if one caster knew nothing of the other.",
+     {16, 37, 145}},
+    {Cause::lost_umbra,
+     "lost_umbra",
+     "Light with area: no part of the light is seen, not of one four times the size, yet there is light.",
+     {2, 0, 100}},
+    {Cause::too_wide, "too_wide", "Light with area: the penumbra is wider than that of the light.", {240, 167, 113}},
+    {Cause::too_narrow, "too_narrow", "Light with area: the penumbra is narrower than that of the light.", {91, 40, 99}},
+    {Cause::shifted, "shifted", "Light with area: the penumbra lies in another place.", {111, 104, 200}},
+    {Cause::unexplained, "unexplained", "None of the others; meant to be 0.", {255, 255, 255}},
+};
+
+}  // namespace
+
+std::span<const CauseInfo> cause_infos() { return rows; }
+
+std::string_view name(Cause cause) { return cause == Cause::none ? "none" : rows[static_cast<std::size_t>(cause) - 1].name; }
+
+std::map<std::string, std::uint64_t> count_causes(std::span<const Cause> causes, std::span<const CauseInfo> own) {
+  std::map<std::string, std::uint64_t> counts;
+  std::array<std::uint64_t, 256> by_cause{};
+  for (const Cause cause : causes) ++by_cause[static_cast<std::size_t>(cause)];
+  for (const CauseInfo& info : with_common(own))
+    counts[std::string(info.name)] = by_cause[static_cast<std::size_t>(info.cause)];
+  return counts;
+}
+
+std::vector<Cause> causes_from_numbers(std::span<const float> numbers,
+                                       const std::optional<std::map<std::string, std::uint64_t>>& counts,
+                                       std::span<const CauseInfo> own) {
+  // A name that became a common one later is still the technique's in its record.
+  const auto is_own = [&](std::string_view name) { return std::ranges::find(own, name, &CauseInfo::name) != own.end(); };
+  const auto counted = [&](std::string_view name) { return !is_own(name) && counts && counts->contains(std::string(name)); };
+  std::vector<Cause> known{Cause::none};
+  for (const CauseInfo& info : rows) {
+    // Programs that knew no lights with area kept the number before the last for one that no pixel ever had.
+    if (info.cause == Cause::unexplained && counted("penumbra")) known.push_back(Cause::unexplained);
+    if (!counts || counted(info.name)) known.push_back(info.cause);
+  }
+  for (const CauseInfo& info : own) known.push_back(info.cause);
+  std::vector<Cause> causes;
+  for (const float number : numbers) {
+    if (!(number >= 0 && number < static_cast<float>(known.size()) && number == std::floor(number)))
+      throw Error("a cause is {}; it is a whole number, 0 .. {}", number, known.size() - 1);
+    causes.push_back(known[static_cast<std::size_t>(number)]);
+  }
+  return causes;
+}
+
+}  // namespace gnomon

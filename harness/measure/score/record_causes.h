@@ -1,0 +1,14 @@
+#pragma once
+#include "measure/cause/causes.h"
+#include "measure/record/record.h"
+
+namespace gnomon {
+
+/// The causes of its technique's own that a record tells. They look at the record's texts.
+std::vector<CauseInfo> own_causes(const Record& record);
+/// The common causes, then those that techniques of these records have of their own, each name once, by its first record. A
+/// name's place in this list stands for it among rows of several techniques. They look at the records' texts.
+std::vector<CauseInfo> causes_of(std::span<const Record* const> records);
+std::vector<CauseInfo> causes_of(std::span<const Record> records);
+
+}  // namespace gnomon
