@@ -144,16 +144,19 @@ Value one_of(const Table& table, std::string_view key, std::initializer_list<std
   table.refuse(key, '\'' + table.text(key) + '\'', "one of " + joined(words, ", "));
 }
 
-/// The full path of a program, or nothing where PATH has none.
-std::optional<std::string> found_in_path(const std::string& program) {
+bool is_program(const fs::path& file) {
+  std::error_code ignored;
+  return fs::is_regular_file(file, ignored) && access(file.c_str(), X_OK) == 0;
+}
+
+bool is_in_path(const std::string& program) {
   const char* const path = std::getenv("PATH");
   for (std::string_view rest = path ? path : "/usr/bin:/bin"; !rest.empty();) {
     const std::size_t end = rest.find(':');
-    const fs::path candidate = fs::path(rest.substr(0, end)) / program;
-    if (fs::is_regular_file(candidate) && access(candidate.c_str(), X_OK) == 0) return candidate.string();
+    if (is_program(fs::path(rest.substr(0, end)) / program)) return true;
     rest = end == rest.npos ? std::string_view() : rest.substr(end + 1);
   }
-  return std::nullopt;
+  return false;
 }
 
 }  // namespace
@@ -220,10 +223,10 @@ std::string missing_needs(const ProgramDescription& d) {
   if (const auto found = known.find(&d); found != known.end()) return found->second;
   std::vector<std::string> missing;
   const bool has_path = d.command[0].find('/') != std::string::npos;
-  if (has_path ? access(d.command[0].c_str(), X_OK) != 0 : !found_in_path(d.command[0]))
+  if (has_path ? !is_program(d.command[0]) : !is_in_path(d.command[0]))
     missing.push_back(fmt::format("{} is not on this machine", d.command[0]));
   for (const ProgramNeed& need : d.needs) {
-    if (need.runs.empty() ? found_in_path(need.program).has_value() : ends_well(need.runs, d.file.parent_path())) continue;
+    if (need.runs.empty() ? is_in_path(need.program) : ends_well(need.runs, d.file.parent_path())) continue;
     const std::string what =
         need.runs.empty() ? need.program + " is not on this machine" : joined(need.runs, " ") + " fails here";
     missing.push_back(fmt::format("{}: {}", what, need.install));
