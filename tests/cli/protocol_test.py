@@ -176,6 +176,18 @@ sentence = "Whether."
         rows = self.run_one("reads:depth=0.5", self.program("reads", code, sheet))
         self.assertEqual([(r["status"], r["reason"]) for r in rows], [("ok", "")])
 
+    def test_one_in_the_folder_of_techniques_needs_no_option(self):
+        root = self.dir / "root"
+        (root / "techniques").mkdir(parents=True)
+        for name in ("scenes", "bench"):
+            (root / name).symlink_to(ROOT / name)
+        (root / "techniques/lit.toml").write_text(SHEET.format(id="lit"))
+        (root / "techniques/lit.py").write_text(LIT.replace("FAULT", ""))
+        self.environment["GNOMON_ROOT"] = str(root)
+        self.addCleanup(self.environment.update, GNOMON_ROOT=str(ROOT))
+        self.assertIn("lit", [entry["id"] for entry in json.loads(self.succeed("list", "techniques", "--json"))])
+        self.assertEqual([(r["technique"], r["status"]) for r in self.run_one("lit", [])], [("lit", "ok")])
+
     def test_each_fault_costs_its_own_row_and_says_what_happened(self):
         options, arguments = [], []
         for name, (fault, _) in FAULTS.items():
