@@ -238,19 +238,19 @@ def fault(r):
             self.assertIn(words, row["reason"])
 
     def test_support_and_explanations_are_asked_where_they_are_answered(self):
-        options = self.program("asked", sheet='answers = ["supports", "explain"]\napproximate = "no"\n', fault="""
+        options = self.program("asked", sheet='answers = ["supports", "explain"]\napproximate = "no"\n[[cause]]\nid = "lazy"\nsentence = "It did nothing."\ncolor = [0, 70, 40]\n', fault="""
 def fault(r):
     if r["do"] == "supports":
         assert r["scene"]["file"] and r["light"]["name"] and r["view"]["eye"]
         return {"support": "approximate", "why": "a " + r["light"]["kind"]} if r["light"]["kind"] == "directional" else {"support": "unsupported", "why": "not mine"}
     if r["do"] == "explain":
-        return {"explanations": [{"covered": False} for pixel in r["pixels"]]}
+        return {"explanations": [{"covered": False} if pixel % 2 else {"cause": "lazy"} for pixel in r["pixels"]]}
 """)
         self.succeed(*options, "run", "--scene", "single_triangle", "--technique", "asked", *SMALL, "--light", "sun", "--light", "point", "--out", "out")
         point, sun = sorted(records(self.dir / "out"), key=lambda row: row["light"])
         self.assertEqual((point["status"], point["reason"]), ("unsupported", "not mine"))
         self.assertEqual((sun["status"], sun["support"], sun["reason"]), ("ok", "approximate", "a directional"))
-        self.assertEqual({cause for cause, count in sun["causes"].items() if count}, {"beyond_coverage"})
+        self.assertEqual({cause for cause, count in sun["causes"].items() if count}, {"beyond_coverage", "lazy"})
 
     def test_masks_may_be_pictures(self):
         self.succeed("render", "--scene", "single_triangle", "--technique", "embree_rays", "--light", "sun", "--size", "160x90", "--out", "true")
@@ -276,6 +276,8 @@ def fault(r):
             ("[[parameter]]\nname = \"a\"\nvalue = 3\nmin = 0\nmax = 2\nstage = \"build\"\nsentence = \"S.\"\n", ["parameter.value = 3 is not within 0 .. 2"]),
             ("[[parameter]]\nname = \"a\"\nvalue = 1\nmin = 0\nmax = 2\nstage = \"later\"\nsentence = \"S.\"\n", ["'later'", "setup, build, relight or resolve"]),
             ("[[need]]\ninstall = \"x\"\n", ["one of program and runs, and only one"]),
+            ("[[cause]]\nid = \"acne\"\nsentence = \"S.\"\ncolor = [1, 2, 3]\n", ["acne"]),
+            ("[[cause]]\nid = \"mine\"\nsentence = \"S.\"\ncolor = [1, 2, 300]\n", ["0 .. 255"]),
             ("scene = [\"obj\"]\n", ["'obj'", "a list of arrays, gltf"]),
         ):
             with self.subTest(sheet):

@@ -26,7 +26,7 @@ constexpr std::string_view mask_words[] = {"float32", "exr", "png"}, mask_names[
 
 ScratchFolder fresh_folder() {
   const char* const named = std::getenv(program_folder_variable);
-  if (named && *named) return ScratchFolder::in(named, "program");
+  if (named && *named) return ScratchFolder::in(fs::absolute(named), "program");  // the program runs in a folder of its own
   const fs::path memory = "/dev/shm";
   return access(memory.c_str(), W_OK) == 0 ? ScratchFolder::in(memory, "gnomon-program")
                                            : ScratchFolder::temporary("gnomon-program");
