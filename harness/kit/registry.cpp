@@ -38,6 +38,15 @@ std::string_view name(Support::Kind kind) {
   return names[static_cast<int>(kind)];
 }
 
+Support Support::approximate(std::string why, const Approximation& promise) {
+  if (!promise.most_wrong) return Support(Kind::approximate, std::move(why));
+  const double most = *promise.most_wrong;
+  if (!(most >= 0 && most <= 1)) throw Error("most_wrong = {} is outside 0 .. 1, as a promise of: {}", most, why);
+  Support support(Kind::approximate, fmt::format("{}; promises at most {:.3g} % wrong", why, 100 * most));
+  support.most_wrong_ = static_cast<float>(most);
+  return support;
+}
+
 std::vector<float> Technique::draw_debug(std::string_view layer) const {
   std::vector<std::string> layers;
   for (const DebugLayer& known : debug_layers()) layers.push_back(known.name);

@@ -12,20 +12,30 @@
 
 namespace gnomon {
 
+/// What an approximate answer promises.
+struct Approximation {
+  /// Largest share of the tested pixels that is wrong, 0 .. 1, and under a light with area their largest mean error. Nothing:
+  /// what all promise, to be far better than no shadows. The reason tells it, and conformance judges by it.
+  std::optional<double> most_wrong = {};
+};
+
 /// Whether a technique can do a scene, light and view. No default: somebody must have thought about it.
 class Support {
  public:
   enum class Kind { full, approximate, unsupported };
   static Support full() { return Support(Kind::full, ""); }
-  static Support approximate(std::string why) { return Support(Kind::approximate, std::move(why)); }
+  /// Throws Error on a promise outside 0 .. 1.
+  static Support approximate(std::string why, const Approximation& promise = {});
   static Support unsupported(std::string why) { return Support(Kind::unsupported, std::move(why)); }
   Kind kind() const { return kind_; }
   const std::string& why() const { return why_; }
+  std::optional<double> most_wrong() const { return most_wrong_ < 0 ? std::nullopt : std::optional<double>(most_wrong_); }
   explicit operator bool() const { return kind_ != Kind::unsupported; }
 
  private:
   Support(Kind kind, std::string why) : kind_(kind), why_(std::move(why)) {}
   Kind kind_;
+  float most_wrong_ = -1;  ///< below 0: none is promised
   std::string why_;
 };
 std::string_view name(Support::Kind kind);
