@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "measure/cause/own_causes.h"
+#include "measure/conformance/child.h"
 #include "measure/notice.h"
 #include "measure/paths.h"
 #include "measure/program/program_technique.h"
@@ -44,7 +45,7 @@ std::string shown(std::string_view text) {
   return result;
 }
 
-/// The processes that `run` and the importer start; hidden.
+/// The processes that `run`, `check` and the importer start; hidden.
 void add_worker(Program& program) {
   auto [worker, to_serve] =
       program.line.command<ServeOptions>("worker", "Serve one technique to the program that started this",
@@ -52,6 +53,13 @@ void add_worker(Program& program) {
   worker.hide();
   worker.option("socket", &to_serve.socket, "", {.is_required = true});
   worker.option("threads", &to_serve.threads, "", {.is_required = true});
+
+  auto [check, to_check] = program.line.command<ServeOptions>(
+      "check-rule", "Ask a technique one rule for the program that started this",
+      [](const ServeOptions& read) { return conformance::rule_child_main(read.socket, read.threads); });
+  check.hide();
+  check.option("socket", &to_check.socket, "", {.is_required = true});
+  check.option("threads", &to_check.threads, "", {.is_required = true});
 
   auto [mesh, to_import] = program.line.command<ImportOptions>(
       "import-mesh", "Read a mesh file for the program that started this",
@@ -81,8 +89,8 @@ int run_program(int argc, char** argv) {
                                 program.plugins.push_back(path);
                               });
     if (const std::filesystem::path root = find_data_root(); !root.empty()) load_programs_of(root / "techniques");
-    for (auto* add : {add_list, add_describe, add_render, add_run, add_table, add_compare, add_merge, add_report, add_analyze,
-                      add_figure, add_certify, add_docs, add_score, add_export, add_cache, add_view, add_worker})
+    for (auto* add : {add_list, add_describe, add_check, add_render, add_run, add_table, add_compare, add_merge, add_report,
+                      add_analyze, add_figure, add_certify, add_docs, add_score, add_export, add_cache, add_view, add_worker})
       add(program);
     const int status = program.line.run(argc, argv);
     if (std::fflush(stdout) != 0) throw std::system_error(errno, std::generic_category());

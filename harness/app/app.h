@@ -20,6 +20,7 @@ struct Program {
 // kind: describe and docs with list, merge with run, report with table, figure with analyze, certify with score.
 void add_list(Program& program);
 void add_describe(Program& program);
+void add_check(Program& program);
 void add_render(Program& program);
 void add_run(Program& program);
 void add_table(Program& program);

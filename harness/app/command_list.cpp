@@ -4,8 +4,10 @@
 #include "app/app.h"
 #include "measure/paths.h"
 #include "measure/run/suite.h"
+#include "measure/scene/blob.h"
 #include "measure/scene/load.h"
 #include "measure/score/metrics.h"
+#include "report/conformance.h"
 #include "report/listing.h"
 #include "report/pages.h"
 #include "report/scene_description.h"
@@ -63,12 +65,14 @@ void list(const ListOptions& options) {
     print(list_text(metric_infos(), terminal_width()), list_json(metric_infos()), options.json);
   else if (options.what == "causes")
     print(list_text(cause_infos(), techniques, terminal_width()), list_json(cause_infos(), techniques), options.json);
+  else if (options.what == "rules")
+    print(list_text(conformance::rules(), terminal_width()), list_json(conformance::rules()), options.json);
   else if (options.what == "scenes")
     print_scenes(options.json);
   else if (options.what == "suites")
     print_suites(options.json);
   else {
-    const std::vector<std::string> lists = {"techniques", "scenes", "suites", "metrics", "causes"};
+    const std::vector<std::string> lists = {"techniques", "scenes", "suites", "metrics", "causes", "rules"};
     throw Error("there is no list {}; did you mean {}? There are: {}", options.what, nearest_word(options.what, lists),
                 joined(lists, ", "));
   }
@@ -100,19 +104,29 @@ void describe(const DescribeOptions& options) {
 }
 
 struct DocsOptions {
-  std::string out;
+  std::filesystem::path out, rules;
   bool check = false;
 };
 
-int write_docs(const DocsOptions& options) {
-  const std::filesystem::path dir = options.out.empty() ? data_root() / "docs/techniques" : std::filesystem::path(options.out);
+int write_docs(DocsOptions options) {
+  if (options.out.empty() && options.rules.empty())
+    options = {.out = data_root() / "docs/techniques", .rules = data_root() / "docs/conformance.md", .check = options.check};
   if (options.check) {
-    const std::vector<std::string> stale = stale_pages(dir);
-    for (const std::string& page : stale) fmt::print("stale: {}\n", (dir / page).string());
+    std::vector<std::string> stale;
+    if (!options.out.empty())
+      for (const std::string& page : stale_pages(options.out)) stale.push_back((options.out / page).string());
+    if (!options.rules.empty() && is_stale(options.rules, conformance::rules_page())) stale.push_back(options.rules.string());
+    for (const std::string& page : stale) fmt::print("stale: {}\n", page);
     return stale.empty() ? 0 : 1;
   }
-  write_pages(dir);
-  fmt::print("{}\n", dir.string());
+  if (!options.out.empty()) {
+    write_pages(options.out);
+    fmt::print("{}\n", options.out.string());
+  }
+  if (!options.rules.empty()) {
+    write_file(options.rules, conformance::rules_page());
+    fmt::print("{}\n", options.rules.string());
+  }
   return 0;
 }
 
@@ -120,8 +134,8 @@ int write_docs(const DocsOptions& options) {
 
 void add_list(Program& program) {
   auto [command, options] =
-      program.line.command<ListOptions>("list", "What there is: techniques, scenes, suites, metrics or causes", list);
-  command.option("what", &options.what, "techniques, scenes, suites, metrics or causes");
+      program.line.command<ListOptions>("list", "What there is: techniques, scenes, suites, metrics, causes or rules", list);
+  command.option("what", &options.what, "techniques, scenes, suites, metrics, causes or rules");
   command.flag("--json", &options.json, "As JSON");
 }
 
@@ -132,10 +146,11 @@ void add_describe(Program& program) {
 }
 
 void add_docs(Program& program) {
-  auto [command, options] =
-      program.line.command<DocsOptions>("docs", "Write docs/techniques from the techniques themselves", write_docs);
+  auto [command, options] = program.line.command<DocsOptions>(
+      "docs", "Write docs/techniques and docs/conformance.md from techniques and rules", write_docs);
   command.flag("--check", &options.check, "Write nothing; exit 1 when a page is stale");
-  command.option("--out", &options.out, "Folder of the pages; docs/techniques by default");
+  command.option("--out", &options.out, "Folder of the techniques' pages; docs/techniques where neither is named");
+  command.option("--rules", &options.rules, "Page of the rules; docs/conformance.md where neither is named");
 }
 
 }  // namespace gnomon::app

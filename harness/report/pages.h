@@ -24,4 +24,9 @@ void write_pages(const std::filesystem::path& dir, std::span<const TechniqueEntr
 std::vector<std::string> stale_pages(const std::filesystem::path& dir,
                                      std::span<const TechniqueEntry> entries = registry().techniques());
 
+/// Opens every generated page, and says what to edit instead of it.
+std::string generated_header(const std::string& source);
+/// Whether a file is not there or holds something else.
+bool is_stale(const std::filesystem::path& file, const std::string& text);
+
 }  // namespace gnomon

@@ -10,13 +10,14 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from program import DATA, ProgramTest  # noqa: E402
 
-COMMANDS = ["list", "describe", "render", "run", "table", "certify", "docs"]
+COMMANDS = ["list", "describe", "check", "render", "run", "table", "certify", "docs"]
 
 
 class Lists(ProgramTest):
     def test_every_list_names_what_there_is_as_text_and_as_json(self):
         for what, key, some in [("techniques", "id", "shadow_map"), ("scenes", "id", "single_triangle"), ("suites", "id", "quick"),
-                                ("metrics", "name", "wrong_rate"), ("causes", "name", "acne")]:
+                                ("metrics", "name", "wrong_rate"), ("causes", "name", "acne"),
+                                ("rules", "name", "same_mask")]:
             with self.subTest(what):
                 self.assertRegex(self.succeed("list", what), rf"(?m)^{some} ")
                 entries = json.loads(self.succeed("list", what, "--json"))
@@ -133,7 +134,7 @@ class Help(ProgramTest):
 
     def test_hidden_commands_stay_hidden(self):
         commands = re.findall(r"(?m)^  ([a-z-]+) ", self.succeed("--help").split("Subcommands:")[1])
-        self.assertEqual([c for c in commands if "worker" in c or "import" in c], [])
+        self.assertEqual([c for c in commands if "worker" in c or "import" in c or "-rule" in c], [])
         self.assertGreaterEqual(set(commands), set(COMMANDS))
 
 
@@ -151,6 +152,16 @@ class Pages(ProgramTest):
         self.assertEqual(self.succeed("docs", "--check", "--out", "pages"), "")
         self.write("pages/shadow_map.md", "old")
         self.assertEqual(self.succeed("docs", "--check", "--out", "pages", status=1), "stale: pages/shadow_map.md\n")
+
+    def test_the_page_of_the_rules_is_written_and_checked_beside_the_others(self):
+        self.assertEqual(self.succeed("docs", "--rules", "rules.md"), "rules.md\n")
+        page = (self.dir / "rules.md").read_text()
+        for rule in json.loads(self.succeed("list", "rules", "--json")):
+            self.assertIn(f"| [{rule['name']}](#{rule['name']}) | {rule['asked_of']} |", page)
+            self.assertIn(f"\n### {rule['name']}\n", page)
+        self.assertEqual(self.succeed("docs", "--check", "--rules", "rules.md"), "")
+        self.write("rules.md", "old")
+        self.assertEqual(self.succeed("docs", "--check", "--rules", "rules.md", status=1), "stale: rules.md\n")
 
 
 if __name__ == "__main__":

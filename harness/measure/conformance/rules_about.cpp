@@ -132,33 +132,31 @@ std::vector<Rule> about_rules() {
   return {
       {.name = "data_sheet",
        .sentence = "Its id is a plain name; title and source are there; summary, error and fails are sentences.",
-       .advice =
-           "Fill in the About: a sentence begins with no small letter and ends with a period. The id is the stem of the file.",
+       .advice = "Fill in the About: a sentence begins with no small letter and ends with a period. The id is the stem "
+                 "of the file.",
        .check = data_sheet},
       {.name = "supports_a_light",
        .sentence = "It supports at least one kind of light in each of two simple scenes.",
-       .advice =
-           "Look at what supports() answers for a point light; one that refuses everything cannot be asked anything else.",
+       .advice = "Look at what supports() answers for a point light; one that refuses everything cannot be asked "
+                 "anything else.",
        .check = supports_a_light},
       {.name = "support_answered",
-       .sentence = "For every kind of light it says whether it supports it, the same each time, before anything runs and "
-                   "without OpenGL; "
-                   "a reason stands with everything but full support.",
-       .advice =
-           "supports() is asked of a fresh object: compute the answer from scene, light and view alone, and never from what a "
-           "stage has made. Give Support::unsupported and Support::approximate a reason.",
+       .sentence = "For every kind of light it says whether it supports it, the same each time, before anything runs "
+                   "and without OpenGL; a reason stands with everything but full support.",
+       .advice = "A fresh object is asked supports(): compute the answer from scene, light and view alone, and never "
+                 "from what a stage has made. Give Support::unsupported and Support::approximate a reason.",
        .check = support_answered,
        .has_context = false},
       {.name = "parameters_and_layers",
-       .sentence =
-           "Every parameter and debug layer has a plain name of its own and a sentence; colors of legends lie in 0 .. 1; a "
-           "fresh object has its defaults.",
+       .sentence = "Every parameter and debug layer has a plain name of its own and a sentence; colors of legends lie "
+                   "in 0 .. 1; a fresh object has its defaults.",
        .advice = "Mend the row of the parameter or the entry of debug_layers() that is named. Constructors set nothing.",
        .check = parameters_and_layers},
       {.name = "parameter_values",
-       .sentence = "Parameters take every value that they allow and refuse others with what, which value and what is allowed.",
-       .advice =
-           "Use Number, Choice and Flag of gnomon/param.h, which do so; a parameter of your own has to throw Error as they do.",
+       .sentence = "Parameters take every value that they allow and refuse others with what, which value and what is "
+                   "allowed.",
+       .advice = "Use Number, Choice and Flag of gnomon/param.h, which do so; a parameter of your own has to throw "
+                 "Error as they do.",
        .check = parameter_values},
   };
 }

@@ -166,13 +166,12 @@ void debug_layers(Trial& trial) {
 std::vector<Rule> answer_rules() {
   return {
       {.name = "same_mask",
-       .sentence =
-           "Under every light that it supports it writes every pixel of the mask, a number from 0 to 1, and 1 where nothing "
-           "faces the light; the same, bit for bit, when a stage or everything is done again and by another object.",
-       .advice =
-           "Write every pixel, 1 where faces_light() says no. What differs from call to call comes from memory that is not "
-           "set, from "
-           "work that an earlier call left half done, or from the order of threads. Random numbers come from a seed parameter.",
+       .sentence = "Under every light that it supports it writes every pixel of the mask, a number from 0 to 1, and 1 "
+                   "where nothing faces the light; the same, bit for bit, when a stage or everything is done again and "
+                   "by another object.",
+       .advice = "Write every pixel, 1 where faces_light() says no. What differs from call to call comes from memory "
+                 "that is not set, from work that an earlier call left half done, or from the order of threads. Random "
+                 "numbers come from a seed parameter.",
        .check = same_mask},
       {.name = "lit_where_nothing_receives",
        .sentence = "The mask is a mask, too, where some meshes do not receive shadows.",
@@ -184,9 +183,8 @@ std::vector<Rule> answer_rules() {
                  "special case.",
        .check = lit_without_casters},
       {.name = "lit_below_no_caster",
-       .sentence =
-           "A mesh that does not cast leaves what lies behind it lit: none of the tested pixels is dark where the technique "
-           "promises to be exact, one of a hundred elsewhere.",
+       .sentence = "A mesh that does not cast leaves what lies behind it lit: none of the tested pixels is dark where "
+                   "the technique promises to be exact, one of a hundred elsewhere.",
        .advice = "Look for acne on the ground, and for casts = false that is forgotten.",
        .check = lit_below_no_caster},
       {.name = "counts",
@@ -194,18 +192,16 @@ std::vector<Rule> answer_rules() {
        .advice = "Return {\"bytes\", N, \"byte\"} from counts(), with all that the object holds after resolve.",
        .check = counts},
       {.name = "explanations",
-       .sentence = "What it says of a pixel is well formed: weights of taps sum to 1, directions have length 1, the bias is "
-                   "finite; and "
-                   "asking changes no answer.",
+       .sentence = "What it says of a pixel is well formed: weights of taps sum to 1, directions have length 1, the "
+                   "bias is finite; and asking changes no answer.",
        .advice = "Look at explain(): divide the weights by their sum, normalize directions, and let it only read.",
        .check = explanations},
       {.name = "debug_layers",
-       .sentence =
-           "Every debug layer is a picture of three numbers from 0 to 1 for each pixel, the same twice, under both truths; it "
-           "changes no answer, and a layer that is not there is refused with the technique's name.",
+       .sentence = "Every debug layer is a picture of three numbers from 0 to 1 for each pixel, the same twice, under "
+                   "both truths; it changes no answer, and a layer that is not there is refused with the technique's "
+                   "name.",
        .advice = "Size the picture by the last G-buffer, clamp what is a color, and end draw_debug with "
-                 "Technique::draw_debug(layer), "
-                 "which words the refusal.",
+                 "Technique::draw_debug(layer), which words the refusal.",
        .check = debug_layers},
   };
 }

@@ -60,11 +60,7 @@ void named_causes(Trial& trial) {
       const auto technique = trial.set_up();
       const std::vector<float> mask = trial.answer(*technique, scene, light, gbuffer);
       const Reference truth = frames.reference(key, light);
-      const auto explain = [&](std::span<const std::uint32_t> pixels) {
-        std::vector<std::optional<Explanation>> explanations;
-        for (const std::uint32_t pixel : pixels) explanations.push_back(technique->explain(pixel));
-        return explanations;
-      };
+      const auto explain = [&](std::span<const std::uint32_t> pixels) { return technique->explain_all(pixels); };
       const About& about = trial.entry().about;
       const std::vector<CauseInfo> own = own_causes(about);
       const auto causes = find_causes(
@@ -84,12 +80,11 @@ void named_causes(Trial& trial) {
 std::vector<Rule> cause_rules() {
   return {
       {.name = "named_causes",
-       .sentence = "Every wrong pixel of four scenes has a cause that explains it; under lights with area all but 1 % of the "
-                   "error has.",
-       .advice =
-           "Return from explain() what decided the pixel: the taps with their weights and stored depths, or the samples of the "
-           "light, "
-           "the bias, and covered = false where the technique has no opinion. docs/causes.md says what each cause looks at.",
+       .sentence = "Every wrong pixel of four scenes has a cause that explains it; under lights with area all but 1 % "
+                   "of the error has.",
+       .advice = "Return from explain() what decided the pixel: the taps with their weights and stored depths, or the "
+                 "samples of the light, the bias, and covered = false where the technique has no opinion. "
+                 "docs/causes.md says what each cause looks at.",
        .check = named_causes},
   };
 }

@@ -160,10 +160,10 @@ void two_objects(Trial& trial) {
 std::vector<Rule> life_rules() {
   return {
       {.name = "parameter_ends",
-       .sentence =
-           "Both ends of every parameter and every choice run; a value that is set on a used object is seen in full from the "
-           "stage that the parameter spoils on.",
-       .advice = "Name the earliest stage that reads the parameter in its row; read it in that stage and not in a constructor.",
+       .sentence = "Both ends of every parameter and every choice run; a value that is set on a used object is seen in "
+                   "full from the stage that the parameter spoils on.",
+       .advice = "Name the earliest stage that reads the parameter in its row; read it in that stage and not in a "
+                 "constructor.",
        .check = parameter_ends},
       {.name = "change_of_light",
        .sentence = "After relight under another light it answers as a fresh object does, all lights forth and back.",
@@ -175,17 +175,18 @@ std::vector<Rule> life_rules() {
        .check = change_of_view},
       {.name = "counts_of_now",
        .sentence = "Counts are those of the present scene, light and picture, whatever came before.",
-       .advice = "Count sizes, not room: vectors and textures that stay large after a larger picture are not all in use. Set "
-                 "counters to "
-                 "zero at the beginning of their stage.",
+       .advice = "Count sizes, not room: vectors and textures that stay large after a larger picture are not all in "
+                 "use. Set counters to zero at the beginning of their stage.",
        .check = counts_of_now},
       {.name = "change_of_scene",
        .sentence = "The same object answers in a second and third scene, and in the first again, as a fresh one does.",
-       .advice = "Let build begin from nothing: clear lists, and forget what was made for meshes by their number or address.",
+       .advice = "Let build begin from nothing: clear lists, and forget what was made for meshes by their number or "
+                 "address.",
        .check = change_of_scene},
       {.name = "two_objects",
        .sentence = "Two objects that live at once do not disturb each other.",
-       .advice = "Keep what a stage makes in the object: look for static variables and for names of OpenGL that are shared.",
+       .advice = "Keep what a stage makes in the object: look for static variables and for names of OpenGL that are "
+                 "shared.",
        .check = two_objects},
   };
 }

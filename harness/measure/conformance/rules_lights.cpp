@@ -131,8 +131,8 @@ std::vector<Rule> light_rules() {
   return {
       {.name = "further_lights",
        .sentence = "Objects for further lights answer as whole ones do, also after the scene changed under them.",
-       .advice = "for_another_light() shares what setup and build make and nothing else; keep it in one Shared<Made> member "
-                 "(gnomon/kit/shared.h). Without for_another_light every light has a whole object.",
+       .advice = "An object of for_another_light() shares what setup and build make and nothing else; keep it in one "
+                 "Shared<Made> member (gnomon/kit/shared.h). Without for_another_light every light has a whole object.",
        .check = further_lights},
       {.name = "sum_of_lights",
        .sentence = "The picture of all lights together is the sum of the pictures of each.",

@@ -140,9 +140,8 @@ std::vector<Rule> limit_rules() {
   return {
       {.name = "device_limits",
        .sentence = "On a device that can do less it says which limit is too small, or keeps within it.",
-       .advice = "Say in supports() what the programs and textures need, with within_limits of gnomon/kit/gl_limits.h; what "
-                 "the kit makes "
-                 "has a function that says what it needs.",
+       .advice = "Say in supports() what the programs and textures need, with within_limits of gnomon/kit/gl_limits.h; "
+                 "what the kit makes has a function that says what it needs.",
        .check = device_limits,
        .asked = Asked::drawing},
   };

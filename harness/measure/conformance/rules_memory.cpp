@@ -144,12 +144,10 @@ void reported_bytes(Trial& trial) {
 std::vector<Rule> memory_rules() {
   return {
       {.name = "reported_bytes",
-       .sentence =
-           "The count bytes is within a factor of two of the growth in resident memory, and 8 MiB, from 6 thousand to 400 "
-           "thousand triangles.",
-       .advice = "Count everything that the object holds after resolve, textures and buffers of OpenGL included: those of the "
-                 "kit know "
-                 "their bytes. What is only needed within a stage is freed at its end.",
+       .sentence = "The count bytes is within a factor of two of the growth in resident memory, and 8 MiB, from 6 "
+                   "thousand to 400 thousand triangles.",
+       .advice = "Count everything that the object holds after resolve, textures and buffers of OpenGL included: those "
+                 "of the kit know their bytes. What is only needed within a stage is freed at its end.",
        .check = reported_bytes},
   };
 }

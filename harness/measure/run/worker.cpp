@@ -88,7 +88,7 @@ struct Launch {
   Launch(const WorkerOptions& options, int socket, const std::string& mark) : program(program_to_start(options)) {
     arguments = {program};
     for (const std::string& plugin : options.plugins) arguments.insert(arguments.end(), {load_option(plugin), plugin});
-    arguments.insert(arguments.end(), {"worker", std::to_string(socket), std::to_string(options.threads)});
+    arguments.insert(arguments.end(), {options.command, std::to_string(socket), std::to_string(options.threads)});
     const auto variables = set_here(options, mark);
     for (char** entry = environ; *entry; ++entry) {
       const std::string_view name = std::string_view(*entry).substr(0, std::string_view(*entry).find('='));

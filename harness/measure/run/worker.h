@@ -30,6 +30,7 @@ struct WorkerOptions {
   std::vector<std::string> plugins;  ///< files of plugins, and of programs as techniques
   std::string program = {};          ///< whose processes the workers are; empty: this one
   std::string program_folder = {};   ///< for files between the worker and a technique that is a program; empty: one of its own
+  std::string command = "worker";    ///< of the program: what its processes are there for
   /// Several iterations of a stage are one request. False: each is one, as older programs want it.
   bool takes_iterations = true;
   /// Drivers may keep compiled shaders on the disk. False: every setup compiles them.
@@ -122,5 +123,9 @@ bool write_line(int socket, const std::string& line);
 /// of ones. `fresh` is how many stages, from setup on, are up to date. `pixels` holds uint32 indices of the mask answered last;
 /// `out` gets their explanation_bytes, in the same order. An exception is answered as {"error": text}.
 int worker_main(int socket, int threads);
+
+/// Answers each line of JSON on `socket` by what `handle` makes of it, an exception by {"error": text}; ends the process when
+/// the other side is gone.
+[[noreturn]] void answer_lines(int socket, const std::function<Json(const Json&)>& handle);
 
 }  // namespace gnomon

@@ -2,7 +2,6 @@
 #include <gnomon/kit/surface_detail.h>
 #include <gnomon/registry.h>
 #include <tbb/global_control.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -318,30 +317,7 @@ int worker_main(int socket, int threads) {
   if (threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
   // Leaked on purpose: the process ends by being killed, and a technique's destructor is no part of a measurement.
   TechniqueServer& server = *new TechniqueServer;
-  std::string pending;
-  for (;;) {
-    const std::size_t end = pending.find('\n');
-    if (end == std::string::npos) {
-      char chunk[4096];
-      const ssize_t n = read(socket, chunk, sizeof chunk);
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) _exit(0);
-      pending.append(chunk, static_cast<std::size_t>(n));
-      continue;
-    }
-    Json answer;
-    try {
-      answer = server.handle(parse_json(pending.substr(0, end)));
-    } catch (const std::bad_alloc&) {
-      answer["error"] = "out of memory";
-    } catch (const std::exception& error) {
-      answer["error"] = error.what();
-    } catch (...) {
-      answer["error"] = "an exception that is no std::exception";
-    }
-    pending.erase(0, end + 1);
-    if (!write_line(socket, json_text(answer))) _exit(0);
-  }
+  answer_lines(socket, [&](const Json& request) { return server.handle(request); });
 }
 
 }  // namespace gnomon
