@@ -7,6 +7,7 @@
 
 #include "analysis/in_order.h"
 #include "measure/pattern.h"
+#include "measure/record/title.h"
 #include "measure/score/metrics.h"
 
 namespace gnomon {
@@ -270,7 +271,7 @@ std::vector<Record> matching(std::vector<Record> records, const std::string& exp
   if (expression.empty()) return records;
   const Pattern pattern(expression, "is not a regular expression");
   std::erase_if(records, [&](const Record& r) {
-    const std::string where = fmt::format("{} {}{}{} ", r.scene, r.light, r.path.empty() ? "" : " ", r.path);
+    const std::string where = title_of_place(r.scene, r.light, r.view, r.path);
     // All parameters too: what is at its default does not stand in the settings.
     std::string full = where + r.technique + ":";
     for (const auto& [parameter, value] : r.parameters.items()) full += fmt::format("{}={},", parameter, plain_text(value));

@@ -119,9 +119,9 @@ void require_word(std::string_view lead, std::string_view word, std::span<const 
 /// What an error says to do where a parameter has one value only.
 std::string how_to_sweep(std::string_view parameter);
 
-/// The records whose title, "SCENE LIGHT [PATH] TECHNIQUE:SETTINGS" as in `gnomon run`, matches the expression, which may be
-/// empty; the label may stand for technique and settings, and all parameters for those that differ from their defaults. Throws
-/// Error.
+/// The records whose title, "SCENE LIGHT [VIEW] [PATH] TECHNIQUE:SETTINGS" as in `gnomon run`, matches the expression, which
+/// may be empty; the label may stand for technique and settings, and all parameters for those that differ from their defaults.
+/// Throws Error.
 std::vector<Record> matching(std::vector<Record> records, const std::string& expression);
 
 }  // namespace gnomon

@@ -66,7 +66,7 @@ void add_shared_options(Command& command, const std::string& kinds, Options& opt
   command.option("words", &options.words, "Folders of runs, then the kind: " + kinds,
                  {.is_required = true, .type_name = "DIR... KIND"});
   command.option("--filter", &options.filter,
-                 "Only rows whose 'SCENE LIGHT [PATH] TECHNIQUE:SETTINGS' matches this expression");
+                 "Only rows whose 'SCENE LIGHT [VIEW] [PATH] TECHNIQUE:SETTINGS' matches this expression");
   command.option("--x", &analysis.x,
                  "growth: triangles, pixels, lights or a numeric parameter; map: a parameter; sweep: a numeric one");
   command.option("--y", &analysis.y, "map: the second parameter");

@@ -142,12 +142,23 @@ CommandLine::~CommandLine() = default;
 
 void CommandLine::early_option(const std::string& name, const std::string& type_name, const std::string& description,
                                std::function<void(const std::string&)> use) {
+  early_.push_back({name, type_name, description, std::move(use)});
+  add_early(*cli_, early_.back());
+}
+
+void CommandLine::add_early(CLI::App& to, const EarlyOption& option) {
   // Without a target: one is cleared when the option comes again.
-  cli_->add_option(name, description)->type_name(type_name)->expected(1)->trigger_on_parse()->each(std::move(use));
+  to.add_option(option.name, option.description)
+      ->type_name(option.type_name)
+      ->expected(1)
+      ->trigger_on_parse()
+      ->each(option.use);
 }
 
 Command CommandLine::add(const std::string& name, const std::string& description) {
-  return {cli_->add_subcommand(name, description), &chosen_};
+  CLI::App* const command = cli_->add_subcommand(name, description);
+  for (const EarlyOption& option : early_) add_early(*command, option);
+  return {command, &chosen_};
 }
 
 int CommandLine::run(int argc, char** argv) {

@@ -75,7 +75,8 @@ class CommandLine {
   CommandLine(const std::string& description, const std::string& program, const std::string& version);
   ~CommandLine();
 
-  /// An option before the command that may be given again; `use` gets each value at once, before anything else is read.
+  /// An option that may be given again, before the command or among what the command takes; `use` gets each value when it is
+  /// read, before the command runs. Commands that are added later take it.
   void early_option(const std::string& name, const std::string& type_name, const std::string& description,
                     std::function<void(const std::string&)> use);
   /// A command, which keeps what it read in a struct, and that struct with its defaults. `work` does what the
@@ -105,7 +106,14 @@ class CommandLine {
  private:
   Command add(const std::string& name, const std::string& description);
 
+  struct EarlyOption {
+    std::string name, type_name, description;
+    std::function<void(const std::string&)> use;
+  };
+  static void add_early(CLI::App& to, const EarlyOption& option);
+
   std::unique_ptr<CLI::App> cli_;
+  std::vector<EarlyOption> early_;
   std::function<int()> chosen_;
 };
 

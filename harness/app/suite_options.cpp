@@ -29,8 +29,10 @@ Suite chosen_suite(const SuiteOptions& options, const std::string& command) {
 
 Suite make_suite(const SuiteOptions& options, const std::string& command) {
   Suite suite = chosen_suite(options, command);
-  for (SuiteGroup& group : suite.groups)
+  for (SuiteGroup& group : suite.groups) {
     if (!options.lights.empty()) group.lights = options.lights;
+    if (!options.views.empty()) group.views = options.views;
+  }
   if (!options.size.empty()) {
     std::tie(suite.width, suite.height) = parse_size(options.size, "--size");
     for (SuiteGroup& group : suite.groups) group.sizes.clear();
@@ -54,7 +56,9 @@ void add_suite_options(Command& command, SuiteOptions& options, const std::strin
   add("--scene", &options.scenes, "Scene ids or files, instead of a suite");
   add("--technique", &options.techniques, "ID:param=value,...; {a,b} sweeps a value", {.delimiter = ';'});
   add("--light", &options.lights, "Light names; the suite's, or all of each scene, by default", {.delimiter = ','});
-  add("--filter", &options.filter, "Only rows whose 'SCENE LIGHT [PATH] TECHNIQUE:SETTINGS' matches this expression");
+  add("--view", &options.views, "View names, * in one stands for any letters; the suite's, or each scene's first, by default",
+      {.check = not_empty(), .delimiter = ','});
+  add("--filter", &options.filter, "Only rows whose 'SCENE LIGHT [VIEW] [PATH] TECHNIQUE:SETTINGS' matches this expression");
   add("--size", &options.size, "Picture size in pixels, WxH", {.check = not_empty()});
   add("--processes", &options.processes, needed ? "Fresh processes per contender and program" : "Fresh processes per contender",
       {.check = whole_in(1, 1000)});

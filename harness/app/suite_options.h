@@ -11,7 +11,7 @@ namespace gnomon::app {
 /// Options that `run` and `compare --live` share: a suite, or scenes and techniques, and what to change of it for this run.
 struct SuiteOptions {
   std::string suite, size, truth, filter;
-  std::vector<std::string> scenes, techniques, lights;
+  std::vector<std::string> scenes, techniques, lights, views;
   int repetitions = 0, processes = 0, threads = 0;  ///< 0: as the suite says; for threads, all cores
   std::optional<double> timeout, interval, budget;
 };
@@ -20,8 +20,8 @@ struct SuiteOptions {
 /// option only, `needed` is that one.
 void add_suite_options(Command& command, SuiteOptions& options, const std::string& when = "", CLI::Option* needed = nullptr);
 
-/// The suite with what the options change of it; a light, a size or a truth that is given replaces those of all its groups.
-/// Throws Error, which begins with `command`, when the options name neither a suite nor scenes and techniques.
+/// The suite with what the options change of it; a light, a view, a size or a truth that is given replaces those of all its
+/// groups. Throws Error, which begins with `command`, when the options name neither a suite nor scenes and techniques.
 Suite make_suite(const SuiteOptions& options, const std::string& command);
 
 }  // namespace gnomon::app

@@ -1,4 +1,5 @@
 #include <dlfcn.h>
+#include <gnomon/plugins.h>
 #include <gnomon/registry.h>
 
 #include <algorithm>
@@ -93,9 +94,41 @@ Registry& registry() {
   return the_registry;
 }
 
+namespace {
+
+std::vector<PluginFacts>& plugins() {
+  static std::vector<PluginFacts> all;
+  return all;
+}
+
+/// What the roll of gnomon_add_plugin says of its build.
+PluginFacts facts_of(void* library, const std::string& path, const std::string& file) {
+  const auto text = [&](const char* name) -> std::string {
+    const auto* const found = static_cast<const char*>(dlsym(library, name));
+    return found ? found : "";
+  };
+  const std::string flags = text("gnomon_plugin_flags");
+  PluginFacts facts{.path = path,
+                    .file = file,
+                    .build_type = text("gnomon_plugin_build_type"),
+                    .flags = flags.substr(std::min(flags.find_first_not_of(' '), flags.size())),
+                    .compiler = text("gnomon_plugin_compiler")};
+  if (const auto* const is_optimized = static_cast<const bool*>(dlsym(library, "gnomon_plugin_is_optimized")))
+    facts.is_optimized = *is_optimized;
+  return facts;
+}
+
+}  // namespace
+
+const std::vector<PluginFacts>& loaded_plugins() { return plugins(); }
+
 void load_plugin(const std::string& path) {
-  void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+  // dlopen looks for a bare name in the system's folders.
+  const std::string file = path.find('/') == path.npos ? "./" + path : path;
+  void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!library) throw Error("plugin {} cannot be loaded: {}", path, dlerror());
+  static std::vector<void*> libraries;
+  if (std::ranges::find(libraries, library) != libraries.end()) return;  // the same file, also by another way to it
   const auto* abi = static_cast<const int*>(dlsym(library, "gnomon_plugin_abi"));
   if (!abi) throw Error("plugin {} is not a Gnomon plugin: it has no symbol gnomon_plugin_abi", path);
   if (*abi != abi_version)
@@ -105,6 +138,8 @@ void load_plugin(const std::string& path) {
   registry().set_origin(path);
   roll_call(registry());
   registry().set_origin("");
+  libraries.push_back(library);
+  plugins().push_back(facts_of(library, path, file));
 }
 
 }  // namespace gnomon

@@ -124,7 +124,6 @@ class Faults(ProgramTest):
         ids = [entry["id"] for entry in json.loads(self.succeed("--plugin", FAULTS, "list", "--json"))]
         self.assertEqual([i for i in ids if i in REASONS], sorted(REASONS))
         self.assertIn("Never comes back from relight.", self.succeed("--plugin", FAULTS, "describe", "hangs"))
-        self.refuse("--plugin", FAULTS, "--plugin", FAULTS, "list", says=["busy", "is there already"])
 
 
 class Reference(ProgramTest):

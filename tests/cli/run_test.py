@@ -30,6 +30,26 @@ SWEEP = [*HARD, "--scene", "single_triangle", "--technique", "shadow_map:resolut
 
 
 class Run(ProgramTest):
+    def test_views_are_named_and_tell_rows_apart(self):
+        call = ["run", "--scene", "fence", "--scene", "contact", "--light", "sun", "--technique", "unshadowed", *SMALL]
+
+        def titles(*words):
+            return re.findall(r"(?m)^[0-9a-f]{16}  (.*)$", self.succeed(*call, "--dry-run", *words))
+
+        self.assertEqual(titles(), ["fence sun unshadowed", "contact sun unshadowed"])
+        self.assertEqual(titles("--view", "*"), ["fence sun unshadowed", "fence sun low unshadowed", "contact sun unshadowed",
+                                                 "contact sun close unshadowed"])
+        self.assertEqual(titles("--view", "v*"), ["fence sun unshadowed", "contact sun unshadowed"])
+        call = call[:3] + call[5:]  # fence alone
+        self.assertEqual(titles("--view", "low,view"), ["fence sun low unshadowed", "fence sun unshadowed"])
+        self.assertEqual(titles("--view", "low", "--view", "l*"), ["fence sun low unshadowed"])
+        self.assertEqual(titles("--view", "*", "--filter", " low "), ["fence sun low unshadowed"])
+        self.refuse(*call, "--view", "lwo", says=["no view lwo", "did you mean low", "view, low"])
+        self.refuse(*call, "--view", "z*", says=["no view whose name is like z*", "view, low"])
+        self.refuse(*call, "--view", "", says=["--view"])
+        self.succeed(*call, "--view", "*", "--out", "out", "--quiet")
+        self.assertEqual([row["view"] for row in records(self.dir / "out")], ["view", "low"])
+
     def test_a_suite_file_gives_one_record_for_each_row(self):
         text = self.succeed("run", self.write("mine.toml", SUITE), "--out", "out")
         rows = records(self.dir / "out")

@@ -9,6 +9,7 @@
 
 #include "measure/part_file.h"
 #include "measure/paths.h"
+#include "measure/record/origin.h"
 #include "measure/scene/blob.h"
 
 namespace gnomon {
@@ -27,6 +28,7 @@ Json content(const Record& record) {
     part[key] = all[key];
   if (record.status != Status::failed) part["reason"] = record.reason;
   for (const char* key : {"scene_hash", "commit"}) part["context"][key] = context_text(record, key);
+  if (const std::string hash = plugin_hash(record); !hash.empty()) part["context"]["plugin"]["hash"] = hash;
   return part.flatten();
 }
 

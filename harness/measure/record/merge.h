@@ -11,7 +11,7 @@ namespace gnomon {
 
 /// A job that two folders answer differently: both cannot stand in one table.
 struct MergeConflict {
-  std::string job, title;                ///< "SCENE LIGHT [PATH] TECHNIQUE:SETTINGS", as in --dry-run
+  std::string job, title;                ///< "SCENE LIGHT [VIEW] [PATH] TECHNIQUE:SETTINGS", as in --dry-run
   std::filesystem::path first, second;   ///< folders, in the order given
   std::vector<std::string> differences;  ///< "metrics.shape.wrong_rate: 0.1, 0.2"
 };

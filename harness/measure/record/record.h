@@ -158,7 +158,7 @@ std::size_t light_count(const Record& record);
 std::string setting_name(const Record& record);
 /// What makes it the same setting on another scene: id and settings, whatever its label.
 std::string setting_key(const Record& record);
-/// "SCENE LIGHT [PATH] TECHNIQUE:SETTINGS", the title of its job.
+/// "SCENE LIGHT [VIEW] [PATH] TECHNIQUE:SETTINGS", the title of its job.
 std::string title(const Record& record);
 /// A text of the context, "" when it is not there; what is no text, as JSON.
 std::string context_text(const Record& record, std::string_view key);

@@ -179,7 +179,7 @@ class Batch {
     row.record.iterations["setup"] = 1;
     if (process_ > 0) return;
     if (const auto measured = measure(row.record, run_, worker, frame))
-      write_pictures(row.record, run_, *measured, sides_[row.side].out);
+      write_pictures(row.record, run_.scene, *measured, sides_[row.side].out);
     else
       give_up(row, Status::unsupported);
   }

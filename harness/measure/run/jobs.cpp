@@ -5,12 +5,15 @@
 
 #include <algorithm>
 
+#include "measure/record/title.h"
 #include "measure/run/light_words.h"
 #include "measure/scene/blob.h"
 #include "measure/scene/load.h"
 #include "measure/scene/motion.h"
 
 namespace gnomon {
+
+std::string Job::title() const { return title_of_place(scene, light, view, path) + contender.name(); }
 
 const SceneLibrary::Entry& SceneLibrary::get(const std::string& reference) {
   std::unique_ptr<Entry>& entry = entries_[reference];
@@ -41,6 +44,25 @@ void require(const std::vector<std::string>& wanted, const std::vector<std::stri
     if (std::find(there.begin(), there.end(), name) == there.end())
       throw Error("scene {} has no {} {}; did you mean {}? It has: {}", scene, what, name, nearest_word(name, there),
                   joined(there, ", "));
+}
+
+bool is_pattern(const std::string& word) { return word.find('*') != word.npos; }
+
+/// The views of a scene that words ask for, each once: names, or patterns in which `*` stands for any letters. The first where
+/// there are no words.
+std::vector<std::string> views_of(const std::vector<std::string>& words, const std::string& reference, const Scene& scene) {
+  const std::vector<std::string> there = names_of(scene.views);
+  if (words.empty()) return {there.front()};
+  std::vector<std::string> views;
+  for (const std::string& word : words) {
+    if (!is_pattern(word)) require({word}, there, "view", reference);
+    const auto is_wanted = [&](const std::string& name) { return is_like(name, word); };
+    if (std::ranges::none_of(there, is_wanted))
+      throw Error("scene {} has no view whose name is like {}; it has: {}", reference, word, joined(there, ", "));
+    for (const std::string& name : there)
+      if (is_wanted(name) && std::ranges::find(views, name) == views.end()) views.push_back(name);
+  }
+  return views;
 }
 
 /// Every frame of the path, for each of these lights and views, must be one that can be drawn: nothing runs before that.
@@ -126,14 +148,13 @@ std::vector<Job> expand_jobs(const Suite& suite, SceneLibrary& library, std::vec
       std::vector<std::string> views = group.views;
       if (entry.scene) {
         lights = row_lights(group.lights, reference, *entry.scene);
-        if (views.empty()) views = {entry.scene->views.front().name};
-        require_names(reference, *entry.scene, {}, views);
+        views = views_of(group.views, reference, *entry.scene);
       } else {
         // Not fetched, so nobody knows its lights: one row per technique says so.
         if (std::ranges::all_of(group.lights, is_light_name))
           for (const std::string& light : group.lights) lights.push_back({light, {light}});
         if (lights.empty()) lights = {{"-", {"-"}}};
-        if (views.empty()) views = {"-"};
+        if (views.empty() || std::ranges::any_of(views, is_pattern)) views = {"-"};
       }
       const std::vector<std::string> paths = group.paths.empty() ? std::vector<std::string>{""} : group.paths;
       const auto sizes = group.sizes.empty() ? std::vector{std::pair(suite.width, suite.height)} : group.sizes;

@@ -17,9 +17,9 @@ struct Job {
   std::vector<std::string> lights;  ///< names; where the scene is not fetched that of `light` alone
   Contender contender;
   int width = 0, height = 0;
-  std::string path;       ///< that it follows; empty: it stands still
-  std::size_t place = 0;  ///< position in the expanded suite
-  std::string title() const { return scene + " " + light + (path.empty() ? "" : " " + path) + " " + contender.name(); }
+  std::string path;           ///< that it follows; empty: it stands still
+  std::size_t place = 0;      ///< position in the expanded suite
+  std::string title() const;  ///< "SCENE LIGHT [VIEW] [PATH] TECHNIQUE:SETTINGS", as of its record
 };
 
 /// Scenes loaded once per run. A scene that is not fetched is kept with its reason.

@@ -7,9 +7,6 @@
 
 namespace gnomon {
 
-namespace {
-
-/// Whether a name is like a pattern, in which `*` stands for any letters.
 bool is_like(std::string_view name, std::string_view pattern) {
   const std::size_t star = pattern.find('*');
   if (star == pattern.npos) return name == pattern;
@@ -19,6 +16,8 @@ bool is_like(std::string_view name, std::string_view pattern) {
     if (is_like(name.substr(at), rest)) return true;
   return false;
 }
+
+namespace {
 
 class Words {
  public:

@@ -16,6 +16,9 @@ struct RowLights {
 /// More lights in one row would need more memory for masks and references than most machines have.
 inline constexpr std::size_t most_lights = 256;
 
+/// Whether a name is like a pattern, in which `*` stands for any letters.
+bool is_like(std::string_view name, std::string_view pattern);
+
 /// Whether a word asks for a light by its very name, so that a scene without it is an error.
 bool is_light_name(std::string_view word);
 

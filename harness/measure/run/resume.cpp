@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 
+#include "measure/record/origin.h"
+#include "measure/run/plugin_facts.h"
 #include "measure/run/run.h"
 #include "measure/scene/blob.h"
 
@@ -70,10 +72,15 @@ Earlier earlier_rows(const RunOptions& options, SceneLibrary& library, std::span
   now.context = machine_context(options.worker.threads);
   std::map<std::pair<std::string, std::string>, std::string> hashes;  // by scene and light
   for (Record& record : read_records(options.out)) {
+    const bool is_of_run = !is_foreign(record);
     const SceneLibrary::Entry& entry = library.get(record.scene);
     const std::string then = context_text(record, "scene_hash");
+    const bool is_of_other_plugin = is_of_run && has_other_plugin(record);
+    if (is_of_other_plugin && !wanted.contains(record.job))
+      throw Error("{} holds rows of {} from another plugin than now: run them, too, or name another --out",
+                  options.out.string(), title(record));
     const bool is_retried = options.retry_failed && record.status == Status::failed && wanted.contains(record.job);
-    if ((entry.scene && then.empty()) || is_retried) {
+    if ((entry.scene && then.empty()) || is_retried || is_of_other_plugin) {
       earlier.is_changed = true;
       continue;
     }
@@ -86,7 +93,7 @@ Earlier earlier_rows(const RunOptions& options, SceneLibrary& library, std::span
     if (const std::string commit = context_text(record, "commit"); !commit.empty() && commit != context_text(now, "commit"))
       throw Error("{} holds rows of commit {}, and this program is {}: continue them with that one, or name another --out",
                   options.out.string(), commit, context_text(now, "commit"));
-    if (record.suite != options.suite.name)
+    if (is_of_run && record.suite != options.suite.name)
       refuse(options.out, fmt::format("it holds rows of suite {}, not {}", record.suite, options.suite.name));
     if (record.truth != options.suite.truth)
       refuse(options.out, fmt::format("its rows have the truth {}, not {}", name(record.truth), name(options.suite.truth)));
@@ -94,7 +101,7 @@ Earlier earlier_rows(const RunOptions& options, SceneLibrary& library, std::span
     if (const auto place = places.find(record.job); place != places.end()) {
       earlier.is_changed = earlier.is_changed || record.place != place->second;
       record.place = place->second;
-    } else if (entry.scene) {  // the rows of a scene that is not here now are not known
+    } else if (entry.scene && is_of_run) {  // the rows of a scene that is not here now are not known
       ++foreign_count;
     }
     earlier.done.insert(record.job);

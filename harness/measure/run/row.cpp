@@ -6,6 +6,7 @@
 #include <deque>
 
 #include "measure/cause/causes.h"
+#include "measure/run/plugin_facts.h"
 #include "measure/scene/motion.h"
 #include "measure/score/error_picture.h"
 
@@ -153,6 +154,11 @@ Record::SceneFacts facts_of(const Scene& scene) {
 
 }  // namespace
 
+void describe_scene(Record& record, const Scene& scene) {
+  record.scene_facts = facts_of(scene);
+  record.notes = scene.notes;
+}
+
 Record start_record(const Job& job, const Suite& suite, const Scene* scene, const Json& context) {
   Record record;
   record.job = job.hash;
@@ -179,6 +185,8 @@ Record start_record(const Job& job, const Suite& suite, const Scene* scene, cons
   record.place = job.place;
   record.truth = suite.truth;
   record.context = context;
+  const Json plugin = plugin_facts(job.contender.technique);
+  if (!plugin.is_null()) record.context["plugin"] = plugin;
   if (scene) {
     std::vector<std::string> kinds;
     for (const std::string& name : job.lights) {
@@ -192,9 +200,10 @@ Record start_record(const Job& job, const Suite& suite, const Scene* scene, cons
       }
     }
     record.light_kind = joined(kinds, "+");
-    record.scene_facts = facts_of(*scene);
-    record.notes = scene->notes;
+    describe_scene(record, *scene);
   }
+  if (plugin.is_object() && !plugin.value("optimized", true))
+    record.notes.push_back(fmt::format("{} comes from a plugin that was compiled without optimization", record.technique));
   return record;
 }
 
@@ -237,7 +246,7 @@ MaskChannels mask_channels(const Record& record, const MeasuredRow& measured) {
 
 }  // namespace
 
-void write_pictures(Record& record, const SceneRun& run, const MeasuredRow& measured, const fs::path& out) {
+void write_pictures(Record& record, const Scene& scene, const MeasuredRow& measured, const fs::path& out) {
   const std::string stem = file_stem(record);
   record.mask = "masks/" + stem + ".exr";
   record.error_picture = "errors/" + stem + ".png";
@@ -247,8 +256,8 @@ void write_pictures(Record& record, const SceneRun& run, const MeasuredRow& meas
   write_exr(out / *record.mask, record.width, record.height, file.names, file.values);
   const std::string title =
       record.label.value_or(record.settings.empty() ? record.technique : record.technique + ":" + record.settings);
-  write_png(out / *record.error_picture, draw_errors(measured.evidence(run.scene), title));
-  write_png(out / *record.shaded_picture, shade(run.scene, measured));
+  write_png(out / *record.error_picture, draw_errors(measured.evidence(scene), title));
+  write_png(out / *record.shaded_picture, shade(scene, measured));
 }
 
 }  // namespace gnomon

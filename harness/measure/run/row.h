@@ -117,8 +117,14 @@ std::optional<MeasuredRow> measure(Record& record, SceneRun& run, ContenderWorke
 /// A record with all that is known before anything runs. `scene` is null where it is not fetched.
 Record start_record(const Job& job, const Suite& suite, const Scene* scene, const Json& context);
 
+/// What a record knows of the scene itself.
+void describe_scene(Record& record, const Scene& scene);
+
+/// How well the reference of a light with area is known, over all pixels that it was asked for.
+Record::ReferenceFacts reference_facts(const Reference& reference, LightShareKind estimates, const AreaTarget& target);
+
 /// Writes mask, error and shaded picture below `out` and names them in the record.
-void write_pictures(Record& record, const SceneRun& run, const MeasuredRow& measured, const std::filesystem::path& out);
+void write_pictures(Record& record, const Scene& scene, const MeasuredRow& measured, const std::filesystem::path& out);
 /// Removes those that the record names.
 void remove_pictures(const Record& record, const std::filesystem::path& out);
 

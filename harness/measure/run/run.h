@@ -12,7 +12,7 @@ namespace gnomon {
 struct RunOptions {
   Suite suite;
   std::filesystem::path out;
-  std::string filter;  ///< regular expression over "SCENE LIGHT [PATH] TECHNIQUE:SETTINGS"; empty: all
+  std::string filter;  ///< regular expression over "SCENE LIGHT [VIEW] [PATH] TECHNIQUE:SETTINGS"; empty: all
   bool resume = false;
   bool retry_failed = false;             ///< with resume: rows that failed are run again
   int shard_index = 0, shard_count = 1;  ///< runs the jobs whose hash says so
@@ -37,9 +37,10 @@ struct Earlier {
 };
 
 /// Reads options.out; nothing where there are no records. A scene that was not fetched then and is now is run, and its old row
-/// goes; so does a failed row of `jobs` when failed ones are to be tried again. Rows that cannot stand in one table with new
-/// ones are an Error: of a scene that has changed since, of another commit, of another suite, and of the same one with other
-/// processes, repetitions or truth; so is a folder none of whose rows the suite has. Where it has some, a note counts the rest.
+/// goes; so does a failed row of `jobs` when failed ones are to be tried again, and one of `jobs` whose plugin was built anew.
+/// Rows that cannot stand in one table with new ones are an Error: of a scene that has changed since, of another commit, of a
+/// plugin as it was when they are not in `jobs`, of another suite, and of the same one with other processes, repetitions or
+/// truth; so is a folder none of whose rows the suite has. Where it has some, a note counts the rest.
 /// `suite` are all jobs of the suite, `jobs` those that are asked for.
 Earlier earlier_rows(const RunOptions& options, SceneLibrary& library, std::span<const Job> suite, std::span<const Job> jobs);
 

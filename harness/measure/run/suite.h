@@ -30,7 +30,7 @@ std::vector<Contender> parse_contenders(const std::string& text, const std::stri
 struct SuiteGroup {
   std::vector<std::string> scenes;
   std::vector<std::string> lights;  ///< names, or `*soft` and `*hard`: with area, without; empty: all of each scene
-  std::vector<std::string> views;   ///< names; empty: the first view of each scene
+  std::vector<std::string> views;   ///< names, or patterns with `*`; empty: the first view of each scene
   std::vector<Contender> contenders;
   std::vector<std::string> paths = {};          ///< names, see motion.h; empty: the rows stand still
   std::vector<std::pair<int, int>> sizes = {};  ///< width and height in pixels; empty: the suite's

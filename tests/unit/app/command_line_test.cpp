@@ -99,6 +99,16 @@ TEST(command_line, early_options_are_used_before_the_command) {
   EXPECT_EQ(painter.order, (std::vector<std::string>{"a", "b", "hidden"}));
 }
 
+TEST(command_line, early_options_may_stand_among_what_the_command_takes) {
+  Painter painter;
+  EXPECT_EQ(painter.run({"--load", "a", "paint", "--load", "b", "wall", "--loud", "--load", "c"}), 3);
+  EXPECT_EQ(painter.order, (std::vector<std::string>{"a", "b", "c", "paint"}));
+  EXPECT_EQ(painter.words.name, "wall");
+  EXPECT_TRUE(painter.words.is_loud);
+  const std::string unknown = refused({"paint", "wall", "--laod", "x"});
+  EXPECT_TRUE(unknown.starts_with("painter paint has no option --laod; did you mean --load?")) << unknown;
+}
+
 TEST(command_line, words_that_are_none_are_refused_with_what_there_is) {
   EXPECT_EQ(refused({}), "a command is wanted; there are: paint");
   EXPECT_EQ(refused({"--load", "x", "pant"}), "there is no command pant; did you mean paint? There are: paint");
