@@ -2,11 +2,16 @@
 #include <gnomon/scene.h>
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "app/command_line.h"
 #include "measure/run/worker.h"
+
+namespace gnomon {
+struct Record;
+}
 
 namespace gnomon::app {
 
@@ -17,7 +22,7 @@ struct Program {
 };
 
 // One function per command: adds it, what it takes and what it does. Each is in command_NAME.cpp, or with a command of its
-// kind: describe and docs with list, merge with run, report with table, figure with analyze, certify with score.
+// kind: describe and docs with list, merge with run, report with table, figure with analyze.
 void add_list(Program& program);
 void add_describe(Program& program);
 void add_check(Program& program);
@@ -41,6 +46,9 @@ int run_program(int argc, char** argv);
 
 /// "shape" or "mesh", the value of --truth. Throws Error.
 Truth parse_truth(const std::string& text);
+
+/// The tables of a run's folder: table.md, table.csv, table.tex and table.json beside its records. None for no records.
+void write_tables(const std::filesystem::path& folder, std::span<const Record> records);
 
 /// Columns of the terminal on stdout; 0, no limit, when there is none.
 std::size_t terminal_width();

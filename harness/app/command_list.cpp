@@ -142,7 +142,7 @@ void add_list(Program& program) {
 void add_describe(Program& program) {
   auto [command, options] = program.line.command<DescribeOptions>("describe", "All about one technique or scene", describe);
   command.option("id", &options.id, "Technique id, scene id or scene file", {.is_required = true});
-  command.flag("--json", &options.json, "A technique as JSON");
+  command.flag("--json", &options.json, "As JSON");
 }
 
 void add_docs(Program& program) {

@@ -86,7 +86,8 @@ std::vector<std::string> detail_notes(const Job& job, const Light& light) {
           fmt::format("technique: {}", job.contender.name())};
 }
 
-/// The first row's files have plain names; every further row's are marked with its light.
+/// The first row's files have plain names, every further row's are marked with its light. Where first lights are left out, the
+/// first that is not has the plain names.
 std::string tail_of(const std::vector<Job>& jobs, const Job& job) { return &job == jobs.data() ? "" : "_" + job.light; }
 
 /// A suite of what is asked for: one technique on one scene and view.
@@ -140,13 +141,11 @@ class Rendering {
     worker_.end_load();
   }
 
+  /// A row that is unsupported is left out.
   void render(const Job& job) {
     const RowFrame frame = run_.first_frame(job);
-    const auto require = [&](const Support& support) {
-      if (!support) throw Error("{} does not support {} {}: {}", job.contender.name(), job.scene, job.light, support.why());
-    };
     const Support support = worker_.go(frame, run_.suite.truth);
-    require(support);
+    if (!support) return leave_out(job, support.why());
     if (support.kind() == Support::Kind::approximate) print_notice("note: {}: {}\n", job.light, support.why());
     Record record = start_record(job, run_.suite, &run_.scene, context_);
     record.context["scene_hash"] = run_.frames.scene_hash(job.lights);
@@ -160,7 +159,7 @@ class Rendering {
     };
     note(Stage::setup, setup.ms, setup.other_clocks);
     const auto measured = measure(record, run_, worker_, frame);
-    if (!measured) require(Support::unsupported(record.reason));
+    if (!measured) return leave_out(job, record.reason);
     // One warm call each: `gnomon run` is for timing.
     for (const Stage stage : {Stage::build, Stage::relight, Stage::resolve}) {
       const double ms = worker_.client().time(stage);
@@ -168,8 +167,8 @@ class Rendering {
     }
     write_pictures_of(job, *measured);
     record.mask = "mask.exr";
-    record.error_picture = "error" + tail_of(jobs_, job) + ".png";
-    record.shaded_picture = "shaded" + tail_of(jobs_, job) + ".png";
+    record.error_picture = "error" + tail_of(job) + ".png";
+    record.shaded_picture = "shaded" + tail_of(job) + ".png";
     for (const MeasuredLight& light : measured->lights) {
       const std::string channel = light.light.name + ".V";
       if (std::ranges::find(names_, channel) != names_.end()) continue;  // in another row, too
@@ -180,7 +179,14 @@ class Rendering {
     fmt::print("{:<12} {}\n", job.light, summary(record, measured->errors));
   }
 
+  /// Throws Error when no row is there to be published.
   void publish() {
+    if (records_.empty()) {
+      std::vector<std::string> reasons;
+      for (const auto& [job, why] : left_out_) reasons.push_back(fmt::format("{}: {}", job->light, why));
+      throw Error("{} does not support {} {}", jobs_[0].contender.name(), jobs_[0].scene, joined(reasons, "; "));
+    }
+    for (const auto& [job, why] : left_out_) print_notice("note: {} is left out: {}\n", job->light, why);
     const std::vector<std::span<const float>> channels(masks_.begin(), masks_.end());
     write_exr(folder_.path / "mask.exr", run_.suite.width, run_.suite.height, names_, channels);
     write_file(folder_.path / "record.json", json_text(records_, 2) + "\n");
@@ -189,12 +195,15 @@ class Rendering {
   }
 
  private:
+  void leave_out(const Job& job, const std::string& why) { left_out_.emplace_back(&job, why); }
+  std::string tail_of(const Job& job) const { return records_.empty() ? "" : "_" + job.light; }
+
   void write_pictures_of(const Job& job, const MeasuredRow& measured) {
     const int width = run_.suite.width, height = run_.suite.height;
     const auto picture_file = [&](const std::string& name, const std::string& tail) {
       return folder_.path / (name + tail + ".png");
     };
-    const std::string tail = tail_of(jobs_, job);
+    const std::string tail = tail_of(job);
     const bool has_shares = measured.together || has_area(measured.lights.front().light);
     write_png(picture_file("mask", tail), (has_shares ? draw_soft_mask : draw_mask)(measured.mask(), width, height));
     write_png(picture_file("shaded", tail), shade(run_.scene, measured));
@@ -237,6 +246,7 @@ class Rendering {
   std::vector<std::string> names_;  ///< channels of mask.exr
   std::vector<std::vector<float>> masks_;
   Json records_ = Json::array();
+  std::vector<std::pair<const Job*, std::string>> left_out_;  ///< with the reason
 };
 
 int render(const RenderOptions& options, const WorkerOptions& worker) {

@@ -7,6 +7,7 @@
 #include "app/app.h"
 #include "app/suite_options.h"
 #include "measure/notice.h"
+#include "measure/paths.h"
 #include "measure/record/merge.h"
 #include "measure/run/estimate.h"
 #include "measure/run/run.h"
@@ -30,14 +31,6 @@ struct MergeOptions {
   fs::path out;
   bool prefer_last = false;
 };
-
-/// The tables of a run's folder: table.md, table.csv, table.tex and table.json beside its records. None for no records.
-void write_tables(const fs::path& folder, std::span<const Record> records) {
-  if (records.empty()) return;
-  for (const auto& [format, file] : {std::pair(Format::markdown, "table.md"), std::pair(Format::csv, "table.csv"),
-                                     std::pair(Format::latex, "table.tex"), std::pair(Format::json, "table.json")})
-    write_file(folder / file, render_table(records, format));
-}
 
 /// What a folder of a run holds, for the terminal.
 void print_contents(const fs::path& folder) {
@@ -115,8 +108,8 @@ bool has_answers(std::span<const Record> records) {
   };
   const auto answered = std::ranges::count_if(records, is_answered);
   if (!missing.empty())
-    print_notice("{}: {} of {} rows measured; not fetched: {}. scripts/fetch_scenes --all fetches them\n",
-                 answered > 0 ? "note" : "gnomon", answered, records.size(), joined(missing, ", "));
+    print_notice("{}: {} of {} rows measured; not fetched: {}. {} --all fetches them\n", answered > 0 ? "note" : "gnomon",
+                 answered, records.size(), joined(missing, ", "), fetch_command());
   return answered > 0;
 }
 
@@ -201,6 +194,13 @@ int merge(const MergeOptions& options) {
 }
 
 }  // namespace
+
+void write_tables(const fs::path& folder, std::span<const Record> records) {
+  if (records.empty()) return;
+  for (const auto& [format, file] : {std::pair(Format::markdown, "table.md"), std::pair(Format::csv, "table.csv"),
+                                     std::pair(Format::latex, "table.tex"), std::pair(Format::json, "table.json")})
+    write_file(folder / file, render_table(records, format));
+}
 
 void add_run(Program& program) {
   auto [command, options] =

@@ -1,13 +1,13 @@
-// gnomon score and certify: a mask against the reference, and the reference against exact answers.
-#include <embree3/rtcore_config.h>
+// gnomon score: a mask that another program made, against the reference; as a row of a run where that is wanted.
+#include <algorithm>
+#include <charconv>
+#include <cmath>
 
 #include "app/app.h"
 #include "app/staged_folder.h"
-#include "measure/cause/causes.h"
-#include "measure/frame/certify.h"
-#include "measure/frame/certify_soft.h"
 #include "measure/paths.h"
 #include "measure/picture/picture.h"
+#include "measure/run/foreign_row.h"
 #include "measure/run/frame_worker.h"
 #include "measure/run/jobs.h"
 #include "measure/run/progress.h"
@@ -24,8 +24,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ScoreOptions {
-  std::string scene, view, truth = "shape", channel;
-  std::vector<std::string> lights;
+  std::string scene, view, truth = "shape", channel, label, technique;
+  std::vector<std::string> lights, told;
   fs::path mask, out;
   bool json = false;
 };
@@ -36,18 +36,12 @@ struct Channel {
   std::string name;
 };
 
-/// The lights or views of these names; all without names.
-template <class Item>
-std::vector<const Item*> chosen(const std::vector<Item>& items, const std::vector<std::string>& names) {
-  std::vector<const Item*> result;
-  for (const Item& item : items)
-    if (names.empty() || std::ranges::find(names, item.name) != names.end()) result.push_back(&item);
+/// The lights of these names; all without names.
+std::vector<const Light*> chosen(const std::vector<Light>& lights, const std::vector<std::string>& names) {
+  std::vector<const Light*> result;
+  for (const Light& light : lights)
+    if (names.empty() || std::ranges::find(names, light.name) != names.end()) result.push_back(&light);
   return result;
-}
-
-/// A scene's frames, traced by a worker that a bar watches.
-FrameStore frames_of(const Scene& scene, const std::string& name, Progress& progress) {
-  return {scene, cache_root() / "frames", std::make_unique<FrameWorker>(fs::path(), "", shown_on(progress, name))};
 }
 
 /// By the names that this program writes, LIGHT.V; another name only where it is clear whose it is.
@@ -117,9 +111,8 @@ Json json_of(const Metrics& metrics) {
 
 /// Wrong pixels by cause, causes that occur only.
 std::map<std::string, std::uint64_t> causes_that_occur(std::span<const Cause> causes) {
-  std::map<std::string, std::uint64_t> counts;
-  for (const Cause cause : causes)
-    if (cause != Cause::none) ++counts[std::string(name(cause))];
+  std::map<std::string, std::uint64_t> counts = count_causes(causes);
+  std::erase_if(counts, [](const auto& cause) { return cause.second == 0; });
   return counts;
 }
 
@@ -133,113 +126,152 @@ std::map<std::string, double> shares_of(const std::map<std::string, std::uint64_
   return shares;
 }
 
-int score(const ScoreOptions& options) {
+/// The masks of a file, and the frame that they are of.
+struct Question {
+  const ScoreOptions& options;
+  const Scene& scene;
+  FrameKey key;
+  std::vector<Channel> channels;
+  std::vector<std::vector<float>> masks;  ///< by channel
+};
+
+/// Says one light's score, or adds it to the list.
+void report(const Question& question, std::size_t k, const Answer& answer, Json& list) {
+  const ScoreOptions& options = question.options;
+  const Channel& channel = question.channels[k];
+  const FrameKey& key = question.key;
+  const Evidence evidence = answer.evidence(question.scene, channel.light);
+  const Scoring scoring(evidence);
+  const Metrics metrics = measure_metrics(scoring);
+  const std::map<std::string, std::uint64_t> causes = causes_that_occur(answer.causes);
+  const std::map<std::string, double> shares =
+      shares_of(causes, evidence, std::max<std::size_t>(1, scoring.error_counts().tested));
+  if (!options.json) {
+    fmt::print("{}scene {}, light {}, view {}, {} x {}, {} truth: {} of {} pixels facing the light are tested\n\n{}",
+               k == 0 ? "" : "\n", options.scene, channel.light.name, key.view.name, key.width, key.height, options.truth,
+               scoring.error_counts().tested, scoring.error_counts().facing, text_of(metrics, shares));
+    return;
+  }
+  Json& row = list.emplace_back();
+  row["scene"] = options.scene;
+  row["light"] = channel.light.name;
+  row["view"] = key.view.name;
+  row["width"] = key.width;
+  row["height"] = key.height;
+  row["truth"] = options.truth;
+  row["mask"] = options.mask.string();
+  row["channel"] = channel.name;
+  row["metrics"] = json_of(metrics);
+  row["classes"] = class_counts(answer.reference.classes);
+  row["causes"] = causes;
+  if (has_area(channel.light)) row["cause_errors"] = shares;
+}
+
+/// "resolve=12.5": milliseconds that somebody told, by stage.
+std::map<Stage, double> told_times(const std::vector<std::string>& words) {
+  std::map<Stage, double> times;
+  for (const std::string& word : words) {
+    const std::size_t equal = std::min(word.find('='), word.size());
+    const auto* const stage = std::ranges::find(stage_names, std::string_view(word).substr(0, equal));
+    const std::string number = word.substr(std::min(equal + 1, word.size()));
+    double ms = 0;
+    const auto [end, code] = std::from_chars(number.data(), number.data() + number.size(), ms);
+    if (stage == std::end(stage_names) || code != std::errc{} || end != number.data() + number.size() || !std::isfinite(ms) ||
+        ms < 0)
+      throw Error("--ms {} is not STAGE=MILLISECONDS with a stage of {} and a number of 0 or more", word,
+                  joined(std::vector<std::string>(std::begin(stage_names), std::end(stage_names)), ", "));
+    if (!times.emplace(static_cast<Stage>(stage - std::begin(stage_names)), ms).second)
+      throw Error("--ms tells {} twice", word.substr(0, equal));
+  }
+  return times;
+}
+
+/// How the rows are called, with everything that is wrong with it said before anything is read. Nothing where no row is wanted.
+std::optional<ForeignMask> wanted_row(const ScoreOptions& options) {
+  if (options.label.empty() && options.technique.empty()) {
+    if (!options.told.empty()) throw Error("--ms is of a row: give it a --label, and --out for the run's folder");
+    if (fs::exists(records_file(options.out)))
+      throw Error("--out {} is the folder of a run: give the mask a --label to make it a row there", options.out.string());
+    return std::nullopt;
+  }
+  if (options.out.empty()) throw Error("--label makes a row: --out names the run's folder that it goes to");
+  ForeignMask row;
+  row.technique = options.technique.empty() ? id_of_label(options.label) : options.technique;
+  row.label = options.label.empty() ? row.technique : options.label;
+  if (row.technique.empty())
+    throw Error("--label '{}' has neither letters nor digits to make an id of: give one with --technique", row.label);
+  check_foreign_id(row.technique);
+  row.told_ms = told_times(options.told);
+  row.file = options.mask;
+  return row;
+}
+
+/// Each light's mask as a row of the run in `--out`.
+void score_rows(Question& question, const ForeignMask& called, FrameStore& frames, Json& list) {
+  const ScoreOptions& options = question.options;
+  std::vector<ForeignRow> rows;
+  for (std::size_t k = 0; k < question.channels.size(); ++k) {
+    ForeignMask mask = called;
+    mask.channel = question.channels[k].name;
+    mask.values = std::move(question.masks[k]);
+    rows.push_back(
+        foreign_row(question.scene, options.scene, frames, question.key, question.channels[k].light, std::move(mask)));
+  }
+  add_foreign_rows(options.out, question.scene, rows);
+  write_tables(options.out, read_records(options.out));
+  for (std::size_t k = 0; k < rows.size(); ++k) report(question, k, rows[k].measured.lights.front().answer, list);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    if (options.json) {
+      list[k]["job"] = rows[k].record.job;
+      list[k]["technique"] = called.technique;
+      list[k]["label"] = called.label;
+    } else {
+      fmt::print("{}{}  {}\n", k == 0 ? "\n" : "", records_file(options.out).string(), title(rows[k].record));
+    }
+  }
+}
+
+/// The scores, and pictures of them where a folder is named.
+void score_masks(Question& question, FrameStore& frames, Json& list) {
+  const ScoreOptions& options = question.options;
+  std::unique_ptr<StagedFolder> folder;
+  if (!options.out.empty()) folder = std::make_unique<StagedFolder>(options.out);
+  FrameKey key = question.key;
+  for (std::size_t k = 0; k < question.channels.size(); ++k) {
+    const Light& light = question.channels[k].light;
+    const Answer answer = foreign_answer(question.scene, frames, key, light, std::move(question.masks[k]));
+    if (folder) {
+      const std::string tail = question.channels.size() == 1 ? "" : "_" + light.name;
+      write_png(folder->path / ("error" + tail + ".png"),
+                draw_errors(answer.evidence(question.scene, light), options.mask.filename().string()));
+      write_png(folder->path / ("shaded" + tail + ".png"), shade(question.scene, answer.gbuffer, light, answer.mask));
+    }
+    report(question, k, answer, list);
+  }
+  if (folder) folder->publish();
+}
+
+void score(const ScoreOptions& options) {
+  const std::optional<ForeignMask> called = wanted_row(options);
   const Scene scene = load_scene(options.scene);
   require_names(options.scene, scene, options.lights,
                 options.view.empty() ? std::vector<std::string>() : std::vector{options.view});
   const View& view = named_or_first(scene.views, options.view);
-  const std::vector<Channel> channels = channels_of(options, scene);
-  for (const Channel& channel : channels) require_reference(scene, channel.light, view);
+  Question question{options, scene, {}, channels_of(options, scene), {}};
+  for (const Channel& channel : question.channels) require_reference(scene, channel.light, view);
   const auto [width, height] = image_files().exr_size(options.mask);
-  const FrameKey key{view, width, height, parse_truth(options.truth)};
-  std::vector<std::vector<float>> masks;  // all of them before the reference, which takes its time
-  for (const Channel& channel : channels) masks.push_back(read_mask(options.mask, channel.name, width, height));
+  question.key = {view, width, height, parse_truth(options.truth)};
+  for (const Channel& channel : question.channels)  // all of them before the reference, which takes its time
+    question.masks.push_back(read_mask(options.mask, channel.name, width, height));
   Progress progress;
-  FrameStore frames = frames_of(scene, options.scene, progress);
-  std::unique_ptr<StagedFolder> folder;
-  if (!options.out.empty()) folder = std::make_unique<StagedFolder>(options.out);
+  FrameStore frames(scene, cache_root() / "frames",
+                    std::make_unique<FrameWorker>(fs::path(), "", shown_on(progress, options.scene)));
   Json list = Json::array();
-  for (std::size_t k = 0; k < channels.size(); ++k) {
-    const Channel& channel = channels[k];
-    const Light& light = channel.light;
-    Answer answer;
-    answer.gbuffer = frames.gbuffer(key);
-    answer.reference = frames.reference(key, light);
-    answer.mask = std::move(masks[k]);
-    // A file explains no pixel: causes follow from where wrong pixels lie and how many hang together.
-    answer.causes =
-        find_causes({scene, frames.casters(key.truth), answer.gbuffer, light, answer.reference, answer.mask, {}, nullptr});
-    const Evidence evidence = answer.evidence(scene, light);
-    const Scoring scoring(evidence);
-    const Metrics metrics = measure_metrics(scoring);
-    const std::map<std::string, std::uint64_t> causes = causes_that_occur(answer.causes);
-    const std::map<std::string, double> shares =
-        shares_of(causes, evidence, std::max<std::size_t>(1, scoring.error_counts().tested));
-    if (folder) {
-      const std::string tail = channels.size() == 1 ? "" : "_" + light.name;
-      write_png(folder->path / ("error" + tail + ".png"), draw_errors(evidence, options.mask.filename().string()));
-      write_png(folder->path / ("shaded" + tail + ".png"), shade(scene, answer.gbuffer, light, answer.mask));
-    }
-    if (!options.json) {
-      fmt::print("{}scene {}, light {}, view {}, {} x {}, {} truth: {} of {} pixels facing the light are tested\n\n{}",
-                 k == 0 ? "" : "\n", options.scene, light.name, view.name, width, height, options.truth,
-                 scoring.error_counts().tested, scoring.error_counts().facing, text_of(metrics, shares));
-      continue;
-    }
-    Json& row = list.emplace_back();
-    row["scene"] = options.scene;
-    row["light"] = light.name;
-    row["view"] = view.name;
-    row["width"] = width;
-    row["height"] = height;
-    row["truth"] = options.truth;
-    row["mask"] = options.mask.string();
-    row["channel"] = channel.name;
-    row["metrics"] = json_of(metrics);
-    row["classes"] = class_counts(answer.reference.classes);
-    row["causes"] = causes;
-    if (has_area(light)) row["cause_errors"] = shares;
-  }
+  if (called)
+    score_rows(question, *called, frames, list);
+  else
+    score_masks(question, frames, list);
   if (options.json) fmt::print("{}\n", json_text(list, 2));
-  if (folder) folder->publish();
-  return 0;
-}
-
-struct CertifyCommand {
-  std::string scene, size = "640x360";
-  std::vector<std::string> lights, views;
-  bool json = false;
-};
-
-int run_certify(const CertifyCommand& options) {
-  const auto [width, height] = parse_size(options.size, "--size");
-  const Scene scene = load_scene(options.scene);
-  require_names(options.scene, scene, options.lights, options.views);
-  const std::vector<const Light*> lights = chosen(scene.lights, options.lights);
-  std::vector<const View*> views = chosen(scene.views, options.views);
-  if (options.views.empty()) views.resize(1);  // the one that suites use
-  for (const Light* light : lights) require_reference(scene, *light, scene.views.front());
-  Progress progress;
-  FrameStore frames = frames_of(scene, options.scene, progress);
-  bool all_hold = true;
-  Json list = Json::array();
-  for (const View* view : views)
-    for (const Light* light : lights) {
-      // The oracle knows triangles: the certificate is of mesh truth.
-      const FrameKey key{*view, width, height, Truth::mesh};
-      const Reference reference = frames.reference(key, *light);
-      if (has_area(*light)) {
-        const SoftCertificate certificate = certify_soft(scene, *light, frames.gbuffer(key), reference,
-                                                         {.reference = frames.casters(Truth::mesh).description()});
-        all_hold = all_hold && certificate.holds();
-        if (options.json)
-          list.push_back(certificate);
-        else
-          fmt::print("{}\n", text(certificate));
-        continue;
-      }
-      CertifyOptions certify_options;
-      certify_options.is_uncertain = [&](std::size_t i) { return reference.classes[i] == PixelClass::U; };
-      certify_options.reference = frames.casters(Truth::mesh).description();
-      const Certificate certificate = certify(scene, *light, frames.gbuffer(key), reference.mask, certify_options);
-      all_hold = all_hold && certificate.holds();
-      if (options.json)
-        list.push_back(certificate);
-      else
-        fmt::print("{}\n", text(certificate));
-    }
-  if (options.json) fmt::print("{}\n", json_text(list, 2));
-  return all_hold ? 0 : 1;
 }
 
 }  // namespace
@@ -255,17 +287,13 @@ void add_score(Program& program) {
   command.option("--channel", &options.channel, "Channel of the one light asked for", {.check = not_empty()});
   command.option("--view", &options.view, "View name; the first by default", {.check = not_empty()});
   command.option("--truth", &options.truth, "What counts: exact shapes or the meshes; shape | mesh");
-  command.option("--out", &options.out, "Folder for error and shaded pictures", {.check = not_empty()});
-  command.flag("--json", &options.json, "As JSON");
-}
-
-void add_certify(Program& program) {
-  auto [command, options] = program.line.command<CertifyCommand>(
-      "certify", "How far the reference may be trusted: exact answers beside it", run_certify);
-  command.option("--scene", &options.scene, "Scene id, ID:param=value, or a scene or mesh file", {.is_required = true});
-  command.option("--light", &options.lights, "Light names; all by default", {.delimiter = ','});
-  command.option("--view", &options.views, "View names; the first by default", {.delimiter = ','});
-  command.option("--size", &options.size, "Picture size in pixels, WxH");
+  command.option("--label", &options.label, "Makes a row of each light's mask, which tables call so, in the run's folder --out",
+                 {.check = not_empty()});
+  command.option("--technique", &options.technique, "Id of such a row; made of the label by default", {.check = not_empty()});
+  command.option("--ms", &options.told, "Times of such a row that are told, not measured: STAGE=MILLISECONDS,...",
+                 {.delimiter = ','});
+  command.option("--out", &options.out, "Folder for error and shaded pictures; with --label that of a run, new or there",
+                 {.check = not_empty()});
   command.flag("--json", &options.json, "As JSON");
 }
 

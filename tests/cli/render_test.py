@@ -28,6 +28,20 @@ def exr_header(file):
 
 
 class Render(ProgramTest):
+    def test_a_light_that_is_not_supported_is_left_out(self):
+        call = ["render", "--scene", "single_triangle", "--technique", "shadow_map:resolution=128", *SIZE, "--out", "out"]
+        for lights, left in ((["point", "lamp", "sun"], ["point", "sun"]), (["lamp", "sun"], ["sun"])):
+            with self.subTest(lights=lights):
+                done = self.gnomon(*call, "--light", ",".join(lights))
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertRegex(done.stderr, r"(?m)^note: lamp is left out: .*area")
+                made = json.loads((self.dir / "out/record.json").read_text())
+                self.assertEqual([record["light"] for record in made], left)
+                self.assertEqual([record["error_picture"] for record in made], ["error.png", "error_sun.png"][:len(left)])
+                self.assertEqual(self.names(self.dir / "out").count("mask.png"), 1)
+        self.refuse(*call[:-1], "none", "--light", "lamp", says=["shadow_map", "does not support", "lamp", "area"])
+        self.assertFalse((self.dir / "none").exists())
+
     def test_render_writes_mask_pictures_and_record(self):
         out = self.dir / "deep/er/out"
         text = self.succeed("render", "--scene", "soup:count=50", "--technique", "shadow_map:resolution=256", *SIZE, "--out", out)

@@ -7,7 +7,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import SMALL, ProgramTest  # noqa: E402
+from program import SMALL, ProgramTest, records  # noqa: E402
 
 SIZE = SMALL[-2:]
 SCENE = ("--scene", "sphere_over_plane")
@@ -72,6 +72,109 @@ class Score(ProgramTest):
             (("--mask", picture, "--channel", "R"), ("--channel R", "2 are asked for", "--light")),
         ):
             self.refuse("score", *SCENE, *arguments, says=words)
+
+
+class Rows(ProgramTest):
+    """A mask of another program becomes a row of a run: --label."""
+
+    FENCE = ("--scene", "fence")  # flat: one truth
+    RUN = ("run", *FENCE, "--light", "point,sun", "--technique", "embree_rays", "--technique", "shadow_map:resolution=128", *SMALL, "--quiet",
+           "--out", "out")
+
+    def mask(self):
+        """Of a technique that runs here, too, so that what a run says of it is known."""
+        self.succeed("render", *self.FENCE, "--light", "point,sun", "--technique", "shadow_map:resolution=128", *SIZE, "--out", "made")
+        return self.dir / "made/mask.exr"
+
+    def score(self, mask, *words):
+        return self.succeed("score", *self.FENCE, "--mask", mask, "--label", "Foreign map 3.7", "--out", "out", *words)
+
+    def rows(self, **wanted):
+        return [row for row in records(self.dir / "out") if all(row[key] == value for key, value in wanted.items())]
+
+    def test_a_row_says_what_a_run_says_of_the_same_mask(self):
+        mask = self.mask()
+        self.succeed(*self.RUN)
+        text = self.score(mask)
+        self.assertIn("fence sun foreign_map_3_7", text)
+        own, foreign = self.rows(technique="shadow_map"), self.rows(technique="foreign_map_3_7")
+        self.assertEqual([row["light"] for row in foreign], ["point", "sun"])
+        for a, b in zip(own, foreign):
+            for key in ("scene", "light", "light_kind", "view", "width", "height", "truth", "suite", "status", "metrics", "classes", "scene_facts"):
+                self.assertEqual(a[key], b[key], key)
+            self.assertEqual(sum(a["causes"].values()), sum(b["causes"].values()))
+            self.assertEqual((b["label"], b["role"], b["support"]), ("Foreign map 3.7", "contender", None))
+            self.assertEqual([b["stages"], b["counts"], b["bytes"]], [{s: [] for s in b["stages"]}, [], None])
+            self.assertEqual(b["context"]["foreign"]["channel"], b["light"] + ".V")
+            for picture in ("mask", "error_picture", "shaded_picture"):
+                self.assertTrue((self.dir / "out" / b[picture]).is_file())
+        self.assertEqual(sorted(row["place"] for row in records(self.dir / "out")), list(range(6)))
+
+    def test_the_row_stands_wherever_the_others_do(self):
+        mask = self.mask()
+        self.succeed(*self.RUN)
+        self.score(mask, "--ms", "resolve=12.5,build=3")
+        before = self.rows(technique="foreign_map_3_7")
+        table = self.succeed("table", "out", "--format", "md")
+        self.assertIn("Foreign map 3.7", table)
+        self.assertIn("times told, not measured: build, resolve", table)
+        self.assertIn("Foreign map 3.7", (self.dir / "out/table.md").read_text())
+        self.assertIn("Foreign map 3.7", self.succeed("analyze", "out", "front"))
+        self.succeed("table", "out", "--rescore", "--save")
+        self.assertEqual([row["metrics"] for row in self.rows(technique="foreign_map_3_7")], [row["metrics"] for row in before])
+        self.assertEqual([row["causes"] for row in self.rows(technique="foreign_map_3_7")], [row["causes"] for row in before])
+        self.succeed("report", "out")
+        self.assertIn("Foreign map 3.7", (self.dir / "out/report.html").read_text())
+        self.succeed("compare", "out", "out")
+        self.succeed("merge", "out", "--out", "merged")
+        self.assertEqual(len(records(self.dir / "merged")), 6)
+        # A run goes on and keeps the row; another question is asked beside it.
+        text = self.succeed(*self.RUN, "--technique", "unshadowed", "--resume")
+        self.assertIn("2 ok", text)
+        self.assertNotIn("are not in suite", text)
+        self.assertEqual(len(self.rows(technique="foreign_map_3_7")), 2)
+        self.assertEqual(len(records(self.dir / "out")), 8)
+
+    def test_the_same_again_takes_its_place_and_another_label_does_not(self):
+        mask = self.mask()
+        self.score(mask)
+        first = self.rows()
+        self.assertEqual({row["suite"] for row in first}, {"score"})
+        self.score(mask, "--light", "sun", "--ms", "resolve=1")
+        self.assertEqual([row["job"] for row in self.rows()], [row["job"] for row in first])
+        self.assertEqual([row["stages"].get("resolve") for row in self.rows()], [None, [[1]]])
+        self.succeed("score", *self.FENCE, "--mask", mask, "--label", "Other", "--technique", "foreign_map_3_7", "--out", "out")
+        self.assertEqual(len(self.rows()), 4)
+
+    def test_a_scene_of_curved_shapes_has_both_truths(self):
+        self.succeed("render", *SCENE, "--light", "sun", "--technique", "embree_rays", *SIZE, "--out", "made")
+        self.succeed("score", *SCENE, "--mask", "made/mask.exr", "--technique", "rays", "--out", "out")
+        row = self.rows()[0]
+        self.assertEqual((row["label"], row["metrics"]["shape"]["wrong_rate"]), ("rays", 0))
+        self.assertGreater(row["metrics"]["mesh"]["wrong_rate_all"], 0)  # the answer is of spheres
+        self.succeed("table", "out", "--rescore", "--save")
+        self.assertEqual(self.rows()[0]["metrics"], row["metrics"])
+
+    def test_what_can_be_no_row_is_refused(self):
+        mask = self.mask()
+        self.succeed(*self.RUN[:-1], "run")
+        for words, says in (
+            (("--label", "", "--out", "out"), ("--label", "empty")),
+            (("--label", "x"), ("--out",)),
+            (("--label", "...", "--out", "out"), ("'...'", "--technique")),
+            (("--label", "x", "--technique", "a b", "--out", "out"), ("'a b'", "no id")),
+            (("--label", "Shadow map", "--out", "out"), ("shadow_map", "--technique")),
+            (("--label", "x", "--ms", "resolve", "--out", "out"), ("--ms resolve", "setup, build, relight, resolve")),
+            (("--label", "x", "--ms", "draw=1", "--out", "out"), ("--ms draw=1",)),
+            (("--label", "x", "--ms", "build=-1", "--out", "out"), ("--ms build=-1",)),
+            (("--label", "x", "--ms", "build=1,build=2", "--out", "out"), ("build twice",)),
+            (("--ms", "build=1"), ("--label",)),
+            (("--out", "run"), ("--out run", "--label")),
+            (("--label", "x", "--truth", "mesh", "--out", "run"), ("truth shape, not mesh",)),
+        ):
+            self.refuse("score", *self.FENCE, "--mask", mask, *words, says=says)
+        self.assertFalse((self.dir / "out").exists())
+        self.assertEqual(len(records(self.dir / "run")), 4)
 
 
 if __name__ == "__main__":

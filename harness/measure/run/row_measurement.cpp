@@ -46,22 +46,6 @@ bool take_support(Record& record, const Support& support, const RowFrame& frame)
   return static_cast<bool>(support);
 }
 
-/// How well the reference of a light with area is known, over all pixels that it was asked for.
-Record::ReferenceFacts facts_of(const Reference& reference, LightShareKind estimates, const AreaTarget& target) {
-  Record::ReferenceFacts facts{.estimates = estimates, .target = target.error, .cap = target.cap};
-  const auto errors = estimates == LightShareKind::area ? reference.error : reference.irradiance_error;
-  std::size_t asked = 0;
-  for (std::size_t i = 0; i < reference.rays.size(); ++i) {
-    if (reference.classes[i] <= PixelClass::F) continue;
-    ++asked;
-    facts.rays += reference.rays[i];
-    facts.error_mean += errors[i];
-    facts.error_max = std::max<double>(facts.error_max, errors[i]);
-  }
-  if (asked > 0) facts.error_mean /= static_cast<double>(asked);
-  return facts;
-}
-
 /// Whether the mask is right at a pixel, under a light with area within four standard errors of the reference.
 bool is_right(const Evidence& evidence, std::size_t i) {
   if (evidence.reference_error.empty()) return !evidence.is_wrong(i);
@@ -181,7 +165,7 @@ class RowMeasurement {
     const std::map<std::string, std::uint64_t> counts = count_causes(answer.causes, answer.own_causes);
     add_to(*record_.causes, counts);
     std::optional<Record::ReferenceFacts> facts;
-    if (has_area(light)) facts = facts_of(answer.reference, answer.estimates, run_.suite.target);
+    if (has_area(light)) facts = reference_facts(answer.reference, answer.estimates, run_.suite.target);
     if (record_.lights.empty()) {
       record_.reference = facts;
       return;
@@ -209,6 +193,21 @@ class RowMeasurement {
 };
 
 }  // namespace
+
+Record::ReferenceFacts reference_facts(const Reference& reference, LightShareKind estimates, const AreaTarget& target) {
+  Record::ReferenceFacts facts{.estimates = estimates, .target = target.error, .cap = target.cap};
+  const auto errors = estimates == LightShareKind::area ? reference.error : reference.irradiance_error;
+  std::size_t asked = 0;
+  for (std::size_t i = 0; i < reference.rays.size(); ++i) {
+    if (reference.classes[i] <= PixelClass::F) continue;
+    ++asked;
+    facts.rays += reference.rays[i];
+    facts.error_mean += errors[i];
+    facts.error_max = std::max<double>(facts.error_max, errors[i]);
+  }
+  if (asked > 0) facts.error_mean /= static_cast<double>(asked);
+  return facts;
+}
 
 void put_together(MeasuredRow& row, const Scene& scene) {
   if (row.lights.size() < 2) return;

@@ -1,0 +1,86 @@
+// gnomon certify: the reference against exact answers.
+#include <algorithm>
+
+#include "app/app.h"
+#include "measure/frame/certify.h"
+#include "measure/frame/certify_soft.h"
+#include "measure/paths.h"
+#include "measure/run/frame_worker.h"
+#include "measure/run/jobs.h"
+#include "measure/run/progress.h"
+#include "measure/scene/load.h"
+
+namespace gnomon::app {
+
+namespace {
+
+struct CertifyCommand {
+  std::string scene, size = "640x360";
+  std::vector<std::string> lights, views;
+  bool json = false;
+};
+
+/// The lights or views of these names; all without names.
+template <class Item>
+std::vector<const Item*> chosen(const std::vector<Item>& items, const std::vector<std::string>& names) {
+  std::vector<const Item*> result;
+  for (const Item& item : items)
+    if (names.empty() || std::ranges::find(names, item.name) != names.end()) result.push_back(&item);
+  return result;
+}
+
+int run_certify(const CertifyCommand& options) {
+  const auto [width, height] = parse_size(options.size, "--size");
+  const Scene scene = load_scene(options.scene);
+  require_names(options.scene, scene, options.lights, options.views);
+  const std::vector<const Light*> lights = chosen(scene.lights, options.lights);
+  std::vector<const View*> views = chosen(scene.views, options.views);
+  if (options.views.empty()) views.resize(1);  // the one that suites use
+  for (const Light* light : lights) require_reference(scene, *light, scene.views.front());
+  Progress progress;
+  FrameStore frames(scene, cache_root() / "frames",
+                    std::make_unique<FrameWorker>(std::filesystem::path(), "", shown_on(progress, options.scene)));
+  bool all_hold = true;
+  Json list = Json::array();
+  for (const View* view : views)
+    for (const Light* light : lights) {
+      // The oracle knows triangles: the certificate is of mesh truth.
+      const FrameKey key{*view, width, height, Truth::mesh};
+      const Reference reference = frames.reference(key, *light);
+      if (has_area(*light)) {
+        const SoftCertificate certificate = certify_soft(scene, *light, frames.gbuffer(key), reference,
+                                                         {.reference = frames.casters(Truth::mesh).description()});
+        all_hold = all_hold && certificate.holds();
+        if (options.json)
+          list.push_back(certificate);
+        else
+          fmt::print("{}\n", text(certificate));
+        continue;
+      }
+      CertifyOptions certify_options;
+      certify_options.is_uncertain = [&](std::size_t i) { return reference.classes[i] == PixelClass::U; };
+      certify_options.reference = frames.casters(Truth::mesh).description();
+      const Certificate certificate = certify(scene, *light, frames.gbuffer(key), reference.mask, certify_options);
+      all_hold = all_hold && certificate.holds();
+      if (options.json)
+        list.push_back(certificate);
+      else
+        fmt::print("{}\n", text(certificate));
+    }
+  if (options.json) fmt::print("{}\n", json_text(list, 2));
+  return all_hold ? 0 : 1;
+}
+
+}  // namespace
+
+void add_certify(Program& program) {
+  auto [command, options] = program.line.command<CertifyCommand>(
+      "certify", "How far the reference may be trusted: exact answers beside it", run_certify);
+  command.option("--scene", &options.scene, "Scene id, ID:param=value, or a scene or mesh file", {.is_required = true});
+  command.option("--light", &options.lights, "Light names; all by default", {.delimiter = ','});
+  command.option("--view", &options.views, "View names; the first by default", {.delimiter = ','});
+  command.option("--size", &options.size, "Picture size in pixels, WxH");
+  command.flag("--json", &options.json, "As JSON");
+}
+
+}  // namespace gnomon::app
