@@ -41,13 +41,23 @@ fs::path find_data_root() {
   }
 }
 
+namespace {
+
+/// Whether that is the data of an installed program: others use it, and whoever removes the program wants nothing left in it.
+bool is_installed(const fs::path& root) { return root.filename() == "gnomon" && root.parent_path().filename() == "share"; }
+
+}  // namespace
+
+std::string fetch_command() { return is_installed(find_data_root()) ? "gnomon-fetch-scenes" : "scripts/fetch_scenes"; }
+
 fs::path cache_root() {
   if (const char* cache = std::getenv("GNOMON_CACHE")) return cache;
   const fs::path root = data_root();
-  if (access(root.c_str(), W_OK) == 0) return root / "cache";
+  if (!is_installed(root) && access(root.c_str(), W_OK) == 0) return root / "cache";
   if (const char* xdg = std::getenv("XDG_CACHE_HOME")) return fs::path(xdg) / "gnomon";
   if (const char* home = std::getenv("HOME")) return fs::path(home) / ".cache/gnomon";
-  throw Error("nowhere to keep the cache: {} cannot be written and HOME is not set; set GNOMON_CACHE", root.string());
+  throw Error("nowhere to keep the cache: {} {} and HOME is not set; set GNOMON_CACHE", root.string(),
+              is_installed(root) ? "is an installed program's" : "cannot be written");
 }
 
 }  // namespace gnomon

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <string>
 
 namespace gnomon {
 
@@ -9,9 +10,12 @@ std::filesystem::path data_root();
 /// The same; empty where there is none.
 std::filesystem::path find_data_root();
 
-/// Folder for what can be made again: $GNOMON_CACHE, else data_root()/cache where that can be written, else the user's
-/// cache folder. Fetched scenes lie in `scenes/ID/` below it.
+/// Folder for what can be made again: $GNOMON_CACHE, else the tree's cache/ where that can be written, else, and for an
+/// installed program, the user's cache folder. Fetched scenes lie in `scenes/ID/` below it.
 std::filesystem::path cache_root();
+
+/// The command that fetches scenes, as a person writes it: the tree's script, or what is installed beside the program.
+std::string fetch_command();
 
 /// Makes a folder with its parents. Throws Error that starts with `what`.
 void make_folder(const std::filesystem::path& folder, const std::string& what = "folder");

@@ -10,6 +10,7 @@
 #include "app/viewer/panels.h"
 #include "app/viewer/widgets.h"
 #include "app/viewer/window.h"
+#include "measure/paths.h"
 #include "measure/picture/signed_color.h"
 
 namespace gnomon::viewer {
@@ -24,7 +25,7 @@ void draw_scene_list(Session& session, std::span<const SceneListing> scenes, Wid
   for (const SceneListing& scene : scenes) {
     const std::string words = scene.available ? scene.id : scene.id + "  (not fetched)";
     std::string sentence = fmt::format("{}: {}", scene.title, scene.summary);
-    if (!scene.available) sentence += fmt::format("\nIts files are not here; scripts/fetch_scenes {} fetches them.", scene.id);
+    if (!scene.available) sentence += fmt::format("\nIts files are not here; {} {} fetches them.", fetch_command(), scene.id);
     choices.push_back({"scene." + scene.id, words, std::move(sentence), scene.id == id, scene.available});
   }
   widgets.label("scene", "A generated or described scene, or below the path of a .toml or mesh file.");

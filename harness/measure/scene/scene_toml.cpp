@@ -28,7 +28,7 @@ fs::path described_file(const std::string& name, const fs::path& description) {
   const fs::path inside = name.substr(prefix.size());
   const fs::path file = cache_root() / "scenes" / inside;
   const std::string id = inside.empty() ? "" : inside.begin()->string();
-  if (!fs::exists(file)) throw SceneNotFetched("scene {0} is not fetched: run scripts/fetch_scenes {0}", id);
+  if (!fs::exists(file)) throw SceneNotFetched("scene {0} is not fetched: run {1} {0}", id, fetch_command());
   return file;
 }
 
