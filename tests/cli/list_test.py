@@ -8,7 +8,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import DATA, ProgramTest  # noqa: E402
+from program import DATA, ROOT, ProgramTest  # noqa: E402
 
 COMMANDS = ["list", "describe", "check", "render", "run", "table", "certify", "docs"]
 
@@ -63,6 +63,36 @@ class Lists(ProgramTest):
         self.assertEqual(generated["meshes"][0], {"name": "ground", "triangles": 2, "shape": "plane", "casts": True, "receives": True,
                                                   "closed": False, "boundary_edges": 4, "nonmanifold_edges": 0, "misoriented_edges": 0,
                                                   "dropped_triangles": 0})
+
+    def test_the_keys_of_a_described_scene_stay(self):
+        # As docs/scenes.md has them: programs read them.
+        kinds = {
+            "point": {"position": "[0, 5, 0]"},
+            "spot": {"position": "[0, 5, 0]", "direction": "[0, -1, 0]", "inner_degrees": "10", "outer_degrees": "20"},
+            "directional": {"direction": "[0, -1, 0]"},
+            "rect": {"center": "[0, 5, 0]", "half_u": "[1, 0, 0]", "half_v": "[0, 0, 1]", "one_sided": "false"},
+            "disc": {"center": "[0, 5, 0]", "normal": "[0, -1, 0]", "radius": "0.5", "one_sided": "true"},
+            "sphere": {"center": "[0, 5, 0]", "radius": "0.5"},
+        }
+        text = 'scene = "single_triangle"\n'
+        for kind, keys in kinds.items():
+            text += f'[[light]]\nname = "a_{kind}"\nkind = "{kind}"\n' + "".join(f"{key} = {value}\n" for key, value in keys.items())
+        described = json.loads(self.succeed("describe", self.write("all.toml", text), "--json"))
+        self.assertEqual(list(described), ["scene", "triangles", "bounds", "notes", "summary", "parameters", "lights", "views", "meshes"])
+        self.assertEqual({light["kind"]: list(light) for light in described["lights"]},
+                         {kind: ["name", "kind", *keys, "intensity"] for kind, keys in kinds.items()})
+        for light in described["lights"]:
+            for key, value in kinds[light["kind"]].items():
+                self.assertEqual(light[key], json.loads(value), (light["kind"], key))
+        self.assertEqual([list(view) for view in described["views"]],
+                         [["name", "eye", "target", "up", "fov_y_degrees"]] * len(described["views"]))
+        self.assertEqual({tuple(mesh) for mesh in described["meshes"]},
+                         {("name", "triangles", "shape", "casts", "receives", "closed", "boundary_edges", "nonmanifold_edges",
+                           "misoriented_edges", "dropped_triangles")})
+        self.assertEqual(described["triangles"], sum(mesh["triangles"] for mesh in described["meshes"]))
+        page = (ROOT / "docs/scenes.md").read_text()
+        for key in [*described, *described["meshes"][0], *(key for keys in kinds.values() for key in keys)]:
+            self.assertIn(f"`{key}`", page)
 
     def test_techniques_are_the_default(self):
         self.assertEqual(self.succeed("list"), self.succeed("list", "techniques"))
