@@ -4,9 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "measure/record/origin.h"
-#include "measure/record/title.h"
-
 namespace gnomon {
 
 Record::Record() = default;
@@ -272,22 +269,6 @@ std::optional<std::map<std::string, double>> cause_shares(const Record& r) {
 }
 
 std::string setting_name(const Record& r) { return r.label ? *r.label : setting_key(r); }
-
-std::string title_of_place(std::string_view scene, std::string_view light, std::string_view view, std::string_view path) {
-  std::string title = fmt::format("{} {} ", scene, light);
-  if (!view.empty() && view != "view" && view != "-") title += fmt::format("{} ", view);
-  if (!path.empty()) title += fmt::format("{} ", path);
-  return title;
-}
-
-std::string title(const Record& r) { return title_of_place(r.scene, r.light, r.view, r.path) + setting_key(r); }
-
-std::string plugin_hash(const Record& record) {
-  const auto found = record.context.find("plugin");
-  return found == record.context.end() || !found->is_object() ? "" : plain_text(found->value("hash", Json("")));
-}
-
-bool is_foreign(const Record& record) { return record.context.contains("foreign"); }
 
 std::string context_text(const Record& record, std::string_view key) {
   const auto found = record.context.find(key);
