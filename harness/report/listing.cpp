@@ -117,7 +117,7 @@ std::string describe_text(const TechniqueEntry& entry, std::size_t width) {
     text += '\n' + table.text(width);
   }
   if (!about.causes.empty()) {
-    TextTable table({{"cause of its own", ""}, {"meaning", ""}});
+    TextTable table({{"own cause", ""}, {"meaning", ""}});
     for (const OwnCause& cause : about.causes) table.add_row({std::string(cause.id), std::string(cause.sentence)});
     text += '\n' + table.text(width);
   }
