@@ -76,19 +76,19 @@ int run_program(int argc, char** argv) {
     Program program{
         {"Gnomon: shadow techniques side by side, by cost and by error against ray-traced truth", "gnomon", GNOMON_VERSION},
         {}};
+    const auto loaded_by = [&](void (*load)(const std::string&)) {
+      return [&program, load](const std::string& path) {
+        load(path);
+        check_own_causes(registry().techniques());
+        program.plugins.push_back(path);
+      };
+    };
     program.line.early_option("--plugin", "FILE.so", "Load techniques from a plugin built with gnomon_add_plugin",
-                              [&](const std::string& path) {
-                                load_plugin(path);
-                                check_own_causes(registry().techniques());
-                                program.plugins.push_back(path);
-                              });
+                              loaded_by(load_plugin));
     program.line.early_option("--program", "FILE.toml", "Load a technique that is a program of its own (docs/protocol.md)",
-                              [&](const std::string& path) {
-                                load_program(path);
-                                check_own_causes(registry().techniques());
-                                program.plugins.push_back(path);
-                              });
+                              loaded_by([](const std::string& path) { load_program(path); }));
     if (const std::filesystem::path root = find_data_root(); !root.empty()) load_programs_of(root / "techniques");
+    check_own_causes(registry().techniques());
     for (auto* add : {add_list, add_describe, add_check, add_render, add_run, add_table, add_compare, add_merge, add_report,
                       add_analyze, add_figure, add_certify, add_docs, add_score, add_export, add_cache, add_view, add_worker})
       add(program);

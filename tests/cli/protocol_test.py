@@ -56,7 +56,7 @@ FAULTS = {
                      r"threw in build: python3 answered build with a line that is no JSON object: hello there"),
     "half_a_line": ("def fault(r):\n  if r['do'] == 'build': sys.stdout.write('{\"ms\":'); sys.stdout.flush(); sys.exit(4)",
                     r"threw in build: python3 ended in build, in the middle of a line: \{\"ms\":: exit status 4"),
-    "says_too_much": ("def fault(r):\n  if r['do'] == 'build': say({'ms': 0}); time.sleep(0.2)",
+    "says_too_much": ("def fault(r):\n  if r['do'] == 'build': print('{\"ms\": 0}\\n{\"ms\": 0}', flush=True); time.sleep(60)",
                       r"python3 said more than it was asked: \{\"ms\": 0"),
     "says_nothing": ("def fault(r):\n  if r['do'] == 'relight': time.sleep(60)", r"hung in relight: no answer within 3 s"),
     "dies": ("def fault(r):\n  if r['do'] == 'resolve': os.kill(os.getpid(), 11)",
@@ -126,6 +126,18 @@ sentence = "Whether."
         self.assertEqual(rows[0]["stages"]["relight"], [[0.0]])
         self.assertEqual(rows[2]["harness_stages"], {})
         self.assertGreater(rows[0]["bytes"], 0)  # what it has grown by
+        # Its rows run again when its files have changed.
+        again = [*options, "run", "--scene", "single_triangle", "--technique", "lit:depth={2,5}", "--technique", "unshadowed", "--light", "sun", *SMALL, "--out", "out", "--resume"]
+        self.assertEqual(rows[0]["context"]["plugin"]["path"], str(self.dir / "lit.toml"))
+        self.assertNotIn("plugin", rows[2]["context"])
+        self.succeed(*again)
+        self.assertEqual([r["context"]["plugin"]["hash"] for r in records(self.dir / "out")[:2]], [rows[0]["context"]["plugin"]["hash"]] * 2)
+        self.assertEqual(len(records(self.dir / "out")), 3)
+        with open(self.dir / "lit.py", "a", encoding="utf-8") as file:
+            file.write("# changed\n")
+        self.succeed(*again)
+        hashes = {r["context"]["plugin"]["hash"] for r in records(self.dir / "out") if r["technique"] == "lit"}
+        self.assertGreater(len(hashes - {rows[0]["context"]["plugin"]["hash"]}), 0)
         described = self.succeed(*options, "describe", "lit")
         for words in ("S.", "depth", "1 .. 9 level", "How deep.", "fast | slow"):
             self.assertIn(words, described)

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <map>
 #include <mutex>
+#include <ranges>
 
 #include "measure/program/program_process.h"
 #include "measure/scene/toml_table.h"
@@ -214,6 +215,16 @@ std::shared_ptr<const ProgramDescription> read_program(const fs::path& file) {
   d.about.causes = d.cause_rows;
   d.about.rasterizes = table.flag("rasterizes", false);
   return made;
+}
+
+std::vector<fs::path> program_files(const ProgramDescription& d) {
+  std::vector<fs::path> files = {d.file};
+  std::error_code ignored;
+  for (const std::string& word : d.command | std::views::drop(1)) {
+    const fs::path file = d.file.parent_path() / word;
+    if (fs::is_regular_file(file, ignored)) files.push_back(file);
+  }
+  return files;
 }
 
 std::string missing_needs(const ProgramDescription& d) {

@@ -66,6 +66,9 @@ struct ProgramDescription {
 /// Reads and checks it. Throws Error with file and line.
 std::shared_ptr<const ProgramDescription> read_program(const std::filesystem::path& file);
 
+/// What it is made of: its description, and those words of its command that are files where it runs.
+std::vector<std::filesystem::path> program_files(const ProgramDescription& description);
+
 /// Which of its needs this machine lacks, in words with the way to get them; empty: none. Looked up once in a process.
 std::string missing_needs(const ProgramDescription& description);
 

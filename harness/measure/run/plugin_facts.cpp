@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 
+#include "measure/program/description.h"
 #include "measure/record/origin.h"
 #include "measure/scene/blob.h"
 
@@ -13,27 +14,46 @@ namespace gnomon {
 
 namespace {
 
-const PluginFacts* plugin_of(const std::string& technique) {
+const std::string& origin_of(const std::string& technique) {
+  static const std::string nowhere;
   const auto entry = std::ranges::find(registry().techniques(), technique, &TechniqueEntry::id);
-  if (entry == registry().techniques().end() || entry->origin.empty()) return nullptr;
-  const auto found = std::ranges::find(loaded_plugins(), entry->origin, &PluginFacts::path);
+  return entry == registry().techniques().end() ? nowhere : entry->origin;
+}
+
+const PluginFacts* plugin_of(const std::string& technique) {
+  const std::string& origin = origin_of(technique);
+  if (origin.empty()) return nullptr;
+  const auto found = std::ranges::find(loaded_plugins(), origin, &PluginFacts::path);
   return found == loaded_plugins().end() ? nullptr : &*found;
 }
 
-const std::string& file_hash(const PluginFacts& plugin) {
-  static std::map<std::string, std::string> hashes;
-  const auto [found, is_new] = hashes.try_emplace(plugin.path);
-  if (is_new) found->second = content_hash(MappedFile::open(plugin.file)->bytes());
-  return found->second;
+/// What a technique from outside is made of: a plugin's file; a program's description, and what of its command is a file.
+std::vector<std::filesystem::path> files_of(const std::string& technique) {
+  if (const PluginFacts* const plugin = plugin_of(technique)) return {plugin->file};
+  const std::string& origin = origin_of(technique);
+  if (!origin.ends_with(".toml")) return {};
+  return program_files(*read_program(origin));
+}
+
+/// Empty for a technique that is built in.
+const std::string& hash_of_files(const std::string& technique) {
+  static std::map<std::string, std::string> hashes;  // of this process: files are read once
+  const auto [found, is_new] = hashes.try_emplace(technique);
+  if (!is_new) return found->second;
+  const std::vector<std::filesystem::path> files = files_of(technique);
+  std::string together;
+  for (const std::filesystem::path& file : files) together += content_hash(MappedFile::open(file)->bytes());
+  return found->second = files.size() > 1 ? content_hash(together) : together;
 }
 
 }  // namespace
 
 Json plugin_facts(const std::string& technique) {
+  const std::string& hash = hash_of_files(technique);
+  if (hash.empty()) return nullptr;
+  Json facts = json_object({{"path", origin_of(technique)}, {"hash", hash}});
   const PluginFacts* const plugin = plugin_of(technique);
-  if (!plugin) return nullptr;
-  Json facts = json_object({{"path", plugin->path}, {"hash", file_hash(*plugin)}});
-  if (plugin->compiler.empty()) return facts;  // built by other means than gnomon_add_plugin
+  if (!plugin || plugin->compiler.empty()) return facts;  // a program, or built by other means than gnomon_add_plugin
   facts["build_type"] = plugin->build_type;
   facts["flags"] = plugin->flags;
   facts["compiler"] = plugin->compiler;
@@ -44,8 +64,7 @@ Json plugin_facts(const std::string& technique) {
 bool has_other_plugin(const Record& record) {
   const auto& all = registry().techniques();
   if (std::ranges::find(all, record.technique, &TechniqueEntry::id) == all.end()) return false;
-  const PluginFacts* const plugin = plugin_of(record.technique);
-  return plugin_hash(record) != (plugin ? file_hash(*plugin) : "");
+  return plugin_hash(record) != hash_of_files(record.technique);
 }
 
 }  // namespace gnomon

@@ -93,6 +93,8 @@ TEST(analysis, unknown_quantities_are_errors_with_the_nearest_name) {
 TEST(analysis, filter_sees_scene_light_setting_and_label) {
   std::vector<Record> records{row("a", 1, 1, 0.1), row("b:k=2", 1, 1, 0.1, "fence")};
   records[0].label = "short name";
+  EXPECT_EQ(title(records[0]), fmt::format("soup point {} a", records[0].view));
+  for (Record& record : records) record.view = "view";  // which titles leave out
   EXPECT_EQ(matching(records, "^soup point a$").size(), 1u);
   EXPECT_EQ(matching(records, "short").size(), 1u);
   EXPECT_EQ(matching(records, "k=2").front().scene, "fence");
