@@ -26,7 +26,7 @@ class Technique:
     """What the testbed asks, in the order of a technique's life; each may be left out but `resolve`.
 
     `self.settings` holds the parameters by name (`self.settings.samples`), `self.counts` what was counted: {"rays": 12} or
-    {"bytes": (1024, "byte")}. `self.threads` is how many cores it may use.
+    {"bytes": (1024, "byte")}; without it `bytes` are those of the arrays that the object keeps. `self.threads` is how many cores it may use.
     """
 
     def setup(self):
@@ -126,6 +126,22 @@ def _counts(counts):
     return [{"name": name, "value": float(value), "unit": unit} for name, (value, unit) in pairs]
 
 
+def _held_bytes(value, seen):
+    """Of the arrays that an object keeps, each memory once; files that are looked at are not its own."""
+    while isinstance(value, np.ndarray) and isinstance(value.base, np.ndarray):
+        value = value.base
+    if id(value) in seen or isinstance(value, (np.memmap, str, bytes)):
+        return 0
+    seen.add(id(value))
+    if isinstance(value, np.ndarray):
+        return value.nbytes
+    if isinstance(value, (list, tuple, set)):
+        return sum(_held_bytes(item, seen) for item in value)
+    if isinstance(value, dict):
+        return sum(_held_bytes(item, seen) for item in value.values())
+    return _held_bytes(vars(value), seen) if hasattr(value, "__dict__") else 0
+
+
 class _Server:
     def __init__(self, make):
         self.make, self.technique, self.threads = make, None, 1
@@ -153,7 +169,9 @@ class _Server:
         getattr(technique, doing)(*given)
         if mask is not None:
             del given
-        return {"ms": 1000 * (time.perf_counter() - start), "counts": _counts(technique.counts)}
+        answer = {"ms": 1000 * (time.perf_counter() - start)}
+        held = {"bytes": (_held_bytes(technique, set()), "byte")} if doing == "resolve" else {}
+        return answer | {"counts": _counts(held | technique.counts)}
 
     @staticmethod
     def given(doing, request):
