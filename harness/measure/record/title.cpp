@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "measure/record/origin.h"
+#include "measure/record/record.h"
 
 namespace gnomon {
 
@@ -14,12 +14,5 @@ std::string title_of_place(std::string_view scene, std::string_view light, std::
 }
 
 std::string title(const Record& r) { return title_of_place(r.scene, r.light, r.view, r.path) + setting_key(r); }
-
-std::string plugin_hash(const Record& record) {
-  const auto found = record.context.find("plugin");
-  return found == record.context.end() || !found->is_object() ? "" : plain_text(found->value("hash", Json("")));
-}
-
-bool is_foreign(const Record& record) { return record.context.contains("foreign"); }
 
 }  // namespace gnomon
