@@ -27,6 +27,14 @@ class Check(ProgramTest):
     def test_a_technique_that_draws_is_asked_with_opengl(self):
         self.assertRegex(self.succeed("check", "shadow_map", *QUICK), r"(?m)^gl_state +holds$")
 
+    def test_a_technique_that_explains_nothing_has_no_causes_to_judge(self):
+        for technique, verdict in (("unshadowed", "does not apply: it explains no wrong pixel: causes are told from where they are alone"),
+                                   ("embree_rays", "does not apply: no pixel of these scenes is wrong"), ("shadow_map", "holds"),
+                                   ("names_causes", "holds")):
+            with self.subTest(technique):
+                told = json.loads(self.succeed("--plugin", FAULTS, "check", technique, "--rule", "named_causes", "--json"))["rules"][0]
+                self.assertEqual(told["verdict"] + (": " + told["why"] if told["why"] else ""), verdict)
+
     def test_a_plugin_is_asked_and_its_faults_are_told_with_place_and_advice(self):
         text = self.succeed("--plugin", FAULTS, "check", "returns_nan", *QUICK, status=1)
         self.assertRegex(text, r"(?m)^data_sheet +holds$")

@@ -91,7 +91,7 @@ LOOSE = {
     "iterations": "as many calls as take a millisecond",
     "stop": "says which times were narrow enough",
     "seconds": "a time",
-    "peak_bytes": "pages that the process had at most, also those of threads, driver, libraries and earlier rows",
+    "peak_bytes": "pages that the process had at most, also those of threads, driver, libraries, earlier rows and programs",
     "gl.upload_ms": "a time",
     "context.load_average": "what else the machine did",
     "context.started": "a date",

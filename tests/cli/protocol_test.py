@@ -144,6 +144,38 @@ sentence = "Whether."
         self.refuse(*options, "run", "--scene", "fence", "--technique", "lit:depth=10", says=["lit.depth = 10 is outside 1 .. 9 level"])
         self.assertEqual(workers(self.dir), [])
 
+    def test_peak_memory_is_the_workers_and_the_programs_together(self):
+        hold = "held = bytes(range(256)) * (800 << 10)"  # 200 MiB
+        peaks = {}
+        for name, fault in {
+            "small": "",
+            "large": f"def fault(r):\n  global held\n  if r['do'] == 'build': {hold}",
+            "was_large": f"def fault(r):\n  if r['do'] == 'build': {hold}",
+            "child": f"""
+import subprocess
+def fault(r):
+    if r["do"] == "build" and "child" not in globals():
+        global child
+        child = subprocess.Popen([sys.executable, "-c", "{hold}; print(flush=True); input()"], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        child.stdout.readline()
+""",
+            "ended_child": f"""
+import subprocess
+def fault(r):
+    if r["do"] == "build":
+        subprocess.run([sys.executable, "-c", "{hold}"], check=True)
+""",
+        }.items():
+            options = self.program(name, fault=fault)
+            self.succeed(*options, "run", "--scene", "single_triangle", "--technique", name, "--light", "sun", *SMALL, "--out", name)
+            row = records(self.dir / name)[0]
+            self.assertEqual(row["status"], "ok", row["reason"])
+            peaks[name] = row["peak_bytes"] / 2**20
+        for name in ("large", "was_large", "child"):
+            self.assertTrue(190 < peaks[name] - peaks["small"] < 260, peaks)
+        self.assertLess(abs(peaks["ended_child"] - peaks["small"]), 50, peaks)
+        self.assertEqual(workers(self.dir), [])
+
     def test_settings_and_files_are_what_the_protocol_says(self):
         code = LIT.replace("FAULT", """
 import numpy

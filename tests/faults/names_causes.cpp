@@ -1,9 +1,8 @@
 // Names causes: all lit, and of its own it says why: the left half of a picture is out of its sight, of the rest nothing. The
 // environment makes it name a cause that it does not declare, or declare one in a color that is taken.
 #include <cstdlib>
-#include <string>
 
-#include "faults/harmless.h"
+#include "faults/names_half.h"
 
 namespace {
 using namespace gnomon;
@@ -20,21 +19,15 @@ const OwnCause causes[] = {
     {"never", "A cause that holds nowhere.", {20, 255, 148}},
 };
 
-class NamesCauses final : public Harmless {
+class NamesCauses final : public NamesHalf {
  public:
-  void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
-    Harmless::resolve(gbuffer, mask);
-    width_ = static_cast<std::size_t>(gbuffer.width);
-  }
+  NamesCauses() : NamesHalf(Half::left, "left_half") {}
+
   std::optional<Explanation> explain(std::size_t index) const override {
-    Explanation why;
-    if (index % width_ < width_ / 2) why.cause = "left_half";
-    if (const std::string other = word("GNOMON_TEST_CAUSE"); !other.empty()) why.cause = other;
+    auto why = NamesHalf::explain(index);
+    if (const std::string other = word("GNOMON_TEST_CAUSE"); !other.empty()) why->cause = other;
     return why;
   }
-
- private:
-  std::size_t width_ = 1;
 };
 
 }  // namespace

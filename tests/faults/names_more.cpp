@@ -1,6 +1,6 @@
 // Names more causes: all lit, and of its own it says why: the right half of a picture is out of its sight. It shares one cause
 // with names_causes, which has it at another place of its data sheet.
-#include "faults/harmless.h"
+#include "faults/names_half.h"
 
 namespace {
 using namespace gnomon;
@@ -10,20 +10,9 @@ constexpr OwnCause causes[] = {
     {"never", "A cause that holds nowhere.", {20, 255, 148}},
 };
 
-class NamesMore final : public Harmless {
+class NamesMore final : public NamesHalf {
  public:
-  void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
-    Harmless::resolve(gbuffer, mask);
-    width_ = static_cast<std::size_t>(gbuffer.width);
-  }
-  std::optional<Explanation> explain(std::size_t index) const override {
-    Explanation why;
-    if (index % width_ >= width_ / 2) why.cause = "right_half";
-    return why;
-  }
-
- private:
-  std::size_t width_ = 1;
+  NamesMore() : NamesHalf(Half::right, "right_half") {}
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "measure/conformance/world.h"
 #include "measure/scratch_folder.h"
 
 namespace gnomon::conformance {
@@ -65,7 +66,9 @@ Verdict judge_in_child(const Rule& rule, const TechniqueEntry& entry, WorkerOpti
   WorkerProcess child(options);
   try {
     child.send(json_object({{"do", rule.name}, {"technique", entry.id}, {"place", place.string()}}));
-    return verdict_of(child.receive(timeout_seconds));
+    const Json reply = child.receive(timeout_seconds);
+    if (reply.contains("cannot_ask")) throw CannotAsk("{}", plain_text(reply["cannot_ask"]));
+    return verdict_of(reply);
   } catch (const WorkerFailure& failure) {
     return {.kind = Verdict::Kind::fails,
             .findings = {{fmt::format("it {}", failure.what()), place_in(place), {}}},
@@ -80,7 +83,11 @@ int rule_child_main(int socket, int threads) {
     const std::filesystem::path file(request.at("place").get<std::string>());
     const auto moves = [&](const Place& place) { std::ofstream(file) << json_text(place_json(place)); };
     const TechniqueEntry& entry = registry().technique(request.at("technique").get<std::string>());
-    return verdict_json(judge(rule(request.at("do").get<std::string>()), entry, moves));
+    try {
+      return verdict_json(judge(rule(request.at("do").get<std::string>()), entry, moves));
+    } catch (const CannotAsk& error) {
+      return json_object({{"cannot_ask", error.what()}});
+    }
   });
 }
 

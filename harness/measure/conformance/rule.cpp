@@ -76,6 +76,8 @@ Verdict judge(const Rule& rule, const TechniqueEntry& entry, const std::function
   Trial trial(entry, moves);
   try {
     rule.check(trial);
+  } catch (const CannotAsk&) {
+    throw;
   } catch (const std::bad_alloc&) {
     trial.found("it ran out of memory");
   } catch (const std::exception& error) {

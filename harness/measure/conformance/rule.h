@@ -70,7 +70,7 @@ const Rule& rule(std::string_view name);
 std::string_view why_not_asked(const Rule& rule, const About& about);
 
 /// Asks one technique one rule, here in this process, which a technique may take down. An exception of the technique is a
-/// finding. `moves` hears where it is asked, before it is.
+/// finding. `moves` hears where it is asked, before it is. Throws Error where the rule's scenes are missing.
 Verdict judge(const Rule& rule, const TechniqueEntry& entry, const std::function<void(const Place&)>& moves = {});
 
 }  // namespace gnomon::conformance

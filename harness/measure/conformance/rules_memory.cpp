@@ -11,7 +11,6 @@
 
 #include "device/context.h"
 #include "measure/conformance/trial.h"
-#include "measure/scene/load.h"
 
 #if defined(__SANITIZE_ADDRESS__)
 constexpr bool memory_is_instrumented = true;
@@ -54,7 +53,7 @@ double resident_bytes(bool uses_gl) {
 
 /// A sphere of segments^2 triangles over a ground.
 Scene ball(int segments) {
-  Scene scene = load_scene("sphere_over_plane:segments=4");
+  Scene scene = generated_scene("sphere_over_plane:segments=4");
   scene.meshes[1] = tessellate(*scene.meshes[1].shape, segments, "sphere");
   return scene;
 }

@@ -1,8 +1,18 @@
 #include "measure/conformance/world.h"
 
+#include <gnomon/registry.h>
+
 #include "measure/frame/soft_reference.h"
+#include "measure/scene/load.h"
 
 namespace gnomon::conformance {
+
+Scene generated_scene(const std::string& reference) {
+  const std::string id = reference.substr(0, reference.find(':'));
+  if (!registry().find_scene(id))
+    throw CannotAsk("the generated scene {} is missing: this program was built without it, and rules are asked there", id);
+  return load_scene(reference);
+}
 
 World::World(Scene the_scene, Truth the_truth)
     : scene(std::move(the_scene)),

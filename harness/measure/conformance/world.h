@@ -11,6 +11,14 @@
 
 namespace gnomon::conformance {
 
+/// A rule cannot be asked, for a reason that is not the technique's.
+class CannotAsk : public Error {
+  using Error::Error;
+};
+
+/// "box_city:count=12". Throws CannotAsk where this program was built without the generator.
+Scene generated_scene(const std::string& reference);
+
 /// A scene, and what rays say of it under the truth of the geometry that a technique sees.
 class World {
  public:
