@@ -11,7 +11,8 @@ using namespace gnomon;
 class CornellBox final : public SceneGenerator {
  public:
   Scene make() const override {
-    const glm::vec3 white(0.73f, 0.71f, 0.68f), red(0.57f, 0.05f, 0.04f), green(0.12f, 0.4f, 0.08f);
+    // As renderers commonly have them, made from the measured spectra.
+    const glm::vec3 white(0.725f, 0.71f, 0.68f), red(0.63f, 0.065f, 0.05f), green(0.14f, 0.45f, 0.091f);
     Scene scene;
     scene.name = id();
     // Half the width, height and depth of the room; each wall is a one-sided sheet that faces the inside.

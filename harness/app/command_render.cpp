@@ -24,7 +24,7 @@ struct RenderOptions {
   std::string scene, technique, view, size = "640x360", truth = "shape", debug;
   std::vector<std::string> lights;
   fs::path out, detail;
-  int threads = 0;
+  int threads = 0, global_samples = 0;
   double timeout = 120;
 };
 
@@ -101,6 +101,7 @@ Suite render_suite(const RenderOptions& options, const Contender& contender) {
   group.scenes = {options.scene};
   group.lights = options.lights;
   group.contenders = {contender};
+  group.global_samples = options.global_samples;
   if (!options.view.empty()) group.views = {options.view};
   return suite;
 }
@@ -116,9 +117,11 @@ std::string summary(const Record& record, const ErrorCounts& errors) {
   if (!has_area(record))
     return fmt::format("wrong {:.4f} % of {} tested pixels, false dark {}, false lit {}",
                        percent_of(static_cast<double>(errors.wrong)), errors.tested, errors.false_dark, errors.false_lit);
-  return fmt::format("mean error {:.4f} % over {} tested pixels, the reference's own {:.4f} %, wrong {:.4f} %",
+  const auto of_all_light = record.metric("radiosity_error");
+  return fmt::format("mean error {:.4f} % over {} tested pixels, the reference's own {:.4f} %, wrong {:.4f} %{}",
                      percent_of(errors.error_sum), errors.tested, 100 * record.metric("reference_error_mean").value_or(0),
-                     percent_of(static_cast<double>(errors.wrong)));
+                     percent_of(static_cast<double>(errors.wrong)),
+                     of_all_light ? fmt::format(", error of all light {:.2f} %", 100 * *of_all_light) : "");
 }
 
 /// Renders the lights of a scene one after the other and writes what came out into the folders, which are published when all
@@ -287,6 +290,9 @@ void add_render(Program& program) {
   command.option("--size", &options.size, "Picture size in pixels, WxH");
   command.option("--truth", &options.truth, "What counts: exact shapes or the meshes; shape | mesh");
   command.option("--debug", &options.debug, "Also draw this debug layer of the technique", {.check = not_empty()});
+  command.option("--global-samples", &options.global_samples,
+                 "Light paths of a pixel of the reference that the global picture is compared with; not compared by default",
+                 {.check = whole_in(least_global_samples, most_global_samples)});
   command.option("--detail", &options.detail,
                  "Also write the technique's lit and shadowed polygons to this Wavefront OBJ file; FILE.obj",
                  {.check = not_empty()});

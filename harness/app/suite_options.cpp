@@ -32,6 +32,7 @@ Suite make_suite(const SuiteOptions& options, const std::string& command) {
   for (SuiteGroup& group : suite.groups) {
     if (!options.lights.empty()) group.lights = options.lights;
     if (!options.views.empty()) group.views = options.views;
+    if (options.global_samples) group.global_samples = options.global_samples;
   }
   if (!options.size.empty()) {
     std::tie(suite.width, suite.height) = parse_size(options.size, "--size");
@@ -66,6 +67,10 @@ void add_suite_options(Command& command, SuiteOptions& options, const std::strin
   add("--interval", &options.interval, "More processes until intervals are this share of the time wide",
       {.check = number_in(0.001, 10)});
   add("--budget", &options.budget, "Seconds that those processes may take", {.check = seconds()});
+  add("--global-samples", &options.global_samples,
+      "Light paths of a pixel of the reference that global pictures are compared with (radiosity_error); not compared by "
+      "default",
+      {.check = whole_in(least_global_samples, most_global_samples)});
   add("--threads", &options.threads, "Pin workers to this many cores; all by default");
   add("--timeout", &options.timeout, "Seconds that one step of a worker may take", {.check = seconds()});
 }

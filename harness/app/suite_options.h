@@ -12,7 +12,7 @@ namespace gnomon::app {
 struct SuiteOptions {
   std::string suite, size, truth, filter;
   std::vector<std::string> scenes, techniques, lights, views;
-  int repetitions = 0, processes = 0, threads = 0;  ///< 0: as the suite says; for threads, all cores
+  int repetitions = 0, processes = 0, threads = 0, global_samples = 0;  ///< 0: as the suite says; for threads, all cores
   std::optional<double> timeout, interval, budget;
 };
 

@@ -91,7 +91,7 @@ LightFace::LightFace(const Light& light, const glm::dvec3& point, const glm::dve
     const double wide = start > 0 ? std::sqrt(1 - start * start) : 1;
     box_.low.y = -wide;
     box_.high.y = wide;
-  } else {
+  } else if (!(horizon_.x > std::abs(horizon_.y) + std::abs(horizon_.z))) {  // else all four corners are above it
     std::vector<glm::dvec2> seen = square();
     clip_places(seen, horizon_);
     if (seen.size() < 3) return;

@@ -324,8 +324,10 @@ EngineState Engine::state() const {
   EngineState state = body_->state;
   const auto now = Body::Clock::now();
   for (int k = 0; k < 2; ++k)
-    if (const auto since = body_->sides[k]->since_)
+    if (const auto since = body_->sides[k]->since_) {
       state.sides[k].seconds = std::chrono::duration<double>(now - *since).count();
+      if (const auto& worker = body_->sides[k]->worker_) state.sides[k].progress = worker->progress();
+    }
   return state;
 }
 

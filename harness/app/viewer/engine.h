@@ -65,6 +65,7 @@ struct SideState {
   Phase phase = Phase::starting;
   std::string words = {};     ///< what it does now ("setup"), or why it is unsupported or failed
   double seconds = 0;         ///< that the present request has taken
+  double progress = 0;        ///< share of it that is done, 0 .. 1; 0 where the technique does not tell
   bool is_reference = false;  ///< it shows the reference itself, which no worker computes
   std::shared_ptr<const SideAnswer> answer = nullptr;
   std::shared_ptr<const Counts> counts;  ///< of `counted_answer`; null until they are known

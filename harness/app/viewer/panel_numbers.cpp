@@ -70,8 +70,10 @@ void draw_row(const EngineState& state, const std::string& name, const std::stri
 }
 
 std::string phase_words(const SideState& side) {
-  if (side.phase == Phase::working)
-    return fmt::format("{} {:.1f} s", side.words.empty() ? "working" : side.words, side.seconds);
+  if (side.phase == Phase::working) {
+    const std::string share = side.progress > 0 ? fmt::format(" {:.0f} %", 100 * side.progress) : "";
+    return fmt::format("{}{} {:.1f} s", side.words.empty() ? "working" : side.words, share, side.seconds);
+  }
   return side.phase == Phase::done && side.is_approximate() ? "approximate" : phase_names[static_cast<int>(side.phase)];
 }
 

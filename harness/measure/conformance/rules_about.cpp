@@ -34,7 +34,7 @@ void data_sheet(Trial& trial) {
 void supports_a_light(Trial& trial) {
   for (const char* reference : {"sphere_over_plane:segments=24", "box_city:count=12"}) {
     trial.at(reference);
-    trial.expect(!trial.supported_lights(load_scene(reference)).empty(), "it supports no light at all");
+    trial.expect(!trial.supported_lights(generated_scene(reference)).empty(), "it supports no light at all");
   }
 }
 
@@ -110,7 +110,7 @@ void parameter_values(Trial& trial) {
 // For every kind of light a fresh object answers: full, or why not. An area light is no exception.
 void support_answered(Trial& trial) {
   for (const char* reference : {"sphere_over_plane:segments=16", "box_city:count=12", "single_triangle"}) {
-    const Scene scene = load_scene(reference);
+    const Scene scene = generated_scene(reference);
     trial.at(reference);
     for (const Light& light : lights_of_all_kinds(scene)) {
       trial.at(light);

@@ -27,7 +27,7 @@ void same_mask(Trial& trial) {
 }
 
 void lit_where_nothing_receives(Trial& trial) {
-  Scene scene = load_scene("box_city:count=12");
+  Scene scene = generated_scene("box_city:count=12");
   for (std::size_t m = 1; m < scene.meshes.size(); m += 2) scene.meshes[m].receives = false;
   trial.at("box_city:count=12, of which every other mesh does not receive");
   const auto w = trial.world(std::move(scene));
@@ -39,7 +39,7 @@ void lit_where_nothing_receives(Trial& trial) {
 }
 
 void lit_without_casters(Trial& trial) {
-  Scene scene = load_scene("box_city:count=12");
+  Scene scene = generated_scene("box_city:count=12");
   for (Mesh& mesh : scene.meshes) mesh.casts = false;
   trial.at("box_city:count=12, of which no mesh casts");
   const auto w = trial.world(std::move(scene));
@@ -54,7 +54,7 @@ void lit_without_casters(Trial& trial) {
 // The sphere does not cast; the ground does, on nothing: it lies below all that faces the light. A technique of samples may
 // find acne there, on one pixel of a hundred.
 void lit_below_no_caster(Trial& trial) {
-  Scene scene = load_scene("sphere_over_plane:segments=24");
+  Scene scene = generated_scene("sphere_over_plane:segments=24");
   scene.meshes[1].casts = false;
   trial.at("sphere_over_plane:segments=24, of which the sphere does not cast");
   const auto w = trial.world(std::move(scene));
@@ -141,7 +141,7 @@ void debug_layers(Trial& trial) {
   const char* const reference = "sphere_over_plane:segments=24";
   for (const Truth truth : {Truth::mesh, Truth::shape}) {
     trial.at(reference);
-    const World w(load_scene(reference), truth);
+    const World w(generated_scene(reference), truth);
     const GBuffer gbuffer = w.gbuffer();
     for (const Light& light : trial.supported_lights(w.scene)) {
       trial.at(light);
@@ -159,6 +159,36 @@ void debug_layers(Trial& trial) {
       check_unknown_layers(trial, *technique);
     }
   }
+}
+
+// Asked on either truth. What has the picture under one light that it supports has it under every one.
+void global_pictures(Trial& trial) {
+  const char* const reference = "sphere_over_plane:segments=24";
+  int with = 0, without = 0;
+  for (const Truth truth : {Truth::mesh, Truth::shape}) {
+    trial.at(reference);
+    const World w(generated_scene(reference), truth);
+    const GBuffer gbuffer = w.gbuffer();
+    for (const Light& light : trial.supported_lights(w.scene)) {
+      trial.at(light);
+      const auto technique = trial.set_up();
+      const std::vector<float> mask = trial.answer(*technique, w.scene, light, gbuffer);
+      const auto picture = technique->global_picture();
+      ++(picture ? with : without);
+      if (!picture) continue;
+      trial.expect(picture->size() == 3 * gbuffer.size(),
+                   fmt::format("the global picture has {} floats, not {}", picture->size(), 3 * gbuffer.size()));
+      const auto wrong = std::ranges::find_if_not(*picture, [](float v) { return v >= 0 && std::isfinite(v); });
+      if (wrong != picture->end()) trial.found(fmt::format("the global picture has a radiance of {}", *wrong));
+      for (std::size_t k = 0; k < std::min(picture->size(), 3 * gbuffer.size()); ++k)
+        if (gbuffer.is_background(k / 3) && (*picture)[k] != 0)
+          trial.found(fmt::format("the background sends a radiance of {}", (*picture)[k]), k / 3, gbuffer);
+      trial.expect_same(*picture, technique->global_picture().value_or(std::vector<float>()), "the global picture again");
+      trial.expect_same(mask, trial.resolve(*technique, gbuffer), "resolve after global_picture", &gbuffer);
+    }
+  }
+  if (with == 0) return trial.does_not_apply("it gives no global picture");
+  trial.expect(without == 0, fmt::format("it gives a global picture under {} of {} lights", with, with + without));
 }
 
 }  // namespace
@@ -203,6 +233,11 @@ std::vector<Rule> answer_rules() {
        .advice = "Size the picture by the last G-buffer, clamp what is a color, and end draw_debug with "
                  "Technique::draw_debug(layer), which words the refusal.",
        .check = debug_layers},
+      {.name = "global_picture",
+       .sentence = "A global picture has three finite numbers from 0 on for each pixel, 0 where there is background, the "
+                   "same twice, under both truths and every light that the technique supports; it changes no answer.",
+       .advice = "Size the picture by the last G-buffer, and let global_picture() only read what resolve has found.",
+       .check = global_pictures},
   };
 }
 

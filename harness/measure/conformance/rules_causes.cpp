@@ -1,10 +1,10 @@
 // Whether a technique's own account of a pixel explains every error that it makes.
+#include <algorithm>
 #include <cmath>
 
 #include "measure/cause/own_causes.h"
 #include "measure/conformance/trial.h"
 #include "measure/frame/frame.h"
-#include "measure/scene/load.h"
 #include "measure/scratch_folder.h"
 
 namespace gnomon::conformance {
@@ -45,12 +45,18 @@ void expect_causes(Trial& trial, std::span<const Cause> causes, const Reference&
     trial.found(fmt::format("{} wrong pixels have no cause that explains them", unexplained), first, gbuffer);
 }
 
+/// Whether it has anything from which a cause follows; without, the pixel's place alone tells it.
+bool says_something(const std::optional<Explanation>& why) {
+  return why && (!why->covered || why->formula_differs || why->outline_error > 0 || why->element || !why->cause.empty() ||
+                 !why->taps.empty() || !why->samples.empty());
+}
+
 void named_causes(Trial& trial) {
   const ScratchFolder cache = ScratchFolder::temporary("gnomon_causes");
-  std::size_t tested = 0;
+  std::size_t tested = 0, asked = 0, told = 0;  // pixels, of which it is asked, and of which it tells something
   for (const char* reference : {"box_city:count=30", "soup:count=200", "fence", "contact"}) {
     trial.at(reference);
-    const Scene scene = load_scene(reference);
+    const Scene scene = generated_scene(reference);
     FrameStore frames(scene, cache.path());
     const FrameKey key{scene.views[0], 192, 108, trial.entry().about.sees};
     const GBuffer gbuffer = frames.gbuffer(key);
@@ -60,7 +66,12 @@ void named_causes(Trial& trial) {
       const auto technique = trial.set_up();
       const std::vector<float> mask = trial.answer(*technique, scene, light, gbuffer);
       const Reference truth = frames.reference(key, light);
-      const auto explain = [&](std::span<const std::uint32_t> pixels) { return technique->explain_all(pixels); };
+      const auto explain = [&](std::span<const std::uint32_t> pixels) {
+        auto whys = technique->explain_all(pixels);
+        asked += pixels.size();
+        told += static_cast<std::size_t>(std::ranges::count_if(whys, says_something));
+        return whys;
+      };
       const About& about = trial.entry().about;
       const std::vector<CauseInfo> own = own_causes(about);
       const auto causes = find_causes(
@@ -72,7 +83,12 @@ void named_causes(Trial& trial) {
         expect_causes(trial, causes, truth, mask, gbuffer);
     }
   }
-  if (tested == 0) trial.does_not_apply("it supports no light of these scenes");
+  if (tested == 0)
+    trial.does_not_apply("it supports no light of these scenes");
+  else if (asked == 0)
+    trial.does_not_apply("no pixel of these scenes is wrong");
+  else if (told == 0)
+    trial.does_not_apply("it explains no wrong pixel: causes are told from where they are alone");
 }
 
 }  // namespace

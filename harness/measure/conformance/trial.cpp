@@ -5,11 +5,9 @@
 #include <algorithm>
 #include <bit>
 
-#include "measure/scene/load.h"
-
 namespace gnomon::conformance {
 
-std::unique_ptr<World> Trial::world(const std::string& reference) const { return world(load_scene(reference)); }
+std::unique_ptr<World> Trial::world(const std::string& reference) const { return world(generated_scene(reference)); }
 
 Support Trial::support(const Scene& scene, const Light& light, const std::string& settings) const {
   const auto technique = entry_.make();

@@ -1,6 +1,7 @@
 #include "measure/frame/frame.h"
 
 #include <gnomon/error.h>
+#include <gnomon/kit/path_light.h>
 #include <gnomon/registry.h>
 
 #include <algorithm>
@@ -31,10 +32,24 @@ std::size_t reference_pixel(const Light& light) { return has_area(light) ? soft_
 /// Raised when trace_soft answers otherwise.
 constexpr int soft_version = 2;
 
+/// Raised when trace_paths answers otherwise.
+constexpr int global_version = 1;
+
+/// Of the paths of a GlobalReference: no technique has it, so that none is compared with its own paths.
+constexpr std::uint64_t global_seed = 0x7fffffff;
+
 /// Raised when what files hold for the same frame changes. It names them, so that builds before and after keep their own.
 constexpr int file_layout = 2;
 
 std::size_t pixel_count(const FrameKey& key) { return static_cast<std::size_t>(key.width) * key.height; }
+
+/// Bytes of a GlobalReference: of a pixel two floats a channel, then the number of rays.
+std::size_t global_size(const FrameKey& key) { return pixel_count(key) * 6 * sizeof(float) + sizeof(std::uint64_t); }
+
+std::size_t size_of(const MissingFrame& missing) {
+  if (missing.global_samples > 0) return global_size(missing.key);
+  return pixel_count(missing.key) * (missing.light ? reference_pixel(*missing.light) : gbuffer_pixel);
+}
 
 std::vector<std::byte> gbuffer_bytes(const GBuffer& g) {
   std::vector<std::byte> bytes;
@@ -77,7 +92,7 @@ fs::path FrameStore::find(const std::string& name, std::size_t size) {
 
 fs::path FrameStore::make(const std::string& name, const MissingFrame& missing) {
   std::vector<std::byte> bytes = maker_ ? maker_->make(missing) : tracer_.make(missing);
-  const std::size_t size = pixel_count(missing.key) * (missing.light ? reference_pixel(*missing.light) : gbuffer_pixel);
+  const std::size_t size = size_of(missing);
   if (bytes.size() != size) throw Error("a frame was made with {} bytes; {} are wanted", bytes.size(), size);
   append_hash(bytes);
   return files_.put(name, bytes);
@@ -139,6 +154,7 @@ std::vector<std::byte> FrameTracer::make(const MissingFrame& missing) {
   const FrameKey& key = missing.key;
   if (missing.light) {
     const GBuffer gbuffer = map_gbuffer(missing.gbuffer_file, key);
+    if (missing.global_samples > 0) return global_reference(missing, gbuffer);
     return has_area(*missing.light) ? soft_reference(missing, gbuffer) : reference(missing, gbuffer);
   }
   return gbuffer_bytes(make_gbuffer(scene_, everything(key.truth), key.view, key.width, key.height, key.truth));
@@ -172,6 +188,36 @@ std::vector<std::byte> FrameTracer::soft_reference(const MissingFrame& missing, 
   append(bytes, std::span<const PixelClass>(soft.classes));
   bytes.resize(bytes.size() + g.size());  // snapping belongs to hard edges
   return bytes;
+}
+
+std::vector<std::byte> FrameTracer::global_reference(const MissingFrame& missing, const GBuffer& g) {
+  if (const auto why = endless_bounces(scene_)) throw Error("{}", *why);
+  const LightSurfaces surfaces{scene_, everything(missing.key.truth), casters(missing.key.truth)};
+  const PathOptions options{.samples = missing.global_samples, .seed = global_seed};
+  const PathPicture picture = trace_paths(surfaces, g, *missing.light, options, missing.done);
+  const std::uint64_t rays = picture.rays;
+  std::vector<std::byte> bytes;
+  for (const auto* floats : {&picture.radiance, &picture.error}) append(bytes, std::span<const float>(*floats));
+  append(bytes, std::span<const std::uint64_t>(&rays, 1));
+  return bytes;
+}
+
+GlobalReference FrameStore::global_reference(const FrameKey& key, const Light& light, int samples) {
+  const std::string asked = fmt::format("{} global {} {}", hash(key, &light), global_version, samples);
+  const std::string name = content_hash(asked) + ".reference";
+  fs::path path = find(name, global_size(key));
+  if (path.empty()) {
+    const fs::path seen = gbuffer_file(key);
+    path =
+        make(name, {.scene_file = scene_file(), .key = key, .light = light, .gbuffer_file = seen, .global_samples = samples});
+  }
+  const auto file = MappedFile::open(path);
+  std::size_t offset = 0;
+  GlobalReference reference;
+  for (auto* floats : {&reference.radiance, &reference.error}) *floats = slice<float>(*file, offset, 3 * pixel_count(key));
+  reference.rays = slice<std::uint64_t>(*file, offset, 1).front();
+  reference.storage = file;
+  return reference;
 }
 
 Reference FrameStore::reference(const FrameKey& key, const Light& light, const AreaTarget& target, int subpixel_bits) {

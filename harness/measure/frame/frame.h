@@ -32,6 +32,14 @@ struct Reference {
   std::span<const std::uint32_t> rays = {};
 };
 
+/// All light that surfaces send to the eye under one light with area, by random light paths (see PathPicture): linear RGB
+/// radiance in units of the light's intensity, three floats a pixel, and the standard error of each.
+struct GlobalReference {
+  std::span<const float> radiance, error;
+  std::uint64_t rays = 0;
+  std::shared_ptr<const void> storage;
+};
+
 /// Raised when a G-buffer, a reference or a class comes out differently for the same scene. Records keep it as `frames` of
 /// their context: causes belong to the frames that they were found on.
 int frame_version();
@@ -51,6 +59,7 @@ struct MissingFrame {
   std::filesystem::path gbuffer_file;       ///< which is seen in this G-buffer
   AreaTarget target = {};                   ///< of a light with area
   int subpixel_bits = usual_subpixel_bits;  ///< of the rasterizer whose rounding is marked
+  int global_samples = 0;                   ///< above 0: its GlobalReference is missing, of so many light paths a pixel
   /// Counts pixels of a reference under a light with area as they are finished, for whoever shows progress.
   std::atomic<std::size_t>* done = nullptr;
 };
@@ -76,6 +85,7 @@ class FrameTracer final : public FrameMaker {
   const RayScene& rays(Truth truth, RayScene::Which which);
   std::vector<std::byte> reference(const MissingFrame& missing, const GBuffer& g);
   std::vector<std::byte> soft_reference(const MissingFrame& missing, const GBuffer& g);
+  std::vector<std::byte> global_reference(const MissingFrame& missing, const GBuffer& g);
 
   const Scene& scene_;
   std::map<std::pair<Truth, RayScene::Which>, RayScene> rays_;
@@ -102,6 +112,9 @@ class FrameStore {
   /// Under a light with area to the target. Throws Error as require_reference does.
   Reference reference(const FrameKey& key, const Light& light, const AreaTarget& target = {},
                       int subpixel_bits = usual_subpixel_bits);
+  /// Under a light with area, of so many light paths a pixel; all bounces count, so the scene must not be endless
+  /// (endless_bounces).
+  GlobalReference global_reference(const FrameKey& key, const Light& light, int samples);
   /// As FrameTracer has them, in this process.
   const RayScene& casters(Truth truth) { return tracer_.casters(truth); }
   const RayScene& everything(Truth truth) { return tracer_.everything(truth); }

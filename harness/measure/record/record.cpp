@@ -39,6 +39,11 @@ void for_each_field(MaybeConst<Record::GlInputs> auto& gl, const auto& use) {
   use("input_bytes", gl.input_bytes);
   use("upload_ms", gl.upload_ms);
 }
+void for_each_field(MaybeConst<Record::ReferenceFacts::GlobalFacts> auto& facts, const auto& use) {
+  use("samples", facts.samples);
+  use("rays", facts.rays);
+  use("error", facts.error);
+}
 void for_each_field(MaybeConst<Record::ReferenceFacts> auto& facts, const auto& use) {
   use("estimates", facts.estimates);
   use("target", facts.target);
@@ -46,6 +51,7 @@ void for_each_field(MaybeConst<Record::ReferenceFacts> auto& facts, const auto& 
   use("rays", facts.rays);
   use("error_mean", facts.error_mean);
   use("error_max", facts.error_max);
+  use("global", facts.global);
 }
 void for_each_field(MaybeConst<Record::LightFacts> auto& light, const auto& use) {
   use("name", light.name);

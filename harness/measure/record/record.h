@@ -70,6 +70,13 @@ struct Record {
     std::uint64_t cap = 0;  ///< places of the light that a point asked for at most
     std::uint64_t rays = 0;
     double error_mean = 0, error_max = 0;  ///< standard errors, over the pixels that face the light
+    /// Of the picture of all light that the technique's was compared with, where the run asked for that.
+    struct GlobalFacts {
+      int samples = 0;  ///< light paths of a pixel
+      std::uint64_t rays = 0;
+      double error = 0;  ///< root mean square of its standard errors, as a share of that of the picture
+    };
+    std::optional<GlobalFacts> global = {};
   };
   std::optional<ReferenceFacts> reference;
 

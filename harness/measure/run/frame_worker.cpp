@@ -26,8 +26,9 @@ std::vector<std::byte> view_and_light_bytes(const MissingFrame& missing) {
 TraceWatch shown_on(Progress& progress, std::string scene) {
   return [&progress, scene = std::move(scene)](const MissingFrame& missing, double share) {
     if (share >= 1) return progress.end_part();
+    const std::string_view what = missing.global_samples > 0 ? "all light" : "reference";
     progress.part(
-        missing.light ? fmt::format("reference of {}, {}", scene, missing.light->name) : fmt::format("G-buffer of {}", scene),
+        missing.light ? fmt::format("{} of {}, {}", what, scene, missing.light->name) : fmt::format("G-buffer of {}", scene),
         share);
   };
 }
@@ -41,8 +42,8 @@ std::vector<std::byte> FrameWorker::make(const MissingFrame& missing) {
   const std::vector<std::byte> view_and_light = view_and_light_bytes(missing);
   const std::string_view truth = name(missing.key.truth);
   const std::string frame =
-      fmt::format("{} {} {} {} {} {} {}", content_hash(view_and_light), missing.key.width, missing.key.height, truth,
-                  missing.target.error, missing.target.cap, missing.subpixel_bits);
+      fmt::format("{} {} {} {} {} {} {} {}", content_hash(view_and_light), missing.key.width, missing.key.height, truth,
+                  missing.target.error, missing.target.cap, missing.subpixel_bits, missing.global_samples);
   if (const auto failure = failures_.find(frame); failure != failures_.end()) throw WorkerFailure(failure->second);
   write_file(file("view_and_light"), view_and_light);
   const Json request = json_object({{"do", "trace"},
@@ -55,6 +56,7 @@ std::vector<std::byte> FrameWorker::make(const MissingFrame& missing) {
                                     {"error", missing.target.error},
                                     {"cap", missing.target.cap},
                                     {"subpixel_bits", missing.subpixel_bits},
+                                    {"global_samples", missing.global_samples},
                                     {"out", file("frame").string()},
                                     {"done", file("done").string()}});
   try {

@@ -126,6 +126,7 @@ std::string hash_of(const Job& job, const Suite& suite) {
                                   job.width, job.height, name(suite.truth), job.path.empty() ? "" : "|" + job.path);
   if (const AreaTarget usual; suite.target.error != usual.error || suite.target.cap != usual.cap)
     asked += fmt::format("|{}|{}", suite.target.error, suite.target.cap);
+  if (job.global_samples > 0) asked += fmt::format("|global {}", job.global_samples);
   return content_hash(asked).substr(0, 16);
 }
 
@@ -165,7 +166,8 @@ std::vector<Job> expand_jobs(const Suite& suite, SceneLibrary& library, std::vec
           for (const std::string& path : paths)
             for (const auto& [width, height] : sizes)
               for (const Contender& contender : contenders) {
-                Job job{"", reference, light, view, light_names, contender, width, height, path, jobs.size()};
+                Job job{"",         reference, light, view, light_names, contender, width, height, path, group.global_samples,
+                        jobs.size()};
                 job.hash = hash_of(job, suite);
                 const auto [known, is_new] = places.try_emplace(job.hash, jobs.size());
                 if (is_new)

@@ -18,6 +18,7 @@ struct Job {
   Contender contender;
   int width = 0, height = 0;
   std::string path;           ///< that it follows; empty: it stands still
+  int global_samples = 0;     ///< see SuiteGroup
   std::size_t place = 0;      ///< position in the expanded suite
   std::string title() const;  ///< "SCENE LIGHT [VIEW] [PATH] TECHNIQUE:SETTINGS", as of its record
 };

@@ -101,7 +101,10 @@ class Row {
   void score(Truth truth, MeasuredRow row) {
     put_together(row, *today_.scene);
     const Evidence evidence = row.evidence(*today_.scene);
+    // Masks alone are kept: what was found of the picture of all light stays.
+    const std::optional<double> of_all_light = record_.metric(truth, "radiosity_error");
     record_.metrics[truth] = measure_metrics(Scoring(evidence));
+    record_.metrics[truth]["radiosity_error"] = of_all_light;
     if (truth != record_.truth) return;
     record_.classes = class_counts(evidence.classes);
     if (row.together && record_.cause_errors) record_.cause_errors = cause_errors(evidence);

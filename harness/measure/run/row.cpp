@@ -1,8 +1,10 @@
 #include "measure/run/row.h"
 
 #include <gnomon/error.h>
+#include <gnomon/kit/path_light.h>
 #include <gnomon/registry.h>
 
+#include <cmath>
 #include <deque>
 
 #include "measure/cause/causes.h"
@@ -28,6 +30,7 @@ std::size_t index_of(const std::vector<Item>& items, const std::string& name) {
 RowFrame SceneRun::first_frame(const Job& job) const {
   RowFrame frame{.lights = {}, .view = index_of(scene.views, job.view), .width = job.width, .height = job.height, .path = {}};
   for (const std::string& light : job.lights) frame.lights.push_back(index_of(scene.lights, light));
+  frame.global_samples = job.global_samples;
   if (!job.path.empty()) frame.path = find_path(scene, job.path, scene.lights[frame.lights.front()], scene.views[frame.view]);
   return frame;
 }
@@ -107,6 +110,49 @@ std::vector<Answer> ContenderWorker::answers(Record* record) {
     if (c.name == "bytes") record->bytes = static_cast<std::uint64_t>(c.value);
   record->peak_bytes = reply.peak_bytes;
   return answers;
+}
+
+namespace {
+
+/// Adds the picture under one light to what is there; variances add up.
+void add(GlobalAnswer& sum, std::span<const float> picture, const GlobalReference& reference) {
+  sum.picture.resize(picture.size());
+  sum.reference.resize(picture.size());
+  sum.error.resize(picture.size());
+  for (std::size_t k = 0; k < picture.size(); ++k) {
+    sum.picture[k] += picture[k];
+    sum.reference[k] += reference.radiance[k];
+    sum.error[k] = std::hypot(sum.error[k], reference.error[k]);
+  }
+}
+
+Record::ReferenceFacts::GlobalFacts facts_of(const GlobalReference& reference, int samples) {
+  double errors = 0, whole = 0;
+  for (std::size_t k = 0; k < reference.radiance.size(); ++k) {
+    errors += static_cast<double>(reference.error[k]) * reference.error[k];
+    whole += static_cast<double>(reference.radiance[k]) * reference.radiance[k];
+  }
+  return {.samples = samples, .rays = reference.rays, .error = whole > 0 ? std::sqrt(errors / whole) : 0};
+}
+
+}  // namespace
+
+std::optional<GlobalAnswer> ContenderWorker::global_answer() {
+  if (frame_.global_samples == 0 || endless_bounces(run_.scene)) return std::nullopt;
+  GlobalAnswer sum;
+  const std::vector<Light> lights = run_.lights(frame_);
+  for (std::size_t k = 0; k < lights.size(); ++k) {
+    sum.facts.emplace_back();
+    if (!has_area(lights[k])) continue;
+    if (!supports_light(k)) return std::nullopt;
+    const auto picture = client_.global_picture(k);
+    if (!picture) return std::nullopt;
+    const GlobalReference reference = run_.frames.global_reference(run_.key(frame_, truth_), lights[k], frame_.global_samples);
+    add(sum, *picture, reference);
+    sum.facts.back() = facts_of(reference, frame_.global_samples);
+  }
+  if (sum.picture.empty()) return std::nullopt;
+  return sum;
 }
 
 void ContenderWorker::note_lights(Record& record) const {
@@ -212,6 +258,16 @@ void remove_pictures(const Record& record, const fs::path& out) {
   for (const std::string& picture : pictures(record)) fs::remove(out / picture, ignored);
 }
 
+Evidence MeasuredRow::evidence(const Scene& scene) const {
+  Evidence evidence = together ? together->evidence() : lights.front().answer.evidence(scene, lights.front().light);
+  if (global) {
+    evidence.global_picture = global->picture;
+    evidence.global_reference = global->reference;
+    evidence.global_error = global->error;
+  }
+  return evidence;
+}
+
 Picture shade(const Scene& scene, const MeasuredRow& row) {
   if (row.together) return shade(scene, row.gbuffer(), row.together->received, row.together->shown);
   return shade(scene, row.gbuffer(), row.lights.front().light, row.mask());
@@ -223,8 +279,18 @@ namespace {
 struct MaskChannels {
   std::vector<std::string> names;
   std::vector<std::span<const float>> values;
-  std::deque<std::vector<float>> causes;  ///< that `values` look at
+  std::deque<std::vector<float>> made;  ///< that `values` look at
 };
+
+/// Three values a pixel as channels "WHAT.R", "WHAT.G", "WHAT.B".
+void add_colors(MaskChannels& file, std::string_view what, std::span<const float> rgb) {
+  for (std::size_t channel = 0; channel < 3; ++channel) {
+    std::vector<float>& values = file.made.emplace_back();
+    for (std::size_t i = channel; i < rgb.size(); i += 3) values.push_back(rgb[i]);
+    file.names.push_back(fmt::format("{}.{}", what, "RGB"[channel]));
+    file.values.push_back(values);
+  }
+}
 
 MaskChannels mask_channels(const Record& record, const MeasuredRow& measured) {
   MaskChannels file;
@@ -235,11 +301,15 @@ MaskChannels mask_channels(const Record& record, const MeasuredRow& measured) {
     };
     add("V", light.answer.mask);
     if (!light.answer.causes.empty()) {
-      std::vector<float>& causes = file.causes.emplace_back();
+      std::vector<float>& causes = file.made.emplace_back();
       for (const Cause cause : light.answer.causes) causes.push_back(static_cast<float>(cause));
       add("cause", causes);
     }
     if (light.other_mask) add(name(record.truth == Truth::shape ? Truth::mesh : Truth::shape), *light.other_mask);
+  }
+  if (measured.global) {
+    add_colors(file, global_channel, measured.global->picture);
+    add_colors(file, global_reference_channel, measured.global->reference);
   }
   return file;
 }
@@ -251,7 +321,8 @@ void write_pictures(Record& record, const Scene& scene, const MeasuredRow& measu
   record.mask = "masks/" + stem + ".exr";
   record.error_picture = "errors/" + stem + ".png";
   record.shaded_picture = "shaded/" + stem + ".png";
-  // What `--rescore` and the report need: the mask, the cause of each pixel, and the mask under the other truth.
+  // What `--rescore` and the report need: the mask, the cause of each pixel, the mask under the other truth, and
+  // pictures of all light.
   const MaskChannels file = mask_channels(record, measured);
   write_exr(out / *record.mask, record.width, record.height, file.names, file.values);
   const std::string title =

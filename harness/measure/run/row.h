@@ -15,7 +15,8 @@ struct RowFrame {
   std::size_t view = 0;
   int width = 0, height = 0;
   std::optional<Path> path;
-  int number = 0;  ///< on the path
+  int number = 0;          ///< on the path
+  int global_samples = 0;  ///< see SuiteGroup
 
   int count() const { return path ? path->frame_count : 1; }  ///< frames of the row
 };
@@ -43,6 +44,16 @@ struct SceneRun {
   FrameRequest request(const RowFrame& frame, Truth truth);
 };
 
+/// All light toward the eye, three floats a pixel.
+/// Of a row's mask file, where pictures of all light were asked for: "global.R" and so on, linear radiance.
+inline constexpr std::string_view global_channel = "global", global_reference_channel = "global_reference";
+
+struct GlobalAnswer {
+  std::vector<float> picture, reference, error;  ///< the technique's; the reference's with its standard errors
+  /// By light of the row; nothing of those without area, which have no radiance.
+  std::vector<std::optional<Record::ReferenceFacts::GlobalFacts>> facts;
+};
+
 /// A worker that holds one contender of a scene, and the frame of a row that it was asked about last.
 class ContenderWorker {
  public:
@@ -64,6 +75,9 @@ class ContenderWorker {
   /// The technique's mask of the frame under each light beside the reference, causes left out; counts and memory go to `record`
   /// unless it is null.
   std::vector<Answer> answers(Record* record);
+  /// The technique's picture of all light beside the reference's, both sums over the lights with area; nothing where the frame
+  /// does not ask for it, the technique has none or refuses one of these lights, or the scene is endless.
+  std::optional<GlobalAnswer> global_answer();
   /// Whether a light of the frame casts shadows.
   bool supports_light(std::size_t k) const { return reply_.lights.empty() || reply_.lights[k]; }
   /// What the technique said of each light of the frame.
@@ -92,13 +106,12 @@ struct MeasuredLight {
 struct MeasuredRow {
   std::vector<MeasuredLight> lights;
   std::optional<Together> together;  ///< of several lights
+  std::optional<GlobalAnswer> global;
   ErrorCounts errors;
 
   const GBuffer& gbuffer() const { return lights.front().answer.gbuffer; }
   /// Of the light, of several of the lights together. This and the scene must outlive it.
-  Evidence evidence(const Scene& scene) const {
-    return together ? together->evidence() : lights.front().answer.evidence(scene, lights.front().light);
-  }
+  Evidence evidence(const Scene& scene) const;
   /// Its visibility shown: of several lights the share of the light that they would give.
   std::span<const float> mask() const { return together ? together->shown : lights.front().answer.mask; }
 };

@@ -1,4 +1,5 @@
 // What a row's masks are worth: metrics, causes and classes, frame by frame and light by light.
+#include <gnomon/kit/path_light.h>
 #include <gnomon/registry.h>
 
 #include "measure/cause/own_causes.h"
@@ -152,6 +153,7 @@ class RowMeasurement {
       answers[k].own_causes = own_causes(about());
       row.lights[k].answer = std::move(answers[k]);
     }
+    row.global = worker_.global_answer();
   }
 
   /// The causes under one light; of several lights also what its own mask is worth.
@@ -165,7 +167,10 @@ class RowMeasurement {
     const std::map<std::string, std::uint64_t> counts = count_causes(answer.causes, answer.own_causes);
     add_to(*record_.causes, counts);
     std::optional<Record::ReferenceFacts> facts;
-    if (has_area(light)) facts = reference_facts(answer.reference, answer.estimates, run_.suite.target);
+    if (has_area(light)) {
+      facts = reference_facts(answer.reference, answer.estimates, run_.suite.target);
+      if (now_.global) facts->global = now_.global->facts[k];
+    }
     if (record_.lights.empty()) {
       record_.reference = facts;
       return;
@@ -218,6 +223,8 @@ void put_together(MeasuredRow& row, const Scene& scene) {
 
 std::optional<MeasuredRow> measure(Record& record, SceneRun& run, ContenderWorker& worker, const RowFrame& first) {
   worker.note_gl(record);
+  if (first.global_samples > 0)
+    if (const auto why = endless_bounces(run.scene)) record.notes.push_back(fmt::format("no radiosity_error: {}", *why));
   RowMeasurement measurement(record, run, worker);
   for (RowFrame frame = first; frame.number < first.count(); ++frame.number)
     if (!measurement.add(frame)) return std::nullopt;

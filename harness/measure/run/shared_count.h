@@ -19,6 +19,7 @@ class SharedCount {
   static void make(const std::filesystem::path& file);
 
   std::atomic<std::size_t>& value() { return *value_; }
+  const std::atomic<std::size_t>& value() const { return *value_; }
 
  private:
   static_assert(std::atomic<std::size_t>::is_always_lock_free);  // no lock of one process would hold in another

@@ -205,12 +205,13 @@ Suite read_suite(const std::string& name_or_path) {
     top.refuse("reference_error", suite.target.error, "a standard error of 0.00001 .. 0.1");
   suite.target.cap = static_cast<std::uint32_t>(top.integer("reference_rays", static_cast<int>(suite.target.cap), 64, 1 << 24));
   for (const toml::table* raw : top.tables("group")) {
-    const Table reader(*raw, path, "group", {"scenes", "lights", "views", "techniques", "paths", "sizes"});
+    const Table reader(*raw, path, "group", {"scenes", "lights", "views", "techniques", "paths", "sizes", "global_samples"});
     SuiteGroup group{{},
                      words(reader, *raw, "lights"),
                      words(reader, *raw, "views"),
                      read_contenders(reader, *raw, path),
                      words(reader, *raw, "paths")};
+    group.global_samples = reader.integer("global_samples", 0, least_global_samples, most_global_samples);
     const std::vector<std::string> scenes = words(reader, *raw, "scenes"), sizes = words(reader, *raw, "sizes");
     try {
       for (const std::string& scene : scenes)

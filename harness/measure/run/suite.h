@@ -34,6 +34,8 @@ struct SuiteGroup {
   std::vector<Contender> contenders;
   std::vector<std::string> paths = {};          ///< names, see motion.h; empty: the rows stand still
   std::vector<std::pair<int, int>> sizes = {};  ///< width and height in pixels; empty: the suite's
+  /// Light paths of a pixel of the reference that global pictures are compared with; 0: they are not.
+  int global_samples = 0;
 };
 
 /// What to run and how often; data, not code. docs/suites.md describes the file.
@@ -52,6 +54,9 @@ struct Suite {
   AreaTarget target = {};  ///< of the reference under lights with area
   std::vector<SuiteGroup> groups;
 };
+
+/// What SuiteGroup::global_samples may be, where it is not 0.
+inline constexpr int least_global_samples = 16, most_global_samples = 16384;
 
 /// Suite by name (bench/suites/NAME.toml) or by path ending in .toml. Throws Error with file and line.
 Suite read_suite(const std::string& name_or_path);

@@ -95,6 +95,7 @@ bool write_line(int socket, const std::string& line);
 ///   {"do": "protocol"}                                                      -> {"protocol": n, "context": {...},
 ///   "takes_iterations": true}
 ///   {"do": "open", "scene": FILE, "technique": ID, "settings": "a=1"}       -> {"gl": {...} or null}
+///   the same with "progress": FILE: a SharedCount for what the technique tells of a stage under way
 ///   {"do": "set", "settings": "a=2"}                                        -> {"fresh": n}  of the same technique
 ///   {"do": "frame", "gbuffer": FILE, "view": K, "width", "height", "truth", "light": K} -> {"support", "why", "fresh", ...}
 ///   the same with "lights": [K, ...] instead of "light": several together  -> also "lights": [{"support", "why"}, ...],
@@ -108,20 +109,21 @@ bool write_line(int socket, const std::string& line);
 ///   {"do": "mask", "mask": FILE}                                            -> {}          the mask without counting
 ///   {"do": "explain", "pixels": FILE, "out": FILE}                          -> {"explained": bool}
 ///   {"do": "debug", "layer": NAME, "out": FILE}                             -> {}
+///   {"do": "global", "out": FILE}                                           -> {"has_picture": bool}
 ///   {"do": "detail", "out": FILE}                                           -> {}          detail_bytes of the last relight
 ///   {"do": "trace", "scene": FILE, "stand": FILE, "gbuffer": FILE, "width", "height", "truth", "error", "cap",
-///   "subpixel_bits",
-///    "out": FILE,
+///   "subpixel_bits", "global_samples", "out": FILE,
 ///    "done": FILE} -> {}
-/// The last one is FrameWorker's: the reference, or where `stand` holds no light the G-buffer, as the frame cache has them. The
-/// file `done`, which may be missing, is a SharedCount of the pixels that are through.
-/// `stand` is a file with the scene_bytes of a scene without meshes that holds a light or several and one view, wherever they
-/// are: they count instead of the scene's. `time` brings earlier stages up untimed, does this one N times, once where nothing
-/// is said, or fewer (longest_portion_seconds), and answers the sum of their times and their number; `harness_ms` beside `ms`
-/// where that is by the technique's own clock. Masks of several lights follow each other in one file; `explain`, `debug` and
-/// `detail` are about the frame's first light, or that of their "light". A light that is unsupported beside others has a mask
-/// of ones. `fresh` is how many stages, from setup on, are up to date. `pixels` holds uint32 indices of the mask answered last;
-/// `out` gets their explanation_bytes, in the same order. An exception is answered as {"error": text}.
+/// The last one is FrameWorker's: the reference, with `global_samples` that of all light, or where `stand` holds no light the
+/// G-buffer, as the frame cache has them. The file `done`, which may be missing, is a SharedCount of the pixels that are
+/// through. `stand` is a file with the scene_bytes of a scene without meshes that holds a light or several and one view,
+/// wherever they are: they count instead of the scene's. `time` brings earlier stages up untimed, does this one N times, once
+/// where nothing is said, or fewer (longest_portion_seconds), and answers the sum of their times and their number; `harness_ms`
+/// beside `ms` where that is by the technique's own clock. Masks of several lights follow each other in one file; `explain`,
+/// `debug`, `global` and `detail` are about the frame's first light, or that of their "light". A light that is unsupported
+/// beside others has a mask of ones. `fresh` is how many stages, from setup on, are up to date. `pixels` holds uint32 indices
+/// of the mask answered last; `out` gets their explanation_bytes, in the same order. An exception is answered as {"error":
+/// text}.
 int worker_main(int socket, int threads);
 
 /// Answers each line of JSON on `socket` by what `handle` makes of it, an exception by {"error": text}; ends the process when

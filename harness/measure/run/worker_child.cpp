@@ -1,4 +1,5 @@
 #include <gnomon/kit/gl.h>
+#include <gnomon/kit/progress.h>
 #include <gnomon/kit/surface_detail.h>
 #include <gnomon/registry.h>
 #include <tbb/global_control.h>
@@ -44,6 +45,7 @@ class TechniqueServer {
     if (what == "mask") return write_mask(request.at("mask"));
     if (what == "explain") return explain(request);
     if (what == "debug") return debug(request);
+    if (what == "global") return global(request);
     if (what == "detail") return detail(request);
     throw Error("a worker cannot {}", what);
   }
@@ -58,6 +60,11 @@ class TechniqueServer {
     fresh_ = -1;
     masks_.clear();
     lights_.reset();
+    if (request.contains("progress")) {
+      watch_progress(nullptr);
+      progress_.emplace(request.at("progress").get<std::string>());
+      watch_progress(&progress_->value());
+    }
     uses_gl_ = entry_->about.needs_gl;
     if (!uses_gl_) return json_object({{"gl", nullptr}});
     const GlInfo& info = process_context().info();
@@ -140,6 +147,7 @@ class TechniqueServer {
     missing.target = {.error = request.at("error"), .cap = request.at("cap")};
     if (!(missing.target.error >= 1e-6)) throw Error("a reference's error = {} is below 1e-6", missing.target.error);
     missing.subpixel_bits = request.value("subpixel_bits", usual_subpixel_bits);
+    missing.global_samples = request.value("global_samples", 0);
     SharedCount done(request.value("done", ""));
     missing.done = &done.value();
     write_file(request.at("out").get<std::string>(), tracer_->make(missing));
@@ -267,6 +275,13 @@ class TechniqueServer {
     return Json::object();
   }
 
+  Json global(const Json& request) {
+    bring_up(static_cast<int>(Stage::resolve));
+    const std::optional<std::vector<float>> rgb = must_have(object_of(request)).global_picture();
+    if (rgb) write_file(request.at("out").get<std::string>(), std::as_bytes(std::span(*rgb)));
+    return json_object({{"has_picture", rgb.has_value()}});
+  }
+
   Json detail(const Json& request) {
     bring_up(static_cast<int>(Stage::relight));
     const std::optional<SurfaceDetail> detail = must_have(object_of(request)).surface_detail();
@@ -299,6 +314,7 @@ class TechniqueServer {
   std::string settings_;
   std::optional<LightObjects> objects_;
   bool uses_gl_ = false;
+  std::optional<SharedCount> progress_;         ///< what techniques tell of a stage under way
   std::optional<DeviceStopwatch> stopwatch_;    ///< with GL, where the device's clock can be believed
   std::string lit_by_;                          ///< of the lights that the technique was given last
   std::unique_ptr<std::vector<Light>> lights_;  ///< those lights

@@ -1,9 +1,11 @@
 #include "measure/run/worker_client.h"
 
 #include <gnomon/error.h>
+#include <gnomon/kit/progress.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "measure/cause/causes.h"
@@ -42,9 +44,16 @@ std::vector<std::byte> light_and_view_bytes(const std::vector<Light>& lights, co
   return scene_bytes(scene);
 }
 
+/// A file that holds the number 0.
+static fs::path made_count(const fs::path& file) {
+  SharedCount::make(file);
+  return file;
+}
+
 WorkerClient::WorkerClient(const WorkerOptions& options, fs::path files, double timeout_seconds)
     : files_(std::move(files)),
       program_files_(ScratchFolder::at(fs::path(files_) += ".program")),
+      progress_(made_count(file("progress"))),
       process_(with_program_folder(options, program_files_.path())),
       timeout_seconds_(timeout_seconds),
       takes_iterations_(options.takes_iterations) {}
@@ -74,8 +83,11 @@ void WorkerClient::begin_load(const LoadRequest& request) {
   process_.send(json_object({{"do", "open"},
                              {"scene", request.scene_file.string()},
                              {"technique", request.technique},
-                             {"settings", request.settings}}));
+                             {"settings", request.settings},
+                             {"progress", file("progress").string()}}));
 }
+
+double WorkerClient::progress() const { return static_cast<double>(progress_.value()) / static_cast<double>(progress_steps); }
 
 void WorkerClient::end_load() {
   fresh_count_ = 0;
@@ -127,6 +139,7 @@ FrameReply WorkerClient::frame(const FrameRequest& request) {
 double WorkerClient::time(Stage stage, int iterations) {
   double sum = 0;
   other_clocks_ = {.device = 0, .harness = 0};
+  progress_.value() = 0;
   const auto add = [](std::optional<double>& sum, const Json& reply, const char* key) {
     sum = sum && reply.contains(key) ? std::optional(*sum + reply.at(key).get<double>()) : std::nullopt;
   };
@@ -203,16 +216,37 @@ std::vector<std::optional<Explanation>> WorkerClient::explain(std::span<const st
   return result;
 }
 
+namespace {
+
+/// Three floats a pixel from a file that the worker wrote. `what` they are, for the Error where their number is another.
+std::vector<float> read_rgb(const fs::path& file, std::size_t pixels, const std::string& what) {
+  const auto written = MappedFile::open(file);
+  std::vector<float> rgb(3 * pixels);
+  if (written->bytes().size() != rgb.size() * sizeof(float))
+    throw Error("{} has {} bytes; {} are wanted", what, written->bytes().size(), rgb.size() * sizeof(float));
+  std::memcpy(rgb.data(), written->bytes().data(), written->bytes().size());
+  return rgb;
+}
+
+}  // namespace
+
 std::vector<float> WorkerClient::debug_layer(const std::string& layer, std::size_t light) {
   bring_up(Stage::resolve);
   const fs::path answered = file("layer");
   const Json request = json_object({{"do", "debug"}, {"layer", layer}, {"out", answered.string()}, {"light", light}});
-  return ask(request, [&](const Json&) {
-    const auto drawn = MappedFile::open(answered);
-    std::vector<float> rgb(3 * pixel_count_);
-    if (drawn->bytes().size() != rgb.size() * sizeof(float))
-      throw Error("debug layer {} has {} bytes; {} are wanted", layer, drawn->bytes().size(), rgb.size() * sizeof(float));
-    std::memcpy(rgb.data(), drawn->bytes().data(), drawn->bytes().size());
+  return ask(request, [&](const Json&) { return read_rgb(answered, pixel_count_, "debug layer " + layer); });
+}
+
+std::optional<std::vector<float>> WorkerClient::global_picture(std::size_t light) {
+  bring_up(Stage::resolve);
+  const fs::path answered = file("global");
+  const Json request = json_object({{"do", "global"}, {"out", answered.string()}, {"light", light}});
+  return ask(request, [&](const Json& reply) -> std::optional<std::vector<float>> {
+    if (!reply.at("has_picture").get<bool>()) return std::nullopt;
+    std::vector<float> rgb = read_rgb(answered, pixel_count_, "the global picture");
+    for (std::size_t k = 0; k < rgb.size(); ++k)
+      if (!(rgb[k] >= 0 && std::isfinite(rgb[k])))
+        throw Error("the global picture's value {} at pixel {} is no radiance", rgb[k], k / 3);
     return rgb;
   });
 }

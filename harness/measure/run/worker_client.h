@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "measure/frame/classify.h"
+#include "measure/run/shared_count.h"
 #include "measure/run/worker.h"
 #include "measure/scratch_folder.h"
 
@@ -119,8 +120,14 @@ class WorkerClient {
   std::vector<std::optional<Explanation>> explain(std::span<const std::uint32_t> pixels, std::size_t light = 0);
   /// Three linear floats a pixel of the frame.
   std::vector<float> debug_layer(const std::string& name, std::size_t light = 0);
+  /// Technique::global_picture under one of the frame's lights, its size and values looked at.
+  std::optional<std::vector<float>> global_picture(std::size_t light = 0);
   /// Of the last relight.
   SurfaceDetail surface_detail(std::size_t light = 0);
+
+  /// How much of the present stage is done, 0 .. 1, where its technique tells (gnomon/kit/progress.h), else 0. From any
+  /// thread.
+  double progress() const;
 
   /// From any thread: ends the worker; a call that waits fails at once.
   void interrupt() { process_.interrupt(); }
@@ -134,6 +141,7 @@ class WorkerClient {
 
   std::filesystem::path files_;
   ScratchFolder program_files_;  ///< outlives the process
+  SharedCount progress_;
   WorkerProcess process_;
   double timeout_seconds_;
   bool takes_iterations_;

@@ -92,6 +92,19 @@ std::optional<double> shadow_area_ratio(const Scoring& scoring) {
   return share(shadow_area(*e.gbuffer, e.classes, e.mask), shadow_area(*e.gbuffer, e.classes, e.reference));
 }
 
+/// What the reference's own noise adds is taken off, which leaves less than nothing where that is all there is.
+std::optional<double> radiosity_error(const Scoring& scoring) {
+  const Evidence& e = scoring.evidence();
+  double excess = 0, whole = 0;
+  for (std::size_t k = 0; k < e.global_picture.size(); ++k) {
+    if (e.classes[k / 3] == PixelClass::B) continue;
+    const double right = e.global_reference[k], error = e.global_error[k], off = e.global_picture[k] - right;
+    excess += off * off - error * error;
+    whole += right * right;
+  }
+  return whole > 0 ? std::optional(std::sqrt(std::max(excess, 0.0) / whole)) : std::nullopt;
+}
+
 bool is_soft(const Scoring& s) { return s.evidence().light && has_area(*s.evidence().light); }
 
 /// Mean over T of |values[i] - of[i]|; nothing where `values` is empty.
@@ -138,6 +151,11 @@ constexpr MetricInfo rows[] = {
     {"received_error_mean", "intensity", "lower",
      "Mean over T of the absolute difference in light received, in units of the lights' intensity.",
      [](const Scoring& s) { return s.light_error().mean; }},
+    {"radiosity_error", "", "lower",
+     "Root mean square, over all pixels but background and all channels, of the difference in all light toward the eye (global "
+     "picture), as a share of the reference's; what the reference's own noise adds is taken off, down to 0. Where "
+     "global_samples asks for it.",
+     radiosity_error},
     {"displacement_mean", "px", "lower", "Mean distance between the shadow boundaries of technique and reference, both ways.",
      [](const Scoring& s) { return s.displacement().mean; }},
     {"displacement_p95", "px", "lower", "95th percentile of the same distances.",

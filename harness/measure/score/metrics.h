@@ -30,6 +30,9 @@ struct Evidence {
   /// Of several lights together (see Together), else empty: what a pixel would receive of them without shadows. Mask and
   /// reference are shares of it, and `light` is null.
   std::span<const double> received = {};
+  /// All light toward the eye, three floats a pixel, as the technique and as the reference have it, with the reference's
+  /// standard errors; empty where it was not asked for, and of a technique that has no such picture.
+  std::span<const float> global_picture = {}, global_reference = {}, global_error = {};
   std::span<const CauseInfo> own_causes = {};  ///< that the technique has beside the common ones
 
   bool faces_light(std::size_t i) const { return classes[i] > PixelClass::F; }

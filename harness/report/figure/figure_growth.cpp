@@ -11,11 +11,11 @@ namespace {
 /// The series to draw and what they differ in. Of times each stage has a panel, each setting a color, each place a mark; of a
 /// quantity each place has a panel.
 struct DrawnGrowths {
-  std::vector<const Growth*> rows;
-  std::vector<Place> places;
-  std::vector<std::string> settings, stages;
-  Extent x, y;       ///< of the points that are fitted
-  double scale = 1;  ///< of values as people see them
+  std::vector<const Growth*> rows = {};
+  std::vector<Place> places = {};
+  std::vector<std::string> settings = {}, stages = {};
+  Extent x = {}, y = {};  ///< of the points that are fitted
+  double scale = 1;       ///< of values as people see them
   bool is_time = true;
 
   bool has_marks() const { return is_time && places.size() > 1; }  ///< that tell places apart

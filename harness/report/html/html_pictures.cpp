@@ -1,3 +1,4 @@
+#include <gnomon/kit/exposure.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -7,6 +8,7 @@
 #include "analysis/in_order.h"
 #include "measure/cause/own_causes.h"
 #include "measure/paths.h"
+#include "measure/picture/shading.h"
 #include "measure/run/frame_worker.h"
 #include "measure/run/kept_row.h"
 #include "measure/scene/load.h"
@@ -53,6 +55,23 @@ Bytes color_planes(const Picture& picture) {
     }
   }
   return bytes;
+}
+
+/// The channels "WHAT.R", "WHAT.G", "WHAT.B" of a file as three values a pixel.
+std::vector<float> colors_in(const fs::path& file, std::string_view what, int width, int height) {
+  std::vector<float> rgb(3 * static_cast<std::size_t>(width) * height);
+  for (std::size_t channel = 0; channel < 3; ++channel) {
+    const std::vector<float> values = read_exr(file, fmt::format("{}.{}", what, "RGB"[channel]), width, height);
+    for (std::size_t i = 0; i < values.size(); ++i) rgb[3 * i + channel] = values[i];
+  }
+  return rgb;
+}
+
+/// Radiance as sRGB, multiplied by the exposure.
+Picture exposed_picture(std::span<const float> radiance, float exposure, int width, int height) {
+  Picture picture{.width = width, .height = height, .rgb = {}};
+  for (const float value : radiance) picture.rgb.push_back(srgb(static_cast<double>(value * exposure)));
+  return picture;
 }
 
 /// One scene at a time: groups of a scene stand together in most runs.
@@ -183,9 +202,14 @@ class Collector {
       MeasuredRow row = kept_row(r, dir_ / *r.mask, "V", kept_place(r, frames_.scene(), r.truth), frames_.store());
       for (std::size_t k = 0; k < row.lights.size(); ++k)
         if (known_causes(r, k)) take_causes(r, row.lights[k].answer, k, what);
-      if (!has_several_lights(r)) return mask_of(row.lights.front());
+      if (!has_several_lights(r)) {
+        Json json = mask_of(row.lights.front());
+        add_global(r, json);
+        return json;
+      }
       put_together(row, frames_.scene());
       Json json;
+      add_global(r, json);
       json["mask"] = keep(share_bytes(row.together->mask, bits_of_several));
       json["causes"] = row.together->causes.empty() ? Json() : Json(keep(page_numbers(row.together->evidence())));
       for (const MeasuredLight& light : shown_lights(row)) json["lights"].push_back(mask_of(light));
@@ -194,6 +218,24 @@ class Collector {
       note(what, error.what());
       return {};
     }
+  }
+
+  /// Pictures of all light, where the row has them: both as bright as shows the reference best.
+  void add_global(const Record& r, Json& json) {
+    if (!r.metric("radiosity_error")) return;
+    const fs::path file = dir_ / *r.mask;
+    const std::vector<float> reference = colors_in(file, global_reference_channel, r.width, r.height);
+    const float bright = exposure(reference);
+    const auto picture = [&](std::span<const float> rgb) {
+      return keep(color_planes(exposed_picture(rgb, bright, r.width, r.height)));
+    };
+    json["global"] = picture(colors_in(file, global_channel, r.width, r.height));
+    // One scene, light and view have one reference, however many rows show it.
+    if (reference != global_reference_) {
+      global_reference_ = reference;
+      global_reference_blob_ = picture(reference);
+    }
+    json["global_reference"] = global_reference_blob_;
   }
 
   Json mask_of(const MeasuredLight& of) {
@@ -230,6 +272,8 @@ class Collector {
   const std::vector<CauseInfo> causes_;
   PictureSet& set_;
   Frames frames_;
+  std::vector<float> global_reference_;  ///< the last one that was kept, and where
+  std::size_t global_reference_blob_ = 0;
 };
 
 }  // namespace

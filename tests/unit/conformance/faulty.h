@@ -5,6 +5,7 @@
 #include <gnomon/registry.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -28,6 +29,7 @@ enum class Fault {
   leaves_state,     ///< blending is on after resolve
   weighs_half,      ///< the weights of its taps sum to one half
   draws_beyond,     ///< a debug layer is brighter than 1
+  sends_no_number,  ///< of light at pixel 3
   spoils_later,     ///< the parameter says that it spoils resolve, and is read in build
   is_lit,           ///< everywhere
   is_inverted,      ///< dark where it is lit
@@ -96,6 +98,11 @@ class Faulty final : public Technique {
   std::vector<float> draw_debug(std::string_view layer) const override {
     if (layer != "gray") return Technique::draw_debug(layer);
     return std::vector<float>(picture_size_, fault == Fault::draws_beyond ? 1.5f : 0.5f);
+  }
+  std::optional<std::vector<float>> global_picture() const override {
+    std::vector<float> dark(picture_size_, 0.0f);
+    if (fault == Fault::sends_no_number) dark[9] = NAN;
+    return dark;
   }
 
  private:

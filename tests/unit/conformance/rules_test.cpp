@@ -79,6 +79,8 @@ TEST(rules, find_the_faults_of_masks) {
   expect_found("explanations", entry<Fault::weighs_half>(), "the weights of its taps sum to 0.5, not 1",
                "pixel 0, 0 of 96 x 54");
   expect_found("debug_layers", entry<Fault::draws_beyond>(), "layer gray has colors outside 0 .. 1", "light point (point)");
+  expect_found("global_picture", entry<Fault::sends_no_number>(), "the global picture has a radiance of nan",
+               "light point (point)");
 }
 
 TEST(rules, find_what_an_object_keeps_from_its_earlier_life) {
@@ -106,6 +108,8 @@ TEST(rules, find_broken_promises) {
                "in fence, light sun (directional), pixel ");
   expect_found("named_causes", entry<Fault::is_inverted>(), "wrong pixels have no cause that explains them",
                "in contact, light point (point), pixel ");
+  EXPECT_EQ(judge(rule("named_causes"), entry<Fault::is_lit>()).why,
+            "it explains no wrong pixel: causes are told from where they are alone");
   expect_found("better_than_nothing", entry<Fault::is_lit>(faulty::sampled()), "without shadows",
                "in sphere_over_plane, light point (point)");
 }

@@ -42,8 +42,8 @@ class LightFace {
     return (!is_disc_ || glm::dot(place, place) <= 1) && horizon_.x + horizon_.y * place.x + horizon_.z * place.y > 0;
   }
 
-  /// Irradiance that a small piece of the figure at `to` gives the point, up to a factor that is the same for all pieces:
-  /// cosine at both ends, inverse square.
+  /// Irradiance that the figure at radiance 1 gives the point from the places around `to`, by coordinates: cosine at both
+  /// ends, inverse square, times half_u x half_v. The integral over the places above the horizon is all of it.
   double weight(const glm::dvec3& to) const {
     const double square = glm::dot(to, to);
     return glm::dot(normal_, to) * std::abs(glm::dot(axis_, to)) / (square * square);
@@ -51,7 +51,7 @@ class LightFace {
 
  private:
   glm::dvec3 center_{0}, half_u_{0}, half_v_{0};
-  glm::dvec3 normal_, axis_{0};  ///< axis: across the figure, of any length
+  glm::dvec3 normal_, axis_{0};  ///< axis: half_u x half_v, across the figure
   glm::dvec3 horizon_{0};
   Box box_;
   bool is_disc_ = false, is_seen_ = false;

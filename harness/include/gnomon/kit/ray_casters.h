@@ -4,15 +4,15 @@
 
 namespace gnomon {
 
-/// A scene and its casters for techniques that trace rays, under either truth: which one the G-buffer will have is not known
-/// when a technique builds, and resolve must not build.
+/// A scene and its casters, or all of its meshes, for techniques that trace rays, under either truth: which one the G-buffer
+/// will have is not known when a technique builds, and resolve must not build.
 class RayCasters {
  public:
-  void build(const Scene& scene) {
+  void build(const Scene& scene, RayScene::Which which = RayScene::Which::casters) {
     scene_ = &scene;
-    by_shape_.emplace(scene, Truth::shape, RayScene::Which::casters);
+    by_shape_.emplace(scene, Truth::shape, which);
     by_mesh_.reset();
-    if (scene.has_curved_shapes()) by_mesh_.emplace(scene, Truth::mesh, RayScene::Which::casters);
+    if (scene.has_curved_shapes()) by_mesh_.emplace(scene, Truth::mesh, which);
   }
   const RayScene& under(Truth truth) const { return truth == Truth::mesh && by_mesh_ ? *by_mesh_ : *by_shape_; }
   const Scene& scene() const { return *scene_; }

@@ -45,6 +45,7 @@ class Comparer {
   constructor(section, groups) {
     this.mode = modes[0];
     this.is_shaded = true;
+    this.shows_all_light = false;
     this.shows_b = false;
     this.is_running = !matchMedia("(prefers-reduced-motion: reduce)").matches;
     const load = () => this.load();
@@ -110,6 +111,8 @@ class Comparer {
         this.scale.element,
         this.flickers,
         toggle("shaded", true, (on) => ((this.is_shaded = on), this.compose())),
+        data.rows.some((row) => row.pictures?.global !== undefined) &&
+          toggle("all light", false, (on) => ((this.shows_all_light = on), this.compose())),
         toggle("contours", false, (on) => ((this.has_contours = on), this.setMode(this.mode))),
         toggle("profile", false, (on) => this.setProfile(on)),
         h(
@@ -236,14 +239,21 @@ class Comparer {
         truth("reference, share of irradiance", pictures.irradiance, pictures.irradiance_error),
       ]);
       const rowOf = (list) => (list.value === referenceChoice ? null : data.rows[Number(list.value)]);
+      // Pictures of all light are those of all lights of a row.
+      const globalOf = async (number) => (number === undefined || this.light !== null ? null : colors(number));
+      const globalReference = this.rows().find((row) => row.pictures.global !== undefined)?.pictures.global_reference;
       const side = async (row, other) => {
         const judge = ((row ?? other)?.estimates === "irradiance" && irradiance) || area;
-        if (!row) return { title: judge.name, mask: judge.mask, reference: judge.mask, truth: judge, causes: null, row: null };
-        const [mask, causes] = await Promise.all([
+        if (!row) {
+          const global = await globalOf(globalReference);
+          return { title: judge.name, mask: judge.mask, reference: judge.mask, truth: judge, causes: null, row: null, global };
+        }
+        const [mask, causes, global] = await Promise.all([
           shares(this.of(row.pictures).mask, pictures.bits),
           this.of(row.pictures).causes === null ? null : blob(this.of(row.pictures).causes),
+          globalOf(row.pictures.global),
         ]);
-        return { title: row.title, mask, reference: judge.mask, truth: judge, causes, row };
+        return { title: row.title, mask, reference: judge.mask, truth: judge, causes, row, global };
       };
       const [rowA, rowB] = [this.a, this.b].map(rowOf);
       const sides = await Promise.all([side(rowA, rowB), side(rowB, rowA)]);
@@ -273,7 +283,9 @@ class Comparer {
     if (name === "error") made = compose.errors(frame, sideA, null);
     if (name === "causes") made = compose.errors(frame, sideA, sideA.causes);
     if (name === "classes") made = compose.classes(frame);
-    this.pictures = made ? [canvasOf(made.image)] : [sideA, sideB].map((side) => canvasOf(plain(frame, side.mask)));
+    const show = (side) =>
+      this.shows_all_light && side.global ? compose.colored(frame, side.global) : plain(frame, side.mask);
+    this.pictures = made ? [canvasOf(made.image)] : [sideA, sideB].map((side) => canvasOf(show(side)));
     this.showLegend(made);
     this.label();
     this.read(this.view.pixel);

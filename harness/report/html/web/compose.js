@@ -59,6 +59,12 @@ export function shaded(frame, mask) {
   });
 }
 
+/** A picture of colors as it is. */
+export const colored = (frame, rgb) =>
+  painted(frame, (i, color) => {
+    for (let c = 0; c < 3; ++c) color[c] = rgb[3 * i + c];
+  });
+
 export const maskOnly = (frame, mask) => painted(frame, (i, color) => color.fill(255 * mask[i]));
 
 /** The scene in gray, behind what matters: tested pixels lighter than the rest. */
