@@ -115,6 +115,16 @@ GNOMON_VECTORIZED void lanes_from_bits(std::uint32_t valid, int* lanes) {
   for (int lane = 0; lane < 16; ++lane) lanes[lane] = valid & 1u << lane ? -1 : 0;
 }
 
+/// Makes the rays of lanes that are off empty. A processor that cannot trace 16 rays at once gets them as a stream, and of a
+/// stream Embree traces every ray that has a length, whatever `lanes` says: numbers that nobody wrote would be a ray.
+GNOMON_VECTORIZED void empty_lanes(std::uint32_t valid, float* __restrict tnear, float* __restrict tfar) {
+  for (int lane = 0; lane < 16; ++lane) {
+    const bool is_on = valid & 1u << lane;
+    tnear[lane] = is_on ? tnear[lane] : 0;
+    tfar[lane] = is_on ? tfar[lane] : -1;
+  }
+}
+
 /// Embree sets tfar to minus infinity where something blocks.
 GNOMON_VECTORIZED std::uint32_t blocked_bits(const float* tfar) {
   std::uint32_t blocked = 0;
@@ -173,6 +183,7 @@ std::uint32_t trace(RTCScene scene, std::uint32_t valid, ShadowPacket& packet, C
   context.embree.filter = filter;
   alignas(64) int lanes[16];
   lanes_from_bits(valid, lanes);
+  empty_lanes(valid, packet.tnear.data(), packet.tfar.data());
   rtcOccluded16(lanes, scene, &context.embree, reinterpret_cast<RTCRay16*>(&packet));
   return blocked_bits(packet.tfar.data()) & valid;
 }

@@ -148,6 +148,37 @@ TEST(occluded, a_rays_own_receiver_is_no_hit_and_lanes_that_are_off_answer_0) {
   EXPECT_EQ(ask(0, 1, 0), 0u);
 }
 
+// A packet that few rays fill is made on the stack: the other lanes hold what was there before, no numbers or rays that never
+// end, and names of receivers far beyond those that there are. Whatever number of rays the processor traces at once, none of
+// it is traced.
+TEST(occluded, lanes_that_are_off_may_hold_anything) {
+  Scene scene;
+  scene.meshes = {hand_made::square(1, 0)};
+  const RayScene casters(scene, Truth::mesh, RayScene::Which::casters);
+  std::array<std::uint32_t, 16> mesh, triangle;
+  mesh.fill(no_mesh);
+  triangle.fill(0);
+  for (const float rest : {NAN, INFINITY, 1e30f, 0.0f, 0.25f})
+    for (const std::uint32_t valid : {0u, 1u, 0x8000u, 0x1248u, 0x00ffu, 0xfffeu}) {
+      alignas(64) ShadowPacket packet{};
+      for (auto* lanes : {&packet.ox, &packet.oy, &packet.oz, &packet.dx, &packet.dy, &packet.dz, &packet.tnear, &packet.tfar})
+        lanes->fill(rest);
+      packet.mask.fill(0xffffffffu);
+      packet.id.fill(0x7fffffffu);
+      for (std::uint32_t k = 0; k < 16; ++k) {
+        if (!(valid >> k & 1)) continue;
+        packet.ox[k] = k % 2 ? 0.5f : 2.0f;  // below the square, or beside it
+        packet.oy[k] = -1;
+        packet.oz[k] = 0.25f;
+        packet.dx[k] = packet.dz[k] = packet.tnear[k] = 0;
+        packet.dy[k] = 1;
+        packet.tfar[k] = INFINITY;
+        packet.id[k] = k;
+      }
+      EXPECT_EQ(casters.occluded(valid, packet, {mesh.data(), triangle.data()}), valid & 0xaaaau) << rest << ", " << valid;
+    }
+}
+
 TEST(closest, is_the_same_triangle_whatever_the_unit_of_length) {
   // Powers of two round nothing, so that the scene is the same one in another unit. Rays start at its middle.
   std::mt19937 engine(3);
