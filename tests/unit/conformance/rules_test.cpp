@@ -60,7 +60,9 @@ TEST(rules, hold_of_a_technique_without_faults) {
     const Verdict verdict = judge(rule, entry<Fault::none>());
     EXPECT_NE(verdict.kind, Kind::fails) << rule.name << ": " << findings(verdict);
     EXPECT_EQ(verdict.why.empty(), verdict.kind == Kind::holds) << rule.name;
-    if (rule.asked == Asked::everybody) {
+    if (rule.name == "named_causes") {
+      EXPECT_EQ(verdict.why, "no pixel of these scenes is wrong");
+    } else if (rule.asked == Asked::everybody) {
       EXPECT_EQ(verdict.kind, Kind::holds) << rule.name;
     }
   }
