@@ -105,15 +105,7 @@ class Radiosity final : public Technique {
     apply(chosen);
     lighting_.reset();
   }
-  void build(const Scene& scene) override {
-    Surfaces& surfaces = made_->surfaces;
-    surfaces.scene = &scene;
-    surfaces.size = longest_side(scene);
-    surfaces.faces.emplace(scene);
-    surfaces.patches.emplace(*surfaces.faces, patch_size * surfaces.size);
-    surfaces.casters.emplace(scene, Truth::mesh, RayScene::Which::casters);
-    surfaces.all.emplace(scene, Truth::mesh, RayScene::Which::all);
-  }
+  void build(const Scene& scene) override { made_->surfaces.build(scene, patch_size); }
   void relight(const Light& light) override {
     light_ = light;
     lighting_ = std::make_unique<Lighting>(made_->surfaces, light, settings_now(), &made_->hemicube);
@@ -140,11 +132,6 @@ class Radiosity final : public Technique {
   std::vector<float> draw_debug(std::string_view layer) const override;
 
  private:
-  static double longest_side(const Scene& scene) {
-    const Bounds bounds = scene.bounds();
-    const glm::vec3 sides = bounds.max - bounds.min;
-    return std::max({sides.x, sides.y, sides.z});
-  }
   Settings settings_now() const;
   /// A hemicube's sides are half as high as they are wide.
   int resolution() const { return hemicube + hemicube % 2; }

@@ -151,4 +151,17 @@ std::size_t EdgeAdjacency::bytes() const {
                   planes_.y, planes_.z, planes_.offset);
 }
 
+std::vector<Bounds> solid_parts(const Mesh& mesh) {
+  if (!mesh.casts || !mesh.facts.closed()) return {};
+  Scene alone;
+  alone.meshes = {mesh};
+  const EdgeAdjacency adjacency(alone);
+  std::vector<Bounds> parts;
+  for (const EdgeAdjacency::Part& part : adjacency.parts()) {
+    if (!part.closed || !(part.volume > 0)) return {};
+    parts.push_back(part.bounds);
+  }
+  return parts;
+}
+
 }  // namespace gnomon

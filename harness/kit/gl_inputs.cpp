@@ -97,20 +97,6 @@ Slot& find_or_make(std::vector<std::unique_ptr<Slot>>& slots, const IsWanted& is
   return *slots.front();
 }
 
-/// What MeshRange says of them.
-std::vector<Bounds> solid_parts(const Mesh& mesh) {
-  if (!mesh.casts || !mesh.facts.closed()) return {};
-  Scene alone;
-  alone.meshes = {mesh};
-  const EdgeAdjacency adjacency(alone);
-  std::vector<Bounds> parts;
-  for (const EdgeAdjacency::Part& part : adjacency.parts()) {
-    if (!part.closed || !(part.volume > 0)) return {};
-    parts.push_back(part.bounds);
-  }
-  return parts;
-}
-
 SceneBuffers upload(const Scene& scene) {
   SceneBuffers buffers;
   std::vector<glm::vec3> positions;

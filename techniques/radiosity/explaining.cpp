@@ -2,6 +2,7 @@
 
 #include <gnomon/kit/area_rays.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -44,15 +45,16 @@ std::string Explainer::cause(const glm::dvec3& point, const Found& found, double
   if (!uses_corners_) nodes[0] = element.center, weights[0] = 1, count = 1;
   Factor exact;
   bool is_crossed = false;
-  const auto raised = [](const glm::dvec3& p, const glm::dvec3& n) { return p + n * ray_offset(glm::vec3(p)); };
   for (std::size_t k = 0; k < count; ++k) {
     const Node& node = division.nodes()[nodes[k]];
     const Receiving at{node.point, normal, face.mesh, face.triangle_at(node.place), 2ull * nodes[k] + found.side};
     const Factor got = lamp_at(at);
     exact.whole += static_cast<float>(weights[k] * got.whole);
     exact.seen += static_cast<float>(weights[k] * got.seen);
-    const glm::dvec3 from = raised(point, normal);
-    is_crossed = is_crossed || !surfaces_.all->met(from, raised(node.point, normal) - from).empty();
+    // Both ends are lifted by the same, or the element itself would lie between one near the origin and one that is not.
+    const float largest = static_cast<float>(std::max(extent(point), extent(node.point)));
+    const glm::dvec3 from = point + ray_offset(glm::vec3(largest)) * normal;
+    is_crossed = is_crossed || !surfaces_.all->met(from, node.point - point).empty();
   }
   const double between = share(exact);
   if (std::abs(answer - between) > std::abs(between - of_point)) return uses_hemicube_ ? "hemicube_aliasing" : "few_rays";

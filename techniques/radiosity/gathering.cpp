@@ -19,9 +19,6 @@ constexpr double full_sampling = 0.01;  ///< form factor from which on a sender 
 /// Where a sender is nearer than twice its own size, a few of the rays to it outweigh all others, by the inverse square of
 /// their length, and their mean is ruled by chance.
 constexpr double near = 2;
-/// Rays to surfaces end this share of the way before them, so that they do not meet what they go to.
-constexpr float before_surface = 1e-4f;
-
 /// A number in 0 .. 1 that looks random, of three others (the mixer of SplitMix64).
 class Mixed {
  public:
@@ -92,7 +89,6 @@ std::size_t Gathering::factors(const Sender& sender, bool ends_at_lamp, std::spa
                                std::span<Factor> result) const {
   std::vector<double> arrived(points.size()), sent(points.size());
   Packets packets(hiding_, arrived);
-  const float end = ends_at_lamp ? 1 : 1 - before_surface;
   const glm::dvec3 center = sender.center();
   // Nodes may lie on the border between two triangles of a plane, and near the origin, where their own coordinates would lift
   // rays by nothing: then the other triangle hides all.
@@ -111,6 +107,8 @@ std::size_t Gathering::factors(const Sender& sender, bool ends_at_lamp, std::spa
     const glm::vec3 coordinates(static_cast<float>(std::max(largest, extent(at.point))));
     const glm::vec3 lift(at.normal * area_ray_offset(coordinates));
     const glm::vec3 origin = glm::vec3(at.point) + lift;
+    // Rays to surfaces end a little before them, so that they do not meet what they go to.
+    const glm::dvec3 before = ends_at_lamp ? glm::dvec3(0) : ray_offset(coordinates) * sender.normal;
     Mixed random(seed, at.number);
     for (int k = 0; k < columns * rows; ++k) {
       const double x = (k % columns + random.next()) / columns, y = (k / columns + random.next()) / rows;
@@ -120,7 +118,7 @@ std::size_t Gathering::factors(const Sender& sender, bool ends_at_lamp, std::spa
       if (rise <= 0 || front <= 0) continue;
       const double weight = spot.weight * rise * front / (square * square);
       sent[i] += weight;
-      packets.add(origin, glm::vec3(to) - lift, end, at, i, weight);
+      packets.add(origin, glm::vec3(to + before) - lift, 1, at, i, weight);
     }
     result[i].whole = static_cast<float>(is_by_rays ? sent[i] * sender.area / (std::numbers::pi * columns * rows) : whole);
   }

@@ -1,6 +1,8 @@
 #include "lighting.h"
 
+#include <gnomon/error.h>
 #include <gnomon/kit/bytes.h>
+#include <gnomon/kit/edges.h>
 #include <gnomon/kit/parallel.h>
 #include <gnomon/kit/progress.h>
 
@@ -23,20 +25,12 @@ constexpr int lamp_escape_packets = 64;  ///< of rays that tell how much of a pa
 /// than shadow.
 constexpr double texels_to_divide = 256;
 
-/// Whether a mesh hides all that is inside of it from a lamp that is outside.
-bool is_shut(const Mesh& mesh, const Bounds& lamp) {
-  if (!mesh.casts || !mesh.facts.closed()) return false;
-  Bounds bounds;
-  bounds.add(mesh.positions);
-  if (glm::any(glm::greaterThan(lamp.min, bounds.max)) || glm::any(glm::lessThan(lamp.max, bounds.min))) {
-    double volume = 0;
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      const Triangle triangle = mesh.corners(t);
-      volume += glm::dot(glm::dvec3(triangle.points[0]), triangle.normal());
-    }
-    return volume > 0;  // wound outward
-  }
-  return false;
+/// Whether a mesh hides all that is inside of its parts from a lamp that is outside of them.
+bool is_shut(std::span<const Bounds> solid_parts, const Bounds& lamp) {
+  const auto is_outside = [&](const Bounds& part) {
+    return glm::any(glm::greaterThan(lamp.min, part.max)) || glm::any(glm::lessThan(lamp.max, part.min));
+  };
+  return !solid_parts.empty() && std::ranges::all_of(solid_parts, is_outside);
 }
 
 /// Points of a rule of Gauss along each side of an element that a near sender is averaged over.
@@ -44,7 +38,32 @@ int order_for(double distance, double sizes) {
   return distance > 5 * sizes ? 1 : distance > 2.5 * sizes ? 2 : distance > sizes ? 4 : 8;
 }
 
+/// The longest of an outline's sides.
+double longest_side(std::span<const glm::dvec3> outline) {
+  double longest = 0;
+  for (std::size_t i = 0; i < outline.size(); ++i)
+    longest = std::max(longest, glm::distance(outline[i], outline[i + 1 < outline.size() ? i + 1 : 0]));
+  return longest;
+}
+
 }  // namespace
+
+double longest_side(const Scene& scene) {
+  const Bounds bounds = scene.bounds();
+  const glm::vec3 sides = bounds.max - bounds.min;
+  return std::max({sides.x, sides.y, sides.z});
+}
+
+void Surfaces::build(const Scene& of, double patch_size) {
+  scene = &of;
+  size = longest_side(of);
+  faces.emplace(of);
+  patches.emplace(*faces, patch_size * size);
+  casters.emplace(of, Truth::mesh, RayScene::Which::casters);
+  all.emplace(of, Truth::mesh, RayScene::Which::all);
+  solid_parts.clear();
+  for (const Mesh& mesh : of.meshes) solid_parts.push_back(gnomon::solid_parts(mesh));
+}
 
 Lighting::Lighting(const Surfaces& surfaces, const Light& light, const Settings& settings, Hemicube* hemicube)
     : surfaces_(surfaces),
@@ -58,6 +77,7 @@ Lighting::Lighting(const Surfaces& surfaces, const Light& light, const Settings&
   for (int level = 0; level < settings_.levels; ++level) {
     const std::size_t lit_before = division_.nodes().size();
     if (!divide()) break;
+    if (settings_.bounces == Bounces::none) tell_progress((level + 1.0) / (settings_.levels + 1));
     light_directly(settings_.form_factor == FormFactor::hemicube ? 0 : lit_before);
   }
   start_refinement();
@@ -69,7 +89,7 @@ void Lighting::find_sides() {
   for (const Sender& sender : lamps_)
     for (const glm::dvec3& corner : sender.polygon()) lamp.add(glm::vec3(corner));
   std::vector<std::uint8_t> shut;
-  for (const Mesh& mesh : surfaces_.scene->meshes) shut.push_back(is_shut(mesh, lamp));
+  for (const std::vector<Bounds>& parts : surfaces_.solid_parts) shut.push_back(is_shut(parts, lamp));
   for (const Face& face : surfaces_.faces->all()) has_back_.push_back(!shut[face.mesh]);
 }
 
@@ -106,7 +126,7 @@ void Lighting::gather(const Sender& sender, bool is_lamp, std::uint64_t seed, co
   const Gathering gathering(is_lamp ? *surfaces_.casters : *surfaces_.all,
                             settings_.form_factor == FormFactor::rays ? Way::rays : Way::contour, settings_.samples);
   const glm::dvec3 center = sender.center();
-  const double sender_size = std::sqrt(sender.area);
+  const double sender_size = longest_side(sender.polygon());
   std::atomic<std::size_t> rays = 0, factors = 0;
   for_blocks(places_.size(), 256, [&](std::size_t begin, std::size_t end) {
     std::vector<Receiving> points;
@@ -117,7 +137,8 @@ void Lighting::gather(const Sender& sender, bool is_lamp, std::uint64_t seed, co
       const glm::dvec3 to = at.point - center;
       const std::uint32_t leaf = cell_at_[places_[i] / 2];
       const Element* element = leaf == none ? nullptr : &division_.elements()[cells_[leaf]];
-      const double size = element ? std::sqrt(division_.area(*element)) : 0;
+      const std::array outline = element ? division_.outline(*element) : std::array<glm::dvec3, 4>();
+      const double size = element ? longest_side({outline.data(), division_.corner_count(*element)}) : 0;
       if (glm::dot(to, sender.normal) <= 1e-6 * glm::length(to) - (element ? size : 0)) continue;
       const int order = element ? order_for(glm::length(to), size + sender_size) : 1;
       if (order == 1) {
@@ -160,7 +181,7 @@ void Lighting::light_directly(std::size_t first_node) {
 void Lighting::light_by_hemicubes() {
   received_.assign(received_.size(), {});
   for (const Sender& lamp : lamps_) {
-    const std::vector<double> shares = look(lamp);
+    const std::vector<double> shares = draw(lamp);
     for (const std::uint32_t place : places_) {
       const std::uint32_t leaf = cell_at_[place / 2];
       const Element& element = division_.elements()[cells_[leaf]];
@@ -179,7 +200,7 @@ std::uint32_t Lighting::seen_side(const Face& face, const glm::dvec3& from) {
   return glm::dot(face.normal, from - face.corner) > 0 ? 0 : 1;
 }
 
-std::vector<double> Lighting::look(const Sender& sender, double* nothing) {
+std::vector<double> Lighting::draw(const Sender& sender, double* nothing) {
   std::vector<double> shares(cells_.size());
   const double missed = hemicube_->look(sender.center(), sender.normal, settings_.resolution, shares);
   if (nothing) *nothing = missed;
@@ -231,6 +252,11 @@ bool Lighting::divide() {
   std::vector<std::uint32_t> chosen;
   for (const std::uint32_t leaf : cells_)
     if (crosses_shadow_edge(division_.elements()[leaf])) chosen.push_back(leaf);
+  if (const std::size_t count = cells_.size() + 3 * chosen.size(); count > settings_.most_elements)
+    throw Error(
+        "levels = {} divides the patches into {} elements and more; at most {}: a larger patch_size or contrast, or more "
+        "samples, make fewer",
+        settings_.levels, count, settings_.most_elements);
   for (const std::uint32_t leaf : chosen) division_.divide(leaf);
   return !chosen.empty();
 }
@@ -270,36 +296,46 @@ void Lighting::start_refinement() {
 
 void Lighting::bounce() {
   choose(Cells::patches, 0);
-  const double first = refinement_->unshot_share();
-  const std::size_t most_shots = 100 * division_.patch_count();
-  refinement_->refine(*this, settings_.rest, most_shots, settings_.bounces == Bounces::all, [&](double unshot) {
+  const double first = refinement_->waiting_share();
+  const std::size_t most_shots = most_shots_of_patch * division_.patch_count();
+  const auto tell = [&](double waiting) {
     // Light becomes less by nearly the same factor from shot to shot.
-    if (unshot > 0 && settings_.rest < first) tell_progress(std::log(first / unshot) / std::log(first / settings_.rest));
-  });
+    if (waiting > 0 && settings_.rest < first) tell_progress(std::log(first / waiting) / std::log(first / settings_.rest));
+  };
+  if (refinement_->refine(*this, settings_.rest, most_shots, settings_.bounces == Bounces::all, tell) == most_shots)
+    throw Error(
+        "unshot = {} is not reached: after {} shots, {} for each patch, {:.2g} of the light is left; surfaces reflect "
+        "nearly all of it, and a larger unshot ends sooner",
+        settings_.rest, most_shots, most_shots_of_patch, refinement_->waiting_share());
   if (settings_.form_factor == FormFactor::hemicube) average_at_corners(handed_on_);
 }
 
-double Lighting::shoot(std::uint32_t i, const glm::dvec3& exitance, std::span<double> shares) {
+double Lighting::look(std::uint32_t i, std::span<double> shares) {
+  looked_.assign(handed_on_.size(), 0);
   const Sender sender = sender_of(i / 2, i % 2);
   const std::uint64_t seed = first_shot() + lamps_.size() + shots_++;
   if (settings_.form_factor == FormFactor::hemicube) {
     double nothing = 0;
-    const std::vector<double> seen = look(sender, &nothing);
+    const std::vector<double> seen = draw(sender, &nothing);
     for (std::uint32_t p = 0; p < seen.size(); ++p) {
       if (seen[p] == 0) continue;
       const Element& patch = division_.elements()[p];
       const std::uint32_t side = seen_side(division_.face_of(patch), sender.center());
-      handed_on_[2 * patch.center + side] += exitance * (seen[p] * sender.area / division_.area(patch));
+      looked_[2 * patch.center + side] += seen[p] * sender.area / division_.area(patch);
       shares[2 * p + side] += seen[p];
     }
     return nothing;
   }
   gather(sender, false, seed, [&](std::uint32_t place, double, double seen) {
-    handed_on_[place] += exitance * seen;
+    looked_[place] += seen;
     if (const std::uint32_t p = cell_at_[place / 2]; p != none)
       shares[2 * p + place % 2] += seen * division_.area(division_.elements()[p]) / sender.area;
   });
   return escaped_share(sender, false, 1, seed);
+}
+
+void Lighting::send(const glm::dvec3& exitance) {
+  for (const std::uint32_t place : places_) handed_on_[place] += exitance * looked_[place];
 }
 
 double Lighting::escaped_share(const Sender& sender, bool is_lamp, int packets, std::uint64_t seed) {
@@ -310,7 +346,7 @@ double Lighting::escaped_share(const Sender& sender, bool is_lamp, int packets, 
 double Lighting::row_sum(std::uint32_t i) {
   choose(Cells::patches, 0);
   std::vector<double> shares(2 * division_.patch_count());
-  shoot(i, glm::dvec3(0), shares);
+  look(i, shares);
   return std::accumulate(shares.begin(), shares.end(), 0.0);
 }
 
@@ -320,7 +356,7 @@ glm::dvec3 Lighting::unshot(std::uint32_t patch, int side) const {
 
 std::size_t Lighting::bytes() const {
   return division_.bytes() + refinement_->bytes() +
-         bytes_of(lamps_, has_back_, cells_, cell_at_, places_, received_, handed_on_);
+         bytes_of(lamps_, has_back_, cells_, cell_at_, places_, received_, handed_on_, looked_);
 }
 
 }  // namespace gnomon::radiosity

@@ -15,13 +15,18 @@ namespace gnomon::radiosity {
 
 /// What a scene is made of, the same for every light.
 struct Surfaces {
+  /// `patch_size` as a share of the longest side of the scene's box.
+  void build(const Scene& scene, double patch_size);
+
   const Scene* scene = nullptr;
   std::optional<Faces> faces;
-  std::optional<Division> patches;  ///< not divided further
-  std::optional<RayScene> casters;  ///< what hides a lamp
-  std::optional<RayScene> all;      ///< what light between surfaces meets
-  double size = 0;                  ///< longest side of the scene's box, meters
+  std::optional<Division> patches;               ///< not divided further
+  std::optional<RayScene> casters;               ///< what hides a lamp
+  std::optional<RayScene> all;                   ///< what light between surfaces meets
+  std::vector<std::vector<Bounds>> solid_parts;  ///< of each mesh, as gnomon/kit/edges.h has them
+  double size = 0;                               ///< longest side of the scene's box, meters
 };
+double longest_side(const Scene& scene);
 
 enum class FormFactor { hemicube, rays, contour };
 enum class Bounces { none, one, all };
@@ -34,8 +39,9 @@ struct Settings {
   int levels = 0;         ///< how often patches may be divided
   double contrast = 0;    ///< of the shares of the lamp seen within an element, beyond which it is divided
   Bounces bounces = Bounces::none;
-  double rest = 0;         ///< unshot share at the end
-  std::uint64_t seed = 1;  ///< chooses the rays
+  double rest = 0;                      ///< unshot share at the end
+  std::uint64_t seed = 1;               ///< chooses the rays
+  std::size_t most_elements = 1000000;  ///< that patches may be divided into
 };
 
 /// Direct light at a node, on one side: form factors to all parts of the lamp, summed: of the whole lamp and of what is seen.
@@ -49,7 +55,7 @@ struct Received {
 };
 
 /// Light on all surfaces from one lamp. Direct light is found at the nodes of elements; what surfaces hand on varies slower and
-/// is found at those of whole patches.
+/// is found at those of whole patches. Throws Error where elements become too many, or shots do not come to an end.
 class Lighting final : private Exchange {
  public:
   /// `hemicube` may be null where form factors are found otherwise.
@@ -70,6 +76,9 @@ class Lighting final : private Exchange {
   Sender sender_of(std::uint32_t patch, int side) const;
   /// Form factors from a side of a patch (twice the patch, plus the side) to all patches, summed: 1 in a closed room.
   double row_sum(std::uint32_t i);
+
+  /// Shots for each patch after which light is taken never to be used up.
+  static constexpr std::size_t most_shots_of_patch = 100;
 
   std::size_t element_count() const { return element_count_; }
   std::size_t factor_count() const { return factors_; }
@@ -98,12 +107,13 @@ class Lighting final : private Exchange {
   bool crosses_shadow_edge(const Element& element) const;
   void start_refinement();
   void bounce();
-  double shoot(std::uint32_t patch, const glm::dvec3& exitance, std::span<double> shares) override;
+  double look(std::uint32_t patch, std::span<double> shares) override;
+  void send(const glm::dvec3& exitance) override;
   /// Calls use(place, whole, seen) with form factors from the places to a sender; of one place several that add up.
   template <class Use>
   void gather(const Sender& sender, bool is_lamp, std::uint64_t seed, const Use& use);
   /// The form factors from a sender to the cells, by hemicube; `nothing`: the share that meets none.
-  std::vector<double> look(const Sender& sender, double* nothing = nullptr);
+  std::vector<double> draw(const Sender& sender, double* nothing = nullptr);
   static std::uint32_t seen_side(const Face& face, const glm::dvec3& from);
   /// The seed of the first shot; the next ones count on.
   std::uint64_t first_shot() const { return settings_.seed << 32; }
@@ -125,6 +135,7 @@ class Lighting final : private Exchange {
   std::vector<std::uint32_t> places_;
   std::vector<Received> received_;     ///< by place
   std::vector<glm::dvec3> handed_on_;  ///< by place of the nodes of patches
+  std::vector<double> looked_;         ///< form factors to the patch that looked last, the same way
   std::optional<Refinement> refinement_;
   std::size_t element_count_ = 0, factors_ = 0, rays_ = 0, shots_ = 0;
 };

@@ -8,9 +8,9 @@ namespace gnomon::radiosity {
 
 namespace {
 
-/// What a row of form factors may sum to, escaped light included, before it is scaled to 1. Rows err, and cutting off only
-/// those that err upward would lose light; but with this reflectance light must not become more from shot to shot.
-double most_row_sum(double reflectance) { return std::clamp(0.98 / reflectance, 1.05, 1.5); }
+/// What a row of form factors may sum to before it is scaled to 1. Rows err, and cutting off only those that err upward would
+/// lose light; but with this reflectance light must not become more from shot to shot.
+double most_row_sum(double reflectance) { return std::clamp(0.98 / reflectance, 1.0, 1.5); }
 
 double sum(const glm::dvec3& color) { return color.x + color.y + color.z; }
 
@@ -24,10 +24,12 @@ Refinement::Refinement(std::vector<PatchSide> sides)
   most_row_sum_ = most_row_sum(most);
 }
 
-void Refinement::spread(const glm::dvec3& flux, std::span<const double> shares, double escaped, std::vector<glm::dvec3>& got) {
+double Refinement::spread(const glm::dvec3& flux, std::span<const double> shares, double escaped,
+                          std::vector<glm::dvec3>& got) {
   const double total = std::accumulate(shares.begin(), shares.end(), 0.0);
-  // Surfaces in the same place each get all that goes there: handed on for ever, that would be more and more.
-  const double factor = total + escaped > most_row_sum_ ? (1 - escaped) / total : 1;
+  // Surfaces in the same place each get all that goes there: handed on for ever, that would be more and more. What escaped is
+  // left out here: it is told by few rays, and rows that it makes too long by chance would all be cut.
+  const double factor = total > most_row_sum_ ? 1 / total : 1;
   glm::dvec3 handed_on(0);
   for (std::size_t j = 0; j < sides_.size(); ++j) {
     if (shares[j] == 0) continue;
@@ -40,6 +42,7 @@ void Refinement::spread(const glm::dvec3& flux, std::span<const double> shares, 
   ledger_.absorbed += flux * (factor * total) - handed_on;
   ledger_.escaped += flux * escaped;
   ledger_.defect += flux * (1 - factor * total - escaped);
+  return factor;
 }
 
 void Refinement::emit(const glm::dvec3& flux, std::span<const double> shares, double escaped) {
@@ -47,30 +50,37 @@ void Refinement::emit(const glm::dvec3& flux, std::span<const double> shares, do
   spread(flux, shares, escaped, unshot_);
 }
 
-double Refinement::unshot_share() const {
+double Refinement::waiting_share() const {
   const double emitted = sum(ledger_.emitted);
-  return emitted > 0 ? sum(ledger_.unshot) / emitted : 0;
+  return emitted > 0 ? sum(ledger_.unshot - kept_sum_) / emitted : 0;
 }
 
-void Refinement::begin() { kept_.assign(unshot_.size(), glm::dvec3(0)); }
+void Refinement::begin() {
+  kept_.assign(unshot_.size(), glm::dvec3(0));
+  kept_sum_ = glm::dvec3(0);
+}
 
 bool Refinement::shoot(Exchange& exchange, double rest, bool again) {
-  if (sum(ledger_.unshot) <= rest * sum(ledger_.emitted)) return false;
+  if (waiting_share() <= rest) return false;
   const auto most = std::ranges::max_element(unshot_, {}, sum);
   if (most == unshot_.end() || !(sum(*most) > 0)) return false;
   const auto side = static_cast<std::uint32_t>(most - unshot_.begin());
   const glm::dvec3 flux = std::exchange(*most, glm::dvec3(0));
   ledger_.unshot -= flux;
   std::ranges::fill(shares_, 0.0);
-  const double escaped = exchange.shoot(side, flux / sides_[side].area, shares_);
+  const double escaped = exchange.look(side, shares_);
   shot_ += sum(flux);
   landed_ += sum(flux) * (1 - escaped);
-  spread(flux, shares_, escaped, again ? unshot_ : kept_);
+  const glm::dvec3 unshot = ledger_.unshot;
+  const double factor = spread(flux, shares_, escaped, again ? unshot_ : kept_);
+  if (!again) kept_sum_ += ledger_.unshot - unshot;
+  exchange.send(factor * flux / sides_[side].area);
   return true;
 }
 
 void Refinement::end() {
   for (std::size_t i = 0; i < unshot_.size(); ++i) unshot_[i] += kept_[i];
+  kept_sum_ = glm::dvec3(0);
 }
 
 glm::dvec3 Refinement::ambient() const {

@@ -243,10 +243,12 @@ TEST(radiosity_division, neighbors_share_corners) {
 class Mixing final : public Exchange {
  public:
   explicit Mixing(double escaped) : escaped_(escaped) {}
-  double shoot(std::uint32_t, const glm::dvec3&, std::span<double> shares) override {
+  double look(std::uint32_t, std::span<double> shares) override {
     for (double& share : shares) share = (1 - escaped_) / static_cast<double>(shares.size());
     return escaped_;
   }
+  void send(const glm::dvec3& exitance) override { sent += exitance; }
+  glm::dvec3 sent{0};
 
  private:
   double escaped_;
@@ -267,8 +269,39 @@ TEST(radiosity_refinement, of_uniform_light_is_the_geometric_series) {
       EXPECT_NEAR(ledger.absorbed[c] / (1 - reflectance[c]), arrived[c], 1e-9);
       EXPECT_NEAR(ledger.absorbed[c] + ledger.unshot[c] + ledger.escaped[c] + ledger.defect[c], 3, 1e-9);
       EXPECT_NEAR(ledger.defect[c], 0, 1e-9);
+      // All that arrived and is not absorbed was sent, by sides of 2.5 m^2.
+      EXPECT_NEAR(mixing.sent[c] * 2.5, arrived[c] * reflectance[c], 1e-9);
     }
   }
+}
+
+// Form factors that sum to 3: three surfaces in the same place, each of which gets what one would. The shot is shared among
+// them, and what they are sent is what the ledger has of it.
+TEST(radiosity_refinement, shares_a_shot_among_surfaces_in_the_same_place) {
+  class Thrice final : public Exchange {
+   public:
+    double look(std::uint32_t, std::span<double> shares) override {
+      for (double& share : shares) share = 3.0 / static_cast<double>(shares.size());
+      return 0;
+    }
+    void send(const glm::dvec3& exitance) override { sent += exitance; }
+    glm::dvec3 sent{0};
+  } exchange;
+  Refinement refinement(std::vector<PatchSide>(6, {1, glm::dvec3(0.5)}));
+  refinement.emit(glm::dvec3(6), std::vector<double>(6, 1 / 6.0), 0);
+  refinement.refine(exchange, 1e-12, 10000, true, [](double) {});
+  EXPECT_NEAR(refinement.ledger().absorbed.x, 6, 1e-9);
+  EXPECT_NEAR(refinement.ledger().defect.x, 0, 1e-9);
+  EXPECT_NEAR(3 * exchange.sent.x, 3 / (1 - 0.5), 1e-9);  // half of 6, and of that half, and so on, to each of the three
+}
+
+// What is kept does not wait: when light goes on once, the end is there with the last shot that is worth it. Of 8 that arrive
+// 4 wait in equal parts; after the third shot 1 of 8 is left, an eighth.
+TEST(radiosity_refinement, ends_by_what_waits_not_by_what_is_kept) {
+  Refinement refinement(std::vector<PatchSide>(4, {1, glm::dvec3(0.5)}));
+  refinement.emit(glm::dvec3(8), std::vector<double>{0.25, 0.25, 0.25, 0.25}, 0);
+  Mixing mixing(0);
+  EXPECT_EQ(refinement.refine(mixing, 0.126, 1000, false, [](double) {}), 3u);
 }
 
 TEST(radiosity_refinement, keeps_what_is_got_when_light_goes_on_once) {

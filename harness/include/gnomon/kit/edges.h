@@ -129,4 +129,8 @@ class EdgeAdjacency {
 /// the columns that they span where the quick bound is over.
 std::int64_t bound_depth(const EdgeAdjacency& adjacency, const Silhouette& silhouette, std::int64_t enough);
 
+/// The boxes of a casting mesh's connected parts, where every part is closed and wound counter-clockwise seen from outside:
+/// light from outside of a box never reaches the inside of its part. Empty otherwise.
+std::vector<Bounds> solid_parts(const Mesh& mesh);
+
 }  // namespace gnomon
