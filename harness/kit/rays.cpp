@@ -115,13 +115,12 @@ GNOMON_VECTORIZED void lanes_from_bits(std::uint32_t valid, int* lanes) {
   for (int lane = 0; lane < 16; ++lane) lanes[lane] = valid & 1u << lane ? -1 : 0;
 }
 
-/// Makes the rays of lanes that are off empty. A processor that cannot trace 16 rays at once gets them as a stream, and of a
-/// stream Embree traces every ray that has a length, whatever `lanes` says: numbers that nobody wrote would be a ray.
+/// Makes the rays of lanes that are off empty. A processor that cannot trace 16 rays at once gets them as a stream, of which
+/// Embree traces every ray that has a length, whatever `lanes` says: numbers that nobody wrote would be a ray.
 GNOMON_VECTORIZED void empty_lanes(std::uint32_t valid, float* __restrict tnear, float* __restrict tfar) {
   for (int lane = 0; lane < 16; ++lane) {
-    const bool is_on = valid & 1u << lane;
-    tnear[lane] = is_on ? tnear[lane] : 0;
-    tfar[lane] = is_on ? tfar[lane] : -1;
+    tnear[lane] = valid & 1u << lane ? tnear[lane] : 0;
+    tfar[lane] = valid & 1u << lane ? tfar[lane] : -1;
   }
 }
 

@@ -2,7 +2,6 @@
 
 #include <gnomon/error.h>
 #include <gnomon/kit/bytes.h>
-#include <gnomon/kit/edges.h>
 #include <gnomon/kit/parallel.h>
 #include <gnomon/kit/progress.h>
 
@@ -47,23 +46,6 @@ double longest_side(std::span<const glm::dvec3> outline) {
 }
 
 }  // namespace
-
-double longest_side(const Scene& scene) {
-  const Bounds bounds = scene.bounds();
-  const glm::vec3 sides = bounds.max - bounds.min;
-  return std::max({sides.x, sides.y, sides.z});
-}
-
-void Surfaces::build(const Scene& of, double patch_size) {
-  scene = &of;
-  size = longest_side(of);
-  faces.emplace(of);
-  patches.emplace(*faces, patch_size * size);
-  casters.emplace(of, Truth::mesh, RayScene::Which::casters);
-  all.emplace(of, Truth::mesh, RayScene::Which::all);
-  solid_parts.clear();
-  for (const Mesh& mesh : of.meshes) solid_parts.push_back(gnomon::solid_parts(mesh));
-}
 
 Lighting::Lighting(const Surfaces& surfaces, const Light& light, const Settings& settings, Hemicube* hemicube)
     : surfaces_(surfaces),

@@ -1,32 +1,14 @@
 #pragma once
-#include <gnomon/kit/rays.h>
-#include <gnomon/scene.h>
-
 #include <memory>
 #include <optional>
 #include <vector>
 
-#include "division.h"
 #include "gathering.h"
 #include "hemicube.h"
 #include "refinement.h"
+#include "surfaces.h"
 
 namespace gnomon::radiosity {
-
-/// What a scene is made of, the same for every light.
-struct Surfaces {
-  /// `patch_size` as a share of the longest side of the scene's box.
-  void build(const Scene& scene, double patch_size);
-
-  const Scene* scene = nullptr;
-  std::optional<Faces> faces;
-  std::optional<Division> patches;               ///< not divided further
-  std::optional<RayScene> casters;               ///< what hides a lamp
-  std::optional<RayScene> all;                   ///< what light between surfaces meets
-  std::vector<std::vector<Bounds>> solid_parts;  ///< of each mesh, as gnomon/kit/edges.h has them
-  double size = 0;                               ///< longest side of the scene's box, meters
-};
-double longest_side(const Scene& scene);
 
 enum class FormFactor { hemicube, rays, contour };
 enum class Bounces { none, one, all };
