@@ -126,16 +126,17 @@ void SoftVolume::start(const GBuffer& gbuffer, std::span<const std::uint32_t> pi
   Bounds box;
   bool is_flat = true;
   const glm::dvec3 normal = gbuffer.normal(pixels[0]);
-  double height = INFINITY;
+  double height = INFINITY, highest = -INFINITY;
   for (const std::uint32_t i : pixels) {
     const glm::vec3 p = gbuffer.position(i);
     box.add(p);
     is_flat &= glm::dvec3(gbuffer.normal(i)) == normal;
     height = std::min(height, glm::dot(normal, glm::dvec3(p)));
+    highest = std::max(highest, glm::dot(normal, glm::dvec3(p)));
   }
   // Only places above the horizon count, which rise from each point along this normal.
   std::optional<PointQuery::Above> above;
-  if (is_flat) above = {normal, height};
+  if (is_flat) above = {normal, height, highest};
   query.start(*built_, box, light_box_, crossing_, above);
 }
 

@@ -10,12 +10,18 @@ void PointQuery::start(const Casters& casters, const Bounds& points, const Bound
   crossing_ = crossing;
   cache_ = {};
   hint_ = 0xffffffffu;
-  Beam beam(points, light);
-  if (above) beam.cut_below(above->normal, above->height);
-  is_empty_ = !casters.has_triangles(beam);
+  const Beam beam(points, light);
+  Beam upper = beam;
+  if (above) upper.cut_below(above->normal, above->height);
+  is_empty_ = !casters.has_triangles(upper);
   std::size_t regular_count = 0;
   found_.clear();
-  if (!is_empty_) regular_count = casters.find_edges(beam, points, found_);
+  if (!is_empty_) {
+    // Where some of the light is below the horizon, the way from its corner to a place may lead past edges there, too.
+    const glm::dvec3 half = 0.5 * (glm::dvec3(light.max) - glm::dvec3(light.min)), middle = glm::dvec3(light.min) + half;
+    const bool is_above = above && glm::dot(above->normal, middle) - glm::dot(glm::abs(above->normal), half) > above->highest;
+    regular_count = casters.find_edges(is_above ? upper : beam, points, found_);
+  }
   filter_.set(casters, found_, regular_count, points);
 }
 

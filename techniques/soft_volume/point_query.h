@@ -30,7 +30,7 @@ class PointQuery {
   /// `above`: a plane below which nothing blocks a way from any of the points, if there is one.
   struct Above {
     glm::dvec3 normal;
-    double height;
+    double height, highest;  ///< along the normal: of the lowest and of the highest of the points
   };
   void start(const Casters& casters, const Bounds& points, const Bounds& light, std::span<const std::uint32_t> crossing,
              const std::optional<Above>& above);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 
 #include "exact_way.h"
 #include "hard_scenes.h"
@@ -41,7 +42,7 @@ void scatter(const Scene& scene, Random& random, hand_made::Picture& picture) {
 }
 
 struct Asked {
-  std::size_t places = 0, penumbrae = 0, wrong = 0, degenerate = 0, crossing = 0;
+  std::size_t places = 0, penumbrae = 0, wrong = 0, degenerate = 0;  // places, but pixels in penumbra
 };
 
 /// Asks the exact judge about every place of every pixel.
@@ -95,18 +96,25 @@ Scene random_scene(int round, Random& random) {
   return scene;
 }
 
-// Lights stand above casters, between them, in them and across them.
+// Lights stand above casters, between them, in them and across them. GNOMON_PIXELS asks for more places, GNOMON_SEED for
+// others.
 TEST(SoftVolume, every_place_of_random_scenes_is_what_exact_signs_say) {
-  Random random(22);
+  const char* wanted = std::getenv("GNOMON_PIXELS");
+  const std::size_t least = wanted ? std::strtoull(wanted, nullptr, 10) : 90'000;
+  const char* seed = std::getenv("GNOMON_SEED");
+  Random random(seed ? std::strtoull(seed, nullptr, 10) : 22);
   Asked asked;
-  for (int round = 0; round < 160; ++round) {
+  for (int round = 0; asked.places < least; ++round) {
     const Scene scene = random_scene(round, random);
     hand_made::Picture picture(40, 3);
     scatter(scene, random, picture);
     judge(scene, random_light(random), picture.gbuffer, "samples=16", asked);
   }
+  const std::string seen = fmt::format("{} places, {} wrong, {} degenerate, {} pixels in penumbra", asked.places, asked.wrong,
+                                       asked.degenerate, asked.penumbrae);
+  if (wanted) fmt::print("{}\n", seen);
+  RecordProperty("seen", seen);
   EXPECT_EQ(asked.wrong, 0u);
-  EXPECT_GT(asked.places, 80'000u);
   EXPECT_GT(asked.penumbrae, 1'000u);
   // Only places on a grid lie behind edges, and places of a light are random.
   EXPECT_LT(asked.degenerate, asked.places / 1'000);
@@ -209,18 +217,11 @@ TEST(SoftVolume, a_caster_in_the_plane_of_the_light_hides_nothing) {
   const Light level = rect({0, 3, 0}, {1, 0, 0}, {0, 0, 1});
   EXPECT_EQ(at_origin({hand_made::square(5, 3)}, level), 1);
   EXPECT_EQ(at_origin({hand_made::square(0.5f, 3)}, level), 1);
-  // Tilted, and the light's own four corners: on its plane but for what double makes of it.
-  const glm::vec3 c{0.3f, 3, 0}, u{0.7f, 0.3f, 0}, v{0, 0.2f, 0.9f};
-  const Light tilted = rect(c, u, v);
-  EXPECT_EQ(at_origin({small_world::make_mesh({c - u - v, c + u - v, c + u + v}, {{0, 1, 2}})},
-                      rect({0.25f, 3, 0}, {0.5f, 0.25f, 0}, {0, 0.25f, 1})),
-            1);
-  EXPECT_EQ(at_origin({small_world::make_mesh({glm::vec3(0.25f, 3, 0), {0.75f, 3.25f, 0}, {0.25f, 3.25f, 1}}, {{0, 1, 2}})},
-                      rect({0.25f, 3, 0}, {0.5f, 0.25f, 0}, {0, 0.25f, 1})),
-            1);
+  // Tilted: on its plane but for what double makes of it.
+  const Light tilted = rect({0.25f, 3, 0}, {0.5f, 0.25f, 0}, {0, 0.25f, 1});
+  EXPECT_EQ(at_origin({small_world::make_mesh({{0.25f, 3, 0}, {0.75f, 3.25f, 0}, {0.25f, 3.25f, 1}}, {{0, 1, 2}})}, tilted), 1);
   // A hair below it, it hides what it covers.
   EXPECT_EQ(at_origin({hand_made::square(5, 2.9999f)}, level), 0);
-  EXPECT_EQ(at_origin({}, tilted), 1);
 }
 
 // A plate stands upright in the light, at x = 0: its lower part, below the light, is edge-on to the origin. Moved to x = 0.5 it
