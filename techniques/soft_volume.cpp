@@ -76,18 +76,22 @@ class SoftVolume final : public Technique {
     const std::size_t x = i % gbuffer.width, y = i / gbuffer.width, own = pattern.is("interleaved") ? y % 4 * 4 + x % 4 : i;
     return {static_cast<std::uint32_t>(samples.value()), (static_cast<std::uint64_t>(seed.value()) << 32) + own};
   }
-  /// Decides the pixels of one mesh with one normal, or any: in halves while they look at many edges.
-  void decide(const GBuffer& gbuffer, std::span<std::uint32_t> pixels, PointQuery& query, std::span<float> mask,
-              Tally& tally) const;
-  void start(const GBuffer& gbuffer, std::span<const std::uint32_t> pixels, PointQuery& query) const;
+  /// Pixels that are near to each other.
+  struct Group {
+    Bounds box;
+    std::optional<PointQuery::Above> above;
+  };
+  static Group group_of(const GBuffer& gbuffer, std::span<const std::uint32_t> pixels);
+  /// Decides a group of pixels: in halves while they look at many edges. The pixels of the level above come first.
+  void decide(const GBuffer& gbuffer, std::span<std::uint32_t> pixels, std::size_t level, PointQuery& query,
+              std::span<float> mask, Tally& tally) const;
   /// Asks for one pixel by itself: use(query, face).
   template <class Use>
   void ask(std::size_t index, const Use& use) const;
 
   Shared<Casters> built_;
   Light light_;
-  Bounds light_box_;
-  std::vector<std::uint32_t> crossing_;  // triangles that reach into the light's box
+  PointQuery::Lamp lamp_;
   const GBuffer* gbuffer_ = nullptr;
   Tally tally_;
   mutable ScratchPool<PointQuery> pool_;
@@ -118,37 +122,38 @@ Bounds box_of(const Light& light) {
 
 void SoftVolume::relight(const Light& light) {
   light_ = light;
-  light_box_ = box_of(light);
-  built_->find_triangles(light_box_, crossing_);
+  lamp_.box = box_of(light);
+  built_->find_triangles(lamp_.box, lamp_.crossing);
 }
 
-void SoftVolume::start(const GBuffer& gbuffer, std::span<const std::uint32_t> pixels, PointQuery& query) const {
-  Bounds box;
+SoftVolume::Group SoftVolume::group_of(const GBuffer& gbuffer, std::span<const std::uint32_t> pixels) {
+  Group group;
   bool is_flat = true;
   const glm::dvec3 normal = gbuffer.normal(pixels[0]);
   double height = INFINITY, highest = -INFINITY;
   for (const std::uint32_t i : pixels) {
     const glm::vec3 p = gbuffer.position(i);
-    box.add(p);
+    group.box.add(p);
     is_flat &= glm::dvec3(gbuffer.normal(i)) == normal;
     height = std::min(height, glm::dot(normal, glm::dvec3(p)));
     highest = std::max(highest, glm::dot(normal, glm::dvec3(p)));
   }
   // Only places above the horizon count, which rise from each point along this normal.
-  std::optional<PointQuery::Above> above;
-  if (is_flat) above = {normal, height, highest};
-  query.start(*built_, box, light_box_, crossing_, above);
+  if (is_flat) group.above = {normal, height, highest};
+  return group;
 }
 
-void SoftVolume::decide(const GBuffer& gbuffer, std::span<std::uint32_t> pixels, PointQuery& query, std::span<float> mask,
-                        Tally& tally) const {
+void SoftVolume::decide(const GBuffer& gbuffer, std::span<std::uint32_t> pixels, std::size_t level, PointQuery& query,
+                        std::span<float> mask, Tally& tally) const {
   constexpr std::size_t few_edges = 64, few_pixels = 4;
-  start(gbuffer, pixels, query);
+  const Group group = group_of(gbuffer, pixels);
+  if (level == 0)
+    query.start(*built_, lamp_, group.box, group.above);
+  else
+    query.narrow(level, group.box, group.above);
   if (query.edge_count() > few_edges && pixels.size() > few_pixels) {
     // In half along the longest axis.
-    Bounds box;
-    for (const std::uint32_t i : pixels) box.add(gbuffer.position(i));
-    const glm::vec3 size = box.max - box.min;
+    const glm::vec3 size = group.box.max - group.box.min;
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
     const auto before = [&](std::uint32_t a, std::uint32_t b) {
       const float at_a = gbuffer.position(a)[axis], at_b = gbuffer.position(b)[axis];
@@ -156,10 +161,11 @@ void SoftVolume::decide(const GBuffer& gbuffer, std::span<std::uint32_t> pixels,
     };
     const std::size_t half = pixels.size() / 2;
     std::nth_element(pixels.begin(), pixels.begin() + static_cast<std::ptrdiff_t>(half), pixels.end(), before);
-    decide(gbuffer, pixels.first(half), query, mask, tally);
-    decide(gbuffer, pixels.subspan(half), query, mask, tally);
+    decide(gbuffer, pixels.first(half), level + 1, query, mask, tally);
+    decide(gbuffer, pixels.subspan(half), level + 1, query, mask, tally);
     return;
   }
+  query.get_ready(group.box);
   for (const std::uint32_t i : pixels) {
     const LightFace face(light_, gbuffer.position(i), gbuffer.normal(i));
     if (face.is_seen()) mask[i] = static_cast<float>(query.share(receiver(gbuffer, i), face, pattern_of(gbuffer, i), tally));
@@ -169,10 +175,10 @@ void SoftVolume::decide(const GBuffer& gbuffer, std::span<std::uint32_t> pixels,
 void SoftVolume::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   gbuffer_ = &gbuffer;
   const std::span<float> out = mask.pixels();
-  constexpr int side = 8;
+  constexpr int side = 16;
   const std::size_t columns = (gbuffer.width + side - 1) / side, rows = (gbuffer.height + side - 1) / side;
   std::vector<Tally> tallies(columns * rows);
-  for_blocks(columns * rows, 4, [&](std::size_t begin, std::size_t end) {
+  for_blocks(columns * rows, 1, [&](std::size_t begin, std::size_t end) {
     const auto query = pool_.borrow();
     std::vector<std::uint32_t> pixels;
     for (std::size_t tile = begin; tile < end; ++tile) {
@@ -189,7 +195,7 @@ void SoftVolume::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
       for (auto first = pixels.begin(); first != pixels.end();) {
         const auto last =
             std::find_if(first, pixels.end(), [&](std::uint32_t i) { return gbuffer.mesh[i] != gbuffer.mesh[*first]; });
-        decide(gbuffer, {first, last}, *query, out, tallies[tile]);
+        decide(gbuffer, {first, last}, 0, *query, out, tallies[tile]);
         first = last;
       }
     }
@@ -204,7 +210,7 @@ Counts SoftVolume::counts() const {
           count("rays", tally_.rays),
           count("edges", tally_.edges),
           count("looked_at", tally_.looked),
-          {"bytes", built_.own(static_cast<double>(built_->bytes())) + static_cast<double>(bytes_of(crossing_)), "byte"}};
+          {"bytes", built_.own(static_cast<double>(built_->bytes())) + static_cast<double>(bytes_of(lamp_.crossing)), "byte"}};
 }
 
 template <class Use>
@@ -215,7 +221,9 @@ void SoftVolume::ask(std::size_t index, const Use& use) const {
   if (!face.is_seen()) return;
   const auto query = pool_.borrow();
   const auto pixel = static_cast<std::uint32_t>(index);
-  start(gbuffer, {&pixel, 1}, *query);
+  const Group group = group_of(gbuffer, {&pixel, 1});
+  query->start(*built_, lamp_, group.box, group.above);
+  query->get_ready(group.box);
   Tally tally;
   query->share(receiver(gbuffer, index), face, pattern_of(gbuffer, index), tally);
   use(*query, face);

@@ -154,10 +154,30 @@ void Casters::add_edges() {
   edges_.shrink_to_fit();
 }
 
-std::size_t Casters::find_edges(const Beam& beam, const Bounds& from, std::vector<std::uint32_t>& found) const {
+Casters::Viewers::Viewers(const Bounds& box) : middle(mean(box)), half(half_size(box)), slack(0x1p-20 * extent(middle)) {}
+
+bool Casters::faces_alike(const Viewers& from, std::uint32_t edge) const {
+  int sides = 0;
+  for (const std::uint32_t t : {edges_[edge].first, edges_[edge].second}) {
+    const glm::dvec4& plane = planes_[t];
+    const double height = glm::dot(glm::dvec3(plane), from.middle) + plane.w,
+                 wide = glm::dot(glm::abs(glm::dvec3(plane)), from.half) + from.slack + 0x1p-20 * std::abs(plane.w);
+    if (!(std::abs(height) > wide)) return false;
+    sides += height > 0 ? 1 : -1;
+  }
+  return sides != 0;
+}
+
+bool Casters::meets(const Beam& beam, std::uint32_t edge) const {
+  const glm::vec3 &a = position(edges_[edge].low), &b = position(edges_[edge].high);
+  const glm::vec3 low = glm::min(a, b), high = glm::max(a, b);
+  return beam.meets(&low.x, &high.x);
+}
+
+std::size_t Casters::find_edges(const Beam& beam, const Bounds& points, std::vector<std::uint32_t>& found) const {
   found.clear();
-  const glm::dvec3 middle = mean(from), half = half_size(from);
-  const double radius = glm::length(half);
+  const Viewers from(points);
+  const double radius = glm::length(from.half);
   for (std::uint32_t i = 0; i < nodes_.size();) {
     const Node& node = nodes_[i];
     if (!beam.meets(node.low, node.high)) {
@@ -168,37 +188,38 @@ std::size_t Casters::find_edges(const Beam& beam, const Bounds& from, std::vecto
     // one side by more than both boxes are wide: n . (p - x) for |p - middle| and |x - center| within their radii.
     glm::dvec3 way, size;
     for (int k = 0; k < 3; ++k) {
-      way[k] = middle[k] - 0.5 * (static_cast<double>(node.low[k]) + node.high[k]);
+      way[k] = from.middle[k] - 0.5 * (static_cast<double>(node.low[k]) + node.high[k]);
       size[k] = 0.5 * (static_cast<double>(node.high[k]) - node.low[k]);
     }
     const double along = way.x * node.axis[0] + way.y * node.axis[1] + way.z * node.axis[2], square = glm::dot(way, way),
                  across = std::sqrt(std::max(0.0, square - along * along)), reach = radius + glm::length(size);
-    if (std::abs(along) * node.cosine - across * node.sine > reach * 1.0001 + 1e-5 * std::sqrt(square)) {
+    if (std::abs(along) * node.cosine - across * node.sine > reach * 1.0001 + 1e-5 * std::sqrt(square) + from.slack) {
       i = node.skip;
       continue;
     }
-    for (std::uint32_t e = node.first; e < node.first + node.count; ++e) {
-      // Of both triangles the height of the box over the plane.
-      int sides = 0;
-      for (const std::uint32_t t : {edges_[e].first, edges_[e].second}) {
-        const glm::dvec4& plane = planes_[t];
-        const double height = glm::dot(glm::dvec3(plane), middle) + plane.w,
-                     wide = glm::dot(glm::abs(glm::dvec3(plane)), half) + 0x1p-20 * (extent(middle) + std::abs(plane.w));
-        sides += height > wide ? 1 : height < -wide ? -1 : 10;
-      }
-      if (sides == 2 || sides == -2) continue;
-      const glm::vec3 &a = position(edges_[e].low), &b = position(edges_[e].high);
-      const glm::vec3 low = glm::min(a, b), high = glm::max(a, b);
-      if (beam.meets(&low.x, &high.x)) found.push_back(e);
-    }
+    for (std::uint32_t e = node.first; e < node.first + node.count; ++e)
+      if (!faces_alike(from, e) && meets(beam, e)) found.push_back(e);
     ++i;
   }
   const std::size_t regular = found.size();
   irregular_tree_.each([&](const float* low, const float* high) { return beam.meets(low, high); },
                        [&](std::uint32_t place) {
-                         found.push_back(regular_count_ + place);
+                         if (meets(beam, regular_count_ + place)) found.push_back(regular_count_ + place);
                          return false;
                        });
+  return regular;
+}
+
+std::size_t Casters::narrow_edges(const Beam& beam, const Bounds& points, std::span<const std::uint32_t> wide,
+                                  std::vector<std::uint32_t>& found) const {
+  found.clear();
+  const Viewers from(points);
+  std::size_t regular = 0;
+  for (const std::uint32_t e : wide) {
+    if ((is_regular(e) && faces_alike(from, e)) || !meets(beam, e)) continue;
+    found.push_back(e);
+    regular += is_regular(e);
+  }
   return regular;
 }
 
@@ -232,20 +253,20 @@ void Casters::find_triangles(const Bounds& box, std::vector<std::uint32_t>& foun
 
 int Casters::facing(const NumberedReceiver& receiver, std::uint32_t triangle, CoplanarCache& cache) const {
   const glm::dvec4& plane = planes_[triangle];
-  const double height = glm::dot(glm::dvec3(plane), glm::dvec3(receiver.point)) + plane.w;
-  // Nearer than rounding may have put a point off its own plane, the rule of receivers and exact signs decide.
-  const double near = 0x1p-21 * (extent(receiver.point) + std::abs(plane.w));
-  const bool is_near = !(std::abs(height) > near);
-  if (receiver.own_count > 1 || is_near) {
-    if (receiver.is_own(triangle)) return 0;
-    if (!is_near) return height > 0 ? 1 : -1;
-    const Triangle corners = adjacency_.corners(triangle);
-    if (receiver.has_triangle() &&
-        cache.is_coplanar(receiver.first_own, triangle, [&] { return receiver.is_coplanar(*scene_, corners.points); }))
-      return 0;
-    return orient3d_sign(corners.points[0], corners.points[1], corners.points[2], receiver.point);
-  }
-  return height > 0 ? 1 : -1;
+  const double height = glm::dot(glm::dvec3(plane), glm::dvec3(receiver.point)) + plane.w,
+               scale = extent(receiver.point) + std::abs(plane.w);
+  // Rounding may have put a point so far off its own plane: there the rule of receivers and exact signs decide.
+  const bool is_near = !(std::abs(height) > 0x1p-21 * scale);
+  if (!is_near && receiver.own_count <= 1) return height > 0 ? 1 : -1;
+  if (receiver.is_own(triangle)) return 0;
+  if (!is_near) return height > 0 ? 1 : -1;
+  // A plane that double cannot tell from one through the point is seen edge-on: its edges have no sides.
+  const bool has_plane = glm::dvec3(plane) != glm::dvec3(0);
+  if (has_plane && std::abs(height) <= 0x1p-48 * scale) return 0;
+  const Triangle corners = adjacency_.corners(triangle);
+  const auto is_coplanar = [&] { return receiver.is_coplanar(*scene_, corners.points); };
+  if (receiver.has_triangle() && cache.is_coplanar(receiver.first_own, triangle, is_coplanar)) return 0;
+  return orient3d_sign(corners.points[0], corners.points[1], corners.points[2], receiver.point);
 }
 
 int Casters::multiplicity(const NumberedReceiver& receiver, std::uint32_t number, CoplanarCache& cache) const {

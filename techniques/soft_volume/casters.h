@@ -45,12 +45,14 @@ class Casters {
   /// Edges that a beam meets and that may be silhouette edges for a point in `from`, the beam's box of points. Numbers of
   /// `edge`; regular ones first. Says how many of these.
   std::size_t find_edges(const Beam& beam, const Bounds& from, std::vector<std::uint32_t>& found) const;
+  /// The same for a part of these points, of the edges that were found for all of them, `wide`.
+  std::size_t narrow_edges(const Beam& beam, const Bounds& from, std::span<const std::uint32_t> wide,
+                           std::vector<std::uint32_t>& found) const;
   bool has_triangles(const Beam& beam) const;
   /// Casting triangles whose box meets a box.
   void find_triangles(const Bounds& box, std::vector<std::uint32_t>& found) const;
 
   const CasterEdge& edge(std::uint32_t number) const { return edges_[number]; }
-  std::size_t edge_total() const { return edges_.size(); }
   bool is_regular(std::uint32_t number) const { return number < regular_count_; }
 
   /// What a point sees of a triangle: +1 its corners counter-clockwise, -1 clockwise; 0 edge-on, or left out for this receiver.
@@ -79,6 +81,15 @@ class Casters {
     std::uint32_t skip, first, count;
   };
   struct Builder;
+  /// A box of points, as the tests of edges want it.
+  struct Viewers {
+    glm::dvec3 middle, half;
+    double slack;  ///< of a height over a plane
+    explicit Viewers(const Bounds& box);
+  };
+  /// Whether both triangles of a regular edge face all points alike.
+  bool faces_alike(const Viewers& from, std::uint32_t edge) const;
+  bool meets(const Beam& beam, std::uint32_t edge) const;
   void add_edges();
   void find_planes();
   Way crosses(const NumberedReceiver& receiver, std::uint32_t triangle, const glm::dvec3& to, CoplanarCache& cache) const;

@@ -91,7 +91,9 @@ void LightDepth::add_line(const Corner& from, const Corner& to, int jump) {
       rejects(from.w - from.y, to.w - to.y) || rejects(from.w, to.w))
     return;
   Corner a = from, b = to;
-  if (!(a.w > 0 && b.w > 0)) {
+  // Far beside the box a division would leave too few digits for the line.
+  const auto is_near = [](const Corner& c) { return std::max(std::abs(c.x), std::abs(c.y)) <= 16 * c.w; };
+  if (!is_near(a) || !is_near(b)) {
     const auto clip = [&](auto&& inside) {
       const double at_a = inside(a), at_b = inside(b);
       if (at_a < 0 && at_b < 0) return false;

@@ -4,25 +4,43 @@
 
 namespace gnomon::soft_volume {
 
-void PointQuery::start(const Casters& casters, const Bounds& points, const Bounds& light,
-                       std::span<const std::uint32_t> crossing, const std::optional<Above>& above) {
+void PointQuery::start(const Casters& casters, const Lamp& lamp, const Bounds& points, const std::optional<Above>& above) {
   casters_ = &casters;
-  crossing_ = crossing;
+  lamp_ = &lamp;
   cache_ = {};
   hint_ = 0xffffffffu;
-  const Beam beam(points, light);
+  find_level(0, points, above);
+}
+
+void PointQuery::narrow(std::size_t level, const Bounds& points, const std::optional<Above>& above) {
+  find_level(level, points, above);
+}
+
+void PointQuery::find_level(std::size_t level, const Bounds& points, const std::optional<Above>& above) {
+  if (levels_.size() <= level) levels_.resize(level + 1);
+  Level& now = levels_[level];
+  const Beam beam(points, lamp_->box);
   Beam upper = beam;
   if (above) upper.cut_below(above->normal, above->height);
-  is_empty_ = !casters.has_triangles(upper);
-  std::size_t regular_count = 0;
-  found_.clear();
-  if (!is_empty_) {
+  now.is_empty = (level > 0 && levels_[level - 1].is_empty) || !casters_->has_triangles(upper);
+  now.edges.clear();
+  now.regular_count = 0;
+  if (!now.is_empty) {
     // Where some of the light is below the horizon, the way from its corner to a place may lead past edges there, too.
-    const glm::dvec3 half = 0.5 * (glm::dvec3(light.max) - glm::dvec3(light.min)), middle = glm::dvec3(light.min) + half;
+    const Bounds& box = lamp_->box;
+    const glm::dvec3 half = 0.5 * (glm::dvec3(box.max) - glm::dvec3(box.min)), middle = glm::dvec3(box.min) + half;
     const bool is_above = above && glm::dot(above->normal, middle) - glm::dot(glm::abs(above->normal), half) > above->highest;
-    regular_count = casters.find_edges(is_above ? upper : beam, points, found_);
+    const Beam& cut = is_above ? upper : beam;
+    now.regular_count = level == 0 ? casters_->find_edges(cut, points, now.edges)
+                                   : casters_->narrow_edges(cut, points, levels_[level - 1].edges, now.edges);
   }
-  filter_.set(casters, found_, regular_count, points);
+  level_ = level;
+  edge_count_ = now.edges.size();
+}
+
+void PointQuery::get_ready(const Bounds& points) {
+  const Level& now = levels_[level_];
+  filter_.set(*casters_, now.edges, now.regular_count, points);
 }
 
 double PointQuery::share(const NumberedReceiver& receiver, const LightFace& face, const Pattern& pattern, Tally& tally) {
@@ -35,7 +53,7 @@ double PointQuery::share(const NumberedReceiver& receiver, const LightFace& face
     depth_->set(face);
   else
     depth_.emplace(face);
-  if (is_empty_) return 1;
+  if (levels_[level_].is_empty) return 1;
   tally.looked += filter_.size();
   filter_.find(receiver.point, *depth_, kept_);
   add_edges(receiver);
@@ -110,7 +128,7 @@ void PointQuery::add_edges(const NumberedReceiver& receiver) {
 
 void PointQuery::add_crossing(const NumberedReceiver& receiver) {
   const EdgeAdjacency& adjacency = casters_->adjacency();
-  for (const std::uint32_t triangle : crossing_) {
+  for (const std::uint32_t triangle : lamp_->crossing) {
     const int facing = casters_->facing(receiver, triangle, cache_);
     if (facing == 0) continue;
     LightDepth::Corner corners[3];

@@ -26,15 +26,24 @@ struct Pattern {
 /// Decides the places of a light for points, a few neighbors at a time. One for each thread.
 class PointQuery {
  public:
-  /// Points in a box, and what lies between them and a light in another. `crossing`: triangles that reach into the light's box.
-  /// `above`: a plane below which nothing blocks a way from any of the points, if there is one.
+  /// A plane below which nothing blocks the way from any of the points.
   struct Above {
     glm::dvec3 normal;
     double height, highest;  ///< along the normal: of the lowest and of the highest of the points
   };
-  void start(const Casters& casters, const Bounds& points, const Bounds& light, std::span<const std::uint32_t> crossing,
-             const std::optional<Above>& above);
-  std::size_t edge_count() const { return filter_.size(); }
+  /// A light's box, and the triangles that reach into it.
+  struct Lamp {
+    Bounds box;
+    std::vector<std::uint32_t> crossing;
+  };
+  /// Points in a box see a lamp; both outlive the query.
+  void start(const Casters& casters, const Lamp& lamp, const Bounds& points, const std::optional<Above>& above);
+  /// The same for a part of the points of the level above, which was started last; the first level is 0.
+  void narrow(std::size_t level, const Bounds& points, const std::optional<Above>& above);
+  /// Edges that the points of the last level look at.
+  std::size_t edge_count() const { return edge_count_; }
+  /// Makes ready for `share` of the points of the last level.
+  void get_ready(const Bounds& points);
 
   /// The share of the places above the horizon that is seen; 1 where there is none. `face` must be seen.
   double share(const NumberedReceiver& receiver, const LightFace& face, const Pattern& pattern, Tally& tally);
@@ -60,10 +69,19 @@ class PointQuery {
   void add_edges(const NumberedReceiver& receiver);
   void add_crossing(const NumberedReceiver& receiver);
 
+  /// What the points of a level may need.
+  struct Level {
+    bool is_empty = true;
+    std::size_t regular_count = 0;
+    std::vector<std::uint32_t> edges;
+  };
+  void find_level(std::size_t level, const Bounds& points, const std::optional<Above>& above);
+
   const Casters* casters_ = nullptr;
-  std::span<const std::uint32_t> crossing_;
-  bool is_empty_ = true;
-  std::vector<std::uint32_t> found_, kept_;
+  const Lamp* lamp_ = nullptr;
+  std::vector<Level> levels_;
+  std::size_t level_ = 0, edge_count_ = 0;
+  std::vector<std::uint32_t> kept_;
   EdgeFilter filter_;
   CoplanarCache cache_;
   std::uint32_t hint_ = 0xffffffffu;
