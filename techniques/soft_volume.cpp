@@ -28,8 +28,10 @@ constexpr About about{
     .error =
         "That of as many shadow rays to the same places, see area_rays: noise, which falls with the number n of places as "
         "about "
-        "n^-0.75. It estimates the share of the light's area, and sees triangles: against exact spheres, cones and discs it "
-        "errs by the tessellation.",
+        "n^-0.75. Each place is what exact signs say of the float32 points, but within double's rounding of an edge, or where "
+        "a "
+        "point is within 2^-48 of its coordinates of another caster's plane and counts as in it. It estimates the share of "
+        "the light's area, and sees triangles: against exact spheres, cones and discs it errs by the tessellation.",
     .fails =
         "Nothing it supports. It is slow where many silhouette edges lie before the light: soups, leaves, and points close to "
         "finely tessellated casters under a large light."};
