@@ -154,7 +154,7 @@ void Casters::add_edges() {
   edges_.shrink_to_fit();
 }
 
-Casters::Viewers::Viewers(const Bounds& box) : middle(mean(box)), half(half_size(box)), slack(0x1p-20 * extent(middle)) {}
+Casters::Viewers::Viewers(const Bounds& box) : middle(mean(box)), half(half_size(box)), slack(0x1p-18 * extent(middle)) {}
 
 bool Casters::faces_alike(const Viewers& from, std::uint32_t edge) const {
   int sides = 0;

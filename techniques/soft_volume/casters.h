@@ -84,7 +84,7 @@ class Casters {
   /// A box of points, as the tests of edges want it.
   struct Viewers {
     glm::dvec3 middle, half;
-    double slack;  ///< of a height over a plane
+    double slack;  ///< of a height over a plane: more than rounding may have put a point off its own
     explicit Viewers(const Bounds& box);
   };
   /// Whether both triangles of a regular edge face all points alike.

@@ -76,7 +76,9 @@ void EdgeFilter::find(const glm::vec3& point, const LightDepth& depth, std::vect
   // A height is the sum of four numbers up to 2 * reach, each of which errs by a few 2^-24 of itself; so is that of rows below.
   // The point's own rounding, that of the middle and that of double add what the coordinates themselves are rounded by.
   const float slack = 0x1p-19f * reach_ + static_cast<float>(0x1p-40 * (extent(point) + extent(middle_)));
-  const float place[4] = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z), slack};
+  // A point's own triangle faces it neither way, however far rounding has put the point off.
+  const auto off_own = static_cast<float>(0x1p-19 * (extent(point) + extent(middle_)));
+  const float place[4] = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z), slack + off_own};
   std::fill(stays_.begin(), stays_.end(), std::uint8_t{1});
   Columns planes{}, corners{};
   for (int k = 0; k < 8; ++k) planes.column[k] = planes_[k].data();

@@ -1,6 +1,7 @@
 // What soft volumes say of each place of a light, against exact signs and shadow rays.
 #include <gnomon/error.h>
 #include <gnomon/kit/exact_scene.h>
+#include <gnomon/kit/shapes.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -175,6 +176,24 @@ TEST(SoftVolume, at_most_one_place_in_100000_differs_from_a_ray_to_it_and_is_rig
   EXPECT_GT(penumbrae, 4'000u);
   EXPECT_LE(differ, places / 100'000);
   EXPECT_EQ(wrong, 0u);
+}
+
+// Points are rounded by some 1e-7 m, triangles are 1e-3 m wide: their own edges pass at every distance of the point, whose own
+// triangle faces it neither way.
+TEST(SoftVolume, a_point_that_rounding_put_off_its_own_triangle_is_not_shaded_by_it) {
+  Random random(4);
+  Asked asked;
+  for (int round = 0; round < 6; ++round) {
+    Scene scene;
+    for (int k = 0; k < 3; ++k)
+      scene.meshes.push_back(tessellate(Sphere{{1.5f + 0.025f * static_cast<float>(k), 1.25f, -1.75f}, 0.02f}, 24, "ball"));
+    hand_made::Picture picture(50, 10);
+    scatter(scene, random, picture);
+    judge(scene, rect({3, 1.5f, -1.5f}, {0, 0.4f, 0.1f}, {0, 0.1f, 0.4f}), picture.gbuffer, "samples=16", asked);
+  }
+  EXPECT_EQ(asked.wrong, 0u);
+  EXPECT_GT(asked.places, 10'000u);
+  EXPECT_GT(asked.penumbrae, 100u);
 }
 
 // The light as a point: of a rect of 2e-9 m all places are where its center is, but for points that see an edge of a caster
