@@ -91,6 +91,9 @@ class AreaSvbsp final : public Technique {
     for (const Mesh& mesh : scene.meshes) casting += mesh.casts ? mesh.triangles.size() : 0;
     if (casting > most_triangles)
       return Support::unsupported(fmt::format("{} triangles cast; trees are grown for up to {}", casting, most_triangles));
+    if (const double before = casters_before(scene, light); before > most_before)
+      return Support::unsupported(fmt::format(
+          "{:.0f} triangles stand before the light from a point on average; up to {:.0f} are clipped", before, most_before));
     if (shade.is("vertices")) return Support::approximate("penumbrae are linear between the corners of fragments");
     return Support::full();
   }

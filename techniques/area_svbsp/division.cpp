@@ -189,7 +189,7 @@ Link Divider::halve(Fragment fragment, std::size_t crossing_count) {
 Link Divider::divide_light(Fragment& fragment) {
   polygons_.clear();
   for (const std::uint32_t v : volumes(fragment.list)) polygons_.push_back(lighting_.volumes->all()[v].polygon);
-  if (share_at(middle(fragment.part), polygons_) > 0) return add_penumbra(fragment);
+  if (share_at(middle(fragment.part), polygons_) > 1e-9) return add_penumbra(fragment);
   std::vector<ClipPlane> planes;
   if (is_hidden(fragment, *lighting_.body, rules_.light_splits, planes)) {
     ++work_->umbra;
