@@ -94,12 +94,10 @@ struct Swatch {
   glm::dvec3 color;  ///< linear RGB in 0 .. 1
 };
 
-/// A surface-detail polygon: a convex part of a triangle that is lit, or in cast shadow, throughout. Under a light with area it
-/// is lit where all of the light is seen, in shadow where nothing is, and else in the penumbra.
+/// A surface-detail polygon: a convex part of a triangle that is lit, or in cast shadow, throughout.
 struct DetailPolygon {
   std::uint32_t mesh, triangle;
   bool is_lit;
-  bool is_penumbra = false;    ///< then it is not lit
   std::uint32_t first, count;  ///< its corners, of SurfaceDetail::corners
 };
 
