@@ -1,4 +1,5 @@
 #include <gnomon/kit/area_rays.h>
+#include <gnomon/kit/random.h>
 #include <gnomon/kit/vectorized.h>
 
 #include <bit>
@@ -55,14 +56,6 @@ constexpr std::uint32_t second_of(std::uint32_t index) {
     direction ^= direction << 1;
   }
   return result;
-}
-
-/// SplitMix64 (Steele, Lea and Flood 2014): numbers that look random from a counter.
-std::uint64_t mixed(std::uint64_t z) {
-  z += 0x9e3779b97f4a7c15u;
-  z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-  return z ^ z >> 31;
 }
 
 /// The cell of each of sixteen places, of 8 x 8 along Morton's curve.

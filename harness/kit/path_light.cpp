@@ -26,14 +26,6 @@ struct Place {
   std::uint32_t mesh, triangle;
 };
 
-/// A unit direction on the side of the normal, as likely as its cosine: a place of the unit disc, lifted to the hemisphere
-/// (Malley's method).
-glm::dvec3 cosine_direction(const glm::dvec3& normal, double x, double y) {
-  const Across across(normal);
-  const double radius = std::sqrt(x), angle = 2 * pi * y;
-  return radius * std::cos(angle) * across.u + radius * std::sin(angle) * across.v + std::sqrt(1 - x) * normal;
-}
-
 /// The paths of one pixel.
 class PixelPaths {
  public:
@@ -154,18 +146,7 @@ class PixelPaths {
       irradiance[k] = face.weight(to) * size.x * size.y;
       const glm::vec3 lift = static_cast<float>(area_ray_offset(place.point)) * glm::vec3(place.normal);
       const glm::vec3 origin = place.point + lift, direction = glm::vec3(to) - lift;
-      packet.ox[k] = origin.x;
-      packet.oy[k] = origin.y;
-      packet.oz[k] = origin.z;
-      packet.dx[k] = direction.x;
-      packet.dy[k] = direction.y;
-      packet.dz[k] = direction.z;
-      packet.tnear[k] = 0;
-      packet.time[k] = 0;
-      packet.tfar[k] = 1;
-      packet.mask[k] = 0xffffffffu;
-      packet.id[k] = static_cast<std::uint32_t>(k);
-      packet.flags[k] = 0;
+      set_ray(packet, k, origin, direction, 1);
       meshes[k] = place.mesh;
       triangles[k] = place.triangle;
       asked |= 1u << k;

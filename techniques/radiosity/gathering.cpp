@@ -19,19 +19,18 @@ constexpr double full_sampling = 0.01;  ///< form factor from which on a sender 
 /// Where a sender is nearer than twice its own size, a few of the rays to it outweigh all others, by the inverse square of
 /// their length, and their mean is ruled by chance.
 constexpr double near = 2;
-/// A number in 0 .. 1 that looks random, of three others (the mixer of SplitMix64).
+/// Numbers in 0 .. 1 of a receiver, begun anew for each of millions: cheaper to begin than Random.
 class Mixed {
  public:
-  Mixed(std::uint64_t seed, std::uint64_t index) : state_(seed * 0x9e3779b97f4a7c15u + index * 0xd1342543de82ef95u) {}
+  Mixed(std::uint64_t seed, std::uint64_t index) : counter_(seed * mixed_step + index * 0xd1342543de82ef95u) {}
   double next() {
-    std::uint64_t z = state_ += 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return static_cast<double>((z ^ z >> 31) >> 11) * 0x1p-53;
+    const std::uint64_t word = mixed(counter_);
+    counter_ += mixed_step;
+    return static_cast<double>(word >> 11) * 0x1p-53;
   }
 
  private:
-  std::uint64_t state_;
+  std::uint64_t counter_;
 };
 
 /// Rays on their way into packets of sixteen, and what they were for.
@@ -39,8 +38,8 @@ class Packets {
  public:
   Packets(const RayScene& hiding, std::span<double> arrived) : hiding_(hiding), arrived_(arrived) {}
 
-  void add(const glm::vec3& origin, const glm::vec3& way, float end, const Receiving& from, std::size_t point, double weight) {
-    set_ray(packet_, count_, origin, way, end);
+  void add(const glm::vec3& origin, const glm::vec3& way, const Receiving& from, std::size_t point, double weight) {
+    set_ray(packet_, static_cast<int>(count_), origin, way, 1);
     mesh_[count_] = from.mesh;
     triangle_[count_] = from.triangle;
     point_[count_] = point;
@@ -69,21 +68,6 @@ class Packets {
 };
 
 }  // namespace
-
-void set_ray(ShadowPacket& packet, std::uint32_t k, const glm::vec3& origin, const glm::vec3& way, float end) {
-  packet.ox[k] = origin.x;
-  packet.oy[k] = origin.y;
-  packet.oz[k] = origin.z;
-  packet.dx[k] = way.x;
-  packet.dy[k] = way.y;
-  packet.dz[k] = way.z;
-  packet.tnear[k] = 0;
-  packet.tfar[k] = end;
-  packet.time[k] = 0;
-  packet.mask[k] = 0xffffffffu;
-  packet.id[k] = k;
-  packet.flags[k] = 0;
-}
 
 std::size_t Gathering::factors(const Sender& sender, bool ends_at_lamp, std::span<const Receiving> points, std::uint64_t seed,
                                std::span<Factor> result) const {
@@ -118,7 +102,7 @@ std::size_t Gathering::factors(const Sender& sender, bool ends_at_lamp, std::spa
       if (rise <= 0 || front <= 0) continue;
       const double weight = spot.weight * rise * front / (square * square);
       sent[i] += weight;
-      packets.add(origin, glm::vec3(to + before) - lift, 1, at, i, weight);
+      packets.add(origin, glm::vec3(to + before) - lift, at, i, weight);
     }
     result[i].whole = static_cast<float>(is_by_rays ? sent[i] * sender.area / (std::numbers::pi * columns * rows) : whole);
   }
@@ -134,7 +118,6 @@ std::size_t Gathering::factors(const Sender& sender, bool ends_at_lamp, std::spa
 
 double escaped_share(const RayScene& surfaces, const Sender& sender, bool is_lamp, int packets, std::uint64_t seed) {
   Random random(seed, 17);
-  const Across across(sender.normal);
   std::array<std::uint32_t, 16> mesh, triangle{};
   mesh.fill(no_mesh);
   double largest = 0;
@@ -146,12 +129,9 @@ double escaped_share(const RayScene& surfaces, const Sender& sender, bool is_lam
     for (std::uint32_t k = 0; k < 16; ++k) {
       const double x = (k % 4 + random.uniform(0, 1)) / 4, y = (k / 4 + random.uniform(0, 1)) / 4;
       const double s = random.uniform(0, 1), t = random.uniform(0, 1);
-      // Cosine-weighted: evenly over the disc below.
-      const double radius = std::sqrt(x), angle = 2 * std::numbers::pi * y;
-      const glm::dvec3 way =
-          radius * std::cos(angle) * across.u + radius * std::sin(angle) * across.v + std::sqrt(1 - x) * sender.normal;
+      const glm::vec3 way(cosine_direction(sender.normal, x, y));
       const glm::dvec3 from = sender.at({s, t}).point;
-      set_ray(packet, k, glm::vec3(from + (is_lamp ? 0 : lift) * sender.normal), glm::vec3(way), INFINITY);
+      set_ray(packet, static_cast<int>(k), glm::vec3(from + (is_lamp ? 0 : lift) * sender.normal), way, INFINITY);
     }
     met += std::popcount(surfaces.occluded(0xffffu, packet, {mesh.data(), triangle.data()}));
   }

@@ -28,9 +28,6 @@ struct Factor {
   float whole = 0, seen = 0;
 };
 
-/// Ray k of a packet of shadow rays.
-void set_ray(ShadowPacket& packet, std::uint32_t k, const glm::vec3& origin, const glm::vec3& way, float end);
-
 /// Finds form factors by rays through what may hide the sender.
 class Gathering {
  public:

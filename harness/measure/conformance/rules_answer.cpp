@@ -123,6 +123,32 @@ void explanations(Trial& trial) {
   }
 }
 
+/// A technique under a light that it supports, and its answer.
+struct Answered {
+  Technique& technique;
+  const GBuffer& gbuffer;
+  const std::vector<float>& mask;
+};
+
+/// Calls check(Answered) with a technique that has just answered, of a scene with curved shapes, under each light that it
+/// supports and either truth, whatever it sees; what it is asked then must leave its answer alone.
+template <class Check>
+void ask_answered(Trial& trial, const char* asked, const Check& check) {
+  const char* const reference = "sphere_over_plane:segments=24";
+  for (const Truth truth : {Truth::mesh, Truth::shape}) {
+    trial.at(reference);
+    const World w(generated_scene(reference), truth);
+    const GBuffer gbuffer = w.gbuffer();
+    for (const Light& light : trial.supported_lights(w.scene)) {
+      trial.at(light);
+      const auto technique = trial.set_up();
+      const std::vector<float> mask = trial.answer(*technique, w.scene, light, gbuffer);
+      check(Answered{*technique, gbuffer, mask});
+      trial.expect_same(mask, trial.resolve(*technique, gbuffer), fmt::format("resolve after {}", asked), &gbuffer);
+    }
+  }
+}
+
 void check_unknown_layers(Trial& trial, const Technique& technique) {
   for (const char* const unknown : {"no_such_layer", ""}) {
     try {
@@ -135,58 +161,38 @@ void check_unknown_layers(Trial& trial, const Technique& technique) {
   }
 }
 
-// On either truth, whatever the technique sees: pictures are of the G-buffer's size and linear RGB, the same when asked twice,
-// and leave the answer alone. A layer that is not there is refused by name.
+// Pictures are of the G-buffer's size and linear RGB, and the same when asked twice. A layer that is not there is refused by
+// name.
 void debug_layers(Trial& trial) {
-  const char* const reference = "sphere_over_plane:segments=24";
-  for (const Truth truth : {Truth::mesh, Truth::shape}) {
-    trial.at(reference);
-    const World w(generated_scene(reference), truth);
-    const GBuffer gbuffer = w.gbuffer();
-    for (const Light& light : trial.supported_lights(w.scene)) {
-      trial.at(light);
-      const auto technique = trial.set_up();
-      const std::vector<float> mask = trial.answer(*technique, w.scene, light, gbuffer);
-      for (const DebugLayer& layer : technique->debug_layers()) {
-        const std::vector<float> picture = technique->draw_debug(layer.name);
-        trial.expect(picture.size() == 3 * gbuffer.size(),
-                     fmt::format("layer {} has {} floats, not {}", layer.name, picture.size(), 3 * gbuffer.size()));
-        trial.expect(std::ranges::all_of(picture, [](float v) { return v >= 0 && v <= 1; }),
-                     fmt::format("layer {} has colors outside 0 .. 1", layer.name));
-        trial.expect_same(picture, technique->draw_debug(layer.name), fmt::format("layer {} drawn again", layer.name));
-      }
-      trial.expect_same(mask, trial.resolve(*technique, gbuffer), "resolve after draw_debug", &gbuffer);
-      check_unknown_layers(trial, *technique);
+  ask_answered(trial, "draw_debug", [&](const Answered& a) {
+    for (const DebugLayer& layer : a.technique.debug_layers()) {
+      const std::vector<float> picture = a.technique.draw_debug(layer.name);
+      trial.expect(picture.size() == 3 * a.gbuffer.size(),
+                   fmt::format("layer {} has {} floats, not {}", layer.name, picture.size(), 3 * a.gbuffer.size()));
+      trial.expect(std::ranges::all_of(picture, [](float v) { return v >= 0 && v <= 1; }),
+                   fmt::format("layer {} has colors outside 0 .. 1", layer.name));
+      trial.expect_same(picture, a.technique.draw_debug(layer.name), fmt::format("layer {} drawn again", layer.name));
     }
-  }
+    check_unknown_layers(trial, a.technique);
+  });
 }
 
-// Asked on either truth. What has the picture under one light that it supports has it under every one.
+// What has the picture under one light that it supports has it under every one.
 void global_pictures(Trial& trial) {
-  const char* const reference = "sphere_over_plane:segments=24";
   int with = 0, without = 0;
-  for (const Truth truth : {Truth::mesh, Truth::shape}) {
-    trial.at(reference);
-    const World w(generated_scene(reference), truth);
-    const GBuffer gbuffer = w.gbuffer();
-    for (const Light& light : trial.supported_lights(w.scene)) {
-      trial.at(light);
-      const auto technique = trial.set_up();
-      const std::vector<float> mask = trial.answer(*technique, w.scene, light, gbuffer);
-      const auto picture = technique->global_picture();
-      ++(picture ? with : without);
-      if (!picture) continue;
-      trial.expect(picture->size() == 3 * gbuffer.size(),
-                   fmt::format("the global picture has {} floats, not {}", picture->size(), 3 * gbuffer.size()));
-      const auto wrong = std::ranges::find_if_not(*picture, [](float v) { return v >= 0 && std::isfinite(v); });
-      if (wrong != picture->end()) trial.found(fmt::format("the global picture has a radiance of {}", *wrong));
-      for (std::size_t k = 0; k < std::min(picture->size(), 3 * gbuffer.size()); ++k)
-        if (gbuffer.is_background(k / 3) && (*picture)[k] != 0)
-          trial.found(fmt::format("the background sends a radiance of {}", (*picture)[k]), k / 3, gbuffer);
-      trial.expect_same(*picture, technique->global_picture().value_or(std::vector<float>()), "the global picture again");
-      trial.expect_same(mask, trial.resolve(*technique, gbuffer), "resolve after global_picture", &gbuffer);
-    }
-  }
+  ask_answered(trial, "global_picture", [&](const Answered& a) {
+    const auto picture = a.technique.global_picture();
+    ++(picture ? with : without);
+    if (!picture) return;
+    trial.expect(picture->size() == 3 * a.gbuffer.size(),
+                 fmt::format("the global picture has {} floats, not {}", picture->size(), 3 * a.gbuffer.size()));
+    const auto wrong = std::ranges::find_if_not(*picture, [](float v) { return v >= 0 && std::isfinite(v); });
+    if (wrong != picture->end()) trial.found(fmt::format("the global picture has a radiance of {}", *wrong));
+    for (std::size_t k = 0; k < std::min(picture->size(), 3 * a.gbuffer.size()); ++k)
+      if (a.gbuffer.is_background(k / 3) && (*picture)[k] != 0)
+        trial.found(fmt::format("the background sends a radiance of {}", (*picture)[k]), k / 3, a.gbuffer);
+    trial.expect_same(*picture, a.technique.global_picture().value_or(std::vector<float>()), "the global picture again");
+  });
   if (with == 0) return trial.does_not_apply("it gives no global picture");
   trial.expect(without == 0, fmt::format("it gives a global picture under {} of {} lights", with, with + without));
 }

@@ -74,7 +74,7 @@ class SnappedRays {
   void aim(ShadowPacket& packet, int k, const SurfacePoint& point) const {
     const glm::vec3 origin = point.position + static_cast<float>(ray_offset(point.position)) * point.normal;
     const glm::vec3 direction = glm::vec3(l_) - static_cast<float>(l_.w) * origin;
-    set_ray(packet, k, origin, direction, l_.w != 0);
+    set_ray(packet, k, origin, direction, end_of(l_));
   }
 
   const Scene& scene_;

@@ -130,7 +130,7 @@ std::vector<std::uint8_t> LightRays::lit(std::span<const Start> starts) const {
       const glm::dvec3 to = to_light(light_, origin);
       mesh[k] = gbuffer_.mesh[start.pixel];
       triangle[k] = gbuffer_.triangle[start.pixel];
-      set_ray(packet, static_cast<int>(k), origin, to, light_.w != 0, static_cast<float>(start.ignored / glm::length(to)));
+      set_ray(packet, static_cast<int>(k), origin, to, end_of(light_), static_cast<float>(start.ignored / glm::length(to)));
     }
     const auto valid = static_cast<std::uint32_t>((1u << count) - 1);
     const std::uint32_t blocked = casters_.occluded(valid, packet, {mesh, triangle});

@@ -98,7 +98,7 @@ glm::dvec3 MovedRays::aim(ShadowPacket& packet, int k, const Pixels& pixels, int
     light += sign * step * pixels.beside[lane][shift / 2 - 2];
   }
   const glm::dvec3 direction = light_.w != 0 ? light - origin : light;
-  set_ray(packet, k, origin, direction, light_.w != 0);
+  set_ray(packet, k, origin, direction, end_of(light_));
   return direction;
 }
 
@@ -131,7 +131,7 @@ std::uint32_t MovedRays::touching(const Pixels& pixels) const {
   ShadowPacket packet;
   for (int k = 0; k < 16; ++k) {
     const glm::dvec3 reach = rho() * toward(pixels[k]);
-    set_ray(packet, k, glm::dvec3(gbuffer_.position(pixels[k])) - reach, 2.0 * reach, true);
+    set_ray(packet, k, glm::dvec3(gbuffer_.position(pixels[k])) - reach, 2.0 * reach, 1);
   }
   const std::uint32_t valid = those_of(pixels.all, [&](int k) { return !is_on_shape(pixels[k]); });
   return valid ? casters_.occluded(valid, packet, pixels.receivers()) : 0;

@@ -3,29 +3,15 @@
 #include <tbb/parallel_for.h>
 
 #include <array>
+#include <cmath>
 #include <span>
 
 namespace gnomon {
 
 // Shadow rays of the pixels that are asked about a second time: sixteen at once, as the ray tracer wants them.
 
-/// Lane `lane` of the packet becomes a ray from `origin` along `direction`, both rounded to float32: as long as `direction` for
-/// a light at a place, without end for a directional one. Hits before `nearest` of that length do not count.
-inline void set_ray(ShadowPacket& packet, int lane, const glm::vec3& origin, const glm::vec3& direction, bool ends_at_light,
-                    float nearest = 0) {
-  packet.ox[lane] = origin.x;
-  packet.oy[lane] = origin.y;
-  packet.oz[lane] = origin.z;
-  packet.dx[lane] = direction.x;
-  packet.dy[lane] = direction.y;
-  packet.dz[lane] = direction.z;
-  packet.tnear[lane] = nearest;
-  packet.tfar[lane] = ends_at_light ? 1.0f : INFINITY;
-  packet.time[lane] = 0;
-  packet.mask[lane] = 0xffffffffu;
-  packet.id[lane] = static_cast<std::uint32_t>(lane);
-  packet.flags[lane] = 0;
-}
+/// Where the ray to a homogeneous light ends, in lengths of the way there: a directional one has no end.
+inline float end_of(const glm::dvec4& light) { return light.w != 0 ? 1.0f : INFINITY; }
 
 /// Calls decide(span of pixels) with all pixels i at (x, y) for which is_asked(i, x, y), up to sixteen of a row at once, rows
 /// on all threads.

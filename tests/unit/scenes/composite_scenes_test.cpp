@@ -6,22 +6,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "generated_scene.h"
 #include "measure/scene/load.h"
 
 namespace {
 
 using namespace gnomon;
-
-const Mesh& mesh(const Scene& scene, std::string_view name) {
-  const auto found = std::ranges::find(scene.meshes, name, &Mesh::name);
-  if (found == scene.meshes.end()) throw Error("scene {} has no mesh {}", scene.name, name);
-  return *found;
-}
-
-template <class Kind>
-const Kind& shape(const Scene& scene, std::string_view name) {
-  return std::get<Kind>(mesh(scene, name).shape.value());
-}
+using generated::mesh;
+using generated::shape;
 
 const Light& light(const Scene& scene, std::string_view name) { return *std::ranges::find(scene.lights, name, &Light::name); }
 

@@ -4,10 +4,12 @@
 #include <gnomon/registry.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
 #include <mutex>
+#include <thread>
 
 #include "measure/run/row.h"
 #include "measure/scene/load.h"
@@ -325,6 +327,26 @@ TEST(viewer_engine, draws_layers_and_explains_the_picked_pixel) {
   const EngineState bare = rig.finish();
   EXPECT_FALSE(bare.sides[0].layer);
   EXPECT_FALSE(bare.sides[0].explanation);
+}
+
+// Of a stage that takes long, of a technique that tells, the share that is done grows while it lasts.
+TEST(viewer_engine, tells_how_far_a_long_stage_has_come) {
+  Rig rig;
+  rig.open("cornell_box");
+  rig.selection.light = *std::ranges::find(rig.selection.loaded->scene.lights, "ceiling", &Light::name);
+  rig.selection.sides[0] = {.technique = "radiosity", .settings = "bounces=all,levels=0,patch_size=0.1", .layer = ""};
+  const std::uint64_t number = rig.engine().select(rig.selection);
+  std::vector<double> told;
+  for (;;) {
+    const EngineState state = rig.engine().state();
+    if (state.selection_number == number && state.is_finished) break;
+    const double share = state.sides[0].progress;
+    if (share > 0 && (told.empty() || share != told.back())) told.push_back(share);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  EXPECT_EQ(rig.engine().state().sides[0].phase, Phase::done);
+  EXPECT_GT(told.size(), 3u);
+  EXPECT_LT(told.front(), 0.9);
 }
 
 // An engine that is let go in the middle of its work ends at once, with its workers and its files.

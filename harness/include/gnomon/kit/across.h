@@ -1,5 +1,7 @@
 #pragma once
+#include <cmath>
 #include <glm/glm.hpp>
+#include <numbers>
 
 namespace gnomon {
 
@@ -23,6 +25,14 @@ struct Across {
     return a.x <= a.y && a.x <= a.z ? glm::dvec3(1, 0, 0) : a.y <= a.z ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1);
   }
 };
+
+/// For a place of the unit square, a unit direction on the side of `normal`, a unit vector, as likely as its cosine with it: a
+/// place of the unit disc, lifted to the hemisphere (Malley's method).
+inline glm::dvec3 cosine_direction(const glm::dvec3& normal, double x, double y) {
+  const Across across(normal);
+  const double radius = std::sqrt(x), angle = 2 * std::numbers::pi * y;
+  return radius * std::cos(angle) * across.u + radius * std::sin(angle) * across.v + std::sqrt(1 - x) * normal;
+}
 
 /// To the side of a unit direction, across an `up` of any length; not normalized. Where the two run along each other any side
 /// will do, and it is the same one every time.

@@ -5,6 +5,15 @@
 
 namespace gnomon {
 
+/// SplitMix64 (Steele, Lea and Flood 2014): numbers that look random from a counter that grows by `mixed_step`, or from any.
+inline constexpr std::uint64_t mixed_step = 0x9e3779b97f4a7c15u;
+constexpr std::uint64_t mixed(std::uint64_t z) {
+  z += mixed_step;
+  z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ z >> 27) * 0x94d049bb133111ebu;
+  return z ^ z >> 31;
+}
+
 /// PCG32 (O'Neill 2014, XSH-RR): small, fast, and the same numbers on every machine, which the standard distributions are not.
 class Random {
  public:

@@ -15,6 +15,24 @@ struct alignas(64) ShadowPacket {
   std::array<std::uint32_t, 16> mask, id, flags;
 };
 
+/// Lane `lane` becomes a ray from `origin` along `direction`, from `nearest` to `end` of its length: 1 for a light at a place
+/// where the direction ends, infinity for a directional one.
+inline void set_ray(ShadowPacket& packet, int lane, const glm::vec3& origin, const glm::vec3& direction, float end,
+                    float nearest = 0) {
+  packet.ox[lane] = origin.x;
+  packet.oy[lane] = origin.y;
+  packet.oz[lane] = origin.z;
+  packet.dx[lane] = direction.x;
+  packet.dy[lane] = direction.y;
+  packet.dz[lane] = direction.z;
+  packet.tnear[lane] = nearest;
+  packet.tfar[lane] = end;
+  packet.time[lane] = 0;
+  packet.mask[lane] = 0xffffffffu;
+  packet.id[lane] = static_cast<std::uint32_t>(lane);
+  packet.flags[lane] = 0;
+}
+
 /// The receivers of a packet: a hit on a ray's own receiver is no hit.
 struct Receivers {
   const std::uint32_t* mesh;      ///< 16 mesh indices
