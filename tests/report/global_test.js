@@ -47,7 +47,7 @@ test("all light is shown where both have a picture of it, and else the shaded sc
   const left = [0.3, 0.49],
     right = [0.51, 0.7];
   const shaded = await meanOf(page, ...left);
-  await pictures.getByText("all light").click();
+  await pictures.getByText("all light", { exact: true }).click();
   await page.waitForTimeout(200);
   const [a, b] = [await meanOf(page, ...left), await meanOf(page, ...right)];
   assert.ok(
@@ -59,12 +59,14 @@ test("all light is shown where both have a picture of it, and else the shaded sc
     a.every((value, c) => Math.abs(value - b[c]) < 40),
     `${a} against ${b}`,
   );
+  await pictures.getByText(`A  ${withPicture[0].title}, all light`).waitFor();
+  await pictures.getByText("B  reference, all light").waitFor();
   await page.screenshot({ path: saved("global.png") });
   // A technique that has none is shown as ever.
   await pictures.locator("select[name=a]").selectOption({ label: "center_ray" });
   await page.waitForTimeout(200);
   const hard = await meanOf(page, ...left);
-  await pictures.getByText("all light").click();
+  await pictures.getByText("all light", { exact: true }).click();
   await page.waitForTimeout(200);
   assert.deepEqual(await meanOf(page, ...left), hard);
 });

@@ -283,8 +283,7 @@ class Comparer {
     if (name === "error") made = compose.errors(frame, sideA, null);
     if (name === "causes") made = compose.errors(frame, sideA, sideA.causes);
     if (name === "classes") made = compose.classes(frame);
-    const show = (side) =>
-      this.shows_all_light && side.global ? compose.colored(frame, side.global) : plain(frame, side.mask);
+    const show = (side) => (this.isInAllLight(side) ? compose.colored(frame, side.global) : plain(frame, side.mask));
     this.pictures = made ? [canvasOf(made.image)] : [sideA, sideB].map((side) => canvasOf(show(side)));
     this.showLegend(made);
     this.label();
@@ -292,11 +291,18 @@ class Comparer {
     this.view.draw();
   }
 
+  /** Whether a side is shown in all light: it is asked for, and the side has that picture. */
+  isInAllLight(side) {
+    return this.shows_all_light && Boolean(side.global);
+  }
+
   label() {
     if (!this.frame) return;
+    // The reference's title says which share its mask is; its picture of all light is no share.
+    const shown = (side) => (this.isInAllLight(side) ? `${side.row?.title ?? "reference"}, all light` : side.title);
     const tags = {
-      wipe: [`A  ${this.sideA.title}`, `B  ${this.sideB.title}`],
-      flicker: [this.shows_b ? `B  ${this.sideB.title}` : `A  ${this.sideA.title}`],
+      wipe: [`A  ${shown(this.sideA)}`, `B  ${shown(this.sideB)}`],
+      flicker: [this.shows_b ? `B  ${shown(this.sideB)}` : `A  ${shown(this.sideA)}`],
       difference: [`A  ${this.sideA.title}  less  B  ${this.sideB.title}`],
       error: [`${this.sideA.title}  less the reference`],
       causes: [this.sideA.title],
