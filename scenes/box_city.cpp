@@ -16,6 +16,8 @@ using namespace gnomon;
 class BoxCity final : public SceneGenerator {
   Number<int> count{this, "count", 200, {.min = 1, .max = 10000, .log = true}, Stage::build, "Number of boxes."};
   Number<int> seed{this, "seed", 1, {.min = 0, .max = 1000000}, Stage::build, "Chooses plots, sizes and colors."};
+  Number<double> panel{
+      this, "panel", 2, {.unit = "m", .min = 0.001, .max = 100, .log = true}, Stage::build, "Side of the square light panel."};
 
  public:
   Scene make() const override {
@@ -49,7 +51,8 @@ class BoxCity final : public SceneGenerator {
       scene.meshes.push_back(painted(tessellate(box, default_segments, fmt::format("box_{}", i)), albedo));
     }
     scene.lights = {{.name = "point", .kind = PointLight{{-7, 10, 5}}},
-                    {.name = "sun", .kind = DirectionalLight{{1, -1.1f, -0.6f}}}};
+                    {.name = "sun", .kind = DirectionalLight{{1, -1.1f, -0.6f}}},
+                    {.name = "panel", .kind = level_square({-7, 10, 5}, panel)}};
     scene.views = {{.name = "view", .eye = {2, 9, 14}, .target = {0, 0, 0.5f}, .fov_y_degrees = 38},
                    {.name = "above", .eye = {0.5f, 24, 7}, .target = {0, 0, 0}, .fov_y_degrees = 32}};
     return scene;

@@ -25,6 +25,8 @@ class SphereField final : public SceneGenerator {
       this,         "ring",
       "point",      {"point", "disc", "sphere"},
       Stage::build, "What these are: points, or of 0.3 m around them, discs that face the middle of the field and spheres."};
+  Number<double> panel{
+      this, "panel", 1, {.unit = "m", .min = 0.001, .max = 100, .log = true}, Stage::build, "Side of the square light panel."};
 
  public:
   Scene make() const override {
@@ -49,7 +51,7 @@ class SphereField final : public SceneGenerator {
     }
     scene.lights = {{.name = "point", .kind = PointLight{{-6, 9, 3}}},
                     {.name = "sun", .kind = DirectionalLight{{1, -0.9f, -0.35f}}},
-                    {.name = "panel", .kind = RectLight{.center = {-6, 9, 3}, .half_u = {0.5f, 0, 0}, .half_v = {0, 0, 0.5f}}}};
+                    {.name = "panel", .kind = level_square({-6, 9, 3}, panel)}};
     for (int k = 0; k < lights; ++k) {
       const double angle = 2 * M_PI * k / lights;
       scene.lights.push_back({.name = fmt::format("ring_{}", k + 1),

@@ -1,7 +1,6 @@
 // Area rays: shadow rays from every visible point to a number of places of the light.
-#include <gnomon/kit/area_rays.h>
+#include <gnomon/kit/light_points.h>
 #include <gnomon/kit/parallel.h>
-#include <gnomon/kit/random.h>
 #include <gnomon/kit/ray_casters.h>
 #include <gnomon/registry.h>
 
@@ -26,51 +25,13 @@ constexpr About about{
     .promise = Promise::sampled,
     .sees = Truth::shape};
 
-/// Places of the unit square for one pixel, sixteen at a time.
-class Places {
- public:
-  Places(std::string_view pattern, int count, std::uint64_t seed)
-      : pattern_(pattern), count_(static_cast<std::uint32_t>(count)), scramble_(seed), random_(seed) {
-    columns_ = std::max(1u, static_cast<std::uint32_t>(std::sqrt(static_cast<double>(count))));
-  }
-
-  Squares next(std::uint32_t group) {
-    if (pattern_ != "random" && pattern_ != "stratified") return scramble_.of_first(group);
-    Squares squares;
-    for (std::uint32_t k = 0; k < 16; ++k) {
-      double x = random_.uniform(0, 1), y = random_.uniform(0, 1);
-      if (pattern_ == "stratified") to_stratum(std::min(16 * group + k, count_ - 1), x, y);
-      squares.x[k] = static_cast<float>(x);
-      squares.y[k] = static_cast<float>(y);
-    }
-    return squares;
-  }
-
- private:
-  /// Of `count` cells of equal area, in columns of equal or nearly equal numbers of cells: a column is as wide as it has cells.
-  void to_stratum(std::uint32_t index, double& x, double& y) const {
-    const std::uint32_t column = static_cast<std::uint32_t>(std::uint64_t{index} * columns_ / count_);
-    const auto first_of = [&](std::uint32_t c) {
-      return static_cast<std::uint32_t>((std::uint64_t{c} * count_ + columns_ - 1) / columns_);
-    };
-    const double first = first_of(column), next = first_of(column + 1);
-    x = (first + x * (next - first)) / count_;
-    y = (index - first + y) / (next - first);
-  }
-
-  std::string_view pattern_;
-  std::uint32_t count_, columns_ = 1;
-  Scramble scramble_;
-  Random random_;
-};
-
 class AreaRays final : public Technique {
  public:
   Number<int> samples{this, "samples", 64, {"ray", 1, 4096, true}, Stage::resolve, "Rays from a point to the light."};
   Choice pattern{this,
                  "pattern",
                  "low_discrepancy",
-                 {"random", "stratified", "low_discrepancy", "interleaved"},
+                 pattern_names(),
                  Stage::resolve,
                  "Where they go: anywhere; one into each of as many cells; a sequence that fills the light evenly; the same "
                  "sequence, scrambled alike for every fourth pixel along x and y."};
@@ -120,8 +81,7 @@ class AreaRays final : public Technique {
     if (!face.is_seen()) return;
     const FaceRays to_light(casters_->under(gbuffer.truth), gbuffer, i, face);
     const std::size_t x = i % gbuffer.width, y = i / gbuffer.width;
-    const std::size_t own = pattern.is("interleaved") ? y % 4 * 4 + x % 4 : i;
-    Places places(pattern.value(), samples, (static_cast<std::uint64_t>(seed) << 32) + own);
+    PatternPlaces places(pattern.value(), samples, places_seed(seed, pattern.is("interleaved") ? interleaved_set(x, y) : i));
     for (int first = 0; first < samples; first += 16) {
       const std::uint32_t wanted = samples - first >= 16 ? 0xffffu : (1u << (samples - first)) - 1;
       const Squares squares = places_on(face, places.next(static_cast<std::uint32_t>(first / 16)));

@@ -1,12 +1,11 @@
 // Planar projected shadow: casters flattened onto each receiver plane by a matrix and drawn there from the eye.
-#include <gnomon/kit/gl_pass.h>
-#include <gnomon/kit/planes.h>
+#include <gnomon/kit/gl_planes.h>
+#include <gnomon/kit/plane_projection.h>
 #include <gnomon/kit/shared.h>
 #include <gnomon/registry.h>
 
 #include <algorithm>
 
-#include "planar_projected/projection.h"
 #include "planar_projected/shaders.h"
 
 namespace {
@@ -42,6 +41,15 @@ constexpr About about{
 // Where they answer otherwise than without them by more than one half, the account of a pixel says that the formula differs. A
 // mask of 1/2 is as near to dark as to lit: double_blend shows in the mean error and in the shaded picture, hardly in wrong
 // pixels.
+/// Casters projected onto one plane by one light.
+struct Projection : PlaneProjection {
+  std::uint32_t index;  ///< of the receiver plane
+  /// Neither behind the plane nor behind the light, and whose shadow may fall on a receiver.
+  std::vector<std::uint32_t> casters = {};
+  /// Of these the closed ones that nothing clips, whose lit side casts all of their shadow, and the others.
+  std::vector<std::uint32_t> one_sided = {}, two_sided = {};
+};
+
 /// Receiver planes are told apart by depths that float32 holds exactly. There are at most 1000: each has its share of the area.
 constexpr float depth_step = 0x1p-16f;
 
@@ -77,7 +85,6 @@ class PlanarProjected final : public Technique {
   };
   /// Fills a texture of the picture's size with 1, and with the shadows. Leaves state for a StateGuard.
   Work draw_shadows(GLuint texture, const Artefacts& artefacts) const;
-  std::uint32_t plane_of(const GBuffer& gbuffer, std::size_t pixel) const;
   bool artefacts_differ(std::size_t pixel) const;
 
   struct Made {
@@ -85,12 +92,9 @@ class PlanarProjected final : public Technique {
     Program shadow_program, unclipped_program;
     Framebuffer framebuffer;
     const Scene* scene = nullptr;
-    ReceiverPlanes planes;
-    std::vector<Bounds> plane_bounds;  // of each plane's receivers
-    std::vector<bool> is_flat;         // of each mesh: all triangles on one plane
+    PlaneLookup lookup;
     std::vector<Bounds> bounds;
     double extent = 0;  // largest coordinate of the scene
-    Buffer plane_of, plane_of_shapes, first_triangle;
     double clip_tolerance = 0;
     std::vector<std::uint32_t> casters;
   };
@@ -107,11 +111,7 @@ class PlanarProjected final : public Technique {
 
 Support PlanarProjected::supports(const Scene& scene, const Light& light, const View&) const {
   if (has_area(light)) return Support::unsupported("casters are projected from one point: lights with area have none");
-  const std::size_t most = std::max(scene.triangle_count(), scene.meshes.size());
-  const GlLimits needed{.fragment_storage_blocks = 2,
-                        .storage_bindings = 2,
-                        .storage_block_bytes = static_cast<std::int64_t>(most * sizeof(std::uint32_t))};
-  if (const Support enough = within_limits(needed); !enough) return enough;
+  if (const Support enough = within_limits(PlaneLookup::needs(scene)); !enough) return enough;
   const ReceiverPlanes planes = find_receiver_planes(scene, min_share);
   if (planes.planes.empty())
     return Support::unsupported(fmt::format("no plane holds {} of the receiving area", min_share.value()));
@@ -126,7 +126,7 @@ void PlanarProjected::setup() {
   for (int k = 0; k < 2; ++k)
     made_->receivers_programs[k] = pass_program("planar_projected receivers", receivers_constants,
                                                 fmt::format("#define PLANES_FACE {}\n", k) + receivers_fragment);
-  made_->shadow_program = Program("planar_projected shadow", shadow_vertex, shadow_fragment);
+  made_->shadow_program = Program("planar_projected shadow", projection_vertex, shadow_fragment);
   made_->unclipped_program = Program("planar_projected unclipped shadow", unclipped_vertex, shadow_fragment);
   made_->framebuffer = make_framebuffer();
   const Artefacts chosen{unclipped, double_blend};
@@ -145,34 +145,17 @@ void PlanarProjected::setup() {
 void PlanarProjected::build(const Scene& scene) {
   made_->scene = &scene;
   scene_buffers(scene);
-  made_->planes = find_receiver_planes(scene, min_share);
+  made_->lookup.build(scene, min_share);
   made_->extent = scene.bounds().extent();
-  made_->plane_bounds.assign(made_->planes.planes.size(), {});
-  for (std::size_t m = 0; m < scene.meshes.size(); ++m)
-    for (std::size_t t = 0; t < scene.meshes[m].triangles.size(); ++t)
-      if (const std::uint32_t plane = made_->planes.plane_of[made_->planes.first_triangle[m] + t]; plane != no_plane)
-        for (const glm::vec3& corner : scene.meshes[m].corners(t).points) made_->plane_bounds[plane].add(corner);
   made_->bounds.clear();
-  made_->is_flat.clear();
   made_->casters.clear();
-  // Under shape truth a pixel on a curved shape says triangle 0: a plane only where the whole mesh lies on one (a disc).
-  std::vector<std::uint32_t> of_shapes = made_->planes.plane_of;
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
-    const Mesh& mesh = scene.meshes[m];
-    if (mesh.casts) made_->casters.push_back(static_cast<std::uint32_t>(m));
-    made_->bounds.emplace_back().add(mesh.positions);
-    const std::span planes = std::span(made_->planes.plane_of).subspan(made_->planes.first_triangle[m], mesh.triangles.size());
-    made_->is_flat.push_back(std::ranges::all_of(planes, [&](std::uint32_t p) { return p == planes[0]; }));
-    if (mesh.has_curved_shape() && !made_->is_flat[m])
-      std::fill_n(of_shapes.begin() + made_->planes.first_triangle[m], mesh.triangles.size(), no_plane);
+    if (scene.meshes[m].casts) made_->casters.push_back(static_cast<std::uint32_t>(m));
+    made_->bounds.emplace_back().add(scene.meshes[m].positions);
   }
-  const auto upload = [](const std::vector<std::uint32_t>& values) { return Buffer(values.data(), values.size() * 4); };
-  made_->plane_of = upload(made_->planes.plane_of);
-  made_->plane_of_shapes = upload(of_shapes);
-  made_->first_triangle = upload(made_->planes.first_triangle);
 
   // Triangles on the plane must stay below what the shader finds to be their height.
-  made_->clip_tolerance = made_->planes.tolerance + height_rounding(scene);
+  made_->clip_tolerance = made_->lookup.planes().tolerance + height_rounding(scene);
 }
 
 void PlanarProjected::relight(const Light& light) {
@@ -182,27 +165,21 @@ void PlanarProjected::relight(const Light& light) {
   const glm::dvec4 l = homogeneous(light);
   planes_face_ = !std::holds_alternative<SpotLight>(light.kind);
   const double slack = std::max(4 * made_->clip_tolerance, 0x1p-20 * made_->extent);
-  for (std::uint32_t i = 0; i < made_->planes.planes.size(); ++i) {
-    glm::dvec4 plane = made_->planes.planes[i].plane;
+  for (std::uint32_t i = 0; i < made_->lookup.planes().planes.size(); ++i) {
+    glm::dvec4 plane = made_->lookup.planes().planes[i].plane;
     if (glm::dot(plane, l) < 0) plane = -plane;
     const double light_height = glm::dot(plane, l);  // of a directional light: per unit of its direction
     // A light in the plane, as far as float32 can tell, faces none of it.
     if (light_height <= (l.w != 0 ? made_->clip_tolerance : 0x1p-24 * glm::length(l))) continue;
-    planes_face_ = planes_face_ && light_height > 0x1p-19 * farthest(l, made_->plane_bounds[i]);
-    Projection projection{.index = i,
-                          .plane = plane,
-                          .projected = glm::dmat4(1) - glm::outerProduct(l, plane) / light_height,
-                          .per_light_height = l.w / light_height,
-                          .casters = {},
-                          .one_sided = {},
-                          .two_sided = {}};
+    planes_face_ = planes_face_ && light_height > 0x1p-19 * farthest(l, made_->lookup.bounds()[i]);
+    Projection projection{PlaneProjection(plane, l), i};
     for (const std::uint32_t m : made_->casters) {
       const glm::dvec3 middle = (glm::dvec3(made_->bounds[m].min) + glm::dvec3(made_->bounds[m].max)) / 2.0;
       const glm::dvec3 half = (glm::dvec3(made_->bounds[m].max) - glm::dvec3(made_->bounds[m].min)) / 2.0;
       const double height = glm::dot(plane, glm::dvec4(middle, 1)), reach = glm::dot(glm::abs(glm::dvec3(plane)), half);
       const bool behind_plane = height + reach <= made_->clip_tolerance;
       const bool behind_light = l.w != 0 && height - reach >= light_height;
-      if (behind_plane || behind_light || !projection.may_reach(made_->bounds[m], made_->plane_bounds[i], slack)) continue;
+      if (behind_plane || behind_light || !projection.may_reach(made_->bounds[m], made_->lookup.bounds()[i], slack)) continue;
       projection.casters.push_back(m);
       const bool is_clipped = height - reach < 2 * made_->clip_tolerance || (l.w != 0 && height + reach >= 0.99 * light_height);
       const MeshFacts& facts = made_->scene->meshes[m].facts;
@@ -218,7 +195,6 @@ void PlanarProjected::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   artefacts_.double_blend = double_blend;
   differs_.clear();
   receivers_.fit(GL_DEPTH_COMPONENT32F, gbuffer.width, gbuffer.height);
-  const Buffer& plane_of = gbuffer.truth == Truth::shape ? made_->plane_of_shapes : made_->plane_of;
   glBindFramebuffer(GL_FRAMEBUFFER, made_->framebuffer.name());
   glViewport(0, 0, gbuffer.width, gbuffer.height);
   glNamedFramebufferTexture(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, 0, 0);
@@ -226,8 +202,7 @@ void PlanarProjected::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_ALWAYS);
   bind_gbuffer(gbuffer_textures(gbuffer, *made_->scene));
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, plane_of.name());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, made_->first_triangle.name());
+  made_->lookup.bind(gbuffer.truth);
   const Program& program = made_->receivers_programs[planes_face_];
   set_light(program, light_);
   program.set("depth_step", depth_step);
@@ -295,22 +270,13 @@ PlanarProjected::Work PlanarProjected::draw_shadows(GLuint texture, const Artefa
 }
 
 Counts PlanarProjected::counts() const {
-  const ReceiverPlanes& planes = made_->planes;
-  const std::size_t shared_bytes = made_->plane_of.bytes + made_->plane_of_shapes.bytes + made_->first_triangle.bytes +
-                                   (planes.plane_of.size() + planes.first_triangle.size()) * 4 +
-                                   planes.planes.size() * sizeof(ReceiverPlane) + made_->casters.size() * 4;
+  const std::size_t shared_bytes = made_->lookup.bytes() + made_->casters.size() * 4;
   double bytes = static_cast<double>(receivers_.bytes) + made_.own(static_cast<double>(shared_bytes));
   for (const Projection& projection : projections_) bytes += double(sizeof(projection) + 2 * projection.casters.size() * 4);
   return {{"planes", double(work_.planes), ""},
           {"casters", double(work_.casters), ""},
           {"triangles", double(work_.triangles), ""},
           {"bytes", bytes, "byte"}};
-}
-
-std::uint32_t PlanarProjected::plane_of(const GBuffer& gbuffer, std::size_t pixel) const {
-  const std::uint32_t mesh = gbuffer.mesh[pixel];
-  if (gbuffer.truth == Truth::shape && made_->scene->meshes[mesh].has_curved_shape() && !made_->is_flat[mesh]) return no_plane;
-  return made_->planes.plane_of[made_->planes.first_triangle[mesh] + gbuffer.triangle[pixel]];
 }
 
 /// Draws the picture again, with and without the artefacts, at the first call after a resolve.
@@ -333,7 +299,7 @@ bool PlanarProjected::artefacts_differ(std::size_t pixel) const {
 std::optional<Explanation> PlanarProjected::explain(std::size_t index) const {
   Explanation why;
   if (!faces_light(*made_->scene, *gbuffer_, light_, index)) return why;
-  const std::uint32_t plane = plane_of(*gbuffer_, index);
+  const std::uint32_t plane = made_->lookup.plane_of(*gbuffer_, index);
   why.covered = plane != no_plane;
   if (!why.covered) return why;
   why.element = plane;

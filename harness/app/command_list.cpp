@@ -85,15 +85,17 @@ struct DescribeOptions {
 
 void describe(const DescribeOptions& options) {
   std::vector<std::string> names;
+  const std::string stem = options.id.substr(0, options.id.find(':'));
+  const std::string settings = options.id.substr(std::min(options.id.size(), stem.size() + 1));
   for (const TechniqueEntry& entry : registry().techniques()) {
-    if (entry.id == options.id) {
-      fmt::print("{}", options.json ? json_text(describe_json(entry), 2) + "\n" : describe_text(entry, terminal_width()));
+    if (entry.id == stem) {
+      fmt::print("{}", options.json ? json_text(describe_json(entry, settings), 2) + "\n"
+                                    : describe_text(entry, terminal_width(), settings));
       return;
     }
     names.push_back(entry.id);
   }
   for (const SceneListing& scene : list_scenes()) names.push_back(scene.id);
-  const std::string stem = options.id.substr(0, options.id.find(':'));
   const bool is_file = options.id.find_first_of("./") != std::string::npos;
   if (!is_file && std::ranges::find(names, stem) == names.end())
     throw Error("there is no technique or scene {}; did you mean {}? There are: {}", options.id, nearest_word(stem, names),
@@ -141,7 +143,8 @@ void add_list(Program& program) {
 
 void add_describe(Program& program) {
   auto [command, options] = program.line.command<DescribeOptions>("describe", "All about one technique or scene", describe);
-  command.option("id", &options.id, "Technique id, scene id or scene file", {.is_required = true});
+  command.option("id", &options.id, "Technique or scene, with settings or without (ID, ID:of=ID), or a scene file",
+                 {.is_required = true});
   command.flag("--json", &options.json, "As JSON");
 }
 

@@ -25,10 +25,10 @@ bool is_fraction(std::string_view text, const Range<int>& range) {
 
 }  // namespace
 
-void Parameter::refuse(std::string_view value) const {
-  if (const auto* whole = dynamic_cast<const Number<int>*>(this); whole && is_fraction(value, whole->range()))
+void Parameter::refuse(std::string_view value, std::string_view more) const {
+  if (const auto* whole = dynamic_cast<const Number<int>*>(&typed(*this)); whole && is_fraction(value, whole->range()))
     throw Error("{}.{} = {} is not a whole number in digits; allowed are {}", owner_->id(), name_, value, allowed());
-  throw Error("{}.{} = {} is outside {}", owner_->id(), name_, value.empty() ? "(nothing)" : value, allowed());
+  throw Error("{}.{} = {} is outside {}{}", owner_->id(), name_, value.empty() ? "(nothing)" : value, allowed(), more);
 }
 
 template <class T>
@@ -56,9 +56,73 @@ void Choice::set(std::string_view value) {
   index_ = static_cast<int>(found - choices_.begin());
 }
 
+namespace {
+
+struct InnerName {
+  std::string full_name;
+};
+
+/// `of.count` of averaged_hard is `count` of the object that `of` names.
+class InnerRow final : InnerName, public Parameter {
+ public:
+  InnerRow(const Parametrized& owner, std::string_view prefix, Parameter& row)
+      : InnerName{fmt::format("{}.{}", prefix, row.name())},
+        Parameter(owner, full_name, row.unit(), row.spoils(), row.sentence()),
+        row_(row) {}
+  Parameter& row() const { return row_; }
+  std::string text() const override { return row_.text(); }
+  std::string default_text() const override { return row_.default_text(); }
+  std::string allowed() const override { return row_.allowed(); }
+  std::vector<std::string> probes() const override { return row_.probes(); }
+  void set(std::string_view value) override {
+    try {
+      row_.set(value);
+    } catch (const Error&) {
+      refuse(value);  // by the name that was written
+    }
+  }
+
+ private:
+  Parameter& row_;
+};
+
+}  // namespace
+
+const Parameter& typed(const Parameter& row) {
+  const auto* const inner = dynamic_cast<const InnerRow*>(&row);
+  return inner ? typed(inner->row()) : row;
+}
+
+ObjectRow::~ObjectRow() = default;
+
+ObjectRow::Known& ObjectRow::known() const {
+  const auto found = known_.find(id_);
+  if (found != known_.end()) return found->second;
+  Known fresh{made(id_), {}};
+  for (Parameter* const row : fresh.object->parameters())
+    fresh.rows.push_back(std::make_unique<InnerRow>(owner(), name(), *row));
+  return known_.emplace(id_, std::move(fresh)).first->second;
+}
+
+void ObjectRow::set(std::string_view value) {
+  if (value == id_) return;
+  if (const std::string why = objection(value); !why.empty()) refuse(value, "; " + why);
+  id_ = value;
+}
+
+std::vector<Parameter*> Parametrized::parameters() const {
+  std::vector<Parameter*> rows;
+  for (Parameter* const row : parameters_) {
+    rows.push_back(row);
+    if (const auto* const object = dynamic_cast<const ObjectRow*>(row))
+      for (const auto& inner : object->inner()) rows.push_back(inner.get());
+  }
+  return rows;
+}
+
 Parameter& Parametrized::parameter(std::string_view name) const {
   std::vector<std::string> names;
-  for (Parameter* row : parameters_) {
+  for (Parameter* row : parameters()) {
     if (row->name() == name) return *row;
     names.emplace_back(row->name());
   }
@@ -68,34 +132,36 @@ Parameter& Parametrized::parameter(std::string_view name) const {
 
 std::string Parametrized::settings() const {
   std::string text;
-  for (const Parameter* row : parameters_)
+  for (const Parameter* row : parameters())
     if (row->text() != row->default_text()) text += fmt::format("{}{}={}", text.empty() ? "" : ",", row->name(), row->text());
   return text;
 }
 
 void Parametrized::apply(std::string_view settings) {
   if (settings.empty()) return;
-  std::vector<std::pair<Parameter*, std::string_view>> items;
+  std::vector<std::pair<std::string_view, std::string_view>> items;
   for (std::size_t start = 0; start != settings.npos;) {
     const std::size_t comma = settings.find(',', start);
     const std::string_view item = settings.substr(start, comma - start);
     start = comma == settings.npos ? comma : comma + 1;
     const std::size_t equals = item.find('=');
     if (equals == std::string_view::npos) throw Error("{}: '{}' is not of the form parameter=value", id_, item);
-    Parameter& row = parameter(item.substr(0, equals));
-    if (std::any_of(items.begin(), items.end(), [&](const auto& other) { return other.first == &row; }))
-      throw Error("{}.{} is given twice", id_, row.name());
-    items.emplace_back(&row, item.substr(equals + 1));
+    items.emplace_back(item.substr(0, equals), item.substr(equals + 1));
   }
-  // All or nothing: where one value is refused, those set before it go back to what they were.
-  std::vector<std::string> before;
+  // An object comes before its rows: which ones there are depends on it.
+  std::ranges::stable_sort(items, {}, [](const auto& item) { return std::ranges::count(item.first, '.'); });
+  // All or nothing: where one value is refused, those set before it go back to what they were, the last one first.
+  std::vector<std::pair<std::string_view, std::string>> before;
   try {
-    for (const auto& [row, value] : items) {
-      before.push_back(row->text());
-      row->set(value);
+    for (const auto& [name, value] : items) {
+      Parameter& row = parameter(name);
+      if (std::ranges::find(before, name, [](const auto& old) { return old.first; }) != before.end())
+        throw Error("{}.{} is given twice", id_, name);
+      before.emplace_back(name, row.text());
+      row.set(value);
     }
   } catch (const Error&) {
-    for (std::size_t k = 0; k < before.size(); ++k) items[k].first->set(before[k]);
+    for (; !before.empty(); before.pop_back()) parameter(before.back().first).set(before.back().second);
     throw;
   }
 }

@@ -177,6 +177,11 @@ Mesh tessellate(const Shape& shape, int segments, std::string name) {
 
 Plane ground_plane(float half_side) { return {.center = {0, 0, 0}, .half_u = {0, 0, half_side}, .half_v = {half_side, 0, 0}}; }
 
+RectLight level_square(const glm::vec3& center, double side) {
+  const auto half = static_cast<float>(side / 2);
+  return {.center = center, .half_u = {half, 0, 0}, .half_v = {0, 0, half}};
+}
+
 Mesh prism(std::span<const glm::dvec3> outline, const glm::dvec3& sweep, std::string name) {
   assert(outline.size() >= 3);
   assert(glm::dot(glm::cross(outline[1] - outline[0], outline[2] - outline[0]), sweep) > 0);

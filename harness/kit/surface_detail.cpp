@@ -14,10 +14,17 @@ namespace {
 
 constexpr std::uint32_t no_polygon = 0xffffffffu;
 
-const Swatch& swatch(bool is_lit) {
-  // sRGB 244, 178, 84 and 62, 96, 184.
-  static const Swatch lit{"lit", {0.9047, 0.4452, 0.0887}}, shadowed{"shadowed", {0.0482, 0.1170, 0.4793}};
-  return is_lit ? lit : shadowed;
+/// What a polygon sees of the light, from all of it to nothing.
+enum class Sees { all, part, nothing };
+Sees sees(const DetailPolygon& polygon) {
+  return polygon.is_lit ? Sees::all : polygon.is_penumbra ? Sees::part : Sees::nothing;
+}
+
+const Swatch& swatch(Sees sees) {
+  // sRGB 244, 178, 84; 112, 176, 130; 62, 96, 184.
+  static const Swatch lit{"lit", {0.9047, 0.4452, 0.0887}}, penumbra{"penumbra", {0.1620, 0.4342, 0.2232}},
+      shadowed{"shadowed", {0.0482, 0.1170, 0.4793}};
+  return sees == Sees::all ? lit : sees == Sees::part ? penumbra : shadowed;
 }
 
 std::span<const glm::dvec3> corners_of(const SurfaceDetail& detail, const DetailPolygon& polygon) {
@@ -125,7 +132,7 @@ class Borders {
       if (a == b || a == no_polygon || b == no_polygon) return Border::none;
       const DetailPolygon &p = detail.polygons[a], &q = detail.polygons[b];
       if (p.mesh != q.mesh || p.triangle != q.triangle) return Border::edge;
-      return p.is_lit == q.is_lit ? Border::split : Border::shadow;
+      return sees(p) == sees(q) ? Border::split : Border::shadow;
     };
     const std::size_t width = gbuffer.width;
     for (std::size_t i = 0; i < owners.size(); ++i) {
@@ -162,7 +169,8 @@ std::vector<float> paint_borders(const Scene& scene, const GBuffer& gbuffer, con
   const std::vector<std::uint32_t> owners = find_owners(scene, gbuffer, detail, with_shadows ? &light : nullptr);
   std::vector<float> mask(gbuffer.size(), 1.0f);
   for (std::size_t i = 0; with_shadows && i < owners.size(); ++i)
-    if (owners[i] != no_polygon && !detail.polygons[owners[i]].is_lit) mask[i] = 0;
+    if (owners[i] != no_polygon)
+      if (const Sees what = sees(detail.polygons[owners[i]]); what != Sees::all) mask[i] = what == Sees::part ? 0.5f : 0.0f;
   std::vector<float> picture = shaded_layer(scene, gbuffer, light, mask);
   const Borders borders(gbuffer, detail, owners);
   const std::vector<float> tones = make_tones(detail);
@@ -185,7 +193,15 @@ std::vector<DebugLayer> detail_layers() {
   return {{"fragments",
            "Surface-detail polygons, lit and shadowed, in tones that differ a little from one to the next and with darker "
            "borders where there is room; what is turned away from the light or beyond its cone is gray.",
-           {swatch(true), swatch(false)}}};
+           {swatch(Sees::all), swatch(Sees::nothing)}}};
+}
+
+std::vector<DebugLayer> soft_detail_layers() {
+  return {{"fragments",
+           "Surface-detail polygons that see all of the light, a part of it, the penumbra, and nothing, in tones that differ a "
+           "little from one to the next and with darker borders where there is room; what is turned away from the light is "
+           "gray.",
+           {swatch(Sees::all), swatch(Sees::part), swatch(Sees::nothing)}}};
 }
 
 void check_detail(const Scene& scene, const SurfaceDetail& detail) {
@@ -194,6 +210,7 @@ void check_detail(const Scene& scene, const SurfaceDetail& detail) {
     const auto k = static_cast<std::size_t>(&p - detail.polygons.data());
     if (p.mesh >= scene.meshes.size())
       throw Error("surface-detail polygon {} is of mesh {}; the scene has {}", k, p.mesh, scene.meshes.size());
+    if (p.is_lit && p.is_penumbra) throw Error("surface-detail polygon {} is lit and in the penumbra; one is wanted", k);
     if (const std::size_t count = scene.meshes[p.mesh].triangles.size(); p.triangle >= count)
       throw Error("surface-detail polygon {} is of triangle {}; mesh {} has {}", k, p.triangle, p.mesh, count);
     if (p.count < 3) throw Error("surface-detail polygon {} has {} corners; three at least are wanted", k, p.count);
@@ -223,7 +240,7 @@ std::vector<float> paint_detail(const Scene& scene, const GBuffer& gbuffer, cons
     const glm::dvec3 to_eye = glm::normalize(eye - glm::dvec3(gbuffer.position(i)));
     double brightness = (1 - 0.3 * tones[k]) * (0.7 + 0.3 * std::abs(glm::dot(glm::dvec3(gbuffer.normal(i)), to_eye)));
     if (borders.kind(i) != Border::none) brightness *= 1 - (1 - left_on_border) * borders.room(k);
-    const glm::dvec3 color = brightness * swatch(detail.polygons[k].is_lit).color;
+    const glm::dvec3 color = brightness * swatch(sees(detail.polygons[k])).color;
     for (int c = 0; c < 3; ++c) picture[3 * i + c] = static_cast<float>(color[c]);
   }
   return picture;

@@ -94,7 +94,7 @@ Json parameters_json(const Parametrized& object) {
   return list;
 }
 
-std::string describe_text(const TechniqueEntry& entry, std::size_t width) {
+std::string describe_text(const TechniqueEntry& entry, std::size_t width, std::string_view settings) {
   const About& about = entry.about;
   TextTable facts({{entry.id, ""}, {std::string(about.title), ""}});
   const auto add = [&facts](std::string_view topic, std::string_view text) {
@@ -109,6 +109,7 @@ std::string describe_text(const TechniqueEntry& entry, std::size_t width) {
   add("role", name(about.role));
   add("needs OpenGL", about.needs_gl ? "yes" : "no");
   const auto technique = entry.make();
+  technique->apply(settings);
   add("surface detail", technique->surface_detail() ? "yes: render --detail FILE.obj writes it" : "no");
   std::string text = facts.text(width) + '\n' + parameters_text(*technique, width);
   if (const std::vector<DebugLayer> layers = technique->debug_layers(); !layers.empty()) {
@@ -124,12 +125,13 @@ std::string describe_text(const TechniqueEntry& entry, std::size_t width) {
   return text;
 }
 
-Json describe_json(const TechniqueEntry& entry) {
+Json describe_json(const TechniqueEntry& entry, std::string_view settings) {
   Json json = about_json(entry);
   json["source"] = entry.about.source;
   json["error"] = entry.about.error;
   json["fails"] = entry.about.fails;
   const auto technique = entry.make();
+  technique->apply(settings);
   json["parameters"] = parameters_json(*technique);
   json["surface_detail"] = technique->surface_detail().has_value();
   json["debug_layers"] = Json::array();

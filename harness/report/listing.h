@@ -21,8 +21,9 @@ Json list_json(std::span<const MetricInfo> metrics);
 std::string list_text(std::span<const CauseInfo> causes, std::span<const TechniqueEntry> entries, std::size_t width = 0);
 Json list_json(std::span<const CauseInfo> causes, std::span<const TechniqueEntry> entries);
 
-std::string describe_text(const TechniqueEntry& entry, std::size_t width = 0);
-Json describe_json(const TechniqueEntry& entry);
+/// With settings "of=stencil_volume" the rows of the object that they put within the technique. Throws Error on bad settings.
+std::string describe_text(const TechniqueEntry& entry, std::size_t width = 0, std::string_view settings = "");
+Json describe_json(const TechniqueEntry& entry, std::string_view settings = "");
 
 /// Parameter rows of anything that has them: techniques and scene generators.
 std::string parameters_text(const Parametrized& object, std::size_t width = 0);

@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/gl_pass.h>
+#include <gnomon/kit/gl_planes.h>
 
 namespace planar_projected {
 
@@ -7,10 +7,8 @@ namespace planar_projected {
 /// light. A plane's shadows are then drawn at its depth and pass where it equals the pixel's, before any shader runs. Where all
 /// of a plane faces the light or none of it does, the pixels need not be asked: the head defines PLANES_FACE as 1.
 inline const std::string receivers_constants = std::string(gnomon::faces_light_constants) + "float depth_step;";
-inline const std::string receivers_fragment =
-    std::string(gnomon::gbuffer_snippet) + std::string(gnomon::faces_light_snippet) + R"(
-layout(std430, binding = 0) readonly buffer PlaneOf { uint plane_of[]; };
-layout(std430, binding = 1) readonly buffer FirstTriangle { uint first_triangle[]; };
+inline const std::string receivers_fragment = std::string(gnomon::gbuffer_snippet) + std::string(gnomon::faces_light_snippet) +
+                                              std::string(gnomon::plane_lookup_snippet) + R"(
 void main() {
   uvec2 ids = ids_here();
 #if PLANES_FACE
@@ -18,22 +16,8 @@ void main() {
 #else
   bool facing = faces_light(position_here(), normal_here());
 #endif
-  uint receiver = facing ? plane_of[first_triangle[ids.x - 1] + ids.y] + 1 : 0;  // no_plane + 1 is 0
+  uint receiver = facing ? receiver_plane(ids) + 1 : 0;  // no_plane + 1 is 0
   gl_FragDepth = float(receiver) * depth_step;
-}
-)";
-
-/// `clip_from_world` holds the projection onto the plane as well. The share of the way from the light is 1 on the plane, 0 at
-/// the light's height.
-inline const std::string shadow_vertex = std::string(gnomon::position_snippet) + R"(
-uniform vec4 plane;
-uniform float tolerance, per_light_height, least_share;
-out float gl_ClipDistance[2];
-void main() {
-  float height = dot(plane.xyz, position) + plane.w;
-  gl_ClipDistance[0] = height - tolerance;
-  gl_ClipDistance[1] = (1 - height * per_light_height) - least_share;
-  gl_Position = place(vec4(position, 1));
 }
 )";
 

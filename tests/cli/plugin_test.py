@@ -49,6 +49,13 @@ class Plugins(ProgramTest):
         self.refuse("list", "--plugin", "", says=["plugin"])
         self.refuse("list", "--plugin", ".", says=["plugin"])
 
+    def test_a_plugin_is_averaged_by_its_id_and_named_in_the_record(self):
+        self.succeed("run", "--plugin", SECOND, "--technique", "averaged_hard:of=always_lit,samples=2", "--scene", "single_triangle",
+                     "--light", "globe", *SMALL, "--quiet", "--out", "out")
+        row = records(self.dir / "out")[0]
+        self.assertEqual((row["status"], row["parameters"]["of"]), ("ok", "always_lit"))
+        self.assertEqual(row["context"]["plugin"]["path"], str(SECOND))
+
     def test_records_name_the_plugin_of_their_technique(self):
         shutil.copy(SECOND, self.dir / "mine.so")
         rows = self.run_rows("--technique", "always_lit", "--technique", "unshadowed", "--plugin", "mine.so")

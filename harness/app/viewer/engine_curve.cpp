@@ -35,7 +35,7 @@ std::vector<int> curve_samples(const Parametrized& technique) {
   std::vector<int> all;
   for (const Parameter* const row : technique.parameters()) {
     const auto* const number = dynamic_cast<const Number<int>*>(row);
-    if (!number || number->name() != "samples") continue;
+    if (!number || row->name() != "samples") continue;
     for (std::int64_t n = 1; n <= number->range().max; n *= 4)
       if (n >= number->range().min) all.push_back(static_cast<int>(n));
   }

@@ -236,11 +236,11 @@ bool Widgets::parameter(const std::string& name, Parameter& row) {
   label(std::string(row.name()), sentence);
   bool is_set = false;
   std::string text;
-  if (const auto* whole = dynamic_cast<const Number<int>*>(&row)) {
+  if (const auto* whole = dynamic_cast<const Number<int>*>(&typed(row))) {
     is_set = number(*whole, text);
-  } else if (const auto* real = dynamic_cast<const Number<double>*>(&row)) {
+  } else if (const auto* real = dynamic_cast<const Number<double>*>(&typed(row))) {
     is_set = number(*real, text);
-  } else if (const auto* flag = dynamic_cast<const Flag*>(&row)) {
+  } else if (const auto* flag = dynamic_cast<const Flag*>(&typed(row))) {
     bool value = *flag;
     is_set = ImGui::Checkbox("##value", &value);
     text = value ? "true" : "false";

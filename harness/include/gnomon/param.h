@@ -2,6 +2,8 @@
 #include <gnomon/error.h>
 
 #include <initializer_list>
+#include <map>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -43,7 +45,12 @@ class Parameter {
   virtual void set(std::string_view value) = 0;
 
  protected:
-  [[noreturn]] void refuse(std::string_view value) const;
+  /// A row that its owner does not list by itself.
+  Parameter(const Parametrized& owner, std::string_view name, std::string_view unit, Stage spoils, std::string_view sentence)
+      : owner_(&owner), name_(name), unit_(unit), sentence_(sentence), spoils_(spoils) {}
+  /// `more` goes behind the sentence: "; did you mean slope?".
+  [[noreturn]] void refuse(std::string_view value, std::string_view more = "") const;
+  const Parametrized& owner() const { return *owner_; }
 
  private:
   const Parametrized* owner_;
@@ -61,13 +68,14 @@ class Parametrized {
 
   const std::string& id() const { return id_; }
   void set_id(std::string_view id) { id_ = id; }  ///< called once by the registry
-  std::span<Parameter* const> parameters() const { return parameters_; }
+  /// In order of declaration; behind an ObjectRow those of the object that it names.
+  std::vector<Parameter*> parameters() const;
   /// Throws Error with the nearest name and the list of names when `name` is unknown.
   Parameter& parameter(std::string_view name) const;
   /// "a=1,b=2": what differs from the defaults, in order of declaration; empty when nothing does.
   std::string settings() const;
   /// Sets from "a=1,b=2"; empty sets nothing. Throws Error on unknown names, bad values, repeated names
-  /// and empty items; nothing is set then.
+  /// and empty items; nothing is set then. The order is of no account: `of` is set before `of.count`.
   void apply(std::string_view settings);
 
  private:
@@ -143,6 +151,46 @@ class Flag final : public Choice {
   operator bool() const { return index() == 1; }
   std::string allowed() const override { return "true | false"; }
 };
+
+/// Another object among the rows: its id is the value, and its own rows follow, with the name of this one before theirs. With
+/// of=stencil_volume there is a row of.count. Another id brings another object, and the first one back with the values that it
+/// had. Rows that were listed live as long as this one, also those of objects that are not the present one any more.
+class ObjectRow : public Parameter {
+ public:
+  ObjectRow(Parametrized* owner, std::string_view name, std::string_view id, Stage spoils, std::string_view sentence)
+      : Parameter(owner, name, "", spoils, sentence), id_(id), default_(id) {}
+  ~ObjectRow() override;
+
+  /// The present object, which holds the values of its rows. Made when it is first asked for.
+  Parametrized& object() const { return *known().object; }
+  std::span<const std::unique_ptr<Parameter>> inner() const { return known().rows; }
+  std::string text() const override { return id_; }
+  std::string default_text() const override { return std::string(default_); }
+  std::string allowed() const override { return joined(ids(), " | "); }
+  std::vector<std::string> probes() const override { return ids(); }
+  void set(std::string_view value) override;
+
+ protected:
+  virtual std::vector<std::string> ids() const = 0;
+  /// Why an id is none of these, in words behind what is allowed: "did you mean svbsp?". Empty: it is one of them.
+  virtual std::string objection(std::string_view id) const = 0;
+  /// A fresh object of one of them.
+  virtual std::unique_ptr<Parametrized> made(std::string_view id) const = 0;
+
+ private:
+  struct Known {
+    std::unique_ptr<Parametrized> object;
+    std::vector<std::unique_ptr<Parameter>> rows;
+  };
+  Known& known() const;
+
+  std::string id_;
+  std::string_view default_;
+  mutable std::map<std::string, Known, std::less<>> known_;
+};
+
+/// The row itself; of a row behind an ObjectRow the one of its own object, which is a Number or a Choice.
+const Parameter& typed(const Parameter& row);
 
 /// The candidate with the smallest edit distance to `word`; empty when there is no candidate.
 std::string nearest_word(std::string_view word, std::span<const std::string> candidates);

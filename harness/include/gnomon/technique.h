@@ -94,11 +94,13 @@ struct Swatch {
   glm::dvec3 color;  ///< linear RGB in 0 .. 1
 };
 
-/// A surface-detail polygon: a convex part of a triangle that is lit, or in cast shadow, throughout.
+/// A surface-detail polygon: a convex part of a triangle that is lit, or in cast shadow, throughout. Under a light with area it
+/// is lit where all of the light is seen, in shadow where nothing is, and else in the penumbra.
 struct DetailPolygon {
   std::uint32_t mesh, triangle;
   bool is_lit;
   std::uint32_t first, count;  ///< its corners, of SurfaceDetail::corners
+  bool is_penumbra = false;    ///< then it is not lit
 };
 
 /// Shadows as geometry: the receiving triangles that are not edge-on to the light, in polygons that do not overlap. It is about

@@ -11,6 +11,12 @@
 namespace gnomon::conformance {
 namespace {
 
+/// Of a row behind an ObjectRow the parts between the dots are names.
+bool is_row_name(std::string_view name) {
+  const std::size_t dot = name.find('.');
+  return is_plain_name(name.substr(0, dot)) && (dot == name.npos || is_row_name(name.substr(dot + 1)));
+}
+
 bool is_sentence(std::string_view text) {
   return !text.empty() && text.back() == '.' && !std::islower(static_cast<unsigned char>(text.front()));
 }
@@ -60,7 +66,7 @@ void parameters_and_layers(Trial& trial) {
   std::set<std::string> names;
   for (const Parameter* p : technique->parameters()) {
     const std::string name(p->name());
-    trial.expect(is_plain_name(name), fmt::format("the parameter's name '{}' is no plain name", name));
+    trial.expect(is_row_name(name), fmt::format("the parameter's name '{}' is no plain name", name));
     trial.expect(names.insert(name).second, fmt::format("parameter {} is there twice", name));
     trial.expect(is_sentence(p->sentence()), fmt::format("parameter {} has no sentence: '{}'", name, p->sentence()));
     trial.expect(!p->allowed().empty(), fmt::format("parameter {} does not say what is allowed", name));

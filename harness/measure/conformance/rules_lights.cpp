@@ -1,10 +1,11 @@
 // Rows of several lights: objects for further lights are as good as whole ones, and hold no more.
+#include <gnomon/kit/light_objects.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "measure/conformance/trial.h"
 #include "measure/picture/shading.h"
-#include "measure/run/light_objects.h"
 #include "measure/score/together.h"
 
 namespace gnomon::conformance {

@@ -110,7 +110,7 @@ int run_within(Trial& trial, const World& w, const GBuffer& gbuffer, const std::
 }
 
 void device_limits(Trial& trial) {
-  const auto is_choice = [](const Parameter& parameter) { return dynamic_cast<const Choice*>(&parameter) != nullptr; };
+  const auto is_choice = [](const Parameter& parameter) { return dynamic_cast<const Choice*>(&typed(parameter)) != nullptr; };
   const std::vector<std::string> all_settings = settings_of(trial.entry(), is_choice);
   int runs = 0;
   for (const char* limit :

@@ -47,9 +47,12 @@ SurfaceDetail detail_from_bytes(std::span<const std::byte> bytes) {
   io(detail.corners, detail.polygons);
   if (io.left() > 0)
     throw Error("{} bytes are left after the {} polygons of a surface detail", io.left(), detail.polygons.size());
-  for (const DetailPolygon& polygon : detail.polygons)  // a flag of any other bits is neither true nor false
+  for (const DetailPolygon& polygon : detail.polygons) {  // a flag of any other bits is neither true nor false
     if (const auto flag = *reinterpret_cast<const std::uint8_t*>(&polygon.is_lit); flag > 1)
       throw Error("a polygon of a surface detail is lit by {}, neither 0 nor 1", flag);
+    if (const auto flag = *reinterpret_cast<const std::uint8_t*>(&polygon.is_penumbra); flag > 1)
+      throw Error("a polygon of a surface detail is in the penumbra by {}, neither 0 nor 1", flag);
+  }
   return detail;
 }
 
@@ -60,7 +63,8 @@ std::string detail_obj(const Scene& scene, const SurfaceDetail& detail, std::spa
   // Rounding noise beside zero would be digits of its own.
   const auto shown = [&](double x) { return std::abs(x) <= 1e-14 * largest ? 0.0 : x; };
   std::string body, line;
-  std::array<std::size_t, 2> written{};  // shadowed, lit
+  constexpr std::array<std::string_view, 3> kinds = {"lit", "penumbra", "shadowed"};
+  std::array<std::size_t, 3> written{};  // of each kind
   std::size_t left_out = 0, vertex_count = 0;
   std::unordered_set<std::string> taken;
   for (std::size_t begin = 0, end = 0; begin < detail.polygons.size(); begin = end) {
@@ -68,7 +72,7 @@ std::string detail_obj(const Scene& scene, const SurfaceDetail& detail, std::spa
     while (end < detail.polygons.size() && detail.polygons[end].mesh == mesh) ++end;
     body += fmt::format("o {}\n", object_name(scene, mesh, taken));
     std::unordered_map<std::string, std::uint32_t> vertices;
-    std::array<std::vector<Face>, 2> faces;
+    std::array<std::vector<Face>, 3> faces;
     for (std::size_t k = begin; k < end; ++k) {
       const DetailPolygon& polygon = detail.polygons[k];
       Face face;
@@ -83,17 +87,17 @@ std::string detail_obj(const Scene& scene, const SurfaceDetail& detail, std::spa
       if (face.size() < 3)
         ++left_out;
       else
-        faces[polygon.is_lit].push_back(std::move(face));
+        faces[polygon.is_lit ? 0 : polygon.is_penumbra ? 1 : 2].push_back(std::move(face));
     }
-    for (const bool is_lit : {true, false}) {
-      if (faces[is_lit].empty()) continue;
-      body += is_lit ? "usemtl lit\n" : "usemtl shadowed\n";
-      for (const Face& face : faces[is_lit]) {
+    for (std::size_t kind = 0; kind < kinds.size(); ++kind) {
+      if (faces[kind].empty()) continue;
+      body += fmt::format("usemtl {}\n", kinds[kind]);
+      for (const Face& face : faces[kind]) {
         body += 'f';
         for (const std::uint32_t v : face) fmt::format_to(std::back_inserter(body), " {}", vertex_count + v + 1);
         body += '\n';
       }
-      written[is_lit] += faces[is_lit].size();
+      written[kind] += faces[kind].size();
     }
     vertex_count += vertices.size();
   }
@@ -104,14 +108,15 @@ std::string detail_obj(const Scene& scene, const SurfaceDetail& detail, std::spa
         note, [](unsigned char c) { return c < ' '; }, ' ');
     head += fmt::format("# {}\n", note);
   }
-  head += fmt::format("# polygons: {} lit, {} shadowed\n", written[true], written[false]);
+  const std::string penumbra = written[1] > 0 ? fmt::format("{} penumbra, ", written[1]) : "";
+  head += fmt::format("# polygons: {} lit, {}{} shadowed\n", written[0], penumbra, written[2]);
   if (left_out > 0) head += fmt::format("# left out: {} that are smaller than the last digit\n", left_out);
   return head + fmt::format("mtllib {}\n", mtl_name) + body;
 }
 
 std::string detail_mtl() {
   std::string text = fmt::format("{}: materials\n", detail_mark);
-  const std::vector<DebugLayer> layers = detail_layers();
+  const std::vector<DebugLayer> layers = soft_detail_layers();
   for (const Swatch& s : layers.at(0).legend)
     text += fmt::format("newmtl {}\nKd {:.4f} {:.4f} {:.4f}\nillum 1\n", s.name, s.color.r, s.color.g, s.color.b);
   return text;

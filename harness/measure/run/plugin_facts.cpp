@@ -46,9 +46,25 @@ const std::string& hash_of_files(const std::string& technique) {
   return found->second = files.size() > 1 ? content_hash(together) : together;
 }
 
+/// The technique itself or one that its settings put within it, the first that comes from outside; itself where none does.
+std::string from_outside(const std::string& technique, const std::string& settings) {
+  const auto entry = std::ranges::find(registry().techniques(), technique, &TechniqueEntry::id);
+  if (entry == registry().techniques().end() || !entry->origin.empty()) return technique;
+  const auto object = entry->make();
+  try {
+    object->apply(settings);
+  } catch (const Error&) {
+    return technique;  // of a record whose settings are none any more
+  }
+  for (const Parameter* const row : object->parameters())
+    if (dynamic_cast<const ObjectRow*>(&typed(*row)) && !origin_of(row->text()).empty()) return row->text();
+  return technique;
+}
+
 }  // namespace
 
-Json plugin_facts(const std::string& technique) {
+Json plugin_facts(const std::string& contender, const std::string& settings) {
+  const std::string technique = from_outside(contender, settings);
   const std::string& hash = hash_of_files(technique);
   if (hash.empty()) return nullptr;
   Json facts = json_object({{"path", origin_of(technique)}, {"hash", hash}});
@@ -64,7 +80,7 @@ Json plugin_facts(const std::string& technique) {
 bool has_other_plugin(const Record& record) {
   const auto& all = registry().techniques();
   if (std::ranges::find(all, record.technique, &TechniqueEntry::id) == all.end()) return false;
-  return plugin_hash(record) != hash_of_files(record.technique);
+  return plugin_hash(record) != hash_of_files(from_outside(record.technique, record.settings));
 }
 
 }  // namespace gnomon

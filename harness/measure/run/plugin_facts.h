@@ -7,8 +7,9 @@ namespace gnomon {
 
 /// What a record says of the plugin or program that a technique comes from: `path` as given, `hash` of the file, of a program
 /// that of its description and of the files that its command names; `build_type`, `flags`, `compiler` and `optimized`, left out
-/// where the plugin says nothing of them. Null for a technique that is built in. Files are read once for each process.
-Json plugin_facts(const std::string& technique);
+/// where the plugin says nothing of them. Of a technique that is built in they are those of the one that its settings put
+/// within it (averaged_hard:of=ID); null where that is built in, too. Files are read once for each process.
+Json plugin_facts(const std::string& technique, const std::string& settings = "");
 
 /// Whether the row's technique is there now, and comes from other bytes than then: from a plugin that was built anew, a program
 /// that was changed, or from one now or then only.

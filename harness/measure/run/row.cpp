@@ -231,7 +231,7 @@ Record start_record(const Job& job, const Suite& suite, const Scene* scene, cons
   record.place = job.place;
   record.truth = suite.truth;
   record.context = context;
-  const Json plugin = plugin_facts(job.contender.technique);
+  const Json plugin = plugin_facts(job.contender.technique, job.contender.settings);
   if (!plugin.is_null()) record.context["plugin"] = plugin;
   if (scene) {
     std::vector<std::string> kinds;

@@ -113,25 +113,24 @@ namespace {
 /// Labels those rows of a sweep whose `name()` leaves out a swept parameter, because its value is the default:
 /// "shadow_map:resolution=1024" beside "shadow_map:resolution=256". They are the same jobs as without the label.
 void name_defaults(std::vector<Contender>& contenders, std::span<const std::unique_ptr<Technique>> techniques) {
-  // Of each technique, the value that a parameter has in the first row; none where another row has another.
-  std::map<std::string_view, std::vector<std::optional<std::string>>> fixed;
-  for (const auto& technique : techniques) {
-    std::vector<std::optional<std::string>>& values = fixed[technique->id()];
-    const auto parameters = technique->parameters();
-    const bool is_first = values.empty();
-    values.resize(parameters.size());
-    for (std::size_t p = 0; p < parameters.size(); ++p)
-      if (is_first)
-        values[p] = parameters[p]->text();
-      else if (values[p] != parameters[p]->text())
-        values[p].reset();
-  }
+  // Rows of one technique, and of one object within it: `of.count` of one `of` is not that of another.
+  const auto key_of = [](const Technique& technique, const Parameter& row) {
+    const std::size_t dot = row.name().rfind('.');
+    const std::string owner(dot == std::string_view::npos ? "" : technique.parameter(row.name().substr(0, dot)).text());
+    return fmt::format("{} {} {}", technique.id(), row.name(), owner);
+  };
+  // By such a key, the value that a parameter has in the first row; none where another row has another.
+  std::map<std::string, std::optional<std::string>> fixed;
+  for (const auto& technique : techniques)
+    for (const Parameter* const row : technique->parameters()) {
+      const auto [value, is_first] = fixed.try_emplace(key_of(*technique, *row), row->text());
+      if (!is_first && value->second != row->text()) value->second.reset();
+    }
   for (std::size_t k = 0; k < contenders.size(); ++k) {
     std::vector<std::string> shown;
-    for (std::size_t p = 0; p < techniques[k]->parameters().size(); ++p)
-      if (const Parameter& row = *techniques[k]->parameters()[p];
-          row.text() != row.default_text() || !fixed[techniques[k]->id()][p])
-        shown.push_back(fmt::format("{}={}", row.name(), row.text()));
+    for (const Parameter* const row : techniques[k]->parameters())
+      if (row->text() != row->default_text() || !fixed[key_of(*techniques[k], *row)])
+        shown.push_back(fmt::format("{}={}", row->name(), row->text()));
     const std::string name = contenders[k].technique + (shown.empty() ? "" : ":") + joined(shown, ",");
     if (name != contenders[k].name()) contenders[k].label = name;
   }

@@ -1,4 +1,5 @@
 #include <gnomon/kit/gl.h>
+#include <gnomon/kit/light_objects.h>
 #include <gnomon/kit/progress.h>
 #include <gnomon/kit/surface_detail.h>
 #include <gnomon/registry.h>
@@ -15,7 +16,6 @@
 #include "measure/cause/causes.h"
 #include "measure/picture/detail_export.h"
 #include "measure/process_memory.h"
-#include "measure/run/light_objects.h"
 #include "measure/run/shared_count.h"
 #include "measure/run/worker.h"
 #include "measure/run/worker_frame.h"

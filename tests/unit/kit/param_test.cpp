@@ -172,6 +172,96 @@ RC_GTEST_PROP(param, settings_applied_to_a_fresh_object_give_the_same_object, ()
   RC_ASSERT(bool(fresh.fast) == bool(rows.fast));
 }
 
+/// Of two kinds: `plain` has a size, `rich` has the rows above.
+class Kind final : public ObjectRow {
+ public:
+  explicit Kind(Parametrized* owner) : ObjectRow(owner, "of", "plain", Stage::setup, "What it is of.") {}
+
+ protected:
+  struct Plain : Parametrized {
+    Number<int> size{this, "size", 8, {.unit = "texel", .min = 2, .max = 64}, Stage::relight, "Side."};
+  };
+  std::vector<std::string> ids() const override { return {"plain", "rich"}; }
+  std::string objection(std::string_view id) const override {
+    return id == "plain" || id == "rich" ? "" : fmt::format("did you mean {}?", nearest_word(id, ids()));
+  }
+  std::unique_ptr<Parametrized> made(std::string_view id) const override {
+    if (id == "plain") return std::make_unique<Plain>();
+    return std::make_unique<Rows>();
+  }
+};
+
+struct Whole : Parametrized {
+  Number<int> count{this, "count", 1, {.unit = "", .min = 1, .max = 9}, Stage::build, "How many."};
+  Kind of{this};
+  Flag fast{this, "fast", false, Stage::setup, "Whether to hurry."};
+  Whole() { set_id("whole"); }
+  std::vector<std::string> names() const {
+    std::vector<std::string> all;
+    for (const Parameter* row : parameters()) all.emplace_back(row->name());
+    return all;
+  }
+};
+
+TEST(param, rows_of_an_object_within_stand_behind_it_and_follow_its_id) {
+  Whole whole;
+  EXPECT_EQ(whole.names(), (std::vector<std::string>{"count", "of", "of.size", "fast"}));
+  whole.apply("of=rich");
+  EXPECT_EQ(whole.names(), (std::vector<std::string>{"count", "of", "of.size", "of.bias", "of.mode", "of.fast", "fast"}));
+  EXPECT_EQ(whole.settings(), "of=rich");
+  EXPECT_EQ(whole.parameter("of.mode").spoils(), Stage::resolve);
+  EXPECT_EQ(whole.parameter("of.bias").unit(), "m");
+  EXPECT_NE(dynamic_cast<const Number<int>*>(&typed(whole.parameter("of.size"))), nullptr) << "a slider for it";
+  EXPECT_EQ(&typed(whole.count), &whole.count);
+}
+
+TEST(param, settings_of_an_object_within_come_in_any_order_and_are_canonical) {
+  Whole whole;
+  whole.apply("of.mode=none,fast=true,of.size=16,of=rich,count=1");
+  EXPECT_EQ(whole.settings(), "of=rich,of.size=16,of.mode=none,fast=true");
+  EXPECT_EQ(whole.of.object().settings(), "size=16,mode=none");
+  Whole fresh;
+  fresh.apply(whole.settings());
+  EXPECT_EQ(fresh.settings(), whole.settings());
+}
+
+TEST(param, errors_of_an_object_within_name_what_was_written) {
+  const auto refusal = [](const char* settings) {
+    Whole whole;
+    return complaint([&] { whole.apply(settings); });
+  };
+  EXPECT_EQ(refusal("of.size=1"), "whole.of.size = 1 is outside 2 .. 64 texel");
+  EXPECT_EQ(refusal("of.size=8.5"), "whole.of.size = 8.5 is not a whole number in digits; allowed are 2 .. 64 texel");
+  EXPECT_EQ(refusal("of=rihc"), "whole.of = rihc is outside plain | rich; did you mean rich?");
+  EXPECT_EQ(
+      refusal("of=rich,of.mdoe=none"),
+      "whole has no parameter of.mdoe; did you mean of.mode? It has: count, of, of.size, of.bias, of.mode, of.fast, fast");
+  EXPECT_EQ(refusal("of.mode=none"), "whole has no parameter of.mode; did you mean of.size? It has: count, of, of.size, fast");
+  EXPECT_EQ(refusal("of=rich,of=plain"), "whole.of is given twice");
+  EXPECT_EQ(refusal("of.size=4,of.size=4"), "whole.of.size is given twice");
+}
+
+TEST(param, a_refused_list_leaves_an_object_within_as_it_was) {
+  for (const char* bad : {"of=rich,of.size=16,of.mode=x", "of.bias=1,of=plain", "of=plain,of.size=4,count=0", "of=poor"}) {
+    Whole whole;
+    whole.apply("of=rich,of.size=32,of.mode=none,count=2");
+    EXPECT_THROW(whole.apply(bad), Error) << bad;
+    EXPECT_EQ(whole.settings(), "count=2,of=rich,of.size=32,of.mode=none") << bad;
+  }
+}
+
+TEST(param, rows_of_an_object_that_was_left_live_on_and_come_back_with_their_values) {
+  Whole whole;
+  whole.apply("of.size=4");
+  Parameter& size = whole.parameter("of.size");
+  whole.apply("of=rich");
+  EXPECT_EQ(size.text(), "4");
+  EXPECT_EQ(whole.parameter("of.size").text(), "8") << "another object";
+  whole.apply("of=plain");
+  EXPECT_EQ(&whole.parameter("of.size"), &size);
+  EXPECT_EQ(whole.settings(), "of.size=4");
+}
+
 TEST(param, nearest_word_counts_insertions_deletions_and_substitutions) {
   const std::vector<std::string> words{"resolution", "depth_bias", "filter"};
   EXPECT_EQ(nearest_word("resolutoin", words), "resolution");

@@ -24,6 +24,9 @@ void check(const Shape& shape, const std::string& where);
 /// A horizontal square around the origin at y = 0, facing up.
 Plane ground_plane(float half_side);
 
+/// A square light that lies level, its sides along x and z.
+RectLight level_square(const glm::vec3& center, double side);
+
 /// Closed solid: the convex `outline` (in one plane, counter-clockwise seen from the far end) swept along `sweep`.
 Mesh prism(std::span<const glm::dvec3> outline, const glm::dvec3& sweep, std::string name);
 

@@ -17,6 +17,7 @@ class Shared {
   /// Of what it counts of the things shared, bytes above all, the part that this object answers for: all of it, a guest
   /// nothing.
   double own(double count) const { return is_guest_ ? 0 : count; }
+  bool is_guest() const { return is_guest_; }
   Shared for_guest() const {
     Shared guest = *this;
     guest.is_guest_ = true;

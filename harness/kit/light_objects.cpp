@@ -1,13 +1,15 @@
-#include "measure/run/light_objects.h"
-
 #include <gnomon/error.h>
+#include <gnomon/kit/light_objects.h>
 
 #include <algorithm>
 
 namespace gnomon {
 
 LightObjects::LightObjects(const TechniqueEntry& entry, const std::string& settings)
-    : entry_(entry), settings_(settings), first_(fresh()) {}
+    : entry_(entry), settings_(settings), first_(fresh()), source_(first_.get()) {}
+
+LightObjects::LightObjects(const TechniqueEntry& entry, const std::string& settings, const Technique& elsewhere)
+    : entry_(entry), settings_(settings), source_(&elsewhere), shares_(true) {}
 
 std::unique_ptr<Technique> LightObjects::fresh() const {
   auto technique = entry_.make();
@@ -16,15 +18,16 @@ std::unique_ptr<Technique> LightObjects::fresh() const {
 }
 
 bool LightObjects::hold(std::size_t count) {
-  if (count < 1 + others_.size()) others_.resize(std::max<std::size_t>(count, 1) - 1);
+  count = std::max<std::size_t>(count, 1);
+  if (count < this->count()) others_.resize(count - (first_ ? 1 : 0));
   bool has_whole = false;
-  while (1 + others_.size() < count) {
-    auto another = first_->for_another_light();
+  while (this->count() < count) {
+    auto another = source_->for_another_light();
     shares_ = another != nullptr;
     has_whole = has_whole || !shares_;
     others_.push_back(shares_ ? std::move(another) : fresh());
   }
-  if (others_.empty()) shares_ = false;
+  if (others_.empty() && first_) shares_ = false;
   return has_whole;
 }
 
@@ -43,7 +46,7 @@ std::optional<Stage> LightObjects::set(const std::string& settings) {
 }
 
 Counts LightObjects::counts() const {
-  Counts sum = first_->counts();
+  Counts sum = first_ ? first_->counts() : Counts();
   std::vector<double> times(sum.size(), 1);  // how many objects gave it
   for (const auto& object : others_)
     for (Count& count : object->counts()) {

@@ -1,5 +1,5 @@
-#include "measure/run/light_objects.h"
-
+#include <gnomon/kit/light_objects.h>
+#include <gnomon/kit/shared.h>
 #include <gtest/gtest.h>
 
 namespace {
@@ -57,6 +57,46 @@ TEST(light_objects, settings_reach_every_object_and_say_what_they_spoil) {
   EXPECT_EQ(objects.set("size=4"), Stage::relight);
   EXPECT_EQ(as_lonely(objects[1]).size.value(), 4);
   EXPECT_FALSE(objects.set("size=4").has_value());
+}
+
+/// Shares its builds.
+class Sharing final : public Technique {
+ public:
+  Support supports(const Scene&, const Light&, const View&) const override { return Support::full(); }
+  void setup() override {}
+  void build(const Scene&) override { ++*builds_; }
+  void relight(const Light&) override {}
+  void resolve(const GBuffer&, VisibilityMask&) override {}
+  Counts counts() const override { return {{"bytes", builds_.own(100) + 1, "byte"}, {"builds", 1.0 * *builds_, ""}}; }
+  std::unique_ptr<Technique> for_another_light() const override { return another(*this, &Sharing::builds_); }
+
+ private:
+  Shared<int> builds_;
+};
+
+const TechniqueEntry sharing{.id = "sharing", .about = {}, .make = [] { return gnomon::made<Technique, Sharing>("sharing"); }};
+
+TEST(light_objects, objects_beside_those_of_another_share_with_its_first_and_need_no_stage_before_relight) {
+  LightObjects host(sharing, "");
+  host.hold(2);
+  LightObjects guests(sharing, "", host[0]);
+  EXPECT_FALSE(guests.hold(3));
+  EXPECT_EQ(guests.count(), 3u);
+  EXPECT_EQ(guests.shares(), true);
+  int stages = 0;
+  for (LightObjects* objects : {&host, &guests})
+    objects->each(Stage::build, [&](Technique& object, std::size_t) {
+      object.build({});
+      ++stages;
+    });
+  EXPECT_EQ(stages, 1) << "of the host's first object";
+  EXPECT_EQ(guests[2].counts()[1].value, 1) << "the build is seen";
+  guests.each(Stage::relight, [&](Technique&, std::size_t) { ++stages; });
+  EXPECT_EQ(stages, 4);
+  EXPECT_EQ(host.counts()[0].value, 102);
+  EXPECT_EQ(guests.counts()[0].value, 3) << "they count what they hold themselves";
+  EXPECT_FALSE(guests.hold(1));
+  EXPECT_EQ(guests.count(), 1u);
 }
 
 TEST(light_objects, lights_without_shadows_make_the_whole_approximate_and_never_go_unsaid) {

@@ -12,11 +12,14 @@ namespace gnomon {
 class LightObjects {
  public:
   LightObjects(const TechniqueEntry& entry, const std::string& settings);
+  /// All of them share with an object that is held elsewhere and outlives them: none needs a stage before relight. That
+  /// object's for_another_light() must give something.
+  LightObjects(const TechniqueEntry& entry, const std::string& settings, const Technique& elsewhere);
 
   /// One at least. Answers whether an object is new that needs stages of its own from setup on.
   bool hold(std::size_t count);
-  std::size_t count() const { return 1 + others_.size(); }
-  Technique& operator[](std::size_t k) { return k == 0 ? *first_ : *others_[k - 1]; }
+  std::size_t count() const { return (first_ ? 1 : 0) + others_.size(); }
+  Technique& operator[](std::size_t k) { return !first_ ? *others_[k] : k == 0 ? *first_ : *others_[k - 1]; }
   /// Whether the objects for further lights share with the first; nothing while there is only one.
   std::optional<bool> shares() const { return others_.empty() ? std::nullopt : std::optional(shares_); }
 
@@ -27,7 +30,7 @@ class LightObjects {
   template <class Does>
   void each(Stage stage, const Does& does) {
     const bool is_shared = stage <= Stage::build && shares_;
-    for (std::size_t k = 0; k < (is_shared ? 1 : count()); ++k) does((*this)[k], k);
+    for (std::size_t k = 0; k < (is_shared ? (first_ ? 1 : 0) : count()); ++k) does((*this)[k], k);
   }
   /// What all objects counted, each count as it says (Count::Together).
   Counts counts() const;
@@ -37,7 +40,8 @@ class LightObjects {
 
   const TechniqueEntry& entry_;
   std::string settings_;
-  std::unique_ptr<Technique> first_;
+  std::unique_ptr<Technique> first_;  ///< null: it is elsewhere
+  const Technique* source_;           ///< the one that others share with
   std::vector<std::unique_ptr<Technique>> others_;
   bool shares_ = false;
 };

@@ -1,0 +1,279 @@
+#include "trees.h"
+
+#include <gnomon/kit/parallel.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace gnomon::area_svbsp {
+
+namespace {
+
+constexpr std::size_t most_candidates = 1 << 15;  ///< volumes that a side may meet; with more it is left whole
+
+/// The sides that are turned to a light.
+std::vector<Side> find_sides(const Lighting& lighting, double epsilon, std::vector<std::uint32_t>& first_of) {
+  const LightBody& light = *lighting.body;
+  const Scene& scene = *lighting.scene;
+  Bounds lamp;
+  for (const glm::dvec3& corner : light.corners) lamp.add(glm::vec3(corner));
+  std::vector<Side> sides;
+  first_of.assign(1, 0);
+  std::uint32_t number = 0;
+  for (const Mesh& mesh : scene.meshes) {
+    Bounds box;
+    box.add(mesh.positions);
+    const bool is_apart = glm::any(glm::lessThan(box.max, lamp.min)) || glm::any(glm::lessThan(lamp.max, box.min));
+    const bool has_inside = mesh.casts && mesh.facts.closed() && is_apart;
+    for (std::size_t t = 0; t < mesh.triangles.size();
+         ++t, ++number, first_of.push_back(static_cast<std::uint32_t>(sides.size()))) {
+      if (!mesh.receives) continue;
+      const Triangle triangle = mesh.corners(t);
+      Corner corners[3];
+      for (int k = 0; k < 3; ++k) corners[k] = {glm::dvec3(triangle.points[k])};
+      const std::optional<ClipPlane> plane = plane_of(corners);
+      if (!plane) continue;
+      const auto faces = static_cast<unsigned>(lies_of(light, *plane, epsilon));
+      for (const int light_side : {1, -1}) {
+        if (light.is_flat) {
+          if (light.is_one_sided && light_side < 0) continue;
+          const ClipPlane before = light_side > 0 ? light.plane : -light.plane;
+          if (std::ranges::none_of(corners, [&](const Corner& c) { return before.at(c.at) > epsilon; })) continue;
+        } else if (light_side < 0) {
+          continue;
+        }
+        const auto in_plane = static_cast<std::int8_t>(light.is_flat ? light_side : 0);
+        if (faces & 2) sides.push_back({number, 1, in_plane});
+        if ((faces & 1) && !has_inside) sides.push_back({number, -1, in_plane});
+      }
+    }
+  }
+  return sides;
+}
+
+/// Finds the volumes that one side meets.
+class Finder {
+ public:
+  Finder(const Lighting& lighting, const BoxTree& boxes, double epsilon)
+      : lighting_(lighting), boxes_(boxes), epsilon_(epsilon) {}
+
+  void run(const Triangle& triangle, const Side& side, std::span<const Corner> part, std::vector<std::uint32_t>& found) {
+    found.clear();
+    Corner own[3];
+    for (int k = 0; k < 3; ++k) own[k] = {glm::dvec3(triangle.points[k])};
+    const ClipPlane plane = side.side > 0 ? *plane_of(own) : -*plane_of(own);
+    planes_.clear();
+    PlaneMaker(*lighting_.body, epsilon_).add_shaft(part, planes_);
+    planes_.push_back(plane);
+    if (lighting_.body->is_flat) planes_.push_back(side.light_side > 0 ? lighting_.body->plane : -lighting_.body->plane);
+    glm::dvec3 low(INFINITY), high(-INFINITY);
+    for (const Corner& corner : part) {
+      low = glm::min(low, corner.at);
+      high = glm::max(high, corner.at);
+    }
+    for (const glm::dvec3& corner : lighting_.body->corners) {
+      low = glm::min(low, corner);
+      high = glm::max(high, corner);
+    }
+    const auto meets = [&](const float* lower, const float* upper) {
+      for (int k = 0; k < 3; ++k)
+        if (upper[k] < low[k] - epsilon_ || lower[k] > high[k] + epsilon_) return false;
+      return std::ranges::all_of(planes_, [&](const ClipPlane& p) {
+        const glm::dvec3& n = p.normal;
+        return n.x * (n.x > 0 ? upper : lower)[0] + n.y * (n.y > 0 ? upper : lower)[1] + n.z * (n.z > 0 ? upper : lower)[2] +
+                   p.offset >
+               -epsilon_;
+      });
+    };
+    boxes_.each(meets, [&](std::uint32_t place) {
+      const std::uint32_t number = boxes_.order()[place];
+      const CasterPolygon& polygon = lighting_.polygons[number];
+      const Bounds box = polygon.bounds();
+      if (!meets(&box.min.x, &box.max.x)) return false;
+      double highest = -INFINITY;
+      for (std::uint32_t k = 0; k < polygon.count; ++k) highest = std::max(highest, plane.at(glm::dvec3(polygon.corners[k])));
+      if (highest <= epsilon_) return false;
+      if (highest < 1e5 * epsilon_ && is_coplanar(triangle, polygon)) return false;
+      const auto [begin, end] = lighting_.volumes->of(number);
+      for (std::uint32_t v = begin; v < end; ++v) {
+        const Volume& volume = lighting_.volumes->all()[v];
+        int crossing = 0;
+        if (volume.light_side != side.light_side) continue;
+        if (relation(lighting_.volumes->penumbra(volume), part, epsilon_, crossing) != Relation::outside) found.push_back(v);
+      }
+      return found.size() > most_candidates;
+    });
+  }
+
+ private:
+  static bool is_coplanar(const Triangle& triangle, const CasterPolygon& polygon) {
+    return coplanar(triangle, polygon.corners) &&
+           (polygon.count == 3 || coplanar(triangle.points[0], triangle.points[1], triangle.points[2], polygon.corners[3]));
+  }
+
+  const Lighting& lighting_;
+  const BoxTree& boxes_;
+  double epsilon_;
+  std::vector<ClipPlane> planes_;
+};
+
+}  // namespace
+
+std::vector<Corner> part_of(const Triangle& triangle, const LightBody& light, int light_side, double epsilon) {
+  Clipper clipper;
+  clipper.start();
+  for (const glm::vec3& p : triangle.points) clipper.add({glm::dvec3(p)});
+  if (light.is_flat) clipper.keep_positive(light_side > 0 ? light.plane : -light.plane, epsilon);
+  return {clipper.corners().begin(), clipper.corners().end()};
+}
+
+namespace {
+
+/// The pyramid from a point over the box of a light, above the horizon.
+struct Pyramid {
+  glm::dvec3 point, low{0}, high{0};
+  glm::dvec3 planes[5];  ///< normals of planes through the point, positive inside
+
+  Pyramid(const glm::dvec3& from, const LightFace& face) : point(from) {
+    const LightFace::Box& box = face.box();
+    const glm::dvec3 corners[] = {face.at(box.low), face.at({box.high.x, box.low.y}), face.at(box.high),
+                                  face.at({box.low.x, box.high.y})};
+    const double turn = glm::dot(glm::cross(corners[0], corners[1]), corners[2]) > 0 ? 1 : -1;
+    for (int k = 0; k < 4; ++k) planes[k] = turn * glm::cross(corners[k], corners[(k + 1) % 4]);
+    planes[4] = face.normal();
+    for (const glm::dvec3& corner : corners) {
+      low = glm::min(low, corner);
+      high = glm::max(high, corner);
+    }
+  }
+  bool meets(const float* lower, const float* upper) const {
+    const glm::dvec3 from = glm::dvec3(lower[0], lower[1], lower[2]) - point,
+                     to = glm::dvec3(upper[0], upper[1], upper[2]) - point;
+    if (glm::any(glm::lessThan(to, low)) || glm::any(glm::lessThan(high, from))) return false;
+    return std::ranges::all_of(planes, [&](const glm::dvec3& n) {
+      return glm::dot(n, glm::dvec3(n.x > 0 ? to.x : from.x, n.y > 0 ? to.y : from.y, n.z > 0 ? to.z : from.z)) >= 0;
+    });
+  }
+};
+
+}  // namespace
+
+void find_between(const Scene& scene, std::span<const CasterPolygon> polygons, const BoxTree& boxes,
+                  const TriangleNumbers& numbers, const Receiver& receiver, const LightFace& face,
+                  std::vector<std::uint32_t>& found) {
+  found.clear();
+  const Pyramid pyramid(glm::dvec3(receiver.point), face);
+  const auto meets = [&](const float* lower, const float* upper) { return pyramid.meets(lower, upper); };
+  boxes.each(meets, [&](std::uint32_t place) {
+    const std::uint32_t number = boxes.order()[place];
+    const CasterPolygon& polygon = polygons[number];
+    const Bounds bounds = polygon.bounds();
+    if (!pyramid.meets(&bounds.min.x, &bounds.max.x)) return false;
+    const std::uint32_t first = numbers.first_of(polygon.mesh);
+    const bool is_own = receiver.is_own(polygon.mesh, polygon.triangles[0] - first) ||
+                        receiver.is_own(polygon.mesh, polygon.triangles[1] - first);
+    if (!is_own && !receiver.is_coplanar(scene, polygon.corners)) found.push_back(number);
+    return false;
+  });
+}
+
+double casters_before(const Scene& scene, const Light& light) {
+  constexpr std::size_t wanted = 32;
+  std::vector<Pyramid> pyramids;
+  const std::size_t each = (wanted + scene.meshes.size() - 1) / std::max<std::size_t>(scene.meshes.size(), 1);
+  const std::size_t step = (scene.meshes.size() + wanted - 1) / wanted;
+  for (std::size_t m = 0; m < scene.meshes.size(); m += std::max<std::size_t>(step, 1)) {
+    const Mesh& mesh = scene.meshes[m];
+    for (std::size_t k = 0; mesh.receives && k < std::min(each, mesh.triangles.size()); ++k) {
+      const Triangle triangle = mesh.corners((2 * k + 1) * mesh.triangles.size() / (2 * std::min(each, mesh.triangles.size())));
+      const glm::dvec3 normal = triangle.normal();
+      if (normal == glm::dvec3(0)) continue;
+      const glm::dvec3 middle =
+          (glm::dvec3(triangle.points[0]) + glm::dvec3(triangle.points[1]) + glm::dvec3(triangle.points[2])) / 3.0;
+      const LightFace face(light, middle, glm::normalize(normal));
+      if (face.is_seen()) pyramids.emplace_back(middle, face);
+    }
+  }
+  std::size_t met = 0;
+  for (const Mesh& mesh : scene.meshes)
+    for (std::size_t t = 0; mesh.casts && t < mesh.triangles.size(); ++t) {
+      Bounds box;
+      box.add(mesh.corners(t).points);
+      for (const Pyramid& pyramid : pyramids) met += pyramid.meets(&box.min.x, &box.max.x);
+    }
+  return pyramids.empty() ? 0 : static_cast<double>(met) / static_cast<double>(pyramids.size());
+}
+
+void Trees::grow(const Lighting& lighting, const BoxTree& boxes, const TriangleNumbers& numbers, const Rules& rules,
+                 std::uint64_t most_tests) {
+  sides_ = find_sides(lighting, rules.epsilon, first_of_);
+  trees_.clear();
+  trees_.resize(sides_.size());
+  const auto triangle_of = [&](const Side& side, Receiver& receiver) {
+    const std::uint32_t mesh = numbers.mesh_of(side.triangle);
+    receiver.mesh = mesh;
+    receiver.triangle = side.triangle - numbers.first_of(mesh);
+    return lighting.scene->meshes[mesh].corners(receiver.triangle);
+  };
+  std::vector<std::vector<std::uint32_t>> found(sides_.size());
+  for_blocks(sides_.size(), 16, [&](std::size_t begin, std::size_t end) {
+    Finder finder(lighting, boxes, rules.epsilon);
+    std::vector<std::uint32_t> some;
+    for (std::size_t i = begin; i < end; ++i) {
+      Receiver receiver;
+      const Triangle triangle = triangle_of(sides_[i], receiver);
+      finder.run(triangle, sides_[i], part_of(triangle, *lighting.body, sides_[i].light_side, rules.epsilon), some);
+      found[i].assign(some.begin(), some.end());
+    }
+  });
+  std::uint64_t all = 1;
+  for (const auto& some : found) all += some.size();
+  std::vector<Work> works(sides_.size());
+  for_blocks(sides_.size(), 1, [&](std::size_t i, std::size_t) {
+    Tree& tree = trees_[i];
+    Work& work = works[i];
+    if (found[i].empty()) {
+      ++work.lit;
+      return;
+    }
+    if (found[i].size() > most_candidates) {
+      ++work.stopped;
+      ++work.penumbra;
+      tree.penumbras.push_back({.first = 0, .count = Penumbra::open, .corner = 0, .corner_count = 0});
+      tree.root = penumbra_cell(0);
+      return;
+    }
+    Receiver receiver;
+    const Triangle triangle = triangle_of(sides_[i], receiver);
+    const glm::dvec3 normal = glm::normalize(triangle.normal()) * static_cast<double>(sides_[i].side);
+    Divider divider(lighting, rules);
+    divider.run(part_of(triangle, *lighting.body, sides_[i].light_side, rules.epsilon), normal, found[i],
+                64 + most_tests / all * found[i].size(), tree, work);
+    tree.nodes.shrink_to_fit();
+    tree.penumbras.shrink_to_fit();
+    tree.polygons.shrink_to_fit();
+    tree.corners.shrink_to_fit();
+  });
+  work_ = {};
+  for (const Work& work : works) work_ += work;
+}
+
+std::uint32_t Trees::find(const Side& side) const {
+  for (std::uint32_t i = first_of_[side.triangle]; i < first_of_[side.triangle + 1]; ++i)
+    if (sides_[i].side == side.side && sides_[i].light_side == side.light_side) return i;
+  return none;
+}
+
+std::size_t Trees::node_count() const {
+  std::size_t sum = 0;
+  for (const Tree& tree : trees_) sum += tree.nodes.size();
+  return sum;
+}
+
+std::size_t Trees::bytes() const {
+  std::size_t sum = bytes_of(sides_, trees_, first_of_);
+  for (const Tree& tree : trees_) sum += tree.bytes();
+  return sum;
+}
+
+}  // namespace gnomon::area_svbsp

@@ -1,0 +1,323 @@
+#include "casters.h"
+
+#include <gnomon/kit/parallel.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace gnomon::soft_volume {
+
+namespace {
+
+constexpr std::size_t leaf_size = 8;
+
+glm::dvec3 mean(const Bounds& b) { return 0.5 * (glm::dvec3(b.min) + glm::dvec3(b.max)); }
+glm::dvec3 half_size(const Bounds& b) { return 0.5 * (glm::dvec3(b.max) - glm::dvec3(b.min)); }
+
+/// Its sign where rounding cannot have made it, else 0. Each of the six products errs by at most four roundings of double,
+/// their sum by two more.
+int sure_sign(const glm::dvec3& u, const glm::dvec3& v, const glm::dvec3& w, double& value) {
+  const double yz = v.y * w.z, zy = v.z * w.y, zx = v.z * w.x, xz = v.x * w.z, xy = v.x * w.y, yx = v.y * w.x;
+  value = u.x * (yz - zy) + u.y * (zx - xz) + u.z * (xy - yx);
+  const double bound = 16 * 0x1p-53 *
+                       (std::abs(u.x) * (std::abs(yz) + std::abs(zy)) + std::abs(u.y) * (std::abs(zx) + std::abs(xz)) +
+                        std::abs(u.z) * (std::abs(xy) + std::abs(yx)));
+  return value > bound ? 1 : value < -bound ? -1 : 0;
+}
+
+}  // namespace
+
+/// Splits in half by count along the longest axis of the edges' middles.
+struct Casters::Builder {
+  Casters& casters;
+  std::vector<CasterEdge> edges;
+
+  Bounds bounds(const CasterEdge& edge) const {
+    Bounds b;
+    b.add(casters.position(edge.low));
+    b.add(casters.position(edge.high));
+    return b;
+  }
+  void build(std::size_t first, std::size_t last) {
+    const std::size_t index = casters.nodes_.size();
+    Bounds box, middles;
+    glm::dvec3 sum(0);
+    for (std::size_t i = first; i < last; ++i) {
+      const Bounds b = bounds(edges[i]);
+      box.add(b);
+      middles.add(glm::vec3(mean(b)));
+      sum += glm::dvec3(casters.planes_[edges[i].first]) + glm::dvec3(casters.planes_[edges[i].second]);
+    }
+    Node node{{box.min.x, box.min.y, box.min.z},
+              {box.max.x, box.max.y, box.max.z},
+              {0, 0, 0},
+              -1,
+              0,
+              0,
+              static_cast<std::uint32_t>(first),
+              0};
+    const double length = glm::length(sum);
+    if (length > 0) {
+      const glm::vec3 axis(sum / length);
+      double cosine = 1;
+      for (std::size_t i = first; i < last; ++i)
+        for (const std::uint32_t t : {edges[i].first, edges[i].second}) {
+          const glm::dvec3 normal(casters.planes_[t]);
+          cosine = std::min(cosine, normal != glm::dvec3(0) ? glm::dot(glm::dvec3(axis), normal) : -1);
+        }
+      // Wider by 1e-5, for what float32 rounds here and in the query.
+      cosine = std::max(cosine - 1e-5, -1.0);
+      for (int k = 0; k < 3; ++k) node.axis[k] = axis[k];
+      node.cosine = static_cast<float>(cosine);
+      node.sine = static_cast<float>(std::sqrt(1 - cosine * cosine));
+    }
+    if (last - first <= leaf_size) node.count = static_cast<std::uint32_t>(last - first);
+    casters.nodes_.push_back(node);
+    if (node.count == 0) {
+      const glm::vec3 size = middles.max - middles.min;
+      const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+      const std::size_t middle = first + (last - first) / 2;
+      const auto key = [&](const CasterEdge& edge) {
+        return static_cast<double>(casters.position(edge.low)[axis]) + static_cast<double>(casters.position(edge.high)[axis]);
+      };
+      const auto before = [&](const CasterEdge& a, const CasterEdge& b) {
+        const double ka = key(a), kb = key(b);
+        if (ka != kb) return ka < kb;
+        return a.low != b.low ? a.low < b.low : a.high < b.high;
+      };
+      const auto at = [&](std::size_t i) { return edges.begin() + static_cast<std::ptrdiff_t>(i); };
+      std::nth_element(at(first), at(middle), at(last), before);
+      build(first, middle);
+      build(middle, last);
+    }
+    casters.nodes_[index].skip = static_cast<std::uint32_t>(casters.nodes_.size());
+  }
+};
+
+Casters::Casters(const Scene& scene) : scene_(&scene), numbers_(scene), adjacency_(scene) {
+  find_planes();
+  add_edges();
+  std::vector<Bounds> boxes;
+  std::vector<std::uint32_t> casting;
+  for (std::uint32_t t = 0; t < planes_.size(); ++t) {
+    if (adjacency_.part_of()[t] == EdgeAdjacency::no_part) continue;
+    casting.push_back(t);
+    boxes.emplace_back().add(adjacency_.corners(t).points);
+  }
+  triangle_tree_ = BoxTree(boxes);
+  for (const std::uint32_t item : triangle_tree_.order()) triangles_.push_back(casting[item]);
+}
+
+void Casters::find_planes() {
+  planes_.resize(adjacency_.triangles().size());
+  for_blocks(planes_.size(), 8192, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
+      const Triangle corners = adjacency_.corners(t);
+      const glm::dvec3 a = corners.points[0], u = glm::dvec3(corners.points[1]) - a, v = glm::dvec3(corners.points[2]) - a;
+      const glm::dvec3 normal = glm::cross(u, v);
+      const double length = glm::length(normal);
+      planes_[t] = glm::dvec4(0);
+      // The normal errs by 2^-51 of what its products add up to, at most of |u| |v|; thinner ones are asked exactly.
+      if (!(length > 0x1p-20 * glm::length(u) * glm::length(v) && length > 0)) continue;
+      planes_[t] = glm::dvec4(normal / length, -glm::dot(normal / length, a));
+    }
+  });
+}
+
+void Casters::add_edges() {
+  Builder builder{*this, {}};
+  const auto mesh_of = [&](std::uint32_t triangle) { return numbers_.mesh_of(triangle); };
+  std::vector<CasterEdge> irregular;
+  sides_.assign(adjacency_.sides().begin(), adjacency_.sides().end());
+  for (const EdgeAdjacency::IrregularEdge& edge : adjacency_.irregular_edges())
+    irregular.push_back({edge.low, edge.high, edge.first_side, edge.side_count});
+  for (const EdgeAdjacency::Edge& edge : adjacency_.edges()) {
+    // Two triangles in one plane that continue each other face alike for every point, and one is left out with the other.
+    if (mesh_of(edge.first) == mesh_of(edge.second)) {
+      const bool continues = glm::dot(glm::dvec3(planes_[edge.first]), glm::dvec3(planes_[edge.second])) > 0.5;
+      if (continues && coplanar(adjacency_.corners(edge.first), adjacency_.corners(edge.second).points)) continue;
+      builder.edges.push_back({edge.low, edge.high, edge.first, edge.second});
+      continue;
+    }
+    irregular.push_back({edge.low, edge.high, static_cast<std::uint32_t>(sides_.size()), 2});
+    sides_.push_back(2 * edge.first + 1);
+    sides_.push_back(2 * edge.second);
+  }
+  nodes_.clear();
+  if (!builder.edges.empty()) builder.build(0, builder.edges.size());
+  edges_ = std::move(builder.edges);
+  regular_count_ = static_cast<std::uint32_t>(edges_.size());
+  std::vector<Bounds> boxes;
+  for (const CasterEdge& edge : irregular) boxes.push_back(builder.bounds(edge));
+  irregular_tree_ = BoxTree(boxes);
+  for (const std::uint32_t item : irregular_tree_.order()) edges_.push_back(irregular[item]);
+  edges_.shrink_to_fit();
+}
+
+Casters::Viewers::Viewers(const Bounds& box) : middle(mean(box)), half(half_size(box)), slack(0x1p-18 * extent(middle)) {}
+
+bool Casters::faces_alike(const Viewers& from, std::uint32_t edge) const {
+  int sides = 0;
+  for (const std::uint32_t t : {edges_[edge].first, edges_[edge].second}) {
+    const glm::dvec4& plane = planes_[t];
+    const double height = glm::dot(glm::dvec3(plane), from.middle) + plane.w,
+                 wide = glm::dot(glm::abs(glm::dvec3(plane)), from.half) + from.slack + 0x1p-20 * std::abs(plane.w);
+    if (!(std::abs(height) > wide)) return false;
+    sides += height > 0 ? 1 : -1;
+  }
+  return sides != 0;
+}
+
+bool Casters::meets(const Beam& beam, std::uint32_t edge) const {
+  const glm::vec3 &a = position(edges_[edge].low), &b = position(edges_[edge].high);
+  const glm::vec3 low = glm::min(a, b), high = glm::max(a, b);
+  return beam.meets(&low.x, &high.x);
+}
+
+std::size_t Casters::find_edges(const Beam& beam, const Bounds& points, std::vector<std::uint32_t>& found) const {
+  found.clear();
+  const Viewers from(points);
+  const double radius = glm::length(from.half);
+  for (std::uint32_t i = 0; i < nodes_.size();) {
+    const Node& node = nodes_[i];
+    if (!beam.meets(node.low, node.high)) {
+      i = node.skip;
+      continue;
+    }
+    // All triangles here face all points alike where the cone of normals, seen from the middle of the box of points, stays on
+    // one side by more than both boxes are wide: n . (p - x) for |p - middle| and |x - center| within their radii.
+    glm::dvec3 way, size;
+    for (int k = 0; k < 3; ++k) {
+      way[k] = from.middle[k] - 0.5 * (static_cast<double>(node.low[k]) + node.high[k]);
+      size[k] = 0.5 * (static_cast<double>(node.high[k]) - node.low[k]);
+    }
+    const double along = way.x * node.axis[0] + way.y * node.axis[1] + way.z * node.axis[2], square = glm::dot(way, way),
+                 across = std::sqrt(std::max(0.0, square - along * along)), reach = radius + glm::length(size);
+    if (std::abs(along) * node.cosine - across * node.sine > reach * 1.0001 + 1e-5 * std::sqrt(square) + from.slack) {
+      i = node.skip;
+      continue;
+    }
+    for (std::uint32_t e = node.first; e < node.first + node.count; ++e)
+      if (!faces_alike(from, e) && meets(beam, e)) found.push_back(e);
+    ++i;
+  }
+  const std::size_t regular = found.size();
+  irregular_tree_.each([&](const float* low, const float* high) { return beam.meets(low, high); },
+                       [&](std::uint32_t place) {
+                         if (meets(beam, regular_count_ + place)) found.push_back(regular_count_ + place);
+                         return false;
+                       });
+  return regular;
+}
+
+std::size_t Casters::narrow_edges(const Beam& beam, const Bounds& points, std::span<const std::uint32_t> wide,
+                                  std::vector<std::uint32_t>& found) const {
+  found.clear();
+  const Viewers from(points);
+  std::size_t regular = 0;
+  for (const std::uint32_t e : wide) {
+    if ((is_regular(e) && faces_alike(from, e)) || !meets(beam, e)) continue;
+    found.push_back(e);
+    regular += is_regular(e);
+  }
+  return regular;
+}
+
+bool Casters::has_triangles(const Beam& beam) const {
+  bool any = false;
+  triangle_tree_.each([&](const float* low, const float* high) { return beam.meets(low, high); },
+                      [&](std::uint32_t place) {
+                        Bounds box;
+                        box.add(adjacency_.corners(triangles_[place]).points);
+                        any = beam.meets(&box.min.x, &box.max.x);
+                        return any;
+                      });
+  return any;
+}
+
+void Casters::find_triangles(const Bounds& box, std::vector<std::uint32_t>& found) const {
+  found.clear();
+  const auto meets = [&](const float* low, const float* high) {
+    for (int k = 0; k < 3; ++k)
+      if (low[k] > box.max[k] || high[k] < box.min[k]) return false;
+    return true;
+  };
+  triangle_tree_.each(meets, [&](std::uint32_t place) {
+    Bounds own;
+    own.add(adjacency_.corners(triangles_[place]).points);
+    if (meets(&own.min.x, &own.max.x)) found.push_back(triangles_[place]);
+    return false;
+  });
+  std::ranges::sort(found);
+}
+
+int Casters::facing(const NumberedReceiver& receiver, std::uint32_t triangle, CoplanarCache& cache) const {
+  const glm::dvec4& plane = planes_[triangle];
+  const double height = glm::dot(glm::dvec3(plane), glm::dvec3(receiver.point)) + plane.w,
+               scale = extent(receiver.point) + std::abs(plane.w);
+  // Rounding may have put a point so far off its own plane: there the rule of receivers and exact signs decide.
+  const bool is_near = !(std::abs(height) > 0x1p-21 * scale);
+  if (!is_near && receiver.own_count <= 1) return height > 0 ? 1 : -1;
+  if (receiver.is_own(triangle)) return 0;
+  if (!is_near) return height > 0 ? 1 : -1;
+  // A plane that double cannot tell from one through the point is seen edge-on: its edges have no sides.
+  const bool has_plane = glm::dvec3(plane) != glm::dvec3(0);
+  if (has_plane && std::abs(height) <= 0x1p-48 * scale) return 0;
+  const Triangle corners = adjacency_.corners(triangle);
+  const auto is_coplanar = [&] { return receiver.is_coplanar(*scene_, corners.points); };
+  if (receiver.has_triangle() && cache.is_coplanar(receiver.first_own, triangle, is_coplanar)) return 0;
+  return orient3d_sign(corners.points[0], corners.points[1], corners.points[2], receiver.point);
+}
+
+int Casters::multiplicity(const NumberedReceiver& receiver, std::uint32_t number, CoplanarCache& cache) const {
+  const CasterEdge& edge = edges_[number];
+  if (is_regular(number)) return facing(receiver, edge.first, cache) - facing(receiver, edge.second, cache);
+  int sum = 0;
+  for (std::uint32_t k = edge.first; k < edge.first + edge.second; ++k) {
+    const int one = facing(receiver, sides_[k] / 2, cache);
+    sum += sides_[k] & 1 ? one : -one;
+  }
+  return sum;
+}
+
+// As in crosses() of kit/exact.h, with the point at the origin. Where a sign is not sure, the answer is not.
+Way Casters::crosses(const NumberedReceiver& receiver, std::uint32_t triangle, const glm::dvec3& to,
+                     CoplanarCache& cache) const {
+  const Triangle corners = adjacency_.corners(triangle);
+  const glm::dvec3 p = receiver.point, u = glm::dvec3(corners.points[0]) - p, v = glm::dvec3(corners.points[1]) - p,
+                   w = glm::dvec3(corners.points[2]) - p;
+  double uv = 0, vw = 0, wu = 0;
+  const int ab = sure_sign(u, v, to, uv), bc = sure_sign(v, w, to, vw);
+  if (ab * bc < 0) return Way::clear;
+  const int ca = sure_sign(w, u, to, wu);
+  if (ab * ca < 0 || bc * ca < 0) return Way::clear;
+  // Of a point over the triangle, which it sees counter-clockwise, det(u, v, w) is negative.
+  const int side = -facing(receiver, triangle, cache);
+  if (side == 0 || side * (ab + bc + ca) < 0) return Way::clear;
+  if (ab + bc + ca == 0) return Way::unsure;
+  // The way is met at det(u, v, w) / (uv + vw + wu) of it; at its end the light begins.
+  double volume;
+  sure_sign(u, v, w, volume);
+  if (std::abs(volume) >= std::abs(uv + vw + wu) * (1 - 0x1p-40)) return Way::clear;
+  return ab * bc * ca == 0 ? Way::unsure : Way::blocked;
+}
+
+Way Casters::way(const NumberedReceiver& receiver, const glm::dvec3& to, CoplanarCache& cache, std::uint32_t& hint) const {
+  if (hint < planes_.size() && crosses(receiver, hint, to, cache) == Way::blocked) return Way::blocked;
+  const SegmentSlabs slabs({receiver.point, glm::dvec4(glm::dvec3(receiver.point) + to, 1)});
+  bool is_unsure = false;
+  const bool is_blocked = triangle_tree_.any(slabs, 0.0, [&](std::uint32_t place) {
+    const Way one = crosses(receiver, triangles_[place], to, cache);
+    is_unsure |= one == Way::unsure;
+    if (one == Way::blocked) hint = triangles_[place];
+    return one == Way::blocked;
+  });
+  return is_blocked ? Way::blocked : is_unsure ? Way::unsure : Way::clear;
+}
+
+std::size_t Casters::bytes() const {
+  return numbers_.bytes() + adjacency_.bytes() + irregular_tree_.bytes() + triangle_tree_.bytes() +
+         bytes_of(planes_, edges_, sides_, nodes_, triangles_);
+}
+
+}  // namespace gnomon::soft_volume

@@ -1,0 +1,95 @@
+#pragma once
+#include <gnomon/kit/add_up.h>
+#include <gnomon/kit/area_rays.h>
+
+#include "edge_filter.h"
+
+namespace gnomon::soft_volume {
+
+/// Work of a resolve.
+struct Tally {
+  std::uint64_t points = 0;  ///< asked
+  std::uint64_t rays = 0;    ///< reference rays
+  std::uint64_t edges = 0;   ///< silhouette edges that pass before the light, over the points
+  std::uint64_t looked = 0;  ///< edges looked at, over the points
+  Tally& operator+=(const Tally& other) {
+    return add_up(*this, other, &Tally::points, &Tally::rays, &Tally::edges, &Tally::looked);
+  }
+};
+
+/// Which places of the light a point asks.
+struct Pattern {
+  std::uint32_t count = 64;
+  std::uint64_t seed = 1;  ///< of the scramble
+};
+
+/// Decides the places of a light for points, a few neighbors at a time. One for each thread.
+class PointQuery {
+ public:
+  /// A plane below which nothing blocks the way from any of the points.
+  struct Above {
+    glm::dvec3 normal;
+    double height, highest;  ///< along the normal: of the lowest and of the highest of the points
+  };
+  /// A light's box, and the triangles that reach into it.
+  struct Lamp {
+    Bounds box;
+    std::vector<std::uint32_t> crossing;
+  };
+  /// Points in a box see a lamp; both outlive the query.
+  void start(const Casters& casters, const Lamp& lamp, const Bounds& points, const std::optional<Above>& above);
+  /// The same for a part of the points of the level above, which was started last; the first level is 0.
+  void narrow(std::size_t level, const Bounds& points, const std::optional<Above>& above);
+  /// Edges that the points of the last level look at.
+  std::size_t edge_count() const { return edge_count_; }
+  /// Makes ready for `share` of the points of the last level.
+  void get_ready(const Bounds& points);
+
+  /// The share of the places above the horizon that is seen; 1 where there is none. `face` must be seen.
+  double share(const NumberedReceiver& receiver, const LightFace& face, const Pattern& pattern, Tally& tally);
+
+  /// Finds all places of the last point, where `share` needed fewer.
+  void find_all_places(const LightFace& face, const Pattern& pattern);
+
+  // Of the last point:
+  std::uint32_t place_count() const { return static_cast<std::uint32_t>(places_.size()); }
+  glm::dvec2 place(const LightFace& face, std::uint32_t k) const {
+    const LightFace::Box& box = face.box();
+    return box.low + glm::dvec2(places_.x[k], places_.y[k]) * (box.high - box.low);
+  }
+  bool is_seen(std::uint32_t k) const { return !is_dark_ && (depths_.empty() || depths_[k] == least_); }
+  std::size_t line_count() const { return depth_ ? depth_->line_count() : 0; }
+
+ private:
+  /// Finds places from number `from` to before `to` of the pattern that are on the light and above the horizon.
+  void find_places(const LightFace& face, const Scramble& scramble, std::uint32_t from, std::uint32_t to);
+  Way way(const NumberedReceiver& receiver, const LightFace& face, std::uint32_t k, Tally& tally);
+  /// By the reference ray: to the first of the least deep places whose way is sure.
+  bool is_blocked(const NumberedReceiver& receiver, const LightFace& face, Tally& tally);
+  void add_edges(const NumberedReceiver& receiver);
+  void add_crossing(const NumberedReceiver& receiver);
+
+  /// What the points of a level may need.
+  struct Level {
+    bool is_empty = true;
+    std::size_t regular_count = 0;
+    std::vector<std::uint32_t> edges;
+  };
+  void find_level(std::size_t level, const Bounds& points, const std::optional<Above>& above);
+
+  const Casters* casters_ = nullptr;
+  const Lamp* lamp_ = nullptr;
+  std::vector<Level> levels_;
+  std::size_t level_ = 0, edge_count_ = 0;
+  std::vector<std::uint32_t> kept_;
+  EdgeFilter filter_;
+  CoplanarCache cache_;
+  std::uint32_t hint_ = 0xffffffffu;
+  std::optional<LightDepth> depth_;
+  Places places_;
+  std::vector<double> depths_;  ///< of the places; empty where all are alike
+  double least_ = 0;
+  bool is_dark_ = false;
+};
+
+}  // namespace gnomon::soft_volume

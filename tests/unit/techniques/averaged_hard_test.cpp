@@ -1,0 +1,278 @@
+// Means of hard shadows: what they are of, where they converge to, and what is refused.
+#include <gnomon/kit/light_points.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "device/context.h"
+#include "measure/conformance/world.h"
+#include "small_world.h"
+
+namespace {
+using namespace gnomon;
+using conformance::generated_scene;
+using conformance::World;
+
+class AveragedHard : public testing::Test {
+ protected:
+  AveragedHard() { process_context(); }
+
+  static std::unique_ptr<Technique> made(const std::string& id, const std::string& settings) {
+    auto technique = registry().technique(id).make();
+    technique->apply(settings);
+    return technique;
+  }
+  static std::vector<float> mask_of(const std::string& id, const std::string& settings, const Scene& scene, const Light& light,
+                                    const GBuffer& g) {
+    const auto technique = made(id, settings);
+    technique->setup();
+    technique->build(scene);
+    technique->relight(light);
+    VisibilityMask mask(g.width, g.height);
+    technique->resolve(g, mask);
+    return {mask.read().begin(), mask.read().end()};
+  }
+  static std::string refusal(const std::string& settings) {
+    try {
+      made("averaged_hard", settings);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  }
+};
+
+Light lamp(const glm::vec3& center, float half) {
+  return {.name = "lamp", .kind = RectLight{center, {half, 0, 0}, {0, 0, half}}};
+}
+
+/// Half of the soups stand in the way of the light: casters touch it and cross it.
+Scene soup(int seed) {
+  std::mt19937 random(static_cast<unsigned>(seed));
+  Scene scene;
+  scene.meshes.push_back(small_world::ground(4));
+  scene.meshes.push_back(small_world::random_soup(random, 12, 2, 0.2f, seed % 2 ? 2.0f : 4.5f, 0.8f));
+  scene.views = {{.name = "view", .eye = {3, 5, 6}, .target = {0, 0.3f, 0}}};
+  return scene;
+}
+
+// All points of a light of no size are the point: n equal masks of zeros and ones have that mask as their mean, exactly.
+TEST_F(AveragedHard, a_light_that_shrinks_to_a_point_gives_the_hard_mask_of_its_technique) {
+  for (int seed = 1; seed <= 6; ++seed) {
+    const World world(soup(seed), Truth::mesh);
+    const GBuffer g = world.gbuffer(world.scene.views[0], 64, 48);
+    const glm::vec3 center(0.3f, 4, -0.2f);
+    const Light point{.name = "point", .kind = PointLight{center}};
+    for (const char* of : {"svbsp", "embree_rays", "stencil_volume", "shadow_map", "exact_rays"}) {
+      const std::vector<float> hard = mask_of(of, "", world.scene, point, g);
+      for (const LightKind& kind :
+           {LightKind(RectLight{center, {1e-20f, 0, 0}, {0, 0, 1e-20f}}), LightKind(DiscLight{center, {0.2f, -1, 0}, 1e-20f}),
+            LightKind(SphereLight{center, 1e-20f})})
+        EXPECT_EQ(mask_of("averaged_hard", fmt::format("of={},samples=7", of), world.scene, {.name = "dot", .kind = kind}, g),
+                  hard)
+            << of << " seed " << seed;
+    }
+  }
+}
+
+// With rays and sixteen sets of places it asks what area_rays asks: the same places for every fourth pixel. Rays to an area
+// start a quarter as high, and where the light is cut by the horizon area_rays puts all of its places above it.
+TEST_F(AveragedHard, of_rays_it_is_area_rays_with_the_same_places) {
+  const World world(generated_scene("box_city:count=12"), Truth::mesh);
+  const GBuffer g = world.gbuffer(world.scene.views[0], 96, 64);
+  const Light light = lamp({-2, 9, 3}, 1.5f);
+  const std::string settings = "samples=16,pattern=interleaved,seed=3";
+  const std::vector<float> rays = mask_of("area_rays", settings, world.scene, light, g);
+  const std::vector<float> averaged = mask_of("averaged_hard", "of=embree_rays," + settings, world.scene, light, g);
+  int asked = 0, in_penumbra = 0, different = 0;
+  for (std::size_t i = 0; i < g.size(); ++i) {
+    if (!faces_light(world.scene, g, light, i)) {
+      EXPECT_EQ(averaged[i], 1);
+      continue;
+    }
+    const LightFace face(light, g.position(i), g.normal(i));
+    if (!(face.horizon().x > std::abs(face.horizon().y) + std::abs(face.horizon().z))) continue;
+    ++asked;
+    in_penumbra += rays[i] > 0 && rays[i] < 1;
+    different += std::abs(rays[i] - averaged[i]) > 1e-6;
+    EXPECT_LE(std::abs(rays[i] - averaged[i]), 1.0 / 16 + 1e-6) << i;
+  }
+  EXPECT_GT(in_penumbra, 100);
+  EXPECT_LE(different, asked / 500);
+}
+
+// A wall through the middle of a lamp sees its half; of the half that it sees nothing is hidden. A screen covers the left half
+// of what the ground sees.
+TEST_F(AveragedHard, points_below_the_horizon_count_neither_as_lit_nor_as_dark) {
+  Scene scene;
+  scene.meshes.push_back(small_world::make_mesh({{0, -3, -3}, {0, 3, -3}, {0, 3, 3}, {0, -3, 3}}, {{0, 1, 2}, {0, 2, 3}}));
+  scene.views = {{.name = "view", .eye = {5, 0, 0}, .target = {0, 0, 0}}};
+  const World world(scene, Truth::mesh);
+  const GBuffer g = world.gbuffer(scene.views[0], 24, 24);
+  for (const char* of : {"svbsp", "embree_rays"})
+    for (const float mask : mask_of("averaged_hard", fmt::format("of={},samples=32", of), scene, lamp({0, 4, 0}, 1), g))
+      EXPECT_EQ(mask, 1) << of;
+}
+
+/// Root mean square of the error over seeds and pixels in penumbra, against exact shares.
+double error_of(const World& world, const GBuffer& g, const Light& light, const std::vector<float>& truth,
+                const std::string& settings) {
+  double squares = 0;
+  int count = 0;
+  const auto technique = registry().technique("averaged_hard").make();
+  technique->apply(settings);
+  technique->setup();
+  technique->build(world.scene);
+  for (int seed = 1; seed <= 12; ++seed) {
+    technique->parameter("seed").set(std::to_string(seed));
+    technique->relight(light);
+    VisibilityMask mask(g.width, g.height);
+    technique->resolve(g, mask);
+    for (std::size_t i = 0; i < g.size(); ++i) {
+      if (!(truth[i] > 0.02 && truth[i] < 0.98)) continue;
+      squares += std::pow(mask.read()[i] - truth[i], 2);
+      ++count;
+    }
+  }
+  return std::sqrt(squares / count);
+}
+
+// Of n independent places the error falls as n^-0.5. Of n cells the edge of a shadow across the light cuts some n^0.5, and each
+// of these is decided by one place: n^0.25 / n = n^-0.75. From 8 to 512 places: the factor of 64 gives 1/8 and 1/23.
+TEST_F(AveragedHard, the_error_falls_with_the_exponent_of_the_pattern) {
+  const World world(generated_scene("box_city:count=12"), Truth::mesh);
+  const GBuffer g = world.gbuffer(world.scene.views[0], 48, 32);
+  for (const Light& light : {lamp({-2, 9, 3}, 1.5f), Light{.name = "globe", .kind = SphereLight{{-2, 9, 3}, 1.5f}}}) {
+    const std::vector<float> truth = mask_of("exact_area", "", world.scene, light, g);
+    for (const auto& [pattern, exponent] :
+         std::map<std::string, double>{{"random", -0.5}, {"stratified", -0.75}, {"low_discrepancy", -0.75}}) {
+      const auto error = [&](int n) {
+        return error_of(world, g, light, truth, fmt::format("of=svbsp,samples={},pattern={}", n, pattern));
+      };
+      const double few = error(8), many = error(512), found = std::log(many / few) / std::log(64.0);
+      RecordProperty(fmt::format("{}_{}", light.name, pattern), fmt::format("{:.2f}", found));
+      EXPECT_NEAR(found, exponent, 0.12) << light.name << ' ' << pattern << ": " << few << " to " << many;
+    }
+  }
+}
+
+// Whatever the registry has for lights without area, of plugins too. What may hold too much is asked for its bytes before
+// resolve.
+TEST_F(AveragedHard, every_hard_technique_can_be_averaged) {
+  const World world(generated_scene("sphere_over_plane:segments=12"), Truth::mesh);
+  const GBuffer g = world.gbuffer(world.scene.views[0], 32, 24);
+  const Light light = lamp({-2, 5, 2}, 0.5f);
+  const auto names = made("averaged_hard", "");
+  const std::vector<std::string> all = names->parameter("of").probes();
+  EXPECT_GE(all.size(), 18u);
+  std::vector<std::string> unsupported;
+  for (const std::string& of : all) {
+    const auto technique = made("averaged_hard", fmt::format("of={},samples=3", of));
+    if (!technique->supports(world.scene, light, world.scene.views[0])) {
+      unsupported.push_back(of);
+      continue;
+    }
+    technique->setup();
+    technique->build(world.scene);
+    technique->relight(light);
+    VisibilityMask mask(g.width, g.height);
+    technique->resolve(g, mask);
+    for (const float value : mask.read()) EXPECT_TRUE(value >= 0 && value <= 1) << of;
+  }
+  EXPECT_LE(unsupported.size(), 2u) << joined(unsupported);
+}
+
+/// Half of everything is lit; every object has a build of its own.
+class Half final : public Technique {
+ public:
+  Number<int> lit{this, "lit", 1, {"", 0, 1}, Stage::resolve, "Whether everything is lit."};
+  static inline int builds = 0;
+  Support supports(const Scene&, const Light& light, const View&) const override {
+    return hard_lights_only(light, "it knows no penumbra");
+  }
+  void setup() override { is_set_up_ = true; }
+  void build(const Scene&) override {
+    if (is_set_up_) ++builds;
+    is_built_ = is_set_up_;
+  }
+  void relight(const Light&) override { is_lit_ = is_built_; }
+  void resolve(const GBuffer&, VisibilityMask& mask) override {
+    std::ranges::fill(mask.pixels(), is_lit_ && lit ? 1.0f : 0.0f);
+  }
+  Counts counts() const override { return {{"bytes", 100 << 20, "byte"}}; }
+
+ private:
+  bool is_set_up_ = false, is_built_ = false, is_lit_ = false;
+};
+
+TEST_F(AveragedHard, a_technique_that_shares_nothing_has_a_build_for_every_point) {
+  if (std::ranges::find(registry().techniques(), "half", &TechniqueEntry::id) == registry().techniques().end())
+    registry().add(TechniqueEntry{.id = "half", .about = {}, .make = [] { return gnomon::made<Technique, Half>("half"); }});
+  const World world(generated_scene("sphere_over_plane:segments=12"), Truth::mesh);
+  const GBuffer g = world.gbuffer(world.scene.views[0], 32, 24);
+  const Light light = lamp({-2, 5, 2}, 0.5f);
+  const auto technique = made("averaged_hard", "of=half,samples=3");
+  technique->setup();
+  Half::builds = 0;
+  technique->build(world.scene);
+  EXPECT_EQ(Half::builds, 3);
+  technique->relight(light);
+  VisibilityMask mask(g.width, g.height);
+  const auto is_all = [&](float value) { return std::ranges::all_of(mask.read(), [&](float v) { return v == value; }); };
+  technique->resolve(g, mask);
+  EXPECT_TRUE(is_all(1));
+  EXPECT_EQ(technique->for_another_light(), nullptr);
+  technique->apply("samples=5");  // two more, brought up to the scene
+  technique->relight(light);
+  technique->resolve(g, mask);
+  EXPECT_EQ(Half::builds, 5);
+  EXPECT_TRUE(is_all(1));
+  EXPECT_EQ(small_world::value(technique->counts(), "light_points"), 5);
+  technique->apply("of.lit=0");
+  technique->resolve(g, mask);
+  EXPECT_FALSE(is_all(1)) << "a parameter of the hard technique is seen from the stage on that it spoils";
+  technique->apply("samples=50");
+  try {
+    technique->relight(light);
+    ADD_FAILURE() << "50 objects of 100 MiB are more than 4096 MiB";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(),
+                 "averaged_hard.memory = 4096 MiB is not enough for 50 objects of half: 41 of them hold 4100 MiB");
+  }
+}
+
+TEST_F(AveragedHard, what_cannot_be_averaged_is_refused_with_what_can) {
+  EXPECT_NE(refusal("of=area_rays").find("; area_rays is for lights with area only"), std::string::npos)
+      << refusal("of=area_rays");
+  EXPECT_NE(refusal("of=averaged_hard").find("; it does not average itself"), std::string::npos);
+  const std::string unknown = refusal("of=stencl_volume");
+  EXPECT_EQ(unknown.find("averaged_hard.of = stencl_volume is outside "), 0u) << unknown;
+  EXPECT_NE(unknown.find("; did you mean stencil_volume?"), std::string::npos) << unknown;
+  for (const char* soft : {"area_rays", "center_ray", "exact_area", "percentage_closer_soft", "backprojected_map", "path_rays",
+                           "radiosity", "registered_planar"})
+    EXPECT_NE(refusal(fmt::format("of={}", soft)), "") << soft;
+  EXPECT_EQ(refusal("samples=1000000"), "averaged_hard.samples = 1000000 is outside 1 .. 4096 point");
+  EXPECT_EQ(refusal("of=stencil_volume,of.count=zpas"), "averaged_hard.of.count = zpas is outside zpass | zfail | zpass_plus");
+  EXPECT_EQ(refusal("of=stencil_volume,samples=64,of.count=zpass"), "");
+  EXPECT_NE(refusal("of.cuont=zpass").find("averaged_hard has no parameter of.cuont; did you mean "), std::string::npos);
+}
+
+TEST_F(AveragedHard, what_the_hard_technique_does_not_support_is_not_supported) {
+  const World world(generated_scene("sphere_over_plane:segments=12"), Truth::mesh);
+  const View& view = world.scene.views[0];
+  const Light point{.name = "point", .kind = PointLight{{0, 4, 0}}};
+  EXPECT_EQ(made("averaged_hard", "of=embree_rays")->supports(world.scene, point, view).why(),
+            "the light has no area: its shadows are hard, see embree_rays");
+  const Support images =
+      made("averaged_hard", "of=cascaded_map,of.placement=stable")->supports(world.scene, lamp({0, 4, 0}, 1), view);
+  EXPECT_EQ(images.kind(), Support::Kind::unsupported);
+  EXPECT_EQ(images.why().find("cascaded_map from points of the light: "), 0u) << images.why();
+  // A lamp through the ball: the analytic composite knows no light inside of a shape.
+  const Support inside =
+      made("averaged_hard", "of=composite_planar,samples=64")->supports(world.scene, lamp({0, 1, 0}, 3), view);
+  EXPECT_EQ(inside.kind(), Support::Kind::unsupported);
+  EXPECT_NE(inside.why().find(" of 64 points: "), std::string::npos) << inside.why();
+}
+
+}  // namespace
