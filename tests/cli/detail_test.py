@@ -1,5 +1,5 @@
 #!/usr/bin/python3 -IB
-"""render --detail: lit and shadowed polygons as Wavefront OBJ, read back and reckoned up."""
+"""render --detail: lit, half lit and shadowed polygons as Wavefront OBJ, read back and reckoned up."""
 
 import json
 import re
@@ -13,6 +13,7 @@ from program import FAULTS, SMALL, ProgramTest  # noqa: E402
 SIZE = SMALL[-2:]
 FLOOR = [(-4, 0, -4), (-4, 0, 4), (4, 0, 4), (4, 0, -4)]
 ROOF = [(-0.5, 2, -0.5), (0.25, 2, 0.5), (0.75, 2, -0.25)]
+PANEL = 'kind = "rect"\ncenter = [0.25, 5, 0]\nhalf_u = [0.15, 0, 0]\nhalf_v = [0, 0, 0.15]\n'
 LIGHTS = {"lamp": 'kind = "point"\nposition = [0.5, 5, 0.25]\n', "sun": 'kind = "directional"\ndirection = [0, -1, 0]\n'}
 
 
@@ -54,7 +55,7 @@ def read_obj(file):
             objects[name] = {}
         elif word == "usemtl":
             material = rest
-            assert material in ("lit", "shadowed") and material not in objects[name], line
+            assert material in ("lit", "penumbra", "shadowed") and material not in objects[name], line
             objects[name][material] = []
         elif word == "v":
             vertices.append(tuple(map(float, rest.split(" "))))
@@ -79,22 +80,24 @@ class Detail(ProgramTest):
         self.write("roof.obj", write_obj(ROOF))
         self.write("deaf.obj", write_obj([(x, y - 1, z) for x, y, z in FLOOR]))
         meshes = ['[[mesh]]\nfile = "floor.obj"\n', '[[mesh]]\nfile = "roof.obj"\n', '[[mesh]]\nfile = "deaf.obj"\nreceives = false\n']
-        lights = [f'[[light]]\nname = "{name}"\n{kind}' for name, kind in LIGHTS.items()]
         view = '[[view]]\nname = "v"\neye = [0, 6, 9]\ntarget = [0, 0, 0]\n'
-        self.write("roof.toml", "".join([*meshes, *lights, view]))
+        for name, all_lights in (("roof", LIGHTS), ("soft_roof", {"panel": PANEL})):
+            lights = [f'[[light]]\nname = "{light}"\n{kind}' for light, kind in all_lights.items()]
+            self.write(f"{name}.toml", "".join([*meshes, *lights, view]))
 
-    def techniques(self):
-        """Ids of all that make surface detail under a point light: those that are built in, and the plugin's, which cuts triangles in two."""
-        ids = [entry["id"] for entry in json.loads(self.succeed("--plugin", FAULTS, "list", "--json"))]
-        return [i for i in ids if i != "area_svbsp"  # for lights with area
-                and json.loads(self.succeed("--plugin", FAULTS, "describe", i, "--json"))["surface_detail"]]
+    def techniques(self, scene):
+        """Ids of all that make surface detail under the lights of a scene: those that are built in, and the plugin's, which cuts triangles in two."""
+        self.write("any.toml", f"""[[group]]\nscenes = ["{scene}"]\ntechniques = ["*"]\n""")
+        rows = self.succeed("--plugin", FAULTS, "run", "any.toml", "--dry-run")
+        ids = sorted(set(re.findall(r"(?m)^[0-9a-f]{16}  .* (\w+)$", rows)))
+        return [i for i in ids if json.loads(self.succeed("--plugin", FAULTS, "describe", i, "--json"))["surface_detail"]]
 
     def render(self, technique, scene, file, *more):
         return self.succeed("--plugin", FAULTS, "render", "--scene", scene, "--technique", technique, *SIZE, "--out", "out",
                             "--detail", file, *more)
 
     def test_areas_under_a_roof_are_those_on_paper(self):
-        techniques = self.techniques()
+        techniques = self.techniques("roof.toml")
         self.assertIn("spoils_detail", techniques)
         for technique in techniques:
             with self.subTest(technique):
@@ -132,10 +135,29 @@ class Detail(ProgramTest):
         lit = sum(map(area, parts.get("lit", [])))
         return lit + sum(map(area, parts.get("shadowed", []))), lit
 
+    def test_penumbra_and_umbra_under_a_roof_are_those_on_paper(self):
+        techniques = [i for i in self.techniques("soft_roof.toml") if i != "spoils_detail"]
+        self.assertGreater(len(techniques), 0)
+        for technique in techniques:
+            with self.subTest(technique):
+                self.render(technique, "soft_roof.toml", f"{technique}.obj")
+                objects, _, comments = read_obj(self.dir / f"{technique}.obj")
+                floor, roof = objects.values()
+                self.assertTrue(any("penumbra, " in c for c in comments), comments)
+                self.assertAlmostEqual(sum(map(area, roof["lit"])), area(ROOF), 8)
+                self.assertAlmostEqual(self.reckon(floor, FLOOR)[0] + sum(map(area, floor["penumbra"])), 64, 7)
+                # From points p of the panel the roof R throws the shadows 5/3 R - 2/3 p: where any of them is, that triangle is wider by a
+                # square of half side h; where all of them are, it is smaller by the same square and of the same shape.
+                h, big = 2 / 3 * 0.15, (5 / 3) ** 2 * area(ROOF)
+                wide = 5 / 3 * sum(max(c[k] for c in ROOF) - min(c[k] for c in ROOF) for k in (0, 2))
+                umbra, penumbra = (sum(map(area, floor[kind])) for kind in ("shadowed", "penumbra"))
+                self.assertAlmostEqual(umbra + penumbra, big + 2 * h * wide + 4 * h * h, 4)
+                self.assertAlmostEqual(umbra, big * (1 - h * wide / big) ** 2, 4)
+
     def test_techniques_agree_about_a_soup(self):
         lit = {}
-        for technique in self.techniques():
-            if technique == "spoils_detail":
+        for technique in self.techniques("soup:count=60"):
+            if technique == "spoils_detail" or technique in self.techniques("soft_roof.toml"):
                 continue
             self.render(technique, "soup:count=60", "soup.obj", "--light", "point")
             objects, _, _ = read_obj(self.dir / "soup.obj")
