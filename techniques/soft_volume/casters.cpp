@@ -1,6 +1,7 @@
 #include "casters.h"
 
 #include <gnomon/kit/parallel.h>
+#include <gnomon/kit/sure_sign.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,17 +14,6 @@ constexpr std::size_t leaf_size = 8;
 
 glm::dvec3 mean(const Bounds& b) { return 0.5 * (glm::dvec3(b.min) + glm::dvec3(b.max)); }
 glm::dvec3 half_size(const Bounds& b) { return 0.5 * (glm::dvec3(b.max) - glm::dvec3(b.min)); }
-
-/// Its sign where rounding cannot have made it, else 0. Each of the six products errs by at most four roundings of double,
-/// their sum by two more.
-int sure_sign(const glm::dvec3& u, const glm::dvec3& v, const glm::dvec3& w, double& value) {
-  const double yz = v.y * w.z, zy = v.z * w.y, zx = v.z * w.x, xz = v.x * w.z, xy = v.x * w.y, yx = v.y * w.x;
-  value = u.x * (yz - zy) + u.y * (zx - xz) + u.z * (xy - yx);
-  const double bound = 16 * 0x1p-53 *
-                       (std::abs(u.x) * (std::abs(yz) + std::abs(zy)) + std::abs(u.y) * (std::abs(zx) + std::abs(xz)) +
-                        std::abs(u.z) * (std::abs(xy) + std::abs(yx)));
-  return value > bound ? 1 : value < -bound ? -1 : 0;
-}
 
 }  // namespace
 

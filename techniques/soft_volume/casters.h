@@ -1,9 +1,8 @@
 #pragma once
+#include <gnomon/kit/beam.h>
 #include <gnomon/kit/box_tree.h>
 #include <gnomon/kit/edges.h>
 #include <gnomon/kit/receiver.h>
-
-#include "beam.h"
 
 namespace gnomon::soft_volume {
 

@@ -1,9 +1,9 @@
-#include "beam.h"
+#include <gnomon/kit/beam.h>
 
 #include <algorithm>
 #include <cmath>
 
-namespace gnomon::soft_volume {
+namespace gnomon {
 
 Beam::Beam(const Bounds& from, const Bounds& to) {
   for (int k = 0; k < 3; ++k) {
@@ -31,4 +31,4 @@ Beam::Beam(const Bounds& from, const Bounds& to) {
   }
 }
 
-}  // namespace gnomon::soft_volume
+}  // namespace gnomon

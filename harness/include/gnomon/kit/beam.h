@@ -3,7 +3,7 @@
 
 #include <array>
 
-namespace gnomon::soft_volume {
+namespace gnomon {
 
 /// All ways from one box to another: their convex hull. Its faces are those of the box around both, and planes through an edge
 /// of one box and a parallel edge of the other, which are lines in the picture along a coordinate axis.
@@ -44,4 +44,4 @@ class Beam {
   double height_ = -1;
 };
 
-}  // namespace gnomon::soft_volume
+}  // namespace gnomon

@@ -1,0 +1,246 @@
+// Penumbra wedges: the hard shadow of a light's center, and from every edge of the outline that the center sees, what it adds
+// to that shadow or takes from it in the wedge of points that see the edge before the light.
+//
+// Published is a rasterizer's two passes, one for the hard shadow and one for wedges, which meet in a visibility buffer. Here
+// both are asked at every visible point, so that the sum is of one outline in closed form, with nothing lost to pixels.
+#include <gnomon/kit/lines.h>
+#include <gnomon/kit/point_technique.h>
+#include <gnomon/kit/scratch_pool.h>
+#include <gnomon/registry.h>
+
+#include <algorithm>
+
+#include "penumbra_wedge/point_query.h"
+
+namespace {
+using namespace gnomon;
+using namespace gnomon::penumbra_wedge;
+
+constexpr OwnCause causes[] = {
+    {"overlapping_penumbrae",
+     "Penumbrae of several outlines add up although they hide the same part of the light.",
+     {180, 92, 160}},
+    {"one_outline", "The outline that the light's center sees stands for that of every place of the light.", {128, 176, 255}},
+};
+
+constexpr About about{
+    .title = "Penumbra wedges",
+    .summary =
+        "The hard shadow of the light's center, to which every silhouette edge adds or from which it takes its part of the "
+        "light "
+        "in the wedge of points that see it before the light.",
+    .source = "Assarsson and Akenine-Moeller 2003 (penumbra wedges); Bergeron 1986 (open meshes)",
+    .error =
+        "One convex polygon: rounding of double, the part of each edge is closed form for rectangles and round lights alike. "
+        "Casters whose outlines overlap before the light hide their common part as often as there are outlines: too dark, by "
+        "up "
+        "to that part. A body hides what the outline that the light's center sees of it hides: wrong by the part that other "
+        "places of the light see of it beside that. It estimates the share of the light's area, and sees triangles.",
+    .fails =
+        "Leaves, soups and fences under large lights, whose penumbrae overlap; bodies close to a large light; a caster across "
+        "the light's plane and close to its center, of which the center sees another side than most of the light.",
+    .causes = causes};
+
+class PenumbraWedge final : public Technique {
+ public:
+  Support supports(const Scene&, const Light& light, const View&) const override {
+    if (!has_area(light)) return Support::unsupported("the light has no area: its shadows are hard, see stencil_volume");
+    return Support::approximate("the outline from the light's center stands for all of it, and penumbrae add up");
+  }
+  void setup() override {}
+  void build(const Scene& scene) override { *built_ = Casters(scene); }
+  void relight(const Light& light) override;
+  void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
+  Counts counts() const override;
+  std::optional<Explanation> explain(std::size_t index) const override;
+  std::unique_ptr<Technique> for_another_light() const override { return another(*this, &PenumbraWedge::built_); }
+  std::vector<DebugLayer> debug_layers() const override {
+    return {heat_debug_layer("wedges", "Penumbra wedges that hold each point"), silhouette_layer()};
+  }
+  std::vector<float> draw_debug(std::string_view layer) const override;
+
+ private:
+  bool is_asked(const GBuffer& gbuffer, std::size_t i) const {
+    return !gbuffer.is_background(i) && built_->scene().meshes[gbuffer.mesh[i]].receives;
+  }
+  NumberedReceiver receiver(const GBuffer& gbuffer, std::size_t i) const {
+    return built_->numbers().numbered(receiver_at(built_->scene(), gbuffer, i));
+  }
+  /// Pixels that are near to each other.
+  struct Group {
+    Bounds box;
+    std::optional<PointQuery::Above> above;
+  };
+  static Group group_of(const GBuffer& gbuffer, std::span<const std::uint32_t> pixels);
+  /// Decides a group of pixels: in halves while many wedges hold some of them. The pixels of the level above come first.
+  void decide(const GBuffer& gbuffer, std::span<std::uint32_t> pixels, std::size_t level, PointQuery& query,
+              std::span<float> mask, Tally& tally) const;
+  /// Asks for one pixel by itself: use(query, face).
+  template <class Use>
+  void ask(std::size_t index, const Use& use) const;
+
+  Shared<Casters> built_;
+  Light light_;
+  Outline outline_;
+  const GBuffer* gbuffer_ = nullptr;
+  std::vector<float> answer_;
+  Tally tally_;
+  mutable ScratchPool<PointQuery> pool_;
+};
+
+void PenumbraWedge::relight(const Light& light) {
+  light_ = light;
+  outline_.hull = hull_of(light);
+  built_->adjacency().find_silhouette(homogeneous_of_center(light), outline_.silhouette);
+  outline_.wedges.make(built_->adjacency(), outline_.silhouette, outline_.hull, built_->extent());
+  built_->find_triangles(outline_.silhouette, outline_.hull.box, outline_.crossing);
+}
+
+PenumbraWedge::Group PenumbraWedge::group_of(const GBuffer& gbuffer, std::span<const std::uint32_t> pixels) {
+  Group group;
+  bool is_flat = true;
+  const glm::dvec3 normal = gbuffer.normal(pixels[0]);
+  double height = INFINITY;
+  for (const std::uint32_t i : pixels) {
+    const glm::vec3 p = gbuffer.position(i);
+    group.box.add(p);
+    is_flat &= glm::dvec3(gbuffer.normal(i)) == normal;
+    height = std::min(height, glm::dot(normal, glm::dvec3(p)));
+  }
+  // Only places above the horizon count, which rise from each point along this normal.
+  if (is_flat) group.above = {normal, height};
+  return group;
+}
+
+void PenumbraWedge::decide(const GBuffer& gbuffer, std::span<std::uint32_t> pixels, std::size_t level, PointQuery& query,
+                           std::span<float> mask, Tally& tally) const {
+  constexpr std::size_t few_wedges = 16, few_pixels = 4;
+  const Group group = group_of(gbuffer, pixels);
+  if (level == 0)
+    query.start(*built_, outline_, group.box, group.above);
+  else
+    query.narrow(level, group.box);
+  if (query.wedge_count() > few_wedges && pixels.size() > few_pixels) {
+    // In half along the longest axis.
+    const glm::vec3 size = group.box.max - group.box.min;
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const auto before = [&](std::uint32_t a, std::uint32_t b) {
+      const float at_a = gbuffer.position(a)[axis], at_b = gbuffer.position(b)[axis];
+      return at_a != at_b ? at_a < at_b : a < b;
+    };
+    const std::size_t half = pixels.size() / 2;
+    std::nth_element(pixels.begin(), pixels.begin() + static_cast<std::ptrdiff_t>(half), pixels.end(), before);
+    decide(gbuffer, pixels.first(half), level + 1, query, mask, tally);
+    decide(gbuffer, pixels.subspan(half), level + 1, query, mask, tally);
+    return;
+  }
+  for (const std::uint32_t i : pixels) {
+    const LightFace face(light_, gbuffer.position(i), gbuffer.normal(i));
+    if (face.is_seen()) mask[i] = static_cast<float>(query.share(receiver(gbuffer, i), face, tally));
+  }
+}
+
+void PenumbraWedge::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
+  gbuffer_ = &gbuffer;
+  const std::span<float> out = mask.pixels();
+  constexpr int side = 16;
+  const std::size_t columns = (gbuffer.width + side - 1) / side, rows = (gbuffer.height + side - 1) / side;
+  std::vector<Tally> tallies(columns * rows);
+  for_blocks(columns * rows, 1, [&](std::size_t begin, std::size_t end) {
+    const auto query = pool_.borrow();
+    std::vector<std::uint32_t> pixels;
+    for (std::size_t tile = begin; tile < end; ++tile) {
+      const int left = static_cast<int>(tile % columns) * side, top = static_cast<int>(tile / columns) * side;
+      pixels.clear();
+      for (int y = top; y < std::min(top + side, gbuffer.height); ++y)
+        for (int x = left; x < std::min(left + side, gbuffer.width); ++x) {
+          const std::size_t i = static_cast<std::size_t>(y) * gbuffer.width + x;
+          out[i] = 1;
+          if (is_asked(gbuffer, i)) pixels.push_back(static_cast<std::uint32_t>(i));
+        }
+      // Pixels of one mesh are near to each other.
+      std::ranges::stable_sort(pixels, {}, [&](std::uint32_t i) { return gbuffer.mesh[i]; });
+      for (auto first = pixels.begin(); first != pixels.end();) {
+        const auto last =
+            std::find_if(first, pixels.end(), [&](std::uint32_t i) { return gbuffer.mesh[i] != gbuffer.mesh[*first]; });
+        decide(gbuffer, {first, last}, 0, *query, out, tallies[tile]);
+        first = last;
+      }
+    }
+  });
+  tally_ = {};
+  for (const Tally& tally : tallies) tally_ += tally;
+  answer_.assign(out.begin(), out.end());
+}
+
+Counts PenumbraWedge::counts() const {
+  return {count_of("silhouette_edges", outline_.silhouette.edges.size()),
+          count_of("crossing_triangles", outline_.crossing.size()),
+          count_of("points", tally_.points),
+          count_of("rays", tally_.rays),
+          count_of("wedge_tests", tally_.tests),
+          count_of("contributions", tally_.contributions),
+          mean_of("contributions_per_point", tally_.contributions, tally_.points),
+          {"bytes",
+           built_.own(static_cast<double>(built_->bytes())) +
+               static_cast<double>(outline_.silhouette.bytes() + outline_.wedges.bytes() +
+                                   bytes_of(outline_.crossing, outline_.hull.corners, answer_)),
+           "byte"}};
+}
+
+template <class Use>
+void PenumbraWedge::ask(std::size_t index, const Use& use) const {
+  const GBuffer& gbuffer = *gbuffer_;
+  if (!is_asked(gbuffer, index)) return;
+  const LightFace face(light_, gbuffer.position(index), gbuffer.normal(index));
+  if (!face.is_seen()) return;
+  const auto query = pool_.borrow();
+  const auto pixel = static_cast<std::uint32_t>(index);
+  const Group group = group_of(gbuffer, {&pixel, 1});
+  query->start(*built_, outline_, group.box, group.above);
+  Tally tally;
+  query->share(receiver(gbuffer, index), face, tally);
+  use(*query, face);
+}
+
+// Where no place has more than one layer, adding up is not what is wrong, and there is only the outline left.
+std::optional<Explanation> PenumbraWedge::explain(std::size_t index) const {
+  Explanation why;
+  ask(index, [&](PointQuery& query, const LightFace& face) {
+    constexpr int side = 16;
+    int seen = 0, asked = 0, layers = 0;
+    for (int k = 0; k < side * side; ++k) {
+      const glm::dvec2 square((k % side + 0.5) / side, (k / side + 0.5) / side);
+      const glm::dvec2 place = face.box().low + square * (face.box().high - face.box().low);
+      if (!face.holds(place)) continue;
+      ++asked;
+      const int there = query.layers_at(place);
+      seen += there <= 0;
+      layers += there;
+    }
+    if (asked == 0) return;
+    const double united = static_cast<double>(seen) / asked,
+                 summed = std::clamp(1 - static_cast<double>(layers) / asked, 0.0, 1.0);
+    why.cause = causes[std::abs(united - summed) > 1.0 / 128 ? 0 : 1].id;
+  });
+  return why;
+}
+
+std::vector<float> PenumbraWedge::draw_debug(std::string_view layer) const {
+  if (layer == "silhouette") {
+    std::vector<float> picture = shaded_layer(built_->scene(), *gbuffer_, light_, answer_);
+    draw_lines(silhouette_lines(built_->adjacency(), outline_.silhouette), *gbuffer_, picture);
+    return picture;
+  }
+  if (layer != "wedges") return Technique::draw_debug(layer);
+  std::vector<float> values(gbuffer_->size(), 0);
+  for_blocks(values.size(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      ask(i, [&](const PointQuery& query, const LightFace&) { values[i] = static_cast<float>(query.holding_count()); });
+  });
+  return heat_layer(*gbuffer_, values);
+}
+
+}  // namespace
+
+GNOMON_TECHNIQUE(penumbra_wedge, PenumbraWedge, about)
