@@ -119,7 +119,7 @@ double Coverage::mean() const {
     part.clip(region.lines[1]);
     sum += region.layers * part.area();
   }
-  return sum / area_;
+  return area_ > 0 ? sum / area_ : 0;
 }
 
 int Coverage::at(const glm::dvec2& place) const {
