@@ -27,8 +27,8 @@ constexpr About about{
     .source = "Laine, Aila, Assarsson, Lehtinen and Akenine-Moeller 2005; Bergeron 1986 (open meshes).",
     .error =
         "That of as many shadow rays to the same places, see area_rays: noise, which falls with the number n of places as "
-        "about "
-        "n^-0.75. Each place is what exact signs say of the float32 points, but within double's rounding of an edge, or where "
+        "n^-0.5 where they are random and as about n^-0.75 where they are spread evenly. Each place is what exact signs say of "
+        "the float32 points, but within double's rounding of an edge, or where "
         "a "
         "point is within 2^-48 of its coordinates of another caster's plane and counts as in it. It estimates the share of "
         "the light's area, and sees triangles: against exact spheres, cones and discs it errs by the tessellation.",
@@ -42,10 +42,10 @@ class SoftVolume final : public Technique {
   Choice pattern{this,
                  "pattern",
                  "low_discrepancy",
-                 {"low_discrepancy", "interleaved"},
+                 pattern_names(),
                  Stage::resolve,
-                 "Where they are, as in area_rays: a sequence that fills the light evenly; the same sequence, scrambled alike "
-                 "for every fourth pixel along x and y."};
+                 "Where they are, as in area_rays: anywhere; one in each of as many cells; a sequence that fills the light "
+                 "evenly; the same sequence, scrambled alike for every fourth pixel along x and y."};
   Number<int> seed{this, "seed", 1, {"", 0, 1000000}, Stage::resolve, "Other random numbers."};
 
   Support supports(const Scene&, const Light& light, const View&) const override {
@@ -75,8 +75,8 @@ class SoftVolume final : public Technique {
     return built_->numbers().numbered(receiver_at(built_->scene(), gbuffer, i));
   }
   Pattern pattern_of(const GBuffer& gbuffer, std::size_t i) const {
-    const std::size_t x = i % gbuffer.width, y = i / gbuffer.width, own = pattern.is("interleaved") ? y % 4 * 4 + x % 4 : i;
-    return {static_cast<std::uint32_t>(samples.value()), (static_cast<std::uint64_t>(seed.value()) << 32) + own};
+    const std::size_t x = i % gbuffer.width, y = i / gbuffer.width;
+    return {pattern.value(), samples, places_seed(seed, pattern.is("interleaved") ? interleaved_set(x, y) : i)};
   }
   /// Pixels that are near to each other.
   struct Group {

@@ -60,11 +60,12 @@ double PointQuery::share(const NumberedReceiver& receiver, const LightFace& face
   add_crossing(receiver);
   tally.edges += depth_->line_count();
 
-  const Scramble scramble(pattern.seed);
+  PatternPlaces places(pattern.name, pattern.count, pattern.seed);
+  const auto count = static_cast<std::uint32_t>(pattern.count);
   if (depth_->is_flat()) {
-    for (std::uint32_t from = 0; from < pattern.count; from += 16) {
+    for (std::uint32_t from = 0; from < count; from += 16) {
       const std::uint32_t known = place_count();
-      find_places(face, scramble, from, std::min(from + 16, pattern.count));
+      find_places(face, places, from, std::min(from + 16, count));
       for (std::uint32_t k = known; k < place_count(); ++k)
         if (const Way one = way(receiver, face, k, tally); one != Way::unsure) {
           is_dark_ = one == Way::blocked;
@@ -74,7 +75,7 @@ double PointQuery::share(const NumberedReceiver& receiver, const LightFace& face
     is_dark_ = place_count() > 0;
     return is_dark_ ? 0 : 1;
   }
-  find_places(face, scramble, 0, pattern.count);
+  find_places(face, places, 0, count);
   if (place_count() == 0) return 1;
   depth_->find(places_, depths_);
   least_ = *std::ranges::min_element(depths_);
@@ -83,9 +84,9 @@ double PointQuery::share(const NumberedReceiver& receiver, const LightFace& face
   return static_cast<double>(std::ranges::count(depths_, least_)) / place_count();
 }
 
-void PointQuery::find_places(const LightFace& face, const Scramble& scramble, std::uint32_t from, std::uint32_t to) {
+void PointQuery::find_places(const LightFace& face, PatternPlaces& places, std::uint32_t from, std::uint32_t to) {
   for (std::uint32_t first = from; first < to; first += 16) {
-    const Squares squares = places_on(face, scramble.of_first(first / 16));
+    const Squares squares = places_on(face, places.next(first / 16));
     for (std::uint32_t k = 0; k < std::min(to - first, 16u); ++k) {
       const glm::dvec2 square(squares.x[k], squares.y[k]);
       if (!face.holds(face.box().low + square * (face.box().high - face.box().low))) continue;
@@ -99,7 +100,8 @@ void PointQuery::find_all_places(const LightFace& face, const Pattern& pattern) 
   if (!depths_.empty()) return;
   places_.x.clear();
   places_.y.clear();
-  find_places(face, Scramble(pattern.seed), 0, pattern.count);
+  PatternPlaces places(pattern.name, pattern.count, pattern.seed);
+  find_places(face, places, 0, static_cast<std::uint32_t>(pattern.count));
 }
 
 Way PointQuery::way(const NumberedReceiver& receiver, const LightFace& face, std::uint32_t k, Tally& tally) {

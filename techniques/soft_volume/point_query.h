@@ -1,6 +1,6 @@
 #pragma once
 #include <gnomon/kit/add_up.h>
-#include <gnomon/kit/area_rays.h>
+#include <gnomon/kit/light_points.h>
 
 #include "edge_filter.h"
 
@@ -17,10 +17,11 @@ struct Tally {
   }
 };
 
-/// Which places of the light a point asks.
+/// Which places of the light a point asks, see PatternPlaces.
 struct Pattern {
-  std::uint32_t count = 64;
-  std::uint64_t seed = 1;  ///< of the scramble
+  std::string_view name;
+  int count = 64;
+  std::uint64_t seed = 1;
 };
 
 /// Decides the places of a light for points, a few neighbors at a time. One for each thread.
@@ -61,8 +62,8 @@ class PointQuery {
   std::size_t line_count() const { return depth_ ? depth_->line_count() : 0; }
 
  private:
-  /// Finds places from number `from` to before `to` of the pattern that are on the light and above the horizon.
-  void find_places(const LightFace& face, const Scramble& scramble, std::uint32_t from, std::uint32_t to);
+  /// Finds places from number `from` to before `to` that are on the light and above the horizon; all before `from` were found.
+  void find_places(const LightFace& face, PatternPlaces& places, std::uint32_t from, std::uint32_t to);
   Way way(const NumberedReceiver& receiver, const LightFace& face, std::uint32_t k, Tally& tally);
   /// By the reference ray: to the first of the least deep places whose way is sure.
   bool is_blocked(const NumberedReceiver& receiver, const LightFace& face, Tally& tally);

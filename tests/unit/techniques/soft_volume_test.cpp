@@ -9,6 +9,7 @@
 
 #include "exact_way.h"
 #include "hard_scenes.h"
+#include "measure/conformance/world.h"
 #include "techniques/questions.h"
 
 extern "C" void gnomon_technique_soft_volume(gnomon::Registry&);
@@ -176,6 +177,35 @@ TEST(SoftVolume, at_most_one_place_in_100000_differs_from_a_ray_to_it_and_is_rig
   EXPECT_GT(penumbrae, 4'000u);
   EXPECT_LE(differ, places / 100'000);
   EXPECT_EQ(wrong, 0u);
+}
+
+// In every pattern the places are those of the rays: masks differ by no more than one place in 100,000.
+TEST(SoftVolume, masks_are_those_of_area_rays_in_every_pattern) {
+  for (const char* reference : {"box_city:count=12", "sphere_over_plane:segments=24"}) {
+    const conformance::World world(conformance::generated_scene(reference), Truth::mesh);
+    const GBuffer g = world.gbuffer(world.scene.views[0], 160, 90);
+    const Light lights[] = {rect({-2, 9, 3}, {1.5f, 0, 0.2f}, {0, 0.3f, 1.5f}), disc({2, 6, 3}, {0, -1, 0.2f}, 1),
+                            sphere({-2, 7, 1}, 1)};
+    for (const char* pattern : {"random", "stratified", "low_discrepancy", "interleaved"}) {
+      double places = 0, differ = 0;
+      std::size_t penumbrae = 0;
+      for (const Light& light : lights) {
+        const std::string settings = fmt::format("samples=50,seed=7,pattern={}", pattern);
+        const auto volume = small_world::run(gnomon_technique_soft_volume, settings, world.scene, light, g),
+                   rays = small_world::run(gnomon_technique_area_rays, settings, world.scene, light, g);
+        for (std::size_t i = 0; i < g.size(); ++i) {
+          if (!faces_light(world.scene, g, light, i)) continue;
+          places += 50;
+          differ += 50 * std::abs(volume.mask[i] - rays.mask[i]);
+          penumbrae += rays.mask[i] > 0 && rays.mask[i] < 1;
+        }
+      }
+      RecordProperty(fmt::format("{}_{}", world.scene.name, pattern), fmt::format("{:.1f} of {}", differ, places));
+      EXPECT_GT(places, 500'000) << reference;
+      EXPECT_GT(penumbrae, 500u) << reference;
+      EXPECT_LE(differ, 0.5 + places / 100'000) << reference << ' ' << pattern;
+    }
+  }
 }
 
 // Points are rounded by some 1e-7 m, triangles are 1e-3 m wide: their own edges pass at every distance of the point, whose own
