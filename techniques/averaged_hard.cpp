@@ -2,12 +2,14 @@
 #include <gnomon/kit/bytes.h>
 #include <gnomon/kit/inner_technique.h>
 #include <gnomon/kit/kept_masks.h>
+#include <gnomon/kit/layers.h>
 #include <gnomon/kit/light_objects.h>
 #include <gnomon/kit/light_points.h>
 #include <gnomon/kit/parallel.h>
 #include <gnomon/kit/shared.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace {
 using namespace gnomon;
@@ -64,6 +66,14 @@ class AveragedHard final : public Technique {
   Counts counts() const override;
   std::unique_ptr<Technique> for_another_light() const override;
   std::optional<Explanation> explain(std::size_t index) const override;
+  std::vector<DebugLayer> debug_layers() const override {
+    return {{"hard", "The scene with the hard shadows of the first point of the light."},
+            {"edges",
+             "Points of the light whose hard shadows have an edge beside a pixel: none where the picture is left gray, else "
+             "colors as in the legend. Bands of gray between them are what too few points leave of a penumbra.",
+             heat_legend()}};
+  }
+  std::vector<float> draw_debug(std::string_view layer) const override;
 
  private:
   struct Made {
@@ -82,6 +92,11 @@ class AveragedHard final : public Technique {
   /// Resolves every object: use(number of the point, its mask).
   template <class Use>
   void each_mask(const Use& use) const;
+  void keep_masks() const {
+    if (kept_.empty()) each_mask([&](std::size_t, std::span<const float> seen) { kept_.add(seen); });
+  }
+  /// Points of the light whose masks tell a pixel from the one right of it or below it.
+  float edge_count(std::size_t pixel) const;
 
   Shared<Made> made_;
   mutable std::optional<LightObjects> guests_;
@@ -235,7 +250,7 @@ std::optional<Explanation> AveragedHard::explain(std::size_t index) const {
   Explanation why;
   const GBuffer& g = *gbuffer_;
   if (!faces_light(*made_->scene, g, light_, index)) return why;
-  if (kept_.empty()) each_mask([&](std::size_t, std::span<const float> seen) { kept_.add(seen); });
+  keep_masks();
   const PointWeights weights(light_, g.position(index), g.normal(index));
   const std::size_t in_set = points_.size() / static_cast<std::size_t>(sets_), first = set_of(index) * in_set;
   double sum = 0;
@@ -247,6 +262,35 @@ std::optional<Explanation> AveragedHard::explain(std::size_t index) const {
   }
   for (LightSample& sample : why.samples) sample.weight /= sum;
   return why;
+}
+
+float AveragedHard::edge_count(std::size_t pixel) const {
+  const GBuffer& g = *gbuffer_;
+  const std::size_t width = static_cast<std::size_t>(g.width), right = pixel + 1, below = pixel + width;
+  const auto is_asked = [&](std::size_t i) { return faces_light(*made_->scene, g, light_, i); };
+  const auto is_beside = [&](std::size_t i) { return is_asked(i) && g.mesh[i] == g.mesh[pixel]; };
+  if (!is_asked(pixel)) return 0;
+  const bool has_right = right % width != 0 && is_beside(right), has_below = below < g.size() && is_beside(below);
+  const std::size_t in_set = points_.size() / static_cast<std::size_t>(sets_), first = set_of(pixel) * in_set;
+  float count = 0;
+  for (std::size_t k = first; k < first + in_set; ++k) {
+    const auto differs = [&](std::size_t i) { return std::abs(kept_.at(k, i) - kept_.at(k, pixel)) > 0.5; };
+    count += (has_right && differs(right)) || (has_below && differs(below)) ? 1.0f : 0.0f;
+  }
+  return count;
+}
+
+std::vector<float> AveragedHard::draw_debug(std::string_view layer) const {
+  const GBuffer& g = *gbuffer_;
+  if (layer == "hard") {
+    objects()[0].resolve(g, *mask_);
+    return shaded_layer(*made_->scene, g, points_[0], mask_->read());
+  }
+  if (layer != "edges") return Technique::draw_debug(layer);
+  keep_masks();
+  std::vector<float> values(g.size());
+  for (std::size_t i = 0; i < g.size(); ++i) values[i] = edge_count(i);
+  return heat_layer(g, values);
 }
 
 }  // namespace

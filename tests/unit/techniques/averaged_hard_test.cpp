@@ -1,4 +1,5 @@
 // Means of hard shadows: what they are of, where they converge to, and what is refused.
+#include <gnomon/kit/layers.h>
 #include <gnomon/kit/light_points.h>
 #include <gtest/gtest.h>
 
@@ -6,6 +7,7 @@
 #include <map>
 
 #include "device/context.h"
+#include "hand_made.h"
 #include "measure/conformance/world.h"
 #include "small_world.h"
 
@@ -181,6 +183,40 @@ TEST_F(AveragedHard, every_hard_technique_can_be_averaged) {
     for (const float value : mask.read()) EXPECT_TRUE(value >= 0 && value <= 1) << of;
   }
   EXPECT_LE(unsupported.size(), 2u) << joined(unsupported);
+}
+
+// The lamp is as high over the plate as the plate over the ground: the edge at x = 0 throws the shadow of a point at x to -x,
+// so that eight points between -1 and 1 leave eight edges between two of the 400 pixels that lie 0.0055 m apart along x.
+TEST_F(AveragedHard, layers_show_the_first_hard_shadow_and_an_edge_for_each_point) {
+  Scene scene;
+  scene.meshes = {small_world::ground(4),
+                  small_world::make_mesh({{-3, 1, -3}, {-3, 1, 3}, {0, 1, 3}, {0, 1, -3}}, {{0, 1, 2}, {0, 2, 3}})};
+  const Light light = lamp({0, 2, 0}, 1);
+  hand_made::Picture picture(400, 1);
+  for (std::size_t i = 0; i < 400; ++i) picture.set(i, {(static_cast<float>(i) - 200) * 0.0055f, 0, 0.3f}, {0, 1, 0}, 0, 0);
+  const GBuffer& g = picture.gbuffer;
+  const auto technique = made("averaged_hard", "of=exact_rays,samples=8");
+  technique->setup();
+  technique->build(scene);
+  technique->relight(light);
+  VisibilityMask mask(g.width, g.height);
+  technique->resolve(g, mask);
+
+  const std::vector<float> gray = heat_layer(g, std::vector<float>(g.size(), 0)), edges = technique->draw_debug("edges");
+  const std::vector<Swatch> legend = heat_legend();
+  int count = 0;
+  for (std::size_t i = 0; i < g.size(); ++i) {
+    if (edges[3 * i] == gray[3 * i] && edges[3 * i + 2] == gray[3 * i + 2]) continue;
+    for (std::size_t k = 0; k < legend.size(); ++k)
+      if (std::abs(edges[3 * i] - legend[k].color.x) < 1e-6 && std::abs(edges[3 * i + 2] - legend[k].color.z) < 1e-6)
+        count += static_cast<int>(k) + 1;
+  }
+  EXPECT_EQ(count, 8);
+
+  const glm::vec3 first = light_points(light, "low_discrepancy", 8, places_seed(1, 0))[0];
+  const Light point{.name = "lamp", .kind = PointLight{first}};
+  EXPECT_EQ(technique->draw_debug("hard"), shaded_layer(scene, g, point, mask_of("exact_rays", "", scene, point, g)));
+  EXPECT_THROW(technique->draw_debug("map"), Error);
 }
 
 /// Half of everything is lit; every object has a build of its own.
