@@ -2,6 +2,7 @@
 // up.
 #include <gnomon/kit/bytes.h>
 #include <gnomon/kit/kept_masks.h>
+#include <gnomon/kit/layers.h>
 #include <gnomon/kit/light_points.h>
 #include <gnomon/kit/shared.h>
 #include <gnomon/registry.h>
@@ -71,6 +72,8 @@ class RegisteredPlanar final : public Technique {
   Counts counts() const override;
   std::optional<Explanation> explain(std::size_t index) const override;
   std::unique_ptr<Technique> for_another_light() const override { return another(*this, &RegisteredPlanar::painter_); }
+  std::vector<DebugLayer> debug_layers() const override;
+  std::vector<float> draw_debug(std::string_view layer) const override;
 
  private:
   Shared<SheetPainter> painter_;
@@ -155,6 +158,37 @@ std::optional<Explanation> RegisteredPlanar::explain(std::size_t index) const {
   }
   for (LightSample& sample : why.samples) sample.weight /= sum;
   return why;
+}
+
+/// Of texels in turn, where all of the light is seen; where nothing is, this much is left of both.
+const Swatch lit_texels[] = {{"lit, even texels", {0.85, 0.80, 0.62}}, {"lit, odd texels", {0.55, 0.62, 0.72}}};
+constexpr double umbra_brightness = 0.06;
+
+std::vector<DebugLayer> RegisteredPlanar::debug_layers() const {
+  std::vector<Swatch> legend(std::begin(lit_texels), std::end(lit_texels));
+  for (const Swatch& lit : lit_texels) legend.push_back({"umbra" + lit.name.substr(3), umbra_brightness * lit.color});
+  return {{"texture",
+           "The share of the light that each texel of the receiver planes' textures holds, unfiltered: the darker, the less. "
+           "Dim where no texture is looked up.",
+           legend}};
+}
+
+std::vector<float> RegisteredPlanar::draw_debug(std::string_view layer) const {
+  if (layer != "texture") return Technique::draw_debug(layer);
+  const StateGuard guard;
+  const GBuffer& g = *gbuffer_;
+  VisibilityMask mask(g.width, g.height);
+  painter_->look_up(lit_, sums_, g, mask, true);
+  const std::span<const float> texels = mask.read();
+  std::vector<float> picture = heat_layer(g, std::vector<float>(g.size(), 0));
+  for (std::size_t i = 0; i < g.size(); ++i) {
+    if (texels[i] < 2) continue;
+    const bool is_odd = texels[i] >= 4;
+    const double share = texels[i] - (is_odd ? 4 : 2);
+    const glm::dvec3 color = glm::mix(umbra_brightness, 1.0, share) * lit_texels[is_odd].color;
+    for (int c = 0; c < 3; ++c) picture[3 * i + c] = static_cast<float>(color[c]);
+  }
+  return picture;
 }
 
 }  // namespace

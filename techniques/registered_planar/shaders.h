@@ -40,8 +40,10 @@ struct PlaneData {
   glm::uvec4 sheets;
 };
 
-inline constexpr std::string_view look_up_constants = "vec4 front; vec4 round;";
-/// `front` is the plane of a one-sided light, else 0; `round` a sphere's center and radius, else a radius below 0.
+inline constexpr std::string_view look_up_constants = "vec4 front; vec4 round; float shows_texels;";
+/// `front` is the plane of a one-sided light, else 0; `round` a sphere's center and radius, else a radius below 0. Where
+/// `shows_texels` is not 0, a pixel on a sheet has the share of its nearest texel, and 2 more, or 4, in turn as on a
+/// chessboard.
 inline const std::string look_up_fragment =
     std::string(gnomon::gbuffer_snippet) + std::string(gnomon::plane_lookup_snippet) + R"(
 struct Plane { vec4 plane; uvec4 sheets; };
@@ -67,12 +69,14 @@ void main() {
   vec2 at = vec2(dot(s.to_x.xyz, off), dot(s.to_y.xyz, off)) - 0.5;
   ivec2 low = ivec2(floor(at));
   vec2 part = at - vec2(low);
+  if (shows_texels != 0) part = step(vec2(0.5), part);
   ivec4 box = clamp(ivec4(low, low + 1), ivec4(0), last.xyxy);
   vec2 a = mix(texelFetch(sums, ivec3(box.xy, sheet), 0).xy, texelFetch(sums, ivec3(box.zy, sheet), 0).xy, part.x);
   vec2 b = mix(texelFetch(sums, ivec3(box.xw, sheet), 0).xy, texelFetch(sums, ivec3(box.zw, sheet), 0).xy, part.x);
   vec2 sum = mix(a, b, part.y);
   float all = s.corner.w > 0 ? s.corner.w : sum.y;
   visibility = all > 0 ? clamp(1 - sum.x / all, 0, 1) : 1;
+  if (shows_texels != 0) visibility += ((low.x + low.y + int(part.x + part.y)) & 1) == 0 ? 2 : 4;
 }
 )";
 

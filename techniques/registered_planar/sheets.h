@@ -38,7 +38,9 @@ class SheetPainter {
   LitSheets sheets_for(const Light& light, std::span<const glm::vec3> points, int resolution) const;
   /// These two leave state for a StateGuard.
   void draw_sums(const LitSheets& lit, std::span<const glm::vec3> points, Sums& sums) const;
-  void look_up(const LitSheets& lit, const Sums& sums, const GBuffer& gbuffer, VisibilityMask& mask) const;
+  /// With texels shown, pixels on a sheet are 2 and more, see the shader.
+  void look_up(const LitSheets& lit, const Sums& sums, const GBuffer& gbuffer, VisibilityMask& mask,
+               bool shows_texels = false) const;
 
   const Scene& scene() const { return *scene_; }
   const PlaneLookup& lookup() const { return lookup_; }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "device/context.h"
+#include "hand_made.h"
 #include "measure/conformance/gl_state.h"
 #include "small_world.h"
 
@@ -117,6 +118,36 @@ TEST_F(RegisteredPlanar, a_light_that_shrinks_to_a_point_is_its_hard_shadow_but_
     wrong += std::abs(mask[i] - (small_world::caster_distance(scene, point, g.position(i)) < INFINITY ? 0 : 1)) > 0.5;
   }
   EXPECT_LE(wrong, asked / 200);
+}
+
+// A texture of 16 texels over 6 m, one of them around: its texels are 6 m / 14 wide. The plate covers x < 0 of the ground under
+// a light of no size: seven texels of each row are dark.
+TEST_F(RegisteredPlanar, the_layer_shows_texels_in_turn_and_what_they_hold) {
+  Scene scene;
+  scene.meshes = {small_world::ground(3),
+                  small_world::make_mesh({{-3, 0.5f, -3}, {-3, 0.5f, 3}, {0, 0.5f, 3}, {0, 0.5f, -3}}, {{0, 1, 2}, {0, 2, 3}})};
+  scene.meshes[1].receives = false;
+  constexpr float texel = 6.0f / 14;
+  hand_made::Picture picture(14 * 4 + 1, 1);
+  for (std::size_t i = 0; i < 14 * 4; ++i)
+    picture.set(i, {-3 + (static_cast<float>(i) + 0.5f) / 4 * texel, 0, 0.5f * texel}, {0, 1, 0}, 0, 0);
+  picture.set(14 * 4, {-1, 0.5f, 0}, {0, 1, 0}, 1, 0);
+  const auto run =
+      small_world::run(gnomon_technique_registered_planar, "samples=4,resolution=16", scene,
+                       {.name = "dot", .kind = RectLight{{0, 4, 0}, {1e-6f, 0, 0}, {0, 0, 1e-6f}}}, picture.gbuffer);
+  const std::vector<float> shown = run.technique->draw_debug("texture");
+  const std::vector<Swatch> legend = run.technique->debug_layers()[0].legend;
+  const auto swatch_of = [&](std::size_t i) {
+    for (std::size_t k = 0; k < legend.size(); ++k)
+      if (glm::distance(glm::vec3(shown[3 * i], shown[3 * i + 1], shown[3 * i + 2]), glm::vec3(legend[k].color)) < 1e-5f)
+        return static_cast<int>(k);
+    return -1;
+  };
+  const int first = swatch_of(0);
+  EXPECT_TRUE(first == 2 || first == 3) << first;
+  for (std::size_t i = 0; i < 14 * 4; ++i) EXPECT_EQ(swatch_of(i), (first + i / 4) % 2 + (i / 4 < 7 ? 2 : 0)) << i;
+  EXPECT_EQ(swatch_of(14 * 4), -1) << "no texture is looked up there";
+  EXPECT_THROW(run.technique->draw_debug("map"), std::exception);
 }
 
 TEST_F(RegisteredPlanar, what_it_cannot_do_is_refused_with_numbers) {
