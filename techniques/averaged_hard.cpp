@@ -29,6 +29,9 @@ constexpr About about{
 
 constexpr double MiB = 1 << 20;
 
+/// Objects of all points: four times as many as samples may be, so that pattern interleaved has up to 256.
+constexpr int most_objects = 4096;
+
 std::string cannot_be_averaged(const TechniqueEntry& entry) {
   if (entry.id == "averaged_hard") return "it does not average itself";
   return has_no_hard_shadow(entry);
@@ -44,7 +47,7 @@ class AveragedHard final : public Technique {
                     Stage::setup,
                     "The hard technique, one of those that know lights without area; its own parameters follow, as of.NAME.",
                     cannot_be_averaged};
-  Number<int> samples{this, "samples", 16, {"point", 1, 4096, true}, Stage::relight, "Points of the light that a pixel asks."};
+  Number<int> samples{this, "samples", 16, {"point", 1, 1024, true}, Stage::relight, "Points of the light that a pixel asks."};
   Choice pattern{this,
                  "pattern",
                  "low_discrepancy",
@@ -83,6 +86,7 @@ class AveragedHard final : public Technique {
   };
 
   int set_count() const { return pattern.is("interleaved") ? 16 : 1; }
+  int object_count() const { return samples * set_count(); }
   /// Of set after set.
   std::vector<glm::vec3> points_of(const Light& light) const;
   /// As many objects as there are points, with the present settings; what is new and whole is brought up to a stage.
@@ -123,6 +127,10 @@ std::vector<glm::vec3> AveragedHard::points_of(const Light& light) const {
 Support AveragedHard::supports(const Scene& scene, const Light& light, const View& view) const {
   if (!has_area(light))
     return Support::unsupported(fmt::format("the light has no area: its shadows are hard, see {}", of.text()));
+  if (object_count() > most_objects)
+    return Support::unsupported(fmt::format("pattern {} of {} points needs {} objects of {}; at most {}: {} points",
+                                            pattern.text(), samples.value(), object_count(), of.text(), most_objects,
+                                            most_objects / set_count()));
   const std::vector<glm::vec3> points = points_of(light);
   std::size_t refused = 0, approximate = 0;
   std::string why_refused, why_approximate;
@@ -151,7 +159,7 @@ LightObjects& AveragedHard::objects_for(Stage stage) {
   LightObjects& all = objects();
   all.set(settings);
   const std::size_t before = all.count();
-  if (all.hold(static_cast<std::size_t>(samples) * static_cast<std::size_t>(set_count())))
+  if (all.hold(static_cast<std::size_t>(object_count())))
     for (std::size_t k = before; k < all.count(); ++k) {
       if (stage > Stage::setup) all[k].setup();
       if (stage > Stage::build) all[k].build(*made_->scene);

@@ -288,7 +288,7 @@ TEST_F(AveragedHard, what_cannot_be_averaged_is_refused_with_what_can) {
   for (const char* soft : {"area_rays", "center_ray", "exact_area", "percentage_closer_soft", "backprojected_map", "path_rays",
                            "radiosity", "registered_planar"})
     EXPECT_NE(refusal(fmt::format("of={}", soft)), "") << soft;
-  EXPECT_EQ(refusal("samples=1000000"), "averaged_hard.samples = 1000000 is outside 1 .. 4096 point");
+  EXPECT_EQ(refusal("samples=1000000"), "averaged_hard.samples = 1000000 is outside 1 .. 1024 point");
   EXPECT_EQ(refusal("of=stencil_volume,of.count=zpas"), "averaged_hard.of.count = zpas is outside zpass | zfail | zpass_plus");
   EXPECT_EQ(refusal("of=stencil_volume,samples=64,of.count=zpass"), "");
   EXPECT_NE(refusal("of.cuont=zpass").find("averaged_hard has no parameter of.cuont; did you mean "), std::string::npos);
@@ -304,6 +304,9 @@ TEST_F(AveragedHard, what_the_hard_technique_does_not_support_is_not_supported) 
       made("averaged_hard", "of=cascaded_map,of.placement=stable")->supports(world.scene, lamp({0, 4, 0}, 1), view);
   EXPECT_EQ(images.kind(), Support::Kind::unsupported);
   EXPECT_EQ(images.why().find("cascaded_map from points of the light: "), 0u) << images.why();
+  EXPECT_TRUE(made("averaged_hard", "pattern=interleaved,samples=256")->supports(world.scene, lamp({0, 4, 0}, 1), view));
+  EXPECT_EQ(made("averaged_hard", "pattern=interleaved,samples=257")->supports(world.scene, lamp({0, 4, 0}, 1), view).why(),
+            "pattern interleaved of 257 points needs 4112 objects of svbsp; at most 4096: 256 points");
   // A lamp through the ball: the analytic composite knows no light inside of a shape.
   const Support inside =
       made("averaged_hard", "of=composite_planar,samples=64")->supports(world.scene, lamp({0, 1, 0}, 3), view);
