@@ -78,12 +78,6 @@ class SoftVolume final : public Technique {
     const std::size_t x = i % gbuffer.width, y = i / gbuffer.width;
     return {pattern.value(), samples, places_seed(seed, pattern.is("interleaved") ? interleaved_set(x, y) : i)};
   }
-  /// Pixels that are near to each other.
-  struct Group {
-    Bounds box;
-    std::optional<PointQuery::Above> above;
-  };
-  static Group group_of(const GBuffer& gbuffer, std::span<const std::uint32_t> pixels);
   /// Decides a group of pixels: in halves while they look at many edges. The pixels of the level above come first.
   void decide(const GBuffer& gbuffer, std::span<std::uint32_t> pixels, std::size_t level, PointQuery& query,
               std::span<float> mask, Tally& tally) const;
@@ -128,43 +122,18 @@ void SoftVolume::relight(const Light& light) {
   built_->find_triangles(lamp_.box, lamp_.crossing);
 }
 
-SoftVolume::Group SoftVolume::group_of(const GBuffer& gbuffer, std::span<const std::uint32_t> pixels) {
-  Group group;
-  bool is_flat = true;
-  const glm::dvec3 normal = gbuffer.normal(pixels[0]);
-  double height = INFINITY, highest = -INFINITY;
-  for (const std::uint32_t i : pixels) {
-    const glm::vec3 p = gbuffer.position(i);
-    group.box.add(p);
-    is_flat &= glm::dvec3(gbuffer.normal(i)) == normal;
-    height = std::min(height, glm::dot(normal, glm::dvec3(p)));
-    highest = std::max(highest, glm::dot(normal, glm::dvec3(p)));
-  }
-  // Only places above the horizon count, which rise from each point along this normal.
-  if (is_flat) group.above = {normal, height, highest};
-  return group;
-}
-
 void SoftVolume::decide(const GBuffer& gbuffer, std::span<std::uint32_t> pixels, std::size_t level, PointQuery& query,
                         std::span<float> mask, Tally& tally) const {
   constexpr std::size_t few_edges = 64, few_pixels = 4;
-  const Group group = group_of(gbuffer, pixels);
+  const PixelGroup group = group_of(gbuffer, pixels);
   if (level == 0)
-    query.start(*built_, lamp_, group.box, group.above);
+    query.start(*built_, lamp_, group);
   else
-    query.narrow(level, group.box, group.above);
+    query.narrow(level, group);
   if (query.edge_count() > few_edges && pixels.size() > few_pixels) {
-    // In half along the longest axis.
-    const glm::vec3 size = group.box.max - group.box.min;
-    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-    const auto before = [&](std::uint32_t a, std::uint32_t b) {
-      const float at_a = gbuffer.position(a)[axis], at_b = gbuffer.position(b)[axis];
-      return at_a != at_b ? at_a < at_b : a < b;
-    };
-    const std::size_t half = pixels.size() / 2;
-    std::nth_element(pixels.begin(), pixels.begin() + static_cast<std::ptrdiff_t>(half), pixels.end(), before);
-    decide(gbuffer, pixels.first(half), level + 1, query, mask, tally);
-    decide(gbuffer, pixels.subspan(half), level + 1, query, mask, tally);
+    const auto [some, others] = halve(gbuffer, group.box, pixels);
+    decide(gbuffer, some, level + 1, query, mask, tally);
+    decide(gbuffer, others, level + 1, query, mask, tally);
     return;
   }
   query.get_ready(group.box);
@@ -177,31 +146,13 @@ void SoftVolume::decide(const GBuffer& gbuffer, std::span<std::uint32_t> pixels,
 void SoftVolume::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   gbuffer_ = &gbuffer;
   const std::span<float> out = mask.pixels();
-  constexpr int side = 16;
-  const std::size_t columns = (gbuffer.width + side - 1) / side, rows = (gbuffer.height + side - 1) / side;
-  std::vector<Tally> tallies(columns * rows);
-  for_blocks(columns * rows, 1, [&](std::size_t begin, std::size_t end) {
-    const auto query = pool_.borrow();
-    std::vector<std::uint32_t> pixels;
-    for (std::size_t tile = begin; tile < end; ++tile) {
-      const int left = static_cast<int>(tile % columns) * side, top = static_cast<int>(tile / columns) * side;
-      pixels.clear();
-      for (int y = top; y < std::min(top + side, gbuffer.height); ++y)
-        for (int x = left; x < std::min(left + side, gbuffer.width); ++x) {
-          const std::size_t i = static_cast<std::size_t>(y) * gbuffer.width + x;
-          out[i] = 1;
-          if (is_asked(gbuffer, i)) pixels.push_back(static_cast<std::uint32_t>(i));
-        }
-      // Pixels of one mesh are near to each other.
-      std::ranges::stable_sort(pixels, {}, [&](std::uint32_t i) { return gbuffer.mesh[i]; });
-      for (auto first = pixels.begin(); first != pixels.end();) {
-        const auto last =
-            std::find_if(first, pixels.end(), [&](std::uint32_t i) { return gbuffer.mesh[i] != gbuffer.mesh[*first]; });
-        decide(gbuffer, {first, last}, 0, *query, out, tallies[tile]);
-        first = last;
-      }
-    }
-  });
+  std::ranges::fill(out, 1.0f);
+  std::vector<Tally> tallies(tile_count(gbuffer));
+  for_pixel_groups(
+      gbuffer, [&](std::size_t i) { return is_asked(gbuffer, i); }, [&] { return pool_.borrow(); },
+      [&](std::span<std::uint32_t> pixels, std::size_t tile, PointQuery& query) {
+        decide(gbuffer, pixels, 0, query, out, tallies[tile]);
+      });
   tally_ = {};
   for (const Tally& tally : tallies) tally_ += tally;
 }
@@ -223,8 +174,8 @@ void SoftVolume::ask(std::size_t index, const Use& use) const {
   if (!face.is_seen()) return;
   const auto query = pool_.borrow();
   const auto pixel = static_cast<std::uint32_t>(index);
-  const Group group = group_of(gbuffer, {&pixel, 1});
-  query->start(*built_, lamp_, group.box, group.above);
+  const PixelGroup group = group_of(gbuffer, {&pixel, 1});
+  query->start(*built_, lamp_, group);
   query->get_ready(group.box);
   Tally tally;
   query->share(receiver(gbuffer, index), face, pattern_of(gbuffer, index), tally);

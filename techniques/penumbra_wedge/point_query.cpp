@@ -26,26 +26,25 @@ std::optional<glm::dvec2> base_of(const LightFace& face, int attempt) {
 
 }  // namespace
 
-void PointQuery::start(const Casters& casters, const Outline& outline, const Bounds& points,
-                       const std::optional<Above>& above) {
+void PointQuery::start(const Casters& casters, const Outline& outline, const PixelGroup& points) {
   casters_ = &casters;
   outline_ = &outline;
   hint_ = 0xffffffffu;
   level_ = 0;
   if (levels_.empty()) levels_.resize(1);
   Level& now = levels_[0];
-  Beam beam(points, outline.hull.box);
-  if (above) beam.cut_below(above->normal, above->height);
+  Beam beam(points.box, outline.hull.box);
+  if (points.above) beam.cut_below(points.above->normal, points.above->height);
   now.wedges.clear();
   now.is_empty = !casters.has_triangles(outline.silhouette, beam);
-  if (!now.is_empty) outline.wedges.find(beam, points, now.wedges);
+  if (!now.is_empty) outline.wedges.find(beam, points.box, now.wedges);
 }
 
-void PointQuery::narrow(std::size_t level, const Bounds& points) {
+void PointQuery::narrow(std::size_t level, const PixelGroup& points) {
   if (levels_.size() <= level) levels_.resize(level + 1);
   level_ = level;
   levels_[level].is_empty = levels_[level - 1].is_empty;
-  outline_->wedges.narrow(points, levels_[level - 1].wedges, levels_[level].wedges);
+  outline_->wedges.narrow(points.box, levels_[level - 1].wedges, levels_[level].wedges);
 }
 
 double PointQuery::share(const NumberedReceiver& receiver, const LightFace& face, Tally& tally) {

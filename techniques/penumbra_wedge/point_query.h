@@ -1,5 +1,6 @@
 #pragma once
 #include <gnomon/kit/add_up.h>
+#include <gnomon/kit/pixel_groups.h>
 
 #include "casters.h"
 #include "coverage.h"
@@ -29,15 +30,10 @@ struct Outline {
 /// Decides how much points see of a light, a few neighbors at a time. One for each thread.
 class PointQuery {
  public:
-  /// A plane below which nothing blocks the way from any of the points.
-  struct Above {
-    glm::dvec3 normal;
-    double height;
-  };
-  /// Points in a box; casters and outline outlive the query.
-  void start(const Casters& casters, const Outline& outline, const Bounds& points, const std::optional<Above>& above);
+  /// Casters and outline outlive the query.
+  void start(const Casters& casters, const Outline& outline, const PixelGroup& points);
   /// The same for a part of the points of the level above, which was started last; the first level is 0.
-  void narrow(std::size_t level, const Bounds& points);
+  void narrow(std::size_t level, const PixelGroup& points);
   std::size_t wedge_count() const { return levels_[level_].wedges.size(); }
 
   /// The share that the outline leaves of the light: what is seen at the base, and what every wedge adds to it or takes from

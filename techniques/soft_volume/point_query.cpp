@@ -4,22 +4,19 @@
 
 namespace gnomon::soft_volume {
 
-void PointQuery::start(const Casters& casters, const Lamp& lamp, const Bounds& points, const std::optional<Above>& above) {
+void PointQuery::start(const Casters& casters, const Lamp& lamp, const PixelGroup& points) {
   casters_ = &casters;
   lamp_ = &lamp;
   cache_ = {};
   hint_ = 0xffffffffu;
-  find_level(0, points, above);
+  find_level(0, points);
 }
 
-void PointQuery::narrow(std::size_t level, const Bounds& points, const std::optional<Above>& above) {
-  find_level(level, points, above);
-}
-
-void PointQuery::find_level(std::size_t level, const Bounds& points, const std::optional<Above>& above) {
+void PointQuery::find_level(std::size_t level, const PixelGroup& points) {
+  const std::optional<PixelGroup::Above>& above = points.above;
   if (levels_.size() <= level) levels_.resize(level + 1);
   Level& now = levels_[level];
-  const Beam beam(points, lamp_->box);
+  const Beam beam(points.box, lamp_->box);
   Beam upper = beam;
   if (above) upper.cut_below(above->normal, above->height);
   now.is_empty = (level > 0 && levels_[level - 1].is_empty) || !casters_->has_triangles(upper);
@@ -31,8 +28,8 @@ void PointQuery::find_level(std::size_t level, const Bounds& points, const std::
     const glm::dvec3 half = 0.5 * (glm::dvec3(box.max) - glm::dvec3(box.min)), middle = glm::dvec3(box.min) + half;
     const bool is_above = above && glm::dot(above->normal, middle) - glm::dot(glm::abs(above->normal), half) > above->highest;
     const Beam& cut = is_above ? upper : beam;
-    now.regular_count = level == 0 ? casters_->find_edges(cut, points, now.edges)
-                                   : casters_->narrow_edges(cut, points, levels_[level - 1].edges, now.edges);
+    now.regular_count = level == 0 ? casters_->find_edges(cut, points.box, now.edges)
+                                   : casters_->narrow_edges(cut, points.box, levels_[level - 1].edges, now.edges);
   }
   level_ = level;
   edge_count_ = now.edges.size();

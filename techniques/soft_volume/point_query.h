@@ -1,5 +1,6 @@
 #pragma once
 #include <gnomon/kit/add_up.h>
+#include <gnomon/kit/pixel_groups.h>
 #include <gnomon/kit/light_points.h>
 
 #include "edge_filter.h"
@@ -27,20 +28,15 @@ struct Pattern {
 /// Decides the places of a light for points, a few neighbors at a time. One for each thread.
 class PointQuery {
  public:
-  /// A plane below which nothing blocks the way from any of the points.
-  struct Above {
-    glm::dvec3 normal;
-    double height, highest;  ///< along the normal: of the lowest and of the highest of the points
-  };
   /// A light's box, and the triangles that reach into it.
   struct Lamp {
     Bounds box;
     std::vector<std::uint32_t> crossing;
   };
-  /// Points in a box see a lamp; both outlive the query.
-  void start(const Casters& casters, const Lamp& lamp, const Bounds& points, const std::optional<Above>& above);
+  /// Points see a lamp; casters and lamp outlive the query.
+  void start(const Casters& casters, const Lamp& lamp, const PixelGroup& points);
   /// The same for a part of the points of the level above, which was started last; the first level is 0.
-  void narrow(std::size_t level, const Bounds& points, const std::optional<Above>& above);
+  void narrow(std::size_t level, const PixelGroup& points) { find_level(level, points); }
   /// Edges that the points of the last level look at.
   std::size_t edge_count() const { return edge_count_; }
   /// Makes ready for `share` of the points of the last level.
@@ -76,7 +72,7 @@ class PointQuery {
     std::size_t regular_count = 0;
     std::vector<std::uint32_t> edges;
   };
-  void find_level(std::size_t level, const Bounds& points, const std::optional<Above>& above);
+  void find_level(std::size_t level, const PixelGroup& points);
 
   const Casters* casters_ = nullptr;
   const Lamp* lamp_ = nullptr;

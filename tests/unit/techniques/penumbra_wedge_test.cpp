@@ -250,9 +250,9 @@ TEST(PenumbraWedge, layers_by_edges_are_those_on_the_way_to_every_place) {
       }
       const LightFace face(light, g.position(i), g.normal(i));
       PointQuery query;
-      Bounds box;
-      box.add(g.position(i));
-      query.start(casters, outline, box, std::nullopt);
+      PixelGroup group;
+      group.box.add(g.position(i));
+      query.start(casters, outline, group);
       const NumberedReceiver receiver = casters.numbers().numbered(receiver_at(scene, g, i));
       Tally tally;
       const double share = query.share(receiver, face, tally);
