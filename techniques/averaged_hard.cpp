@@ -24,7 +24,9 @@ constexpr About about{
         "of them tell n + 1 shares apart. The error falls with n as n^-0.5 where they are random and as about n^-0.75 where "
         "they are spread evenly. It estimates the share of the light's area.",
     .fails =
-        "A wide penumbra of few points shows as many edges as there are points. Memory and relight grow with their number.",
+        "A wide penumbra of few points shows as many edges as there are points. Memory and relight grow with their number. "
+        "Casters "
+        "within a sphere of light hide points of its surface; other techniques ask the disc that is seen of it.",
     .needs_gl = true};  // many hard techniques draw
 
 constexpr double MiB = 1 << 20;

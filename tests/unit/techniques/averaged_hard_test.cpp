@@ -219,6 +219,59 @@ TEST_F(AveragedHard, layers_show_the_first_hard_shadow_and_an_edge_for_each_poin
   EXPECT_THROW(technique->draw_debug("map"), Error);
 }
 
+/// The mean over pixels that are decided of how far a mask is from the exact shares, and how many those are.
+std::pair<double, int> mean_error(const Scene& scene, const GBuffer& g, const Light& light, const std::vector<float>& mask,
+                                  const std::vector<float>& truth) {
+  double sum = 0;
+  int asked = 0;
+  for (std::size_t i = 0; i < g.size(); ++i) {
+    EXPECT_TRUE(mask[i] >= 0 && mask[i] <= 1) << i;
+    if (!faces_light(scene, g, light, i)) {
+      EXPECT_EQ(mask[i], 1) << i;
+      continue;
+    }
+    ++asked;
+    sum += std::abs(mask[i] - truth[i]);
+  }
+  return {sum / std::max(asked, 1), asked};
+}
+
+// Lights inside of a closed box, across a wall, a hair above the ground and over slivers and triangles of no area: means of 64
+// hard shadows stay as close to the exact shares as in the open. Of a sphere that a caster crosses the points lie on the
+// surface, those of exact_area on the disc that is seen: they differ, and spheres are asked beside casters only.
+TEST_F(AveragedHard, lights_in_and_across_casters_have_their_shares) {
+  const Mesh ground = small_world::ground(4), room = small_world::box({-2, 1, -2}, {2, 3, 2});
+  const Mesh wall =
+      small_world::make_mesh({{0.3f, 0.5f, -3}, {0.3f, 0.5f, 3}, {0.3f, 4, 3}, {0.3f, 4, -3}}, {{0, 1, 2}, {0, 2, 3}});
+  const Mesh slivers = small_world::make_mesh({{-1, 1, -1}, {1, 1, -1}, {1, 1, 1}, {0, 1, -1}, {0, 1, -1}, {1, 1.0001f, 1}},
+                                              {{0, 1, 2}, {0, 3, 1}, {3, 4, 2}, {3, 3, 3}, {2, 5, 2}, {0, 2, 5}});
+  const std::map<std::string, std::pair<std::vector<Mesh>, glm::vec3>> scenes{
+      {"in a box", {{ground, room}, {0, 2, 0}}},
+      {"across a wall", {{ground, wall}, {0.2f, 3, 0}}},
+      {"close to the ground", {{ground, wall}, {1, 0.001f, 0}}},
+      {"over slivers", {{ground, slivers}, {0, 3, 0}}}};
+  for (const auto& [name, held] : scenes) {
+    Scene scene;
+    scene.meshes = held.first;
+    scene.views = {{.name = "view", .eye = {3, 5, 6}, .target = {0, 0.3f, 0}}};
+    const World world(scene, Truth::mesh);
+    const GBuffer g = world.gbuffer(scene.views[0], 64, 48);
+    for (const LightKind& kind :
+         {LightKind(RectLight{held.second, {0.5f, 0, 0}, {0, 0, 0.5f}}), LightKind(SphereLight{held.second, 0.5f})}) {
+      const Light light{.name = "lamp", .kind = kind};
+      const bool is_crossed = name == "across a wall" || name == "close to the ground";
+      if (is_crossed && std::holds_alternative<SphereLight>(kind)) continue;
+      const std::vector<float> truth = mask_of("exact_area", "", scene, light, g);
+      for (const char* of : {"svbsp", "embree_rays", "stencil_volume", "exact_rays"}) {
+        const std::vector<float> mask = mask_of("averaged_hard", fmt::format("of={},samples=64", of), scene, light, g);
+        const auto [error, asked] = mean_error(scene, g, light, mask, truth);
+        EXPECT_GT(asked, 100) << name << ", " << kind_name(light);
+        EXPECT_LT(error, 0.01) << of << ' ' << name << ", " << kind_name(light);
+      }
+    }
+  }
+}
+
 /// Half of everything is lit; every object has a build of its own.
 class Half final : public Technique {
  public:
