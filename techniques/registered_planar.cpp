@@ -28,14 +28,14 @@ constexpr About about{
         "estimates the share of the light's area.",
     .fails =
         "Receivers that are not flat: pixels off the receiver planes are lit and reported as not covered; contact shadows "
-        "and fine casters on a large plane, whose texels are large.",
+        "and fine casters on a large plane, whose texels are large; casters within a sphere of light, as for averaged_hard.",
     .needs_gl = true};
 
 /// Textures of all sheets together, at most.
 constexpr double most_bytes = 0x1p31;
 
 class RegisteredPlanar final : public Technique {
-  Number<int> samples{this, "samples", 64, {"point", 1, 4096, true}, Stage::relight, "Points of the light."};
+  Number<int> samples{this, "samples", 16, {"point", 1, 1024, true}, Stage::relight, "Points of the light."};
   Choice pattern{this,
                  "pattern",
                  "low_discrepancy",

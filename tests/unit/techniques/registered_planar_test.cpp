@@ -166,7 +166,7 @@ TEST_F(RegisteredPlanar, what_it_cannot_do_is_refused_with_numbers) {
     registry.techniques()[0].make()->apply("samples=1000000");
     ADD_FAILURE();
   } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "registered_planar.samples = 1000000 is outside 1 .. 4096 point");
+    EXPECT_STREQ(error.what(), "registered_planar.samples = 1000000 is outside 1 .. 1024 point");
   }
 }
 
