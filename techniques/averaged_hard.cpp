@@ -49,7 +49,7 @@ class AveragedHard final : public Technique {
                     Stage::setup,
                     "The hard technique, one of those that know lights without area; its own parameters follow, as of.NAME.",
                     cannot_be_averaged};
-  Number<int> samples{this, "samples", 16, {"point", 1, 1024, true}, Stage::relight, "Points of the light that a pixel asks."};
+  Number<int> samples{this, "samples", 8, {"point", 1, 1024, true}, Stage::relight, "Points of the light that a pixel asks."};
   Choice pattern{this,
                  "pattern",
                  "low_discrepancy",
