@@ -305,26 +305,6 @@ TEST(SoftVolume, a_caster_across_the_light_hides_what_is_behind_its_near_part) {
   EXPECT_NEAR(at_origin({plate(0.5f)}, level), 1 - 0.25 / 2, 0.004);
 }
 
-TEST(SoftVolume, a_light_in_a_closed_mesh_is_hidden_and_one_whose_mesh_is_open_below_is_seen) {
-  const Mesh closed = small_world::box({-2, 2, -2}, {2, 4, 2});
-  Mesh open = closed;
-  std::erase_if(open.triangles, [&](const glm::uvec3& t) {
-    return open.positions[t.x].y == 2 && open.positions[t.y].y == 2 && open.positions[t.z].y == 2;
-  });
-  finish(open);
-  for (const Light& light : {rect({0, 3, 0}, {1, 0, 0}, {0, 0, 1}), disc({0, 3, 0}, {0, -1, 0}, 1), sphere({0, 3, 0}, 0.9f)}) {
-    EXPECT_EQ(at_origin({closed}, light), 0) << kind_name(light);
-    EXPECT_EQ(at_origin({open}, light), 1) << kind_name(light);
-  }
-}
-
-TEST(SoftVolume, points_on_the_plane_of_the_light_or_in_it_are_left_lit) {
-  const Mesh roof = hand_made::square(5, 2);
-  EXPECT_EQ(at_origin({roof}, rect({3, 0, 0}, {1, 0, 0}, {0, 0, 1})), 1);
-  EXPECT_EQ(at_origin({roof}, disc({0, 0, 0}, {0, 1, 0}, 1)), 1);
-  EXPECT_EQ(at_origin({roof}, sphere({0, 0.5f, 0}, 1)), 1);
-}
-
 // Slivers, triangles of no area and stacks of copies are nothing special.
 TEST(SoftVolume, degenerate_and_doubled_triangles_change_nothing) {
   const Light light = rect({0, 3, 0}, {1, 0, 0}, {0, 0, 1});
