@@ -44,7 +44,7 @@ constexpr About about{
 /// Triangles that cast: beyond, trees take minutes.
 constexpr std::size_t most_triangles = 200'000;
 /// Triangles before the light, from a point on average: beyond, a picture takes minutes.
-constexpr double most_before = 300;
+constexpr double most_before = 100;
 
 class AreaSvbsp final : public Technique {
   Choice shade{this,
@@ -120,7 +120,8 @@ class AreaSvbsp final : public Technique {
     Link link = lit_cell;
   };
   struct Tally {
-    std::uint64_t located = 0, visits = 0, clipped = 0, clippers = 0, open = 0;
+    std::uint64_t located = 0, visits = 0, clipped = 0, clippers = 0;
+    std::uint64_t open = 0;  ///< points whose polygons are looked for: without a tree, or in a cell that lists none
     Tally& operator+=(const Tally& t) {
       return add_up(*this, t, &Tally::located, &Tally::visits, &Tally::clipped, &Tally::clippers, &Tally::open);
     }
@@ -259,10 +260,11 @@ Counts AreaSvbsp::counts() const {
           count_of("tests", done.tests),
           count_of("left_whole", done.stopped),
           count_of("light_parts", done.light_parts),
+          count_of("light_clips", done.clips),
           count_of("located", tally_.located),
           mean_of("visits", tally_.visits, tally_.located),
           count_of("clipped", tally_.clipped),
-          count_of("without_tree", tally_.open),
+          count_of("searched", tally_.open),
           mean_of("casters", tally_.clippers, tally_.clipped),
           {"bytes", static_cast<double>(volumes_.bytes() + trees_.bytes()) + built_.own(static_cast<double>(built_->bytes())),
            "byte"}};

@@ -98,11 +98,11 @@ class PathRays final : public Technique {
   std::vector<DebugLayer> debug_layers() const override {
     return {
         {"global", "All light toward the eye, handed on by other surfaces included; 95 % of the lit pixels are below white."},
-        {"error", "Its standard error in the same light, ten times as bright."}};
+        {"standard_error", "Its standard error in the same light, ten times as bright."}};
   }
   std::vector<float> draw_debug(std::string_view layer) const override {
     if (layer == "global") return exposed(picture_.radiance);
-    if (layer == "error") return exposed(picture_.error, 10 * exposure(picture_.radiance));
+    if (layer == "standard_error") return exposed(picture_.error, 10 * exposure(picture_.radiance));
     return Technique::draw_debug(layer);
   }
   std::optional<std::vector<float>> global_picture() const override { return picture_.radiance; }

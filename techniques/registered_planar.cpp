@@ -58,7 +58,8 @@ class RegisteredPlanar final : public Technique {
   Support supports(const Scene& scene, const Light& light, const View&) const override;
   void setup() override {
     painter_->setup();
-    // Programs do not depend on them; few texels and points are drawn soon.
+    // Programs are the same for any number of texels and points, so few do. `settings` has only what is not by default: what is
+    // set here goes back to its default before they are applied again.
     const std::string chosen = settings();
     apply("samples=2,resolution=16");
     warm_up(*this);

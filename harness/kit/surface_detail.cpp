@@ -198,7 +198,7 @@ std::vector<DebugLayer> detail_layers() {
 
 std::vector<DebugLayer> soft_detail_layers() {
   return {{"fragments",
-           "Surface-detail polygons that see all of the light, a part of it, the penumbra, and nothing, in tones that differ a "
+           "Surface-detail polygons that see all of the light, a part of it (penumbra) or nothing, in tones that differ a "
            "little from one to the next and with darker borders where there is room; what is turned away from the light is "
            "gray.",
            {swatch(Sees::all), swatch(Sees::part), swatch(Sees::nothing)}}};
@@ -247,11 +247,11 @@ std::vector<float> paint_detail(const Scene& scene, const GBuffer& gbuffer, cons
 }
 
 DebugLayer splits_layer() {
-  return {
-      "splits",
-      "Where polygons of the scene are divided, before parts that are alike are joined again: over the shaded picture, the "
-      "edges of triangles, the borders between a triangle's lit and shadowed parts, and all other splits; darker in shadow.",
-      {swatch(Border::edge), swatch(Border::shadow), swatch(Border::split)}};
+  return {"splits",
+          "Where polygons of the scene are divided, before parts that are alike are joined again: over the shaded picture, the "
+          "edges of triangles, the borders between a triangle's lit, half lit and shadowed parts, and all other splits; darker "
+          "in shadow.",
+          {swatch(Border::edge), swatch(Border::shadow), swatch(Border::split)}};
 }
 
 std::vector<float> paint_splits(const Scene& scene, const GBuffer& gbuffer, const Light& light, const SurfaceDetail& detail) {

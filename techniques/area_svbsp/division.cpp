@@ -51,7 +51,7 @@ void Divider::run(std::span<const Corner> polygon, const glm::dvec3& normal, std
   tree_ = &tree;
   work_ = &work;
   normal_ = normal;
-  last_test_ = work.tests + most_tests;
+  most_spent_ = work.spent() + most_tests;
   corners_.assign(polygon.begin(), polygon.end());
   lists_.assign(volumes.begin(), volumes.end());
   tree.root = divide({.part = {0, polygon.size()}, .list = {0, volumes.size()}, .crowd = {}});
@@ -99,22 +99,22 @@ Link Divider::divide_filtered(Fragment& fragment, std::size_t crossing_count) {
     ++work_->lit;
     return lit_cell;
   }
-  if (work_->tests >= last_test_) {
+  if (work_->spent() >= most_spent_) {
     ++work_->stopped;
-    return add_penumbra(fragment);
+    return add_penumbra(fragment, false);
   }
-  if (width_of(corners(fragment.part)) < rules_.least_width) return add_penumbra(fragment);
+  if (width_of(corners(fragment.part)) < rules_.least_width) return add_penumbra(fragment, rules_.asks_corners);
   if (!fragment.is_dim && crossing_count > rules_.tile_size && 5 * crossing_count <= 4 * fragment.crowd.before)
     return halve(fragment, crossing_count);
   if (const std::span<const ClipPlane> planes = best_planes(fragment, fragment.is_dim); !planes.empty())
     return cut_by(fragment, planes, fragment.is_dim);
-  if (!fragment.is_dim) {  // the boxes of volumes, so to speak, reach into it, but none of them does
+  if (!fragment.is_dim) {  // volumes lie across it by the signs of its corners, but none has any area in it
     ++work_->lit;
     return lit_cell;
   }
   if (longest_span(corners(fragment.part)).length > rules_.largest) return halve(fragment, crossing_count);
   if (rules_.light_splits > 0 && lighting_.body->is_flat) return divide_light(fragment);
-  return add_penumbra(fragment);
+  return add_penumbra(fragment, rules_.asks_corners);
 }
 
 std::span<const ClipPlane> Divider::best_planes(const Fragment& fragment, bool of_umbra) {
@@ -189,13 +189,13 @@ Link Divider::halve(Fragment fragment, std::size_t crossing_count) {
 Link Divider::divide_light(Fragment& fragment) {
   polygons_.clear();
   for (const std::uint32_t v : volumes(fragment.list)) polygons_.push_back(lighting_.volumes->all()[v].polygon);
-  if (share_at(middle(fragment.part), polygons_) > 1e-9) return add_penumbra(fragment);
+  if (share_at(middle(fragment.part), polygons_) > 1e-9) return add_penumbra(fragment, rules_.asks_corners);
   std::vector<ClipPlane> planes;
   if (is_hidden(fragment, *lighting_.body, rules_.light_splits, planes)) {
     ++work_->umbra;
     return umbra_cell;
   }
-  return planes.empty() ? add_penumbra(fragment) : cut_by(fragment, planes, false);
+  return planes.empty() ? add_penumbra(fragment, rules_.asks_corners) : cut_by(fragment, planes, false);
 }
 
 bool Divider::is_hidden(const Fragment& fragment, const LightBody& light, int splits, std::vector<ClipPlane>& planes) {
@@ -229,7 +229,7 @@ bool Divider::is_hidden(const Fragment& fragment, const LightBody& light, int sp
   return true;
 }
 
-Link Divider::add_penumbra(const Fragment& fragment) {
+Link Divider::add_penumbra(const Fragment& fragment, bool has_corners) {
   polygons_.clear();
   const bool is_short = fragment.list.count <= 4 * rules_.most_listed;
   for (std::size_t k = 0; k < fragment.list.count; ++k) {
@@ -251,7 +251,7 @@ Link Divider::add_penumbra(const Fragment& fragment) {
     made.count = Penumbra::open;
   else
     tree_->polygons.insert(tree_->polygons.end(), polygons_.begin(), polygons_.end());
-  if (rules_.asks_corners) {
+  if (has_corners) {
     made.corner_count = static_cast<std::uint32_t>(fragment.part.count);
     const glm::dvec3 center = middle(fragment.part);
     // A little inside: where a polygon touches the receiver the share jumps at the corner itself.
@@ -289,6 +289,7 @@ glm::dvec3 Divider::middle(const Part& part) const {
 double Divider::share_at(const glm::dvec3& point, std::span<const std::uint32_t> polygons) {
   const LightFace face(lighting_.light, point, normal_);
   if (!face.is_seen()) return 1;
+  work_->clips += polygons.size();
   return seen_past(lighting_.polygons, polygons, point, face, area_);
 }
 

@@ -63,10 +63,13 @@ struct Work {
   std::uint64_t lit = 0, penumbra = 0, umbra = 0;  ///< fragments
   std::uint64_t halved = 0, cuts = 0;              ///< by borders of tiles; by planes of volumes
   std::uint64_t light_parts = 0;                   ///< parts of the light whose umbra was looked for
+  std::uint64_t clips = 0;                         ///< of the light by a polygon, from corners and middles of fragments
   std::uint64_t stopped = 0;                       ///< fragments left whole because their share of the work was spent
+  /// In tests: to clip the light by a polygon takes as long as some ten of them.
+  std::uint64_t spent() const { return tests + 10 * clips; }
   Work& operator+=(const Work& w) {
     return add_up(*this, w, &Work::tests, &Work::lit, &Work::penumbra, &Work::umbra, &Work::halved, &Work::cuts,
-                  &Work::light_parts, &Work::stopped);
+                  &Work::light_parts, &Work::clips, &Work::stopped);
   }
 };
 
@@ -92,7 +95,8 @@ class Divider {
   Divider(const Lighting& lighting, const Rules& rules) : lighting_(lighting), rules_(rules) {}
 
   /// `polygon` is the triangle, or the part of it on one side of a flat light's plane; `volumes` those that it may lie in or
-  /// across; `normal` is unit, on the side that is asked about. Once `most_tests` tests are done fragments are left whole.
+  /// across; `normal` is unit, on the side that is asked about. Once it has `spent` so many tests fragments are left whole, and
+  /// points in them clip the light for themselves.
   void run(std::span<const Corner> polygon, const glm::dvec3& normal, std::span<const std::uint32_t> volumes,
            std::uint64_t most_tests, Tree& tree, Work& work);
 
@@ -129,10 +133,11 @@ class Divider {
   Link halve(Fragment fragment, std::size_t crossing_count);
   /// Where nothing of the light is seen from the middle: umbra of parts of the light together.
   Link divide_light(Fragment& fragment);
-  /// Whether polygons hide each half of a light, or half of a half, from all of a fragment. Where not, `planes` is filled with
-  /// those of an umbra volume of a part that reaches into it, if there is one.
+  /// Whether polygons hide each half of a light, or half of a half, from all of a fragment. Where not, `planes` has those of an
+  /// umbra volume, of a part that is halved no more, that reaches into the fragment, if the first part not hidden has one.
   bool is_hidden(const Fragment& fragment, const LightBody& light, int splits, std::vector<ClipPlane>& planes);
-  Link add_penumbra(const Fragment& fragment);
+  /// With corners only where every fragment is as short as the rules want.
+  Link add_penumbra(const Fragment& fragment, bool has_corners);
 
   /// The parts on the negative and on the positive side of a plane that a part lies across, at the end of corners_.
   std::pair<Part, Part> cut(const Part& part, const ClipPlane& plane);
@@ -151,7 +156,7 @@ class Divider {
   Tree* tree_ = nullptr;
   Work* work_ = nullptr;
   glm::dvec3 normal_{0};
-  std::uint64_t last_test_ = 0;
+  std::uint64_t most_spent_ = 0;
 };
 
 }  // namespace gnomon::area_svbsp

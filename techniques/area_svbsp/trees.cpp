@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace gnomon::area_svbsp {
 
@@ -178,22 +179,39 @@ void find_between(const Scene& scene, std::span<const CasterPolygon> polygons, c
 }
 
 double casters_before(const Scene& scene, const Light& light) {
-  constexpr std::size_t wanted = 32;
+  constexpr std::size_t wanted = 64;
+  double area = 0;
+  const auto each_receiver = [&](const auto& use) {
+    for (const Mesh& mesh : scene.meshes)
+      for (std::size_t t = 0; mesh.receives && t < mesh.triangles.size(); ++t)
+        if (const Triangle triangle = mesh.corners(t); use(triangle, glm::length(triangle.normal()))) return;
+  };
+  each_receiver([&](const Triangle&, double twice) {
+    area += twice;
+    return false;
+  });
+  // Place k of the triangles, laid out one after the other by area, is inside the next one that reaches as far.
   std::vector<Pyramid> pyramids;
-  const std::size_t each = (wanted + scene.meshes.size() - 1) / std::max<std::size_t>(scene.meshes.size(), 1);
-  const std::size_t step = (scene.meshes.size() + wanted - 1) / wanted;
-  for (std::size_t m = 0; m < scene.meshes.size(); m += std::max<std::size_t>(step, 1)) {
-    const Mesh& mesh = scene.meshes[m];
-    for (std::size_t k = 0; mesh.receives && k < std::min(each, mesh.triangles.size()); ++k) {
-      const Triangle triangle = mesh.corners((2 * k + 1) * mesh.triangles.size() / (2 * std::min(each, mesh.triangles.size())));
-      const glm::dvec3 normal = triangle.normal();
-      if (normal == glm::dvec3(0)) continue;
-      const glm::dvec3 middle =
-          (glm::dvec3(triangle.points[0]) + glm::dvec3(triangle.points[1]) + glm::dvec3(triangle.points[2])) / 3.0;
-      const LightFace face(light, middle, glm::normalize(normal));
-      if (face.is_seen()) pyramids.emplace_back(middle, face);
+  std::size_t asked = 0;
+  double before = 0;
+  each_receiver([&](const Triangle& triangle, double twice) {
+    before += twice;
+    for (; asked < wanted && (static_cast<double>(asked) + 0.5) * area < before * wanted; ++asked) {
+      // Spread over the triangle, where one of them holds many places (Roberts 2018, folded).
+      double u = std::fmod(0.5 + static_cast<double>(asked) * 0.7548776662466927, 1.0),
+             v = std::fmod(0.5 + static_cast<double>(asked) * 0.5698402909980532, 1.0);
+      if (u + v > 1) std::tie(u, v) = std::pair(1 - u, 1 - v);
+      const glm::dvec3 a = triangle.points[0],
+                       place = a + u * (glm::dvec3(triangle.points[1]) - a) + v * (glm::dvec3(triangle.points[2]) - a);
+      const glm::dvec3 normal = glm::normalize(triangle.normal());
+      for (const double side : {1.0, -1.0})
+        if (const LightFace face(light, place, side * normal); face.is_seen()) {
+          pyramids.emplace_back(place, face);
+          break;
+        }
     }
-  }
+    return asked == wanted;
+  });
   std::size_t met = 0;
   for (const Mesh& mesh : scene.meshes)
     for (std::size_t t = 0; mesh.casts && t < mesh.triangles.size(); ++t) {
@@ -209,19 +227,16 @@ void Trees::grow(const Lighting& lighting, const BoxTree& boxes, const TriangleN
   sides_ = find_sides(lighting, rules.epsilon, first_of_);
   trees_.clear();
   trees_.resize(sides_.size());
-  const auto triangle_of = [&](const Side& side, Receiver& receiver) {
+  const auto triangle_of = [&](const Side& side) {
     const std::uint32_t mesh = numbers.mesh_of(side.triangle);
-    receiver.mesh = mesh;
-    receiver.triangle = side.triangle - numbers.first_of(mesh);
-    return lighting.scene->meshes[mesh].corners(receiver.triangle);
+    return lighting.scene->meshes[mesh].corners(side.triangle - numbers.first_of(mesh));
   };
   std::vector<std::vector<std::uint32_t>> found(sides_.size());
   for_blocks(sides_.size(), 16, [&](std::size_t begin, std::size_t end) {
     Finder finder(lighting, boxes, rules.epsilon);
     std::vector<std::uint32_t> some;
     for (std::size_t i = begin; i < end; ++i) {
-      Receiver receiver;
-      const Triangle triangle = triangle_of(sides_[i], receiver);
+      const Triangle triangle = triangle_of(sides_[i]);
       finder.run(triangle, sides_[i], part_of(triangle, *lighting.body, sides_[i].light_side, rules.epsilon), some);
       found[i].assign(some.begin(), some.end());
     }
@@ -243,8 +258,7 @@ void Trees::grow(const Lighting& lighting, const BoxTree& boxes, const TriangleN
       tree.root = penumbra_cell(0);
       return;
     }
-    Receiver receiver;
-    const Triangle triangle = triangle_of(sides_[i], receiver);
+    const Triangle triangle = triangle_of(sides_[i]);
     const glm::dvec3 normal = glm::normalize(triangle.normal()) * static_cast<double>(sides_[i].side);
     Divider divider(lighting, rules);
     divider.run(part_of(triangle, *lighting.body, sides_[i].light_side, rules.epsilon), normal, found[i],

@@ -41,8 +41,8 @@ void find_between(const Scene& scene, std::span<const CasterPolygon> polygons, c
                   const TriangleNumbers& numbers, const Receiver& receiver, const LightFace& face,
                   std::vector<std::uint32_t>& found);
 
-/// How many triangles that cast stand before a light, at most, from a receiving point: the mean over the middles of some 32
-/// triangles that see it, evenly spaced over the meshes.
+/// How many triangles that cast stand before a light, at most, from a receiving point: the mean over those that see it of 64
+/// places, spread over the receiving triangles by area, on the side that sees it whatever the winding.
 double casters_before(const Scene& scene, const Light& light);
 
 /// The part of a triangle that lies on one side of a flat light's plane; all of it under a solid light.

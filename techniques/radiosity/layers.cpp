@@ -41,7 +41,7 @@ std::vector<DebugLayer> layers() {
   divided.resize(5);
   std::vector<Swatch> factors = heat_legend();
   for (Swatch& swatch : factors) swatch.name += " / 16384";
-  factors.push_back({"the patch", glm::dvec3(1)});
+  factors.push_back({"white: the patch", glm::dvec3(1)});
   return {
       {"radiosity", "All light on the surfaces, as they send it to the eye; bright places are cut off.", {}},
       {"patches", "A tone for each patch; dark lines are borders of elements.", {}},

@@ -49,6 +49,8 @@ void check_layers(Trial& trial, const Technique& technique) {
   for (const DebugLayer& layer : technique.debug_layers()) {
     trial.expect(is_plain_name(layer.name), fmt::format("the debug layer's name '{}' is no plain name", layer.name));
     trial.expect(names.insert(layer.name).second, fmt::format("debug layer {} is there twice", layer.name));
+    trial.expect(layer.name != "mask" && layer.name != "error" && layer.name != "shaded",
+                 fmt::format("debug layer {} has the name of a picture that every technique has", layer.name));
     trial.expect(is_sentence(layer.sentence), fmt::format("debug layer {} has no sentence: '{}'", layer.name, layer.sentence));
     std::set<std::string> swatches;
     for (const Swatch& swatch : layer.legend) {
@@ -154,8 +156,8 @@ std::vector<Rule> about_rules() {
        .check = support_answered,
        .has_context = false},
       {.name = "parameters_and_layers",
-       .sentence = "Every parameter and debug layer has a plain name of its own and a sentence; colors of legends lie "
-                   "in 0 .. 1; a fresh object has its defaults.",
+       .sentence = "Every parameter and debug layer has a plain name of its own and a sentence, no layer that of the "
+                   "pictures mask, error and shaded; colors of legends lie in 0 .. 1; a fresh object has its defaults.",
        .advice = "Mend the row of the parameter or the entry of debug_layers() that is named. Constructors set nothing.",
        .check = parameters_and_layers},
       {.name = "parameter_values",

@@ -34,7 +34,7 @@ TEST(detail_export, an_object_for_each_mesh_with_shared_vertices) {
   const Sample sample = square_and_triangle();
   const std::vector<std::string> notes{"scene: two\nlines"};
   EXPECT_EQ(detail_obj(sample.scene, sample.detail, notes, "x.mtl"),
-            "# Surface detail: the parts of triangles that are lit and those in cast shadow. Units: meters, +y is up.\n"
+            "# Surface detail: the parts of triangles that are lit, in a penumbra and in cast shadow. Units: meters, +y is up.\n"
             "# scene: two lines\n"
             "# polygons: 2 lit, 1 shadowed\n"
             "mtllib x.mtl\n"

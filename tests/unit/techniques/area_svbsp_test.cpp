@@ -235,6 +235,26 @@ TEST(AreaSvbsp, what_corners_miss_falls_with_the_size_of_fragments) {
   EXPECT_LT(before, 1e-4);
 }
 
+// What is left whole when the work is spent is clipped from every point, not interpolated over a whole polygon.
+TEST(AreaSvbsp, work_that_is_spent_makes_nothing_worse) {
+  Random random(43);
+  Scene scene;
+  scene.meshes = {small_world::ground(3, 0), hard_scenes::boxes(random, 30, false)};
+  const Light light = lamp({0.3f, 6, 0.2f}, 1.5f, 1.5f);
+  const GBuffer g = small_world::make_gbuffer(scene, {.eye = {0, 9, 6}, .target = {0, 0, 0}}, 96, 72);
+  const std::vector<float> truth = run("", scene, light, g).mask;
+  const auto error = [&](const std::vector<float>& mask) {
+    double sum = 0;
+    for (std::size_t i = 0; i < truth.size(); ++i) sum += std::abs(mask[i] - truth[i]);
+    return sum / static_cast<double>(truth.size());
+  };
+  const auto all = run("shade=vertices,fragment_size=0.02,work=4096", scene, light, g),
+             some = run("shade=vertices,fragment_size=0.02,work=1", scene, light, g);
+  EXPECT_EQ(small_world::value(all.technique->counts(), "left_whole"), 0);
+  EXPECT_GT(small_world::value(some.technique->counts(), "left_whole"), 0);
+  EXPECT_LE(error(some.mask), error(all.mask));
+}
+
 TEST(AreaSvbsp, parts_of_the_light_find_the_umbra_of_two_polygons) {
   // Two squares at two heights that overlap by 0.6 m: below that neither hides all of the lamp, but each a part. Of two that
   // shared an edge the edge would always be seen before some part.
@@ -275,6 +295,18 @@ TEST(AreaSvbsp, what_is_beyond_its_reach_is_refused_with_the_number) {
   const Support slow = technique->supports(scene, lamp({0, 6, 0}, 1, 1), {});
   EXPECT_FALSE(slow);
   EXPECT_NE(slow.why().find("triangles stand before the light"), std::string::npos) << slow.why();
+  // Whichever way receivers are wound, and whatever else there is that does not receive.
+  Scene turned = scene;
+  for (Mesh& mesh : turned.meshes)
+    for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
+  EXPECT_EQ(technique->supports(turned, lamp({0, 6, 0}, 1, 1), {}).why(), slow.why());
+  Scene beside = scene;
+  for (int k = 0; k < 40; ++k) {
+    Mesh deaf = hand_made::square(0.001f, 9);
+    deaf.receives = deaf.casts = false;
+    beside.meshes.insert(beside.meshes.begin() + k % 3, deaf);
+  }
+  EXPECT_EQ(technique->supports(beside, lamp({0, 6, 0}, 1, 1), {}).why(), slow.why());
   add(300'000);
   const Support large = technique->supports(scene, lamp({0, 6, 0}, 1, 1), {});
   EXPECT_EQ(large.why(), "304004 triangles cast; trees are grown for up to 200000");

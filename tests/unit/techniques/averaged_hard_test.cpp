@@ -331,6 +331,61 @@ TEST_F(AveragedHard, a_technique_that_shares_nothing_has_a_build_for_every_point
   }
 }
 
+/// Says of everything what a setting is, and counts how often it is asked whether it supports something.
+class Says final : public Technique {
+ public:
+  Number<double> value{this, "value", 0.5, {"", -2, 2}, Stage::resolve, "What it says."};
+  static inline int questions = 0;
+  Support supports(const Scene&, const Light& light, const View&) const override {
+    ++questions;
+    return hard_lights_only(light, "it knows no penumbra");
+  }
+  void setup() override {}
+  void build(const Scene&) override {}
+  void relight(const Light&) override {}
+  void resolve(const GBuffer&, VisibilityMask& mask) override { std::ranges::fill(mask.pixels(), static_cast<float>(value)); }
+  Counts counts() const override { return {}; }
+  std::optional<Explanation> explain(std::size_t index) const override {
+    Explanation why;
+    why.covered = index % 2 == 0;
+    return why;
+  }
+};
+
+TEST_F(AveragedHard, hard_masks_are_checked_and_what_they_leave_out_is_passed_on) {
+  if (std::ranges::find(registry().techniques(), "says", &TechniqueEntry::id) == registry().techniques().end())
+    registry().add(TechniqueEntry{.id = "says", .about = {}, .make = [] { return gnomon::made<Technique, Says>("says"); }});
+  const World world(generated_scene("sphere_over_plane:segments=12"), Truth::mesh);
+  const GBuffer g = world.gbuffer(world.scene.views[0], 32, 24);
+  const Light light = lamp({-2, 5, 2}, 0.5f);
+  const auto technique = made("averaged_hard", "of=says,samples=512");
+  Says::questions = 0;
+  EXPECT_TRUE(technique->supports(world.scene, light, world.scene.views[0]));
+  EXPECT_LE(Says::questions, 16);
+  technique->apply("samples=2");
+  technique->setup();
+  technique->build(world.scene);
+  technique->relight(light);
+  VisibilityMask mask(g.width, g.height);
+  technique->resolve(g, mask);
+  int left_out = 0;
+  for (std::size_t i = 0; i < g.size(); ++i) {
+    if (!faces_light(world.scene, g, light, i)) continue;
+    const auto why = technique->explain(i);
+    ASSERT_TRUE(why);
+    EXPECT_EQ(why->covered, i % 2 == 0) << i;
+    left_out += !why->covered;
+  }
+  EXPECT_GT(left_out, 100);
+  technique->apply("of.value=1.5");
+  try {
+    technique->resolve(g, mask);
+    ADD_FAILURE() << "1.5 is no visibility";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("mask value 1.5 of says"), std::string::npos) << error.what();
+  }
+}
+
 TEST_F(AveragedHard, what_cannot_be_averaged_is_refused_with_what_can) {
   EXPECT_NE(refusal("of=area_rays").find("; area_rays is for lights with area only"), std::string::npos)
       << refusal("of=area_rays");
@@ -364,7 +419,7 @@ TEST_F(AveragedHard, what_the_hard_technique_does_not_support_is_not_supported) 
   const Support inside =
       made("averaged_hard", "of=composite_planar,samples=64")->supports(world.scene, lamp({0, 1, 0}, 3), view);
   EXPECT_EQ(inside.kind(), Support::Kind::unsupported);
-  EXPECT_NE(inside.why().find(" of 64 points: "), std::string::npos) << inside.why();
+  EXPECT_NE(inside.why().find(" of 16 points asked: "), std::string::npos) << inside.why();
 }
 
 }  // namespace

@@ -56,7 +56,7 @@ TEST(PathRays, the_mask_is_the_share_of_irradiance_within_standard_errors) {
   const Answer found = answer("samples=256,ending=bounces,bounces=0", world);
   const auto picture = found.technique->global_picture();
   ASSERT_TRUE(picture);
-  const std::vector<float> error = found.technique->draw_debug("error");
+  const std::vector<float> error = found.technique->draw_debug("standard_error");
   const double brightness = 10 * exposure(*picture);
   int asked = 0, far_off = 0;
   double sum = 0;
