@@ -97,7 +97,8 @@ void counts_of_now(Trial& trial) {
   trial.at(reference);
   const auto w = trial.world(reference);
   const GBuffer gbuffers[] = {w->gbuffer(w->scene.views[0], 120, 80), w->gbuffer(w->scene.views[0], 72, 48)};
-  for (const std::string& settings : settings_of(trial.entry())) {
+  for (const std::string& asked : settings_of(trial.entry())) {
+    const std::string settings = with_small_pictures(trial.entry(), asked);
     trial.at(reference, settings);
     const std::vector<Light> lights = trial.supported_lights(w->scene, settings);
     if (lights.empty()) continue;

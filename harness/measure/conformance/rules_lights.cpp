@@ -48,7 +48,8 @@ std::vector<std::string> settings_before_lights(const TechniqueEntry& entry) {
 void further_lights(Trial& trial) {
   const char* const references[] = {"sphere_over_plane:segments=16", "box_city:count=12"};
   const std::unique_ptr<World> worlds[] = {trial.world(references[0]), trial.world(references[1])};
-  for (const std::string& settings : settings_before_lights(trial.entry())) {
+  for (const std::string& asked : settings_before_lights(trial.entry())) {
+    const std::string settings = with_small_pictures(trial.entry(), asked);
     LightObjects objects(trial.entry(), settings);
     bool is_set_up = false;
     for (const int k : {0, 1, 0}) {

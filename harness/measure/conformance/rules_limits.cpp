@@ -122,9 +122,10 @@ void device_limits(Trial& trial) {
       trial.at(reference);
       const auto w = trial.world(reference);
       const GBuffer gbuffer = w->gbuffer();
-      for (const std::string& settings : all_settings) {
-        // One scene and light will do for settings: their programs are compiled for each limit anew.
-        if (!settings.empty() && w->scene.has_curved_shapes()) continue;
+      for (const std::string& asked : all_settings) {
+        // One scene and light and small pictures will do for settings: their programs are compiled for each limit anew.
+        if (!asked.empty() && w->scene.has_curved_shapes()) continue;
+        const std::string settings = asked.empty() ? "" : with_small_pictures(trial.entry(), asked);
         trial.at(reference, settings);
         runs += run_within(trial, *w, gbuffer, settings, limit);
       }

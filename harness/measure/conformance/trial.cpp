@@ -116,4 +116,14 @@ std::vector<std::string> settings_of(const TechniqueEntry& entry, const std::fun
   return all;
 }
 
+std::string with_small_pictures(const TechniqueEntry& entry, const std::string& settings) {
+  const auto technique = entry.make();
+  technique->apply(settings);
+  std::vector<std::string> sides;
+  for (const Parameter* p : technique->parameters())
+    if (p->unit() == "texel" && p->text() == p->default_text() && std::stod(p->text()) >= 256) sides.emplace_back(p->name());
+  for (const std::string& side : sides) technique->apply(side + "=128");
+  return technique->settings();
+}
+
 }  // namespace gnomon::conformance

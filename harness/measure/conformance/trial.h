@@ -64,6 +64,9 @@ class Trial {
 
 /// "" and "a=1" for every probe of every parameter that is wanted.
 std::vector<std::string> settings_of(const TechniqueEntry& entry, const std::function<bool(const Parameter&)>& wanted = {});
+/// The same with 128 texels a side for a picture of the technique's own, such as a map of 1024, unless its size is what is set:
+/// as good for what the light does to pictures of 120 x 80 pixels, and drawn soon.
+std::string with_small_pictures(const TechniqueEntry& entry, const std::string& settings);
 
 // The rules of each file.
 std::vector<Rule> about_rules();
