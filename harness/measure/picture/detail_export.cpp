@@ -101,8 +101,8 @@ std::string detail_obj(const Scene& scene, const SurfaceDetail& detail, std::spa
     }
     vertex_count += vertices.size();
   }
-  std::string head =
-      fmt::format("{}: the parts of triangles that are lit, in a penumbra and in cast shadow. Units: meters, +y is up.\n", detail_mark);
+  std::string head = fmt::format(
+      "{}: the parts of triangles that are lit, in a penumbra and in cast shadow. Units: meters, +y is up.\n", detail_mark);
   for (std::string note : notes) {
     std::ranges::replace_if(
         note, [](unsigned char c) { return c < ' '; }, ' ');
