@@ -1,7 +1,7 @@
 #pragma once
 #include <gnomon/kit/add_up.h>
-#include <gnomon/kit/pixel_groups.h>
 #include <gnomon/kit/light_points.h>
+#include <gnomon/kit/pixel_groups.h>
 
 #include "edge_filter.h"
 

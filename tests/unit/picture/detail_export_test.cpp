@@ -33,18 +33,19 @@ Sample square_and_triangle() {
 TEST(detail_export, an_object_for_each_mesh_with_shared_vertices) {
   const Sample sample = square_and_triangle();
   const std::vector<std::string> notes{"scene: two\nlines"};
-  EXPECT_EQ(detail_obj(sample.scene, sample.detail, notes, "x.mtl"),
-            "# Surface detail: the parts of triangles that are lit, in a penumbra and in cast shadow. Units: meters, +y is up.\n"
-            "# scene: two lines\n"
-            "# polygons: 2 lit, 1 shadowed\n"
-            "mtllib x.mtl\n"
-            "o oak_floor\n"
-            "v -1 0 -1\nv -1 0 1\nv 0 0 1\nv 1 0 1\n"
-            "usemtl lit\nf 1 3 4\n"
-            "usemtl shadowed\nf 1 2 3\n"
-            "o mesh_2\n"
-            "v -1 2 -1\nv 1 2 1\nv 1 2 0.3333333333\nv 0.25 2 -1\n"
-            "usemtl lit\nf 5 6 7 8\n");
+  EXPECT_EQ(
+      detail_obj(sample.scene, sample.detail, notes, "x.mtl"),
+      "# Surface detail: the parts of triangles that are lit, in a penumbra and in cast shadow. Units: meters, +y is up.\n"
+      "# scene: two lines\n"
+      "# polygons: 2 lit, 1 shadowed\n"
+      "mtllib x.mtl\n"
+      "o oak_floor\n"
+      "v -1 0 -1\nv -1 0 1\nv 0 0 1\nv 1 0 1\n"
+      "usemtl lit\nf 1 3 4\n"
+      "usemtl shadowed\nf 1 2 3\n"
+      "o mesh_2\n"
+      "v -1 2 -1\nv 1 2 1\nv 1 2 0.3333333333\nv 0.25 2 -1\n"
+      "usemtl lit\nf 5 6 7 8\n");
 }
 
 TEST(detail_export, what_rounding_tells_apart_is_one_vertex_and_what_is_smaller_is_left_out) {
