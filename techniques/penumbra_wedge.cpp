@@ -70,9 +70,9 @@ class PenumbraWedge final : public Technique {
   NumberedReceiver receiver(const GBuffer& gbuffer, std::size_t i) const {
     return built_->numbers().numbered(receiver_at(built_->scene(), gbuffer, i));
   }
-  /// Decides a group of pixels: in halves while many wedges hold some of them. The pixels of the level above come first.
-  void decide(const GBuffer& gbuffer, std::span<std::uint32_t> pixels, std::size_t level, PointQuery& query,
-              std::span<float> mask, Tally& tally) const;
+  /// Decides a group of pixels: in halves while many wedges hold some of them.
+  void decide(const GBuffer& gbuffer, std::span<std::uint32_t> pixels, PointQuery& query, std::span<float> mask,
+              Tally& tally) const;
   /// Asks for one pixel by itself: use(query, face).
   template <class Use>
   void ask(std::size_t index, const Use& use) const;
@@ -94,24 +94,24 @@ void PenumbraWedge::relight(const Light& light) {
   built_->find_triangles(outline_.silhouette, outline_.hull.box, outline_.crossing);
 }
 
-void PenumbraWedge::decide(const GBuffer& gbuffer, std::span<std::uint32_t> pixels, std::size_t level, PointQuery& query,
-                           std::span<float> mask, Tally& tally) const {
-  constexpr std::size_t few_wedges = 16, few_pixels = 4;
-  const PixelGroup group = group_of(gbuffer, pixels);
-  if (level == 0)
-    query.start(*built_, outline_, group);
-  else
-    query.narrow(level, group);
-  if (query.wedge_count() > few_wedges && pixels.size() > few_pixels) {
-    const auto [some, others] = halve(gbuffer, group.box, pixels);
-    decide(gbuffer, some, level + 1, query, mask, tally);
-    decide(gbuffer, others, level + 1, query, mask, tally);
-    return;
-  }
-  for (const std::uint32_t i : pixels) {
-    const LightFace face(light_, gbuffer.position(i), gbuffer.normal(i));
-    if (face.is_seen()) mask[i] = static_cast<float>(query.share(receiver(gbuffer, i), face, tally));
-  }
+void PenumbraWedge::decide(const GBuffer& gbuffer, std::span<std::uint32_t> pixels, PointQuery& query, std::span<float> mask,
+                           Tally& tally) const {
+  constexpr std::size_t few_wedges = 16;
+  for_narrow_groups(
+      gbuffer, pixels,
+      [&](std::size_t level, const PixelGroup& group) {
+        if (level == 0)
+          query.start(*built_, outline_, group);
+        else
+          query.narrow(level, group);
+        return query.wedge_count() > few_wedges;
+      },
+      [&](const PixelGroup&, std::span<const std::uint32_t> some) {
+        for (const std::uint32_t i : some) {
+          const LightFace face(light_, gbuffer.position(i), gbuffer.normal(i));
+          if (face.is_seen()) mask[i] = static_cast<float>(query.share(receiver(gbuffer, i), face, tally));
+        }
+      });
 }
 
 void PenumbraWedge::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
@@ -122,7 +122,7 @@ void PenumbraWedge::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   for_pixel_groups(
       gbuffer, [&](std::size_t i) { return is_asked(gbuffer, i); }, [&] { return pool_.borrow(); },
       [&](std::span<std::uint32_t> pixels, std::size_t tile, PointQuery& query) {
-        decide(gbuffer, pixels, 0, query, out, tallies[tile]);
+        decide(gbuffer, pixels, query, out, tallies[tile]);
       });
   tally_ = {};
   for (const Tally& tally : tallies) tally_ += tally;

@@ -78,9 +78,9 @@ class SoftVolume final : public Technique {
     const std::size_t x = i % gbuffer.width, y = i / gbuffer.width;
     return {pattern.value(), samples, places_seed(seed, pattern.is("interleaved") ? interleaved_set(x, y) : i)};
   }
-  /// Decides a group of pixels: in halves while they look at many edges. The pixels of the level above come first.
-  void decide(const GBuffer& gbuffer, std::span<std::uint32_t> pixels, std::size_t level, PointQuery& query,
-              std::span<float> mask, Tally& tally) const;
+  /// Decides a group of pixels: in halves while they look at many edges.
+  void decide(const GBuffer& gbuffer, std::span<std::uint32_t> pixels, PointQuery& query, std::span<float> mask,
+              Tally& tally) const;
   /// Asks for one pixel by itself: use(query, face).
   template <class Use>
   void ask(std::size_t index, const Use& use) const;
@@ -122,25 +122,26 @@ void SoftVolume::relight(const Light& light) {
   built_->find_triangles(lamp_.box, lamp_.crossing);
 }
 
-void SoftVolume::decide(const GBuffer& gbuffer, std::span<std::uint32_t> pixels, std::size_t level, PointQuery& query,
-                        std::span<float> mask, Tally& tally) const {
-  constexpr std::size_t few_edges = 64, few_pixels = 4;
-  const PixelGroup group = group_of(gbuffer, pixels);
-  if (level == 0)
-    query.start(*built_, lamp_, group);
-  else
-    query.narrow(level, group);
-  if (query.edge_count() > few_edges && pixels.size() > few_pixels) {
-    const auto [some, others] = halve(gbuffer, group.box, pixels);
-    decide(gbuffer, some, level + 1, query, mask, tally);
-    decide(gbuffer, others, level + 1, query, mask, tally);
-    return;
-  }
-  query.get_ready(group.box);
-  for (const std::uint32_t i : pixels) {
-    const LightFace face(light_, gbuffer.position(i), gbuffer.normal(i));
-    if (face.is_seen()) mask[i] = static_cast<float>(query.share(receiver(gbuffer, i), face, pattern_of(gbuffer, i), tally));
-  }
+void SoftVolume::decide(const GBuffer& gbuffer, std::span<std::uint32_t> pixels, PointQuery& query, std::span<float> mask,
+                        Tally& tally) const {
+  constexpr std::size_t few_edges = 64;
+  for_narrow_groups(
+      gbuffer, pixels,
+      [&](std::size_t level, const PixelGroup& group) {
+        if (level == 0)
+          query.start(*built_, lamp_, group);
+        else
+          query.narrow(level, group);
+        return query.edge_count() > few_edges;
+      },
+      [&](const PixelGroup& group, std::span<const std::uint32_t> some) {
+        query.get_ready(group.box);
+        for (const std::uint32_t i : some) {
+          const LightFace face(light_, gbuffer.position(i), gbuffer.normal(i));
+          if (face.is_seen())
+            mask[i] = static_cast<float>(query.share(receiver(gbuffer, i), face, pattern_of(gbuffer, i), tally));
+        }
+      });
 }
 
 void SoftVolume::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
@@ -151,7 +152,7 @@ void SoftVolume::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   for_pixel_groups(
       gbuffer, [&](std::size_t i) { return is_asked(gbuffer, i); }, [&] { return pool_.borrow(); },
       [&](std::span<std::uint32_t> pixels, std::size_t tile, PointQuery& query) {
-        decide(gbuffer, pixels, 0, query, out, tallies[tile]);
+        decide(gbuffer, pixels, query, out, tallies[tile]);
       });
   tally_ = {};
   for (const Tally& tally : tallies) tally_ += tally;

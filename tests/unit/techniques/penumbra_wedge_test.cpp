@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "area_lights.h"
 #include "hard_scenes.h"
 #include "techniques/penumbra_wedge/point_query.h"
 #include "techniques/questions.h"
@@ -17,25 +18,6 @@ namespace gnomon {
 namespace {
 
 using namespace penumbra_wedge;
-
-Light rect(const glm::vec3& center, const glm::vec3& half_u, const glm::vec3& half_v, Emits emits = Emits::on_both_sides) {
-  return {.name = "rect", .kind = RectLight{center, half_u, half_v, emits}};
-}
-Light disc(const glm::vec3& center, const glm::vec3& normal, float radius) {
-  return {.name = "disc", .kind = DiscLight{center, normal, radius}};
-}
-Light sphere(const glm::vec3& center, float radius) { return {.name = "sphere", .kind = SphereLight{center, radius}}; }
-
-/// Each kind, above the scene and among the casters of -2 .. 2, larger and smaller than they are.
-Light random_light(Random& random) {
-  const glm::vec3 center(random.below(2) ? random.uniform({-3, 3, -3}, {3, 6, 3})
-                                         : random.uniform(glm::dvec3(-2), glm::dvec3(2)));
-  const double size = std::pow(10.0, random.uniform(-2, 0.5));
-  if (random.below(3) == 0) return sphere(center, static_cast<float>(size));
-  const glm::vec3 u(size * small_world::direction_of(random)), v(size * small_world::direction_of(random));
-  if (random.below(2)) return disc(center, u, static_cast<float>(size));
-  return rect(center, u, v, random.below(4) ? Emits::on_both_sides : Emits::in_front);
-}
 
 /// Open and closed casters, on a grid or not: soups, boxes that lack faces or have some twice, cycles, fans, a floor.
 Scene random_scene(int round, Random& random) {

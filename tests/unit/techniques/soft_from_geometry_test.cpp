@@ -1,6 +1,7 @@
 // What every technique must say that finds soft shadows from geometry, of lights and casters that stand in each other's way.
 #include <gtest/gtest.h>
 
+#include "area_lights.h"
 #include "device/context.h"
 #include "hand_made.h"
 #include "small_world.h"
@@ -29,14 +30,6 @@ class SoftFromGeometry : public testing::TestWithParam<const char*> {
     return mask.read()[0];
   }
 };
-
-Light rect(const glm::vec3& center, const glm::vec3& half_u, const glm::vec3& half_v) {
-  return {.name = "rect", .kind = RectLight{center, half_u, half_v}};
-}
-Light disc(const glm::vec3& center, const glm::vec3& normal, float radius) {
-  return {.name = "disc", .kind = DiscLight{center, normal, radius}};
-}
-Light sphere(const glm::vec3& center, float radius) { return {.name = "sphere", .kind = SphereLight{center, radius}}; }
 
 TEST_P(SoftFromGeometry, a_light_in_a_closed_mesh_is_hidden_and_one_whose_mesh_is_open_below_is_seen) {
   const Mesh closed = small_world::box({-2, 2, -2}, {2, 4, 2});

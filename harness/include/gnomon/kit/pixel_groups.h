@@ -26,6 +26,19 @@ PixelGroup group_of(const GBuffer& gbuffer, std::span<const std::uint32_t> pixel
 std::pair<std::span<std::uint32_t>, std::span<std::uint32_t>> halve(const GBuffer& gbuffer, const Bounds& box,
                                                                     std::span<std::uint32_t> pixels);
 
+/// Halves pixels as long as narrow(level, group) says that there is too much to ask about each of them: levels count halvings
+/// from 0, and the group of the level above was narrowed last. Then use(group, pixels).
+template <class Narrow, class Use>
+void for_narrow_groups(const GBuffer& gbuffer, std::span<std::uint32_t> pixels, const Narrow& narrow, const Use& use,
+                       std::size_t level = 0) {
+  constexpr std::size_t few_pixels = 4;
+  const PixelGroup group = group_of(gbuffer, pixels);
+  if (!narrow(level, group) || pixels.size() <= few_pixels) return use(group, pixels);
+  const auto [some, others] = halve(gbuffer, group.box, pixels);
+  for_narrow_groups(gbuffer, some, narrow, use, level + 1);
+  for_narrow_groups(gbuffer, others, narrow, use, level + 1);
+}
+
 inline constexpr int tile_side = 16;
 /// Tiles of 16 x 16 pixels in a picture.
 std::size_t tile_count(const GBuffer& gbuffer);
