@@ -47,7 +47,7 @@ void run_task(benchmark::State& state, TimingTask& task) {
 
 }  // namespace
 
-int iterations_for(double ms) { return std::clamp(static_cast<int>(1 / std::max(ms, 1e-3)), 1, 50); }
+int iterations_for(double ms) { return std::clamp(static_cast<int>(2 / std::max(ms, 1e-3)), 1, 50); }
 
 void time_interleaved(std::vector<TimingTask>& tasks) {
   [[maybe_unused]] static const bool is_initialized = [] {

@@ -20,7 +20,7 @@ struct TimingTask {
   std::string failure;                      ///< out: why there are no more samples
 };
 
-/// Iterations of a repetition of a stage that takes `ms`: as many as take a millisecond together, 1 .. 50.
+/// Iterations of a repetition of a stage that takes `ms`: as many as take two milliseconds together, 1 .. 50.
 int iterations_for(double ms);
 
 /// Times all tasks with Google Benchmark, repetitions of different tasks interleaved at random. Times are manual: what the

@@ -44,11 +44,12 @@ TEST(timing, a_sample_is_the_mean_of_its_iterations_as_the_task_reports_them) {
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(tasks[0].samples[k], 2.5 + 4 * k, 1e-9);
 }
 
-TEST(timing, short_stages_are_repeated_for_a_millisecond_up_to_50_times) {
+TEST(timing, short_stages_are_repeated_for_two_milliseconds_up_to_50_times) {
   EXPECT_EQ(iterations_for(0), 50);
   EXPECT_EQ(iterations_for(0.01), 50);
-  EXPECT_EQ(iterations_for(0.125), 8);
-  EXPECT_EQ(iterations_for(0.6), 1);
+  EXPECT_EQ(iterations_for(0.125), 16);
+  EXPECT_EQ(iterations_for(0.6), 3);
+  EXPECT_EQ(iterations_for(1.1), 1);
   EXPECT_EQ(iterations_for(1e6), 1);
 }
 
