@@ -8,7 +8,7 @@ namespace gnomon {
 std::vector<std::string> InnerTechnique::ids() const {
   std::vector<std::string> all;
   for (const TechniqueEntry& entry : registry().techniques())
-    if (why_not_(entry).empty()) all.push_back(entry.id);
+    if (!entry.about.named_only && why_not_(entry).empty()) all.push_back(entry.id);
   return all;
 }
 

@@ -27,6 +27,8 @@ class Technique:
 
     `self.settings` holds the parameters by name (`self.settings.samples`), `self.counts` what was counted: {"rays": 12} or
     {"bytes": (1024, "byte")}; without it `bytes` are those of the arrays that the object keeps. `self.threads` is how many cores it may use.
+    `self.folder` is for files that go with the process; in `self.maker` may be said what makes the masks: "POV-Ray 3.7.0.10".
+    A stage takes what its method takes, or the milliseconds that the method leaves in `self.ms`, where another program did the work.
     """
 
     def setup(self):
@@ -144,16 +146,16 @@ def _held_bytes(value, seen):
 
 class _Server:
     def __init__(self, make):
-        self.make, self.technique, self.threads = make, None, 1
+        self.make, self.technique, self.threads, self.folder = make, None, 1, None
 
     def fresh(self):
         self.technique = self.make()
-        self.technique.counts, self.technique.threads = {}, self.threads
+        self.technique.counts, self.technique.threads, self.technique.folder, self.technique.maker = {}, self.threads, self.folder, ""
 
     def answer(self, request):
         doing = request["do"]
         if doing == "hello":
-            self.threads = request["threads"]
+            self.threads, self.folder = request["threads"], request["folder"]
             self.fresh()
             return {"protocol": PROTOCOL}
         technique = self.technique
@@ -165,13 +167,14 @@ class _Server:
         if doing == "explain":
             return {"explanations": technique.explain(request["pixels"])}
         given, mask = self.given(doing, request)
+        technique.ms = None
         start = time.perf_counter()
         getattr(technique, doing)(*given)
         if mask is not None:
             del given
-        answer = {"ms": 1000 * (time.perf_counter() - start)}
+        answer = {"ms": 1000 * (time.perf_counter() - start) if technique.ms is None else technique.ms}
         held = {"bytes": (_held_bytes(technique, set()), "byte")} if doing == "resolve" else {}
-        return answer | {"counts": _counts(held | technique.counts)}
+        return answer | {"counts": _counts(held | technique.counts)} | ({"maker": technique.maker} if technique.maker else {})
 
     @staticmethod
     def given(doing, request):

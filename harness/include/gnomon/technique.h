@@ -148,6 +148,7 @@ struct About {
   /// The edges of its shadows are those of polygons that a rasterizer draws in the picture's pixels, snapped to its grid.
   bool rasterizes = false;
   std::span<const OwnCause> causes = {};  ///< of its own
+  bool named_only = false;  ///< not among what `*` stands for: an engine, which runs only where it is asked for by name
 };
 
 /// A shadow technique. Life: construct (no work), set parameters, then setup, build, relight, resolve in this order; each
@@ -175,6 +176,9 @@ class Technique : public Parametrized {
   /// Milliseconds of the last stage by the technique's own clock, where what it does runs elsewhere: these count then, and the
   /// harness's own clock stands beside them. Nothing: the harness's counts.
   virtual std::optional<double> own_ms() const { return std::nullopt; }
+  /// Name and version of what makes the masks, where that is not this program: "three.js r187". Known after setup; records
+  /// have it. Empty: nothing else.
+  virtual std::string maker() const { return ""; }
   /// Why pixel `index` of the last resolve got its answer; nothing when the technique has no samples to show. Untimed.
   virtual std::optional<Explanation> explain([[maybe_unused]] std::size_t index) const { return std::nullopt; }
   /// The same of many pixels, in their order: for techniques to which one question costs as much as a thousand.

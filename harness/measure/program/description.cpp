@@ -6,7 +6,9 @@
 #include <map>
 #include <mutex>
 #include <ranges>
+#include <set>
 
+#include "measure/paths.h"
 #include "measure/program/program_process.h"
 #include "measure/scene/toml_table.h"
 
@@ -151,8 +153,8 @@ bool is_program(const fs::path& file) {
 }
 
 bool is_in_path(const std::string& program) {
-  const char* const path = std::getenv("PATH");
-  for (std::string_view rest = path ? path : "/usr/bin:/bin"; !rest.empty();) {
+  const std::string path = search_path();
+  for (std::string_view rest = path; !rest.empty();) {
     const std::size_t end = rest.find(':');
     if (is_program(fs::path(rest.substr(0, end)) / program)) return true;
     rest = end == rest.npos ? std::string_view() : rest.substr(end + 1);
@@ -166,7 +168,8 @@ std::shared_ptr<const ProgramDescription> read_program(const fs::path& file) {
   const toml::table toml = read_toml("program " + file.string(), file);
   const Table table(toml, file, "program", {"title",  "summary",     "source",  "error", "fails",     "command", "stages",
                                             "lights", "approximate", "promise", "sees",  "estimates", "role",    "answers",
-                                            "scene",  "gbuffer",     "mask",    "need",  "parameter", "cause",   "rasterizes"});
+                                            "scene",  "gbuffer",     "mask",    "need",  "parameter", "cause",   "rasterizes",
+                                            "named_only"});
   auto made = std::make_shared<ProgramDescription>();
   ProgramDescription& d = *made;
   d.file = file;
@@ -214,7 +217,13 @@ std::shared_ptr<const ProgramDescription> read_program(const fs::path& file) {
   for (const ProgramCause& cause : d.causes) d.cause_rows.push_back({cause.id, cause.sentence, cause.color});
   d.about.causes = d.cause_rows;
   d.about.rasterizes = table.flag("rasterizes", false);
+  d.about.named_only = table.flag("named_only", false);
   return made;
+}
+
+std::string search_path() {
+  const char* const path = std::getenv("PATH");
+  return fmt::format("{}:{}", program_path().parent_path().string(), path ? path : "/usr/bin:/bin");
 }
 
 std::vector<fs::path> program_files(const ProgramDescription& d) {
@@ -224,6 +233,10 @@ std::vector<fs::path> program_files(const ProgramDescription& d) {
     const fs::path file = d.file.parent_path() / word;
     if (fs::is_regular_file(file, ignored)) files.push_back(file);
   }
+  std::set<fs::path> own;  // of its folder, where it has one
+  for (const fs::directory_entry& entry : fs::directory_iterator(fs::path(d.file).replace_extension(), ignored))
+    if (entry.is_regular_file(ignored) && std::ranges::find(files, entry.path()) == files.end()) own.insert(entry.path());
+  files.insert(files.end(), own.begin(), own.end());
   return files;
 }
 

@@ -66,8 +66,12 @@ struct ProgramDescription {
 /// Reads and checks it. Throws Error with file and line.
 std::shared_ptr<const ProgramDescription> read_program(const std::filesystem::path& file);
 
-/// What it is made of: its description, and those words of its command that are files where it runs.
+/// What it is made of: its description, those words of its command that are files where it runs, and the files of the folder
+/// ID beside ID.toml.
 std::vector<std::filesystem::path> program_files(const ProgramDescription& description);
+
+/// Where programs are looked for: beside this one, then in PATH.
+std::string search_path();
 
 /// Which of its needs this machine lacks, in words with the way to get them; empty: none. Looked up once in a process.
 std::string missing_needs(const ProgramDescription& description);

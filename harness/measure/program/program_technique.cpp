@@ -48,6 +48,7 @@ class ProgramTechnique final : public Technique {
   void setup() override {
     program_.reset();
     stage_counts_ = {};
+    maker_.clear();
     program_.emplace(*d_);
     tell(Stage::setup, {});
   }
@@ -76,6 +77,7 @@ class ProgramTechnique final : public Technique {
     return all;
   }
   std::optional<double> own_ms() const override { return own_ms_; }
+  std::string maker() const override { return maker_; }
 
   std::optional<Explanation> explain(std::size_t index) const override {
     return explain_all(std::vector{static_cast<std::uint32_t>(index)}).at(0);
@@ -105,7 +107,9 @@ class ProgramTechnique final : public Technique {
     explicit Running(const ProgramDescription& d)
         : inputs(d),
           process(d.command, fs::absolute(d.file).parent_path(),
-                  {{"PYTHONPATH", python_folder().string()}, {"PYTHONDONTWRITEBYTECODE", "1"}}) {
+                  {{"PYTHONPATH", python_folder().string()},
+                   {"PYTHONDONTWRITEBYTECODE", "1"},
+                   {"PATH", search_path()}}) {
       const Json answer = process.ask(json_object({{"do", "hello"},
                                                    {"protocol", program_protocol},
                                                    {"technique", d.id},
@@ -169,8 +173,11 @@ class ProgramTechnique final : public Technique {
         own_ms_ = value.get<double>();
       } else if (key == "counts") {
         stage_counts_[static_cast<std::size_t>(stage)] = counts_from(value);
+      } else if (key == "maker") {
+        if (!value.is_string()) throw Error("maker = {}; a text is wanted", json_text(value));
+        maker_ = value;
       } else {
-        throw Error("{} was answered with the key {}; it may have: ms, counts", name(stage), key);
+        throw Error("{} was answered with the key {}; it may have: ms, counts, maker", name(stage), key);
       }
     }
   }
@@ -209,6 +216,7 @@ class ProgramTechnique final : public Technique {
   mutable std::optional<Running> program_;
   std::array<Counts, 4> stage_counts_;
   std::optional<double> own_ms_;
+  std::string maker_;
 };
 
 }  // namespace

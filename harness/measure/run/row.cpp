@@ -109,6 +109,7 @@ std::vector<Answer> ContenderWorker::answers(Record* record) {
   for (const Count& c : record->counts)
     if (c.name == "bytes") record->bytes = static_cast<std::uint64_t>(c.value);
   record->peak_bytes = reply.peak_bytes;
+  if (!reply.maker.empty()) record->context["plugin"]["maker"] = reply.maker;
   return answers;
 }
 

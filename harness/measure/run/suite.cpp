@@ -142,7 +142,8 @@ std::vector<Contender> parse_contenders(const std::string& text, const std::stri
   if (text == "*") {
     if (!label.empty()) throw Error("label {} would name every technique", label);
     std::vector<Contender> all;
-    for (const TechniqueEntry& entry : registry().techniques()) all.push_back({entry.id, "", "", true});
+    for (const TechniqueEntry& entry : registry().techniques())
+      if (!entry.about.named_only) all.push_back({entry.id, "", "", true});
     return all;
   }
   const std::vector<std::string> plain = expand_braces(text);

@@ -105,7 +105,7 @@ bool write_line(int socket, const std::string& line);
 ///   {"do": "time", "stage": NAME, "iterations": N}                          -> {"ms": t, "iterations": n, "device_ms": t,
 ///   "harness_ms": t}
 ///   {"do": "bring_up", "stage": NAME}                                       -> {}          all stages up to this one, once
-///   {"do": "answer", "mask": FILE}                                          -> {"counts": [...], "peak_bytes": n}
+///   {"do": "answer", "mask": FILE}                                          -> {"counts": [...], "peak_bytes": n, "maker": ""}
 ///   {"do": "mask", "mask": FILE}                                            -> {}          the mask without counting
 ///   {"do": "explain", "pixels": FILE, "out": FILE}                          -> {"explained": bool}
 ///   {"do": "debug", "layer": NAME, "out": FILE}                             -> {}

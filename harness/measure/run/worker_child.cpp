@@ -246,7 +246,7 @@ class TechniqueServer {
       if (!std::isfinite(c.value)) throw Error("count {} is {}", c.name, c.value);
       counts.push_back(json_object({{"name", c.name}, {"value", c.value}, {"unit", c.unit}}));
     }
-    return json_object({{"counts", counts}, {"peak_bytes", peak}});
+    return json_object({{"counts", counts}, {"peak_bytes", peak}, {"maker", (*objects_)[0].maker()}});
   }
 
   /// Asks the technique about the listed pixels (uint32 indices) and writes its explanations.

@@ -181,7 +181,7 @@ std::vector<float> WorkerClient::mask() {
 MaskReply WorkerClient::answer() {
   bring_up(Stage::resolve);
   return ask(json_object({{"do", "answer"}, {"mask", file("mask").string()}}), [&](const Json& reply) {
-    MaskReply result{read_mask_file(file("mask"), pixel_count_, light_count_), {}, 0};
+    MaskReply result{read_mask_file(file("mask"), pixel_count_, light_count_), {}, 0, reply.value("maker", "")};
     for (const Json& count : reply.at("counts"))
       result.counts.push_back({count.at("name"), count.at("value"), count.at("unit")});
     const double peak_bytes = reply.at("peak_bytes");

@@ -1,0 +1,177 @@
+"""Engines that draw frames as shadow techniques, for Gnomon: what adapters of rasterizing engines share. See docs/engines.md.
+
+An engine gives no mask, but pictures. Every surface is white, nothing but the light shines, and all normals point to it, so that
+a lit surface has one brightness; the mask is the ratio of the frame with shadows to the frame without. The time of a resolve is
+that of the frame with shadows, as the engine's user waits for it; the count `plain_frame` has that of the frame without.
+"""
+
+import atexit
+import ctypes
+import json
+import os
+import re
+import signal
+import subprocess
+import time
+from statistics import median
+
+import numpy as np
+from gnomon_technique import Technique
+
+_END_WITH_PARENT = 1  # of prctl: PR_SET_PDEATHSIG
+
+
+def _end_with_parent():
+    ctypes.CDLL(None).prctl(_END_WITH_PARENT, signal.SIGKILL)
+
+
+def _end(process):
+    """Ends a process that this one started, by its id, and waits for its end."""
+    if process.poll() is not None:
+        return
+    process.terminate()
+    try:
+        process.wait(5)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+
+
+def start_display(patience=20):
+    """An X server of its own, without a screen that one sees: its name for DISPLAY, ":7". It ends with this process."""
+    reader, writer = os.pipe()
+    command = ["Xvfb", "-displayfd", str(writer), "-screen", "0", "1920x1080x24", "-nolisten", "tcp", "-noreset"]
+    server = subprocess.Popen(command, pass_fds=[writer], stdin=subprocess.DEVNULL, stdout=2, preexec_fn=_end_with_parent)
+    atexit.register(_end, server)
+    os.close(writer)
+    with os.fdopen(reader, encoding="ascii") as named:
+        os.set_blocking(named.fileno(), False)
+        end, said = time.monotonic() + patience, ""
+        while not said.endswith("\n"):
+            if server.poll() is not None or time.monotonic() > end:
+                raise RuntimeError(f"Xvfb opened no display: {said or 'it said nothing'}")
+            said += named.read() or ""
+            time.sleep(0.01)
+    return ":" + said.strip()
+
+
+class Child:
+    """A renderer in a process of its own. It reads lines of JSON on standard input and answers each by one line on the file
+    descriptor that the variable GNOMON_ANSWERS names: what it prints cannot come between. It ends with this process."""
+
+    def __init__(self, name, command, **environment):
+        self.name = name
+        reader, writer = os.pipe()
+        self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=2, pass_fds=[writer], text=True, encoding="utf-8",
+                                        preexec_fn=_end_with_parent, env=dict(os.environ, GNOMON_ANSWERS=str(writer), **environment))
+        os.close(writer)
+        self.answers = os.fdopen(reader, encoding="utf-8")
+        atexit.register(_end, self.process)
+
+    def ask(self, **request):
+        """The answer to a request; RuntimeError where it has the key "error", is no line of JSON, or the renderer has ended."""
+        try:
+            self.process.stdin.write(json.dumps(request) + "\n")
+            self.process.stdin.flush()
+        except BrokenPipeError:
+            pass  # the end of its answers tells
+        line = self.answers.readline()
+        if not line.endswith("\n"):
+            raise RuntimeError(f"{self.name} ended ({self.process.wait()}) when it was to answer {request['do']}")
+        try:
+            answer = json.loads(line)
+        except ValueError:
+            raise RuntimeError(f"{self.name} answered {request['do']} with no JSON: {line.strip()[:80]}") from None
+        if "error" in answer:
+            raise RuntimeError(answer["error"])
+        return answer
+
+    def end(self):
+        _end(self.process)
+
+
+def version_of(command, pattern):
+    """The first match of `pattern`'s group in what a command prints, or ""."""
+    done = subprocess.run(command, capture_output=True, stdin=subprocess.DEVNULL, text=True, errors="replace", timeout=60, check=False)
+    found = re.search(pattern, done.stdout + done.stderr)
+    return found[1] if found else ""
+
+
+def require_version(name, found, wanted):
+    """RuntimeError unless version `found` is `wanted` or begins with it: (1.12.10, 1.12)."""
+    if found != wanted and not found.startswith(wanted + "."):
+        raise RuntimeError(f"{name} {found or 'of unknown version'} is here; the adapter is made for {wanted}")
+
+
+class Camera:
+    """Of a view: `eye`, unit vectors `right`, `up`, `forward`, `fov_y_degrees`, `aspect`, and planes `near` and `far` that hold all of a scene."""
+
+    def __init__(self, view, width, height, corners):
+        self.eye = view.eye
+        self.forward = (view.target - view.eye) / np.linalg.norm(view.target - view.eye)
+        self.right = np.cross(self.forward, view.up)
+        self.right /= np.linalg.norm(self.right)
+        self.up = np.cross(self.right, self.forward)
+        self.fov_y_degrees, self.aspect = view.fov_y_degrees, width / height
+        depth = (corners.reshape(-1, 3) - self.eye) @ self.forward
+        self.far = 1.01 * max(depth.max(initial=0), 1e-3)
+        ahead = depth[depth > 0]
+        self.near = max(0.99 * depth.min(initial=self.far), 1e-3 * self.far) if len(ahead) == depth.size else 1e-3 * self.far
+
+
+class Engine(Technique):
+    """What an adapter of an engine derives from; it gives the methods below that raise NotImplementedError.
+
+    Geometry is `self.corners` (triangles x 3 x 3, float32, world space), `self.casts` and `self.receives` (of each triangle) and
+    `self.ranges` (first and end triangle of each mesh); `self.light` is the light, `self.to_light` (triangles x 3 x 3, float32)
+    the unit vectors to it, which serve as normals.
+    """
+
+    needs_display = False  # True: it draws to a window; `self.display` is a name for DISPLAY then
+
+    def start(self):
+        """Starts the engine, once, and refuses one of another version."""
+        raise NotImplementedError
+
+    def load(self, scene):
+        """Takes the geometry."""
+        raise NotImplementedError
+
+    def place_light(self, light):
+        """Takes light and normals."""
+        raise NotImplementedError
+
+    def frame(self, camera, width, height, shadows):
+        """Draws a frame, with shadows or without, and ends it: its brightness, height x width, 0 .. 1 or 0 .. 255, and the
+        milliseconds that it took, without reading it back. With shadows all that the engine draws for them counts."""
+        raise NotImplementedError
+
+    def setup(self):
+        self.display = start_display() if self.needs_display else None
+        if self.display:
+            os.environ.update(DISPLAY=self.display, LIBGL_ALWAYS_SOFTWARE="1")
+        self.plain_ms = []
+        self.start()
+
+    def build(self, scene):
+        self.corners = np.ascontiguousarray(scene.position[scene.triangle], np.float32)
+        self.casts = np.array([mesh.casts for mesh in scene.meshes], bool)[scene.mesh]
+        self.receives = np.array([mesh.receives for mesh in scene.meshes], bool)[scene.mesh]
+        self.ranges = [(mesh.first_triangle, mesh.first_triangle + mesh.triangles) for mesh in scene.meshes]
+        self.load(scene)
+
+    def relight(self, light):
+        self.light = light
+        away = -np.asarray(light.direction) if light.kind == "directional" else light.position - self.corners.astype(float)
+        way = np.broadcast_to(away, self.corners.shape)
+        self.to_light = (way / np.maximum(np.linalg.norm(way, axis=-1, keepdims=True), 1e-30)).astype(np.float32)
+        self.place_light(light)
+
+    def resolve(self, gbuffer, mask):
+        camera = Camera(gbuffer.view, gbuffer.width, gbuffer.height, self.corners)
+        lit, self.ms = self.frame(camera, gbuffer.width, gbuffer.height, shadows=True)
+        full, plain_ms = self.frame(camera, gbuffer.width, gbuffer.height, shadows=False)
+        self.plain_ms.append(plain_ms)
+        self.counts["plain_frame"] = (median(self.plain_ms), "ms")
+        full = np.asarray(full, float)
+        mask[...] = np.where(full > 0, np.clip(lit / np.maximum(full, 1e-30), 0, 1), 1)

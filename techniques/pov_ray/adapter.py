@@ -1,0 +1,45 @@
+"""POV-Ray as a shadow technique: a run of povray for each picture; see pov_scene.py for how its picture is the mask.
+
+The time of a resolve is what POV-Ray says that it traced for; reading the scene, which it does in each run, is the count `parse`.
+"""
+
+from gnomon_engine import require_version, version_of
+from gnomon_technique import Technique, serve
+from pov_scene import SETTINGS, camera, light_source, meshes_text, render
+
+
+class PovRay(Technique):
+    def setup(self):
+        version = version_of(["povray", "--version"], r"POV-Ray ([0-9.]+[0-9])")
+        require_version("POV-Ray", version, "3.7")
+        self.maker = f"POV-Ray {version}"
+
+    def build(self, scene):
+        self.corners = scene.corners(casters_only=False)
+        self.meshes = [vars(mesh) for mesh in scene.meshes]
+        self.texts = {}
+
+    def relight(self, light):
+        self.light, self.plain = vars(light), None
+
+    def run(self, gbuffer, shadows):
+        curved = gbuffer.truth == "shape"
+        if curved not in self.texts:
+            self.texts[curved] = meshes_text(self.meshes, self.corners, curved)
+        text = SETTINGS + camera(vars(gbuffer.view), gbuffer.width, gbuffer.height)
+        if len(self.corners):
+            text += light_source(self.light, self.corners, self.settings.grid, shadows) + self.texts[curved]
+        return render(text, gbuffer.width, gbuffer.height, self.folder, self.threads)
+
+    def resolve(self, gbuffer, mask):
+        done = self.run(gbuffer, True)
+        if self.plain is None:
+            self.plain = self.run(gbuffer, False).trace_ms  # once for each light: it is beside the table's times
+        mask[...] = done.picture
+        if self.light["kind"] != "rect":
+            mask[...] = mask >= 0.5
+        self.ms = done.trace_ms
+        self.counts = {"plain_frame": (self.plain, "ms"), "parse": (done.parse_ms, "ms"), "shadow_rays": done.shadow_rays}
+
+
+serve(PovRay)

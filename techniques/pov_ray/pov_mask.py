@@ -1,0 +1,38 @@
+"""Has POV-Ray make the shadow mask of a frame that `gnomon export` wrote.
+
+usage: python3 pov_mask.py FOLDER LIGHT MASK.pgm
+FOLDER is what `gnomon export --out` wrote, LIGHT the name of a point, spot or directional light in it. The mask is white where POV-Ray
+sees light, black in shadow, on surfaces turned away and on the background. Prints the seconds that POV-Ray took.
+Needs numpy and POV-Ray 3.7 (Debian: python3-numpy, povray), and pov_scene.py beside it.
+"""
+
+import json
+import os
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from pov_scene import SETTINGS, camera, light_source, meshes_text, render
+
+
+def main(folder, name, mask):
+    frame, scene = (json.loads((folder / file).read_text()) for file in ("frame.json", "scene.json"))
+    light = next((light for light in frame["lights"] if light["name"] == name), None)
+    if not light:
+        sys.exit(f"light = {name} is not in {folder}; it has: {', '.join(light['name'] for light in frame['lights'])}")
+    arrays = {name: np.load(folder / array["file"]) for name, array in scene["arrays"].items()}
+    corners = arrays["position"].astype(float)[arrays["triangle"]]
+    width, height = frame["width"], frame["height"]
+    text = (SETTINGS + camera(frame["view"], width, height) + light_source(light, corners) +
+            meshes_text(scene["meshes"], corners, frame["truth"] == "shape"))
+    with tempfile.TemporaryDirectory() as place:
+        lit = render(text, width, height, place, os.cpu_count())
+    mask.write_bytes(b"P5 %d %d 255\n" % (width, height) + np.where(lit.picture >= 0.5, 255, 0).astype("u1").tobytes())
+    print(f"{lit.trace_ms / 1000:.2f} s")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 4:
+        sys.exit(__doc__.strip())
+    main(Path(sys.argv[1]), sys.argv[2], Path(sys.argv[3]))

@@ -1,0 +1,117 @@
+"""Scenes of Gnomon as text for POV-Ray, and the pictures that it renders of them.
+
+Everything is white and reflects without a cosine (brilliance 0), so the brightness of a pixel is the share of the light that it sees:
+the picture is the mask. Needs numpy and POV-Ray 3.7.
+"""
+
+import re
+import subprocess
+from collections import namedtuple
+from pathlib import Path
+
+import numpy as np
+
+SCALE = 100  # POV-Ray ignores blockers nearer than 1e-3 of its units to the lit point: 10 micrometers, where a meter is 100 units
+SETTINGS = """#version 3.7;
+global_settings { assumed_gamma 1 max_trace_level 1 }
+background { rgb 0 }
+#default { texture { pigment { rgb 1 } finish { ambient 0 emission 0 diffuse 1 brilliance 0 phong 0 specular 0 } } }
+"""
+Rendering = namedtuple("Rendering", "picture trace_ms parse_ms shadow_rays")  # brightness, height x width, 0 .. 1
+
+
+def numbers(values):
+    """As the scene has them: float32, whose shortest decimals JSON shows."""
+    return np.asarray(values, np.float32).astype(float)
+
+
+def vector(v):
+    return "<" + ", ".join(f"{x:.17g}" for x in v) + ">"
+
+
+def place(point):
+    return vector(SCALE * numbers(point))
+
+
+def length(value):
+    return f"{SCALE * float(np.float32(value)):.17g}"
+
+
+def camera(view, width, height):
+    """POV-Ray keeps direction, right and up as they are where there is no look_at, so its left-handed world mirrors nothing."""
+    eye, up = numbers(view["eye"]), numbers(view["up"])
+    forward = numbers(view["target"]) - eye
+    forward /= np.linalg.norm(forward)
+    right = np.cross(forward, up)
+    right /= np.linalg.norm(right)
+    tall = 2 * np.tan(np.radians(numbers(view["fov_y_degrees"])) / 2)
+    up = np.cross(right, forward) * tall
+    right *= tall * width / height
+    return f"camera {{ perspective location {vector(SCALE * eye)} right {vector(right)} up {vector(up)} direction {vector(forward)} }}\n"
+
+
+def light_source(light, corners, grid=1, shadows=True):
+    """Of a rectangle, a grid of `grid` x `grid` points, each in the middle of its share: POV-Ray puts the outer ones on the
+    ends of the axes that it is given, so these are shorter than the sides."""
+    end = " rgb 1 " + ("" if shadows else "shadowless ")
+    if light["kind"] in ("point", "spot"):
+        return f"light_source {{ {place(light['position'])}{end}}}\n"
+    if light["kind"] == "rect":
+        sides = [vector(2 * SCALE * (grid - 1) / grid * numbers(light[half])) for half in ("half_u", "half_v")]
+        area = f"area_light {', '.join(sides)}, {grid}, {grid} " if grid > 1 else ""
+        return f"light_source {{ {place(light['center'])}{end}{area}}}\n"
+    if light["kind"] != "directional":
+        raise ValueError(f"light {light['name']} is a {light['kind']} light; one of point, spot, directional, rect is wanted")
+    low, high = corners.min((0, 1)), corners.max((0, 1))  # it shines from its plane on, which must lie outside the scene
+    way = numbers(light["direction"])
+    middle, far = (low + high) / 2, 10 * np.linalg.norm(high - low) / np.linalg.norm(way)
+    return f"light_source {{ {vector(SCALE * (middle - far * way))}{end}parallel point_at {vector(SCALE * middle)} }}\n"
+
+
+def curved_text(shape):
+    """Of a shape that POV-Ray has exactly; None for others."""
+    if shape["kind"] == "sphere":
+        return f"sphere {{ {place(shape['center'])}, {length(shape['radius'])}"
+    if shape["kind"] == "disc":
+        return f"disc {{ {place(shape['center'])}, {vector(numbers(shape['normal']))}, {length(shape['radius'])}"
+    if shape["kind"] == "cone":
+        axis, base = numbers(shape["axis"]), numbers(shape["base"])
+        peak = base + numbers(shape["height"]) * axis / np.linalg.norm(axis)
+        return f"cone {{ {vector(SCALE * base)}, {length(shape['radius'])}, {vector(SCALE * peak)}, 0"
+    return None
+
+
+def mesh_text(mesh, corners, curved):
+    """Loose triangles, because POV-Ray keeps them in double, but those of a mesh2 in float."""
+    end = " }\n" if mesh["casts"] else " no_shadow }\n"
+    shape = curved_text(mesh["shape"]) if curved and mesh["shape"] else None
+    if shape:
+        return shape + end
+    first = mesh["first_triangle"]
+    some = SCALE * corners[first:first + mesh["triangles"]]
+    some = some[np.linalg.norm(np.cross(some[:, 1] - some[:, 0], some[:, 2] - some[:, 0]), axis=-1) > 0]  # it warns of others
+    return "".join("triangle { " + ", ".join(map(vector, t)) + end for t in some)
+
+
+def meshes_text(meshes, corners, curved):
+    return "".join(mesh_text(mesh, corners, curved) for mesh in meshes)
+
+
+def render(text, width, height, folder, threads):
+    """Renders a scene in a folder, a ray through the center of each pixel."""
+    scene, picture = Path(folder, "scene.pov"), Path(folder, "scene.ppm")
+    scene.write_text(text)
+    options = ["+FP16", f"+W{width}", f"+H{height}", f"+WT{threads}", "-A", "-D", "File_Gamma=1", "-GD", "-GR", "-GW"]
+    done = subprocess.run(["povray", f"+I{scene}", f"+O{picture}", *options], cwd=folder, capture_output=True,
+                          stdin=subprocess.DEVNULL, text=True, errors="replace", check=False)
+    if done.returncode:
+        said = [line.strip() for line in (done.stdout + done.stderr).splitlines() if line.strip()]
+        why = next((line for line in said if "rror" in line), said[-1] if said else "it said nothing")
+        raise RuntimeError(f"povray ended with {done.returncode}: {why}")
+    seconds = dict(re.findall(r"(Parse|Trace) Time:.*\(([0-9.]+) seconds\)", done.stdout + done.stderr))
+    if set(seconds) != {"Parse", "Trace"}:
+        raise RuntimeError("povray says no times; the adapter is made for version 3.7")
+    rays = re.search(r"Shadow Ray Tests: +([0-9]+)", done.stdout + done.stderr)
+    pixels = np.frombuffer(picture.read_bytes()[-6 * width * height:], ">u2")  # behind a header of varying length
+    return Rendering(pixels.reshape(height, width, 3)[:, :, 1] / 65535, 1000 * float(seconds["Trace"]),
+                     1000 * float(seconds["Parse"]), int(rays[1]) if rays else 0)
