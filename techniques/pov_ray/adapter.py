@@ -3,9 +3,10 @@
 The time of a resolve is what POV-Ray says that it traced for; reading the scene, which it does in each run, is the count `parse`.
 """
 
+import numpy as np
 from gnomon_engine import require_version, version_of
 from gnomon_technique import Technique, serve
-from pov_scene import SETTINGS, camera, light_source, meshes_text, render
+from pov_scene import SETTINGS, camera, grid_points, light_source, meshes_text, render
 
 
 class PovRay(Technique):
@@ -31,13 +32,25 @@ class PovRay(Technique):
             text += light_source(self.light, self.corners, self.settings.grid, shadows) + self.texts[curved]
         return render(text, gbuffer.width, gbuffer.height, self.folder, self.threads)
 
+    def share_above(self, gbuffer):
+        """The share of the light's points above each pixel's horizon."""
+        count = np.zeros(gbuffer.mesh.shape)
+        normal = gbuffer.normal.astype(float)
+        height = np.einsum("ijk,ijk->ij", normal, gbuffer.position.astype(float))
+        points = grid_points(self.light, self.settings.grid)
+        for point in points:
+            count += normal @ point > height
+        return count / len(points)
+
     def resolve(self, gbuffer, mask):
         done = self.run(gbuffer, True)
         if self.plain is None:
             self.plain = self.run(gbuffer, False).trace_ms  # once for each light: it is beside the table's times
-        mask[...] = done.picture
-        if self.light["kind"] != "rect":
-            mask[...] = mask >= 0.5
+        if self.light["kind"] == "rect":
+            # what is below the horizon is hidden by the surface itself and counted by POV-Ray, but neither lit nor dark here
+            mask[...] = np.clip(done.picture / np.maximum(self.share_above(gbuffer), 1e-6) ** 2, 0, 1)
+        else:
+            mask[...] = done.picture >= 0.5
         self.ms = done.trace_ms
         self.counts = {"plain_frame": (self.plain, "ms"), "parse": (done.parse_ms, "ms"), "shadow_rays": done.shadow_rays}
 

@@ -51,14 +51,15 @@ def camera(view, width, height):
 
 
 def light_source(light, corners, grid=1, shadows=True):
-    """Of a rectangle, a grid of `grid` x `grid` points, each in the middle of its share: POV-Ray puts the outer ones on the
-    ends of the axes that it is given, so these are shorter than the sides."""
+    """Of a rectangle, a grid of points, each in the middle of its share (grid_points): POV-Ray puts the outer ones on the ends of
+    the axes that it is given, so these are shorter than the sides. A pixel's
+    brightness is the share of points that nothing hides times the share of points above its horizon."""
     end = " rgb 1 " + ("" if shadows else "shadowless ")
     if light["kind"] in ("point", "spot"):
         return f"light_source {{ {place(light['position'])}{end}}}\n"
     if light["kind"] == "rect":
         sides = [vector(2 * SCALE * (grid - 1) / grid * numbers(light[half])) for half in ("half_u", "half_v")]
-        area = f"area_light {', '.join(sides)}, {grid}, {grid} " if grid > 1 else ""
+        area = f"area_light {', '.join(sides)}, {grid}, {grid} area_illumination on " if grid > 1 else ""
         return f"light_source {{ {place(light['center'])}{end}{area}}}\n"
     if light["kind"] != "directional":
         raise ValueError(f"light {light['name']} is a {light['kind']} light; one of point, spot, directional, rect is wanted")
@@ -66,6 +67,13 @@ def light_source(light, corners, grid=1, shadows=True):
     way = numbers(light["direction"])
     middle, far = (low + high) / 2, 10 * np.linalg.norm(high - low) / np.linalg.norm(way)
     return f"light_source {{ {vector(SCALE * (middle - far * way))}{end}parallel point_at {vector(SCALE * middle)} }}\n"
+
+
+def grid_points(light, grid):
+    """Of a rectangle's grid, points x 3, in meters."""
+    along = (np.arange(grid) + 0.5) / grid * 2 - 1
+    u, v = (along[:, None] * numbers(light[half]) for half in ("half_u", "half_v"))
+    return numbers(light["center"]) + (u[:, None] + v[None]).reshape(-1, 3)
 
 
 def curved_text(shape):
