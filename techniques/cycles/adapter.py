@@ -1,0 +1,81 @@
+"""Blender's Cycles as a shadow technique: the mask is the ratio of a rendering with cast shadows to one without.
+
+A process of Blender runs beside this one and is told what to render (blender_side.py). Lights without area take one ray a pixel; lights
+with area take `samples` paths of one bounce, so what is estimated is the share of the irradiance. The time of a resolve is
+that of tracing the picture with shadows; what Blender does before it (taking the scene over, its tree) is the count `sync`.
+"""
+
+from pathlib import Path
+from statistics import median
+
+import numpy as np
+from gnomon_engine import Camera, Child, require_version
+from gnomon_technique import Technique, serve
+
+HARD = ("point", "spot", "directional")
+ENOUGH = 1e4  # of light: no float of a picture is then so small that it loses digits, and none overflows
+
+
+def basis(right, up, back, place):
+    """The matrix of a camera or light that looks along -z, with y up."""
+    return [[*row, where] for row, where in zip(np.column_stack((right, up, back)).tolist(), place)] + [[0, 0, 0, 1]]
+
+
+def looking(way, place):
+    """The same for a light that shines along `way`."""
+    back = -np.asarray(way, float) / np.linalg.norm(way)
+    right = np.cross(np.eye(3)[np.argmin(np.abs(back))], back)
+    right /= np.linalg.norm(right)
+    return basis(right, np.cross(back, right), back, place)
+
+
+class Cycles(Technique):
+    def setup(self):
+        command = ["blender", "-b", "--factory-startup", "-noaudio", "--python", str(Path(__file__).with_name("blender_side.py"))]
+        self.blender = Child("Blender", command)
+        version = self.blender.ask(do="start", folder=self.folder, threads=self.threads)["version"]
+        require_version("Blender", version, "3.4")
+        self.maker = f"Blender {version} (Cycles)"
+
+    def build(self, scene):
+        self.corners = scene.corners(casters_only=False).astype(np.float32)
+        np.save(Path(self.folder, "corners.npy"), self.corners)
+        meshes = [(mesh.first_triangle, mesh.triangles, mesh.casts) for mesh in scene.meshes]
+        self.blender.ask(do="build", corners=str(Path(self.folder, "corners.npy")), meshes=meshes)
+
+    def relight(self, light):
+        kind, size, sides = "POINT", (0, 0), 1
+        if light.kind == "directional":
+            kind, matrix = "SUN", looking(light.direction, (0, 0, 0))
+        elif light.kind in HARD:
+            matrix = looking((0, -1, 0), light.position)
+        else:
+            kind, sides = "AREA", 1 if light.one_sided else 2
+            if light.kind == "disc":
+                matrix, size = looking(light.normal, light.center), (2 * light.radius, None)
+            else:  # it shines along half_u x half_v
+                u, v = np.linalg.norm(light.half_u), np.linalg.norm(light.half_v)
+                back = -np.cross(light.half_u, light.half_v) / (u * v)
+                matrix, size = basis(-light.half_u / u, light.half_v / v, back, light.center), (2 * u, 2 * v)
+        far = np.linalg.norm(self.corners - light.center, axis=-1).max() if kind == "AREA" and len(self.corners) else 1
+        self.blender.ask(do="relight", kind=kind, power=ENOUGH * max(far, 1) ** 2 if kind != "SUN" else 1, matrix=matrix, size=size, sides=sides)
+        self.is_hard, self.plain = light.kind in HARD, []
+
+    def frame(self, gbuffer, shadows):
+        c = Camera(gbuffer.view, gbuffer.width, gbuffer.height, self.corners)
+        out = str(Path(self.folder, "frame.npy"))
+        done = self.blender.ask(do="frame", matrix=basis(c.right, c.up, -c.forward, c.eye), fov_y=float(np.radians(c.fov_y_degrees)),
+                                near=c.near, far=c.far, width=gbuffer.width, height=gbuffer.height, shadows=shadows, out=out,
+                                samples=1 if self.is_hard else self.settings.samples, seed=self.settings.seed)
+        return np.load(out).astype(float), done["trace_ms"], done["sync_ms"]
+
+    def resolve(self, gbuffer, mask):
+        lit, self.ms, sync = self.frame(gbuffer, True)
+        full, plain, _ = self.frame(gbuffer, False)
+        self.plain.append(plain)
+        share = np.where(full > 0, np.clip(lit / np.maximum(full, 1e-30), 0, 1), 1)
+        mask[...] = share >= 0.5 if self.is_hard else share
+        self.counts = {"plain_frame": (median(self.plain), "ms"), "sync": (sync, "ms")}
+
+
+serve(Cycles)

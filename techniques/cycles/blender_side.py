@@ -1,0 +1,157 @@
+"""Runs within Blender: takes scene, light and camera as lines of JSON, renders pictures with Cycles, and answers each line by one.
+
+Requests come on standard input, answers go to the file descriptor that the variable GNOMON_ANSWERS names.
+"""
+
+import json
+import os
+import sys
+import time
+import traceback
+from pathlib import Path
+
+import bpy
+import numpy as np
+from mathutils import Matrix, Vector
+
+
+class Renderer:
+    def __init__(self, folder, threads):
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        self.folder, self.scene, self.lights, self.objects = Path(folder), bpy.context.scene, [], []
+        self.scene.world = bpy.data.worlds.new("dark")
+        self.scene.world.use_nodes = False
+        self.scene.world.color = (0, 0, 0)
+        render, cycles = self.scene.render, self.scene.cycles
+        render.engine, cycles.device = "CYCLES", "CPU"
+        render.threads_mode, render.threads = "FIXED", threads
+        render.use_persistent_data = False  # kept data would keep an old light's flag for shadows
+        render.use_compositing = render.use_sequencer = False
+        cycles.max_bounces = 0
+        cycles.use_denoising = cycles.use_adaptive_sampling = False
+        cycles.light_sampling_threshold = 0
+        cycles.sample_clamp_direct = 0
+        cycles.pixel_filter_type, cycles.filter_width = "BOX", 0.01  # rays through the centers of pixels
+        render.image_settings.file_format, render.image_settings.color_depth = "OPEN_EXR", "32"
+        self.white = bpy.data.materials.new("white")
+        self.white.use_nodes = True
+        nodes = self.white.node_tree.nodes
+        nodes.clear()
+        diffuse, output = nodes.new("ShaderNodeBsdfDiffuse"), nodes.new("ShaderNodeOutputMaterial")
+        diffuse.inputs["Color"].default_value = (1, 1, 1, 1)
+        self.white.node_tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
+        camera = bpy.data.cameras.new("camera")
+        self.camera = bpy.data.objects.new("camera", camera)
+        self.scene.collection.objects.link(self.camera)
+        self.scene.camera = self.camera
+        self.steps = []  # when Blender told of each step of a render
+        bpy.app.handlers.render_stats.append(lambda *_: self.steps.append(time.perf_counter()))
+
+    def build(self, corners, meshes):
+        for item in self.objects:
+            bpy.data.meshes.remove(item.data)  # and the object with it
+        self.objects = []
+        corners = np.load(corners)
+        for first, count, casts in meshes:
+            points = corners[first:first + count].reshape(-1, 3)
+            if not count:
+                continue
+            mesh = bpy.data.meshes.new("mesh")
+            mesh.vertices.add(len(points))
+            mesh.vertices.foreach_set("co", points.ravel())
+            mesh.loops.add(len(points))
+            mesh.loops.foreach_set("vertex_index", np.arange(len(points), dtype=np.int32))
+            mesh.polygons.add(count)
+            mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * count, 3, dtype=np.int32))
+            mesh.polygons.foreach_set("loop_total", np.full(count, 3, np.int32))
+            mesh.update(calc_edges=True)
+            mesh.materials.append(self.white)
+            item = bpy.data.objects.new("mesh", mesh)
+            item.visible_shadow = casts
+            item.cycles.shadow_terminator_offset = item.cycles.shadow_terminator_geometry_offset = 0
+            self.scene.collection.objects.link(item)
+            self.objects.append(item)
+
+    def relight(self, kind, power, matrix, size, sides):
+        """`matrix`: 4 x 4, the light shines along its -z. `size`: full sizes along x and y; of a disc its diameter. `sides`: 1 or 2."""
+        for light in [item.data for item in self.scene.objects if item.type == "LIGHT"]:
+            bpy.data.lights.remove(light)
+        self.lights = []
+        for side in range(sides):
+            light = bpy.data.lights.new("light", kind)
+            light.energy = power
+            light.cycles.max_bounces = 0
+            light.cycles.use_multiple_importance_sampling = False
+            if kind == "AREA":
+                light.shape = "DISK" if size[1] is None else "RECTANGLE"
+                light.size = size[0]
+                if size[1] is not None:
+                    light.size_y = size[1]
+            elif kind == "SUN":
+                light.angle = 0
+            else:
+                light.shadow_soft_size = 0
+            item = bpy.data.objects.new("light", light)
+            item.matrix_world = Matrix(matrix) @ Matrix.Rotation(np.pi * side, 4, "X")
+            self.scene.collection.objects.link(item)
+            self.lights.append(light)
+
+    def frame(self, matrix, fov_y, near, far, width, height, samples, seed, shadows, out):
+        camera, render = self.camera.data, self.scene.render
+        self.camera.matrix_world = Matrix(matrix)
+        camera.sensor_fit, camera.lens_unit = "VERTICAL", "FOV"
+        camera.angle_y, camera.clip_start, camera.clip_end = fov_y, near, far
+        render.resolution_x, render.resolution_y, render.resolution_percentage = width, height, 100
+        self.scene.cycles.samples, self.scene.cycles.seed = samples, seed
+        for light in self.lights:
+            light.cycles.cast_shadow = light.use_shadow = shadows
+        said = self.render()
+        start, end = (next(when for line, when in said if words in line) for words in ("| Sample 0/", "| Finished"))
+        file = str(self.folder / "frame.exr")
+        bpy.data.images["Render Result"].save_render(file)
+        picture = bpy.data.images.load(file)
+        picture.colorspace_settings.name = "Non-Color"
+        pixels = np.empty(4 * width * height, np.float32)
+        picture.pixels.foreach_get(pixels)
+        bpy.data.images.remove(picture)
+        np.save(out, pixels.reshape(height, width, 4)[::-1, :, 1])
+        return {"trace_ms": 1000 * (end - start), "sync_ms": 1000 * (start - said[0][1])}
+
+    def render(self):
+        """Renders, and tells what Blender said of its steps and when: it prints each to standard output as it calls the handler."""
+        self.steps.clear()
+        place = self.folder / "steps.txt"
+        with open(place, "w", encoding="utf-8") as file:
+            before = os.dup(1)
+            os.dup2(file.fileno(), 1)
+            try:
+                bpy.ops.render.render()
+            finally:
+                os.dup2(before, 1)
+                os.close(before)
+        lines = [line for line in place.read_text(errors="replace").splitlines() if line.startswith("Fra:")]
+        if len(lines) > len(self.steps):
+            raise RuntimeError(f"Blender told of {len(self.steps)} steps and printed {len(lines)}")
+        return list(zip(lines, self.steps))
+
+
+def main():
+    renderer = None
+    with os.fdopen(int(os.environ["GNOMON_ANSWERS"]), "w", encoding="utf-8") as answers:
+        for line in sys.stdin:
+            request = json.loads(line)
+            doing = request.pop("do")
+            try:
+                if doing == "start":
+                    renderer = Renderer(**request)
+                    answer = {"version": bpy.app.version_string}
+                else:
+                    answer = getattr(renderer, doing)(**request) or {}
+            except Exception as problem:  # pylint: disable=broad-except
+                traceback.print_exc()
+                answer = {"error": f"{type(problem).__name__}: {problem}"}
+            answers.write(json.dumps(answer) + "\n")
+            answers.flush()
+
+
+main()
