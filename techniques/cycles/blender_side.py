@@ -31,7 +31,7 @@ class Renderer:
         cycles.use_denoising = cycles.use_adaptive_sampling = False
         cycles.light_sampling_threshold = 0
         cycles.sample_clamp_direct = 0
-        cycles.pixel_filter_type, cycles.filter_width = "BOX", 0.01  # rays through the centers of pixels
+        cycles.pixel_filter_type, cycles.filter_width = "BLACKMAN_HARRIS", 0.01  # rays through the centers of pixels; a box is always a pixel wide
         render.image_settings.file_format, render.image_settings.color_depth = "OPEN_EXR", "32"
         self.white = bpy.data.materials.new("white")
         self.white.use_nodes = True
