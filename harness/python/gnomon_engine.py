@@ -10,6 +10,7 @@ import ctypes
 import json
 import os
 import re
+import select
 import signal
 import subprocess
 import time
@@ -44,15 +45,15 @@ def start_display(patience=20):
     server = subprocess.Popen(command, pass_fds=[writer], stdin=subprocess.DEVNULL, stdout=2, preexec_fn=_end_with_parent)
     atexit.register(_end, server)
     os.close(writer)
-    with os.fdopen(reader, encoding="ascii") as named:
-        os.set_blocking(named.fileno(), False)
-        end, said = time.monotonic() + patience, ""
-        while not said.endswith("\n"):
-            if server.poll() is not None or time.monotonic() > end:
-                raise RuntimeError(f"Xvfb opened no display: {said or 'it said nothing'}")
-            said += named.read() or ""
-            time.sleep(0.01)
-    return ":" + said.strip()
+    end, said = time.monotonic() + patience, b""
+    while not said.endswith(b"\n"):
+        is_ready = select.select([reader], [], [], max(0, end - time.monotonic()))[0]
+        part = os.read(reader, 64) if is_ready else b""
+        if not part:
+            raise RuntimeError("Xvfb opened no display" + ("" if is_ready else f" within {patience} s"))
+        said += part
+    os.close(reader)
+    return ":" + said.decode().strip()
 
 
 class Child:

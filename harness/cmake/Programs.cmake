@@ -1,0 +1,29 @@
+# Techniques that are programs of their own: techniques/ID.toml, with its files in techniques/ID.
+option(GNOMON_ENGINES "Build the renderers of engines whose libraries are there" ON)
+
+# gnomon_add_renderer(ID modules...): what stands between an engine's library and its adapter in Python, a program gnomon_ID beside
+# `gnomon`, of the .cpp files in techniques/ID. Modules are pkg-config's; where one is missing, the technique says what to install.
+# No package has it: it would need the engine. `cmake --install BUILD --component engines` installs it.
+function(gnomon_add_renderer id)
+  pkg_check_modules(${id} QUIET IMPORTED_TARGET ${ARGN})
+  if(NOT ${id}_FOUND OR NOT GNOMON_ENGINES OR GNOMON_SANITIZE)
+    return()
+  endif()
+  file(GLOB sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/techniques/${id}/*.cpp")
+  add_executable(gnomon_${id} ${sources})
+  target_link_libraries(gnomon_${id} PRIVATE PkgConfig::${id} nlohmann_json::nlohmann_json)
+  install(TARGETS gnomon_${id} COMPONENT engines EXCLUDE_FROM_ALL)
+endfunction()
+
+# gnomon_install_programs(FOLDER DESTINATION): the programs of a folder, without sources and what npm has put there.
+function(gnomon_install_programs folder destination)
+  file(GLOB descriptions CONFIGURE_DEPENDS "${folder}/*.toml")
+  install(FILES ${descriptions} DESTINATION ${destination})
+  foreach(description IN LISTS descriptions)
+    get_filename_component(id "${description}" NAME_WE)
+    if(IS_DIRECTORY "${PROJECT_SOURCE_DIR}/${folder}/${id}")
+      install(DIRECTORY ${folder}/${id} DESTINATION ${destination} PATTERN "*.cpp" EXCLUDE PATTERN "*.h" EXCLUDE
+              PATTERN "node_modules" EXCLUDE PATTERN ".gitignore" EXCLUDE PATTERN "__pycache__" EXCLUDE)
+    endif()
+  endforeach()
+endfunction()

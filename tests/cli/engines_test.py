@@ -1,0 +1,177 @@
+#!/usr/bin/python3 -IB
+"""Adapters of engines: what is absent, of another version, or faulty costs its own row; what is there agrees with the reference."""
+# Runs alone: what hangs has a few seconds before it counts as hung.
+
+import os
+import shutil
+import sys
+import time
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from program import SMALL, ProgramTest, records, workers  # noqa: E402
+
+ENGINES = ("cycles", "ogre", "open_scene_graph", "pov_ray", "three_js")
+# What each of these prints says who it is, as the true ones do.
+POV_RAY = """#!/bin/bash
+echo $$ >>"$GNOMON_FAKE_PLACE/pids"
+if [ "$1" = --version ]; then echo "POV-Ray VERSION" >&2; exit; fi
+WHAT
+"""
+BLENDER = """#!/usr/bin/python3
+import json, os, sys, time
+open(os.environ["GNOMON_FAKE_PLACE"] + "/pids", "a").write(f"{os.getpid()}\\n")
+print("Blender VERSION, and more that nobody asked for", flush=True)
+answers = os.fdopen(int(os.environ["GNOMON_ANSWERS"]), "w")
+for line in sys.stdin:
+    request = json.loads(line)
+    print("still talking", flush=True)
+    WHAT
+    print(json.dumps({"version": "VERSION"}), file=answers, flush=True)
+"""
+# An engine that draws to a display: lit everywhere, which needs no engine at all.
+LIT_ENGINE = """
+import numpy as np
+from gnomon_engine import Engine
+from gnomon_technique import serve
+
+class Lit(Engine):
+    needs_display = True
+    def start(self):
+        print("an engine that says what it likes")
+        self.maker = "Lit 1.0"
+    def load(self, scene):
+        pass
+    def place_light(self, light):
+        pass
+    def frame(self, camera, width, height, shadows):
+        WHAT
+        return np.full((height, width), 200), 0.5
+
+serve(Lit)
+"""
+LIT_SHEET = """title = "T"
+summary = "S."
+source = "None."
+error = "E."
+fails = "F."
+command = ["/usr/bin/python3", "-B", "lit_engine.py"]
+"""
+
+
+def is_there(process):
+    try:
+        state = Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0]
+    except OSError:
+        return False
+    return state != "Z"
+
+
+class Engines(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.bin = self.dir / "bin"
+        self.bin.mkdir()
+        self.environment = dict(type(self).environment, PATH=f"{self.bin}:/usr/bin:/bin", GNOMON_FAKE_PLACE=str(self.dir))
+
+    def fake(self, name, text, version, what):
+        file = self.bin / name
+        file.write_text(text.replace("VERSION", version).replace("WHAT", what))
+        file.chmod(0o755)
+
+    def run_one(self, technique, *more, before=(), status=1):
+        """The one row's record."""
+        out = self.dir / "run"
+        shutil.rmtree(out, ignore_errors=True)
+        self.succeed(*before, "run", "--scene", "single_triangle", "--light", "point", "--technique", technique, *SMALL, *more, "--quiet",
+                     "--out", out, status=status)
+        (record,) = records(out)
+        return record
+
+    def all_ended(self, *names):
+        """Whether what was started, and said its process id, has ended; a killed process may take a moment."""
+        started = [int(line) for line in (self.dir / "pids").read_text().split()]
+        self.assertTrue(started)
+        for _ in range(100):
+            if not any(map(is_there, started)):
+                return
+            time.sleep(0.05)
+        self.fail(f"{[p for p in started if is_there(p)]} of {started} still run")
+
+    def test_what_is_absent_says_what_to_install(self):
+        self.environment["PATH"] = str(self.bin)
+        for engine in ENGINES:
+            with self.subTest(engine):
+                record = self.run_one(engine, status=0)
+                self.assertEqual(record["status"], "unsupported")
+                self.assertIn("scripts/setup --engines", record["reason"])
+
+    def test_none_runs_unless_it_is_named(self):
+        self.write("star.toml", 'title = "T"\n[[group]]\nscenes = ["single_triangle"]\nlights = ["point"]\ntechniques = ["*"]\n')
+        said = self.succeed("run", "star.toml", "--dry-run")
+        self.assertIn("shadow_map", said)
+        for engine in ENGINES:
+            self.assertNotIn(engine, said)
+
+    def test_another_version_is_refused(self):
+        self.fake("povray", POV_RAY, "4.0.0", "exit 1")
+        self.assertRegex(self.run_one("pov_ray")["reason"], "POV-Ray 4.0.0 is here; the adapter is made for 3.7")
+        self.fake("blender", BLENDER, "9.3.1", "")
+        self.assertRegex(self.run_one("cycles")["reason"], "Blender 9.3.1 is here; the adapter is made for 3.4")
+        self.all_ended()
+
+    def test_faulty_renderers_cost_their_row_and_end(self):
+        for what, says in (("echo chatter; echo 'Parse Error: no camera' >&2; exit 1", "povray ended with 1: Parse Error: no camera"),
+                           ("exit 0", "povray says no times"),
+                           ("sleep 600 & sleep 600", "hung in resolve: no answer within 3 s")):
+            with self.subTest(what):
+                self.fake("povray", POV_RAY, "3.7.0", what)
+                self.assertIn(says, self.run_one("pov_ray", "--timeout", "3")["reason"])
+                self.all_ended()
+        for what, says in (("if request['do'] == 'build': print('what?', file=answers, flush=True); continue", "Blender answered build with no JSON: what?"),
+                           ("if request['do'] == 'build': sys.exit(4)", r"Blender ended (4) when it was to answer build"),
+                           ("if request['do'] == 'relight': print('{\"error\": \"no such light\"}', file=answers, flush=True); continue", "no such light"),
+                           ("if request['do'] == 'build': time.sleep(600)", "hung in build: no answer within 3 s")):
+            with self.subTest(what):
+                self.fake("blender", BLENDER, "3.4.1", what)
+                self.assertIn(says, self.run_one("cycles", "--timeout", "3")["reason"])
+                self.all_ended()
+
+    def lit_engine(self, what=""):
+        self.write("lit_engine.py", LIT_ENGINE.replace("WHAT", what or "pass"))
+        return ["--program", self.write("lit_engine.toml", LIT_SHEET)]
+
+    @unittest.skipUnless(shutil.which("Xvfb"), "there is no Xvfb")
+    def test_a_display_ends_with_who_needs_it(self):
+        record = self.run_one("lit_engine", before=self.lit_engine(), status=0)
+        self.assertEqual(record["status"], "ok")
+        self.assertEqual(record["context"]["plugin"]["maker"], "Lit 1.0")
+        self.assertIn({"name": "plain_frame", "value": 0.5, "unit": "ms"}, record["counts"])
+        self.assertEqual(workers(self.dir), [])
+        record = self.run_one("lit_engine", "--timeout", "3", before=self.lit_engine("import time; time.sleep(60)"))
+        self.assertIn("hung in resolve", record["reason"])
+        time.sleep(0.5)
+        self.assertEqual(workers(self.dir), [])
+
+    def test_a_display_that_does_not_open_fails_the_row(self):
+        (self.bin / "Xvfb").write_text("#!/bin/bash\necho 'no screens' >&2; exit 3\n")
+        (self.bin / "Xvfb").chmod(0o755)
+        self.assertIn("Xvfb opened no display", self.run_one("lit_engine", before=self.lit_engine())["reason"])
+
+    @unittest.skipUnless(shutil.which("povray"), "there is no POV-Ray")
+    def test_pov_ray_agrees_with_the_reference(self):
+        self.environment["PATH"] = os.environ["PATH"]
+        out = self.dir / "run"
+        self.succeed("run", "--scene", "fence", "--light", "point", "--light", "sun", "--technique", "pov_ray", *SMALL, "--quiet", "--out", out)
+        self.succeed("run", "--scene", "cornell_box", "--light", "ceiling", "--technique", "pov_ray:grid=8", *SMALL, "--quiet", "--out", self.dir / "soft")
+        for record in records(out):
+            self.assertEqual(record["metrics"]["shape"]["wrong_rate"], 0)
+            self.assertRegex(record["context"]["plugin"]["maker"], r"POV-Ray 3\.7")
+        (record,) = records(self.dir / "soft")
+        # An edge of a shadow crosses some 8 of the 64 cells of the grid, so that a share may be off by half of these.
+        self.assertLess(record["metrics"]["shape"]["error_mean"], 8 / 2 / 64)
+
+
+if __name__ == "__main__":
+    unittest.main()
