@@ -23,7 +23,7 @@ _END_WITH_PARENT = 1  # of prctl: PR_SET_PDEATHSIG
 
 
 def _end_with_parent():
-    ctypes.CDLL(None).prctl(_END_WITH_PARENT, signal.SIGKILL)
+    ctypes.CDLL(None).prctl(_END_WITH_PARENT, signal.SIGTERM)  # which lets a server remove its files
 
 
 def _end(process):
@@ -158,6 +158,7 @@ class Engine(Technique):
         self.corners = np.ascontiguousarray(scene.position[scene.triangle], np.float32)
         self.casts = np.array([mesh.casts for mesh in scene.meshes], bool)[scene.mesh]
         self.receives = np.array([mesh.receives for mesh in scene.meshes], bool)[scene.mesh]
+        self.scene = scene
         self.ranges = [(mesh.first_triangle, mesh.first_triangle + mesh.triangles) for mesh in scene.meshes]
         self.load(scene)
 
@@ -176,3 +177,4 @@ class Engine(Technique):
         self.counts["plain_frame"] = (median(self.plain_ms), "ms")
         full = np.asarray(full, float)
         mask[...] = np.where(full > 0, np.clip(lit / np.maximum(full, 1e-30), 0, 1), 1)
+        mask[~gbuffer.faces(self.light, self.scene)] = 1

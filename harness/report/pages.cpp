@@ -41,9 +41,10 @@ std::string example(const TechniqueEntry& entry) {
   return fmt::format("gnomon run --scene SCENE --technique {}{}\n", entry.id, settings);
 }
 
-/// Whether it supports a light with area over nothing at all.
+/// Whether it supports a light with area over nothing at all. A program is not asked: it may be absent.
 bool answers_area(const TechniqueEntry& entry) {
   const Light light{.name = "light", .kind = RectLight{}};
+  if (!entry.about.lights.empty()) return std::ranges::find(entry.about.lights, kind_name(light)) != entry.about.lights.end();
   return static_cast<bool>(entry.make()->supports(Scene(), light, View()));
 }
 
@@ -99,7 +100,9 @@ std::string technique_page(const TechniqueEntry& entry) {
   fact("Promise", std::string(name(about.promise)));
   fact("Geometry seen", std::string(name(about.sees)));
   if (answers_area(entry)) fact("Lights with area", fmt::format("estimates the share of their {}", name(about.estimates)));
+  if (!about.lights.empty()) fact("Lights", joined(about.lights, ", "));
   fact("Role", std::string(name(about.role)));
+  if (about.named_only) fact("Runs", "only where it is named: a suite's `*` does not mean it");
   fact("Needs OpenGL", about.needs_gl ? "yes" : "no");
 
   page += "\n## Parameters\n\n";

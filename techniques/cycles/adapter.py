@@ -38,12 +38,14 @@ class Cycles(Technique):
         self.maker = f"Blender {version} (Cycles)"
 
     def build(self, scene):
+        self.scene = scene
         self.corners = scene.corners(casters_only=False).astype(np.float32)
         np.save(Path(self.folder, "corners.npy"), self.corners)
         meshes = [(mesh.first_triangle, mesh.triangles, mesh.casts) for mesh in scene.meshes]
         self.blender.ask(do="build", corners=str(Path(self.folder, "corners.npy")), meshes=meshes)
 
     def relight(self, light):
+        self.light = light
         kind, size, sides = "POINT", (0, 0), 1
         if light.kind == "directional":
             kind, matrix = "SUN", looking(light.direction, (0, 0, 0))
@@ -74,7 +76,7 @@ class Cycles(Technique):
         full, plain, _ = self.frame(gbuffer, False)
         self.plain.append(plain)
         share = np.where(full > 0, np.clip(lit / np.maximum(full, 1e-30), 0, 1), 1)
-        mask[...] = share >= 0.5 if self.is_hard else share
+        mask[...] = np.where(gbuffer.faces(self.light, self.scene), share >= 0.5, 1) if self.is_hard else share
         self.counts = {"plain_frame": (median(self.plain), "ms"), "sync": (sync, "ms")}
 
 

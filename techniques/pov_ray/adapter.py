@@ -16,12 +16,13 @@ class PovRay(Technique):
         self.maker = f"POV-Ray {version}"
 
     def build(self, scene):
+        self.scene = scene
         self.corners = scene.corners(casters_only=False)
         self.meshes = [vars(mesh) for mesh in scene.meshes]
         self.texts = {}
 
     def relight(self, light):
-        self.light, self.plain = vars(light), None
+        self.light, self.plain = light, None
 
     def run(self, gbuffer, shadows):
         curved = gbuffer.truth == "shape"
@@ -29,7 +30,7 @@ class PovRay(Technique):
             self.texts[curved] = meshes_text(self.meshes, self.corners, curved)
         text = SETTINGS + camera(vars(gbuffer.view), gbuffer.width, gbuffer.height)
         if len(self.corners):
-            text += light_source(self.light, self.corners, self.settings.grid, shadows) + self.texts[curved]
+            text += light_source(vars(self.light), self.corners, self.settings.grid, shadows) + self.texts[curved]
         return render(text, gbuffer.width, gbuffer.height, self.folder, self.threads)
 
     def share_above(self, gbuffer):
@@ -37,7 +38,7 @@ class PovRay(Technique):
         count = np.zeros(gbuffer.mesh.shape)
         normal = gbuffer.normal.astype(float)
         height = np.einsum("ijk,ijk->ij", normal, gbuffer.position.astype(float))
-        points = grid_points(self.light, self.settings.grid)
+        points = grid_points(vars(self.light), self.settings.grid)
         for point in points:
             count += normal @ point > height
         return count / len(points)
@@ -46,11 +47,12 @@ class PovRay(Technique):
         done = self.run(gbuffer, True)
         if self.plain is None:
             self.plain = self.run(gbuffer, False).trace_ms  # once for each light: it is beside the table's times
-        if self.light["kind"] == "rect":
+        if self.light.kind == "rect":
             # what is below the horizon is hidden by the surface itself and counted by POV-Ray, but neither lit nor dark here
-            mask[...] = np.clip(done.picture / np.maximum(self.share_above(gbuffer), 1e-6) ** 2, 0, 1)
+            above = self.share_above(gbuffer)
+            mask[...] = np.where(above > 0, np.clip(done.picture / np.maximum(above, 1e-6) ** 2, 0, 1), 1)
         else:
-            mask[...] = done.picture >= 0.5
+            mask[...] = np.where(gbuffer.faces(self.light, self.scene), done.picture >= 0.5, 1)
         self.ms = done.trace_ms
         self.counts = {"plain_frame": (self.plain, "ms"), "parse": (done.parse_ms, "ms"), "shadow_rays": done.shadow_rays}
 
