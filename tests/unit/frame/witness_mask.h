@@ -1,0 +1,47 @@
+#pragma once
+// Masks that foreign renderers made: tests/witness/README.md says how to read them.
+#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
+#include <gnomon/kit/rays.h>
+
+#include <algorithm>
+
+#include "measure/frame/gbuffer_maker.h"
+#include "measure/scene/load.h"
+#include "places.h"
+
+namespace gnomon {
+
+/// A renderer, by its folder, and the geometry that it knows.
+struct WitnessInfo {
+  std::string_view id;
+  Truth truth;
+};
+inline constexpr WitnessInfo pov_ray{"pov_ray", Truth::shape}, cycles{"cycles", Truth::mesh};
+
+/// Shares of the light, empty where the file is missing or of another size.
+inline std::vector<float> read_witness(const WitnessInfo& witness, std::string_view scene, std::string_view light, int width,
+                                       int height) {
+  const std::string file = fmt::format("tests/witness/{}/{}_{}_{}x{}.png", witness.id, scene, light, width, height);
+  const auto input = OIIO::ImageInput::open(tree_file(file));
+  if (!input || input->spec().width != width || input->spec().height != height) return {};
+  std::vector<float> shares(static_cast<std::size_t>(width) * height);
+  return input->read_image(0, 0, 0, 1, OIIO::TypeDesc::FLOAT, shares.data()) ? shares : std::vector<float>();
+}
+
+/// What a witness saw, as the reference sees it.
+struct WitnessedFrame {
+  /// `reference` as load_scene takes it.
+  WitnessedFrame(const std::string& reference, const std::string& light_name, Truth truth, int width, int height)
+      : scene(load_scene(reference)),
+        light(*std::ranges::find(scene.lights, light_name, &Light::name)),
+        casters(scene, truth, RayScene::Which::casters),
+        gbuffer(make_gbuffer(scene, RayScene(scene, truth, RayScene::Which::all), scene.views[0], width, height, truth)) {}
+
+  Scene scene;
+  Light light;
+  RayScene casters;
+  GBuffer gbuffer;
+};
+
+}  // namespace gnomon
