@@ -1,7 +1,7 @@
 """Engines that draw frames as shadow techniques, for Gnomon: what adapters of rasterizing engines share. See docs/engines.md.
 
-An engine gives no mask, but pictures. Every surface is white, nothing but the light shines, and all normals point to it, so that
-a lit surface has one brightness; the mask is the ratio of the frame with shadows to the frame without. The time of a resolve is
+An engine gives no mask, but pictures. Every surface is white, nothing but the light shines, and where pictures have 8 bits all
+normals point to it, so that a lit surface has one brightness; the mask is the ratio of the frame with shadows to the frame without. The time of a resolve is
 that of the frame with shadows, as the engine's user waits for it; the count `plain_frame` has that of the frame without.
 """
 

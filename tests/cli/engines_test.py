@@ -159,6 +159,22 @@ class Engines(ProgramTest):
         (self.bin / "Xvfb").chmod(0o755)
         self.assertIn("Xvfb opened no display", self.run_one("lit_engine", before=self.lit_engine())["reason"])
 
+    def test_engines_that_are_here_draw_shadows_and_end(self):
+        self.environment["PATH"] = os.environ["PATH"]
+        for engine in ENGINES:
+            with self.subTest(engine):
+                out = self.dir / engine
+                self.succeed("run", "--scene", "box_city", "--light", "sun", "--technique", engine, "--technique", "unshadowed", "--truth", "mesh",
+                             *SMALL, "--quiet", "--out", out)
+                record, lit = records(out)
+                self.assertEqual(workers(self.dir), [])
+                if record["status"] == "unsupported":  # it is not here
+                    continue
+                wrong = record["metrics"]["mesh"]["wrong_rate"]
+                self.assertLess(wrong, lit["metrics"]["mesh"]["wrong_rate"] / 4)
+                self.assertTrue(record["context"]["plugin"]["maker"])
+                self.assertLess(record["stages"]["resolve"][0][0], record["harness_stages"]["resolve"][0][0])
+
     @unittest.skipUnless(shutil.which("povray"), "there is no POV-Ray")
     def test_pov_ray_agrees_with_the_reference(self):
         self.environment["PATH"] = os.environ["PATH"]

@@ -1,0 +1,93 @@
+"""OpenSceneGraph as a shadow technique: the shadow maps of osgShadow, drawn by gnomon_open_scene_graph (renderer.cpp), a program beside gnomon.
+
+Meshes are white and lit by one light without ambient; osgShadow multiplies what a map says to the light's color, which is black in
+shadow then. The mask is the ratio of the frame with shadows to one without. Frames are drawn to a texture of the picture's size.
+"""
+
+from pathlib import Path
+
+import numpy as np
+from gnomon_engine import Child, Engine, require_version
+from gnomon_technique import serve
+
+ALL_ROUND_DEGREES = 180  # OpenGL's cutoff of a light without a cone
+
+
+def is_closed(corners):
+    """Whether each edge of triangles x 3 x 3 is passed once each way."""
+    _, place = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
+    place = place.reshape(-1, 3).astype(np.int64)
+    start, end = place.ravel(), np.roll(place, -1, axis=1).ravel()
+    passed = np.sort(start * (place.max() + 1) + end)
+    return bool(np.array_equal(passed, np.sort(end * (place.max() + 1) + start)) and np.all(np.diff(passed) > 0))
+
+
+class OpenSceneGraphShadows(Engine):
+    needs_display = True
+
+    def supports(self, scene, light, view):
+        if self.settings.shadows == "parallel_split" and light.kind != "directional":
+            return "unsupported", f"ParallelSplitShadowMap knows no {light.kind} lights; it knows directional"
+        why = ["frames of an engine: its own primary visibility"]
+        if light.kind == "point":
+            why.append("one frustum from the light, beyond which all is lit or in a mirrored shadow")
+        return "approximate", "; ".join(why)
+
+    def start(self):
+        self.child = Child("gnomon_open_scene_graph", ["gnomon_open_scene_graph"])
+        version = self.child.ask(do="hello")["version"]
+        require_version("OpenSceneGraph", version, "3.6")
+        self.maker = f"OpenSceneGraph {version}"
+
+    def file(self, name, array=None):
+        """The name of a file between the adapter and the renderer; filled with an array's numbers."""
+        path = Path(self.folder) / f"open_scene_graph_{name}"
+        if array is not None:
+            np.ascontiguousarray(array).tofile(path)
+        return str(path)
+
+    def load(self, scene):
+        self.triangle, self.vertices = np.asarray(scene.triangle), len(scene.position)
+        meshes = [
+            {
+                "first_vertex": mesh.first_vertex,
+                "vertices": mesh.vertices,
+                "triangles": mesh.triangles,
+                "casts": mesh.casts,
+                "receives": mesh.receives,
+                "is_closed": end > first and is_closed(self.corners[first:end]),
+            }
+            for mesh, (first, end) in zip(scene.meshes, self.ranges)
+        ]
+        self.child.ask(do="load", position=self.file("position", scene.position), triangle=self.file("triangle", scene.triangle), meshes=meshes)
+
+    def place_light(self, light):
+        normal = np.zeros((self.vertices, 3), np.float32)
+        normal[self.triangle] = self.to_light
+        placed = {"kind": light.kind, "cutoff_degrees": ALL_ROUND_DEGREES}
+        if light.kind != "directional":
+            placed["position"] = light.position.tolist()
+        if light.kind == "spot":
+            placed["cutoff_degrees"] = light.outer_degrees
+        aim = light.direction if light.kind != "point" else self.center() - light.position
+        length = np.linalg.norm(aim)
+        placed["aim"] = (aim / length).tolist() if length > 0 else [0, -1, 0]
+        self.child.ask(do="relight", light=placed, normal=self.file("normal", normal))
+
+    def center(self):
+        """Of the box around all casters, at which osgShadow aims by itself where it is told no direction."""
+        points = self.corners[self.casts].reshape(-1, 3).astype(float)
+        return (points.min(axis=0) + points.max(axis=0)) / 2 if len(points) else np.zeros(3)
+
+    def frame(self, camera, width, height, shadows):
+        eye = {"eye": camera.eye.tolist(), "target": (camera.eye + camera.forward).tolist(), "up": camera.up.tolist()}
+        lens = {"fov_y_degrees": camera.fov_y_degrees, "aspect": camera.aspect, "near": float(camera.near), "far": float(camera.far)}
+        picture = self.file("picture")
+        settings = dict(vars(self.settings))
+        if self.light.kind != "directional":
+            settings["light_margin"] = 0  # osgShadow measures it along the light's axis, past the light where it is near
+        answer = self.child.ask(do="frame", width=width, height=height, shadows=shadows, settings=settings, picture=picture, **eye, **lens)
+        return np.fromfile(picture, np.uint8).reshape(height, width)[::-1], answer["ms"]
+
+
+serve(OpenSceneGraphShadows)
