@@ -42,7 +42,8 @@ def start_display(patience=20):
     """An X server of its own, without a screen that one sees: its name for DISPLAY, ":7". It ends with this process."""
     reader, writer = os.pipe()
     command = ["Xvfb", "-displayfd", str(writer), "-screen", "0", "1920x1080x24", "-nolisten", "tcp", "-noreset"]
-    server = subprocess.Popen(command, pass_fds=[writer], stdin=subprocess.DEVNULL, stdout=2, preexec_fn=_end_with_parent)
+    server = subprocess.Popen(command, pass_fds=[writer], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                              stderr=subprocess.DEVNULL, preexec_fn=_end_with_parent)  # its last words are no engine's
     atexit.register(_end, server)
     os.close(writer)
     end, said = time.monotonic() + patience, b""

@@ -11,7 +11,7 @@ Json about_json(const TechniqueEntry& entry) {
   const About& about = entry.about;
   return {
       {"id", entry.id},           {"title", about.title},       {"role", name(about.role)}, {"promise", name(about.promise)},
-      {"sees", name(about.sees)}, {"needs_gl", about.needs_gl}, {"summary", about.summary}};
+      {"sees", name(about.sees)}, {"needs_gl", about.needs_gl}, {"summary", about.summary}, {"named_only", about.named_only}};
 }
 
 std::string hex(const std::array<std::uint8_t, 3>& color) {

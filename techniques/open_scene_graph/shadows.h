@@ -10,7 +10,7 @@ struct ShadowSettings {
   float slope_bias = 0;  ///< factor of glPolygonOffset
   float depth_bias = 0;  ///< units of glPolygonOffset
   float light_margin =
-      0;           ///< meters to the light from what is seen: casters there count; of minimal and what is fitted likewise
+      0;           ///< meters to the light from what is seen where casters count; of minimal and what is fitted likewise
   int splits = 0;  ///< maps of parallel_split
   bool has_filter = false;      ///< of parallel_split
   int maps_per_light = 0;       ///< of view_dependent

@@ -44,7 +44,7 @@ class Suites(ProgramTest):
 
     def test_standard_has_every_technique_and_more_scenes(self):
         _, rows = self.rows("standard")
-        listed = {line.split()[0] for line in self.succeed("list").splitlines()[2:] if line}
+        listed = {entry["id"] for entry in json.loads(self.succeed("list", "techniques", "--json")) if not entry["named_only"]}
         self.assertLessEqual(listed, {t.split(":")[0] for _, _, t in rows})
         self.assertGreater({s for s, _, _ in rows}, {s for s, _, _ in self.rows("quick")[1]})
 

@@ -147,7 +147,7 @@ struct About {
   bool is_default = false;  ///< the technique that `gnomon view` shows when none is named
   /// The edges of its shadows are those of polygons that a rasterizer draws in the picture's pixels, snapped to its grid.
   bool rasterizes = false;
-  std::span<const OwnCause> causes = {};  ///< of its own
+  std::span<const OwnCause> causes = {};          ///< of its own
   std::span<const std::string_view> lights = {};  ///< kinds that it knows, of a program; empty: `supports` tells
   bool named_only = false;  ///< not among what `*` stands for: an engine, which runs only where it is asked for by name
 };

@@ -166,10 +166,10 @@ bool is_in_path(const std::string& program) {
 
 std::shared_ptr<const ProgramDescription> read_program(const fs::path& file) {
   const toml::table toml = read_toml("program " + file.string(), file);
-  const Table table(toml, file, "program", {"title",  "summary",     "source",  "error", "fails",     "command", "stages",
-                                            "lights", "approximate", "promise", "sees",  "estimates", "role",    "answers",
-                                            "scene",  "gbuffer",     "mask",    "need",  "parameter", "cause",   "rasterizes",
-                                            "named_only"});
+  const Table table(toml, file, "program",
+                    {"title",       "summary", "source",    "error",     "fails",      "command",   "stages", "lights",
+                     "approximate", "promise", "sees",      "estimates", "role",       "answers",   "scene",  "gbuffer",
+                     "mask",        "need",    "parameter", "cause",     "rasterizes", "named_only"});
   auto made = std::make_shared<ProgramDescription>();
   ProgramDescription& d = *made;
   d.file = file;

@@ -107,9 +107,7 @@ class ProgramTechnique final : public Technique {
     explicit Running(const ProgramDescription& d)
         : inputs(d),
           process(d.command, fs::absolute(d.file).parent_path(),
-                  {{"PYTHONPATH", python_folder().string()},
-                   {"PYTHONDONTWRITEBYTECODE", "1"},
-                   {"PATH", search_path()}}) {
+                  {{"PYTHONPATH", python_folder().string()}, {"PYTHONDONTWRITEBYTECODE", "1"}, {"PATH", search_path()}}) {
       const Json answer = process.ask(json_object({{"do", "hello"},
                                                    {"protocol", program_protocol},
                                                    {"technique", d.id},

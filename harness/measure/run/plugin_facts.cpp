@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 
+#include "measure/paths.h"
 #include "measure/program/description.h"
 #include "measure/record/origin.h"
 #include "measure/scene/blob.h"
@@ -61,13 +62,19 @@ std::string from_outside(const std::string& technique, const std::string& settin
   return technique;
 }
 
+/// A program that comes with the testbed by its place below it, wherever that lies: "techniques/pov_ray.toml".
+std::string path_of(const std::string& origin) {
+  const std::string root = find_data_root().string() + "/";
+  return root.size() > 1 && origin.starts_with(root) ? origin.substr(root.size()) : origin;
+}
+
 }  // namespace
 
 Json plugin_facts(const std::string& contender, const std::string& settings) {
   const std::string technique = from_outside(contender, settings);
   const std::string& hash = hash_of_files(technique);
   if (hash.empty()) return nullptr;
-  Json facts = json_object({{"path", origin_of(technique)}, {"hash", hash}});
+  Json facts = json_object({{"path", path_of(origin_of(technique))}, {"hash", hash}});
   const PluginFacts* const plugin = plugin_of(technique);
   if (!plugin || plugin->compiler.empty()) return facts;  // a program, or built by other means than gnomon_add_plugin
   facts["build_type"] = plugin->build_type;
