@@ -1,7 +1,6 @@
 """Engines that draw frames as shadow techniques, for Gnomon: what adapters of rasterizing engines share. See docs/engines.md.
 
-An engine gives no mask, but pictures. Every surface is white, nothing but the light shines, and where pictures have 8 bits all
-normals point to it, so that a lit surface has one brightness; the mask is the ratio of the frame with shadows to the frame without. The time of a resolve is
+An engine gives no mask, but pictures. Every surface is white and nothing but the light shines; the mask is the ratio of the frame with shadows to the frame without. The time of a resolve is
 that of the frame with shadows, as the engine's user waits for it; the count `plain_frame` has that of the frame without.
 """
 
@@ -105,6 +104,14 @@ def require_version(name, found, wanted):
         raise RuntimeError(f"{name} {found or 'of unknown version'} is here; the adapter is made for {wanted}")
 
 
+def is_closed(corners):
+    """Whether each edge of triangles x 3 x 3, of corners told apart by their places, is passed once each way."""
+    place = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)[1].reshape(-1, 3).astype(np.int64)
+    start, end, many = place.ravel(), np.roll(place, -1, axis=1).ravel(), place.max(initial=0) + 1
+    passed = np.sort(start * many + end)
+    return bool(np.array_equal(passed, np.sort(end * many + start)) and np.all(np.diff(passed) > 0))
+
+
 class Camera:
     """Of a view: `eye`, unit vectors `right`, `up`, `forward`, `fov_y_degrees`, `aspect`, and planes `near` and `far` that hold all of a scene."""
 
@@ -125,8 +132,7 @@ class Engine(Technique):
     """What an adapter of an engine derives from; it gives the methods below that raise NotImplementedError.
 
     Geometry is `self.corners` (triangles x 3 x 3, float32, world space), `self.casts` and `self.receives` (of each triangle) and
-    `self.ranges` (first and end triangle of each mesh); `self.light` is the light, `self.to_light` (triangles x 3 x 3, float32)
-    the unit vectors to it, which serve as normals.
+    `self.ranges` (first and end triangle of each mesh); `self.light` is the light.
     """
 
     needs_display = False  # True: it draws to a window; `self.display` is a name for DISPLAY then
@@ -140,7 +146,7 @@ class Engine(Technique):
         raise NotImplementedError
 
     def place_light(self, light):
-        """Takes light and normals."""
+        """Takes the light."""
         raise NotImplementedError
 
     def frame(self, camera, width, height, shadows):
@@ -165,10 +171,14 @@ class Engine(Technique):
 
     def relight(self, light):
         self.light = light
+        self.place_light(light)
+
+    def to_light(self):
+        """The unit vectors from all corners to the light, triangles x 3 x 3, float32: normals that make all that is lit alike."""
+        light = self.light
         away = -np.asarray(light.direction) if light.kind == "directional" else light.position - self.corners.astype(float)
         way = np.broadcast_to(away, self.corners.shape)
-        self.to_light = (way / np.maximum(np.linalg.norm(way, axis=-1, keepdims=True), 1e-30)).astype(np.float32)
-        self.place_light(light)
+        return (way / np.maximum(np.linalg.norm(way, axis=-1, keepdims=True), 1e-30)).astype(np.float32)
 
     def resolve(self, gbuffer, mask):
         camera = Camera(gbuffer.view, gbuffer.width, gbuffer.height, self.corners)

@@ -13,7 +13,7 @@ import time
 from pathlib import Path
 
 import numpy as np
-from gnomon_engine import Engine, require_version
+from gnomon_engine import Engine, is_closed, require_version
 from gnomon_technique import serve
 
 PLUGIN = "/usr/lib/*/OGRE/RenderSystem_GL.so"
@@ -22,14 +22,6 @@ PART_TRIANGLES = 10922  # OGRE counts the vertices of a part's shadow volume, ea
 WARM_FRAMES = 2  # shadow cameras are fitted to what the frame before has seen, by the eye and by themselves
 LEAST_NEAR = 0.005  # of the far plane's distance: what casts from nearer to the light is left out, for want of bits of depth
 KINDS = {"point": "LT_POINT", "spot": "LT_SPOTLIGHT", "directional": "LT_DIRECTIONAL"}
-
-
-def is_closed(triangles):
-    """Whether each edge of triangles, of vertices counted by their places, is passed once each way."""
-    start, end = triangles.ravel().astype(np.int64), np.roll(triangles, -1, axis=1).ravel().astype(np.int64)
-    many = start.max() + 1
-    passed = np.sort(start * many + end)
-    return bool(np.array_equal(passed, np.sort(end * many + start)) and np.all(np.diff(passed) > 0))
 
 
 def set_optimal_adjust(setup, factor):
@@ -107,12 +99,11 @@ class OgreShadows(Engine):
         self.ogre.MeshManager.getSingleton().removeAll()
         self.is_stencil = self.settings.shadows == "stencil"
         self.manager.setShadowTechnique(self.ogre.SHADOWTYPE_STENCIL_ADDITIVE if self.is_stencil else self.ogre.SHADOWTYPE_NONE)
-        places = np.unique(scene.position, axis=0, return_inverse=True)[1] if self.is_stencil and len(scene.position) else None
         self.entities = []
         for first, end in self.ranges:
             if end > first:
                 triangles = scene.triangle[first:end]
-                entity = self.entity(f"mesh_{first}", scene.position, triangles, self.is_stencil and not is_closed(places[triangles]))
+                entity = self.entity(f"mesh_{first}", scene.position, triangles, self.is_stencil and not is_closed(self.corners[first:end]))
                 entity.setMaterialName("white" if self.receives[first] else "white_without_shadows")
                 self.entities.append((entity, first, end))
 

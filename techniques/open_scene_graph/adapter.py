@@ -1,25 +1,16 @@
 """OpenSceneGraph as a shadow technique: the shadow maps of osgShadow, drawn by gnomon_open_scene_graph (renderer.cpp), a program beside gnomon.
 
-Meshes are white and lit by one light without ambient; osgShadow multiplies what a map says to the light's color, which is black in
+Meshes are white, their normals point to the one light, without ambient, so that all that is lit is alike; osgShadow multiplies what a map says to the light's color, which is black in
 shadow then. The mask is the ratio of the frame with shadows to one without. Frames are drawn to a texture of the picture's size.
 """
 
 from pathlib import Path
 
 import numpy as np
-from gnomon_engine import Child, Engine, require_version
+from gnomon_engine import Child, Engine, is_closed, require_version
 from gnomon_technique import serve
 
 ALL_ROUND_DEGREES = 180  # OpenGL's cutoff of a light without a cone
-
-
-def is_closed(corners):
-    """Whether each edge of triangles x 3 x 3 is passed once each way."""
-    _, place = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
-    place = place.reshape(-1, 3).astype(np.int64)
-    start, end = place.ravel(), np.roll(place, -1, axis=1).ravel()
-    passed = np.sort(start * (place.max() + 1) + end)
-    return bool(np.array_equal(passed, np.sort(end * (place.max() + 1) + start)) and np.all(np.diff(passed) > 0))
 
 
 class OpenSceneGraphShadows(Engine):
@@ -63,7 +54,7 @@ class OpenSceneGraphShadows(Engine):
 
     def place_light(self, light):
         normal = np.zeros((self.vertices, 3), np.float32)
-        normal[self.triangle] = self.to_light
+        normal[self.triangle] = self.to_light()
         placed = {"kind": light.kind, "cutoff_degrees": ALL_ROUND_DEGREES}
         if light.kind != "directional":
             placed["position"] = light.position.tolist()
