@@ -122,20 +122,19 @@ class Engines(ProgramTest):
         self.all_ended()
 
     def test_faulty_renderers_cost_their_row_and_end(self):
-        for what, says in (("echo chatter; echo 'Parse Error: no camera' >&2; exit 1", "povray ended with 1: Parse Error: no camera"),
-                           ("exit 0", "povray says no times"),
-                           ("sleep 600 & sleep 600", "hung in resolve: no answer within 3 s")):
+        pov_ray, blender = ("pov_ray", "povray", POV_RAY, "3.7.0"), ("cycles", "blender", BLENDER, "3.4.1")
+        for (technique, program, text, version), what, says in (
+            (pov_ray, "echo chatter; echo 'Parse Error: no camera' >&2; exit 1", "povray ended with 1: Parse Error: no camera"),
+            (pov_ray, "exit 0", "povray says no times"),
+            (pov_ray, "sleep 600 & sleep 600", "hung in resolve: no answer within 3 s"),
+            (blender, "if request['do'] == 'build': print('what?', file=answers, flush=True); continue", "Blender answered build with no JSON: what?"),
+            (blender, "if request['do'] == 'build': sys.exit(4)", "Blender ended (4) when it was to answer build"),
+            (blender, "if request['do'] == 'relight': print('{\"error\": \"no such light\"}', file=answers, flush=True); continue", "no such light"),
+            (blender, "if request['do'] == 'build': time.sleep(600)", "hung in build: no answer within 3 s"),
+        ):
             with self.subTest(what):
-                self.fake("povray", POV_RAY, "3.7.0", what)
-                self.assertIn(says, self.run_one("pov_ray", "--timeout", "3")["reason"])
-                self.all_ended()
-        for what, says in (("if request['do'] == 'build': print('what?', file=answers, flush=True); continue", "Blender answered build with no JSON: what?"),
-                           ("if request['do'] == 'build': sys.exit(4)", r"Blender ended (4) when it was to answer build"),
-                           ("if request['do'] == 'relight': print('{\"error\": \"no such light\"}', file=answers, flush=True); continue", "no such light"),
-                           ("if request['do'] == 'build': time.sleep(600)", "hung in build: no answer within 3 s")):
-            with self.subTest(what):
-                self.fake("blender", BLENDER, "3.4.1", what)
-                self.assertIn(says, self.run_one("cycles", "--timeout", "3")["reason"])
+                self.fake(program, text, version, what)
+                self.assertIn(says, self.run_one(technique, "--timeout", "3")["reason"])
                 self.all_ended()
 
     def lit_engine(self, what=""):
