@@ -331,9 +331,17 @@ def fault(r):
         self.refuse("--program", "nowhere.toml", "list", says=["nowhere.toml"])
         taken = self.program("shadow_map")
         self.refuse(*taken, "list", says=["technique shadow_map", "shadow_map.toml", "is there already: that is built in"])
-        twice = self.program("lit2")
-        self.refuse(*twice, *twice, "list", says=["technique lit2", "is there already: of"])
+        lit = self.program("lit2")
+        (self.dir / "copy").mkdir()
+        copy = shutil.copy(lit[1], self.dir / "copy")
+        self.refuse(*lit, "--program", copy, "list", says=["technique lit2", str(copy), "is there already: of"])
         self.refuse(*self.program("Bad-Name"), "list", says=["'Bad-Name' is no id"])
+
+    def test_the_same_program_twice_is_one(self):
+        (self.dir / "link").symlink_to(self.dir)
+        once = self.program("lit")
+        self.assertEqual(self.succeed(*once, "--program", "link/lit.toml", "list", *once), self.succeed(*once, "list"))
+        self.assertEqual(self.succeed("--program", ROOT / "techniques/pov_ray.toml", "list"), self.succeed("list"))
 
     def test_the_page_s_example_has_nothing_wrong(self):
         page = (ROOT / "docs/protocol.md").read_text()

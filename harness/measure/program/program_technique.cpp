@@ -2,6 +2,7 @@
 
 #include <sched.h>
 
+#include <algorithm>
 #include <set>
 
 #include "measure/paths.h"
@@ -221,6 +222,9 @@ class ProgramTechnique final : public Technique {
 
 void load_program(const fs::path& file) {
   const auto description = read_program(file);
+  const auto known = std::ranges::find(registry().techniques(), description->id, &TechniqueEntry::id);
+  std::error_code ignored;
+  if (known != registry().techniques().end() && fs::equivalent(file, known->origin, ignored)) return;
   TechniqueEntry entry;
   entry.id = description->id;
   entry.about = description->about;
