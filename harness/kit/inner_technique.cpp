@@ -1,8 +1,6 @@
 #include <gnomon/kit/inner_technique.h>
 #include <gnomon/kit/shapes.h>
 
-#include <algorithm>
-
 namespace gnomon {
 
 std::vector<std::string> InnerTechnique::ids() const {
@@ -13,9 +11,8 @@ std::vector<std::string> InnerTechnique::ids() const {
 }
 
 std::string InnerTechnique::objection(std::string_view id) const {
-  const auto& all = registry().techniques();
-  const auto entry = std::ranges::find(all, id, &TechniqueEntry::id);
-  return entry != all.end() ? why_not_(*entry) : fmt::format("did you mean {}?", nearest_word(id, ids()));
+  const TechniqueEntry* const entry = registry().find_technique(id);
+  return entry ? why_not_(*entry) : fmt::format("did you mean {}?", nearest_word(id, ids()));
 }
 
 namespace {

@@ -65,12 +65,13 @@ void Registry::add(SceneEntry entry) {
 }
 
 const TechniqueEntry& Registry::technique(std::string_view id) const {
-  if (const TechniqueEntry* entry = find(techniques_, id)) return *entry;
+  if (const TechniqueEntry* entry = find_technique(id)) return *entry;
   std::vector<std::string> ids;
   for (const TechniqueEntry& entry : techniques_) ids.push_back(entry.id);
   throw Error("there is no technique {}; did you mean {}? There are: {}", id, nearest_word(id, ids), joined(ids, ", "));
 }
 
+const TechniqueEntry* Registry::find_technique(std::string_view id) const { return find(techniques_, id); }
 const SceneEntry* Registry::find_scene(std::string_view id) const { return find(scenes_, id); }
 
 const TechniqueEntry& Registry::default_technique() const { return default_of(techniques_, "technique"); }

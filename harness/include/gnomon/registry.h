@@ -54,6 +54,7 @@ class Registry {
   const std::vector<SceneEntry>& scenes() const { return scenes_; }
   /// Throws Error with the nearest id and the list.
   const TechniqueEntry& technique(std::string_view id) const;
+  const TechniqueEntry* find_technique(std::string_view id) const;
   const SceneEntry* find_scene(std::string_view id) const;
   /// The first whose data sheet says `is_default`, else the first of all. Throws Error when there is none at all.
   const TechniqueEntry& default_technique() const;

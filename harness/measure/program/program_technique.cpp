@@ -2,7 +2,6 @@
 
 #include <sched.h>
 
-#include <algorithm>
 #include <set>
 
 #include "measure/paths.h"
@@ -222,9 +221,10 @@ class ProgramTechnique final : public Technique {
 
 void load_program(const fs::path& file) {
   const auto description = read_program(file);
-  const auto known = std::ranges::find(registry().techniques(), description->id, &TechniqueEntry::id);
   std::error_code ignored;
-  if (known != registry().techniques().end() && fs::equivalent(file, known->origin, ignored)) return;
+  if (const TechniqueEntry* const known = registry().find_technique(description->id);
+      known && fs::equivalent(file, known->origin, ignored))
+    return;
   TechniqueEntry entry;
   entry.id = description->id;
   entry.about = description->about;

@@ -67,8 +67,7 @@ void check_foreign_id(const std::string& id) {
   constexpr std::size_t most = 60;
   if (id.empty() || id.size() > most || id.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") != id.npos)
     throw Error("--technique '{}' is no id of 1 .. {} small letters, digits and _", id, most);
-  const auto& all = registry().techniques();
-  if (std::ranges::find(all, id, &TechniqueEntry::id) != all.end())
+  if (registry().find_technique(id))
     throw Error("technique {} is one that runs here: give the mask's another id with --technique", id);
 }
 

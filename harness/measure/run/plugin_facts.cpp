@@ -17,8 +17,8 @@ namespace {
 
 const std::string& origin_of(const std::string& technique) {
   static const std::string nowhere;
-  const auto entry = std::ranges::find(registry().techniques(), technique, &TechniqueEntry::id);
-  return entry == registry().techniques().end() ? nowhere : entry->origin;
+  const TechniqueEntry* const entry = registry().find_technique(technique);
+  return entry ? entry->origin : nowhere;
 }
 
 const PluginFacts* plugin_of(const std::string& technique) {
@@ -49,8 +49,8 @@ const std::string& hash_of_files(const std::string& technique) {
 
 /// The technique itself or one that its settings put within it, the first that comes from outside; itself where none does.
 std::string from_outside(const std::string& technique, const std::string& settings) {
-  const auto entry = std::ranges::find(registry().techniques(), technique, &TechniqueEntry::id);
-  if (entry == registry().techniques().end() || !entry->origin.empty()) return technique;
+  const TechniqueEntry* const entry = registry().find_technique(technique);
+  if (!entry || !entry->origin.empty()) return technique;
   const auto object = entry->make();
   try {
     object->apply(settings);
@@ -85,8 +85,7 @@ Json plugin_facts(const std::string& contender, const std::string& settings) {
 }
 
 bool has_other_plugin(const Record& record) {
-  const auto& all = registry().techniques();
-  if (std::ranges::find(all, record.technique, &TechniqueEntry::id) == all.end()) return false;
+  if (!registry().find_technique(record.technique)) return false;
   return plugin_hash(record) != hash_of_files(from_outside(record.technique, record.settings));
 }
 
