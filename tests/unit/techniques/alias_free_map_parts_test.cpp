@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "hand_made.h"
 #include "techniques/alias_free_map/walk.h"

@@ -1,5 +1,5 @@
 // Crow's count: the seed's rule on scenes that realize it, points that rounding moves off their plane, and what layers show.
-#include <gnomon/kit/exact_scene.h>
+#include <gnomon/kit/exact.h>
 #include <gnomon/kit/layers.h>
 #include <gnomon/kit/random.h>
 #include <gnomon/kit/shapes.h>
@@ -9,7 +9,6 @@
 #include <algorithm>
 
 #include "hand_made.h"
-#include "hard_scenes.h"
 #include "small_world.h"
 
 extern "C" void gnomon_technique_crow_counting(gnomon::Registry& registry);
@@ -18,7 +17,6 @@ namespace gnomon {
 namespace {
 
 using namespace hand_made;
-using namespace hard_scenes;
 using small_world::value;
 
 small_world::Run run(const Scene& scene, const Light& light, const GBuffer& gbuffer) {

@@ -1,7 +1,8 @@
 // Parts of the shadow volume tree on paper: planes, ways, wedges and visits.
+#include <gnomon/kit/random.h>
 #include <gtest/gtest.h>
 
-#include "hard_scenes.h"
+#include "hand_made.h"
 #include "techniques/shadow_volume_tree/tree.h"
 
 namespace gnomon {
