@@ -1,12 +1,13 @@
 #pragma once
 // Masks that foreign renderers made: tests/witness/README.md says how to read them.
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 #include <gnomon/kit/rays.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "measure/frame/gbuffer_maker.h"
+#include "measure/picture/picture.h"
 #include "measure/scene/load.h"
 #include "places.h"
 
@@ -22,11 +23,9 @@ inline constexpr WitnessInfo pov_ray{"pov_ray", Truth::shape}, cycles{"cycles", 
 /// Shares of the light, empty where the file is missing or of another size.
 inline std::vector<float> read_witness(const WitnessInfo& witness, std::string_view scene, std::string_view light, int width,
                                        int height) {
-  const std::string file = fmt::format("tests/witness/{}/{}_{}_{}x{}.png", witness.id, scene, light, width, height);
-  const auto input = OIIO::ImageInput::open(tree_file(file));
-  if (!input || input->spec().width != width || input->spec().height != height) return {};
-  std::vector<float> shares(static_cast<std::size_t>(width) * height);
-  return input->read_image(0, 0, 0, 1, OIIO::TypeDesc::FLOAT, shares.data()) ? shares : std::vector<float>();
+  const std::string file = tree_file(fmt::format("tests/witness/{}/{}_{}_{}x{}.png", witness.id, scene, light, width, height));
+  if (!std::filesystem::exists(file) || image_files().exr_size(file) != std::pair(width, height)) return {};
+  return read_exr(file, "Y", width, height);  // a picture of any format
 }
 
 /// What a witness saw, as the reference sees it.
