@@ -1,7 +1,6 @@
 // The exact scene against brute force, and the technique on hand-made G-buffers.
 #include <gnomon/kit/exact_scene.h>
 #include <gnomon/kit/random.h>
-#include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
 #include <gtest/gtest.h>
 
@@ -284,21 +283,6 @@ TEST(ExactRays, area_lights_are_refused_with_a_reason) {
   EXPECT_FALSE(support);
   EXPECT_FALSE(support.why().empty());
   EXPECT_TRUE(exact_rays()->supports({}, point_light({0, 1, 0}), {}));
-}
-
-// Points on the true sphere lie outside its inscribed triangles; those that face the light but lie behind a triangle's plane
-// near the horizon would be called dark by it. The body is convex, so all are lit.
-TEST(ExactRays, a_convex_body_does_not_shade_itself_on_its_exact_shape) {
-  Scene scene;
-  scene.meshes = {tessellate(Sphere{{0, 0, 0}, 1}, 12, "sphere")};
-  Picture picture(100, 100, Truth::shape);
-  Random random(4);
-  for (std::size_t i = 0; i < picture.gbuffer.size(); ++i) {
-    const glm::vec3 n = glm::normalize(glm::vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)));
-    picture.set(i, n, n, 0, 0);
-  }
-  const std::vector<float> mask = resolve(scene, sun({0.2f, -1, 0.3f}), picture.gbuffer);
-  EXPECT_EQ(std::count(mask.begin(), mask.end(), 1.0f), 10'000);
 }
 
 }  // namespace

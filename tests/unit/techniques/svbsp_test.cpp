@@ -1,8 +1,7 @@
-// The technique svbsp: orders, rules and threads that change no answer, counts on paper, what shades what.
+// The technique svbsp: orders and rules that change no answer, counts on paper, what shades what.
 #include <gnomon/kit/exact_scene.h>
 #include <gnomon/kit/shapes.h>
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include "hard_scenes.h"
 #include "svbsp_rig.h"
@@ -44,30 +43,6 @@ TEST(Svbsp, orders_and_rules_change_no_answer) {
   }
   EXPECT_GT(compared, 100'000u);
   EXPECT_GT(dark, 20'000u);
-}
-
-TEST(Svbsp, threads_change_nothing) {
-  std::mt19937 engine(5);
-  Scene scene;
-  scene.meshes = {square(3, 0), small_world::random_soup(engine, 12'000, 2, 0.1f, 2, 0.05f)};
-  Random random(5);
-  const Light light = point_light({0.7f, 3, 1.1f});
-  Picture picture(100, 50);
-  hard_scenes::scatter(scene, light, random, picture);
-  for (const char* const settings : {"", "order=bsp", "order=face_planes"}) {
-    const auto many = run(settings, scene, light, picture.gbuffer);
-    const auto many_parts = many.technique->surface_detail();
-    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, 1);
-    const auto one = run(settings, scene, light, picture.gbuffer);
-    EXPECT_EQ(one.mask, many.mask);
-    const Counts a = one.technique->counts(), b = many.technique->counts();
-    for (std::size_t k = 0; k < a.size(); ++k)
-      if (a[k].name != "bytes") {
-        EXPECT_EQ(a[k].value, b[k].value) << a[k].name;
-      }
-    const auto one_parts = one.technique->surface_detail();
-    EXPECT_EQ(one_parts->corners, many_parts->corners);
-  }
 }
 
 // Every copy of one triangle lies in all tiles. So there are 64 at most, however many copies, and the work grows as they do.
@@ -239,27 +214,6 @@ TEST(Svbsp, a_mesh_shades_itself_only_as_a_mesh) {
   Picture flat(1, 1);
   flat.set(0, {0.5f, 0, 0.25f}, {0, 1, 0}, 0, 1);
   EXPECT_EQ(run("", scene, sun({0, -1, 0}), flat.gbuffer).mask[0], 0);
-}
-
-// A body on an exact shape leaves itself out; its shadow on the floor, and a plate's shadow on it, remain.
-TEST(Svbsp, an_exact_shape_is_not_shaded_by_its_own_triangles) {
-  Scene scene;
-  scene.meshes = {tessellate(Sphere{{0, 0, 0}, 1}, 12, "sphere"), square(4, -1.5f), square(0.4f, 3)};
-  Picture picture(100, 20, Truth::shape);
-  Random random(6);
-  const Light light = point_light({0.3f, 6, -0.2f});
-  for (std::size_t i = 0; i < picture.gbuffer.size(); ++i) {
-    const glm::vec3 n(small_world::direction_of(random));
-    picture.set(i, n, n, 0, 0);
-  }
-  const auto with = run("", scene, light, picture.gbuffer).mask;
-  EXPECT_GT(std::ranges::count(with, 0.0f), 10);
-  const ExactScene exact(scene);
-  std::vector<float> wanted(picture.gbuffer.size(), 1);
-  exact.decide(picture.gbuffer, light, wanted);
-  EXPECT_EQ(with, wanted);
-  scene.meshes[2].casts = false;
-  EXPECT_EQ(std::ranges::count(run("", scene, light, picture.gbuffer).mask, 0.0f), 0);
 }
 
 }  // namespace
