@@ -3,6 +3,7 @@
 Nothing here waits for a time: Ctrl+S saves when all is computed, and a state that is waited for is asked for again until it is there.
 """
 
+import contextlib
 import ctypes
 import json
 import math
@@ -20,9 +21,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "cli"))
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from pictures import read_mask, read_png  # noqa: E402
-from program import FAULTS, PROGRAM, ProgramTest, workers  # noqa: E402, F401
-
-PATIENCE = 60  # seconds for what takes one: the machine may be busy
+from program import FAULTS, HUNG, PATIENCE, PROGRAM, ProgramTest, wait_until, workers  # noqa: E402, F401
 
 # A floor of 8 x 4 m and a triangle 1 m over it: the diagonal of the bounds is 9 m, so that a step of the keys is 0.18 m.
 STEP = 0.18
@@ -192,25 +191,45 @@ class Viewer:
         """All that the program has printed."""
         return self.log.read_text()
 
-    def wait(self, ask, what, seconds=PATIENCE):
-        end = time.monotonic() + seconds
-        while not (answer := ask()):
+    def wait(self, ask, what):
+        def answer():
             status = self.process.poll()
             assert status is None, f"waiting for {what}: the viewer has exited with {status}\n{self.words()}"
-            assert time.monotonic() < end, f"waited {seconds} s for {what}\n{self.words()}"
-            time.sleep(0.01)
-        return answer
+            return ask()
+
+        try:
+            return wait_until(answer, what)
+        except AssertionError as error:
+            raise AssertionError(f"{error}\n{self.words()}") from None
+
+    @contextlib.contextmanager
+    def stopped(self):
+        """Within it the viewer stands still; all that happens meanwhile comes to it at once. What is short stays short for it so, also
+        where xdotool has to wait for a core: a key that is down for a third of a second is held, a click of half a second is a drag."""
+        self.process.send_signal(signal.SIGSTOP)
+        try:
+            yield
+        finally:
+            self.process.send_signal(signal.SIGCONT)
 
     # Keys by xdotool's names.
 
     def press(self, *keys):
         for key in keys:
-            self.xdo("key", key)
+            with self.stopped():
+                self.xdo("key", key)
 
     def save(self):
         """What Ctrl+S writes; the viewer does so when all is computed."""
-        folder = next(f for f in (self.out / f"{k:02}" for k in range(1, 1000)) if not f.exists())
+        folder = self.next_folder()
         self.press("ctrl+s")
+        return self.saved(folder)
+
+    def next_folder(self):
+        """Where the next Ctrl+S writes."""
+        return next(f for f in (self.out / f"{k:02}" for k in range(1, 1000)) if not f.exists())
+
+    def saved(self, folder):
         self.wait(folder.is_dir, f"{folder.name} to be saved")
         return Saved(folder)
 
@@ -218,7 +237,7 @@ class Viewer:
         """The first save that is so: for what a click begins and a later picture shows."""
         end = time.monotonic() + PATIENCE
         while not is_so(saved := self.save()):
-            assert time.monotonic() < end, f"waited for {what}: {saved.command}\n{saved.window}\n{self.words()}"
+            assert time.monotonic() < end, f"waited {PATIENCE} s for {what}: {saved.command}\n{saved.window}\n{self.words()}"
         return saved
 
     # Mouse, in pixels of the window.
@@ -228,7 +247,8 @@ class Viewer:
 
     def click(self, x, y):
         self.move(x, y)
-        self.xdo("click", 1)
+        with self.stopped():
+            self.xdo("click", 1)
 
     def drag(self, start, end, button=1, key=None):
         """Presses at the start, moves to the end in two steps, and lets go."""
@@ -291,10 +311,6 @@ class ViewerTest(ProgramTest):
         super().setUpClass()
         cls.addClassCleanup(cls.display.close)
 
-    def setUp(self):
-        super().setUp()
-        self.environment["GNOMON_TEST"] = str(self.dir)  # by which its processes are known
-
     def view(self, *arguments, **how):
         return Viewer(self, *arguments, **how)
 
@@ -316,7 +332,7 @@ class ViewerTest(ProgramTest):
             (tools / "gnomon").symlink_to(PROGRAM)
         environment = dict(self.environment, PATH=f"{tools}:{os.environ['PATH']}")
         done = subprocess.run(["/bin/sh", "-c", saved.command], cwd=self.dir, env=environment, text=True, capture_output=True,
-                              timeout=240)
+                              timeout=PATIENCE)
         self.assertEqual(done.returncode, 0, f"{saved.command}\n{done.stderr}")
         folder = self.dir / saved.option("out")
         width, height, ours = saved.mask

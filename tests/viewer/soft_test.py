@@ -125,6 +125,22 @@ class Comparing(ViewerTest):
         viewer.press("v")
         self.assertIsNone(viewer.save().window["curve"])
 
+    def test_a_save_that_comes_with_a_click_shows_what_was_clicked(self):
+        viewer = self.view_scene("--light", "panel", "--technique", "center_ray")
+        viewer.press("1", "6")
+        without = viewer.save()
+        viewer.press("i")
+        first = viewer.save()
+        for k in range(4):
+            viewer.move(*first.control("contours"))
+            folder = viewer.next_folder()
+            with viewer.stopped():
+                viewer.xdo("click", 1)
+                viewer.xdo("key", "ctrl+s")
+            saved = viewer.saved(folder)
+            wanted = first if saved.window["contours"] else without
+            self.assertEqual(saved.picture, wanted.picture, k)
+
     def test_contours_come_and_go(self):
         viewer = self.view_scene("--light", "panel", "--technique", "center_ray")
         viewer.press("1", "6")

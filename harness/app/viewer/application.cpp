@@ -120,11 +120,17 @@ class Application {
       }
       const KeyRow* const row = key_table().find(event.code, event.modifiers, scene_id(session_.selection().scene));
       if (!row || (ImGui::GetIO().WantTextInput && !works_while_typing(*row))) continue;
-      if (row->is_held)
+      if (row->is_held) {
         held_.press(*row, Window::now());
-      else
+      } else {
+        take_held_steps();  // of keys that were pressed before
         act(*row);
+      }
     }
+    take_held_steps();
+  }
+
+  void take_held_steps() {
     for (const auto& [row, count] : held_.take(Window::now())) act(*row, count);
   }
 
@@ -270,8 +276,7 @@ class Application {
   void save() {
     const bool shows_selection = has_drawn_finished_ && !window_.has_button_events() &&
                                  are_same(*sent_selection_, session_.selection()) && !session_.selection().is_moving &&
-                                 canvas_.composition().layout == session_.layout &&
-                                 canvas_.composition().paint == session_.paint;
+                                 canvas_.shows_choices_of(session_);
     if (!shows_selection) {
       if (!save_is_announced_) session_.say("saves as soon as all is computed");
       save_is_announced_ = true;

@@ -51,21 +51,30 @@ auto choices_of(const Composition& c) {
                     c.difference.full, c.difference.is_plain, c.shows_contours);
 }
 
+/// What a session has chosen for a picture of this size, without what is computed.
+Composition chosen_by(const Session& session, int width, int height) {
+  return {.width = width,
+          .height = height,
+          .layout = session.layout,
+          .paint = session.paint,
+          .divider = session.divider,
+          .flicker_is_right = session.flicker_is_right,
+          .layer_opacity = session.layer_opacity,
+          .difference = session.difference,
+          .shows_contours = session.shows_contours,
+          .sides = {}};
+}
+
 }  // namespace
+
+bool Canvas::shows_choices_of(const Session& session) const {
+  return choices_of(chosen_by(session, composition_.width, composition_.height)) == choices_of(composition_);
+}
 
 bool Canvas::is_outdated(const EngineState& state) const { return !is_made_ || parts_of(state) != parts_of(state_); }
 
 bool Canvas::compose(const Session& session, const EngineState& state, const PixelRect& place) {
-  Composition next{.width = place.width,
-                   .height = place.height,
-                   .layout = session.layout,
-                   .paint = session.paint,
-                   .divider = session.divider,
-                   .flicker_is_right = session.flicker_is_right,
-                   .layer_opacity = session.layer_opacity,
-                   .difference = session.difference,
-                   .shows_contours = session.shows_contours,
-                   .sides = {}};
+  Composition next = chosen_by(session, place.width, place.height);
   if (!is_outdated(state) && choices_of(next) == choices_of(composition_)) return false;
   state_ = state;
   for (int side = 0; side < 2; ++side) next.sides[side] = compose_side(state_.sides[side], state_);

@@ -17,6 +17,9 @@ class Canvas {
   /// Whether the state has other masks, verdicts or layers than those that the picture was composed of.
   bool is_outdated(const EngineState& state) const;
 
+  /// Whether it was composed as the session now has it: layout, colors, divider and so on.
+  bool shows_choices_of(const Session& session) const;
+
   const Composition& composition() const { return composition_; }
   std::span<const std::uint32_t> pixels() const { return pixels_; }
   std::span<const LegendEntry> legend_of(int side) const { return legends_[side]; }

@@ -96,7 +96,7 @@ void put_together(ReferenceState& reference) {
   reference.mask = std::move(area.reference);
   reference.error = std::move(area.reference_error);
   reference.classes = std::move(area.classes);
-  if (std::ranges::none_of(frame.lights, has_area)) return;
+  if (std::ranges::none_of(frame.lights, [](const Light& light) { return has_area(light); })) return;
   Together irradiance = whole(LightShareKind::irradiance);
   reference.irradiance = std::move(irradiance.reference);
   reference.irradiance_error = std::move(irradiance.reference_error);
