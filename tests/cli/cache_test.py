@@ -9,7 +9,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import ProgramTest, picture_content, records  # noqa: E402
+from program import PATIENCE, ProgramTest, picture_content, records  # noqa: E402
 
 
 class Cache(ProgramTest):
@@ -67,7 +67,7 @@ class Cache(ProgramTest):
     def test_two_programs_at_once_share_it(self):
         both = [self.start(*self.RUN, "--out", out) for out in ("a", "b")]
         for run in both:
-            out, error = run.communicate(timeout=120)
+            out, error = run.communicate(timeout=PATIENCE)
             self.assertEqual(run.returncode, 0, out + error)
         self.assertRegex(self.succeed("cache", "check"), "[1-9][0-9]* files, 0 damaged")
         masks = [{path.name: picture_content(path) for path in (self.dir / out / "masks").iterdir()} for out in ("a", "b")]

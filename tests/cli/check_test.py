@@ -1,15 +1,13 @@
 #!/usr/bin/python3 -IB
 """check: the rules of conformance, asked of a technique from outside, one process each."""
-# Runs alone: a rule has few seconds before it counts as hung.
 
 import json
 import sys
-import time
 import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import FAULTS, ProgramTest, workers  # noqa: E402
+from program import FAULTS, HUNG, ProgramTest, workers  # noqa: E402
 
 QUICK = ["--rule", "data_sheet", "--rule", "same_mask", "--rule", "gl_state"]
 
@@ -51,11 +49,9 @@ class Check(ProgramTest):
                                  ("exits", "it crashed in same_mask: exit status 3"),
                                  ("throws", "it threw: the tree has no root"),
                                  ("eats_memory", "it ran out of memory"),
-                                 ("hangs", "it hung in same_mask: no answer within 4 s")):
+                                 ("hangs", f"it hung in same_mask: no answer within {HUNG} s")):
             with self.subTest(technique):
-                start = time.monotonic()
-                told = json.loads(self.succeed("--plugin", FAULTS, "check", technique, "--json", "--timeout", "4", *QUICK, status=1))
-                self.assertLess(time.monotonic() - start, 60)
+                told = json.loads(self.succeed("--plugin", FAULTS, "check", technique, "--json", "--timeout", HUNG, *QUICK, status=1))
                 self.assertEqual((told["technique"], told["holds"], told["does_not_apply"], told["fails"]), (technique, 1, 1, 1))
                 words, mask, state = told["rules"]
                 self.assertEqual((words["name"], words["verdict"], words["findings"]), ("data_sheet", "holds", []))

@@ -1,16 +1,14 @@
 #!/usr/bin/python3 -IB
 """Adapters of engines: what is absent, of another version, or faulty costs its own row; what is there agrees with the reference."""
-# Runs alone: what hangs has a few seconds before it counts as hung.
 
 import os
 import shutil
 import sys
-import time
 import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import SMALL, ProgramTest, records, workers  # noqa: E402
+from program import GONE, HUNG, SMALL, ProgramTest, records, wait_until  # noqa: E402
 
 ENGINES = ("cycles", "ogre", "open_scene_graph", "pov_ray", "three_js")
 # What each of these prints says who it is, as the true ones do.
@@ -73,7 +71,7 @@ class Engines(ProgramTest):
         super().setUp()
         self.bin = self.dir / "bin"
         self.bin.mkdir()
-        self.environment = dict(type(self).environment, PATH=f"{self.bin}:/usr/bin:/bin", GNOMON_FAKE_PLACE=str(self.dir))
+        self.environment = dict(self.environment, PATH=f"{self.bin}:/usr/bin:/bin", GNOMON_FAKE_PLACE=str(self.dir))
 
     def fake(self, name, text, version, what):
         file = self.bin / name
@@ -93,11 +91,7 @@ class Engines(ProgramTest):
         """Whether what was started, and said its process id, has ended; a killed process may take a moment."""
         started = [int(line) for line in (self.dir / "pids").read_text().split()]
         self.assertTrue(started)
-        for _ in range(100):
-            if not any(map(is_there, started)):
-                return
-            time.sleep(0.05)
-        self.fail(f"{[p for p in started if is_there(p)]} of {started} still run")
+        wait_until(lambda: not any(map(is_there, started)), f"the processes {started} to be gone", GONE)
 
     def test_what_is_absent_says_what_to_install(self):
         self.environment["PATH"] = str(self.bin)
@@ -126,15 +120,15 @@ class Engines(ProgramTest):
         for (technique, program, text, version), what, says in (
             (pov_ray, "echo chatter; echo 'Parse Error: no camera' >&2; exit 1", "povray ended with 1: Parse Error: no camera"),
             (pov_ray, "exit 0", "povray says no times"),
-            (pov_ray, "sleep 600 & sleep 600", "hung in resolve: no answer within 3 s"),
+            (pov_ray, "sleep 600 & sleep 600", f"hung in resolve: no answer within {HUNG} s"),
             (blender, "if request['do'] == 'build': print('what?', file=answers, flush=True); continue", "Blender answered build with no JSON: what?"),
             (blender, "if request['do'] == 'build': sys.exit(4)", "Blender ended (4) when it was to answer build"),
             (blender, "if request['do'] == 'relight': print('{\"error\": \"no such light\"}', file=answers, flush=True); continue", "no such light"),
-            (blender, "if request['do'] == 'build': time.sleep(600)", "hung in build: no answer within 3 s"),
+            (blender, "if request['do'] == 'build': time.sleep(600)", f"hung in build: no answer within {HUNG} s"),
         ):
             with self.subTest(what):
                 self.fake(program, text, version, what)
-                self.assertIn(says, self.run_one(technique, "--timeout", "3")["reason"])
+                self.assertIn(says, self.run_one(technique, "--timeout", HUNG)["reason"])
                 self.all_ended()
 
     def lit_engine(self, what=""):
@@ -147,11 +141,10 @@ class Engines(ProgramTest):
         self.assertEqual(record["status"], "ok")
         self.assertEqual(record["context"]["plugin"]["maker"], "Lit 1.0")
         self.assertIn({"name": "plain_frame", "value": 0.5, "unit": "ms"}, record["counts"])
-        self.assertEqual(workers(self.dir), [])
-        record = self.run_one("lit_engine", "--timeout", "3", before=self.lit_engine("import time; time.sleep(60)"))
+        self.assert_gone()
+        record = self.run_one("lit_engine", "--timeout", HUNG, before=self.lit_engine("import time; time.sleep(60)"))
         self.assertIn("hung in resolve", record["reason"])
-        time.sleep(0.5)
-        self.assertEqual(workers(self.dir), [])
+        self.assert_gone()
 
     def test_a_display_that_does_not_open_fails_the_row(self):
         (self.bin / "Xvfb").write_text("#!/bin/bash\necho 'no screens' >&2; exit 3\n")
@@ -166,7 +159,7 @@ class Engines(ProgramTest):
                 self.succeed("run", "--scene", "box_city", "--light", "sun", "--technique", engine, "--technique", "unshadowed", "--truth", "mesh",
                              *SMALL, "--quiet", "--out", out)
                 record, lit = records(out)
-                self.assertEqual(workers(self.dir), [])
+                self.assert_gone()
                 if record["status"] == "unsupported":  # it is not here
                     continue
                 wrong = record["metrics"]["mesh"]["wrong_rate"]

@@ -1,6 +1,5 @@
 #!/usr/bin/python3 -IB
 """Techniques that crash, hang, throw, eat memory, lie or leave: each costs its own rows and no other."""
-# Runs alone: steps have two seconds before they count as hung.
 
 import json
 import os
@@ -8,18 +7,17 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import FAULTS, PROGRAM, SMALL, ProgramTest, records, workers  # noqa: E402
+from program import FAULTS, HUNG, PATIENCE, PROGRAM, SMALL, ProgramTest, records, wait_until, workers  # noqa: E402
 
 REASONS = {
     "crashes": r"^crashed in resolve: Segmentation fault \(signal 11\)",
     "eats_memory": r"^threw in resolve: out of memory",
     "exits": r"^crashed in resolve: exit status 3",
-    "hangs": r"^hung in relight: no answer within 2 s",
+    "hangs": rf"^hung in relight: no answer within {HUNG} s",
     "returns_nan": r"^mask value -?nan at pixel 7 is outside 0 \.\. 1",
     "throws": r"^threw in build: the tree has no root",
 }
@@ -29,12 +27,11 @@ SCENES = ["single_triangle", "soup:count=50"]
 
 class Faults(ProgramTest):
     def test_each_fault_costs_its_own_rows_and_says_what_happened(self):
-        self.environment["GNOMON_TEST"] = str(self.dir)
         # Sound and faulty ones take turns, so that a fault could hit a neighbor.
         techniques = list(dict.fromkeys(name for pair in zip(REASONS, SOUND * 3) for name in pair))
         arguments = [word for name in techniques for word in ("--technique", name)]
         arguments += [word for scene in SCENES for word in ("--scene", scene)]
-        text = self.succeed("--plugin", FAULTS, "run", *arguments, "--light", "point", *SMALL, "--timeout", "2", "--out", "out",
+        text = self.succeed("--plugin", FAULTS, "run", *arguments, "--light", "point", *SMALL, "--timeout", HUNG, "--out", "out",
                             status=1)
         rows = {(r["scene"], r["technique"]): r for r in records(self.dir / "out")}
         self.assertEqual(set(rows), {(scene, name) for scene in SCENES for name in [*REASONS, *SOUND]})
@@ -82,11 +79,11 @@ class Faults(ProgramTest):
     def test_a_fault_in_the_middle_of_a_sample_costs_the_row_only(self):
         # The answer and three warm-ups are builds 1 .. 4; the ten iterations of the first sample, one request, are 5 .. 14.
         for variable, reason in (("GNOMON_TEST_THROWS_AT", "threw in build: one too many"),
-                                 ("GNOMON_TEST_HANGS_AT", r"hung in build: no answer within 2\.1 s")):
+                                 ("GNOMON_TEST_HANGS_AT", rf"hung in build: no answer within {HUNG}\.1 s")):
             with self.subTest(variable):
                 self.environment[variable] = "8"
                 self.succeed("--plugin", FAULTS, "run", "--scene", "single_triangle", "--light", "sun", "--technique", "busy",
-                             "--technique", "unshadowed", "--timeout", "2", *SMALL, "--out", variable, status=1)
+                             "--technique", "unshadowed", "--timeout", HUNG, *SMALL, "--out", variable, status=1)
                 del self.environment[variable]
                 broken, sound = records(self.dir / variable)
                 self.assertEqual((broken["technique"], broken["status"]), ("busy", "failed"))
@@ -110,10 +107,9 @@ class Faults(ProgramTest):
                 "--processes", "2", "--repetitions", "1", "--size", "64x36", "--out", self.dir / "out"]
         environment = dict(self.environment, GNOMON_TEST_RELIGHT_MS="400")
         run = subprocess.Popen(list(map(str, call)), env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-        while run.poll() is None and len(workers(program)) < 2:  # itself and its first worker
-            time.sleep(0.01)
+        wait_until(lambda: run.poll() is not None or len(workers(program)) == 2, "itself and its first worker")
         program.unlink()
-        text, words = run.communicate(timeout=120)
+        text, words = run.communicate(timeout=PATIENCE)
         self.assertEqual(run.returncode, 1, words)
         row = records(self.dir / "out")[0]
         self.assertEqual(row["status"], "failed")
@@ -133,18 +129,21 @@ class Reference(ProgramTest):
 
     def start_and_kill_the_tracer(self, times, *arguments):
         """Kills the worker that was started last while it traces, and those that follow it; what the program then says."""
-        self.environment.update(GNOMON_TEST=str(self.dir), GNOMON_CACHE=str(self.dir / "cache"))  # where no frame is kept yet
+        self.environment.update(GNOMON_CACHE=str(self.dir / "cache"))  # where no frame is kept yet
         process = self.start(*arguments)
-        end = time.monotonic() + 60
         killed = set()
+
+        def at_work():
+            self.assertIsNone(process.poll(), process.args)
+            found = [w for w in workers(self.dir) if w not in killed | {process.pid}]
+            return len(found) >= 2 and found
+
         while len(killed) < times:
-            while len(found := [w for w in workers(self.dir) if w not in killed | {process.pid}]) < 2:  # the technique's and the tracer
-                self.assertLess(time.monotonic(), end)
-                self.assertIsNone(process.poll(), process.args)
+            found = wait_until(at_work, "the technique's worker and the tracer")
             age = {w: int(Path(f"/proc/{w}/stat").read_text().rsplit(")", 1)[1].split()[19]) for w in found}
             killed.add(max(found, key=lambda w: (age[w], w)))
             os.kill(max(found, key=lambda w: (age[w], w)), signal.SIGSEGV)
-        words = process.communicate(timeout=240)
+        words = process.communicate(timeout=PATIENCE)
         return words, process.returncode
 
     def test_a_tracer_that_is_killed_once_costs_nothing(self):

@@ -9,7 +9,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import PROGRAM, ROOT, SMALL, ProgramTest  # noqa: E402
+from program import PATIENCE, PROGRAM, ROOT, SMALL, ProgramTest  # noqa: E402
 
 ROW = ["--filter", "soup.* point unshadowed", *SMALL, "--quiet"]
 
@@ -33,7 +33,7 @@ class FirstRun(ProgramTest):
 
     def run_script(self, *arguments, status=0):
         done = subprocess.run([self.dir / "scripts/run", *arguments], env=self.environment, cwd="/", text=True, capture_output=True,
-                              timeout=240)
+                              timeout=PATIENCE)
         if "GNOMON_REPORT=OFF" in done.stderr:
             self.skipTest("the program was built without the report's page")
         self.assertEqual(done.returncode, status, done.stdout + done.stderr)

@@ -11,7 +11,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import SMALL, ProgramTest, records  # noqa: E402
+from program import PATIENCE, SMALL, ProgramTest, records  # noqa: E402
 
 ANY = ["--scene", "single_triangle", "--technique", "unshadowed", "--light", "sun"]
 LONG = "n" * 230
@@ -171,7 +171,7 @@ techniques = ["embree_rays", { use = "shadow_map:resolution=64", label = "'quote
             self.copy_of_run(change)
             for call in (["figure", "run", "front", "--script"], ["analyze", "run", "best"], ["analyze", "run", "front"], ["table", "run"],
                          ["figure", "run", "stages", "--script"]):
-                done = subprocess.run(self.command(*call), cwd=self.dir, env=self.environment, capture_output=True, timeout=20)
+                done = subprocess.run(self.command(*call), cwd=self.dir, env=self.environment, capture_output=True, timeout=PATIENCE)
                 self.assertIn(done.returncode, (0, 2), f"{value} {call} {done.stderr}")
 
     def test_memory_that_is_not_there_is_called_that(self):

@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 import tempfile
+import time
 import unittest
 from pathlib import Path
 
@@ -14,6 +15,12 @@ PROGRAM = os.environ.get("GNOMON_PROGRAM", str(ROOT / "build/release/gnomon"))
 FAULTS = os.environ.get("GNOMON_FAULTS", str(ROOT / "build/release/gnomon_faults.so"))
 DATA = ROOT / "tests/data"
 
+# Seconds to wait. They say nothing of how fast anything is: what is sound takes a small part of them, also where other work keeps every
+# core busy, and what never comes or never goes is found out all the same.
+PATIENCE = 240  # for what has to come, such as a file, a worker, the end of a program
+GONE = 30  # for processes to go that have to go by themselves
+HUNG = 8  # what --timeout grants a step where one hangs on purpose, while sound steps take milliseconds
+
 # Enough to see that it works: one process, one repetition, few pixels.
 SMALL = ["--processes", "1", "--repetitions", "1", "--size", "160x90"]
 # The lights that every generated scene has. Some have lights with area besides.
@@ -21,7 +28,7 @@ HARD = ["--light", "point", "--light", "sun"]
 
 
 class ProgramTest(unittest.TestCase):
-    """Each class has a folder of its own, with a cache in it; each test a folder below."""
+    """Each class has a folder of its own, with a cache in it; each test a folder below, by which its processes are known."""
 
     @classmethod
     def setUpClass(cls):
@@ -35,6 +42,7 @@ class ProgramTest(unittest.TestCase):
     def setUp(self):
         self.dir = self.home / self.id().rsplit(".", 1)[-1]
         self.dir.mkdir()
+        self.environment = dict(type(self).environment, GNOMON_TEST=str(self.dir))
 
     def command(self, *arguments):
         return [PROGRAM, *map(str, arguments)]
@@ -42,7 +50,7 @@ class ProgramTest(unittest.TestCase):
     def gnomon(self, *arguments, **options):
         """Runs the program to its end. Its folder is the test's."""
         return subprocess.run(self.command(*arguments), cwd=self.dir, env=self.environment, text=True, capture_output=True,
-                              timeout=240, **options)
+                              timeout=PATIENCE, **options)
 
     def start(self, *arguments, **options):
         """Starts the program and does not wait for it."""
@@ -64,6 +72,10 @@ class ProgramTest(unittest.TestCase):
         self.assertTrue(done.stderr.startswith("gnomon: ") and done.stderr.count("\n") == 1, call)
         for text in says:
             self.assertIn(text, done.stderr)
+
+    def assert_gone(self):
+        """Nobody is left of what this test started. Who was killed may take a moment to go."""
+        wait_until(lambda: not workers(self.dir), "all processes to be gone", GONE)
 
     def write(self, name, text):
         file = self.dir / name
@@ -112,6 +124,16 @@ def measured(record):
 def picture_content(file):
     """The bytes of a picture but for the date that OpenEXR writes into its head."""
     return re.sub(rb"capDate\0string\0.{4}[0-9: ]{19}", b"", file.read_bytes(), flags=re.S)
+
+
+def wait_until(is_so, what, seconds=PATIENCE):
+    """Asks again and again until it is so, and gives the answer."""
+    end = time.monotonic() + seconds
+    while not (answer := is_so()):
+        if time.monotonic() > end:
+            raise AssertionError(f"waited {seconds} s for {what}")
+        time.sleep(0.01)
+    return answer
 
 
 def workers(marker):

@@ -1,18 +1,16 @@
 #!/usr/bin/python3 -IB
 """Techniques that are programs of their own: what a sound one gives, and what faulty ones cost."""
-# Runs alone: stages have three seconds before they count as hung.
 
 import json
 import os
 import re
 import shutil
 import sys
-import time
 import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import ROOT, SMALL, ProgramTest, records, scene_toml, workers  # noqa: E402
+from program import HUNG, ROOT, SMALL, ProgramTest, records  # noqa: E402
 
 SHEET = """title = "T"
 summary = "S."
@@ -58,7 +56,7 @@ FAULTS = {
                     r"threw in build: python3 ended in build, in the middle of a line: \{\"ms\":: exit status 4"),
     "says_too_much": ("def fault(r):\n  if r['do'] == 'build': print('{\"ms\": 0}\\n{\"ms\": 0}', flush=True); time.sleep(60)",
                       r"python3 said more than it was asked: \{\"ms\": 0"),
-    "says_nothing": ("def fault(r):\n  if r['do'] == 'relight': time.sleep(60)", r"hung in relight: no answer within 3 s"),
+    "says_nothing": ("def fault(r):\n  if r['do'] == 'relight': time.sleep(60)", rf"hung in relight: no answer within {HUNG} s"),
     "dies": ("def fault(r):\n  if r['do'] == 'resolve': os.kill(os.getpid(), 11)",
              r"threw in resolve: python3 crashed in resolve: Segmentation fault \(signal 11\)"),
     "throws": ("def fault(r):\n  if r['do'] == 'relight': return {'error': 'the tree has no root'}",
@@ -142,7 +140,7 @@ sentence = "Whether."
         for words in ("S.", "depth", "1 .. 9 level", "How deep.", "fast | slow"):
             self.assertIn(words, described)
         self.refuse(*options, "run", "--scene", "fence", "--technique", "lit:depth=10", says=["lit.depth = 10 is outside 1 .. 9 level"])
-        self.assertEqual(workers(self.dir), [])
+        self.assert_gone()
 
     def test_peak_memory_is_the_workers_and_the_programs_together(self):
         hold = "held = bytes(range(256)) * (800 << 10)"  # 200 MiB
@@ -174,7 +172,7 @@ def fault(r):
         for name in ("large", "was_large", "child"):
             self.assertTrue(190 < peaks[name] - peaks["small"] < 260, peaks)
         self.assertLess(abs(peaks["ended_child"] - peaks["small"]), 50, peaks)
-        self.assertEqual(workers(self.dir), [])
+        self.assert_gone()
 
     def test_settings_and_files_are_what_the_protocol_says(self):
         code = LIT.replace("FAULT", """
@@ -238,7 +236,7 @@ sentence = "Whether."
             options += self.program(name, fault=fault)
             arguments += ["--technique", name]
         self.succeed(*options, "run", *arguments, "--technique", "unshadowed", "--scene", "single_triangle", "--light", "sun", *SMALL,
-                     "--timeout", "3", "--out", "out", status=1)
+                     "--timeout", HUNG, "--out", "out", status=1)
         rows = {r["technique"]: r for r in records(self.dir / "out")}
         self.assertEqual(rows.pop("unshadowed")["status"], "ok")
         self.assertEqual(set(rows), set(FAULTS))
@@ -246,7 +244,7 @@ sentence = "Whether."
             with self.subTest(name):
                 self.assertEqual((row["status"], row["mask"]), ("failed", None))
                 self.assertRegex(row["reason"], FAULTS[name][1])
-        self.assertEqual(workers(self.dir), [])
+        self.assert_gone()
 
     def test_nothing_stays_behind(self):
         # One leaves a child in a session of its own, one ignores the end of its input; both are gone after the run, and their files.
@@ -259,11 +257,7 @@ def fault(r):
         options += self.program("stays", code=LIT.replace("FAULT", "") + "\ntime.sleep(987)\n")
         self.succeed(*options, "run", "--scene", "single_triangle", "--technique", "parent", "--technique", "stays", "--light", "sun", *SMALL, "--out", "out")
         self.assertEqual([r["status"] for r in records(self.dir / "out")], ["ok", "ok"])
-        for _ in range(20):
-            if not workers(self.dir):
-                break
-            time.sleep(0.1)
-        self.assertEqual(workers(self.dir), [])
+        self.assert_gone()
         self.assertEqual([p for p in Path("/dev/shm").glob("gnomon*") if f"-{os.getpid()}" in p.name], [])
         self.assertFalse((self.dir / "out/.scratch").exists())
 
@@ -357,13 +351,21 @@ def fault(r):
             self.assertEqual((row["status"], row["reason"], row["metrics"]["mesh"]["wrong_rate"]), ("ok", "", 0))
 
     def test_the_way_there_and_back_takes_three_milliseconds_at_most(self):
-        options = self.program("lit")
+        # The program tells what it takes itself. Other work on the machine adds to the rest and never takes from it: the quarter of
+        # the repetitions that it left alone is the harness's own.
+        options = self.program("lit", fault="""
+def fault(r):
+  start = time.perf_counter()
+  answer = sound(r)
+  if "ms" in answer: answer["ms"] = 1000 * (time.perf_counter() - start)
+  return answer
+""")
         self.succeed(*options, "run", "--scene", "fence", "--technique", "lit", "--light", "sun", "--size", "640x360", "--processes", "1",
-                     "--repetitions", "9", "--out", "out")
+                     "--repetitions", "40", "--out", "out")
         row, = records(self.dir / "out")
         for stage in ("build", "relight", "resolve"):
-            own, wall = (sorted(row[key][stage][0]) for key in ("stages", "harness_stages"))
-            self.assertLess(wall[len(wall) // 2] - own[len(own) // 2], 3, f"{stage}: {wall}")
+            way = sorted(wall - own for wall, own in zip(*(row[key][stage][0] for key in ("harness_stages", "stages"))))
+            self.assertLess(way[len(way) // 4], 3, f"{stage}: {way}")
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import HARD, PROGRAM, ROOT, SMALL, ProgramTest, measured, records, what  # noqa: E402
+from program import HARD, PATIENCE, PROGRAM, ROOT, SMALL, ProgramTest, measured, records, what  # noqa: E402
 
 ROWS = [*HARD, "--scene", "single_triangle", "--technique", "shadow_map:resolution={256,512}", "--technique", "unshadowed"]
 
@@ -63,7 +63,7 @@ class Parallel(ProgramTest):
     def script(self, *arguments):
         environment = dict(self.environment, GNOMON_PROGRAM=PROGRAM)
         return subprocess.run([ROOT / "scripts/shards_parallel", *map(str, arguments)], cwd=self.dir, env=environment, text=True,
-                              capture_output=True, timeout=240)
+                              capture_output=True, timeout=PATIENCE)
 
     def test_three_shards_are_run_merged_and_cleared_away(self):
         out = self.dir / "a folder/merged"  # with a space, as people have them
@@ -170,7 +170,7 @@ class Slurm(ProgramTest):
 
     def script(self, *arguments):
         return subprocess.run([ROOT / "scripts/shards_slurm", *map(str, arguments)], cwd=self.dir, env=self.environment, text=True,
-                              capture_output=True, timeout=240)
+                              capture_output=True, timeout=PATIENCE)
 
     def test_the_array_is_submitted_awaited_and_merged(self):
         done = self.script("--sbatch", "--partition=gpu --time=120", "3", self.dir / "merged", *ROWS, *SMALL)

@@ -1,16 +1,14 @@
 #!/usr/bin/python3 -IB
 """Runs that are stopped: what was finished stays, --resume does the rest, and nobody is left behind."""
-# Runs alone: workers have to be gone after seconds.
 
 import os
 import signal
 import sys
-import time
 import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import HARD, ProgramTest, measured, records, what, workers  # noqa: E402
+from program import HARD, PATIENCE, ProgramTest, measured, records, wait_until, what, workers  # noqa: E402
 
 SCENES = ["single_triangle", "soup:count=50", "sphere_over_plane"]
 RUN = ["run", *HARD, *[word for scene in SCENES for word in ("--scene", scene)], "--technique", "unshadowed", "--technique", "shadow_map",
@@ -21,15 +19,7 @@ ROWS = 4 * len(SCENES)  # two lights, two techniques
 class Stopped(ProgramTest):
     def setUp(self):
         super().setUp()
-        # Processes of this test are known by it, whoever their parent is.
-        self.environment["GNOMON_TEST"] = str(self.dir)
         self.file = self.dir / "out/records.jsonl"
-
-    def wait(self, condition, seconds=60):
-        end = time.monotonic() + seconds
-        while not condition():
-            self.assertLess(time.monotonic(), end, "waited too long")
-            time.sleep(0.01)
 
     def lines(self):
         return self.file.read_bytes().splitlines(keepends=True) if self.file.exists() else []
@@ -37,15 +27,14 @@ class Stopped(ProgramTest):
     def stop(self, with_signal, after):
         """Starts the run, stops it when `after` records are there, and sees that its workers go with it."""
         run = self.start(*RUN, start_new_session=True)
-        self.wait(lambda: len(self.lines()) >= after and len(workers(self.dir)) > 1)
-        stopped = time.monotonic()
+        wait_until(lambda: len(self.lines()) >= after and len(workers(self.dir)) > 1, f"{after} records and a worker")
         if with_signal == signal.SIGINT:
             os.killpg(run.pid, signal.SIGINT)  # a terminal sends it to the workers too
         else:
             os.kill(run.pid, with_signal)
-        run.communicate(timeout=10)
-        self.assertLess(time.monotonic() - stopped, 5)
-        self.wait(lambda: workers(self.dir) == [], 5)
+        run.communicate(timeout=PATIENCE)
+        self.assert_gone()
+        self.assertLess(len(self.lines()), ROWS)  # it has not come to its end instead
         return run.returncode
 
     def assert_whole(self):

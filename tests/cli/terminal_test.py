@@ -13,7 +13,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import HARD, SMALL, ProgramTest  # noqa: E402
+from program import HARD, PATIENCE, SMALL, ProgramTest  # noqa: E402
 
 RUN = ["run", *HARD, "--scene", "single_triangle", "--scene", "soup:count=50", "--technique", "unshadowed", "--technique", "shadow_map",
        "--processes", "2", "--repetitions", "2", "--size", "160x90", "--out", "out"]
@@ -39,7 +39,7 @@ class Terminal(ProgramTest):
                 break
             received += chunk
         os.close(owner)
-        self.assertEqual(run.wait(60), 0, received)
+        self.assertEqual(run.wait(PATIENCE), 0, received)
         return received.decode().replace("\r\n", "\n")
 
     @staticmethod
@@ -117,7 +117,7 @@ class Terminal(ProgramTest):
     def test_a_reader_that_leaves_early_is_no_error_of_ours(self):
         run = self.start("list", "scenes", "--json")
         run.stdout.close()
-        run.wait(30)
+        run.wait(PATIENCE)
         self.assertEqual(run.stderr.read(), "")
         run.stderr.close()
 

@@ -1,6 +1,5 @@
 #!/usr/bin/python3 -IB
 """A short run of scripts/torture: kills, stops and full disks cost no row."""
-# Runs alone: it waits for workers to be gone after seconds.
 
 import subprocess
 import sys

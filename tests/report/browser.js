@@ -47,9 +47,11 @@ export function gnomon(args, { status = 0 } = {}) {
 }
 
 let browser = null;
+const patience = 120_000; // ms, for what takes one second: the machine may be busy
 
 export async function openBrowser() {
-  browser = await browsers.launch({ executablePath: chromium, args: ["--no-sandbox", "--disable-gpu", "--disable-quic"] });
+  const args = ["--no-sandbox", "--disable-gpu", "--disable-quic"];
+  browser = await browsers.launch({ executablePath: chromium, args, timeout: patience });
 }
 
 export async function closeBrowser() {
@@ -57,19 +59,69 @@ export async function closeBrowser() {
   rmSync(home, { recursive: true, force: true });
 }
 
+/** In the page, before its own script: counts the pictures that it inflates. */
+function countReads() {
+  const read = Response.prototype.arrayBuffer;
+  window.reads = { begun: 0, ended: 0 };
+  Response.prototype.arrayBuffer = async function () {
+    ++window.reads.begun;
+    try {
+      return await read.call(this);
+    } finally {
+      ++window.reads.ended;
+    }
+  };
+}
+
 /**
- * Opens a report. `page.troubles` collects what must not happen: requests that leave the file, messages on the console, errors.
- * Options are those of a browser context.
+ * Waits until the page has done all that follows from what was done to it: its pictures are inflated, and after that frames have
+ * passed in which it draws, and learns of its new sizes and places.
  */
-export async function open(file, options = {}) {
+export const settled = (page) =>
+  page.evaluate(async (patience) => {
+    const end = performance.now() + patience;
+    let ended;
+    do {
+      if (performance.now() > end) throw new Error(`not settled after ${patience} ms: ${JSON.stringify(window.reads)}`);
+      ({ ended } = window.reads);
+      for (let k = 0; k < 4; ++k) await new Promise(requestAnimationFrame);
+    } while (ended !== window.reads.begun);
+  }, patience);
+
+/**
+ * A page that is empty yet. `page.troubles` collects what must not happen: requests that leave the file, messages on the console,
+ * errors. Options are those of a browser context.
+ */
+export async function newPage(options = {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, reducedMotion: "reduce", ...options });
+  context.setDefaultTimeout(patience);
+  await context.addInitScript(countReads);
   const page = await context.newPage();
   page.troubles = [];
   page.on("request", (request) => /^(file|data|blob):/.test(request.url()) || page.troubles.push(`request ${request.url()}`));
   page.on("console", (message) => page.troubles.push(`console: ${message.text()}`));
   page.on("pageerror", (error) => page.troubles.push(`error: ${error.message}`));
+  return page;
+}
+
+/** Opens a report in a page of its own. */
+export async function open(file, options = {}) {
+  const page = await newPage(options);
   await page.goto(`file://${file}`, { waitUntil: "load" });
   return page;
+}
+
+/** What some work takes: milliseconds of processor time of the whole browser, and milliseconds by the clock. */
+export async function costOf(work) {
+  const session = await browser.newBrowserCDPSession();
+  const times = async () => (await session.send("SystemInfo.getProcessInfo")).processInfo.map(({ id, cpuTime }) => [id, 1000 * cpuTime]);
+  const before = new Map(await times()),
+    start = Date.now();
+  await work();
+  const clock = Date.now() - start;
+  const processor = (await times()).reduce((sum, [id, time]) => sum + time - (before.get(id) ?? 0), 0);
+  await session.detach();
+  return { processor, clock };
 }
 
 /** Where pictures for people go. */
@@ -101,7 +153,7 @@ export const dataOf = (page) => page.evaluate(() => JSON.parse(document.getEleme
 
 /** Color [r, g, b] of the canvas where the picture's pixel lies, the whole picture being fit. */
 export async function colorAt(page, x, y) {
-  await page.waitForTimeout(120);
+  await settled(page);
   return page.evaluate(
     ([x, y]) => {
       const canvas = document.querySelector(".viewport canvas");
@@ -118,9 +170,11 @@ export async function colorAt(page, x, y) {
 }
 
 /** What the read-out says, by name. */
-export const readOut = (page) =>
-  page
+export async function readOut(page) {
+  await settled(page);
+  return page
     .locator(".readout > div")
     .evaluateAll((items) =>
       Object.fromEntries(items.map((item) => [item.children[0].textContent, item.children[1].textContent])),
     );
+}

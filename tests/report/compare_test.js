@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 
 import { bytesOf, sharesOf } from "./blobs.js";
-import { accessFindings, closeBrowser, colorAt, dataOf, openBrowser, readOut, saved } from "./browser.js";
+import { accessFindings, closeBrowser, colorAt, dataOf, openBrowser, readOut, saved, settled } from "./browser.js";
 import { choose, makeSoftRun, openPictures, rowOf } from "./soft_run.js";
 
 before(async () => {
@@ -124,7 +124,7 @@ test("contours run where masks cross their levels, over every picture", async ()
   await choose(page, "wipe");
   await check(page, "contours");
   await page.locator("#pictures select[name=a]").selectOption({ label: "reference" });
-  await page.waitForTimeout(200);
+  await settled(page);
   const color = await colorAt(page, ...upright(truth, null));
   assert.ok(Math.max(...color) < 60, String(color));
   assert.doesNotMatch(await legendOf(page), /contours of area_rays/);
@@ -170,8 +170,8 @@ test("a profile shows the masks along the line that is drawn, with the reference
   let differing = 0;
   for (const share of [0.2, 0.35, 0.5, 0.65, 0.8]) {
     await page.mouse.move(box.x + share * box.width, box.y + box.height / 2);
-    await page.waitForTimeout(60);
-    const tip = await svg.locator("g[data-mark=tip]").textContent({ timeout: 3000 });
+    await settled(page);
+    const tip = await svg.locator("g[data-mark=tip]").textContent();
     const [, distance, x, y] = tip.match(/([\d.]+) pixels: (\d+), (\d+) \(/).map(Number);
     assert.equal(y, 50);
     assert.equal(distance, x - 40);

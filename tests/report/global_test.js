@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 
-import { closeBrowser, dataOf, gnomon, home, open, openBrowser, saved } from "./browser.js";
+import { closeBrowser, dataOf, gnomon, home, open, openBrowser, saved, settled } from "./browser.js";
 
 const run = join(home, "run"),
   report = join(run, "report.html");
@@ -43,12 +43,12 @@ test("all light is shown where both have a picture of it, and else the shaded sc
   const pictures = page.locator("#pictures");
   await pictures.scrollIntoViewIfNeeded();
   await pictures.locator("select[name=a]").selectOption({ label: withPicture[0].title });
-  await page.waitForTimeout(200);
+  await settled(page);
   const left = [0.3, 0.49],
     right = [0.51, 0.7];
   const shaded = await meanOf(page, ...left);
   await pictures.getByText("all light", { exact: true }).click();
-  await page.waitForTimeout(200);
+  await settled(page);
   const [a, b] = [await meanOf(page, ...left), await meanOf(page, ...right)];
   assert.ok(
     a.some((value, c) => Math.abs(value - shaded[c]) > 3),
@@ -64,10 +64,10 @@ test("all light is shown where both have a picture of it, and else the shaded sc
   await page.screenshot({ path: saved("global.png") });
   // A technique that has none is shown as ever.
   await pictures.locator("select[name=a]").selectOption({ label: "center_ray" });
-  await page.waitForTimeout(200);
+  await settled(page);
   const hard = await meanOf(page, ...left);
   await pictures.getByText("all light", { exact: true }).click();
-  await page.waitForTimeout(200);
+  await settled(page);
   assert.deepEqual(await meanOf(page, ...left), hard);
 });
 

@@ -1,12 +1,14 @@
 // A report of 200 rows with pictures of 640 x 360: below 30 MB, open in less than 3 s.
-// Runs alone: it measures how fast the page is.
+//
+// How fast the page is, is judged by the processor time of the browser, which other work on the machine does not lengthen by much. By
+// the clock it has four times as long, for that other work: what waits for something other than the processor is found by that.
 
 import assert from "node:assert/strict";
 import { copyFileSync, mkdirSync, readFileSync, statSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 
-import { closeBrowser, dataOf, gnomon, home, open, openBrowser, screenshot, shownRows } from "./browser.js";
+import { closeBrowser, costOf, dataOf, gnomon, home, newPage, openBrowser, screenshot, shownRows } from "./browser.js";
 
 const wanted_rows = 200;
 const run = join(home, "measured"),
@@ -62,27 +64,29 @@ test("200 rows with pictures: small and quick", async () => {
   const made = Date.now() - start,
     size = statSync(file).size;
 
-  const opened = Date.now();
-  const page = await open(file);
-  assert.equal((await shownRows(page)).length, wanted_rows);
-  const ready = Date.now() - opened;
-  const loaded = await page.evaluate(() => performance.getEntriesByType("navigation")[0].loadEventEnd);
-  console.log(
-    `# ${(size / 1e6).toFixed(1)} MB, made in ${made} ms, loaded in ${loaded.toFixed(0)} ms, table there after ${ready} ms`,
-  );
+  console.log(`# ${(size / 1e6).toFixed(1)} MB, made in ${made} ms`);
   assert.ok(size < 30e6, `${size} bytes`);
-  assert.ok(ready < 3000, `${ready} ms`);
+
+  const takesLessThan = async (most, what, work) => {
+    const { processor, clock } = await costOf(work);
+    const words = `${what}: ${processor.toFixed(0)} ms of processor time, ${clock} ms by the clock`;
+    console.log(`# ${words}`);
+    assert.ok(processor < most && clock < 4 * most, `${words}, where ${most} are wanted`);
+  };
+  const page = await newPage();
+  await takesLessThan(3000, "opening", async () => {
+    await page.goto(`file://${file}`, { waitUntil: "load" });
+    assert.equal((await shownRows(page)).length, wanted_rows);
+  });
 
   const { rows } = await dataOf(page);
   assert.ok(rows.filter((row) => row.pictures).length > 0.8 * wanted_rows);
-  const sorting = Date.now();
-  await page.locator('th[data-column="resolve_ms"] button').click();
-  assert.ok(Date.now() - sorting < 1500, "sorting is quick");
+  await takesLessThan(1500, "sorting", () => page.locator('th[data-column="resolve_ms"] button').click());
   const last = rows.findLastIndex((row) => row.pictures);
-  const picture = Date.now();
-  await page.locator(`tr[data-row="${last}"] .picture`).click();
-  await page.waitForFunction((name) => document.querySelector(".labels")?.textContent.includes(name), rows[last].title);
-  assert.ok(Date.now() - picture < 2000, "a picture is there quickly");
+  await takesLessThan(2000, "a picture", async () => {
+    await page.locator(`tr[data-row="${last}"] .picture`).click();
+    await page.waitForFunction((name) => document.querySelector(".labels")?.textContent.includes(name), rows[last].title);
+  });
   assert.deepEqual(page.troubles, []);
   await screenshot(page, "large");
   await page.context().close();

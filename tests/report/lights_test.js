@@ -6,7 +6,7 @@ import { join } from "node:path";
 import { after, before, test } from "node:test";
 
 import { sharesOf } from "./blobs.js";
-import { closeBrowser, dataOf, gnomon, home, open, openBrowser, saved } from "./browser.js";
+import { closeBrowser, dataOf, gnomon, home, open, openBrowser, saved, settled } from "./browser.js";
 
 // A card over a floor between two lamps of equal strength at the same height: left of the middle the left one gives more.
 const scene = `
@@ -77,7 +77,7 @@ test("the pictures of several lights are all together, and each alone", async ()
     await pictures.locator("select[name=picture]").selectOption({ label });
     for (const mode of ["error", "causes", "classes", "difference", "wipe"])
       await page.locator(`input[name=mode][value=${mode}]`).check({ force: true });
-    await page.waitForTimeout(100);
+    await settled(page);
     assert.equal(await pictures.locator(".notice:visible").count(), 0, label);
   }
   assert.deepEqual(page.troubles, []);
@@ -91,11 +91,11 @@ test("the legend says the error of the light received, and none of one light's",
   await pictures.locator("select[name=picture]").selectOption({ label: "lamps.toml \u00b7 all+" });
   await pictures.locator("select[name=a]").selectOption({ label: "unshadowed" });
   await page.locator("input[name=mode][value=error]").check({ force: true });
-  await page.waitForTimeout(200);
+  await settled(page);
   const legend = () => pictures.locator('ul[aria-label="Colors of the picture"]').textContent();
   assert.match(await legend(), /light error [\d.]+ %, the reference's own [\d.]+ %/);
   await pictures.locator("select[name=picture]").selectOption({ label: "lamps.toml \u00b7 all+: left alone" });
-  await page.waitForTimeout(200);
+  await settled(page);
   assert.doesNotMatch(await legend(), /light error|mean error/);
   assert.deepEqual(page.troubles, []);
   await page.context().close();

@@ -15,6 +15,7 @@ import {
   openBrowser,
   saved,
   screenshot,
+  settled,
   shownRows,
 } from "./browser.js";
 import { makeRun, report, run } from "./small_run.js";
@@ -35,7 +36,7 @@ test("loads without requests, messages or errors and shows every row", async () 
   );
   for (const id of ["plots", "pictures", "about"]) {
     await page.locator(`#${id}`).scrollIntoViewIfNeeded();
-    await page.waitForTimeout(300);
+    await settled(page);
   }
   assert.deepEqual(page.troubles, []);
   await screenshot(page, "whole", { fullPage: true });
@@ -48,7 +49,7 @@ test("readable in light and dark, for people and for machines that read to them"
     const page = await open(report, { colorScheme });
     for (const id of ["plots", "pictures", "about"]) {
       await page.locator(`#${id}`).scrollIntoViewIfNeeded();
-      await page.waitForTimeout(200);
+      await settled(page);
     }
     await page.locator("#about details").evaluateAll((all) => all.forEach((details) => (details.open = true)));
     shade[colorScheme] = await page.evaluate(() =>
@@ -74,7 +75,7 @@ test("on a phone nothing hangs over the side", async () => {
   });
   for (const id of ["table", "plots", "pictures", "about"]) {
     await page.locator(`#${id}`).scrollIntoViewIfNeeded();
-    await page.waitForTimeout(200);
+    await settled(page);
     assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 360, id);
   }
   await page.evaluate(() => scrollTo(0, 0));

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { writeFileSync } from "node:fs";
 import { join } from "node:path";
 
-import { gnomon, home, open } from "./browser.js";
+import { gnomon, home, open, settled } from "./browser.js";
 
 // From straight above a floor 8.284 m wide: a card 2 m wide and 1 m above it, a disc 4 m above it and a bulb at the same place.
 const scene = `
@@ -74,7 +74,7 @@ export async function openPictures(a) {
   await pictures.scrollIntoViewIfNeeded();
   await pictures.locator("select[name=picture]").selectOption({ label: "card.toml \u00b7 lamp" });
   await pictures.locator("select[name=a]").selectOption({ label: a });
-  await page.waitForTimeout(200);
+  await settled(page);
   return page;
 }
 

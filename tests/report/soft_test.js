@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 
 import { bytesOf, sharesOf } from "./blobs.js";
-import { closeBrowser, colorAt, dataOf, open, openBrowser, readOut, saved, shownRows } from "./browser.js";
+import { closeBrowser, colorAt, dataOf, open, openBrowser, readOut, saved, settled, shownRows } from "./browser.js";
 import { choose, makeSoftRun, openPictures, report, rowOf } from "./soft_run.js";
 
 before(async () => {
@@ -60,7 +60,7 @@ test("the front is of mean errors above a dotted floor, and of wrong rates elsew
   const choose = async (light) => {
     const group = data.groups.findIndex((info) => info.light === light);
     await front.locator("select[name=where]").selectOption(String(group));
-    await page.waitForTimeout(150);
+    await settled(page);
     return front.locator("> figure").textContent();
   };
   const soft = await choose("lamp");
@@ -82,7 +82,7 @@ test("errors fall along samples: seeds are one point, with the reference's own e
   const card = page.locator(".card.scaling");
   await card.locator("select[name=along]").selectOption("parameter.samples");
   await card.locator("select[name=what]").selectOption("error");
-  await page.waitForTimeout(200);
+  await settled(page);
   const svg = card.locator("figure svg[role=img]");
   // Two settings, each at 4 and at 16 samples.
   const dots = await svg
@@ -116,7 +116,7 @@ test("errors fall along samples: seeds are one point, with the reference's own e
   assert.deepEqual(page.troubles, []);
   await card.screenshot({ path: saved("samples.png") });
   await card.locator("select[name=what]").selectOption("resolve");
-  await page.waitForTimeout(150);
+  await settled(page);
   assert.doesNotMatch(await card.locator("> figure").textContent(), /slope|Dotted/, "a time has neither");
   await page.context().close();
 });

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 
 import { tick } from "../../harness/report/html/web/digits.js";
-import { closeBrowser, dataOf, open, openBrowser, saved, shownRows } from "./browser.js";
+import { closeBrowser, dataOf, open, openBrowser, saved, settled, shownRows } from "./browser.js";
 import { makeRun, report, run } from "./small_run.js";
 
 before(async () => {
@@ -88,11 +88,11 @@ test("filters by words and by lists, and the plots follow", async () => {
   assert.equal((await shownRows(page)).length, matching.length);
   await page.locator("button", { hasText: "Reset" }).click();
   await page.locator(".filters select[name=technique]").selectOption("shadow_map");
-  await page.waitForTimeout(100);
+  await settled(page);
   assert.ok((await bars.count()) < before, "the cost plot shows fewer bars");
 
   await page.locator(".filters select[name=scene]").selectOption("fence");
-  await page.waitForTimeout(100);
+  await settled(page);
   const places = await page.locator(".card.cost select[name=where] option").allTextContents();
   assert.ok(places.length > 0 && places.every((place) => place.startsWith("fence")), String(places));
 
@@ -144,7 +144,7 @@ test("plots: a front that nothing beats, times by stage, growth, frames of the p
   const fence = groups.findIndex((group) => group.scene === "fence" && group.light === "point" && !group.path);
   await front.locator("select[name=where]").selectOption(String(fence));
   const measured = rows.filter((row) => row.group === fence && row.status === "ok" && row.costs.light);
-  await page.waitForTimeout(150);
+  await settled(page);
   assert.equal(await front.locator("svg g[data-mark=dot] path, svg g[data-mark=dot] circle").count(), measured.length);
   // The front's line has a corner for every contender that no other beats in both, and one more between each two.
   const wrong = columns.findIndex((column) => column.name === "wrong_rate");
@@ -158,7 +158,7 @@ test("plots: a front that nothing beats, times by stage, growth, frames of the p
   const frames = rows.find((row) => row.path === "camera_slide" && row.status === "ok");
   const count = frames.frames.wrong_rate.length;
   await page.locator(".card.frames select[name=metric]").selectOption("wrong_rate");
-  await page.waitForTimeout(150);
+  await settled(page);
   assert.equal(
     await page.locator(".card.frames svg g[data-mark=dot] path, .card.frames svg g[data-mark=dot] circle").count(),
     count,

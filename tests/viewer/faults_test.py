@@ -6,12 +6,12 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from rig import FAULTS, ViewerTest  # noqa: E402
+from rig import FAULTS, HUNG, ViewerTest  # noqa: E402
 
 REASONS = {
     "crashes": r"^crashed in resolve: Segmentation fault \(signal 11\)",
     "exits": r"^crashed in resolve: exit status 3",
-    "hangs": r"^hung in relight: no answer within 2 s",
+    "hangs": rf"^hung in relight: no answer within {HUNG} s",
     "returns_nan": r"^mask value -?nan at pixel \d+ is outside 0 \.\. 1",
     "throws": r"^threw in build: the tree has no root",
 }
@@ -19,7 +19,7 @@ REASONS = {
 
 class Faults(ViewerTest):
     def view_faulty(self, *arguments):
-        return self.view_scene(*arguments, "--timeout", "2", options=["--plugin", FAULTS])
+        return self.view_scene(*arguments, "--timeout", HUNG, options=["--plugin", FAULTS])
 
     def test_a_fault_on_the_right_leaves_the_left_as_it_is(self):
         for name, reason in REASONS.items():

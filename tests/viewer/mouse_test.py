@@ -2,7 +2,6 @@
 """The mouse, in the picture and on the controls, by what it does to the state that is saved after it."""
 
 import math
-import signal
 import sys
 import unittest
 from pathlib import Path
@@ -193,10 +192,9 @@ class Controls(ViewerTest):
         self.write("pier.toml", '[[shape]]\nkind = "plane"\ncenter = [0, 0, 0]\nnormal = [0, 1, 0]\nsize = [2, 2]\n')
         viewer.use(viewer.save(), "scene.file")
         viewer.until(lambda s: s.window["typing"], "the field")
-        viewer.process.send_signal(signal.SIGSTOP)  # so that all that follows waits for one picture
-        viewer.xdo("type", "pier.toml")
-        viewer.xdo("key", "Return", "keydown", "ctrl")  # the Control of the next Ctrl+S
-        viewer.process.send_signal(signal.SIGCONT)
+        with viewer.stopped():
+            viewer.xdo("type", "pier.toml")
+            viewer.xdo("key", "Return", "keydown", "ctrl")  # the Control of the next Ctrl+S
         viewer.until(lambda s: s.scene.endswith("pier.toml"), "the scene")
 
 

@@ -1,17 +1,15 @@
 #!/usr/bin/python3 -IB
 """The window itself: resized, on a screen of many dots, closed, killed, and where there is none."""
-# Runs alone: workers have to be gone after seconds.
 
 import os
 import signal
 import sys
-import time
 import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from pictures import read_png  # noqa: E402
-from rig import Display, ViewerTest  # noqa: E402
+from rig import FAULTS, PATIENCE, Display, ViewerTest  # noqa: E402
 
 
 class Size(ViewerTest):
@@ -64,12 +62,6 @@ class Ends(ViewerTest):
     def scratch(self, viewer):
         return [Path(root) / f"gnomon-view-{viewer.process.pid}" for root in ("/dev/shm", os.environ.get("TMPDIR", "/tmp"))]
 
-    def gone(self, seconds=5):
-        end = time.monotonic() + seconds
-        while self.workers() and time.monotonic() < end:
-            time.sleep(0.01)
-        return self.workers()
-
     def started(self):
         viewer = self.view_scene("--against", "svbsp")
         viewer.save()
@@ -87,23 +79,24 @@ class Ends(ViewerTest):
                     viewer.ask_to_close()
                 else:
                     viewer.process.send_signal(how)
-                self.assertEqual(viewer.process.wait(20), 0, viewer.words())
-                self.assertEqual(self.gone(), [])
+                self.assertEqual(viewer.process.wait(PATIENCE), 0, viewer.words())
+                self.assert_gone()
                 self.assertEqual([path for path in self.scratch(viewer) if path.exists()], [])
                 self.assertEqual(viewer.words(), "")
                 self.assertEqual([name for name in self.names(viewer.out) if "part" in name], [])
 
     def test_a_stop_is_heard_while_a_technique_computes(self):
-        viewer = self.view("--scene", "soup:count=3000", "--technique", "two_pass_object", "--size", "640x480", "--timeout", "300")
+        viewer = self.view_scene("--technique", "hangs", "--timeout", 2 * PATIENCE, options=["--plugin", FAULTS])
+        viewer.wait(lambda: len(self.workers()) > 1, "the technique's worker")
         viewer.process.send_signal(signal.SIGTERM)
-        self.assertEqual(viewer.process.wait(20), 0, viewer.words())
-        self.assertEqual(self.gone(), [])
+        self.assertEqual(viewer.process.wait(PATIENCE), 0, viewer.words())
+        self.assert_gone()
 
     def test_killed_it_leaves_no_worker_and_the_next_one_clears_its_files_away(self):
         viewer = self.started()
         viewer.process.kill()
-        viewer.process.wait(20)
-        self.assertEqual(self.gone(), [])
+        viewer.process.wait(PATIENCE)
+        self.assert_gone()
         next_one = self.view_scene()
         next_one.save()
         self.assertEqual([path for path in self.scratch(viewer) if path.exists()], [])
@@ -114,8 +107,8 @@ class Ends(ViewerTest):
         viewer = self.view_scene(display=display)
         viewer.save()
         display.close()
-        self.assertNotEqual(viewer.process.wait(20), 0)
-        self.assertEqual(self.gone(), [])
+        self.assertNotEqual(viewer.process.wait(PATIENCE), 0)
+        self.assert_gone()
 
 
 class Refused(ViewerTest):
