@@ -37,7 +37,7 @@ std::vector<Kind> kinds_of(const std::vector<CachedFile>& files) {
   return kinds;
 }
 
-int list(const fs::path& folder, const std::vector<CachedFile>& files, bool as_json) {
+int list_files(const fs::path& folder, const std::vector<CachedFile>& files, bool as_json) {
   const std::vector<Kind> kinds = kinds_of(files);
   if (as_json) {
     Json json = json_object({{"folder", folder.string()}, {"limit_bytes", frame_cache_limit()}});
@@ -65,7 +65,7 @@ bool has_removed(const fs::path& file) {
   return has_gone;
 }
 
-int check(const std::vector<CachedFile>& files) {
+int check_files(const std::vector<CachedFile>& files) {
   std::size_t damaged = 0;
   for (const CachedFile& file : files) {
     std::error_code code;
@@ -90,9 +90,9 @@ int clear(const fs::path& folder, const std::vector<CachedFile>& files) {
 int run_cache(const CacheOptions& options) {
   const fs::path folder = cache_root() / "frames";
   const std::vector<CachedFile> files = cached_files(folder);
-  if (options.what == "list") return list(folder, files, options.json);
+  if (options.what == "list") return list_files(folder, files, options.json);
   if (options.json) throw Error("--json is for gnomon cache list");
-  if (options.what == "check") return check(files);
+  if (options.what == "check") return check_files(files);
   if (options.what == "clear") return clear(folder, files);
   throw Error("gnomon cache {} is none of list, check, clear", options.what);
 }

@@ -57,7 +57,7 @@ struct ListOptions {
   bool json = false;
 };
 
-void list(const ListOptions& options) {
+void list_content(const ListOptions& options) {
   const auto techniques = std::span(registry().techniques());
   if (options.what == "techniques")
     print(list_text(techniques, terminal_width()), list_json(techniques), options.json);
@@ -135,8 +135,8 @@ int write_docs(DocsOptions options) {
 }  // namespace
 
 void add_list(Program& program) {
-  auto [command, options] =
-      program.line.command<ListOptions>("list", "What there is: techniques, scenes, suites, metrics, causes or rules", list);
+  auto [command, options] = program.line.command<ListOptions>(
+      "list", "What there is: techniques, scenes, suites, metrics, causes or rules", list_content);
   command.option("what", &options.what, "techniques, scenes, suites, metrics, causes or rules");
   command.flag("--json", &options.json, "As JSON");
 }

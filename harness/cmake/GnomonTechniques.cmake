@@ -126,6 +126,10 @@ extern \"C\" const bool gnomon_plugin_is_optimized = false;
   add_library(${name} MODULE "${roll}" ${files} ${helpers})
   set_target_properties(${name} PROPERTIES PREFIX "")
   target_link_libraries(${name} PRIVATE gnomon::gnomon)
+  get_target_property(kit gnomon::gnomon ALIASED_TARGET)
+  if(kit)  # in the project itself
+    target_precompile_headers(${name} REUSE_FROM ${kit})
+  endif()
   gnomon_default_flags(${name})
   gnomon_write_build_facts(${name} "${facts}/$<CONFIG>/build_$<COMPILE_LANGUAGE>.h")
 endfunction()

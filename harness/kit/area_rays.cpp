@@ -13,8 +13,6 @@ namespace gnomon {
 
 namespace {
 
-constexpr int lanes = 16, replicas = 8;
-
 /// Rays to the places of sixteen squares, and their weights, 0 where there is no ray. Bit k of the result: place k is on the
 /// light and above the horizon.
 GNOMON_VECTORIZED std::uint32_t aim(const float* f, const float* x, const float* y, ShadowPacket& __restrict packet,
@@ -22,7 +20,7 @@ GNOMON_VECTORIZED std::uint32_t aim(const float* f, const float* x, const float*
   const float *c = f, *u = f + 3, *v = f + 6, *n = f + 9, *axis = f + 12, *origin = f + 15, *lift = f + 18, *horizon = f + 21;
   const float low_s = f[24], low_t = f[25], size_s = f[26], size_t = f[27], is_disc = f[28], unit = f[29];
   std::uint32_t held = 0;
-  for (int k = 0; k < lanes; ++k) {
+  for (int k = 0; k < ray_lanes; ++k) {
     const float s = low_s + x[k] * size_s, t = low_t + y[k] * size_t;
     const bool on = (is_disc * (s * s + t * t) <= 1) & (horizon[0] + horizon[1] * s + horizon[2] * t > 0);
     held |= on ? 1u << k : 0;
@@ -48,7 +46,7 @@ GNOMON_VECTORIZED std::uint32_t aim(const float* f, const float* x, const float*
 
 /// Of each replica: places asked and blocked, and the weights of both; and the largest weight of all.
 struct Sums {
-  std::array<double, replicas> asked{}, blocked{}, weight{}, blocked_weight{};
+  std::array<double, ray_replicas> asked{}, blocked{}, weight{}, blocked_weight{};
   float heaviest = 0;
 };
 
@@ -58,28 +56,28 @@ struct Share {
 
 /// The share seen: all replicas together, and the standard error of that by their spread. Of a ratio: each replica is off by
 /// what its dark part differs from the share of all that it asked, in units of a mean replica.
-Share share_of(const std::array<double, replicas>& all, const std::array<double, replicas>& dark) {
+Share share_of(const std::array<double, ray_replicas>& all, const std::array<double, ray_replicas>& dark) {
   double sum = 0, sum_dark = 0;
-  for (int k = 0; k < replicas; ++k) {
+  for (int k = 0; k < ray_replicas; ++k) {
     sum += all[k];
     sum_dark += dark[k];
   }
   if (!(sum > 0)) return {};
   double squares = 0;
-  for (int k = 0; k < replicas; ++k) {
-    const double off = (dark[k] - sum_dark / sum * all[k]) * replicas / sum;
+  for (int k = 0; k < ray_replicas; ++k) {
+    const double off = (dark[k] - sum_dark / sum * all[k]) * ray_replicas / sum;
     squares += off * off;
   }
-  return {1 - sum_dark / sum, std::sqrt(squares / (replicas - 1) / replicas)};
+  return {1 - sum_dark / sum, std::sqrt(squares / (ray_replicas - 1) / ray_replicas)};
 }
 
 /// The same of one chunk of packets, by lane: of each replica two.
 struct LaneSums {
-  alignas(64) std::array<float, lanes> asked{}, blocked{}, weight{}, blocked_weight{}, heaviest{};
+  alignas(64) std::array<float, ray_lanes> asked{}, blocked{}, weight{}, blocked_weight{}, heaviest{};
 };
 
 GNOMON_VECTORIZED void add_up(std::uint32_t asked, std::uint32_t blocked, const float* weight, LaneSums& sums) {
-  for (int k = 0; k < lanes; ++k) {
+  for (int k = 0; k < ray_lanes; ++k) {
     const float is_asked = asked >> k & 1 ? 1.0f : 0.0f, is_blocked = blocked >> k & 1 ? 1.0f : 0.0f;
     sums.asked[k] += is_asked;
     sums.blocked[k] += is_blocked;
@@ -100,11 +98,11 @@ void ask(const FaceRays& rays, const Scramble& scramble, std::uint32_t from, std
       const FaceHits hits = rays.ask(sorted.squares(packet));
       add_up(hits.asked, hits.blocked, hits.weight.data(), chunk);
     }
-    for (std::size_t k = 0; k < lanes; ++k) {
-      sums.asked[k % replicas] += chunk.asked[k];
-      sums.blocked[k % replicas] += chunk.blocked[k];
-      sums.weight[k % replicas] += chunk.weight[k];
-      sums.blocked_weight[k % replicas] += chunk.blocked_weight[k];
+    for (std::size_t k = 0; k < ray_lanes; ++k) {
+      sums.asked[k % ray_replicas] += chunk.asked[k];
+      sums.blocked[k % ray_replicas] += chunk.blocked[k];
+      sums.weight[k % ray_replicas] += chunk.weight[k];
+      sums.blocked_weight[k % ray_replicas] += chunk.blocked_weight[k];
       sums.heaviest = std::max(sums.heaviest, chunk.heaviest[k]);
     }
   }
@@ -155,7 +153,7 @@ FaceRays::FaceRays(const RayScene& casters, const GBuffer& gbuffer, std::size_t 
                gbuffer.triangle[pixel], face) {}
 
 std::uint32_t FaceRays::aim_at(const Squares& squares, ShadowPacket& packet) const {
-  alignas(64) std::array<float, lanes> weight;
+  alignas(64) std::array<float, ray_lanes> weight;
   return aim(numbers_.data(), squares.x.data(), squares.y.data(), packet, weight.data());
 }
 
@@ -181,7 +179,7 @@ SampledShares sample_shares(const FaceRays& rays, std::uint64_t seed, const Area
   const SampledShares foretold = shares_of(pilot);
 
   // One ray more or less is an error of 1 / rays. That of an edge across the light falls as the number of rays to -0.75.
-  const double most = std::max(target.cap / lanes, 1u), rays_per_round = std::max(foretold.rays, 1u) * 1.0 / pilot_rounds;
+  const double most = std::max(target.cap / ray_lanes, 1u), rays_per_round = std::max(foretold.rays, 1u) * 1.0 / pilot_rounds;
   const auto rounds_for_one_ray = [&](double rays_so_far) {
     return std::ceil((1 / target.error - rays_so_far) / rays_per_round);
   };

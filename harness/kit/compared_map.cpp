@@ -6,7 +6,7 @@ namespace gnomon {
 namespace {
 
 /// With EXPLAIN it writes where it would look, in texels, and the layer of the image, instead of the visibility.
-constexpr std::string_view resolve_body = R"(
+constexpr std::string_view compare_body = R"(
 #ifdef EXPLAIN
 layout(location = 0) out vec4 looked_up;
 #else
@@ -81,7 +81,7 @@ Program ComparedMap::resolve_program(LightProjection projection, bool explains) 
   return pass_program(
       fmt::format("{} {}", id(), explains ? "explain" : "resolve"), comparison_constants(projection, images()),
       fmt::format("{}{}{}{}{}{}{}", explains ? "#define EXPLAIN\n" : "", light_map_head(projection, images()),
-                  comparison_head(comparison()), gbuffer_snippet, light_map_snippet, comparison_snippet, resolve_body));
+                  comparison_head(comparison()), gbuffer_snippet, light_map_snippet, comparison_snippet, compare_body));
 }
 
 void ComparedMap::setup() {

@@ -8,7 +8,7 @@
 
 namespace gnomon {
 
-constexpr std::size_t block_size = std::size_t{1} << 15;
+constexpr std::size_t edge_block = std::size_t{1} << 15;
 
 EdgeAdjacency::EdgeAdjacency(const Scene& scene) {
   std::vector<std::uint8_t> casts;  // of each vertex
@@ -87,9 +87,9 @@ EdgeAdjacency::HalfEdges EdgeAdjacency::find_half_edges() const {
 
 void EdgeAdjacency::join_edges() {
   HalfEdges halves = find_half_edges();
-  std::vector<JoinedEdges> blocks((positions_.size() + block_size - 1) / block_size);
-  for_blocks(positions_.size(), block_size, [&](std::size_t first, std::size_t last) {
-    JoinedEdges& block = blocks[first / block_size];
+  std::vector<JoinedEdges> blocks((positions_.size() + edge_block - 1) / edge_block);
+  for_blocks(positions_.size(), edge_block, [&](std::size_t first, std::size_t last) {
+    JoinedEdges& block = blocks[first / edge_block];
     block.edges.reserve((halves.begin[last] - halves.begin[first]) / 2);
     for (std::size_t low = first; low < last; ++low) block.add(static_cast<std::uint32_t>(low), halves.of(low));
   });

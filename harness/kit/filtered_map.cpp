@@ -30,7 +30,7 @@ void main() {
 }
 )";
 
-constexpr std::string_view resolve_body = R"(
+constexpr std::string_view filter_body = R"(
 layout(location = 0) out float visibility;
 void main() {
   vec4 position = position_here(), normal = normal_here();
@@ -87,7 +87,7 @@ void FilteredMap::setup() {
         pass_program(fmt::format("{} resolve", id()),
                      light_map_constants(projection) + prefilter_constants(filter.kind) + how.constants + "vec2 look_up;",
                      fmt::format("{}{}{}{}{}{}{}", light_map_head(projection), gbuffer_snippet, light_map_snippet,
-                                 prefilter_snippet(filter.kind), how.answer, side, resolve_body));
+                                 prefilter_snippet(filter.kind), how.answer, side, filter_body));
   }
   const ImageKind kind{.format = format(), .has_layers = true};
   if (is_blurred()) made_->blur.setup(kind, filter.weights, filter.radius);

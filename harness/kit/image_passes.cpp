@@ -13,7 +13,7 @@ namespace {
 // Images are read by imageLoad: in a compute program of llvmpipe it takes 0.6 of the time of texelFetch
 // (docs/decisions/image_passes.md). Beyond an image it gives 0, and a store does nothing, so that the lanes of a group need no
 // test for the border. Lanes lie along x of the group, and llvmpipe computes eight of them at once.
-constexpr int lanes = 16;
+constexpr int group_lanes = 16;
 
 /// A format as GLSL has it.
 struct FormatFacts {
@@ -63,13 +63,13 @@ layout(binding = 1) writeonly uniform {7}{2} to;
 #define load(at) imageLoad(from, {4}).{5}
 #define store(at, texel) imageStore(to, {4}, {7}{6})
 )",
-                     lanes, facts.name, kind.has_layers ? "image2DArray" : "image2D",
+                     group_lanes, facts.name, kind.has_layers ? "image2DArray" : "image2D",
                      facts.is_whole ? text("uint", "uvec2", "uvec4") : text("float", "vec2", "vec4"),
                      kind.has_layers ? "ivec3(at, gl_GlobalInvocationID.z)" : "at", text("r", "rg", "rgba"),
                      text("vec4(texel, 0, 0, 0)", "vec4(texel, 0, 0)", "vec4(texel)"), number);
 }
 
-int groups(int count) { return (count + lanes - 1) / lanes; }
+int groups(int count) { return (count + group_lanes - 1) / group_lanes; }
 
 /// Binds a level of each with all its layers.
 void bind(const Texture& from, int from_level, const Texture& to, int to_level) {

@@ -9,8 +9,6 @@ namespace gnomon {
 
 namespace {
 
-double line_at(const glm::dvec3& line, const glm::dvec2& place) { return line.x + line.y * place.x + line.z * place.y; }
-
 std::vector<glm::dvec2> square() { return {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}; }
 
 /// The largest sine of the height over the horizon along the way from a to b, which the point is not on. With d = a + x (b - a)

@@ -9,8 +9,6 @@ namespace gnomon {
 
 namespace {
 
-double line_at(const glm::dvec3& line, const glm::dvec2& place) { return line.x + line.y * place.x + line.z * place.y; }
-
 /// Twice the area of a convex polygon of places, as it is wound.
 double twice_area(std::span<const glm::dvec2> polygon) {
   double sum = 0;

@@ -16,7 +16,6 @@ namespace gnomon {
 
 namespace {
 
-constexpr int lanes = 16, replicas = 8;
 constexpr double pi = std::numbers::pi;
 
 /// Where a path is: a point of a surface, its unit normal on the side that light comes to and goes from.
@@ -55,19 +54,19 @@ class PixelPaths {
     for (int c = 0; c < 3; ++c) {
       double sum = 0, squares = 0;
       for (const glm::dvec3& replica : sums_) sum += replica[c];
-      const double mean = sum / options_.samples, replica_share = static_cast<double>(replicas) / options_.samples;
-      for (int k = 0; k < replicas; ++k) {
+      const double mean = sum / options_.samples, replica_share = static_cast<double>(ray_replicas) / options_.samples;
+      for (int k = 0; k < ray_replicas; ++k) {
         const double off = (sums_[k][c] - paths_of(k) * mean) * replica_share;
         squares += off * off;
       }
       radiance[c] = static_cast<float>(mean);
-      error[c] = static_cast<float>(std::sqrt(squares / (replicas - 1) / replicas));
+      error[c] = static_cast<float>(std::sqrt(squares / (ray_replicas - 1) / ray_replicas));
     }
   }
 
  private:
   /// Paths of a replica: it has every eighth.
-  int paths_of(int replica) const { return (options_.samples - replica + replicas - 1) / replicas; }
+  int paths_of(int replica) const { return (options_.samples - replica + ray_replicas - 1) / ray_replicas; }
 
   void add_direct(const LightFace& face, const Squares& squares, const FaceHits& hits) {
     ray_count_ += static_cast<std::size_t>(std::popcount(hits.asked));
@@ -80,14 +79,14 @@ class PixelPaths {
       if (hits.blocked >> k & 1)
         blocked_irradiance_ += irradiance;
       else
-        sums_[k % replicas] += albedo_ * (light_.intensity / pi * irradiance);
+        sums_[k % ray_replicas] += albedo_ * (light_.intensity / pi * irradiance);
     }
   }
 
   /// Follows sixteen paths from the pixel's point, side by side, until all have ended.
   void follow(std::uint32_t alive, const Squares& first) {
-    std::array<Place, lanes> places;
-    std::array<glm::dvec3, lanes> carried;  // what of the light at a place comes to the eye
+    std::array<Place, ray_lanes> places;
+    std::array<glm::dvec3, ray_lanes> carried;  // what of the light at a place comes to the eye
     places.fill({gbuffer_.position(pixel_), gbuffer_.normal(pixel_), gbuffer_.mesh[pixel_], gbuffer_.triangle[pixel_]});
     carried.fill(albedo_);
     const int most = options_.bounces.value_or(most_bounces);
@@ -129,10 +128,11 @@ class PixelPaths {
   }
 
   /// What comes of the lamp to each place, by one shadow ray.
-  void add_light(std::uint32_t alive, const std::array<Place, lanes>& places, const std::array<glm::dvec3, lanes>& carried) {
+  void add_light(std::uint32_t alive, const std::array<Place, ray_lanes>& places,
+                 const std::array<glm::dvec3, ray_lanes>& carried) {
     ShadowPacket packet;
-    std::array<std::uint32_t, lanes> meshes, triangles;
-    std::array<double, lanes> irradiance;
+    std::array<std::uint32_t, ray_lanes> meshes, triangles;
+    std::array<double, ray_lanes> irradiance;
     std::uint32_t asked = 0;
     for (std::uint32_t left = alive; left; left &= left - 1) {
       const int k = std::countr_zero(left);
@@ -156,13 +156,13 @@ class PixelPaths {
     const std::uint32_t blocked = surfaces_.casters.occluded(asked, packet, {meshes.data(), triangles.data()});
     for (std::uint32_t left = asked & ~blocked; left; left &= left - 1) {
       const int k = std::countr_zero(left);
-      sums_[k % replicas] += carried[k] * (light_.intensity / pi * irradiance[k]);
+      sums_[k % ray_replicas] += carried[k] * (light_.intensity / pi * irradiance[k]);
     }
   }
 
   /// The paths that are worth another surface. Without a number of bounces each has a chance, and counts the more by it.
-  std::uint32_t those_that_go_on(std::uint32_t alive, int bounce, const std::array<Place, lanes>& places,
-                                 std::array<glm::dvec3, lanes>& carried) {
+  std::uint32_t those_that_go_on(std::uint32_t alive, int bounce, const std::array<Place, ray_lanes>& places,
+                                 std::array<glm::dvec3, ray_lanes>& carried) {
     for (std::uint32_t left = alive; left; left &= left - 1) {
       const int k = std::countr_zero(left);
       const auto& albedo = surfaces_.scene.meshes[places[k].mesh].albedo;
@@ -182,7 +182,7 @@ class PixelPaths {
   const PathOptions& options_;
   Random random_;
   const glm::dvec3 albedo_;
-  std::array<glm::dvec3, replicas> sums_{};
+  std::array<glm::dvec3, ray_replicas> sums_{};
   double irradiance_ = 0, blocked_irradiance_ = 0;  // sums over the first shadow rays
   std::size_t ray_count_ = 0;
 };
@@ -199,7 +199,7 @@ std::optional<std::string> endless_bounces(const Scene& scene) {
 
 PathPicture trace_paths(const LightSurfaces& surfaces, const GBuffer& gbuffer, const Light& light, const PathOptions& options,
                         std::atomic<std::size_t>* done) {
-  assert(has_area(light) && options.samples >= lanes);
+  assert(has_area(light) && options.samples >= ray_lanes);
   PathPicture picture{std::vector<float>(3 * gbuffer.size(), 0.0f), std::vector<float>(3 * gbuffer.size(), 0.0f),
                       std::vector<float>(gbuffer.size(), 1.0f), 0};
   std::atomic<std::size_t> ray_count = 0;

@@ -20,6 +20,12 @@ namespace gnomon {
 static_assert(sizeof(ShadowPacket) == sizeof(RTCRay16) && offsetof(ShadowPacket, tfar) == offsetof(RTCRay16, tfar) &&
               offsetof(ShadowPacket, id) == offsetof(RTCRay16, id));
 
+/// A geometry of Embree that stands for a mesh with an exact curved shape.
+struct ShapeGeometry {
+  Shape shape;
+  std::uint32_t mesh;
+};
+
 namespace {
 
 /// What the filter and the shape callbacks see beside Embree's own context; ray ids are lane numbers.
@@ -32,12 +38,6 @@ bool count_memory(void* sum, ssize_t bytes, bool) {
   *static_cast<std::atomic<std::int64_t>*>(sum) += bytes;
   return true;
 }
-
-/// A geometry of Embree that stands for a mesh with an exact curved shape.
-struct ShapeGeometry {
-  Shape shape;
-  std::uint32_t mesh;
-};
 
 void exclude_receiver(const RTCFilterFunctionNArguments* args) {
   const auto& receivers = reinterpret_cast<const Context*>(args->context)->receivers;

@@ -11,7 +11,7 @@ namespace gnomon {
 
 namespace {
 
-constexpr std::size_t block_size = std::size_t{1} << 15;
+constexpr std::size_t silhouette_block = std::size_t{1} << 15;
 
 // The error of a plane's value at a homogeneous point of floats, with e = 2^-24 and S the sum of the normal's components times
 // the largest coordinate of the point plus w times that of the scene: rounding the normal and the offset to float32 costs 2 e S
@@ -51,7 +51,7 @@ float largest(const glm::dvec4& point, double extent) {
 void EdgeAdjacency::find_planes() {
   for (std::vector<float>* const values : {&planes_.x, &planes_.y, &planes_.z, &planes_.offset})
     values->resize(triangles_.size());
-  for_blocks(triangles_.size(), block_size, [&](std::size_t begin, std::size_t end) {
+  for_blocks(triangles_.size(), silhouette_block, [&](std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t) {
       const glm::dvec3 a = positions_[triangles_[t].x], u = glm::dvec3(positions_[triangles_[t].y]) - a,
                        v = glm::dvec3(positions_[triangles_[t].z]) - a;
@@ -101,7 +101,7 @@ void EdgeAdjacency::find_silhouette(const glm::dvec4& light, Silhouette& out) co
   out.facing.resize(triangles_.size());
   const glm::vec4 point(light);
   const FloatPlanes planes{planes_.x.data(), planes_.y.data(), planes_.z.data(), planes_.offset.data()};
-  for_blocks(triangles_.size(), block_size, [&](std::size_t begin, std::size_t end) {
+  for_blocks(triangles_.size(), silhouette_block, [&](std::size_t begin, std::size_t end) {
     std::int8_t* const facing = out.facing.data();
     quick_sides(begin, end, planes, &point.x, largest(light, extent_), facing);
     for (std::size_t t = begin; t < end; ++t) {
@@ -112,10 +112,10 @@ void EdgeAdjacency::find_silhouette(const glm::dvec4& light, Silhouette& out) co
     }
   });
 
-  out.blocks.resize((edges_.size() + block_size - 1) / block_size);
-  for_blocks(edges_.size(), block_size, [&](std::size_t begin, std::size_t end) {
+  out.blocks.resize((edges_.size() + silhouette_block - 1) / silhouette_block);
+  for_blocks(edges_.size(), silhouette_block, [&](std::size_t begin, std::size_t end) {
     const std::int8_t* const facing = out.facing.data();
-    std::vector<SilhouetteEdge>& block = out.blocks[begin / block_size];
+    std::vector<SilhouetteEdge>& block = out.blocks[begin / silhouette_block];
     block.clear();
     for (std::size_t i = begin; i < end; ++i) {
       const Edge& edge = edges_[i];
@@ -157,9 +157,9 @@ EdgeAdjacency::Depth EdgeAdjacency::depth_at(const glm::vec3& point, const Silho
   std::vector<Depth> blocks;
   for (const MeshTriangles& mesh : meshes_) {
     if (!mesh.casts || misses(mesh.bounds)) continue;
-    blocks.assign((mesh.count + block_size - 1) / block_size, {});
-    for_blocks(mesh.count, block_size, [&](std::size_t begin, std::size_t end) {
-      Depth& block = blocks[begin / block_size];
+    blocks.assign((mesh.count + silhouette_block - 1) / silhouette_block, {});
+    for_blocks(mesh.count, silhouette_block, [&](std::size_t begin, std::size_t end) {
+      Depth& block = blocks[begin / silhouette_block];
       for (std::size_t t = mesh.first + begin; t < mesh.first + end; ++t) {
         const int facing = silhouette.facing[t];
         if (facing == 0) continue;

@@ -8,7 +8,7 @@ namespace gnomon {
 
 namespace {
 
-constexpr std::size_t block_size = std::size_t{1} << 15;
+constexpr std::size_t face_block = std::size_t{1} << 15;
 
 /// How many triangles have key 1, and how many have key 2.
 struct KeyCounts {
@@ -19,14 +19,14 @@ struct KeyCounts {
 /// them those with key(t) = 2; those with key(t) = 0 are left out.
 template <class Key, class Corners>
 KeyCounts write_in_order(RewrittenBuffer& buffer, std::size_t count, const Key& key, const Corners& corners) {
-  std::vector<KeyCounts> before((count + block_size - 1) / block_size + 1);  // each block
-  for_blocks(count, block_size, [&](std::size_t begin, std::size_t end) {
+  std::vector<KeyCounts> before((count + face_block - 1) / face_block + 1);  // each block
+  for_blocks(count, face_block, [&](std::size_t begin, std::size_t end) {
     KeyCounts found;
     for (std::size_t t = begin; t < end; ++t) {
       found.ones += key(t) == 1;
       found.twos += key(t) == 2;
     }
-    before[begin / block_size + 1] = found;
+    before[begin / face_block + 1] = found;
   });
   for (std::size_t i = 1; i < before.size(); ++i) {
     before[i].ones += before[i - 1].ones;
@@ -34,8 +34,8 @@ KeyCounts write_in_order(RewrittenBuffer& buffer, std::size_t count, const Key& 
   }
   const KeyCounts all = before.back();
   buffer.rewrite<glm::uvec3>(all.ones + all.twos, [&](std::span<glm::uvec3> out) {
-    for_blocks(count, block_size, [&](std::size_t begin, std::size_t end) {
-      auto [one, two] = before[begin / block_size];
+    for_blocks(count, face_block, [&](std::size_t begin, std::size_t end) {
+      auto [one, two] = before[begin / face_block];
       two += all.ones;
       for (std::size_t t = begin; t < end; ++t)
         if (const int k = key(t)) out[k == 1 ? one++ : two++] = corners(t);

@@ -13,7 +13,7 @@ namespace {
 
 // False dark in warm colors, false lit in cool ones, the rest between. Any two differ by 19 in CIE Lab, also for people without
 // one kind of cone, and each from every gray of the picture below; those of lights with area by 14.
-constexpr CauseInfo rows[] = {
+constexpr CauseInfo cause_rows[] = {
     {Cause::tessellation,
      "tessellation",
      "Right against the triangles, wrong against the exact shape that they stand for.",
@@ -99,9 +99,11 @@ constexpr CauseInfo rows[] = {
 
 }  // namespace
 
-std::span<const CauseInfo> cause_infos() { return rows; }
+std::span<const CauseInfo> cause_infos() { return cause_rows; }
 
-std::string_view name(Cause cause) { return cause == Cause::none ? "none" : rows[static_cast<std::size_t>(cause) - 1].name; }
+std::string_view name(Cause cause) {
+  return cause == Cause::none ? "none" : cause_rows[static_cast<std::size_t>(cause) - 1].name;
+}
 
 std::map<std::string, std::uint64_t> count_causes(std::span<const Cause> causes, std::span<const CauseInfo> own) {
   std::map<std::string, std::uint64_t> counts;
@@ -119,7 +121,7 @@ std::vector<Cause> causes_from_numbers(std::span<const float> numbers,
   const auto is_own = [&](std::string_view name) { return std::ranges::find(own, name, &CauseInfo::name) != own.end(); };
   const auto counted = [&](std::string_view name) { return !is_own(name) && counts && counts->contains(std::string(name)); };
   std::vector<Cause> known{Cause::none};
-  for (const CauseInfo& info : rows) {
+  for (const CauseInfo& info : cause_rows) {
     // Programs that knew no lights with area kept the number before the last for one that no pixel ever had.
     if (info.cause == Cause::unexplained && counted("penumbra")) known.push_back(Cause::unexplained);
     if (!counts || counted(info.name)) known.push_back(info.cause);

@@ -17,9 +17,7 @@ namespace gnomon {
 
 namespace {
 
-constexpr float edge_width = 1.5f;        ///< pixels
-constexpr std::uint32_t crack_size = 4;   ///< pixels
-constexpr std::uint32_t caster_size = 8;  ///< pixels
+constexpr float edge_width = 1.5f;  ///< pixels
 /// Pixels explained at a time: hundreds of taps each are held in memory.
 constexpr std::size_t chunk = 4096;
 

@@ -13,7 +13,7 @@ namespace gnomon {
 
 namespace {
 
-constexpr std::uint64_t magic = 0x33'79'68'77'6d'6e'67ull;               // "gnmwhy3"
+constexpr std::uint64_t magic_alone = 0x33'79'68'77'6d'6e'67ull;         // "gnmwhy3"
 constexpr std::uint64_t magic_with_samples = 0x34'79'68'77'6d'6e'67ull;  // "gnmwhy4"
 constexpr std::uint64_t magic_with_causes = 0x35'79'68'77'6d'6e'67ull;   // "gnmwhy5"
 
@@ -62,7 +62,7 @@ std::vector<std::byte> explanation_bytes(std::span<const std::optional<Explanati
   FieldWriter io;
   io(has_causes    ? magic_with_causes
      : has_samples ? magic_with_samples
-                   : magic,
+                   : magic_alone,
      static_cast<std::uint64_t>(explanations.size()));
   for (const auto& why : explanations) {
     Plain plain;
@@ -92,8 +92,8 @@ std::vector<std::optional<Explanation>> explanations_from_bytes(std::span<const 
   FieldReader io(bytes, fmt::format("explanations end early: there are {} bytes", bytes.size()));
   std::uint64_t mark = 0;
   io(mark);
-  if (mark != magic && mark != magic_with_samples && mark != magic_with_causes)
-    throw Error("these bytes are no explanations: they begin with {:#x}, not {:#x}, {:#x} or {:#x}", mark, magic,
+  if (mark != magic_alone && mark != magic_with_samples && mark != magic_with_causes)
+    throw Error("these bytes are no explanations: they begin with {:#x}, not {:#x}, {:#x} or {:#x}", mark, magic_alone,
                 magic_with_samples, magic_with_causes);
   std::vector<std::optional<Explanation>> explanations;
   io.list(explanations, [&](auto& sub, auto& why) {
@@ -109,7 +109,7 @@ std::vector<std::optional<Explanation>> explanations_from_bytes(std::span<const 
     if (plain.has_shifted) why->shifted = plain.shifted;
     if (plain.has_element) why->element = plain.element;
     sub.items(why->taps, plain.tap_count);
-    if (mark != magic) sub(why->samples);
+    if (mark != magic_alone) sub(why->samples);
     if (mark == magic_with_causes) sub(why->cause);
   });
   if (io.left() > 0) throw Error("{} bytes are left after the last explanation", io.left());

@@ -7,6 +7,8 @@
 namespace gnomon {
 
 inline constexpr std::uint32_t no_component = 0xffffffffu;
+inline constexpr std::uint32_t crack_size = 4;   ///< pixels that a crack has at most
+inline constexpr std::uint32_t caster_size = 8;  ///< pixels that the shadow of a missing caster has at least
 
 /// Connected sets of pixels.
 struct Components {

@@ -17,7 +17,6 @@ namespace gnomon {
 namespace {
 
 constexpr double most_errors = 4;            ///< standard errors of the reference that explain a difference
-constexpr std::uint32_t crack_size = 4;      ///< pixels
 constexpr std::size_t first_chunk = 16;      ///< pixels explained at first, to learn how many samples each has
 constexpr std::size_t most_chunk = 4096;     ///< pixels explained at a time,
 constexpr std::size_t most_items = 1 << 19;  ///< and samples and taps of them

@@ -13,9 +13,8 @@ namespace gnomon {
 
 namespace {
 
-constexpr std::uint32_t caster_size = 8;  ///< pixels
-constexpr int most_reach = 24;            ///< pixels, of a window
-constexpr double most_width = 64;         ///< pixels, of a penumbra
+constexpr int most_reach = 24;     ///< pixels, of a window
+constexpr double most_width = 64;  ///< pixels, of a penumbra
 
 }  // namespace
 

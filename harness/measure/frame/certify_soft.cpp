@@ -17,13 +17,13 @@ namespace {
 constexpr std::array<double, 3> multiples = {2, 3, 4};
 constexpr double degrees_of_freedom = 7;  // eight replicas
 
-struct Sample {
+struct SoftSample {
   std::size_t pixel;
   LightShares exact = {};
 };
 
 struct Groups {
-  std::vector<Sample> penumbra, rest;
+  std::vector<SoftSample> penumbra, rest;
 };
 
 /// The pixels that are asked for.
@@ -49,11 +49,12 @@ Groups choose(const Reference& reference, const SoftCertifyOptions& options, Sof
   return groups;
 }
 
-SoftCertificate::Comparison compare(const std::string& what, std::span<const Sample> samples, LightShare LightShares::*share,
-                                    std::span<const float> values, std::span<const float> errors, double false_alarm) {
+SoftCertificate::Comparison compare(const std::string& what, std::span<const SoftSample> samples,
+                                    LightShare LightShares::*share, std::span<const float> values,
+                                    std::span<const float> errors, double false_alarm) {
   SoftCertificate::Comparison result{.what = what, .count = samples.size()};
   double sum = 0, squares = 0;
-  for (const Sample& sample : samples) {
+  for (const SoftSample& sample : samples) {
     const double difference = values[sample.pixel] - (sample.exact.*share).best, off = std::abs(difference);
     for (std::size_t k = 0; k < multiples.size(); ++k) result.beyond[k] += off > multiples[k] * errors[sample.pixel];
     sum += difference;
@@ -105,7 +106,7 @@ SoftCertificate certify_soft(const Scene& scene, const Light& light, const GBuff
   result.false_alarm = options.false_alarm;
   Groups groups = choose(reference, options, result);
   const AreaScene exact(scene);
-  for (std::vector<Sample>* samples : {&groups.penumbra, &groups.rest}) {
+  for (std::vector<SoftSample>* samples : {&groups.penumbra, &groups.rest}) {
     constexpr std::size_t block = 32;
     std::vector<AreaTally> tallies((samples->size() + block - 1) / block);
     for_blocks(samples->size(), block, [&](std::size_t begin, std::size_t end) {
@@ -118,7 +119,7 @@ SoftCertificate certify_soft(const Scene& scene, const Light& light, const GBuff
     });
     for (const AreaTally& tally : tallies) result.tally += tally;
   }
-  const auto add = [&](const char* place, std::span<const Sample> samples) {
+  const auto add = [&](const char* place, std::span<const SoftSample> samples) {
     result.comparisons.push_back(compare(fmt::format("area {}", place), samples, &LightShares::area, reference.mask,
                                          reference.error, options.false_alarm));
     result.comparisons.push_back(compare(fmt::format("irradiance {}", place), samples, &LightShares::irradiance,

@@ -6,10 +6,10 @@ namespace gnomon {
 
 namespace {
 
-struct Arrays {
+struct GBufferArrays {
   std::vector<float> px, py, pz, nx, ny, nz;
   std::vector<std::uint32_t> mesh, triangle;
-  explicit Arrays(std::size_t n) : px(n), py(n), pz(n), nx(n), ny(n), nz(n), mesh(n, no_mesh), triangle(n) {}
+  explicit GBufferArrays(std::size_t n) : px(n), py(n), pz(n), nx(n), ny(n), nz(n), mesh(n, no_mesh), triangle(n) {}
 };
 
 /// Position and unit normal, either way round.
@@ -67,7 +67,7 @@ SurfacePoint surface_through(const Scene& scene, const RayScene& everything, con
 
 GBuffer make_gbuffer(const Scene& scene, const RayScene& everything, const View& view, int width, int height, Truth truth) {
   const Camera camera(view, width, height);
-  auto arrays = std::make_shared<Arrays>(static_cast<std::size_t>(width) * height);
+  auto arrays = std::make_shared<GBufferArrays>(static_cast<std::size_t>(width) * height);
   tbb::parallel_for(0, height, [&](int y) {
     for (int x = 0; x < width; ++x) {
       const SurfacePoint point = surface_through(scene, everything, camera, truth, x + 0.5, y + 0.5);
@@ -83,7 +83,7 @@ GBuffer make_gbuffer(const Scene& scene, const RayScene& everything, const View&
       arrays->triangle[i] = point.triangle;
     }
   });
-  const Arrays& a = *arrays;
+  const GBufferArrays& a = *arrays;
   return {view, truth, width, height, a.px, a.py, a.pz, a.nx, a.ny, a.nz, a.mesh, a.triangle, arrays};
 }
 

@@ -133,7 +133,7 @@ Json ProgramProcess::ask(const Json& request) {
     searched = pending_.size();
     if (searched > most_answer_bytes) throw Error("{} answered {} with a line without an end", name_, doing);
     char chunk[65536];
-    const ssize_t n = read(output_, chunk, sizeof chunk);
+    const ssize_t n = ::read(output_, chunk, sizeof chunk);
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) fail_as_it_ended(doing);
     pending_.append(chunk, static_cast<std::size_t>(n));

@@ -14,7 +14,7 @@ void answer_lines(int socket, const std::function<Json(const Json&)>& handle) {
     const std::size_t end = pending.find('\n');
     if (end == std::string::npos) {
       char chunk[4096];
-      const ssize_t n = read(socket, chunk, sizeof chunk);
+      const ssize_t n = ::read(socket, chunk, sizeof chunk);
       if (n < 0 && errno == EINTR) continue;
       if (n <= 0) _exit(0);
       pending.append(chunk, static_cast<std::size_t>(n));

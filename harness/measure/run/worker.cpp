@@ -25,7 +25,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t most_answer_bytes = 4 << 20;
+constexpr std::size_t most_line_bytes = 4 << 20;
 
 /// The file whose processes the workers are. Throws WorkerFailure when it cannot be started: said here, because a failed exec
 /// has nothing but an exit status to say it with.
@@ -80,12 +80,12 @@ std::vector<std::pair<std::string_view, std::string>> set_here(const WorkerOptio
 }
 
 /// Environment and arguments are prepared before the fork: between fork and exec only plain system calls are safe.
-struct Launch {
+struct WorkerLaunch {
   std::string program;
   std::vector<std::string> arguments, environment;
   std::vector<char*> argv, envp;
 
-  Launch(const WorkerOptions& options, int socket, const std::string& mark) : program(program_to_start(options)) {
+  WorkerLaunch(const WorkerOptions& options, int socket, const std::string& mark) : program(program_to_start(options)) {
     arguments = {program};
     for (const std::string& plugin : options.plugins) arguments.insert(arguments.end(), {load_option(plugin), plugin});
     arguments.insert(arguments.end(), {options.command, std::to_string(socket), std::to_string(options.threads)});
@@ -167,7 +167,7 @@ WorkerProcess::WorkerProcess(const WorkerOptions& options) : options_(options), 
     close(errors_);
   };
   try {
-    Launch launch(options, sockets[1], mark_);
+    WorkerLaunch launch(options, sockets[1], mark_);
     const int owner = getpid();
     process_ = fork();
     if (process_ == 0) {
@@ -234,10 +234,10 @@ Json WorkerProcess::receive(double timeout_seconds, const std::function<void()>&
     }
     if (ready == 0) fail(fmt::format("hung in {}: no answer within {:g} s", doing_, timeout_seconds));
     char chunk[65536];
-    const ssize_t n = read(socket_, chunk, sizeof chunk);
+    const ssize_t n = ::read(socket_, chunk, sizeof chunk);
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) fail_as_it_ended();
-    if (pending_.size() > most_answer_bytes) fail(fmt::format("answered {} with a line without an end", doing_));
+    if (pending_.size() > most_line_bytes) fail(fmt::format("answered {} with a line without an end", doing_));
     pending_.append(chunk, static_cast<std::size_t>(n));
   }
 }

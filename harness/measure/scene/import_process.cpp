@@ -40,7 +40,7 @@ std::vector<std::byte> collect(const std::string& what, pid_t child, Pipe& pipe)
   std::size_t size = 0;
   while (size <= max_answer_bytes) {
     if (answer.size() - size < (1u << 16)) answer.resize(std::max<std::size_t>(1u << 20, 2 * answer.size()));
-    const ssize_t count = read(pipe.ends[0], answer.data() + size, answer.size() - size);
+    const ssize_t count = ::read(pipe.ends[0], answer.data() + size, answer.size() - size);
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) break;
     size += static_cast<std::size_t>(count);

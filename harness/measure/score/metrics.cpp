@@ -116,7 +116,7 @@ std::optional<double> mean_over_tested(const Scoring& s, std::span<const float> 
   return values.empty() ? std::nullopt : share(sum, s.error_counts().tested);
 }
 
-constexpr MetricInfo rows[] = {
+constexpr MetricInfo metric_rows[] = {
     {"error", "", "lower",
      "What a row is judged by: its wrong rate; under a light with area its mean error (error_mean); under several lights "
      "together "
@@ -299,7 +299,7 @@ const Value& once(std::optional<Value>& value, const Make& make) {
 
 }  // namespace
 
-std::span<const MetricInfo> metric_infos() { return rows; }
+std::span<const MetricInfo> metric_infos() { return metric_rows; }
 
 const ErrorCounts& Scoring::error_counts() const {
   return once(error_counts_, [&] { return count(evidence_); });

@@ -11,13 +11,13 @@ namespace gnomon {
 namespace {
 
 /// Sums over the lights, in double: the order of the lights then does not show in a float.
-struct Sums {
-  explicit Sums(std::size_t pixels) : mask(pixels), shown(pixels), reference(pixels), variance(pixels), worst(pixels) {}
+struct ShareSums {
+  explicit ShareSums(std::size_t pixels) : mask(pixels), shown(pixels), reference(pixels), variance(pixels), worst(pixels) {}
   std::vector<double> mask, shown, reference, variance;
   std::vector<double> worst;  ///< the largest error of one light that has a cause, as light received
 };
 
-void add(const Evidence& e, const std::vector<double>& received, Together& whole, Sums& sums) {
+void add(const Evidence& e, const std::vector<double>& received, Together& whole, ShareSums& sums) {
   for (std::size_t i = 0; i < received.size(); ++i) {
     whole.received[i] += received[i];
     whole.classes[i] = std::max(whole.classes[i], e.classes[i]);  // from B to T
@@ -56,7 +56,7 @@ Together together(std::span<const Evidence> lights) {
                  .own_causes = {lights.front().own_causes.begin(), lights.front().own_causes.end()}};
   if (std::ranges::any_of(lights, [](const Evidence& e) { return !e.causes.empty(); }))
     whole.causes.assign(pixels, Cause::none);
-  Sums sums(pixels);
+  ShareSums sums(pixels);
   for (const Evidence& e : lights) add(e, received_light(gbuffer, *e.light), whole, sums);
 
   whole.mask.assign(pixels, 1.0f);

@@ -10,7 +10,7 @@ namespace gnomon {
 
 namespace {
 
-std::string number(std::optional<double> value) { return value && std::isfinite(*value) ? exact(*value) : ""; }
+std::string number_text(std::optional<double> value) { return value && std::isfinite(*value) ? exact(*value) : ""; }
 
 Json or_null(std::optional<double> value) { return value && std::isfinite(*value) ? Json(*value) : Json(nullptr); }
 
@@ -78,12 +78,13 @@ std::string comparison_csv(const Comparison& comparison) {
     line({"row", "status", "", status(row.base), status(row.contender), "", "", "", "", "", presence, yes(row.is_regression),
           joined(row.notes, "; ")});
     for (const StageChange& s : row.stages)
-      line({"time", std::string(name(s.stage)), "", number(s.base_ms), number(s.contender_ms),
-            number(ratio_of(s, &Estimate::value)), number(ratio_of(s, &Estimate::low)), number(ratio_of(s, &Estimate::high)),
-            number(s.p), number(s.false_discovery), std::string(name(s.verdict)), yes(s.is_regression), s.why});
+      line({"time", std::string(name(s.stage)), "", number_text(s.base_ms), number_text(s.contender_ms),
+            number_text(ratio_of(s, &Estimate::value)), number_text(ratio_of(s, &Estimate::low)),
+            number_text(ratio_of(s, &Estimate::high)), number_text(s.p), number_text(s.false_discovery),
+            std::string(name(s.verdict)), yes(s.is_regression), s.why});
     for (const MetricChange& m : row.metrics)
-      line({"metric", m.metric, std::string(name(m.truth)), number(m.base), number(m.contender), "", "", "", "", "", "changed",
-            yes(m.is_regression), m.floor ? fmt::format("floor {}", exact(*m.floor)) : ""});
+      line({"metric", m.metric, std::string(name(m.truth)), number_text(m.base), number_text(m.contender), "", "", "", "", "",
+            "changed", yes(m.is_regression), m.floor ? fmt::format("floor {}", exact(*m.floor)) : ""});
   }
   return text;
 }

@@ -22,14 +22,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
-struct Kind {
+struct FigureKind {
   std::string_view name;
   void (*draw)(std::span<const Record>, FigureScript&);
 };
-constexpr Kind kinds[] = {{"front", draw_front},   {"growth", draw_growth}, {"stages", draw_stages}, {"map", draw_map},
-                          {"causes", draw_causes}, {"motion", draw_motion}, {"sweep", draw_sweep}};
+constexpr FigureKind drawn[] = {{"front", draw_front},   {"growth", draw_growth}, {"stages", draw_stages}, {"map", draw_map},
+                                {"causes", draw_causes}, {"motion", draw_motion}, {"sweep", draw_sweep}};
 
-std::string contents(const fs::path& file) {
+std::string text_of_file(const fs::path& file) {
   std::ifstream stream(file);
   return {std::istreambuf_iterator<char>(stream), {}};
 }
@@ -38,7 +38,7 @@ std::string contents(const fs::path& file) {
 
 std::vector<std::string> figure_kinds() {
   std::vector<std::string> names;
-  for (const Kind& kind : kinds) names.emplace_back(kind.name);
+  for (const FigureKind& kind : drawn) names.emplace_back(kind.name);
   return names;
 }
 
@@ -46,7 +46,7 @@ std::string figure_script(std::span<const Record> records, const std::string& ki
                           const fs::path& out) {
   require_word("there is no figure", kind, figure_kinds());
   FigureScript script(options);
-  std::ranges::find(kinds, kind, &Kind::name)->draw(records, script);
+  std::ranges::find(drawn, kind, &FigureKind::name)->draw(records, script);
   return script.text(out);
 }
 
@@ -73,7 +73,7 @@ void run_gnuplot(const std::string& script, const fs::path& out) {
     throw Error(
         "there is no gnuplot, which draws the figures; the Debian package gnuplot-nox has it. --script prints the "
         "program that it would run");
-  const std::string complaint = contents(output);
+  const std::string complaint = text_of_file(output);
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || !fs::exists(made) || fs::file_size(made) == 0)
     throw Error("gnuplot could not draw {}: {}", out.string(), complaint.empty() ? "it said nothing" : complaint);
   fs::rename(made, target);

@@ -4,6 +4,9 @@
 
 namespace gnomon {
 
+/// Independent scrambles of one sequence of places, whose spread is the standard error of what they find together.
+inline constexpr int ray_replicas = 8;
+
 /// Sixteen places of the unit square, to be asked at once.
 struct Squares {
   alignas(64) std::array<float, 16> x, y;

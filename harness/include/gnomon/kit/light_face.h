@@ -60,4 +60,7 @@ class LightFace {
 /// The part of a convex polygon of places where line.x + line.y * s + line.z * t > 0; what lies on the line belongs to it.
 void clip_places(std::vector<glm::dvec2>& polygon, const glm::dvec3& line);
 
+/// A linear function of a place, such as LightFace::horizon.
+inline double line_at(const glm::dvec3& line, const glm::dvec2& place) { return line.x + line.y * place.x + line.z * place.y; }
+
 }  // namespace gnomon

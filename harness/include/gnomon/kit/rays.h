@@ -9,10 +9,13 @@ namespace gnomon {
 
 class EdgeAdjacency;
 
-/// Sixteen shadow rays, struct of arrays, in the layout and alignment that Embree wants.
+/// Rays that are traced at a time.
+inline constexpr int ray_lanes = 16;
+
+/// So many shadow rays, struct of arrays, in the layout and alignment that Embree wants.
 struct alignas(64) ShadowPacket {
-  std::array<float, 16> ox, oy, oz, tnear, dx, dy, dz, time, tfar;
-  std::array<std::uint32_t, 16> mask, id, flags;
+  std::array<float, ray_lanes> ox, oy, oz, tnear, dx, dy, dz, time, tfar;
+  std::array<std::uint32_t, ray_lanes> mask, id, flags;
 };
 
 /// Lane `lane` becomes a ray from `origin` along `direction`, from `nearest` to `end` of its length: 1 for a light at a place
