@@ -102,7 +102,7 @@ Field overall(RowsBySetting settings, const FieldOptions& options, Lighting ligh
 /// admits all.
 std::vector<double> round_numbers(double least, double greatest, std::size_t most) {
   std::vector<double> numbers;
-  if (!(least > 0) || !std::isfinite(greatest)) return numbers;
+  if (!(least > 0 && least <= greatest) || !std::isfinite(greatest)) return numbers;  // nothing above 0: there is no least
   constexpr int greatest_power = std::numeric_limits<double>::max_exponent10;
   for (int k = static_cast<int>(std::floor(std::log10(least))); k <= greatest_power && std::pow(10, k) <= greatest * 10; ++k)
     for (const double digit : {1.0, 2.0, 5.0}) {

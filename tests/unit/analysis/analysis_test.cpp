@@ -238,6 +238,12 @@ TEST(best, round_budgets_run_from_somebody_to_everybody) {
   EXPECT_EQ(round_budgets(find_fields(records, {}), 3).errors.back(), 0.5);
 }
 
+// Powers of ten were once counted up from the logarithm of what is not there: two billion of them, some minutes.
+TEST(best, there_is_no_budget_where_nobody_errs) {
+  const std::vector<Record> records{row("one", 1, 1, 0), row("other", 2, 2, 0)};
+  EXPECT_EQ(round_budgets(find_fields(records, {}), 10).errors, std::vector<double>());
+}
+
 // --- map --------------------------------------------------------------------------------------------------------------
 
 TEST(map, cells_are_means_over_the_scenes_and_the_best_is_marked) {
