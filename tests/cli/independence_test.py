@@ -81,12 +81,14 @@ class Independence(ProgramTest):
         self.assertEqual({row["status"] for row in whole.values()} - {"ok", "unsupported"}, set())
 
         with self.subTest("alone"):
-            # So many shards that each row is one by itself.
+            # So many shards that each row is one by itself. What is unsupported runs nothing that others could have left anything to:
+            # it is asked with the shards below.
+            ran = [job for job, row in whole.items() if row["status"] == "ok"]
             numbers = {job: int(job[:8], 16) for job in whole}
             count = next(n for n in range(len(whole), 10**6) if len({number % n for number in numbers.values()}) == len(whole))
             with ThreadPoolExecutor(2) as pool:
-                alone = pool.map(lambda job: self.run_suite(job, "--shard", f"{numbers[job] % count}/{count}"), whole)
-                for row, job in zip(alone, whole):
+                alone = pool.map(lambda job: self.run_suite(job, "--shard", f"{numbers[job] % count}/{count}"), ran)
+                for row, job in zip(alone, ran):
                     self.assert_same(row, {job: whole[job]})
 
         with self.subTest("merged shards"):
