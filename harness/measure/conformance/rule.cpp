@@ -73,7 +73,7 @@ Verdict judge(const Rule& rule, const TechniqueEntry& entry, const std::function
   if (const std::string_view why = why_not_asked(rule, entry.about); !why.empty())
     return {.kind = Verdict::Kind::does_not_apply, .why = std::string(why)};
   if (rule.has_context && entry.about.needs_gl) process_context();
-  Trial trial(entry, moves);
+  Trial trial(rule, entry, moves);
   try {
     rule.check(trial);
   } catch (const CannotAsk&) {

@@ -51,6 +51,16 @@ enum class Asked { everybody, drawing, exact, sampled };
 /// "techniques that draw".
 std::string_view name(Asked asked);
 
+/// How much of a rule the sanitizers see (tests/conformance). What judges answers against the truth runs no code of a technique
+/// that others do not run, and drivers are not instrumented.
+enum class Sanitized { whole, part, nothing };
+/// Whether this program was built with the address sanitizer, which also multiplies memory.
+#if defined(__SANITIZE_ADDRESS__)
+inline constexpr bool is_sanitized = true;
+#else
+inline constexpr bool is_sanitized = false;
+#endif
+
 class Trial;
 
 struct Rule {
@@ -60,6 +70,9 @@ struct Rule {
   void (*check)(Trial&);
   Asked asked = Asked::everybody;
   bool has_context = true;  ///< false: those that draw are asked without OpenGL, too, as the harness asks
+  /// Masks are compared with each other alone: pictures of the technique's own, such as a map, may be small.
+  bool has_small_pictures = false;
+  Sanitized sanitized = Sanitized::whole;
 };
 
 /// All rules, the quick ones about words first.

@@ -208,42 +208,50 @@ std::vector<Rule> answer_rules() {
        .advice = "Write every pixel, 1 where faces_light() says no. What differs from call to call comes from memory "
                  "that is not set, from work that an earlier call left half done, or from the order of threads. Random "
                  "numbers come from a seed parameter.",
-       .check = same_mask},
+       .check = same_mask,
+       .has_small_pictures = true},
       {.name = "lit_where_nothing_receives",
        .sentence = "The mask is a mask, too, where some meshes do not receive shadows.",
        .advice = "Leave meshes with receives = false lit and keep looking at the others.",
-       .check = lit_where_nothing_receives},
+       .check = lit_where_nothing_receives,
+       .has_small_pictures = true},
       {.name = "lit_without_casters",
        .sentence = "Where no mesh casts, every pixel is exactly 1.",
        .advice = "Leave meshes with casts = false out of build and relight, and see that empty lists and buffers are no "
                  "special case.",
-       .check = lit_without_casters},
+       .check = lit_without_casters,
+       .has_small_pictures = true},
       {.name = "lit_below_no_caster",
        .sentence = "A mesh that does not cast leaves what lies behind it lit: none of the tested pixels is dark where "
                    "the technique promises to be exact, one of a hundred elsewhere.",
        .advice = "Look for acne on the ground, and for casts = false that is forgotten.",
-       .check = lit_below_no_caster},
+       .check = lit_below_no_caster,
+       .sanitized = Sanitized::nothing},
       {.name = "counts",
        .sentence = "Counts have plain names and values from 0 on, and exactly one is named bytes.",
        .advice = "Return {\"bytes\", N, \"byte\"} from counts(), with all that the object holds after resolve.",
-       .check = counts},
+       .check = counts,
+       .has_small_pictures = true},
       {.name = "explanations",
        .sentence = "What it says of a pixel is well formed: weights of taps sum to 1, directions have length 1, the "
                    "bias is finite; and asking changes no answer.",
        .advice = "Look at explain(): divide the weights by their sum, normalize directions, and let it only read.",
-       .check = explanations},
+       .check = explanations,
+       .has_small_pictures = true},
       {.name = "debug_layers",
        .sentence = "Every debug layer is a picture of three numbers from 0 to 1 for each pixel, the same twice, under "
                    "both truths; it changes no answer, and a layer that is not there is refused with the technique's "
                    "name.",
        .advice = "Size the picture by the last G-buffer, clamp what is a color, and end draw_debug with "
                  "Technique::draw_debug(layer), which words the refusal.",
-       .check = debug_layers},
+       .check = debug_layers,
+       .has_small_pictures = true},
       {.name = "global_picture",
        .sentence = "A global picture has three finite numbers from 0 on for each pixel, 0 where there is background, the "
                    "same twice, under both truths and every light that the technique supports; it changes no answer.",
        .advice = "Size the picture by the last G-buffer, and let global_picture() only read what resolve has found.",
-       .check = global_pictures},
+       .check = global_pictures,
+       .has_small_pictures = true},
   };
 }
 

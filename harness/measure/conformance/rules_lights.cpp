@@ -49,7 +49,7 @@ void further_lights(Trial& trial) {
   const char* const references[] = {"sphere_over_plane:segments=16", "box_city:count=12"};
   const std::unique_ptr<World> worlds[] = {trial.world(references[0]), trial.world(references[1])};
   for (const std::string& asked : settings_before_lights(trial.entry())) {
-    const std::string settings = with_small_pictures(trial.entry(), asked);
+    const std::string settings = with_small_pictures(trial.entry(), asked);  // objects are made past the trial
     LightObjects objects(trial.entry(), settings);
     bool is_set_up = false;
     for (const int k : {0, 1, 0}) {
@@ -135,15 +135,18 @@ std::vector<Rule> light_rules() {
        .sentence = "Objects for further lights answer as whole ones do, also after the scene changed under them.",
        .advice = "An object of for_another_light() shares what setup and build make and nothing else; keep it in one "
                  "Shared<Made> member (gnomon/kit/shared.h). Without for_another_light every light has a whole object.",
-       .check = further_lights},
+       .check = further_lights,
+       .has_small_pictures = true},
       {.name = "sum_of_lights",
        .sentence = "The picture of all lights together is the sum of the pictures of each.",
        .advice = "As with further_lights; look for what relight writes into the shared part.",
-       .check = sum_of_lights},
+       .check = sum_of_lights,
+       .sanitized = Sanitized::nothing},
       {.name = "bytes_of_further_lights",
        .sentence = "Objects for further lights hold no more bytes than whole objects would.",
        .advice = "Let an object for a further light count only what it holds itself, not what it shares.",
-       .check = bytes_of_further_lights},
+       .check = bytes_of_further_lights,
+       .sanitized = Sanitized::nothing},
   };
 }
 

@@ -138,21 +138,24 @@ std::vector<Rule> neighbor_rules() {
       {.name = "inputs",
        .sentence = "Scene and G-buffer in memory stay as they are.",
        .advice = "Take no const away: copy what has to be changed.",
-       .check = inputs},
+       .check = inputs,
+       .has_small_pictures = true},
       {.name = "gl_inputs",
        .sentence = "Buffers and textures of scene and G-buffer in OpenGL stay as they are, and so do textures of "
                    "others.",
        .advice = "Write to objects of your own only: look for a framebuffer, an image unit or a storage binding that "
                  "still holds somebody else's name.",
        .check = gl_inputs,
-       .asked = Asked::drawing},
+       .asked = Asked::drawing,
+       .has_small_pictures = true},
       {.name = "gl_state",
        .sentence = "Every stage, explain, draw_debug and the destructor leave the state of OpenGL at its defaults, and "
                    "no error pending.",
        .advice = "Put a StateGuard (gnomon/kit/gl_pass.h) at the beginning of every function that draws, or set back "
                  "what is named.",
        .check = gl_state,
-       .asked = Asked::drawing},
+       .asked = Asked::drawing,
+       .has_small_pictures = true},
   };
 }
 

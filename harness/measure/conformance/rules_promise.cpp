@@ -192,14 +192,16 @@ std::vector<Rule> promise_rules() {
                  "its cause. Where the method errs, promise Promise::sampled; where it has no opinion, say "
                  "Support::approximate and covered = false.",
        .check = exact,
-       .asked = Asked::exact},
+       .asked = Asked::exact,
+       .sanitized = Sanitized::nothing},
       {.name = "exact_soft",
        .sentence = "Under lights with area one that promises to be exact is within 4 standard errors of the reference, "
                    "but for as many pixels as chance puts beyond, and nowhere beyond 12.",
        .advice = "See that About::estimates names the share that the mask holds, of the area or of the irradiance. "
                  "Where the method errs, promise Promise::sampled.",
        .check = exact_soft,
-       .asked = Asked::exact},
+       .asked = Asked::exact,
+       .sanitized = Sanitized::nothing},
       {.name = "better_than_nothing",
        .sentence = "At its defaults one of samples is wrong at less than a quarter of the pixels that are wrong without "
                    "shadows; where it promises a share itself, at no more than that.",
@@ -207,14 +209,16 @@ std::vector<Rule> promise_rules() {
                  "promises: Support::approximate(why, {.most_wrong = 0.3}), the largest share of tested pixels that is "
                  "wrong.",
        .check = better_than_nothing,
-       .asked = Asked::sampled},
+       .asked = Asked::sampled,
+       .sanitized = Sanitized::nothing},
       {.name = "better_than_nothing_soft",
        .sentence = "Under lights with area the mean error of one of samples is less than a quarter of that without "
                    "shadows; where it promises a bound itself, no more than that.",
        .advice = "See that About::estimates names the share that the mask holds, and that the defaults suit a scene of "
                  "a few meters. One that only approximates says what it promises, as with better_than_nothing.",
        .check = better_than_nothing_soft,
-       .asked = Asked::sampled},
+       .asked = Asked::sampled,
+       .sanitized = Sanitized::nothing},
   };
 }
 

@@ -10,9 +10,7 @@ namespace gnomon::conformance {
 std::unique_ptr<World> Trial::world(const std::string& reference) const { return world(generated_scene(reference)); }
 
 Support Trial::support(const Scene& scene, const Light& light, const std::string& settings) const {
-  const auto technique = entry_.make();
-  technique->apply(settings);
-  return technique->supports(scene, light, scene.views[0]);
+  return made(settings)->supports(scene, light, scene.views[0]);
 }
 
 std::vector<Light> Trial::supported_lights(const Scene& scene, const std::string& settings) const {
@@ -21,9 +19,14 @@ std::vector<Light> Trial::supported_lights(const Scene& scene, const std::string
   return lights;
 }
 
-std::unique_ptr<Technique> Trial::set_up(const std::string& settings) const {
+std::unique_ptr<Technique> Trial::made(const std::string& settings) const {
   auto technique = entry_.make();
-  technique->apply(settings);
+  technique->apply(rule_.has_small_pictures ? with_small_pictures(entry_, settings) : settings);
+  return technique;
+}
+
+std::unique_ptr<Technique> Trial::set_up(const std::string& settings) const {
+  auto technique = made(settings);
   technique->setup();
   return technique;
 }
@@ -50,7 +53,7 @@ std::vector<float> Trial::fresh_answer(const Scene& scene, const Light& light, c
 }
 
 void Trial::at(std::string scene, std::string settings) {
-  place_ = {std::move(scene), "", std::move(settings)};
+  place_ = {std::move(scene), "", rule_.has_small_pictures ? with_small_pictures(entry_, settings) : std::move(settings)};
   if (moves_) moves_(place_);
 }
 
@@ -116,14 +119,37 @@ std::vector<std::string> settings_of(const TechniqueEntry& entry, const std::fun
   return all;
 }
 
+namespace {
+
+/// Of every kind of light, as it is before anything runs.
+std::vector<Support::Kind> supports(const TechniqueEntry& entry, const std::string& settings) {
+  static const Scene scene = generated_scene("box_city:count=12");
+  std::vector<Support::Kind> kinds;
+  for (const Light& light : lights_of_all_kinds(scene)) {
+    const auto technique = entry.make();
+    technique->apply(settings);
+    kinds.push_back(technique->supports(scene, light, scene.views[0]).kind());
+  }
+  return kinds;
+}
+
+}  // namespace
+
 std::string with_small_pictures(const TechniqueEntry& entry, const std::string& settings) {
   const auto technique = entry.make();
   technique->apply(settings);
   std::vector<std::string> sides;
-  for (const Parameter* p : technique->parameters())
-    if (p->unit() == "texel" && p->text() == p->default_text() && std::stod(p->text()) >= 256) sides.emplace_back(p->name());
-  for (const std::string& side : sides) technique->apply(side + "=128");
-  return technique->settings();
+  for (const Parameter* p : technique->parameters()) {
+    const bool is_set = (',' + settings).find(fmt::format(",{}=", p->name())) != std::string::npos;
+    if (p->unit() == "texel" && !is_set && std::stod(p->text()) >= 256) sides.emplace_back(p->name());
+  }
+  if (sides.empty()) return technique->settings();
+  const std::vector<Support::Kind> wanted = supports(entry, settings);
+  for (const int texels : {128, 256, 512}) {
+    for (const std::string& side : sides) technique->apply(fmt::format("{}={}", side, texels));
+    if (supports(entry, technique->settings()) == wanted) return technique->settings();
+  }
+  return settings;
 }
 
 }  // namespace gnomon::conformance

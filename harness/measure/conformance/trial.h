@@ -13,15 +13,18 @@ namespace gnomon::conformance {
 /// One technique before one rule: fresh objects of it, the worlds that it is asked in, and what was found.
 class Trial {
  public:
-  explicit Trial(const TechniqueEntry& entry, std::function<void(const Place&)> moves = {})
-      : entry_(entry), moves_(std::move(moves)) {}
+  explicit Trial(const Rule& rule, const TechniqueEntry& entry, std::function<void(const Place&)> moves = {})
+      : rule_(rule), entry_(entry), moves_(std::move(moves)) {}
 
   const TechniqueEntry& entry() const { return entry_; }
   bool uses_gl() const { return entry_.about.needs_gl; }
+  /// Under the sanitizers, where the rule leaves out a part.
+  bool is_short() const { return is_sanitized && rule_.sanitized == Sanitized::part; }
 
   std::unique_ptr<World> world(const std::string& reference) const;
   std::unique_ptr<World> world(Scene scene) const { return std::make_unique<World>(std::move(scene), entry_.about.sees); }
 
+  // Where the rule's pictures may be small, the settings of these are with_small_pictures.
   /// The answer of a fresh object, as everything else asks: before it runs.
   Support support(const Scene& scene, const Light& light, const std::string& settings = "") const;
   std::vector<Light> supported_lights(const Scene& scene, const std::string& settings = "") const;
@@ -55,7 +58,9 @@ class Trial {
 
  private:
   void add(Finding finding);
+  std::unique_ptr<Technique> made(const std::string& settings) const;
 
+  const Rule& rule_;
   const TechniqueEntry& entry_;
   std::function<void(const Place&)> moves_;
   Place place_;
@@ -64,8 +69,9 @@ class Trial {
 
 /// "" and "a=1" for every probe of every parameter that is wanted.
 std::vector<std::string> settings_of(const TechniqueEntry& entry, const std::function<bool(const Parameter&)>& wanted = {});
-/// The same with 128 texels a side for a picture of the technique's own, such as a map of 1024, unless its size is what is set:
-/// as good for what the light does to pictures of 120 x 80 pixels, and drawn soon.
+/// The same with 128 texels a side for a picture of the technique's own, such as a map of 1024, unless its size is among what
+/// is set: as good for what the light does to pictures of 96 x 54 pixels, and drawn soon. With 256 or 512, or as it is, where
+/// it would support less.
 std::string with_small_pictures(const TechniqueEntry& entry, const std::string& settings);
 
 // The rules of each file.

@@ -1,9 +1,14 @@
 #include "measure/conformance/world.h"
 
+#include <dlfcn.h>
 #include <gnomon/registry.h>
 
-#include "measure/frame/soft_reference.h"
+#include <cstdlib>
+
+#include "measure/paths.h"
+#include "measure/scene/blob.h"
 #include "measure/scene/load.h"
+#include "measure/scratch_folder.h"
 
 namespace gnomon::conformance {
 
@@ -14,27 +19,45 @@ Scene generated_scene(const std::string& reference) {
   return load_scene(reference);
 }
 
+namespace {
+
+/// The hash of the code that runs: of the program and of the kit that it has loaded.
+std::string code_hash() {
+  Dl_info kit;
+  if (dladdr(reinterpret_cast<const void*>(&registry), &kit) == 0) throw Error("the kit that is loaded has no file");
+  std::string hashes;
+  for (const std::filesystem::path& file : {program_path(), std::filesystem::path(kit.dli_fname)})
+    hashes += content_hash(MappedFile::open(file)->bytes());
+  return content_hash(hashes);
+}
+
+std::filesystem::path reference_folder() {
+  if (const char* kept = std::getenv("GNOMON_CONFORMANCE_FRAMES")) return std::filesystem::path(kept) / code_hash();
+  static const ScratchFolder own = ScratchFolder::temporary("gnomon_frames");
+  return own.path();
+}
+
+}  // namespace
+
+FrameStore frames_of(const Scene& scene) {
+  static const std::filesystem::path folder = reference_folder();
+  return FrameStore(scene, folder);
+}
+
 World::World(Scene the_scene, Truth the_truth)
-    : scene(std::move(the_scene)),
-      truth(the_truth),
-      everything_(scene, truth, RayScene::Which::all),
-      casters_(scene, truth, RayScene::Which::casters) {}
+    : scene(std::move(the_scene)), truth(the_truth), everything_(scene, truth, RayScene::Which::all) {}
 
 GBuffer World::gbuffer(const View& view, int width, int height) const {
   return make_gbuffer(scene, everything_, view, width, height, truth);
 }
 
-World::Truthful World::reference(const GBuffer& gbuffer, const Light& light, LightShareKind estimates) const {
-  if (has_area(light)) {
-    SoftReference soft = trace_soft(scene, casters_, gbuffer, light, {});
-    if (estimates == LightShareKind::area) return {soft.area, soft.classes, soft.area_error};
-    return {soft.irradiance, soft.classes, soft.irradiance_error};
-  }
-  Truthful result;
-  result.mask.resize(gbuffer.size());
-  trace_shadows(casters_, scene, gbuffer, light, result.mask);
-  result.classes = classify(scene, casters_, gbuffer, light, result.mask);
-  return result;
+World::Truthful World::reference(const GBuffer& gbuffer, const Light& light, LightShareKind estimates) {
+  if (!frames_) frames_.emplace(frames_of(scene));
+  const Reference found = frames_->reference({gbuffer.view, gbuffer.width, gbuffer.height, gbuffer.truth}, light);
+  const auto copy = [](const auto& part) { return std::vector(part.begin(), part.end()); };
+  const bool is_area = estimates == LightShareKind::area || !has_area(light);
+  return {copy(is_area ? found.mask : found.irradiance), copy(found.classes),
+          copy(is_area ? found.error : found.irradiance_error)};
 }
 
 std::vector<Light> lights_of_all_kinds(const Scene& scene) {

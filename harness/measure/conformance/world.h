@@ -3,10 +3,11 @@
 #include <gnomon/technique.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "measure/frame/classify.h"
+#include "measure/frame/frame.h"
 #include "measure/frame/gbuffer_maker.h"
 
 namespace gnomon::conformance {
@@ -19,7 +20,14 @@ class CannotAsk : public Error {
 /// "box_city:count=12". Throws CannotAsk where this program was built without the generator.
 Scene generated_scene(const std::string& reference);
 
+/// The frames of a scene in the folder of references, see World.
+FrameStore frames_of(const Scene& scene);
+
 /// A scene, and what rays say of it under the truth of the geometry that a technique sees.
+///
+/// References are kept for other processes in the folder $GNOMON_CONFORMANCE_FRAMES, where that is set: in one of its own for
+/// each build of the program, so that none is of other code. Who sets it empties it (tests/CMakeLists.txt). Without it each
+/// process makes its own.
 class World {
  public:
   World(Scene the_scene, Truth the_truth);
@@ -34,13 +42,14 @@ class World {
     std::vector<float> error;  ///< standard errors under a light with area, else empty
   };
   /// Under a light with area the share that the technique estimates.
-  Truthful reference(const GBuffer& gbuffer, const Light& light, LightShareKind estimates = LightShareKind::area) const;
+  Truthful reference(const GBuffer& gbuffer, const Light& light, LightShareKind estimates = LightShareKind::area);
 
   const Scene scene;
   const Truth truth;
 
  private:
-  RayScene everything_, casters_;
+  RayScene everything_;
+  std::optional<FrameStore> frames_;  ///< made when the first reference is asked for
 };
 
 /// The lights of a generated scene, `point` and `sun`, and one of each other kind around the point light.
