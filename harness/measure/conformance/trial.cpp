@@ -19,9 +19,15 @@ std::vector<Light> Trial::supported_lights(const Scene& scene, const std::string
   return lights;
 }
 
+const std::string& Trial::asked_with(const std::string& settings) const {
+  const auto [found, is_new] = asked_with_.try_emplace(settings);
+  if (is_new) found->second = rule_.has_small_pictures ? with_small_pictures(entry_, settings) : settings;
+  return found->second;
+}
+
 std::unique_ptr<Technique> Trial::made(const std::string& settings) const {
   auto technique = entry_.make();
-  technique->apply(rule_.has_small_pictures ? with_small_pictures(entry_, settings) : settings);
+  technique->apply(asked_with(settings));
   return technique;
 }
 
@@ -53,7 +59,7 @@ std::vector<float> Trial::fresh_answer(const Scene& scene, const Light& light, c
 }
 
 void Trial::at(std::string scene, std::string settings) {
-  place_ = {std::move(scene), "", rule_.has_small_pictures ? with_small_pictures(entry_, settings) : std::move(settings)};
+  place_ = {std::move(scene), "", asked_with(settings)};
   if (moves_) moves_(place_);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -59,10 +60,13 @@ class Trial {
  private:
   void add(Finding finding);
   std::unique_ptr<Technique> made(const std::string& settings) const;
+  /// The settings that it is asked with for these. Found once: later the device may pretend that it can do less.
+  const std::string& asked_with(const std::string& settings) const;
 
   const Rule& rule_;
   const TechniqueEntry& entry_;
   std::function<void(const Place&)> moves_;
+  mutable std::map<std::string, std::string> asked_with_;
   Place place_;
   Verdict verdict_;
 };
