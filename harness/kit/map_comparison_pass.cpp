@@ -167,7 +167,7 @@ float compared(Asked point) {
       float weight = FILTER == 1 ? 1 : clamp(float(radius) + 0.5 - distance(tap + 0.5, position), 0, 1);
       lit += weight * lit_at(point, tap), sum += weight;
     }
-  lit /= sum;
+  lit = min(lit / sum, 1);  // x / x may be above 1: division is right to 2.5 units in the last place
 #endif
   return point.is_asked ? lit : 1;
 }
