@@ -92,6 +92,14 @@ Check whole_in(int low, int high) {
   return {[range](const std::string& text) { return range(text); }, range.get_description()};
 }
 
+Check one_of(std::vector<std::string> words) {
+  const std::string range = joined(words, "|");
+  const auto error = [words = std::move(words)](const std::string& text) -> std::string {
+    return std::ranges::find(words, text) != words.end() ? "" : fmt::format("'{}' is not {}", text, joined(words, " or "));
+  };
+  return {error, range};
+}
+
 CLI::Option* Command::option(std::string_view names, OptionTarget target, std::string_view description,
                              const OptionRules& rules) {
   const auto add = [&](auto* value) {

@@ -34,6 +34,7 @@ Check seconds();                           ///< a number above 0, at most a day
 Check number_in(double low, double high);  ///< the whole text is a finite number, `low` and `high` included
 Check above_zero();                        ///< the whole text is a finite number above 0
 Check whole_in(int low, int high);         ///< a whole number, `low` and `high` included
+Check one_of(std::vector<std::string> words);
 
 /// What else holds of an option.
 struct OptionRules {

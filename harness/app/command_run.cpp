@@ -34,11 +34,16 @@ struct MergeOptions {
 
 /// What a folder of a run holds, for the terminal.
 void print_contents(const fs::path& folder) {
-  fmt::print(
-      "{0}/records.jsonl  every raw repetition and metric\n{0}/masks/         visibility masks, EXR\n"
-      "{0}/errors/        error pictures, PNG\n{0}/shaded/        shaded pictures, PNG\n"
-      "{0}/table.*        this table as md, csv, tex, json\n",
-      folder.string());
+  const auto line = [&](std::string_view name, std::string_view what) {
+    fmt::print("{}/{:<15}{}\n", folder.string(), name, what);
+  };
+  line("records.jsonl", "every raw repetition and metric");
+  if (fs::exists(folder / "masks")) {
+    line("masks/", "visibility masks, EXR");
+    line("errors/", "error pictures, PNG");
+    line("shaded/", "shaded pictures, PNG");
+  }
+  line("table.*", "this table as md, csv, tex, json");
 }
 
 std::size_t count(std::span<const Record> records, Status status) {

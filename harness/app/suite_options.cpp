@@ -39,6 +39,7 @@ Suite make_suite(const SuiteOptions& options, const std::string& command) {
     for (SuiteGroup& group : suite.groups) group.sizes.clear();
   }
   if (!options.truth.empty()) suite.truth = parse_truth(options.truth);
+  if (!options.pictures.empty()) suite.has_pictures = options.pictures == "all";
   if (options.repetitions) suite.repetitions = options.repetitions;
   if (options.processes) suite.processes = options.processes;
   if (options.timeout) suite.timeout = *options.timeout;
@@ -61,6 +62,8 @@ void add_suite_options(Command& command, SuiteOptions& options, const std::strin
       {.check = not_empty(), .delimiter = ','});
   add("--filter", &options.filter, "Only rows whose 'SCENE LIGHT [VIEW] [PATH] TECHNIQUE:SETTINGS' matches this expression");
   add("--size", &options.size, "Picture size in pixels, WxH", {.check = not_empty()});
+  add("--pictures", &options.pictures, "all: each row leaves its mask and two pictures; none: numbers alone",
+      {.check = one_of({"all", "none"})});
   add("--processes", &options.processes, needed ? "Fresh processes per contender and program" : "Fresh processes per contender",
       {.check = whole_in(1, 1000)});
   add("--repetitions", &options.repetitions, "Timed repetitions per process", {.check = whole_in(1, 1000)});

@@ -10,7 +10,7 @@ namespace gnomon::app {
 
 /// Options that `run` and `compare --live` share: a suite, or scenes and techniques, and what to change of it for this run.
 struct SuiteOptions {
-  std::string suite, size, truth, filter;
+  std::string suite, size, truth, filter, pictures;
   std::vector<std::string> scenes, techniques, lights, views;
   int repetitions = 0, processes = 0, threads = 0, global_samples = 0;  ///< 0: as the suite says; for threads, all cores
   std::optional<double> timeout, interval, budget;

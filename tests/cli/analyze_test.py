@@ -9,7 +9,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import ROOT, SMALL, ProgramTest  # noqa: E402
+from program import NUMBERS, ROOT, ProgramTest  # noqa: E402
 
 SHIPPED = ROOT / "results/quick"
 
@@ -235,7 +235,7 @@ class Analyze(ProgramTest):
     def test_what_runs_is_analyzed(self):
         self.succeed("run", "--scene", "sphere_field:count=5", "--scene", "sphere_field:count=20",
                      "--scene", "sphere_field:count=80", "--technique", "shadow_map:resolution={256,1024}", "--technique",
-                     "unshadowed", "--light", "sun", *SMALL, "--out", "out")
+                     "unshadowed", "--light", "sun", *NUMBERS, "--out", "out")
         growth = [row for row in self.rows("out", "growth") if row["stage"] == "relight" and "shadow_map" in row["setting"]]
         self.assertEqual([row["points"] for row in growth], ["3", "3"])
         best = [row["parameter.resolution"] for row in self.rows("out", "map") if row["best"] == "true"]

@@ -7,7 +7,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import SMALL, ProgramTest, records  # noqa: E402
+from program import NUMBERS, ProgramTest, records  # noqa: E402
 
 SCENE = """
 [[shape]]
@@ -97,7 +97,7 @@ class AreaLight(ProgramTest):
         techniques = [word for name in ("area_rays:samples=16", "exact_area", "center_ray", "unshadowed") for word in ("--technique", name)]
         for kind in KINDS:
             with self.subTest(kind):
-                self.succeed("run", "--scene", self.scene(kind), "--light", "lamp", *techniques, *SMALL, "--out", kind)
+                self.succeed("run", "--scene", self.scene(kind), "--light", "lamp", *techniques, *NUMBERS, "--out", kind)
                 rows = {row["technique"]: row for row in records(self.dir / kind)}
                 for row in rows.values():
                     self.assertEqual((row["light_kind"], row["status"]), (kind, "ok"))
@@ -142,7 +142,7 @@ class AreaLight(ProgramTest):
         self.assertIn("shadow_map: a shadow map has one center", " ".join(text.split()))
 
     def test_a_techniques_own_reason_comes_first(self):
-        self.succeed("run", "--scene", self.scene(), "--light", "lamp", "--technique", "shadow_map", *SMALL, "--out", "out")
+        self.succeed("run", "--scene", self.scene(), "--light", "lamp", "--technique", "shadow_map", *NUMBERS, "--out", "out")
         row = records(self.dir / "out")[0]
         self.assertEqual((row["status"], row["reason"]), ("unsupported", "a shadow map has one center: lights with area have none"))
 
@@ -189,7 +189,7 @@ class AreaLight(ProgramTest):
 
     def test_numbers_of_old_runs_are_withdrawn(self):
         scene = self.scene()
-        self.succeed("run", "--scene", scene, "--technique", "unshadowed", *SMALL, "--out", "out")
+        self.succeed("run", "--scene", scene, "--technique", "unshadowed", *NUMBERS, "--out", "out")
         file = self.dir / "out/records.jsonl"
         lamp, bulb = (json.loads(line) for line in file.read_text().splitlines())
         # As it was written when the center was taken for the light: with the numbers of a point light.

@@ -6,7 +6,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import DATA, SMALL, ProgramTest, records, scene_toml  # noqa: E402
+from program import DATA, NUMBERS, ProgramTest, records, scene_toml  # noqa: E402
 
 ANY = ["--scene", "single_triangle", "--technique", "unshadowed"]
 
@@ -42,7 +42,7 @@ class Words(ProgramTest):
         self.refuse_run("quik", says=["suite quik", "did you mean quick?", "standard"])
 
     def test_unknown_columns_come_with_the_nearest_known_one(self):
-        self.succeed("run", *ANY, "--light", "sun", *SMALL, "--out", "out")
+        self.succeed("run", *ANY, "--light", "sun", *NUMBERS, "--out", "out")
         self.refuse("table", "out", "--columns", "wrong_rat", says=["wrong_rat", "did you mean wrong_rate?"])
 
     def test_values_out_of_range_say_what_is_allowed(self):
@@ -102,7 +102,7 @@ class Words(ProgramTest):
         self.refuse("render", "--scene", scene.name, "--technique", "shadow_map", "--size", "64x64", "--out", "out",
                     says=["shadow_map does not support", "lamp", "area"])
         self.assertEqual([p.name for p in self.dir.iterdir()], ["lamp.toml"])
-        self.succeed("run", "--scene", scene.name, "--technique", "shadow_map", *SMALL, "--out", "row")  # there it is an answer
+        self.succeed("run", "--scene", scene.name, "--technique", "shadow_map", *NUMBERS, "--out", "row")  # there it is an answer
         row = records(self.dir / "row")[0]
         self.assertEqual((row["status"], "area" in row["reason"]), ("unsupported", True))
 
@@ -194,7 +194,7 @@ class Files(ProgramTest):
                 self.assertFalse((self.dir / "out").exists())
 
     def test_records_that_are_broken_name_file_and_line(self):
-        self.succeed("run", *ANY, "--light", "sun", *SMALL, "--out", "out")
+        self.succeed("run", *ANY, "--light", "sun", *NUMBERS, "--out", "out")
         line = (self.dir / "out/records.jsonl").read_text()
         self.write("out/records.jsonl", line + "not a record\n" + line)
         self.refuse("table", "out", says=["out/records.jsonl:2"])

@@ -8,7 +8,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import GONE, HUNG, SMALL, ProgramTest, records, wait_until  # noqa: E402
+from program import GONE, HUNG, NUMBERS, ProgramTest, records, wait_until  # noqa: E402
 
 ENGINES = ("cycles", "ogre", "open_scene_graph", "pov_ray", "three_js")
 # What each of these prints says who it is, as the true ones do.
@@ -82,7 +82,7 @@ class Engines(ProgramTest):
         """The one row's record."""
         out = self.dir / "run"
         shutil.rmtree(out, ignore_errors=True)
-        self.succeed(*before, "run", "--scene", "single_triangle", "--light", "point", "--technique", technique, *SMALL, *more, "--quiet",
+        self.succeed(*before, "run", "--scene", "single_triangle", "--light", "point", "--technique", technique, *NUMBERS, *more, "--quiet",
                      "--out", out, status=status)
         (record,) = records(out)
         return record
@@ -157,7 +157,7 @@ class Engines(ProgramTest):
             with self.subTest(engine):
                 out = self.dir / engine
                 self.succeed("run", "--scene", "box_city", "--light", "sun", "--technique", engine, "--technique", "unshadowed", "--truth", "mesh",
-                             *SMALL, "--quiet", "--out", out)
+                             *NUMBERS, "--quiet", "--out", out)
                 record, lit = records(out)
                 self.assert_gone()
                 if record["status"] == "unsupported":  # it is not here
@@ -171,8 +171,8 @@ class Engines(ProgramTest):
     def test_pov_ray_agrees_with_the_reference(self):
         self.environment["PATH"] = os.environ["PATH"]
         out = self.dir / "run"
-        self.succeed("run", "--scene", "fence", "--light", "point", "--light", "sun", "--technique", "pov_ray", *SMALL, "--quiet", "--out", out)
-        self.succeed("run", "--scene", "cornell_box", "--light", "ceiling", "--technique", "pov_ray:grid=8", *SMALL, "--quiet", "--out", self.dir / "soft")
+        self.succeed("run", "--scene", "fence", "--light", "point", "--light", "sun", "--technique", "pov_ray", *NUMBERS, "--quiet", "--out", out)
+        self.succeed("run", "--scene", "cornell_box", "--light", "ceiling", "--technique", "pov_ray:grid=8", *NUMBERS, "--quiet", "--out", self.dir / "soft")
         for record in records(out):
             self.assertEqual(record["metrics"]["shape"]["wrong_rate"], 0)
             self.assertRegex(record["context"]["plugin"]["maker"], r"POV-Ray 3\.7")

@@ -8,7 +8,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import HARD, ROOT, SMALL, ProgramTest, records  # noqa: E402
+from program import HARD, NUMBERS, ROOT, ProgramTest, records  # noqa: E402
 
 ROWS = [*HARD, "--scene", "single_triangle", "--technique", "unshadowed", "--technique", "shadow_map"]
 
@@ -37,11 +37,11 @@ class Estimate(ProgramTest):
     def test_nothing_is_known_until_something_has_run(self):
         self.assertIn("nothing is known yet", self.estimate(*ROWS)[0])
         self.assertFalse(self.cache.exists())  # a dry run leaves nothing
-        self.succeed("run", *ROWS, *SMALL, "--out", "out")
-        self.assertIn("(from 4 rows measured on this machine)", self.estimate(*ROWS, *SMALL)[0])
+        self.succeed("run", *ROWS, *NUMBERS, "--out", "out")
+        self.assertIn("(from 4 rows measured on this machine)", self.estimate(*ROWS, *NUMBERS)[0])
         self.assertIn("(from 4 rows guessed from similar rows)", self.estimate(*ROWS, "--size", "80x45")[0])
         self.assertIn("(from 4 rows measured on this machine, 4 guessed from similar rows)",
-                      self.estimate("--scene", "soup:count=50", *ROWS, *SMALL)[0])
+                      self.estimate("--scene", "soup:count=50", *ROWS, *NUMBERS)[0])
 
     def test_a_run_is_remembered_with_what_it_took(self):
         self.succeed("run", *ROWS, "--processes", "2", "--repetitions", "2", "--size", "160x90", "--out", "out")
@@ -55,32 +55,32 @@ class Estimate(ProgramTest):
 
     def test_more_processes_and_repetitions_take_longer(self):
         slow = ["--scene", "soup:count=2000", "--technique", "shadow_map:filter=pcf,filter_radius=4", "--light", "sun"]
-        self.succeed("run", *slow, *SMALL, "--out", "out")
+        self.succeed("run", *slow, *NUMBERS, "--out", "out")
         seconds = [self.estimate(*slow, "--size", "160x90", "--processes", str(p), "--repetitions", str(r))[1]
                    for p, r in ((1, 1), (100, 1), (100, 100))]
         self.assertLess(seconds[0], seconds[1])
         self.assertLess(seconds[1], seconds[2])
 
     def test_a_fresh_clone_knows_its_results(self):
-        self.succeed("run", *ROWS, *SMALL, "--out", self.root / "results/mine")
+        self.succeed("run", *ROWS, *NUMBERS, "--out", self.root / "results/mine")
         (self.cache / "history.jsonl").unlink()
-        self.assertIn("(from 4 rows measured elsewhere)", self.estimate(*ROWS, *SMALL)[0])
+        self.assertIn("(from 4 rows measured elsewhere)", self.estimate(*ROWS, *NUMBERS)[0])
         (self.root / "results/broken").mkdir()
         (self.root / "results/broken/records.jsonl").write_text("no record\n")  # an estimate can do without
-        self.assertIn("(from 4 rows measured elsewhere)", self.estimate(*ROWS, *SMALL)[0])
+        self.assertIn("(from 4 rows measured elsewhere)", self.estimate(*ROWS, *NUMBERS)[0])
 
     def test_a_shard_is_estimated_as_what_it_is(self):
-        self.succeed("run", *ROWS, *SMALL, "--out", "out")
+        self.succeed("run", *ROWS, *NUMBERS, "--out", "out")
         counts = []
         for k in (0, 1):
-            found = re.search(r"from (\d+) rows? measured", self.succeed("run", *ROWS, *SMALL, "--shard", f"{k}/2", "--dry-run"))
+            found = re.search(r"from (\d+) rows? measured", self.succeed("run", *ROWS, *NUMBERS, "--shard", f"{k}/2", "--dry-run"))
             counts.append(int(found.group(1)) if found else 0)
         self.assertEqual(sum(counts), 4)
 
     def test_a_cache_that_cannot_be_written_costs_no_row(self):
         self.cache.mkdir()
         (self.cache / "history.jsonl.lock").mkdir()
-        done = self.gnomon("run", *ROWS, *SMALL, "--out", "out")
+        done = self.gnomon("run", *ROWS, *NUMBERS, "--out", "out")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("history.jsonl.lock cannot be locked", done.stderr)
         self.assertEqual({r["status"] for r in records(self.dir / "out")}, {"ok"})
@@ -88,18 +88,18 @@ class Estimate(ProgramTest):
 
 class Retry(ProgramTest):
     def test_failed_rows_stay_until_they_are_tried_again(self):
-        self.succeed("run", *ROWS, *SMALL, "--out", "out")
+        self.succeed("run", *ROWS, *NUMBERS, "--out", "out")
         failed = [dict(row, status="failed", reason="out of luck") for row in records(self.dir / "out")]
         (self.dir / "out/records.jsonl").write_text("".join(json.dumps(row) + "\n" for row in failed))
-        self.assertIn("4 were done before", self.succeed("run", *ROWS, *SMALL, "--resume", "--out", "out", status=1))
+        self.assertIn("4 were done before", self.succeed("run", *ROWS, *NUMBERS, "--resume", "--out", "out", status=1))
         self.assertEqual(records(self.dir / "out"), failed)
         # Only the rows that are asked for; the others stay failed.
-        text = self.succeed("run", *ROWS, *SMALL, "--filter", "sun", "--resume", "--retry-failed", "--out", "out", status=1)
+        text = self.succeed("run", *ROWS, *NUMBERS, "--filter", "sun", "--resume", "--retry-failed", "--out", "out", status=1)
         self.assertIn("2 rows: 2 ok, 0 unsupported, 0 failed", text)
         rows = records(self.dir / "out")
         self.assertEqual(sorted((r["light"], r["status"]) for r in rows), [("point", "failed")] * 2 + [("sun", "ok")] * 2)
         done = {r["job"]: r for r in rows if r["status"] == "ok"}
-        text = self.succeed("run", *ROWS, *SMALL, "--resume", "--retry-failed", "--out", "out")
+        text = self.succeed("run", *ROWS, *NUMBERS, "--resume", "--retry-failed", "--out", "out")
         self.assertIn("2 were done before", text)
         rows = records(self.dir / "out")
         self.assertEqual((len(rows), {r["status"] for r in rows}), (4, {"ok"}))

@@ -11,7 +11,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import FAULTS, HUNG, PATIENCE, PROGRAM, SMALL, ProgramTest, records, wait_until, workers  # noqa: E402
+from program import FAULTS, HUNG, NUMBERS, PATIENCE, PROGRAM, SMALL, ProgramTest, records, wait_until, workers  # noqa: E402
 
 REASONS = {
     "crashes": r"^crashed in resolve: Segmentation fault \(signal 11\)",
@@ -51,7 +51,7 @@ class Faults(ProgramTest):
         self.assertFalse((self.dir / "out/.scratch").exists())
 
     def test_addresses_may_be_reserved_beyond_all_memory(self):
-        self.succeed("--plugin", FAULTS, "run", "--scene", "single_triangle", "--technique", "reserves", "--light", "point", *SMALL, "--out", "out")
+        self.succeed("--plugin", FAULTS, "run", "--scene", "single_triangle", "--technique", "reserves", "--light", "point", *NUMBERS, "--out", "out")
         self.assertEqual([r["status"] for r in records(self.dir / "out")], ["ok"])
 
     def test_a_fault_in_a_later_process_costs_the_row_only(self):
@@ -83,7 +83,7 @@ class Faults(ProgramTest):
             with self.subTest(variable):
                 self.environment[variable] = "8"
                 self.succeed("--plugin", FAULTS, "run", "--scene", "single_triangle", "--light", "sun", "--technique", "busy",
-                             "--technique", "unshadowed", "--timeout", HUNG, *SMALL, "--out", variable, status=1)
+                             "--technique", "unshadowed", "--timeout", HUNG, *NUMBERS, "--out", variable, status=1)
                 del self.environment[variable]
                 broken, sound = records(self.dir / variable)
                 self.assertEqual((broken["technique"], broken["status"]), ("busy", "failed"))

@@ -7,7 +7,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import DATA, SMALL, ProgramTest, records, scene_toml  # noqa: E402
+from program import DATA, NUMBERS, ProgramTest, records, scene_toml  # noqa: E402
 
 
 class Imports(ProgramTest):
@@ -20,7 +20,7 @@ class Imports(ProgramTest):
                 self.assertRegex(text, r"(?m)^\S+ +4 +- +yes +0 +0 +0 +0$")  # closed: no edge is open, shared or turned
 
     def test_a_mesh_runs_under_the_framing_default_and_says_so(self):
-        text = self.succeed("run", "--scene", DATA / "tetrahedron.obj", "--technique", "unshadowed", *SMALL, "--out", "out")
+        text = self.succeed("run", "--scene", DATA / "tetrahedron.obj", "--technique", "unshadowed", *NUMBERS, "--out", "out")
         self.assertRegex(text, r"note: .*tetrahedron\.obj: no view given: view 'view' frames the whole scene")
         self.assertRegex(text, r"note: .*tetrahedron\.obj: no light given: ")
         rows = records(self.dir / "out")
@@ -37,7 +37,7 @@ class Imports(ProgramTest):
         text = self.succeed("describe", "deep/scene.toml")  # from another folder than the file's
         self.assertRegex(text, r"(?m): 2 meshes, 6 triangles$")
         self.assertRegex(text, r"(?m)^bounds  -4 0 -4 \.\. 4 3 4 m$")
-        self.succeed("run", "--scene", "deep/scene.toml", "--technique", "embree_rays", *SMALL, "--out", "out")
+        self.succeed("run", "--scene", "deep/scene.toml", "--technique", "embree_rays", *NUMBERS, "--out", "out")
         self.assertEqual([r["scene"] for r in records(self.dir / "out")], ["deep/scene.toml"] * 2)
 
     def test_an_import_leaves_no_process_and_no_file(self):

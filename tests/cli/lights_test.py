@@ -7,7 +7,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import FAULTS, SMALL, ProgramTest, records  # noqa: E402
+from program import FAULTS, NUMBERS, SMALL, ProgramTest, records  # noqa: E402
 
 SCENE = """
 [[shape]]
@@ -100,7 +100,7 @@ class Lights(ProgramTest):
     def test_a_technique_that_shares_nothing_or_fails_is_said_for_its_own_row(self):
         out = self.dir / "run"
         done = self.gnomon("--plugin", FAULTS, "run", "--scene", self.scene, "--light", "bulb+sun", "--technique", "sleeps",
-                           "--technique", "returns_nan", "--technique", "svbsp", "--out", out, *SMALL)
+                           "--technique", "returns_nan", "--technique", "svbsp", "--out", out, *NUMBERS)
         self.assertEqual(done.returncode, 1, done.stderr)
         by_id = {r["technique"]: r for r in records(out)}
         self.assertEqual((by_id["sleeps"]["status"], by_id["sleeps"]["shares_build"]), ("ok", False))

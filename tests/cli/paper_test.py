@@ -12,7 +12,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import HARD, ROOT, SMALL, ProgramTest, records  # noqa: E402
+from program import HARD, NUMBERS, ROOT, ProgramTest, records  # noqa: E402
 
 try:
     import jsonschema
@@ -38,7 +38,7 @@ class Paper(ProgramTest):
         small.dir = cls.home
         small.succeed("run", *HARD, "--scene", "contact", "--scene", "soup:ground=false,count=50", "--technique", "unshadowed",
                       "--technique", "planar_projected", "--technique",
-                      "shadow_map:resolution={256,1024},filter=pcf,filter_radius=3,bias=receiver_plane,depth_bias=1.5", *SMALL,
+                      "shadow_map:resolution={256,1024},filter=pcf,filter_radius=3,bias=receiver_plane,depth_bias=1.5", *NUMBERS,
                       "--out", cls.small)
 
     def run_small(self):

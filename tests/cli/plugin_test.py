@@ -8,10 +8,10 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import FAULTS, ROOT, SMALL, ProgramTest, records  # noqa: E402
+from program import FAULTS, NUMBERS, ROOT, ProgramTest, records  # noqa: E402
 
 SECOND = Path(FAULTS).with_name("gnomon_second.so")
-ROWS = ["--scene", "single_triangle", "--light", "sun", *SMALL, "--quiet", "--out", "out"]
+ROWS = ["--scene", "single_triangle", "--light", "sun", *NUMBERS, "--quiet", "--out", "out"]
 
 
 class Plugins(ProgramTest):
@@ -51,7 +51,7 @@ class Plugins(ProgramTest):
 
     def test_a_plugin_is_averaged_by_its_id_and_named_in_the_record(self):
         self.succeed("run", "--plugin", SECOND, "--technique", "averaged_hard:of=always_lit,samples=2", "--scene", "single_triangle",
-                     "--light", "globe", *SMALL, "--quiet", "--out", "out")
+                     "--light", "globe", *NUMBERS, "--quiet", "--out", "out")
         row = records(self.dir / "out")[0]
         self.assertEqual((row["status"], row["parameters"]["of"]), ("ok", "always_lit"))
         self.assertEqual(ROOT / row["context"]["plugin"]["path"], SECOND)  # relative to the testbed's folder if within

@@ -23,6 +23,8 @@ HUNG = 8  # what --timeout grants a step where one hangs on purpose, while sound
 
 # Enough to see that it works: one process, one repetition, few pixels.
 SMALL = ["--processes", "1", "--repetitions", "1", "--size", "160x90"]
+# The same for tests that look at no picture: what writes pictures takes longer to load than such a row to run.
+NUMBERS = ["--pictures", "none", *SMALL]
 # The lights that every generated scene has. Some have lights with area besides.
 HARD = ["--light", "point", "--light", "sun"]
 
@@ -33,6 +35,7 @@ class ProgramTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.home = Path(tempfile.mkdtemp(prefix="gnomon-cli-"))
+        (cls.home / "cache").mkdir()
         cls.environment = dict(os.environ, GNOMON_CACHE=str(cls.home / "cache"))
 
     @classmethod

@@ -10,7 +10,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import HUNG, ROOT, SMALL, ProgramTest, records  # noqa: E402
+from program import HUNG, NUMBERS, ROOT, SMALL, ProgramTest, records  # noqa: E402
 
 SHEET = """title = "T"
 summary = "S."
@@ -86,7 +86,7 @@ class Protocol(ProgramTest):
         return ["--program", self.write(f"{name}.toml", SHEET.format(id=name) + sheet)]
 
     def run_one(self, name, options, *more, status=0, scene="single_triangle"):
-        self.succeed(*options, "run", "--scene", scene, "--technique", name, "--light", "sun", *SMALL, *more, "--out", "out", status=status)
+        self.succeed(*options, "run", "--scene", scene, "--technique", name, "--light", "sun", *NUMBERS, *more, "--out", "out", status=status)
         return records(self.dir / "out")
 
     def test_a_sound_one_has_rows_like_any_other(self):
@@ -125,7 +125,7 @@ sentence = "Whether."
         self.assertEqual(rows[2]["harness_stages"], {})
         self.assertGreater(rows[0]["bytes"], 0)  # what it has grown by
         # Its rows run again when its files have changed.
-        again = [*options, "run", "--scene", "single_triangle", "--technique", "lit:depth={2,5}", "--technique", "unshadowed", "--light", "sun", *SMALL, "--out", "out", "--resume"]
+        again = [*options, "run", "--scene", "single_triangle", "--technique", "lit:depth={2,5}", "--technique", "unshadowed", "--light", "sun", *NUMBERS, "--out", "out", "--resume"]
         self.assertEqual(rows[0]["context"]["plugin"]["path"], str(self.dir / "lit.toml"))
         self.assertNotIn("plugin", rows[2]["context"])
         self.succeed(*again)
@@ -165,7 +165,7 @@ def fault(r):
 """,
         }.items():
             options = self.program(name, fault=fault)
-            self.succeed(*options, "run", "--scene", "single_triangle", "--technique", name, "--light", "sun", *SMALL, "--out", name)
+            self.succeed(*options, "run", "--scene", "single_triangle", "--technique", name, "--light", "sun", *NUMBERS, "--out", name)
             row = records(self.dir / name)[0]
             self.assertEqual(row["status"], "ok", row["reason"])
             peaks[name] = row["peak_bytes"] / 2**20
@@ -255,7 +255,7 @@ def fault(r):
         subprocess.Popen(["/bin/sleep", "987"], start_new_session=True, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
 """)
         options += self.program("stays", code=LIT.replace("FAULT", "") + "\ntime.sleep(987)\n")
-        self.succeed(*options, "run", "--scene", "single_triangle", "--technique", "parent", "--technique", "stays", "--light", "sun", *SMALL, "--out", "out")
+        self.succeed(*options, "run", "--scene", "single_triangle", "--technique", "parent", "--technique", "stays", "--light", "sun", *NUMBERS, "--out", "out")
         self.assertEqual([r["status"] for r in records(self.dir / "out")], ["ok", "ok"])
         self.assert_gone()
         self.assertEqual([p for p in Path("/dev/shm").glob("gnomon*") if f"-{os.getpid()}" in p.name], [])
@@ -268,7 +268,7 @@ def fault(r):
         options += ["--program", self.dir / "absent.toml"]
         options += self.program("hard_only", sheet='lights = ["point"]\n')
         arguments = [word for name in ("needy", "needs_run", "absent", "hard_only") for word in ("--technique", name)]
-        self.succeed(*options, "run", *arguments, "--scene", "single_triangle", "--light", "sun", *SMALL, "--out", "out")
+        self.succeed(*options, "run", *arguments, "--scene", "single_triangle", "--light", "sun", *NUMBERS, "--out", "out")
         rows = records(self.dir / "out")
         self.assertEqual({r["status"] for r in rows}, {"unsupported"})
         for row, words in zip(rows, ("no_such_program is not on this machine: apt install nothing", "/bin/false fails here: pray",
@@ -284,7 +284,7 @@ def fault(r):
     if r["do"] == "explain":
         return {"explanations": [{"covered": False} if pixel % 2 else {"cause": "lazy"} for pixel in r["pixels"]]}
 """)
-        self.succeed(*options, "run", "--scene", "single_triangle", "--technique", "asked", *SMALL, "--light", "sun", "--light", "point", "--out", "out")
+        self.succeed(*options, "run", "--scene", "single_triangle", "--technique", "asked", *NUMBERS, "--light", "sun", "--light", "point", "--out", "out")
         point, sun = sorted(records(self.dir / "out"), key=lambda row: row["light"])
         self.assertEqual((point["status"], point["reason"]), ("unsupported", "not mine"))
         self.assertEqual((sun["status"], sun["support"], sun["reason"]), ("ok", "approximate", "a directional"))
@@ -344,7 +344,7 @@ def fault(r):
         self.write("ray_numpy.py", code)
         self.write("ray_numpy.toml", sheet)
         call = re.search(r"```sh\ngnomon (--program .*)\n```", page)[1].split()
-        self.succeed(*call, *SMALL, "--light", "point,sun", "--out", "out")
+        self.succeed(*call, *NUMBERS, "--light", "point,sun", "--out", "out")
         rows = [r for r in records(self.dir / "out") if r["technique"] == "ray_numpy"]
         self.assertEqual(len(rows), 2)
         for row in rows:

@@ -9,7 +9,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import FAULTS, HARD, PATIENCE, SMALL, ProgramTest, records, wait_until  # noqa: E402
+from program import FAULTS, HARD, NUMBERS, PATIENCE, ProgramTest, records, wait_until  # noqa: E402
 
 ROWS = [*HARD, "--scene", "single_triangle", "--technique", "unshadowed", "--technique", "shadow_map"]
 SUITE = """
@@ -37,7 +37,7 @@ class Resume(ProgramTest):
         return (self.dir / "out/records.jsonl").read_bytes().splitlines()
 
     def test_a_folder_that_is_being_written_is_left_alone(self):
-        slow = ["--plugin", FAULTS, "run", "--scene", "single_triangle", "--scene", "contact", "--technique", "sleeps", *HARD, *SMALL,
+        slow = ["--plugin", FAULTS, "run", "--scene", "single_triangle", "--scene", "contact", "--technique", "sleeps", *HARD, *NUMBERS,
                 "--quiet", "--out", "out"]
         self.succeed(*slow)
         self.change(lambda row: row.update(status="failed"))
@@ -61,7 +61,7 @@ class Resume(ProgramTest):
         self.assertEqual([name for name in self.names(self.dir / "out") if ".part" in name], [])
 
     def test_rows_that_are_not_like_the_new_ones_are_refused(self):
-        run = ["run", *ROWS, *SMALL, "--out", "out", "--resume"]
+        run = ["run", *ROWS, *NUMBERS, "--out", "out", "--resume"]
         self.succeed(*run)
         before = self.lines()
         other = ["run", *ROWS, "--size", "160x90", "--out", "out", "--resume"]
@@ -76,7 +76,7 @@ class Resume(ProgramTest):
         self.assertEqual(self.lines(), before)
 
     def test_another_machine_is_said(self):
-        run = ["run", *ROWS, *SMALL, "--out", "out", "--resume"]
+        run = ["run", *ROWS, *NUMBERS, "--out", "out", "--resume"]
         self.succeed(*run)
         self.assertNotIn("note:", self.gnomon(*run).stderr)
         self.change(lambda row: row["context"].update(processor="Another 9000", threads=99))
@@ -98,7 +98,7 @@ class Resume(ProgramTest):
         self.assertEqual([row["scene"] for row in table["rows"]], ["single_triangle"] * 2 + ["contact"] * 2)
 
     def test_a_folder_of_other_rows_is_refused(self):
-        self.succeed("run", *ROWS, *SMALL, "--out", "out")
+        self.succeed("run", *ROWS, *NUMBERS, "--out", "out")
         before = self.lines()
         new = ["--out", "out", "--resume", "--processes", "1", "--repetitions", "1"]
         none = ["out cannot go on: none of its 4 rows is in suite adhoc as it is now", "another --out"]
@@ -110,7 +110,7 @@ class Resume(ProgramTest):
         self.assertEqual(self.lines(), before)
 
     def test_a_suite_that_has_grown_goes_on_and_rows_that_it_lost_are_said(self):
-        run = ["run", *SMALL, "--out", "out", "--resume", "--scene", "single_triangle", "--light", "sun"]
+        run = ["run", *NUMBERS, "--out", "out", "--resume", "--scene", "single_triangle", "--light", "sun"]
         self.succeed(*run, "--technique", "unshadowed;shadow_map:resolution=256")
         grown = self.gnomon(*run, "--technique", "unshadowed;shadow_map:resolution={256,512}")
         self.assertEqual((grown.returncode, grown.stderr.count("note:")), (0, 0), grown.stderr)
@@ -121,7 +121,7 @@ class Resume(ProgramTest):
         self.assertEqual(len(self.lines()), 4)
 
     def test_a_dry_run_prints_what_is_left(self):
-        run = ["run", *ROWS, *SMALL, "--out", "out"]
+        run = ["run", *ROWS, *NUMBERS, "--out", "out"]
         self.succeed(*run, "--filter", "sun")
         text = self.succeed(*run, "--resume", "--dry-run")
         self.assertEqual(re.findall(r"(?m)^[0-9a-f]{16}  single_triangle (\w+) ", text), ["point", "point"])

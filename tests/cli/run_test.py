@@ -12,7 +12,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import HARD, SMALL, ProgramTest, measured, records, what  # noqa: E402
+from program import HARD, NUMBERS, ProgramTest, measured, records, what  # noqa: E402
 
 SUITE = """
 title = "Two scenes, three rows each"
@@ -31,7 +31,7 @@ SWEEP = [*HARD, "--scene", "single_triangle", "--technique", "shadow_map:resolut
 
 class Run(ProgramTest):
     def test_views_are_named_and_tell_rows_apart(self):
-        call = ["run", "--scene", "fence", "--scene", "contact", "--light", "sun", "--technique", "unshadowed", *SMALL]
+        call = ["run", "--scene", "fence", "--scene", "contact", "--light", "sun", "--technique", "unshadowed", *NUMBERS]
 
         def titles(*words):
             return re.findall(r"(?m)^[0-9a-f]{16}  (.*)$", self.succeed(*call, "--dry-run", *words))
@@ -65,10 +65,41 @@ class Run(ProgramTest):
         self.assertLessEqual({"table.md", "table.csv", "table.tex", "table.json", "records.jsonl"}, set(self.names(self.dir / "out")))
         self.assertFalse((self.dir / "out/.scratch").exists())
 
+    def test_without_pictures_all_numbers_are_the_same(self):
+        suite = self.write("mine.toml", SUITE)
+        self.assertIn("out/masks/", self.succeed("run", suite, "--out", "out"))
+        self.assertNotIn("masks/", self.succeed("run", suite, "--out", "bare", "--pictures", "none"))
+        self.assertEqual([name for name in self.names(self.dir / "bare") if "/" in name], [])
+        without = dict(mask=None, error_picture=None, shaded_picture=None)
+        self.assertEqual([measured(r) for r in records(self.dir / "bare")], [dict(measured(r), **without) for r in records(self.dir / "out")])
+
+        kept = (self.dir / "bare/records.jsonl").read_bytes()
+        done = self.gnomon("table", "bare", "--rescore")
+        self.assertEqual((done.returncode, done.stderr), (0, "6 rows keep their metrics: they were run with --pictures none\n0 rows rescored\n"))
+        self.assertEqual((self.dir / "bare/records.jsonl").read_bytes(), kept)
+        self.succeed("report", "bare")
+        # What goes on may have pictures from there on, and rows that have them stay.
+        self.succeed("run", suite, "--out", "half", "--filter", "single")
+        self.succeed("run", suite, "--out", "half", "--resume", "--pictures", "none")
+        self.assertEqual([r["mask"] is None for r in records(self.dir / "half")], [False] * 3 + [True] * 3)
+        self.assertIn("3 rows keep their metrics: they were run with --pictures none\n", self.gnomon("table", "half", "--rescore").stderr)
+        for word in ("some", "", "None"):
+            self.refuse("run", suite, "--pictures", word, says=["--pictures", "all or none"])
+
+    def test_shaders_that_are_kept_are_said(self):
+        call = ["run", "--scene", "single_triangle", "--light", "sun", "--technique", "shadow_map", *NUMBERS, "--quiet"]
+        self.environment["GNOMON_SHADERS"] = "keep"
+        self.succeed(*call, "--out", "kept")
+        self.environment["GNOMON_SHADERS"] = "kept"
+        self.refuse(*call, "--out", "out", says=["GNOMON_SHADERS = kept is not keep"])
+        del self.environment["GNOMON_SHADERS"]
+        self.succeed(*call, "--out", "out")
+        self.assertEqual([records(self.dir / out)[0]["context"].get("shaders") for out in ("kept", "out")], ["kept", None])
+
     def test_a_table_says_where_float32_cannot_decide(self):
         lights = "".join(f'[[light]]\nname = "{name}"\nkind = "point"\nposition = {place}\n' for name, place in (("far", [0, 1e8, 1]), ("near", [1, 4, 1])))
         scene = self.write("lights.toml", f'scene = "single_triangle"\n{lights}')
-        text = self.succeed("run", "--scene", scene, "--technique", "exact_rays", *SMALL, "--out", "out")
+        text = self.succeed("run", "--scene", scene, "--technique", "exact_rays", *NUMBERS, "--out", "out")
         (line,) = [line for line in text.splitlines() if line.startswith("uncertain: ")]
         self.assertRegex(line, r"float32 cannot decide [0-9.]+ % .*\(class U\): .*, light far, view \w+; the scene is outside what the reference can decide")
         far, near = records(self.dir / "out")
@@ -84,19 +115,19 @@ class Run(ProgramTest):
                 f'[[view]]\nname = "view"\neye = [{2 * size}, {5 * size}, {7 * size}]\ntarget = [0, {0.5 * size}, 0]\n')))
             with self.subTest(size):
                 self.assertIn(": certified", self.succeed("certify", "--scene", scene, "--size", "96x54"))
-                self.succeed("run", "--scene", scene, "--technique", "exact_rays", *SMALL, "--truth", "mesh", "--out", f"out{size}")
+                self.succeed("run", "--scene", scene, "--technique", "exact_rays", *NUMBERS, "--truth", "mesh", "--out", f"out{size}")
                 (row,) = records(self.dir / f"out{size}")
                 self.assertEqual(row["metrics"]["mesh"]["wrong_rate"], 0)
                 self.assertGreater(row["classes"]["T"], 5000)
 
     def test_braces_sweep_a_parameter(self):
-        self.succeed("run", *SWEEP, *SMALL, "--out", "out")
+        self.succeed("run", *SWEEP, *NUMBERS, "--out", "out")
         self.assertEqual([(r["light"], r["technique"], r["settings"]) for r in records(self.dir / "out")],
                          [(light, *technique) for light in ("point", "sun")
                           for technique in (("shadow_map", "resolution=256"), ("shadow_map", "resolution=512"), ("unshadowed", ""))])
 
     def test_filter_picks_rows(self):
-        self.succeed("run", *SWEEP, *SMALL, "--filter", "sun shadow_map:.*=512$", "--out", "out")
+        self.succeed("run", *SWEEP, *NUMBERS, "--filter", "sun shadow_map:.*=512$", "--out", "out")
         self.assertEqual([(r["light"], r["settings"]) for r in records(self.dir / "out")], [("sun", "resolution=512")])
 
     def test_dry_run_prints_rows_and_leaves_nothing(self):
@@ -121,12 +152,12 @@ class Run(ProgramTest):
 
     def test_threads_reach_the_record(self):
         for threads, used in (("1", 1), ("0", len(os.sched_getaffinity(0)))):  # 0: all
-            self.succeed("run", "--scene", "single_triangle", "--technique", "unshadowed", "--light", "sun", *SMALL,
+            self.succeed("run", "--scene", "single_triangle", "--technique", "unshadowed", "--light", "sun", *NUMBERS,
                          "--threads", threads, "--out", f"out{threads}")
             self.assertEqual(records(self.dir / f"out{threads}")[0]["context"]["threads"], used)
 
     def test_without_out_the_folder_is_named_after_suite_and_time(self):
-        self.succeed("run", "--scene", "single_triangle", "--technique", "unshadowed", "--light", "sun", *SMALL)
+        self.succeed("run", "--scene", "single_triangle", "--technique", "unshadowed", "--light", "sun", *NUMBERS)
         self.assertRegex(" ".join(p.name for p in (self.dir / "runs").iterdir()), r"^adhoc-\d{8}-\d{6}$")
 
 
@@ -135,7 +166,7 @@ class Table(ProgramTest):
     def setUpClass(cls):
         super().setUpClass()
         cls.dir = cls.home
-        cls.succeed(cls(), "run", *SWEEP, *SMALL, "--out", "out")
+        cls.succeed(cls(), "run", *SWEEP, *NUMBERS, "--out", "out")
 
     def table(self, *arguments):
         return self.succeed("table", self.home / "out", *arguments)

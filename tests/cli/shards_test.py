@@ -9,7 +9,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import HARD, PATIENCE, PROGRAM, ROOT, SMALL, ProgramTest, measured, records, what  # noqa: E402
+from program import HARD, NUMBERS, PATIENCE, PROGRAM, ROOT, ProgramTest, measured, records, what  # noqa: E402
 
 ROWS = [*HARD, "--scene", "single_triangle", "--technique", "shadow_map:resolution={256,512}", "--technique", "unshadowed"]
 
@@ -45,10 +45,10 @@ class Shards(ProgramTest):
         count = 64
         full = {int(job[:8], 16) % count for job in self.jobs(*ROWS)}
         empty = next(k for k in range(count) if k not in full)
-        text = self.succeed("run", *ROWS, *SMALL, "--shard", f"{empty}/{count}", "--out", "empty")
+        text = self.succeed("run", *ROWS, *NUMBERS, "--shard", f"{empty}/{count}", "--out", "empty")
         self.assertIn(f"shard {empty}/{count} has no rows", text)
         self.assertEqual((self.dir / "empty/records.jsonl").read_bytes(), b"")
-        self.succeed("run", *ROWS, *SMALL, "--out", "whole")
+        self.succeed("run", *ROWS, *NUMBERS, "--out", "whole")
         self.succeed("merge", "empty", "whole", "--out", "merged")
         self.assertEqual(records(self.dir / "merged"), records(self.dir / "whole"))
         self.assertIn("the folders hold no rows", self.succeed("merge", "empty", "--out", "nothing"))
@@ -67,9 +67,9 @@ class Parallel(ProgramTest):
 
     def test_three_shards_are_run_merged_and_cleared_away(self):
         out = self.dir / "a folder/merged"  # with a space, as people have them
-        done = self.script("3", out, *ROWS, *SMALL)
+        done = self.script("3", out, *ROWS, *NUMBERS)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        self.succeed("run", *ROWS, *SMALL, "--out", "whole")
+        self.succeed("run", *ROWS, *NUMBERS, "--out", "whole")
         whole, merged = records(self.dir / "whole"), records(out)
         self.assertEqual([what(r) for r in merged], [what(r) for r in whole])
         self.assertEqual([measured(r) for r in merged], [measured(r) for r in whole])
@@ -82,25 +82,25 @@ class Parallel(ProgramTest):
         parts = self.dir / "merged.parts"
         parts.mkdir()
         (parts / "count").write_text("3\n")
-        self.succeed("run", *ROWS, *SMALL, "--shard", "1/3", "--out", parts / "1")
+        self.succeed("run", *ROWS, *NUMBERS, "--shard", "1/3", "--out", parts / "1")
         before = (parts / "1/records.jsonl").read_text().splitlines()
         self.assertGreater(len(before), 0)
-        done = self.script("2", self.dir / "merged", *ROWS, *SMALL)
+        done = self.script("2", self.dir / "merged", *ROWS, *NUMBERS)
         self.assertEqual(done.returncode, 2)
         self.assertIn("shards of a run in 3 parts", done.stderr)
         (parts / "arguments").write_text("quick --light sun\n")
-        done = self.script("3", self.dir / "merged", *ROWS, *SMALL)
+        done = self.script("3", self.dir / "merged", *ROWS, *NUMBERS)
         self.assertEqual(done.returncode, 2)
         self.assertIn("merged.parts holds shards of 'gnomon run quick --light sun': continue with these arguments", done.stderr)
         (parts / "arguments").unlink()
-        done = self.script("--jobs", "2", "3", self.dir / "merged", *ROWS, *SMALL)
+        done = self.script("--jobs", "2", "3", self.dir / "merged", *ROWS, *NUMBERS)
         self.assertEqual(done.returncode, 0, done.stderr)
         merged = (self.dir / "merged/records.jsonl").read_text().splitlines()
         self.assertEqual(len(merged), 6)
         self.assertLessEqual(set(before), set(merged))  # not measured again
 
     def test_failed_rows_are_tried_again_when_a_call_is_continued(self):
-        call = ["2", self.dir / "merged", *ROWS, *SMALL]
+        call = ["2", self.dir / "merged", *ROWS, *NUMBERS]
         parts = self.dir / "merged.parts"
         parts.mkdir()
         (parts / "1").write_text("a file where the folder of the shard should be")
@@ -119,7 +119,7 @@ class Parallel(ProgramTest):
         parts = self.dir / "merged.parts"
         parts.mkdir()
         (parts / "1").write_text("a file where the folder of the shard should be")
-        done = self.script("2", self.dir / "merged", *ROWS, *SMALL)
+        done = self.script("2", self.dir / "merged", *ROWS, *NUMBERS)
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertIn("shard 1/2 ended with status 2", done.stderr)
         self.assertIn("1 of 2 shards are not done", done.stderr)
@@ -173,12 +173,12 @@ class Slurm(ProgramTest):
                               capture_output=True, timeout=PATIENCE)
 
     def test_the_array_is_submitted_awaited_and_merged(self):
-        done = self.script("--sbatch", "--partition=gpu --time=120", "3", self.dir / "merged", *ROWS, *SMALL)
+        done = self.script("--sbatch", "--partition=gpu --time=120", "3", self.dir / "merged", *ROWS, *NUMBERS)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertRegex((self.fake / "submitted").read_text(), r"^--parsable --partition=gpu --time=120 .*merged\.parts/job\.sh$")
         self.assertIn("Slurm job 7: 3 shards", done.stderr)
         self.assertIn("shards: 1 pending, 1 running", done.stderr)
-        self.succeed("run", *ROWS, *SMALL, "--out", "whole")
+        self.succeed("run", *ROWS, *NUMBERS, "--out", "whole")
         whole, merged = records(self.dir / "whole"), records(self.dir / "merged")
         self.assertEqual([what(r) for r in merged], [what(r) for r in whole])
         self.assertEqual([measured(r) for r in merged], [measured(r) for r in whole])
@@ -186,7 +186,7 @@ class Slurm(ProgramTest):
 
     def test_a_task_that_was_lost_is_named_and_done_by_the_next_call(self):
         (self.fake / "lost1").touch()
-        call = ["3", self.dir / "merged", *ROWS, *SMALL]
+        call = ["3", self.dir / "merged", *ROWS, *NUMBERS]
         done = self.script(*call)
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertIn("shard 1/3 was stopped", done.stderr)

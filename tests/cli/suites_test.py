@@ -8,7 +8,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import SMALL, ProgramTest, records  # noqa: E402
+from program import NUMBERS, ProgramTest, records  # noqa: E402
 
 ROW = re.compile(r"^[0-9a-f]{16}  (\S+) (\S+) (\S+)", re.MULTILINE)
 
@@ -59,21 +59,28 @@ class Suites(ProgramTest):
             self.assertIn("scripts/fetch_scenes bunny", row["reason"])
 
     def test_a_run_that_lacks_some_scenes_does_the_others_and_says_so(self):
-        done = self.gnomon("run", "quick", "--filter", "^(bunny|contact) sun unshadowed$", "--quiet", *SMALL, "--out", "out")
+        done = self.gnomon("run", "quick", "--filter", "^(bunny|contact) sun unshadowed$", "--quiet", *NUMBERS, "--out", "out")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(done.stderr, "note: 1 of 2 rows measured; not fetched: bunny. scripts/fetch_scenes --all fetches them\n")
 
-    def show_failures(self, suite):
-        """Runs the rows of a suite that are there to be wrong, and their neighbors with the default bias, at the suite's size.
+    def test_quick_and_standard_show_acne_peter_panning_and_unsupported(self):
+        """The rows of both that are there to be wrong, and their neighbors with the default bias, at the suites' size.
 
         Acne: no bias at all, so that surfaces shadow themselves; more than 1 % false dark and ten times the default's.
         Peter-panning: a bias so large that contact shadows come off; false lit well above the default's, false dark not above.
         """
         bias = r"shadow_map(:bias=constant,depth_bias=\d+)?"
-        self.succeed("run", suite, "--filter", rf"^(contact|soup:ground=false) (point|sun) ({bias}|planar_projected)$",
-                     "--processes", "1", "--repetitions", "1", "--out", "out")
-        rows = records(self.dir / "out")
-        self.assertEqual({(r["width"], r["height"]) for r in rows}, {(640, 360)})
+        chosen = ["--filter", rf"^(contact|soup:ground=false) (point|sun) ({bias}|planar_projected)$"]
+        self.succeed("run", "quick", *chosen, "--processes", "1", "--repetitions", "1", "--out", "out")
+        measured = {row["job"]: row for row in records(self.dir / "out")}
+        self.assertEqual({(r["width"], r["height"]) for r in measured.values()}, {(640, 360)})
+        for suite in ("quick", "standard"):
+            with self.subTest(suite):
+                jobs = re.findall(r"(?m)^([0-9a-f]{16})  ", self.succeed("run", suite, *chosen, "--dry-run"))
+                self.assertLessEqual(set(jobs), set(measured))  # the rows of standard are rows of quick
+                self.assert_shows_failures([measured[job] for job in jobs])
+
+    def assert_shows_failures(self, rows):
         acne, panning, unsupported = [], [], []
         for row in rows:
             if row["status"] == "unsupported":
@@ -98,12 +105,6 @@ class Suites(ProgramTest):
             self.assertNotIn("not fetched", row["reason"])
             self.assertGreater(len(row["reason"]), 10)
             self.assertIsNone(row["mask"])
-
-    def test_quick_shows_acne_peter_panning_and_unsupported(self):
-        self.show_failures("quick")
-
-    def test_standard_shows_acne_peter_panning_and_unsupported(self):
-        self.show_failures("standard")
 
 
 if __name__ == "__main__":

@@ -1,7 +1,6 @@
 // Records, masks, and what the program and its workers write for each other.
 #include <gnomon/kit/surface_detail.h>
 
-#include "app/app.h"
 #include "fuzz.h"
 #include "measure/cause/causes.h"
 #include "measure/picture/detail_export.h"
@@ -12,6 +11,7 @@
 #include "measure/scene/blob.h"
 #include "measure/scene/import.h"
 #include "measure/scene/load.h"
+#include "run_words.h"
 
 namespace fuzz {
 
@@ -19,17 +19,6 @@ using namespace gnomon;
 namespace fs = std::filesystem;
 
 namespace {
-
-/// The program's exit status; Problem where it is none of those for bad input.
-Outcome run_words(std::vector<std::string> words) {
-  words.insert(words.begin(), "gnomon");
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  const int status = app::run_program(static_cast<int>(words.size()), argv.data());
-  if (status == 1) throw Problem{"ended with 1: an exception that is no complaint"};
-  return status == 0 ? Outcome::accepted : Outcome::refused;
-}
 
 Scene small_scene() {
   Scene scene = load_scene("single_triangle");

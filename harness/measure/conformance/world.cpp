@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 
+#include "measure/conformance/rule.h"
 #include "measure/paths.h"
 #include "measure/scene/blob.h"
 #include "measure/scene/load.h"
@@ -48,7 +49,8 @@ World::World(Scene the_scene, Truth the_truth)
     : scene(std::move(the_scene)), truth(the_truth), everything_(scene, truth, RayScene::Which::all) {}
 
 GBuffer World::gbuffer(const View& view, int width, int height) const {
-  return make_gbuffer(scene, everything_, view, width, height, truth);
+  constexpr int part = is_sanitized ? 2 : 1;
+  return make_gbuffer(scene, everything_, view, width / part, height / part, truth);
 }
 
 World::Truthful World::reference(const GBuffer& gbuffer, const Light& light, LightShareKind estimates) {

@@ -33,6 +33,7 @@ class World {
   World(Scene the_scene, Truth the_truth);
   World(const World&) = delete;
 
+  /// Under the sanitizers half as wide and half as high: what they look for is in every pixel.
   GBuffer gbuffer(const View& view, int width = 96, int height = 54) const;
   GBuffer gbuffer() const { return gbuffer(scene.views[0]); }
 

@@ -178,10 +178,9 @@ class Batch {
     if (setup.other_clocks.harness) row.record.harness_times(Stage::setup).push_back({*setup.other_clocks.harness});
     row.record.iterations["setup"] = 1;
     if (process_ > 0) return;
-    if (const auto measured = measure(row.record, run_, worker, frame))
-      write_pictures(row.record, run_.scene, *measured, sides_[row.side].out);
-    else
-      give_up(row, Status::unsupported);
+    const auto measured = measure(row.record, run_, worker, frame);
+    if (!measured) return give_up(row, Status::unsupported);
+    if (run_.suite.has_pictures) write_pictures(row.record, run_.scene, *measured, sides_[row.side].out);
   }
 
   /// What builds of rows have in common that are the same work.

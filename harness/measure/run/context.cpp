@@ -2,8 +2,10 @@
 #include <assimp/version.h>
 #include <embree3/rtcore_config.h>
 #include <fmt/format.h>
+#include <gnomon/error.h>
 #include <tbb/version.h>
 
+#include <cstdlib>
 #include <ctime>
 #include <fstream>
 #include <thread>
@@ -32,20 +34,30 @@ Json machine_context(int threads) {
   const std::time_t now = std::time(nullptr);
   std::strftime(started, sizeof started, "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&now));
   const std::string assimp = fmt::format("{}.{}.{}", aiGetVersionMajor(), aiGetVersionMinor(), aiGetVersionPatch());
-  return json_object({{"version", GNOMON_VERSION},
-                      {"commit", GNOMON_COMMIT},
-                      {"build_type", GNOMON_BUILD_TYPE},
-                      {"compiler", "g++ " __VERSION__},
-                      {"flags", GNOMON_FLAGS},
-                      {"processor", processor()},
-                      {"cores", cores},
-                      {"threads", threads > 0 ? threads : cores},
-                      {"load_average", load[0]},
-                      {"started", started},
-                      {"libraries", json_object({{"embree", RTC_VERSION_STRING},
-                                                 {"openimageio", OIIO_VERSION_STRING},
-                                                 {"assimp", assimp},
-                                                 {"tbb", fmt::format("{}.{}", TBB_VERSION_MAJOR, TBB_VERSION_MINOR)}})}});
+  Json context =
+      json_object({{"version", GNOMON_VERSION},
+                   {"commit", GNOMON_COMMIT},
+                   {"build_type", GNOMON_BUILD_TYPE},
+                   {"compiler", "g++ " __VERSION__},
+                   {"flags", GNOMON_FLAGS},
+                   {"processor", processor()},
+                   {"cores", cores},
+                   {"threads", threads > 0 ? threads : cores},
+                   {"load_average", load[0]},
+                   {"started", started},
+                   {"libraries", json_object({{"embree", RTC_VERSION_STRING},
+                                              {"openimageio", OIIO_VERSION_STRING},
+                                              {"assimp", assimp},
+                                              {"tbb", fmt::format("{}.{}", TBB_VERSION_MAJOR, TBB_VERSION_MINOR)}})}});
+  if (environment_keeps_shaders()) context["shaders"] = "kept";
+  return context;
+}
+
+bool environment_keeps_shaders() {
+  const char* const word = std::getenv("GNOMON_SHADERS");
+  if (!word || !*word) return false;
+  if (std::string_view(word) != "keep") throw Error("GNOMON_SHADERS = {} is not keep", word);
+  return true;
 }
 
 }  // namespace gnomon

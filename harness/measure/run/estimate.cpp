@@ -66,6 +66,29 @@ RowCost scaled_to(RowCost cost, int width, int height) {
   return cost;
 }
 
+/// Lines that are no costs are left out.
+std::vector<RowCost> costs_in(std::istream& lines) {
+  std::vector<RowCost> costs;
+  for (std::string line; std::getline(lines, line);) try {
+      const Json fields = parse_json(line);
+      RowCost cost;
+      for_each_field(cost, [&](const char* key, auto& value) { fields.at(key).get_to(value); });
+      costs.push_back(std::move(cost));
+    } catch (const Json::exception&) {  // of another version, or damaged: it is learned again
+    }
+  return costs;
+}
+
+std::string lines_of(std::span<const RowCost> costs) {
+  std::string text;
+  for (const RowCost& cost : costs) {
+    Json fields;
+    for_each_field(cost, [&](const char* key, const auto& value) { fields[key] = value; });
+    text += json_text(fields) + '\n';
+  }
+  return text;
+}
+
 /// One writer at a time, for as long as it lives.
 class WriterLock {
  public:
@@ -131,16 +154,8 @@ RowCost cost_of(const Record& record, int warmups, double opening) {
 }
 
 std::vector<RowCost> History::read() const {
-  std::vector<RowCost> costs;
   std::ifstream stream(file_, std::ios::binary);
-  for (std::string line; std::getline(stream, line);) try {
-      const Json fields = parse_json(line);
-      RowCost cost;
-      for_each_field(cost, [&](const char* key, auto& value) { fields.at(key).get_to(value); });
-      costs.push_back(std::move(cost));
-    } catch (const Json::exception&) {  // of another version, or damaged: it is learned again
-    }
-  return costs;
+  return costs_in(stream);
 }
 
 void History::add(std::span<const RowCost> costs) const {
@@ -152,29 +167,39 @@ void History::add(std::span<const RowCost> costs) const {
   std::erase_if(all, [&](const RowCost& cost) { return fresh.contains({cost.job, cost.machine}); });
   all.insert(all.end(), costs.begin(), costs.end());
   if (all.size() > most_rows) all.erase(all.begin(), all.end() - static_cast<std::ptrdiff_t>(most_rows));
-  std::string text;
-  for (const RowCost& cost : all) {
-    Json fields;
-    for_each_field(cost, [&](const char* key, const auto& value) { fields[key] = value; });
-    text += json_text(fields) + '\n';
-  }
-  write_file(file_, text);
+  write_file(file_, lines_of(all));
 }
 
 History own_history() { return History(cache_root() / "history.jsonl"); }
 
 std::vector<RowCost> shipped_costs() {
-  std::vector<RowCost> costs;
-  const fs::path folder = data_root() / "results";
+  std::vector<fs::path> files;
+  std::string stamp = "costs 1";  // one more when cost_of says something else of a record
   std::error_code none;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, none)) try {
-      if (!fs::exists(records_file(entry.path()))) continue;
-      for (const Record& record : read_record_file(records_file(entry.path())).records) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(data_root() / "results", none)) {
+    const fs::path file = records_file(entry.path());
+    const auto size = fs::file_size(file, none);
+    if (none) continue;
+    files.push_back(file);
+    stamp += fmt::format("|{} {} {}", file.string(), size, fs::last_write_time(file, none).time_since_epoch().count());
+  }
+  // Millions of numbers take a second to read, what is wanted of them a hundredth: it is kept.
+  const fs::path kept = cache_root() / "shipped_costs.jsonl";
+  std::ifstream lines(kept, std::ios::binary);
+  if (std::string known; std::getline(lines, known) && known == stamp) return costs_in(lines);
+
+  std::vector<RowCost> costs;
+  for (const fs::path& file : files) try {
+      for (const Record& record : read_record_file(file).records) {
         costs.push_back(cost_of(record));
         // A machine of the same make is another one.
-        costs.back().machine = fmt::format("results/{}: {}", entry.path().filename().string(), costs.back().machine);
+        costs.back().machine = fmt::format("results/{}: {}", file.parent_path().filename().string(), costs.back().machine);
       }
     } catch (const Error&) {  // of a newer version: an estimate can do without
+    }
+  if (fs::is_directory(kept.parent_path(), none)) try {  // who only asks for a price leaves no folder behind
+      write_file(kept, stamp + '\n' + lines_of(costs));
+    } catch (const Error&) {  // it is read again
     }
   return costs;
 }

@@ -55,7 +55,7 @@ class History {
 History own_history();
 
 /// Costs of all results/*/records.jsonl that come with the program: what a fresh clone knows. Files that are no records are
-/// left out.
+/// left out. CACHE/shipped_costs.jsonl, where there is a cache, keeps them until one of the files changes.
 std::vector<RowCost> shipped_costs();
 
 struct TimeEstimate {

@@ -190,11 +190,15 @@ class Row {
 RescoreSummary rescore(std::vector<Record>& records, const fs::path& dir, Progress& progress) {
   RescoreSummary result;
   std::map<std::string, std::vector<Record*>> scenes;
-  std::size_t count = 0, on_path = 0;
+  std::size_t count = 0, on_path = 0, without_mask = 0;
   for (Record& record : records) {
     if (record.status != Status::ok) continue;
     if (!record.path.empty()) {
       ++on_path;
+      continue;
+    }
+    if (pictures(record).empty()) {
+      ++without_mask;
       continue;
     }
     scenes[record.scene].push_back(&record);
@@ -202,6 +206,7 @@ RescoreSummary rescore(std::vector<Record>& records, const fs::path& dir, Progre
   }
   const auto rows = [](std::size_t n) { return fmt::format("{} row{}", n, n == 1 ? " keeps its" : "s keep their"); };
   if (on_path) result.notes.push_back(rows(on_path) + " metrics: on a path, only the mask of the last frame is kept");
+  if (without_mask) result.notes.push_back(rows(without_mask) + " metrics: they were run with --pictures none");
 
   progress.expect(static_cast<double>(count));
   for (auto& [scene, scene_records] : scenes) {

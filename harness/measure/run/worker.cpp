@@ -71,7 +71,7 @@ void end_marked(const std::string& mark) {
 std::vector<std::pair<std::string_view, std::string>> set_here(const WorkerOptions& options, const std::string& mark) {
   std::vector<std::pair<std::string_view, std::string>> variables = {{mark_variable, mark}};
   if (options.threads > 0) variables.emplace_back("LP_NUM_THREADS", std::to_string(options.threads));
-  if (!options.keeps_shaders) {  // the drivers of Mesa and NVIDIA
+  if (!options.keeps_shaders && !environment_keeps_shaders()) {  // the drivers of Mesa and NVIDIA
     variables.emplace_back("MESA_SHADER_CACHE_DISABLE", "true");
     variables.emplace_back("__GL_SHADER_DISK_CACHE", "0");
   }

@@ -33,9 +33,13 @@ struct WorkerOptions {
   std::string command = "worker";    ///< of the program: what its processes are there for
   /// Several iterations of a stage are one request. False: each is one, as older programs want it.
   bool takes_iterations = true;
-  /// Drivers may keep compiled shaders on the disk. False: every setup compiles them.
+  /// Drivers may keep compiled shaders on the disk. False: every setup compiles them, unless the environment says otherwise.
   bool keeps_shaders = false;
 };
+
+/// Whether GNOMON_SHADERS=keep lets all workers take what earlier ones compiled: a setup tells no time of shaders then, and
+/// records say so. Throws Error on another word.
+bool environment_keeps_shaders();
 
 /// Version of what is said between a program and its workers, and of the files that pass between them. One more with every
 /// change that an older worker would misunderstand.
@@ -46,7 +50,7 @@ inline constexpr int worker_protocol = 3;
 inline constexpr double longest_portion_seconds = 0.1;
 
 /// The machine and the build, for every record: version, commit, build_type, compiler, flags, processor, cores, threads,
-/// load_average, started, libraries.
+/// load_average, started, libraries; and "shaders": "kept" where the environment keeps them.
 Json machine_context(int threads);
 
 /// A fresh process of a program that serves one technique: requests and answers are single lines of JSON over a socket, one

@@ -132,7 +132,7 @@ struct Lab {
 };
 [[gnu::always_inline]] inline Lab hunt_lab(float x, float y, float z) {
   constexpr float d = 6.0f / 29;
-  const auto f = [](float t) {
+  const auto f = [](float t) __attribute__((always_inline)) {
     const float root = cube_root(t > d * d * d ? t : d * d * d), straight = t / (3 * d * d) + 4.0f / 29;
     return t > d * d * d ? root : straight;
   };

@@ -12,7 +12,7 @@
 #include "analysis_rows.h"
 #include "report/analysis/analysis_table.h"
 
-namespace {
+namespace analysis_test {
 
 using namespace analysis_rows;
 
@@ -335,4 +335,4 @@ TEST(analyze, every_kind_speaks_every_format) {
   EXPECT_THROW(analyze(records, "grwoth", {}, Format::csv), Error);
 }
 
-}  // namespace
+}  // namespace analysis_test

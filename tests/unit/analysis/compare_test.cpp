@@ -9,7 +9,7 @@
 #include "measure/score/metrics.h"
 #include "report/analysis/compare_table.h"
 
-namespace {
+namespace compare_test {
 
 using namespace gnomon;
 
@@ -317,4 +317,4 @@ TEST(enough, five_processes_can_be_reached_from_one) {
   }
 }
 
-}  // namespace
+}  // namespace compare_test

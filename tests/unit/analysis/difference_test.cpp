@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace {
+namespace difference_test {
 
 using namespace gnomon;
 
@@ -232,4 +232,4 @@ TEST(judge, quiet_data_are_not_inflated) {
   EXPECT_NEAR(judge(differences, std::log(1.05), true).inflation, 3, 0.3);
 }
 
-}  // namespace
+}  // namespace difference_test

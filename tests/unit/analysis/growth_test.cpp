@@ -8,7 +8,7 @@
 
 #include "analysis_rows.h"
 
-namespace {
+namespace growth_test {
 
 using namespace analysis_rows;
 
@@ -208,4 +208,4 @@ TEST(growth, picture_sizes_are_an_axis) {
   EXPECT_NEAR(stage_of(find_growth(records, "pixels"), "resolve").exponent->value, 1, 1e-9);
 }
 
-}  // namespace
+}  // namespace growth_test

@@ -6,7 +6,7 @@
 #include "report/analysis/analysis_table.h"
 #include "report/analysis/compare_table.h"
 
-namespace {
+namespace soft_rows_test {
 
 using namespace analysis_rows;
 
@@ -161,4 +161,4 @@ TEST(soft_rows, compare_judges_them_by_their_mean_error) {
   EXPECT_TRUE(has(render_comparison(comparison, Format::csv, {}), ",true,floor 0.003\r\n"));
 }
 
-}  // namespace
+}  // namespace soft_rows_test

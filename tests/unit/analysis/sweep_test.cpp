@@ -6,7 +6,7 @@
 #include "report/analysis/analysis_table.h"
 #include "report/figure/figure.h"
 
-namespace {
+namespace sweep_test {
 
 using namespace analysis_rows;
 
@@ -239,4 +239,4 @@ TEST(sweep_figure, baseline_and_reference_stand_beside_costs_or_nowhere) {
   EXPECT_THROW(figure(records, "height", "resolve_ms"), Error);
 }
 
-}  // namespace
+}  // namespace sweep_test

@@ -3,7 +3,7 @@
 #include <gnomon/error.h>
 #include <gtest/gtest.h>
 
-namespace {
+namespace command_line_test {
 
 using namespace gnomon;
 using namespace gnomon::app;
@@ -155,4 +155,4 @@ TEST(command_line, a_hidden_command_is_not_in_the_help) {
   EXPECT_EQ(help.find("hidden"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace command_line_test

@@ -6,7 +6,7 @@
 #include "measure/cause/causes.h"
 #include "measure/cause/color_vision.h"
 
-namespace {
+namespace cause_rows_test {
 
 using namespace gnomon;
 
@@ -63,4 +63,4 @@ TEST(cause_rows, colors_stay_apart_for_color_blind_readers_and_from_the_gray_bel
     }
 }
 
-}  // namespace
+}  // namespace cause_rows_test

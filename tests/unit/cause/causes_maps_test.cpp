@@ -8,7 +8,7 @@
 #include "cause_world.h"
 #include "small_world.h"
 
-namespace {
+namespace causes_maps_test {
 
 using namespace gnomon;
 using namespace gnomon::cause_world;
@@ -60,4 +60,4 @@ TEST(causes, maps_of_midpoints_leave_nothing_unexplained) {
 
 TEST(causes, a_rare_map_of_a_random_soup) { EXPECT_EQ(complaint(394124438), ""); }
 
-}  // namespace
+}  // namespace causes_maps_test

@@ -5,7 +5,7 @@
 
 #include "cause_world.h"
 
-namespace {
+namespace causes_taps_test {
 
 using namespace gnomon;
 using namespace gnomon::cause_world;
@@ -226,4 +226,4 @@ TEST(causes, light_where_the_taps_are_in_shadow_is_a_leak_of_the_representation)
             (Causes{{"leak_representation", 1}}));
 }
 
-}  // namespace
+}  // namespace causes_taps_test

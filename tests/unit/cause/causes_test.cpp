@@ -5,7 +5,7 @@
 
 #include "cause_world.h"
 
-namespace {
+namespace causes_test {
 
 using namespace gnomon;
 using namespace gnomon::cause_world;
@@ -207,4 +207,4 @@ TEST(causes, a_technique_that_explains_another_number_of_pixels_is_an_error) {
             1u);
 }
 
-}  // namespace
+}  // namespace causes_test

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-namespace {
+namespace components_test {
 
 using namespace gnomon;
 
@@ -38,4 +38,4 @@ RC_GTEST_PROP(components, are_what_flooding_from_each_pixel_reaches, ()) {
   }
 }
 
-}  // namespace
+}  // namespace components_test

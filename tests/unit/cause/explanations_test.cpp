@@ -7,7 +7,7 @@
 
 #include "measure/cause/causes.h"
 
-namespace {
+namespace explanations_test {
 
 using namespace gnomon;
 
@@ -111,4 +111,4 @@ TEST(explanations, that_cannot_be_traced_are_refused) {
   }
 }
 
-}  // namespace
+}  // namespace explanations_test

@@ -11,7 +11,7 @@
 #include "places.h"
 #include "soft_world.h"
 
-namespace {
+namespace own_causes_test {
 
 using namespace gnomon;
 using cause_world::Causes;
@@ -247,4 +247,4 @@ TEST(own_causes, of_the_techniques_of_this_program_stand_beside_the_common_ones)
   EXPECT_NO_THROW(check_own_causes(registry().techniques()));
 }
 
-}  // namespace
+}  // namespace own_causes_test

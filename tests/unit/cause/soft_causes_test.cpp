@@ -6,7 +6,7 @@
 
 #include "soft_world.h"
 
-namespace {
+namespace soft_causes_test {
 
 using namespace gnomon;
 using namespace gnomon::soft_world;
@@ -296,4 +296,4 @@ TEST(soft_causes, few_taps_of_a_filter_are_noise) {
   EXPECT_EQ(with_taps(400), Cause::unexplained);
 }
 
-}  // namespace
+}  // namespace soft_causes_test

@@ -5,7 +5,7 @@
 
 #include "places.h"
 
-namespace {
+namespace child_test {
 
 using namespace gnomon;
 using namespace gnomon::conformance;
@@ -37,4 +37,4 @@ TEST(check_child, a_crash_and_a_hang_are_findings_with_their_places) {
   EXPECT_EQ(judge_in_child(rule("data_sheet"), crashes, options, 60).kind, Kind::holds);
 }
 
-}  // namespace
+}  // namespace child_test

@@ -9,7 +9,7 @@
 #include "measure/conformance/rule.h"
 #include "measure/scene/load.h"
 
-namespace {
+namespace rules_test {
 
 using namespace gnomon;
 using namespace gnomon::conformance;
@@ -165,4 +165,4 @@ TEST(rules, are_not_asked_of_whom_they_are_not_for) {
   EXPECT_EQ(why_not_asked(rule("exact"), faulty::sampled()), "it does not promise to be exact");
 }
 
-}  // namespace
+}  // namespace rules_test

@@ -8,7 +8,7 @@
 #include "measure/scene/blob.h"
 #include "measure/scratch_folder.h"
 
-namespace {
+namespace arrays_test {
 using namespace gnomon;
 
 // NPY 1.0: magic, version, the length of a dictionary that ends with a line at a multiple of 64, then the numbers.
@@ -47,4 +47,4 @@ TEST(Arrays, have_another_hash_where_a_number_or_the_shape_is_another_one) {
   EXPECT_NE(hash(a, {2, 2}), hash(a, {4}));
 }
 
-}  // namespace
+}  // namespace arrays_test

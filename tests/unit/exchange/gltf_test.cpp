@@ -5,7 +5,7 @@
 #include "measure/scene/load.h"
 #include "measure/scratch_folder.h"
 
-namespace {
+namespace gltf_test {
 using namespace gnomon;
 
 // What is written and imported again: the same triangles, cameras that look where the views do, lights where they were.
@@ -35,4 +35,4 @@ TEST(Gltf, comes_back_through_the_importer) {
   }
 }
 
-}  // namespace
+}  // namespace gltf_test

@@ -10,8 +10,7 @@
 
 #include "hand_made.h"
 
-namespace gnomon {
-namespace {
+namespace gnomon::certify_test {
 
 using namespace hand_made;
 
@@ -106,5 +105,4 @@ TEST(Certify, the_bound_is_clopper_and_pearsons) {
   EXPECT_EQ(upper_bound_95(0, 0), 1);
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::certify_test

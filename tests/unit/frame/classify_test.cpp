@@ -11,7 +11,7 @@
 #include "measure/frame/light_rays.h"
 #include "measure/frame/ray_packets.h"
 
-namespace {
+namespace classify_test {
 
 using namespace gnomon;
 using hand_made::Picture;
@@ -276,4 +276,4 @@ TEST(pixel_packets, take_sixteen_and_the_rest) {
   }
 }
 
-}  // namespace
+}  // namespace classify_test

@@ -12,8 +12,7 @@
 #include "measure/frame/frame.h"
 #include "measure/frame/light_rays.h"
 
-namespace gnomon {
-namespace {
+namespace gnomon::float32_edge_test {
 
 using hand_made::Picture;
 using hand_made::point_light;
@@ -210,5 +209,4 @@ TEST(Float32Edge, what_is_smaller_than_squares_of_lengths_is_refused) {
   EXPECT_NE(none.why().find("6e-21 m"), std::string::npos) << none.why();
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::float32_edge_test

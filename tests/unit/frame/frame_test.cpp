@@ -14,7 +14,7 @@
 #include "measure/scene/load.h"
 #include "measure/scratch_folder.h"
 
-namespace {
+namespace frame_test {
 
 using namespace gnomon;
 namespace fs = std::filesystem;
@@ -307,4 +307,4 @@ TEST(frame, processes_that_make_the_same_frames_at_once_do_not_disturb_each_othe
   for (const std::string& name : made) EXPECT_FALSE(name.ends_with(".part")) << name;
 }
 
-}  // namespace
+}  // namespace frame_test

@@ -7,7 +7,7 @@
 #include "measure/frame/gbuffer_maker.h"
 #include "small_world.h"
 
-namespace {
+namespace gbuffer_test {
 
 using namespace gnomon;
 
@@ -188,4 +188,4 @@ TEST(gbuffer, seen_from_outside_a_convex_shape_is_never_in_its_own_shadow) {
   }
 }
 
-}  // namespace
+}  // namespace gbuffer_test

@@ -9,8 +9,7 @@
 #include "measure/frame/frame.h"
 #include "measure/scratch_folder.h"
 
-namespace gnomon {
-namespace {
+namespace gnomon::global_reference_test {
 
 Scene ball_over_ground() {
   Scene scene;
@@ -70,5 +69,4 @@ TEST(GlobalReference, refuses_a_scene_that_keeps_all_light) {
   }
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::global_reference_test

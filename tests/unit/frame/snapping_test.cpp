@@ -7,7 +7,7 @@
 #include "measure/score/score.h"
 #include "small_world.h"
 
-namespace {
+namespace snapping_test {
 
 using namespace small_world;
 
@@ -216,4 +216,4 @@ TEST(snapping, only_tested_pixels_count_and_a_point_without_answer_never_differs
   EXPECT_EQ(Frame(bare, spot, from_above(), 512).count(), 0u);
 }
 
-}  // namespace
+}  // namespace snapping_test

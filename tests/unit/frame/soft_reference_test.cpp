@@ -11,8 +11,7 @@
 #include "measure/scratch_folder.h"
 #include "measure/statistics/statistics.h"
 
-namespace gnomon {
-namespace {
+namespace gnomon::soft_reference_test {
 
 Scene card_over_floor(const LightKind& kind) {
   Scene scene;
@@ -176,5 +175,4 @@ TEST(SoftReference, the_cache_keeps_it_by_its_target_and_makes_it_anew_when_it_i
   EXPECT_TRUE(std::ranges::equal(again.irradiance, first));
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::soft_reference_test

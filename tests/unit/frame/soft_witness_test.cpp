@@ -31,8 +31,7 @@
 #include "measure/statistics/statistics.h"
 #include "witness_mask.h"
 
-namespace gnomon {
-namespace {
+namespace gnomon::soft_witness_test {
 
 constexpr int width = 160, height = 90;
 constexpr int grid = 32;             // of POV-Ray, along each side
@@ -238,5 +237,4 @@ TEST(SoftWitnessOfAnotherShare, is_refused) {
   }
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::soft_witness_test

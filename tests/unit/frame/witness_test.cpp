@@ -7,8 +7,7 @@
 #include "measure/frame/boundary.h"
 #include "witness_mask.h"
 
-namespace gnomon {
-namespace {
+namespace gnomon::witness_test {
 
 constexpr int width = 640, height = 360;
 constexpr double allowed_share = 2e-5;
@@ -82,5 +81,4 @@ TEST(WitnessOfAnotherLight, is_refused) {
   }
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::witness_test

@@ -8,8 +8,7 @@
 #include <cmath>
 #include <set>
 
-namespace gnomon {
-namespace {
+namespace gnomon::area_rays_test {
 
 /// A floor of one point at the origin that casts nothing, under casters.
 Scene scene_of(const std::vector<Triangle>& casters) {
@@ -218,5 +217,4 @@ TEST(PlacesOn, a_disc_is_filled_evenly) {
   EXPECT_NEAR(quarter / (16.0 * groups), 0.25, 0.005);
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::area_rays_test

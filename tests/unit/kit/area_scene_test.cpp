@@ -8,8 +8,7 @@
 
 #include "hand_made.h"
 
-namespace gnomon {
-namespace {
+namespace gnomon::area_scene_test {
 
 std::vector<Light> lights() {
   return {{.name = "rect", .kind = RectLight{{0, 3, 0}, {1, 0, 0.2f}, {0, 0.3f, 1}}},
@@ -140,5 +139,4 @@ TEST(AreaScene, a_tip_at_the_light_has_one_answer) {
   }
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::area_scene_test

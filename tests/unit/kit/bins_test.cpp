@@ -4,8 +4,7 @@
 
 #include <algorithm>
 
-namespace gnomon {
-namespace {
+namespace gnomon::bins_test {
 
 // Item i lies in the bins of its divisors among 1 .. 6, so bin d - 1 holds the multiples of d.
 TEST(Bins, items_of_several_bins_are_in_rising_order) {
@@ -32,5 +31,4 @@ TEST(Bins, no_items) {
   for (std::size_t bin = 0; bin < 3; ++bin) EXPECT_TRUE(bins.of(bin).empty());
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::bins_test

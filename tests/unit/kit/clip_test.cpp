@@ -9,8 +9,7 @@
 #include <tuple>
 #include <vector>
 
-namespace gnomon {
-namespace {
+namespace gnomon::clip_test {
 
 constexpr std::uint32_t cut = 99;
 constexpr double epsilon = 1e-10;
@@ -280,5 +279,4 @@ TEST(Clip, a_clipper_does_not_grow) {
   EXPECT_LE(places.size(), 2u);
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::clip_test

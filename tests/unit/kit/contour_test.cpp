@@ -7,7 +7,7 @@
 
 #include "small_world.h"
 
-namespace {
+namespace contour_test {
 using namespace gnomon;
 
 void expect_near(const glm::dvec3& a, const glm::dvec3& b, double tolerance = 1e-9) {
@@ -146,4 +146,4 @@ TEST(Heights, are_those_of_the_lowest_and_highest_points) {
   expect_heights(Plane{{0, 2, 0}, {1, 1, 0}, {0, 0.5f, 1}}, -0.5, 2.5);
 }
 
-}  // namespace
+}  // namespace contour_test

@@ -6,7 +6,7 @@
 #include "small_world.h"
 #include "volume_scenes.h"
 
-namespace {
+namespace depth_bound_test {
 using namespace gnomon;
 using namespace volume_scenes;
 
@@ -168,4 +168,4 @@ TEST(DepthBound, light_inside_nested_boxes) {
   }
 }
 
-}  // namespace
+}  // namespace depth_bound_test

@@ -6,7 +6,7 @@
 
 #include "volume_scenes.h"
 
-namespace {
+namespace edges_depth_test {
 using namespace gnomon;
 using namespace volume_scenes;
 
@@ -149,4 +149,4 @@ TEST(EdgesDepth, adjacency_outline_and_depth_are_the_same_on_one_thread_and_on_m
   EXPECT_EQ(one, on(8));
 }
 
-}  // namespace
+}  // namespace edges_depth_test

@@ -10,7 +10,7 @@
 #include "small_world.h"
 #include "volume_scenes.h"
 
-namespace {
+namespace edges_test {
 using namespace gnomon;
 using namespace volume_scenes;
 
@@ -303,4 +303,4 @@ TEST(Edges, scene_without_casters_has_no_outline) {
   }
 }
 
-}  // namespace
+}  // namespace edges_test

@@ -12,8 +12,7 @@
 #include <cmath>
 #include <functional>
 
-namespace gnomon {
-namespace {
+namespace gnomon::exact_test {
 
 using Rational = mpq_class;
 struct RationalVector {
@@ -305,5 +304,4 @@ TEST(Exact, a_plane_that_holds_either_end_is_not_crossed) {
   EXPECT_EQ(crosses({{1, 1, -2}, {1, 1, -2, 1}}, triangle), Crossing::none);       // the light at the point
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::exact_test

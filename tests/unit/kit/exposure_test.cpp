@@ -3,8 +3,7 @@
 
 #include <cmath>
 
-namespace gnomon {
-namespace {
+namespace gnomon::exposure_test {
 
 // 100 pixels whose strongest channels are 1 .. 100, and as many that send nothing: the 95th of these is white, what is above it
 // is cut off.
@@ -28,5 +27,4 @@ TEST(Exposure, of_darkness_is_one) {
   EXPECT_TRUE(std::isfinite(exposure(std::vector<float>(3, 1e-42f))));
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::exposure_test

@@ -6,7 +6,7 @@
 
 #include "device/context.h"
 
-namespace {
+namespace gl_limits_test {
 using namespace gnomon;
 
 /// What asking for the limits says while GNOMON_GL_LIMITS is these words; the limits are as before after it.
@@ -77,4 +77,4 @@ TEST_F(GlLimitsTest, without_a_context_nothing_is_too_small) {
   EXPECT_TRUE(within_limits({.texture_size = 1 << 30}));
 }
 
-}  // namespace
+}  // namespace gl_limits_test

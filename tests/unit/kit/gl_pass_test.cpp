@@ -6,7 +6,7 @@
 #include "device/context.h"
 #include "measure/conformance/gl_state.h"
 
-namespace {
+namespace gl_pass_test {
 using namespace gnomon;
 
 class GlPass : public testing::Test {
@@ -96,4 +96,4 @@ TEST_F(GlPass, a_mask_drawn_over_receivers_has_an_answer_everywhere) {
   }
 }
 
-}  // namespace
+}  // namespace gl_pass_test

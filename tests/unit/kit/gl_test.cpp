@@ -10,7 +10,7 @@
 #include "measure/conformance/gl_state.h"
 #include "small_world.h"
 
-namespace {
+namespace gl_test {
 using namespace gnomon;
 
 class Gl : public testing::Test {
@@ -256,4 +256,4 @@ void main() { visibility = faces_light(position_here(), normal_here()) ? 1 : 0; 
   }
 }
 
-}  // namespace
+}  // namespace gl_test

@@ -8,7 +8,7 @@
 #include "device/context.h"
 #include "measure/conformance/gl_state.h"
 
-namespace {
+namespace image_formats_test {
 using namespace gnomon;
 
 class ImageFormats : public testing::Test {
@@ -130,4 +130,4 @@ TEST_F(ImageFormats, sums_of_whole_numbers_are_exact_where_the_box_is_below_all_
   }
 }
 
-}  // namespace
+}  // namespace image_formats_test

@@ -10,7 +10,7 @@
 #include "device/context.h"
 #include "measure/conformance/gl_state.h"
 
-namespace {
+namespace image_passes_test {
 using namespace gnomon;
 
 constexpr double u = 0x1p-24;
@@ -380,4 +380,4 @@ TEST_F(ImagePasses, sums_of_huge_values_that_cancel_are_off_by_a_share_of_the_hu
   expect_near(image_of(to), summed_up(image), summed_up(image.absolute()), 0x1p-21, GL_RGBA32F);
 }
 
-}  // namespace
+}  // namespace image_passes_test

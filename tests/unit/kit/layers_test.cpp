@@ -5,7 +5,7 @@
 
 #include "small_world.h"
 
-namespace {
+namespace layers_test {
 
 using namespace small_world;
 
@@ -232,4 +232,4 @@ TEST(layers, painted_caps_are_lines_over_an_untouched_picture) {
   EXPECT_NEAR(changed, width * height * (1 / 4.0 - 1 / 32.0), width) << "where the lines cross, they count once";
 }
 
-}  // namespace
+}  // namespace layers_test

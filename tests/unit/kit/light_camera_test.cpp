@@ -4,7 +4,7 @@
 #include "map_scenes.h"
 #include "small_world.h"
 
-namespace {
+namespace light_camera_test {
 using namespace gnomon;
 using map_scenes::soup_over_ground;
 
@@ -113,4 +113,4 @@ TEST(light_camera, images_fitted_to_a_view_begin_before_the_nearest_receiver) {
   EXPECT_LE(camera.images[0].near, 0.002);
 }
 
-}  // namespace
+}  // namespace light_camera_test

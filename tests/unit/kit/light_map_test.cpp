@@ -6,7 +6,7 @@
 #include "measure/conformance/gl_state.h"
 #include "small_world.h"
 
-namespace {
+namespace light_map_test {
 using namespace gnomon;
 
 class LightMap : public testing::Test {
@@ -124,4 +124,4 @@ void main() {
     }
 }
 
-}  // namespace
+}  // namespace light_map_test

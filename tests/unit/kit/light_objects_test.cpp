@@ -2,7 +2,7 @@
 #include <gnomon/kit/shared.h>
 #include <gtest/gtest.h>
 
-namespace {
+namespace light_objects_test {
 
 using namespace gnomon;
 
@@ -112,4 +112,4 @@ TEST(light_objects, lights_without_shadows_make_the_whole_approximate_and_never_
   EXPECT_EQ(none.why(), "l0, l1, l2, l3 and 2 more: no area");
 }
 
-}  // namespace
+}  // namespace light_objects_test

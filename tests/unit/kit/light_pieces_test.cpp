@@ -7,8 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace gnomon {
-namespace {
+namespace gnomon::light_pieces_test {
 
 using Caster = std::array<glm::dvec3, 3>;
 
@@ -219,5 +218,4 @@ TEST(LightPieces, agree_with_scan_lines_over_random_casters) {
   RecordProperty("largest", std::to_string(largest));
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::light_pieces_test

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace {
+namespace light_points_test {
 using namespace gnomon;
 
 const Light rect{.name = "rect", .kind = RectLight{{1, 4, 2}, {0.5f, 0, 0.1f}, {0, 0.2f, 0.7f}}};
@@ -110,4 +110,4 @@ TEST(light_points, points_of_a_rectangle_are_places_of_its_square) {
   }
 }
 
-}  // namespace
+}  // namespace light_points_test

@@ -4,8 +4,7 @@
 #include <gnomon/kit/random.h>
 #include <gtest/gtest.h>
 
-namespace gnomon {
-namespace {
+namespace gnomon::light_space_test {
 
 constexpr OppositeFaces all_layouts[] = {OppositeFaces::mirrored, OppositeFaces::turned, OppositeFaces::swapped};
 
@@ -135,5 +134,4 @@ TEST(Across, sideways_of_what_runs_along_up) {
   EXPECT_EQ(sideways({1, 0, 0}, {-3, 0, 0}), glm::cross(glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1)));
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::light_space_test

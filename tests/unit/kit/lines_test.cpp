@@ -5,7 +5,7 @@
 
 #include "small_world.h"
 
-namespace {
+namespace lines_test {
 
 using namespace small_world;
 
@@ -211,4 +211,4 @@ TEST(SilhouetteLines, legend_has_the_colors_of_the_lines) {
   for (int count = 1; count <= 3; ++count) EXPECT_EQ(glm::vec3(layer.legend[count - 1].color), silhouette_color(count));
 }
 
-}  // namespace
+}  // namespace lines_test

@@ -6,7 +6,7 @@
 
 #include "small_world.h"
 
-namespace {
+namespace painter_test {
 
 using namespace gnomon;
 
@@ -164,4 +164,4 @@ TEST(painter, a_center_on_a_corner_or_an_edge_belongs_to_one_polygon) {
   }
 }
 
-}  // namespace
+}  // namespace painter_test

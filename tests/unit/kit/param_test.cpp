@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace {
+namespace param_test {
 
 using namespace gnomon;
 
@@ -278,4 +278,4 @@ RC_GTEST_PROP(param, a_word_of_the_list_is_nearest_to_itself, ()) {
   RC_ASSERT(nearest_word(word, words) == word);
 }
 
-}  // namespace
+}  // namespace param_test

@@ -11,8 +11,7 @@
 
 #include "hand_made.h"
 
-namespace gnomon {
-namespace {
+namespace gnomon::path_light_test {
 
 constexpr double pi = std::numbers::pi;
 
@@ -309,5 +308,4 @@ TEST(PathLight, paths_that_lose_no_light_end_at_the_cap) {
   EXPECT_GT(found.rays, 16u * most_bounces);
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::path_light_test

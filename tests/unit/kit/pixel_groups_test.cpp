@@ -7,7 +7,7 @@
 
 #include "hand_made.h"
 
-namespace {
+namespace pixel_groups_test {
 using namespace gnomon;
 
 /// Points of three meshes in no order; those of mesh 0 lie on a floor with one normal.
@@ -83,4 +83,4 @@ TEST(pixel_groups, halves_lie_on_both_sides_of_a_plane_across_the_longest_side) 
     for (const std::uint32_t b : others) EXPECT_LE(g.position(a).z, g.position(b).z);
 }
 
-}  // namespace
+}  // namespace pixel_groups_test

@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace {
+namespace pixel_rectangles_test {
 using namespace gnomon;
 
 /// How many rectangles hold each pixel.
@@ -60,4 +60,4 @@ TEST(pixel_rectangles, are_apart_where_a_draw_costs_less_than_what_lies_between)
   EXPECT_EQ(rectangles.size(), 2u);
 }
 
-}  // namespace
+}  // namespace pixel_rectangles_test

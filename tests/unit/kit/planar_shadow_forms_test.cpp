@@ -6,7 +6,7 @@
 #include "planar_conic.h"
 #include "planar_questions.h"
 
-namespace {
+namespace planar_shadow_forms_test {
 using namespace gnomon;
 using namespace planar_questions;
 using planar_brute::Answer;
@@ -279,4 +279,4 @@ TEST(PlanarShadowForms, exact_objects_to_lights_inside_and_to_no_others) {
   EXPECT_GT(outside, 5000);
 }
 
-}  // namespace
+}  // namespace planar_shadow_forms_test

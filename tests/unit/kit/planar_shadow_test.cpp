@@ -8,7 +8,7 @@
 
 #include "planar_questions.h"
 
-namespace {
+namespace planar_shadow_test {
 using namespace gnomon;
 using planar_brute::Answer;
 using planar_brute::answer;
@@ -317,4 +317,4 @@ TEST(PlanarShadow, float32_differs_by_roundings_only) {
   EXPECT_LT(beyond_two, differ / 50);
 }
 
-}  // namespace
+}  // namespace planar_shadow_test

@@ -12,7 +12,7 @@
 #include "places.h"
 #include "planar_conic.h"
 
-namespace {
+namespace planar_vectors_test {
 using namespace gnomon;
 using nlohmann::json;
 using planar_conic::Conic;
@@ -347,4 +347,4 @@ TEST(PlanarVectors, hold) {
   }
 }
 
-}  // namespace
+}  // namespace planar_vectors_test

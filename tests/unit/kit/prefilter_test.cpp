@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-namespace {
+namespace prefilter_test {
 using namespace gnomon;
 
 using Weights = std::map<std::pair<int, int>, double>;
@@ -169,4 +169,4 @@ TEST(Prefilter, ways_across_a_footprint_are_its_longest_and_its_shortest) {
   EXPECT_NEAR(turned.y, 4, 1e-12);
 }
 
-}  // namespace
+}  // namespace prefilter_test

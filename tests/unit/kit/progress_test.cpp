@@ -1,7 +1,7 @@
 #include <gnomon/kit/progress.h>
 #include <gtest/gtest.h>
 
-namespace {
+namespace progress_test {
 using namespace gnomon;
 
 TEST(progress, goes_where_it_is_watched) {
@@ -19,4 +19,4 @@ TEST(progress, goes_where_it_is_watched) {
   EXPECT_EQ(steps, 0u);
 }
 
-}  // namespace
+}  // namespace progress_test

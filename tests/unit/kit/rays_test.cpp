@@ -12,7 +12,7 @@
 #include "hand_made.h"
 #include "small_world.h"
 
-namespace {
+namespace rays_test {
 
 using namespace gnomon;
 
@@ -286,4 +286,4 @@ TEST(trace_shadows, thread_count_changes_nothing) {
   }
 }
 
-}  // namespace
+}  // namespace rays_test

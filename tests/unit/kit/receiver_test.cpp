@@ -4,8 +4,7 @@
 
 #include "hand_made.h"
 
-namespace gnomon {
-namespace {
+namespace gnomon::receiver_test {
 
 /// A square at y = 0, mesh 0, a mesh without triangles, a triangle in the same plane, and a sphere of two triangles.
 Scene paper_scene() {
@@ -59,5 +58,4 @@ TEST(Receiver, a_point_in_space_leaves_out_nothing) {
   for (std::uint32_t i = 0; i < 5; ++i) EXPECT_FALSE(receiver.leaves_out(scene, i, corners_of(scene, 0))) << i;
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::receiver_test

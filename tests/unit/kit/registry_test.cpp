@@ -2,8 +2,7 @@
 #include <gnomon/registry.h>
 #include <gtest/gtest.h>
 
-namespace gnomon {
-namespace {
+namespace gnomon::registry_test {
 
 TechniqueEntry technique(const std::string& id, bool is_default, Role role = Role::contender) {
   About about;
@@ -39,5 +38,4 @@ TEST(registry, without_such_a_data_sheet_the_default_is_the_first_of_all) {
   EXPECT_THROW(registry.reference(), Error);
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::registry_test

@@ -2,7 +2,7 @@
 #include <gnomon/light.h>
 #include <gtest/gtest.h>
 
-namespace {
+namespace rounding_test {
 using namespace gnomon;
 
 /// Hides what is known of the values, so that nothing is folded away.
@@ -26,4 +26,4 @@ TEST(Rounding, a_point_widened_from_float32_is_rounded_in_every_coordinate) {
   EXPECT_TRUE(std::isfinite(sum));
 }
 
-}  // namespace
+}  // namespace rounding_test

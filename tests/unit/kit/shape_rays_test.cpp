@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-namespace {
+namespace shape_rays_test {
 
 using namespace gnomon;
 
@@ -138,4 +138,4 @@ TEST(shape_bounds, hold_the_shape_and_little_more) {
   }
 }
 
-}  // namespace
+}  // namespace shape_rays_test

@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-namespace {
+namespace shapes_test {
 
 using namespace gnomon;
 using std::numbers::pi;
@@ -228,4 +228,4 @@ TEST(Shapes, merge_keeps_every_part_where_it_was) {
   EXPECT_DOUBLE_EQ(signed_volume(both), 1 + 2);
 }
 
-}  // namespace
+}  // namespace shapes_test

@@ -7,7 +7,7 @@
 #include "small_world.h"
 #include "volume_scenes.h"
 
-namespace {
+namespace side_quads_test {
 using namespace gnomon;
 using namespace volume_scenes;
 
@@ -130,4 +130,4 @@ TEST(Edges, side_quads_are_the_rows_of_lengyels_table) {
   }
 }
 
-}  // namespace
+}  // namespace side_quads_test

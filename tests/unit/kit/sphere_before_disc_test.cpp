@@ -16,8 +16,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace gnomon {
-namespace {
+namespace gnomon::sphere_before_disc_test {
 
 constexpr double d = 1.5, D = 3, R = 0.75;
 constexpr glm::dvec3 up(0, 0, 1);
@@ -124,5 +123,4 @@ TEST(SphereBeforeDisc, rays_to_the_exact_sphere_find_the_closed_form) {
   }
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::sphere_before_disc_test

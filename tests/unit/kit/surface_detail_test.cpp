@@ -9,7 +9,7 @@
 #include "small_world.h"
 #include "surface_world.h"
 
-namespace {
+namespace surface_detail_test {
 
 using namespace gnomon;
 using namespace surface_world;
@@ -248,4 +248,4 @@ TEST(surface_detail, what_does_not_fit_the_scene_is_refused) {
   EXPECT_THROW(check_detail(two, detail), Error);
 }
 
-}  // namespace
+}  // namespace surface_detail_test

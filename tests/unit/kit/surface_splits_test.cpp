@@ -6,7 +6,7 @@
 #include "small_world.h"
 #include "techniques/svbsp/paint_bsp.h"
 
-namespace {
+namespace surface_splits_test {
 
 using namespace small_world;
 
@@ -105,4 +105,4 @@ TEST(Splits, the_tree_splits_the_ground_along_the_plane_of_a_wall) {
   EXPECT_GE(splits, 14) << "but for the wall's own pixels and the corner where four parts meet";
 }
 
-}  // namespace
+}  // namespace surface_splits_test

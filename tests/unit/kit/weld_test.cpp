@@ -2,8 +2,7 @@
 #include <gnomon/scene.h>
 #include <gtest/gtest.h>
 
-namespace gnomon {
-namespace {
+namespace gnomon::weld_test {
 
 using Indices = std::vector<std::uint32_t>;
 
@@ -21,5 +20,4 @@ TEST(Weld, only_those_wanted) {
   EXPECT_EQ(weld(positions, wanted), (Indices{0, 1, 2, 1}));
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::weld_test

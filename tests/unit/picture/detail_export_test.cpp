@@ -5,7 +5,7 @@
 
 #include "hand_made.h"
 
-namespace {
+namespace detail_export_test {
 
 using namespace gnomon;
 
@@ -100,4 +100,4 @@ TEST(detail_export, bytes_give_the_same_detail_and_others_are_refused) {
   }
 }
 
-}  // namespace
+}  // namespace detail_export_test

@@ -13,7 +13,7 @@
 #include "measure/score/error_picture.h"
 #include "measure/scratch_folder.h"
 
-namespace {
+namespace picture_test {
 
 using namespace gnomon;
 namespace fs = std::filesystem;
@@ -354,4 +354,4 @@ TEST(picture_file, what_cannot_be_written_is_an_error_that_leaves_nothing) {
   EXPECT_EQ(file_count(folder.path()), 2u) << "the plain file and the folder that was in the way";
 }
 
-}  // namespace
+}  // namespace picture_test

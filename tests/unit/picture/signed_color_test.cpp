@@ -6,7 +6,7 @@
 
 #include "measure/cause/color_vision.h"
 
-namespace {
+namespace signed_color_test {
 
 using namespace gnomon;
 using color_vision::lab;
@@ -61,4 +61,4 @@ TEST(contours, inks_can_be_told_apart_and_seen_over_every_color) {
   }
 }
 
-}  // namespace
+}  // namespace signed_color_test

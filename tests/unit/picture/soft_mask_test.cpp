@@ -4,7 +4,7 @@
 #include "measure/picture/legend.h"
 #include "measure/scratch_folder.h"
 
-namespace {
+namespace soft_mask_test {
 
 using namespace gnomon;
 
@@ -68,4 +68,4 @@ TEST(soft_mask, a_file_with_a_legend_says_so_and_is_no_mask) {
   }
 }
 
-}  // namespace
+}  // namespace soft_mask_test

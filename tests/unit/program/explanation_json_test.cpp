@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace {
+namespace explanation_json_test {
 using namespace gnomon;
 
 TEST(ExplanationJson, reads_what_is_there_and_keeps_the_defaults_of_what_is_not) {
@@ -57,4 +57,4 @@ TEST(ExplanationJson, says_what_is_wrong_and_where) {
   }
 }
 
-}  // namespace
+}  // namespace explanation_json_test

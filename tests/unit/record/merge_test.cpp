@@ -10,7 +10,7 @@
 
 #include "measure/scratch_folder.h"
 
-namespace {
+namespace merge_test {
 
 using namespace gnomon;
 namespace fs = std::filesystem;
@@ -261,4 +261,4 @@ TEST_F(MergeFolderTest, a_folder_that_holds_something_is_refused) {
   EXPECT_TRUE(read_records(dir / "empty").empty());
 }
 
-}  // namespace
+}  // namespace merge_test

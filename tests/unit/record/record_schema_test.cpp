@@ -6,7 +6,7 @@
 #include "measure/record/record.h"
 #include "places.h"
 
-namespace {
+namespace record_schema_test {
 
 using namespace gnomon;
 
@@ -88,4 +88,4 @@ TEST(record, files_of_every_schema_lose_nothing_when_they_are_written_again) {
   }
 }
 
-}  // namespace
+}  // namespace record_schema_test

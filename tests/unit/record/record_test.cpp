@@ -12,7 +12,7 @@
 
 #include "measure/scratch_folder.h"
 
-namespace {
+namespace record_test {
 
 using namespace gnomon;
 namespace fs = std::filesystem;
@@ -330,4 +330,4 @@ TEST_F(RecordFileTest, write_that_fits_only_in_part_is_taken_back) {
   EXPECT_EQ(read_records(dir).size(), 2u);
 }
 
-}  // namespace
+}  // namespace record_test

@@ -4,7 +4,7 @@
 #include "measure/scene/blob.h"
 #include "measure/scratch_folder.h"
 
-namespace {
+namespace withdraw_test {
 
 using namespace gnomon;
 
@@ -77,4 +77,4 @@ TEST(withdraw, records_of_before_the_metric_error_are_read_with_it) {
   EXPECT_EQ(records[3].metric("error"), std::nullopt) << "under a light with area it is no wrong rate";
 }
 
-}  // namespace
+}  // namespace withdraw_test

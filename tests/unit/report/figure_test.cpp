@@ -9,7 +9,7 @@
 #include "measure/scratch_folder.h"
 #include "report/figure/figure_script.h"
 
-namespace {
+namespace figure_test {
 
 using namespace gnomon;
 
@@ -104,4 +104,4 @@ TEST(figure, gnuplot_draws_every_kind) {
   EXPECT_EQ(files, figure_kinds().size() * 3);
 }
 
-}  // namespace
+}  // namespace figure_test

@@ -8,7 +8,7 @@
 
 #include "report/listing.h"
 
-namespace {
+namespace pages_test {
 
 using namespace gnomon;
 namespace fs = std::filesystem;
@@ -103,4 +103,4 @@ TEST(listing, lists_hold_one_line_for_each_entry) {
   EXPECT_TRUE(has(list_text(metric_infos()), "wrong_rate"));
 }
 
-}  // namespace
+}  // namespace pages_test

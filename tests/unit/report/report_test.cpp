@@ -7,9 +7,7 @@
 
 #include "report/html/html_parts.h"
 
-namespace gnomon {
-
-namespace {
+namespace gnomon::report_test {
 
 /// RFC 4648, written apart from the encoder.
 std::vector<std::uint8_t> from_base64(const std::string& text) {
@@ -84,6 +82,4 @@ TEST(Report, the_template_has_each_slot_once_and_in_order) {
   }
 }
 
-}  // namespace
-
-}  // namespace gnomon
+}  // namespace gnomon::report_test

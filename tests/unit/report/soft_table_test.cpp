@@ -5,7 +5,7 @@
 #include "report/figure/figure.h"
 #include "report/table/layout.h"
 
-namespace {
+namespace soft_table_test {
 
 using namespace analysis_rows;
 
@@ -129,4 +129,4 @@ TEST(soft_figure, bars_stand_for_the_places_of_their_kind) {
   EXPECT_TRUE(has(figure_script(std::span(records).first(2), "causes", {}, "f.svg"), "set label 'mean error'"));
 }
 
-}  // namespace
+}  // namespace soft_table_test

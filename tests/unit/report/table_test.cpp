@@ -7,7 +7,7 @@
 
 #include "report/table/layout.h"
 
-namespace {
+namespace table_test {
 
 using namespace gnomon;
 
@@ -392,4 +392,4 @@ TEST(markdown, text_stays_in_its_cell) {
   EXPECT_EQ(markdown_text("two\nlines <b>"), "two lines \\<b\\>");
 }
 
-}  // namespace
+}  // namespace table_test

@@ -8,7 +8,7 @@
 
 #include "report/table/digits.h"
 
-namespace {
+namespace text_table_test {
 
 using namespace gnomon;
 
@@ -117,4 +117,4 @@ RC_GTEST_PROP(text_table, every_wrapped_line_fits, ()) {
   RC_ASSERT(without_blanks(kept) == without_blanks(text));
 }
 
-}  // namespace
+}  // namespace text_table_test

@@ -8,7 +8,7 @@
 
 #include "measure/scratch_folder.h"
 
-namespace {
+namespace estimate_test {
 
 using namespace gnomon;
 namespace fs = std::filesystem;
@@ -207,4 +207,4 @@ TEST_F(HistoryTest, a_place_that_cannot_be_written_is_an_error) {
   EXPECT_THROW(History(dir / "file/history.jsonl").add(std::vector{cost("1")}), Error);
 }
 
-}  // namespace
+}  // namespace estimate_test

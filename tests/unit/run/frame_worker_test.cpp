@@ -12,7 +12,7 @@
 #include "measure/scene/load.h"
 #include "places.h"
 
-namespace {
+namespace frame_worker_test {
 
 using namespace gnomon;
 namespace fs = std::filesystem;
@@ -146,4 +146,4 @@ TEST(progress, a_part_that_takes_long_has_plain_lines) {
   EXPECT_TRUE(std::regex_match(lines, std::regex(" 25 %  [0-9]+ s left +reference of a, c\n"))) << lines;
 }
 
-}  // namespace
+}  // namespace frame_worker_test

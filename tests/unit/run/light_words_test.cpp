@@ -4,7 +4,7 @@
 #include <gnomon/error.h>
 #include <gtest/gtest.h>
 
-namespace {
+namespace light_words_test {
 
 using namespace gnomon;
 
@@ -91,4 +91,4 @@ TEST(light_words, a_row_has_a_bounded_number_of_lights_and_a_scene_may_have_more
   EXPECT_EQ(refused({"all+"}, many), "lights all+ of scene four are 257; a row has at most 256 lights together");
 }
 
-}  // namespace
+}  // namespace light_words_test

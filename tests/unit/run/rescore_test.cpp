@@ -11,7 +11,7 @@
 #include "measure/score/score.h"
 #include "measure/scratch_folder.h"
 
-namespace {
+namespace rescore_test {
 
 using namespace gnomon;
 namespace fs = std::filesystem;
@@ -233,4 +233,4 @@ TEST_F(RescoreTest, records_are_replaced_as_a_whole) {
   EXPECT_EQ(kept.front().metric("wrong_rate"), 0.5);
 }
 
-}  // namespace
+}  // namespace rescore_test

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <optional>
 
-namespace {
+namespace scratch_folder_test {
 
 using namespace gnomon;
 namespace fs = std::filesystem;
@@ -61,4 +61,4 @@ TEST(scratch_folder, a_place_that_cannot_be_written_is_an_error) {
   EXPECT_THROW(ScratchFolder::in(outer.path() / "file", "x"), Error);
 }
 
-}  // namespace
+}  // namespace scratch_folder_test

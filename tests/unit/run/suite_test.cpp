@@ -12,7 +12,7 @@
 #include "measure/scene/blob.h"
 #include "places.h"
 
-namespace {
+namespace suite_test {
 
 using namespace gnomon;
 
@@ -252,4 +252,4 @@ TEST(suite, lights_are_chosen_by_whether_they_have_an_area) {
             "scene soup has no light with area, which *soft asks for; it has: point, sun");
 }
 
-}  // namespace
+}  // namespace suite_test

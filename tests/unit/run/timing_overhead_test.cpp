@@ -10,7 +10,7 @@
 #include "measure/scratch_folder.h"
 #include "places.h"
 
-namespace {
+namespace timing_overhead_test {
 
 using namespace gnomon;
 using Clock = std::chrono::steady_clock;
@@ -59,4 +59,4 @@ TEST(timing_overhead, is_a_tenth_of_a_stage_of_a_tenth_of_a_millisecond_at_most)
   EXPECT_LT(ratio, one_by_one);
 }
 
-}  // namespace
+}  // namespace timing_overhead_test

@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-namespace {
+namespace timing_test {
 
 using namespace gnomon;
 
@@ -102,4 +102,4 @@ TEST(timing, nothing_to_time_is_no_error_and_nothing_remains_from_one_call_to_th
   }
 }
 
-}  // namespace
+}  // namespace timing_test

@@ -15,7 +15,7 @@
 #include "measure/scratch_folder.h"
 #include "places.h"
 
-namespace {
+namespace worker_client_test {
 
 using namespace gnomon;
 namespace fs = std::filesystem;
@@ -344,4 +344,4 @@ TEST_F(OwnWorker, an_unknown_technique_is_an_exception_in_open) {
   EXPECT_TRUE(why.starts_with("threw in open: there is no technique shadow_mop")) << why;
 }
 
-}  // namespace
+}  // namespace worker_client_test

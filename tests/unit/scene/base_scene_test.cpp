@@ -10,7 +10,7 @@
 #include "measure/scene/load.h"
 #include "measure/scratch_folder.h"
 
-namespace {
+namespace base_scene_test {
 
 using namespace gnomon;
 namespace fs = std::filesystem;
@@ -210,4 +210,4 @@ TEST_F(BaseScene, what_needs_no_fetched_file_is_fetched) {
     EXPECT_TRUE(is_fetched(write("top.toml", text).string())) << text;
 }
 
-}  // namespace
+}  // namespace base_scene_test

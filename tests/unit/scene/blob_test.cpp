@@ -9,7 +9,7 @@
 #include "measure/scene/fields.h"
 #include "measure/scratch_folder.h"
 
-namespace {
+namespace blob_test {
 
 using namespace gnomon;
 namespace fs = std::filesystem;
@@ -178,4 +178,4 @@ TEST(blob, what_cannot_be_written_is_an_error_that_leaves_nothing) {
   EXPECT_THROW(MappedFile::open(folder.path() / "nothing"), Error);
 }
 
-}  // namespace
+}  // namespace blob_test

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace {
+namespace import_test {
 
 using namespace gnomon;
 
@@ -80,4 +80,4 @@ TEST(Triangulate, takes_polygons_of_thousands_of_corners) {
   EXPECT_EQ(covered, shoelace) << "halves of small whole numbers: exact";
 }
 
-}  // namespace
+}  // namespace import_test

@@ -17,7 +17,7 @@
 #include "measure/scene/import.h"
 #include "measure/scratch_folder.h"
 
-namespace {
+namespace load_test {
 
 using namespace gnomon;
 namespace fs = std::filesystem;
@@ -320,4 +320,4 @@ TEST(FinishScene, refuses_what_no_technique_could_take) {
   expect_words(error([](Scene& s) { s.lights[0].kind = DirectionalLight{glm::vec3(0)}; }), {"direction"});
 }
 
-}  // namespace
+}  // namespace load_test

@@ -3,7 +3,7 @@
 #include <gnomon/error.h>
 #include <gtest/gtest.h>
 
-namespace {
+namespace motion_test {
 
 using namespace gnomon;
 
@@ -101,4 +101,4 @@ TEST(motion, the_scenes_own_paths_come_first_and_a_wrong_name_is_said) {
   }
 }
 
-}  // namespace
+}  // namespace motion_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace {
+namespace scene_json_test {
 using namespace gnomon;
 
 // The words are those of a scene file, and a float reads back as the same float.
@@ -18,4 +18,4 @@ TEST(SceneJson, has_the_keys_of_a_scene_file) {
   EXPECT_EQ(scene_json(View{})["fov_y_degrees"], 45);
 }
 
-}  // namespace
+}  // namespace scene_json_test

@@ -11,7 +11,7 @@
 #include "measure/scene/base_scene.h"
 #include "measure/scene/load.h"
 
-namespace {
+namespace scene_toml_test {
 
 using namespace gnomon;
 namespace fs = std::filesystem;
@@ -226,4 +226,4 @@ TEST(SceneToml, described_scenes_of_the_house_are_sound_or_not_fetched) {
   }
 }
 
-}  // namespace
+}  // namespace scene_toml_test

@@ -9,7 +9,7 @@
 #include "generated_scene.h"
 #include "measure/scene/load.h"
 
-namespace {
+namespace composite_scenes_test {
 
 using namespace gnomon;
 using generated::mesh;
@@ -250,4 +250,4 @@ TEST(SimpleShapes, walls_of_the_room_meet_and_face_its_inside) {
   }
 }
 
-}  // namespace
+}  // namespace composite_scenes_test

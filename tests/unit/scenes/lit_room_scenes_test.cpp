@@ -7,7 +7,7 @@
 #include "generated_scene.h"
 #include "small_world.h"
 
-namespace {
+namespace lit_room_scenes_test {
 
 using namespace gnomon;
 using generated::make;
@@ -91,4 +91,4 @@ TEST(Scenes, colonnade_has_two_rows_of_columns) {
   EXPECT_EQ(mesh(make("colonnade", "columns=3,segments=8"), "shafts").positions.size(), 2 * 3 * 2 * 8u);
 }
 
-}  // namespace
+}  // namespace lit_room_scenes_test

@@ -12,7 +12,7 @@
 #include "generated_scene.h"
 #include "small_world.h"
 
-namespace {
+namespace scenes_test {
 
 using namespace gnomon;
 using generated::make;
@@ -321,4 +321,4 @@ TEST(Scenes, low_views_run_from_near_to_far_as_one_to_twenty) {
   }
 }
 
-}  // namespace
+}  // namespace scenes_test

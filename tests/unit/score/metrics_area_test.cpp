@@ -6,7 +6,7 @@
 #include "measure/score/score.h"
 #include "small_world.h"
 
-namespace {
+namespace metrics_area_test {
 
 using namespace small_world;
 
@@ -254,4 +254,4 @@ TEST(shadow_area, a_pixel_that_sees_its_plane_too_flatly_covers_nothing) {
     for (int x = 0; x < size; ++x) EXPECT_EQ(areas[y * size + x] > 0, y > size / 2) << x << ' ' << y;
 }
 
-}  // namespace
+}  // namespace metrics_area_test

@@ -12,7 +12,7 @@
 #include "measure/frame/boundary.h"
 #include "measure/score/score.h"
 
-namespace {
+namespace metrics_test {
 
 using namespace gnomon;
 
@@ -383,4 +383,4 @@ TEST(score, a_mask_file_of_the_wrong_size_or_with_a_wild_value_is_refused) {
   std::filesystem::remove(file);
 }
 
-}  // namespace
+}  // namespace metrics_test

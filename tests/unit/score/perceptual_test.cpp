@@ -12,7 +12,7 @@
 #include "measure/record/record.h"
 #include "places.h"
 
-namespace {
+namespace perceptual_test {
 
 using namespace gnomon;
 
@@ -172,4 +172,4 @@ TEST(perceptual, pictures_of_different_size_are_refused) {
   EXPECT_EQ(ssim({}, {}), std::nullopt);
 }
 
-}  // namespace
+}  // namespace perceptual_test

@@ -5,8 +5,7 @@
 #include "measure/score/metrics.h"
 #include "measure/score/score.h"
 
-namespace gnomon {
-namespace {
+namespace gnomon::radiosity_error_test {
 
 /// Two pixels that show surfaces, and one of background whose numbers are nonsense.
 struct Pictures {
@@ -54,5 +53,4 @@ TEST(RadiosityError, is_not_defined_without_a_picture_or_without_light) {
   EXPECT_EQ(p.radiosity_error(), std::nullopt);
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::radiosity_error_test

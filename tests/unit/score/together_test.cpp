@@ -10,7 +10,7 @@
 #include "measure/picture/shading.h"
 #include "measure/score/score.h"
 
-namespace {
+namespace together_test {
 
 using namespace gnomon;
 
@@ -140,4 +140,4 @@ TEST_F(Suns, pictures_are_as_bright_as_shows_all_of_the_light) {
   EXPECT_EQ(exposure_of(scene, gbuffer, dim), 1) << "nothing is made brighter";
 }
 
-}  // namespace
+}  // namespace together_test

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-namespace {
+namespace statistics_test {
 
 using namespace gnomon;
 
@@ -143,4 +143,4 @@ RC_GTEST_PROP(false_discovery, rates_lie_between_p_and_bonferroni_and_keep_their
   }
 }
 
-}  // namespace
+}  // namespace statistics_test

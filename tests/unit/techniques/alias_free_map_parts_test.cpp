@@ -8,8 +8,7 @@
 #include "hand_made.h"
 #include "techniques/alias_free_map/walk.h"
 
-namespace gnomon {
-namespace {
+namespace gnomon::alias_free_map_parts_test {
 
 using namespace hand_made;
 using namespace alias_free_map;
@@ -141,5 +140,4 @@ TEST(AliasFreeMapParts, the_sides_of_a_shadow_never_contradict_exact_signs) {
   EXPECT_LT(unclear, 300);
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::alias_free_map_parts_test

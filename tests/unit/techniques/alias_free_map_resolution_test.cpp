@@ -7,8 +7,7 @@
 
 extern "C" void gnomon_technique_alias_free_map(gnomon::Registry& registry);
 
-namespace gnomon {
-namespace {
+namespace gnomon::alias_free_map_resolution_test {
 
 // More cells leave fewer samples to test, and never another answer.
 TEST(AliasFreeMap, all_resolutions_agree) {
@@ -36,5 +35,4 @@ TEST(AliasFreeMap, all_resolutions_agree) {
   }
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::alias_free_map_resolution_test

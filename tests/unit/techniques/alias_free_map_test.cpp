@@ -9,10 +9,10 @@
 
 extern "C" void gnomon_technique_alias_free_map(gnomon::Registry& registry);
 
-namespace gnomon {
-namespace {
+namespace gnomon::alias_free_map_test {
 
 using namespace hand_made;
+using hand_made::Picture;
 using small_world::value;
 
 small_world::Run run(const Scene& scene, const Light& light, const GBuffer& gbuffer, const std::string& settings = "") {
@@ -147,5 +147,4 @@ TEST(AliasFreeMap, layers_show_the_lists_and_the_tests) {
   EXPECT_THROW(done.technique->draw_debug("map"), std::exception);
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::alias_free_map_test

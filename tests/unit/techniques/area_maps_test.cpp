@@ -9,7 +9,7 @@
 extern "C" void gnomon_technique_percentage_closer_soft(gnomon::Registry&);
 extern "C" void gnomon_technique_backprojected_map(gnomon::Registry&);
 
-namespace {
+namespace area_maps_test {
 using namespace gnomon;
 
 class AreaMaps : public testing::Test {
@@ -113,4 +113,4 @@ TEST_F(AreaMaps, lights_without_area_and_margins_without_an_image_are_refused) {
   }
 }
 
-}  // namespace
+}  // namespace area_maps_test

@@ -10,8 +10,7 @@
 extern "C" void gnomon_technique_area_svbsp(gnomon::Registry&);
 extern "C" void gnomon_technique_svbsp(gnomon::Registry&);
 
-namespace gnomon {
-namespace {
+namespace gnomon::area_svbsp_test {
 
 Light lamp(const glm::vec3& center, float half_u, float half_v) {
   return {.name = "lamp", .kind = RectLight{center, {half_u, 0, 0}, {0, 0, half_v}}};
@@ -312,5 +311,4 @@ TEST(AreaSvbsp, what_is_beyond_its_reach_is_refused_with_the_number) {
   EXPECT_EQ(large.why(), "304004 triangles cast; trees are grown for up to 200000");
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::area_svbsp_test

@@ -1,7 +1,7 @@
 // Means of hard shadows: what they ask of the technique within, what they pass on of it, and what is refused.
 #include "averaged_hard_rig.h"
 
-namespace {
+namespace averaged_hard_inner_test {
 using namespace averaged_hard_rig;
 
 /// Half of everything is lit; every object has a build of its own.
@@ -154,4 +154,4 @@ TEST_F(AveragedHard, what_the_hard_technique_does_not_support_is_not_supported) 
   EXPECT_NE(inside.why().find(" of 16 points asked: "), std::string::npos) << inside.why();
 }
 
-}  // namespace
+}  // namespace averaged_hard_inner_test

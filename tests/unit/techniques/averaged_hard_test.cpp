@@ -7,7 +7,7 @@
 
 #include "averaged_hard_rig.h"
 
-namespace {
+namespace averaged_hard_test {
 using namespace averaged_hard_rig;
 
 /// Half of the soups stand in the way of the light: casters touch it and cross it.
@@ -233,4 +233,4 @@ TEST_F(AveragedHard, lights_in_and_across_casters_have_their_shares) {
   }
 }
 
-}  // namespace
+}  // namespace averaged_hard_test

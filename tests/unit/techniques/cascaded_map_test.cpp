@@ -13,7 +13,7 @@
 extern "C" void gnomon_technique_cascaded_map(gnomon::Registry&);
 extern "C" void gnomon_technique_shadow_map(gnomon::Registry&);
 
-namespace {
+namespace cascaded_map_test {
 using namespace gnomon;
 using namespace gnomon::cascaded_map;
 
@@ -169,4 +169,4 @@ TEST_F(CascadedMap, lights_of_six_images_are_refused_with_the_reason) {
   EXPECT_EQ(technique->supports(scene, sun, low_view).kind(), Support::Kind::full);
 }
 
-}  // namespace
+}  // namespace cascaded_map_test

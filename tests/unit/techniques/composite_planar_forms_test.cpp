@@ -1,7 +1,7 @@
 // Analytic composite shadows: the paper's forms, what they differ by, and what each form supports.
 #include "composite_planar_rig.h"
 
-namespace {
+namespace composite_planar_forms_test {
 using namespace composite_rig;
 using Point = glm::dvec3;
 
@@ -188,4 +188,4 @@ TEST_F(CompositeForms, the_papers_domain_is_stated) {
   EXPECT_EQ(why_not(over_ground(leaning), point, "form=printed"), "it: the triangle is not isosceles and upright");
 }
 
-}  // namespace
+}  // namespace composite_planar_forms_test

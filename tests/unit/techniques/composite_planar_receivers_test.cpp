@@ -3,7 +3,7 @@
 
 #include "composite_planar_rig.h"
 
-namespace {
+namespace composite_planar_receivers_test {
 using namespace composite_rig;
 using Point = glm::dvec3;
 
@@ -145,4 +145,4 @@ TEST_F(CompositeReceivers, sheets_that_cross_at_a_small_angle_do_not_shade_thems
   }
 }
 
-}  // namespace
+}  // namespace composite_planar_receivers_test

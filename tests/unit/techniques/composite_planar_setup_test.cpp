@@ -2,7 +2,7 @@
 #include "composite_planar_rig.h"
 #include "techniques/composite_planar/patches.h"
 
-namespace {
+namespace composite_planar_setup_test {
 using namespace composite_rig;
 using composite_planar::Entry;
 using composite_planar::Patches;
@@ -39,4 +39,4 @@ TEST_F(CompositeSetup, limits_of_lists_choose_the_program) {
   EXPECT_EQ(patches.size(), 2u);
 }
 
-}  // namespace
+}  // namespace composite_planar_setup_test

@@ -1,7 +1,7 @@
 // Analytic composite shadows, exact form, against rays and against formulas on paper.
 #include "composite_planar_rig.h"
 
-namespace {
+namespace composite_planar_test {
 using namespace composite_rig;
 using Point = glm::dvec3;
 
@@ -252,4 +252,4 @@ TEST_F(CompositePlanar, another_scene_light_and_size_leave_nothing_behind) {
     }
 }
 
-}  // namespace
+}  // namespace composite_planar_test

@@ -8,7 +8,7 @@
 
 #include "techniques/composite_planar/patches.h"
 
-namespace {
+namespace composite_planar_tiles_test {
 using namespace gnomon;
 using namespace composite_planar;
 
@@ -246,4 +246,4 @@ TEST(CompositeTiles, nothing_behind_the_eye_or_beside_the_picture_is_entered) {
   EXPECT_GT(o.patches.size(), 0u);
 }
 
-}  // namespace
+}  // namespace composite_planar_tiles_test

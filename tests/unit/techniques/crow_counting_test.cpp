@@ -13,8 +13,7 @@
 
 extern "C" void gnomon_technique_crow_counting(gnomon::Registry& registry);
 
-namespace gnomon {
-namespace {
+namespace gnomon::crow_counting_test {
 
 using namespace hand_made;
 using small_world::value;
@@ -231,5 +230,4 @@ TEST(CrowCounting, layers_show_the_lists_and_the_depth) {
   EXPECT_THROW(done.technique->draw_debug("volumes"), Error);
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::crow_counting_test

@@ -9,8 +9,7 @@
 #include "hard_scenes.h"
 #include "techniques/crow_counting/polygon.h"
 
-namespace gnomon {
-namespace {
+namespace gnomon::crow_crossing_test {
 
 using namespace hand_made;
 using namespace crow_counting;
@@ -148,5 +147,4 @@ TEST(CrowCrossing, random_ways_against_other_formulations) {
   }
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::crow_crossing_test

@@ -12,8 +12,7 @@
 #include "degenerate_scenes.h"
 #include "measure/frame/classify.h"
 
-namespace gnomon {
-namespace {
+namespace gnomon::exact_agreement_test {
 
 using questions::Case;
 using questions::Question;
@@ -174,5 +173,4 @@ TEST(ExactTechniques, agree_with_each_other_and_differ_from_the_reference_in_cla
   RecordProperty("seen", seen);
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::exact_agreement_test

@@ -3,8 +3,7 @@
 #include "exact_techniques.h"
 #include "mixed_scene.h"
 
-namespace gnomon::exact_oracle {
-namespace {
+namespace gnomon::exact_oracle::exact_oracle_detail_test {
 
 std::vector<ExactTechnique> with_surface_detail() {
   std::vector<ExactTechnique> all = exact_techniques();
@@ -136,5 +135,4 @@ TEST_P(ExactDetail, is_what_the_oracle_says) {
   RecordProperty("pieces", pieces.text());
 }
 
-}  // namespace
-}  // namespace gnomon::exact_oracle
+}  // namespace gnomon::exact_oracle::exact_oracle_detail_test

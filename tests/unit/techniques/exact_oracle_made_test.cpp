@@ -4,8 +4,7 @@
 #include "exact_oracle_rig.h"
 #include "exact_techniques.h"
 
-namespace gnomon::exact_oracle {
-namespace {
+namespace gnomon::exact_oracle::exact_oracle_made_test {
 
 using namespace hand_made;
 
@@ -213,5 +212,4 @@ TEST_P(ExactOracle, answers_do_not_depend_on_the_scale) {
   }
 }
 
-}  // namespace
-}  // namespace gnomon::exact_oracle
+}  // namespace gnomon::exact_oracle::exact_oracle_made_test

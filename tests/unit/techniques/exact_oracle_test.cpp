@@ -3,8 +3,7 @@
 #include "exact_techniques.h"
 #include "mixed_scene.h"
 
-namespace gnomon::exact_oracle {
-namespace {
+namespace gnomon::exact_oracle::exact_oracle_test {
 
 using hand_made::Picture;
 using hand_made::square;
@@ -131,5 +130,4 @@ TEST_P(ExactOracle, decides_as_the_oracle_does_in_pictures) {
   }
 }
 
-}  // namespace
-}  // namespace gnomon::exact_oracle
+}  // namespace gnomon::exact_oracle::exact_oracle_test

@@ -6,8 +6,7 @@
 #include "exact_oracle_rig.h"
 #include "exact_techniques.h"
 
-namespace gnomon::exact_oracle {
-namespace {
+namespace gnomon::exact_oracle::exact_oracle_threads_test {
 
 const std::size_t many = std::max(8u, std::thread::hardware_concurrency());
 
@@ -75,5 +74,4 @@ TEST_P(ThreadsChangeNothing, in_pictures) {
   }
 }
 
-}  // namespace
-}  // namespace gnomon::exact_oracle
+}  // namespace gnomon::exact_oracle::exact_oracle_threads_test

@@ -10,8 +10,7 @@
 
 extern "C" void gnomon_technique_exact_rays(gnomon::Registry& registry);
 
-namespace gnomon {
-namespace {
+namespace gnomon::exact_rays_test {
 
 using namespace hand_made;
 
@@ -285,5 +284,4 @@ TEST(ExactRays, area_lights_are_refused_with_a_reason) {
   EXPECT_TRUE(exact_rays()->supports({}, point_light({0, 1, 0}), {}));
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::exact_rays_test

@@ -15,7 +15,7 @@ extern "C" void gnomon_technique_exponential_map(gnomon::Registry&);
 extern "C" void gnomon_technique_exponential_variance_map(gnomon::Registry&);
 extern "C" void gnomon_technique_moment_map(gnomon::Registry&);
 
-namespace {
+namespace filtered_maps_test {
 using namespace gnomon;
 
 class FilteredMaps : public testing::Test {
@@ -222,4 +222,4 @@ TEST_F(FilteredMaps, inside_and_outside_of_a_square_shadow_they_are_right) {
       }
 }
 
-}  // namespace
+}  // namespace filtered_maps_test

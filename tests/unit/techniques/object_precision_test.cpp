@@ -5,8 +5,7 @@
 
 #include "surface_division.h"
 
-namespace gnomon {
-namespace {
+namespace gnomon::object_precision_test {
 
 using questions::Case;
 using questions::Question;
@@ -268,5 +267,4 @@ TEST(SurfaceDetailChecks, what_is_no_division_is_found) {
             "a polygon has no triangle or no corners; areas do not add up");
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::object_precision_test

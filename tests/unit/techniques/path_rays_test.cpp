@@ -10,7 +10,7 @@
 
 extern "C" void gnomon_technique_path_rays(gnomon::Registry&);
 
-namespace {
+namespace path_rays_test {
 using namespace gnomon;
 
 Registry& own_registry() {
@@ -128,4 +128,4 @@ TEST(PathRays, samples_of_an_explanation_make_the_mask) {
   EXPECT_GT(in_penumbra, 100);
 }
 
-}  // namespace
+}  // namespace path_rays_test

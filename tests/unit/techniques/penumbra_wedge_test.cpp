@@ -14,10 +14,10 @@
 extern "C" void gnomon_technique_penumbra_wedge(gnomon::Registry&);
 extern "C" void gnomon_technique_exact_area(gnomon::Registry&);
 
-namespace gnomon {
-namespace {
+namespace gnomon::penumbra_wedge_test {
 
 using namespace penumbra_wedge;
+using penumbra_wedge::Outline;
 
 /// Open and closed casters, on a grid or not: soups, boxes that lack faces or have some twice, cycles, fans, a floor.
 Scene random_scene(int round, Random& random) {
@@ -392,5 +392,4 @@ TEST(PenumbraWedge, refuses_lights_without_area_and_says_what_is_approximate) {
   EXPECT_TRUE(technique->supports({}, sphere({0, 1, 0}, 1), {}));
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::penumbra_wedge_test

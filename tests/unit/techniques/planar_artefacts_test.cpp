@@ -2,7 +2,7 @@
 #include "cause_world.h"
 #include "planar_rig.h"
 
-namespace {
+namespace planar_artefacts_test {
 using namespace planar_rig;
 
 const Light lamp{.kind = PointLight{{0, 2, 0}}};
@@ -218,4 +218,4 @@ TEST_F(PlanarProjected, wrong_pixels_of_an_artefact_have_the_cause_formula) {
   EXPECT_EQ(of("double_blend=true").second, (Causes{{"crack", 1}})) << "too light, but not wrong by more than one half";
 }
 
-}  // namespace
+}  // namespace planar_artefacts_test

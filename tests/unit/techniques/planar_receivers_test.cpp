@@ -1,7 +1,7 @@
 // What planar projected shadows promise about receivers and casters: fact by fact, on paper and against rays.
 #include "planar_rig.h"
 
-namespace {
+namespace planar_receivers_test {
 using namespace planar_rig;
 
 // Light at height 4 over the ground, a table |x|, |z| <= 1 at height 1 and a tile 0.4 <= x <= 1, |z| <= 0.2 at height 2. Images
@@ -157,4 +157,4 @@ TEST_F(PlanarProjected, shadows_that_overlap_are_not_darker) {
   EXPECT_GT(std::ranges::count(together, 0.0f), 300);
 }
 
-}  // namespace
+}  // namespace planar_receivers_test

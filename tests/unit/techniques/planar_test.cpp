@@ -6,7 +6,7 @@
 
 #include "planar_rig.h"
 
-namespace {
+namespace planar_test {
 using namespace planar_rig;
 
 // --- kit/planes ------------------------------------------------------------------------------------------------------------
@@ -220,4 +220,4 @@ TEST_F(PlanarProjected, supports_what_has_planes) {
   EXPECT_EQ(no_plane.why(), "no plane holds 0.01 of the receiving area");
 }
 
-}  // namespace
+}  // namespace planar_test

@@ -12,7 +12,7 @@ extern "C" void gnomon_technique_exponential_map(gnomon::Registry&);
 extern "C" void gnomon_technique_exponential_variance_map(gnomon::Registry&);
 extern "C" void gnomon_technique_moment_map(gnomon::Registry&);
 
-namespace {
+namespace prefiltered_maps_test {
 using namespace gnomon;
 
 class PrefilteredMaps : public testing::Test {
@@ -127,4 +127,4 @@ TEST_F(PrefilteredMaps, sixteen_bits_take_half_of_the_bytes) {
   EXPECT_EQ(bytes("resolution=256") - bytes("resolution=256,bits=16"), texels * 16);
 }
 
-}  // namespace
+}  // namespace prefiltered_maps_test

@@ -12,7 +12,7 @@
 
 extern "C" void gnomon_technique_radiosity(gnomon::Registry&);
 
-namespace {
+namespace radiosity_layers_test {
 using namespace gnomon;
 
 /// A box 2 m wide, seen from inside, with a lamp below its ceiling that shines down.
@@ -114,4 +114,4 @@ TEST_F(RadiosityLayers, the_hemicube_of_a_closed_room_has_no_hole) {
   EXPECT_GT(seen, 1500);
 }
 
-}  // namespace
+}  // namespace radiosity_layers_test

@@ -13,7 +13,7 @@
 #include "techniques/radiosity/hemicube.h"
 #include "techniques/radiosity/refinement.h"
 
-namespace {
+namespace radiosity_parts_test {
 using namespace gnomon::radiosity;
 using gnomon::Random;
 using gnomon::RayScene;
@@ -315,4 +315,4 @@ TEST(radiosity_refinement, keeps_what_is_got_when_light_goes_on_once) {
   EXPECT_NEAR(refinement.ambient().x, 2 / 4.0 / 0.5, 1e-12);
 }
 
-}  // namespace
+}  // namespace radiosity_parts_test

@@ -14,7 +14,7 @@ extern "C" void gnomon_technique_exact_area(gnomon::Registry&);
 extern "C" void gnomon_scene_closed_room(gnomon::Registry&);
 extern "C" void gnomon_scene_facing_plates(gnomon::Registry&);
 
-namespace {
+namespace radiosity_test {
 using namespace gnomon;
 using std::numbers::pi;
 
@@ -321,4 +321,4 @@ TEST_F(Radiosity, survives_degenerate_patches) {
     }
 }
 
-}  // namespace
+}  // namespace radiosity_test

@@ -11,7 +11,7 @@
 extern "C" void gnomon_technique_registered_planar(gnomon::Registry&);
 extern "C" void gnomon_technique_exact_area(gnomon::Registry&);
 
-namespace {
+namespace registered_planar_test {
 using namespace gnomon;
 
 class RegisteredPlanar : public testing::Test {
@@ -170,4 +170,4 @@ TEST_F(RegisteredPlanar, what_it_cannot_do_is_refused_with_numbers) {
   }
 }
 
-}  // namespace
+}  // namespace registered_planar_test

@@ -5,7 +5,7 @@
 
 extern "C" void gnomon_technique_shadow_map(gnomon::Registry&);
 
-namespace {
+namespace shadow_map_cube_test {
 using namespace gnomon;
 
 // The six faces of a cube are fitted one by one, so their biases must not mix. A chip 1 cm beside the light fills the +x face
@@ -36,4 +36,4 @@ TEST(ShadowMapCube, a_near_caster_in_one_face_does_not_widen_the_bias_of_another
   EXPECT_EQ(wrong, 0);
 }
 
-}  // namespace
+}  // namespace shadow_map_cube_test

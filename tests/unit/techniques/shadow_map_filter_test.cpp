@@ -10,7 +10,7 @@
 extern "C" void gnomon_scene_fence(gnomon::Registry&);
 extern "C" void gnomon_technique_shadow_map(gnomon::Registry&);
 
-namespace {
+namespace shadow_map_filter_test {
 using namespace gnomon;
 
 class ShadowMapFilter : public testing::Test {
@@ -119,4 +119,4 @@ TEST_F(ShadowMapFilter, a_fit_to_the_view_gains_what_its_texels_predict) {
   EXPECT_GE(reached, 0.8 * predicted) << before << " wrong pixels became " << after;
 }
 
-}  // namespace
+}  // namespace shadow_map_filter_test

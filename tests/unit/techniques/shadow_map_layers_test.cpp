@@ -8,7 +8,7 @@
 
 extern "C" void gnomon_technique_shadow_map(gnomon::Registry&);
 
-namespace {
+namespace shadow_map_layers_test {
 
 using namespace small_world;
 
@@ -181,4 +181,4 @@ TEST_F(ShadowMapLayers, images_that_meet_on_a_surface_have_rims) {
   }
 }
 
-}  // namespace
+}  // namespace shadow_map_layers_test

@@ -10,7 +10,7 @@
 
 extern "C" void gnomon_technique_shadow_map(gnomon::Registry&);
 
-namespace {
+namespace shadow_map_test {
 using namespace gnomon;
 using map_scenes::all_kinds;
 using map_scenes::near_shadow_edge;
@@ -304,4 +304,4 @@ TEST_F(ShadowMap, map_layer_is_a_picture_of_the_screen) {
   }
 }
 
-}  // namespace
+}  // namespace shadow_map_test

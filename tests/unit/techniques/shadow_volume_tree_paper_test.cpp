@@ -5,8 +5,7 @@
 #include "hand_made.h"
 #include "techniques/shadow_volume_tree/tree.h"
 
-namespace gnomon {
-namespace {
+namespace gnomon::shadow_volume_tree_paper_test {
 
 using namespace hand_made;
 using namespace shadow_volume_tree;
@@ -176,5 +175,4 @@ TEST(ShadowVolumeTree, visits_on_paper) {
   EXPECT_EQ(visits({3, -1, 3}, none), 2u);                // nothing there
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::shadow_volume_tree_paper_test

@@ -8,8 +8,7 @@
 
 extern "C" void gnomon_technique_shadow_volume_tree(gnomon::Registry& registry);
 
-namespace gnomon {
-namespace {
+namespace gnomon::shadow_volume_tree_test {
 
 using namespace hand_made;
 using small_world::value;
@@ -97,5 +96,4 @@ TEST(ShadowVolumeTree, the_layer_shows_where_queries_are_long) {
   EXPECT_THROW(done.technique->draw_debug("nodes"), Error);
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::shadow_volume_tree_test

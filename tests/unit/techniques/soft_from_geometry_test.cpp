@@ -6,7 +6,7 @@
 #include "hand_made.h"
 #include "small_world.h"
 
-namespace {
+namespace soft_from_geometry_test {
 using namespace gnomon;
 
 /// Those that decide any point by triangles, without texels.
@@ -79,4 +79,4 @@ INSTANTIATE_TEST_SUITE_P(all, SoftFromGeometry,
                          testing::Values("averaged_hard", "exact_area", "soft_volume", "penumbra_wedge", "area_svbsp"),
                          [](const auto& info) { return std::string(info.param); });
 
-}  // namespace
+}  // namespace soft_from_geometry_test

@@ -16,8 +16,7 @@
 extern "C" void gnomon_technique_soft_volume(gnomon::Registry&);
 extern "C" void gnomon_technique_area_rays(gnomon::Registry&);
 
-namespace gnomon {
-namespace {
+namespace gnomon::soft_volume_test {
 
 /// Points of all triangles, each side of them.
 void scatter(const Scene& scene, Random& random, hand_made::Picture& picture) {
@@ -311,5 +310,4 @@ TEST(SoftVolume, refuses_a_million_places_and_lights_without_area) {
   EXPECT_FALSE(technique->supports({}, hand_made::point_light({0, 1, 0}), {}));
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::soft_volume_test

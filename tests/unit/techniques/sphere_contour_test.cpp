@@ -10,7 +10,7 @@
 #include "small_world.h"
 #include "techniques/sphere_volume/bodies.h"
 
-namespace {
+namespace sphere_contour_test {
 using namespace gnomon;
 namespace sv = sphere_volume;
 
@@ -239,4 +239,4 @@ TEST(Contour, of_a_disc_seen_edge_on_is_empty) {
   EXPECT_TRUE(sv::contour_of(Disc{}, {1, 0, 0, 0}, sv::inscribed, 32).points.empty());
 }
 
-}  // namespace
+}  // namespace sphere_contour_test

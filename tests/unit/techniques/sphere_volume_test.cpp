@@ -17,7 +17,7 @@
 extern "C" void gnomon_technique_sphere_volume(gnomon::Registry&);
 extern "C" void gnomon_technique_stencil_volume(gnomon::Registry&);
 
-namespace {
+namespace sphere_volume_test {
 using namespace gnomon;
 namespace sv = sphere_volume;
 
@@ -369,4 +369,4 @@ TEST_F(SphereVolume, supports_every_scene_under_lights_without_area) {
   EXPECT_EQ(on_surface.why(), "the light lies on the surface of shape, whose outline cannot be seen from there");
 }
 
-}  // namespace
+}  // namespace sphere_volume_test

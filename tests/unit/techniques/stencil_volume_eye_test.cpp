@@ -2,7 +2,7 @@
 // counts.
 #include "stencil_rig.h"
 
-namespace {
+namespace stencil_volume_eye_test {
 using namespace stencil_rig;
 
 class StencilVolumeEye : public Rig {};
@@ -203,4 +203,4 @@ TEST_F(StencilVolumeEye, eye_inside_three_hundred_volumes) {
   EXPECT_GT(tally.tested - tally.dark, 500);
 }
 
-}  // namespace
+}  // namespace stencil_volume_eye_test

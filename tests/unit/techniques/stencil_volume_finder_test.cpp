@@ -2,7 +2,7 @@
 #include "stencil_rig.h"
 #include "techniques/stencil_volume/gpu_finder.h"
 
-namespace {
+namespace stencil_volume_finder_test {
 using namespace stencil_rig;
 
 class StencilVolumeFinder : public Rig {};
@@ -99,4 +99,4 @@ TEST_F(StencilVolumeFinder, finders_count_the_same_work) {
   }
 }
 
-}  // namespace
+}  // namespace stencil_volume_finder_test

@@ -3,7 +3,7 @@
 
 #include "stencil_rig.h"
 
-namespace {
+namespace stencil_volume_test {
 using namespace stencil_rig;
 
 class StencilVolume : public Rig {};
@@ -333,4 +333,4 @@ TEST_F(StencilVolume, layers_show_volumes_and_counts_where_they_are) {
   EXPECT_THROW(technique_->draw_debug("nothing"), Error);
 }
 
-}  // namespace
+}  // namespace stencil_volume_test

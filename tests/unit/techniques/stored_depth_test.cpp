@@ -9,7 +9,7 @@
 
 extern "C" void gnomon_technique_shadow_map(gnomon::Registry&);
 
-namespace {
+namespace stored_depth_test {
 using namespace gnomon;
 
 class StoredDepths : public testing::Test {
@@ -128,4 +128,4 @@ TEST_F(StoredDepths, every_image_counts) {
   EXPECT_EQ(texels("dual"), 3);
 }
 
-}  // namespace
+}  // namespace stored_depth_test

@@ -5,8 +5,7 @@
 #include "svbsp_bsp_rig.h"
 #include "techniques/svbsp/bsp_dividing.h"
 
-namespace gnomon {
-namespace {
+namespace gnomon::svbsp_bsp_paper_test {
 
 using namespace bsp_rig;
 using Choice = BspOptions::Choice;
@@ -219,5 +218,4 @@ TEST(Bsp, options_without_candidates_are_refused) {
   EXPECT_THROW(Bsp(Scene{}, {.sample = 0}), Error);
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::svbsp_bsp_paper_test

@@ -6,8 +6,7 @@
 
 #include "svbsp_bsp_rig.h"
 
-namespace gnomon {
-namespace {
+namespace gnomon::svbsp_bsp_test {
 
 using namespace bsp_rig;
 using Choice = BspOptions::Choice;
@@ -224,5 +223,4 @@ TEST(Bsp, scale_changes_nothing) {
   }
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::svbsp_bsp_test

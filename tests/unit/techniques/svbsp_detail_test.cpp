@@ -7,8 +7,7 @@
 #include "hard_scenes.h"
 #include "svbsp_rig.h"
 
-namespace gnomon {
-namespace {
+namespace gnomon::svbsp_detail_test {
 
 using namespace hand_made;
 using namespace svbsp_rig;
@@ -183,5 +182,4 @@ TEST(Svbsp, the_painter_shows_the_mask) {
   EXPECT_GT(dark, 2'000);
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::svbsp_detail_test

@@ -8,7 +8,7 @@
 #include "surface_world.h"
 #include "techniques/svbsp/paint_bsp.h"
 
-namespace {
+namespace svbsp_painter_test {
 
 using namespace gnomon;
 using namespace surface_world;
@@ -76,4 +76,4 @@ TEST(SvbspPainter, asks_about_what_faces_eye_and_light) {
   EXPECT_EQ(asked(3), (std::multiset<std::uint32_t>{2, 3}));
 }
 
-}  // namespace
+}  // namespace svbsp_painter_test

@@ -6,8 +6,7 @@
 #include "hard_scenes.h"
 #include "svbsp_rig.h"
 
-namespace gnomon {
-namespace {
+namespace gnomon::svbsp_test {
 
 using namespace hand_made;
 using namespace svbsp_rig;
@@ -216,5 +215,4 @@ TEST(Svbsp, a_mesh_shades_itself_only_as_a_mesh) {
   EXPECT_EQ(run("", scene, sun({0, -1, 0}), flat.gbuffer).mask[0], 0);
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::svbsp_test

@@ -5,8 +5,7 @@
 #include "hard_scenes.h"
 #include "techniques/svbsp/detail.h"
 
-namespace gnomon {
-namespace {
+namespace gnomon::svbsp_tree_test {
 
 using namespace svbsp;
 
@@ -220,5 +219,4 @@ TEST(Svbsp, pieces_lie_in_64_tiles_at_most_on_average) {
   }
 }
 
-}  // namespace
-}  // namespace gnomon
+}  // namespace gnomon::svbsp_tree_test

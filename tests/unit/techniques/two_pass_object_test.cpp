@@ -6,7 +6,7 @@
 #include "techniques/two_pass_object/detail.h"
 #include "two_pass_object_rig.h"
 
-namespace {
+namespace two_pass_object_test {
 
 using namespace two_pass_object_rig;
 using small_world::value;
@@ -199,4 +199,4 @@ TEST(TwoPassObject, the_layer_shows_nothing_where_a_cell_does_not_hold_the_trian
   EXPECT_NE(layer[3], layer[5]);
 }
 
-}  // namespace
+}  // namespace two_pass_object_test

@@ -9,7 +9,7 @@
 #include "techniques/virtual_map/draw_lists.h"
 #include "techniques/virtual_map/pool.h"
 
-namespace {
+namespace virtual_map_pages_test {
 using namespace gnomon;
 using namespace gnomon::virtual_map;
 
@@ -128,4 +128,4 @@ TEST(VirtualMapPages, every_triangle_over_a_texel_is_in_the_list_of_its_page) {
   release_inputs();
 }
 
-}  // namespace
+}  // namespace virtual_map_pages_test

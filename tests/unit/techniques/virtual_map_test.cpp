@@ -12,7 +12,7 @@
 
 extern "C" void gnomon_technique_virtual_map(gnomon::Registry&);
 
-namespace {
+namespace virtual_map_test {
 using namespace gnomon;
 using map_scenes::all_kinds;
 using map_scenes::near_shadow_edge;
@@ -273,4 +273,4 @@ TEST_F(VirtualMap, light_with_area_is_unsupported_with_a_reason) {
   EXPECT_FALSE(support.why().empty());
 }
 
-}  // namespace
+}  // namespace virtual_map_test

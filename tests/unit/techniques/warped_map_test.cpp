@@ -12,7 +12,7 @@
 
 extern "C" void gnomon_technique_warped_map(gnomon::Registry&);
 
-namespace {
+namespace warped_map_test {
 using namespace gnomon;
 using namespace gnomon::warped_map;
 
@@ -252,4 +252,4 @@ TEST_F(WarpedMap, lights_of_six_images_are_refused_with_the_reason) {
   }
 }
 
-}  // namespace
+}  // namespace warped_map_test

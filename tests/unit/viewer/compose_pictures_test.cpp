@@ -9,7 +9,7 @@
 #include "measure/picture/signed_color.h"
 #include "measure/score/error_picture.h"
 
-namespace {
+namespace compose_pictures_test {
 
 using namespace composed_pixels;
 using namespace hand_made_frame;
@@ -220,4 +220,4 @@ RC_GTEST_PROP(viewer_compose, every_combination_fills_the_picture_and_nothing_el
   }
 }
 
-}  // namespace
+}  // namespace compose_pictures_test

@@ -7,7 +7,7 @@
 #include "measure/cause/color_vision.h"
 #include "measure/picture/signed_color.h"
 
-namespace {
+namespace compose_test {
 
 using namespace composed_pixels;
 using namespace hand_made_frame;
@@ -291,4 +291,4 @@ TEST(viewer_compose, a_layer_of_another_frame_is_magnified_by_itself) {
   EXPECT_EQ(pixels_of(c), std::vector<Rgb>(4, nothing)) << "half a layer is none";
 }
 
-}  // namespace
+}  // namespace compose_test

@@ -3,7 +3,7 @@
 
 #include "hand_made_frame.h"
 
-namespace {
+namespace contours_test {
 
 using namespace hand_made_frame;
 
@@ -89,4 +89,4 @@ TEST(viewer_contours, of_the_side_lie_over_broader_ones_of_the_reference) {
   EXPECT_EQ(row()[10], rgb(reference_ink.core));
 }
 
-}  // namespace
+}  // namespace contours_test

@@ -3,7 +3,7 @@
 
 #include "app/viewer/engine_body.h"
 
-namespace {
+namespace divisor_test {
 
 using gnomon::viewer::Divisor;
 
@@ -45,4 +45,4 @@ TEST(viewer_divisor, frames_stay_small_where_that_helps_and_only_there) {
   EXPECT_EQ(fixed.value(), 1);
 }
 
-}  // namespace
+}  // namespace divisor_test

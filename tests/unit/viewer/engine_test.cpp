@@ -16,8 +16,7 @@
 #include "measure/scratch_folder.h"
 #include "places.h"
 
-namespace gnomon::viewer {
-namespace {
+namespace gnomon::viewer::engine_test {
 
 using Clock = std::chrono::steady_clock;
 using std::chrono::seconds;
@@ -366,5 +365,4 @@ TEST(viewer_engine, ends_in_the_middle_of_work) {
   }
 }
 
-}  // namespace
-}  // namespace gnomon::viewer
+}  // namespace gnomon::viewer::engine_test

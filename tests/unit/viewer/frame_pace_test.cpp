@@ -3,8 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gnomon::viewer {
-namespace {
+namespace gnomon::viewer::frame_pace_test {
 
 TEST(viewer_frame_pace, a_frame_is_used_up_and_more_can_be_needed_never_fewer) {
   FramePace pace;
@@ -42,5 +41,4 @@ TEST(viewer_frame_pace, the_rate_counts_new_frames_of_the_last_second) {
   EXPECT_EQ(rate.count(), 5u);
 }
 
-}  // namespace
-}  // namespace gnomon::viewer
+}  // namespace gnomon::viewer::frame_pace_test

@@ -12,7 +12,7 @@
 #include <set>
 #include <sstream>
 
-namespace {
+namespace keys_test {
 
 using namespace gnomon;
 using namespace gnomon::viewer;
@@ -350,4 +350,4 @@ RC_GTEST_PROP(viewer_keys, steps_do_not_depend_on_the_frame_rate, ()) {
   RC_ASSERT(std::abs(left - up) < 1e-9);
 }
 
-}  // namespace
+}  // namespace keys_test

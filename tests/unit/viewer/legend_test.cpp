@@ -2,7 +2,7 @@
 #include "hand_made_frame.h"
 #include "measure/cause/color_vision.h"
 
-namespace {
+namespace legend_test {
 
 using namespace hand_made_frame;
 
@@ -273,4 +273,4 @@ TEST(pixel_facts, explanations_say_which_taps_were_dark) {
   EXPECT_EQ(fact(facts, "bias"), "-");
 }
 
-}  // namespace
+}  // namespace legend_test

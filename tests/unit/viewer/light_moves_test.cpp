@@ -5,7 +5,7 @@
 #include "app/viewer/moves.h"
 #include "world.h"
 
-namespace {
+namespace light_moves_test {
 
 using namespace gnomon::viewer;
 using namespace viewer_world;
@@ -221,4 +221,4 @@ TEST(viewer_key_moves, keys_move_camera_and_light_by_what_their_sentences_say) {
   }
 }
 
-}  // namespace
+}  // namespace light_moves_test

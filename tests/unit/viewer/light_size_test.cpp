@@ -6,7 +6,7 @@
 #include "app/viewer/moves.h"
 #include "world.h"
 
-namespace {
+namespace light_size_test {
 
 using namespace gnomon::viewer;
 using namespace viewer_world;
@@ -88,4 +88,4 @@ TEST(viewer_light_size, any_drag_leaves_a_light_that_check_accepts) {
     }
 }
 
-}  // namespace
+}  // namespace light_size_test

@@ -8,7 +8,7 @@
 
 #include <set>
 
-namespace {
+namespace mouse_test {
 
 using namespace gnomon;
 using namespace gnomon::viewer;
@@ -217,4 +217,4 @@ TEST(viewer_mouse, the_help_names_each_use_once) {
   EXPECT_GE(names.size(), 6u);
 }
 
-}  // namespace
+}  // namespace mouse_test

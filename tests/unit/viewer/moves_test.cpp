@@ -5,7 +5,7 @@
 
 #include "world.h"
 
-namespace {
+namespace moves_test {
 
 using namespace gnomon::viewer;
 using namespace viewer_world;
@@ -309,4 +309,4 @@ TEST(viewer_moves, project_is_the_ray_backwards) {
   EXPECT_FALSE(project(camera, glm::dvec3(std::nan(""))));
 }
 
-}  // namespace
+}  // namespace moves_test

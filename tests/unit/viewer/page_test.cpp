@@ -9,8 +9,7 @@
 #include "app/viewer/mouse.h"
 #include "places.h"
 
-namespace gnomon::viewer {
-namespace {
+namespace gnomon::viewer::page_test {
 
 std::string page() {
   std::ifstream file(tree_file("docs/viewer.md"));
@@ -46,5 +45,4 @@ TEST(viewer_page, names_every_paint_and_says_what_the_buttons_say) {
   }
 }
 
-}  // namespace
-}  // namespace gnomon::viewer
+}  // namespace gnomon::viewer::page_test

@@ -4,7 +4,7 @@
 #include "app/viewer/plot.h"
 #include "hand_made_frame.h"
 
-namespace {
+namespace profile_test {
 
 using namespace hand_made_frame;
 
@@ -102,4 +102,4 @@ TEST(viewer_plot, ticks_are_round_numbers_within_the_axis) {
   EXPECT_EQ(values({"", 0.015, 0.16, true}, 5), (Words{"0.02", "0.05", "0.1"}));
 }
 
-}  // namespace
+}  // namespace profile_test

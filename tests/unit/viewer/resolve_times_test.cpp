@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gnomon::viewer {
-namespace {
+namespace gnomon::viewer::resolve_times_test {
 
 /// A left side that has resolved so many times, the last one at a frame of that number.
 struct Side {
@@ -82,5 +81,4 @@ TEST(resolve_times, only_the_last_ones_are_kept) {
   EXPECT_EQ(side.times.median(0)->ms, (3 + most + 2) / 2.0);
 }
 
-}  // namespace
-}  // namespace gnomon::viewer
+}  // namespace gnomon::viewer::resolve_times_test

@@ -10,7 +10,7 @@
 #include "measure/scene/load.h"
 #include "measure/scratch_folder.h"
 
-namespace {
+namespace saved_state_test {
 
 using namespace gnomon;
 using viewer::Selection;
@@ -317,4 +317,4 @@ RC_GTEST_PROP(render_command, a_shell_reads_back_every_word, ()) {
   RC_ASSERT(read("words") == expected);
 }
 
-}  // namespace
+}  // namespace saved_state_test
