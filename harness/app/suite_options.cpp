@@ -41,6 +41,7 @@ Suite make_suite(const SuiteOptions& options, const std::string& command) {
   if (!options.truth.empty()) suite.truth = parse_truth(options.truth);
   if (!options.pictures.empty()) suite.has_pictures = options.pictures == "all";
   if (options.repetitions) suite.repetitions = options.repetitions;
+  if (options.warmups) suite.warmups = options.warmups;
   if (options.processes) suite.processes = options.processes;
   if (options.timeout) suite.timeout = *options.timeout;
   if (options.interval) suite.interval = *options.interval;
@@ -67,6 +68,8 @@ void add_suite_options(Command& command, SuiteOptions& options, const std::strin
   add("--processes", &options.processes, needed ? "Fresh processes per contender and program" : "Fresh processes per contender",
       {.check = whole_in(1, 1000)});
   add("--repetitions", &options.repetitions, "Timed repetitions per process", {.check = whole_in(1, 1000)});
+  add("--warmups", &options.warmups, "Untimed repetitions before the timed ones; fewer where they take 0.3 s",
+      {.check = whole_in(1, 100)});
   add("--interval", &options.interval, "More processes until intervals are this share of the time wide",
       {.check = number_in(0.001, 10)});
   add("--budget", &options.budget, "Seconds that those processes may take", {.check = seconds()});

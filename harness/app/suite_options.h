@@ -12,7 +12,8 @@ namespace gnomon::app {
 struct SuiteOptions {
   std::string suite, size, truth, filter, pictures;
   std::vector<std::string> scenes, techniques, lights, views;
-  int repetitions = 0, processes = 0, threads = 0, global_samples = 0;  ///< 0: as the suite says; for threads, all cores
+  int processes = 0, repetitions = 0, warmups = 0, global_samples = 0;  ///< 0: as the suite says
+  int threads = 0;                                                      ///< 0: all cores
   std::optional<double> timeout, interval, budget;
 };
 

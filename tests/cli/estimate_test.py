@@ -65,6 +65,11 @@ class Estimate(ProgramTest):
         self.succeed("run", *ROWS, *NUMBERS, "--out", self.root / "results/mine")
         (self.cache / "history.jsonl").unlink()
         self.assertIn("(from 4 rows measured elsewhere)", self.estimate(*ROWS, *NUMBERS)[0])
+        kept = self.cache / "shipped_costs.jsonl"
+        self.assertEqual(len(kept.read_text().splitlines()), 1 + 4)
+        self.assertIn("(from 4 rows measured elsewhere)", self.estimate(*ROWS, *NUMBERS)[0])  # from there
+        kept.write_text(kept.read_text().splitlines()[0] + "\nno cost\n")
+        self.assertNotIn("measured elsewhere", self.estimate(*ROWS, *NUMBERS)[0])  # from there, indeed
         (self.root / "results/broken").mkdir()
         (self.root / "results/broken/records.jsonl").write_text("no record\n")  # an estimate can do without
         self.assertIn("(from 4 rows measured elsewhere)", self.estimate(*ROWS, *NUMBERS)[0])

@@ -77,7 +77,7 @@ class Faults(ProgramTest):
         self.assertEqual([name for name in self.names(self.dir / "out") if "tires" in name], [])
 
     def test_a_fault_in_the_middle_of_a_sample_costs_the_row_only(self):
-        # The answer and three warm-ups are builds 1 .. 4; the ten iterations of the first sample, one request, are 5 .. 14.
+        # The answer and the warm-up are builds 1 and 2; the ten iterations of the first sample, one request, are 3 .. 12.
         for variable, reason in (("GNOMON_TEST_THROWS_AT", "threw in build: one too many"),
                                  ("GNOMON_TEST_HANGS_AT", rf"hung in build: no answer within {HUNG}\.1 s")):
             with self.subTest(variable):

@@ -22,7 +22,7 @@ GONE = 30  # for processes to go that have to go by themselves
 HUNG = 8  # what --timeout grants a step where one hangs on purpose, while sound steps take milliseconds
 
 # Enough to see that it works: one process, one repetition, few pixels.
-SMALL = ["--processes", "1", "--repetitions", "1", "--size", "160x90"]
+SMALL = ["--processes", "1", "--repetitions", "1", "--warmups", "1", "--size", "160x90"]
 # The same for tests that look at no picture: what writes pictures takes longer to load than such a row to run.
 NUMBERS = ["--pictures", "none", *SMALL]
 # The lights that every generated scene has. Some have lights with area besides.

@@ -28,7 +28,7 @@ double megabytes(const std::string& field) {
   return 0;
 }
 
-double megabytes_of_children() {
+[[maybe_unused]] double megabytes_of_children() {
   rusage used{};
   getrusage(RUSAGE_CHILDREN, &used);
   return static_cast<double>(used.ru_maxrss) / 1024;

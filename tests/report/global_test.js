@@ -12,7 +12,7 @@ const run = join(home, "run"),
 before(async () => {
   const rows = ["--scene", "cornell_box", "--light", "ceiling", "--view", "front", "--technique", "center_ray"];
   const radiosity = ["--technique", "radiosity:bounces=all,patch_size=0.2,levels=0"];
-  const small = ["--processes", "1", "--repetitions", "1", "--size", "80x80", "--global-samples", "64", "--quiet"];
+  const small = ["--processes", "1", "--repetitions", "1", "--warmups", "1", "--size", "80x80", "--global-samples", "64", "--quiet"];
   gnomon(["run", ...rows, ...radiosity, ...small, "--out", run]);
   assert.equal(gnomon(["report", run]).trim(), report);
   await openBrowser();
@@ -74,7 +74,7 @@ test("all light is shown where both have a picture of it, and else the shaded sc
 test("a run that did not ask for it has no such choice", async () => {
   const plain = join(home, "plain");
   const rows = ["--scene", "cornell_box", "--light", "ceiling", "--technique", "center_ray"];
-  gnomon(["run", ...rows, "--processes", "1", "--repetitions", "1", "--size", "40x40", "--quiet", "--out", plain]);
+  gnomon(["run", ...rows, "--processes", "1", "--repetitions", "1", "--warmups", "1", "--size", "40x40", "--quiet", "--out", plain]);
   gnomon(["report", plain]);
   const page = await open(join(plain, "report.html"));
   assert.equal(await page.locator("#pictures").getByText("all light").count(), 0);

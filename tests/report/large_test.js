@@ -16,8 +16,9 @@ const run = join(home, "measured"),
 const suite = `
 width = 640
 height = 360
-processes = 2
+processes = 1
 repetitions = 1
+warmups = 1
 [[group]]
 scenes = ["fence", "contact", "box_city", "colonnade", "soup"]
 lights = ["point", "sun"]

@@ -40,7 +40,7 @@ const run = join(home, "run"),
 before(async () => {
   writeFileSync(join(home, "lamps.toml"), scene);
   const rows = ["--scene", join(home, "lamps.toml"), "--light", "all+,left", "--technique", "shadow_map:resolution=64"];
-  const small = ["--processes", "1", "--repetitions", "1", "--size", "160x90", "--quiet"];
+  const small = ["--processes", "1", "--repetitions", "1", "--warmups", "1", "--size", "160x90", "--quiet"];
   gnomon(["run", ...rows, "--technique", "unshadowed", ...small, "--out", run]);
   assert.equal(gnomon(["report", run]).trim(), report);
   await openBrowser();

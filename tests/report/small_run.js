@@ -13,6 +13,7 @@ width = 160
 height = 90
 processes = 2
 repetitions = 1
+warmups = 1
 [[group]]
 scenes = ["${join(home, "slope.toml")}"]
 techniques = ["embree_rays", "unshadowed", "planar_projected", "throws", "shadow_map:resolution={64,256,1024}"]

@@ -46,6 +46,7 @@ width = 160
 height = 90
 processes = 2
 repetitions = 1
+warmups = 1
 [[group]]
 scenes = ["${join(home, "card.toml")}"]
 techniques = ["embree_rays", "unshadowed"]

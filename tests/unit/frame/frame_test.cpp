@@ -275,36 +275,4 @@ TEST(frame, a_gbuffer_file_that_is_too_short_is_an_error_for_who_only_maps_it) {
   EXPECT_THROW(map_gbuffer(folder.path() / "short", {View{}, 20, 10, Truth::shape}), Error);
 }
 
-TEST(frame, processes_that_make_the_same_frames_at_once_do_not_disturb_each_other) {
-  const char* program = std::getenv("GNOMON_PROGRAM");
-  if (!program) GTEST_SKIP() << "GNOMON_PROGRAM names no program; ctest sets it";
-  const ScratchFolder folder = ScratchFolder::temporary("gnomon_frame");
-  const fs::path cache = folder.path() / "cache";
-  std::vector<FILE*> running;
-  for (int k = 0; k < 4; ++k) {
-    const std::string command =
-        fmt::format("GNOMON_CACHE='{}' '{}' render --scene contact --technique unshadowed --size 64x36 --out '{}' 2>&1",
-                    cache.string(), program, (folder.path() / fmt::format("out_{}", k)).string());
-    running.push_back(popen(command.c_str(), "r"));
-    ASSERT_TRUE(running.back());
-  }
-  for (FILE* pipe : running) {
-    std::string said;
-    for (int c; (c = std::fgetc(pipe)) != EOF;) said += static_cast<char>(c);
-    EXPECT_EQ(pclose(pipe), 0) << said;
-  }
-  // What they left is what one process makes alone, with no temporary file beside it.
-  const Scene scene = load_scene("contact");
-  FrameStore alone(scene, folder.path() / "alone");
-  const FrameKey key{scene.views[0], 64, 36, Truth::shape};
-  for (const Light& light : scene.lights) alone.reference(key, light);
-  alone.scene_file();
-  const std::set<std::string> made = file_names(cache / "frames");
-  for (const std::string& name : file_names(folder.path() / "alone")) {
-    EXPECT_TRUE(made.contains(name)) << name;
-    EXPECT_TRUE(content(cache / "frames" / name) == content(folder.path() / "alone" / name)) << name;
-  }
-  for (const std::string& name : made) EXPECT_FALSE(name.ends_with(".part")) << name;
-}
-
 }  // namespace frame_test

@@ -76,7 +76,9 @@ TEST_F(RadiosityLayers, unshot_light_lies_where_the_lamp_shines) {
   for_each_at(0, [&](std::size_t i) {
     const glm::vec3 c = color(unshot, i);
     EXPECT_GT(c.z, 0);
-    if (c.x < 1) EXPECT_NEAR(c.z / c.x, 0.2f / 0.6f, 1e-4f);
+    if (c.x < 1) {
+      EXPECT_NEAR(c.z / c.x, 0.2f / 0.6f, 1e-4f);
+    }
   });
 }
 
@@ -105,7 +107,9 @@ TEST_F(RadiosityLayers, the_hemicube_of_a_closed_room_has_no_hole) {
                    along = std::abs(y + 0.5 - height / 2.0) / (height / 2.0);
       const double nearer = std::min(across, along), farther = std::max(across, along);
       const glm::vec3 c = color(picture, static_cast<std::size_t>(y) * width + x);
-      if (nearer > 0.55 || farther > 1.05) EXPECT_EQ(c, glm::vec3(0.02f));
+      if (nearer > 0.55 || farther > 1.05) {
+        EXPECT_EQ(c, glm::vec3(0.02f));
+      }
       if (nearer > 0.45 || farther > 0.95) continue;
       ++seen;
       EXPECT_NEAR(c.y / c.x, 0.4f / 0.6f, 1e-4f) << x << ", " << y;

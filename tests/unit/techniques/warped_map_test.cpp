@@ -177,8 +177,9 @@ TEST_F(WarpedMap, explanations_name_the_texels_that_were_asked) {
       if (!faces_light(scene, g, light, i)) continue;
       const auto why = map.technique->explain(i);
       ASSERT_TRUE(why);
-      if (small_world::caster_distance(scene, light, g.position(i)) < INFINITY)
+      if (small_world::caster_distance(scene, light, g.position(i)) < INFINITY) {
         EXPECT_TRUE(why->covered) << light.name << ' ' << i;
+      }
       if (why->taps.empty() || !why->covered) continue;
       const Tap& tap = why->taps[0];
       const glm::dvec3 to = glm::dvec3(g.position(i)) - tap.origin;
@@ -203,7 +204,9 @@ TEST_F(WarpedMap, the_outermost_points_of_a_small_picture_are_in_the_image) {
     for (const std::string warp : {"light_space_perspective", "trapezoidal", "none"}) {
       const auto map = run("resolution=1024,warp=" + warp, scene, sun, g);
       for (std::size_t i = 0; i < g.size(); ++i)
-        if (faces_light(scene, g, sun, i)) EXPECT_EQ(map.mask[i], 0) << warp << ' ' << width << ' ' << i;
+        if (faces_light(scene, g, sun, i)) {
+          EXPECT_EQ(map.mask[i], 0) << warp << ' ' << width << ' ' << i;
+        }
     }
   }
 }
