@@ -139,7 +139,8 @@ std::vector<Rule> neighbor_rules() {
        .sentence = "Scene and G-buffer in memory stay as they are.",
        .advice = "Take no const away: copy what has to be changed.",
        .check = inputs,
-       .has_small_pictures = true},
+       .has_small_pictures = true,
+       .sanitized = Sanitized::nothing},
       {.name = "gl_inputs",
        .sentence = "Buffers and textures of scene and G-buffer in OpenGL stay as they are, and so do textures of "
                    "others.",
@@ -147,7 +148,8 @@ std::vector<Rule> neighbor_rules() {
                  "still holds somebody else's name.",
        .check = gl_inputs,
        .asked = Asked::drawing,
-       .has_small_pictures = true},
+       .has_small_pictures = true,
+       .sanitized = Sanitized::nothing},
       {.name = "gl_state",
        .sentence = "Every stage, explain, draw_debug and the destructor leave the state of OpenGL at its defaults, and "
                    "no error pending.",
@@ -155,7 +157,8 @@ std::vector<Rule> neighbor_rules() {
                  "what is named.",
        .check = gl_state,
        .asked = Asked::drawing,
-       .has_small_pictures = true},
+       .has_small_pictures = true,
+       .sanitized = Sanitized::nothing},
   };
 }
 
