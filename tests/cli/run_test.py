@@ -89,11 +89,11 @@ class Run(ProgramTest):
     def test_shaders_that_are_kept_are_said(self):
         call = ["run", "--scene", "single_triangle", "--light", "sun", "--technique", "shadow_map", *NUMBERS, "--quiet"]
         self.environment["GNOMON_SHADERS"] = "keep"
-        self.succeed(*call, "--out", "kept")
+        self.assertRegex(self.succeed(*call, "--out", "kept"), r"(?m)^shaders: kept for 1 row: their setup compiles none$")
         self.environment["GNOMON_SHADERS"] = "kept"
         self.refuse(*call, "--out", "out", says=["GNOMON_SHADERS = kept is not keep"])
         del self.environment["GNOMON_SHADERS"]
-        self.succeed(*call, "--out", "out")
+        self.assertNotIn("shaders", self.succeed(*call, "--out", "out"))
         self.assertEqual([records(self.dir / out)[0]["context"].get("shaders") for out in ("kept", "out")], ["kept", None])
 
     def test_a_table_says_where_float32_cannot_decide(self):

@@ -9,7 +9,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import HARD, NUMBERS, PATIENCE, PROGRAM, ROOT, ProgramTest, measured, records, what  # noqa: E402
+from program import HARD, NUMBERS, PATIENCE, PROGRAM, ROOT, SMALL, ProgramTest, measured, records, what  # noqa: E402
 
 ROWS = [*HARD, "--scene", "single_triangle", "--technique", "shadow_map:resolution={256,512}", "--technique", "unshadowed"]
 
@@ -67,9 +67,9 @@ class Parallel(ProgramTest):
 
     def test_three_shards_are_run_merged_and_cleared_away(self):
         out = self.dir / "a folder/merged"  # with a space, as people have them
-        done = self.script("3", out, *ROWS, *NUMBERS)
+        done = self.script("3", out, *ROWS, *SMALL)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        self.succeed("run", *ROWS, *NUMBERS, "--out", "whole")
+        self.succeed("run", *ROWS, *SMALL, "--out", "whole")
         whole, merged = records(self.dir / "whole"), records(out)
         self.assertEqual([what(r) for r in merged], [what(r) for r in whole])
         self.assertEqual([measured(r) for r in merged], [measured(r) for r in whole])

@@ -6,6 +6,7 @@
 
 #include "fuzz.h"
 #include "places.h"
+#include "run_words.h"
 
 namespace fuzz {
 
@@ -63,6 +64,7 @@ std::vector<Kind> all_kinds(const fs::path& scratch) {
                              {"requests", 3, true, read_requests},
                              {"replies", 2, true, read_replies},
                              {"blob", 10, false, read_blob}};
+  if (!has_program) std::erase_if(kinds, [](const Kind& kind) { return kind.name == "words"; });
   for (std::size_t k = 0; k < kinds.size(); ++k) {
     const std::string& name = kinds[k].name;
     std::vector<fs::path> files = files_of(data_file("fuzz/" + name));

@@ -6,10 +6,14 @@
 
 namespace fuzz {
 
-Outcome run_words([[maybe_unused]] std::vector<std::string> words) {
 #ifdef GNOMON_WITHOUT_PROGRAM
-  return Outcome::accepted;
+const bool has_program = false;
+
+Outcome run_words(std::vector<std::string>) { return Outcome::refused; }
 #else
+const bool has_program = true;
+
+Outcome run_words(std::vector<std::string> words) {
   words.insert(words.begin(), "gnomon");
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
@@ -17,7 +21,7 @@ Outcome run_words([[maybe_unused]] std::vector<std::string> words) {
   const int status = gnomon::app::run_program(static_cast<int>(words.size()), argv.data());
   if (status == 1) throw Problem{"ended with 1: an exception that is no complaint"};
   return status == 0 ? Outcome::accepted : Outcome::refused;
-#endif
 }
+#endif
 
 }  // namespace fuzz

@@ -6,8 +6,11 @@
 
 namespace fuzz {
 
+/// Whether the program is in this build: in that of the sanitizers of every check it is not.
+extern const bool has_program;
+
 /// Runs the program with these words within this process: accepted by exit status 0; Problem where it is none of those for bad
-/// input. A build that lacks the program (the sanitizers' of every check) accepts all words.
+/// input. Without the program nothing is run.
 Outcome run_words(std::vector<std::string> words);
 
 }  // namespace fuzz

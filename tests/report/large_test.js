@@ -16,7 +16,7 @@ const run = join(home, "measured"),
 const suite = `
 width = 640
 height = 360
-processes = 1
+processes = 2
 repetitions = 1
 warmups = 1
 [[group]]

@@ -183,7 +183,7 @@ std::vector<RowCost> shipped_costs() {
     files.push_back(file);
     stamp += fmt::format("|{} {} {}", file.string(), size, fs::last_write_time(file, none).time_since_epoch().count());
   }
-  // Millions of numbers take a second to read, what is wanted of them a hundredth: it is kept.
+  // All records take a second to read, their costs a tenth of that: they are kept.
   const fs::path kept = cache_root() / "shipped_costs.jsonl";
   std::ifstream lines(kept, std::ios::binary);
   if (std::string known; std::getline(lines, known) && known == stamp) return costs_in(lines);

@@ -172,6 +172,11 @@ Remarks provenance(std::span<const Record> records) {
                                                                  {"commit", "commit"}};
   for (const auto& [topic, key] : keys) add(topic, joined(context_values(records, key), "; "));
   add("processes x repetitions", repetition_plan(records));
+  const auto has_kept_shaders = [](const Record& r) {
+    return context_text(r, "shaders") == "kept" && !context_text(r, "gl_renderer").empty();
+  };
+  if (const auto kept = std::ranges::count_if(records, has_kept_shaders); kept > 0)
+    add("shaders", fmt::format("kept for {} row{}: their setup compiles none", kept, kept == 1 ? "" : "s"));
   std::vector<std::string> notes;
   for (const Record& r : records)
     for (const std::string& note : r.notes) add_once(notes, fmt::format("{}: {}", r.scene, note));

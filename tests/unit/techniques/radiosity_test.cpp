@@ -171,7 +171,7 @@ TEST_F(Radiosity, picture_of_all_light_is_that_of_light_paths) {
   scene.meshes[0].albedo = {0.7f, 0.5f, 0.3f};
   scene.meshes.push_back(small_world::box({-0.6f, 0, -0.6f}, {0, 0.8f, 0}));
   scene.meshes[1].albedo = {0.2f, 0.6f, 0.8f};
-  const GBuffer gbuffer = small_world::make_gbuffer(scene, scene.views[0], 32, 24);
+  const GBuffer gbuffer = small_world::make_gbuffer(scene, scene.views[0], 48, 36);
   const auto picture = [&](auto* roll, const char* settings) {
     return *small_world::run(roll, settings, scene, lamp, gbuffer).technique->global_picture();
   };
