@@ -97,8 +97,7 @@ std::string left_out_text(const Suite& suite, SceneLibrary& library) {
   std::vector<std::string> left_out;
   expand_jobs(suite, library, &left_out);
   std::ranges::sort(left_out);
-  const auto repeated = std::ranges::unique(left_out);
-  left_out.erase(repeated.begin(), repeated.end());
+  left_out.erase(std::unique(left_out.begin(), left_out.end()), left_out.end());
   if (left_out.empty()) return "";
   return fmt::format("left out, for they support nothing of a group: {}\n\n", joined(left_out, "; "));
 }

@@ -26,7 +26,7 @@ GNOMON_VECTORIZED std::uint32_t set_up(const Pixels& g, const double* light, Sha
     const double x = g.px[k], y = g.py[k], z = g.pz[k];
     const double nx = g.nx[k], ny = g.ny[k], nz = g.nz[k];
     const bool on = nx * (lx - lw * x) + ny * (ly - lw * y) + nz * (lz - lw * z) > 0;
-    facing |= on & (g.mesh[k] != no_mesh) ? 1u << k : 0;
+    facing |= (on & (g.mesh[k] != no_mesh)) ? 1u << k : 0;
   }
   const float tfar = lw != 0 ? 1.0f : INFINITY;
   const float fx = static_cast<float>(lx), fy = static_cast<float>(ly), fz = static_cast<float>(lz);

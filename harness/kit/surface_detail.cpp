@@ -89,14 +89,14 @@ std::vector<std::uint32_t> find_owners(const Scene& scene, const GBuffer& gbuffe
     if (gbuffer.is_background(i) || (light && !faces_light(scene, gbuffer, *light, i))) {
       owners[i] = no_polygon;
     } else if (owners[i] == no_polygon && !is_curve(gbuffer.mesh[i])) {
-      const auto own =
-          std::ranges::equal_range(detail.polygons, std::pair(gbuffer.mesh[i], gbuffer.triangle[i]), {}, triangle_of);
-      for (const DetailPolygon& polygon : own) {
+      const std::pair own(gbuffer.mesh[i], gbuffer.triangle[i]);
+      auto polygon = std::ranges::lower_bound(detail.polygons, own, {}, triangle_of);
+      for (; polygon != detail.polygons.end() && triangle_of(*polygon) == own; ++polygon) {
         const double distance =
-            distance_outside(corners_of(detail, polygon), plane_of(scene, polygon).normal, gbuffer.position(i));
+            distance_outside(corners_of(detail, *polygon), plane_of(scene, *polygon).normal, gbuffer.position(i));
         if (distance < distances[i]) {
           distances[i] = distance;
-          owners[i] = static_cast<std::uint32_t>(&polygon - detail.polygons.data());
+          owners[i] = static_cast<std::uint32_t>(polygon - detail.polygons.begin());
         }
       }
     }

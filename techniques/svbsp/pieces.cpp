@@ -81,7 +81,7 @@ void Pieces::make(const ProjectedSpace& space, const Facing& facing, std::size_t
     for (std::size_t i = begin; i < end; ++i) {
       const auto [triangle, world] = polygon_at(i, scratch);
       if (world.empty()) continue;
-      projector.run(space, world, facing.signs[triangle], [&](int face, std::span<const Corner> polygon) {
+      projector.run(space, world, facing.signs[triangle], [&, triangle = triangle](int face, std::span<const Corner> polygon) {
         glm::dvec2 low(INFINITY), high(-INFINITY);
         double top = -INFINITY;
         for (const Corner& corner : polygon) {

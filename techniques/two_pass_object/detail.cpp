@@ -2,6 +2,9 @@
 
 #include <gnomon/kit/parallel.h>
 
+#include <algorithm>
+#include <span>
+
 namespace gnomon::two_pass_object {
 
 namespace {
@@ -67,7 +70,8 @@ SurfaceDetail make_detail(const Scene& scene, const Triangles& triangles, const 
                                    static_cast<std::uint32_t>(std::size(corners))});
         for (const auto& corner : corners) detail.corners.emplace_back(corner);
       };
-      const auto parts = std::ranges::equal_range(found.parts, i, {}, &Part::triangle);
+      const std::span<const Part> parts(std::ranges::lower_bound(found.parts, i, {}, &Part::triangle),
+                                        std::ranges::upper_bound(found.parts, i, {}, &Part::triangle));
       if (parts.empty()) {
         // Nothing of it is wider than epsilon: one point stands for all.
         glm::dvec3 center(0);

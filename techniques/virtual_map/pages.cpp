@@ -11,8 +11,7 @@ namespace {
 
 void sort_and_thin(std::vector<PageAddress>& pages) {
   std::ranges::sort(pages);
-  const auto twice = std::ranges::unique(pages);
-  pages.erase(twice.begin(), twice.end());
+  pages.erase(std::unique(pages.begin(), pages.end()), pages.end());
 }
 
 }  // namespace

@@ -144,12 +144,12 @@ void draw_titles(const PictureDrawing& drawing, const Session& session, const Sh
     return glm::dvec2(size.x, size.y) * static_cast<double>(drawing.unit);
   };
   for (int side = 0; side < 2; ++side) {
-    const auto [first, end] = columns_of(shown.composition, side);
+    const auto columns = columns_of(shown.composition, side);
     const bool is_right = shown.composition.layout == Layout::split && side == 1;
     const std::string title = title_of(session, side);
-    const double room = end - first - 2 * margin;
+    const double room = columns.end - columns.first - 2 * margin;
     const auto place = [&](const std::string& text, double y) {
-      return glm::dvec2(is_right ? end - margin - extent(text).x : first + margin, y);
+      return glm::dvec2(is_right ? columns.end - margin - extent(text).x : columns.first + margin, y);
     };
     if (extent(title).x > room) continue;
     drawing.words(place(title, margin), title, IM_COL32(235, 235, 235, 235));

@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <map>
 #include <mutex>
-#include <ranges>
 #include <set>
 
 #include "measure/paths.h"
@@ -231,8 +230,8 @@ std::string search_path() {
 std::vector<fs::path> program_files(const ProgramDescription& d) {
   std::vector<fs::path> files = {d.file};
   std::error_code ignored;
-  for (const std::string& word : d.command | std::views::drop(1)) {
-    const fs::path file = d.file.parent_path() / word;
+  for (std::size_t k = 1; k < d.command.size(); ++k) {
+    const fs::path file = d.file.parent_path() / d.command[k];
     if (fs::is_regular_file(file, ignored)) files.push_back(file);
   }
   std::set<fs::path> own;  // of its folder, where it has one

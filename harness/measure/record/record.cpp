@@ -197,7 +197,7 @@ void read(const std::string& field, const Json& value, T& into) {
     into = value;
   } else if constexpr (requires { into.has_value(); }) {
     into.reset();
-    if (!value.is_null()) read(field, value, into.emplace());
+    if (!value.is_null()) read(field, value, into.emplace(typename T::value_type{}));
   } else if constexpr (std::is_same_v<T, Color>) {
     const bool is_color = value.is_array() && value.size() == 3 && std::ranges::all_of(value, [](const Json& level) {
                             return level.is_number_unsigned() && level.get<std::uint64_t>() <= 255;
@@ -211,7 +211,7 @@ void read(const std::string& field, const Json& value, T& into) {
     into.clear();
     // A null is a value that is not defined at its place, where there is such a place; else a time that was not taken.
     for (const Json& item : value)
-      if (!item.is_null() || requires(T::value_type v) { v.reset(); }) read(field, item, into.emplace_back());
+      if (!item.is_null() || requires(typename T::value_type v) { v.reset(); }) read(field, item, into.emplace_back());
   } else if constexpr (std::is_same_v<T, std::map<Truth, Metrics>>) {
     std::map<std::string, Metrics> by_name;  // other names than the two truths' are passed over
     read(field, value, by_name);

@@ -26,7 +26,8 @@ void fill(hand_made::Picture& picture, std::uint64_t seed) {
 }
 
 TEST(pixel_groups, hold_every_pixel_that_is_asked_once_and_those_of_one_mesh_in_one_tile) {
-  for (const auto& [width, height] : {std::pair(1, 1), std::pair(16, 16), std::pair(37, 21), std::pair(160, 90)}) {
+  for (const auto& size : {std::pair(1, 1), std::pair(16, 16), std::pair(37, 21), std::pair(160, 90)}) {
+    const int width = size.first, height = size.second;
     hand_made::Picture picture(width, height);
     fill(picture, 7);
     const GBuffer& g = picture.gbuffer;

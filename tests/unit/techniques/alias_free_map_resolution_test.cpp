@@ -17,7 +17,7 @@ TEST(AliasFreeMap, all_resolutions_agree) {
     const auto [scene, gbuffer, lights] = hard_scenes::viewed(random, engine);
     for (const Light& light : lights) {
       SCOPED_TRACE(fmt::format("round {}, {} light", round, light.name));
-      const auto run = [&](const std::string& settings) {
+      const auto run = [&, &scene = scene, &gbuffer = gbuffer](const std::string& settings) {
         return small_world::run(gnomon_technique_alias_free_map, settings, scene, light, gbuffer);
       };
       const auto expected = run("");

@@ -110,7 +110,7 @@ TEST_F(AveragedHard, the_error_falls_with_the_exponent_of_the_pattern) {
     const std::vector<float> truth = mask_of("exact_area", "", world.scene, light, g);
     for (const auto& [pattern, exponent] :
          std::map<std::string, double>{{"random", -0.5}, {"stratified", -0.75}, {"low_discrepancy", -0.75}}) {
-      const auto error = [&](int n) {
+      const auto error = [&, &pattern = pattern](int n) {
         return error_of(world, g, light, truth, fmt::format("of=svbsp,samples={},pattern={}", n, pattern));
       };
       const double few = error(8), many = error(512), found = std::log(many / few) / std::log(64.0);

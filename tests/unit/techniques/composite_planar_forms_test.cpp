@@ -101,7 +101,7 @@ TEST_F(CompositeForms, exact_is_right_where_the_paper_is_wrong) {
 // height; the ball's true shadow there is the ellipse of the tangent cone, pi r^2 h^2 sqrt(x^2 + K) / K^1.5 with K = h^2 - r^2.
 // On the ground both are larger by the same factor. From straight above all pixels of the ground have the same area.
 TEST_F(CompositeForms, area_of_the_papers_sphere_is_the_closed_form) {
-  const double d = 1.5, r = 1;
+  constexpr double d = 1.5, r = 1;
   Scene ground_only, scene;
   ground_only.meshes = scene.meshes = {mesh_of(level({0, 0, 0}, 40))};
   scene.meshes[0].casts = false;
