@@ -3,6 +3,7 @@
 #include <gnomon/kit/layers.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -88,7 +89,7 @@ std::vector<float> paint_form_factors(const GBuffer& gbuffer, const Lighting& li
   const std::uint32_t patch = division.elements()[picked.element].patch;
   const Sender sender = lighting.sender_of(patch, picked.side);
   const Gathering gathering(*surfaces.all, Way::contour, 16);
-  std::vector<float> factors(2 * division.patch_count(), -1);
+  std::vector<std::array<float, 2>> factors(division.patch_count(), {-1, -1});  // of both sides
   std::vector<float> heat(gbuffer.size());
   std::vector<std::size_t> own;
   for (std::size_t i = 0; i < gbuffer.size(); ++i) {
@@ -99,7 +100,7 @@ std::vector<float> paint_form_factors(const GBuffer& gbuffer, const Lighting& li
       own.push_back(i);
       continue;
     }
-    float& factor = factors[2 * other + found->side];
+    float& factor = factors[other][found->side];
     if (factor < 0) {
       const Element& element = division.elements()[other];
       const Node& center = division.nodes()[element.center];

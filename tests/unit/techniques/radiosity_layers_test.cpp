@@ -116,6 +116,15 @@ TEST_F(RadiosityLayers, the_hemicube_of_a_closed_room_has_no_hole) {
       EXPECT_GE(c.x, 0.6f * 0.6f - 1e-4f);
     }
   EXPECT_GT(seen, 1500);
+  // Along each arm one patch follows the other: the floor's patch sees four of a wall from below to above.
+  for (const glm::ivec2 way : {glm::ivec2(1, 0), glm::ivec2(-1, 0), glm::ivec2(0, 1), glm::ivec2(0, -1)}) {
+    std::set<std::array<float, 3>> tones;
+    for (int k = height / 4 + 1; k < height / 2 - 1; ++k) {
+      const std::size_t i = static_cast<std::size_t>(height / 2 + way.y * k) * width + width / 2 + way.x * k;
+      tones.insert({picture[3 * i], picture[3 * i + 1], picture[3 * i + 2]});
+    }
+    EXPECT_GE(tones.size(), 2u) << way.x << ", " << way.y;
+  }
 }
 
 }  // namespace radiosity_layers_test
