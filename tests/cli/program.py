@@ -29,6 +29,16 @@ NUMBERS = ["--pictures", "none", *SMALL]
 HARD = ["--light", "point", "--light", "sun"]
 
 
+def small_maps(texels=288):
+    """Every technique that can run here, with small pictures of its own: enough where masks are compared with each other."""
+    def asked(*arguments):
+        return json.loads(subprocess.run([PROGRAM, *arguments, "--json"], check=True, capture_output=True, text=True).stdout)
+
+    for technique in (entry["id"] for entry in asked("list", "techniques") if not entry["named_only"]):
+        names = {parameter["name"] for parameter in asked("describe", technique)["parameters"]}
+        yield ":".join([technique, *(f"{name}={texels}" for name in sorted(names & {"resolution", "hemicube"}))])
+
+
 class ProgramTest(unittest.TestCase):
     """Each class has a folder of its own, with a cache in it; each test a folder below, by which its processes are known."""
 
