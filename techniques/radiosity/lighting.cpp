@@ -163,7 +163,7 @@ void Lighting::light_directly(std::size_t first_node) {
 void Lighting::light_by_hemicubes() {
   received_.assign(received_.size(), {});
   for (const Sender& lamp : lamps_) {
-    const std::vector<double> shares = draw(lamp);
+    const std::vector<double> shares = draw(lamp).shares;
     for (const std::uint32_t place : places_) {
       const std::uint32_t leaf = cell_at_[place / 2];
       const Element& element = division_.elements()[cells_[leaf]];
@@ -182,12 +182,11 @@ std::uint32_t Lighting::seen_side(const Face& face, const glm::dvec3& from) {
   return glm::dot(face.normal, from - face.corner) > 0 ? 0 : 1;
 }
 
-std::vector<double> Lighting::draw(const Sender& sender, double* nothing) {
-  std::vector<double> shares(cells_.size());
-  const double missed = hemicube_->look(sender.center(), sender.normal, settings_.resolution, shares);
-  if (nothing) *nothing = missed;
+Lighting::Drawn Lighting::draw(const Sender& sender) {
+  Drawn drawn{.shares = std::vector<double>(cells_.size())};
+  drawn.nothing = hemicube_->look(sender.center(), sender.normal, settings_.resolution, drawn.shares);
   factors_ += cells_.size();
-  return shares;
+  return drawn;
 }
 
 template <class Value>
@@ -297,8 +296,7 @@ double Lighting::look(std::uint32_t i, std::span<double> shares) {
   const Sender sender = sender_of(i / 2, i % 2);
   const std::uint64_t seed = first_shot() + lamps_.size() + shots_++;
   if (settings_.form_factor == FormFactor::hemicube) {
-    double nothing = 0;
-    const std::vector<double> seen = draw(sender, &nothing);
+    const auto& [seen, nothing] = draw(sender);
     for (std::uint32_t p = 0; p < seen.size(); ++p) {
       if (seen[p] == 0) continue;
       const Element& patch = division_.elements()[p];

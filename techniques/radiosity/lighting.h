@@ -94,8 +94,12 @@ class Lighting final : private Exchange {
   /// Calls use(place, whole, seen) with form factors from the places to a sender; of one place several that add up.
   template <class Use>
   void gather(const Sender& sender, bool is_lamp, std::uint64_t seed, const Use& use);
-  /// The form factors from a sender to the cells, by hemicube; `nothing`: the share that meets none.
-  std::vector<double> draw(const Sender& sender, double* nothing = nullptr);
+  struct Drawn {
+    std::vector<double> shares;
+    double nothing{};  ///< the share that meets no cell
+  };
+  /// The form factors from a sender to the cells, by hemicube.
+  Drawn draw(const Sender& sender);
   static std::uint32_t seen_side(const Face& face, const glm::dvec3& from);
   /// The seed of the first shot; the next ones count on.
   std::uint64_t first_shot() const { return settings_.seed << 32; }
