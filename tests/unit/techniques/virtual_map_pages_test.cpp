@@ -128,4 +128,32 @@ TEST(VirtualMapPages, every_triangle_over_a_texel_is_in_the_list_of_its_page) {
   release_inputs();
 }
 
+// A sliver from page (0, 0) to page (2, 1): its box meets six pages, it crosses four.
+TEST(VirtualMapPages, a_sliver_is_drawn_in_the_pages_that_it_crosses) {
+  process_context();
+  const Light down{.name = "sun", .kind = DirectionalLight{{0, -1, 0}}};
+  Scene scene;
+  scene.meshes = {small_world::ground(2)};
+  const LightImage image = at_level(finest_camera(down, mesh_boxes(scene)).images.at(0), 8);
+  const auto place = [&](double across, double along) {
+    return glm::vec3(image.tap(128.0 * glm::dvec2(across, along), 0, 1).origin) * glm::vec3(1, 0, 1) + glm::vec3(0, 0.5f, 0);
+  };
+  scene.meshes.push_back(small_world::make_mesh({place(0.1, 0.1), place(2.9, 1.9), place(2.85, 1.9)}, {{0, 1, 2}}));
+  const LightCamera camera = finest_camera(down, mesh_boxes(scene));
+  std::vector<std::uint32_t> asked;
+  for (int k = 0; k < 16; ++k) asked.push_back(PageAddress::of(0, 8, {k % 4, k / 4}).word);
+  const PageTable table = pages_of(asked, asked.size(), 10);
+  const SceneBuffers& buffers = scene_buffers(scene);
+  const Footprints footprints = footprints_of(scene, buffers, camera);
+  DrawLists lists;
+  fill(lists, scene, buffers, camera, footprints, table, 128);
+  std::set<std::pair<int, int>> crossed;
+  for (std::size_t slot = 0; slot < table.pages.size(); ++slot)
+    for (const std::size_t bin : {2 * slot, 2 * slot + 1})
+      for (const std::uint32_t item : lists.bins.of(bin))
+        if (footprints.all[item].mesh == 1) crossed.emplace(table.pages[slot].page().x, table.pages[slot].page().y);
+  EXPECT_EQ(crossed, (std::set<std::pair<int, int>>{{0, 0}, {1, 0}, {1, 1}, {2, 1}}));
+  release_inputs();
+}
+
 }  // namespace virtual_map_pages_test
