@@ -33,9 +33,9 @@ Picture draw_soft_mask(std::span<const float> visibility, int width, int height)
 /// legend.
 Picture draw_layer(std::span<const float> linear, int width, int height, const DebugLayer& layer);
 
-/// What needs OpenImageIO, in a module that is loaded at the first use: it brings some 250 libraries along, and starting them
-/// costs a process 0.2 s, which a worker that never touches a picture should not pay. The functions below say what
-/// each call does.
+/// What needs libraries of pictures, in a module that is loaded at the first use. Files are PNG or EXR by their first bytes; any
+/// other format is read by OpenImageIO, in a module of its own: it brings some 250 libraries along. The functions below say
+/// what each call does.
 struct ImageFiles {
   void (*write_png)(const std::filesystem::path& path, const Picture& picture);
   void (*write_exr)(const std::filesystem::path& path, int width, int height, std::span<const std::string> names,

@@ -13,6 +13,12 @@
 #include "gnomon_commit.h"
 #include "measure/run/worker.h"
 
+#ifdef __clang__
+#define GNOMON_COMPILER __VERSION__
+#else
+#define GNOMON_COMPILER "g++ " __VERSION__
+#endif
+
 namespace gnomon {
 
 namespace {
@@ -38,7 +44,7 @@ Json machine_context(int threads) {
       json_object({{"version", GNOMON_VERSION},
                    {"commit", GNOMON_COMMIT},
                    {"build_type", GNOMON_BUILD_TYPE},
-                   {"compiler", "g++ " __VERSION__},
+                   {"compiler", GNOMON_COMPILER},
                    {"flags", GNOMON_FLAGS},
                    {"processor", processor()},
                    {"cores", cores},

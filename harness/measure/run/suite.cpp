@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <charconv>
-#include <map>
 #include <optional>
+#include <unordered_map>
 
 #include "measure/paths.h"
 #include "measure/scene/toml_table.h"
@@ -117,20 +117,29 @@ void name_defaults(std::vector<Contender>& contenders, std::span<const std::uniq
   const auto key_of = [](const Technique& technique, const Parameter& row) {
     const std::size_t dot = row.name().rfind('.');
     const std::string owner(dot == std::string_view::npos ? "" : technique.parameter(row.name().substr(0, dot)).text());
-    return fmt::format("{} {} {}", technique.id(), row.name(), owner);
+    return std::string(technique.id()).append(" ").append(row.name()).append(" ").append(owner);
   };
   // By such a key, the value that a parameter has in the first row; none where another row has another.
-  std::map<std::string, std::optional<std::string>> fixed;
+  std::unordered_map<std::string, std::optional<std::string>> fixed;
+  struct Value {
+    const std::optional<std::string>* fixed;
+    std::string text;
+  };
+  std::vector<Value> values;  // of all parameters of all techniques
   for (const auto& technique : techniques)
     for (const Parameter* const row : technique->parameters()) {
-      const auto [value, is_first] = fixed.try_emplace(key_of(*technique, *row), row->text());
-      if (!is_first && value->second != row->text()) value->second.reset();
+      values.push_back({nullptr, row->text()});
+      const auto [entry, is_first] = fixed.try_emplace(key_of(*technique, *row), values.back().text);
+      if (!is_first && entry->second != values.back().text) entry->second.reset();
+      values.back().fixed = &entry->second;
     }
+  auto value = values.begin();
   for (std::size_t k = 0; k < contenders.size(); ++k) {
     std::vector<std::string> shown;
-    for (const Parameter* const row : techniques[k]->parameters())
-      if (row->text() != row->default_text() || !fixed[key_of(*techniques[k], *row)])
-        shown.push_back(fmt::format("{}={}", row->name(), row->text()));
+    for (const Parameter* const row : techniques[k]->parameters()) {
+      if (!*value->fixed || value->text != row->default_text()) shown.push_back(fmt::format("{}={}", row->name(), value->text));
+      ++value;
+    }
     const std::string name = contenders[k].technique + (shown.empty() ? "" : ":") + joined(shown, ",");
     if (name != contenders[k].name()) contenders[k].label = name;
   }

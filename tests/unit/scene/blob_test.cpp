@@ -114,7 +114,7 @@ TEST(blob, every_change_that_a_technique_can_see_changes_the_bytes) {
 TEST(blob, a_light_with_area_is_no_part_of_what_other_lights_rows_know) {
   const Scene scene = full_scene();
   Scene hard = scene;
-  std::erase_if(hard.lights, has_area);
+  std::erase_if(hard.lights, [](const Light& light) { return has_area(light); });
   ASSERT_EQ(hard.lights.size(), 3u);
   const Light &point = scene.lights[0], &sun = scene.lights[2], &rect = scene.lights[3], &disc = scene.lights[4];
   EXPECT_EQ(scene_hash(hard, point), content_hash(scene_bytes(hard)));

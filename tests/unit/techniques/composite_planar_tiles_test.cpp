@@ -11,6 +11,7 @@
 namespace composite_planar_tiles_test {
 using namespace gnomon;
 using namespace composite_planar;
+using composite_planar::Receiver;
 
 GBuffer picture_of(const View& view, int width, int height) {
   GBuffer g;

@@ -1,0 +1,151 @@
+// PNG, by libpng. It jumps out of its functions on an error: what is called under `guarded` has nothing to destroy.
+#include <gnomon/error.h>
+#include <png.h>
+
+#include <cerrno>
+#include <csetjmp>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include "measure/picture/image_module/image_reader.h"
+#include "measure/picture/image_module/image_writer.h"
+
+namespace gnomon::image_module {
+namespace {
+
+struct Closes {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using File = std::unique_ptr<std::FILE, Closes>;
+
+File open_file(const std::filesystem::path& path, const char* mode) {
+  File file(std::fopen(path.c_str(), mode));
+  if (!file) throw Error("{}", std::strerror(errno));
+  return file;
+}
+
+using Reason = char[128];
+
+[[noreturn]] void keep_reason(png_structp png, png_const_charp words) {
+  std::snprintf(static_cast<char*>(png_get_error_ptr(png)), sizeof(Reason), "%s", words);
+  png_longjmp(png, 1);
+}
+void ignore(png_structp, png_const_charp) {}
+
+template <class Function>
+bool guarded(png_structp png, Function&& function) {
+  if (setjmp(png_jmpbuf(png))) return false;
+  function();
+  return true;
+}
+
+/// libpng's two structs, which live as long as what reads with them, or as its constructor.
+struct Reading {
+  png_structp png = nullptr;
+  png_infop info = nullptr;
+  explicit Reading(char* reason) : png(png_create_read_struct(PNG_LIBPNG_VER_STRING, reason, keep_reason, ignore)) {
+    if (png) info = png_create_info_struct(png);
+  }
+  Reading(const Reading&) = delete;
+  ~Reading() { png_destroy_read_struct(&png, &info, nullptr); }
+};
+
+class PngReader final : public ImageReader {
+ public:
+  explicit PngReader(const std::filesystem::path& path) : file_(open_file(path, "rb")) {
+    if (!info_) throw Error("there is no memory for it");
+    demand([this] { read_header(); });
+    width = static_cast<int>(png_get_image_width(png_, info_));
+    height = static_cast<int>(png_get_image_height(png_, info_));
+    const int type = png_get_color_type(png_, info_);
+    channels = type & PNG_COLOR_MASK_COLOR ? std::vector<std::string>{"R", "G", "B"} : std::vector<std::string>{"Y"};
+    if (type & PNG_COLOR_MASK_ALPHA) channels.emplace_back("A");
+    png_textp texts = nullptr;
+    const int count = png_get_text(png_, info_, &texts, nullptr);
+    for (int i = 0; i < count; ++i)
+      if (std::strcmp(texts[i].key, image_module::legend_rows) == 0) legend_rows = texts[i].text;
+  }
+
+  std::vector<float> read(std::size_t channel) override {
+    const std::size_t row_bytes = png_get_rowbytes(png_, info_), row = static_cast<std::size_t>(width);
+    const bool is_wide = png_get_bit_depth(png_, info_) == 16;
+    std::vector<float> pixels;
+    pixels.reserve(row * static_cast<std::size_t>(height));
+    const auto append = [&](const png_byte* bytes) {
+      for (std::size_t k = channel; k < row * channels.size(); k += channels.size())
+        pixels.push_back(is_wide ? static_cast<float>(bytes[2 * k] << 8 | bytes[2 * k + 1]) / 65535.0f
+                                 : static_cast<float>(bytes[k]) / 255.0f);
+    };
+    const bool is_interlaced = passes_ > 1;
+    // Pages that no row is read into are never touched.
+    const std::unique_ptr<png_byte, decltype(&std::free)> rows(
+        static_cast<png_byte*>(std::calloc(is_interlaced ? static_cast<std::size_t>(height) : 1, row_bytes)), std::free);
+    if (!rows) throw Error("there is no memory for it");
+    for (int pass = 0; pass < passes_; ++pass)
+      for (int y = 0; y < height; ++y) {
+        png_byte* const into = rows.get() + (is_interlaced ? static_cast<std::size_t>(y) * row_bytes : 0);
+        demand([&] { png_read_row(png_, into, nullptr); });
+        if (pass + 1 == passes_) append(into);
+      }
+    return pixels;
+  }
+
+ private:
+  void read_header() {
+    png_init_io(png_, file_.get());
+    png_set_user_limits(png_, PNG_UINT_31_MAX, PNG_UINT_31_MAX);  // ours say more
+    png_read_info(png_, info_);
+    png_set_expand(png_);  // colors of a palette, 8 bits at least, transparency as alpha
+    passes_ = png_set_interlace_handling(png_);
+    png_read_update_info(png_, info_);
+  }
+  template <class Function>
+  void demand(Function&& function) {
+    if (!guarded(png_, function)) throw Error("{}", reason_);
+  }
+
+  Reason reason_{};
+  File file_;
+  Reading reading_{reason_};
+  png_structp const png_ = reading_.png;
+  png_infop const info_ = reading_.info;
+  int passes_ = 1;
+};
+
+void write_rows(png_structp png, png_infop info, std::FILE* file, const Picture& picture, const char* rows_of_legend) {
+  png_init_io(png, file);
+  png_set_compression_level(png, 3);
+  png_set_IHDR(png, info, static_cast<png_uint_32>(picture.width), static_cast<png_uint_32>(picture.height), 8,
+               PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_set_sRGB(png, info, PNG_sRGB_INTENT_ABSOLUTE);
+  if (*rows_of_legend) {
+    png_text text{};
+    text.compression = PNG_TEXT_COMPRESSION_NONE;
+    text.key = const_cast<png_charp>(legend_rows);
+    text.text = const_cast<png_charp>(rows_of_legend);
+    png_set_text(png, info, &text, 1);
+  }
+  png_write_info(png, info);
+  for (int y = 0; y < picture.height; ++y)
+    png_write_row(png, picture.rgb.data() + 3 * static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width));
+  png_write_end(png, info);
+}
+
+}  // namespace
+
+std::unique_ptr<ImageReader> open_png(const std::filesystem::path& path) { return std::make_unique<PngReader>(path); }
+
+void write_png_file(const std::filesystem::path& path, const Picture& picture) {
+  File file = open_file(path, "wb");
+  Reason reason{};
+  const std::string rows = picture.legend_height > 0 ? std::to_string(picture.legend_height) : "";
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, reason, keep_reason, ignore);
+  png_infop info = png ? png_create_info_struct(png) : nullptr;
+  const bool is_written = info && guarded(png, [&] { write_rows(png, info, file.get(), picture, rows.c_str()); });
+  png_destroy_write_struct(&png, &info);
+  if (!is_written) throw Error("{}", *reason ? reason : "there is no memory for it");
+  if (std::fclose(file.release()) != 0) throw Error("{}", std::strerror(errno));
+}
+
+}  // namespace gnomon::image_module
