@@ -129,7 +129,7 @@ GNOMON_ALIAS_FREE_MAP_CLONES inline std::uint32_t find_candidates(const double* 
                                                                   const Run* runs, int run_count, const Shadow& shadow,
                                                                   std::uint32_t* out) {
   using Lanes = double __attribute__((vector_size(32)));
-  using Loaded = double __attribute__((vector_size(32), aligned(8), may_alias));
+  typedef double Loaded __attribute__((vector_size(32), aligned(8), may_alias));  // clang takes no alignment from a `using`
   static_assert(sizeof(Lanes) == Grid::lanes * sizeof(double));
   std::uint32_t count = 0;
   const Side* const s = shadow.sides;

@@ -4,7 +4,7 @@
 namespace fuzz {
 
 // What one input may cost: processor time, that of its children included, and memory beyond what the process had before. Code
-// with the sanitizers, compiled with -Og, takes ten times as long.
+// with the sanitizers, compiled without optimization, takes ten times as long.
 #ifdef __SANITIZE_ADDRESS__
 inline constexpr double most_seconds = 20, most_megabytes = 1000;
 #else
