@@ -33,8 +33,8 @@ Picture draw_soft_mask(std::span<const float> visibility, int width, int height)
 /// legend.
 Picture draw_layer(std::span<const float> linear, int width, int height, const DebugLayer& layer);
 
-/// What needs libraries of pictures, in a module that is loaded at the first use. Files are PNG or EXR by their first bytes; any
-/// other format is read by OpenImageIO, in a module of its own: it brings some 250 libraries along. The functions below say
+/// What needs libraries of pictures, in a module that is loaded at the first use. Files are PNG or EXR by their first bytes;
+/// any other format is read by OpenImageIO, in a module of its own: it brings some 250 libraries along. The functions below say
 /// what each call does.
 struct ImageFiles {
   void (*write_png)(const std::filesystem::path& path, const Picture& picture);
