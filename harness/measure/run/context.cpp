@@ -56,6 +56,7 @@ Json machine_context(int threads) {
                                               {"assimp", assimp},
                                               {"tbb", fmt::format("{}.{}", TBB_VERSION_MAJOR, TBB_VERSION_MINOR)}})}});
   if (environment_keeps_shaders()) context["shaders"] = "kept";
+  if (const char* const trial = std::getenv("GNOMON_TRIAL"); trial && *trial) context["trial"] = trial;
   return context;
 }
 
