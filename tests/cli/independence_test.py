@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import ProgramTest, measured, picture_content, records, small_maps  # noqa: E402
+from program import ProgramTest, measured, records, small_maps  # noqa: E402
 
 # The first scene is one that every technique of hard shadows supports, under the lamp the others do. Its smaller pictures come between those of the lights: each row but the
 # first of a technique finds the room that a larger one left.
@@ -62,7 +62,7 @@ class Independence(ProgramTest):
         """All that must be the same in a run's rows, with the content of their pictures, by job."""
         rows = {}
         for record in records(self.dir / out):
-            pictures = [record[key] and picture_content(self.dir / out / record[key]) for key in ("mask", "error_picture", "shaded_picture")]
+            pictures = [record[key] and (self.dir / out / record[key]).read_bytes() for key in ("mask", "error_picture", "shaded_picture")]
             rows[record["job"]] = dict(measured(record), pictures=pictures)
         return rows
 

@@ -2,7 +2,6 @@
 
 import json
 import os
-import re
 import shutil
 import subprocess
 import tempfile
@@ -132,11 +131,6 @@ def measured(record):
         if part is not None:
             part.pop(key, None)
     return row
-
-
-def picture_content(file):
-    """The bytes of a picture but for the date that OpenEXR writes into its head."""
-    return re.sub(rb"capDate\0string\0.{4}[0-9: ]{19}", b"", file.read_bytes(), flags=re.S)
 
 
 def wait_until(is_so, what, seconds=PATIENCE):

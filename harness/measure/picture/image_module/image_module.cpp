@@ -53,11 +53,10 @@ std::unique_ptr<ImageReader> open_other(const fs::path& path) {
 
 /// By the first bytes, whatever the name says.
 std::unique_ptr<ImageReader> open_by_format(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw Error("{}", std::strerror(errno));
   std::array<char, 8> head{};
-  if (std::ifstream file(path, std::ios::binary); !file.is_open())
-    throw Error("{}", std::strerror(errno));
-  else
-    file.read(head.data(), head.size());
+  file.read(head.data(), head.size());
   if (std::memcmp(head.data(), "\x89PNG\r\n\x1a\n", 8) == 0) return open_png(path);
   if (std::memcmp(head.data(), "\x76\x2f\x31\x01", 4) == 0) return open_exr(path);
   return open_other(path);

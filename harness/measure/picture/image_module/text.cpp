@@ -30,14 +30,16 @@ fs::path font_file() {
   return {};
 }
 
-/// Null where there is no font: pictures then have no words.
+/// Null where there is no font, which is said once: pictures then have no words.
 FT_Face load_font() {
   constexpr int size = 13;  // pixels
   FT_Library library = nullptr;
   FT_Face face = nullptr;
   if (FT_Init_FreeType(&library) != 0 || FT_New_Face(library, font_file().c_str(), 0, &face) != 0 ||
-      FT_Set_Pixel_Sizes(face, 0, size) != 0)
+      FT_Set_Pixel_Sizes(face, 0, size) != 0) {
+    fmt::print(stderr, "note: pictures have no words: there is no font DejaVuSans.ttf (Debian: fonts-dejavu-core)\n");
     return nullptr;
+  }
   return face;
 }
 
