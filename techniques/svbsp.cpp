@@ -73,7 +73,7 @@ class Svbsp final : public PointTechnique {
   void relight(const Light& light) override;
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
   Counts counts() const override;
-  std::optional<SurfaceDetail> surface_detail() const override { return divide(merge); }
+  std::optional<SurfaceDetail> surface_detail() const override { return remembered_->scene ? divide(merge) : SurfaceDetail{}; }
   std::vector<DebugLayer> debug_layers() const override {
     std::vector<DebugLayer> layers = detail_layers();
     layers.insert(layers.end(), {splits_layer(), bsp_layer(), painter_layer(),

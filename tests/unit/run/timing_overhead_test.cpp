@@ -51,6 +51,9 @@ double wall_per_stage_time(bool takes_iterations) {
 
 // 1.02 where cores stay awake, 1.06 where an idle core falls asleep before each request.
 TEST(timing_overhead, is_a_tenth_of_a_stage_of_a_tenth_of_a_millisecond_at_most) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a sanitizer makes the harness's part larger, and not the stage's";
+#endif
   const double ratio = wall_per_stage_time(true);
   const double one_by_one = wall_per_stage_time(false);
   RecordProperty("wall_per_stage_time", fmt::format("{:.3f}", ratio));
