@@ -27,7 +27,8 @@ constexpr About about{
         "A wide penumbra of few points shows as many edges as there are points. Memory and relight grow with their number. "
         "Casters "
         "within a sphere of light hide points of its surface; other techniques ask the disc that is seen of it.",
-    .needs_gl = true};  // many hard techniques draw
+    .needs_gl = true,
+    .floor = Floor::copy};  // many hard techniques draw
 
 constexpr double MiB = 1 << 20;
 

@@ -22,7 +22,8 @@ constexpr About about{
         "Casters behind one another, of which the image holds the nearest; casters that the center sees from the side; "
         "penumbrae wider than "
         "most_radius.",
-    .needs_gl = true};
+    .needs_gl = true,
+    .floor = Floor::depth_draw};
 
 class BackprojectedMap final : public AreaMap {
  public:

@@ -30,7 +30,8 @@ constexpr About about{
     .fails =
         "A light that shines along the view: the slices see the same stretch of the light's picture. One receiver near the "
         "eye and none between it and the horizon.",
-    .needs_gl = true};
+    .needs_gl = true,
+    .floor = Floor::depth_draw};
 
 class CascadedMap final : public ComparedMap {
   Number<int> cascades{this,           "cascades",        4, {.unit = "", .min = 1, .max = ViewSlices::most},

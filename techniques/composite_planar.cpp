@@ -33,6 +33,7 @@ constexpr About about{
     .promise = Promise::exact,
     .sees = Truth::shape,
     .needs_gl = true,
+    .floor = Floor::fetch,
     .rasterizes = true};
 
 class CompositePlanar final : public Technique {

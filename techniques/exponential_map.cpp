@@ -13,7 +13,8 @@ constexpr About about{
         "A step in depth becomes an exponential of 1 / exponent of the depth range: shadows are lit near their casters, and "
         "wrong where some texels around lie behind the receiver, since one far depth outweighs all near ones.",
     .fails = "Contacts; edges of receivers before a far background, which light leaks to.",
-    .needs_gl = true};
+    .needs_gl = true,
+    .floor = Floor::depth_draw};
 
 class ExponentialMap final : public FilteredMap {
   // exp(88.7) is the largest float32, and exp(-87.3) the least that every device keeps. A blur adds up to no more than its

@@ -15,7 +15,8 @@ constexpr About about{
         "Leaks of a variance map shrink by the exponential between the two casters; with four components a second warp, the "
         "other way round, bounds what the first leaks.",
     .fails = "Casters close above each other along the ray, over the whole depth range of a large scene.",
-    .needs_gl = true};
+    .needs_gl = true,
+    .floor = Floor::depth_draw};
 
 class ExponentialVarianceMap final : public FilteredMap {
   Choice components{this, "components", "4", {"2", "4"}, Stage::setup, "Moments of the first warp alone, or of both."};

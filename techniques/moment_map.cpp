@@ -17,7 +17,8 @@ constexpr About about{
         "The sharpest bound that four moments allow, toward light: exact for two layers of depth but for moment_bias and "
         "rounding; under three light leaks by a seventh of what variance leaks in the worst case.",
     .fails = "Three layers and more between light and receiver: leaves, fences before walls.",
-    .needs_gl = true};
+    .needs_gl = true,
+    .floor = Floor::depth_draw};
 
 class MomentMap final : public FilteredMap {
   Number<double> moment_bias{

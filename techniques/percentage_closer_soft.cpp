@@ -23,7 +23,8 @@ constexpr About about{
     .fails =
         "Casters behind one another, of which the image holds the nearest; near casters before far ones; penumbrae wider than "
         "most_radius.",
-    .needs_gl = true};
+    .needs_gl = true,
+    .floor = Floor::depth_draw};
 
 class PercentageCloserSoft final : public AreaMap {
  public:

@@ -22,6 +22,7 @@ constexpr About about{
         "purpose with a textbook artefact on.",
     .fails = "Receivers that are not flat: pixels off the receiver planes are lit and reported as not covered.",
     .needs_gl = true,
+    .floor = Floor::depth_draw,
     .rasterizes = true};
 
 // With the plane P = (n, d), n toward the light L, M = (P.L) I - L P^T. The image of a caster's point p has w = P.L - (light's

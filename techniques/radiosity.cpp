@@ -30,6 +30,7 @@ constexpr About about{
     .promise = Promise::sampled,
     .estimates = LightShareKind::irradiance,
     .needs_gl = true,
+    .floor = Floor::depth_draw,
     .causes = own_causes};
 
 class Radiosity final : public Technique {

@@ -22,6 +22,7 @@ constexpr About about{
         "receivers at depth_bias 0.",
     .fails = "A long shadow at a grazing angle, a fine mesh of wires, and every large scene: texels are spread over all of it.",
     .needs_gl = true,
+    .floor = Floor::depth_draw,
     .is_default = true};
 
 class ShadowMap final : public ComparedMap {

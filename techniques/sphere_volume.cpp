@@ -29,6 +29,7 @@ constexpr About about{
     .fails = "Few segments, seen near. Nothing it supports with fit = exact, but for the triangles of other casters.",
     .sees = Truth::shape,
     .needs_gl = true,
+    .floor = Floor::fetch,
     .rasterizes = true};
 
 // A convex body casts no shadow on its own surface facing the light, so its faces leave alone the pixels of its own mesh; its

@@ -28,6 +28,7 @@ constexpr About about{
         "its side quad may be wrong. A closed mesh that winds around some region the wrong way (self-intersecting) lights "
         "receivers inside that region.",
     .needs_gl = true,
+    .floor = Floor::depth_draw,
     .rasterizes = true};
 
 /// Eighteen vertices a triangle, nine where volumes are pointed.

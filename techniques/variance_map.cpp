@@ -15,7 +15,8 @@ constexpr About about{
         "The bound is one of two: at least so much light may arrive. It is exact for one planar caster over one planar "
         "receiver, and light leaks where depths vary more: under two casters, behind the edge of the nearer.",
     .fails = "Layers of casters at many depths: leaves, fences before walls. leak_reduction hides leaks and widens shadows.",
-    .needs_gl = true};
+    .needs_gl = true,
+    .floor = Floor::depth_draw};
 
 class VarianceMap final : public FilteredMap {
   Number<double> least_deviation{this,

@@ -31,7 +31,8 @@ constexpr About about{
     .fails =
         "Pixels that ask for pages far apart: surfaces edge-on to the light, leaves and grass; a page is then drawn for a few "
         "pixels. All but the fit is work of resolve, paid for in every picture.",
-    .needs_gl = true};
+    .needs_gl = true,
+    .floor = Floor::depth_draw};
 
 class VirtualMap final : public Technique {
   Number<double> texels_per_pixel{this,

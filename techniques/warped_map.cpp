@@ -30,7 +30,8 @@ constexpr About about{
     .fails =
         "A light that shines along the view, where no direction of the image is that of depth: it is not warped then. "
         "Casters high above what the eye sees close by.",
-    .needs_gl = true};
+    .needs_gl = true,
+    .floor = Floor::depth_draw};
 
 constexpr int row_count = 256;  // of what the window shows: its hull is known to a row
 

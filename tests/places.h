@@ -12,3 +12,5 @@ std::string data_file(const std::string& below_data);
 std::string tested_program();
 /// The plugin of tests/faults.
 std::string faults_plugin();
+/// A library that stands for that of a graphics card's maker.
+std::string fake_card_library();

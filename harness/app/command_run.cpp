@@ -38,11 +38,10 @@ void print_contents(const fs::path& folder) {
     fmt::print("{}/{:<15}{}\n", folder.string(), name, what);
   };
   line("records.jsonl", "every raw repetition and metric");
-  if (fs::exists(folder / "masks")) {
-    line("masks/", "visibility masks, EXR");
-    line("errors/", "error pictures, PNG");
-    line("shaded/", "shaded pictures, PNG");
-  }
+  static constexpr std::pair<const char*, const char*> rooms[] = {
+      {"masks/", "visibility masks, EXR"}, {"errors/", "error pictures, PNG"}, {"shaded/", "shaded pictures, PNG"}};
+  for (const auto& [room, what] : rooms)
+    if (fs::exists(folder / room)) line(room, what);
   line("table.*", "this table as md, csv, tex, json");
 }
 

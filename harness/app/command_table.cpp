@@ -3,6 +3,7 @@
 #include "measure/notice.h"
 #include "measure/run/rescore.h"
 #include "measure/scene/blob.h"
+#include "report/analysis/machine_table.h"
 #include "report/html/html.h"
 #include "report/table/table.h"
 
@@ -11,11 +12,17 @@ namespace gnomon::app {
 namespace {
 
 struct TableCommand {
-  std::string dir, format = "terminal";
+  std::vector<std::string> dirs;
+  std::string format = "terminal", by;
+  std::filesystem::path pixels;
   bool is_rescored = false, is_saved = false;
   TableOptions table;
 
   std::vector<Record> records() const {
+    if (dirs.size() > 1)
+      throw Error("a table is of one run, and '{}' are given; several stand side by side with --by machine",
+                  joined(dirs, "', '"));
+    const std::string& dir = dirs.front();
     if (is_saved && !is_rescored) throw Error("--save keeps what --rescore finds; give both");
     if (!is_rescored) return read_records(dir);
     // The writer locks the folder, so that no other program writes between reading and replacing.
@@ -38,8 +45,18 @@ struct TableCommand {
   }
 };
 
+void print_machines(const TableCommand& options, Format format) {
+  if (format == Format::latex) throw Error("--format tex is none of --by machine: terminal, md, csv, json");
+  if (options.is_rescored || !options.table.columns.empty() || !options.table.caption.empty())
+    throw Error("--by machine goes with --format and --pixels alone");
+  std::vector<MachineRun> runs;
+  for (const std::string& dir : options.dirs) runs.push_back({dir, read_records(dir)});
+  fmt::print("{}", render_machines(runs, format, {.width = terminal_width(), .pixels = options.pixels}));
+}
+
 void print_table(TableCommand& options) {
   const Format format = format_named(options.format);
+  if (!options.by.empty()) return print_machines(options, format);
   const std::vector<Record> records = options.records();
   if (options.table.columns == std::vector<std::string>{"list"}) {
     for (const std::string& name : column_names(records)) fmt::print("{}\n", name);
@@ -70,7 +87,11 @@ void make_page(const PageOptions& options) {
 void add_table(Program& program) {
   auto [command, options] =
       program.line.command<TableCommand>("table", "The comparison table of a run, in any format, on stdout", print_table);
-  command.option("dir", &options.dir, "Folder of the run", {.is_required = true});
+  command.option("dir", &options.dirs, "Folder of the run; with --by machine of several", {.is_required = true});
+  const auto by = command.option("--by", &options.by, "Several runs side by side: times, errors, differing pixels of masks",
+                                 {.check = one_of({"machine"})});
+  command.option("--pixels", &options.pixels, "With --by: lists of the differing pixels, JSON lines",
+                 {.check = not_empty(), .type_name = "FILE", .needs = by});
   command.option("--format", &options.format, "terminal, md, csv, tex or json");
   command.option("--columns", &options.table.columns, "Names of columns in their order; 'list' prints them all",
                  {.delimiter = ','});

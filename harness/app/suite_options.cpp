@@ -2,11 +2,15 @@
 
 #include <gnomon/error.h>
 
+#include <algorithm>
+
 #include "app/app.h"
 
 namespace gnomon::app {
 
 namespace {
+
+constexpr const char* picture_words[] = {"all", "masks", "none"};  // in the order of Suite::Pictures
 
 Suite chosen_suite(const SuiteOptions& options, const std::string& command) {
   if (!options.suite.empty()) {
@@ -39,7 +43,9 @@ Suite make_suite(const SuiteOptions& options, const std::string& command) {
     for (SuiteGroup& group : suite.groups) group.sizes.clear();
   }
   if (!options.truth.empty()) suite.truth = parse_truth(options.truth);
-  if (!options.pictures.empty()) suite.has_pictures = options.pictures == "all";
+  if (!options.pictures.empty())
+    suite.pictures =
+        static_cast<Suite::Pictures>(std::ranges::find(picture_words, options.pictures) - std::begin(picture_words));
   if (options.repetitions) suite.repetitions = options.repetitions;
   if (options.warmups) suite.warmups = options.warmups;
   if (options.processes) suite.processes = options.processes;
@@ -63,8 +69,8 @@ void add_suite_options(Command& command, SuiteOptions& options, const std::strin
       {.check = not_empty(), .delimiter = ','});
   add("--filter", &options.filter, "Only rows whose 'SCENE LIGHT [VIEW] [PATH] TECHNIQUE:SETTINGS' matches this expression");
   add("--size", &options.size, "Picture size in pixels, WxH", {.check = not_empty()});
-  add("--pictures", &options.pictures, "all: each row leaves its mask and two pictures; none: numbers alone",
-      {.check = one_of({"all", "none"})});
+  add("--pictures", &options.pictures, "all: each row leaves its mask and two pictures; masks; none: numbers alone",
+      {.check = one_of({std::begin(picture_words), std::end(picture_words)})});
   add("--processes", &options.processes, needed ? "Fresh processes per contender and program" : "Fresh processes per contender",
       {.check = whole_in(1, 1000)});
   add("--repetitions", &options.repetitions, "Timed repetitions per process", {.check = whole_in(1, 1000)});

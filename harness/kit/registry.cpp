@@ -34,6 +34,11 @@ const Entry& default_of(const std::vector<Entry>& entries, std::string_view what
 
 }  // namespace
 
+std::string_view name(Floor floor) {
+  static constexpr std::string_view names[] = {"none", "depth_draw", "fetch", "copy"};
+  return names[static_cast<int>(floor)];
+}
+
 std::string_view name(Support::Kind kind) {
   static constexpr std::string_view names[] = {"full", "approximate", "unsupported"};
   return names[static_cast<int>(kind)];

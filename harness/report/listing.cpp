@@ -108,6 +108,7 @@ std::string describe_text(const TechniqueEntry& entry, std::size_t width, std::s
   add("sees", name(about.sees));
   add("role", name(about.role));
   add("needs OpenGL", about.needs_gl ? "yes" : "no");
+  if (about.floor != Floor::none) add("bare pass", name(about.floor));
   const auto technique = entry.make();
   technique->apply(settings);
   add("surface detail", technique->surface_detail() ? "yes: render --detail FILE.obj writes it" : "no");

@@ -104,6 +104,7 @@ std::string technique_page(const TechniqueEntry& entry) {
   fact("Role", std::string(name(about.role)));
   if (about.named_only) fact("Runs", "only where it is named: a suite's `*` does not mean it");
   fact("Needs OpenGL", about.needs_gl ? "yes" : "no");
+  if (about.floor != Floor::none) fact("Bare pass", code(name(about.floor)));
 
   page += "\n## Parameters\n\n";
   const std::unique_ptr<Technique> technique = entry.make();

@@ -53,6 +53,10 @@ class Driver(ProgramTest):
                      "--processes", "2", "--repetitions", "2", "--out", "out")
         drawn, traced = records(self.dir / "out")
         self.assertEqual(traced["device_stages"], {})
+        self.assertIsNone(traced["floor"])
+        self.assertEqual(drawn["floor"]["pass"], "depth_draw")
+        self.assertEqual([len(process) for process in drawn["floor"]["ms"]], [2, 2])
+        self.assertTrue(all(ms > 0 for process in drawn["floor"]["ms"] for ms in process))
         if not drawn["device_stages"]:
             self.skipTest("a device without a clock")
         for stage, processes in drawn["stages"].items():

@@ -112,6 +112,7 @@ def what(record):
 LOOSE = {
     "stages": "times",
     "harness_stages": "times",
+    "floor": "times",
     "iterations": "as many calls as take a millisecond",
     "stop": "says which times were narrow enough",
     "seconds": "a time",

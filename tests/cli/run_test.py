@@ -84,7 +84,7 @@ class Run(ProgramTest):
         self.assertEqual([r["mask"] is None for r in records(self.dir / "half")], [False] * 3 + [True] * 3)
         self.assertIn("3 rows keep their metrics: they were run with --pictures none\n", self.gnomon("table", "half", "--rescore").stderr)
         for word in ("some", "", "None"):
-            self.refuse("run", suite, "--pictures", word, says=["--pictures", "all or none"])
+            self.refuse("run", suite, "--pictures", word, says=["--pictures", "all or masks or none"])
 
     def test_shaders_that_are_kept_are_said(self):
         call = ["run", "--scene", "single_triangle", "--light", "sun", "--technique", "shadow_map", *NUMBERS, "--quiet"]

@@ -125,6 +125,16 @@ inline constexpr std::string_view name(LightShareKind kind) { return kind == Lig
 enum class Promise { exact, sampled };
 enum class Role { contender, baseline, reference };
 
+/// The barest pass over the same scene or picture that a technique that draws cannot do without. Tables show how much of a
+/// frame it takes, on any device.
+enum class Floor {
+  none,        ///< nothing to compare with
+  depth_draw,  ///< all triangles once from the eye, depth alone, into an image of the picture's size
+  fetch,       ///< each pixel reads its position and normal and writes one number
+  copy,        ///< one number a pixel copied from picture to picture
+};
+std::string_view name(Floor floor);
+
 /// A reason for wrong pixels that a technique knows of itself, beside the common ones of docs/causes.md. It says by
 /// Explanation::cause at which pixels it holds.
 struct OwnCause {
@@ -143,8 +153,9 @@ struct About {
   Truth sees = Truth::mesh;  ///< geometry the technique works on; promises and conformance are judged by that truth
   LightShareKind estimates = LightShareKind::area;  ///< under lights with area; it is scored against that
   Role role = Role::contender;
-  bool needs_gl = false;    ///< called with a current OpenGL 4.5 core context
-  bool is_default = false;  ///< the technique that `gnomon view` shows when none is named
+  bool needs_gl = false;      ///< called with a current OpenGL 4.5 core context
+  Floor floor = Floor::none;  ///< of one that draws
+  bool is_default = false;    ///< the technique that `gnomon view` shows when none is named
   /// The edges of its shadows are those of polygons that a rasterizer draws in the picture's pixels, snapped to its grid.
   bool rasterizes = false;
   std::span<const OwnCause> causes = {};          ///< of its own

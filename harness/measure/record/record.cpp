@@ -35,6 +35,11 @@ void for_each_field(MaybeConst<Count> auto& count, const auto& use) {
   use("value", count.value);
   use("unit", count.unit);
 }
+void for_each_field(MaybeConst<Record::FloorTimes> auto& floor, const auto& use) {
+  use("pass", floor.pass);
+  use("ms", floor.ms);
+  use("device_ms", floor.device_ms);
+}
 void for_each_field(MaybeConst<Record::GlInputs> auto& gl, const auto& use) {
   use("input_bytes", gl.input_bytes);
   use("upload_ms", gl.upload_ms);
@@ -106,6 +111,7 @@ void for_each_field(MaybeConst<Record> auto& r, const auto& use) {
   use("counts", r.counts);
   use("bytes", r.bytes);
   use("peak_bytes", r.peak_bytes);
+  use("floor", r.floor);
   use("gl", r.gl);
   use("reference", r.reference);
   use("lights", r.lights);
@@ -237,45 +243,6 @@ void read(const std::string& field, const Json& value, T& into) {
 
 }  // namespace
 
-bool has_area(const Record& r) {
-  return !has_several_lights(r) && (r.light_kind == "rect" || r.light_kind == "disc" || r.light_kind == "sphere");
-}
-
-bool has_several_lights(const Record& r) { return r.lights.size() > 1; }
-
-std::string_view name(Lighting of) {
-  static constexpr std::string_view names[] = {"hard", "soft", "several"};
-  return names[static_cast<std::size_t>(of)];
-}
-
-Lighting lighting(const Record& r) {
-  return has_several_lights(r) ? Lighting::several : has_area(r) ? Lighting::soft : Lighting::hard;
-}
-
-std::vector<std::string> light_names(const Record& r) {
-  if (r.lights.empty()) return {r.light};
-  std::vector<std::string> names;
-  for (const Record::LightFacts& light : r.lights) names.push_back(light.name);
-  return names;
-}
-
-std::size_t light_count(const Record& r) { return std::max<std::size_t>(1, r.lights.size()); }
-
-std::string setting_key(const Record& r) { return r.technique + (r.settings.empty() ? "" : ":" + r.settings); }
-
-std::optional<std::map<std::string, double>> cause_shares(const Record& r) {
-  if (r.cause_errors) return r.cause_errors;
-  const auto tested = r.classes.find("T");
-  if (!r.causes || tested == r.classes.end() || tested->second == 0) return std::nullopt;
-  // On a path both are sums over its frames.
-  std::map<std::string, double> shares;
-  for (const auto& [cause, pixels] : *r.causes)
-    shares[cause] = static_cast<double>(pixels) / static_cast<double>(tested->second);
-  return shares;
-}
-
-std::string setting_name(const Record& r) { return r.label ? *r.label : setting_key(r); }
-
 std::string context_text(const Record& record, std::string_view key) {
   const auto found = record.context.find(key);
   if (found == record.context.end() || found->is_null()) return "";
@@ -319,8 +286,9 @@ void from_json(const Json& json, Record& record) {
 
 void forget_results(Record& r) {
   const auto empty = [](auto&... fields) { ((fields = std::decay_t<decltype(fields)>()), ...); };
-  empty(r.stages, r.device_stages, r.harness_stages, r.iterations, r.stop, r.counts, r.bytes, r.peak_bytes, r.gl, r.reference,
-        r.classes, r.metrics, r.causes, r.cause_errors, r.frames, r.mask, r.error_picture, r.shaded_picture, r.shares_build);
+  empty(r.stages, r.device_stages, r.harness_stages, r.iterations, r.stop, r.counts, r.bytes, r.peak_bytes, r.floor, r.gl,
+        r.reference, r.classes, r.metrics, r.causes, r.cause_errors, r.frames, r.mask, r.error_picture, r.shaded_picture,
+        r.shares_build);
   for (Record::LightFacts& light : r.lights)
     empty(light.reference, light.classes, light.metrics, light.causes, light.cause_errors);
 }

@@ -61,7 +61,14 @@ struct Record {
     std::uint64_t input_bytes = 0;
     double upload_ms = 0;
   };
-  std::optional<GlInputs> gl;  ///< scene and G-buffer on the GL side, outside every timed stage
+  /// The barest pass that the technique cannot do without, as its data sheet says, on the same scene and picture in the same
+  /// processes: times of one pass.
+  struct FloorTimes {
+    std::string pass;  ///< "depth_draw", "fetch", "copy"
+    ProcessTimes ms, device_ms;
+  };
+  std::optional<FloorTimes> floor;  ///< nothing without OpenGL, and of a technique that names none
+  std::optional<GlInputs> gl;       ///< scene and G-buffer on the GL side, outside every timed stage
 
   /// Under a light with area: which of its two true numbers the technique was scored against, and how well that is known.
   struct ReferenceFacts {
@@ -145,6 +152,12 @@ struct Record {
   std::optional<double> metric(std::string_view name) const { return metric(truth, name); }
 };
 
+/// What part of a frame (relight and resolve) its bare pass takes, by the device's clock where both were taken by it.
+std::optional<double> floor_share(const Record& record);
+/// Whether the device's clock and the harness's, which waits for all to be done, can both be right: nothing took longer by the
+/// device's, and of bare passes, in which the processor does nothing, no more than half is unexplained. Nothing without times
+/// by the device's clock.
+std::optional<bool> clocks_agree(const Record& record);
 /// What each cause holds of the error that counts: of the wrong rate, under a light with area of the mean error. Nothing when
 /// the run sought none, or tested nothing.
 std::optional<std::map<std::string, double>> cause_shares(const Record& record);

@@ -8,6 +8,7 @@
 
 #include "measure/notice.h"
 #include "measure/run/timing.h"
+#include "measure/run/warm_up.h"
 
 namespace gnomon {
 
@@ -158,8 +159,34 @@ class Batch {
       row->record.seconds = row->record.seconds.value_or(0) + seconds_since(start);
     }
     for (const Stage stage : {Stage::build, Stage::relight, Stage::resolve}) time_stage(group, stage);
+    time_floors(group);
     for (PendingRow* row : group)
       if (!row->over && process_ < run_.suite.processes) progress_.advance(1);
+  }
+
+  /// The bare passes of the frame, each once for all rows of a side that name it, and how the card does after all that.
+  void time_floors(const std::vector<PendingRow*>& group) {
+    std::map<std::pair<std::size_t, std::string>, Record::FloorTimes> known;
+    for (PendingRow* row : group) {
+      if (row->over) continue;
+      ContenderWorker& worker = *workers_[row->contender];
+      const auto start = Clock::now();
+      try {
+        if (const std::string& pass = worker.floor(); !pass.empty()) {
+          const auto [times, is_new] = known.try_emplace({row->side, pass});
+          if (is_new) times->second = floor_times(worker.client(), run_.suite.repetitions);
+          Record::FloorTimes& all = row->record.floor ? *row->record.floor : row->record.floor.emplace();
+          all.pass = pass;
+          all.ms.insert(all.ms.end(), times->second.ms.begin(), times->second.ms.end());
+          all.device_ms.insert(all.device_ms.end(), times->second.device_ms.begin(), times->second.device_ms.end());
+        }
+        worker.note_card(row->record);
+      } catch (const std::exception& failure) {
+        known.clear();
+        fail(*row, message_of(failure));
+      }
+      *row->record.seconds += seconds_since(start);
+    }
   }
 
   /// Goes to the row's frame; in the first process also asks for support, takes the answer and scores it.
@@ -180,7 +207,8 @@ class Batch {
     if (process_ > 0) return;
     const auto measured = measure(row.record, run_, worker, frame);
     if (!measured) return give_up(row, Status::unsupported);
-    if (run_.suite.has_pictures) write_pictures(row.record, run_.scene, *measured, sides_[row.side].out);
+    if (run_.suite.pictures != Suite::Pictures::none) write_mask(row.record, *measured, sides_[row.side].out);
+    if (run_.suite.pictures == Suite::Pictures::all) write_pictures(row.record, run_.scene, *measured, sides_[row.side].out);
   }
 
   /// What builds of rows have in common that are the same work.
@@ -236,11 +264,7 @@ class Batch {
   /// over 0.5 s are timed once per process.
   TimingTask warm_up(PendingRow& row, Stage stage, OtherSamples& others) {
     WorkerClient& worker = workers_[row.contender]->client();
-    double last = 0, sum = 0;
-    for (int k = 0; k < run_.suite.warmups && sum < 300; ++k) {
-      last = worker.time(stage);
-      sum += last;
-    }
+    const double last = warmed_up_ms(worker, stage, run_.suite.warmups);
     TimingTask task;
     task.repetitions = last > 500 ? 1 : run_.suite.repetitions;
     // The first process says how many calls a repetition averages, so that all repetitions of the row are alike.

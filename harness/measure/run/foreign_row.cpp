@@ -148,6 +148,7 @@ void add_foreign_rows(const fs::path& out, const Scene& scene, std::vector<Forei
     const auto known = std::ranges::find(records, row.record.job, &Record::job);
     row.record.suite = known == records.end() ? suite : known->suite;
     row.record.place = known == records.end() ? place++ : known->place;
+    write_mask(row.record, row.measured, out);
     write_pictures(row.record, scene, row.measured, out);
     if (known == records.end())
       records.push_back(row.record);

@@ -172,6 +172,12 @@ void ContenderWorker::note_gl(Record& record) const {
   if (reply_.upload) record.gl = {reply_.upload->bytes, reply_.upload->ms};
 }
 
+void ContenderWorker::note_card(Record& record) {
+  const Json now = client_.card();
+  if (now.is_null()) return;
+  record.context["card"] = json_object({{"before", client_.gl()->card}, {"after", now}});
+}
+
 namespace {
 
 /// Letters, digits, dots and dashes of the job's title, and its hash: readable, unique, and no longer than a file's name may
@@ -317,15 +323,18 @@ MaskChannels mask_channels(const Record& record, const MeasuredRow& measured) {
 
 }  // namespace
 
-void write_pictures(Record& record, const Scene& scene, const MeasuredRow& measured, const fs::path& out) {
-  const std::string stem = file_stem(record);
-  record.mask = "masks/" + stem + ".exr";
-  record.error_picture = "errors/" + stem + ".png";
-  record.shaded_picture = "shaded/" + stem + ".png";
+void write_mask(Record& record, const MeasuredRow& measured, const fs::path& out) {
+  record.mask = "masks/" + file_stem(record) + ".exr";
   // What `--rescore` and the report need: the mask, the cause of each pixel, the mask under the other truth, and
   // pictures of all light.
   const MaskChannels file = mask_channels(record, measured);
   write_exr(out / *record.mask, record.width, record.height, file.names, file.values);
+}
+
+void write_pictures(Record& record, const Scene& scene, const MeasuredRow& measured, const fs::path& out) {
+  const std::string stem = file_stem(record);
+  record.error_picture = "errors/" + stem + ".png";
+  record.shaded_picture = "shaded/" + stem + ".png";
   const std::string title =
       record.label.value_or(record.settings.empty() ? record.technique : record.technique + ":" + record.settings);
   write_png(out / *record.error_picture, draw_errors(measured.evidence(scene), title));

@@ -84,13 +84,17 @@ class ContenderWorker {
   void note_lights(Record& record) const;
   /// What GL it has, and what went up to it for the frame.
   void note_gl(Record& record) const;
+  /// How the card does now, beside how it did when the worker was loaded; nothing where nobody knows.
+  void note_card(Record& record);
+  /// Name of the frame's bare pass; empty: none.
+  const std::string& floor() const { return reply_.floor; }
   WorkerClient& client() { return client_; }
 
  private:
   SceneRun& run_;
   Contender contender_;
   WorkerClient client_;
-  FrameReply reply_{.support = Support::full(), .upload = {}, .lights = {}, .shares = {}};  ///< of the frame
+  FrameReply reply_{.support = Support::full(), .upload = {}, .lights = {}, .floor = {}, .shares = {}};  ///< of the frame
   RowFrame frame_;
   Truth truth_ = Truth::shape;
   std::map<std::size_t, SetupTime> setup_times_;  ///< by objects
@@ -136,7 +140,9 @@ void describe_scene(Record& record, const Scene& scene);
 /// How well the reference of a light with area is known, over all pixels that it was asked for.
 Record::ReferenceFacts reference_facts(const Reference& reference, LightShareKind estimates, const AreaTarget& target);
 
-/// Writes mask, error and shaded picture below `out` and names them in the record.
+/// Writes the mask below `out` and names it in the record.
+void write_mask(Record& record, const MeasuredRow& measured, const std::filesystem::path& out);
+/// The same of error picture and shaded picture.
 void write_pictures(Record& record, const Scene& scene, const MeasuredRow& measured, const std::filesystem::path& out);
 /// Removes those that the record names.
 void remove_pictures(const Record& record, const std::filesystem::path& out);

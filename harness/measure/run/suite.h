@@ -50,9 +50,10 @@ struct Suite {
   /// After `processes`, rows whose 95 % interval of relight or resolve is wider than this share of the time get more processes;
   /// 0: none do.
   double interval = 0;
-  double budget = 600;       ///< seconds that those further processes may take in all
-  AreaTarget target = {};    ///< of the reference under lights with area
-  bool has_pictures = true;  ///< rows leave a mask, an error picture and a shaded picture
+  double budget = 600;     ///< seconds that those further processes may take in all
+  AreaTarget target = {};  ///< of the reference under lights with area
+  enum class Pictures { all, masks, none };
+  Pictures pictures = Pictures::all;  ///< what rows leave: a mask, an error picture and a shaded picture; the mask; nothing
   std::vector<SuiteGroup> groups;
 };
 

@@ -12,12 +12,12 @@
 #include <utility>
 
 #include "device/context.h"
-#include "device/stopwatch.h"
 #include "measure/cause/causes.h"
 #include "measure/picture/detail_export.h"
 #include "measure/process_memory.h"
 #include "measure/run/shared_count.h"
 #include "measure/run/worker.h"
+#include "measure/run/worker_device.h"
 #include "measure/run/worker_frame.h"
 
 namespace gnomon {
@@ -38,8 +38,9 @@ class TechniqueServer {
     if (!objects_) throw Error("a worker cannot {} before it has a technique", what);
     if (what == "set") return set(request.at("settings"));
     if (what == "frame") return frame(request);
-    if (what == "setup") return time_stage(static_cast<int>(Stage::setup), 1);
     if (what == "time") return time_stage(stage_named(request.at("stage")), request.value("iterations", 1.0));
+    if (what == "floor") return floor(request.at("iterations"));
+    if (what == "card") return json_object({{"card", card_json(process_context().info())}});
     if (what == "bring_up") return bring_up(stage_named(request.at("stage")));
     if (what == "answer") return answer(request.at("mask"));
     if (what == "mask") return write_mask(request.at("mask"));
@@ -70,9 +71,10 @@ class TechniqueServer {
     const GlInfo& info = process_context().info();
     // llvmpipe's marks are not in order with its work: 0.2 ms for a resolve of 5, 2.6 for a build of 0.03.
     if (info.driver != GlChoice::software) stopwatch_.emplace();
-    return json_object(
-        {{"gl", json_object(
-                    {{"renderer", info.renderer}, {"version", info.version}, {"subpixel_bits", gl_limits()->subpixel_bits}})}});
+    return json_object({{"gl", json_object({{"renderer", info.renderer},
+                                            {"version", info.version},
+                                            {"subpixel_bits", gl_limits()->subpixel_bits},
+                                            {"card", card_json(info)}})}});
   }
 
   /// What a parameter spoils is out of date from then on; the rest stays.
@@ -93,6 +95,7 @@ class TechniqueServer {
     const std::string file = request.at("gbuffer");
     GBuffer& known = gbuffers_[file];
     if (known.width != asked.key.width || known.height != asked.key.height) known = map_gbuffer(file, asked.key);
+    bare_pass_.reset();
     gbuffer_ = known;
     const std::vector<Support> supports = hold_objects(asked.key);
     const Support support = support_together(*lights_, supports);
@@ -108,6 +111,7 @@ class TechniqueServer {
       const DepthStencil& depth = depth_stencil(scene_, gbuffer_, entry_->about.sees);
       result["input_bytes"] = buffers.bytes + textures.bytes + depth.bytes;
       result["upload_ms"] = buffers.upload_ms + textures.upload_ms + depth.upload_ms;
+      if (entry_->about.floor != Floor::none) result["floor"] = name(entry_->about.floor);
     }
     return result;
   }
@@ -182,6 +186,12 @@ class TechniqueServer {
     if (is_own) result["harness_ms"] = harness_sum;
     if (device_sum) result["device_ms"] = *device_sum;
     return result;
+  }
+
+  /// The bare pass that the technique names, so many times in a row.
+  Json floor(double iterations) {
+    if (!bare_pass_) bare_pass_.emplace(entry_->about.floor, scene_, gbuffer_);
+    return bare_pass_->time(iterations, stopwatch_ ? &*stopwatch_ : nullptr);
   }
 
   Json bring_up(int stage) {
@@ -322,6 +332,7 @@ class TechniqueServer {
   std::vector<std::size_t> lit_;                ///< the light of each object
   std::map<std::string, GBuffer> gbuffers_;     ///< by file: one for each view and truth
   GBuffer gbuffer_;
+  std::optional<TimedBarePass> bare_pass_;  ///< of the frame
   std::optional<FrameTracer> tracer_;
   int fresh_ = -1;  ///< last stage that is up to date
 };

@@ -93,7 +93,8 @@ void WorkerClient::end_load() {
   fresh_count_ = 0;
   receive(std::max(timeout_seconds_, least_load_seconds), [&](const Json& reply) {
     if (const Json& gl = reply.at("gl"); !gl.is_null())
-      gl_ = WorkerGl{gl.at("renderer"), gl.at("version"), gl.value("subpixel_bits", usual_subpixel_bits)};
+      gl_ = WorkerGl{gl.at("renderer"), gl.at("version"), gl.value("subpixel_bits", usual_subpixel_bits),
+                     gl.value("card", Json())};
   });
 }
 
@@ -124,7 +125,11 @@ FrameReply WorkerClient::frame(const FrameRequest& request) {
   pixel_count_ = static_cast<std::size_t>(request.width) * request.height;
   return ask(question, [&](const Json& reply) {
     fresh_count_ = reply.at("fresh");
-    FrameReply result{.support = support_of(reply.at("support"), reply.at("why")), .upload = {}, .lights = {}, .shares = {}};
+    FrameReply result{.support = support_of(reply.at("support"), reply.at("why")),
+                      .upload = {},
+                      .lights = {},
+                      .floor = reply.value("floor", ""),
+                      .shares = {}};
     if (light_count_ > 1) {
       for (const Json& light : reply.at("lights")) result.lights.push_back(support_of(light.at("support"), light.at("why")));
       if (result.lights.size() != light_count_)
@@ -160,6 +165,19 @@ double WorkerClient::time(Stage stage, int iterations) {
     });
   }
   return sum;
+}
+
+double WorkerClient::time_floor(int iterations) {
+  return ask(json_object({{"do", "floor"}, {"iterations", iterations}}), [&](const Json& reply) {
+    other_clocks_ = {.device = {}, .harness = {}};
+    if (reply.contains("device_ms")) other_clocks_.device = reply.at("device_ms").get<double>();
+    return reply.at("ms").get<double>();
+  });
+}
+
+Json WorkerClient::card() {
+  if (!gl_ || gl_->card.is_null()) return {};
+  return ask(json_object({{"do", "card"}}), [](const Json& reply) { return reply.at("card"); });
 }
 
 void WorkerClient::bring_up(Stage last) {

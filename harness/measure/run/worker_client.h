@@ -57,6 +57,7 @@ struct FrameReply {
   };
   std::optional<Upload> upload;
   std::vector<Support> lights;  ///< of several lights, each; one that is unsupported casts no shadows
+  std::string floor;            ///< name of the bare pass that `time_floor` draws; empty: none
   std::optional<bool> shares;   ///< of several lights: whether they share what setup and build make
 };
 
@@ -70,6 +71,7 @@ struct OtherClocks {
 struct WorkerGl {
   std::string renderer, version;
   int subpixel_bits = usual_subpixel_bits;
+  Json card;  ///< how it was doing at the load: name, driver, graphics_mhz, power_w and so on; null where nobody knows
 };
 
 struct MaskReply {
@@ -110,6 +112,11 @@ class WorkerClient {
   double time(Stage stage, int iterations = 1);
   /// The last of these by other clocks.
   const OtherClocks& other_clocks() const { return other_clocks_; }
+  /// Draws the frame's bare pass so many times in a row, at most most_floor_iterations. Milliseconds of all together; other
+  /// clocks as above.
+  double time_floor(int iterations);
+  /// How the card is doing now: WorkerGl::card.
+  Json card();
   /// Does what is out of date up to this stage.
   void bring_up(Stage stage);
 

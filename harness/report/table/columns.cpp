@@ -118,6 +118,25 @@ void add_times(std::vector<Column>& columns) {
         number_column(fmt::format("{}_harness_ms", name(stage)), "ms", fmt::format("{} by harness", name(stage))));
     columns.back().cell = [stage](const Record& r) { return number(median_of_medians(r.harness_times(stage))); };
   }
+  columns.push_back(text_column("floor", "bare pass", [](const Record& r) { return text_cell(r.floor ? r.floor->pass : ""); }));
+  columns.back().sentence = "The barest pass that the technique cannot do without, as its data sheet says.";
+  columns.push_back(number_column("floor_ms", "ms", "bare pass",
+                                  [](const Record& r) { return r.floor ? number(median_of_medians(r.floor->ms)) : Cell{}; }));
+  columns.push_back(number_column("floor_device_ms", "ms", "bare pass on device", [](const Record& r) {
+    return r.floor ? number(median_of_medians(r.floor->device_ms)) : Cell{};
+  }));
+  Column share = number_column("floor_share", "", "bare share", [](const Record& r) { return number(floor_share(r)); });
+  share.shown_unit = "%";
+  share.shown_scale = 100;
+  share.sentence = "What part of a frame (relight and resolve) its bare pass takes, by the device's clock where there is one.";
+  columns.push_back(std::move(share));
+  columns.push_back(text_column("clocks", "clocks", [](const Record& r) {
+    const std::optional<bool> agree = clocks_agree(r);
+    return text_cell(!agree ? "" : *agree ? "agree" : "disagree");
+  }));
+  columns.back().sentence =
+      "Whether the device's clock and the host's can both be right: nothing takes longer by the device's, and a bare pass not "
+      "half as long.";
   columns.push_back(
       whole_column("processes", "", "processes", [](const Record& r) { return count_cell(r.times(Stage::resolve).size()); }));
   columns.push_back(whole_column("repetitions", "", "repetitions", [](const Record& r) {

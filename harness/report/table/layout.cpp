@@ -138,8 +138,11 @@ std::vector<std::string> headline_columns(std::span<const Record> records, bool 
     if (varies(&Record::width) || varies(&Record::height)) names.insert(names.end(), {"width", "height"});
     if (varies(&Record::truth)) names.emplace_back("truth");
   }
-  names.insert(names.end(),
-               {"technique", "support", "setup_ms", "build_ms", "relight_ms", "resolve_ms", "bytes", "peak_bytes"});
+  names.insert(names.end(), {"technique", "support", "setup_ms", "build_ms", "relight_ms", "resolve_ms"});
+  const auto has_device_times = [](const Record& r) { return !r.device_times(Stage::resolve).empty(); };
+  if (std::ranges::any_of(records, has_device_times))
+    names.insert(names.end(), {"relight_device_ms", "resolve_device_ms", "floor_share"});
+  names.insert(names.end(), {"bytes", "peak_bytes"});
   add_error_columns(names, records);
   const bool with_hard = any_is(records, Lighting::hard);
   if (with_hard) names.insert(names.end(), {"wrong_rate_all", "false_dark_rate", "false_lit_rate"});
@@ -274,6 +277,16 @@ Layout lay_out(std::span<const Record> records, std::span<const std::string> nam
   if (has_null) layout.shorthands.emplace_back("-", "not measured or not defined");
   if (std::ranges::find(columns, "ms", &Column::unit) != columns.end())
     layout.shorthands.emplace_back("ms", "median of the medians of the processes");
+  if (has_column("resolve_device_ms"))
+    layout.shorthands.emplace_back("on device", "by the clock of what draws; ms alone by that of the host, which waits for it");
+  if (has_column("floor_share"))
+    layout.shorthands.emplace_back("bare share",
+                                   "what part of relight and resolve the technique's bare pass takes (column floor)");
+  if (has_column("resolve_device_ms") || has_column("clocks"))
+    if (const auto count = std::ranges::count(records, std::optional(false), clocks_agree); count > 0)
+      layout.shorthands.emplace_back("clocks", fmt::format("those of device and host cannot both be right in {} row{}: do not "
+                                                           "trust their times (column clocks)",
+                                                           count, count == 1 ? "" : "s"));
   if (any_is_not_hard(records)) add_error_shorthands(layout, records);
   if (has_column("snapping_floor") && has_metric(records, "snapping_floor"))
     layout.shorthands.emplace_back(

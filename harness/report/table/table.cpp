@@ -22,10 +22,11 @@ std::vector<std::string> column_names(std::span<const Record> records) {
 namespace {
 
 /// Headline columns that a narrow terminal can do without, the least missed first.
-constexpr std::string_view dispensable[] = {
-    "displacement_p95", "displacement_mean",    "wrong_rate_all",   "snapping_floor", "peak_bytes",
-    "setup_ms",         "penumbra_noise",       "other_error_mean", "penumbra_shift", "contact_hardening",
-    "causes",           "penumbra_width_ratio", "build_ms",         "bytes"};
+constexpr std::string_view dispensable[] = {"displacement_p95",     "displacement_mean", "wrong_rate_all",
+                                            "snapping_floor",       "peak_bytes",        "setup_ms",
+                                            "floor_share",          "penumbra_noise",    "other_error_mean",
+                                            "penumbra_shift",       "contact_hardening", "causes",
+                                            "penumbra_width_ratio", "build_ms",          "bytes"};
 
 /// Width of a terminal table: that of the rule below its headings.
 std::size_t width_of(const std::string& text) {

@@ -18,6 +18,36 @@ using namespace gnomon;
 namespace fs = std::filesystem;
 
 /// A folder of its own for each test, gone afterwards.
+// 0.02 of 0.1 + 0.3 ms by the device's clock, else 0.5 of 1 + 1 by the host's.
+TEST(Record, share_of_the_bare_pass_is_by_the_device_where_both_are) {
+  Record r;
+  EXPECT_FALSE(floor_share(r));
+  r.times(Stage::relight) = r.times(Stage::resolve) = {{1}};
+  r.floor.emplace().ms = {{0.5}};
+  EXPECT_NEAR(floor_share(r).value(), 0.25, 1e-12);
+  r.floor->device_ms = {{0.02}};
+  EXPECT_NEAR(floor_share(r).value(), 0.25, 1e-12);  // the stages have no such time
+  r.device_times(Stage::relight) = {{0.1}};
+  r.device_times(Stage::resolve) = {{0.3}};
+  EXPECT_NEAR(floor_share(r).value(), 0.05, 1e-12);
+}
+
+TEST(Record, clocks_disagree_where_both_cannot_be_right) {
+  Record r;
+  r.times(Stage::resolve) = {{1}};
+  EXPECT_FALSE(clocks_agree(r).has_value());  // there is only one
+  r.device_times(Stage::resolve) = {{0.1}};
+  EXPECT_EQ(clocks_agree(r), true);  // the rest is the processor's own work
+  r.device_times(Stage::resolve) = {{1.2}};
+  EXPECT_EQ(clocks_agree(r), false);  // longer than whoever waited for it
+  r.device_times(Stage::resolve) = {{0.9}};
+  r.floor.emplace().ms = {{1}};
+  r.floor->device_ms = {{0.1}};
+  EXPECT_EQ(clocks_agree(r), false);  // nothing but the device works in a bare pass
+  r.floor->device_ms = {{0.8}};
+  EXPECT_EQ(clocks_agree(r), true);
+}
+
 class RecordFileTest : public testing::Test {
  protected:
   void write(const std::string& text) const { std::ofstream(records_file(dir), std::ios::binary) << text; }
@@ -60,6 +90,10 @@ Record example(const std::string& job = "00ff") {
   r.counts = {{"texels", 65536, "texel"}};
   r.bytes = 262144;
   r.peak_bytes = 8589934592;  // beyond 32 bits
+  Record::FloorTimes& floor = r.floor.emplace();
+  floor.pass = "depth_draw";
+  floor.ms = {{0.5, 0.25}, {0.75}};
+  floor.device_ms = {{0.125}};
   r.gl = Record::GlInputs{.input_bytes = 1000, .upload_ms = 0.25};
   r.classes = {{"B", 10}, {"T", 307190}};
   r.metrics[Truth::mesh] = {{"wrong_rate", 1.0 / 3}, {"displacement_mean", std::nullopt}};
@@ -87,6 +121,10 @@ TEST(record, every_field_survives_writing_and_reading) {
   EXPECT_EQ(back.times(Stage::resolve), example().times(Stage::resolve));  // to the last bit
   EXPECT_TRUE(back.times(Stage::build).empty());
   EXPECT_EQ(back.device_times(Stage::resolve), example().device_times(Stage::resolve));
+  ASSERT_TRUE(back.floor);
+  EXPECT_EQ(back.floor->pass, "depth_draw");
+  EXPECT_EQ(back.floor->ms, example().floor->ms);
+  EXPECT_EQ(back.floor->device_ms, example().floor->device_ms);
   EXPECT_EQ(back.harness_times(Stage::build), example().harness_times(Stage::build));
   EXPECT_EQ(back.peak_bytes, 8589934592u);
   EXPECT_EQ(back.metric("wrong_rate"), 1.0 / 3);

@@ -1,0 +1,72 @@
+// What a record says between its lines: how it is lit, what it is called, shares of its numbers.
+#include <algorithm>
+
+#include "measure/record/record.h"
+
+namespace gnomon {
+
+bool has_area(const Record& r) {
+  return !has_several_lights(r) && (r.light_kind == "rect" || r.light_kind == "disc" || r.light_kind == "sphere");
+}
+
+bool has_several_lights(const Record& r) { return r.lights.size() > 1; }
+
+std::string_view name(Lighting of) {
+  static constexpr std::string_view names[] = {"hard", "soft", "several"};
+  return names[static_cast<std::size_t>(of)];
+}
+
+Lighting lighting(const Record& r) {
+  return has_several_lights(r) ? Lighting::several : has_area(r) ? Lighting::soft : Lighting::hard;
+}
+
+std::vector<std::string> light_names(const Record& r) {
+  if (r.lights.empty()) return {r.light};
+  std::vector<std::string> names;
+  for (const Record::LightFacts& light : r.lights) names.push_back(light.name);
+  return names;
+}
+
+std::size_t light_count(const Record& r) { return std::max<std::size_t>(1, r.lights.size()); }
+
+std::string setting_key(const Record& r) { return r.technique + (r.settings.empty() ? "" : ":" + r.settings); }
+
+std::optional<std::map<std::string, double>> cause_shares(const Record& r) {
+  if (r.cause_errors) return r.cause_errors;
+  const auto tested = r.classes.find("T");
+  if (!r.causes || tested == r.classes.end() || tested->second == 0) return std::nullopt;
+  // On a path both are sums over its frames.
+  std::map<std::string, double> shares;
+  for (const auto& [cause, pixels] : *r.causes)
+    shares[cause] = static_cast<double>(pixels) / static_cast<double>(tested->second);
+  return shares;
+}
+
+std::optional<double> floor_share(const Record& r) {
+  if (!r.floor) return std::nullopt;
+  const auto share = [&](const ProcessTimes& pass, const ProcessTimes& relight,
+                         const ProcessTimes& resolve) -> std::optional<double> {
+    const auto least = median_of_medians(pass), first = median_of_medians(relight), last = median_of_medians(resolve);
+    if (!least || !first || !last || !(*first + *last > 0)) return std::nullopt;
+    return *least / (*first + *last);
+  };
+  const auto by_device = share(r.floor->device_ms, r.device_times(Stage::relight), r.device_times(Stage::resolve));
+  return by_device ? by_device : share(r.floor->ms, r.times(Stage::relight), r.times(Stage::resolve));
+}
+
+std::optional<bool> clocks_agree(const Record& r) {
+  constexpr double call_ms = 0.02, slack = 1.05;
+  std::optional<bool> agree;
+  const auto look = [&](const ProcessTimes& device, const ProcessTimes& host, double least_share) {
+    const auto inner = median_of_medians(device), outer = median_of_medians(host);
+    if (!inner || !outer) return;
+    agree = agree.value_or(true) && *inner <= *outer * slack + call_ms && *inner >= *outer * least_share - call_ms;
+  };
+  for (std::size_t stage = 0; stage < std::size(stage_names); ++stage) look(r.device_stages[stage], r.stages[stage], 0);
+  if (r.floor) look(r.floor->device_ms, r.floor->ms, 0.5);
+  return agree;
+}
+
+std::string setting_name(const Record& r) { return r.label ? *r.label : setting_key(r); }
+
+}  // namespace gnomon
