@@ -20,8 +20,10 @@ struct TableCommand {
 
   std::vector<Record> records() const {
     if (dirs.size() > 1)
-      throw Error("a table is of one run, and '{}' are given; several stand side by side with --by machine",
-                  joined(dirs, "', '"));
+      throw Error(
+          "a table is of one run, and '{}' are given; several stand side by side with --by machine; gnomon table --help says "
+          "how",
+          joined(dirs, "', '"));
     const std::string& dir = dirs.front();
     if (is_saved && !is_rescored) throw Error("--save keeps what --rescore finds; give both");
     if (!is_rescored) return read_records(dir);
