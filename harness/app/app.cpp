@@ -16,6 +16,7 @@
 #include "measure/notice.h"
 #include "measure/paths.h"
 #include "measure/program/program_technique.h"
+#include "measure/run/outside.h"
 #include "measure/scene/import.h"
 
 namespace gnomon::app {
@@ -69,6 +70,13 @@ void add_worker(Program& program) {
   mesh.option("descriptor", &to_import.descriptor, "", {.is_required = true});
 }
 
+/// Whether this process is one of those that the program starts, where techniques run: a worker's command has two numbers
+/// behind it.
+bool is_where_techniques_run(int argc, char** argv) {
+  const std::string_view command = argc > 3 ? argv[argc - 3] : "";
+  return command == "worker" || command == "check-rule";
+}
+
 }  // namespace
 
 int run_program(int argc, char** argv) {
@@ -84,7 +92,7 @@ int run_program(int argc, char** argv) {
       };
     };
     program.line.early_option("--plugin", "FILE.so", "Load techniques from a plugin built with gnomon_add_plugin",
-                              loaded_by(load_plugin));
+                              loaded_by(is_where_techniques_run(argc, argv) ? load_plugin : register_plugin));
     program.line.early_option("--program", "FILE.toml", "Load a technique that is a program of its own (docs/protocol.md)",
                               loaded_by([](const std::string& path) { load_program(path); }));
     if (const std::filesystem::path root = find_data_root(); !root.empty()) load_programs_of(root / "techniques");

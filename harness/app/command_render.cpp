@@ -260,7 +260,7 @@ int render(const RenderOptions& options, const WorkerOptions& worker) {
   if (!options.detail.empty()) check_detail_file(contenders[0], options.detail);
   const Suite suite = render_suite(options, contenders[0]);
   SceneLibrary library;
-  const std::vector<Job> jobs = expand_jobs(suite, library);
+  const std::vector<Job> jobs = expand_jobs(suite, library, worker).jobs;
   const SceneLibrary::Entry& entry = library.get(options.scene);
   if (!entry.scene) throw Error("{}", entry.missing);
   if (!options.detail.empty())

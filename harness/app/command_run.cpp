@@ -65,7 +65,7 @@ std::pair<int, int> parse_shard(const std::string& text) {
 
 /// The rows that would be run, without those that are done, and how long they would take by what is known of earlier ones.
 void print_rows(const RunOptions& options, SceneLibrary& library) {
-  const std::vector<Job> suite_jobs = expand_jobs(options.suite, library);
+  const std::vector<Job> suite_jobs = expand_jobs(options.suite, library, options.worker).jobs;
   std::vector<Job> jobs = select_jobs(options, suite_jobs);
   const Earlier earlier = options.resume ? earlier_rows(options, library, suite_jobs, jobs) : Earlier{};
   const std::size_t asked = jobs.size();
@@ -89,16 +89,6 @@ void print_rows(const RunOptions& options, SceneLibrary& library) {
   const Estimator estimate(std::move(costs), machine_name(machine_context(options.worker.threads)));
   fmt::print("{}\n", text(estimate(jobs, {suite.processes, suite.warmups, suite.repetitions})));
   if (suite.interval > 0) fmt::print("and up to {} more for narrow intervals\n", duration_text(suite.budget));
-}
-
-/// Techniques that a suite names by `*` and that support nothing of a group, each once; empty where there are none.
-std::string left_out_text(const Suite& suite, SceneLibrary& library) {
-  std::vector<std::string> left_out;
-  expand_jobs(suite, library, &left_out);
-  std::ranges::sort(left_out);
-  left_out.erase(std::unique(left_out.begin(), left_out.end()), left_out.end());
-  if (left_out.empty()) return "";
-  return fmt::format("left out, for they support nothing of a group: {}\n\n", joined(left_out, "; "));
 }
 
 /// Says on stderr which scenes are not fetched, for their rows hold no answer. Whether any row has one.
@@ -131,7 +121,6 @@ int run(RunCommand& options, const Program& program) {
     print_rows(run_options, library);
     return 0;
   }
-  const std::string left_out = left_out_text(run_options.suite, library);
   const RunSummary summary = [&] {
     Progress progress(options.quiet);  // gone from the terminal before the table comes
     return run_suite(run_options, library, progress);
@@ -143,8 +132,10 @@ int run(RunCommand& options, const Program& program) {
   }
   write_tables(run_options.out, records);
   fmt::print("{}\n", render_table(records, Format::terminal, {.width = terminal_width()}));
-  fmt::print("{}{} rows: {} ok, {} unsupported, {} failed", left_out, summary.ok + summary.unsupported + summary.failed,
-             summary.ok, summary.unsupported, summary.failed);
+  if (!summary.left_out.empty())
+    fmt::print("left out, for they support nothing of a group: {}\n\n", joined(summary.left_out, "; "));
+  fmt::print("{} rows: {} ok, {} unsupported, {} failed", summary.ok + summary.unsupported + summary.failed, summary.ok,
+             summary.unsupported, summary.failed);
   if (summary.done_before) fmt::print("; {} were done before", summary.done_before);
   fmt::print("; {}\n\n", duration_text(summary.seconds));
   print_contents(run_options.out);

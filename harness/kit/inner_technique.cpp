@@ -1,6 +1,8 @@
 #include <gnomon/kit/inner_technique.h>
 #include <gnomon/kit/shapes.h>
 
+#include <algorithm>
+
 namespace gnomon {
 
 std::vector<std::string> InnerTechnique::ids() const {
@@ -29,15 +31,25 @@ Scene triangle_over_ground() {
 
 }  // namespace
 
-std::string has_no_hard_shadow(const TechniqueEntry& entry) {
+std::vector<std::string_view> known_lights(const TechniqueEntry& entry) {
+  if (!entry.about.lights.empty()) return {entry.about.lights.begin(), entry.about.lights.end()};
   static const Scene scene = triangle_over_ground();
   const glm::vec3 above(0, 4, 0);
+  const LightKind kinds[] = {PointLight{above},          SpotLight{.position = above}, DirectionalLight{},
+                             RectLight{.center = above}, DiscLight{.center = above},   SphereLight{.center = above}};
   const auto technique = entry.make();
-  const auto supports = [&](const LightKind& kind) {
-    return bool(technique->supports(scene, {.name = "light", .kind = kind}, scene.views[0]));
-  };
-  const bool is_soft_only =
-      supports(RectLight{.center = above}) && !supports(PointLight{above}) && !supports(DirectionalLight{});
+  std::vector<std::string_view> known;
+  for (const LightKind& kind : kinds) {
+    const Light light{.name = "light", .kind = kind};
+    if (technique->supports(scene, light, scene.views[0])) known.push_back(kind_name(light));
+  }
+  return known;
+}
+
+std::string has_no_hard_shadow(const TechniqueEntry& entry) {
+  const std::vector<std::string_view> known = known_lights(entry);
+  const auto knows = [&](std::string_view kind) { return std::ranges::find(known, kind) != known.end(); };
+  const bool is_soft_only = knows("rect") && !knows("point") && !knows("directional");
   return is_soft_only ? fmt::format("{} is for lights with area only", entry.id) : "";
 }
 

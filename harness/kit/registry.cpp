@@ -88,13 +88,6 @@ const TechniqueEntry& Registry::reference() const {
   throw Error("no technique has the role of the reference");
 }
 
-std::vector<std::optional<Explanation>> Technique::explain_all(std::span<const std::uint32_t> pixels) const {
-  std::vector<std::optional<Explanation>> all;
-  all.reserve(pixels.size());
-  for (const std::uint32_t pixel : pixels) all.push_back(explain(pixel));
-  return all;
-}
-
 Registry& registry() {
   static Registry the_registry;
   return the_registry;
@@ -127,6 +120,7 @@ PluginFacts facts_of(void* library, const std::string& path, const std::string& 
 }  // namespace
 
 const std::vector<PluginFacts>& loaded_plugins() { return plugins(); }
+void note_plugin(PluginFacts facts) { plugins().push_back(std::move(facts)); }
 
 void load_plugin(const std::string& path) {
   // dlopen looks for a bare name in the system's folders.
@@ -145,7 +139,7 @@ void load_plugin(const std::string& path) {
   roll_call(registry());
   registry().set_origin("");
   libraries.push_back(library);
-  plugins().push_back(facts_of(library, path, file));
+  note_plugin(facts_of(library, path, file));
 }
 
 }  // namespace gnomon

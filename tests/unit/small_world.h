@@ -51,8 +51,12 @@ inline Mesh random_soup(std::mt19937& random, int count, float half, float low, 
   std::vector<glm::vec3> p;
   std::vector<glm::uvec3> t;
   for (unsigned i = 0; i < unsigned(count); ++i) {
-    const glm::vec3 center(across(random), height(random), across(random));
-    for (int k = 0; k < 3; ++k) p.push_back(center + glm::vec3(edge(random), edge(random), edge(random)));
+    // One number after the other, the last one first: the arguments of a call are drawn in another order by each compiler.
+    const float z = across(random), y = height(random), x = across(random);
+    for (int k = 0; k < 3; ++k) {
+      const float dz = edge(random), dy = edge(random), dx = edge(random);
+      p.push_back(glm::vec3(x, y, z) + glm::vec3(dx, dy, dz));
+    }
     t.push_back({3 * i, 3 * i + 1, 3 * i + 2});
   }
   return make_mesh(p, t);

@@ -12,7 +12,8 @@ struct PluginFacts {
   bool is_optimized = true;
 };
 
-/// Those that were loaded, in order.
+/// Those that were loaded, in order; in the program itself those of which a worker told.
 const std::vector<PluginFacts>& loaded_plugins();
+void note_plugin(PluginFacts facts);
 
 }  // namespace gnomon

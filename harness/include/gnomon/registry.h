@@ -35,6 +35,8 @@ struct TechniqueEntry {
   About about;
   std::function<std::unique_ptr<Technique>()> make;  ///< fresh object, id set
   std::string origin = {};  ///< file that it was loaded from, as given: of a plugin or of a program; empty: built in
+  std::string broken =
+      {};  ///< what a worker could not do with a fresh object of it: "crashed in describe: ..."; empty: nothing
 };
 struct SceneEntry {
   std::string id;

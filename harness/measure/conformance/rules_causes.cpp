@@ -5,6 +5,7 @@
 #include "measure/cause/own_causes.h"
 #include "measure/conformance/trial.h"
 #include "measure/frame/frame.h"
+#include "measure/program/elsewhere.h"
 
 namespace gnomon::conformance {
 namespace {
@@ -65,7 +66,7 @@ void named_causes(Trial& trial) {
       const std::vector<float> mask = trial.answer(*technique, scene, light, gbuffer);
       const Reference truth = frames.reference(key, light);
       const auto explain = [&](std::span<const std::uint32_t> pixels) {
-        auto whys = technique->explain_all(pixels);
+        auto whys = explain_all(*technique, pixels);
         asked += pixels.size();
         told += static_cast<std::size_t>(std::ranges::count_if(whys, says_something));
         return whys;

@@ -12,6 +12,7 @@
 
 #include "device/context.h"
 #include "measure/conformance/trial.h"
+#include "measure/program/elsewhere.h"
 
 namespace gnomon::conformance {
 namespace {
@@ -90,7 +91,7 @@ class Scales {
     technique->resolve(gbuffer, mask);
     f.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     f.growth = resident_bytes(trial_.uses_gl()) - before;
-    f.is_elsewhere = technique->own_ms().has_value();
+    f.is_elsewhere = elsewhere(*technique) != nullptr;
     for (const Count& count : technique->counts())
       if (count.name == "bytes") f.reported = count.value;
     f.text = fmt::format("{:.1f} MiB reported, resident memory grew by {:.1f} MiB", f.reported / MiB, f.growth / MiB);

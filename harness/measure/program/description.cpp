@@ -58,9 +58,9 @@ Stage stage_of(const Table& table) {
   return static_cast<Stage>(found - std::begin(stage_names));
 }
 
-ProgramParameter parameter_of(const toml::table& toml, const fs::path& file, const std::vector<ProgramParameter>& others) {
+DescribedParameter parameter_of(const toml::table& toml, const fs::path& file, const std::vector<DescribedParameter>& others) {
   const Table table(toml, file, "parameter", {"name", "value", "min", "max", "choices", "unit", "log", "stage", "sentence"});
-  ProgramParameter row;
+  DescribedParameter row;
   row.name = table.name("name", others, "");
   row.sentence = table.text("sentence");
   row.stage = stage_of(table);
@@ -87,7 +87,7 @@ ProgramParameter parameter_of(const toml::table& toml, const fs::path& file, con
     row.kind = *value->value_exact<bool>();
   } else if (value && value->is_string()) {
     refuse_keys({"min", "max", "log", "unit"}, "word");
-    ProgramParameter::Word word{table.text("value"), {}};
+    DescribedParameter::Word word{table.text("value"), {}};
     const toml::array* const choices = toml.get("choices") ? toml.get("choices")->as_array() : nullptr;
     for (std::size_t k = 0; choices && k < choices->size(); ++k)
       word.choices.push_back((*choices)[k].value_exact<std::string>().value_or(""));
@@ -98,11 +98,11 @@ ProgramParameter parameter_of(const toml::table& toml, const fs::path& file, con
     refuse_keys({"choices"}, "word");
     for (const std::string_view key : {"value", "min", "max"}) table.integer(key, 0, -1'000'000'000, 1'000'000'000);
     const auto [number, range] = range_of(int());
-    row.kind = ProgramParameter::Whole{number, range};
+    row.kind = DescribedParameter::Whole{number, range};
   } else {
     refuse_keys({"choices"}, "word");
     const auto [number, range] = range_of(double());
-    row.kind = ProgramParameter::Real{number, range};
+    row.kind = DescribedParameter::Real{number, range};
   }
   return row;
 }

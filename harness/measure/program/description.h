@@ -5,29 +5,11 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <variant>
 #include <vector>
 
-namespace gnomon {
+#include "measure/program/described_parameter.h"
 
-/// A parameter row as a program's description gives it.
-struct ProgramParameter {
-  struct Whole {
-    int value;
-    Range<int> range;
-  };
-  struct Real {
-    double value;
-    Range<double> range;
-  };
-  struct Word {
-    std::string value;
-    std::vector<std::string> choices;
-  };
-  std::string name, unit, sentence;
-  Stage stage = Stage::resolve;
-  std::variant<Whole, Real, Word, bool> kind;
-};
+namespace gnomon {
 
 /// A cause of wrong pixels that the program alone has (OwnCause).
 struct ProgramCause {
@@ -59,7 +41,7 @@ struct ProgramDescription {
   bool wants_gltf = false, wants_scene_arrays = true, wants_gbuffer_exr = false, wants_gbuffer_arrays = true;
   ProgramMask mask = ProgramMask::float32;
   std::vector<ProgramNeed> needs;
-  std::vector<ProgramParameter> parameters;
+  std::vector<DescribedParameter> parameters;
   std::vector<ProgramCause> causes;
   std::vector<OwnCause> cause_rows;  ///< of these, for `about`
 };

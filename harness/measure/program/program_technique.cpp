@@ -6,6 +6,7 @@
 
 #include "measure/paths.h"
 #include "measure/program/description.h"
+#include "measure/program/elsewhere.h"
 #include "measure/program/explanation_json.h"
 #include "measure/program/program_files.h"
 #include "measure/program/program_process.h"
@@ -29,11 +30,11 @@ int usable_cores() {
   return sched_getaffinity(0, sizeof cores, &cores) == 0 ? CPU_COUNT(&cores) : 1;
 }
 
-class ProgramTechnique final : public Technique {
+class ProgramTechnique final : public Technique, public WorksElsewhere {
  public:
   explicit ProgramTechnique(std::shared_ptr<const ProgramDescription> description) : d_(std::move(description)) {
     set_id(d_->id);
-    for (const ProgramParameter& row : d_->parameters) rows_.push_back(made(row));
+    for (const DescribedParameter& row : d_->parameters) rows_.push_back(made(row, this));
   }
 
   Support supports(const Scene& scene, const Light& light, const View& view) const override {
@@ -123,29 +124,10 @@ class ProgramTechnique final : public Technique {
     double bytes_at_start = 0;
   };
 
-  std::unique_ptr<Parameter> made(const ProgramParameter& row) {
-    return std::visit(
-        [&](const auto& kind) -> std::unique_ptr<Parameter> {
-          using Kind = std::decay_t<decltype(kind)>;
-          if constexpr (std::is_same_v<Kind, ProgramParameter::Whole> || std::is_same_v<Kind, ProgramParameter::Real>) {
-            auto range = kind.range;
-            range.unit = row.unit;
-            return std::make_unique<Number<std::decay_t<decltype(kind.value)>>>(this, row.name, kind.value, range, row.stage,
-                                                                                row.sentence);
-          } else if constexpr (std::is_same_v<Kind, ProgramParameter::Word>) {
-            const std::vector<std::string_view> choices(kind.choices.begin(), kind.choices.end());
-            return std::make_unique<Choice>(this, row.name, kind.value, choices, row.stage, row.sentence);
-          } else {
-            return std::make_unique<Flag>(this, row.name, kind, row.stage, row.sentence);
-          }
-        },
-        row.kind);
-  }
-
   Json settings_json() const {
     Json settings = json_object();
     for (std::size_t k = 0; k < rows_.size(); ++k) {
-      const bool is_word = std::holds_alternative<ProgramParameter::Word>(d_->parameters[k].kind);
+      const bool is_word = std::holds_alternative<DescribedParameter::Word>(d_->parameters[k].kind);
       settings[std::string(rows_[k]->name())] = is_word ? Json(rows_[k]->text()) : parse_json(rows_[k]->text());
     }
     return settings;

@@ -1,12 +1,12 @@
 #include "measure/run/jobs.h"
 
 #include <gnomon/param.h>
-#include <gnomon/registry.h>
 
 #include <algorithm>
 
 #include "measure/record/title.h"
 #include "measure/run/light_words.h"
+#include "measure/run/outside.h"
 #include "measure/scene/blob.h"
 #include "measure/scene/load.h"
 #include "measure/scene/motion.h"
@@ -86,35 +86,41 @@ void check_path(const Scene& scene, const std::string& reference, const std::str
     }
 }
 
-/// Why a contender supports nothing of a group; nothing where it supports something, or where a scene is not there to ask
+/// Why a technique supports nothing of a group; nothing where it supports something, or where a scene is not there to ask
 /// about.
-std::optional<std::string> objection(const SuiteGroup& group, const Contender& contender, SceneLibrary& library) {
-  const auto technique = registry().technique(contender.technique).make();
+std::optional<std::string> objection(const SuiteGroup& group, const std::string& technique, SceneLibrary& library,
+                                     SupportQuestions& questions) {
   std::optional<std::string> why;
   for (const std::string& reference : group.scenes) {
     const SceneLibrary::Entry& entry = library.get(reference);
     if (!entry.scene) return std::nullopt;
     const std::vector<RowLights> rows = row_lights(group.lights, reference, *entry.scene);
-    for (const Light& light : entry.scene->lights) {
-      const auto has_it = [&](const RowLights& row) { return std::ranges::find(row.lights, light.name) != row.lights.end(); };
+    const std::vector<Support>& supports = questions.ask(reference, *entry.scene, technique);
+    for (std::size_t k = 0; k < supports.size(); ++k) {
+      const std::string& light = entry.scene->lights[k].name;
+      const auto has_it = [&](const RowLights& row) { return std::ranges::find(row.lights, light) != row.lights.end(); };
       if (std::ranges::none_of(rows, has_it)) continue;
-      const Support support = technique->supports(*entry.scene, light, entry.scene->views.front());
-      if (support) return std::nullopt;
-      if (!why) why = support.why();
+      if (supports[k]) return std::nullopt;
+      if (!why) why = supports[k].why();
     }
   }
   return why;
 }
 
 /// The contenders of a group, without those of `*` that support nothing of it.
-std::vector<Contender> contenders_of(const SuiteGroup& group, SceneLibrary& library, std::vector<std::string>* left_out) {
+std::vector<Contender> contenders_of(const SuiteGroup& group, SceneLibrary& library, SupportQuestions& questions,
+                                     std::vector<std::string>& left_out) {
   std::vector<Contender> kept;
   for (const Contender& contender : group.contenders) {
-    const auto why = contender.is_one_of_all ? objection(group, contender, library) : std::nullopt;
-    if (!why)
+    std::optional<std::string> why;
+    if (contender.is_one_of_all) try {
+        why = objection(group, contender.technique, library, questions);
+      } catch (const WorkerFailure&) {  // its rows will say so
+      }
+    if (why)
+      left_out.push_back(fmt::format("{}: {}", contender.technique, *why));
+    else
       kept.push_back(contender);
-    else if (left_out)
-      left_out->push_back(fmt::format("{}: {}", contender.technique, *why));
   }
   return kept;
 }
@@ -138,11 +144,13 @@ void require_names(const std::string& reference, const Scene& scene, const std::
   require(views, names_of(scene.views), "view", reference);
 }
 
-std::vector<Job> expand_jobs(const Suite& suite, SceneLibrary& library, std::vector<std::string>* left_out) {
-  std::vector<Job> jobs;
+SuiteJobs expand_jobs(const Suite& suite, SceneLibrary& library, const WorkerOptions& worker) {
+  SuiteJobs result;
+  std::vector<Job>& jobs = result.jobs;
+  SupportQuestions questions(worker, suite.timeout);
   std::map<std::string, std::size_t> places;  // by hash
   for (const SuiteGroup& group : suite.groups) {
-    const std::vector<Contender> contenders = contenders_of(group, library, left_out);
+    const std::vector<Contender> contenders = contenders_of(group, library, questions, result.left_out);
     for (const std::string& reference : group.scenes) {
       const SceneLibrary::Entry& entry = library.get(reference);
       std::vector<RowLights> lights;
@@ -177,7 +185,9 @@ std::vector<Job> expand_jobs(const Suite& suite, SceneLibrary& library, std::vec
               }
     }
   }
-  return jobs;
+  std::ranges::sort(result.left_out);
+  result.left_out.erase(std::unique(result.left_out.begin(), result.left_out.end()), result.left_out.end());
+  return result;
 }
 
 }  // namespace gnomon

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "measure/run/suite.h"
+#include "measure/run/worker.h"
 
 namespace gnomon {
 
@@ -48,9 +49,14 @@ const Item* find_named(const std::vector<Item>& items, const std::string& name) 
 void require_names(const std::string& reference, const Scene& scene, const std::vector<std::string>& lights,
                    const std::vector<std::string>& views);
 
-/// All jobs of a suite in order, each once. Techniques that a group names by `*` have none in it where they support no scene
-/// and light of it; `left_out` gets a line for each of these: "shadow_map: a shadow map has one center ...". Throws Error when
-/// a scene lacks a named light, view or path, or a path has a frame that cannot be drawn.
-std::vector<Job> expand_jobs(const Suite& suite, SceneLibrary& library, std::vector<std::string>* left_out = nullptr);
+struct SuiteJobs {
+  std::vector<Job> jobs;  ///< in order, each once
+  /// Techniques that a group names by `*` and that support no scene and light of it, each once, in alphabetical order:
+  /// "shadow_map: a shadow map has one center ...". They have no job in the group.
+  std::vector<std::string> left_out;
+};
+/// All jobs of a suite. What techniques of a `*` support is asked in workers; one that does not answer stays: its rows say why.
+/// Throws Error when a scene lacks a named light, view or path, or a path has a frame that cannot be drawn.
+SuiteJobs expand_jobs(const Suite& suite, SceneLibrary& library, const WorkerOptions& worker);
 
 }  // namespace gnomon

@@ -119,7 +119,8 @@ std::vector<Job> select_jobs(const RunOptions& options, std::vector<Job> jobs) {
 
 RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress& progress) {
   const auto start = Clock::now();
-  const std::vector<Job> suite = expand_jobs(options.suite, library), jobs = select_jobs(options, suite);
+  const SuiteJobs suite = expand_jobs(options.suite, library, options.worker);
+  const std::vector<Job> jobs = select_jobs(options, suite.jobs);
   const auto refuse = [&] {
     if (!options.resume) refuse_records(options.out, "continue them with --resume, or name another --out");
   };
@@ -128,11 +129,12 @@ RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress&
   // From here on the folder is ours: nobody else reads what to do from it, or changes what it holds.
   RecordWriter writer(options.out);
   refuse();  // of a run that ended just now
-  const Earlier earlier = options.resume ? earlier_rows(options, library, suite, jobs) : Earlier{};
+  const Earlier earlier = options.resume ? earlier_rows(options, library, suite.jobs, jobs) : Earlier{};
   for (const std::string& note : earlier.notes) progress.say(note);
   if (earlier.is_changed) writer.replace(earlier.kept);
   remove_unfinished_pictures(options.out);
   RunSummary summary;
+  summary.left_out = suite.left_out;
   std::vector<PendingRow> rows;
   for (const Job& job : jobs) {
     if (earlier.done.contains(job.hash))
@@ -171,7 +173,7 @@ void run_live(const RunOptions& options, const std::string& base_program, SceneL
   for (Side& side : sides) side.worker.takes_iterations = base.takes_iterations;
   if (!base.takes_iterations)
     progress.say(fmt::format("{} times one iteration a request, and so this program does, too", base_program));
-  const std::vector<Job> jobs = select_jobs(options, expand_jobs(options.suite, library));
+  const std::vector<Job> jobs = select_jobs(options, expand_jobs(options.suite, library, options.worker).jobs);
   const auto refuse = [&] {
     for (const Side& side : sides) refuse_records(side.out, "name another --out");
   };

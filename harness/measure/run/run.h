@@ -23,6 +23,7 @@ struct RunSummary {
   std::size_t ok = 0, unsupported = 0, failed = 0;
   std::size_t done_before = 0;  ///< found in the folder by --resume
   double seconds = 0;
+  std::vector<std::string> left_out;  ///< see SuiteJobs
 };
 
 /// Those of `jobs` (all of the suite) that the options select, in order. Throws Error on a bad expression.

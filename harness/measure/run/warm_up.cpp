@@ -36,7 +36,7 @@ double warmed_up_ms(WorkerClient& worker, Stage stage, int warmups) {
 }
 
 Record::FloorTimes floor_times(WorkerClient& worker, int repetitions) {
-  const int iterations = std::min(iterations_for(worker.time_floor(1)), most_floor_iterations);
+  const int iterations = std::min(iterations_for(worker.time_floor(1)), most_floor_times);
   std::vector<double> ms, device_ms;
   for (int k = 0; k < repetitions; ++k) {
     ms.push_back(worker.time_floor(iterations) / iterations);

@@ -50,7 +50,7 @@ inline constexpr int worker_protocol = 3;
 inline constexpr double longest_portion_seconds = 0.1;
 
 /// Bare passes in a row that a worker draws in one answer, at most.
-inline constexpr int most_floor_iterations = 50;
+inline constexpr int most_floor_times = 50;
 
 /// The machine and the build, for every record: version, commit, build_type, compiler, flags, processor, cores, threads,
 /// load_average, started, libraries; and "shaders": "kept" where the environment keeps them.
@@ -110,7 +110,7 @@ bool write_line(int socket, const std::string& line);
 ///   {"do": "frame", "gbuffer": FILE, "stand": FILE, "width", "height", "truth"}         -> the same
 ///   {"do": "time", "stage": NAME, "iterations": N}                          -> {"ms": t, "iterations": n, "device_ms": t,
 ///   "harness_ms": t}
-///   {"do": "floor", "iterations": N}                                        -> {"ms": t, "device_ms": t}  of all N
+///   {"do": "floor", "times": N}                                             -> {"ms": t, "device_ms": t}  of all N
 ///   {"do": "card"}                                                          -> {"card": {...} or null}
 ///   {"do": "bring_up", "stage": NAME}                                       -> {}          all stages up to this one, once
 ///   {"do": "answer", "mask": FILE}                                          -> {"counts": [...], "peak_bytes": n, "maker": ""}

@@ -15,10 +15,13 @@
 #include "measure/cause/causes.h"
 #include "measure/picture/detail_export.h"
 #include "measure/process_memory.h"
+#include "measure/program/elsewhere.h"
 #include "measure/run/shared_count.h"
 #include "measure/run/worker.h"
 #include "measure/run/worker_device.h"
 #include "measure/run/worker_frame.h"
+#include "measure/run/worker_roll.h"
+#include "measure/run/worker_words.h"
 
 namespace gnomon {
 
@@ -35,12 +38,13 @@ class TechniqueServer {
       return json_object({{"protocol", worker_protocol}, {"takes_iterations", true}, {"context", machine_context(0)}});
     if (what == "open") return open(request);
     if (what == "trace") return trace(request);
+    if (const auto answer = answer_of_roll(request)) return *answer;
     if (!objects_) throw Error("a worker cannot {} before it has a technique", what);
     if (what == "set") return set(request.at("settings"));
     if (what == "frame") return frame(request);
     if (what == "time") return time_stage(stage_named(request.at("stage")), request.value("iterations", 1.0));
-    if (what == "floor") return floor(request.at("iterations"));
-    if (what == "card") return json_object({{"card", card_json(process_context().info())}});
+    if (what == "floor") return floor(request.at("times"));
+    if (what == "card") return json_object({{"card", uses_gl_ ? card_json(process_context().info()) : Json()}});
     if (what == "bring_up") return bring_up(stage_named(request.at("stage")));
     if (what == "answer") return answer(request.at("mask"));
     if (what == "mask") return write_mask(request.at("mask"));
@@ -99,10 +103,10 @@ class TechniqueServer {
     gbuffer_ = known;
     const std::vector<Support> supports = hold_objects(asked.key);
     const Support support = support_together(*lights_, supports);
-    Json result = json_object({{"support", name(support.kind())}, {"why", support.why()}, {"fresh", fresh_ + 1}});
+    Json result = support_json(support);
+    result["fresh"] = fresh_ + 1;
     if (supports.size() > 1) {
-      for (const Support& one : supports)
-        result["lights"].push_back(json_object({{"support", name(one.kind())}, {"why", one.why()}}));
+      for (const Support& one : supports) result["lights"].push_back(support_json(one));
       if (const auto shares = objects_->shares()) result["shares"] = *shares;
     }
     if (uses_gl_ && support) {
@@ -158,12 +162,6 @@ class TechniqueServer {
     return Json::object();
   }
 
-  static int stage_named(const std::string& name) {
-    for (int s = 0; s < 4; ++s)
-      if (stage_names[s] == name) return s;
-    throw Error("there is no stage {}", name);
-  }
-
   Json time_stage(int stage, double iterations) {
     if (!(iterations >= 1)) throw Error("iterations = {} is below 1", iterations);
     bring_up(stage - 1);
@@ -189,9 +187,9 @@ class TechniqueServer {
   }
 
   /// The bare pass that the technique names, so many times in a row.
-  Json floor(double iterations) {
+  Json floor(double times) {
     if (!bare_pass_) bare_pass_.emplace(entry_->about.floor, scene_, gbuffer_);
-    return bare_pass_->time(iterations, stopwatch_ ? &*stopwatch_ : nullptr);
+    return bare_pass_->time(times, stopwatch_ ? &*stopwatch_ : nullptr);
   }
 
   Json bring_up(int stage) {
@@ -227,7 +225,8 @@ class TechniqueServer {
           technique.resolve(gbuffer_, masks_[lit_[k]]);
           break;
       }
-      if (const auto ms = technique.own_ms()) own_ms = own_ms.value_or(0) + *ms;
+      if (const WorksElsewhere* const there = elsewhere(technique))
+        if (const auto ms = there->own_ms()) own_ms = own_ms.value_or(0) + *ms;
     });
     if (stopwatch_) stopwatch_->stop();
     if (uses_gl_) glFinish();
@@ -256,7 +255,8 @@ class TechniqueServer {
       if (!std::isfinite(c.value)) throw Error("count {} is {}", c.name, c.value);
       counts.push_back(json_object({{"name", c.name}, {"value", c.value}, {"unit", c.unit}}));
     }
-    return json_object({{"counts", counts}, {"peak_bytes", peak}, {"maker", (*objects_)[0].maker()}});
+    const WorksElsewhere* const there = elsewhere((*objects_)[0]);
+    return json_object({{"counts", counts}, {"peak_bytes", peak}, {"maker", there ? there->maker() : ""}});
   }
 
   /// Asks the technique about the listed pixels (uint32 indices) and writes its explanations.
@@ -271,7 +271,7 @@ class TechniqueServer {
       if (index[k] >= gbuffer_.size()) throw Error("there is no pixel {}: the picture has {}", index[k], gbuffer_.size());
     const Explanation not_covered{.covered = false, .taps = {}, .shifted = {}, .element = {}};
     const auto explanations =
-        technique ? technique->explain_all({index, count}) : std::vector<std::optional<Explanation>>(count, not_covered);
+        technique ? explain_all(*technique, {index, count}) : std::vector<std::optional<Explanation>>(count, not_covered);
     if (explanations.size() != count) throw Error("{} explanations came for {} pixels", explanations.size(), count);
     write_file(out, explanation_bytes(explanations));
     const bool explained = std::ranges::any_of(explanations, [](const auto& why) { return why.has_value(); });

@@ -2,6 +2,7 @@
 
 #include <gnomon/error.h>
 #include <gnomon/kit/progress.h>
+#include <gnomon/registry.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 
 #include "measure/cause/causes.h"
 #include "measure/picture/detail_export.h"
+#include "measure/run/worker_words.h"
 #include "measure/scene/blob.h"
 #include "measure/score/score.h"
 
@@ -27,12 +29,6 @@ constexpr Stage all_stages[] = {Stage::setup, Stage::build, Stage::relight, Stag
 WorkerOptions with_program_folder(WorkerOptions options, const fs::path& folder) {
   options.program_folder = folder.string();
   return options;
-}
-
-Support support_of(const std::string& kind, const std::string& why) {
-  for (const Support& support : {Support::full(), Support::approximate(why), Support::unsupported(why)})
-    if (kind == name(support.kind())) return support;
-  throw Error("there is no support {}", kind);
 }
 
 }  // namespace
@@ -80,6 +76,9 @@ auto WorkerClient::ask(const Json& request, const Read& read) {
 }
 
 void WorkerClient::begin_load(const LoadRequest& request) {
+  // It would not be otherwise now, and might take its time.
+  if (const TechniqueEntry* const entry = registry().find_technique(request.technique); entry && !entry->broken.empty())
+    process_.fail(entry->broken);
   process_.send(json_object({{"do", "open"},
                              {"scene", request.scene_file.string()},
                              {"technique", request.technique},
@@ -125,13 +124,10 @@ FrameReply WorkerClient::frame(const FrameRequest& request) {
   pixel_count_ = static_cast<std::size_t>(request.width) * request.height;
   return ask(question, [&](const Json& reply) {
     fresh_count_ = reply.at("fresh");
-    FrameReply result{.support = support_of(reply.at("support"), reply.at("why")),
-                      .upload = {},
-                      .lights = {},
-                      .floor = reply.value("floor", ""),
-                      .shares = {}};
+    FrameReply result{
+        .support = support_from(reply), .upload = {}, .lights = {}, .floor = reply.value("floor", ""), .shares = {}};
     if (light_count_ > 1) {
-      for (const Json& light : reply.at("lights")) result.lights.push_back(support_of(light.at("support"), light.at("why")));
+      for (const Json& light : reply.at("lights")) result.lights.push_back(support_from(light));
       if (result.lights.size() != light_count_)
         throw Error("support of {} lights came for {}", result.lights.size(), light_count_);
       if (reply.contains("shares")) result.shares = reply.at("shares").get<bool>();
@@ -167,8 +163,8 @@ double WorkerClient::time(Stage stage, int iterations) {
   return sum;
 }
 
-double WorkerClient::time_floor(int iterations) {
-  return ask(json_object({{"do", "floor"}, {"iterations", iterations}}), [&](const Json& reply) {
+double WorkerClient::time_floor(int times) {
+  return ask(json_object({{"do", "floor"}, {"times", times}}), [&](const Json& reply) {
     other_clocks_ = {.device = {}, .harness = {}};
     if (reply.contains("device_ms")) other_clocks_.device = reply.at("device_ms").get<double>();
     return reply.at("ms").get<double>();

@@ -112,9 +112,9 @@ class WorkerClient {
   double time(Stage stage, int iterations = 1);
   /// The last of these by other clocks.
   const OtherClocks& other_clocks() const { return other_clocks_; }
-  /// Draws the frame's bare pass so many times in a row, at most most_floor_iterations. Milliseconds of all together; other
+  /// Draws the frame's bare pass so many times in a row, at most most_floor_times. Milliseconds of all together; other
   /// clocks as above.
-  double time_floor(int iterations);
+  double time_floor(int times);
   /// How the card is doing now: WorkerGl::card.
   Json card();
   /// Does what is out of date up to this stage.

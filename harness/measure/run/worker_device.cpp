@@ -26,14 +26,13 @@ TimedBarePass::TimedBarePass(Floor floor, const Scene& scene, const GBuffer& gbu
   pass_.draw();
 }
 
-Json TimedBarePass::time(double iterations, DeviceStopwatch* stopwatch) const {
-  if (!(iterations >= 1 && iterations <= most_floor_iterations))
-    throw Error("iterations = {} is outside 1 .. {}", iterations, most_floor_iterations);
+Json TimedBarePass::time(double times, DeviceStopwatch* stopwatch) const {
+  if (!(times >= 1 && times <= most_floor_times)) throw Error("times = {} is outside 1 .. {}", times, most_floor_times);
   using Clock = std::chrono::steady_clock;
   glFinish();
   const auto start = Clock::now();
   if (stopwatch) stopwatch->start();
-  pass_.draw(static_cast<int>(iterations));
+  pass_.draw(static_cast<int>(times));
   if (stopwatch) stopwatch->stop();
   glFinish();
   Json result = json_object({{"ms", std::chrono::duration<double, std::milli>(Clock::now() - start).count()}});

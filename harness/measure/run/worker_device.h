@@ -15,8 +15,8 @@ Json card_json(const GlInfo& info);
 class TimedBarePass {
  public:
   TimedBarePass(Floor floor, const Scene& scene, const GBuffer& gbuffer);
-  /// So many times in a row, 1 .. most_floor_iterations, by the host's clock and by that of the device: "ms", "device_ms".
-  Json time(double iterations, DeviceStopwatch* stopwatch) const;
+  /// So many times in a row, 1 .. most_floor_times, by the host's clock and by that of the device: "ms", "device_ms".
+  Json time(double times, DeviceStopwatch* stopwatch) const;
 
  private:
   BarePass pass_;

@@ -68,7 +68,7 @@ TEST(suite, scenes_take_braces_and_groups_take_sizes_and_paths) {
       "[[group]]\nscenes = [\"sphere_field:count={4,9}\"]\nlights = [\"sun\"]\npaths = [\"camera_slide\"]\n"
       "sizes = [\"64x36\", \"32x18\"]\ntechniques = [\"unshadowed\"]\n");
   SceneLibrary library;
-  const std::vector<Job> jobs = expand_jobs(read_suite(file.path), library);
+  const std::vector<Job> jobs = expand_jobs(read_suite(file.path), library, {.program = tested_program()}).jobs;
   ASSERT_EQ(jobs.size(), 4u);
   EXPECT_EQ(jobs[0].title(), "sphere_field:count=4 sun camera_slide unshadowed");
   EXPECT_EQ(jobs[1].width, 32);
@@ -82,7 +82,7 @@ TEST(suite, what_is_wrong_with_sizes_and_paths_is_said) {
   EXPECT_EQ(trouble(head + "sizes = [\"64x\"]\n"), "group.sizes 64x is not WxH with W and H of 1 .. 16384 pixels (FILE:1)");
   const File file(head + "paths = [\"camera_slid\"]\n");
   SceneLibrary library;
-  EXPECT_EQ(complaint([&] { expand_jobs(read_suite(file.path), library); }),
+  EXPECT_EQ(complaint([&] { expand_jobs(read_suite(file.path), library, {.program = tested_program()}).jobs; }),
             "scene contact has no path camera_slid; did you mean camera_slide? It has: camera_slide, light_slide");
 }
 
@@ -91,7 +91,7 @@ TEST(jobs, a_job_that_stands_still_keeps_its_hash) {
   const File file("width = 640\nheight = 360\n" + group);
   SceneLibrary library;
   const Suite suite = read_suite(file.path);
-  for (const Job& job : expand_jobs(suite, library))
+  for (const Job& job : expand_jobs(suite, library, {.program = tested_program()}).jobs)
     EXPECT_EQ(job.hash, content_hash(fmt::format("contact|{}|{}|unshadowed|640x360|shape", job.light, job.view)).substr(0, 16));
 }
 
@@ -124,7 +124,7 @@ TEST(jobs, a_row_that_two_groups_have_runs_once_with_the_first_label_that_either
                   {{"contact"}, {"sun"}, {}, parse_contenders("shadow_map:stored={first,second}")},
                   {{"contact"}, {"sun"}, {}, parse_contenders("shadow_map", "late")}};
   SceneLibrary library;
-  const std::vector<Job> jobs = expand_jobs(suite, library);
+  const std::vector<Job> jobs = expand_jobs(suite, library, {.program = tested_program()}).jobs;
   ASSERT_EQ(jobs.size(), 2u);
   EXPECT_EQ(jobs[0].contender.label, "shadow_map:stored=first");
   EXPECT_EQ(jobs[1].contender.label, "");
@@ -186,7 +186,7 @@ TEST(suite, every_key_is_read) {
   EXPECT_EQ(read.contenders[1].label, "soft");
   // Two scenes, one light, one view, four contenders.
   SceneLibrary library;
-  EXPECT_EQ(expand_jobs(suite, library).size(), 8u);
+  EXPECT_EQ(expand_jobs(suite, library, {.program = tested_program()}).jobs.size(), 8u);
 }
 
 TEST(suite, errors_say_what_and_end_in_file_and_line) {
@@ -229,7 +229,7 @@ TEST(suite, the_suites_that_ship_can_be_read) {
 TEST(suite, a_light_that_the_scene_lacks_is_an_error) {
   const File file("[[group]]\nscenes = 'contact'\nlights = 'sum'\ntechniques = ['unshadowed']\n");
   SceneLibrary library;
-  EXPECT_EQ(complaint([&] { expand_jobs(read_suite(file.path), library); }),
+  EXPECT_EQ(complaint([&] { expand_jobs(read_suite(file.path), library, {.program = tested_program()}).jobs; }),
             "scene contact has no light sum; did you mean sun? It has: point, sun, lamp, tube");
 }
 
@@ -238,7 +238,8 @@ TEST(suite, lights_are_chosen_by_whether_they_have_an_area) {
     const File file(fmt::format("[[group]]\nscenes = ['contact']\nlights = {}\ntechniques = ['unshadowed']\n", wanted));
     SceneLibrary library;
     std::string names;
-    for (const Job& job : expand_jobs(read_suite(file.path), library)) names += job.light + " ";
+    for (const Job& job : expand_jobs(read_suite(file.path), library, {.program = tested_program()}).jobs)
+      names += job.light + " ";
     return names;
   };
   EXPECT_EQ(lights("'*hard'"), "point sun ");
@@ -248,7 +249,7 @@ TEST(suite, lights_are_chosen_by_whether_they_have_an_area) {
             "scene contact has no light whose name is like *sof; it has: point, sun, lamp, tube");
   const File file("[[group]]\nscenes = 'soup'\nlights = '*soft'\ntechniques = ['unshadowed']\n");
   SceneLibrary library;
-  EXPECT_EQ(complaint([&] { expand_jobs(read_suite(file.path), library); }),
+  EXPECT_EQ(complaint([&] { expand_jobs(read_suite(file.path), library, {.program = tested_program()}).jobs; }),
             "scene soup has no light with area, which *soft asks for; it has: point, sun");
 }
 

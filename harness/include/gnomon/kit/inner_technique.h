@@ -30,7 +30,10 @@ class InnerTechnique final : public ObjectRow {
   WhyNot why_not_;
 };
 
-/// Why a technique has no hard shadow: it answers for lights with area and for no other. Asked about a caster over a ground.
+/// Kinds of light that a technique knows, by its data sheet, or where that does not say by what it supports over a ground.
+std::vector<std::string_view> known_lights(const TechniqueEntry& entry);
+
+/// Why a technique has no hard shadow: it answers for lights with area and for no other.
 std::string has_no_hard_shadow(const TechniqueEntry& entry);
 
 }  // namespace gnomon

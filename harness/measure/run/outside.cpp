@@ -1,0 +1,140 @@
+#include "measure/run/outside.h"
+
+#include <gnomon/plugins.h>
+#include <gnomon/registry.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "measure/program/described_technique.h"
+#include "measure/run/worker_words.h"
+#include "measure/scene/blob.h"
+
+namespace gnomon {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double patience = 10;  ///< seconds for what is done in no time
+constexpr double scene_patience = 600;
+
+/// A worker that has one plugin's library, and a new one after whatever went wrong.
+class PluginWorker {
+ public:
+  explicit PluginWorker(std::string path) : path_(std::move(path)) {}
+
+  /// What the plugin has. Throws Error, also where loading it ends or hangs the worker.
+  Json load() {
+    process_ = std::make_unique<WorkerProcess>(WorkerOptions{});
+    process_->send(json_object({{"do", "load"}, {"plugin", path_}}));
+    Json roll;
+    try {
+      roll = process_->receive(patience);
+    } catch (const WorkerFailure& failure) {
+      throw Error("plugin {} cannot be loaded: a worker that tried {}", path_, failure.what());
+    }
+    if (roll.contains("refused")) throw Error("{}", plain_text(roll["refused"]));
+    return roll;
+  }
+
+  /// What a fresh object says of itself; null, and why, where it cannot.
+  std::pair<Json, std::string> describe(const char* what, const std::string& id) {
+    try {
+      if (!process_) load();
+      process_->send(json_object({{"do", "describe"}, {what, id}}));
+      return {process_->receive(patience).at("object"), ""};
+    } catch (const WorkerFailure& failure) {
+      process_.reset();
+      return {Json(), failure.what()};
+    }
+  }
+
+ private:
+  std::string path_;
+  std::unique_ptr<WorkerProcess> process_;
+};
+
+/// Made by a worker with the plugin.
+MakeScene maker_of(const std::string& plugin) {
+  return [plugin](const std::string& id, const std::string& settings) {
+    const ScratchFolder folder = ScratchFolder::temporary("gnomon-scene");
+    const fs::path file = folder.path() / "scene";
+    WorkerProcess process(WorkerOptions{.plugins = {plugin}});
+    process.send(json_object({{"do", "make_scene"}, {"scene", id}, {"settings", settings}, {"out", file.string()}}));
+    try {
+      process.receive(scene_patience);
+    } catch (const WorkerFailure& failure) {
+      throw Error("scene {} of plugin {} {}", id, plugin, failure.what());
+    }
+    return scene_from_bytes(MappedFile::open(file)->bytes());
+  };
+}
+
+bool is_known(const std::string& path) {
+  std::error_code ignored;
+  const std::string file = path.find('/') == path.npos ? "./" + path : path;
+  return std::ranges::any_of(loaded_plugins(),
+                             [&](const PluginFacts& known) { return fs::equivalent(known.file, file, ignored); });
+}
+
+}  // namespace
+
+void register_plugin(const std::string& path) {
+  if (is_known(path)) return;  // the same file, also by another way to it
+  PluginWorker worker(path);
+  const Json roll = worker.load();
+  registry().set_origin(path);
+  try {
+    for (const Json& sheet : roll.at("techniques")) {
+      const auto [object, broken] = worker.describe("technique", sheet.at("id"));
+      registry().add(described_technique(sheet, object, broken));
+    }
+    for (const Json& sheet : roll.at("scenes")) {
+      const auto [object, broken] = worker.describe("scene", sheet.at("id"));
+      registry().add(described_scene(sheet, object, broken, maker_of(path)));
+    }
+    const Json& facts = roll.at("facts");
+    note_plugin({.path = path,
+                 .file = facts.at("file"),
+                 .build_type = facts.at("build_type"),
+                 .flags = facts.at("flags"),
+                 .compiler = facts.at("compiler"),
+                 .is_optimized = facts.at("is_optimized")});
+  } catch (const Json::exception& problem) {
+    throw Error("plugin {} describes itself by nonsense: {}", path, complaint(problem));
+  }
+  registry().set_origin("");
+}
+
+SupportQuestions::SupportQuestions(WorkerOptions worker, double timeout_seconds)
+    : worker_(std::move(worker)), timeout_seconds_(timeout_seconds) {}
+
+const std::vector<Support>& SupportQuestions::ask(const std::string& reference, const Scene& scene,
+                                                  const std::string& technique) {
+  const std::pair key(reference, technique);
+  if (const auto failure = failures_.find(key); failure != failures_.end()) throw WorkerFailure(failure->second);
+  const auto [found, is_new] = known_.try_emplace(key);
+  if (!is_new) return found->second;
+  std::string& file = files_[reference];
+  if (file.empty()) {
+    if (!folder_) folder_.emplace(ScratchFolder::in_memory("gnomon-support"));
+    file = (folder_->path() / std::to_string(files_.size())).string();
+    write_file(file, scene_bytes(scene));
+  }
+  try {
+    if (!process_) process_ = std::make_unique<WorkerProcess>(worker_);
+    process_->send(json_object({{"do", "supports"}, {"scene", file}, {"technique", technique}, {"settings", ""}}));
+    const Json answer = process_->receive(timeout_seconds_);
+    for (const Json& light : answer.at("lights")) found->second.push_back(support_from(light));
+    if (found->second.size() != scene.lights.size())
+      throw WorkerFailure("answered supports for other lights than it was asked");
+    return found->second;
+  } catch (const std::exception& failure) {
+    process_.reset();
+    known_.erase(found);
+    throw WorkerFailure(failures_[key] = failure.what());
+  }
+}
+
+}  // namespace gnomon
