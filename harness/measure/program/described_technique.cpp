@@ -78,7 +78,10 @@ DescribedRow row_of(const Json& json) {
   row.sentence = json.at("sentence").get<std::string>();
   row.stage = enum_of(json.at("spoils"), Stage::resolve);
   const std::string value = json.at("default").get<std::string>();
-  const auto& [kind, facts] = *json.at("kind").items().begin();
+  const Json& of_kind = json.at("kind");
+  if (!of_kind.is_object() || of_kind.size() != 1) throw Error("{} is no kind of parameter", json_text(of_kind));
+  const std::string kind = of_kind.begin().key();
+  const Json& facts = of_kind.begin().value();
   if (kind == "whole")
     row.kind = DescribedParameter::Whole{parse_json(value).get<int>(), {"", facts.at("min"), facts.at("max"), facts.at("log")}};
   else if (kind == "real")
