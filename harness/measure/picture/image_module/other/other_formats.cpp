@@ -10,6 +10,8 @@ namespace {
 class OtherReader final : public ImageReader {
  public:
   explicit OtherReader(const std::string& path) {
+    // Alone: its threads would still be ending when a program that has read a picture ends.
+    OIIO::attribute("threads", 1);
     OIIO::ImageSpec as_it_is;
     as_it_is.attribute("oiio:UnassociatedAlpha", 1);
     input_ = OIIO::ImageInput::open(path, &as_it_is);
