@@ -1,6 +1,6 @@
 // A plugin that misbehaves where and how the environment says, UNRULY=PLACE:DEED, and is sound elsewhere. Places: load (the
-// library's own initialization), roll, constructor, layers, detail, supports, scene. Compiled by itself, without gnomon_add_plugin,
-// so that it can misbehave before its roll is called.
+// library's own initialization), roll, constructor, layers, detail, supports, scene. Compiled by itself, without
+// gnomon_add_plugin, so that it can misbehave before its roll is called.
 #include <gnomon/registry.h>
 #include <unistd.h>
 
