@@ -8,19 +8,17 @@
 namespace gnomon {
 
 std::vector<MachineRow> rows_by_machine(std::span<const MachineRun> runs) {
-  std::vector<std::pair<std::pair<Place, std::string>, MachineRow>> rows;
+  std::vector<MachineRow> rows;
   std::map<std::pair<Place, std::string>, std::size_t> known;
   for (std::size_t run = 0; run < runs.size(); ++run)
     for (const Record& record : runs[run].records) {
       const std::pair key(place_of(record), setting_key(record));
       const auto [found, is_new] = known.try_emplace(key, rows.size());
-      if (is_new) rows.emplace_back(key, MachineRow(runs.size()));
-      const Record*& place = rows[found->second].second[run];
+      if (is_new) rows.emplace_back(runs.size());
+      const Record*& place = rows[found->second][run];
       if (!place) place = &record;
     }
-  std::vector<MachineRow> result;
-  for (auto& [key, row] : rows) result.push_back(std::move(row));
-  return result;
+  return rows;
 }
 
 std::optional<std::vector<DifferingPixels>> differing_pixels(const Record& first, const std::filesystem::path& first_dir,

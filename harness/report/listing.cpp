@@ -100,6 +100,7 @@ std::string describe_text(const TechniqueEntry& entry, std::size_t width, std::s
   const auto add = [&facts](std::string_view topic, std::string_view text) {
     facts.add_row({std::string(topic), text.empty() ? "-" : std::string(text)});
   };
+  if (!entry.broken.empty()) add("broken", fmt::format("it {}", entry.broken));
   add("summary", about.summary);
   add("source", about.source);
   add("error", about.error);

@@ -62,6 +62,9 @@ class Outside(ProgramTest):
                 reasons = self.rows(f"{place}_{deed}", 1, "--technique", "unruly", "--technique", "unshadowed")
                 self.assertIsNone(reasons["unshadowed"])
                 self.assertIn(says, reasons["unruly"], (place, deed))
+        self.misbehave("constructor", "abort")
+        self.assertIn("crashed in describe", self.succeed("--plugin", UNRULY, "describe", "unruly"))
+        self.succeed("--plugin", UNRULY, "describe", "averaged_hard")  # whose parameter asks what all techniques know
 
     def test_what_hangs_is_given_up(self):
         """Both take the harness's patience, and so are tried at the same time."""
@@ -82,6 +85,8 @@ class Outside(ProgramTest):
     def test_whoever_does_not_say_what_it_supports_keeps_its_rows(self):
         for deed in (*DEEDS, "hang"):
             self.misbehave("supports", deed)
+            if deed != "hang":  # its parameters are known all the same
+                self.assertIn("one | two", self.succeed("--plugin", UNRULY, "describe", "unruly"))
             listed = self.succeed("--plugin", UNRULY, "run", *SCENE, "--technique", "*", *NUMBERS, "--timeout", "3", "--dry-run")
             self.assertIn(" unruly", listed, deed)
             self.assertIn(" shadow_map", listed, deed)

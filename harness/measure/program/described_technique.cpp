@@ -1,11 +1,10 @@
 #include "measure/program/described_technique.h"
 
-#include <gnomon/kit/inner_technique.h>
-
 #include <algorithm>
 #include <deque>
 
 #include "measure/program/described_parameter.h"
+#include "measure/program/description.h"
 
 namespace gnomon {
 
@@ -207,7 +206,6 @@ Json sheet_json(const TechniqueEntry& entry) {
   sheet["causes"] = Json::array();
   for (const OwnCause& cause : about.causes)
     sheet["causes"].push_back(json_object({{"id", cause.id}, {"sentence", cause.sentence}, {"color", cause.color}}));
-  sheet["lights"] = about.lights;
   return sheet;
 }
 
@@ -235,7 +233,6 @@ Json object_json(const TechniqueEntry& entry) {
       one["legend"].push_back(json_object({{"name", swatch.name}, {"color", color_json(swatch.color)}}));
   }
   object["has_detail"] = technique->surface_detail().has_value();
-  object["lights"] = entry.about.lights.empty() ? Json(known_lights(entry)) : Json(entry.about.lights);
   return object;
 }
 
@@ -245,7 +242,7 @@ Json object_json(const SceneEntry& entry) {
   return json_object({{"parameters", parameters_json(*scene)}});
 }
 
-TechniqueEntry described_technique(const Json& sheet, const Json& object, const std::string& broken) {
+TechniqueEntry described_technique(const Json& sheet, const Json& object, const Json& lights_known, const std::string& broken) {
   TechniqueEntry entry;
   entry.id = sheet.at("id").get<std::string>();
   About& about = entry.about;
@@ -266,7 +263,8 @@ TechniqueEntry described_technique(const Json& sheet, const Json& object, const 
   about.causes = causes;
   static std::deque<std::vector<std::string_view>> all_lights;
   std::vector<std::string_view>& lights = all_lights.emplace_back();
-  for (const Json& light : object.is_null() ? sheet.at("lights") : object.at("lights")) lights.push_back(kept(light));
+  for (const Json& light : lights_known) lights.push_back(kept(light));
+  if (lights.empty()) lights.assign(std::begin(all_light_kinds), std::end(all_light_kinds));
   about.lights = lights;
 
   const auto facts = std::make_shared<DescribedTechnique::Facts>();

@@ -11,7 +11,7 @@ namespace gnomon {
 /// What the roll says of an entry, without making an object: id and data sheet.
 Json sheet_json(const TechniqueEntry& entry);
 Json sheet_json(const SceneEntry& entry);
-/// What a fresh object says of itself: parameters, layers, kinds of light that it knows.
+/// What a fresh object says of itself: parameters, layers.
 Json object_json(const TechniqueEntry& entry);
 Json object_json(const SceneEntry& entry);
 
@@ -19,8 +19,9 @@ Json object_json(const SceneEntry& entry);
 using MakeScene = std::function<Scene(const std::string&, const std::string&)>;
 
 /// Entries made of both. `broken` says why there is no object, whose JSON is null then; it is what such a technique says to
-/// whatever it is asked. Throws Error on what is no description.
-TechniqueEntry described_technique(const Json& sheet, const Json& object, const std::string& broken);
+/// whatever it is asked. `lights` are the kinds of light that it knows; all of them where they are null, for nobody may ask it
+/// here. Throws Error, or Json::exception, on what is no description.
+TechniqueEntry described_technique(const Json& sheet, const Json& object, const Json& lights, const std::string& broken);
 SceneEntry described_scene(const Json& sheet, const Json& object, const std::string& broken, const MakeScene& make);
 
 }  // namespace gnomon

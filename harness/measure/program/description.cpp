@@ -17,8 +17,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::string_view all_light_kinds[] = {"point", "spot", "directional", "rect", "disc", "sphere"};
-
 /// Texts of a list that must each be one of some words; `fallback` without the key.
 std::vector<std::string> words_of(const toml::table& toml, const Table& table, std::string_view key,
                                   std::span<const std::string_view> allowed, std::vector<std::string> fallback) {

@@ -24,6 +24,9 @@ struct ProgramNeed {
   std::string install;            ///< "apt install povray"
 };
 
+/// By kind_name.
+inline constexpr std::string_view all_light_kinds[] = {"point", "spot", "directional", "rect", "disc", "sphere"};
+
 enum class ProgramMask { float32, exr, png };
 
 /// A technique that is a program: the content of techniques/ID.toml. docs/protocol.md describes each key.

@@ -152,6 +152,9 @@ struct Record {
   std::optional<double> metric(std::string_view name) const { return metric(truth, name); }
 };
 
+/// What a frame takes, relight and resolve, by the host's clock and by that of what draws; nothing where one was not timed.
+std::optional<double> frame_ms(const Record& record);
+std::optional<double> frame_device_ms(const Record& record);
 /// What part of a frame (relight and resolve) its bare pass takes, by the device's clock where both were taken by it.
 std::optional<double> floor_share(const Record& record);
 /// Whether the device's clock and the harness's, which waits for all to be done, can both be right: nothing took longer by the

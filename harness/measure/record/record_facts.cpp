@@ -42,16 +42,29 @@ std::optional<std::map<std::string, double>> cause_shares(const Record& r) {
   return shares;
 }
 
+namespace {
+
+std::optional<double> sum_of_medians(const ProcessTimes& relight, const ProcessTimes& resolve) {
+  const auto first = median_of_medians(relight), last = median_of_medians(resolve);
+  return first && last ? std::optional(*first + *last) : std::nullopt;
+}
+
+}  // namespace
+
+std::optional<double> frame_ms(const Record& r) { return sum_of_medians(r.times(Stage::relight), r.times(Stage::resolve)); }
+
+std::optional<double> frame_device_ms(const Record& r) {
+  return sum_of_medians(r.device_times(Stage::relight), r.device_times(Stage::resolve));
+}
+
 std::optional<double> floor_share(const Record& r) {
   if (!r.floor) return std::nullopt;
-  const auto share = [&](const ProcessTimes& pass, const ProcessTimes& relight,
-                         const ProcessTimes& resolve) -> std::optional<double> {
-    const auto least = median_of_medians(pass), first = median_of_medians(relight), last = median_of_medians(resolve);
-    if (!least || !first || !last || !(*first + *last > 0)) return std::nullopt;
-    return *least / (*first + *last);
+  const auto share = [](const ProcessTimes& pass, const std::optional<double>& frame) -> std::optional<double> {
+    const auto least = median_of_medians(pass);
+    return least && frame && *frame > 0 ? std::optional(*least / *frame) : std::nullopt;
   };
-  const auto by_device = share(r.floor->device_ms, r.device_times(Stage::relight), r.device_times(Stage::resolve));
-  return by_device ? by_device : share(r.floor->ms, r.times(Stage::relight), r.times(Stage::resolve));
+  const auto by_device = share(r.floor->device_ms, frame_device_ms(r));
+  return by_device ? by_device : share(r.floor->ms, frame_ms(r));
 }
 
 std::optional<bool> clocks_agree(const Record& r) {

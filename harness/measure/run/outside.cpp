@@ -38,12 +38,12 @@ class PluginWorker {
     return roll;
   }
 
-  /// What a fresh object says of itself; null, and why, where it cannot.
-  std::pair<Json, std::string> describe(const char* what, const std::string& id) {
+  /// A part of its answer about an entry, with "" or, null, with why it does not answer.
+  std::pair<Json, std::string> ask(const Json& request, const char* part) {
     try {
       if (!process_) load();
-      process_->send(json_object({{"do", "describe"}, {what, id}}));
-      return {process_->receive(patience).at("object"), ""};
+      process_->send(request);
+      return {process_->receive(patience).at(part), ""};
     } catch (const WorkerFailure& failure) {
       process_.reset();
       return {Json(), failure.what()};
@@ -87,11 +87,14 @@ void register_plugin(const std::string& path) {
   registry().set_origin(path);
   try {
     for (const Json& sheet : roll.at("techniques")) {
-      const auto [object, broken] = worker.describe("technique", sheet.at("id"));
-      registry().add(described_technique(sheet, object, broken));
+      const Json& id = sheet.at("id");
+      const auto [object, broken] = worker.ask(json_object({{"do", "describe"}, {"technique", id}}), "object");
+      Json lights;
+      if (broken.empty()) lights = worker.ask(json_object({{"do", "known_lights"}, {"technique", id}}), "lights").first;
+      registry().add(described_technique(sheet, object, lights, broken));
     }
     for (const Json& sheet : roll.at("scenes")) {
-      const auto [object, broken] = worker.describe("scene", sheet.at("id"));
+      const auto [object, broken] = worker.ask(json_object({{"do", "describe"}, {"scene", sheet.at("id")}}), "object");
       registry().add(described_scene(sheet, object, broken, maker_of(path)));
     }
     const Json& facts = roll.at("facts");

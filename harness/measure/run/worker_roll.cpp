@@ -1,5 +1,6 @@
 #include "measure/run/worker_roll.h"
 
+#include <gnomon/kit/inner_technique.h>
 #include <gnomon/plugins.h>
 #include <gnomon/registry.h>
 
@@ -74,6 +75,8 @@ std::optional<Json> answer_of_roll(const Json& request) {
   const std::string what = request.at("do");
   if (what == "load") return load(request.at("plugin"));
   if (what == "describe") return describe(request);
+  if (what == "known_lights")
+    return json_object({{"lights", known_lights(registry().technique(request.at("technique").get<std::string>()))}});
   if (what == "make_scene") return make_scene(request);
   if (what == "supports") return supports(request);
   return std::nullopt;

@@ -9,6 +9,7 @@ namespace gnomon {
 ///
 ///   {"do": "load", "plugin": FILE}            -> {"techniques": [...], "scenes": [...], "facts": {...}}, or {"refused": why}
 ///   {"do": "describe", "technique": ID}       -> {"object": {...}}      also "scene": ID
+///   {"do": "known_lights", "technique": ID}   -> {"lights": ["point", ...]}
 ///   {"do": "make_scene", "scene": ID, "settings": "a=1", "out": FILE}   -> {}
 ///   {"do": "supports", "scene": FILE, "technique": ID, "settings": "a=1"} -> {"lights": [{"support", "why"}, ...]}
 ///

@@ -15,13 +15,6 @@ using analysis::Cells;
 /// "A" for the first run.
 std::string letter(std::size_t run) { return fmt::format("{}", static_cast<char>('A' + run)); }
 
-/// Relight and resolve by the host's clock, or by that of what draws.
-std::optional<double> frame_ms(const Record& r, bool by_device) {
-  const auto relight = median_of_medians(by_device ? r.device_times(Stage::relight) : r.times(Stage::relight));
-  const auto resolve = median_of_medians(by_device ? r.device_times(Stage::resolve) : r.times(Stage::resolve));
-  return relight && resolve ? std::optional(*relight + *resolve) : std::nullopt;
-}
-
 Column percent_column(std::string name, std::string heading) {
   Column column = number_column(std::move(name), "", std::move(heading));
   column.shown_unit = "%";
@@ -36,8 +29,8 @@ struct Quantity {
   std::optional<double> (*of)(const Record&);
 };
 constexpr Quantity quantities[] = {
-    {"frame_ms", "", true, [](const Record& r) { return frame_ms(r, false); }},
-    {"frame_device_ms", " device", true, [](const Record& r) { return frame_ms(r, true); }},
+    {"frame_ms", "", true, frame_ms},
+    {"frame_device_ms", " device", true, frame_device_ms},
     {"floor_share", " bare", false, floor_share},
     {"error", " error", false, [](const Record& r) { return r.metric("error"); }},
 };
@@ -62,7 +55,7 @@ std::vector<MachineColumn> columns_of(std::span<const MachineRun> runs) {
         columns.push_back({number_column(fmt::format("{}.ratio", letter(run)), "", fmt::format("A/{}", letter(run))),
                            [run](const MachineRow& row) -> std::optional<double> {
                              if (!row[0] || !row[run]) return std::nullopt;
-                             const auto first = frame_ms(*row[0], false), here = frame_ms(*row[run], false);
+                             const auto first = frame_ms(*row[0]), here = frame_ms(*row[run]);
                              return first && here && *here > 0 ? std::optional(*first / *here) : std::nullopt;
                            }});
     }
@@ -202,8 +195,7 @@ std::string render_machines(std::span<const MachineRun> runs, Format format, con
   // A terminal that is too narrow for all does without some.
   std::vector<std::string> left_out;
   for (const std::string_view kind : {"floor_share", "ratio", "frame_device_ms"}) {
-    const std::size_t rule = text.find("\n---");
-    if (rule == text.npos || text.find('\n', rule + 1) - rule - 1 <= options.width) break;
+    if (terminal_width_of(text) <= options.width) break;
     const auto is_of_kind = [&](const MachineColumn& column) { return column.column.name.substr(2) == kind; };
     if (std::erase_if(columns, is_of_kind) == 0) continue;
     left_out.emplace_back(kind);

@@ -59,6 +59,8 @@ Remarks legend(const Layout& layout, std::string_view best, std::string_view fla
 
 // The forms, of columns that their audience sees.
 std::string terminal_table(const Layout& layout, std::size_t width);
+/// Its width: that of the rule below its headings.
+std::size_t terminal_width_of(const std::string& table);
 std::string markdown_table(const Layout& layout);
 /// As many `table` floats as the rows need on pages in landscape, each with booktabs only; a group is cut between two of them
 /// only when it is longer than a page. Long texts wrap into further lines.

@@ -28,12 +28,6 @@ constexpr std::string_view dispensable[] = {"displacement_p95",     "displacemen
                                             "penumbra_shift",       "contact_hardening", "causes",
                                             "penumbra_width_ratio", "build_ms",          "bytes"};
 
-/// Width of a terminal table: that of the rule below its headings.
-std::size_t width_of(const std::string& text) {
-  const std::size_t rule = text.find("\n---");
-  return rule == std::string::npos ? 0 : text.find('\n', rule + 1) - rule - 1;
-}
-
 /// The rows of one Lighting, and what stands below their table of where they were made.
 struct Part {
   std::vector<Record> records;
@@ -64,7 +58,7 @@ std::string fitted_table(const Part& part, std::size_t width) {
   };
   std::string text = table();
   for (const std::string_view name : dispensable) {
-    if (width == 0 || width_of(text) <= width) break;
+    if (width == 0 || terminal_width_of(text) <= width) break;
     if (std::erase(names, name) == 0) continue;
     left_out.emplace_back(name);
     text = table();

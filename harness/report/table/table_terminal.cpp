@@ -63,4 +63,9 @@ std::string terminal_table(const Layout& layout, std::size_t width) {
   return text;
 }
 
+std::size_t terminal_width_of(const std::string& text) {
+  const std::size_t rule = text.find("\n---");
+  return rule == std::string::npos ? 0 : text.find('\n', rule + 1) - rule - 1;
+}
+
 }  // namespace gnomon
