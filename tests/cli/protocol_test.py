@@ -10,6 +10,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
+import program  # noqa: E402
 from program import HUNG, NUMBERS, ROOT, SMALL, ProgramTest, records  # noqa: E402
 
 SHEET = """title = "T"
@@ -330,6 +331,12 @@ def fault(r):
         copy = shutil.copy(lit[1], self.dir / "copy")
         self.refuse(*lit, "--program", copy, "list", says=["technique lit2", str(copy), "is there already: of"])
         self.refuse(*self.program("Bad-Name"), "list", says=["'Bad-Name' is no id"])
+
+    def test_a_program_keeps_its_files_when_another_technique_ends_its_process(self):
+        self.succeed("--plugin", program.FAULTS, *self.program("lit"), "run", "--scene", "fence", "--technique", "crashes", "--technique", "lit",
+                     *NUMBERS, "--light", "point", "--light", "sun", "--out", "out", status=1)
+        self.assertEqual([(row["technique"], row["status"], row["reason"].split(":")[0]) for row in records(self.dir / "out")],
+                         2 * [("crashes", "failed", "crashed in resolve"), ("lit", "ok", "")])
 
     def test_the_same_program_twice_is_one(self):
         (self.dir / "link").symlink_to(self.dir)

@@ -48,7 +48,8 @@ static fs::path made_count(const fs::path& file) {
 
 WorkerClient::WorkerClient(const WorkerOptions& options, fs::path files, double timeout_seconds)
     : files_(std::move(files)),
-      program_files_(ScratchFolder::at(fs::path(files_) += ".program")),
+      program_files_(
+          ScratchFolder::in(files_.parent_path(), files_.filename().string() + ".program")),  // other workers live on
       progress_(made_count(file("progress"))),
       process_(with_program_folder(options, program_files_.path())),
       timeout_seconds_(timeout_seconds),
