@@ -13,6 +13,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = os.environ.get("GNOMON_PROGRAM", str(ROOT / "build/release/gnomon"))
 FAULTS = os.environ.get("GNOMON_FAULTS", str(ROOT / "build/release/gnomon_faults.so"))
 DATA = ROOT / "tests/data"
+SANITIZED = "ASAN_OPTIONS" in os.environ  # as the preset of that build sets
 
 # Seconds to wait. They say nothing of how fast anything is: what is sound takes a small part of them, also where other work keeps every
 # core busy, and what never comes or never goes is found out all the same.

@@ -14,7 +14,7 @@ using namespace gnomon;
 TEST(explanations, come_back_from_their_bytes) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> uniform(-10, 10);
-  const auto vector = [&] { return glm::dvec3(uniform(random), uniform(random), uniform(random)); };
+  const auto vector = [&] { return glm::dvec3{uniform(random), uniform(random), uniform(random)}; };
   std::vector<std::optional<Explanation>> all;
   for (int k = 0; k < 60; ++k) {
     auto& why = all.emplace_back();

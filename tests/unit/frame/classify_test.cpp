@@ -237,7 +237,7 @@ TEST(wrong, is_off_by_more_than_one_half) {
 TEST(moved_rays, go_aside_across_the_ray_and_back_to_the_plane) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
-  const auto unit = [&] { return glm::normalize(glm::dvec3(normal(random), normal(random), normal(random))); };
+  const auto unit = [&] { return glm::normalize(glm::dvec3{normal(random), normal(random), normal(random)}); };
   for (int k = 0; k < 1000; ++k) {
     const glm::dvec3 ray = unit(), n = unit();
     const auto [u, v] = across(ray);

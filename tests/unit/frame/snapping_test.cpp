@@ -89,7 +89,7 @@ TEST(snapping, a_pixel_counts_when_a_corner_of_its_square_is_across_the_edge_of_
   for (int round = 0; round < 30; ++round) {
     // Shadows lie at x > 0.6: five meters to the right of the casters.
     std::vector<glm::vec3> p;
-    for (int k = 0; k < 3; ++k) p.emplace_back(-1.5f + across(random), height(random), 2 * across(random));
+    for (int k = 0; k < 3; ++k) p.push_back({-1.5f + across(random), height(random), 2 * across(random)});
     Scene scene;
     scene.meshes = {ground(4), make_mesh(p, {{0, 1, 2}})};
     const Light sun{.name = "sun", .kind = DirectionalLight{{5, -1, 0.5f}}};

@@ -52,7 +52,7 @@ TEST(shadow_map_filter, weights_are_shares_around_the_point) {
   for (const Filter filter : {Filter{FilterKind::nearest, 0}, Filter{FilterKind::pcf, 3}, Filter{FilterKind::disc, 1},
                               Filter{FilterKind::disc, 5}, Filter{FilterKind::bilinear, 0}})
     for (int round = 0; round < 200; ++round) {
-      const glm::dvec2 point(place(random), place(random));
+      const glm::dvec2 point{place(random), place(random)};
       double sum = 0, farthest = 0;
       glm::dvec2 center(0);
       for (const auto& [texel, weight] : filter.texels(point)) {

@@ -50,7 +50,7 @@ TEST(warped_image, texels_by_formula_matrix_and_inverse_are_the_same) {
     const LightImage image = leaning(is_perspective);
     const glm::dmat4 clip = image.clip_from_world(512);
     for (int round = 0; round < 100; ++round) {
-      const glm::dvec2 window(place(random), place(random));
+      const glm::dvec2 window{place(random), place(random)};
       const double z = depth(random);
       const glm::dvec3 q(is_perspective ? window * z : window, z);
       const glm::dvec2 texel = image.texel_of(window);
