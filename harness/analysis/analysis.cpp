@@ -15,7 +15,6 @@ namespace gnomon {
 namespace {
 
 constexpr std::string_view cost_names[] = {"resolve", "light", "geometry", "bytes"};
-constexpr Stage all_stages[] = {Stage::setup, Stage::build, Stage::relight, Stage::resolve};
 
 /// Reorders the values.
 double median_in_place(std::span<double> values) {
@@ -197,11 +196,11 @@ std::optional<double> quantity(const Record& r, std::string_view wanted) {
 }
 
 std::optional<double> error_floor(const Record& r, std::string_view wanted) {
-  if (!has_area(r) || (wanted != "error" && wanted != "error_mean")) return std::nullopt;
+  if (r.answer != AnswerKind::fraction || (wanted != "error" && wanted != "error_mean")) return std::nullopt;
   return r.metric("reference_error_mean");
 }
 
-std::string_view lights_text(Lighting lighting) {
+std::string_view lights_text(AnswerKind lighting) {
   static constexpr std::string_view texts[] = {" under lights without area", " under lights with area",
                                                " under several lights together"};
   return texts[static_cast<std::size_t>(lighting)];
@@ -211,9 +210,9 @@ bool LightCounts::is_mixed() const {
   return std::ranges::count_if(rows, [](std::size_t count) { return count > 0; }) > 1;
 }
 
-std::optional<Lighting> LightCounts::only() const {
+std::optional<AnswerKind> LightCounts::only() const {
   if (is_mixed()) return std::nullopt;
-  for (const Lighting of : all_lightings)
+  for (const AnswerKind of : all_answer_kinds)
     if (rows[static_cast<std::size_t>(of)] > 0) return of;
   return std::nullopt;
 }
@@ -221,7 +220,7 @@ std::optional<Lighting> LightCounts::only() const {
 LightCounts count_lights(std::span<const Record> records) {
   LightCounts counts;
   for (const Record& r : records)
-    if (r.status == Status::ok && r.metric("error")) counts.add(lighting(r));
+    if (r.status == Status::ok && r.metric("error")) counts.add(r.answer);
   return counts;
 }
 

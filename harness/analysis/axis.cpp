@@ -124,7 +124,8 @@ std::vector<AxisSeries> join_series(std::span<const Record> records, const std::
   const std::map<std::string, std::string> families = scene_families(records);
 
   // Rows of several lights together know what these cost; without any, lights are taken one by one.
-  const bool has_together = axis == "lights" && std::ranges::any_of(records, has_several_lights);
+  const bool has_together =
+      axis == "lights" && std::ranges::find(records, AnswerKind::received, &Record::answer) != records.end();
   std::vector<AxisSeries> all;
   std::map<std::pair<Place, std::string>, std::size_t> places;  // series by what they are equal in
   for (const Record& r : records) {
@@ -155,7 +156,7 @@ std::vector<AxisSeries> join_series(std::span<const Record> records, const std::
     const auto [found, is_new] = places.try_emplace({place, key}, all.size());
     if (is_new) all.push_back({.place = place, .setting = setting_name(r), .role = r.role, .rows = {}});
     AxisSeries& series = all[found->second];
-    if (axis == "lights") x = static_cast<double>(has_together ? light_count(r) : series.rows.size() + 1);
+    if (axis == "lights") x = static_cast<double>(has_together ? r.lights.size() : series.rows.size() + 1);
     if (has_together && std::ranges::find(series.rows, *x, &std::pair<double, const Record*>::first) != series.rows.end())
       continue;
     series.rows.emplace_back(*x, &r);

@@ -116,12 +116,12 @@ struct Headline {
 };
 
 Headline headline_of(const Record& record) {
-  switch (lighting(record)) {
-    case Lighting::hard:
+  switch (record.answer) {
+    case AnswerKind::binary:
       return {"wrong_rate", "error"};
-    case Lighting::soft:
+    case AnswerKind::fraction:
       return {"error", "error_mean"};
-    case Lighting::several:
+    case AnswerKind::received:
       return {"error", "received_error_rms"};
   }
   return {};
@@ -129,7 +129,7 @@ Headline headline_of(const Record& record) {
 
 /// The greater of the floors of both rows.
 std::optional<double> common_floor(const RowChange& row, Truth truth) {
-  if (!has_area(*row.contender)) return std::nullopt;
+  if (row.contender->answer != AnswerKind::fraction) return std::nullopt;
   const auto base = row.base->metric(truth, "reference_error_mean");
   const auto contender = row.contender->metric(truth, "reference_error_mean");
   return base && contender ? std::optional(std::max(*base, *contender)) : std::nullopt;

@@ -16,7 +16,7 @@ namespace {
 
 std::vector<StageChange> list_stages(const RowChange& row) {
   std::vector<StageChange> stages;
-  for (const Stage stage : {Stage::setup, Stage::build, Stage::relight, Stage::resolve}) {
+  for (const Stage stage : all_stages) {
     StageChange change;
     change.stage = stage;
     change.base_ms = median_of_medians(row.base->times(stage));
@@ -74,7 +74,7 @@ void judge_contenders(Comparison& result, const std::vector<LogDifference>& diff
     }
     ++changes[static_cast<std::size_t>(groups.back())].times;
   };
-  for (const Stage stage : {Stage::build, Stage::relight, Stage::resolve})
+  for (const Stage stage : timed_stages)
     for (std::size_t k = 0; k < differences.size(); ++k)
       if (differences[k].kind == static_cast<int>(stage)) enter(k, "");
   for (std::size_t k = 0; k < differences.size(); ++k) enter(k, owners[k]);

@@ -75,7 +75,7 @@ Candidate mean_of(const std::vector<const Record*>& rows, const FieldOptions& op
 }
 
 /// The field over all places of a kind of light, from the rows of each setting in order of appearance.
-Field overall(RowsBySetting settings, const FieldOptions& options, Lighting lighting) {
+Field overall(RowsBySetting settings, const FieldOptions& options, AnswerKind lighting) {
   Field field{.place = {}, .lighting = lighting, .places = 0, .candidates = {}, .notes = {}};
   std::set<Place> common;
   while (!settings.empty()) {
@@ -131,16 +131,16 @@ std::vector<Field> find_fields(std::span<const Record> records, const FieldOptio
   for (const Record& r : records) {
     if (r.status != Status::ok || !has_error(r)) continue;
     const auto [found, is_new] = places.try_emplace(place_of(r), fields.size());
-    if (is_new) fields.push_back({.place = place_of(r), .lighting = lighting(r), .places = 1, .candidates = {}, .notes = {}});
+    if (is_new) fields.push_back({.place = place_of(r), .lighting = r.answer, .places = 1, .candidates = {}, .notes = {}});
     fields[found->second].candidates.push_back(candidate_of(r, options));
   }
   const auto competes = [](const Candidate& c) { return c.role == Role::contender; };
   if (std::ranges::none_of(fields, [&](const Field& f) { return std::ranges::any_of(f.candidates, competes); }))
     throw Error("there is nothing to rank: no contender finished with a {}", options.error);
   for (Field& field : fields) add_relative_costs(field);
-  for (const Lighting of : all_lightings) {
+  for (const AnswerKind of : all_answer_kinds) {
     if (std::ranges::count_if(fields, [&](const Field& f) { return f.place && f.lighting == of; }) < 2) continue;
-    const auto is_wanted = [&](const Record& r) { return lighting(r) == of && has_error(r); };
+    const auto is_wanted = [&](const Record& r) { return r.answer == of && has_error(r); };
     fields.push_back(overall(rows_by_setting(records, is_wanted), options, of));
   }
   return fields;
@@ -148,7 +148,7 @@ std::vector<Field> find_fields(std::span<const Record> records, const FieldOptio
 
 std::vector<const Field*> overall_fields(std::span<const Field> fields) {
   std::vector<const Field*> result;
-  for (const Lighting of : all_lightings) {
+  for (const AnswerKind of : all_answer_kinds) {
     const Field* last = nullptr;
     for (const Field& field : fields)
       if (field.lighting == of) last = &field;

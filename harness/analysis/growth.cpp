@@ -69,7 +69,7 @@ Growth fit(const AxisSeries& series, std::string stage, Points points) {
 
 void add_stages(const std::vector<AxisSeries>& all, Growths& growths) {
   for (const AxisSeries& series : all) {
-    for (const Stage stage : {Stage::build, Stage::relight, Stage::resolve}) {
+    for (const Stage stage : timed_stages) {
       Points points;
       for (const auto& [x, record] : series.rows) {
         Sample sample({record->times(stage)});
@@ -109,7 +109,9 @@ void add_lights(const std::vector<AxisSeries>& all, Growths& growths) {
 /// Three standard errors of the reference where the quantity is a difference from it under a light with area; else 0.
 double least_of(const Record& record, const std::string& quantity) {
   const bool is_error = quantity == "error" || quantity.ends_with("error_mean") || quantity.ends_with("error_rms");
-  return is_error && record.reference ? least_reference_errors * record.reference->target : 0;
+  return is_error && record.answer == AnswerKind::fraction && record.lights.front().reference
+             ? least_reference_errors * record.lights.front().reference->target
+             : 0;
 }
 
 /// The records as if the `seed` of their techniques were none of their settings.
@@ -189,7 +191,8 @@ Growths find_growth(std::span<const Record> records, const std::string& axis, co
   require_word("there is no axis", axis, axes);
   Growths growths{.axis = axis, .unit = axis == "pixels" ? "px" : "", .quantity = quantity, .rows = {}, .single = 0};
   std::vector<Record> plain;
-  const bool sums_lights = axis == "lights" && std::ranges::none_of(records, has_several_lights);
+  const bool sums_lights =
+      axis == "lights" && std::ranges::find(records, AnswerKind::received, &Record::answer) == records.end();
   if (!quantity.empty()) {
     require_quantity(records, quantity);
     if (sums_lights)

@@ -20,7 +20,7 @@ std::string shown_value(const Json& value) {
 /// What a setting measured in a place.
 struct Measured {
   double value = 0;
-  bool has_area = false;  ///< the place's light, where it is part of the place
+  bool is_fraction = false;  ///< the answer, where the light is part of the place
 };
 
 /// One setting of a technique: its parameters and what it measured where.
@@ -89,7 +89,7 @@ Map make_map(const std::vector<Setting>& members, const Axes& axes, const std::s
   map.ys = axes.y.empty() ? std::vector<std::string>{""} : values_of(members, axes.y);
   map.cells.resize(map.xs.size() * map.ys.size());
   map.places = places.size();
-  for (const Place& place : places) map.places_with_area += members.front().measured.at(place).has_area;
+  for (const Place& place : places) map.places_with_fractions += members.front().measured.at(place).is_fraction;
   for (const std::string& facet : axes.facets) map.facet.emplace_back(facet, members.front().values.at(facet));
   for (const Setting& member : members) {
     double sum = 0;
@@ -169,7 +169,7 @@ void add_row(const Record& r, double value, const std::set<std::string>& axes, T
   Setting& setting = technique.settings[key];
   if (setting.measured.empty()) technique.order.push_back(key);
   setting.values = std::move(values);
-  setting.measured[place] = {value, has_area(r) && !place.light.empty()};
+  setting.measured[place] = {value, r.answer == AnswerKind::fraction && !place.light.empty()};
 }
 
 }  // namespace
@@ -181,7 +181,7 @@ std::string Map::facet_text() const {
 }
 
 std::string places_text(const Map& map) {
-  const std::size_t with_area = map.places_with_area;
+  const std::size_t with_area = map.places_with_fractions;
   return fmt::format(
       "{} place{}{}", map.places, map.places == 1 ? "" : "s",
       with_area == 0 || with_area == map.places ? "" : fmt::format(", {} of them under lights with area", with_area));

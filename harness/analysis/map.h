@@ -22,9 +22,9 @@ struct Map {
     std::optional<double> value;
     bool is_best = false;  ///< no cell of any map of the technique is better
   };
-  std::vector<Cell> cells;           ///< xs.size() * ys.size(), row by row of y
-  std::size_t places = 0;            ///< that the means cover
-  std::size_t places_with_area = 0;  ///< of these, under a light with area; 0 where lights are an axis
+  std::vector<Cell> cells;                ///< xs.size() * ys.size(), row by row of y
+  std::size_t places = 0;                 ///< that the means cover
+  std::size_t places_with_fractions = 0;  ///< of these, whose answer is a fraction; 0 where lights are an axis
 
   std::string facet_text() const;  ///< "size=1024, pcf=3"
   const Cell& at(std::size_t x_index, std::size_t y_index) const { return cells[y_index * xs.size() + x_index]; }

@@ -51,7 +51,7 @@ std::vector<Motion> find_motion(std::span<const Record> records, const std::stri
 
 LightCounts count_lights(std::span<const Motion> motions) {
   LightCounts counts;
-  for (const Motion& motion : motions) counts.add(lighting(*motion.record));
+  for (const Motion& motion : motions) counts.add(motion.record->answer);
   return counts;
 }
 

@@ -83,7 +83,7 @@ Sweeps find_sweeps(std::span<const Record> records, const std::string& parameter
     }
     sweeps.repeated += repeated;
     if (std::ranges::any_of(sweep.points, [](const Sweep::Point& point) { return point.value.has_value(); }))
-      sweeps.lights.add(lighting(*series.rows.front().second));
+      sweeps.lights.add(series.rows.front().second->answer);
     add_once(sweeps.places, sweep.place);
     sweeps.rows.push_back(std::move(sweep));
   }

@@ -16,8 +16,9 @@
 #include "measure/notice.h"
 #include "measure/paths.h"
 #include "measure/program/program_technique.h"
-#include "measure/run/outside.h"
 #include "measure/scene/import.h"
+#include "measure/worker/outside.h"
+#include "measure/worker/worker_server.h"
 
 namespace gnomon::app {
 

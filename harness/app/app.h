@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "app/command_line.h"
-#include "measure/run/worker.h"
+#include "measure/worker/worker_process.h"
 
 namespace gnomon {
 struct Record;

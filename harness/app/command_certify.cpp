@@ -5,10 +5,11 @@
 #include "measure/frame/certify.h"
 #include "measure/frame/certify_soft.h"
 #include "measure/paths.h"
-#include "measure/run/frame_worker.h"
-#include "measure/run/jobs.h"
-#include "measure/run/progress.h"
+#include "measure/progress.h"
+#include "measure/run/suite.h"
 #include "measure/scene/load.h"
+#include "measure/scene/names.h"
+#include "measure/worker/frame_worker.h"
 
 namespace gnomon::app {
 

@@ -5,7 +5,7 @@
 
 #include "app/app.h"
 #include "measure/conformance/child.h"
-#include "measure/run/progress.h"
+#include "measure/progress.h"
 #include "report/conformance.h"
 
 namespace gnomon::app {

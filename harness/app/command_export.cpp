@@ -5,11 +5,12 @@
 #include "measure/exchange/scene_files.h"
 #include "measure/paths.h"
 #include "measure/picture/picture.h"
-#include "measure/run/frame_worker.h"
-#include "measure/run/jobs.h"
-#include "measure/run/progress.h"
+#include "measure/progress.h"
+#include "measure/run/suite.h"
 #include "measure/scene/load.h"
+#include "measure/scene/names.h"
 #include "measure/scene/scene_json.h"
+#include "measure/worker/frame_worker.h"
 
 namespace gnomon::app {
 

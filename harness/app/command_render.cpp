@@ -9,10 +9,12 @@
 #include "measure/paths.h"
 #include "measure/picture/detail_export.h"
 #include "measure/picture/picture.h"
-#include "measure/run/row.h"
+#include "measure/row/measure_row.h"
+#include "measure/run/jobs.h"
 #include "measure/scene/load.h"
 #include "measure/score/error_picture.h"
 #include "measure/scratch_folder.h"
+#include "measure/worker/machine_context.h"
 
 namespace gnomon::app {
 
@@ -110,11 +112,11 @@ Suite render_suite(const RenderOptions& options, const Contender& contender) {
 /// lights what is wrong with the light received.
 std::string summary(const Record& record, const ErrorCounts& errors) {
   const auto percent_of = [&](double part) { return errors.tested ? 100 * part / static_cast<double>(errors.tested) : 0.0; };
-  if (has_several_lights(record))
+  if (record.answer == AnswerKind::received)
     return fmt::format("{} lights, error of the light received {:.4f} % (rms) over {} tested pixels, FLIP {:.4f}",
-                       light_count(record), 100 * record.metric("received_error_rms").value_or(0), errors.tested,
+                       record.lights.size(), 100 * record.metric("received_error_rms").value_or(0), errors.tested,
                        record.metric("flip").value_or(0));
-  if (!has_area(record))
+  if (record.answer == AnswerKind::binary)
     return fmt::format("wrong {:.4f} % of {} tested pixels, false dark {}, false lit {}",
                        percent_of(static_cast<double>(errors.wrong)), errors.tested, errors.false_dark, errors.false_lit);
   const auto of_all_light = record.metric("radiosity_error");
@@ -136,9 +138,14 @@ class Rendering {
         detail_folder_(options.detail.empty() ? nullptr : new StagedFolder(options.detail, StagedFolder::Target::file)),
         folder_(options.out),
         scratch_(ScratchFolder::at(folder_.path / "scratch")),
-        run_(options.scene, scene, suite, cache_root() / "frames", scratch_.path(), shown_on(progress_, options.scene)),
+        suite_(suite),
+        run_(scene, {.cache = cache_root() / "frames",
+                     .scratch = scratch_.path(),
+                     .target = suite.target,
+                     .timeout = suite.timeout,
+                     .watch = shown_on(progress_, options.scene)}),
         context_(machine_context(options_of_worker.threads)),
-        worker_(run_, jobs[0].contender, options_of_worker) {
+        worker_(run_, jobs[0].contender.technique, jobs[0].contender.settings, options_of_worker) {
     context_["frames"] = frame_version();
     worker_.begin_load();
     worker_.end_load();
@@ -146,11 +153,11 @@ class Rendering {
 
   /// A row that is unsupported is left out.
   void render(const Job& job) {
-    const RowFrame frame = run_.first_frame(job);
-    const Support support = worker_.go(frame, run_.suite.truth);
+    const RowFrame frame = first_frame(job, run_.scene);
+    const Support support = worker_.go(frame, suite_.truth);
     if (!support) return leave_out(job, support.why());
     if (support.kind() == Support::Kind::approximate) print_notice("note: {}: {}\n", job.light, support.why());
-    Record record = start_record(job, run_.suite, &run_.scene, context_);
+    Record record = start_record(job, suite_, &run_.scene, context_);
     record.context["scene_hash"] = run_.frames.scene_hash(job.lights);
     record.support = support.kind();
     record.reason = support.why();
@@ -164,7 +171,7 @@ class Rendering {
     const auto measured = measure(record, run_, worker_, frame);
     if (!measured) return leave_out(job, record.reason);
     // One warm call each: `gnomon run` is for timing.
-    for (const Stage stage : {Stage::build, Stage::relight, Stage::resolve}) {
+    for (const Stage stage : timed_stages) {
       const double ms = worker_.client().time(stage);
       note(stage, ms, worker_.client().other_clocks());
     }
@@ -179,7 +186,8 @@ class Rendering {
       masks_.push_back(light.answer.mask);
     }
     records_.push_back(record);
-    fmt::print("{:<12} {}\n", job.light, summary(record, measured->errors));
+    const Evidence evidence = measured->evidence(run_.scene);
+    fmt::print("{:<12} {}\n", job.light, summary(record, Scoring(evidence).error_counts()));
   }
 
   /// Throws Error when no row is there to be published.
@@ -191,7 +199,7 @@ class Rendering {
     }
     for (const auto& [job, why] : left_out_) print_notice("note: {} is left out: {}\n", job->light, why);
     const std::vector<std::span<const float>> channels(masks_.begin(), masks_.end());
-    write_exr(folder_.path / "mask.exr", run_.suite.width, run_.suite.height, names_, channels);
+    write_exr(folder_.path / "mask.exr", suite_.width, suite_.height, names_, channels);
     write_file(folder_.path / "record.json", json_text(records_, 2) + "\n");
     if (detail_folder_) detail_folder_->publish();
     folder_.publish();
@@ -202,22 +210,25 @@ class Rendering {
   std::string tail_of(const Job& job) const { return records_.empty() ? "" : "_" + job.light; }
 
   void write_pictures_of(const Job& job, const MeasuredRow& measured) {
-    const int width = run_.suite.width, height = run_.suite.height;
+    const int width = suite_.width, height = suite_.height;
     const auto picture_file = [&](const std::string& name, const std::string& tail) {
       return folder_.path / (name + tail + ".png");
     };
     const std::string tail = tail_of(job);
-    const bool has_shares = measured.together || has_area(measured.lights.front().light);
-    write_png(picture_file("mask", tail), (has_shares ? draw_soft_mask : draw_mask)(measured.mask(), width, height));
+    const auto drawn = [&](std::span<const float> mask, AnswerKind kind) {
+      return (kind == AnswerKind::binary ? draw_mask : draw_soft_mask)(mask, width, height);
+    };
+    const Evidence evidence = measured.evidence(run_.scene);
+    write_png(picture_file("mask", tail), drawn(measured.mask(), evidence.kind));
     write_png(picture_file("shaded", tail), shade(run_.scene, measured));
-    write_png(picture_file("error", tail), draw_errors(measured.evidence(run_.scene), job.contender.name()));
+    write_png(picture_file("error", tail), draw_errors(evidence, job.contender.name()));
     for (std::size_t k = 0; k < measured.lights.size(); ++k) {
       const Light& light = measured.lights[k].light;
+      const Answer& answer = measured.lights[k].answer;
       const std::string own_tail = measured.together ? tail + "_" + light.name : tail;
       if (measured.together) {
         if (!worker_.supports_light(k)) continue;
-        write_png(picture_file("mask", own_tail),
-                  (has_area(light) ? draw_soft_mask : draw_mask)(measured.lights[k].answer.mask, width, height));
+        write_png(picture_file("mask", own_tail), drawn(answer.mask, answer.reference.kind));
       }
       if (layer_)
         write_png(picture_file(layer_->name, own_tail),
@@ -243,6 +254,7 @@ class Rendering {
   const StagedFolder folder_;
   const ScratchFolder scratch_;
   Progress progress_;  ///< of the frames that are traced
+  const Suite& suite_;
   SceneRun run_;
   Json context_;
   ContenderWorker worker_;

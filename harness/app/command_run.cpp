@@ -12,6 +12,7 @@
 #include "measure/run/estimate.h"
 #include "measure/run/run.h"
 #include "measure/scene/blob.h"
+#include "measure/worker/machine_context.h"
 #include "report/table/table.h"
 
 namespace gnomon::app {

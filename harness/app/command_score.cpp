@@ -7,13 +7,13 @@
 #include "app/staged_folder.h"
 #include "measure/paths.h"
 #include "measure/picture/picture.h"
-#include "measure/run/foreign_row.h"
-#include "measure/run/frame_worker.h"
-#include "measure/run/jobs.h"
-#include "measure/run/progress.h"
+#include "measure/progress.h"
+#include "measure/row/foreign_row.h"
 #include "measure/scene/load.h"
+#include "measure/scene/names.h"
 #include "measure/score/error_picture.h"
 #include "measure/score/score.h"
+#include "measure/worker/frame_worker.h"
 #include "report/table/digits.h"
 #include "report/table/text_table.h"
 
@@ -110,19 +110,18 @@ Json json_of(const Metrics& metrics) {
 }
 
 /// Wrong pixels by cause, causes that occur only.
-std::map<std::string, std::uint64_t> causes_that_occur(std::span<const Cause> causes) {
-  std::map<std::string, std::uint64_t> counts = count_causes(causes);
+std::map<std::string, std::uint64_t> causes_that_occur(const Score& score) {
+  std::map<std::string, std::uint64_t> counts = *score.causes;
   std::erase_if(counts, [](const auto& cause) { return cause.second == 0; });
   return counts;
 }
 
-/// What those hold of the wrong rate, under a light with area of the mean error.
-std::map<std::string, double> shares_of(const std::map<std::string, std::uint64_t>& causes, const Evidence& evidence,
-                                        std::size_t tested) {
+/// What those hold of the wrong rate, of an answer that is a fraction of the mean error.
+std::map<std::string, double> shares_of(const std::map<std::string, std::uint64_t>& causes, const RowScore& score) {
   std::map<std::string, double> shares;
-  const std::map<std::string, double> errors = cause_errors(evidence);
+  const auto tested = static_cast<double>(std::max<std::size_t>(1, score.errors.tested));
   for (const auto& [cause, pixels] : causes)
-    shares[cause] = has_area(*evidence.light) ? errors.at(cause) : static_cast<double>(pixels) / static_cast<double>(tested);
+    shares[cause] = score.whole.cause_errors ? score.whole.cause_errors->at(cause) : static_cast<double>(pixels) / tested;
   return shares;
 }
 
@@ -136,20 +135,16 @@ struct Question {
 };
 
 /// Says one light's score, or adds it to the list.
-void report(const Question& question, std::size_t k, const Answer& answer, Json& list) {
+void report(const Question& question, std::size_t k, const RowScore& score, Json& list) {
   const ScoreOptions& options = question.options;
   const Channel& channel = question.channels[k];
   const FrameKey& key = question.key;
-  const Evidence evidence = answer.evidence(question.scene, channel.light);
-  const Scoring scoring(evidence);
-  const Metrics metrics = measure_metrics(scoring);
-  const std::map<std::string, std::uint64_t> causes = causes_that_occur(answer.causes);
-  const std::map<std::string, double> shares =
-      shares_of(causes, evidence, std::max<std::size_t>(1, scoring.error_counts().tested));
+  const std::map<std::string, std::uint64_t> causes = causes_that_occur(score.whole);
+  const std::map<std::string, double> shares = shares_of(causes, score);
   if (!options.json) {
     fmt::print("{}scene {}, light {}, view {}, {} x {}, {} truth: {} of {} pixels facing the light are tested\n\n{}",
                k == 0 ? "" : "\n", options.scene, channel.light.name, key.view.name, key.width, key.height, options.truth,
-               scoring.error_counts().tested, scoring.error_counts().facing, text_of(metrics, shares));
+               score.errors.tested, score.errors.facing, text_of(score.whole.metrics, shares));
     return;
   }
   Json& row = list.emplace_back();
@@ -161,10 +156,10 @@ void report(const Question& question, std::size_t k, const Answer& answer, Json&
   row["truth"] = options.truth;
   row["mask"] = options.mask.string();
   row["channel"] = channel.name;
-  row["metrics"] = json_of(metrics);
-  row["classes"] = class_counts(answer.reference.classes);
+  row["metrics"] = json_of(score.whole.metrics);
+  row["classes"] = score.whole.classes;
   row["causes"] = causes;
-  if (has_area(channel.light)) row["cause_errors"] = shares;
+  if (score.whole.cause_errors) row["cause_errors"] = shares;
 }
 
 /// "resolve=12.5": milliseconds that somebody told, by stage.
@@ -219,7 +214,7 @@ void score_rows(Question& question, const ForeignMask& called, FrameStore& frame
   }
   add_foreign_rows(options.out, question.scene, rows);
   write_tables(options.out, read_records(options.out));
-  for (std::size_t k = 0; k < rows.size(); ++k) report(question, k, rows[k].measured.lights.front().answer, list);
+  for (std::size_t k = 0; k < rows.size(); ++k) report(question, k, rows[k].scored.score, list);
   for (std::size_t k = 0; k < rows.size(); ++k) {
     if (options.json) {
       list[k]["job"] = rows[k].record.job;
@@ -239,14 +234,14 @@ void score_masks(Question& question, FrameStore& frames, Json& list) {
   FrameKey key = question.key;
   for (std::size_t k = 0; k < question.channels.size(); ++k) {
     const Light& light = question.channels[k].light;
-    const Answer answer = foreign_answer(question.scene, frames, key, light, std::move(question.masks[k]));
+    const ScoredMask scored = scored_mask(question.scene, frames, key, light, std::move(question.masks[k]));
     if (folder) {
       const std::string tail = question.channels.size() == 1 ? "" : "_" + light.name;
       write_png(folder->path / ("error" + tail + ".png"),
-                draw_errors(answer.evidence(question.scene, light), options.mask.filename().string()));
-      write_png(folder->path / ("shaded" + tail + ".png"), shade(question.scene, answer.gbuffer, light, answer.mask));
+                draw_errors(scored.measured.evidence(question.scene), options.mask.filename().string()));
+      write_png(folder->path / ("shaded" + tail + ".png"), shade(question.scene, scored.measured));
     }
-    report(question, k, answer, list);
+    report(question, k, scored.score, list);
   }
   if (folder) folder->publish();
 }

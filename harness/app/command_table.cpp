@@ -1,7 +1,7 @@
 // gnomon table and report: a run as a table and as a page.
 #include "app/app.h"
 #include "measure/notice.h"
-#include "measure/run/rescore.h"
+#include "measure/row/rescore.h"
 #include "measure/scene/blob.h"
 #include "report/analysis/machine_table.h"
 #include "report/html/html.h"

@@ -18,11 +18,12 @@ def record(technique="shadow_map", scene="soup", settings="", cost=1.0, wrong=0.
     """A line of records.jsonl made by hand: three processes, each cost the same."""
     parameters = dict(pair.split("=") for pair in settings.split(",") if pair)
     row = {
-        "schema": 2, "job": "", "scene": scene, "light": "point", "technique": technique, "settings": settings,
+        "schema": 3, "job": "", "scene": scene, "light": "point", "lights": [{"name": "point", "kind": "point", "answer": "binary"}], "answer": "binary",
+        "technique": technique, "settings": settings,
         "parameters": {key: json.loads(value) for key, value in parameters.items()}, "width": 640, "height": 360,
         "status": "ok", "role": "contender", "bytes": 1 << 20, "classes": {"T": 1000},
         "stages": {stage: [[cost], [cost], [cost]] for stage in ("setup", "build", "relight", "resolve")},
-        "metrics": {"shape": {"wrong_rate": wrong}},
+        "metrics": {"shape": {"error": wrong, "wrong_rate": wrong}},
     }
     row.update(more)
     return row
@@ -179,7 +180,7 @@ class Analyze(ProgramTest):
         self.assertEqual((times[0]["relight_ms"], times[0]["relight_ms_low"]), ("1", "1"))
 
     def test_rows_under_lights_with_area_are_judged_by_their_mean_error(self):
-        soft = {"light": "lamp", "light_kind": "disc", "context": {"frames": 8}}
+        soft = {"light": "lamp", "light_kind": "disc", "lights": [{"name": "lamp", "kind": "disc", "answer": "fraction"}], "answer": "fraction"}
         def metrics(error):
             return {"metrics": {"shape": {"error": error, "error_mean": error, "wrong_rate": 0, "reference_error_mean": 0.001}}}
         run = self.run_of(record("hard", wrong=0.2), record("soft", cost=2, **soft, **metrics(0.03)),
@@ -208,7 +209,7 @@ class Analyze(ProgramTest):
         self.refuse("analyze", run, "growth", says=["there is no growth with triangles", "no row that was measured has a positive one", "sphere_field:count="])
 
     def test_motion_takes_rows_on_paths(self):
-        run = self.run_of(record(path="slide", frames={"wrong_rate": [0.1, 0.3], "instability": [None, 0.02]}), record())
+        run = self.run_of(record(path="slide", frames={"error": [0.1, 0.3], "wrong_rate": [0.1, 0.3], "instability": [None, 0.02]}), record())
         rows = self.rows(run, "motion")
         self.assertEqual(len(rows), 1)
         columns = ("frames", "instability_max", "error_max", "error_frame")

@@ -158,36 +158,6 @@ class Live(ProgramTest):
             self.assertTrue(slower["low"] / 1.1 < 1.5 < slower["high"] * 1.1, slower)
             self.assertNotEqual(times[scene, "resolve"]["verdict"], "slower", times[scene, "resolve"])
 
-    def test_a_program_that_times_one_iteration_a_request_is_served(self):
-        # As programs were before: it neither says that it takes iterations, nor knows the word, nor tells a number of them.
-        old = self.write("old", f'''#!/usr/bin/python3 -I
-import json, socket, subprocess, sys
-owner = socket.socket(fileno=int(sys.argv[-2]))
-ours, theirs = socket.socketpair()
-worker = subprocess.Popen(["{PROGRAM}", *sys.argv[1:-2], str(theirs.fileno()), sys.argv[-1]], pass_fds=[theirs.fileno()])
-theirs.close()
-answers = ours.makefile()
-for line in owner.makefile():
-    if "iterations" in line:
-        print("what are iterations?", file=sys.stderr)
-        sys.exit(7)
-    ours.sendall(line.encode())
-    answer = json.loads(answers.readline())
-    for key in ("iterations", "takes_iterations"):
-        answer.pop(key, None)
-    owner.sendall(json.dumps(answer).encode() + b"\\n")
-''')
-        old.chmod(0o755)
-        done = self.gnomon("compare", "--live", old, *[word for word in ROWS if word != "--quiet"], "--processes", "2", "--format",
-                           "json", "--out", "out")
-        self.assertEqual(done.stderr.count("times one iteration a request, and so this program does, too"), 1, done.stderr)
-        counts = json.loads(done.stdout)["counts"]
-        self.assertEqual((counts["matched"], counts["changed_metrics"], counts["missing"]), (8, 0, 0), done.stdout)
-        for side in ("base", "contender"):
-            rows = records(self.dir / "out" / side)
-            self.assertEqual({row["status"] for row in rows}, {"ok"}, rows[0]["reason"])
-            self.assertGreater(max(row["iterations"]["resolve"] for row in rows), 1)
-
     def test_what_is_no_gnomon_is_refused(self):
         for name, text in {"talks": "echo hello", "fails": "exit 3", "answers": "printf 'hello\\n' >&$2"}.items():
             file = self.write(name, f"#!/bin/bash\n{text}\n")
@@ -197,7 +167,7 @@ for line in owner.makefile():
         self.refuse("compare", "--live", self.write("plain", "text"), *ROWS, says=["plain", "Permission denied"])
         old = self.write("old", "#!/bin/bash\nread line <&$2; printf '{\"protocol\": 1}\\n' >&$2; sleep 5\n")
         old.chmod(0o755)
-        ours = re.search(r"worker_protocol = (\d+);", (ROOT / "harness/measure/run/worker.h").read_text())[1]
+        ours = re.search(r"worker_protocol = (\d+);", (ROOT / "harness/measure/worker/protocol.h").read_text())[1]
         self.refuse("compare", "--live", old, *ROWS, says=["protocol 1", f"this one {ours}"])
         self.assertFalse((self.dir / "out").exists())
 

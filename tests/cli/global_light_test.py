@@ -41,7 +41,7 @@ class GlobalLight(ProgramTest):
         self.assertLess(error[""], 0.1)
         self.assertGreater(error["ending=bounces,bounces=0"], 0.2)
         self.assertLess(error["ending=bounces,bounces=0"], 0.4)
-        of_paths = rows[""]["reference"]["global"]
+        of_paths = rows[""]["lights"][0]["reference"]["global"]
         self.assertEqual(of_paths["samples"], 256)
         self.assertGreater(of_paths["rays"], 64 * 48 * 256)
         self.assertLess(of_paths["error"], 0.2)
@@ -67,18 +67,18 @@ class GlobalLight(ProgramTest):
         for before, after in zip(plain, asked):
             self.assertNotEqual(before["job"], after["job"])
             self.assertIsNone(before["metrics"]["shape"]["radiosity_error"])
-            self.assertIsNone(before["reference"]["global"])
+            self.assertIsNone(before["lights"][0]["reference"]["global"])
             self.assertEqual(before["metrics"]["shape"]["error"], after["metrics"]["shape"]["error"])
         by_technique = {row["technique"]: row for row in asked}
         self.assertIsNotNone(by_technique["path_rays"]["metrics"]["shape"]["radiosity_error"])
         self.assertIsNone(by_technique["area_rays"]["metrics"]["shape"]["radiosity_error"])
-        self.assertIsNone(by_technique["area_rays"]["reference"]["global"])
+        self.assertIsNone(by_technique["area_rays"]["lights"][0]["reference"]["global"])
         # Masks are kept, pictures of all light are not: what was measured stays.
         self.succeed("table", "asked", "--rescore")
         again = {row["technique"]: row for row in records(self.dir / "asked")}
         for technique, row in by_technique.items():
             self.assertEqual(row["metrics"], again[technique]["metrics"])
-        self.assertEqual(by_technique["path_rays"]["reference"], again["path_rays"]["reference"])
+        self.assertEqual(by_technique["path_rays"]["lights"], again["path_rays"]["lights"])
 
     def test_lights_add_up(self):
         (self.dir / "two.toml").write_text(TWO_LAMPS)

@@ -72,7 +72,8 @@ class Lights(ProgramTest):
                 self.assertEqual(light["metrics"]["wrong_rate"], alone["metrics"]["shape"]["wrong_rate"])
                 self.assertEqual(light["causes"], alone["causes"])
                 self.assertEqual(light["classes"], alone["classes"])
-                self.assertEqual(alone["lights"], [])
+                self.assertEqual((alone["answer"], both["answer"]), ("binary", "received"))
+                self.assertEqual(alone["lights"], [{**light, "metrics": alone["metrics"]["shape"]}])
             # What is shared counts once.
             self.assertLess(both["bytes"], sum(rows[technique, light]["bytes"] for light in ("bulb", "sun")))
             self.assertEqual(both["metrics"]["shape"]["error"], both["metrics"]["shape"]["received_error_rms"])

@@ -313,7 +313,7 @@ def fault(r):
             ("stages = [\"build\"]\n", ["a list with resolve, which makes the mask"]),
             ("[[parameter]]\nname = \"A b\"\nvalue = 1\nmin = 0\nmax = 2\nstage = \"build\"\nsentence = \"S.\"\n", ["parameter.name = 'A b'"]),
             ("[[parameter]]\nname = \"a\"\nvalue = 3\nmin = 0\nmax = 2\nstage = \"build\"\nsentence = \"S.\"\n", ["parameter.value = 3 is not within 0 .. 2"]),
-            ("[[parameter]]\nname = \"a\"\nvalue = 1\nmin = 0\nmax = 2\nstage = \"later\"\nsentence = \"S.\"\n", ["'later'", "setup, build, relight or resolve"]),
+            ("[[parameter]]\nname = \"a\"\nvalue = 1\nmin = 0\nmax = 2\nstage = \"later\"\nsentence = \"S.\"\n", ["'later'", "is not one of setup, build, relight, resolve"]),
             ("[[need]]\ninstall = \"x\"\n", ["one of program and runs, and only one"]),
             ("[[cause]]\nid = \"acne\"\nsentence = \"S.\"\ncolor = [1, 2, 3]\n", ["acne"]),
             ("[[cause]]\nid = \"mine\"\nsentence = \"S.\"\ncolor = [1, 2, 300]\n", ["0 .. 255"]),

@@ -5,7 +5,7 @@
 namespace {
 using namespace gnomon;
 
-constexpr OwnCause causes[] = {
+constexpr OwnCause more_causes[] = {
     {"right_half", "The right half of the picture is out of its sight.", {240, 172, 240}},
     {"never", "A cause that holds nowhere.", {20, 255, 148}},
 };
@@ -23,4 +23,4 @@ GNOMON_TECHNIQUE(names_more, NamesMore,
                   .source = "none",
                   .error = "All of it.",
                   .fails = "Everywhere.",
-                  .causes = causes})
+                  .causes = more_causes})

@@ -6,11 +6,11 @@
 #include "measure/picture/detail_export.h"
 #include "measure/picture/picture.h"
 #include "measure/record/record.h"
-#include "measure/run/worker_client.h"
 #include "measure/scene/base_scene.h"
 #include "measure/scene/blob.h"
 #include "measure/scene/import.h"
 #include "measure/scene/load.h"
+#include "measure/worker/worker_client.h"
 #include "run_words.h"
 
 namespace fuzz {
@@ -95,7 +95,7 @@ Outcome read_words(const fs::path&, const std::string& bytes) {
   if (words[0] == "run")
     words.insert(words.begin() + 1, "--dry-run");
   else if (words[0] != "list" && words[0] != "describe")
-    words.push_back("--no-command-takes-this");
+    words.emplace_back("--no-command-takes-this");
   return run_words(std::move(words));
 }
 

@@ -13,8 +13,9 @@
 #include "measure/pattern.h"
 #include "measure/picture/detail_export.h"
 #include "measure/run/suite.h"
-#include "measure/run/worker_client.h"
 #include "measure/scene/blob.h"
+#include "measure/worker/worker_client.h"
+#include "measure/worker/worker_server.h"
 
 namespace fuzz {
 

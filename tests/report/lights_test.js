@@ -61,10 +61,10 @@ test("the pictures of several lights are all together, and each alone", async ()
   ]);
   const row = data.rows.findIndex((one) => one.title === "unshadowed" && data.groups[one.group].light === "all+");
   const group = data.groups[data.rows[row].group];
-  assert.equal(group.lighting, "several");
+  assert.equal(group.answer, "received");
   const { pictures: all } = group;
   assert.deepEqual(
-    all.lights.map((light) => [light.name, light.has_area]),
+    all.lights.map((light) => [light.name, light.is_fraction]),
     [
       ["left", false],
       ["right", true],

@@ -17,7 +17,7 @@ inline Record row(const std::string& setting, double relight, double resolve, do
                   const std::string& scene = "soup") {
   Record r;
   r.scene = scene;
-  r.light = "point";
+  r.light = r.lights.emplace_back().name = "point";
   r.view = "main";
   const std::size_t colon = setting.find(':');
   r.technique = setting.substr(0, colon);
@@ -40,6 +40,9 @@ inline Record soft_row(const std::string& setting, double relight, double resolv
                        const std::string& scene = "soup") {
   Record r = row(setting, relight, resolve, 0, scene);
   r.light = r.light_kind = "disc";
+  r.answer = AnswerKind::fraction;
+  r.lights[0].name = r.lights[0].kind = "disc";
+  r.lights[0].answer = AnswerKind::fraction;
   r.metrics[Truth::shape] = {{"error", error}, {"error_mean", error}, {"wrong_rate", 0.0}, {"reference_error_mean", 0.002}};
   return r;
 }

@@ -27,6 +27,7 @@ struct World {
   }
   Reference reference() const {
     Reference all{truth.area, truth.classes, {}, nullptr};
+    all.kind = AnswerKind::fraction;
     all.irradiance = truth.irradiance;
     all.error = truth.area_error;
     all.irradiance_error = truth.irradiance_error;

@@ -14,8 +14,8 @@
 #include "app/viewer/compose.h"
 #include "app/viewer/engine_side.h"
 #include "measure/notice.h"
-#include "measure/run/frame_worker.h"
 #include "measure/scene/load.h"
+#include "measure/worker/frame_worker.h"
 
 namespace gnomon::viewer {
 

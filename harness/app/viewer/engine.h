@@ -5,7 +5,7 @@
 
 #include "app/viewer/picture_parts.h"
 #include "app/viewer/sample_curve.h"
-#include "measure/run/worker.h"
+#include "measure/worker/worker_process.h"
 
 namespace gnomon::viewer {
 

@@ -9,8 +9,8 @@
 #include <thread>
 
 #include "app/viewer/engine.h"
-#include "measure/run/worker_client.h"
 #include "measure/scratch_folder.h"
+#include "measure/worker/worker_client.h"
 
 namespace gnomon::viewer {
 

@@ -91,7 +91,7 @@ std::vector<std::vector<std::uint8_t>> Engine::Body::Side::right_on_mesh(
   if (ask_support(mesh_frame, "causes")) {
     const std::vector<std::vector<float>> masks = split_masks(resolve_mask(false), lights.size());
     for (std::size_t k = 0; k < lights.size(); ++k) {
-      const double most = has_area(frame.all_lights()[k]) ? 4 * AreaTarget{}.error : 0.5;
+      const double most = answer_kind(frame.all_lights()[k]) == AnswerKind::fraction ? 4 * AreaTarget{}.error : 0.5;
       for (std::size_t i = 0; i < masks[k].size(); ++i)
         right[k].push_back(std::abs(masks[k][i] - lights[k]->on_mesh->mask[i]) <= most);
     }
@@ -120,6 +120,7 @@ void Engine::Body::Side::find_causes_of(const std::shared_ptr<const Verdict>& ve
   const bool is_done = causes_.run(ticket, [&] {
     for (std::size_t k = 0; k < lights.size(); ++k) {
       Reference reference{lights[k]->mask, lights[k]->classes, lights[k]->nearest_caster, lights[k]};
+      reference.kind = answer_kind(frame.all_lights()[k]);
       reference.error = lights[k]->error;
       reference.irradiance = lights[k]->irradiance;
       reference.irradiance_error = lights[k]->irradiance_error;

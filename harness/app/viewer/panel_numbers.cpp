@@ -121,7 +121,7 @@ void draw_tallies(const EngineState& state) {
 }
 
 void draw_times(const EngineState& state) {
-  for (const Stage stage : {Stage::setup, Stage::build, Stage::relight, Stage::resolve})
+  for (const Stage stage : all_stages)
     draw_row(state, std::string(name(stage)),
              "The last time that this stage was done, live and beside whatever else runs; gnomon run measures.",
              [&](const SideState& side, int) {

@@ -40,7 +40,8 @@ struct Frame {
   /// Of the light that can be moved, in all_lights.
   std::size_t chosen() const;
   /// Whether masks have values between lit and umbra: under a light with area, and under several lights.
-  bool has_shares() const { return is_together() || has_area(light); }
+  bool has_shares() const { return kind() != AnswerKind::binary; }
+  AnswerKind kind() const { return is_together() ? AnswerKind::received : answer_kind(light); }
   bool is_full() const { return gbuffer.width == picture_width && gbuffer.height == picture_height; }
 };
 
@@ -106,7 +107,8 @@ inline Evidence evidence_of(int width, int height, std::span<const float> mask, 
           .mask = mask,
           .causes = {},
           .light = &reference.frame->light,
-          .reference_error = is_irradiance ? reference.irradiance_error : reference.error};
+          .reference_error = is_irradiance ? reference.irradiance_error : reference.error,
+          .kind = reference.frame->kind()};
 }
 
 /// A debug layer as a technique drew it.

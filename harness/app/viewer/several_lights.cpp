@@ -78,7 +78,8 @@ Evidence evidence_of(const Frame& frame, const ReferenceState& reference, LightS
           .scene = &frame.scene(),
           .gbuffer = &frame.gbuffer,
           .light = &frame.lights[k],
-          .reference_error = is_irradiance ? own.irradiance_error : own.error};
+          .reference_error = is_irradiance ? own.irradiance_error : own.error,
+          .kind = answer_kind(frame.lights[k])};
 }
 
 }  // namespace
@@ -96,7 +97,7 @@ void put_together(ReferenceState& reference) {
   reference.mask = std::move(area.reference);
   reference.error = std::move(area.reference_error);
   reference.classes = std::move(area.classes);
-  if (std::ranges::none_of(frame.lights, [](const Light& light) { return has_area(light); })) return;
+  if (reference.error.empty()) return;  // no light's answer is a fraction
   Together irradiance = whole(LightShareKind::irradiance);
   reference.irradiance = std::move(irradiance.reference);
   reference.irradiance_error = std::move(irradiance.reference_error);

@@ -18,6 +18,10 @@ namespace gnomon {
 ///   resolve  the camera changed
 enum class Stage { setup, build, relight, resolve };
 inline constexpr std::string_view stage_names[] = {"setup", "build", "relight", "resolve"};
+inline constexpr Stage all_stages[] = {Stage::setup, Stage::build, Stage::relight, Stage::resolve};
+inline constexpr Stage timed_stages[] = {Stage::build, Stage::relight,
+                                         Stage::resolve};                  ///< again and again; setup is done once
+inline constexpr Stage frame_stages[] = {Stage::relight, Stage::resolve};  ///< that every frame takes
 inline constexpr std::string_view name(Stage stage) { return stage_names[static_cast<int>(stage)]; }
 
 class Parametrized;

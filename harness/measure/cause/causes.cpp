@@ -128,7 +128,7 @@ void find_regions(const Attribution& a, const LightRays& rays, std::span<const s
 std::vector<Cause> find_causes(const Attribution& a) {
   assert(a.mask.size() == a.gbuffer.size() && a.reference.mask.size() == a.mask.size());
   assert(a.reference.classes.size() == a.mask.size());
-  if (has_area(a.light)) return find_soft_causes(a);
+  if (a.reference.kind == AnswerKind::fraction) return find_soft_causes(a);
   std::vector<Cause> causes(a.mask.size(), Cause::none);
   std::vector<std::uint32_t> open, geometric;
   for (std::uint32_t i = 0; i < causes.size(); ++i) {

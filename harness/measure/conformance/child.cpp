@@ -7,6 +7,7 @@
 
 #include "measure/conformance/world.h"
 #include "measure/scratch_folder.h"
+#include "measure/worker/worker_server.h"
 
 namespace gnomon::conformance {
 

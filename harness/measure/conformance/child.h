@@ -2,7 +2,7 @@
 #include <string>
 
 #include "measure/conformance/rule.h"
-#include "measure/run/worker.h"
+#include "measure/worker/worker_process.h"
 
 namespace gnomon::conformance {
 

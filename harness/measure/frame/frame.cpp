@@ -220,6 +220,8 @@ GlobalReference FrameStore::global_reference(const FrameKey& key, const Light& l
   return reference;
 }
 
+AnswerKind answer_kind(const Light& light) { return has_area(light) ? AnswerKind::fraction : AnswerKind::binary; }
+
 Reference FrameStore::reference(const FrameKey& key, const Light& light, const AreaTarget& target, int subpixel_bits) {
   require_reference(scene_, light, key.view);
   const std::string name = hash(key, &light, target, subpixel_bits) + ".reference";
@@ -238,15 +240,16 @@ Reference FrameStore::reference(const FrameKey& key, const Light& light, const A
   std::size_t offset = 0;
   Reference reference;
   reference.subpixel_bits = subpixel_bits;
+  reference.kind = answer_kind(light);
   reference.mask = slice<float>(*file, offset, n);
   reference.nearest_caster = slice<std::uint32_t>(*file, offset, n);
-  if (has_area(light)) {
+  if (reference.kind == AnswerKind::fraction) {
     for (auto* floats : {&reference.irradiance, &reference.error, &reference.irradiance_error, &reference.caster_distance})
       *floats = slice<float>(*file, offset, n);
     reference.rays = slice<std::uint32_t>(*file, offset, n);
   }
   reference.classes = slice<PixelClass>(*file, offset, n);
-  if (!has_area(light)) reference.snapping = slice<std::uint8_t>(*file, offset, n);
+  if (reference.kind == AnswerKind::binary) reference.snapping = slice<std::uint8_t>(*file, offset, n);
   reference.storage = file;
   return reference;
 }

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "measure/answer_kind.h"
 #include "measure/frame/classify.h"
 #include "measure/frame/frame_cache.h"
 #include "measure/frame/gbuffer_maker.h"
@@ -15,6 +16,9 @@
 #include "measure/scene/blob.h"
 
 namespace gnomon {
+
+/// What kind of answer is true under one light.
+AnswerKind answer_kind(const Light& light);
 
 /// The answer that counts, for one light and G-buffer: the reference mask, the class of every pixel, and what blocks it.
 struct Reference {
@@ -26,8 +30,9 @@ struct Reference {
   /// 1 where the pixel is tested and a rasterizer's rounding of vertices may turn its answer over (see find_snapping), else 0.
   std::span<const std::uint8_t> snapping = {};
   int subpixel_bits = usual_subpixel_bits;  ///< of that rasterizer
-  /// Of a light with area, else empty: `mask` is the share of its area that is seen, `irradiance` that of the irradiance, each
-  /// with its standard error (see SoftReference).
+  AnswerKind kind = AnswerKind::binary;
+  /// Where the answer is a fraction, else empty: `mask` is the share of its area that is seen, `irradiance` that of the
+  /// irradiance, each with its standard error (see SoftReference).
   std::span<const float> irradiance = {}, error = {}, irradiance_error = {}, caster_distance = {};
   std::span<const std::uint32_t> rays = {};
 };
@@ -101,10 +106,6 @@ class FrameStore {
 
   /// What records of rows under lights of these names know the scene by.
   const std::string& scene_hash(const std::vector<std::string>& lights);
-  /// Whether that, or what older records know it by: the hash of the scene with all its lights.
-  bool is_scene(const std::string& hash, const std::vector<std::string>& lights) {
-    return hash == scene_hash(lights) || hash == scene_hash_;
-  }
   /// The scene's bytes as a file, for other processes.
   std::filesystem::path scene_file();
   std::filesystem::path gbuffer_file(const FrameKey& key);

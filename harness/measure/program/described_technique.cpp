@@ -242,7 +242,8 @@ Json object_json(const SceneEntry& entry) {
   return json_object({{"parameters", parameters_json(*scene)}});
 }
 
-TechniqueEntry described_technique(const Json& sheet, const Json& object, const Json& lights_known, const std::string& broken) {
+TechniqueEntry described_technique(const Json& sheet, const Json& object, const std::vector<std::string>& lights_known,
+                                   const std::string& broken) {
   TechniqueEntry entry;
   entry.id = sheet.at("id").get<std::string>();
   About& about = entry.about;
@@ -263,7 +264,7 @@ TechniqueEntry described_technique(const Json& sheet, const Json& object, const 
   about.causes = causes;
   static std::deque<std::vector<std::string_view>> all_lights;
   std::vector<std::string_view>& lights = all_lights.emplace_back();
-  for (const Json& light : lights_known) lights.push_back(kept(light));
+  for (const std::string& light : lights_known) lights.push_back(kept(light));
   if (lights.empty()) lights.assign(std::begin(all_light_kinds), std::end(all_light_kinds));
   about.lights = lights;
 

@@ -49,10 +49,12 @@ bool holds(const std::vector<std::string>& words, std::string_view word) {
   return std::ranges::find(words, word) != words.end();
 }
 
+std::vector<std::string> names_of_stages() { return {std::begin(stage_names), std::end(stage_names)}; }
+
 Stage stage_of(const Table& table) {
   const std::string word = table.text("stage");
   const auto found = std::ranges::find(stage_names, word);
-  if (found == std::end(stage_names)) table.refuse("stage", '\'' + word + '\'', "setup, build, relight or resolve");
+  if (found == std::end(stage_names)) table.refuse("stage", '\'' + word + '\'', "one of " + joined(names_of_stages(), ", "));
   return static_cast<Stage>(found - std::begin(stage_names));
 }
 
@@ -191,8 +193,7 @@ std::shared_ptr<const ProgramDescription> read_program(const fs::path& file) {
   d.command = command_of(toml, table, "command");
   if (d.command[0].find('/') != std::string::npos)
     d.command[0] = fs::absolute(file.parent_path() / d.command[0]).lexically_normal().string();
-  const std::vector<std::string> stages =
-      words_of(toml, table, "stages", stage_names, {"setup", "build", "relight", "resolve"});
+  const std::vector<std::string> stages = words_of(toml, table, "stages", stage_names, names_of_stages());
   for (std::size_t s = 0; s < d.knows.size(); ++s) d.knows[s] = holds(stages, stage_names[s]);
   if (!d.knows.back()) table.refuse("stages", "this", "a list with resolve, which makes the mask");
   d.lights = words_of(toml, table, "lights", all_light_kinds, {"point", "spot", "directional"});

@@ -10,13 +10,15 @@
 #include <string>
 #include <vector>
 
+#include "measure/answer_kind.h"
 #include "measure/json.h"
 #include "measure/statistics/statistics.h"
 
 namespace gnomon {
 
-/// Version of the record's fields. A reader refuses a newer one; an older one is never written again.
-inline constexpr int record_schema = 2;
+/// Version of the record's fields: the one that is written and read. One more with every change; scripts/results --convert
+/// brings kept folders along.
+inline constexpr int record_schema = 3;
 
 enum class Status { ok, unsupported, failed };
 std::string_view name(Status status);
@@ -70,7 +72,8 @@ struct Record {
   std::optional<FloorTimes> floor;  ///< nothing without OpenGL, and of a technique that names none
   std::optional<GlInputs> gl;       ///< scene and G-buffer on the GL side, outside every timed stage
 
-  /// Under a light with area: which of its two true numbers the technique was scored against, and how well that is known.
+  /// Where the answer is a fraction: which of its two true numbers the technique was scored against, and how well that is
+  /// known.
   struct ReferenceFacts {
     LightShareKind estimates = LightShareKind::area;
     double target = 0;      ///< standard error that was wanted
@@ -85,22 +88,23 @@ struct Record {
     };
     std::optional<GlobalFacts> global = {};
   };
-  std::optional<ReferenceFacts> reference;
 
-  /// One of several lights that a row has together.
+  /// One light of the row.
   struct LightFacts {
-    std::string name, kind;
-    std::optional<Support::Kind> support;  ///< one that is unsupported casts no shadows in this row
+    std::string name, kind;                  ///< kind: "point", "rect"; empty where the scene could not be loaded
+    AnswerKind answer = AnswerKind::binary;  ///< as the reference has it
+    std::optional<Support::Kind> support;    ///< of several lights one that is unsupported casts no shadows
     std::string reason;
     std::optional<ReferenceFacts> reference;
-    // As in the record, of this light's mask.
+    // As in the record, of this light's mask. Of one light they are the record's.
     std::map<std::string, std::uint64_t> classes;
     Metrics metrics;  ///< headline truth
     std::optional<std::map<std::string, std::uint64_t>> causes;
     std::optional<std::map<std::string, double>> cause_errors;
   };
-  std::vector<LightFacts> lights;    ///< of a row of several lights, in the scene's order; empty: `light` is one
-  std::optional<bool> shares_build;  ///< of such a row: whether its lights share what setup and build make
+  std::vector<LightFacts> lights;          ///< one at least, in the scene's order
+  AnswerKind answer = AnswerKind::binary;  ///< of the headline: of one light that light's, of several `received`
+  std::optional<bool> shares_build;        ///< of several lights: whether they share what setup and build make
 
   std::map<std::string, std::uint64_t> classes;  ///< pixels of class "B", "F", "G", "S", "U", "T"; sums over several lights
   std::map<Truth, Metrics> metrics;              ///< on a path: means over its frames
@@ -164,19 +168,7 @@ std::optional<bool> clocks_agree(const Record& record);
 /// What each cause holds of the error that counts: of the wrong rate, under a light with area of the mean error. Nothing when
 /// the run sought none, or tested nothing.
 std::optional<std::map<std::string, double>> cause_shares(const Record& record);
-/// Whether it is of one light that has an area, by the name of the light's kind: its shadows are soft, and it is judged by
-/// its mean error.
-bool has_area(const Record& record);
-/// Whether it is of several lights together: it is judged by the light received.
-bool has_several_lights(const Record& record);
-/// What lights a row, and so what it is judged by: a light without area by its wrong rate, one with area by its mean error,
-/// several together by the light received. The metric `error` is each of these.
-enum class Lighting { hard, soft, several };
-inline constexpr Lighting all_lightings[] = {Lighting::hard, Lighting::soft, Lighting::several};
-Lighting lighting(const Record& record);
-std::string_view name(Lighting lighting);
 std::vector<std::string> light_names(const Record& record);
-std::size_t light_count(const Record& record);
 /// Name of the technique with its settings: the label that the suite gave, else "id:a=1,b=2".
 std::string setting_name(const Record& record);
 /// What makes it the same setting on another scene: id and settings, whatever its label.
@@ -187,15 +179,12 @@ std::string title(const Record& record);
 std::string context_text(const Record& record, std::string_view key);
 
 /// `Json(record)` and `json.get<Record>()`. Reading throws Error with the field, its value and what is allowed; fields that
-/// are absent or null keep their defaults, except schema, scene, technique and status, which must be there.
+/// are absent or null keep their defaults, except schema, scene, lights, answer, technique and status, which must be there.
 void to_json(Json& json, const Record& record);
 void from_json(const Json& json, Record& record);
 
 /// Removes all that was measured. The job, where it was to run, and what the technique said of its support stay.
 void forget_results(Record& record);
-
-/// Makes it an unsupported row with this reason and without results.
-void withdraw(Record& record, const std::string& reason);
 
 /// The pictures that it names, paths relative to the run's folder.
 std::vector<std::string> pictures(const Record& record);
@@ -210,9 +199,8 @@ struct RecordFile {
   std::vector<Record> records;     ///< in order of the file; a job that was run again counts once, by its last line
   std::vector<std::string> notes;  ///< what was left out and why
 };
-/// Reads a file of records. Rows of older programs are read as today's would be: without the false numbers that some had, and
-/// with the metric `error`. A last line that a killed run left unfinished is left out with a note; any other line that is
-/// not a record throws Error with file and line.
+/// Reads a file of records. A last line that a killed run left unfinished is left out with a note; any other line that is not a
+/// record of today's schema throws Error with file and line.
 RecordFile read_record_file(const std::filesystem::path& file);
 
 /// Suites in order of first appearance, within one by place; records without a place stay in their order.

@@ -5,29 +5,11 @@
 
 namespace gnomon {
 
-bool has_area(const Record& r) {
-  return !has_several_lights(r) && (r.light_kind == "rect" || r.light_kind == "disc" || r.light_kind == "sphere");
-}
-
-bool has_several_lights(const Record& r) { return r.lights.size() > 1; }
-
-std::string_view name(Lighting of) {
-  static constexpr std::string_view names[] = {"hard", "soft", "several"};
-  return names[static_cast<std::size_t>(of)];
-}
-
-Lighting lighting(const Record& r) {
-  return has_several_lights(r) ? Lighting::several : has_area(r) ? Lighting::soft : Lighting::hard;
-}
-
 std::vector<std::string> light_names(const Record& r) {
-  if (r.lights.empty()) return {r.light};
   std::vector<std::string> names;
   for (const Record::LightFacts& light : r.lights) names.push_back(light.name);
   return names;
 }
-
-std::size_t light_count(const Record& r) { return std::max<std::size_t>(1, r.lights.size()); }
 
 std::string setting_key(const Record& r) { return r.technique + (r.settings.empty() ? "" : ":" + r.settings); }
 

@@ -22,25 +22,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Withdraws a row of a light with area that was scored against the hard shadow of the light's center, as programs did while
-/// their reference knew no other (frames of version 5 and before, see frame_version).
-void withdraw_false_reference(Record& record) {
-  constexpr int last_hard_frames = 5;
-  if (record.status != Status::ok || !has_area(record)) return;
-  if (std::atoi(context_text(record, "frames").c_str()) > last_hard_frames) return;
-  withdraw(record, "it was scored against the hard shadow of the light's center, and the light has an area");
-}
-
-/// Gives a record of before the metric `error` its value, which under a light without area is the wrong rate.
-void complete_error(Record& record) {
-  if (has_area(record)) return;
-  const auto complete = [](auto& values) {
-    if (const auto wrong = values.find("wrong_rate"); wrong != values.end()) values.try_emplace("error", wrong->second);
-  };
-  for (auto& [truth, metrics] : record.metrics) complete(metrics);
-  complete(record.frames);
-}
-
 /// The end of the file after its last newline. Empty for an empty file or one that is no regular file.
 std::string unfinished_tail(int descriptor, off_t size) {
   std::string tail;
@@ -84,8 +65,6 @@ RecordFile read_record_file(const fs::path& file) {
     }
     try {
       Record record = parse_json(line).get<Record>();
-      withdraw_false_reference(record);
-      complete_error(record);
       const auto [place, is_new] = place_of_job.try_emplace(record.job, result.records.size());
       if (is_new || record.job.empty())
         result.records.push_back(std::move(record));

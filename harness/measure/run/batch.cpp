@@ -7,6 +7,7 @@
 #include <set>
 
 #include "measure/notice.h"
+#include "measure/row/measure_row.h"
 #include "measure/run/timing.h"
 #include "measure/run/warm_up.h"
 
@@ -20,8 +21,8 @@ using Clock = std::chrono::steady_clock;
 /// once per process; a contender that fails gets a new worker for its next row.
 class Batch {
  public:
-  Batch(SceneRun& run, std::span<const Side> sides, std::vector<PendingRow>& rows, Progress& progress)
-      : run_(run), sides_(sides), rows_(rows), progress_(progress) {
+  Batch(SceneRun& run, const Suite& suite, std::span<const Side> sides, std::vector<PendingRow>& rows, Progress& progress)
+      : run_(run), suite_(suite), sides_(sides), rows_(rows), progress_(progress) {
     for (PendingRow& row : rows_) {
       const auto same = [&](const PendingRow* known) {
         return known->side == row.side && known->job.contender.name() == row.job.contender.name();
@@ -33,7 +34,7 @@ class Batch {
 
   /// The processes that every row gets.
   void execute() {
-    for (process_ = 0; process_ < run_.suite.processes; ++process_) execute_process();
+    for (process_ = 0; process_ < suite_.processes; ++process_) execute_process();
     for (PendingRow& row : rows_)
       if (!row.over) row.record.stop = "fixed";
   }
@@ -44,7 +45,7 @@ class Batch {
     const auto start = Clock::now();
     const auto spent = [&] { return seconds_since(start); };
     double last = 0;  // what the last process took: the next one must fit, too
-    for (; process_ < most_processes(run_.suite) && spent() + last < budget && want_more(); ++process_) {
+    for (; process_ < most_processes(suite_) && spent() + last < budget && want_more(); ++process_) {
       const double before = spent();
       execute_process();
       last = spent() - before;
@@ -77,7 +78,7 @@ class Batch {
   bool want_more() {
     std::set<std::string> jobs;
     for (const PendingRow& row : rows_)
-      if (!row.over && !is_narrow(row.record, run_.suite.interval)) jobs.insert(row.job.hash);
+      if (!row.over && !is_narrow(row.record, suite_.interval)) jobs.insert(row.job.hash);
     for (PendingRow& row : rows_) row.is_wanted = jobs.contains(row.job.hash);
     return std::ranges::any_of(rows_, is_due);
   }
@@ -93,7 +94,7 @@ class Batch {
   /// Numbers of a row that is not ok would be taken for results: they go, and so do its pictures.
   void give_up(PendingRow& row, Status status) {
     row.over = true;
-    progress_.advance(std::max(0, run_.suite.processes - process_));
+    progress_.advance(std::max(0, suite_.processes - process_));
     remove_pictures(row.record, sides_[row.side].out);
     forget_results(row.record);
     row.record.status = status;
@@ -126,7 +127,8 @@ class Batch {
 
   std::unique_ptr<ContenderWorker> loading_worker(std::size_t contender) {
     const PendingRow& of = *contenders_[contender];
-    auto worker = std::make_unique<ContenderWorker>(run_, of.job.contender, sides_[of.side].worker);
+    auto worker =
+        std::make_unique<ContenderWorker>(run_, of.job.contender.technique, of.job.contender.settings, sides_[of.side].worker);
     worker->begin_load();
     return worker;
   }
@@ -149,7 +151,7 @@ class Batch {
   void time_group(const std::vector<PendingRow*>& group) {
     for (PendingRow* row : group) {
       progress_.step(fmt::format("{} (process {}{})", row->job.title(), process_ + 1,
-                                 process_ < run_.suite.processes ? fmt::format("/{}", run_.suite.processes) : ""));
+                                 process_ < suite_.processes ? fmt::format("/{}", suite_.processes) : ""));
       const auto start = Clock::now();
       try {
         prepare(*row);
@@ -158,10 +160,10 @@ class Batch {
       }
       row->record.seconds = row->record.seconds.value_or(0) + seconds_since(start);
     }
-    for (const Stage stage : {Stage::build, Stage::relight, Stage::resolve}) time_stage(group, stage);
+    for (const Stage stage : timed_stages) time_stage(group, stage);
     time_floors(group);
     for (PendingRow* row : group)
-      if (!row->over && process_ < run_.suite.processes) progress_.advance(1);
+      if (!row->over && process_ < suite_.processes) progress_.advance(1);
   }
 
   /// The bare passes of the frame, each once for all rows of a side that name it, and how the card does after all that.
@@ -174,7 +176,7 @@ class Batch {
       try {
         if (const std::string& pass = worker.floor(); !pass.empty()) {
           const auto [times, is_new] = known.try_emplace({row->side, pass});
-          if (is_new) times->second = floor_times(worker.client(), run_.suite.repetitions);
+          if (is_new) times->second = floor_times(worker.client(), suite_.repetitions);
           Record::FloorTimes& all = row->record.floor ? *row->record.floor : row->record.floor.emplace();
           all.pass = pass;
           all.ms.insert(all.ms.end(), times->second.ms.begin(), times->second.ms.end());
@@ -192,8 +194,8 @@ class Batch {
   /// Goes to the row's frame; in the first process also asks for support, takes the answer and scores it.
   void prepare(PendingRow& row) {
     ContenderWorker& worker = worker_of(row);
-    const RowFrame frame = run_.first_frame(row.job);
-    const Support support = worker.go(frame, run_.suite.truth);
+    const RowFrame frame = first_frame(row.job, run_.scene);
+    const Support support = worker.go(frame, suite_.truth);
     if (process_ == 0 || !support) {
       row.record.support = support.kind();
       row.record.reason = support.why();
@@ -207,8 +209,8 @@ class Batch {
     if (process_ > 0) return;
     const auto measured = measure(row.record, run_, worker, frame);
     if (!measured) return give_up(row, Status::unsupported);
-    if (run_.suite.pictures != Suite::Pictures::none) write_mask(row.record, *measured, sides_[row.side].out);
-    if (run_.suite.pictures == Suite::Pictures::all) write_pictures(row.record, run_.scene, *measured, sides_[row.side].out);
+    if (suite_.pictures != Suite::Pictures::none) write_mask(row.record, *measured, sides_[row.side].out);
+    if (suite_.pictures == Suite::Pictures::all) write_pictures(row.record, run_.scene, *measured, sides_[row.side].out);
   }
 
   /// What builds of rows have in common that are the same work.
@@ -264,9 +266,9 @@ class Batch {
   /// over 0.5 s are timed once per process.
   TimingTask warm_up(PendingRow& row, Stage stage, OtherSamples& others) {
     WorkerClient& worker = workers_[row.contender]->client();
-    const double last = warmed_up_ms(worker, stage, run_.suite.warmups);
+    const double last = warmed_up_ms(worker, stage, suite_.warmups);
     TimingTask task;
-    task.repetitions = last > 500 ? 1 : run_.suite.repetitions;
+    task.repetitions = last > 500 ? 1 : suite_.repetitions;
     // The first process says how many calls a repetition averages, so that all repetitions of the row are alike.
     std::uint64_t& iterations = row.record.iterations[std::string(name(stage))];
     if (iterations == 0) iterations = static_cast<std::uint64_t>(iterations_for(last));
@@ -282,6 +284,7 @@ class Batch {
   }
 
   SceneRun& run_;
+  const Suite& suite_;
   std::span<const Side> sides_;
   std::vector<PendingRow>& rows_;
   Progress& progress_;
@@ -295,7 +298,7 @@ class Batch {
 }  // namespace
 
 bool is_narrow(const Record& record, double interval) {
-  for (const Stage stage : {Stage::relight, Stage::resolve}) {
+  for (const Stage stage : frame_stages) {
     const ProcessTimes& times = record.times(stage);
     const auto time = median_of_medians(times);
     if (!time || *time < least_time) continue;
@@ -322,10 +325,11 @@ std::vector<std::vector<PendingRow>> split(std::vector<PendingRow> rows) {
   return batches;
 }
 
-double run_batch(SceneRun& run, std::span<const Side> sides, std::vector<PendingRow>& rows, Progress& progress, double budget) {
-  Batch batch(run, sides, rows, progress);
+double run_batch(SceneRun& run, const Suite& suite, std::span<const Side> sides, std::vector<PendingRow>& rows,
+                 Progress& progress, double budget) {
+  Batch batch(run, suite, sides, rows, progress);
   batch.execute();
-  return run.suite.interval > 0 ? batch.refine(budget) : 0;
+  return suite.interval > 0 ? batch.refine(budget) : 0;
 }
 
 double share_overhead(std::vector<PendingRow>& batch, double seconds) {

@@ -1,8 +1,8 @@
 #pragma once
 #include <vector>
 
-#include "measure/run/progress.h"
-#include "measure/run/row.h"
+#include "measure/progress.h"
+#include "measure/run/jobs.h"
 
 namespace gnomon {
 
@@ -38,7 +38,8 @@ std::vector<std::vector<PendingRow>> split(std::vector<PendingRow> rows);
 
 /// Runs the rows of one batch: each comes back with its record complete, or failed with the reason. When the suite asks for an
 /// interval, rows that need it get more processes, of at most `budget` seconds in all. Answers the seconds that those took.
-double run_batch(SceneRun& run, std::span<const Side> sides, std::vector<PendingRow>& rows, Progress& progress, double budget);
+double run_batch(SceneRun& run, const Suite& suite, std::span<const Side> sides, std::vector<PendingRow>& rows,
+                 Progress& progress, double budget);
 
 /// What the batch took beside its rows (opening workers, loading the scene) belongs to them: shared out by processes, so that
 /// the seconds of all rows are those of the run. Answers the share of one process.

@@ -13,7 +13,7 @@
 #include <set>
 
 #include "measure/paths.h"
-#include "measure/run/progress.h"
+#include "measure/progress.h"
 #include "measure/run/timing.h"
 #include "measure/scene/blob.h"
 
@@ -22,8 +22,6 @@ namespace gnomon {
 namespace fs = std::filesystem;
 
 namespace {
-
-constexpr Stage timed_stages[] = {Stage::build, Stage::relight, Stage::resolve};
 
 /// Seconds that one process spends on warm-ups and repetitions of a stage of `ms`, as a batch times it: fewer warm-ups when
 /// they take long, one repetition when it does, and several calls for a sample of a short one.

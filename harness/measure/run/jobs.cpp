@@ -6,10 +6,11 @@
 
 #include "measure/record/title.h"
 #include "measure/run/light_words.h"
-#include "measure/run/outside.h"
 #include "measure/scene/blob.h"
 #include "measure/scene/load.h"
 #include "measure/scene/motion.h"
+#include "measure/scene/names.h"
+#include "measure/worker/outside.h"
 
 namespace gnomon {
 
@@ -31,21 +32,6 @@ const SceneLibrary::Entry& SceneLibrary::get(const std::string& reference) {
 
 namespace {
 
-template <class Item>
-std::vector<std::string> names_of(const std::vector<Item>& items) {
-  std::vector<std::string> names;
-  for (const Item& item : items) names.push_back(item.name);
-  return names;
-}
-
-void require(const std::vector<std::string>& wanted, const std::vector<std::string>& there, const char* what,
-             const std::string& scene) {
-  for (const std::string& name : wanted)
-    if (std::find(there.begin(), there.end(), name) == there.end())
-      throw Error("scene {} has no {} {}; did you mean {}? It has: {}", scene, what, name, nearest_word(name, there),
-                  joined(there, ", "));
-}
-
 bool is_pattern(const std::string& word) { return word.find('*') != word.npos; }
 
 /// The views of a scene that words ask for, each once: names, or patterns in which `*` stands for any letters. The first where
@@ -55,7 +41,7 @@ std::vector<std::string> views_of(const std::vector<std::string>& words, const s
   if (words.empty()) return {there.front()};
   std::vector<std::string> views;
   for (const std::string& word : words) {
-    if (!is_pattern(word)) require({word}, there, "view", reference);
+    if (!is_pattern(word)) require_words({word}, there, "view", reference);
     const auto is_wanted = [&](const std::string& name) { return is_like(name, word); };
     if (std::ranges::none_of(there, is_wanted))
       throw Error("scene {} has no view whose name is like {}; it has: {}", reference, word, joined(there, ", "));
@@ -78,9 +64,9 @@ void check_path(const Scene& scene, const std::string& reference, const std::str
     }
   else
     for (const RowLights& row : rows) {
-      if (row.lights.size() > 1)
+      if (row.count() > 1)
         throw Error("path {} of scene {} moves the light, and {} is {} lights: a row on such a path has one", name, reference,
-                    row.name, row.lights.size());
+                    row.name, row.count());
       const Light& light = *find_named(scene.lights, row.lights.front());
       check_frames(find_path(scene, name, light, some_view), light, some_view, reference);
     }
@@ -125,8 +111,7 @@ std::vector<Contender> contenders_of(const SuiteGroup& group, SceneLibrary& libr
   return kept;
 }
 
-/// A job that stands still has the hash that it had before there were paths, and one with the usual target that from before
-/// there were targets.
+/// What is usual is left out: rows keep their hashes when there is one more thing that may be unusual.
 std::string hash_of(const Job& job, const Suite& suite) {
   std::string asked = fmt::format("{}|{}|{}|{}|{}x{}|{}{}", job.scene, joined(job.lights, "+"), job.view, job.contender.name(),
                                   job.width, job.height, name(suite.truth), job.path.empty() ? "" : "|" + job.path);
@@ -136,12 +121,21 @@ std::string hash_of(const Job& job, const Suite& suite) {
   return content_hash(asked).substr(0, 16);
 }
 
+template <class Item>
+std::size_t index_of(const std::vector<Item>& items, const std::string& name) {
+  const Item* found = find_named(items, name);
+  if (!found) throw Error("there is no {}", name);
+  return static_cast<std::size_t>(found - items.data());
+}
+
 }  // namespace
 
-void require_names(const std::string& reference, const Scene& scene, const std::vector<std::string>& lights,
-                   const std::vector<std::string>& views) {
-  require(lights, names_of(scene.lights), "light", reference);
-  require(views, names_of(scene.views), "view", reference);
+RowFrame first_frame(const Job& job, const Scene& scene) {
+  RowFrame frame{.lights = {}, .view = index_of(scene.views, job.view), .width = job.width, .height = job.height, .path = {}};
+  for (const std::string& light : job.lights) frame.lights.push_back(index_of(scene.lights, light));
+  frame.global_samples = job.global_samples;
+  if (!job.path.empty()) frame.path = find_path(scene, job.path, scene.lights[frame.lights.front()], scene.views[frame.view]);
+  return frame;
 }
 
 SuiteJobs expand_jobs(const Suite& suite, SceneLibrary& library, const WorkerOptions& worker) {

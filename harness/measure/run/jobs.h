@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "measure/row/contender_worker.h"
 #include "measure/run/suite.h"
-#include "measure/run/worker.h"
 
 namespace gnomon {
 
@@ -38,17 +38,6 @@ class SceneLibrary {
   std::map<std::string, std::unique_ptr<Entry>> entries_;
 };
 
-/// The item of this name; null where there is none.
-template <class Item>
-const Item* find_named(const std::vector<Item>& items, const std::string& name) {
-  const auto found = std::ranges::find(items, name, &Item::name);
-  return found == items.end() ? nullptr : &*found;
-}
-
-/// Throws Error with the nearest name when the scene lacks one of these lights (single ones, by name) or views.
-void require_names(const std::string& reference, const Scene& scene, const std::vector<std::string>& lights,
-                   const std::vector<std::string>& views);
-
 struct SuiteJobs {
   std::vector<Job> jobs;  ///< in order, each once
   /// Techniques that a group names by `*` and that support no scene and light of it, each once, in alphabetical order:
@@ -58,5 +47,10 @@ struct SuiteJobs {
 /// All jobs of a suite. What techniques of a `*` support is asked in workers; one that does not answer stays: its rows say why.
 /// Throws Error when a scene lacks a named light, view or path, or a path has a frame that cannot be drawn.
 SuiteJobs expand_jobs(const Suite& suite, SceneLibrary& library, const WorkerOptions& worker);
+
+/// The first frame of the job's row.
+RowFrame first_frame(const Job& job, const Scene& scene);
+/// The job's record with all that is known before anything runs. `scene` is null where it is not fetched.
+Record start_record(const Job& job, const Suite& suite, const Scene* scene, const Json& context);
 
 }  // namespace gnomon

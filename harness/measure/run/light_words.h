@@ -11,6 +11,7 @@ namespace gnomon {
 struct RowLights {
   std::string name;                 ///< as tables write it: "sun", "sun+lamp", "all+"
   std::vector<std::string> lights;  ///< each once, in the scene's order
+  std::size_t count() const { return std::size(lights); }
 };
 
 /// More lights in one row would need more memory for masks and references than most machines have.

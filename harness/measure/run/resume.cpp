@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <map>
 
+#include "measure/program/plugin_facts.h"
 #include "measure/record/origin.h"
-#include "measure/run/plugin_facts.h"
 #include "measure/run/run.h"
 #include "measure/scene/blob.h"
+#include "measure/worker/machine_context.h"
 
 namespace gnomon {
 
@@ -23,7 +24,7 @@ std::optional<int> repetitions_of(const Record& record) {
   constexpr double surely_short = 100;  // milliseconds; stages over 500 are timed once per process
   std::size_t most = 0;
   bool has_short = false;
-  for (const Stage stage : {Stage::build, Stage::relight, Stage::resolve}) {
+  for (const Stage stage : timed_stages) {
     const ProcessTimes& times = record.times(stage);
     for (const std::vector<double>& process : times) most = std::max(most, process.size());
     has_short = has_short || median_of_medians(times).value_or(surely_short) < surely_short;

@@ -11,6 +11,7 @@
 #include "measure/run/estimate.h"
 #include "measure/scene/blob.h"
 #include "measure/scratch_folder.h"
+#include "measure/worker/machine_context.h"
 
 namespace gnomon {
 
@@ -71,7 +72,11 @@ void run_rows(std::vector<PendingRow> rows, const RowsPlan& plan, Progress& prog
     const SceneLibrary::Entry& entry = plan.scenes.get(scene);
     std::optional<SceneRun> run;
     if (entry.scene)
-      run.emplace(scene, *entry.scene, plan.suite, cache_root() / "frames", scratch.path(), shown_on(progress, scene));
+      run.emplace(*entry.scene, SceneRun::Options{.cache = cache_root() / "frames",
+                                                  .scratch = scratch.path(),
+                                                  .target = plan.suite.target,
+                                                  .timeout = plan.suite.timeout,
+                                                  .watch = shown_on(progress, scene)});
     for (std::vector<PendingRow>& batch : split(std::move(by_scene[scene]))) {
       const std::vector<Json> contexts = plan.contexts();
       for (PendingRow& row : batch) {
@@ -89,7 +94,7 @@ void run_rows(std::vector<PendingRow> rows, const RowsPlan& plan, Progress& prog
       if (run) {
         const auto opened = Clock::now();
         const double allowance = budget * static_cast<double>(batch.size()) / static_cast<double>(rows_left);
-        budget -= run_batch(*run, plan.sides, batch, progress, allowance);
+        budget -= run_batch(*run, plan.suite, plan.sides, batch, progress, allowance);
         opening = share_overhead(batch, seconds_since(opened));
       }
       rows_left -= batch.size();
@@ -168,11 +173,7 @@ RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress&
 void run_live(const RunOptions& options, const std::string& base_program, SceneLibrary& library, Progress& progress) {
   std::array<Side, 2> sides{Side{options.worker, options.out / "base"}, Side{options.worker, options.out / "contender"}};
   sides[0].worker.program = base_program;
-  const ProgramFacts base = ask_program(sides[0].worker);
-  // Both are asked alike: a stage that follows a wait for the next request finds colder caches than one that follows itself.
-  for (Side& side : sides) side.worker.takes_iterations = base.takes_iterations;
-  if (!base.takes_iterations)
-    progress.say(fmt::format("{} times one iteration a request, and so this program does, too", base_program));
+  const Json base = context_of_program(sides[0].worker);
   const std::vector<Job> jobs = select_jobs(options, expand_jobs(options.suite, library, options.worker).jobs);
   const auto refuse = [&] {
     for (const Side& side : sides) refuse_records(side.out, "name another --out");
@@ -190,7 +191,7 @@ void run_live(const RunOptions& options, const std::string& base_program, SceneL
   const auto contexts = [&] {
     std::vector<Json> by_side{machine_context(threads), machine_context(threads)};
     for (const char* key : {"version", "commit", "build_type", "compiler", "flags", "libraries"})
-      if (base.context.contains(key)) by_side[0][key] = base.context[key];
+      if (base.contains(key)) by_side[0][key] = base[key];
     for (Json& context : by_side) {
       // Pairs are judged as if nothing differed but the program: one load for both.
       context["load_average"] = by_side[0]["load_average"];

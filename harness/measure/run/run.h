@@ -2,10 +2,10 @@
 #include <filesystem>
 #include <set>
 
+#include "measure/progress.h"
 #include "measure/record/record.h"
 #include "measure/run/jobs.h"
-#include "measure/run/progress.h"
-#include "measure/run/worker.h"
+#include "measure/worker/worker_process.h"
 
 namespace gnomon {
 

@@ -1,6 +1,6 @@
 #pragma once
 #include "measure/record/record.h"
-#include "measure/run/worker_client.h"
+#include "measure/worker/worker_client.h"
 
 namespace gnomon {
 

@@ -38,9 +38,7 @@ struct ErrorMark {
 };
 
 /// Whether errors are differences of shares, not wrong pixels: under a light with area, and of several lights together.
-inline bool is_soft(const Evidence& evidence) {
-  return !evidence.received.empty() || (evidence.light && has_area(*evidence.light));
-}
+inline bool is_soft(const Evidence& evidence) { return evidence.kind != AnswerKind::binary; }
 
 /// The kind of a pixel's error, however small; with causes -1 where it has none.
 inline int kind_of(const Evidence& evidence, std::size_t i) {

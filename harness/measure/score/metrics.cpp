@@ -105,7 +105,7 @@ std::optional<double> radiosity_error(const Scoring& scoring) {
   return whole > 0 ? std::optional(std::sqrt(std::max(excess, 0.0) / whole)) : std::nullopt;
 }
 
-bool is_soft(const Scoring& s) { return s.evidence().light && has_area(*s.evidence().light); }
+bool is_soft(const Scoring& s) { return s.evidence().kind == AnswerKind::fraction; }
 
 /// Mean over T of |values[i] - of[i]|; nothing where `values` is empty.
 std::optional<double> mean_over_tested(const Scoring& s, std::span<const float> values, std::span<const float> of) {
@@ -122,9 +122,10 @@ constexpr MetricInfo metric_rows[] = {
      "together "
      "that of the light received (received_error_rms).",
      [](const Scoring& s) {
-       if (!s.evidence().received.empty()) return s.light_error().rms;
+       const AnswerKind kind = s.evidence().kind;
+       if (kind == AnswerKind::received) return s.light_error().rms;
        const ErrorCounts& counts = s.error_counts();
-       return share(is_soft(s) ? counts.error_sum : static_cast<double>(counts.wrong), counts.tested);
+       return share(kind == AnswerKind::fraction ? counts.error_sum : static_cast<double>(counts.wrong), counts.tested);
      }},
     {"wrong_rate", "", "lower", "Share of the tested pixels (T) whose visibility is off by more than one half.",
      [](const Scoring& s) { return share(s.error_counts().wrong, s.error_counts().tested); }},

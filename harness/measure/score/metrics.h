@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "measure/answer_kind.h"
 #include "measure/cause/causes.h"
 
 namespace gnomon {
@@ -24,7 +25,8 @@ struct Evidence {
   const Evidence* previous = nullptr;  ///< the frame before, on a path
   /// 1 where a rasterizer's rounding may turn the answer over (see find_snapping); empty when it was not found.
   std::span<const std::uint8_t> snapping = {};
-  /// Under a light with area, else empty: standard errors of `reference`, and the other number that is true of the light.
+  /// Where the answer is a fraction, else empty: standard errors of `reference`, and the other number that is true of the
+  /// light.
   std::span<const float> reference_error = {}, other_reference = {};
   std::span<const float> caster_distance = {};  ///< meters, see SoftReference
   /// Of several lights together (see Together), else empty: what a pixel would receive of them without shadows. Mask and
@@ -34,6 +36,7 @@ struct Evidence {
   /// standard errors; empty where it was not asked for, and of a technique that has no such picture.
   std::span<const float> global_picture = {}, global_reference = {}, global_error = {};
   std::span<const CauseInfo> own_causes = {};  ///< that the technique has beside the common ones
+  AnswerKind kind = AnswerKind::binary;        ///< of the reference: what the mask is judged by
 
   bool faces_light(std::size_t i) const { return classes[i] > PixelClass::F; }
   bool is_wrong(std::size_t i) const { return gnomon::is_wrong(mask[i], reference[i]); }

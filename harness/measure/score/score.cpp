@@ -10,14 +10,6 @@
 
 namespace gnomon {
 
-bool causes_fit(const Answer& answer, std::span<const Cause> causes) {
-  assert(causes.size() == answer.mask.size());
-  Evidence evidence = answer.evidence();
-  for (std::size_t i = 0; i < causes.size(); ++i)
-    if ((causes[i] != Cause::none) != evidence.wants_cause(i)) return false;
-  return true;
-}
-
 std::map<std::string, double> cause_errors(const Evidence& evidence) {
   const std::vector<CauseInfo> infos = with_common(evidence.own_causes);
   std::vector<double> sums(infos.size() + 1, 0.0);
@@ -34,12 +26,10 @@ std::map<std::string, double> cause_errors(const Evidence& evidence) {
   return errors;
 }
 
-std::string causes_obstacle(const Record& record, bool fit) {
+std::string causes_obstacle(const Record& record) {
   const std::string then = context_text(record, "frames"), now = fmt::format("{}", frame_version());
-  if (!then.empty() && then != now)
-    return fmt::format("they were found on references of version {}, today's are of version {}", then, now);
-  if (then.empty() && !fit) return "they are not those of the pixels that are wrong against today's reference";
-  return {};
+  if (then == now) return {};
+  return fmt::format("they were found on references of version {}, today's are of version {}", then, now);
 }
 
 Metrics measure_metrics(const Scoring& scoring) {

@@ -35,17 +35,16 @@ struct Answer {
             .reference_error = is_irradiance ? reference.irradiance_error : reference.error,
             .other_reference = is_irradiance ? reference.mask : reference.irradiance,
             .caster_distance = reference.caster_distance,
-            .own_causes = own_causes};
+            .own_causes = own_causes,
+            .kind = reference.kind};
   }
 };
 
-/// Whether every pixel that wants a cause has one and no other pixel has (see Evidence::wants_cause).
-bool causes_fit(const Answer& answer, std::span<const Cause> causes);
 /// What each cause holds of the mean error over T, by name, every cause; zeros too. They add up to it.
 std::map<std::string, double> cause_errors(const Evidence& evidence);
-/// Why the causes that a record tells cannot stand beside today's frames: they were found on frames of another version, or
-/// where it says no version, `fit` is false. Empty when they can.
-std::string causes_obstacle(const Record& record, bool fit);
+/// Why the causes that a record tells cannot stand beside today's frames: they were found on frames of another version. Empty
+/// when they can.
+std::string causes_obstacle(const Record& record);
 
 /// All metrics.
 Metrics measure_metrics(const Scoring& scoring);

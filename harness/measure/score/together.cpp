@@ -85,7 +85,8 @@ Evidence Together::evidence() const {
           .gbuffer = gbuffer,
           .reference_error = reference_error,
           .received = received,
-          .own_causes = own_causes};
+          .own_causes = own_causes,
+          .kind = AnswerKind::received};
 }
 
 }  // namespace gnomon

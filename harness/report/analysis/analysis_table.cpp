@@ -22,7 +22,7 @@ std::vector<std::string> analysis_kinds() {
   return names;
 }
 
-std::string error_heading(Lighting lighting) {
+std::string error_heading(AnswerKind lighting) {
   static constexpr std::string_view headings[] = {"wrong", "mean error", "light error"};
   return std::string(headings[static_cast<std::size_t>(lighting)]);
 }

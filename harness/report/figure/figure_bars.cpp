@@ -37,12 +37,12 @@ struct Bars {
   }
 };
 
-/// The settings of the finished rows for which `has` is true, over the places that all of them share: those of each Lighting in
-/// turn, where a setting of several has a bar for each.
+/// The settings of the finished rows for which `has` is true, over the places that all of them share: those of each AnswerKind
+/// in turn, where a setting of several has a bar for each.
 Bars bars_of(std::span<const Record> records, auto has) {
   Bars bars;
-  for (const Lighting of : all_lightings) {
-    const RowsBySetting settings = rows_by_setting(records, [&](const Record& r) { return lighting(r) == of && has(r); });
+  for (const AnswerKind of : all_answer_kinds) {
+    const RowsBySetting settings = rows_by_setting(records, [&](const Record& r) { return r.answer == of && has(r); });
     const std::set<Place> common = common_places(settings, &RowsBySetting::value_type::second);
     if (common.empty()) continue;
     const bool is_first = !bars.places.only();
@@ -50,7 +50,7 @@ Bars bars_of(std::span<const Record> records, auto has) {
     for (const auto& [key, rows] : settings) {
       const Record& first = *rows.begin()->second;
       Bar& bar = bars.all.emplace_back(Bar{setting_name(first), first.role, {}});
-      if (!is_first) bar.name += of == Lighting::soft ? ", light with area" : ", several lights";
+      if (!is_first) bar.name += of == AnswerKind::fraction ? ", light with area" : ", several lights";
       for (const Place& place : common) bar.rows.push_back(rows.at(place));
     }
   }
@@ -131,7 +131,7 @@ PlotCommand plot_pieces(std::span<const Piece> pieces, FigureScript& script) {
 }  // namespace
 
 void draw_stages(std::span<const Record> records, FigureScript& script) {
-  static constexpr std::array stages{Stage::build, Stage::relight, Stage::resolve};
+  static constexpr std::span stages(timed_stages);
   static constexpr std::array colors{"#e69f00", "#56b4e9", "#009e73"};
   Bars places = bars_of(records, [](const Record& r) { return sample_of(r, stages).is_timed(); });
   std::vector<Bar>& bars = places.all;
@@ -184,8 +184,8 @@ void draw_causes(std::span<const Record> records, FigureScript& script) {
   for (std::size_t k = 0; k < bars.size(); ++k)
     script.add("set label {} at 101.5,{} left textcolor rgb '#222222'",
                FigureScript::quoted(measured(100 * shares[k].error) + " %"), k + 1);
-  const std::optional<Lighting> only = places.places.only();
-  const bool is_hard = only == Lighting::hard;
+  const std::optional<AnswerKind> only = places.places.only();
+  const bool is_hard = only == AnswerKind::binary;
   script.add("set label {} at 101.5,0.2 left textcolor rgb '#666666'",
              FigureScript::quoted(only ? error_heading(*only) : "error"));
   script.add("set yrange [{}:-0.2]", static_cast<double>(bars.size()) + 0.6);

@@ -56,9 +56,8 @@ DrawnGrowths choose(const Growths& growths, double scale) {
       drawn.y.add(scale * point.value.high);
     }
   }
-  static const std::vector<std::string> stage_order{"build", "relight", "resolve", "total"};
-  std::sort(drawn.stages.begin(), drawn.stages.end(),
-            [](const auto& a, const auto& b) { return index_of(stage_order, a) < index_of(stage_order, b); });
+  const auto rank = [](const std::string& stage) { return std::ranges::find(stage_names, stage) - stage_names; };  // total last
+  std::ranges::sort(drawn.stages, {}, rank);
   return drawn;
 }
 

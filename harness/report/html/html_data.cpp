@@ -7,6 +7,7 @@
 #include "measure/frame/classify.h"
 #include "measure/json.h"
 #include "measure/picture/signed_color.h"
+#include "measure/row/kept_row.h"
 #include "measure/score/error_picture.h"
 #include "measure/score/metrics.h"
 #include "measure/score/record_causes.h"
@@ -75,8 +76,7 @@ Json row_json(const Layout& layout, const Layout::Row& row, std::size_t group, c
     if (row.cells[k].is_flagged) flagged.push_back(k);
   }
   Json stages = Json::object(), costs = Json::object();
-  for (const Stage stage : {Stage::setup, Stage::build, Stage::relight, Stage::resolve})
-    stages[std::string(name(stage))] = time_json(r, std::span(&stage, 1));
+  for (const Stage stage : all_stages) stages[std::string(name(stage))] = time_json(r, std::span(&stage, 1));
   for (const Event& event : events) costs[std::string(name(event.cost))] = time_json(r, stages_of(event.cost));
   Json frames = Json::object();
   for (const auto& [metric, series] : r.frames) {
@@ -105,7 +105,7 @@ Json row_json(const Layout& layout, const Layout::Row& row, std::size_t group, c
           {"stages", std::move(stages)},
           {"costs", std::move(costs)},
           {"causes", causes_json(r, causes)},
-          {"estimates", r.reference ? Json(name(r.reference->estimates)) : Json()},
+          {"estimates", r.answer == AnswerKind::fraction ? Json(name(estimates_of(r.lights.front()))) : Json()},
           {"tested", tested == r.classes.end() ? Json() : Json(tested->second)},
           {"frames", std::move(frames)}};
 }
@@ -130,6 +130,7 @@ Json report_data(const Layout& layout, std::span<const Record> records) {
   const std::vector<std::string> names = headline_columns(records, true);
   const std::set<std::string> headline(names.begin(), names.end());
   for (const Column& column : layout.columns) data["columns"].push_back(column_json(column, headline.contains(column.name)));
+  data["stages"] = stage_names;
   data["groups"] = data["rows"] = Json::array();
   const std::vector<CauseInfo> causes = page_causes(layout);
   const std::map<std::string, std::string> families = scene_families(records);
@@ -138,7 +139,7 @@ Json report_data(const Layout& layout, std::span<const Record> records) {
     data["groups"].push_back({{"heading", layout.groups[group].heading},
                               {"scene", first.scene},
                               {"light", first.light},
-                              {"lighting", name(lighting(first))},
+                              {"answer", name(first.answer)},
                               {"view", first.view},
                               {"path", first.path},
                               {"width", first.width},

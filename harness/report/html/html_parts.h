@@ -54,7 +54,7 @@ PictureSet collect_pictures(const std::filesystem::path& dir, const Layout& layo
 
 /// How finely the page knows visibilities under a light: 8 bits, under one with area 12, a step of 0.00024. Of 8 bits a step
 /// is 0.004, as wide as the usual reference's standard error makes its 95 % band.
-int bits_of_shares(const Light& light);
+int bits_of_shares(AnswerKind kind);
 /// Shares, taken to 0 .. 1, as whole numbers up to 2^bits - 1: the upper 8 bits of every pixel; of 12 bits after these the
 /// lower 4, two pixels a byte, the first one's above.
 std::vector<std::uint8_t> share_bytes(std::span<const float> shares, int bits);

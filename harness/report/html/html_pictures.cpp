@@ -9,9 +9,9 @@
 #include "measure/cause/own_causes.h"
 #include "measure/paths.h"
 #include "measure/picture/shading.h"
-#include "measure/run/frame_worker.h"
-#include "measure/run/kept_row.h"
+#include "measure/row/kept_row.h"
 #include "measure/scene/load.h"
+#include "measure/worker/frame_worker.h"
 #include "report/html/html_parts.h"
 
 namespace gnomon {
@@ -97,7 +97,6 @@ class Frames {
 
 class Collector {
   static constexpr std::size_t most_shown_lights = 8;  ///< of several, each with pictures of its own
-  static constexpr int bits_of_several = 12;           ///< of shares of the light of several
 
  public:
   Collector(const fs::path& dir, std::vector<CauseInfo> causes, PictureSet& set)
@@ -115,7 +114,8 @@ class Collector {
           if (has_mask(group.rows[k])) rows[k] = row(*group.rows[k].record);
         if (std::any_of(rows.begin(), rows.end(), [](const Json& json) { return !json.is_null(); })) {
           const bool with_irradiance = std::any_of(group.rows.begin(), group.rows.end(), [](const Layout::Row& row) {
-            return row.record->lights.empty() && estimates_of(*row.record, 0) == LightShareKind::irradiance;
+            return row.record->answer == AnswerKind::fraction &&
+                   estimates_of(row.record->lights.front()) == LightShareKind::irradiance;
           });
           base = frame(*std::find_if(group.rows.begin(), group.rows.end(), has_mask)->record, with_irradiance);
         }
@@ -141,22 +141,22 @@ class Collector {
   Json frame(const Record& r, bool with_irradiance) {
     const Scene& scene = frames_.scene();
     MeasuredRow row = kept_row(r, dir_ / *r.mask, "V", kept_place(r, scene, r.truth), frames_.store());
-    if (!has_several_lights(r)) return frame_of(row.lights.front(), with_irradiance);
     put_together(row, scene);
+    if (!row.together) return frame_of(row.lights.front(), with_irradiance);
     const Together& all = *row.together;
     const std::vector<float> lit(all.mask.size(), 1.0f), dark(all.mask.size(), 0.0f);
     Json json;
     json["lit"] = keep(color_planes(shade(scene, row.gbuffer(), all.received, lit)));
     json["dark"] = keep(color_planes(shade(scene, row.gbuffer(), all.received, dark)));
-    json["bits"] = bits_of_several;
-    json["reference"] = keep(share_bytes(all.reference, bits_of_several));
+    json["bits"] = bits_of_shares(AnswerKind::received);
+    json["reference"] = keep(share_bytes(all.reference, bits_of_shares(AnswerKind::received)));
     json["reference_error"] = all.reference_error.empty() ? Json() : Json(keep(error_bytes(all.reference_error)));
     json["irradiance"] = json["irradiance_error"] = nullptr;
     json["classes"] = keep(index_bytes(all.classes));
     for (const MeasuredLight& light : shown_lights(row)) {
       Json one = frame_of(light, false);
       one["name"] = light.light.name;
-      one["has_area"] = has_area(light.light);
+      one["is_fraction"] = light.answer.reference.kind == AnswerKind::fraction;
       json["lights"].push_back(std::move(one));
     }
     if (row.lights.size() > most_shown_lights)
@@ -177,7 +177,7 @@ class Collector {
     Json json;
     json["lit"] = keep(color_planes(shade(scene, gbuffer, of.light, lit)));
     json["dark"] = keep(color_planes(shade(scene, gbuffer, of.light, dark)));
-    const int bits = bits_of_shares(of.light);
+    const int bits = bits_of_shares(reference.kind);
     json["bits"] = bits;
     const auto truth = [&](const char* name, std::span<const float> shares, std::span<const float> errors) {
       json[name] = shares.empty() ? Json() : Json(keep(share_bytes(shares, bits)));
@@ -193,24 +193,27 @@ class Collector {
   Json row(const Record& r) {
     const std::string what = fmt::format("{}, light {}, {}", r.scene, r.light, r.label.value_or(r.technique));
     const std::string hash = context_text(r, "scene_hash");
-    if (!frames_.store().is_scene(hash, light_names(r))) {
+    if (hash != frames_.store().scene_hash(light_names(r))) {
       note("scene " + r.scene, hash.empty() ? "its records do not say which scene was measured"
                                             : "the scene is not the one that was measured: its content has changed");
       return {};
     }
     try {
       MeasuredRow row = kept_row(r, dir_ / *r.mask, "V", kept_place(r, frames_.scene(), r.truth), frames_.store());
-      for (std::size_t k = 0; k < row.lights.size(); ++k)
-        if (known_causes(r, k)) take_causes(r, row.lights[k].answer, k, what);
-      if (!has_several_lights(r)) {
+      auto measured = row.lights.begin();
+      for (const Record::LightFacts& light : r.lights) {
+        Answer& answer = (measured++)->answer;
+        if (light.causes) take_causes(r, answer, light);
+      }
+      put_together(row, frames_.scene());
+      if (!row.together) {
         Json json = mask_of(row.lights.front());
         add_global(r, json);
         return json;
       }
-      put_together(row, frames_.scene());
       Json json;
       add_global(r, json);
-      json["mask"] = keep(share_bytes(row.together->mask, bits_of_several));
+      json["mask"] = keep(share_bytes(row.together->mask, bits_of_shares(AnswerKind::received)));
       json["causes"] = row.together->causes.empty() ? Json() : Json(keep(page_numbers(row.together->evidence())));
       for (const MeasuredLight& light : shown_lights(row)) json["lights"].push_back(mask_of(light));
       return json;
@@ -240,7 +243,7 @@ class Collector {
 
   Json mask_of(const MeasuredLight& of) {
     Json json;
-    json["mask"] = keep(share_bytes(of.answer.mask, bits_of_shares(of.light)));
+    json["mask"] = keep(share_bytes(of.answer.mask, bits_of_shares(of.answer.reference.kind)));
     json["causes"] = of.answer.causes.empty() ? Json() : Json(keep(page_numbers(of.answer.evidence())));
     return json;
   }
@@ -259,13 +262,11 @@ class Collector {
   }
 
   /// The causes of a mask; none, with a note, when they belong to another reference than the page shows.
-  void take_causes(const Record& r, Answer& answer, std::size_t light, const std::string& what) {
-    std::vector<Cause> causes = kept_causes(r, dir_ / *r.mask, light);
-    const std::string obstacle = causes_obstacle(r, causes_fit(answer, causes));
+  void take_causes(const Record& r, Answer& answer, const Record::LightFacts& light) {
     // A version is that of the whole run: one note for each scene.
-    if (!obstacle.empty())
-      return say(fmt::format("no causes of {}: {}", context_text(r, "frames").empty() ? what : "scene " + r.scene, obstacle));
-    answer.causes = std::move(causes);
+    if (const std::string obstacle = causes_obstacle(r); !obstacle.empty())
+      return say(fmt::format("no causes of scene {}: {}", r.scene, obstacle));
+    answer.causes = kept_causes(r, dir_ / *r.mask, light);
   }
 
   const fs::path& dir_;
@@ -278,7 +279,7 @@ class Collector {
 
 }  // namespace
 
-int bits_of_shares(const Light& light) { return has_area(light) ? 12 : 8; }
+int bits_of_shares(AnswerKind kind) { return kind == AnswerKind::binary ? 8 : 12; }
 
 std::vector<std::uint8_t> share_bytes(std::span<const float> shares, int bits) {
   const float largest = static_cast<float>((1 << bits) - 1);

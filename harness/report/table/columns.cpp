@@ -50,7 +50,7 @@ void add_identity(std::vector<Column>& columns) {
   columns.push_back(text_column("scene", "scene", [](const Record& r) { return text_cell(r.scene); }));
   columns.push_back(text_column("light", "light", [](const Record& r) { return text_cell(r.light); }));
   columns.push_back(text_column("light_kind", "light kind", [](const Record& r) { return text_cell(r.light_kind); }));
-  columns.push_back(whole_column("light_count", "", "lights", [](const Record& r) { return count_cell(light_count(r)); }));
+  columns.push_back(whole_column("light_count", "", "lights", [](const Record& r) { return count_cell(r.lights.size()); }));
   columns.push_back(text_column("view", "view", [](const Record& r) { return text_cell(r.view); }));
   columns.push_back(text_column("path", "path", [](const Record& r) { return text_cell(r.path); }));
   columns.push_back(whole_column("frames", "", "frames", [](const Record& r) {
@@ -88,7 +88,7 @@ std::optional<double> spread(const ProcessTimes& times) {
 }
 
 void add_times(std::vector<Column>& columns) {
-  for (const Stage stage : {Stage::setup, Stage::build, Stage::relight, Stage::resolve}) {
+  for (const Stage stage : all_stages) {
     const std::string stage_name(name(stage));
     const auto add = [&](const char* suffix, const char* heading) -> Column& {
       columns.push_back(number_column(stage_name + "_ms" + suffix, "ms", stage_name + heading));
@@ -109,11 +109,11 @@ void add_times(std::vector<Column>& columns) {
     add_end("_high", " high", &Estimate::high);
     add("_mad", " MAD").cell = [stage](const Record& r) { return number(spread(r.times(stage))); };
   }
-  for (const Stage stage : {Stage::setup, Stage::build, Stage::relight, Stage::resolve}) {
+  for (const Stage stage : all_stages) {
     columns.push_back(number_column(fmt::format("{}_device_ms", name(stage)), "ms", fmt::format("{} on device", name(stage))));
     columns.back().cell = [stage](const Record& r) { return number(median_of_medians(r.device_times(stage))); };
   }
-  for (const Stage stage : {Stage::setup, Stage::build, Stage::relight, Stage::resolve}) {
+  for (const Stage stage : all_stages) {
     columns.push_back(
         number_column(fmt::format("{}_harness_ms", name(stage)), "ms", fmt::format("{} by harness", name(stage))));
     columns.back().cell = [stage](const Record& r) { return number(median_of_medians(r.harness_times(stage))); };

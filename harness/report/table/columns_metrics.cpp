@@ -55,6 +55,7 @@ void add_metrics(std::vector<Column>& columns) {
 void add_worst_light(std::vector<Column>& columns) {
   Column column = number_column("light_error_max", "", "worst light", [](const Record& r) {
     std::optional<double> worst;
+    if (r.answer != AnswerKind::received) return number(worst);
     for (const Record::LightFacts& light : r.lights)
       if (const auto error = light.metrics.find("error"); error != light.metrics.end() && error->second)
         worst = std::max(worst.value_or(0), *error->second);

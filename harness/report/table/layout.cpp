@@ -78,8 +78,8 @@ bool has_metric(std::span<const Record> records, std::string_view metric) {
   return std::ranges::any_of(records, [&](const Record& r) { return r.metric(metric).has_value(); });
 }
 
-bool any_is(std::span<const Record> records, Lighting of) {
-  return std::ranges::any_of(records, [&](const Record& r) { return lighting(r) == of; });
+bool any_is(std::span<const Record> records, AnswerKind of) {
+  return std::ranges::any_of(records, [&](const Record& r) { return r.answer == of; });
 }
 /// Whether a rasterizer of these rows rounds vertices to another grid than most do.
 bool has_unusual_grid(std::span<const Record> records) {
@@ -89,7 +89,7 @@ bool has_unusual_grid(std::span<const Record> records) {
   });
 }
 bool any_is_not_hard(std::span<const Record> records) {
-  return std::ranges::any_of(records, [](const Record& r) { return lighting(r) != Lighting::hard; });
+  return std::ranges::any_of(records, [](const Record& r) { return r.answer != AnswerKind::binary; });
 }
 
 /// Adds those of the metrics that some record has.
@@ -104,7 +104,7 @@ void add_error_columns(std::vector<std::string>& names, std::span<const Record> 
   static constexpr std::string_view floors[] = {"reference_error_mean", "snapping_floor"};
   names.emplace_back(any_is_not_hard(records) ? "error" : "wrong_rate");
   add_known(names, records, floors);
-  if (any_is(records, Lighting::several)) names.insert(names.end(), {"light_error_max", "flip", "ssim"});
+  if (any_is(records, AnswerKind::received)) names.insert(names.end(), {"light_error_max", "flip", "ssim"});
 }
 
 /// What is defined under lights with area alone.
@@ -115,7 +115,7 @@ constexpr std::string_view soft_metrics[] = {"other_error_mean", "penumbra_width
 std::string repetition_plan(std::span<const Record> records) {
   std::vector<std::string> plans;
   for (const Record& r : records)
-    for (const Stage stage : {Stage::build, Stage::relight, Stage::resolve}) {
+    for (const Stage stage : timed_stages) {
       std::size_t repetitions = 0;
       for (const std::vector<double>& process : r.times(stage)) repetitions = std::max(repetitions, process.size());
       if (repetitions == 0) continue;
@@ -144,12 +144,12 @@ std::vector<std::string> headline_columns(std::span<const Record> records, bool 
     names.insert(names.end(), {"relight_device_ms", "resolve_device_ms", "floor_share"});
   names.insert(names.end(), {"bytes", "peak_bytes"});
   add_error_columns(names, records);
-  const bool with_hard = any_is(records, Lighting::hard);
+  const bool with_hard = any_is(records, AnswerKind::binary);
   if (with_hard) names.insert(names.end(), {"wrong_rate_all", "false_dark_rate", "false_lit_rate"});
   if (std::any_of(records.begin(), records.end(), [](const Record& r) { return !top_causes(r).empty(); }))
     names.emplace_back("causes");
   if (with_hard) names.insert(names.end(), {"displacement_mean", "displacement_p95"});
-  if (any_is(records, Lighting::soft)) add_known(names, records, soft_metrics);
+  if (any_is(records, AnswerKind::fraction)) add_known(names, records, soft_metrics);
   names.emplace_back("tested_share");
   return names;
 }
@@ -157,8 +157,9 @@ std::vector<std::string> headline_columns(std::span<const Record> records, bool 
 std::vector<std::string> paper_columns(std::span<const Record> records) {
   std::vector<std::string> names = {"technique", "support", "build_ms", "relight_ms", "resolve_ms", "bytes"};
   add_error_columns(names, records);
-  if (any_is(records, Lighting::hard)) names.insert(names.end(), {"false_dark_rate", "false_lit_rate", "displacement_mean"});
-  if (any_is(records, Lighting::soft)) add_known(names, records, soft_metrics);
+  if (any_is(records, AnswerKind::binary))
+    names.insert(names.end(), {"false_dark_rate", "false_lit_rate", "displacement_mean"});
+  if (any_is(records, AnswerKind::fraction)) add_known(names, records, soft_metrics);
   names.emplace_back("tested_share");
   return names;
 }
@@ -190,7 +191,7 @@ Remarks provenance(std::span<const Record> records) {
 bool Layout::has_soft_rows() const {
   return std::ranges::any_of(groups, [](const Group& group) {
     return std::ranges::any_of(group.rows,
-                               [](const Row& row) { return row.record && lighting(*row.record) != Lighting::hard; });
+                               [](const Row& row) { return row.record && row.record->answer != AnswerKind::binary; });
   });
 }
 
@@ -229,8 +230,8 @@ void add_error_shorthands(Layout& layout, std::span<const Record> records) {
       "root mean square error of the light received, as a share of the reference's"};
   std::vector<std::string> errors;
   LightCounts counts;
-  for (const Record& r : records) counts.add(lighting(r));
-  for (const Lighting of : {Lighting::soft, Lighting::hard, Lighting::several})
+  for (const Record& r : records) counts.add(r.answer);
+  for (const AnswerKind of : {AnswerKind::fraction, AnswerKind::binary, AnswerKind::received})
     if (const auto k = static_cast<std::size_t>(of); counts.rows[k] > 0)
       errors.push_back(fmt::format("{}{}", meanings[k], counts.is_mixed() ? lights_text(of) : ""));
   add("error", "error", joined(errors, "; "));

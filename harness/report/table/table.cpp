@@ -28,19 +28,19 @@ constexpr std::string_view dispensable[] = {"displacement_p95",     "displacemen
                                             "penumbra_shift",       "contact_hardening", "causes",
                                             "penumbra_width_ratio", "build_ms",          "bytes"};
 
-/// The rows of one Lighting, and what stands below their table of where they were made.
+/// The rows of one AnswerKind, and what stands below their table of where they were made.
 struct Part {
   std::vector<Record> records;
   Remarks provenance = {};
 };
 
-/// Rows of each Lighting are judged by other numbers: people read them in tables of their own. The last one says where all were
-/// made.
+/// Rows of each AnswerKind are judged by other numbers: people read them in tables of their own. The last one says where all
+/// were made.
 std::vector<Part> parts_of(std::span<const Record> records) {
   std::vector<Part> parts;
-  for (const Lighting of : all_lightings) {
+  for (const AnswerKind of : all_answer_kinds) {
     Part part;
-    std::ranges::copy_if(records, std::back_inserter(part.records), [&](const Record& r) { return lighting(r) == of; });
+    std::ranges::copy_if(records, std::back_inserter(part.records), [&](const Record& r) { return r.answer == of; });
     if (!part.records.empty()) parts.push_back(std::move(part));
   }
   if (parts.empty()) parts.emplace_back();

@@ -149,7 +149,8 @@ std::vector<Record> rays(std::initializer_list<int> samples, int seeds, double e
       Record r = row(fmt::format("rays:samples={},seed={}", count, seed), 1, 1, 0.1);
       if (seed == 1) r.label = fmt::format("rays:samples={},seed=1", count);  // as a sweep over the default has it
       r.metrics[Truth::shape]["penumbra_error_rms"] = 0.4 * std::pow(count, exponent) * random.uniform(1 - noise, 1 + noise);
-      r.reference = Record::ReferenceFacts{.target = 0.001};
+      r.answer = AnswerKind::fraction;
+      r.lights[0].reference = Record::ReferenceFacts{.target = 0.001};
       records.push_back(std::move(r));
     }
   return records;
@@ -187,7 +188,7 @@ TEST(growth, errors_that_the_reference_may_have_made_are_left_out) {
   EXPECT_EQ(below.why_not, "below the reference");
   // Under a light without area there is no such error, and a time has none.
   std::vector<Record> hard = rays({128, 256, 512}, 3, -1, 0);
-  for (Record& r : hard) r.reference.reset();
+  for (Record& r : hard) r.answer = AnswerKind::binary;
   EXPECT_EQ(find_growth(hard, "samples", "penumbra_error_rms").rows.at(0).left_out, 0u);
   EXPECT_EQ(find_growth(rays({128, 256, 512}, 3, -1, 0), "samples", "resolve_ms").rows.at(0).left_out, 0u);
 }

@@ -40,11 +40,11 @@ TEST(soft_rows, overall_means_are_of_one_kind_of_light) {
   ASSERT_EQ(fields.size(), 6u) << "four places, and two over all";
   const std::vector<const Field*> over = overall_fields(fields);
   ASSERT_EQ(over.size(), 2u);
-  EXPECT_FALSE(over[0]->place || over[0]->lighting != Lighting::hard);
+  EXPECT_FALSE(over[0]->place || over[0]->lighting != AnswerKind::binary);
   ASSERT_EQ(over[0]->candidates.size(), 2u);
   EXPECT_DOUBLE_EQ(over[0]->candidates[0].error, 0.1);
   EXPECT_EQ(over[0]->candidates[0].floor, std::nullopt);
-  EXPECT_TRUE(!over[1]->place && over[1]->lighting == Lighting::soft);
+  EXPECT_TRUE(!over[1]->place && over[1]->lighting == AnswerKind::fraction);
   ASSERT_EQ(over[1]->candidates.size(), 2u);
   EXPECT_EQ(over[1]->candidates[0].setting, "soft");
   EXPECT_DOUBLE_EQ(over[1]->candidates[1].error, 0.03);
@@ -110,13 +110,13 @@ TEST(soft_rows, a_map_over_both_kinds_says_how_many_places_are_of_each) {
     }
   const std::vector<Map> maps = make_maps(records, {});
   EXPECT_EQ(maps[0].places, 4u);
-  EXPECT_EQ(maps[0].places_with_area, 2u);
+  EXPECT_EQ(maps[0].places_with_fractions, 2u);
   EXPECT_DOUBLE_EQ(*maps[0].at(1, 0).value, 0.4);
   EXPECT_EQ(places_text(maps[0]), "4 places, 2 of them under lights with area");
   const std::string text = analyze(records, "map", {}, Format::terminal);
   EXPECT_TRUE(has(text, "error in %, mean over 4 places, 2 of them under lights with area\n")) << text;
   // Each light a column: what stands in it is of one kind.
-  EXPECT_EQ(make_maps(records, {.x = "light"})[0].places_with_area, 0u);
+  EXPECT_EQ(make_maps(records, {.x = "light"})[0].places_with_fractions, 0u);
 }
 
 TEST(soft_rows, motion_and_sweep_name_what_they_show) {

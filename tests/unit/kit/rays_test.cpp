@@ -30,8 +30,9 @@ struct World {
     scene.views = {View{.eye = {1, 5, 8}, .target = {0, 0.5f, 0}}};
     gbuffer = small_world::make_gbuffer(scene, scene.views[0], width, height);
     std::uniform_real_distribution<float> along(-1, 1);
-    const glm::vec3 position{4 * along(random), 6, 4 * along(random)};
-    const glm::vec3 direction{along(random), -1.5f, along(random)};
+    // One number after the other: the arguments of a call are drawn in another order by each compiler.
+    const float z = 4 * along(random), x = 4 * along(random), dz = along(random), dx = along(random);
+    const glm::vec3 position(x, 6, z), direction(dx, -1.5f, dz);
     lights = {{.name = "point", .kind = PointLight{position}},
               {.name = "sun", .kind = DirectionalLight{direction}},
               {.name = "spot", .kind = SpotLight{position, -position, 10, 22}}};

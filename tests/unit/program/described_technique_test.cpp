@@ -29,7 +29,7 @@ void expect_same_rows(const Parametrized& there, const Parametrized& here) {
 TEST(described_technique, has_data_sheet_parameters_and_layers_of_the_one_that_it_describes) {
   for (const TechniqueEntry& there : registry().techniques()) {
     SCOPED_TRACE(there.id);
-    const TechniqueEntry here = described_technique(sent(sheet_json(there)), sent(object_json(there)), Json(), "");
+    const TechniqueEntry here = described_technique(sent(sheet_json(there)), sent(object_json(there)), {}, "");
     const About &a = there.about, &b = here.about;
     EXPECT_EQ(there.id, here.id);
     EXPECT_EQ(std::tie(a.title, a.summary, a.source, a.error, a.fails),
@@ -62,7 +62,7 @@ TEST(described_technique, has_data_sheet_parameters_and_layers_of_the_one_that_i
 // Every setting that the one takes the other takes, and what the one refuses the other refuses with the same words.
 TEST(described_technique, takes_and_refuses_the_same_settings) {
   for (const TechniqueEntry& there : registry().techniques()) {
-    const TechniqueEntry here = described_technique(sent(sheet_json(there)), sent(object_json(there)), Json(), "");
+    const TechniqueEntry here = described_technique(sent(sheet_json(there)), sent(object_json(there)), {}, "");
     std::vector<std::string> settings = {"nothing=1"};
     const auto fresh = there.make();
     for (const Parameter* row : fresh->parameters()) {
@@ -83,10 +83,10 @@ TEST(described_technique, takes_and_refuses_the_same_settings) {
 
 TEST(described_technique, does_nothing_here_and_says_why) {
   const TechniqueEntry& there = registry().technique("svbsp");
-  const auto sound = described_technique(sheet_json(there), object_json(there), Json(), "").make();
+  const auto sound = described_technique(sheet_json(there), object_json(there), {}, "").make();
   EXPECT_THROW(sound->supports({}, {}, {}), Error);
   EXPECT_THROW(sound->setup(), Error);
-  const TechniqueEntry broken = described_technique(sheet_json(there), Json(), Json(), "crashed in describe");
+  const TechniqueEntry broken = described_technique(sheet_json(there), Json(), {}, "crashed in describe");
   EXPECT_EQ(broken.broken, "crashed in describe");
   EXPECT_TRUE(broken.make()->parameters().empty());
   try {
@@ -100,10 +100,10 @@ TEST(described_technique, does_nothing_here_and_says_why) {
 // Nobody can ask it here: it says what it was told to know, and where nobody knows that it may know all.
 TEST(described_technique, knows_the_lights_that_are_told_or_all) {
   const TechniqueEntry& there = registry().technique("area_rays");
-  const Json lights = {"rect", "disc"};
+  const std::vector<std::string> lights = {"rect", "disc"};
   EXPECT_EQ(known_lights(described_technique(sheet_json(there), object_json(there), lights, "")).size(), 2u);
   for (const char* broken : {"", "crashed"}) {
-    const TechniqueEntry here = described_technique(sheet_json(there), Json(), Json(), broken);
+    const TechniqueEntry here = described_technique(sheet_json(there), Json(), {}, broken);
     EXPECT_EQ(known_lights(here).size(), 6u);
     EXPECT_EQ(has_no_hard_shadow(here), "");
   }
@@ -114,14 +114,14 @@ TEST(described_technique, nonsense_is_refused) {
   for (const char* key : {"id", "title", "promise", "causes", "needs_gl"}) {
     Json sheet = sheet_json(there);
     sheet[key] = json_object({{"no", "sense"}});
-    EXPECT_ANY_THROW(described_technique(sheet, object_json(there), Json(), "")) << key;
+    EXPECT_ANY_THROW(described_technique(sheet, object_json(there), {}, "")) << key;
   }
   Json sheet = sheet_json(there);
   sheet["role"] = 17;
-  EXPECT_THROW(described_technique(sheet, object_json(there), Json(), ""), Error);
+  EXPECT_THROW(described_technique(sheet, object_json(there), {}, ""), Error);
   Json object = object_json(there);
   object["parameters"][0]["default"] = "none of these";
-  EXPECT_ANY_THROW(described_technique(sheet_json(there), object, Json(), ""));
+  EXPECT_ANY_THROW(described_technique(sheet_json(there), object, {}, ""));
 }
 
 TEST(described_scene, has_the_parameters_of_the_one_that_it_describes_and_is_made_elsewhere) {

@@ -60,12 +60,18 @@ TEST(machine_table, times_of_both_clocks_ratio_bare_share_and_error) {
   EXPECT_EQ(table["rows"].size(), 2u);  // what one machine alone has is no row of both
 }
 
+void refuse(Record& record, const std::string& reason) {
+  forget_results(record);
+  record.status = Status::unsupported;
+  record.reason = reason;
+}
+
 TEST(machine_table, what_one_machine_could_not_do_is_said_and_what_none_did_is_counted) {
   std::vector<MachineRun> runs = two_machines();
-  withdraw(runs[1].records[0], "it has too little memory");
+  refuse(runs[1].records[0], "it has too little memory");
   for (MachineRun& run : runs) {
     Record none = row("none", 1, 1, 0);
-    withdraw(none, "it cannot");
+    refuse(none, "it cannot");
     run.records.push_back(none);
   }
   const std::string text = render_machines(runs, Format::markdown, {});

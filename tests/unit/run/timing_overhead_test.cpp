@@ -5,9 +5,9 @@
 #include <chrono>
 
 #include "measure/run/timing.h"
-#include "measure/run/worker_client.h"
 #include "measure/scene/blob.h"
 #include "measure/scratch_folder.h"
+#include "measure/worker/worker_client.h"
 #include "places.h"
 
 namespace timing_overhead_test {
@@ -18,12 +18,11 @@ using Clock = std::chrono::steady_clock;
 /// What a sample took from its start to the start of the next, over what its iterations took: of all samples the tenth
 /// quantile, for what else the machine does between two samples adds to it and never takes from it. Samples whose own stage was
 /// interrupted are left out, for a longer stage hides what is added to it.
-double wall_per_stage_time(bool takes_iterations) {
+double wall_per_stage_time(bool is_one_request) {
   const ScratchFolder folder = ScratchFolder::temporary("gnomon_overhead");
   const auto scene = folder.path() / "scene";
   write_file(scene, scene_bytes(Scene{}));
-  WorkerClient worker({.plugins = {faults_plugin()}, .program = tested_program(), .takes_iterations = takes_iterations},
-                      folder.path() / "w", 20);
+  WorkerClient worker({.plugins = {faults_plugin()}, .program = tested_program()}, folder.path() / "w", 20);
   worker.load({.scene_file = scene, .technique = "busy", .settings = ""});
   const double once = worker.time(Stage::build);
   EXPECT_GE(once, 0.1);
@@ -33,7 +32,10 @@ double wall_per_stage_time(bool takes_iterations) {
   tasks[0].iterations = iterations_for(0.1);
   tasks[0].milliseconds = [&](int count) {
     starts.push_back(Clock::now());
-    return worker.time(Stage::build, count);
+    if (is_one_request) return worker.time(Stage::build, count);
+    double sum = 0;
+    for (int k = 0; k < count; ++k) sum += worker.time(Stage::build);
+    return sum;
   };
   time_interleaved(tasks);
   EXPECT_EQ(tasks[0].failure, "");

@@ -126,6 +126,7 @@ TEST(viewer_compose, errors_have_the_bytes_of_the_pictures_in_files) {
     const std::vector<float>& mask = seen.answer->mask;
     for (const Paint paint : {Paint::kinds, Paint::causes}) {
       Evidence e{60, 40, seen.reference->classes, seen.reference->mask, mask, {}, &f.scene(), &f.gbuffer, &f.light};
+      e.kind = f.kind();
       if (paint == Paint::causes) e.causes = seen.verdict.causes;
       Picture errors = draw_errors(e, "");
       errors.rgb.resize(mask.size() * 3);  // without the legend below
@@ -150,6 +151,7 @@ TEST(viewer_compose, errors_under_a_light_with_area_have_them_too) {
         if (!are_sought) seen.verdict.causes.clear();
         Evidence e{60,         40,      seen.reference->classes, seen.reference->mask, seen.answer->mask, {}, &f.scene(),
                    &f.gbuffer, &f.light};
+        e.kind = f.kind();
         if (paint == Paint::causes) e.causes = seen.verdict.causes;
         Picture errors = draw_errors(e, "");
         errors.rgb.resize(pixels * 3);

@@ -11,7 +11,7 @@
 #include <mutex>
 #include <thread>
 
-#include "measure/run/row.h"
+#include "measure/row/measure_row.h"
 #include "measure/scene/load.h"
 #include "measure/scratch_folder.h"
 #include "places.h"
@@ -82,27 +82,26 @@ MeasuredRow rendered(const Selection& selection, int side) {
   Scene scene = selection.loaded->scene;
   scene.lights = lights_of(selection);
   scene.views = {selection.view};
-  Suite suite;
-  suite.width = selection.width;
-  suite.height = selection.height;
-  suite.truth = selection.truth;
-  suite.timeout = 60;
-  const Contender contender{selection.sides[side].technique, selection.sides[side].settings, {}};
-  suite.groups = {{{"scene"}, {}, {}, {contender}}};
   const ScratchFolder folder = ScratchFolder::temporary("gnomon_engine_test");
-  SceneRun run("scene", scene, suite, folder.path(), folder.path(), {}, tested_program());
-  ContenderWorker worker(run, contender, {.threads = 0, .plugins = {}, .program = tested_program()});
+  SceneRun run(scene, {.cache = folder.path(), .scratch = folder.path(), .program_that_traces = tested_program()});
+  ContenderWorker worker(run, selection.sides[side].technique, selection.sides[side].settings,
+                         {.threads = 0, .plugins = {}, .program = tested_program()});
   worker.begin_load();
   worker.end_load();
   RowFrame frame{.width = selection.width, .height = selection.height, .path = {}};
   frame.lights.clear();
   for (std::size_t k = 0; k < scene.lights.size(); ++k) frame.lights.push_back(k);
-  worker.go(frame, suite.truth);
+  worker.go(frame, selection.truth);
   Record record;
-  record.technique = contender.technique;
-  record.truth = suite.truth;
-  if (scene.lights.size() > 1) record.lights.resize(scene.lights.size());
+  record.technique = selection.sides[side].technique;
+  record.truth = selection.truth;
+  record.lights.resize(scene.lights.size());
   return *measure(record, run, worker, frame);
+}
+
+ErrorCounts errors_of(const MeasuredRow& row, const Selection& selection) {
+  const Evidence evidence = row.evidence(selection.loaded->scene);
+  return Scoring(evidence).error_counts();
 }
 
 void expect_as_rendered(const Selection& selection, const EngineState& state) {
@@ -111,8 +110,8 @@ void expect_as_rendered(const Selection& selection, const EngineState& state) {
   ASSERT_EQ(side.phase, Phase::done) << side.words;
   EXPECT_EQ(side.answer->mask, row.lights[0].answer.mask);
   ASSERT_TRUE(side.verdict && side.verdict->has_causes);
-  EXPECT_EQ(side.verdict->errors.wrong, row.errors.wrong);
-  EXPECT_EQ(side.verdict->errors.false_dark, row.errors.false_dark);
+  EXPECT_EQ(side.verdict->errors.wrong, errors_of(row, selection).wrong);
+  EXPECT_EQ(side.verdict->errors.false_dark, errors_of(row, selection).false_dark);
   EXPECT_EQ(side.verdict->causes, row.lights[0].answer.causes);
   EXPECT_TRUE(std::ranges::equal(state.reference->mask, row.lights[0].answer.reference.mask));
   EXPECT_TRUE(std::ranges::equal(state.reference->classes, row.lights[0].answer.reference.classes));
@@ -162,7 +161,7 @@ TEST(viewer_engine, shows_what_render_makes_of_several_lights) {
     EXPECT_EQ(side.verdict->together->classes, row.together->classes);
     EXPECT_EQ(side.verdict->together->causes, row.together->causes);
     EXPECT_EQ(state.reference->classes, row.together->classes);
-    EXPECT_EQ(side.verdict->errors.error_sum, row.errors.error_sum);
+    EXPECT_EQ(side.verdict->errors.error_sum, errors_of(row, rig.selection).error_sum);
     const Evidence evidence = row.together->evidence();
     EXPECT_EQ(side.verdict->received_error, Scoring(evidence).light_error().rms);
     EXPECT_GT(*side.verdict->received_error, 0.01);  // of the lamp, whose shadows are missing

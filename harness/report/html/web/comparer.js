@@ -223,9 +223,9 @@ class Comparer {
   /** Reads what the choices need; the last choice wins when several are under way. */
   async load() {
     const turn = (this.turn = (this.turn ?? 0) + 1);
-    const { width, height, lighting, scene, view } = data.groups[this.group];
+    const { width, height, answer, scene, view } = data.groups[this.group];
     const pictures = this.of(data.groups[this.group].pictures);
-    const is_soft = pictures.has_area ?? lighting !== "hard";
+    const is_soft = pictures.is_fraction ?? answer !== "binary";
     const truth = async (name, number, error) =>
       number !== null
         ? { name, mask: await shares(number, pictures.bits), error: error === null ? null : await errors(error) }

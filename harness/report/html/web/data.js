@@ -25,17 +25,20 @@ export const isOk = (row) => row.status === "ok";
 /** Different values in order of appearance. */
 export const distinct = (items) => [...new Set(items)];
 
-/** What lights the row: "hard", "soft" or "several" lights. It is judged by its wrong rate, its mean error, the light received. */
-export const lightingOf = (row) => data.groups[row.group].lighting;
+/**
+ * What is asked at each pixel: a "binary" answer, a "fraction" of the light, or the light "received" of several. The row is
+ * judged by its wrong rate, its mean error, the error of the light received.
+ */
+export const answerOf = (row) => data.groups[row.group].answer;
 
 /** Whether the row is judged by how far it is off, not by how many pixels are wrong. */
-export const isSoft = (row) => lightingOf(row) !== "hard";
+export const isSoft = (row) => answerOf(row) !== "binary";
 
 /** What the metric `error` is called of these rows. */
 export const errorName = (rows) => {
-  const kinds = distinct(rows.map(lightingOf));
+  const kinds = distinct(rows.map(answerOf));
   if (kinds.length > 1) return "error";
-  return { hard: "wrong", soft: "mean error", several: "light error" }[kinds[0] ?? "hard"];
+  return { binary: "wrong", fraction: "mean error", received: "light error" }[kinds[0] ?? "binary"];
 };
 
 /** What tells a group from the others: parts that are the same everywhere are left out. */

@@ -1,18 +1,18 @@
 // A list of the scenes and lights that have something to plot under the filter.
 
-import { data, distinct, groupName, lightingOf } from "./data.js";
+import { data, distinct, groupName, answerOf } from "./data.js";
 import { chooser } from "./dom.js";
 import { filteredRows } from "./filter.js";
 
-/** Several places at once. Rows of each lighting are judged by other numbers, and few settings have several. */
+/** Several places at once. Rows of each kind of answer are judged by other numbers, and few settings have several. */
 const everywhere = [
   { value: "all", text: "over all", accepts: () => true },
-  { value: "all-hard", text: "over all lights without area", accepts: (row) => lightingOf(row) === "hard" },
-  { value: "all-soft", text: "over all lights with area", accepts: (row) => lightingOf(row) === "soft" },
-  { value: "all-several", text: "over all rows of several lights", accepts: (row) => lightingOf(row) === "several" },
+  { value: "all-hard", text: "over all lights without area", accepts: (row) => answerOf(row) === "binary" },
+  { value: "all-soft", text: "over all lights with area", accepts: (row) => answerOf(row) === "fraction" },
+  { value: "all-several", text: "over all rows of several lights", accepts: (row) => answerOf(row) === "received" },
 ];
 const choicesOfAll = (rows) => {
-  const is_mixed = distinct(rows.map(lightingOf)).length > 1;
+  const is_mixed = distinct(rows.map(answerOf)).length > 1;
   const groupsOf = ({ accepts }) => new Set(rows.filter(accepts).map((row) => row.group)).size;
   return (is_mixed ? everywhere.slice(1) : everywhere.slice(0, 1)).filter((choice) => groupsOf(choice) > 1);
 };

@@ -3,8 +3,6 @@
 import { columnNamed, data, errorName, isSoft, valueOf } from "./data.js";
 import { measured, milliseconds } from "./digits.js";
 
-const stageNames = ["setup", "build", "relight", "resolve"];
-
 /** A quantity: name, text for the list, label of the axis, of(row) -> {value, low, high} in the axis' unit or null, shown(value). */
 function ofTimes(name, text, times) {
   const of = (row) => {
@@ -27,7 +25,7 @@ const occurs = (quantity) => data.rows.some((row) => quantity.of(row));
 
 /** Times of events. */
 export const events = data.costs.map((cost) => ofTimes(cost.name, cost.heading, (row) => row.costs[cost.name])).filter(occurs);
-export const stages = stageNames.map((name) => ofTimes(name, name, (row) => row.stages[name])).filter(occurs);
+export const stages = data.stages.map((name) => ofTimes(name, name, (row) => row.stages[name])).filter(occurs);
 export const memory = ["bytes", "peak_bytes"].map(columnNamed).filter(Boolean).map(ofColumn).filter(occurs);
 /** Metrics that have a better side. `error` is another word for the wrong rate where no light has an area. */
 export const metrics = data.metrics

@@ -1,0 +1,17 @@
+#pragma once
+#include <cstddef>
+#include <string_view>
+
+namespace gnomon {
+
+/// What is asked at every pixel, and so what a mask is judged by.
+enum class AnswerKind {
+  binary,    ///< whether the light arrives: judged by the wrong rate
+  fraction,  ///< what part of the light arrives: judged by the mean error
+  received,  ///< of several lights together, what part of their light the pixel receives: judged by the light received
+};
+inline constexpr AnswerKind all_answer_kinds[] = {AnswerKind::binary, AnswerKind::fraction, AnswerKind::received};
+inline constexpr std::string_view answer_kind_names[] = {"binary", "fraction", "received"};
+constexpr std::string_view name(AnswerKind kind) { return answer_kind_names[static_cast<std::size_t>(kind)]; }
+
+}  // namespace gnomon

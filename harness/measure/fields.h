@@ -1,0 +1,162 @@
+#pragma once
+#include <gnomon/technique.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "measure/json.h"
+
+namespace gnomon {
+
+// One codec between structs and JSON objects, of records as of what passes between a program and its workers. A struct has a
+//
+//   void for_each_field(MaybeConst<Struct> auto& object, const auto& use) { use("key", object.member); ... }
+//
+// in namespace gnomon, which names its fields in their order, for writing and for reading. An enum is written as name() says
+// it.
+
+template <class T, class Of>
+concept MaybeConst = std::is_same_v<std::remove_const_t<T>, Of>;
+
+/// What reading does about a field that is absent or null: it keeps its default, or is an Error unless it is an optional.
+enum class MissingField { kept, refused };
+
+inline void for_each_field(MaybeConst<Count> auto& count, const auto& use) {
+  use("name", count.name);
+  use("value", count.value);
+  use("unit", count.unit);
+}
+
+template <class T>
+constexpr bool is_vector = false;
+template <class T>
+constexpr bool is_vector<std::vector<T>> = true;
+/// One value for each stage; written as an object of those that have one.
+template <class T>
+constexpr bool is_by_stage = false;
+template <class T>
+constexpr bool is_by_stage<std::array<T, std::size(stage_names)>> = true;
+using Color8 = std::array<std::uint8_t, 3>;
+
+template <class Enum>
+constexpr int enum_size = 3;
+template <>
+inline constexpr int enum_size<Truth> = 2;
+template <>
+inline constexpr int enum_size<LightShareKind> = 2;
+template <>
+inline constexpr int enum_size<Stage> = std::size(stage_names);
+
+template <class T>
+Json written(const T& value) {
+  if constexpr (std::is_enum_v<T>) {
+    return name(value);
+  } else if constexpr (std::is_same_v<T, double>) {
+    return std::isfinite(value) ? Json(value) : Json();  // JSON has no NaN and no infinity: null
+  } else if constexpr (requires { value.has_value(); }) {
+    return value ? written(*value) : Json();
+  } else if constexpr (is_vector<T>) {
+    Json array = Json::array();
+    for (const auto& item : value) array.push_back(written(item));
+    return array;
+  } else if constexpr (requires { typename T::mapped_type; }) {
+    Json object = Json::object();
+    for (const auto& [key, item] : value) object[plain_text(written(key))] = written(item);
+    return object;
+  } else if constexpr (is_by_stage<T>) {
+    Json object = Json::object();
+    for (std::size_t stage = 0; stage < value.size(); ++stage)
+      if (!value[stage].empty()) object[std::string(stage_names[stage])] = value[stage];
+    return object;
+  } else if constexpr (requires { for_each_field(value, [](const char*, const auto&) {}); }) {
+    Json object = Json::object();
+    for_each_field(value, [&](const char* key, const auto& member) { object[key] = written(member); });
+    return object;
+  } else {
+    return value;
+  }
+}
+
+/// Throws Error that names the field and says what it may be.
+template <class T>
+void read(const std::string& field, const Json& value, T& into, MissingField missing = MissingField::kept) {
+  const auto need = [&](bool is_good, std::string_view allowed) {
+    if (!is_good) throw Error("{} = {} is not {}", field, json_text(value), allowed);
+  };
+  if constexpr (std::is_same_v<T, std::string>) {
+    need(value.is_string(), "text");
+    into = value.get<std::string>();
+  } else if constexpr (std::is_same_v<T, double>) {
+    need(value.is_number(), "a number");
+    into = value.get<double>();
+  } else if constexpr (std::is_same_v<T, bool>) {
+    need(value.is_boolean(), "true or false");
+    into = value.get<bool>();
+  } else if constexpr (std::is_integral_v<T>) {
+    const bool is_whole = value.is_number_unsigned() || (value.is_number_integer() && value.get<std::int64_t>() >= 0);
+    need(is_whole, "a whole number, 0 or more");
+    need(std::in_range<T>(value.get<std::uint64_t>()), "below 2147483648");
+    into = value.get<T>();
+  } else if constexpr (std::is_enum_v<T>) {
+    std::vector<std::string> words;
+    for (int k = 0; k < enum_size<T>; ++k) {
+      words.emplace_back(name(static_cast<T>(k)));
+      if (value == words.back()) return void(into = static_cast<T>(k));
+    }
+    need(false, "one of " + joined(words));
+  } else if constexpr (std::is_same_v<T, Json>) {
+    need(value.is_object(), "an object");
+    into = value;
+  } else if constexpr (requires { into.has_value(); }) {
+    into.reset();
+    if (!value.is_null()) read(field, value, into.emplace(typename T::value_type{}), missing);
+  } else if constexpr (std::is_same_v<T, Color8>) {
+    const bool is_color = value.is_array() && value.size() == 3 && std::ranges::all_of(value, [](const Json& level) {
+                            return level.is_number_unsigned() && level.get<std::uint64_t>() <= 255;
+                          });
+    need(is_color, "three whole numbers, 0 .. 255");
+    into = value.get<Color8>();
+  } else if constexpr (is_vector<T>) {
+    need(value.is_array(), "an array");
+    into.clear();
+    // A null is a value that is not defined at its place, where there is such a place; else a time that was not taken.
+    for (const Json& item : value)
+      if (!item.is_null() || requires(typename T::value_type v) { v.reset(); }) read(field, item, into.emplace_back(), missing);
+  } else if constexpr (is_by_stage<T>) {
+    std::map<std::string, typename T::value_type> by_name;
+    read(field, value, by_name, missing);
+    for (std::size_t stage = 0; stage < into.size(); ++stage) into[stage] = by_name[std::string(stage_names[stage])];
+  } else if constexpr (requires { requires std::is_enum_v<typename T::key_type>; }) {
+    need(value.is_object(), "an object");
+    for (int k = 0; k < enum_size<typename T::key_type>; ++k) {  // other names are passed over
+      const auto key = static_cast<typename T::key_type>(k);
+      if (const auto found = value.find(name(key)); found != value.end())
+        read(fmt::format("{}.{}", field, name(key)), *found, into[key], missing);
+    }
+  } else {
+    need(value.is_object(), "an object");
+    if constexpr (requires { typename T::mapped_type; }) {
+      for (const auto& [key, item] : value.items()) read(field + "." + key, item, into[key], missing);
+    } else {
+      if constexpr (std::is_same_v<T, Count>) into.value = std::numeric_limits<double>::quiet_NaN();
+      for_each_field(into, [&](const char* key, auto& member) {
+        const std::string inner = fmt::format("{}.{}", field, key);
+        if (const auto found = value.find(key); found != value.end() && !found->is_null())
+          read(inner, *found, member, missing);
+        else if (missing == MissingField::refused && !requires { member.has_value(); })
+          throw Error("{} is missing", inner);
+      });
+    }
+  }
+}
+
+}  // namespace gnomon

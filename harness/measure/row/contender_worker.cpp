@@ -1,0 +1,158 @@
+#include "measure/row/contender_worker.h"
+
+#include <gnomon/error.h>
+#include <gnomon/kit/path_light.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "measure/scene/motion.h"
+
+namespace gnomon {
+
+std::vector<Light> SceneRun::lights(const RowFrame& frame) const {
+  std::vector<Light> lights;
+  for (const std::size_t index : frame.lights)
+    lights.push_back(frame.path ? light_at(*frame.path, scene.lights[index], frame.number) : scene.lights[index]);
+  return lights;
+}
+
+FrameKey SceneRun::key(const RowFrame& frame, Truth truth) const {
+  const View& still = scene.views[frame.view];
+  return {frame.path ? view_at(*frame.path, still, frame.number) : still, frame.width, frame.height,
+          scene.has_curved_shapes() ? truth : Truth::shape};
+}
+
+FrameRequest SceneRun::request(const RowFrame& frame, Truth truth) {
+  const FrameKey of = key(frame, truth);
+  return {
+      .gbuffer_file = frames.gbuffer_file(of),
+      .width = of.width,
+      .height = of.height,
+      .truth = of.truth,
+      .seen = SceneLightAndView{
+          .lights = frame.lights, .view = frame.view, .path = frame.path ? frame.path->name : "", .path_frame = frame.number}};
+}
+
+ContenderWorker::ContenderWorker(SceneRun& run, std::string technique, std::string settings, const WorkerOptions& options)
+    : run_(run),
+      technique_(std::move(technique)),
+      settings_(std::move(settings)),
+      client_(options, run.scratch / "worker", run.timeout) {}
+
+void ContenderWorker::begin_load() {
+  client_.begin_load({.scene_file = run_.frames.scene_file(), .technique = technique_, .settings = settings_});
+}
+
+Support ContenderWorker::go(const RowFrame& frame, Truth truth) {
+  frame_ = frame;
+  truth_ = truth;
+  reply_ = client_.frame(run_.request(frame, truth));
+  if (!reply_.support) return reply_.support;
+  const View view = run_.key(frame, truth).view;
+  for (const Light& light : run_.lights(frame))
+    if (const Support reference = reference_support(run_.scene, light, view); !reference) return reference;
+  return reply_.support;
+}
+
+std::size_t ContenderWorker::object_count() const {
+  if (reply_.shares.value_or(true)) return 1;
+  return static_cast<std::size_t>(std::ranges::count_if(reply_.lights, [](const Support& light) { return bool(light); }));
+}
+
+ContenderWorker::SetupTime ContenderWorker::setup_time() {
+  const auto [found, is_new] = setup_times_.try_emplace(object_count());
+  if (is_new) {
+    found->second.ms = client_.time(Stage::setup);
+    found->second.other_clocks = client_.other_clocks();
+  }
+  return found->second;
+}
+
+std::vector<Answer> ContenderWorker::answers(Record* record) {
+  const MaskReply reply = client_.answer();
+  const FrameKey key = run_.key(frame_, truth_);
+  const int bits = client_.gl() ? client_.gl()->subpixel_bits : usual_subpixel_bits;
+  const GBuffer gbuffer = run_.frames.gbuffer(key);
+  std::vector<Answer> answers;
+  auto next = reply.mask.begin();
+  for (const Light& light : run_.lights(frame_)) {
+    const auto end = next + static_cast<std::ptrdiff_t>(gbuffer.size());
+    answers.push_back({gbuffer, run_.frames.reference(key, light, run_.target, bits), {next, end}, {}});
+    next = end;
+  }
+  if (!record) return answers;
+  record->counts = reply.counts;
+  for (const Count& c : record->counts)
+    if (c.name == "bytes") record->bytes = static_cast<std::uint64_t>(c.value);
+  record->peak_bytes = reply.peak_bytes;
+  if (!reply.maker.empty()) record->context["plugin"]["maker"] = reply.maker;
+  return answers;
+}
+
+namespace {
+
+/// Adds the picture under one light to what is there; variances add up.
+void add(GlobalAnswer& sum, std::span<const float> picture, const GlobalReference& reference) {
+  sum.picture.resize(picture.size());
+  sum.reference.resize(picture.size());
+  sum.error.resize(picture.size());
+  for (std::size_t k = 0; k < picture.size(); ++k) {
+    sum.picture[k] += picture[k];
+    sum.reference[k] += reference.radiance[k];
+    sum.error[k] = std::hypot(sum.error[k], reference.error[k]);
+  }
+}
+
+Record::ReferenceFacts::GlobalFacts facts_of(const GlobalReference& reference, int samples) {
+  double errors = 0, whole = 0;
+  for (std::size_t k = 0; k < reference.radiance.size(); ++k) {
+    errors += static_cast<double>(reference.error[k]) * reference.error[k];
+    whole += static_cast<double>(reference.radiance[k]) * reference.radiance[k];
+  }
+  return {.samples = samples, .rays = reference.rays, .error = whole > 0 ? std::sqrt(errors / whole) : 0};
+}
+
+}  // namespace
+
+std::optional<GlobalAnswer> ContenderWorker::global_answer() {
+  if (frame_.global_samples == 0 || endless_bounces(run_.scene)) return std::nullopt;
+  GlobalAnswer sum;
+  const std::vector<Light> lights = run_.lights(frame_);
+  for (std::size_t k = 0; k < lights.size(); ++k) {
+    sum.facts.emplace_back();
+    if (answer_kind(lights[k]) == AnswerKind::binary) continue;  // it has no radiance
+    if (!supports_light(k)) return std::nullopt;
+    const auto picture = client_.global_picture(k);
+    if (!picture) return std::nullopt;
+    const GlobalReference reference = run_.frames.global_reference(run_.key(frame_, truth_), lights[k], frame_.global_samples);
+    add(sum, *picture, reference);
+    sum.facts.back() = facts_of(reference, frame_.global_samples);
+  }
+  if (sum.picture.empty()) return std::nullopt;
+  return sum;
+}
+
+void ContenderWorker::note_lights(Record& record) const {
+  record.shares_build = reply_.shares;
+  auto said = reply_.lights.begin();
+  for (Record::LightFacts& light : record.lights) {
+    light.support = said->kind();
+    light.reason = (said++)->why();
+  }
+}
+
+void ContenderWorker::note_gl(Record& record) const {
+  if (!client_.gl()) return;
+  record.context["gl_renderer"] = client_.gl()->renderer;
+  record.context["gl_version"] = client_.gl()->version;
+  record.context["gl_subpixel_bits"] = client_.gl()->subpixel_bits;
+  if (reply_.upload) record.gl = {reply_.upload->bytes, reply_.upload->ms};
+}
+
+void ContenderWorker::note_card(Record& record) {
+  if (const std::optional<Json> now = client_.card())
+    record.context["card"] = json_object({{"before", *client_.gl()->card}, {"after", *now}});
+}
+
+}  // namespace gnomon

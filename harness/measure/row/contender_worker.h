@@ -1,0 +1,96 @@
+#pragma once
+#include "measure/row/row.h"
+#include "measure/worker/frame_worker.h"
+#include "measure/worker/worker_client.h"
+
+namespace gnomon {
+
+/// A frame of a row: all that its mask depends on but the technique, its settings and the truth.
+struct RowFrame {
+  std::vector<std::size_t> lights = {0};  ///< indices in the scene
+  std::size_t view = 0;
+  int width = 0, height = 0;
+  std::optional<Path> path;
+  int number = 0;  ///< on the path
+  int global_samples =
+      0;  ///< light paths of a pixel of the reference that pictures of all light are compared with; 0: none are
+
+  int count() const { return path ? path->frame_count : 1; }  ///< frames of the row
+};
+
+/// Everything about one scene that its rows share.
+struct SceneRun {
+  Scene scene;
+  FrameStore frames;
+  std::filesystem::path scratch;  ///< folder for files between this process and its workers
+  AreaTarget target;              ///< of the reference under lights with area
+  double timeout;                 ///< seconds that one step of a worker may take
+
+  struct Options {
+    std::filesystem::path cache, scratch;
+    AreaTarget target = {};
+    double timeout = 60;
+    TraceWatch watch = {};
+    std::string program_that_traces = {};  ///< empty: this one
+  };
+  SceneRun(Scene the_scene, Options options)
+      : scene(std::move(the_scene)),
+        frames(scene, options.cache,
+               std::make_unique<FrameWorker>(options.scratch / "frames", std::move(options.program_that_traces),
+                                             std::move(options.watch))),
+        scratch(std::move(options.scratch)),
+        target(options.target),
+        timeout(options.timeout) {}
+
+  std::vector<Light> lights(const RowFrame& frame) const;
+  FrameKey key(const RowFrame& frame, Truth truth) const;
+  FrameRequest request(const RowFrame& frame, Truth truth);
+};
+
+/// A worker that holds one technique with its settings on a scene, and the frame of a row that it was asked about last.
+class ContenderWorker {
+ public:
+  ContenderWorker(SceneRun& run, std::string technique, std::string settings, const WorkerOptions& options);
+
+  /// The worker loads scene and technique; in two parts, so that all workers of a batch can be at it at once.
+  void begin_load();
+  void end_load() { client_.end_load(); }
+  /// Goes to a frame under a truth. What the technique says of it, or the reference where that cannot answer it.
+  Support go(const RowFrame& frame, Truth truth);
+  /// Objects that setup and build are done by for the frame: one for each of several lights where these share nothing.
+  std::size_t object_count() const;
+  struct SetupTime {
+    double ms = 0;
+    OtherClocks other_clocks;
+  };
+  /// What setup took in this process for so many objects; does it at the first call.
+  SetupTime setup_time();
+  /// The technique's mask of the frame under each light beside the reference, causes left out; counts and memory go to `record`
+  /// unless it is null.
+  std::vector<Answer> answers(Record* record);
+  /// The technique's picture of all light beside the reference's, both sums over the lights with area; nothing where the frame
+  /// does not ask for it, the technique has none or refuses one of these lights, or the scene is endless.
+  std::optional<GlobalAnswer> global_answer();
+  /// Whether a light of the frame casts shadows.
+  bool supports_light(std::size_t k) const { return static_cast<bool>(reply_.lights[k]); }
+  /// What the technique said of each light of the frame.
+  void note_lights(Record& record) const;
+  /// What GL it has, and what went up to it for the frame.
+  void note_gl(Record& record) const;
+  /// How the card does now, beside how it did when the worker was loaded; nothing where nobody knows.
+  void note_card(Record& record);
+  /// Name of the frame's bare pass; empty: none.
+  const std::string& floor() const { return reply_.floor; }
+  WorkerClient& client() { return client_; }
+
+ private:
+  SceneRun& run_;
+  std::string technique_, settings_;
+  WorkerClient client_;
+  FrameReply reply_{.support = Support::full(), .upload = {}, .lights = {}, .floor = {}, .shares = {}};  ///< of the frame
+  RowFrame frame_;
+  Truth truth_ = Truth::shape;
+  std::map<std::size_t, SetupTime> setup_times_;  ///< by objects
+};
+
+}  // namespace gnomon

@@ -1,0 +1,82 @@
+#include "measure/row/kept_row.h"
+
+#include <gnomon/error.h>
+
+#include <algorithm>
+
+#include "measure/scene/motion.h"
+#include "measure/scene/names.h"
+#include "measure/score/record_causes.h"
+
+namespace gnomon {
+
+namespace {
+
+template <class Item>
+const Item& named(const std::vector<Item>& items, const std::string& name, const char* what) {
+  if (const Item* found = find_named(items, name)) return *found;
+  throw Error("the scene has no {} {} any more", what, name);
+}
+
+/// What was wanted of the light's reference.
+AreaTarget target_of(const Record::LightFacts& light) {
+  if (!light.reference) return {};
+  return {.error = light.reference->target, .cap = static_cast<std::uint32_t>(light.reference->cap)};
+}
+
+/// Of what drew the row; of other techniques the usual ones.
+int subpixel_bits_of(const Record& record) {
+  const auto bits = record.context.find("gl_subpixel_bits");
+  return bits != record.context.end() && bits->is_number_integer() ? bits->get<int>() : usual_subpixel_bits;
+}
+
+}  // namespace
+
+KeptPlace kept_place(const Record& record, const Scene& scene, Truth truth) {
+  KeptPlace place{.key = {named(scene.views, record.view, "view"), record.width, record.height,
+                          scene.has_curved_shapes() ? truth : Truth::shape},
+                  .lights = {}};
+  for (const std::string& light : light_names(record)) place.lights.push_back(named(scene.lights, light, "light"));
+  if (record.path.empty()) return place;
+  const Path path = find_path(scene, record.path, place.lights.front(), place.key.view);
+  place.lights.front() = light_at(path, place.lights.front(), path.frame_count - 1);
+  place.key.view = view_at(path, place.key.view, path.frame_count - 1);
+  return place;
+}
+
+LightShareKind estimates_of(const Record::LightFacts& light) {
+  return light.reference ? light.reference->estimates : LightShareKind::area;
+}
+
+MeasuredRow kept_row(const Record& record, const std::filesystem::path& file, std::string_view what, const KeptPlace& place,
+                     FrameStore& frames) {
+  MeasuredRow row;
+  auto facts = record.lights.begin();
+  for (const Light& light : place.lights) {
+    const std::string channel = fmt::format("{}.{}", light.name, what);
+    Answer answer{frames.gbuffer(place.key),
+                  frames.reference(place.key, light, target_of(*facts), subpixel_bits_of(record)),
+                  read_exr(file, channel, record.width, record.height),
+                  {},
+                  estimates_of(*facts++),
+                  own_causes(record)};
+    const auto is_wild = [](float v) { return !(v >= 0 && v <= 1); };
+    if (const auto wild = std::ranges::find_if(answer.mask, is_wild); wild != answer.mask.end())
+      throw Error("{}: {} at pixel {} is {}; a visibility is 0 .. 1", file.string(), channel, wild - answer.mask.begin(),
+                  *wild);
+    row.lights.push_back({light, std::move(answer)});
+  }
+  return row;
+}
+
+std::vector<Cause> kept_causes(const Record& record, const std::filesystem::path& file, const Record::LightFacts& light) {
+  const std::string channel = light.name + ".cause";
+  const std::vector<float> numbers = read_exr(file, channel, record.width, record.height);
+  try {
+    return causes_from_numbers(numbers, light.causes, own_causes(record));
+  } catch (const Error& error) {
+    throw Error("{}: channel {}: {}", file.string(), channel, error.what());
+  }
+}
+
+}  // namespace gnomon

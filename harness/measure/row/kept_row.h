@@ -1,0 +1,25 @@
+#pragma once
+#include "measure/frame/frame.h"
+#include "measure/row/row.h"
+
+namespace gnomon {
+
+/// Where a kept row's masks were made, of today's scene: on a path at its last frame.
+struct KeptPlace {
+  FrameKey key;
+  std::vector<Light> lights;
+};
+/// Throws Error when the scene lacks a light, the view or the path.
+KeptPlace kept_place(const Record& record, const Scene& scene, Truth truth);
+
+/// Which of the reference's two numbers the light's mask is compared with.
+LightShareKind estimates_of(const Record::LightFacts& light);
+
+/// The masks in the channels LIGHT.WHAT of a record's file beside today's references, causes left out; not put together. Throws
+/// Error on a file without them and on what is no visibility. The record outlives the row.
+MeasuredRow kept_row(const Record& record, const std::filesystem::path& file, std::string_view what, const KeptPlace& place,
+                     FrameStore& frames);
+/// The causes in the channel LIGHT.cause of one of the record's lights. Throws Error on what is no cause.
+std::vector<Cause> kept_causes(const Record& record, const std::filesystem::path& file, const Record::LightFacts& light);
+
+}  // namespace gnomon

@@ -1,0 +1,139 @@
+// Masks and causes of a row by its worker, frame by frame.
+#include "measure/row/measure_row.h"
+
+#include <gnomon/kit/path_light.h>
+#include <gnomon/registry.h>
+
+#include "measure/cause/own_causes.h"
+#include "measure/row/score_row.h"
+
+namespace gnomon {
+
+namespace {
+
+/// Adds what is said of the support of a frame to the record; answers whether the frame can be measured.
+bool take_support(Record& record, const Support& support, const RowFrame& frame) {
+  if (support.kind() == Support::Kind::full) return true;
+  if (support && record.support == Support::Kind::approximate) return true;  // by an earlier frame, which said why
+  record.support = support.kind();
+  record.reason = frame.path ? fmt::format("at frame {}: {}", frame.number, support.why()) : support.why();
+  return static_cast<bool>(support);
+}
+
+/// Whether the mask is right at a pixel: where the answer is a fraction, within four standard errors of the reference.
+bool is_right(const Evidence& evidence, std::size_t i) {
+  if (evidence.kind == AnswerKind::binary) return !evidence.is_wrong(i);
+  return std::abs(evidence.mask[i] - evidence.reference[i]) <= 4 * evidence.reference_error[i];
+}
+
+/// Measures a row frame by frame.
+class RowMeasurement {
+ public:
+  RowMeasurement(Record& record, SceneRun& run, ContenderWorker& worker, int frames)
+      : record_(record),
+        run_(run),
+        worker_(worker),
+        about_(registry().technique(record.technique).about),
+        truth_(record.truth),
+        other_truth_(truth_ == Truth::shape ? Truth::mesh : Truth::shape),
+        score_(frames),
+        other_score_(frames) {
+    record.frames.clear();
+  }
+
+  /// Answers false, with the reason in the record, when the frame is unsupported.
+  bool add(const RowFrame& frame) {
+    before_ = std::move(now_);
+    now_ = MeasuredRow();
+    for (Light& light : run_.lights(frame)) now_.lights.push_back({std::move(light), {}});
+    if (run_.scene.has_curved_shapes()) {
+      if (!take_support(record_, worker_.go(frame, other_truth_), frame)) return false;
+      add_other_truth();
+    }
+    if (!take_support(record_, worker_.go(frame, truth_), frame)) return false;
+    if (frame.number == 0) worker_.note_lights(record_);
+    add_headline_truth(frame);
+    return true;
+  }
+
+  MeasuredRow finish() {
+    put_score(record_, score_.score());
+    record_.metrics[other_truth_] =
+        run_.scene.has_curved_shapes() ? other_score_.score().whole.metrics : record_.metrics[truth_];
+    record_.status = Status::ok;
+    return std::move(now_);
+  }
+
+ private:
+  void add_other_truth() {
+    MeasuredRow other = now_;
+    take_answers(other, nullptr);
+    put_together(other, run_.scene);
+    const Evidence whole = other.evidence(run_.scene);
+    other_score_.add({.lights = {},
+                      .whole = {.metrics = measure_metrics(Scoring(whole)), .classes = {}, .causes = {}, .cause_errors = {}},
+                      .errors = {}});
+    auto now = now_.lights.begin();
+    for (MeasuredLight& light : other.lights) {
+      const Evidence evidence = light.answer.evidence(run_.scene, light.light);
+      if (other_truth_ == Truth::mesh && about_.sees == Truth::mesh)
+        for (std::size_t i = 0; i < evidence.mask.size(); ++i) now->right_on_mesh.push_back(is_right(evidence, i));
+      (now++)->other_mask = std::move(light.answer.mask);
+    }
+  }
+
+  void add_headline_truth(const RowFrame& frame) {
+    take_answers(now_, &record_);
+    std::size_t number = 0;
+    for (MeasuredLight& light : now_.lights) find_causes_under(light, number++);
+    put_together(now_, run_.scene);
+    const RowScore score = gnomon::score(now_, run_.scene, frame.number > 0 ? &before_ : nullptr);
+    score_.add(score);
+    if (frame.path)
+      for (const auto& [metric, value] : score.whole.metrics) record_.frames[metric].push_back(value);
+  }
+
+  void take_answers(MeasuredRow& row, Record* record) {
+    std::vector<Answer> answers = worker_.answers(record);
+    for (std::size_t k = 0; k < answers.size(); ++k) {
+      answers[k].estimates = about_.estimates;
+      answers[k].own_causes = own_causes(about_);
+      row.lights[k].answer = std::move(answers[k]);
+    }
+    row.global = worker_.global_answer();
+  }
+
+  void find_causes_under(MeasuredLight& measured, std::size_t number) {
+    Answer& answer = measured.answer;
+    const auto explain = [&](std::span<const std::uint32_t> pixels) { return worker_.client().explain(pixels, number); };
+    answer.causes =
+        find_causes({run_.scene, run_.frames.casters(truth_), answer.gbuffer, measured.light, answer.reference, answer.mask,
+                     measured.right_on_mesh, explain, answer.estimates, answer.own_causes, about_.rasterizes});
+    std::optional<Record::ReferenceFacts>& facts = record_.lights[number].reference;
+    facts = reference_facts(answer, run_.target);
+    if (facts && now_.global) facts->global = now_.global->facts[number];
+  }
+
+  Record& record_;
+  SceneRun& run_;
+  ContenderWorker& worker_;
+  const About& about_;
+  const Truth truth_, other_truth_;
+  PathScore score_, other_score_;
+  MeasuredRow now_, before_;
+};
+
+}  // namespace
+
+std::optional<MeasuredRow> measure(Record& record, SceneRun& run, ContenderWorker& worker, const RowFrame& first) {
+  worker.note_gl(record);
+  if (first.global_samples > 0)
+    if (const auto why = endless_bounces(run.scene)) record.notes.push_back(fmt::format("no radiosity_error: {}", *why));
+  RowMeasurement measurement(record, run, worker, first.count());
+  for (RowFrame frame = first; frame.number < first.count(); ++frame.number)
+    if (!measurement.add(frame)) return std::nullopt;
+  if (first.path) worker.go(first, record.truth);
+  return measurement.finish();
+}
+
+}  // namespace gnomon

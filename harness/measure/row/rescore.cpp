@@ -1,0 +1,175 @@
+#include "measure/row/rescore.h"
+
+#include <gnomon/error.h>
+
+#include <algorithm>
+#include <map>
+#include <memory>
+
+#include "measure/paths.h"
+#include "measure/picture/picture.h"
+#include "measure/row/kept_row.h"
+#include "measure/row/score_row.h"
+#include "measure/scene/load.h"
+#include "measure/scene/names.h"
+#include "measure/worker/frame_worker.h"
+
+namespace gnomon {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A scene of today, or why there is none.
+struct SceneToday {
+  std::optional<Scene> scene;
+  std::unique_ptr<FrameStore> frames;
+  std::string missing;
+
+  SceneToday(const std::string& reference, Progress& progress) {
+    try {
+      scene = load_scene(reference);
+      frames = std::make_unique<FrameStore>(*scene, cache_root() / "frames",
+                                            std::make_unique<FrameWorker>(fs::path(), "", shown_on(progress, reference)));
+    } catch (const Error& problem) {
+      // A scene that is not fetched, or whose file moved since, costs its own rows only.
+      missing = problem.what();
+    }
+  }
+};
+
+std::string full_title(const Record& record) { return fmt::format("{} ({})", title(record), record.job); }
+
+/// Rewrites what one record says of its mask.
+class Row {
+ public:
+  Row(Record& record, const fs::path& dir, SceneToday& today) : record_(record), today_(today) {
+    if (!record.mask) throw Error("the row has no mask");
+    file_ = dir / *record.mask;
+    if (!fs::exists(file_)) throw Error("its mask {} is not there", file_.string());
+    channels_ = image_files().exr_channels(file_);
+  }
+
+  /// Why the row keeps what it has; empty when it can be measured anew.
+  std::string obstacle() {
+    if (!today_.scene) return today_.missing;
+    const std::vector<std::string> names = light_names(record_);
+    for (const std::string& name : names)
+      if (!find_named(today_.scene->lights, name)) return fmt::format("the scene has no light {} any more", name);
+    const std::string hash = context_text(record_, "scene_hash");
+    if (hash.empty()) return "its record does not say which scene was measured";
+    if (hash != today_.frames->scene_hash(names)) return "the scene is not the one that was measured";
+    if (!find_named(today_.scene->views, record_.view)) return fmt::format("the scene has no view {} any more", record_.view);
+    return {};
+  }
+
+  /// Answers why the row lost its causes; empty when it did not.
+  std::string measure() {
+    const Truth truth = record_.truth, other = truth == Truth::shape ? Truth::mesh : Truth::shape;
+    MeasuredRow row = read_row(truth, "V");
+    const std::string lost = take_causes(row);
+    put_together(row, *today_.scene);
+    RowScore fresh = score(row, *today_.scene);
+    keep_global(fresh.whole.metrics, truth);
+    if (!row.together) fresh.lights = {fresh.whole};
+    put_score(record_, fresh);
+    if (!today_.scene->has_curved_shapes()) {
+      record_.metrics[other] = record_.metrics[truth];
+    } else if (has(record_.lights.front(), name(other))) {
+      MeasuredRow on_other = read_row(other, name(other));
+      put_together(on_other, *today_.scene);
+      const Evidence evidence = on_other.evidence(*today_.scene);
+      Metrics metrics = measure_metrics(Scoring(evidence));
+      keep_global(metrics, other);
+      record_.metrics[other] = std::move(metrics);
+    }
+    return lost;
+  }
+
+ private:
+  /// Whether the file has the channel LIGHT.WHAT.
+  bool has(const Record::LightFacts& light, std::string_view what) const {
+    return std::ranges::find(channels_, fmt::format("{}.{}", light.name, what)) != channels_.end();
+  }
+
+  /// The row's masks in the channels LIGHT.WHAT.
+  MeasuredRow read_row(Truth truth, std::string_view what) const {
+    return kept_row(record_, file_, what, kept_place(record_, *today_.scene, truth), *today_.frames);
+  }
+
+  /// Masks alone are kept: what was found of the picture of all light stays.
+  void keep_global(Metrics& metrics, Truth truth) const {
+    metrics["radiosity_error"] = record_.metric(truth, "radiosity_error");
+  }
+
+  /// The causes of the file go to the row's lights, unless they belong to other frames: then none has any. Answers why the row
+  /// lost its causes.
+  std::string take_causes(MeasuredRow& row) const {
+    std::string obstacle = causes_obstacle(record_);
+    for (const Record::LightFacts& light : record_.lights)
+      if (obstacle.empty() && light.causes && !has(light, "cause")) obstacle = "the file of its mask does not hold them";
+    if (!obstacle.empty()) return record_.causes ? obstacle : "";
+    auto measured = row.lights.begin();
+    for (const Record::LightFacts& light : record_.lights) {
+      Answer& answer = (measured++)->answer;
+      if (has(light, "cause")) answer.causes = kept_causes(record_, file_, light);
+    }
+    return {};
+  }
+
+  Record& record_;
+  SceneToday& today_;
+  fs::path file_;
+  std::vector<std::string> channels_;
+};
+
+}  // namespace
+
+RescoreSummary rescore(std::vector<Record>& records, const fs::path& dir, Progress& progress) {
+  RescoreSummary result;
+  std::map<std::string, std::vector<Record*>> scenes;
+  std::size_t count = 0, on_path = 0, without_mask = 0;
+  for (Record& record : records) {
+    if (record.status != Status::ok) continue;
+    if (!record.path.empty()) {
+      ++on_path;
+      continue;
+    }
+    if (pictures(record).empty()) {
+      ++without_mask;
+      continue;
+    }
+    scenes[record.scene].push_back(&record);
+    ++count;
+  }
+  const auto rows = [](std::size_t n) { return fmt::format("{} row{}", n, n == 1 ? " keeps its" : "s keep their"); };
+  if (on_path) result.notes.push_back(rows(on_path) + " metrics: on a path, only the mask of the last frame is kept");
+  if (without_mask) result.notes.push_back(rows(without_mask) + " metrics: they were run with --pictures none");
+
+  progress.expect(static_cast<double>(count));
+  for (auto& [scene, scene_records] : scenes) {
+    SceneToday today(scene, progress);
+    std::map<std::string, std::size_t> obstacles, losses;
+    for (Record* record : scene_records) {
+      progress.step(full_title(*record));
+      try {
+        Row row(*record, dir, today);
+        if (const std::string obstacle = row.obstacle(); !obstacle.empty()) {
+          ++obstacles[obstacle];
+        } else {
+          if (const std::string lost = row.measure(); !lost.empty()) ++losses[lost];
+          ++result.rows;
+        }
+      } catch (const std::exception& problem) {
+        throw Error("{} cannot be rescored: {}", full_title(*record), problem.what());
+      }
+      progress.advance(1);
+    }
+    for (const auto& [why, n] : obstacles) result.notes.push_back(fmt::format("{}: {} metrics: {}", scene, rows(n), why));
+    for (const auto& [why, n] : losses)
+      result.notes.push_back(fmt::format("{}: {} row{} causes: {}", scene, n, n == 1 ? " loses its" : "s lose their", why));
+  }
+  return result;
+}
+
+}  // namespace gnomon

@@ -1,0 +1,151 @@
+#include "measure/row/row.h"
+
+#include <gnomon/error.h>
+
+#include <algorithm>
+#include <deque>
+
+#include "measure/frame/frame.h"
+#include "measure/score/error_picture.h"
+
+namespace gnomon {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Letters, digits, dots and dashes of the job's title, and its hash: readable, unique, and no longer than a file's name may
+/// be.
+std::string file_stem(const Record& record) {
+  std::string stem;
+  for (const char c : fmt::format("{}-{}-{}", fs::path(record.scene).stem().string(), record.light, record.technique))
+    stem += std::isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '-' || c == '_' ? c : '-';
+  constexpr std::size_t most = 180;
+  return stem.substr(0, most) + "-" + record.job.substr(0, 8);
+}
+
+Record::SceneFacts facts_of(const Scene& scene) {
+  Record::SceneFacts facts;
+  facts.meshes = scene.meshes.size();
+  facts.triangles = scene.triangle_count();
+  facts.closed = true;
+  for (const Mesh& mesh : scene.meshes) {
+    facts.closed = facts.closed && mesh.facts.closed();
+    facts.boundary_edges += mesh.facts.boundary_edge_count;
+    facts.nonmanifold_edges += mesh.facts.nonmanifold_edge_count;
+    facts.misoriented_edges += mesh.facts.misoriented_edge_count;
+    facts.degenerate += mesh.facts.degenerate_count;
+  }
+  return facts;
+}
+
+}  // namespace
+
+void describe_scene(Record& record, const Scene& scene) {
+  record.scene_facts = facts_of(scene);
+  record.notes = scene.notes;
+}
+
+void describe_lights(Record& record, std::span<const Light* const> lights) {
+  std::vector<std::string> kinds;
+  record.lights.clear();
+  for (const Light* const light : lights) {
+    Record::LightFacts& facts = record.lights.emplace_back();
+    facts.name = light->name;
+    facts.kind = kind_name(*light);
+    facts.answer = answer_kind(*light);
+    if (std::ranges::find(kinds, facts.kind) == kinds.end()) kinds.push_back(facts.kind);
+  }
+  record.light_kind = joined(kinds, "+");
+  record.answer = lights.size() > 1 ? AnswerKind::received : record.lights.front().answer;
+}
+
+void remove_pictures(const Record& record, const fs::path& out) {
+  std::error_code ignored;
+  for (const std::string& picture : pictures(record)) fs::remove(out / picture, ignored);
+}
+
+Evidence MeasuredRow::evidence(const Scene& scene) const {
+  Evidence evidence = together ? together->evidence() : lights.front().answer.evidence(scene, lights.front().light);
+  if (global) {
+    evidence.global_picture = global->picture;
+    evidence.global_reference = global->reference;
+    evidence.global_error = global->error;
+  }
+  return evidence;
+}
+
+void put_together(MeasuredRow& row, const Scene& scene) {
+  if (&row.lights.front() == &row.lights.back()) return;
+  std::vector<Evidence> lights;
+  for (const MeasuredLight& light : row.lights) lights.push_back(light.answer.evidence(scene, light.light));
+  row.together = together(lights);
+}
+
+Picture shade(const Scene& scene, const MeasuredRow& row) {
+  if (row.together) return shade(scene, row.gbuffer(), row.together->received, row.together->shown);
+  return shade(scene, row.gbuffer(), row.lights.front().light, row.mask());
+}
+
+namespace {
+
+/// What a row's mask file holds.
+struct MaskChannels {
+  std::vector<std::string> names;
+  std::vector<std::span<const float>> values;
+  std::deque<std::vector<float>> made;  ///< that `values` look at
+};
+
+/// Three values a pixel as channels "WHAT.R", "WHAT.G", "WHAT.B".
+void add_colors(MaskChannels& file, std::string_view what, std::span<const float> rgb) {
+  for (std::size_t channel = 0; channel < 3; ++channel) {
+    std::vector<float>& values = file.made.emplace_back();
+    for (std::size_t i = channel; i < rgb.size(); i += 3) values.push_back(rgb[i]);
+    file.names.push_back(fmt::format("{}.{}", what, "RGB"[channel]));
+    file.values.push_back(values);
+  }
+}
+
+MaskChannels mask_channels(const Record& record, const MeasuredRow& measured) {
+  MaskChannels file;
+  for (const MeasuredLight& light : measured.lights) {
+    const auto add = [&](std::string_view what, std::span<const float> values) {
+      file.names.push_back(fmt::format("{}.{}", light.light.name, what));
+      file.values.push_back(values);
+    };
+    add("V", light.answer.mask);
+    if (!light.answer.causes.empty()) {
+      std::vector<float>& causes = file.made.emplace_back();
+      for (const Cause cause : light.answer.causes) causes.push_back(static_cast<float>(cause));
+      add("cause", causes);
+    }
+    if (light.other_mask) add(name(record.truth == Truth::shape ? Truth::mesh : Truth::shape), *light.other_mask);
+  }
+  if (measured.global) {
+    add_colors(file, global_channel, measured.global->picture);
+    add_colors(file, global_reference_channel, measured.global->reference);
+  }
+  return file;
+}
+
+}  // namespace
+
+void write_mask(Record& record, const MeasuredRow& measured, const fs::path& out) {
+  record.mask = "masks/" + file_stem(record) + ".exr";
+  // What `--rescore` and the report need: the mask, the cause of each pixel, the mask under the other truth, and
+  // pictures of all light.
+  const MaskChannels file = mask_channels(record, measured);
+  write_exr(out / *record.mask, record.width, record.height, file.names, file.values);
+}
+
+void write_pictures(Record& record, const Scene& scene, const MeasuredRow& measured, const fs::path& out) {
+  const std::string stem = file_stem(record);
+  record.error_picture = "errors/" + stem + ".png";
+  record.shaded_picture = "shaded/" + stem + ".png";
+  const std::string title =
+      record.label.value_or(record.settings.empty() ? record.technique : record.technique + ":" + record.settings);
+  write_png(out / *record.error_picture, draw_errors(measured.evidence(scene), title));
+  write_png(out / *record.shaded_picture, shade(scene, measured));
+}
+
+}  // namespace gnomon

@@ -1,0 +1,126 @@
+// What a row's masks are worth: metrics, classes and causes, of each light and of all together.
+#include "measure/row/score_row.h"
+
+#include <algorithm>
+
+namespace gnomon {
+
+namespace {
+
+/// Adds up by name.
+template <class Number>
+void add_to(std::map<std::string, Number>& sums, const std::map<std::string, Number>& more, Number weight = 1) {
+  for (const auto& [name, number] : more) sums[name] += weight * number;
+}
+/// The same where there is something to add.
+template <class Number>
+void add_to(std::optional<std::map<std::string, Number>>& sums, const std::optional<std::map<std::string, Number>>& more,
+            Number weight = 1) {
+  if (more) add_to(sums ? *sums : sums.emplace(), *more, weight);
+}
+
+Score score_of(const Evidence& evidence, const Scoring& scoring) {
+  Score score{.metrics = measure_metrics(scoring), .classes = class_counts(evidence.classes), .causes = {}, .cause_errors = {}};
+  if (evidence.causes.empty()) return score;
+  score.causes = count_causes(evidence.causes, evidence.own_causes);
+  if (evidence.kind != AnswerKind::binary) score.cause_errors = cause_errors(evidence);
+  return score;
+}
+
+}  // namespace
+
+RowScore score(const MeasuredRow& row, const Scene& scene, const MeasuredRow* before) {
+  Evidence evidence = row.evidence(scene), previous;
+  if (before) {
+    previous = before->evidence(scene);
+    evidence.previous = &previous;
+  }
+  const Scoring scoring(evidence);
+  RowScore result{.lights = {}, .whole = score_of(evidence, scoring), .errors = scoring.error_counts()};
+  if (!row.together) {
+    result.lights = {result.whole};
+    return result;
+  }
+  // A pixel may be wrong under several lights: their causes are counted under each.
+  result.whole.causes.reset();
+  for (const MeasuredLight& light : row.lights) {
+    const Evidence one = light.answer.evidence(scene, light.light);
+    result.lights.push_back(score_of(one, Scoring(one)));
+    add_to(result.whole.causes, result.lights.back().causes);
+  }
+  return result;
+}
+
+std::optional<Record::ReferenceFacts> reference_facts(const Answer& answer, const AreaTarget& target) {
+  const Reference& reference = answer.reference;
+  if (reference.kind == AnswerKind::binary) return std::nullopt;
+  Record::ReferenceFacts facts{.estimates = answer.estimates, .target = target.error, .cap = target.cap};
+  const std::span<const float> errors = answer.estimates == LightShareKind::area ? reference.error : reference.irradiance_error;
+  std::size_t asked = 0;
+  for (std::size_t i = 0; i < reference.rays.size(); ++i) {
+    if (reference.classes[i] <= PixelClass::F) continue;
+    ++asked;
+    facts.rays += reference.rays[i];
+    facts.error_mean += errors[i];
+    facts.error_max = std::max<double>(facts.error_max, errors[i]);
+  }
+  if (asked > 0) facts.error_mean /= static_cast<double>(asked);
+  return facts;
+}
+
+void put_score(Record& record, const RowScore& score) {
+  const auto put = [](auto& into, const Score& from) {
+    into.classes = from.classes;
+    into.causes = from.causes;
+    into.cause_errors = from.cause_errors;
+  };
+  put(record, score.whole);
+  record.metrics[record.truth] = score.whole.metrics;
+  auto from = score.lights.begin();
+  for (Record::LightFacts& light : record.lights) {
+    put(light, *from);
+    light.metrics = (from++)->metrics;
+  }
+}
+
+void PathScore::add(const RowScore& score) {
+  ++frames_;
+  std::size_t k = 0;
+  for (const Score& light : score.lights) {
+    if (k == lights_.size()) lights_.emplace_back();
+    add(lights_[k++], light);
+  }
+  add(whole_, score.whole);
+  errors_ = score.errors;
+}
+
+void PathScore::add(Sum& sum, const Score& score) const {
+  add_to(sum.score.classes, score.classes);
+  add_to(sum.score.causes, score.causes);
+  add_to(sum.score.cause_errors, score.cause_errors, share_);
+  for (const auto& [metric, value] : score.metrics) {
+    auto& [total, count] = sum.metrics[metric];
+    if (!value) continue;
+    total += *value;
+    ++count;
+  }
+}
+
+Score PathScore::mean(const Sum& sum) const {
+  constexpr std::string_view between_frames = "instability";  // has no value at the first frame
+  Score mean = sum.score;
+  for (const auto& [metric, total] : sum.metrics) {
+    const auto& [value, count] = total;
+    const int due = metric == between_frames && frames_ > 1 ? frames_ - 1 : frames_;
+    mean.metrics[metric] = count == due ? std::optional(value / count) : std::nullopt;
+  }
+  return mean;
+}
+
+RowScore PathScore::score() const {
+  RowScore result{.lights = {}, .whole = mean(whole_), .errors = errors_};
+  for (const Sum& sum : lights_) result.lights.push_back(mean(sum));
+  return result;
+}
+
+}  // namespace gnomon

@@ -1,0 +1,57 @@
+#pragma once
+#include "measure/row/row.h"
+
+namespace gnomon {
+
+/// What a mask is worth: that of one light, or those of a row's lights together.
+struct Score {
+  Metrics metrics;
+  std::map<std::string, std::uint64_t> classes;
+  /// Nothing where causes were not looked for.
+  std::optional<std::map<std::string, std::uint64_t>> causes;
+  /// What each holds of the mean error, where the answer is no binary one.
+  std::optional<std::map<std::string, double>> cause_errors;
+};
+/// Of a row: each light's, and what the row is judged by. Of one light both are the same.
+struct RowScore {
+  std::vector<Score> lights;
+  Score whole;
+  ErrorCounts errors;  ///< of the whole
+};
+
+/// Scores a row that is put together; `before` is the same row at the frame before, on a path.
+RowScore score(const MeasuredRow& row, const Scene& scene, const MeasuredRow* before = nullptr);
+
+/// How well the reference of an answer that is a fraction is known, over all pixels that it was asked for; nothing of a binary
+/// one.
+std::optional<Record::ReferenceFacts> reference_facts(const Answer& answer, const AreaTarget& target);
+
+/// Puts it into a record whose lights are described: metrics against its headline truth.
+void put_score(Record& record, const RowScore& score);
+
+/// A row on a path is measured at each of its frames: metrics are means, classes and causes sums. A mean is there where every
+/// frame has the metric (instability: every frame but the first), for one over some frames would be another quantity in every
+/// row.
+class PathScore {
+ public:
+  explicit PathScore(int frames) : share_(1 / static_cast<double>(frames)) {}
+  void add(const RowScore& score);
+  RowScore score() const;
+
+ private:
+  /// Of metrics the sum, and how many frames had a value.
+  struct Sum {
+    Score score;
+    std::map<std::string, std::pair<double, int>, std::less<>> metrics;
+  };
+  void add(Sum& sum, const Score& score) const;
+  Score mean(const Sum& sum) const;
+
+  std::vector<Sum> lights_;
+  Sum whole_;
+  ErrorCounts errors_;  ///< of the last frame
+  double share_;
+  int frames_ = 0;
+};
+
+}  // namespace gnomon

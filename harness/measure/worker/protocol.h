@@ -1,0 +1,321 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "measure/fields.h"
+#include "measure/frame/classify.h"
+
+// What is said between a program and its workers: one line of JSON a request, {"do": VERB, ...}, and one a reply. Each request
+// is a struct with its verb and its reply; an exception is answered as {"error": text}.
+
+namespace gnomon {
+
+/// Version of these, and of the files that pass between both sides. One more with every change that an older worker would
+/// misunderstand.
+inline constexpr int worker_protocol = 4;
+
+/// A worker that is asked for several iterations of a stage answers after the one in which these seconds are over, with as many
+/// as it has done: an answer takes no longer than this and one call of the stage.
+inline constexpr double longest_portion_seconds = 0.1;
+
+/// Bare passes in a row that a worker draws in one answer, at most.
+inline constexpr int most_floor_times = 50;
+
+/// Nothing but that it is done.
+struct Done {};
+void for_each_field(MaybeConst<Done> auto&, const auto&) {}
+
+/// What a technique says of a light.
+struct SupportReply {
+  Support::Kind support = Support::Kind::full;
+  std::string why = {};
+};
+void for_each_field(MaybeConst<SupportReply> auto& reply, const auto& use) {
+  use("support", reply.support);
+  use("why", reply.why);
+}
+SupportReply reply_of(const Support& support);
+Support support_of(const SupportReply& reply);
+
+/// Asks what program this is.
+struct ProtocolRequest {
+  static constexpr const char* verb = "protocol";
+  struct Reply {
+    int protocol = 0;
+    Json context;  ///< machine_context
+  };
+};
+void for_each_field(MaybeConst<ProtocolRequest> auto&, const auto&) {}
+void for_each_field(MaybeConst<ProtocolRequest::Reply> auto& reply, const auto& use) {
+  use("protocol", reply.protocol);
+  use("context", reply.context);
+}
+
+/// What a worker draws with.
+struct WorkerGl {
+  std::string renderer, version;
+  int subpixel_bits = usual_subpixel_bits;
+  std::optional<Json> card =
+      {};  ///< how it does at the load: name, driver, graphics_mhz, power_w and so on; nothing: nobody knows
+};
+void for_each_field(MaybeConst<WorkerGl> auto& gl, const auto& use) {
+  use("renderer", gl.renderer);
+  use("version", gl.version);
+  use("subpixel_bits", gl.subpixel_bits);
+  use("card", gl.card);
+}
+
+/// From now on the worker holds this technique on this scene.
+struct OpenRequest {
+  static constexpr const char* verb = "open";
+  std::string scene = {};           ///< file with scene_bytes
+  std::string technique, settings;  ///< id; "a=1,b=2"
+  std::string progress = {};        ///< file of a SharedCount for what the technique tells of a stage under way
+  struct Reply {
+    std::optional<WorkerGl> gl = {};  ///< nothing for a technique that does not draw
+  };
+};
+void for_each_field(MaybeConst<OpenRequest> auto& request, const auto& use) {
+  use("scene", request.scene);
+  use("technique", request.technique);
+  use("settings", request.settings);
+  use("progress", request.progress);
+}
+void for_each_field(MaybeConst<OpenRequest::Reply> auto& reply, const auto& use) { use("gl", reply.gl); }
+
+/// Other settings of the same technique.
+struct SetRequest {
+  static constexpr const char* verb = "set";
+  std::string settings = {};
+  struct Reply {
+    int fresh = 0;  ///< stages, from setup on, that are up to date
+  };
+};
+void for_each_field(MaybeConst<SetRequest> auto& request, const auto& use) { use("settings", request.settings); }
+void for_each_field(MaybeConst<SetRequest::Reply> auto& reply, const auto& use) { use("fresh", reply.fresh); }
+
+/// Goes to a frame. Lights and view are the scene's, by number, on a path where that has moved one of them to; or they are
+/// free: those of `stand`, a file with the scene_bytes of a scene without meshes that holds the lights and one view.
+struct GoRequest {
+  static constexpr const char* verb = "frame";
+  std::string gbuffer = {};  ///< file, as write_gbuffer writes it
+  int width = 0, height = 0;
+  Truth truth = Truth::shape;
+  std::optional<std::string> stand = {};
+  std::vector<std::size_t> lights = {};
+  std::size_t view = 0;
+  std::string path = {};  ///< its name; empty: both stand still
+  int frame = 0;          ///< on the path
+  struct Reply {
+    SupportReply support;
+    int fresh = 0;
+    std::vector<SupportReply> lights = {};          ///< each; one that is unsupported beside others casts no shadows
+    std::optional<bool> shares = {};                ///< of several lights: whether they share what setup and build make
+    std::optional<std::uint64_t> input_bytes = {};  ///< scene and G-buffer on the GL side, outside all stages
+    std::optional<double> upload_ms = {};
+    std::string floor = {};  ///< name of the bare pass of the frame; empty: none
+  };
+};
+void for_each_field(MaybeConst<GoRequest> auto& request, const auto& use) {
+  use("gbuffer", request.gbuffer);
+  use("width", request.width);
+  use("height", request.height);
+  use("truth", request.truth);
+  use("stand", request.stand);
+  use("lights", request.lights);
+  use("view", request.view);
+  use("path", request.path);
+  use("frame", request.frame);
+}
+void for_each_field(MaybeConst<GoRequest::Reply> auto& reply, const auto& use) {
+  use("support", reply.support);
+  use("fresh", reply.fresh);
+  use("lights", reply.lights);
+  use("shares", reply.shares);
+  use("input_bytes", reply.input_bytes);
+  use("upload_ms", reply.upload_ms);
+  use("floor", reply.floor);
+}
+
+/// Brings earlier stages up untimed and does this one so many times, or fewer (longest_portion_seconds).
+struct TimeRequest {
+  static constexpr const char* verb = "time";
+  Stage stage = Stage::setup;
+  int iterations = 1;
+  struct Reply {
+    double ms = 0;                          ///< all of them together
+    int iterations = 0;                     ///< that were done
+    std::optional<double> device_ms = {};   ///< the same by the clock of the device that draws
+    std::optional<double> harness_ms = {};  ///< and by the harness's, where `ms` is by the technique's own
+  };
+};
+void for_each_field(MaybeConst<TimeRequest> auto& request, const auto& use) {
+  use("stage", request.stage);
+  use("iterations", request.iterations);
+}
+void for_each_field(MaybeConst<TimeRequest::Reply> auto& reply, const auto& use) {
+  use("ms", reply.ms);
+  use("iterations", reply.iterations);
+  use("device_ms", reply.device_ms);
+  use("harness_ms", reply.harness_ms);
+}
+
+/// Draws the frame's bare pass so many times in a row.
+struct FloorRequest {
+  static constexpr const char* verb = "floor";
+  int times = 1;
+  struct Reply {
+    double ms = 0;  ///< all of them together
+    std::optional<double> device_ms = {};
+  };
+};
+void for_each_field(MaybeConst<FloorRequest> auto& request, const auto& use) { use("times", request.times); }
+void for_each_field(MaybeConst<FloorRequest::Reply> auto& reply, const auto& use) {
+  use("ms", reply.ms);
+  use("device_ms", reply.device_ms);
+}
+
+/// How the card does now.
+struct CardRequest {
+  static constexpr const char* verb = "card";
+  struct Reply {
+    std::optional<Json> card = {};  ///< as WorkerGl has it
+  };
+};
+void for_each_field(MaybeConst<CardRequest> auto&, const auto&) {}
+void for_each_field(MaybeConst<CardRequest::Reply> auto& reply, const auto& use) { use("card", reply.card); }
+
+/// Does all stages up to this one, once, that are out of date.
+struct BringUpRequest {
+  static constexpr const char* verb = "bring_up";
+  Stage stage = Stage::setup;
+  using Reply = Done;
+};
+void for_each_field(MaybeConst<BringUpRequest> auto& request, const auto& use) { use("stage", request.stage); }
+
+/// The masks of all lights, one after the other, as raw floats in a file.
+struct MaskRequest {
+  static constexpr const char* verb = "mask";
+  std::string mask = {};
+  using Reply = Done;
+};
+void for_each_field(MaybeConst<MaskRequest> auto& request, const auto& use) { use("mask", request.mask); }
+
+/// The same, and what the technique counts.
+struct AnswerRequest {
+  static constexpr const char* verb = "answer";
+  std::string mask = {};
+  struct Reply {
+    Counts counts;
+    std::uint64_t peak_bytes = 0;  ///< largest resident memory so far
+    std::string maker = {};        ///< WorksElsewhere::maker
+  };
+};
+void for_each_field(MaybeConst<AnswerRequest> auto& request, const auto& use) { use("mask", request.mask); }
+void for_each_field(MaybeConst<AnswerRequest::Reply> auto& reply, const auto& use) {
+  use("counts", reply.counts);
+  use("peak_bytes", reply.peak_bytes);
+  use("maker", reply.maker);
+}
+
+// These are about one of the frame's lights, and about the masks answered last.
+
+/// The technique's account of pixels: a file of their uint32 indices, and one for explanation_bytes in the same order.
+struct ExplainRequest {
+  static constexpr const char* verb = "explain";
+  std::string pixels, out;
+  std::size_t light = 0;
+  struct Reply {
+    bool explained = false;  ///< any of them
+  };
+};
+void for_each_field(MaybeConst<ExplainRequest> auto& request, const auto& use) {
+  use("pixels", request.pixels);
+  use("out", request.out);
+  use("light", request.light);
+}
+void for_each_field(MaybeConst<ExplainRequest::Reply> auto& reply, const auto& use) { use("explained", reply.explained); }
+
+struct DebugRequest {
+  static constexpr const char* verb = "debug";
+  std::string layer, out;  ///< out: three floats a pixel
+  std::size_t light = 0;
+  using Reply = Done;
+};
+void for_each_field(MaybeConst<DebugRequest> auto& request, const auto& use) {
+  use("layer", request.layer);
+  use("out", request.out);
+  use("light", request.light);
+}
+
+/// Technique::global_picture.
+struct GlobalRequest {
+  static constexpr const char* verb = "global";
+  std::string out = {};  ///< three floats a pixel
+  std::size_t light = 0;
+  struct Reply {
+    bool has_picture = false;
+  };
+};
+void for_each_field(MaybeConst<GlobalRequest> auto& request, const auto& use) {
+  use("out", request.out);
+  use("light", request.light);
+}
+void for_each_field(MaybeConst<GlobalRequest::Reply> auto& reply, const auto& use) { use("has_picture", reply.has_picture); }
+
+/// Surface detail of the last relight.
+struct DetailRequest {
+  static constexpr const char* verb = "detail";
+  std::string out = {};  ///< detail_bytes
+  std::size_t light = 0;
+  using Reply = Done;
+};
+void for_each_field(MaybeConst<DetailRequest> auto& request, const auto& use) {
+  use("out", request.out);
+  use("light", request.light);
+}
+
+/// The reference of a light, with `global_samples` that of all light, or where `stand` holds no light the G-buffer, as the
+/// frame cache has them. A worker that traces serves no technique.
+struct TraceRequest {
+  static constexpr const char* verb = "trace";
+  std::string scene, stand, gbuffer, out;  ///< files; stand as in GoRequest
+  int width = 0, height = 0;
+  Truth truth = Truth::shape;
+  double error = 0;  ///< AreaTarget
+  std::uint32_t cap = 0;
+  int subpixel_bits = usual_subpixel_bits, global_samples = 0;
+  std::string done = {};  ///< file of a SharedCount of the pixels that are through; it may be missing
+  using Reply = Done;
+};
+void for_each_field(MaybeConst<TraceRequest> auto& request, const auto& use) {
+  use("scene", request.scene);
+  use("stand", request.stand);
+  use("gbuffer", request.gbuffer);
+  use("out", request.out);
+  use("width", request.width);
+  use("height", request.height);
+  use("truth", request.truth);
+  use("error", request.error);
+  use("cap", request.cap);
+  use("subpixel_bits", request.subpixel_bits);
+  use("global_samples", request.global_samples);
+  use("done", request.done);
+}
+
+/// The line of a request.
+template <class Request>
+Json request_json(const Request& request) {
+  Json json = json_object({{"do", Request::verb}});
+  json.update(written(request));
+  return json;
+}
+/// A request or reply out of its JSON. Throws Error on a field that is not what it should be, or is not there.
+template <class Message>
+Message message_from(const Json& json, const std::string& what) {
+  Message message;
+  read(what, json, message, MissingField::refused);
+  return message;
+}
+
+}  // namespace gnomon

@@ -1,0 +1,284 @@
+#include "measure/worker/worker_process.h"
+
+#include <fcntl.h>
+#include <gnomon/error.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/sysinfo.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+
+#include "measure/paths.h"
+#include "measure/program/program_files.h"
+#include "measure/worker/machine_context.h"
+
+namespace gnomon {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t most_line_bytes = 4 << 20;
+
+/// The file whose processes the workers are. Throws WorkerFailure when it cannot be started: said here, because a failed exec
+/// has nothing but an exit status to say it with.
+std::string program_to_start(const WorkerOptions& options) {
+  constexpr std::string_view advice = "start again when it is in place; rows that are done are safe";
+  std::string program = options.program.empty() ? program_path().string() : options.program;
+  constexpr std::string_view gone = " (deleted)";  // as Linux marks the file of a running program that was removed or replaced
+  if (options.program.empty() && program.ends_with(gone) && access(program.c_str(), F_OK) != 0)
+    throw WorkerFailure(
+        fmt::format("no worker could be started: program {} was removed or replaced while it ran (is it being "
+                    "built?): {}",
+                    program.substr(0, program.size() - gone.size()), advice));
+  if (access(program.c_str(), X_OK) != 0)
+    throw WorkerFailure(fmt::format("no worker could be started: program {}: {}: {}", program, std::strerror(errno), advice));
+  return program;
+}
+
+/// Tells the processes of one worker, and all that they start, from all others: "GNOMON_WORKER=4711.3".
+constexpr std::string_view mark_variable = "GNOMON_WORKER";
+std::string fresh_mark() {
+  static std::atomic<int> count = 0;
+  return fmt::format("{}.{}", getpid(), ++count);
+}
+
+/// Puts down what a worker's processes started in sessions of their own: whatever has its mark.
+void end_marked(const std::string& mark) {
+  const std::string wanted = fmt::format("{}={}", mark_variable, mark);
+  constexpr int most_rounds = 10;  // what is found may just have started another one
+  for (int round = 0, found = 1; round < most_rounds && found > 0; ++round) {
+    found = 0;
+    std::error_code ignored;
+    for (const auto& entry : std::filesystem::directory_iterator("/proc", ignored)) {
+      const std::string number = entry.path().filename().string();
+      if (number.find_first_not_of("0123456789") != number.npos) continue;
+      std::ifstream file(entry.path() / "environ", std::ios::binary);
+      for (std::string variable; std::getline(file, variable, '\0');)
+        if (variable == wanted && kill(std::stoi(number), SIGKILL) == 0) ++found;
+    }
+  }
+}
+
+/// What a worker's environment has in place of its owner's.
+std::vector<std::pair<std::string_view, std::string>> set_here(const WorkerOptions& options, const std::string& mark) {
+  std::vector<std::pair<std::string_view, std::string>> variables = {{mark_variable, mark}};
+  if (options.threads > 0) variables.emplace_back("LP_NUM_THREADS", std::to_string(options.threads));
+  if (!options.keeps_shaders && !environment_keeps_shaders()) {  // the drivers of Mesa and NVIDIA
+    variables.emplace_back("MESA_SHADER_CACHE_DISABLE", "true");
+    variables.emplace_back("__GL_SHADER_DISK_CACHE", "0");
+  }
+  if (!options.program_folder.empty()) variables.emplace_back(program_folder_variable, options.program_folder);
+  return variables;
+}
+
+/// Environment and arguments are prepared before the fork: between fork and exec only plain system calls are safe.
+struct WorkerLaunch {
+  std::string program;
+  std::vector<std::string> arguments, environment;
+  std::vector<char*> argv, envp;
+
+  WorkerLaunch(const WorkerOptions& options, int socket, const std::string& mark) : program(program_to_start(options)) {
+    arguments = {program};
+    for (const std::string& plugin : options.plugins) arguments.insert(arguments.end(), {load_option(plugin), plugin});
+    arguments.insert(arguments.end(), {options.command, std::to_string(socket), std::to_string(options.threads)});
+    const auto variables = set_here(options, mark);
+    for (char** entry = environ; *entry; ++entry) {
+      const std::string_view name = std::string_view(*entry).substr(0, std::string_view(*entry).find('='));
+      const bool is_replaced = std::ranges::any_of(variables, [&](const auto& variable) { return variable.first == name; });
+      if (!is_replaced && name != "LP_NUM_THREADS") environment.emplace_back(*entry);
+    }
+    for (const auto& [name, value] : variables) environment.push_back(fmt::format("{}={}", name, value));
+    for (std::string& a : arguments) argv.push_back(a.data());
+    for (std::string& e : environment) envp.push_back(e.data());
+    argv.push_back(nullptr);
+    envp.push_back(nullptr);
+  }
+};
+
+void enter_worker(int owner, int threads, int errors) {
+  setsid();  // a group of its own, so that what a technique starts dies with the worker
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != owner) _exit(0);  // the owner died before it could be watched
+  const int nothing = open("/dev/null", O_RDWR);
+  dup2(nothing, STDIN_FILENO);
+  dup2(nothing, STDOUT_FILENO);
+  dup2(errors, STDERR_FILENO);
+  if (threads > 0) {
+    // The first cores of those that this process may use: a shard or a batch system may have given it a few only.
+    cpu_set_t allowed, cores;
+    CPU_ZERO(&cores);
+    bool pinned = sched_getaffinity(0, sizeof allowed, &allowed) == 0;
+    int left = threads;
+    for (int k = 0; k < CPU_SETSIZE && pinned && left > 0; ++k) {
+      if (!CPU_ISSET(k, &allowed)) continue;
+      CPU_SET(k, &cores);
+      --left;
+    }
+    pinned = pinned && left == 0 && sched_setaffinity(0, sizeof cores, &cores) == 0;
+    if (!pinned) {
+      dprintf(STDERR_FILENO, "this process may not use %d cores\n", threads);
+      _exit(126);
+    }
+  }
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // their shadow memory alone is over any limit
+  // A technique that eats all memory gets an exception in its own process instead of taking the machine down. Not addresses are
+  // counted but what may be written: drivers of GPUs reserve far more addresses than there is memory.
+  struct sysinfo memory {};
+  sysinfo(&memory);
+  const rlim_t most = static_cast<rlim_t>(memory.totalram) * memory.mem_unit / 10 * 9;
+  const rlimit limit{most, most};
+  setrlimit(RLIMIT_DATA, &limit);
+#endif
+  const rlimit no_core{0, 0};
+  setrlimit(RLIMIT_CORE, &no_core);
+}
+
+}  // namespace
+
+std::string load_option(const std::string& path) { return path.ends_with(".toml") ? "--program" : "--plugin"; }
+
+bool write_line(int socket, const std::string& line) {
+  const std::string bytes = line + '\n';
+  for (std::size_t sent = 0; sent < bytes.size();) {
+    const ssize_t n = send(socket, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return false;
+    sent += static_cast<std::size_t>(n);
+  }
+  return true;
+}
+
+WorkerProcess::WorkerProcess(const WorkerOptions& options) : options_(options), mark_(fresh_mark()) {
+  int sockets[2];
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, sockets) != 0)
+    throw Error("no socket for a worker: {}", std::strerror(errno));
+  socket_ = sockets[0];
+  errors_ = memfd_create("worker-stderr", MFD_CLOEXEC);
+  const auto close_ours = [&] {
+    close(socket_);
+    close(errors_);
+  };
+  try {
+    WorkerLaunch launch(options, sockets[1], mark_);
+    const int owner = getpid();
+    process_ = fork();
+    if (process_ == 0) {
+      enter_worker(owner, options.threads, errors_);
+      fcntl(sockets[1], F_SETFD, 0);
+      execve(launch.program.c_str(), launch.argv.data(), launch.envp.data());
+      dprintf(STDERR_FILENO, "program %s cannot be started: %s\n", launch.argv[0], std::strerror(errno));
+      _exit(127);
+    }
+    const int code = errno;
+    if (process_ < 0) throw Error("no process for a worker: {}", std::strerror(code));
+  } catch (...) {
+    close(sockets[1]);
+    close_ours();
+    throw;
+  }
+  close(sockets[1]);
+}
+
+WorkerProcess::~WorkerProcess() {
+  end_process();
+  close(socket_);
+  close(errors_);
+}
+
+void WorkerProcess::end_process() {
+  if (process_ <= 0) return;
+  kill(-process_, SIGKILL);
+  kill(process_, SIGKILL);  // before it had a group of its own
+  waitpid(process_, nullptr, 0);
+  process_ = -1;
+  end_marked(mark_);
+}
+
+void WorkerProcess::interrupt() {
+  is_interrupted_ = true;
+  shutdown(socket_, SHUT_RDWR);
+}
+
+void WorkerProcess::send(const Json& request) {
+  doing_ = plain_text(request[request.contains("stage") ? "stage" : "do"]);
+  write_line(socket_, json_text(request));  // where the worker is gone, receive() says how
+}
+
+Json WorkerProcess::receive(double timeout_seconds, const std::function<void()>& meanwhile) {
+  if (process_ <= 0) throw WorkerFailure(fmt::format("was asked for {} after it had ended", doing_));
+  const auto deadline = Clock::now() + std::chrono::duration<double>(timeout_seconds);
+  for (;;) {
+    if (const std::size_t end = pending_.find('\n'); end != std::string::npos) {
+      const Json answer = parse_if_json(pending_.substr(0, end));
+      pending_.erase(0, end + 1);
+      if (!answer.is_object()) fail(fmt::format("answered {} with a line that is no JSON object", doing_));
+      if (answer.contains("error")) fail(fmt::format("threw in {}: {}", doing_, plain_text(answer["error"])));
+      return answer;
+    }
+    const double left = std::chrono::duration<double>(deadline - Clock::now()).count();
+    pollfd wait{socket_, POLLIN, 0};
+    const double pause = meanwhile ? std::min(left, 0.1) : left;
+    const int ready = left > 0 ? poll(&wait, 1, static_cast<int>(pause * 1000) + 1) : 0;
+    if (ready < 0 && errno == EINTR) continue;
+    if (ready == 0 && pause < left) {
+      meanwhile();
+      continue;
+    }
+    if (ready == 0) fail(fmt::format("hung in {}: no answer within {:g} s", doing_, timeout_seconds));
+    char chunk[65536];
+    const ssize_t n = ::read(socket_, chunk, sizeof chunk);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) fail_as_it_ended();
+    if (pending_.size() > most_line_bytes) fail(fmt::format("answered {} with a line without an end", doing_));
+    pending_.append(chunk, static_cast<std::size_t>(n));
+  }
+}
+
+/// The socket is closed, so the worker is gone or soon will be; one that lingers is put down.
+void WorkerProcess::fail_as_it_ended() {
+  if (is_interrupted_) fail(fmt::format("was interrupted in {}", doing_));
+  int status = 0;
+  bool has_ended = false;
+  for (int wait = 0; wait < 100 && !has_ended; ++wait) {
+    has_ended = waitpid(process_, &status, WNOHANG) == process_;
+    if (!has_ended) usleep(10000);
+  }
+  if (!has_ended) fail(fmt::format("crashed in {}: it closed its connection and went on", doing_));
+  kill(-process_, SIGKILL);  // what the technique started
+  process_ = -1;
+  end_marked(mark_);
+  constexpr int not_started = 127;  // what is left where exec fails: the program may have gone since it was looked at
+  if (WIFEXITED(status) && WEXITSTATUS(status) == not_started) program_to_start(options_);
+  if (WIFSIGNALED(status))
+    fail<WorkerCrash>(fmt::format("crashed in {}: {} (signal {})", doing_, strsignal(WTERMSIG(status)), WTERMSIG(status)));
+  fail(fmt::format("crashed in {}: exit status {}", doing_, WEXITSTATUS(status)));
+}
+
+std::string WorkerProcess::ended(const std::string& how) {
+  end_process();
+  const std::string words = last_words();
+  return words.empty() ? how : how + "; it said: " + words;
+}
+
+/// The last line that the worker wrote to its stderr, shortened.
+std::string WorkerProcess::last_words() const {
+  char text[400];
+  const off_t size = lseek(errors_, 0, SEEK_END);
+  const off_t from = std::max<off_t>(0, size - static_cast<off_t>(sizeof text));
+  const ssize_t n = pread(errors_, text, sizeof text, from);
+  std::string words(text, n > 0 ? static_cast<std::size_t>(n) : 0);
+  while (!words.empty() && std::isspace(static_cast<unsigned char>(words.back()))) words.pop_back();
+  if (const std::size_t start = words.rfind('\n'); start != std::string::npos) words.erase(0, start + 1);
+  return words;
+}
+
+}  // namespace gnomon

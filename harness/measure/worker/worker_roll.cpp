@@ -1,0 +1,82 @@
+#include "measure/worker/worker_roll.h"
+
+#include <gnomon/kit/inner_technique.h>
+#include <gnomon/plugins.h>
+#include <gnomon/registry.h>
+
+#include "measure/program/described_technique.h"
+#include "measure/scene/blob.h"
+#include "measure/worker/asked_frame.h"
+#include "measure/worker/roll_protocol.h"
+
+namespace gnomon {
+
+namespace {
+
+LoadRequest::Reply load(const LoadRequest& request) {
+  try {
+    load_plugin(request.plugin);
+  } catch (const Error& error) {
+    return {.refused = error.what(), .techniques = {}, .scenes = {}, .facts = {}};
+  }
+  LoadRequest::Reply reply;
+  for (const TechniqueEntry& entry : registry().techniques())
+    if (entry.origin == request.plugin) reply.techniques.push_back(sheet_json(entry));
+  for (const SceneEntry& entry : registry().scenes())
+    if (entry.origin == request.plugin) reply.scenes.push_back(sheet_json(entry));
+  const PluginFacts& facts = loaded_plugins().back();
+  reply.facts = json_object({{"file", facts.file},
+                             {"build_type", facts.build_type},
+                             {"flags", facts.flags},
+                             {"compiler", facts.compiler},
+                             {"is_optimized", facts.is_optimized}});
+  return reply;
+}
+
+const SceneEntry& scene_named(const std::string& id) {
+  const SceneEntry* const entry = registry().find_scene(id);
+  if (!entry) throw Error("there is no scene {}", id);
+  return *entry;
+}
+
+DescribeRequest::Reply describe(const DescribeRequest& request) {
+  return {request.scene ? object_json(scene_named(*request.scene))
+                        : object_json(registry().technique(request.technique.value_or("")))};
+}
+
+Done make_scene(const MakeSceneRequest& request) {
+  const auto generator = scene_named(request.scene).make();
+  generator->apply(request.settings);
+  write_file(request.out, scene_bytes(generator->make()));
+  return {};
+}
+
+SupportsRequest::Reply supports(const SupportsRequest& request) {
+  static std::string file;  // scenes are asked about one after the other
+  static Scene scene;
+  if (request.scene != file) {
+    scene = scene_in(request.scene);
+    file = request.scene;
+  }
+  const auto technique = registry().technique(request.technique).make();
+  technique->apply(request.settings);
+  SupportsRequest::Reply reply;
+  for (const Light& light : scene.lights)
+    reply.lights.push_back(reply_of(technique->supports(scene, light, scene.views.front())));
+  return reply;
+}
+
+}  // namespace
+
+void answer_roll(Answers& answers) {
+  answers.on<LoadRequest>(load);
+  answers.on<DescribeRequest>(describe);
+  answers.on<KnownLightsRequest>([](const KnownLightsRequest& request) {
+    const std::vector<std::string_view> known = known_lights(registry().technique(request.technique));
+    return KnownLightsRequest::Reply{{known.begin(), known.end()}};
+  });
+  answers.on<MakeSceneRequest>(make_scene);
+  answers.on<SupportsRequest>(supports);
+}
+
+}  // namespace gnomon

@@ -1,0 +1,351 @@
+#include "measure/worker/worker_server.h"
+
+#include <gnomon/kit/gl.h>
+#include <gnomon/kit/light_objects.h>
+#include <gnomon/kit/progress.h>
+#include <gnomon/kit/surface_detail.h>
+#include <gnomon/registry.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <map>
+#include <utility>
+
+#include "device/context.h"
+#include "measure/cause/causes.h"
+#include "measure/picture/detail_export.h"
+#include "measure/process_memory.h"
+#include "measure/program/elsewhere.h"
+#include "measure/worker/asked_frame.h"
+#include "measure/worker/machine_context.h"
+#include "measure/worker/shared_count.h"
+#include "measure/worker/worker_device.h"
+#include "measure/worker/worker_roll.h"
+
+namespace gnomon {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Serves requests for one technique: it has the scene and the frame, and knows which stages are up to date.
+class TechniqueServer {
+ public:
+  TechniqueServer() {
+    answers_.on<ProtocolRequest>([](const ProtocolRequest&) {
+      return ProtocolRequest::Reply{.protocol = worker_protocol, .context = machine_context(0)};
+    });
+    answers_.on<OpenRequest>([this](const auto& request) { return open(request); });
+    answers_.on<TraceRequest>([this](const auto& request) { return trace(request); });
+    answer_roll(answers_);
+    on<SetRequest>([this](const auto& request) { return set(request.settings); });
+    on<GoRequest>([this](const auto& request) { return frame(request); });
+    on<TimeRequest>([this](const auto& request) { return time_stage(request); });
+    on<FloorRequest>([this](const auto& request) { return floor(request.times); });
+    on<CardRequest>([this](const auto&) { return card(); });
+    on<BringUpRequest>([this](const auto& request) { return bring_up(request.stage); });
+    on<AnswerRequest>([this](const auto& request) { return answer(request.mask); });
+    on<MaskRequest>([this](const auto& request) { return write_mask(request.mask); });
+    on<ExplainRequest>([this](const auto& request) { return explain(request); });
+    on<DebugRequest>([this](const auto& request) { return debug(request); });
+    on<GlobalRequest>([this](const auto& request) { return global(request); });
+    on<DetailRequest>([this](const auto& request) { return detail(request); });
+  }
+
+  Json handle(const Json& request) const { return answers_(request); }
+
+ private:
+  /// What only a worker with a technique can answer.
+  template <class Request, class Answer>
+  void on(Answer answer) {
+    answers_.on<Request>([this, answer](const Request& request) {
+      if (!objects_) throw Error("a worker cannot {} before it has a technique", Request::verb);
+      return answer(request);
+    });
+  }
+
+  OpenRequest::Reply open(const OpenRequest& request) {
+    if (tracer_) throw Error("a worker that traces serves no technique");
+    scene_ = scene_in(request.scene);
+    entry_ = &registry().technique(request.technique);
+    objects_.emplace(*entry_, request.settings);
+    settings_ = request.settings;
+    fresh_ = -1;
+    masks_.clear();
+    lights_.reset();
+    watch_progress(nullptr);
+    progress_.emplace(request.progress);
+    watch_progress(&progress_->value());
+    uses_gl_ = entry_->about.needs_gl;
+    if (!uses_gl_) return {};
+    const GlInfo& info = process_context().info();
+    // llvmpipe's marks are not in order with its work: 0.2 ms for a resolve of 5, 2.6 for a build of 0.03.
+    if (info.driver != GlChoice::software) stopwatch_.emplace();
+    return {WorkerGl{.renderer = info.renderer,
+                     .version = info.version,
+                     .subpixel_bits = static_cast<int>(gl_limits()->subpixel_bits),
+                     .card = card_json(info)}};
+  }
+
+  /// What a parameter spoils is out of date from then on; the rest stays.
+  SetRequest::Reply set(const std::string& settings) {
+    settings_ = settings;
+    if (const auto spoiled = objects_->set(settings)) fresh_ = std::min(fresh_, static_cast<int>(*spoiled) - 1);
+    return {fresh_ + 1};
+  }
+
+  GoRequest::Reply frame(const GoRequest& request) {
+    const AskedFrame asked = asked_frame(request, scene_);
+    // A viewer makes a new G-buffer with every move of the camera and does not come back to an old one.
+    if (asked.is_free) std::erase_if(gbuffers_, [&](const auto& known) { return known.first != request.gbuffer; });
+    fresh_ = std::min(fresh_, static_cast<int>(asked.lit_by == lit_by_ ? Stage::relight : Stage::build));
+    if (!lights_ || asked.lit_by != lit_by_) lights_ = std::make_unique<std::vector<Light>>(asked.lights);
+    lit_by_ = asked.lit_by;
+    // The same G-buffer under another light stays mapped, and uploaded.
+    GBuffer& known = gbuffers_[request.gbuffer];
+    if (known.width != asked.key.width || known.height != asked.key.height) known = map_gbuffer(request.gbuffer, asked.key);
+    bare_pass_.reset();
+    gbuffer_ = known;
+    const std::vector<Support> supports = hold_objects(asked.key);
+    const Support support = support_together(*lights_, supports);
+    GoRequest::Reply reply{.support = reply_of(support), .fresh = fresh_ + 1};
+    for (const Support& one : supports) reply.lights.push_back(reply_of(one));
+    if (supports.size() > 1) reply.shares = objects_->shares();
+    if (uses_gl_ && support) {
+      const SceneBuffers& buffers = scene_buffers(scene_);
+      const GBufferTextures& textures = gbuffer_textures(gbuffer_, scene_);
+      const DepthStencil& depth = depth_stencil(scene_, gbuffer_, entry_->about.sees);
+      reply.input_bytes = buffers.bytes + textures.bytes + depth.bytes;
+      reply.upload_ms = buffers.upload_ms + textures.upload_ms + depth.upload_ms;
+      if (entry_->about.floor != Floor::none) reply.floor = name(entry_->about.floor);
+    }
+    return reply;
+  }
+
+  /// A mask for each light, and an object for each that the technique supports. What it says of each.
+  std::vector<Support> hold_objects(const FrameKey& key) {
+    const auto technique = entry_->make();
+    technique->apply(settings_);
+    const Support inputs = uses_gl_ ? within_limits(inputs_need(scene_, key.width, key.height)) : Support::full();
+    std::vector<Support> supports;
+    masks_.clear();
+    const std::vector<std::size_t> before = std::exchange(lit_, {});
+    for (std::size_t k = 0; k < lights_->size(); ++k) {
+      supports.push_back(inputs ? technique->supports(scene_, (*lights_)[k], key.view) : inputs);
+      masks_.emplace_back(key.width, key.height);
+      if (supports.back()) lit_.push_back(k);
+      // A light without shadows, of several: lit everywhere.
+      if (!supports.back()) std::ranges::fill(masks_.back().pixels(), 1.0f);
+    }
+    if (objects_->hold(lit_.size())) fresh_ = -1;
+    // What a technique supports may depend on the view: an object then stands for another light, or is new.
+    if (lit_ != before) fresh_ = std::min(fresh_, static_cast<int>(Stage::build));
+    return supports;
+  }
+
+  /// Serves the reference instead of a technique; all requests are of one scene.
+  Done trace(const TraceRequest& request) {
+    if (objects_) throw Error("a worker that serves a technique does not trace");
+    if (!tracer_) {
+      scene_ = scene_in(request.scene);
+      tracer_.emplace(scene_);
+    }
+    const Scene holder = scene_in(request.stand);
+    check_size(request.width, request.height);
+    if (!(request.error >= 1e-6)) throw Error("a reference's error = {} is below 1e-6", request.error);
+    SharedCount done(request.done);
+    MissingFrame missing{
+        .scene_file = {},
+        .key = {.view = holder.views.at(0), .width = request.width, .height = request.height, .truth = request.truth},
+        .light = {},
+        .gbuffer_file = request.gbuffer,
+        .target = {.error = request.error, .cap = request.cap},
+        .subpixel_bits = request.subpixel_bits,
+        .global_samples = request.global_samples,
+        .done = &done.value()};
+    if (!holder.lights.empty()) missing.light = holder.lights[0];
+    write_file(request.out, tracer_->make(missing));
+    return {};
+  }
+
+  TimeRequest::Reply time_stage(const TimeRequest& request) {
+    if (request.iterations < 1) throw Error("iterations = {} is below 1", request.iterations);
+    if (request.stage > Stage::setup) bring_up(static_cast<Stage>(static_cast<int>(request.stage) - 1));
+    double own_sum = 0, harness_sum = 0;
+    bool is_own = false;
+    TimeRequest::Reply reply{.ms = 0, .iterations = 0, .device_ms = 0, .harness_ms = {}};
+    const auto start = Clock::now();
+    const std::chrono::duration<double> longest(longest_portion_seconds);
+    do {
+      const StageTime time = this->time(request.stage);
+      harness_sum += time.harness_ms;
+      own_sum += time.own_ms.value_or(time.harness_ms);
+      is_own = is_own || time.own_ms;
+      const auto device_ms = stopwatch_ ? stopwatch_->milliseconds() : std::nullopt;
+      reply.device_ms = reply.device_ms && device_ms ? std::optional(*reply.device_ms + *device_ms) : std::nullopt;
+      ++reply.iterations;
+    } while (reply.iterations < request.iterations && Clock::now() - start < longest);
+    reply.ms = own_sum;
+    if (is_own) reply.harness_ms = harness_sum;
+    return reply;
+  }
+
+  /// The bare pass that the technique names, so many times in a row.
+  FloorRequest::Reply floor(int times) {
+    if (!bare_pass_) bare_pass_.emplace(entry_->about.floor, scene_, gbuffer_);
+    return bare_pass_->time(times, stopwatch_ ? &*stopwatch_ : nullptr);
+  }
+
+  CardRequest::Reply card() { return {uses_gl_ ? card_json(process_context().info()) : std::nullopt}; }
+
+  Done bring_up(Stage last) {
+    for (const Stage stage : all_stages)
+      if (stage <= last && static_cast<int>(stage) > fresh_) time(stage);
+    return {};
+  }
+
+  struct StageTime {
+    double harness_ms;
+    std::optional<double> own_ms;  ///< by the technique's own clock, where it has one
+  };
+  /// Does one stage; what follows it is out of date then.
+  StageTime time(Stage stage) {
+    if (stage >= Stage::relight && masks_.empty()) throw Error("a worker cannot {} before it has a frame", name(stage));
+    if (stage >= Stage::relight && lit_.empty())
+      throw Error("a worker cannot {} lights that its technique refuses", name(stage));
+    if (uses_gl_) glFinish();
+    std::optional<double> own_ms;
+    const auto start = Clock::now();
+    if (stopwatch_) stopwatch_->start();
+    objects_->each(stage, [&](Technique& technique, std::size_t k) {
+      switch (stage) {
+        case Stage::setup:
+          technique.setup();
+          break;
+        case Stage::build:
+          technique.build(scene_);
+          break;
+        case Stage::relight:
+          technique.relight((*lights_)[lit_[k]]);
+          break;
+        case Stage::resolve:
+          technique.resolve(gbuffer_, masks_[lit_[k]]);
+          break;
+      }
+      if (const WorksElsewhere* const there = elsewhere(technique))
+        if (const auto ms = there->own_ms()) own_ms = own_ms.value_or(0) + *ms;
+    });
+    if (stopwatch_) stopwatch_->stop();
+    if (uses_gl_) glFinish();
+    const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    if (uses_gl_)
+      if (const GLenum code = glGetError(); code != GL_NO_ERROR) throw Error("OpenGL error {:#x}", code);
+    fresh_ = static_cast<int>(stage);
+    if (own_ms && !(*own_ms >= 0 && *own_ms <= ms))
+      throw Error("{} took {:g} ms by the technique's own clock, {:g} ms by the harness's", name(stage), *own_ms, ms);
+    return {.harness_ms = ms, .own_ms = own_ms};
+  }
+
+  Done write_mask(const std::string& path) {
+    bring_up(Stage::resolve);
+    std::vector<float> all;
+    for (VisibilityMask& mask : masks_) all.insert(all.end(), mask.read().begin(), mask.read().end());
+    write_file(path, std::as_bytes(std::span(all)));
+    return {};
+  }
+
+  AnswerRequest::Reply answer(const std::string& path) {
+    write_mask(path);
+    AnswerRequest::Reply reply{.counts = {},
+                               .peak_bytes = static_cast<std::uint64_t>(peak_bytes()),
+                               .maker = {}};  // counting may build or draw once more
+    reply.counts = objects_->counts();
+    for (const Count& c : reply.counts)
+      if (!std::isfinite(c.value)) throw Error("count {} is {}", c.name, c.value);
+    if (const WorksElsewhere* const there = elsewhere((*objects_)[0])) reply.maker = there->maker();
+    return reply;
+  }
+
+  /// Asks the technique about the listed pixels (uint32 indices) and writes its explanations.
+  ExplainRequest::Reply explain(const ExplainRequest& request) {
+    Technique* const technique = object_of(request.light);
+    bring_up(Stage::resolve);
+    const auto file = MappedFile::open(request.pixels);
+    const std::size_t count = file->bytes().size() / sizeof(std::uint32_t);
+    const auto* index = reinterpret_cast<const std::uint32_t*>(file->bytes().data());
+    for (std::size_t k = 0; k < count; ++k)
+      if (index[k] >= gbuffer_.size()) throw Error("there is no pixel {}: the picture has {}", index[k], gbuffer_.size());
+    const Explanation not_covered{.covered = false, .taps = {}, .shifted = {}, .element = {}};
+    const auto explanations =
+        technique ? explain_all(*technique, {index, count}) : std::vector<std::optional<Explanation>>(count, not_covered);
+    if (explanations.size() != count) throw Error("{} explanations came for {} pixels", explanations.size(), count);
+    write_file(request.out, explanation_bytes(explanations));
+    return {std::ranges::any_of(explanations, [](const auto& why) { return why.has_value(); })};
+  }
+
+  Done debug(const DebugRequest& request) {
+    bring_up(Stage::resolve);
+    const std::vector<float> rgb = must_have(object_of(request.light)).draw_debug(request.layer);
+    write_file(request.out, std::as_bytes(std::span(rgb)));
+    return {};
+  }
+
+  GlobalRequest::Reply global(const GlobalRequest& request) {
+    bring_up(Stage::resolve);
+    const std::optional<std::vector<float>> rgb = must_have(object_of(request.light)).global_picture();
+    if (rgb) write_file(request.out, std::as_bytes(std::span(*rgb)));
+    return {rgb.has_value()};
+  }
+
+  Done detail(const DetailRequest& request) {
+    bring_up(Stage::relight);
+    const std::optional<SurfaceDetail> detail = must_have(object_of(request.light)).surface_detail();
+    if (!detail) throw Error("{} gave no surface detail, though a fresh one does", entry_->id);
+    check_detail(scene_, *detail);
+    write_file(request.out, detail_bytes(*detail));
+    return {};
+  }
+
+  /// Of one of the frame's lights; null where that casts no shadows.
+  Technique* object_of(std::size_t light) {
+    if (light >= masks_.size()) throw Error("there is no light {}: the frame has {}", light, masks_.size());
+    const auto found = std::ranges::find(lit_, light);
+    return found == lit_.end() ? nullptr : &(*objects_)[static_cast<std::size_t>(found - lit_.begin())];
+  }
+  static Technique& must_have(Technique* object) {
+    if (!object) throw Error("the technique does not support this light");
+    return *object;
+  }
+
+  Answers answers_;
+  Scene scene_;
+  const TechniqueEntry* entry_ = nullptr;
+  std::string settings_;
+  std::optional<LightObjects> objects_;
+  bool uses_gl_ = false;
+  std::optional<SharedCount> progress_;         ///< what techniques tell of a stage under way
+  std::optional<DeviceStopwatch> stopwatch_;    ///< with GL, where the device's clock can be believed
+  std::string lit_by_;                          ///< of the lights that the technique was given last
+  std::unique_ptr<std::vector<Light>> lights_;  ///< those lights
+  std::deque<VisibilityMask> masks_;            ///< of each
+  std::vector<std::size_t> lit_;                ///< the light of each object
+  std::map<std::string, GBuffer> gbuffers_;     ///< by file: one for each view and truth
+  GBuffer gbuffer_;
+  std::optional<TimedBarePass> bare_pass_;  ///< of the frame
+  std::optional<FrameTracer> tracer_;
+  int fresh_ = -1;  ///< last stage that is up to date
+};
+
+}  // namespace
+
+int worker_main(int socket, int threads) {
+  std::optional<tbb::global_control> limit;
+  if (threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+  // Leaked on purpose: the process ends by being killed, and a technique's destructor is no part of a measurement.
+  TechniqueServer& server = *new TechniqueServer;
+  answer_lines(socket, [&](const Json& request) { return server.handle(request); });
+}
+
+}  // namespace gnomon

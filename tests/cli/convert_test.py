@@ -1,0 +1,84 @@
+#!/usr/bin/python3 -IB
+"""convert_records: kept records of an older schema become today's, with every number as it was; who has others is told what to do."""
+
+import json
+import shutil
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from program import DATA, ROOT, ProgramTest, records  # noqa: E402
+
+CONVERT = ROOT / "scripts/convert_records"
+
+
+class Convert(ProgramTest):
+    def convert(self, *folders, status=0):
+        done = subprocess.run([CONVERT, *folders], cwd=self.dir, text=True, capture_output=True)
+        self.assertEqual(done.returncode, status, done.stderr)
+        return done.stderr
+
+    def folder(self, schema):
+        folder = self.dir / f"of_{schema}"
+        folder.mkdir(exist_ok=True)
+        shutil.copy(DATA / f"records/schema_{schema}.jsonl", folder / "records.jsonl")
+        return folder
+
+    def test_an_old_folder_is_refused_until_it_is_converted(self):
+        folder = self.folder(2)
+        self.refuse("table", folder, says=["records.jsonl:1: schema = 2 is that of an older program", "scripts/results --convert"])
+        before = records(folder)
+        self.convert(folder)
+        self.assertEqual((folder / "records.jsonl").read_text(), (DATA / "records/schema_3.jsonl").read_text())
+        for old, new in zip(before, records(folder)):
+            for truth, metrics in old["metrics"].items():
+                self.assertEqual({**metrics, "error": metrics["wrong_rate"]}, new["metrics"][truth])
+            for key in old.keys() - {"schema", "metrics", "frames"}:
+                self.assertEqual(old[key], new[key], key)
+            light, = new["lights"]
+            self.assertEqual((light["name"], light["kind"], light["answer"], new["answer"]), (old["light"], old["light_kind"], "binary", "binary"))
+            for key in ("classes", "causes"):
+                self.assertEqual(light[key], new[key])
+            self.assertEqual(light["metrics"], new["metrics"]["shape"])
+        text = self.succeed("table", folder)
+        self.assertIn("sphere_over_plane", text)
+        self.convert(folder)
+        self.assertEqual(self.succeed("table", folder), text)
+
+    def test_lights_together_and_lights_with_area_say_what_they_are(self):
+        folder = self.folder(2)
+        one, two = records(folder)
+        lamp = {**two, "job": "1", "light": "lamp", "light_kind": "disc", "reference": {"estimates": "area", "target": 0.002, "cap": 8, "rays": 3,
+                "error_mean": 0.001, "error_max": 0.002, "global": None}, "cause_errors": {"noise": 0.5}}
+        parts = [{"name": name, "kind": kind, "support": "full", "reason": "", "reference": reference, "classes": {}, "metrics": {"error": 0.5},
+                  "causes": None, "cause_errors": None} for name, kind, reference in (("sun", "directional", None), ("lamp", "disc", lamp["reference"]))]
+        both = {**two, "job": "2", "light": "all+", "light_kind": "directional+disc", "lights": parts}
+        missing = {**two, "job": "3", "status": "unsupported", "light": "-", "light_kind": "", "reason": "is not fetched", "metrics": {}, "causes": None}
+        (folder / "records.jsonl").write_text("".join(json.dumps(row) + "\n" for row in (lamp, both, missing)))
+        self.convert(folder)
+        lamp, both, missing = records(folder)
+        self.assertEqual((lamp["answer"], lamp["lights"][0]["answer"], lamp["lights"][0]["reference"]["rays"]), ("fraction", "fraction", 3))
+        self.assertEqual(lamp["lights"][0]["cause_errors"], {"noise": 0.5})
+        self.assertNotIn("error", lamp["metrics"]["shape"])
+        self.assertEqual((both["answer"], [light["answer"] for light in both["lights"]]), ("received", ["binary", "fraction"]))
+        self.assertEqual((missing["answer"], missing["lights"][0]["name"], missing["lights"][0]["support"]), ("binary", "-", None))
+        self.succeed("table", folder, "--format", "json")
+
+    def test_what_cannot_be_converted_stays_as_it_was(self):
+        folder = self.folder(2)
+        text = (folder / "records.jsonl").read_text().replace('"schema":2', '"schema":1')
+        (folder / "records.jsonl").write_text(text)
+        self.assertIn("no step leads from schema 1", self.convert(folder, status=2))
+        self.assertEqual((folder / "records.jsonl").read_text(), text)
+        self.assertIn("nowhere", self.convert("nowhere", status=2))
+
+    def test_what_is_kept_has_today_s_schema(self):
+        for file in sorted(ROOT.glob("results/*/records.jsonl")):
+            with self.subTest(file.parent.name), open(file, encoding="utf-8") as lines:
+                self.assertEqual({json.loads(line)["schema"] for line in lines}, {3})
+
+
+if __name__ == "__main__":
+    unittest.main()
