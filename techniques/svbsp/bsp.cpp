@@ -10,7 +10,7 @@
 
 namespace gnomon::svbsp {
 
-using namespace bsp;
+using bsp::Arena, bsp::Dividing, bsp::Source, bsp::normal_of, bsp::piece_of;
 
 /// A list of pieces becomes a node and two lists, and each list a tree. Large lists are tasks of their own, which threads take
 /// as they come; the tree of a small one is made in one go. What is made depends on the lists alone.
@@ -18,13 +18,13 @@ struct Bsp::Builder {
   static constexpr std::size_t large = 8192;
 
   struct Task {
-    UnsetVector<Piece> pieces;
+    UnsetVector<bsp::Piece> pieces;
     std::size_t depth = 1;
     bool with_free_cuts = false;
     Task* children[2] = {};
     // What it has made, its root first; children and polygons count from 0.
     std::vector<Node> nodes;
-    std::vector<Piece> polygons;
+    std::vector<bsp::Piece> polygons;
     std::size_t cuts = 0, deepest = 0, corners = 0;
     std::size_t first_node = 0, first_polygon = 0, first_corner = 0;  ///< in the whole tree
   };
@@ -39,7 +39,7 @@ struct Bsp::Builder {
     return &tasks.emplace_back();
   }
   /// Those with an area.
-  UnsetVector<Piece> all_triangles() const;
+  UnsetVector<bsp::Piece> all_triangles() const;
   /// Makes the next node of a task, of the last pieces of its list, from `begin` on. The list ends with the negative pieces
   /// then.
   static void add_node(Task& task, std::size_t begin, bool with_free_cuts, Dividing& dividing);
@@ -48,8 +48,8 @@ struct Bsp::Builder {
   void collect(Bsp& bsp);
 };
 
-UnsetVector<Piece> Bsp::Builder::all_triangles() const {
-  UnsetVector<Piece> pieces(source.scene.triangle_count());
+UnsetVector<bsp::Piece> Bsp::Builder::all_triangles() const {
+  UnsetVector<bsp::Piece> pieces(source.scene.triangle_count());
   std::atomic<bool> all_have_area = true;
   for (std::size_t m = 0; m < source.scene.meshes.size(); ++m) {
     const Mesh& mesh = source.scene.meshes[m];
@@ -66,14 +66,14 @@ UnsetVector<Piece> Bsp::Builder::all_triangles() const {
       }
     });
   }
-  if (!all_have_area) std::erase_if(pieces, [](const Piece& piece) { return piece.count == 0; });
+  if (!all_have_area) std::erase_if(pieces, [](const bsp::Piece& piece) { return piece.count == 0; });
   return pieces;
 }
 
 void Bsp::Builder::add_node(Task& task, std::size_t begin, bool with_free_cuts, Dividing& dividing) {
   Node& node = task.nodes.emplace_back();
   node = {.plane = {}, .children = {none, none}, .first = static_cast<std::uint32_t>(task.polygons.size()), .count = 0};
-  const std::span<Piece> list = std::span(task.pieces).subspan(begin);
+  const std::span<bsp::Piece> list = std::span(task.pieces).subspan(begin);
   const std::size_t negative = dividing.divide(list, with_free_cuts, task.polygons);
   task.pieces.resize(begin + negative);
   node.plane = dividing.plane();
@@ -87,7 +87,7 @@ void Bsp::Builder::grow_whole(Task& task, Dividing& dividing) {
     unsigned side;
     bool with_free_cuts;
   };
-  UnsetVector<Piece>& list = task.pieces;
+  UnsetVector<bsp::Piece>& list = task.pieces;
   task.nodes.reserve(list.size() + list.size() / 8);
   task.polygons.reserve(list.size() + list.size() / 8);
   std::vector<Part> parts{{0, task.depth, none, 0, task.with_free_cuts}};
@@ -130,7 +130,7 @@ void Bsp::Builder::grow() {
       add_node(*task, 0, task->with_free_cuts, dividing);
       task->deepest = task->depth;
       for (unsigned side = 0; side < 2; ++side) {
-        UnsetVector<Piece> list = side == 0 ? std::move(task->pieces) : dividing.take_positive();
+        UnsetVector<bsp::Piece> list = side == 0 ? std::move(task->pieces) : dividing.take_positive();
         if (list.empty()) continue;
         Task* const child = task->children[side] = add_task();
         child->with_free_cuts = dividing.may_cut_freely(list.size(), size);
@@ -140,8 +140,8 @@ void Bsp::Builder::grow() {
       }
     }
     task->cuts = dividing.cuts();
-    for (const Piece& piece : task->polygons) task->corners += piece.count;
-    UnsetVector<Piece>().swap(task->pieces);
+    for (const bsp::Piece& piece : task->polygons) task->corners += piece.count;
+    UnsetVector<bsp::Piece>().swap(task->pieces);
   });
 }
 
@@ -181,13 +181,13 @@ void Bsp::Builder::collect(Bsp& bsp) {
     }
     auto corner = static_cast<std::uint32_t>(task.first_corner);
     for (std::size_t i = 0; i < task.polygons.size(); ++i) {
-      const Piece& piece = task.polygons[i];
+      const bsp::Piece& piece = task.polygons[i];
       bsp.polygons_[task.first_polygon + i] = {piece.triangle, corner, piece.count};
       for (std::uint32_t k = 0; k < piece.count; ++k)
         bsp.corners_[corner++] = piece.corners ? piece.corners[k] : Corner{piece.corner(static_cast<int>(k)), 0};
     }
     std::vector<Node>().swap(task.nodes);
-    std::vector<Piece>().swap(task.polygons);
+    std::vector<bsp::Piece>().swap(task.polygons);
   });
 }
 

@@ -11,7 +11,6 @@
 #include <cmath>
 #include <deque>
 #include <map>
-#include <utility>
 
 #include "device/context.h"
 #include "measure/cause/causes.h"
