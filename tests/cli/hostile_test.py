@@ -16,7 +16,7 @@ from program import SANITIZED, ProgramTest  # noqa: E402
 
 ANY = ["--scene", "single_triangle", "--technique", "unshadowed"]
 SECONDS = 20 if SANITIZED else 2  # of processor time, which other work on the machine does not lengthen by much
-MEGABYTES = 500  # that are resident, of the program or of a process that it started
+MEGABYTES = 2000 if SANITIZED else 500  # that are resident, of the program or of a process that it started
 
 
 def png(width, height):

@@ -23,7 +23,10 @@ class Trial {
   bool is_short() const { return is_sanitized && rule_.sanitized == Sanitized::part; }
 
   std::unique_ptr<World> world(const std::string& reference) const;
-  std::unique_ptr<World> world(Scene scene) const { return std::make_unique<World>(std::move(scene), entry_.about.sees); }
+  /// Under the sanitizers its pictures are half as wide and half as high: what they look for is in every pixel.
+  std::unique_ptr<World> world(Scene scene) const {
+    return std::make_unique<World>(std::move(scene), entry_.about.sees, is_sanitized ? 2 : 1);
+  }
 
   // Where the rule's pictures may be small, the settings of these are with_small_pictures.
   /// The answer of a fresh object, as everything else asks: before it runs.

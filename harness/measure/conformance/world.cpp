@@ -45,12 +45,11 @@ FrameStore frames_of(const Scene& scene) {
   return FrameStore(scene, folder);
 }
 
-World::World(Scene the_scene, Truth the_truth)
-    : scene(std::move(the_scene)), truth(the_truth), everything_(scene, truth, RayScene::Which::all) {}
+World::World(Scene the_scene, Truth the_truth, int part)
+    : scene(std::move(the_scene)), truth(the_truth), part_(part), everything_(scene, truth, RayScene::Which::all) {}
 
 GBuffer World::gbuffer(const View& view, int width, int height) const {
-  constexpr int part = is_sanitized ? 2 : 1;
-  return make_gbuffer(scene, everything_, view, width / part, height / part, truth);
+  return make_gbuffer(scene, everything_, view, width / part_, height / part_, truth);
 }
 
 World::Truthful World::reference(const GBuffer& gbuffer, const Light& light, LightShareKind estimates) {

@@ -30,10 +30,10 @@ FrameStore frames_of(const Scene& scene);
 /// process makes its own.
 class World {
  public:
-  World(Scene the_scene, Truth the_truth);
+  /// Pictures are made so many times less wide and less high than they are asked for.
+  World(Scene the_scene, Truth the_truth, int part = 1);
   World(const World&) = delete;
 
-  /// Under the sanitizers half as wide and half as high: what they look for is in every pixel.
   GBuffer gbuffer(const View& view, int width = 96, int height = 54) const;
   GBuffer gbuffer() const { return gbuffer(scene.views[0]); }
 
@@ -49,6 +49,7 @@ class World {
   const Truth truth;
 
  private:
+  int part_;
   RayScene everything_;
   std::optional<FrameStore> frames_;  ///< made when the first reference is asked for
 };

@@ -38,10 +38,15 @@ TEST_F(PlanarProjected, random_receivers_occlude_each_other_as_rays_say) {
     Scene scene;
     scene.meshes = {small_world::ground(3)};
     for (int k = 0; k < 5; ++k) {
-      const glm::vec3 a(number(-2, 1), k < 2 ? 0 : number(0, 2), number(-2, 1));
-      scene.meshes.push_back(small_world::box(a, a + glm::vec3(number(0.2, 1.5), number(0.2, 1.5), number(0.2, 1.5))));
+      // One number after the other: the arguments of a call are drawn in another order by each compiler.
+      const float z = number(-2, 1), y = k < 2 ? 0 : number(0, 2), x = number(-2, 1);
+      const float depth = number(0.2, 1.5), height = number(0.2, 1.5), width = number(0.2, 1.5);
+      scene.meshes.push_back(small_world::box({x, y, z}, glm::vec3(x, y, z) + glm::vec3(width, height, depth)));
     }
-    for (int k = 0; k < 3; ++k) scene.meshes.push_back(small_world::ground(number(0.3, 1), number(0.2, 3)));
+    for (int k = 0; k < 3; ++k) {
+      const float height = number(0.2, 3), half = number(0.3, 1);
+      scene.meshes.push_back(small_world::ground(half, height));
+    }
     const GBuffer g = small_world::make_gbuffer(scene, view, 96, 72);
     for (const Light& light : {Light{.kind = PointLight{{number(-3, 3), number(1, 5), number(-3, 3)}}},
                                Light{.kind = DirectionalLight{{number(-1, 1), -1, number(-1, 1)}}},
