@@ -200,10 +200,10 @@ std::optional<double> error_floor(const Record& r, std::string_view wanted) {
   return r.metric("reference_error_mean");
 }
 
-std::string_view lights_text(AnswerKind lighting) {
+std::string_view lights_text(AnswerKind answer) {
   static constexpr std::string_view texts[] = {" under lights without area", " under lights with area",
                                                " under several lights together"};
-  return texts[static_cast<std::size_t>(lighting)];
+  return texts[static_cast<std::size_t>(answer)];
 }
 
 bool LightCounts::is_mixed() const {

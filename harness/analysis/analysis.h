@@ -94,7 +94,7 @@ std::optional<double> quantity(const Record& record, std::string_view name);
 /// Of a mean error under a light with area (`error`, `error_mean`) the reference's own: a smaller one may be the reference's.
 /// Nothing of other quantities and lights.
 std::optional<double> error_floor(const Record& record, std::string_view quantity);
-/// Rows of each AnswerKind: the metric `error` means something else in each.
+/// Rows of each kind of answer: the metric `error` means something else in each.
 struct LightCounts {
   std::array<std::size_t, std::size(all_answer_kinds)> rows{};
   /// The only one that there is; nothing where there are none or several.
@@ -103,7 +103,7 @@ struct LightCounts {
   void add(AnswerKind of) { ++rows[static_cast<std::size_t>(of)]; }
 };
 /// " under lights with area".
-std::string_view lights_text(AnswerKind lighting);
+std::string_view lights_text(AnswerKind answer);
 /// Of the rows that have the metric `error`.
 LightCounts count_lights(std::span<const Record> records);
 /// Throws Error with the nearest name when no record has it.

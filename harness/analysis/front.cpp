@@ -75,8 +75,8 @@ Candidate mean_of(const std::vector<const Record*>& rows, const FieldOptions& op
 }
 
 /// The field over all places of a kind of light, from the rows of each setting in order of appearance.
-Field overall(RowsBySetting settings, const FieldOptions& options, AnswerKind lighting) {
-  Field field{.place = {}, .lighting = lighting, .places = 0, .candidates = {}, .notes = {}};
+Field overall(RowsBySetting settings, const FieldOptions& options, AnswerKind answer) {
+  Field field{.place = {}, .answer = answer, .places = 0, .candidates = {}, .notes = {}};
   std::set<Place> common;
   while (!settings.empty()) {
     common = common_places(settings, &RowsBySetting::value_type::second);
@@ -131,7 +131,7 @@ std::vector<Field> find_fields(std::span<const Record> records, const FieldOptio
   for (const Record& r : records) {
     if (r.status != Status::ok || !has_error(r)) continue;
     const auto [found, is_new] = places.try_emplace(place_of(r), fields.size());
-    if (is_new) fields.push_back({.place = place_of(r), .lighting = r.answer, .places = 1, .candidates = {}, .notes = {}});
+    if (is_new) fields.push_back({.place = place_of(r), .answer = r.answer, .places = 1, .candidates = {}, .notes = {}});
     fields[found->second].candidates.push_back(candidate_of(r, options));
   }
   const auto competes = [](const Candidate& c) { return c.role == Role::contender; };
@@ -139,7 +139,7 @@ std::vector<Field> find_fields(std::span<const Record> records, const FieldOptio
     throw Error("there is nothing to rank: no contender finished with a {}", options.error);
   for (Field& field : fields) add_relative_costs(field);
   for (const AnswerKind of : all_answer_kinds) {
-    if (std::ranges::count_if(fields, [&](const Field& f) { return f.place && f.lighting == of; }) < 2) continue;
+    if (std::ranges::count_if(fields, [&](const Field& f) { return f.place && f.answer == of; }) < 2) continue;
     const auto is_wanted = [&](const Record& r) { return r.answer == of && has_error(r); };
     fields.push_back(overall(rows_by_setting(records, is_wanted), options, of));
   }
@@ -151,7 +151,7 @@ std::vector<const Field*> overall_fields(std::span<const Field> fields) {
   for (const AnswerKind of : all_answer_kinds) {
     const Field* last = nullptr;
     for (const Field& field : fields)
-      if (field.lighting == of) last = &field;
+      if (field.answer == of) last = &field;
     if (last) result.push_back(last);
   }
   return result;

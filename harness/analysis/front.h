@@ -18,9 +18,9 @@ struct Candidate {
 
 /// Candidates that may be compared with one another.
 struct Field {
-  std::optional<Place> place;                ///< nothing: over all places
-  AnswerKind lighting = AnswerKind::binary;  ///< of its places
-  std::size_t places = 1;                    ///< how many it covers
+  std::optional<Place> place;              ///< nothing: over all places
+  AnswerKind answer = AnswerKind::binary;  ///< of its places
+  std::size_t places = 1;                  ///< how many it covers
   std::vector<Candidate> candidates;
   std::vector<std::string> notes;  ///< who is left out, and why
 };
@@ -30,10 +30,10 @@ struct FieldOptions {
   Cost cost = Cost::light;
 };
 
-/// One field for each place, and then one over all places of each AnswerKind, where there are two such places at least: over
-/// those that every setting finished, so that means compare the same scenes. Settings that share no place with the others are
-/// left out, the one with the fewest places first, and noted. Throws Error when no record has the error, when it has no better
-/// side, and when no contender has it.
+/// One field for each place, and then one over all places of each kind of answer, where there are two such places at least:
+/// over those that every setting finished, so that means compare the same scenes. Settings that share no place with the others
+/// are left out, the one with the fewest places first, and noted. Throws Error when no record has the error, when it has no
+/// better side, and when no contender has it.
 std::vector<Field> find_fields(std::span<const Record> records, const FieldOptions& options);
 
 /// Of these fields the one that stands for all places of each kind of light: over them all, or the only one.

@@ -48,7 +48,7 @@ int run_certify(const CertifyCommand& options) {
       // The oracle knows triangles: the certificate is of mesh truth.
       const FrameKey key{*view, width, height, Truth::mesh};
       const Reference reference = frames.reference(key, *light);
-      if (has_area(*light)) {
+      if (reference.kind == AnswerKind::fraction) {
         const SoftCertificate certificate = certify_soft(scene, *light, frames.gbuffer(key), reference,
                                                          {.reference = frames.casters(Truth::mesh).description()});
         all_hold = all_hold && certificate.holds();

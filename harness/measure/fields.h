@@ -1,6 +1,7 @@
 #pragma once
 #include <gnomon/technique.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -13,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "measure/answer_kind.h"
 #include "measure/json.h"
 
 namespace gnomon {
@@ -48,7 +50,11 @@ constexpr bool is_by_stage<std::array<T, std::size(stage_names)>> = true;
 using Color8 = std::array<std::uint8_t, 3>;
 
 template <class Enum>
-constexpr int enum_size = 3;
+constexpr int enum_size = -1;  // of one that was not told below; nothing can be read then
+template <>
+inline constexpr int enum_size<AnswerKind> = std::size(answer_kind_names);
+template <>
+inline constexpr int enum_size<Support::Kind> = 3;
 template <>
 inline constexpr int enum_size<Truth> = 2;
 template <>
@@ -104,9 +110,10 @@ void read(const std::string& field, const Json& value, T& into, MissingField mis
   } else if constexpr (std::is_integral_v<T>) {
     const bool is_whole = value.is_number_unsigned() || (value.is_number_integer() && value.get<std::int64_t>() >= 0);
     need(is_whole, "a whole number, 0 or more");
-    need(std::in_range<T>(value.get<std::uint64_t>()), "below 2147483648");
+    need(std::in_range<T>(value.get<std::uint64_t>()), fmt::format("{} at most", std::numeric_limits<T>::max()));
     into = value.get<T>();
   } else if constexpr (std::is_enum_v<T>) {
+    static_assert(enum_size<T> > 0, "tell its size above");
     std::vector<std::string> words;
     for (int k = 0; k < enum_size<T>; ++k) {
       words.emplace_back(name(static_cast<T>(k)));
@@ -130,7 +137,8 @@ void read(const std::string& field, const Json& value, T& into, MissingField mis
     into.clear();
     // A null is a value that is not defined at its place, where there is such a place; else a time that was not taken.
     for (const Json& item : value)
-      if (!item.is_null() || requires(typename T::value_type v) { v.reset(); }) read(field, item, into.emplace_back(), missing);
+      if (!item.is_null() || missing == MissingField::refused || requires(typename T::value_type v) { v.reset(); })
+        read(field, item, into.emplace_back(), missing);
   } else if constexpr (is_by_stage<T>) {
     std::map<std::string, typename T::value_type> by_name;
     read(field, value, by_name, missing);

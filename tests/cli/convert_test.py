@@ -1,6 +1,7 @@
 #!/usr/bin/python3 -IB
 """convert_records: kept records of an older schema become today's, with every number as it was; who has others is told what to do."""
 
+import fcntl
 import json
 import shutil
 import subprocess
@@ -28,7 +29,7 @@ class Convert(ProgramTest):
 
     def test_an_old_folder_is_refused_until_it_is_converted(self):
         folder = self.folder(2)
-        self.refuse("table", folder, says=["records.jsonl:1: schema = 2 is that of an older program", "scripts/results --convert"])
+        self.refuse("table", folder, says=["records.jsonl:1: schema = 2 is that of an older program", "scripts/convert_records"])
         before = records(folder)
         self.convert(folder)
         self.assertEqual((folder / "records.jsonl").read_text(), (DATA / "records/schema_3.jsonl").read_text())
@@ -50,7 +51,7 @@ class Convert(ProgramTest):
     def test_lights_together_and_lights_with_area_say_what_they_are(self):
         folder = self.folder(2)
         one, two = records(folder)
-        lamp = {**two, "job": "1", "light": "lamp", "light_kind": "disc", "reference": {"estimates": "area", "target": 0.002, "cap": 8, "rays": 3,
+        lamp = {**two, "job": "1", "light": "lamp", "light_kind": "disc", "context": {"frames": 8}, "reference": {"estimates": "area", "target": 0.002, "cap": 8, "rays": 3,
                 "error_mean": 0.001, "error_max": 0.002, "global": None}, "cause_errors": {"noise": 0.5}}
         parts = [{"name": name, "kind": kind, "support": "full", "reason": "", "reference": reference, "classes": {}, "metrics": {"error": 0.5},
                   "causes": None, "cause_errors": None} for name, kind, reference in (("sun", "directional", None), ("lamp", "disc", lamp["reference"]))]
@@ -73,6 +74,28 @@ class Convert(ProgramTest):
         self.assertIn("no step leads from schema 1", self.convert(folder, status=2))
         self.assertEqual((folder / "records.jsonl").read_text(), text)
         self.assertIn("nowhere", self.convert("nowhere", status=2))
+        good = (DATA / "records/schema_2.jsonl").read_text()
+        for bad, says in (("[]", "records.jsonl:3"), ('{"schema": 2}', "lacks"), ('{"schema": 4}', "no step leads from schema 4"), ("{", "records.jsonl:3")):
+            (folder / "records.jsonl").write_text(good + bad + "\n")
+            self.assertIn(says, self.convert(folder, status=2))
+            self.assertEqual((folder / "records.jsonl").read_text(), good + bad + "\n")
+        with open(folder / "records.jsonl") as held:
+            fcntl.flock(held, fcntl.LOCK_EX)
+            self.assertIn("a run writes it", self.convert(folder, status=2))
+        # What a killed run left at the end is no line yet.
+        (folder / "records.jsonl").write_text(good + '{"schema": 2, "jo')
+        self.convert(folder)
+        self.assertEqual((folder / "records.jsonl").read_text(), (DATA / "records/schema_3.jsonl").read_text() + '{"schema": 2, "jo')
+
+    def test_scores_against_the_center_of_a_light_with_area_are_withdrawn(self):
+        folder = self.folder(2)
+        rows = [{**records(folder)[1], "job": str(k), "light_kind": kind, "context": context}
+                for k, (kind, context) in enumerate((("rect", {}), ("disc", {"frames": 5}), ("sphere", {"frames": 6}), ("point", {"frames": 5})))]
+        (folder / "records.jsonl").write_text("".join(json.dumps(row) + "\n" for row in rows))
+        self.convert(folder)
+        self.assertEqual([(row["status"], bool(row["metrics"]), bool(row["lights"][0]["metrics"])) for row in records(folder)],
+                         2 * [("unsupported", False, False)] + 2 * [("ok", True, True)])
+        self.assertIn("hard shadow of the light's center", self.succeed("table", folder))
 
     def test_what_is_kept_has_today_s_schema(self):
         for file in sorted(ROOT.glob("results/*/records.jsonl")):

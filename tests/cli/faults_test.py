@@ -100,14 +100,16 @@ class Faults(ProgramTest):
         self.assertEqual(list(self.dir.iterdir()), [])
 
     def test_a_program_that_goes_away_while_it_runs_is_named(self):
-        # As a build does it: the file of the running program is removed. The second process of the row finds none to start.
+        # As a build does it: the file of the running program is removed. The second process of the row finds none to start. A worker
+        # that loads the plugin comes before the folder for files between both sides.
         program = self.dir / "gnomon"
         shutil.copy(PROGRAM, program)
         call = [program, "--plugin", FAULTS, "run", "--scene", "single_triangle", "--light", "sun", "--technique", "sleeps",
                 "--processes", "2", "--repetitions", "1", "--size", "64x36", "--out", self.dir / "out"]
         environment = dict(self.environment, GNOMON_TEST_RELIGHT_MS="400")
         run = subprocess.Popen(list(map(str, call)), env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-        wait_until(lambda: run.poll() is not None or len(workers(program)) == 2, "itself and its first worker")
+        wait_until(lambda: run.poll() is not None or ((self.dir / "out/.scratch").exists() and len(workers(program)) == 2),
+                   "itself and its first worker")
         program.unlink()
         text, words = run.communicate(timeout=PATIENCE)
         self.assertEqual(run.returncode, 1, words)

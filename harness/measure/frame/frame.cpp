@@ -12,6 +12,10 @@ namespace gnomon {
 
 namespace fs = std::filesystem;
 
+AnswerKind answer_kind(const Light& light) { return has_area(light) ? AnswerKind::fraction : AnswerKind::binary; }
+
+bool has_radiance(const Light& light) { return has_area(light); }
+
 namespace {
 
 /// Raised when `find_snapping` answers otherwise. It names files of references and no version of the frames: masks and causes
@@ -27,7 +31,7 @@ void append(std::vector<std::byte>& bytes, std::span<const T> items) {
 /// Bytes of a pixel in the cache: six floats and two ids; a float, a mesh, a class and a flag, and of a light with area four
 /// floats and a number more.
 constexpr std::size_t gbuffer_pixel = 32, hard_pixel = 10, soft_pixel = 30;
-std::size_t reference_pixel(const Light& light) { return has_area(light) ? soft_pixel : hard_pixel; }
+std::size_t reference_pixel(const Light& light) { return answer_kind(light) == AnswerKind::fraction ? soft_pixel : hard_pixel; }
 
 /// Raised when trace_soft answers otherwise.
 constexpr int soft_version = 2;
@@ -111,9 +115,10 @@ std::string FrameStore::hash(const FrameKey& key, const Light* light, const Area
       fmt::format("{} {} {} {} {} {}", file_layout, frame_version(), scene_hash_, key.width, key.height, name(key.truth));
   fingerprint.views = {key.view};
   if (light) {
-    fingerprint.name += has_area(*light) ? fmt::format(" soft {} {} {}", soft_version, target.error, target.cap)
-                                         : fmt::format(" {}", snapping_version);
-    if (!has_area(*light) && subpixel_bits != usual_subpixel_bits) fingerprint.name += fmt::format(" {} bits", subpixel_bits);
+    const bool is_soft = answer_kind(*light) == AnswerKind::fraction;
+    fingerprint.name +=
+        is_soft ? fmt::format(" soft {} {} {}", soft_version, target.error, target.cap) : fmt::format(" {}", snapping_version);
+    if (!is_soft && subpixel_bits != usual_subpixel_bits) fingerprint.name += fmt::format(" {} bits", subpixel_bits);
     fingerprint.lights = {*light};
   }
   return content_hash(scene_bytes(fingerprint));
@@ -155,7 +160,7 @@ std::vector<std::byte> FrameTracer::make(const MissingFrame& missing) {
   if (missing.light) {
     const GBuffer gbuffer = map_gbuffer(missing.gbuffer_file, key);
     if (missing.global_samples > 0) return global_reference(missing, gbuffer);
-    return has_area(*missing.light) ? soft_reference(missing, gbuffer) : reference(missing, gbuffer);
+    return answer_kind(*missing.light) == AnswerKind::fraction ? soft_reference(missing, gbuffer) : reference(missing, gbuffer);
   }
   return gbuffer_bytes(make_gbuffer(scene_, everything(key.truth), key.view, key.width, key.height, key.truth));
 }
@@ -219,8 +224,6 @@ GlobalReference FrameStore::global_reference(const FrameKey& key, const Light& l
   reference.storage = file;
   return reference;
 }
-
-AnswerKind answer_kind(const Light& light) { return has_area(light) ? AnswerKind::fraction : AnswerKind::binary; }
 
 Reference FrameStore::reference(const FrameKey& key, const Light& light, const AreaTarget& target, int subpixel_bits) {
   require_reference(scene_, light, key.view);

@@ -19,6 +19,8 @@ namespace gnomon {
 
 /// What kind of answer is true under one light.
 AnswerKind answer_kind(const Light& light);
+/// Whether the light has an area, and so a radiance that pictures of all light are made of.
+bool has_radiance(const Light& light);
 
 /// The answer that counts, for one light and G-buffer: the reference mask, the class of every pixel, and what blocks it.
 struct Reference {

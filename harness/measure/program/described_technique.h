@@ -19,7 +19,7 @@ Json object_json(const SceneEntry& entry);
 using MakeScene = std::function<Scene(const std::string&, const std::string&)>;
 
 /// Entries made of both. `broken` says why there is no object, whose JSON is null then; it is what such a technique says to
-/// whatever it is asked. `lights` are the kinds of light that it knows; all of them where they are null, for nobody may ask it
+/// whatever it is asked. `lights` are the kinds of light that it knows; all of them where there are none, for nobody may ask it
 /// here. Throws Error, or Json::exception, on what is no description.
 TechniqueEntry described_technique(const Json& sheet, const Json& object, const std::vector<std::string>& lights,
                                    const std::string& broken);

@@ -23,6 +23,11 @@ std::string_view name(Role role) {
   return names[static_cast<int>(role)];
 }
 
+template <>
+inline constexpr int enum_size<Status> = 3;
+template <>
+inline constexpr int enum_size<Role> = 3;
+
 // Each calls use(key, member) for every field in the order that the file has them, for writing and for reading; of a record,
 // for every field but `schema`.
 static void for_each_field(MaybeConst<Record::FloorTimes> auto& floor, const auto& use) {
@@ -160,8 +165,8 @@ void from_json(const Json& json, Record& record) {
   take("schema", schema);
   if (schema < record_schema)
     throw Error(
-        "schema = {} is that of an older program, this one reads {}: run the rows again, or convert the folder with "
-        "scripts/results --convert",
+        "schema = {} is that of an older program, this one reads {}: run the rows again, or, of schema 2, convert the "
+        "folder with scripts/convert_records",
         schema, record_schema);
   if (schema > record_schema) throw Error("schema = {} is that of a newer program, this one reads {}", schema, record_schema);
   for_each_field(r, take);
@@ -169,6 +174,10 @@ void from_json(const Json& json, Record& record) {
   constexpr std::size_t most_own_causes = 200;
   if (r.own_causes.size() > most_own_causes) throw Error("own_causes is not an array of at most {}", most_own_causes);
   if (std::empty(r.lights)) throw Error("lights = [] is not an array of one light or more");
+  for (const Record::LightFacts& light : r.lights)
+    if (light.answer == AnswerKind::received) throw Error("lights.answer = received is not one of binary, fraction");
+  const AnswerKind wanted = &r.lights.front() == &r.lights.back() ? r.lights.front().answer : AnswerKind::received;
+  if (r.answer != wanted) throw Error("answer = {} is not {}, that of its lights", name(r.answer), name(wanted));
   record = std::move(r);
 }
 

@@ -121,7 +121,7 @@ std::optional<GlobalAnswer> ContenderWorker::global_answer() {
   const std::vector<Light> lights = run_.lights(frame_);
   for (std::size_t k = 0; k < lights.size(); ++k) {
     sum.facts.emplace_back();
-    if (answer_kind(lights[k]) == AnswerKind::binary) continue;  // it has no radiance
+    if (!has_radiance(lights[k])) continue;
     if (!supports_light(k)) return std::nullopt;
     const auto picture = client_.global_picture(k);
     if (!picture) return std::nullopt;

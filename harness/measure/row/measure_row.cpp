@@ -37,6 +37,7 @@ class RowMeasurement {
         truth_(record.truth),
         other_truth_(truth_ == Truth::shape ? Truth::mesh : Truth::shape),
         score_(frames),
+        light_scores_(std::size(record.lights), PathScore(frames)),
         other_score_(frames) {
     record.frames.clear();
   }
@@ -57,9 +58,14 @@ class RowMeasurement {
   }
 
   MeasuredRow finish() {
-    put_score(record_, score_.score());
-    record_.metrics[other_truth_] =
-        run_.scene.has_curved_shapes() ? other_score_.score().whole.metrics : record_.metrics[truth_];
+    std::vector<Score> lights;
+    for (const PathScore& light : light_scores_) lights.push_back(light.score());
+    put_score(record_, lights, score_.score());
+    record_.metrics[other_truth_] = run_.scene.has_curved_shapes() ? other_score_.score().metrics : record_.metrics[truth_];
+    if (record_.answer != AnswerKind::received) {  // the worst of all frames
+      record_.lights.front().support = record_.support;
+      record_.lights.front().reason = record_.reason;
+    }
     record_.status = Status::ok;
     return std::move(now_);
   }
@@ -70,9 +76,8 @@ class RowMeasurement {
     take_answers(other, nullptr);
     put_together(other, run_.scene);
     const Evidence whole = other.evidence(run_.scene);
-    other_score_.add({.lights = {},
-                      .whole = {.metrics = measure_metrics(Scoring(whole)), .classes = {}, .causes = {}, .cause_errors = {}},
-                      .errors = {}});
+    other_score_.add(
+        {.kind = whole.kind, .metrics = measure_metrics(Scoring(whole)), .classes = {}, .causes = {}, .cause_errors = {}});
     auto now = now_.lights.begin();
     for (MeasuredLight& light : other.lights) {
       const Evidence evidence = light.answer.evidence(run_.scene, light.light);
@@ -88,7 +93,9 @@ class RowMeasurement {
     for (MeasuredLight& light : now_.lights) find_causes_under(light, number++);
     put_together(now_, run_.scene);
     const RowScore score = gnomon::score(now_, run_.scene, frame.number > 0 ? &before_ : nullptr);
-    score_.add(score);
+    score_.add(score.whole);
+    auto sum = light_scores_.begin();
+    for (const Score& light : score.lights) (sum++)->add(light);
     if (frame.path)
       for (const auto& [metric, value] : score.whole.metrics) record_.frames[metric].push_back(value);
   }
@@ -119,7 +126,9 @@ class RowMeasurement {
   ContenderWorker& worker_;
   const About& about_;
   const Truth truth_, other_truth_;
-  PathScore score_, other_score_;
+  PathScore score_;
+  std::vector<PathScore> light_scores_;
+  PathScore other_score_;
   MeasuredRow now_, before_;
 };
 

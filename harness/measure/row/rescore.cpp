@@ -59,7 +59,11 @@ class Row {
     const std::string hash = context_text(record_, "scene_hash");
     if (hash.empty()) return "its record does not say which scene was measured";
     if (hash != today_.frames->scene_hash(names)) return "the scene is not the one that was measured";
-    if (!find_named(today_.scene->views, record_.view)) return fmt::format("the scene has no view {} any more", record_.view);
+    const View* const view = find_named(today_.scene->views, record_.view);
+    if (!view) return fmt::format("the scene has no view {} any more", record_.view);
+    for (const std::string& name : names)
+      if (const Support support = reference_support(*today_.scene, *find_named(today_.scene->lights, name), *view); !support)
+        return support.why();
     return {};
   }
 

@@ -20,7 +20,11 @@ void add_to(std::optional<std::map<std::string, Number>>& sums, const std::optio
 }
 
 Score score_of(const Evidence& evidence, const Scoring& scoring) {
-  Score score{.metrics = measure_metrics(scoring), .classes = class_counts(evidence.classes), .causes = {}, .cause_errors = {}};
+  Score score{.kind = evidence.kind,
+              .metrics = measure_metrics(scoring),
+              .classes = class_counts(evidence.classes),
+              .causes = {},
+              .cause_errors = {}};
   if (evidence.causes.empty()) return score;
   score.causes = count_causes(evidence.causes, evidence.own_causes);
   if (evidence.kind != AnswerKind::binary) score.cause_errors = cause_errors(evidence);
@@ -68,59 +72,45 @@ std::optional<Record::ReferenceFacts> reference_facts(const Answer& answer, cons
   return facts;
 }
 
-void put_score(Record& record, const RowScore& score) {
+void put_score(Record& record, std::span<const Score> lights, const Score& whole) {
   const auto put = [](auto& into, const Score& from) {
+    into.answer = from.kind;
     into.classes = from.classes;
     into.causes = from.causes;
     into.cause_errors = from.cause_errors;
   };
-  put(record, score.whole);
-  record.metrics[record.truth] = score.whole.metrics;
-  auto from = score.lights.begin();
+  put(record, whole);
+  record.metrics[record.truth] = whole.metrics;
+  auto from = lights.begin();
   for (Record::LightFacts& light : record.lights) {
     put(light, *from);
     light.metrics = (from++)->metrics;
   }
 }
 
-void PathScore::add(const RowScore& score) {
+void PathScore::add(const Score& score) {
   ++frames_;
-  std::size_t k = 0;
-  for (const Score& light : score.lights) {
-    if (k == lights_.size()) lights_.emplace_back();
-    add(lights_[k++], light);
-  }
-  add(whole_, score.whole);
-  errors_ = score.errors;
-}
-
-void PathScore::add(Sum& sum, const Score& score) const {
-  add_to(sum.score.classes, score.classes);
-  add_to(sum.score.causes, score.causes);
-  add_to(sum.score.cause_errors, score.cause_errors, share_);
+  sum_.kind = score.kind;
+  add_to(sum_.classes, score.classes);
+  add_to(sum_.causes, score.causes);
+  add_to(sum_.cause_errors, score.cause_errors, share_);
   for (const auto& [metric, value] : score.metrics) {
-    auto& [total, count] = sum.metrics[metric];
+    auto& [total, count] = metrics_[metric];
     if (!value) continue;
     total += *value;
     ++count;
   }
 }
 
-Score PathScore::mean(const Sum& sum) const {
+Score PathScore::score() const {
   constexpr std::string_view between_frames = "instability";  // has no value at the first frame
-  Score mean = sum.score;
-  for (const auto& [metric, total] : sum.metrics) {
+  Score mean = sum_;
+  for (const auto& [metric, total] : metrics_) {
     const auto& [value, count] = total;
     const int due = metric == between_frames && frames_ > 1 ? frames_ - 1 : frames_;
     mean.metrics[metric] = count == due ? std::optional(value / count) : std::nullopt;
   }
   return mean;
-}
-
-RowScore PathScore::score() const {
-  RowScore result{.lights = {}, .whole = mean(whole_), .errors = errors_};
-  for (const Sum& sum : lights_) result.lights.push_back(mean(sum));
-  return result;
 }
 
 }  // namespace gnomon

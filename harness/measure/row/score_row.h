@@ -5,6 +5,7 @@ namespace gnomon {
 
 /// What a mask is worth: that of one light, or those of a row's lights together.
 struct Score {
+  AnswerKind kind = AnswerKind::binary;  ///< of the reference
   Metrics metrics;
   std::map<std::string, std::uint64_t> classes;
   /// Nothing where causes were not looked for.
@@ -26,30 +27,21 @@ RowScore score(const MeasuredRow& row, const Scene& scene, const MeasuredRow* be
 /// one.
 std::optional<Record::ReferenceFacts> reference_facts(const Answer& answer, const AreaTarget& target);
 
-/// Puts it into a record whose lights are described: metrics against its headline truth.
-void put_score(Record& record, const RowScore& score);
+/// Puts scores into a record whose lights are described: metrics against its headline truth. There is one for each light.
+void put_score(Record& record, std::span<const Score> lights, const Score& whole);
+inline void put_score(Record& record, const RowScore& score) { put_score(record, score.lights, score.whole); }
 
-/// A row on a path is measured at each of its frames: metrics are means, classes and causes sums. A mean is there where every
-/// frame has the metric (instability: every frame but the first), for one over some frames would be another quantity in every
-/// row.
+/// The score of a path of so many frames: metrics are means, classes and causes sums. A mean is there where every frame has the
+/// metric (instability: every frame but the first), for one over some frames would be another quantity in every row.
 class PathScore {
  public:
   explicit PathScore(int frames) : share_(1 / static_cast<double>(frames)) {}
-  void add(const RowScore& score);
-  RowScore score() const;
+  void add(const Score& score);
+  Score score() const;
 
  private:
-  /// Of metrics the sum, and how many frames had a value.
-  struct Sum {
-    Score score;
-    std::map<std::string, std::pair<double, int>, std::less<>> metrics;
-  };
-  void add(Sum& sum, const Score& score) const;
-  Score mean(const Sum& sum) const;
-
-  std::vector<Sum> lights_;
-  Sum whole_;
-  ErrorCounts errors_;  ///< of the last frame
+  Score sum_;                                                           ///< but for metrics
+  std::map<std::string, std::pair<double, int>, std::less<>> metrics_;  ///< sums, and of how many frames that have a value
   double share_;
   int frames_ = 0;
 };

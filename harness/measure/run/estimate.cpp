@@ -193,7 +193,7 @@ std::vector<RowCost> shipped_costs() {
         // A machine of the same make is another one.
         costs.back().machine = fmt::format("results/{}: {}", file.parent_path().filename().string(), costs.back().machine);
       }
-    } catch (const Error&) {  // of a newer version: an estimate can do without
+    } catch (const Error&) {  // of another version: an estimate can do without
     }
   if (fs::is_directory(kept.parent_path(), none)) try {  // who only asks for a price leaves no folder behind
       write_file(kept, stamp + '\n' + lines_of(costs));

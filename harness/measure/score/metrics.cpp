@@ -105,8 +105,6 @@ std::optional<double> radiosity_error(const Scoring& scoring) {
   return whole > 0 ? std::optional(std::sqrt(std::max(excess, 0.0) / whole)) : std::nullopt;
 }
 
-bool is_soft(const Scoring& s) { return s.evidence().kind == AnswerKind::fraction; }
-
 /// Mean over T of |values[i] - of[i]|; nothing where `values` is empty.
 std::optional<double> mean_over_tested(const Scoring& s, std::span<const float> values, std::span<const float> of) {
   const Evidence& e = s.evidence();

@@ -29,6 +29,7 @@ std::map<std::string, double> cause_errors(const Evidence& evidence) {
 std::string causes_obstacle(const Record& record) {
   const std::string then = context_text(record, "frames"), now = fmt::format("{}", frame_version());
   if (then == now) return {};
+  if (then.empty()) return "the record does not say on which references they were found";
   return fmt::format("they were found on references of version {}, today's are of version {}", then, now);
 }
 

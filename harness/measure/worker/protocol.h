@@ -285,7 +285,7 @@ struct TraceRequest {
   double error = 0;  ///< AreaTarget
   std::uint32_t cap = 0;
   int subpixel_bits = usual_subpixel_bits, global_samples = 0;
-  std::string done = {};  ///< file of a SharedCount of the pixels that are through; it may be missing
+  std::string done = {};  ///< file of a SharedCount of the pixels that are through; the file may be missing
   using Reply = Done;
 };
 void for_each_field(MaybeConst<TraceRequest> auto& request, const auto& use) {

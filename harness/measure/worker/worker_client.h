@@ -71,7 +71,7 @@ struct MaskReply {
   std::vector<float> mask;  ///< 1 lit, 0 umbra; one a pixel of the frame, of several lights one after the other
   Counts counts;
   std::uint64_t peak_bytes = 0;  ///< largest resident memory of the worker so far
-  std::string maker;             ///< Technique::maker
+  std::string maker;             ///< WorksElsewhere::maker
 };
 
 /// One worker, asked and answered in types: load, go to a frame, do stages, read what came out. Calls wait for their answer and

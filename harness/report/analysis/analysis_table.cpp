@@ -22,9 +22,9 @@ std::vector<std::string> analysis_kinds() {
   return names;
 }
 
-std::string error_heading(AnswerKind lighting) {
+std::string error_heading(AnswerKind answer) {
   static constexpr std::string_view headings[] = {"wrong", "mean error", "light error"};
-  return std::string(headings[static_cast<std::size_t>(lighting)]);
+  return std::string(headings[static_cast<std::size_t>(answer)]);
 }
 
 Column quantity_column(const std::string& quantity, const LightCounts& lights) {

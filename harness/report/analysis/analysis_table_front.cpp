@@ -13,7 +13,7 @@ namespace {
 std::string field_heading(const Field& field, std::span<const Place> places, bool is_mixed) {
   if (field.place) return title(*field.place, places);
   return fmt::format("over all {} places{} that these settings finished: mean error, geometric mean cost", field.places,
-                     is_mixed ? lights_text(field.lighting) : "");
+                     is_mixed ? lights_text(field.answer) : "");
 }
 
 /// The column of a cost in milliseconds or bytes.
@@ -91,8 +91,7 @@ Layout table_of(std::span<const Field> fields, std::string title, std::vector<Co
   std::vector<Place> places;
   for (const Field& field : fields)
     if (field.place) places.push_back(*field.place);
-  const bool is_mixed =
-      std::ranges::any_of(fields, [&](const Field& field) { return field.lighting != fields.front().lighting; });
+  const bool is_mixed = std::ranges::any_of(fields, [&](const Field& field) { return field.answer != fields.front().answer; });
   for (const Field& field : fields) {
     table.groups.push_back({.heading = field_heading(field, places, is_mixed)});
     table.notes.insert(table.notes.end(), field.notes.begin(), field.notes.end());

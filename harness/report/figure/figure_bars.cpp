@@ -37,8 +37,8 @@ struct Bars {
   }
 };
 
-/// The settings of the finished rows for which `has` is true, over the places that all of them share: those of each AnswerKind
-/// in turn, where a setting of several has a bar for each.
+/// The settings of the finished rows for which `has` is true, over the places that all of them share: those of each kind of
+/// answer in turn, where a setting of several has a bar for each.
 Bars bars_of(std::span<const Record> records, auto has) {
   Bars bars;
   for (const AnswerKind of : all_answer_kinds) {

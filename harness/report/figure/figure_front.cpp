@@ -59,7 +59,7 @@ class FrontPanel {
 
 LightCounts lights_of(const Field& field) {
   LightCounts lights;
-  lights.add(field.lighting);
+  lights.add(field.answer);
   return lights;
 }
 
@@ -169,7 +169,7 @@ void FrontPanel::set_axes(FigureScript& script, bool is_only) const {
 
 /// Over which places, where there are two panels.
 std::string title_of(const Field& field, std::span<const Place> places) {
-  return field.place ? title(*field.place, places) : fmt::format("{} places{}", field.places, lights_text(field.lighting));
+  return field.place ? title(*field.place, places) : fmt::format("{} places{}", field.places, lights_text(field.answer));
 }
 
 }  // namespace

@@ -28,14 +28,14 @@ constexpr std::string_view dispensable[] = {"displacement_p95",     "displacemen
                                             "penumbra_shift",       "contact_hardening", "causes",
                                             "penumbra_width_ratio", "build_ms",          "bytes"};
 
-/// The rows of one AnswerKind, and what stands below their table of where they were made.
+/// The rows of one kind of answer, and what stands below their table of where they were made.
 struct Part {
   std::vector<Record> records;
   Remarks provenance = {};
 };
 
-/// Rows of each AnswerKind are judged by other numbers: people read them in tables of their own. The last one says where all
-/// were made.
+/// Rows of each kind of answer are judged by other numbers: people read them in tables of their own. The last one says where
+/// all were made.
 std::vector<Part> parts_of(std::span<const Record> records) {
   std::vector<Part> parts;
   for (const AnswerKind of : all_answer_kinds) {

@@ -40,11 +40,11 @@ TEST(soft_rows, overall_means_are_of_one_kind_of_light) {
   ASSERT_EQ(fields.size(), 6u) << "four places, and two over all";
   const std::vector<const Field*> over = overall_fields(fields);
   ASSERT_EQ(over.size(), 2u);
-  EXPECT_FALSE(over[0]->place || over[0]->lighting != AnswerKind::binary);
+  EXPECT_FALSE(over[0]->place || over[0]->answer != AnswerKind::binary);
   ASSERT_EQ(over[0]->candidates.size(), 2u);
   EXPECT_DOUBLE_EQ(over[0]->candidates[0].error, 0.1);
   EXPECT_EQ(over[0]->candidates[0].floor, std::nullopt);
-  EXPECT_TRUE(!over[1]->place && over[1]->lighting == AnswerKind::fraction);
+  EXPECT_TRUE(!over[1]->place && over[1]->answer == AnswerKind::fraction);
   ASSERT_EQ(over[1]->candidates.size(), 2u);
   EXPECT_EQ(over[1]->candidates[0].setting, "soft");
   EXPECT_DOUBLE_EQ(over[1]->candidates[1].error, 0.03);

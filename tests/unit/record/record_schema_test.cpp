@@ -21,7 +21,7 @@ TEST(record, another_schema_is_refused_with_what_to_do) {
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("schema_2.jsonl:1: schema = 2 is that of an older program"), std::string::npos)
         << error.what();
-    EXPECT_NE(std::string(error.what()).find("scripts/results --convert"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("scripts/convert_records"), std::string::npos) << error.what();
   }
 }
 

@@ -232,9 +232,10 @@ TEST(record, wrong_field_is_named_with_its_value_and_what_is_allowed) {
   EXPECT_EQ(message("technique", nullptr), "technique is missing");
   EXPECT_EQ(message("schema", 99), "schema = 99 is that of a newer program, this one reads 3");
   EXPECT_EQ(message("schema", 2),
-            "schema = 2 is that of an older program, this one reads 3: run the rows again, or convert the folder with "
-            "scripts/results --convert");
+            "schema = 2 is that of an older program, this one reads 3: run the rows again, or, of schema 2, convert the folder "
+            "with scripts/convert_records");
   EXPECT_EQ(message("lights", Json::array()), "lights = [] is not an array of one light or more");
+  EXPECT_EQ(message("answer", "fraction"), "answer = fraction is not binary, that of its lights");
   EXPECT_EQ(message("answer", "soft"), "answer = \"soft\" is not one of binary, fraction, received");
   EXPECT_EQ(message("stages", {{"build", {{"x"}}}}), "stages.build = \"x\" is not a number");
   EXPECT_EQ(message("gl", {{"upload_ms", true}}), "gl.upload_ms = true is not a number");
