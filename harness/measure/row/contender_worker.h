@@ -11,9 +11,8 @@ struct RowFrame {
   std::size_t view = 0;
   int width = 0, height = 0;
   std::optional<Path> path;
-  int number = 0;  ///< on the path
-  int global_samples =
-      0;  ///< light paths of a pixel of the reference that pictures of all light are compared with; 0: none are
+  int number = 0;          ///< on the path
+  int global_samples = 0;  ///< light paths of a pixel of the reference of pictures of all light; 0: none are asked for
 
   int count() const { return path ? path->frame_count : 1; }  ///< frames of the row
 };

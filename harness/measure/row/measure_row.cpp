@@ -71,6 +71,7 @@ class RowMeasurement {
   }
 
  private:
+  /// Metrics against the other truth, its masks, and which of their pixels are right, for causes.
   void add_other_truth() {
     MeasuredRow other = now_;
     take_answers(other, nullptr);

@@ -76,7 +76,7 @@ Evidence MeasuredRow::evidence(const Scene& scene) const {
 }
 
 void put_together(MeasuredRow& row, const Scene& scene) {
-  if (&row.lights.front() == &row.lights.back()) return;
+  if (&row.lights.front() == &row.lights.back()) return;  // one light is its row
   std::vector<Evidence> lights;
   for (const MeasuredLight& light : row.lights) lights.push_back(light.answer.evidence(scene, light.light));
   row.together = together(lights);

@@ -55,8 +55,8 @@ void for_each_field(MaybeConst<ProtocolRequest::Reply> auto& reply, const auto& 
 struct WorkerGl {
   std::string renderer, version;
   int subpixel_bits = usual_subpixel_bits;
-  std::optional<Json> card =
-      {};  ///< how it does at the load: name, driver, graphics_mhz, power_w and so on; nothing: nobody knows
+  /// How the card does at the load: name, driver, graphics_mhz, power_w and so on; nothing where nobody knows.
+  std::optional<Json> card = {};
 };
 void for_each_field(MaybeConst<WorkerGl> auto& gl, const auto& use) {
   use("renderer", gl.renderer);
