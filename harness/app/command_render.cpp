@@ -9,6 +9,7 @@
 #include "measure/paths.h"
 #include "measure/picture/detail_export.h"
 #include "measure/picture/picture.h"
+#include "measure/record/scene_place.h"
 #include "measure/row/measure_row.h"
 #include "measure/run/jobs.h"
 #include "measure/scene/load.h"
@@ -159,6 +160,7 @@ class Rendering {
     if (support.kind() == Support::Kind::approximate) print_notice("note: {}: {}\n", job.light, support.why());
     Record record = start_record(job, suite_, &run_.scene, context_);
     record.context["scene_hash"] = run_.frames.scene_hash(job.lights);
+    if (const auto path = path_to_scene(options_.out, job.scene)) record.context["scene_file"] = *path;
     record.support = support.kind();
     record.reason = support.why();
     const ContenderWorker::SetupTime setup = worker_.setup_time();

@@ -118,6 +118,7 @@ int run(RunCommand& options, const Program& program) {
     run_options.out = timed_folder(run_options.suite.name);
   }
   SceneLibrary library;
+  if (run_options.resume) use_recorded_scenes(run_options.out, run_options.suite, library);
   if (options.dry_run) {
     print_rows(run_options, library);
     return 0;

@@ -203,9 +203,10 @@ class Hostile(ProgramTest):
             mesh = self.write(name, head + body)
             self.refuse_at_once("render", "--scene", mesh, "--technique", "unshadowed", "--out", "out",
                                 says=[name, "18446744073709551615", "truncated"])
-        lists = self.write("lists.ply", b"ply\nformat binary_little_endian 1.0\nelement face 2\nproperty list uint double v\n"
-                           b"end_header\n" + b"\xff\xff\xff\xff" + b"0" * 8)
-        self.refuse_at_once("render", "--scene", lists, "--technique", "unshadowed", "--out", "out", says=["lists.ply", "truncated"])
+        for name, element, says in [("lists.ply", b"tag", "truncated"), ("faces.ply", b"face", "vertex_indices")]:
+            lists = self.write(name, b"ply\nformat binary_little_endian 1.0\nelement " + element + b" 2\nproperty list uint double v\n"
+                               b"end_header\n" + b"\xff\xff\xff\xff" + b"0" * 8)
+            self.refuse_at_once("render", "--scene", lists, "--technique", "unshadowed", "--out", "out", says=[name, says])
 
 
 if __name__ == "__main__":

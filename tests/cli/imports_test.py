@@ -7,7 +7,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import DATA, NUMBERS, ProgramTest, records, scene_toml  # noqa: E402
+from program import DATA, NUMBERS, SMALL, ProgramTest, records, scene_toml  # noqa: E402
 
 
 class Imports(ProgramTest):
@@ -39,6 +39,30 @@ class Imports(ProgramTest):
         self.assertRegex(text, r"(?m)^bounds  -4 0 -4 \.\. 4 3 4 m$")
         self.succeed("run", "--scene", "deep/scene.toml", "--technique", "embree_rays", *NUMBERS, "--out", "out")
         self.assertEqual([r["scene"] for r in records(self.dir / "out")], ["deep/scene.toml"] * 2)
+
+    def test_a_scene_is_found_again_from_anywhere(self):
+        here, project = self.dir, self.dir / "project"
+        (project / "models").mkdir(parents=True)
+        shutil.copy(DATA / "tetrahedron.ply", project / "models/t.ply")
+        (project / "scene.toml").write_text(scene_toml() + '\n[[mesh]]\nfile = "models/t.ply"\n')
+        row = ["run", "--light", "point", "--technique", "unshadowed", *SMALL, "--scene"]
+        self.dir = project
+        self.succeed(*row, "scene.toml", "--out", "runs/out")
+        self.dir = here
+        project.rename(here / "moved")
+        out = here / "moved/runs/out"
+        self.assertEqual([r["context"]["scene_file"] for r in records(out)], ["../../scene.toml"])
+        # From another folder, and under another path, it is the same scene: its row is done, and a new one has the same name.
+        text = self.succeed(*row, "moved/scene.toml", "--technique", "embree_rays", "--resume", "--out", "moved/runs/out")
+        self.assertIn("1 were done before", text)
+        self.assertEqual([r["scene"] for r in records(out)], ["scene.toml"] * 2)
+        done = self.gnomon("table", "moved/runs/out", "--rescore", "--save")
+        self.assertIn("2 rows rescored", done.stdout + done.stderr)
+        (here / "scene.toml").write_text(scene_toml(mesh='[[shape]]\nkind = "sphere"\ncenter = [0, 0, 0]\nradius = 1\n'))
+        done = self.gnomon("report", "moved/runs/out", "--out", "page.html")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertNotIn("scene", done.stdout + done.stderr)  # a note would say that it is not the one that was measured
+        self.refuse(*row, "scene.toml", "--resume", "--out", "moved/runs/out", says=["scene.toml has changed"])
 
     def test_an_import_leaves_no_process_and_no_file(self):
         self.succeed("describe", DATA / "tetrahedron.stl")

@@ -120,6 +120,7 @@ LOOSE = {
     "peak_bytes": "pages that the process had at most, also those of threads, driver, libraries, earlier rows and programs",
     "gl.upload_ms": "a time",
     "context.load_average": "what else the machine did",
+    "context.scene_file": "a path from the folder of the run",
     "context.started": "a date",
 }
 

@@ -1,6 +1,7 @@
 // The kinds of input, and where their seeds come from.
 #include <algorithm>
 #include <fstream>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -75,7 +76,13 @@ std::vector<Kind> all_kinds(const fs::path& scratch) {
     };
     if (name == "scene") add(tree_file("scenes"), "", ".toml");
     if (name == "suite") add(tree_file("bench/suites"), "", ".toml");
-    if (name == "mesh") add(data_file(""), "tetrahedron", "");
+    if (name == "mesh") {
+      add(data_file(""), "tetrahedron", "");
+      std::set<fs::path> cases;  // in order
+      for (const fs::directory_entry& folder : fs::directory_iterator(data_file("cases"))) cases.insert(folder.path());
+      for (const fs::path& folder : cases)
+        for (const char* ending : {".obj", ".ply", ".off", ".stl", ".gltf", ".glb"}) add(folder, "", ending);
+    }
     if (name == "records") add(data_file("records"), "", ".jsonl");
     for (const fs::path& file : files)
       if (file.extension() != ".repeat") kinds[k].seeds.push_back(read_input(file, k));  // recipes are long: only replayed

@@ -27,7 +27,7 @@ Scene small_scene() {
 }
 
 std::string small_answer() {
-  importing::ImportedFile file;
+  importing::MeshFile file;
   file.meshes.push_back({.name = "m",
                          .has_color = true,
                          .positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}},

@@ -28,7 +28,7 @@ Outcome read_mesh(const fs::path& file, const std::string&) {
 
 Outcome read_answer_of_importer(const fs::path& file, const std::string& bytes) {
   Scene scene;
-  importing::add_imported(file.string() + ".gltf", std::as_bytes(std::span(bytes)), {}, {}, scene);
+  importing::add_imported(file.string() + ".gltf", std::as_bytes(std::span(bytes)), {}, scene);
   finish_scene(scene, file.string());
   add_framing(scene);
   return Outcome::accepted;

@@ -10,6 +10,7 @@
 #include "measure/part_file.h"
 #include "measure/paths.h"
 #include "measure/record/origin.h"
+#include "measure/record/scene_place.h"
 #include "measure/scene/blob.h"
 
 namespace gnomon {
@@ -179,7 +180,12 @@ std::size_t write_merge(const Merge& merge, const fs::path& out, const std::func
     std::map<std::string, const MergedRow*> owners;
     std::size_t missing = 0;
     for (const MergedRow& row : merge.rows) {
-      lines += record_line(row.record);
+      Record record = row.record;
+      if (context_text(record, "scene_file").size() > 0) {  // it led there from another folder
+        const auto path = path_to_scene(target, scene_reference(record, row.folder));
+        record.context["scene_file"] = path ? Json(*path) : Json();
+      }
+      lines += record_line(record);
       for (const std::string& name : pictures(row.record)) {
         require_inside(name, row);
         if (const auto [owner, is_new] = owners.try_emplace(name, &row); !is_new)

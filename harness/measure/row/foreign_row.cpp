@@ -8,6 +8,7 @@
 
 #include "measure/cause/causes.h"
 #include "measure/paths.h"
+#include "measure/record/scene_place.h"
 #include "measure/record/title.h"
 #include "measure/scene/blob.h"
 #include "measure/worker/machine_context.h"
@@ -147,6 +148,7 @@ void add_foreign_rows(const fs::path& out, const Scene& scene, std::vector<Forei
     const auto known = std::ranges::find(records, row.record.job, &Record::job);
     row.record.suite = known == records.end() ? suite : known->suite;
     row.record.place = known == records.end() ? place++ : known->place;
+    if (const auto path = path_to_scene(out, row.record.scene)) row.record.context["scene_file"] = *path;
     write_mask(row.record, row.scored.measured, out);
     write_pictures(row.record, scene, row.scored.measured, out);
     if (known == records.end())

@@ -8,6 +8,7 @@
 
 #include "measure/paths.h"
 #include "measure/picture/picture.h"
+#include "measure/record/scene_place.h"
 #include "measure/row/kept_row.h"
 #include "measure/row/score_row.h"
 #include "measure/scene/load.h"
@@ -26,9 +27,9 @@ struct SceneToday {
   std::unique_ptr<FrameStore> frames;
   std::string missing;
 
-  SceneToday(const std::string& reference, Progress& progress) {
+  SceneToday(const std::string& reference, const std::string& place, Progress& progress) {
     try {
-      scene = load_scene(reference);
+      scene = load_scene(place);
       frames = std::make_unique<FrameStore>(*scene, cache_root() / "frames",
                                             std::make_unique<FrameWorker>(fs::path(), "", shown_on(progress, reference)));
     } catch (const Error& problem) {
@@ -152,7 +153,7 @@ RescoreSummary rescore(std::vector<Record>& records, const fs::path& dir, Progre
 
   progress.expect(static_cast<double>(count));
   for (auto& [scene, scene_records] : scenes) {
-    SceneToday today(scene, progress);
+    SceneToday today(scene, scene_reference(*scene_records.front(), dir), progress);
     std::map<std::string, std::size_t> obstacles, losses;
     for (Record* record : scene_records) {
       progress.step(full_title(*record));

@@ -21,7 +21,8 @@ const SceneLibrary::Entry& SceneLibrary::get(const std::string& reference) {
   if (!entry) {
     auto fresh = std::make_unique<Entry>();
     try {
-      fresh->scene = load_scene(reference);
+      const auto place = places_.find(reference);
+      fresh->scene = load_scene(place == places_.end() ? reference : place->second);
     } catch (const SceneNotFetched& missing) {
       fresh->missing = missing.what();
     }

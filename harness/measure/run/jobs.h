@@ -32,10 +32,13 @@ class SceneLibrary {
     std::string missing;  ///< why there is no scene: it is not fetched
   };
   const Entry& get(const std::string& reference);
+  /// From now on the scene of this name is read from another place, as load_scene takes it; the first one told counts.
+  void read_from(const std::string& reference, const std::string& place) { places_.emplace(reference, place); }
   void forget(const std::string& reference) { entries_.erase(reference); }
 
  private:
   std::map<std::string, std::unique_ptr<Entry>> entries_;
+  std::map<std::string, std::string> places_;
 };
 
 struct SuiteJobs {

@@ -5,8 +5,10 @@
 
 #include "measure/program/plugin_facts.h"
 #include "measure/record/origin.h"
+#include "measure/record/scene_place.h"
 #include "measure/run/run.h"
 #include "measure/scene/blob.h"
+#include "measure/scene/load.h"
 #include "measure/worker/machine_context.h"
 
 namespace gnomon {
@@ -61,6 +63,23 @@ std::vector<std::string> changes(std::span<const Record> kept, const Record& now
 
 }  // namespace
 
+void use_recorded_scenes(const fs::path& out, Suite& suite, SceneLibrary& library) {
+  if (!fs::exists(records_file(out))) return;
+  std::map<std::string, std::string> recorded;  // name as written then, by the path of the file
+  std::error_code code;
+  for (const Record& record : read_records(out))
+    if (!context_text(record, "scene_file").empty())
+      recorded.emplace(fs::weakly_canonical(scene_reference(record, out), code).string(), record.scene);
+  for (SuiteGroup& group : suite.groups)
+    for (std::string& scene : group.scenes) {
+      if (!names_file(scene)) continue;
+      const auto known = recorded.find(fs::weakly_canonical(scene, code).string());
+      if (known == recorded.end() || known->second == scene) continue;
+      library.read_from(known->second, scene);
+      scene = known->second;
+    }
+}
+
 Earlier earlier_rows(const RunOptions& options, SceneLibrary& library, std::span<const Job> suite, std::span<const Job> jobs) {
   Earlier earlier;
   if (!fs::exists(records_file(options.out))) return earlier;
@@ -74,6 +93,7 @@ Earlier earlier_rows(const RunOptions& options, SceneLibrary& library, std::span
   std::map<std::pair<std::string, std::string>, std::string> hashes;  // by scene and light
   for (Record& record : read_records(options.out)) {
     const bool is_of_run = !is_foreign(record);
+    library.read_from(record.scene, scene_reference(record, options.out));
     const SceneLibrary::Entry& entry = library.get(record.scene);
     const std::string then = context_text(record, "scene_hash");
     const bool is_of_other_plugin = is_of_run && has_other_plugin(record);

@@ -7,6 +7,7 @@
 
 #include "measure/paths.h"
 #include "measure/pattern.h"
+#include "measure/record/scene_place.h"
 #include "measure/run/batch.h"
 #include "measure/run/estimate.h"
 #include "measure/scene/blob.h"
@@ -84,6 +85,7 @@ void run_rows(std::vector<PendingRow> rows, const RowsPlan& plan, Progress& prog
         if (run) {
           row.record.context["scene_hash"] = run->frames.scene_hash(row.job.lights);
           row.record.context["frames"] = frame_version();
+          if (const auto path = path_to_scene(plan.sides[row.side].out, scene)) row.record.context["scene_file"] = *path;
         } else {
           row.record.status = Status::unsupported;
           row.record.reason = entry.missing;

@@ -37,6 +37,10 @@ struct Earlier {
   std::vector<std::string> notes;  ///< what a reader of the table should know: other processors, other numbers of threads
 };
 
+/// Scenes of the suite that records in the folder know by another path to the same file get the name that these have, so that a
+/// run may go on from any folder.
+void use_recorded_scenes(const std::filesystem::path& out, Suite& suite, SceneLibrary& library);
+
 /// Reads options.out; nothing where there are no records. A scene that was not fetched then and is now is run, and its old row
 /// goes; so does a failed row of `jobs` when failed ones are to be tried again, and one of `jobs` whose plugin was built anew.
 /// Rows that cannot stand in one table with new ones are an Error: of a scene that has changed since, of another commit, of a

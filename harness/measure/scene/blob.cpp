@@ -51,9 +51,13 @@ std::vector<std::byte> scene_bytes(const Scene& scene) {
 
 std::string scene_hash(const Scene& scene, std::span<const std::string> lights) {
   const auto is_other = [&](const Light& one) { return has_area(one) && std::ranges::find(lights, one.name) == lights.end(); };
-  if (std::ranges::none_of(scene.lights, is_other)) return content_hash(scene_bytes(scene));
+  const auto has_dropped = [](const Mesh& mesh) { return mesh.facts.degenerate_count > 0; };
+  if (scene.notes.empty() && std::ranges::none_of(scene.lights, is_other) && std::ranges::none_of(scene.meshes, has_dropped))
+    return content_hash(scene_bytes(scene));
   Scene known = scene;
   std::erase_if(known.lights, is_other);
+  known.notes.clear();
+  for (Mesh& mesh : known.meshes) mesh.facts.degenerate_count = 0;
   return content_hash(scene_bytes(known));
 }
 

@@ -16,8 +16,9 @@ std::string content_hash(const std::string& text);
 
 /// A scene as bytes, with everything that a technique or the scoring can see; equal scenes give equal bytes.
 std::vector<std::byte> scene_bytes(const Scene& scene);
-/// What a record knows the scene by that lights of these names lit of: the hash of everything but the other lights with area,
-/// so that a scene which gains such a light keeps its records.
+/// What a record knows the scene by that lights of these names lit: the hash of everything that can be seen or lit. It leaves
+/// out what the loader said of the file (notes, dropped triangles), and the other lights with area, so that a scene which gains
+/// such a light keeps its records.
 std::string scene_hash(const Scene& scene, std::span<const std::string> lights);
 inline std::string scene_hash(const Scene& scene, const Light& light) { return scene_hash(scene, {&light.name, 1}); }
 /// The inverse of scene_bytes. Throws Error on bytes of another layout.

@@ -1,14 +1,14 @@
-// Imports a mesh file: a child process reads it with assimp, because importers crash on damaged files; this side believes
-// nothing it is told, and places, rounds and triangulates itself.
+// Imports a mesh file: a child process reads it, because importers crash on damaged files; this side believes nothing it is
+// told, and places, rounds and triangulates itself.
 #include "measure/scene/import.h"
 
 #include <algorithm>
-#include <assimp/Importer.hpp>
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <numbers>
 
 #include "measure/paths.h"
@@ -70,66 +70,100 @@ std::vector<std::byte> ask_child(const fs::path& file) {
   return output_of_fork(name, [&](int out_fd) { return import_child_main(name, out_fd); });
 }
 
-void check_counts(const fs::path& file, const ImportedFile& raw, const DeclaredCounts& declared) {
-  std::size_t vertex_count = 0, face_count = 0;
-  for (const ImportedMesh& mesh : raw.meshes) {
-    vertex_count += mesh.positions.size();
-    face_count += mesh.corner_counts.size();
+/// How far numbers reach, and whether steps between those that float32 keeps can be seen.
+struct Reach {
+  double farthest = 0;
+  glm::dvec3 low{std::numeric_limits<double>::max()}, high{std::numeric_limits<double>::lowest()};
+  bool is_float = true;  ///< whether all are numbers of float32 already
+  void add(const glm::dvec3& p) {
+    const glm::dvec3 size = glm::abs(p);
+    farthest = std::max({farthest, size.x, size.y, size.z});
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+    is_float = is_float && glm::dvec3(glm::vec3(p)) == p;
   }
-  const auto compare = [&](const char* what, std::optional<std::size_t> promised, std::size_t found) {
-    if (promised && *promised != found)
-      throw Error("{}: declares {} {} but holds {}; it is truncated or damaged", file.string(), *promised, what, found);
-  };
-  compare("vertices", declared.vertex_count, vertex_count);
-  compare("faces", declared.face_count, face_count);
-}
+  double step() const { return farthest * std::numeric_limits<float>::epsilon() / 2; }
+  bool is_coarse() const {
+    constexpr double parts = 4096;  // a picture is not much wider
+    return step() * parts > std::max({high.x - low.x, high.y - low.y, high.z - low.z});
+  }
+};
 
 /// What the scene's notes say of a file, counted over its meshes.
 struct NoteCounts {
-  std::size_t points_and_lines = 0, self_crossing_polygons = 0;  ///< faces: left out, split as fans
-  std::size_t textured = 0, transparent = 0;                     ///< triangles
+  std::size_t short_faces = 0, self_crossing_polygons = 0;  ///< left out, split as fans
+  std::size_t textured = 0, transparent = 0;                ///< triangles
+  Reach raw, placed;
 };
+
+/// Which vertices the faces of a mesh use. Throws Error on a face that names none, or has too many corners.
+std::vector<bool> used_vertices(const std::string& where, const ImportedMesh& raw) {
+  std::vector<bool> used(raw.positions.size());
+  std::span<const std::uint32_t> corners = raw.corners;
+  for (std::size_t f = 0; f < raw.corner_counts.size(); ++f) {
+    const std::size_t count = raw.corner_counts[f];
+    if (count > most_corners) throw Error("{}, face {}: has {} corners; at most {} are taken", where, f, count, most_corners);
+    if (count > corners.size()) throw Error("{}, face {}: {} corners are announced, {} there", where, f, count, corners.size());
+    for (const std::uint32_t corner : corners.first(count)) {
+      if (corner >= used.size())
+        throw Error("{}, face {}: vertex index {} is outside 0 .. {}", where, f, corner, std::int64_t(used.size()) - 1);
+      if (count >= 3) used[corner] = true;
+    }
+    corners = corners.subspan(count);
+  }
+  return used;
+}
+
+/// Places the vertices that faces use, and welds them: readers may repeat a vertex for every face; one position becomes one
+/// vertex again. Returns the place in `mesh` of each vertex of the file.
+std::vector<std::uint32_t> place_vertices(const std::string& where, const ImportedMesh& raw, const Placement& placement,
+                                          NoteCounts& counts, Mesh& mesh) {
+  const std::vector<bool> used = used_vertices(where, raw);
+  std::vector<glm::vec3> positions(raw.positions.size());
+  std::vector<std::uint8_t> wanted(raw.positions.size());
+  for (std::size_t v = 0; v < raw.positions.size(); ++v) {
+    wanted[v] = used[v];
+    if (!used[v]) continue;
+    const glm::dvec3& p = raw.positions[v];
+    const glm::dvec3 placed = placement.apply(glm::dvec3(raw.world_from_mesh * glm::dvec4(p, 1)));
+    if (!is_sound(p) || !is_sound(placed))
+      throw Error("{}, vertex {}: position = ({}, {}, {}) is outside {}", where, v, p.x, p.y, p.z, coordinate_range);
+    positions[v] = placed;
+    counts.raw.add(p);
+    counts.placed.add(placed);
+  }
+  std::vector<std::uint32_t> welded = weld(positions, wanted);
+  for (std::uint32_t v = 0; v < welded.size(); ++v) {
+    if (!used[v]) continue;
+    const bool is_new = welded[v] == v;
+    welded[v] = is_new ? static_cast<std::uint32_t>(mesh.positions.size()) : welded[welded[v]];
+    if (is_new) mesh.positions.push_back(positions[v]);
+  }
+  return welded;
+}
 
 /// Checks, places, welds and triangulates one mesh.
 Mesh convert(const fs::path& file, const ImportedMesh& raw, const Placement& placement, NoteCounts& counts) {
   Mesh mesh;
   mesh.name = raw.name.empty() ? file.stem().string() : raw.name;
-  const std::string where = fmt::format("{}: mesh '{}'", file.string(), mesh.name);
   const auto is_share = [](float x) { return x >= 0 && x <= 1; };
   if (raw.has_color && is_share(raw.color.r) && is_share(raw.color.g) && is_share(raw.color.b)) mesh.albedo = raw.color;
+  const std::string where = fmt::format("{}: mesh '{}'", file.string(), mesh.name);
+  const std::vector<std::uint32_t> welded = place_vertices(where, raw, placement, counts, mesh);
 
-  // Importers repeat a vertex for every face; one position becomes one vertex again.
-  std::vector<glm::vec3> positions;
-  positions.reserve(raw.positions.size());
-  for (const glm::vec3& p : raw.positions) {
-    const glm::dvec3 placed = placement.apply(glm::dvec3(raw.world_from_mesh * glm::dvec4(glm::dvec3(p), 1)));
-    if (!is_sound(p) || !is_sound(placed))
-      throw Error("{}, vertex {}: position = ({}, {}, {}) is outside {}", where, positions.size(), p.x, p.y, p.z,
-                  coordinate_range);
-    positions.emplace_back(placed);
-  }
-  std::vector<std::uint32_t> welded = weld(positions);
-  for (std::uint32_t v = 0; v < welded.size(); ++v) {
-    const bool is_new = welded[v] == v;
-    welded[v] = is_new ? static_cast<std::uint32_t>(mesh.positions.size()) : welded[welded[v]];
-    if (is_new) mesh.positions.push_back(positions[v]);
-  }
-
-  std::span<const std::uint32_t> corners = raw.corners;
+  auto corner = raw.corners.begin();
   std::vector<std::uint32_t> face;
-  for (std::size_t f = 0; f < raw.corner_counts.size(); ++f) {
-    const std::size_t count = raw.corner_counts[f];
-    if (count > most_corners) throw Error("{}, face {}: has {} corners; at most {} are taken", where, f, count, most_corners);
-    if (count > corners.size()) throw Error("{}, face {}: {} corners are announced, {} there", where, f, count, corners.size());
+  for (const std::uint32_t count : raw.corner_counts) {
     face.clear();
-    for (const std::uint32_t corner : corners.first(count)) {
-      if (corner >= welded.size())
-        throw Error("{}, face {}: vertex index {} is outside 0 .. {}", where, f, corner, std::int64_t(welded.size()) - 1);
-      face.push_back(welded[corner]);
+    for (std::uint32_t k = 0; k < count; ++k) face.push_back(welded[*corner++]);
+    if (count < 3) {
+      ++counts.short_faces;
+      continue;
     }
-    corners = corners.subspan(count);
-    if (count < 3) ++counts.points_and_lines;
+    const std::size_t before = mesh.triangles.size();
     if (!triangulate(mesh.positions, face, mesh.triangles)) ++counts.self_crossing_polygons;
+    // Corners that fell together took triangles with them; what stands for these is dropped, and counted, with all of no area.
+    mesh.triangles.resize(std::max(mesh.triangles.size(), before + count - 2), glm::uvec3(face[0]));
   }
   if (raw.has_texture) counts.textured += mesh.triangles.size();
   if (raw.is_transparent) counts.transparent += mesh.triangles.size();
@@ -172,6 +206,9 @@ void add_camera(const fs::path& file, const ImportedCamera& raw, const Placement
                          .fov_y_degrees = static_cast<float>(glm::degrees(raw.fov_y))});
 }
 
+/// A cone of 90 degrees, which files may have, is a half-space; ours end before it.
+constexpr float widest_spot = 89.9f;
+
 void add_light(const fs::path& file, const ImportedLight& raw, const Placement& placement, Scene& scene) {
   const glm::vec3 position(placement.apply(raw.position));
   const glm::vec3 direction(placed_direction(placement, raw.direction));
@@ -182,6 +219,13 @@ void add_light(const fs::path& file, const ImportedLight& raw, const Placement& 
                            .direction = direction,
                            .inner_degrees = static_cast<float>(glm::degrees(raw.inner)),
                            .outer_degrees = static_cast<float>(glm::degrees(raw.outer))};
+  if (auto* spot = std::get_if<SpotLight>(&light.kind);
+      spot && spot->outer_degrees >= widest_spot && spot->outer_degrees <= 90) {
+    scene.notes.push_back(fmt::format("{}: light '{}' is a spot of {:g} degrees and is read as one of {:g}",
+                                      file.filename().string(), raw.name, spot->outer_degrees, widest_spot));
+    spot->outer_degrees = widest_spot;
+    spot->inner_degrees = std::min(spot->inner_degrees, widest_spot);
+  }
   if (raw.kind == ImportedLightKind::other)
     scene.notes.push_back(fmt::format("{}: light '{}' is of no punctual kind and is left out", file.string(), raw.name));
   else
@@ -190,24 +234,19 @@ void add_light(const fs::path& file, const ImportedLight& raw, const Placement& 
 
 }  // namespace
 
-bool is_mesh_file_name(const fs::path& file) {
-  return file.has_extension() && Assimp::Importer().IsExtensionSupported(file.extension().string());
-}
+bool is_mesh_file_name(const fs::path& file) { return has_mesh_format(file); }
 
 void import_file(const fs::path& file, const Placement& placement, Scene& scene) {
   check_file(file);
-  const DeclaredCounts declared = read_declared(file);
-  add_imported(file, ask_child(file), declared, placement, scene);
+  add_imported(file, ask_child(file), placement, scene);
 }
 
-void importing::add_imported(const fs::path& file, std::span<const std::byte> answer, const DeclaredCounts& declared,
-                             const Placement& placement, Scene& scene) {
+void importing::add_imported(const fs::path& file, std::span<const std::byte> answer, const Placement& placement,
+                             Scene& scene) {
   FieldReader reader(answer, file.string() + ": the importer's answer breaks off");
-  ImportedFile raw;
+  MeshFile raw;
   visit_file(reader, raw);
-  if (!raw.failure.empty()) throw Error("{}: cannot be read: {}", file.string(), raw.failure);
-  if (!raw.complaints.empty()) throw Error("{}: {}", file.string(), raw.complaints.front());
-  check_counts(file, raw, declared);
+  if (!raw.failure.empty()) throw Error("{}", raw.failure);
 
   NoteCounts counts;
   std::size_t triangle_count = 0;
@@ -220,17 +259,24 @@ void importing::add_imported(const fs::path& file, std::span<const std::byte> an
     for (const glm::vec3& p : mesh.positions) bounds.add(p);
     scene.meshes.push_back(std::move(mesh));
   }
-  if (triangle_count == 0) throw Error("{}: has no faces", file.string());
+  if (triangle_count == 0)
+    throw Error("{}: has no faces{}", file.string(), raw.notes.empty() ? "" : "; " + joined(raw.notes, "; "));
+  const std::string name = file.filename().string();
   const auto note = [&](std::size_t count, const char* what) {
-    if (count > 0) scene.notes.push_back(fmt::format("{}: {} {}", file.filename().string(), count, what));
+    if (count > 0) scene.notes.push_back(fmt::format("{}: {} {}", name, count, what));
   };
-  note(counts.points_and_lines, "points and lines are left out");
+  for (const std::string& words : raw.notes) scene.notes.push_back(fmt::format("{}: {}", name, words));
+  note(counts.short_faces, "points and lines are left out");
   note(counts.self_crossing_polygons, "polygons cross themselves and are split as fans");
   note(counts.textured, "triangles have textures, which are not used: cut-out leaves and grids are opaque");
   note(counts.transparent, "triangles are of transparent material and stop light all the same");
+  for (const Reach* reach : {&counts.raw, &counts.placed})
+    if (reach->is_coarse() && (reach->is_float || reach == &counts.placed)) {
+      scene.notes.push_back(fmt::format("{}: coordinates lie up to {:.3g} from the origin, where float32 keeps steps of {:.2g}",
+                                        name, reach->farthest, reach->step()));
+      break;
+    }
 
-  // Only glTF says what its cameras and lights mean; other importers fill these fields by their own conventions.
-  if (const std::string extension = lower_extension(file); extension != ".gltf" && extension != ".glb") return;
   constexpr std::size_t most = 500;  // names are compared with each other
   if (std::max(raw.cameras.size(), raw.lights.size()) > most)
     throw Error("{}: has {} cameras and {} lights; at most {} are taken", file.string(), raw.cameras.size(), raw.lights.size(),

@@ -86,7 +86,8 @@ std::vector<std::byte> output_of_program(const std::string& what, const std::fil
   posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
   posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", O_WRONLY, 0);
-  std::string words[] = {program.string(), "import-mesh", std::filesystem::absolute(file).string(), "3"};
+  const std::string name = file.string();  // as it is written: errors name it so
+  std::string words[] = {program.string(), "import-mesh", name.starts_with('-') ? "./" + name : name, "3"};
   char* arguments[] = {words[0].data(), words[1].data(), words[2].data(), words[3].data(), nullptr};
   pid_t child = -1;
   const int failure = posix_spawn(&child, program.c_str(), &actions, nullptr, arguments, environ);

@@ -9,6 +9,7 @@
 #include "measure/cause/own_causes.h"
 #include "measure/paths.h"
 #include "measure/picture/shading.h"
+#include "measure/record/scene_place.h"
 #include "measure/row/kept_row.h"
 #include "measure/scene/load.h"
 #include "measure/worker/frame_worker.h"
@@ -109,7 +110,7 @@ class Collector {
     try {
       if (std::any_of(group.rows.begin(), group.rows.end(), has_mask)) {
         const Record& first = *group.rows.front().record;
-        frames_.open(first.scene);
+        frames_.open(scene_reference(first, dir_));
         for (std::size_t k = 0; k < group.rows.size(); ++k)
           if (has_mask(group.rows[k])) rows[k] = row(*group.rows[k].record);
         if (std::any_of(rows.begin(), rows.end(), [](const Json& json) { return !json.is_null(); })) {

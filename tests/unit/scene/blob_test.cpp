@@ -116,8 +116,12 @@ TEST(blob, a_light_with_area_is_no_part_of_what_other_lights_rows_know) {
   Scene hard = scene;
   std::erase_if(hard.lights, [](const Light& light) { return has_area(light); });
   ASSERT_EQ(hard.lights.size(), 3u);
+  Scene bare = hard;  // what the loader said of a file is no part of it either
+  bare.notes.clear();
+  bare.meshes[0].facts.degenerate_count = 0;
+  hard.meshes[0].facts.degenerate_count = 7;
   const Light &point = scene.lights[0], &sun = scene.lights[2], &rect = scene.lights[3], &disc = scene.lights[4];
-  EXPECT_EQ(scene_hash(hard, point), content_hash(scene_bytes(hard)));
+  EXPECT_EQ(scene_hash(hard, point), content_hash(scene_bytes(bare)));
   EXPECT_EQ(scene_hash(scene, point), scene_hash(hard, point));
   EXPECT_EQ(scene_hash(scene, sun), scene_hash(hard, point));
   EXPECT_NE(scene_hash(scene, rect), scene_hash(scene, point));

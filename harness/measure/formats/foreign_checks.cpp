@@ -1,22 +1,18 @@
-// Indices of OBJ and 3DS. Importers wrap those that no 32 bits hold, and put the last vertex in the place of one that is not
-// there.
-#include <charconv>
-#include <fstream>
+#include "measure/formats/foreign_checks.h"
 
-#include "measure/scene/import_foreign.h"
+#include "measure/formats/text_lines.h"
 
 namespace gnomon::importing {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view blanks = " \t\r\v\f";
-
-/// What follows `letter` and a blank, where the line opens so; else nothing.
-std::string_view arguments_of(char letter, std::string_view line) {
-  line.remove_prefix(std::min(line.find_first_not_of(blanks), line.size()));
-  if (line.size() < 2 || line[0] != letter || blanks.find(line[1]) == blanks.npos) return {};
-  return line.substr(1);
+/// Little-endian 32 bits at `offset`; 0 beyond the end.
+std::uint32_t word_at(std::string_view bytes, std::size_t offset) {
+  std::uint32_t word = 0;
+  for (std::size_t i = 0; i < 4 && offset + i < bytes.size(); ++i)
+    word |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[offset + i])) << (8 * i);
+  return word;
 }
 
 /// Chunks of a 3DS file: an id of 16 bits, a length of 32 that counts these six bytes too, and what the chunk holds.
@@ -69,36 +65,9 @@ void check_mesh(const std::string& where, Chunks chunks) {
     for (std::size_t k = 0; k < 3; ++k) need_vertex(where, f, word_at(faces, 8 * f + 2 * k) & 0xffff, vertex_count);
 }
 
-}  // namespace
-
-void check_obj(const fs::path& file) {
-  std::ifstream in(file);
-  long total = 0, so_far = 0, number = 0;
-  std::string line;
-  while (std::getline(in, line)) total += !arguments_of('v', line).empty();
-  in.clear();
-  in.seekg(0);
-  while (std::getline(in, line)) {
-    ++number;
-    so_far += !arguments_of('v', line).empty();
-    std::string_view words = arguments_of('f', line);
-    while (!words.empty()) {
-      words.remove_prefix(std::min(words.find_first_not_of(blanks), words.size()));
-      const std::string_view word = words.substr(0, words.find_first_of(blanks));
-      words.remove_prefix(word.size());
-      long index = 0;  // "7", "7/1", "-2//3"
-      const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), index);
-      const bool is_outside = code == std::errc{} && (index == 0 || index > total || index < -so_far);
-      if (code == std::errc::result_out_of_range || is_outside)
-        throw Error("{}:{}: face names vertex {}, out of range: allowed are 1 .. {}, or -1 .. -{} counted back", file.string(),
-                    number, word, total, so_far);
-    }
-  }
-}
-
-void check_3ds(const fs::path& file) {
-  const std::string bytes = read_bytes(file, 0, fs::file_size(file));
-  need_length(file, word_at(bytes, 2));  // the outermost chunk is the file
+void check_3ds(const fs::path& file, std::string_view bytes) {
+  if (bytes.size() < word_at(bytes, 2))  // the outermost chunk is the file
+    throw Error("{}: is {} bytes long but declares {}; it is truncated", file.string(), bytes.size(), word_at(bytes, 2));
   Chunks top(file, bytes);
   if (!top.next() || top.id() != 0x4d4d) return;  // not one that the importer knows
   for (Chunks main = top.inner(); main.next();) {
@@ -111,6 +80,15 @@ void check_3ds(const fs::path& file) {
         if (object.id() == 0x4100) check_mesh(where, object.inner());
     }
   }
+}
+
+}  // namespace
+
+void check_foreign(const fs::path& file, const ReadFile& read) {
+  const std::string extension = lower(file.extension().string());
+  if (extension == ".3ds") check_3ds(file, read(file));
+  if (extension == ".ifc" && read(file).rfind("END-ISO-10303-21;") == std::string::npos)
+    throw Error("{}: does not end in END-ISO-10303-21; it is truncated", file.string());
 }
 
 }  // namespace gnomon::importing

@@ -1,0 +1,57 @@
+// Which reader takes which file, and what the readers share.
+#include <algorithm>
+#include <assimp/Importer.hpp>
+#include <cmath>
+
+#include "measure/formats/readers.h"
+#include "measure/formats/text_lines.h"
+
+namespace gnomon::importing {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct MeshFormat {
+  std::string_view extension;
+  MeshFile (*read)(const fs::path& file, const ReadFile& read);
+};
+constexpr MeshFormat own_formats[] = {{".ply", read_ply}, {".off", read_off},   {".stl", read_stl},
+                                      {".obj", read_obj}, {".gltf", read_gltf}, {".glb", read_gltf}};
+
+const MeshFormat* own_format(const fs::path& file) {
+  const auto found = std::ranges::find(own_formats, lower(file.extension().string()), &MeshFormat::extension);
+  return found == std::end(own_formats) ? nullptr : found;
+}
+
+}  // namespace
+
+void ImportedMesh::add_face(std::span<const std::uint32_t> face) {
+  corner_counts.push_back(static_cast<std::uint32_t>(face.size()));
+  corners.insert(corners.end(), face.begin(), face.end());
+}
+
+void MeshFile::note(std::size_t count, std::string_view what) {
+  if (count > 0) notes.push_back(fmt::format("{} {}", count, what));
+}
+
+MeshFile read_mesh_file(const fs::path& file, const ReadFile& read) {
+  const MeshFormat* format = own_format(file);
+  return format ? format->read(file, read) : read_by_assimp(file, read);
+}
+
+bool has_mesh_format(const fs::path& file) {
+  return own_format(file) || (file.has_extension() && Assimp::Importer().IsExtensionSupported(file.extension().string()));
+}
+
+void need_vertex(const std::string& where, std::size_t face, double index, std::size_t vertex_count) {
+  if (!(index >= 0 && index < static_cast<double>(vertex_count) && index == std::floor(index)))
+    throw Error("{}: face {} names vertex {:.16g}, out of range: allowed are 0 .. {}", where, face, index,
+                static_cast<std::int64_t>(vertex_count) - 1);
+}
+
+void need_corners(const std::string& where, std::size_t face, double count) {
+  if (!(count >= 0 && count <= most_corners && count == std::floor(count)))
+    throw Error("{}: face {} has {:.16g} corners; a whole number is allowed, at most {}", where, face, count, most_corners);
+}
+
+}  // namespace gnomon::importing

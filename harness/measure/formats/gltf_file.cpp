@@ -1,0 +1,227 @@
+// Source: Khronos, glTF 2.0 specification (ISO/IEC 12113:2022).
+#include "measure/formats/gltf_file.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+#include "measure/formats/text_lines.h"
+
+namespace gnomon::importing {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What a file may require: extensions that are read, and those that change materials and textures alone.
+constexpr std::string_view known_extensions[] = {
+    "KHR_lights_punctual", "KHR_mesh_quantization", "EXT_mesh_gpu_instancing", "KHR_texture_transform", "KHR_texture_basisu",
+    "EXT_texture_webp",    "EXT_texture_avif",      "MSFT_texture_dds",        "KHR_animation_pointer", "KHR_xmp",
+    "KHR_xmp_json_ld"};
+constexpr std::string_view known_families[] = {"KHR_materials_"};
+
+std::uint32_t word_at(std::string_view bytes, std::size_t offset) {
+  std::uint32_t word = 0;
+  for (std::size_t k = 4; k-- > 0;) word = word << 8 | static_cast<unsigned char>(bytes[offset + k]);
+  return word;
+}
+
+}  // namespace
+
+std::string from_base64(const std::string& where, std::string_view text) {
+  std::string bytes;
+  bytes.reserve(text.size() / 4 * 3);
+  std::uint32_t bits = 0, held = 0;
+  while (text.ends_with('=')) text.remove_suffix(1);
+  for (const char c : text) {
+    const int value = c >= 'A' && c <= 'Z'                 ? c - 'A'
+                      : c >= 'a' && c <= 'z'               ? c - 'a' + 26
+                      : c >= '0' && c <= '9'               ? c - '0' + 52
+                      : c == '+' || c == '-'               ? 62
+                      : c == '/' || c == '_'               ? 63
+                      : c == ' ' || c == '\n' || c == '\r' ? -2
+                                                           : -1;
+    if (value == -2) continue;
+    if (value < 0) throw Error("{}: byte {:#04x} of its data is no base64", where, static_cast<unsigned char>(c));
+    bits = bits << 6 | static_cast<std::uint32_t>(value);
+    held += 6;
+    if (held >= 8) bytes.push_back(static_cast<char>(bits >> (held -= 8)));
+  }
+  return bytes;
+}
+
+std::string percent_decoded(std::string_view uri) {
+  std::string text;
+  const auto digit = [](char c) {
+    return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
+  };
+  for (std::size_t i = 0; i < uri.size(); ++i) {
+    if (uri[i] == '%' && i + 2 < uri.size() && digit(uri[i + 1]) >= 0 && digit(uri[i + 2]) >= 0) {
+      text.push_back(static_cast<char>(16 * digit(uri[i + 1]) + digit(uri[i + 2])));
+      i += 2;
+    } else {
+      text.push_back(uri[i]);
+    }
+  }
+  return text;
+}
+
+GltfFile::GltfFile(const fs::path& file, const ReadFile& read) : name_(file.string()) {
+  try {
+    open(file, read);
+    if (is_version_1_) return;
+    check_version();
+    if (is_version_1_) return;
+    check_extensions();
+    read_buffers(file, read);
+  } catch (const Json::exception& problem) {
+    throw Error("{}: is not sound glTF: {}", name_, complaint(problem));
+  }
+}
+
+/// GLB: "glTF", version, length; then chunks of a length, a name and so many bytes.
+void GltfFile::open(const fs::path& file, const ReadFile& read) {
+  const std::string bytes = read(file);
+  if (!bytes.starts_with("glTF")) {
+    if (lower(file.extension().string()) == ".glb") throw Error("{}: has no GLB header", name_);
+    json_ = parse_json(std::string(without_byte_order_mark(name_, bytes)));
+    return;
+  }
+  if (bytes.size() < 20) throw Error("{}: is {} bytes long; a GLB has at least 20", name_, bytes.size());
+  is_version_1_ = word_at(bytes, 4) < 2;
+  if (is_version_1_) return;
+  if (word_at(bytes, 4) > 2) throw Error("{}: is GLB of version {}; 2 is read", name_, word_at(bytes, 4));
+  const std::size_t size = word_at(bytes, 8);
+  if (bytes.size() < size) throw Error("{}: is {} bytes long but declares {}; it is truncated", name_, bytes.size(), size);
+  if (bytes.size() > size) notes_.push_back(fmt::format("{} bytes after its end are left out", bytes.size() - size));
+  std::size_t unknown = 0;
+  for (std::size_t at = 12, chunk = 0; at + 8 <= size; ++chunk) {
+    const std::size_t length = word_at(bytes, at);
+    const std::string_view kind = std::string_view(bytes).substr(at + 4, 4);
+    if (length > size - at - 8)
+      throw Error("{}: chunk {} of {} bytes ends after the file; it is truncated", name_, chunk, length);
+    const std::string_view body = std::string_view(bytes).substr(at + 8, length);
+    if (chunk == 0 && kind != "JSON") throw Error("{}: its first chunk is not JSON", name_);
+    if (chunk == 0) {
+      json_ = parse_json(std::string(body));
+    } else if (kind == std::string_view("BIN\0", 4) && !has_binary_) {
+      binary_ = body;
+      has_binary_ = true;
+    } else {
+      ++unknown;
+    }
+    at += 8 + length;
+  }
+  if (unknown > 0) notes_.push_back(fmt::format("{} chunks of another kind than JSON and BIN are left out", unknown));
+}
+
+void GltfFile::check_version() {
+  if (!json_.is_object()) throw Error("{}: is not sound glTF: its JSON is no object", name_);
+  // Version 1 need not say so, and keeps objects where 2 has lists.
+  const bool has_objects = json_.contains("nodes") && json_.at("nodes").is_object();
+  if (!json_.contains("asset") || !json_.at("asset").is_object()) {
+    is_version_1_ = has_objects;
+    if (is_version_1_) return;
+    throw Error("{}: has no 'asset' with a version; glTF 2.0 is read", name_);
+  }
+  const Json& asset = json_.at("asset");
+  const std::string version = asset.contains("version") ? plain_text(asset.at("version")) : "",
+                    least = text(asset, "minVersion");
+  is_version_1_ = version.starts_with("1.") || version == "1" || (version.empty() && has_objects);
+  if (!is_version_1_ && !version.starts_with("2.") && version != "2")
+    throw Error("{}: is glTF of version '{}'; 2.0 is read", name_, version);
+  if (!least.empty() && least != "2.0") throw Error("{}: needs a reader of glTF {} (minVersion); 2.0 is read", name_, least);
+}
+
+void GltfFile::check_extensions() const {
+  for (const Json& required : json_.value("extensionsRequired", Json::array())) {
+    const std::string extension = plain_text(required);
+    const auto opens = [&](std::string_view family) { return extension.starts_with(family); };
+    if (std::ranges::find(known_extensions, extension) == std::end(known_extensions) &&
+        std::ranges::none_of(known_families, opens))
+      throw Error("{}: requires the extension '{}', which is not read; those that are: {}", name_, extension,
+                  joined(known_extensions));
+  }
+}
+
+void GltfFile::read_buffers(const fs::path& file, const ReadFile& read) {
+  for (std::size_t b = 0; b < count("buffers"); ++b) {
+    const std::string where = fmt::format("buffer {}", b);
+    const Json& buffer = item("buffers", b);
+    const std::string uri = text(buffer, "uri");
+    const std::size_t size = index(buffer, where, "byteLength").value_or(0);
+    std::string& bytes = buffers_.emplace_back();
+    if (uri.starts_with("data:")) {
+      const std::size_t comma = uri.find(',');
+      const std::string_view head = std::string_view(uri).substr(0, comma);
+      if (comma == uri.npos || !head.ends_with(";base64")) throw Error("{}: {} holds data that are not base64", name_, where);
+      bytes = from_base64(fmt::format("{}: {}", name_, where), std::string_view(uri).substr(comma + 1));
+    } else if (!uri.empty()) {
+      std::error_code code;
+      fs::path path = file.parent_path() / percent_decoded(uri);
+      if (const fs::path raw = file.parent_path() / uri; !fs::exists(path, code) && fs::exists(raw, code)) path = raw;
+      if (!fs::is_regular_file(path, code)) throw Error("{}: its buffer {} does not exist", name_, path.string());
+      bytes = read(path);
+    } else if (b == 0 && has_binary_) {
+      bytes = std::move(binary_);
+    } else {
+      continue;  // extensions may fill it: an error where somebody reads it
+    }
+    if (bytes.size() < size)
+      throw Error("{}: {} holds {} bytes but declares {}; it is truncated", name_, where, bytes.size(), size);
+    bytes.resize(size);
+  }
+}
+
+std::size_t GltfFile::count(const char* list) const {
+  const auto found = json_.find(list);
+  if (found == json_.end()) return 0;
+  if (!found->is_array()) throw Error("{}: '{}' is no list", name_, list);
+  return found->size();
+}
+
+const Json& GltfFile::item(const char* list, std::size_t index) const {
+  if (index >= count(list)) throw Error("{}: names item {} of '{}', which has {}", name_, index, list, count(list));
+  const Json& item = json_.at(list).at(index);
+  if (!item.is_object()) throw Error("{}: item {} of '{}' is no object", name_, index, list);
+  return item;
+}
+
+const Json* GltfFile::extension_of(const Json& owner, const char* extension) const {
+  const auto all = owner.find("extensions");
+  if (all == owner.end() || !all->is_object()) return nullptr;
+  const auto found = all->find(extension);
+  return found == all->end() || !found->is_object() ? nullptr : &*found;
+}
+
+std::optional<std::size_t> GltfFile::index(const Json& owner, const std::string& where, const char* key) const {
+  const auto found = owner.find(key);
+  if (found == owner.end()) return {};
+  if (!found->is_number_unsigned())
+    throw Error("{}: {}: {} = {} is not a whole number, 0 or more", name_, where, key, json_text(*found));
+  return found->get<std::size_t>();
+}
+
+std::vector<double> GltfFile::numbers(const Json& owner, const std::string& where, const char* key, std::size_t size) const {
+  const auto found = owner.find(key);
+  if (found == owner.end()) return {};
+  std::vector<double> values;
+  const auto is_number = [](const Json& value) { return value.is_number(); };
+  if (!found->is_array() || !std::ranges::all_of(*found, is_number) || (size > 0 && found->size() != size))
+    throw Error("{}: {}: {} = {} is no list of {} numbers", name_, where, key, json_text(*found), size);
+  for (const Json& value : *found) values.push_back(value.get<double>());
+  return values;
+}
+
+double GltfFile::number(const Json& owner, const std::string& where, const char* key, double otherwise) const {
+  const auto found = owner.find(key);
+  if (found == owner.end()) return otherwise;
+  if (!found->is_number()) throw Error("{}: {}: {} = {} is no number", name_, where, key, json_text(*found));
+  return found->get<double>();
+}
+
+std::string GltfFile::text(const Json& owner, const char* key) const {
+  const auto found = owner.find(key);
+  return found == owner.end() || !found->is_string() ? "" : found->get<std::string>();
+}
+
+}  // namespace gnomon::importing

@@ -1,0 +1,215 @@
+#include "measure/formats/gltf_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gnomon::importing {
+
+/// One primitive of one node's mesh.
+struct GltfMeshes::Primitive {
+  const Json &node, &mesh, &json;
+  std::string where, name;
+};
+
+void GltfMeshes::add(std::size_t node, std::size_t index, const std::vector<glm::dmat4>& places) {
+  const Json& mesh = file_.item("meshes", index);
+  const auto primitives = mesh.find("primitives");
+  if (primitives == mesh.end() || !primitives->is_array()) throw Error("{}: mesh {} has no primitives", file_.name(), index);
+  const Json& owner = file_.item("nodes", node);
+  std::string name = file_.text(mesh, "name");
+  if (name.empty()) name = file_.text(owner, "name");
+  for (std::size_t p = 0; p < primitives->size(); ++p) {
+    const std::string where = fmt::format("mesh {}, primitive {}", index, p);
+    if (!primitives->at(p).is_object()) throw Error("{}: {} is no object", file_.name(), where);
+    add_primitive({owner, mesh, primitives->at(p), where, primitives->size() > 1 ? fmt::format("{}-{}", name, p) : name},
+                  places);
+  }
+}
+
+std::size_t GltfMeshes::attribute(const Primitive& primitive, const char* name) const {
+  const auto attributes = primitive.json.find("attributes");
+  constexpr std::size_t none = static_cast<std::size_t>(-1);
+  if (attributes == primitive.json.end() || !attributes->is_object()) return none;
+  return file_.index(*attributes, primitive.where, name).value_or(none);
+}
+
+void GltfMeshes::add_primitive(const Primitive& primitive, const std::vector<glm::dmat4>& places) {
+  if (attribute(primitive, "POSITION") == static_cast<std::size_t>(-1)) {
+    ++without_positions_;
+    return;
+  }
+  ImportedMesh mesh;
+  mesh.name = primitive.name;
+  mesh.positions = positions(primitive);
+  add_faces(primitive, mesh.positions.size(), mesh);
+  if (mesh.corner_counts.empty()) return;
+  read_material(primitive, mesh);
+  const auto skin = file_.index(primitive.node, primitive.where, "skin");
+  if (skin) pose(primitive, *skin, mesh.positions);  // the place of its own node counts for nothing then
+  for (const glm::dmat4& place : places) {
+    answer_.meshes.push_back(mesh);
+    answer_.meshes.back().world_from_mesh = skin ? glm::dmat4(1) : place;
+  }
+}
+
+/// Of the node, else of the mesh, else 0.
+std::vector<double> GltfMeshes::weights(const Primitive& primitive, std::size_t target_count) const {
+  std::vector<double> weights = file_.numbers(primitive.node, primitive.where, "weights", 0);
+  if (weights.empty()) weights = file_.numbers(primitive.mesh, primitive.where, "weights", 0);
+  if (weights.empty()) weights.resize(target_count);
+  if (weights.size() != target_count)
+    throw Error("{}: {} has {} morph targets and {} weights", file_.name(), primitive.where, target_count, weights.size());
+  return weights;
+}
+
+std::vector<glm::dvec3> GltfMeshes::positions(const Primitive& primitive) const {
+  const std::size_t accessor = attribute(primitive, "POSITION");
+  if (file_.extension_of(primitive.json, "KHR_draco_mesh_compression") &&
+      !file_.item("accessors", accessor).contains("bufferView"))
+    throw Error("{}: {} is compressed by KHR_draco_mesh_compression, which is not read", file_.name(), primitive.where);
+  const Numbers numbers = file_.read(accessor, 3);
+  std::vector<glm::dvec3> positions(numbers.count);
+  for (std::size_t v = 0; v < numbers.count; ++v) positions[v] = numbers.vector(v);
+
+  const auto targets = primitive.json.find("targets");
+  if (targets == primitive.json.end() || !targets->is_array()) return positions;
+  const std::vector<double> shares = weights(primitive, targets->size());
+  for (std::size_t t = 0; t < targets->size(); ++t) {
+    if (shares[t] == 0) continue;
+    const auto moves = file_.index(targets->at(t), fmt::format("{}, target {}", primitive.where, t), "POSITION");
+    if (!moves) continue;
+    const Numbers target = file_.read(*moves, 3);
+    if (target.count != numbers.count)
+      throw Error("{}: {}, target {} moves {} vertices of {}", file_.name(), primitive.where, t, target.count, numbers.count);
+    for (std::size_t v = 0; v < numbers.count; ++v) positions[v] += shares[t] * target.vector(v);
+  }
+  return positions;
+}
+
+std::vector<glm::dmat4> GltfMeshes::joints(std::size_t skin) const {
+  const Json& json = file_.item("skins", skin);
+  const std::string where = fmt::format("skin {}", skin);
+  const std::vector<double> names = file_.numbers(json, where, "joints", 0);
+  std::vector<glm::dmat4> matrices;
+  for (const double name : names) {
+    if (!(name >= 0 && name < static_cast<double>(nodes_.size()) && name == std::floor(name)))
+      throw Error("{}: {} names node {} of {}", file_.name(), where, name, nodes_.size());
+    matrices.push_back(nodes_[static_cast<std::size_t>(name)]);
+  }
+  const auto inverse = file_.index(json, where, "inverseBindMatrices");  // the identity without them
+  if (!inverse) return matrices;
+  const Numbers numbers = file_.read(*inverse, 16);
+  if (numbers.count < matrices.size())
+    throw Error("{}: {} has {} joints and {} inverse bind matrices", file_.name(), where, matrices.size(), numbers.count);
+  for (std::size_t j = 0; j < matrices.size(); ++j) {
+    glm::dmat4 matrix;
+    for (std::size_t k = 0; k < 16; ++k) matrix[static_cast<int>(k / 4)][static_cast<int>(k % 4)] = numbers.at(j, k);
+    matrices[j] *= matrix;
+  }
+  return matrices;
+}
+
+/// Each vertex stands where the weighted sum of its joints puts it.
+void GltfMeshes::pose(const Primitive& primitive, std::size_t skin, std::vector<glm::dvec3>& positions) {
+  const std::vector<glm::dmat4> matrices = joints(skin);
+  std::vector<glm::dmat4> sums(positions.size(), glm::dmat4(0));
+  std::vector<double> weight_sums(positions.size());
+  for (int set = 0;; ++set) {
+    const std::size_t joint_accessor = attribute(primitive, fmt::format("JOINTS_{}", set).c_str());
+    const std::size_t weight_accessor = attribute(primitive, fmt::format("WEIGHTS_{}", set).c_str());
+    constexpr std::size_t none = static_cast<std::size_t>(-1);
+    if (joint_accessor == none || weight_accessor == none) {
+      if (set == 0 || joint_accessor != weight_accessor)
+        throw Error("{}: {} has a skin but not both JOINTS_{} and WEIGHTS_{}", file_.name(), primitive.where, set, set);
+      break;
+    }
+    double largest = 0;
+    const Numbers joint = file_.read_indices(joint_accessor, 4, largest), weight = file_.read(weight_accessor, 4);
+    if (joint.count != positions.size() || weight.count != positions.size())
+      throw Error("{}: {} has {} vertices, joints for {} and weights for {}", file_.name(), primitive.where, positions.size(),
+                  joint.count, weight.count);
+    for (std::size_t v = 0; v < positions.size(); ++v)
+      for (std::size_t k = 0; k < 4; ++k) {
+        if (weight.at(v, k) == 0) continue;
+        if (joint.at(v, k) >= static_cast<double>(matrices.size()))
+          throw Error("{}: {}, vertex {} names joint {} of {}", file_.name(), primitive.where, v, joint.at(v, k),
+                      matrices.size());
+        sums[v] += weight.at(v, k) * matrices[static_cast<std::size_t>(joint.at(v, k))];
+        weight_sums[v] += weight.at(v, k);
+      }
+  }
+  for (std::size_t v = 0; v < positions.size(); ++v) {
+    positions[v] = glm::dvec3(sums[v] * glm::dvec4(positions[v], 1));
+    constexpr double rounding = 0.01;  // four weights of 8 bits are off by this much at most
+    odd_weights_ += !(std::abs(weight_sums[v] - 1) <= rounding);
+  }
+}
+
+void GltfMeshes::add_faces(const Primitive& primitive, std::size_t vertex_count, ImportedMesh& mesh) {
+  enum Mode : std::size_t { points, lines, line_loop, line_strip, triangles, strip, fan };
+  const std::size_t mode = file_.index(primitive.json, primitive.where, "mode").value_or(triangles);
+  if (mode > fan) throw Error("{}: {}: mode = {} is outside 0 .. 6", file_.name(), primitive.where, mode);
+  std::vector<std::uint32_t> corners(vertex_count);
+  for (std::size_t v = 0; v < vertex_count; ++v) corners[v] = static_cast<std::uint32_t>(v);
+  if (const auto indices = file_.index(primitive.json, primitive.where, "indices")) {
+    double largest = 0;
+    const Numbers numbers = file_.read_indices(*indices, 1, largest);
+    corners.resize(numbers.count);
+    for (std::size_t i = 0; i < numbers.count; ++i) {
+      const double index = numbers.at(i);
+      if (index == largest)
+        throw Error("{}: {}: index {} is {}, which restarts primitives and is not allowed", file_.name(), primitive.where, i,
+                    index);
+      if (index >= static_cast<double>(vertex_count))
+        throw Error("{}: {}: index {} names vertex {}, out of range: allowed are 0 .. {}", file_.name(), primitive.where, i,
+                    index, static_cast<std::int64_t>(vertex_count) - 1);
+      corners[i] = static_cast<std::uint32_t>(index);
+    }
+  }
+  const std::size_t n = corners.size();
+  if (mode < triangles) {
+    points_and_lines_ += mode == points ? n : mode == lines ? n / 2 : mode == line_loop ? n : n - std::min<std::size_t>(n, 1);
+    return;
+  }
+  if ((mode == triangles && n % 3 != 0) || (mode != triangles && n > 0 && n < 3))
+    throw Error("{}: {}: {} indices make no triangles", file_.name(), primitive.where, n);
+  if (mode == triangles) {
+    mesh.corner_counts.assign(n / 3, 3);
+    mesh.corners = std::move(corners);
+    return;
+  }
+  for (std::size_t i = 0; i + 2 < n; ++i)
+    if (mode == fan)
+      mesh.add_triangle(corners[i + 1], corners[i + 2], corners[0]);
+    else
+      mesh.add_triangle(corners[i], corners[i + 1 + i % 2], corners[i + 2 - i % 2]);
+}
+
+void GltfMeshes::read_material(const Primitive& primitive, ImportedMesh& mesh) const {
+  const auto index = file_.index(primitive.json, primitive.where, "material");
+  if (!index) return;
+  const Json& material = file_.item("materials", *index);
+  const std::string where = fmt::format("material {}", *index);
+  const Json none = Json::object();
+  const auto part = [&](const Json& owner, const char* key) -> const Json& {
+    const auto found = owner.find(key);
+    return found != owner.end() && found->is_object() ? *found : none;
+  };
+  const Json* glossy = file_.extension_of(material, "KHR_materials_pbrSpecularGlossiness");
+  const Json& colors = glossy ? *glossy : part(material, "pbrMetallicRoughness");
+  const std::vector<double> factor = file_.numbers(colors, where, glossy ? "diffuseFactor" : "baseColorFactor", 4);
+  mesh.has_color = true;
+  mesh.color = factor.empty() ? glm::vec3(1) : glm::vec3(factor[0], factor[1], factor[2]);
+  mesh.has_texture = colors.contains(glossy ? "diffuseTexture" : "baseColorTexture");
+  const bool blends = file_.text(material, "alphaMode") == "BLEND" && !factor.empty() && factor[3] < 1;
+  const Json* transmission = file_.extension_of(material, "KHR_materials_transmission");
+  mesh.is_transparent = blends || (transmission && file_.number(*transmission, where, "transmissionFactor", 0) > 0);
+}
+
+void GltfMeshes::note() {
+  answer_.note(points_and_lines_, "points and lines are left out");
+  answer_.note(without_positions_, "primitives have no positions and are left out");
+  answer_.note(odd_weights_, "vertices have weights of joints whose sum is not 1, and are used as they are");
+}
+
+}  // namespace gnomon::importing

@@ -1,0 +1,37 @@
+#pragma once
+// Private to formats: meshes of glTF at their nodes, with morph targets and skins as the nodes stand.
+#include <map>
+
+#include "measure/formats/gltf_file.h"
+
+namespace gnomon::importing {
+
+class GltfMeshes {
+ public:
+  /// `nodes`: world from node, of all nodes of the file.
+  GltfMeshes(const GltfFile& file, const std::vector<glm::dmat4>& nodes, MeshFile& answer)
+      : file_(file), nodes_(nodes), answer_(answer) {}
+
+  /// Each primitive of a mesh, once for each place.
+  void add(std::size_t node, std::size_t mesh, const std::vector<glm::dmat4>& places);
+  /// What was left out.
+  void note();
+
+ private:
+  struct Primitive;
+  void add_primitive(const Primitive& primitive, const std::vector<glm::dmat4>& places);
+  std::vector<double> weights(const Primitive& primitive, std::size_t target_count) const;
+  std::vector<glm::dvec3> positions(const Primitive& primitive) const;
+  void pose(const Primitive& primitive, std::size_t skin, std::vector<glm::dvec3>& positions);
+  std::vector<glm::dmat4> joints(std::size_t skin) const;
+  void add_faces(const Primitive& primitive, std::size_t vertex_count, ImportedMesh& mesh);
+  void read_material(const Primitive& primitive, ImportedMesh& mesh) const;
+  std::size_t attribute(const Primitive& primitive, const char* name) const;
+
+  const GltfFile& file_;
+  const std::vector<glm::dmat4>& nodes_;
+  MeshFile& answer_;
+  std::size_t points_and_lines_ = 0, without_positions_ = 0, odd_weights_ = 0;
+};
+
+}  // namespace gnomon::importing

@@ -1,0 +1,87 @@
+#pragma once
+// What a mesh file holds, as its reader hands it to the importer: nothing is placed, no face is split.
+#include <gnomon/error.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <glm/glm.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gnomon::importing {
+
+/// One mesh of one node.
+struct ImportedMesh {
+  std::string name;
+  glm::dmat4 world_from_mesh{1};
+  bool has_color = false, has_texture = false, is_transparent = false;
+  glm::vec3 color{0};  ///< diffuse color of the material, when has_color
+  std::vector<glm::dvec3> positions;
+  std::vector<std::uint32_t> corner_counts;  ///< one per face
+  std::vector<std::uint32_t> corners;        ///< vertex indices of all faces, one after the other
+
+  void add_face(std::span<const std::uint32_t> face);
+  void add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) { add_face(std::array{a, b, c}); }
+};
+/// Perspective camera; fov_y in radians, 0 for an orthographic one.
+struct ImportedCamera {
+  std::string name;
+  glm::dvec3 eye{0}, forward{0, 0, -1}, up{0, 1, 0};
+  double fov_y = 0;
+};
+enum class ImportedLightKind : std::uint32_t { point, spot, directional, other };
+/// Half-angles in radians.
+struct ImportedLight {
+  std::string name;
+  ImportedLightKind kind = ImportedLightKind::other;
+  glm::dvec3 position{0}, direction{0, 0, -1};
+  double inner = 0, outer = 0;
+};
+struct MeshFile {
+  std::vector<ImportedMesh> meshes;
+  std::vector<ImportedCamera> cameras;
+  std::vector<ImportedLight> lights;
+  std::vector<std::string> notes;  ///< what the file holds and the scene does not: "3 camera elements are left out"
+  std::string failure;             ///< why nothing could be read; empty where something was
+
+  /// "COUNT WHAT", unless the count is 0: note(3, "lines are left out").
+  void note(std::size_t count, std::string_view what);
+};
+
+/// The fields in the order in which they cross the pipe, for FieldWriter and FieldReader alike.
+void visit_file(auto& io, auto& file) {
+  io.list(file.meshes, [](auto& sub, auto& mesh) {
+    sub(mesh.name, mesh.world_from_mesh, mesh.has_color, mesh.has_texture, mesh.is_transparent, mesh.color, mesh.positions,
+        mesh.corner_counts, mesh.corners);
+  });
+  io.list(file.cameras, [](auto& sub, auto& camera) { sub(camera.name, camera.eye, camera.forward, camera.up, camera.fov_y); });
+  io.list(file.lights, [](auto& sub, auto& light) {
+    sub(light.name, light.kind, light.position, light.direction, light.inner, light.outer);
+  });
+  io.list(file.notes, [](auto& sub, auto& note) { sub(note); });
+  io(file.failure);
+}
+
+/// The bytes of a file, this one or one that it names. Throws Error where that is not a regular file that can be read.
+using ReadFile = std::function<std::string(const std::filesystem::path& file)>;
+
+/// Reads a mesh file with the reader of its format, which its extension tells. Throws Error: file, line or element, which
+/// value, what is allowed. May crash on damaged files of the formats that have no reader of their own (see formats.cpp).
+MeshFile read_mesh_file(const std::filesystem::path& file, const ReadFile& read);
+/// Whether files of this name are read.
+bool has_mesh_format(const std::filesystem::path& file);
+
+/// Corners of a face: the time to split it grows with their square.
+inline constexpr std::size_t most_corners = 10'000;
+
+/// Throws Error, which opens with `where` ("FILE:LINE"), unless `index` is a whole number of 0 .. vertex_count - 1.
+void need_vertex(const std::string& where, std::size_t face, double index, std::size_t vertex_count);
+/// Throws Error when a face has more corners than can be split, or fewer than none.
+void need_corners(const std::string& where, std::size_t face, double count);
+
+}  // namespace gnomon::importing
