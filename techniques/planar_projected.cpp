@@ -233,7 +233,7 @@ PlanarProjected::Work PlanarProjected::draw_shadows(GLuint texture, const Artefa
     glEnable(GL_CLIP_DISTANCE1);
   }
   const SceneBuffers& buffers = scene_buffers(*made_->scene);
-  const glm::dmat4 clip = clip_from_world(gbuffer.view, gbuffer.width, gbuffer.height);
+  const glm::dmat4 clip = clip_from_world(gbuffer, *made_->scene);
   const Program& p = artefacts.unclipped ? made_->unclipped_program : made_->shadow_program;
   glUseProgram(p.name());
   p.set("tolerance", static_cast<float>(made_->clip_tolerance));

@@ -242,7 +242,7 @@ void SphereVolume::count(Pass pass) const {
     made_->drawer.draw_caps(made_->counter);
   }
   glBindVertexArray(vertex_array_.name());
-  const glm::mat4 clip(clip_from_world(gbuffer_->view, gbuffer_->width, gbuffer_->height));
+  const glm::mat4 clip(clip_from_world(*gbuffer_, *made_->scene));
   own_->body_program.each([&](const Program& p) { p.set("clip_from_world", clip); });
   for (const Program& program : own_->exact_programs) program.set("clip_from_world", clip);
   if (is_exact() && pass != Pass::layer)

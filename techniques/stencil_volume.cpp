@@ -99,9 +99,11 @@ class StencilVolume final : public VolumeTechnique {
  private:
   CountWhere where() const { return count.is("zfail") ? CountWhere::behind_surface : CountWhere::before_surface; }
   bool near_rectangle() const { return count.is("zpass_plus") && near_cap.is("rectangle"); }
-  /// The near rectangle of a view as the light sees it, unless the light lies in its plane.
-  bool uses_near_rectangle(const View& view) const {
-    return near_rectangle() && !stencil_volume::is_in_near_plane(homogeneous(light_), view);
+  /// The near rectangle as the light sees it, unless the light lies in its plane.
+  bool uses_near_rectangle() const {
+    if (!near_rectangle()) return false;
+    const double near_plane = gbuffer_textures(*gbuffer_, *made_->scene).near_plane;
+    return !stencil_volume::is_between(homogeneous(light_), gbuffer_->view, near_plane, near_plane);
   }
   void draw(Pass pass) const override;
   void draw_near_cap() const;
@@ -134,10 +136,9 @@ Support StencilVolume::supports(const Scene& scene, const Light& light, const Vi
   if (eye.boundary) return Support::approximate("the eye lies on the boundary of a shadow volume, within rounding");
   if (eye.inside && count.is("zpass"))
     return Support::approximate("the eye is inside a shadow volume, which zpass does not count");
-  if (eye.near_plane && count.is("zpass")) return Support::approximate("the near plane cuts a shadow volume next to the eye");
-  if (near_rectangle() && stencil_volume::is_in_near_plane(homogeneous(light), view))
+  if (near_rectangle() && eye.light_beside)
     return Support::approximate("the light lies in the near plane: the volumes around the eye are counted instead");
-  if (eye.near_plane && near_rectangle())
+  if (near_rectangle() && eye.near_rectangle)
     return Support::approximate("a shadow volume cuts the near rectangle, where near cap and sides do not meet in every pixel");
   return Support::full();
 }
@@ -187,7 +188,7 @@ void StencilVolume::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   const StateGuard guard;
   gbuffer_ = &gbuffer;
   volumes_at_eye_ = 0;
-  if (count.is("zpass_plus") && !uses_near_rectangle(gbuffer.view))
+  if (count.is("zpass_plus") && !uses_near_rectangle())
     volumes_at_eye_ = stencil_volume::volumes_at(made_->adjacency, gbuffer.view.eye, silhouette());
   answer(mask);
 }
@@ -196,7 +197,7 @@ void StencilVolume::draw(Pass pass) const {
   made_->counter.begin(depth_stencil(*made_->scene, *gbuffer_), gbuffer_textures(*gbuffer_, *made_->scene), pass, where(),
                        static_cast<int>(volumes_at_eye_));
   bind_faces(scene_buffers(*made_->scene).positions);
-  if (uses_near_rectangle(gbuffer_->view) && pass != Pass::layer) {
+  if (uses_near_rectangle() && pass != Pass::layer) {
     draw_near_cap();
     glDisable(GL_DEPTH_CLAMP);  // what lies before the near plane is in the near cap
   }
@@ -212,12 +213,13 @@ void StencilVolume::draw(Pass pass) const {
 void StencilVolume::draw_near_cap() const {
   const Camera camera(gbuffer_->view, gbuffer_->width, gbuffer_->height);
   const glm::dvec4 light = homogeneous(light_);
-  glm::dvec4 plane(camera.forward, -glm::dot(camera.forward, camera.eye) - double(near_plane));
+  const double near_plane = gbuffer_textures(*gbuffer_, *made_->scene).near_plane;
+  glm::dvec4 plane(camera.forward, -glm::dot(camera.forward, camera.eye) - near_plane);
   const bool behind = glm::dot(plane, light) < 0;  // the light looks the eye's way
   if (behind) plane = -plane;
   const double height = glm::dot(plane, light);
   const glm::dmat4 projected = height * glm::dmat4(1) - glm::outerProduct(light, plane);
-  const glm::dmat4 clip = clip_from_world(gbuffer_->view, gbuffer_->width, gbuffer_->height) * projected;
+  const glm::dmat4 clip = clip_from_world(*gbuffer_, *made_->scene) * projected;
   own_->near_cap_program.each([&](const Program& p) {
     p.set("clip_from_world", glm::mat4(clip));
     p.set("plane", glm::vec4(plane));

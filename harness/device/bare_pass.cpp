@@ -33,7 +33,7 @@ BarePass::BarePass(Floor floor, const Scene& scene, const GBuffer& gbuffer)
       throw Error("a technique without a floor has no bare pass");
     case Floor::depth_draw:
       program_ = depth_program();
-      program_.set("clip_from_world", glm::mat4(clip_from_world(gbuffer.view, gbuffer.width, gbuffer.height)));
+      program_.set("clip_from_world", glm::mat4(clip_from_world(gbuffer, scene)));
       break;
     case Floor::fetch:
       program_ = fetch_program();

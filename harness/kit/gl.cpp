@@ -175,7 +175,7 @@ void Program::set(const char* uniform, std::span<const glm::vec4> values) const 
   glProgramUniform4fv(name(), location(uniform), static_cast<GLsizei>(values.size()), glm::value_ptr(values[0]));
 }
 
-glm::dmat4 clip_from_world(const View& view, int width, int height) {
+glm::dmat4 clip_from_world(const View& view, int width, int height, double near_plane) {
   const Camera camera(view, width, height);
   const auto row = [&](const glm::dvec3& axis, double scale) { return glm::dvec4(axis, -glm::dot(axis, camera.eye)) / scale; };
   // Rows x, y, z, w. z is near_plane for finite points and 0 for points at infinity: z/w is the reversed depth.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <chrono>
+#include <cmath>
 
 #include "pixel_rectangles.h"
 
@@ -125,6 +126,18 @@ SceneBuffers upload(const Scene& scene) {
   return buffers;
 }
 
+/// A view that shows nothing has its target for its nearest point.
+double near_plane_of(const GBuffer& g) {
+  const glm::dvec3 eye = g.view.eye, way = glm::dvec3(g.view.target) - eye, forward = glm::normalize(way);
+  double nearest = INFINITY;
+  for (std::size_t i = 0; i < g.size(); ++i) {
+    if (g.is_background(i)) continue;
+    const double distance = glm::dot(forward, glm::dvec3(g.position(i)) - eye);
+    if (distance > 0) nearest = std::min(nearest, distance);  // else it is rounded behind the eye
+  }
+  return std::ldexp(GBufferTextures::near_share, std::ilogb(nearest < INFINITY ? nearest : glm::length(way)));
+}
+
 GBufferTextures upload(const GBuffer& g, const Scene& scene) {
   std::vector<glm::vec4> positions(g.size()), normals(g.size());
   std::vector<glm::uvec2> ids(g.size());
@@ -135,6 +148,7 @@ GBufferTextures upload(const GBuffer& g, const Scene& scene) {
     ids[i] = {g.mesh[i] + 1, g.triangle[i]};
   }
   GBufferTextures textures;
+  textures.near_plane = near_plane_of(g);
   textures.receivers = rectangles_around(g.width, g.height, [&](std::size_t i) { return normals[i].w != 0; });
   textures.upload_ms = drained_ms([&] {
     const auto fill = [&](GLenum format, GLenum components, GLenum type, const void* data) {
@@ -194,6 +208,10 @@ const GBufferTextures& gbuffer_textures(const GBuffer& gbuffer, const Scene& sce
   return gbuffer_slot(gbuffer, scene).textures;
 }
 
+glm::dmat4 clip_from_world(const GBuffer& gbuffer, const Scene& scene) {
+  return clip_from_world(gbuffer.view, gbuffer.width, gbuffer.height, gbuffer_textures(gbuffer, scene).near_plane);
+}
+
 const DepthStencil& depth_stencil(const Scene& scene, const GBuffer& gbuffer, Truth sees) {
   const bool shows_shapes = sees == Truth::shape && gbuffer.truth == Truth::shape && scene.has_curved_shapes();
   GBufferSlot& slot = gbuffer_slot(gbuffer, scene);
@@ -221,7 +239,7 @@ const DepthStencil& depth_stencil(const Scene& scene, const GBuffer& gbuffer, Tr
     glViewport(0, 0, gbuffer.width, gbuffer.height);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
-    const glm::mat4 clip(clip_from_world(gbuffer.view, gbuffer.width, gbuffer.height));
+    const glm::mat4 clip(clip_from_world(gbuffer, scene));
     program.set("clip_from_world", clip);
     glUseProgram(program.name());
     buffers.draw(drawn);
@@ -231,7 +249,7 @@ const DepthStencil& depth_stencil(const Scene& scene, const GBuffer& gbuffer, Tr
     bind_gbuffer(slot.textures);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, curved.name());
     shape_program.set("w_row", glm::vec4(clip[0].w, clip[1].w, clip[2].w, clip[3].w));
-    shape_program.set("near_plane", near_plane);
+    shape_program.set("near_plane", static_cast<float>(slot.textures.near_plane));
     glUseProgram(shape_program.name());
     draw_full_screen();
   });

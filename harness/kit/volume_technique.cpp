@@ -53,7 +53,7 @@ VolumeCounter::Work VolumeTechnique::measure_work() const {
 }
 
 void VolumeTechnique::bind_faces(const Buffer& positions) const {
-  const glm::mat4 clip(clip_from_world(gbuffer_->view, gbuffer_->width, gbuffer_->height));
+  const glm::mat4 clip(clip_from_world(*gbuffer_, *made_->scene));
   made_->drawer.bind(positions, faces_, clip, homogeneous(light_), ends());
 }
 

@@ -32,7 +32,7 @@ struct Vertex {
 
 /// Clip space of a face: `right`, `up` and `forward` at a right angle, 90 degrees wide; of a side the upper half alone.
 glm::mat4 clip_of_face(const glm::dvec3& from, const glm::dvec3& right, const glm::dvec3& up, const glm::dvec3& forward,
-                       bool is_upper_half) {
+                       bool is_upper_half, double near_plane) {
   const glm::dvec3 y = is_upper_half ? 2.0 * up - forward : up;
   glm::dmat4 rows(0);  // rows of the matrix, each a column here
   rows[0] = glm::dvec4(right, -glm::dot(right, from));
@@ -78,9 +78,11 @@ void Hemicube::setup() {
 
 void Hemicube::show(const Division& division, std::span<const std::uint32_t> elements) {
   std::vector<Vertex> vertices;
+  Bounds bounds;
   for (std::uint32_t k = 0; k < elements.size(); ++k) {
     const Element& element = division.elements()[elements[k]];
     const std::array outline = division.outline(element);
+    for (const glm::dvec3& corner : outline) bounds.add(glm::vec3(corner));
     const auto add = [&](int a, int b, int c) {
       for (const int corner : {a, b, c}) vertices.push_back({glm::vec3(outline[corner]), k + 1});
     };
@@ -88,6 +90,8 @@ void Hemicube::show(const Division& division, std::span<const std::uint32_t> ele
     if (division.corner_count(element) == 4) add(0, 2, 3);
   }
   vertex_count_ = vertices.size();
+  const double size = bounds.empty() ? 0 : extent(bounds.max - bounds.min);
+  near_plane_ = size > 0 ? std::ldexp(1.0, std::ilogb(size) - 20) : 1;
   vertices_ = Buffer(vertices.data(), vertices.size() * sizeof(Vertex));
   glVertexArrayVertexBuffer(vertex_array_.name(), 0, vertices_.name(), 0, sizeof(Vertex));
 }
@@ -121,10 +125,10 @@ double Hemicube::look(const glm::dvec3& from, const glm::dvec3& normal, int reso
     program_.set("clip_from_world", clip);
     glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(vertex_count_));
   };
-  draw(0, resolution, clip_of_face(from, across.u, across.v, normal, false));
+  draw(0, resolution, clip_of_face(from, across.u, across.v, normal, false, near_plane_));
   int top = resolution;
   for (const glm::dvec3& forward : {across.u, -across.u, across.v, -across.v}) {
-    draw(top, resolution / 2, clip_of_face(from, glm::cross(forward, normal), normal, forward, true));
+    draw(top, resolution / 2, clip_of_face(from, glm::cross(forward, normal), normal, forward, true, near_plane_));
     top += resolution / 2;
   }
   glGetTextureImage(ids_texture_.name(), 0, GL_RED_INTEGER, GL_UNSIGNED_INT, static_cast<GLsizei>(4 * ids_.size()),

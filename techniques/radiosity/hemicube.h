@@ -35,6 +35,8 @@ class Hemicube {
   VertexArray vertex_array_;
   Buffer vertices_;
   std::size_t vertex_count_ = 0;
+  double near_plane_ =
+      1;  ///< meters: a power of two, a millionth of the size of what is shown, which is as near as float32 tells
   int resolution_ = 0;
   std::vector<std::uint32_t> ids_;
   std::vector<float> deltas_;

@@ -24,20 +24,22 @@ inline std::int64_t volumes_at(const EdgeAdjacency& adjacency, const glm::vec3& 
   return depth.volumes;
 }
 
-/// Whether the light lies in the near plane of a view, as far as float32 tells: seen from it the near rectangle is a line, and
-/// nothing can be thrown onto it.
-inline bool is_in_near_plane(const glm::dvec4& light, const View& view) {
+/// Whether the light lies between two distances along a view's axis, as far as float32 tells. From a light in the near plane
+/// the near rectangle is a line, and nothing can be thrown onto it.
+inline bool is_between(const glm::dvec4& light, const View& view, double nearest, double farthest) {
   const glm::dvec3 eye(view.eye), forward = glm::normalize(glm::dvec3(view.target) - eye);
-  const glm::dvec4 plane(forward, -glm::dot(forward, eye) - double(near_plane));
-  const double size = glm::length(glm::dvec3(light)) + std::abs(light.w * plane.w);
-  return std::abs(glm::dot(plane, light)) < 0x1p-16 * size;
+  const glm::dvec4 across(forward, -glm::dot(forward, eye));
+  const double size = glm::length(glm::dvec3(light)) + std::abs(light.w * (across.w - farthest)), slack = 0x1p-16 * size;
+  const double along = glm::dot(across, light);
+  return along - light.w * nearest > -slack && along - light.w * farthest < slack;
 }
 
 /// Where the eye lies among the shadow volumes.
 struct EyePlace {
-  bool inside = false;      ///< of some volume
-  bool near_plane = false;  ///< a face of a volume is within reach of the near rectangle
-  bool boundary = false;    ///< within rounding of a face: for one rounding inside, for another outside
+  bool inside = false;          ///< of some volume
+  bool near_rectangle = false;  ///< a face of a volume is within reach of the near rectangle, wherever it may be
+  bool light_beside = false;    ///< the light may lie in the plane of the near rectangle
+  bool boundary = false;        ///< within rounding of a face: for one rounding inside, for another outside
 };
 
 /// In double. Rounding is taken as 2^-16 of the scene's extent, 256 float32 roundings of its largest coordinate: a side quad
@@ -49,7 +51,9 @@ class EyePlaceFinder {
         light_(homogeneous(light)),
         eye_(view.eye),
         tan_y_(std::tan(glm::radians(double(view.fov_y_degrees)) / 2)),
-        rounding_(0x1p-16 * extent(scene, light, view)) {
+        rounding_(0x1p-16 * extent(scene, light, view)),
+        farthest_near_plane_(GBufferTextures::near_share * farthest(scene, view)) {
+    place_.light_beside = is_between(light_, view, 0, farthest_near_plane_);
     adjacency_.find_silhouette(light_, silhouette_);
     place_.inside = volumes_at(adjacency_, view.eye, silhouette_) > 0;
     for (const SilhouetteEdge& edge : silhouette_.edges) meet_side(at(edge.low), at(edge.high));
@@ -60,11 +64,19 @@ class EyePlaceFinder {
 
  private:
   glm::dvec3 at(std::uint32_t vertex) const { return adjacency_.positions()[vertex]; }
+  /// Along the view's axis: no point that it shows is farther.
+  static double farthest(const Scene& scene, const View& view) {
+    const Bounds box = scene.bounds();
+    if (box.empty()) return 0;
+    const glm::dvec3 eye = view.eye, forward = glm::normalize(glm::dvec3(view.target) - eye);
+    const glm::dvec3 middle = (glm::dvec3(box.min) + glm::dvec3(box.max)) / 2.0, half = glm::dvec3(box.max) - middle;
+    return std::max(glm::dot(forward, middle - eye) + glm::dot(glm::abs(forward), half), 0.0);
+  }
   /// From the eye to a corner of the near rectangle of a picture up to four times as wide as high.
-  double reach() const { return double(near_plane) * std::sqrt(1 + 17 * tan_y_ * tan_y_) + rounding_; }
+  double reach() const { return farthest_near_plane_ * std::sqrt(1 + 17 * tan_y_ * tan_y_) + rounding_; }
 
   void meet(double distance) {
-    place_.near_plane |= distance <= reach();
+    place_.near_rectangle |= distance <= reach();
     place_.boundary |= distance <= rounding_;
   }
 
@@ -99,7 +111,7 @@ class EyePlaceFinder {
   Silhouette silhouette_;
   glm::dvec4 light_;
   glm::dvec3 eye_;
-  double tan_y_, rounding_;
+  double tan_y_, rounding_, farthest_near_plane_;
   EyePlace place_;
 };
 

@@ -97,7 +97,8 @@ TEST_F(Gl, setting_a_uniform_that_does_not_exist_is_an_error) {
 // has depth 0, one at distance z along the axis has near_plane / z.
 TEST_F(Gl, clip_from_world_sends_pixel_rays_to_their_pixel_centers) {
   const int width = 37, height = 23;
-  const glm::dmat4 clip = clip_from_world(view, width, height);
+  const double near_plane = 0x1p-10;
+  const glm::dmat4 clip = clip_from_world(view, width, height, near_plane);
   const Scene scene = box_on_ground();
   const GBuffer g = small_world::make_gbuffer(scene, view, width, height);
   const glm::dvec3 forward = glm::normalize(glm::dvec3(view.target) - glm::dvec3(view.eye));
@@ -109,6 +110,32 @@ TEST_F(Gl, clip_from_world_sends_pixel_rays_to_their_pixel_centers) {
     EXPECT_NEAR(p.z / p.w, near_plane / glm::dot(forward, glm::dvec3(g.position(i) - view.eye)), 1e-9);
   }
   EXPECT_EQ((clip * glm::dvec4(1, 2, 3, 0)).z, 0);
+}
+
+// A thousandth of the way to what the picture shows nearest, at a power of two, so that depths do not depend on the size of a
+// scene.
+TEST_F(Gl, near_plane_follows_the_nearest_point_that_is_seen) {
+  for (const int exponent : {-40, -20, -10, -1, 0, 1, 10, 20}) {
+    const float scale = std::ldexp(1.0f, exponent);
+    Scene scene = box_on_ground();
+    for (Mesh& mesh : scene.meshes)
+      for (glm::vec3& p : mesh.positions) p *= scale;
+    View scaled = view;
+    scaled.eye *= scale, scaled.target *= scale;
+    const GBuffer g = small_world::make_gbuffer(scene, scaled, 64, 48);
+    const glm::dvec3 forward = glm::normalize(glm::dvec3(scaled.target) - glm::dvec3(scaled.eye));
+    double nearest = INFINITY;
+    for (std::size_t i = 0; i < g.size(); ++i)
+      if (!g.is_background(i))
+        nearest = std::min(nearest, glm::dot(forward, glm::dvec3(g.position(i)) - glm::dvec3(scaled.eye)));
+    const double near_plane = gbuffer_textures(g, scene).near_plane;
+    EXPECT_EQ(near_plane, std::exp2(std::floor(std::log2(nearest)) - 10)) << scale;
+    EXPECT_EQ(clip_from_world(g, scene), clip_from_world(scaled, 64, 48, near_plane)) << scale;
+  }
+  // A view that shows nothing, 5 m up to its target.
+  const Scene scene = box_on_ground();
+  const GBuffer nothing = small_world::make_gbuffer(scene, {.eye = {0, 4, 0}, .target = {3, 8, 0}}, 16, 12);
+  EXPECT_EQ(gbuffer_textures(nothing, scene).near_plane, 0x1p-8);
 }
 
 TEST_F(Gl, inputs_are_uploaded_once_and_found_again) {
@@ -173,7 +200,7 @@ TEST_F(Gl, depth_of_the_view_agrees_with_the_gbuffer) {
       if (!alone) continue;
       ++compared;
       const double z = glm::dot(forward, glm::dvec3(g.position(i) - view.eye));
-      const double expected = g.is_background(i) ? 0 : near_plane / z;
+      const double expected = g.is_background(i) ? 0 : gbuffer_textures(g, scene).near_plane / z;
       EXPECT_NEAR(depth[i], expected, expected * 1e-4);
     }
   EXPECT_GT(compared, 1000);
@@ -201,8 +228,7 @@ TEST_F(Gl, faces_of_a_shadow_volume_hold_what_is_in_shadow) {
       write_faces(adjacency, silhouette, {}, faces);
       counter.begin(depth_stencil(scene, g), gbuffer_textures(g, scene), VolumeCounter::Pass::stencil,
                     CountWhere::behind_surface);
-      drawer.bind(scene_buffers(scene).positions, faces, glm::mat4(clip_from_world(g.view, g.width, g.height)),
-                  homogeneous(light));
+      drawer.bind(scene_buffers(scene).positions, faces, glm::mat4(clip_from_world(g, scene)), homogeneous(light));
       drawer.draw_sides(counter);
       drawer.draw_caps(counter);
       counter.write_mask(gbuffer_textures(g, scene), light, mask);

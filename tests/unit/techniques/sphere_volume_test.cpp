@@ -295,6 +295,7 @@ TEST_F(SphereVolume, depth_is_that_of_what_the_gbuffer_sees) {
   };
   const std::vector<float> mesh = read(by_mesh), shape = read(by_shape);
   const glm::dvec3 forward = glm::normalize(glm::dvec3(view.target) - glm::dvec3(view.eye));
+  const double near_plane = gbuffer_textures(g, world.scene).near_plane;
   int curved = 0, differ = 0;
   for (std::size_t i = 0; i < g.size(); ++i) {
     if (g.is_background(i)) continue;

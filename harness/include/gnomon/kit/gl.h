@@ -123,12 +123,11 @@ class Program : public GlObject<glDeleteProgram> {
 // --- Cameras ---------------------------------------------------------------------------------------------------------------
 
 /// Depth of every view is reversed: near_plane / distance along the axis, 1 at the near plane, 0 at infinity, where points
-/// with w = 0 lie exactly. Clear it to 0; nearer is greater. Float32 then resolves 2^-24 of the distance everywhere, so the
-/// near plane needs no fitting.
-inline constexpr float near_plane = 0x1p-10f;  ///< meters
-
-/// Texel (x,y) of a render target is pixel (x,y) of the G-buffer.
-glm::dmat4 clip_from_world(const View& view, int width, int height);
+/// with w = 0 lie exactly. Clear it to 0; nearer is greater. Float32 then resolves 2^-24 of the distance everywhere, so a near
+/// plane has only to lie before what is seen. Texel (x,y) of a render target is pixel (x,y) of the G-buffer.
+glm::dmat4 clip_from_world(const View& view, int width, int height, double near_plane);
+/// The same with the near plane of the G-buffer's textures, as its depth is drawn.
+glm::dmat4 clip_from_world(const GBuffer& gbuffer, const Scene& scene);
 
 /// Vertex shader code that every geometry pass uses, so that equal points get equal pixels and depths in all passes:
 /// attribute 0 `vec3 position`, `uniform mat4 clip_from_world`, `vec4 place(vec4 world)`, `invariant gl_Position`.
@@ -170,6 +169,10 @@ struct GBufferTextures {
   Texture ids;       ///< RG32UI: mesh + 1 (0 background), triangle
   /// Together they hold every pixel that shows a receiver; a few, apart from each other, in pixels of the picture.
   std::vector<PixelRectangle> receivers;
+  /// Meters along the view's axis, from near_share down to half of it of the way to the nearest point: a power of two, so that
+  /// a scene that is larger or smaller by one has the same depths.
+  double near_plane = 0;
+  static constexpr double near_share = 0x1p-10;
   std::size_t bytes = 0;
   double upload_ms = 0;
 };
