@@ -9,12 +9,17 @@
 
 namespace gnomon {
 
-/// No coordinate, radius or component of a direction is larger, in meters. Embree takes none from 1.844e18 on, and ends the
-/// program; a body as far out as it is wide, and an eye that sees all of it, stay below that.
+/// No coordinate or radius is larger, in meters. Embree takes none from 1.844e18 on, and ends the program; a body as far out as
+/// it is wide, and an eye that sees all of it, stay below that.
 inline constexpr double largest_coordinate = 1e17;
 inline constexpr std::string_view coordinate_range = "-1e17 .. 1e17";  ///< the same, for messages
 /// Whether all three are finite and within `largest_coordinate`.
 bool is_sound(const glm::dvec3& p);
+
+/// The direction at a length whose squares and cubes stay far within float32. One whose largest component lies in 1e-6 .. 1e6
+/// is as it was; another is divided by the power of ten that brings it to 1 .. 10, so that 1e-38 times [-1, -3, -1] is [-1, -3,
+/// -1]. Zero and what is not finite stay so.
+glm::dvec3 usable_direction(const glm::dvec3& v);
 
 /// Descriptions that are being read, outermost first: each names the next as its `scene`.
 using Descriptions = std::vector<std::filesystem::path>;

@@ -185,7 +185,8 @@ std::string free_name(std::string name, const std::vector<Named>& taken, std::st
 
 /// Unit direction, scaled and rotated but not moved; not finite for a direction of length 0, which is refused later.
 glm::dvec3 placed_direction(const Placement& placement, const glm::dvec3& direction) {
-  return glm::normalize(placement.apply(direction) - placement.translate);
+  const Placement turn{.scale = placement.scale, .rotate_degrees = placement.rotate_degrees};
+  return glm::normalize(usable_direction(turn.apply(direction)));
 }
 
 /// A camera without a target looks at the point of its axis that is nearest to the middle of the scene.

@@ -8,6 +8,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "measure/scene/base_scene.h"
 #include "measure/scene/load.h"
 
 namespace gnomon {
@@ -75,7 +76,9 @@ Path find_path(const Scene& scene, const std::string& name, const Light& light, 
 
 Light light_at(const Path& path, const Light& light, int frame) {
   Light moved = light;
-  if (path.moves == Path::Moves::light) place_of(moved) = position_at(path, frame);
+  if (path.moves != Path::Moves::light) return moved;
+  place_of(moved) = position_at(path, frame);
+  if (auto* const sun = std::get_if<DirectionalLight>(&moved.kind)) sun->direction = usable_direction(sun->direction);
   return moved;
 }
 

@@ -221,7 +221,8 @@ void read_light(const toml::table& toml, const fs::path& file, Scene& scene) {
                            static_cast<float>(table.number("outer_degrees", SpotLight{}.outer_degrees))};
   } else if (kind == "rect") {
     const Table table = open({"center", "half_u", "half_v", "one_sided"});
-    light.kind = RectLight{table.vector("center"), table.direction("half_u"), table.direction("half_v"), read_emits(table)};
+    light.kind = RectLight{table.vector("center"), table.length_and_direction("half_u"), table.length_and_direction("half_v"),
+                           read_emits(table)};
   } else if (kind == "disc") {
     const Table table = open({"center", "normal", "radius", "one_sided"});
     light.kind = DiscLight{table.vector("center"), table.direction("normal"), table.positive("radius"), read_emits(table)};

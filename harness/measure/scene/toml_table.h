@@ -78,11 +78,17 @@ class Table {
   }
   glm::dvec3 vector(std::string_view key) const { return three(key, need(key)); }
   glm::dvec3 vector(std::string_view key, const glm::dvec3& fallback) const { return has(key) ? vector(key) : fallback; }
-  /// A direction of any length but zero.
+  /// Not zero, as float32 either.
+  glm::dvec3 length_and_direction(std::string_view key) const {
+    const glm::dvec3 value = vector(key);
+    if (glm::vec3(value) == glm::vec3(0)) refuse(key, "[0, 0, 0]", "a vector of any length");
+    return value;
+  }
+  /// A direction of any length but zero: a usable one.
   glm::dvec3 direction(std::string_view key) const {
     const glm::dvec3 value = vector(key);
-    if (glm::vec3(value) == glm::vec3(0)) refuse(key, "[0, 0, 0]", "a direction");
-    return value;
+    if (value == glm::dvec3(0)) refuse(key, "[0, 0, 0]", "a direction");
+    return usable_direction(value);
   }
   /// `count` vectors; any number of at least `least` where `count` is 0.
   std::vector<glm::dvec3> vectors(std::string_view key, std::size_t count, std::size_t least) const {

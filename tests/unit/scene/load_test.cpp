@@ -320,4 +320,23 @@ TEST(FinishScene, refuses_what_no_technique_could_take) {
   expect_words(error([](Scene& s) { s.lights[0].kind = DirectionalLight{glm::vec3(0)}; }), {"direction"});
 }
 
+// A generator gives float32: what is left of its directions is kept, at a length that can be squared.
+TEST(FinishScene, directions_of_generators_may_have_any_length) {
+  for (const float length : {0x1p-120f, 0x1p-60f, 0x1p40f, 0x1p120f}) {
+    Scene scene = import(data("tetrahedron.obj"));
+    add_framing(scene);
+    const glm::vec3 way(-1, -3, 2);
+    scene.lights[0].kind = SpotLight{.position = {0, 5, 0}, .direction = length * way};
+    scene.lights[1].kind = DirectionalLight{length * way};
+    scene.views[0].up = length * way;
+    finish_scene(scene, "here");
+    for (const glm::vec3& v : {std::get<SpotLight>(scene.lights[0].kind).direction,
+                               std::get<DirectionalLight>(scene.lights[1].kind).direction, scene.views[0].up}) {
+      EXPECT_GE(extent(v), 1) << length;
+      EXPECT_LE(extent(v), 10) << length;
+      EXPECT_LT(glm::distance(glm::normalize(v), glm::normalize(way)), 1e-6) << length;
+    }
+  }
+}
+
 }  // namespace load_test

@@ -32,6 +32,17 @@ TEST(motion, a_path_moves_the_camera_or_the_light_and_leaves_the_other) {
   EXPECT_EQ(std::get<RectLight>(light_at(path, rect, 1).kind).center, glm::vec3(1, 0, 0));
 }
 
+TEST(motion, a_directional_light_may_pass_ways_of_any_length) {
+  const Light sun{.name = "sun", .kind = DirectionalLight{{0, -1, 0}}};
+  for (const float length : {0x1p-100f, 1.0f, 0x1p100f}) {
+    const Path path{"way", Path::Moves::light, {length * glm::vec3(-2, -4, 0), length * glm::vec3(2, -4, 0)}, 3};
+    const glm::vec3 direction = std::get<DirectionalLight>(light_at(path, sun, 1).kind).direction;
+    EXPECT_EQ(glm::normalize(direction), glm::vec3(0, -1, 0)) << length;
+    EXPECT_LE(extent(direction), 10);
+    check_frames(path, sun, View{}, "here");
+  }
+}
+
 TEST(motion, every_scene_has_slides_of_one_percent) {
   Scene scene;
   Mesh mesh;

@@ -212,6 +212,38 @@ TEST(SceneToml, mistakes_have_a_file_and_a_line) {
   expect_words(error_of("name = \n"), {"test.toml:1"});
 }
 
+// Only the way matters: where float32 would lose squares of it, a power of ten is taken out before it is rounded. What is no
+// longer and no shorter than usual stays as it is written.
+TEST(SceneToml, directions_may_have_any_length) {
+  const auto scene_with = [](const std::string& direction) {
+    return read("[[shape]]\nkind = \"disc\"\ncenter = [0, 0, 0]\nradius = 1\nnormal = " + direction +
+                "\n[[light]]\nname = \"a\"\nkind = \"directional\"\ndirection = " + direction +
+                "\n[[light]]\nname = \"b\"\nkind = \"spot\"\nposition = [0, 5, 0]\ndirection = " + direction +
+                "\n[[light]]\nname = \"c\"\nkind = \"disc\"\ncenter = [0, 5, 0]\nradius = 1\nnormal = " + direction +
+                "\n[[view]]\nname = \"v\"\neye = [5, 5, 9]\ntarget = [0, 0, 0]\nup = " + direction + "\n");
+  };
+  const auto directions_of = [](const Scene& scene) {
+    return std::vector<glm::vec3>{std::get<Disc>(*scene.meshes[0].shape).normal,
+                                  std::get<DirectionalLight>(scene.lights[0].kind).direction,
+                                  std::get<SpotLight>(scene.lights[1].kind).direction,
+                                  std::get<DiscLight>(scene.lights[2].kind).normal, scene.views[0].up};
+  };
+  for (const char* length : {"e-300", "e-100", "e-38", "e-30", "e-20", "e-7", "e7", "e20", "e29"}) {
+    const std::string direction = fmt::format("[-1{0}, -3{0}, 2{0}]", length);
+    EXPECT_EQ(directions_of(scene_with(direction)), std::vector(5, glm::vec3(-1, -3, 2))) << direction;
+  }
+  for (const float length : {1e-5f, 0.1f, 7.0f, 3e5f}) {
+    const glm::vec3 written = length * glm::vec3(-1, -3, 2);
+    EXPECT_EQ(directions_of(scene_with(fmt::format("[{}, {}, {}]", written.x, written.y, written.z))), std::vector(5, written));
+  }
+  const std::string sun = "[[light]]\nname = \"a\"\nkind = \"directional\"\ndirection = ";
+  expect_words(error_of(sun + "[0, 0, 0]\n"), {"direction = [0, 0, 0] is not a direction", "test.toml:4"});
+  expect_words(error_of(sun + "[0, 1e-400, 0]\n"), {"test.toml:4"});
+  expect_words(error_of(sun + "[0, inf, 0]\n"), {"direction = inf", "test.toml:4"});
+  expect_words(error_of(sun + "[0, nan, 0]\n"), {"direction = nan", "test.toml:4"});
+  expect_words(error_of(sun + "[0, 1e31, 0]\n"), {"1e+31", "-1e30 .. 1e30", "test.toml:4"});
+}
+
 TEST(SceneToml, described_scenes_of_the_house_are_sound_or_not_fetched) {
   for (const fs::directory_entry& entry : fs::directory_iterator(data_root() / "scenes")) {
     if (entry.path().extension() != ".toml") continue;
