@@ -143,7 +143,8 @@ bool fit_window(LightImage& image, const LightExtent& casters, const LightExtent
   if (casters.empty() || receivers.empty() || low.x > high.x || low.y > high.y || casters.near >= receivers.far) return false;
   // Texels below the float32 resolution of window coordinates would be noise; a window of one point has one all the same.
   const glm::dvec2 least = 0x1p-20 * glm::max(glm::max(glm::abs(low), glm::abs(high)), glm::dvec2(glm::length(high - low)));
-  const glm::dvec2 texel = glm::max(glm::max((high - low) / fit.inner(), least), glm::dvec2(0x1p-40));
+  const double point = 0x1p-40 * (image.is_perspective ? 1 : std::max(std::abs(casters.near), std::abs(receivers.far)));
+  const glm::dvec2 texel = glm::max(glm::max((high - low) / fit.inner(), least), glm::dvec2(point));
   image.scale = 1.0 / texel;
   image.offset = fit.resolution / 2.0 - (low + high) / 2.0 * image.scale;
   // Casters nearer than 1/1024 of the reach are clamped to it, for the precision of depth: they still cast, but on nothing that

@@ -43,7 +43,7 @@ float share_above(Point p) {
 #else
   // Of a square before a line: with a >= b the slopes, a trapezoid's or a triangle's area.
   float a = max(abs(p.horizon.y), abs(p.horizon.z)), b = min(abs(p.horizon.y), abs(p.horizon.z)), h = abs(p.horizon.x);
-  float corner = max(a + b - h, 0), less = h <= a - b ? 0.5 - 0.5 * h / max(a, 1e-30) : corner * corner / (8 * max(a * b, 1e-30));
+  float corner = max(a + b - h, 0), less = h <= a - b ? 0.5 - 0.5 * h / max(a, 1e-30) : corner * corner / (8 * max(a * b, 1e-37));
   return p.horizon.x > 0 ? 1 - less : less;
 #endif
 }
@@ -54,7 +54,8 @@ float share_seen(Point p, out vec4 account) {
   mat2 figure = p.figure * half_side;
   vec2 tilt = p.tilt * half_side;
   float turn = figure[0].x * figure[1].y - figure[1].x * figure[0].y;
-  turn = (turn < 0 ? -1 : 1) * max(abs(turn), 1e-20);
+  float edge_on = 1e-20 * (dot(figure[0], figure[0]) + dot(figure[1], figure[1]));
+  turn = (turn < 0 ? -1 : 1) * max(max(abs(turn), edge_on), 1e-37);
   Back back;
   back.places = mat2(figure[1].y, -figure[0].y, -figure[1].x, figure[0].x) / turn;
   back.tilt = tilt;

@@ -76,8 +76,8 @@ void warp(LightImage& image, const std::vector<glm::dvec2>& corners, double dist
   }
   const double inner = resolution - 2.0 * margin, length = y.length();
   // Texels below the float32 resolution of window coordinates would be noise.
-  const auto least = [](const Span& span) {
-    return std::max(0x1p-40, 0x1p-20 * std::max({std::abs(span.low), std::abs(span.high), span.length()}));
+  const auto least = [length](const Span& span) {
+    return std::max(0x1p-40 * length, 0x1p-20 * std::max({std::abs(span.low), std::abs(span.high), span.length()}));
   };
   for (;; distance *= 2) {
     // Row 0, a margin below the low end, is at the pivot, so divisors are 1 and more: with e = y.low - pivot.y it is
