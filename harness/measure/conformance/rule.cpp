@@ -13,7 +13,7 @@ namespace {
 std::vector<Rule> all_rules() {
   std::vector<Rule> all;
   for (auto* of_file : {about_rules, answer_rules, promise_rules, cause_rules, life_rules, light_rules, neighbor_rules,
-                        limit_rules, memory_rules})
+                        limit_rules, scale_rules, memory_rules})
     std::ranges::copy(of_file(), std::back_inserter(all));
   return all;
 }

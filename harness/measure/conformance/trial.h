@@ -91,5 +91,6 @@ std::vector<Rule> limit_rules();
 std::vector<Rule> memory_rules();
 std::vector<Rule> cause_rules();
 std::vector<Rule> promise_rules();
+std::vector<Rule> scale_rules();
 
 }  // namespace gnomon::conformance

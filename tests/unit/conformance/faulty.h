@@ -35,6 +35,7 @@ enum class Fault {
   is_inverted,      ///< dark where it is lit
   promises_half,    ///< lit everywhere, with at most half of all wrong
   promises_little,  ///< the same, with a thousandth
+  has_near_plane,   ///< a pixel nearer than a millimeter is lit
 };
 
 inline Light light_of_all;  ///< for shares_light
@@ -77,6 +78,9 @@ class Faulty final : public Technique {
     if (fault == Fault::is_inverted)
       for (std::size_t i = 0; i < pixels.size(); ++i)
         if (faces_light(*scene_, gbuffer, light_, i)) pixels[i] = 1 - pixels[i];
+    if (fault == Fault::has_near_plane)
+      for (std::size_t i = 0; i < pixels.size(); ++i)
+        if (glm::distance(gbuffer.position(i), gbuffer.view.eye) < 1e-3f) pixels[i] = 1;
     picture_size_ = 3 * pixels.size();
   }
   Counts counts() const override {

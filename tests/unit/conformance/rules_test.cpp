@@ -101,6 +101,12 @@ TEST(rules, find_what_an_object_keeps_from_its_earlier_life) {
     expect_found("parameter_ends", entry<Fault::spoils_later>(), "set on a used object, from resolve on", "with is_open=true");
 }
 
+TEST(rules, find_lengths_that_are_special) {
+  if (is_sanitized) GTEST_SKIP() << "the rule is not asked there";
+  expect_found("scale", entry<Fault::has_near_plane>(), "pixels differ",
+               "in sphere_over_plane:segments=16, lengths times 2^-20, directions times 2^8, light point (point)");
+}
+
 TEST(rules, find_what_a_technique_says_that_is_not_so) {
   expect_found("support_answered", entry<Fault::gives_no_reason>(), "the support is unsupported with the reason ''",
                "light rect (rect)");
