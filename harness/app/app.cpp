@@ -1,10 +1,12 @@
 #include "app/app.h"
 
+#include <fcntl.h>
 #include <gnomon/registry.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
@@ -15,6 +17,7 @@
 #include "measure/conformance/child.h"
 #include "measure/notice.h"
 #include "measure/paths.h"
+#include "measure/printable.h"
 #include "measure/program/program_technique.h"
 #include "measure/scene/import.h"
 #include "measure/worker/outside.h"
@@ -38,13 +41,7 @@ std::string shown(std::string_view text) {
   constexpr std::size_t most_begin = 3000, most_end = 1000;
   if (text.size() > most_begin + most_end)
     return fmt::format("{} ... {}", shown(text.substr(0, most_begin)), shown(text.substr(text.size() - most_end)));
-  std::string result;
-  for (const char c : text)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
-      result += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
-    else
-      result += c;
-  return result;
+  return printable(text, true);
 }
 
 /// The processes that `run`, `check` and the importer start; hidden.
@@ -71,6 +68,17 @@ void add_worker(Program& program) {
   mesh.option("descriptor", &to_import.descriptor, "", {.is_required = true});
 }
 
+/// Standard input, output and error that were closed lead nowhere: the first file that is opened would take their place. What
+/// cannot be written is an error with words, not the end by a signal.
+void prepare_process() {
+  int nothing = -1;
+  do nothing = open("/dev/null", O_RDWR);
+  while (nothing >= 0 && nothing <= STDERR_FILENO);
+  if (nothing > STDERR_FILENO) close(nothing);
+  for (const int number : {SIGPIPE, SIGXFSZ}) std::signal(number, SIG_IGN);
+  std::signal(SIGINT, SIG_DFL);  // a shell that runs a script lets its background jobs ignore it: they are meant to end, too
+}
+
 /// Whether this process is one of those that the program starts, where techniques run: a worker's command has two numbers
 /// behind it.
 bool is_where_techniques_run(int argc, char** argv) {
@@ -81,6 +89,7 @@ bool is_where_techniques_run(int argc, char** argv) {
 }  // namespace
 
 int run_program(int argc, char** argv) {
+  prepare_process();
   try {
     Program program{
         {"Gnomon: shadow techniques side by side, by cost and by error against ray-traced truth", "gnomon", GNOMON_VERSION},

@@ -2,6 +2,7 @@
 #include <gnomon/registry.h>
 
 #include "app/app.h"
+#include "measure/part_file.h"
 #include "measure/paths.h"
 #include "measure/run/suite.h"
 #include "measure/scene/blob.h"
@@ -126,7 +127,7 @@ int write_docs(DocsOptions options) {
     fmt::print("{}\n", options.out.string());
   }
   if (!options.rules.empty()) {
-    write_file(options.rules, conformance::rules_page());
+    write_file(replaced_file(options.rules), conformance::rules_page());
     fmt::print("{}\n", options.rules.string());
   }
   return 0;

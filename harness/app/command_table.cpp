@@ -1,6 +1,7 @@
 // gnomon table and report: a run as a table and as a page.
 #include "app/app.h"
 #include "measure/notice.h"
+#include "measure/part_file.h"
 #include "measure/row/rescore.h"
 #include "measure/scene/blob.h"
 #include "report/analysis/machine_table.h"
@@ -79,7 +80,7 @@ void make_page(const PageOptions& options) {
   if (std::filesystem::is_directory(out)) throw Error("--out {} is a folder; the name of a file is wanted", out.string());
   const std::vector<Record> records = read_records(options.dir);
   const Report report = make_report(options.dir, records, !options.without_pictures);
-  write_file(out, report.html);
+  write_file(replaced_file(out), report.html);
   for (const std::string& note : report.notes) print_notice("{}\n", note);
   fmt::print("{}\n", out.string());
 }

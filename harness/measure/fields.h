@@ -16,6 +16,7 @@
 
 #include "measure/answer_kind.h"
 #include "measure/json.h"
+#include "measure/printable.h"
 
 namespace gnomon {
 
@@ -101,6 +102,7 @@ void read(const std::string& field, const Json& value, T& into, MissingField mis
   if constexpr (std::is_same_v<T, std::string>) {
     need(value.is_string(), "text");
     into = value.get<std::string>();
+    need(!has_control_characters(into), "text without control characters");
   } else if constexpr (std::is_same_v<T, double>) {
     need(value.is_number(), "a number");
     into = value.get<double>();

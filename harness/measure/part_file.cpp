@@ -54,6 +54,20 @@ fs::path replaced_file(const fs::path& path) {
   return target;
 }
 
+bool is_plain_file(const fs::path& path) {
+  std::error_code code;
+  return fs::is_regular_file(fs::symlink_status(path, code));
+}
+
+void make_way(const fs::path& path) {
+  std::error_code code;
+  const fs::file_status status = fs::symlink_status(path, code);
+  if (fs::is_symlink(status))
+    fs::remove(path, code);
+  else if (fs::exists(status) && !fs::is_regular_file(status))
+    throw Error("{} cannot be written: it is there and no regular file", path.string());
+}
+
 void remove_left_over_parts(const fs::path& folder) {
   remove_where(folder, [](const fs::path& file) {
     const std::string name = file.stem().string();

@@ -9,6 +9,7 @@
 #include <cstdio>
 
 #include "measure/notice.h"
+#include "measure/printable.h"
 
 namespace gnomon {
 
@@ -43,7 +44,7 @@ void Progress::advance(double units) {
 void Progress::say(const std::string& line) {
   if (quiet_) return;
   clear();
-  print_notice("{}\n", line);
+  print_notice("{}\n", printable(line));
   draw(true);
 }
 

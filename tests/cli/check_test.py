@@ -61,7 +61,7 @@ class Check(ProgramTest):
                 self.assertEqual((mask["findings"][0]["what"], mask["findings"][0]["scene"], mask["findings"][0]["light"]),
                                  (found, "sphere_over_plane:segments=24", "point (point)"))
                 self.assertTrue(mask["sentence"] and mask["advice"])
-        self.assertEqual(workers(self.dir), [])
+        self.assertEqual(workers(self.dir, keepers=True), [])
 
     def test_bad_usage_is_refused(self):
         self.refuse("check", "shadow_mapp", says=["there is no technique shadow_mapp; did you mean shadow_map?"])

@@ -47,7 +47,7 @@ class Faults(ProgramTest):
         self.assertRegex(text, r"(?m)^16 rows: 4 ok, 0 unsupported, 12 failed;")
         for name in REASONS:
             self.assertRegex(text, rf"(?m)^{name} +failed +{REASONS[name][1:]}")
-        self.assertEqual(workers(self.dir), [])
+        self.assertEqual(workers(self.dir, keepers=True), [])
         self.assertFalse((self.dir / "out/.scratch").exists())
 
     def test_addresses_may_be_reserved_beyond_all_memory(self):
@@ -90,7 +90,7 @@ class Faults(ProgramTest):
                 self.assertRegex(broken["reason"], f"^{reason}$")
                 self.assertEqual([p for p in broken["stages"].values() if p], [])
                 self.assertEqual((sound["status"], len(sound["stages"]["build"][0])), ("ok", 1))
-                self.assertEqual(workers(self.dir), [])
+                self.assertEqual(workers(self.dir, keepers=True), [])
 
     def test_render_of_a_fault_exits_with_1_and_writes_nothing(self):
         done = self.gnomon("--plugin", FAULTS, "render", "--scene", "single_triangle", "--technique", "crashes", "--size", "64x64",
@@ -172,7 +172,7 @@ class Reference(ProgramTest):
         self.assertEqual(status, 1)
         self.assertRegex(words, r"^gnomon: the reference crashed in trace: Segmentation fault \(signal 11\)\n$")
         self.assertEqual([p.name for p in self.dir.iterdir()], ["cache"])
-        self.assertEqual(workers(self.dir), [])
+        self.assertEqual(workers(self.dir, keepers=True), [])
 
 
 if __name__ == "__main__":

@@ -16,10 +16,18 @@ namespace gnomon {
 /// Bugs are `assert`; an expected no is `Support`; nothing is both logged and thrown.
 class Error : public std::runtime_error {
  public:
-  explicit Error(const std::string& text) : std::runtime_error(text) {}
+  explicit Error(std::string text) : std::runtime_error(whole(text)) {}
   template <class... Args>
   explicit Error(fmt::format_string<Args...> format, Args&&... args)
-      : std::runtime_error(fmt::format(format, std::forward<Args>(args)...)) {}
+      : Error(fmt::format(format, std::forward<Args>(args)...)) {}
+
+ private:
+  /// what() ends at a zero byte; a quoted one is shown as another.
+  static const std::string& whole(std::string& text) {
+    for (char& c : text)
+      if (c == '\0') c = '?';
+    return text;
+  }
 };
 
 /// Words as one text: "a, b, c". fmt::join does the same and is compiled anew wherever it is used.

@@ -141,15 +141,11 @@ class ObjReader {
   void begin_object(bool is_group, const std::string& name) {
     if (is_group && !parts_.empty() && name == group_) return;
     if (is_group) group_ = name;
-    const auto same = std::ranges::find(objects_, name, &std::pair<std::string, std::size_t>::first);
-    if (!is_group && same != objects_.end()) {
-      object_ = same->second;
-      part_ = object_;
-      return;
-    }
-    objects_.emplace_back(name, parts_.size());
-    object_ = parts_.size();
-    begin_part(name);
+    const auto [same, is_new] = objects_.emplace(name, parts_.size());
+    if (!is_group && !is_new)
+      part_ = same->second;
+    else
+      begin_part(name);
   }
   void begin_part(const std::string& name) {
     part_ = parts_.size();
@@ -208,8 +204,8 @@ class ObjReader {
   MeshFile answer_;
   std::vector<glm::dvec3> positions_;
   std::vector<Part> parts_;
-  std::vector<std::pair<std::string, std::size_t>> objects_;  ///< name, and its first part
-  std::size_t object_ = 0, part_ = 0;
+  std::unordered_map<std::string, std::size_t> objects_;  ///< by name, the first part
+  std::size_t part_ = 0;
   std::string group_, material_;
   std::vector<std::pair<std::int64_t, long>> ahead_;  ///< vertices that were not there yet, and the line that names them
   std::vector<std::uint32_t> place_;

@@ -130,12 +130,13 @@ fs::path FrameStore::gbuffer_file(const FrameKey& key) {
   return make(name, {.scene_file = scene_file(), .key = key, .light = {}, .gbuffer_file = {}, .target = {}});
 }
 
-GBuffer FrameStore::gbuffer(const FrameKey& key) { return map_gbuffer(gbuffer_file(key), key); }
+GBuffer FrameStore::gbuffer(const FrameKey& key) { return copy_gbuffer(gbuffer_file(key), key); }
 
 void write_gbuffer(const fs::path& file, const GBuffer& gbuffer) { write_file(file, gbuffer_bytes(gbuffer)); }
 
-GBuffer map_gbuffer(const fs::path& path, const FrameKey& key) {
-  const auto file = MappedFile::open(path);
+namespace {
+
+GBuffer gbuffer_of(const std::shared_ptr<const MappedFile>& file, const fs::path& path, const FrameKey& key) {
   const std::size_t n = pixel_count(key);
   // A viewer's has no hash. Of another size, ids would be read from where coordinates lie.
   if (const std::size_t size = file->bytes().size(); size != n * gbuffer_pixel && size != n * gbuffer_pixel + hash_size)
@@ -146,6 +147,12 @@ GBuffer map_gbuffer(const fs::path& path, const FrameKey& key) {
   for (auto* ids : {&g.mesh, &g.triangle}) *ids = slice<std::uint32_t>(*file, offset, n);
   return g;
 }
+
+}  // namespace
+
+GBuffer map_gbuffer(const fs::path& path, const FrameKey& key) { return gbuffer_of(MappedFile::open(path), path, key); }
+
+GBuffer copy_gbuffer(const fs::path& path, const FrameKey& key) { return gbuffer_of(MappedFile::copy(path), path, key); }
 
 const RayScene& FrameTracer::rays(Truth truth, RayScene::Which which) {
   if (!scene_.has_curved_shapes()) truth = Truth::mesh;
@@ -216,7 +223,7 @@ GlobalReference FrameStore::global_reference(const FrameKey& key, const Light& l
     path =
         make(name, {.scene_file = scene_file(), .key = key, .light = light, .gbuffer_file = seen, .global_samples = samples});
   }
-  const auto file = MappedFile::open(path);
+  const auto file = MappedFile::copy(path);
   std::size_t offset = 0;
   GlobalReference reference;
   for (auto* floats : {&reference.radiance, &reference.error}) *floats = slice<float>(*file, offset, 3 * pixel_count(key));
@@ -238,7 +245,7 @@ Reference FrameStore::reference(const FrameKey& key, const Light& light, const A
                        .target = target,
                        .subpixel_bits = subpixel_bits});
   }
-  const auto file = MappedFile::open(path);
+  const auto file = MappedFile::copy(path);
   const std::size_t n = pixel_count(key);
   std::size_t offset = 0;
   Reference reference;

@@ -143,6 +143,8 @@ class FrameStore {
 void write_gbuffer(const std::filesystem::path& file, const GBuffer& gbuffer);
 /// A G-buffer that another process wrote.
 GBuffer map_gbuffer(const std::filesystem::path& file, const FrameKey& key);
+/// The same in memory of our own, which nobody shortens.
+GBuffer copy_gbuffer(const std::filesystem::path& file, const FrameKey& key);
 
 /// What the reference, the technique of that role, says of scene, light and view. Where it is unsupported there is no truth to
 /// score against: whoever measures asks here first and passes the reason on.

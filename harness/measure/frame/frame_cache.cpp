@@ -56,7 +56,7 @@ std::vector<CachedFile> cached_files(const fs::path& folder) {
 }
 
 bool is_sound(const CachedFile& file) {
-  const auto mapped = MappedFile::open(file.path);
+  const auto mapped = MappedFile::copy(file.path);
   return file.kind == "scene" ? content_hash(mapped->bytes()) == file.path.stem() : ends_with_own_hash(mapped->bytes());
 }
 
@@ -105,10 +105,9 @@ FrameFiles::FrameFiles(fs::path folder) : folder_(std::move(folder)), limit_(fra
 
 fs::path FrameFiles::find(const std::string& name, const std::function<bool(std::span<const std::byte>)>& is_sound) {
   const fs::path file = held(name);
-  std::error_code code;
-  if (!fs::is_regular_file(file, code)) return {};
+  if (!is_plain_file(file)) return {};  // a link may lead anywhere
   if (sound_.contains(file)) return file;
-  if (!is_sound(MappedFile::open(file)->bytes())) return {};
+  if (!is_sound(MappedFile::copy(file)->bytes())) return {};
   touch(file);
   sound_.insert(file);
   return file;
@@ -123,6 +122,7 @@ fs::path FrameFiles::held(const std::string& name) {
   }
   const fs::path link = links_->path() / name;
   std::error_code code;
+  if (fs::is_symlink(folder_ / name, code)) return folder_ / name;
   if (!fs::exists(link, code)) fs::create_hard_link(folder_ / name, link, code);
   return fs::exists(link, code) ? link : folder_ / name;
 }

@@ -8,6 +8,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "measure/part_file.h"
 #include "measure/picture/legend.h"
 #include "measure/picture/shading.h"
 
@@ -130,10 +131,14 @@ const ImageFiles& image_files() {
   return files;
 }
 
-void write_png(const fs::path& path, const Picture& picture) { image_files().write_png(path, picture); }
+void write_png(const fs::path& path, const Picture& picture) {
+  make_way(path);
+  image_files().write_png(path, picture);
+}
 
 void write_exr(const fs::path& path, int width, int height, std::span<const std::string> names,
                std::span<const std::span<const float>> channels) {
+  make_way(path);
   image_files().write_exr(path, width, height, names, channels);
 }
 

@@ -38,7 +38,11 @@ std::vector<std::string> words_of(const toml::table& toml, const Table& table, s
 std::vector<std::string> command_of(const toml::table& toml, const Table& table, std::string_view key) {
   const toml::array* const array = toml.get(key) ? toml.get(key)->as_array() : nullptr;
   std::vector<std::string> words;
-  for (std::size_t k = 0; array && k < array->size(); ++k) words.push_back((*array)[k].value_exact<std::string>().value_or(""));
+  for (std::size_t k = 0; array && k < array->size(); ++k) {
+    const auto word = (*array)[k].value_exact<std::string>();
+    if (!word) table.refuse(key, fmt::format("a list whose word {} is no text", k + 1), "a list of texts");
+    words.push_back(*word);
+  }
   if (words.empty() || words[0].empty())
     table.refuse(key, toml.get(key) ? "no list of texts" : "missing",
                  R"(a list of texts, the program first: ["python3", "a.py"])");

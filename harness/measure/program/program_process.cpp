@@ -12,6 +12,7 @@
 #include <cstring>
 #include <optional>
 
+#include "measure/keeper.h"
 #include "measure/process_memory.h"
 
 namespace gnomon {
@@ -40,6 +41,11 @@ struct Launch {
   }
 };
 
+/// What the program ignores is not meant for others.
+void default_signals() {
+  for (const int number : {SIGPIPE, SIGXFSZ}) signal(number, SIG_DFL);
+}
+
 /// A child in a folder with these as its standard input and output. Answers its number, or -1.
 int start(Launch& launch, const std::filesystem::path& folder, int input, int output) {
   const std::string place = folder.empty() ? "." : folder.string();
@@ -47,6 +53,7 @@ int start(Launch& launch, const std::filesystem::path& folder, int input, int ou
   if (process != 0) return process;
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != owner) _exit(0);
+  default_signals();
   dup2(input, STDIN_FILENO);
   dup2(output, STDOUT_FILENO);
   if (chdir(place.c_str()) == 0) execvpe(launch.argv[0], launch.argv.data(), launch.envp.data());
@@ -70,18 +77,18 @@ std::string shortened(const std::string& text) { return text.size() <= 80 ? text
 
 bool ends_well(const std::vector<std::string>& command, const std::filesystem::path& folder) {
   Launch launch(command, {});
-  const int nothing = open("/dev/null", O_RDWR | O_CLOEXEC), errors = dup(STDERR_FILENO);
-  dup2(nothing, STDERR_FILENO);  // what it complains about is no part of a worker's last words
-  const int process = start(launch, folder, nothing, nothing);
-  dup2(errors, STDERR_FILENO);
-  close(errors);
-  close(nothing);
-  if (process < 0) return false;
-  const std::optional<int> status = status_within(process, 10'000);
-  if (status) return WIFEXITED(*status) && WEXITSTATUS(*status) == 0;
-  kill(process, SIGKILL);
-  waitpid(process, nullptr, 0);
-  return false;
+  const std::string place = folder.empty() ? "." : folder.string();
+  const int keeper = fork_kept([&] {
+    const int nothing = open("/dev/null", O_RDWR);
+    default_signals();
+    for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(nothing, standard);
+    if (chdir(place.c_str()) == 0) execvpe(launch.argv[0], launch.argv.data(), launch.envp.data());
+    _exit(127);
+  });
+  if (keeper < 0) return false;
+  const std::optional<int> status = status_within(keeper, 10'000);
+  if (!status) end_kept(keeper);
+  return status && WIFEXITED(*status) && WEXITSTATUS(*status) == 0;
 }
 
 ProgramProcess::ProgramProcess(const std::vector<std::string>& command, const std::filesystem::path& folder,

@@ -97,8 +97,12 @@ std::vector<Record> read_records(const fs::path& dir) {
   return std::move(contents.records);
 }
 
-RecordWriter::RecordWriter(const fs::path& dir) : file_(replaced_file(records_file(dir))) {
-  descriptor_ = open(file_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+RecordWriter::RecordWriter(const fs::path& dir) : file_(records_file(dir)) {
+  std::error_code code;
+  if (const fs::file_status status = fs::symlink_status(file_, code); fs::exists(status) && !fs::is_regular_file(status))
+    throw Error("{} cannot be written: it is there and no regular file{}", file_.string(),
+                fs::is_symlink(status) ? ": links in the folder of a run are not followed" : "");
+  descriptor_ = open(file_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0666);
   if (descriptor_ < 0) throw Error("{} cannot be opened for writing: {}", file_.string(), std::strerror(errno));
   const auto refuse = [this](const std::string& why) {
     ::close(std::exchange(descriptor_, -1));

@@ -12,6 +12,7 @@
 #include <map>
 #include <set>
 
+#include "measure/part_file.h"
 #include "measure/paths.h"
 #include "measure/progress.h"
 #include "measure/run/timing.h"
@@ -92,7 +93,8 @@ class WriterLock {
  public:
   explicit WriterLock(const fs::path& file) {
     if (file.has_parent_path()) make_folder(file.parent_path());
-    descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    make_way(file);
+    descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
     int locked = -1;
     while (descriptor_ >= 0 && (locked = flock(descriptor_, LOCK_EX)) != 0 && errno == EINTR) {
     }
@@ -152,6 +154,7 @@ RowCost cost_of(const Record& record, int warmups, double opening) {
 }
 
 std::vector<RowCost> History::read() const {
+  if (!is_plain_file(file_)) return {};
   std::ifstream stream(file_, std::ios::binary);
   return costs_in(stream);
 }
@@ -183,7 +186,7 @@ std::vector<RowCost> shipped_costs() {
   }
   // All records take a second to read, their costs a tenth of that: they are kept.
   const fs::path kept = cache_root() / "shipped_costs.jsonl";
-  std::ifstream lines(kept, std::ios::binary);
+  std::ifstream lines(is_plain_file(kept) ? kept : fs::path(), std::ios::binary);
   if (std::string known; std::getline(lines, known) && known == stamp) return costs_in(lines);
 
   std::vector<RowCost> costs;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "measure/part_file.h"
 #include "measure/program/plugin_facts.h"
 #include "measure/record/origin.h"
 #include "measure/record/scene_place.h"
@@ -64,7 +65,7 @@ std::vector<std::string> changes(std::span<const Record> kept, const Record& now
 }  // namespace
 
 void use_recorded_scenes(const fs::path& out, Suite& suite, SceneLibrary& library) {
-  if (!fs::exists(records_file(out))) return;
+  if (!is_plain_file(records_file(out))) return;  // who writes it will say so
   std::map<std::string, std::string> recorded;  // name as written then, by the path of the file
   std::error_code code;
   for (const Record& record : read_records(out))

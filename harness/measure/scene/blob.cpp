@@ -71,27 +71,61 @@ Scene scene_from_bytes(std::span<const std::byte> bytes) {
   return scene;
 }
 
-std::shared_ptr<const MappedFile> MappedFile::open(const std::filesystem::path& path) {
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe has nobody to wait for
-  struct stat status {};
-  const auto fail = [&](const char* what) {
+namespace {
+
+/// A regular file that is open for reading, and its size; closed at the end of the scope. A pipe has nobody to wait for.
+struct OpenFile {
+  const std::filesystem::path& path;
+  int descriptor;
+  std::size_t size = 0;
+  explicit OpenFile(const std::filesystem::path& name)
+      : path(name), descriptor(::open(name.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
+    struct stat status {};
+    if (descriptor < 0 || fstat(descriptor, &status) != 0) fail("read");
+    if (!S_ISREG(status.st_mode)) {
+      close(descriptor);
+      throw Error("{} is not a file", path.string());
+    }
+    size = static_cast<std::size_t>(status.st_size);
+  }
+  ~OpenFile() {
+    if (descriptor >= 0) close(descriptor);
+  }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+  [[noreturn]] void fail(const char* what) const {
     const int code = errno;
-    if (file >= 0) close(file);
     throw Error("{} cannot be {}: {}", path.string(), what, std::strerror(code));
-  };
-  if (file < 0 || fstat(file, &status) != 0) fail("read");
-  if (!S_ISREG(status.st_mode)) {
-    close(file);
-    throw Error("{} is not a file", path.string());
   }
+};
+
+}  // namespace
+
+std::shared_ptr<const MappedFile> MappedFile::open(const std::filesystem::path& path) {
+  const OpenFile file(path);
   auto mapped = std::make_shared<MappedFile>();
-  if (status.st_size > 0) {
-    void* address = mmap(nullptr, static_cast<std::size_t>(status.st_size), PROT_READ, MAP_SHARED, file, 0);
-    if (address == MAP_FAILED) fail("mapped");
-    mapped->bytes_ = {static_cast<const std::byte*>(address), static_cast<std::size_t>(status.st_size)};
-  }
-  close(file);
+  if (file.size == 0) return mapped;
+  void* address = mmap(nullptr, file.size, PROT_READ, MAP_SHARED, file.descriptor, 0);
+  if (address == MAP_FAILED) file.fail("mapped");
+  mapped->bytes_ = {static_cast<const std::byte*>(address), file.size};
   return mapped;
+}
+
+std::shared_ptr<const MappedFile> MappedFile::copy(const std::filesystem::path& path) {
+  const OpenFile file(path);
+  auto copied = std::make_shared<MappedFile>();
+  if (file.size == 0) return copied;
+  void* address = mmap(nullptr, file.size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (address == MAP_FAILED) file.fail("kept in memory");
+  copied->bytes_ = {static_cast<const std::byte*>(address), file.size};
+  for (std::size_t have = 0; have < file.size;) {
+    const ssize_t count = ::read(file.descriptor, static_cast<char*>(address) + have, file.size - have);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) file.fail("read");
+    if (count == 0) throw Error("{} was shortened while it was read", path.string());
+    have += static_cast<std::size_t>(count);
+  }
+  return copied;
 }
 
 MappedFile::~MappedFile() {
@@ -100,8 +134,10 @@ MappedFile::~MappedFile() {
 
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes, Durable durable) {
   if (path.has_parent_path()) make_folder(path.parent_path());
-  const std::filesystem::path target = replaced_file(path), temporary = part_of(target);
-  const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  make_way(path);
+  const std::filesystem::path temporary = part_of(path);
+  unlink(temporary.c_str());
+  const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (file < 0) throw Error("{} cannot be written: {}", path.string(), std::strerror(errno));
   int failure = 0;
   while (!bytes.empty() && failure == 0) {
@@ -113,7 +149,7 @@ void write_file(const std::filesystem::path& path, std::span<const std::byte> by
   }
   if (failure == 0 && durable == Durable::yes && fsync(file) != 0) failure = errno;
   if (close(file) != 0 && failure == 0) failure = errno;
-  if (failure == 0 && std::rename(temporary.c_str(), target.c_str()) != 0) failure = errno;
+  if (failure == 0 && std::rename(temporary.c_str(), path.c_str()) != 0) failure = errno;
   if (failure != 0) {
     unlink(temporary.c_str());
     throw Error("{} cannot be written: {}", path.string(), std::strerror(failure));

@@ -29,6 +29,8 @@ class MappedFile {
  public:
   /// Throws Error when the file cannot be mapped.
   static std::shared_ptr<const MappedFile> open(const std::filesystem::path& path);
+  /// The same bytes in memory of our own: who shortens the file later does not end this process.
+  static std::shared_ptr<const MappedFile> copy(const std::filesystem::path& path);
   ~MappedFile();
   std::span<const std::byte> bytes() const { return bytes_; }
 
@@ -36,7 +38,8 @@ class MappedFile {
   std::span<const std::byte> bytes_;
 };
 
-/// Writes a whole file under a temporary name, then renames it: nobody ever sees half of it. Makes the parent folders.
+/// Writes a whole file under a temporary name, then renames it: nobody ever sees half of it. Makes the parent folders. A
+/// link in its place is replaced, not followed: replaced_file (part_file.h) follows one that somebody named.
 /// Throws Error that says what, where and why (a full disk, an unwritable folder); nothing is left behind then.
 /// A durable file is on the disk before it gets its name.
 enum class Durable { no, yes };

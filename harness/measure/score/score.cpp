@@ -54,7 +54,7 @@ std::map<std::string, std::uint64_t> class_counts(std::span<const PixelClass> cl
 
 std::vector<float> read_mask_file(const std::filesystem::path& path, std::size_t pixels, std::size_t lights) {
   const std::size_t size = pixels * lights;
-  const auto file = MappedFile::open(path);
+  const auto file = MappedFile::copy(path);
   if (file->bytes().size() != size * sizeof(float))
     throw Error("mask {} has {} bytes; {} are wanted", path.string(), file->bytes().size(), size * sizeof(float));
   std::vector<float> mask(size);

@@ -56,8 +56,7 @@ std::vector<std::byte> FrameWorker::make(const MissingFrame& missing) {
                              .error = missing.target.error,
                              .cap = missing.target.cap,
                              .subpixel_bits = missing.subpixel_bits,
-                             .global_samples = missing.global_samples,
-                             .done = file("done").string()};
+                             .global_samples = missing.global_samples};
   try {
     try {
       return ask(request, missing);
@@ -70,10 +69,10 @@ std::vector<std::byte> FrameWorker::make(const MissingFrame& missing) {
   }
 }
 
-std::vector<std::byte> FrameWorker::ask(const TraceRequest& request, const MissingFrame& missing) {
+std::vector<std::byte> FrameWorker::ask(TraceRequest request, const MissingFrame& missing) {
   if (!process_) process_.emplace(WorkerOptions{.threads = 0, .plugins = {}, .program = program_});
-  SharedCount::make(file("done"));
-  SharedCount done(file("done"));
+  const SharedCount done;
+  request.done = done.place();
   const double pixels = static_cast<double>(missing.key.width) * missing.key.height;
   const auto show = [&] { watch_(missing, static_cast<double>(done.value()) / pixels); };
   const auto end_show = [&] {
@@ -88,7 +87,7 @@ std::vector<std::byte> FrameWorker::ask(const TraceRequest& request, const Missi
     throw;
   }
   end_show();
-  const auto made = MappedFile::open(file("frame"));
+  const auto made = MappedFile::copy(file("frame"));
   return {made->bytes().begin(), made->bytes().end()};
 }
 

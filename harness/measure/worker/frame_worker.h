@@ -34,7 +34,7 @@ class FrameWorker final : public FrameMaker {
  private:
   std::filesystem::path file(const char* ending);
   /// What the request leaves in the file for frames.
-  std::vector<std::byte> ask(const TraceRequest& request, const MissingFrame& missing);
+  std::vector<std::byte> ask(TraceRequest request, const MissingFrame& missing);
 
   std::optional<WorkerProcess> process_;
   std::filesystem::path files_;

@@ -65,7 +65,7 @@ MakeScene maker_of(const std::string& plugin) {
     } catch (const WorkerFailure& failure) {
       throw Error("scene {} of plugin {} {}", id, plugin, failure.what());
     }
-    return scene_from_bytes(MappedFile::open(file)->bytes());
+    return scene_from_bytes(MappedFile::copy(file)->bytes());
   };
 }
 

@@ -70,7 +70,7 @@ struct OpenRequest {
   static constexpr const char* verb = "open";
   std::string scene = {};           ///< file with scene_bytes
   std::string technique, settings;  ///< id; "a=1,b=2"
-  std::string progress = {};        ///< file of a SharedCount for what the technique tells of a stage under way
+  std::string progress = {};        ///< place of a SharedCount for what the technique tells of a stage under way
   struct Reply {
     std::optional<WorkerGl> gl = {};  ///< nothing for a technique that does not draw
   };
@@ -285,7 +285,7 @@ struct TraceRequest {
   double error = 0;  ///< AreaTarget
   std::uint32_t cap = 0;
   int subpixel_bits = usual_subpixel_bits, global_samples = 0;
-  std::string done = {};  ///< file of a SharedCount of the pixels that are through; the file may be missing
+  std::string done = {};  ///< place of a SharedCount of the pixels that are through; may be empty
   using Reply = Done;
 };
 void for_each_field(MaybeConst<TraceRequest> auto& request, const auto& use) {

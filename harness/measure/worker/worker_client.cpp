@@ -37,17 +37,10 @@ std::vector<std::byte> light_and_view_bytes(const std::vector<Light>& lights, co
   return scene_bytes(scene);
 }
 
-/// A file that holds the number 0.
-static fs::path made_count(const fs::path& file) {
-  SharedCount::make(file);
-  return file;
-}
-
 WorkerClient::WorkerClient(const WorkerOptions& options, fs::path files, double timeout_seconds)
     : files_(std::move(files)),
       program_files_(ScratchFolder::in(fs::absolute(files_).parent_path(),
                                        files_.filename().string() + ".program")),  // other workers live on
-      progress_(made_count(file("progress"))),
       process_(with_program_folder(options, program_files_.path())),
       timeout_seconds_(timeout_seconds) {}
 
@@ -75,7 +68,7 @@ void WorkerClient::begin_load(const TechniqueOnScene& what) {
   process_.send(request_json(OpenRequest{.scene = what.scene_file.string(),
                                          .technique = what.technique,
                                          .settings = what.settings,
-                                         .progress = file("progress").string()}));
+                                         .progress = progress_.place()}));
 }
 
 double WorkerClient::progress() const { return static_cast<double>(progress_.value()) / static_cast<double>(progress_steps); }
@@ -186,7 +179,7 @@ std::vector<std::optional<Explanation>> WorkerClient::explain(std::span<const st
     const bool is_explained = ask(ExplainRequest{asked.string(), answered.string(), light}).explained;
     const auto explanations = checked([&] {
       if (!is_explained) return std::vector<std::optional<Explanation>>();
-      auto known = explanations_from_bytes(MappedFile::open(answered)->bytes());
+      auto known = explanations_from_bytes(MappedFile::copy(answered)->bytes());
       if (known.size() != some.size()) throw Error("{} explanations came for {} pixels", known.size(), some.size());
       return known;
     });
@@ -203,7 +196,7 @@ namespace {
 
 /// Three floats a pixel from a file that the worker wrote. `what` they are, for the Error where their number is another.
 std::vector<float> read_rgb(const fs::path& file, std::size_t pixels, const std::string& what) {
-  const auto written = MappedFile::open(file);
+  const auto written = MappedFile::copy(file);
   std::vector<float> rgb(3 * pixels);
   if (written->bytes().size() != rgb.size() * sizeof(float))
     throw Error("{} has {} bytes; {} are wanted", what, written->bytes().size(), rgb.size() * sizeof(float));
@@ -236,7 +229,7 @@ std::optional<std::vector<float>> WorkerClient::global_picture(std::size_t light
 SurfaceDetail WorkerClient::surface_detail(std::size_t light) {
   bring_up(Stage::relight);
   ask(DetailRequest{file("detail").string(), light});
-  return checked([&] { return detail_from_bytes(MappedFile::open(file("detail"))->bytes()); });
+  return checked([&] { return detail_from_bytes(MappedFile::copy(file("detail"))->bytes()); });
 }
 
 Json context_of_program(const WorkerOptions& options) {

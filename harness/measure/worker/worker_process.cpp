@@ -5,7 +5,6 @@
 #include <poll.h>
 #include <signal.h>
 #include <sys/mman.h>
-#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/sysinfo.h>
@@ -16,7 +15,9 @@
 #include <cstring>
 #include <fstream>
 
+#include "measure/keeper.h"
 #include "measure/paths.h"
+#include "measure/printable.h"
 #include "measure/program/program_files.h"
 #include "measure/worker/machine_context.h"
 
@@ -44,33 +45,9 @@ std::string program_to_start(const WorkerOptions& options) {
   return program;
 }
 
-/// Tells the processes of one worker, and all that they start, from all others: "GNOMON_WORKER=4711.3".
-constexpr std::string_view mark_variable = "GNOMON_WORKER";
-std::string fresh_mark() {
-  static std::atomic<int> count = 0;
-  return fmt::format("{}.{}", getpid(), ++count);
-}
-
-/// Puts down what a worker's processes started in sessions of their own: whatever has its mark.
-void end_marked(const std::string& mark) {
-  const std::string wanted = fmt::format("{}={}", mark_variable, mark);
-  constexpr int most_rounds = 10;  // what is found may just have started another one
-  for (int round = 0, found = 1; round < most_rounds && found > 0; ++round) {
-    found = 0;
-    std::error_code ignored;
-    for (const auto& entry : std::filesystem::directory_iterator("/proc", ignored)) {
-      const std::string number = entry.path().filename().string();
-      if (number.find_first_not_of("0123456789") != number.npos) continue;
-      std::ifstream file(entry.path() / "environ", std::ios::binary);
-      for (std::string variable; std::getline(file, variable, '\0');)
-        if (variable == wanted && kill(std::stoi(number), SIGKILL) == 0) ++found;
-    }
-  }
-}
-
 /// What a worker's environment has in place of its owner's.
-std::vector<std::pair<std::string_view, std::string>> set_here(const WorkerOptions& options, const std::string& mark) {
-  std::vector<std::pair<std::string_view, std::string>> variables = {{mark_variable, mark}};
+std::vector<std::pair<std::string_view, std::string>> set_here(const WorkerOptions& options) {
+  std::vector<std::pair<std::string_view, std::string>> variables;
   if (options.threads > 0) variables.emplace_back("LP_NUM_THREADS", std::to_string(options.threads));
   if (!options.keeps_shaders && !environment_keeps_shaders()) {  // the drivers of Mesa and NVIDIA
     variables.emplace_back("MESA_SHADER_CACHE_DISABLE", "true");
@@ -86,11 +63,11 @@ struct WorkerLaunch {
   std::vector<std::string> arguments, environment;
   std::vector<char*> argv, envp;
 
-  WorkerLaunch(const WorkerOptions& options, int socket, const std::string& mark) : program(program_to_start(options)) {
+  WorkerLaunch(const WorkerOptions& options, int socket) : program(program_to_start(options)) {
     arguments = {program};
     for (const std::string& plugin : options.plugins) arguments.insert(arguments.end(), {load_option(plugin), plugin});
     arguments.insert(arguments.end(), {options.command, std::to_string(socket), std::to_string(options.threads)});
-    const auto variables = set_here(options, mark);
+    const auto variables = set_here(options);
     for (char** entry = environ; *entry; ++entry) {
       const std::string_view name = std::string_view(*entry).substr(0, std::string_view(*entry).find('='));
       const bool is_replaced = std::ranges::any_of(variables, [&](const auto& variable) { return variable.first == name; });
@@ -104,14 +81,11 @@ struct WorkerLaunch {
   }
 };
 
-void enter_worker(int owner, int threads, int errors) {
-  setsid();  // a group of its own, so that what a technique starts dies with the worker
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != owner) _exit(0);  // the owner died before it could be watched
+void enter_worker(int threads) {
+  setsid();  // no terminal
   const int nothing = open("/dev/null", O_RDWR);
   dup2(nothing, STDIN_FILENO);
   dup2(nothing, STDOUT_FILENO);
-  dup2(errors, STDERR_FILENO);
   if (threads > 0) {
     // The first cores of those that this process may use: a shard or a batch system may have given it a few only.
     cpu_set_t allowed, cores;
@@ -157,7 +131,7 @@ bool write_line(int socket, const std::string& line) {
   return true;
 }
 
-WorkerProcess::WorkerProcess(const WorkerOptions& options) : options_(options), mark_(fresh_mark()) {
+WorkerProcess::WorkerProcess(const WorkerOptions& options) : options_(options) {
   int sockets[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, sockets) != 0)
     throw Error("no socket for a worker: {}", std::strerror(errno));
@@ -168,16 +142,15 @@ WorkerProcess::WorkerProcess(const WorkerOptions& options) : options_(options), 
     close(errors_);
   };
   try {
-    WorkerLaunch launch(options, sockets[1], mark_);
-    const int owner = getpid();
-    process_ = fork();
-    if (process_ == 0) {
-      enter_worker(owner, options.threads, errors_);
+    WorkerLaunch launch(options, sockets[1]);
+    const auto body = [&] {
+      enter_worker(options.threads);
       fcntl(sockets[1], F_SETFD, 0);
       execve(launch.program.c_str(), launch.argv.data(), launch.envp.data());
       dprintf(STDERR_FILENO, "program %s cannot be started: %s\n", launch.argv[0], std::strerror(errno));
       _exit(127);
-    }
+    };
+    process_ = fork_kept(body, errors_);
     const int code = errno;
     if (process_ < 0) throw Error("no process for a worker: {}", std::strerror(code));
   } catch (...) {
@@ -196,11 +169,8 @@ WorkerProcess::~WorkerProcess() {
 
 void WorkerProcess::end_process() {
   if (process_ <= 0) return;
-  kill(-process_, SIGKILL);
-  kill(process_, SIGKILL);  // before it had a group of its own
-  waitpid(process_, nullptr, 0);
+  end_kept(process_);
   process_ = -1;
-  end_marked(mark_);
 }
 
 void WorkerProcess::interrupt() {
@@ -253,9 +223,7 @@ void WorkerProcess::fail_as_it_ended() {
     if (!has_ended) usleep(10000);
   }
   if (!has_ended) fail(fmt::format("crashed in {}: it closed its connection and went on", doing_));
-  kill(-process_, SIGKILL);  // what the technique started
   process_ = -1;
-  end_marked(mark_);
   constexpr int not_started = 127;  // what is left where exec fails: the program may have gone since it was looked at
   if (WIFEXITED(status) && WEXITSTATUS(status) == not_started) program_to_start(options_);
   if (WIFSIGNALED(status))
@@ -266,7 +234,7 @@ void WorkerProcess::fail_as_it_ended() {
 std::string WorkerProcess::ended(const std::string& how) {
   end_process();
   const std::string words = last_words();
-  return words.empty() ? how : how + "; it said: " + words;
+  return printable(words.empty() ? how : how + "; it said: " + words);
 }
 
 /// The last line that the worker wrote to its stderr, shortened.

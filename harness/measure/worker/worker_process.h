@@ -82,8 +82,7 @@ class WorkerProcess {
   std::string last_words() const;
 
   WorkerOptions options_;
-  std::string mark_;  ///< in the environment of the process and of all that it starts
-  int process_ = -1;  ///< -1: it has ended
+  int process_ = -1;  ///< of the keeper; -1: it has ended
   int socket_ = -1, errors_ = -1;
   std::atomic<bool> is_interrupted_ = false;
   std::string pending_, doing_;

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "measure/json.h"
+#include "measure/part_file.h"
 #include "measure/scene/blob.h"
 #include "report/analysis/analysis_table_parts.h"
 
@@ -104,7 +105,7 @@ void write_pixels(const std::filesystem::path& file, std::span<const MachineRun>
         text += json_text(line) + '\n';
       }
     }
-  write_file(file, text);
+  write_file(replaced_file(file), text);
 }
 
 /// "A: runs/a, llvmpipe (LLVM 15.0.6, 256 bits), AMD EPYC, 2 threads, 1.0.0 (4f3a142)".

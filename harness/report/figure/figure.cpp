@@ -56,23 +56,25 @@ void run_gnuplot(const std::string& script, const fs::path& out) {
   const ScratchFolder scratch = ScratchFolder::in(folder, ".gnomon-figure");
   const fs::path program = scratch.path() / "figure.gp", output = scratch.path() / "output";
   std::ofstream(program) << script;
-  const std::string command =
-      fmt::format("cd {} && exec gnuplot figure.gp > output 2>&1 < /dev/null", FigureScript::quoted(scratch.path().string()));
-  if (scratch.path().string().find('\'') != std::string::npos)
-    throw Error("--out {} has a quote in its path, which is not allowed", out.string());
-  const char* const arguments[] = {"sh", "-c", command.c_str(), nullptr};
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addchdir_np(&actions, scratch.path().c_str());
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "output", O_WRONLY | O_CREAT | O_EXCL, 0644);
+  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+  const char* const arguments[] = {"gnuplot", "figure.gp", nullptr};
   pid_t child = 0;
-  if (const int code = posix_spawn(&child, "/bin/sh", nullptr, nullptr, const_cast<char* const*>(arguments), environ);
-      code != 0)
-    throw Error("no process for gnuplot: {}", std::strerror(code));
+  const int code = posix_spawnp(&child, "gnuplot", &actions, nullptr, const_cast<char* const*>(arguments), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (code == ENOENT)
+    throw Error(
+        "there is no gnuplot, which draws the figures; the Debian package gnuplot-nox has it. --script prints the "
+        "program that it would run");
+  if (code != 0) throw Error("no process for gnuplot: {}", std::strerror(code));
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
   const fs::path made = scratch.path() / out.filename();
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
-    throw Error(
-        "there is no gnuplot, which draws the figures; the Debian package gnuplot-nox has it. --script prints the "
-        "program that it would run");
   const std::string complaint = text_of_file(output);
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || !fs::exists(made) || fs::file_size(made) == 0)
     throw Error("gnuplot could not draw {}: {}", out.string(), complaint.empty() ? "it said nothing" : complaint);

@@ -62,7 +62,7 @@ std::string FigureScript::data(const std::vector<std::string>& lines) {
 }
 
 std::string FigureScript::text(const std::filesystem::path& out) const {
-  const std::string ending = out.extension().string();
+  const std::string ending = out.extension().string(), name = out.filename().string();
   std::string terminal;
   const double width = options.width_cm, height = height_cm + (options.title.empty() ? 0 : 0.8);
   if (ending == ".svg") {
@@ -81,7 +81,7 @@ std::string FigureScript::text(const std::filesystem::path& out) const {
   }
   std::string text =
       fmt::format("# Made by gnomon figure; needs gnuplot 5.4.\nset encoding utf8\nset terminal {}\nset output {}\n", terminal,
-                  quoted(out.filename().string()));
+                  quoted((name.starts_with('|') ? "./" : "") + name));  // with a bar in front it would be a command
   text +=
       "set datafile separator tab\n"
       "set border 3 lw 0.8 lc rgb '#444444'\n"

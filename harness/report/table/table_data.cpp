@@ -32,8 +32,11 @@ Json cell_json(const Cell& cell) {
 }  // namespace
 
 std::string csv_field(std::string_view text) {
-  if (text.find_first_of(",\"\r\n") == text.npos) return std::string(text);
-  std::string quoted = "\"";
+  // A spreadsheet takes a field for a formula that opens so, unless an apostrophe stands before it.
+  const bool is_formula = text.starts_with('=') || text.starts_with('@') ||
+                          ((text.starts_with('+') || text.starts_with('-')) && text.find_first_of("=|(!@") != text.npos);
+  if (!is_formula && text.find_first_of(",\"\r\n") == text.npos) return std::string(text);
+  std::string quoted = is_formula ? "\"'" : "\"";
   for (const char c : text) {
     if (c == '"') quoted += '"';
     quoted += c;

@@ -2,6 +2,7 @@
 #include "measure/worker/frame_worker.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
@@ -90,18 +91,36 @@ TEST(frame_worker, counts_the_pixels_of_a_soft_reference) {
   };
   FrameStore frames(scene, folder.path(), std::make_unique<FrameWorker>(folder.path() / "frame", tested_program(), watch));
   frames.reference({scene.views[0], 64, 36, Truth::shape}, scene.lights[0]);
-  EXPECT_EQ(SharedCount(folder.path() / "frame.done").value(), 64u * 36u);
   ASSERT_FALSE(shares.empty());
   EXPECT_TRUE(std::ranges::is_sorted(shares));
   EXPECT_EQ(shares.back(), 1);
 }
 
+TEST(frame_worker, what_makes_a_soft_reference_counts_each_pixel) {
+  struct Counting : FrameMaker {
+    FrameTracer tracer;
+    std::atomic<std::size_t>& done;
+    Counting(const Scene& scene, std::atomic<std::size_t>& count) : tracer(scene), done(count) {}
+    std::vector<std::byte> make(const MissingFrame& missing) override {
+      MissingFrame counted = missing;
+      counted.done = &done;
+      return tracer.make(counted);
+    }
+  };
+  const ScratchFolder folder = ScratchFolder::temporary("gnomon_frames");
+  const Scene scene = under_a_lamp();
+  SharedCount done;
+  FrameStore frames(scene, folder.path(), std::make_unique<Counting>(scene, done.value()));
+  frames.reference({scene.views[0], 64, 36, Truth::shape}, scene.lights[0]);
+  EXPECT_EQ(SharedCount(done.place()).value(), 64u * 36u);
+}
+
 // A worker that has done 1,152 = 0x480 pixels of 2,304, takes its time and ends.
 TEST(frame_worker, says_meanwhile_how_much_is_done) {
   const ScratchFolder folder = ScratchFolder::temporary("gnomon_frames");
-  const fs::path program = folder.path() / "program", done = folder.path() / "frame.done";
-  std::ofstream(program) << "#!/bin/bash\nread -r line <&$2\nprintf '\\x80\\x04' | dd conv=notrunc status=none of="
-                         << done.string() << "\nsleep 1\nexit 3\n";
+  const fs::path program = folder.path() / "program";
+  std::ofstream(program) << "#!/bin/bash\nread -r line <&$2\ndone=${line#*'\"done\":\"'}\n"
+                            "printf '\\x80\\x04' | dd conv=notrunc status=none of=\"${done%%'\"'*}\"\nsleep 1\nexit 3\n";
   fs::permissions(program, fs::perms::owner_all);
   const Scene scene = load_scene("single_triangle");
   std::vector<double> shares;
@@ -117,15 +136,16 @@ TEST(frame_worker, says_meanwhile_how_much_is_done) {
 
 TEST(shared_count, is_of_one_process_where_there_is_no_file_for_it) {
   const ScratchFolder folder = ScratchFolder::temporary("gnomon_frames");
-  SharedCount missing(folder.path() / "missing");
+  SharedCount missing((folder.path() / "missing").string());
   EXPECT_EQ(missing.value() += 3, 3u);
   std::ofstream(folder.path() / "short") << "1234567";
-  SharedCount short_one(folder.path() / "short");
+  SharedCount short_one((folder.path() / "short").string());
   EXPECT_EQ(short_one.value() += 3, 3u);
-  SharedCount::make(folder.path() / "count");
-  SharedCount one(folder.path() / "count"), other(folder.path() / "count");
+  SharedCount one, other(one.place());
   one.value() += 3;
   EXPECT_EQ(other.value(), 3u);
+  EXPECT_NE(truncate(one.place().c_str(), 0), 0) << "nobody shortens what another has in its memory";
+  EXPECT_EQ(one.value(), 3u);
 }
 
 // Off terminals a part that takes long has a line from its sixth second on, and a short one none.

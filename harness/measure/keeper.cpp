@@ -1,0 +1,211 @@
+// A process between the program and one that it starts. As a subreaper it becomes the parent of all that lose theirs, so that
+// nothing escapes it by a session of its own or an empty environment. It is a fork without exec: plain system calls alone, which are
+// bound when the program starts (-fno-plt): the memory by which others are found later is gone.
+#include "measure/keeper.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/signalfd.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+
+namespace gnomon {
+namespace {
+
+// Descriptors of a keeper; 0 to 2 lead nowhere.
+constexpr int words_in = 3, words_file = 4, signals_in = 5, first_other = 6;
+
+char words[2 * most_last_words];  // the end of what was said
+std::size_t word_count = 0;
+
+/// The program's memory is the program's: a keeper that held on to it would cost as much again when that is written to.
+[[maybe_unused]] void forget_memory() {
+  const int maps = open("/proc/self/maps", O_RDONLY);
+  if (maps < 0) return;
+  constexpr std::uintptr_t large = 1 << 20;
+  static char text[1 << 16];
+  const std::uintptr_t ours[] = {reinterpret_cast<std::uintptr_t>(&maps), reinterpret_cast<std::uintptr_t>(&errno),
+                                 reinterpret_cast<std::uintptr_t>(text)};
+  std::size_t held = 0;
+  for (;;) {
+    const ssize_t count = read(maps, text + held, sizeof text - held);
+    if (count <= 0) break;
+    held += static_cast<std::size_t>(count);
+    std::size_t at = 0;
+    for (char* end = nullptr; (end = static_cast<char*>(memchr(text + at, '\n', held - at)));) {
+      // 7f0000000000-7f0000100000 rw-p 00000000 00:00 0   [name]
+      std::uintptr_t ends[2] = {};
+      char* c = text + at;
+      for (std::uintptr_t& one : ends) {
+        for (; c < end && *c != '-' && *c != ' '; ++c)
+          one = one * 16 + static_cast<std::uintptr_t>(*c <= '9' ? *c - '0' : *c - 'a' + 10);
+        ++c;
+      }
+      const bool is_private = end - c > 22 && c[0] == 'r' && c[1] == 'w' && c[3] == 'p' && memcmp(c + 14, "00:00 0", 7) == 0;
+      bool is_ours = false;  // stack, thread and this text
+      for (const std::uintptr_t place : ours) is_ours = is_ours || (place >= ends[0] && place < ends[1]);
+      if (is_private && ends[1] - ends[0] >= large && !is_ours)
+        madvise(reinterpret_cast<void*>(ends[0]), ends[1] - ends[0], MADV_DONTNEED);
+      at = static_cast<std::size_t>(end - text) + 1;
+    }
+    memmove(text, text + at, held - at);
+    held -= at;
+  }
+  close(maps);
+}
+
+/// Reads what was said since; false at its end.
+bool listen() {
+  const ssize_t count = read(words_in, words + word_count, sizeof words - word_count);
+  if (count <= 0) return count < 0 && (errno == EAGAIN || errno == EINTR);
+  word_count += static_cast<std::size_t>(count);
+  if (word_count > most_last_words) {
+    memmove(words, words + word_count - most_last_words, most_last_words);
+    word_count = most_last_words;
+  }
+  return true;
+}
+
+void keep_words() {
+  while (listen())
+    if (pollfd more{words_in, POLLIN, 0}; poll(&more, 1, 0) <= 0) break;
+  if (ftruncate(words_file, 0) == 0 && pwrite(words_file, words, word_count, 0) < 0) return;
+}
+
+/// Kills the children until there are none: those of a child that is gone become children.
+void end_children() {
+  char name[64] = "/proc/self/task/", digits[24];
+  std::size_t at = strlen(name), count = 0;
+  for (long number = getpid(); number > 0; number /= 10) digits[count++] = static_cast<char>('0' + number % 10);
+  while (count > 0) name[at++] = digits[--count];
+  memcpy(name + at, "/children", sizeof "/children");
+  for (;;) {
+    static char list[1 << 16];
+    const int file = open(name, O_RDONLY);
+    const ssize_t size = file < 0 ? -1 : read(file, list, sizeof list);
+    if (file >= 0) close(file);
+    long number = 0;
+    for (ssize_t k = 0; k < size; ++k) {
+      if (list[k] >= '0' && list[k] <= '9') {
+        number = number * 10 + (list[k] - '0');
+      } else if (number > 0) {
+        kill(static_cast<pid_t>(number), SIGKILL);
+        number = 0;
+      }
+    }
+    if (size < 0) return;
+    const pid_t gone = waitpid(-1, nullptr, size > 0 ? 0 : WNOHANG);
+    if (gone < 0 && errno == ECHILD) return;
+    if (gone == 0) usleep(200);  // the list may leave one out for a moment
+  }
+}
+
+[[noreturn]] void end_as(int status) {
+  end_children();
+  keep_words();
+  if (WIFSIGNALED(status)) {
+    const rlimit no_core{0, 0};
+    setrlimit(RLIMIT_CORE, &no_core);
+    signal(WTERMSIG(status), SIG_DFL);
+    sigset_t all;
+    sigfillset(&all);
+    sigprocmask(SIG_UNBLOCK, &all, nullptr);
+    kill(getpid(), WTERMSIG(status));
+  }
+  _exit(WIFEXITED(status) ? WEXITSTATUS(status) : 0);
+}
+
+/// Waits for the end of the process, or for the word to end it.
+[[noreturn]] void keep(pid_t process) {
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they look into theirs at every call
+  forget_memory();
+#endif
+  bool is_heard = true;
+  for (;;) {
+    pollfd wait[2] = {{signals_in, POLLIN, 0}, {is_heard ? words_in : -1, POLLIN, 0}};
+    if (poll(wait, 2, -1) < 0 && errno != EINTR) _exit(125);
+    if (wait[1].revents != 0) is_heard = listen();
+    signalfd_siginfo signal{};
+    if (!(wait[0].revents & POLLIN) || read(signals_in, &signal, sizeof signal) != sizeof signal) continue;
+    if (signal.ssi_signo != SIGCHLD) end_as(0);
+    int status = 0;
+    for (pid_t gone = 0; (gone = waitpid(-1, &status, WNOHANG)) > 0;)
+      if (gone == process) end_as(status);
+  }
+}
+
+/// `high` as `low`, whatever was there.
+void put_at(int high, int low) {
+  if (high == low)
+    fcntl(low, F_SETFD, 0);
+  else
+    dup2(high, low);
+}
+
+}  // namespace
+
+pid_t fork_kept(const std::function<void()>& body, int last_words) {
+  int pipe_ends[2] = {-1, -1};
+  if (pipe2(pipe_ends, O_CLOEXEC) != 0) return -1;
+  const int nothing = open("/dev/null", O_RDWR | O_CLOEXEC);
+  const pid_t owner = getpid(), keeper = fork();
+  if (keeper != 0) {
+    close(pipe_ends[0]);
+    close(pipe_ends[1]);
+    close(nothing);
+    return keeper;
+  }
+  setsid();
+  prctl(PR_SET_NAME, "gnomon-keeper");
+  sigset_t told, before;
+  sigemptyset(&told);
+  for (const int signal : {SIGCHLD, SIGTERM, SIGINT, SIGHUP, SIGQUIT}) sigaddset(&told, signal);
+  sigprocmask(SIG_BLOCK, &told, &before);
+  prctl(PR_SET_CHILD_SUBREAPER, 1);
+  prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (getppid() != owner) _exit(0);  // it died before it could be watched
+  const pid_t self = getpid(), process = fork();
+  if (process < 0) _exit(125);
+  if (process == 0) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != self) _exit(0);
+    sigprocmask(SIG_SETMASK, &before, nullptr);
+    dup2(last_words >= 0 ? pipe_ends[1] : nothing, STDERR_FILENO);
+    body();
+    _exit(126);
+  }
+  // The lowest numbers are free of what is wanted once all of it lies above them.
+  const int in = fcntl(pipe_ends[0], F_DUPFD, 100), file = last_words >= 0 ? fcntl(last_words, F_DUPFD, 100) : -1;
+  const int signals = signalfd(-1, &told, SFD_NONBLOCK), high = fcntl(signals, F_DUPFD, 100),
+            dark = fcntl(nothing, F_DUPFD, 100);
+  for (const int low : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) put_at(dark, low);
+  put_at(in, words_in);
+  put_at(file >= 0 ? file : dark, words_file);
+  put_at(high, signals_in);
+  fcntl(words_in, F_SETFL, O_NONBLOCK);
+  if (syscall(SYS_close_range, first_other, ~0U, 0) != 0)
+    for (int other = first_other; other < 4096; ++other) close(other);
+  keep(process);
+}
+
+void end_kept(pid_t keeper) {
+  kill(keeper, SIGTERM);
+  constexpr int most_waits = 10'000;  // milliseconds
+  for (int wait = 0; wait < most_waits; ++wait) {
+    if (waitpid(keeper, nullptr, WNOHANG) != 0) return;
+    usleep(wait < 20 ? 200 : 1000);
+  }
+  kill(keeper, SIGKILL);
+  waitpid(keeper, nullptr, 0);
+}
+
+}  // namespace gnomon

@@ -1,0 +1,22 @@
+#pragma once
+#include <sys/types.h>
+
+#include <functional>
+
+namespace gnomon {
+
+/// How much of what a kept process says on its standard error is kept: the last 64 KiB.
+inline constexpr std::size_t most_last_words = 64 << 10;
+
+/// Forks a keeper, and from it a process that runs `body`, which must end by exec or _exit and may use plain system calls only.
+/// Whatever that process starts, in whatever session and with whatever environment, ends with it: when it ends, when the keeper
+/// gets SIGTERM, and when the process that called this is gone, by whatever signal. The keeper ends as the process did, with
+/// its status or its signal; by SIGTERM with status 0. `last_words`, a descriptor of a file or -1: holds the end of what the
+/// process and its children say on their standard error; -1: that goes nowhere. Returns the keeper's number, or -1 as fork
+/// does.
+pid_t fork_kept(const std::function<void()>& body, int last_words = -1);
+
+/// Ends a keeper and all that it keeps, and waits until they are gone; one that does not go is killed.
+void end_kept(pid_t keeper);
+
+}  // namespace gnomon
