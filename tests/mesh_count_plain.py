@@ -24,9 +24,9 @@ def whole(word):
 
 
 def lines_of(data):
-    """(words) of each line that has some; # opens a comment."""
+    """(words) of each line that has some; a word that begins with # opens a comment."""
     for line in re.split(rb"\r\n|\n|\r", data):
-        if words := line.split(b"#", 1)[0].split():
+        if words := re.split(rb"(?:^|(?<=[ \t\v\f]))#", line, maxsplit=1)[0].split():
             yield words
 
 

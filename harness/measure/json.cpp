@@ -36,6 +36,13 @@ Json parse_json(const std::string& text) {
   return Json::parse(text);
 }
 
+Json parse_json(const std::string& text, std::string_view unwanted_key) {
+  if (is_too_deep(text)) return parse_json(text);  // which refuses it
+  return Json::parse(text, [&](int, Json::parse_event_t event, Json& value) {
+    return event != Json::parse_event_t::key || value.get_ref<const std::string&>() != unwanted_key;
+  });
+}
+
 Json parse_if_json(std::string_view text) {
   return is_too_deep(text) ? Json(Json::value_t::discarded) : Json::parse(text, nullptr, false);
 }

@@ -24,6 +24,8 @@ std::string json_text(const Json& json, int indent = -1);
 std::string plain_text(const Json& json);
 /// Throws Json::exception, also where brackets nest deeper than any of ours do: values are copied value within value.
 Json parse_json(const std::string& text);
+/// The same without what stands under a key, wherever it does.
+Json parse_json(const std::string& text, std::string_view unwanted_key);
 /// The same, but what is no JSON is discarded: see Json::is_discarded.
 Json parse_if_json(std::string_view text);
 

@@ -29,6 +29,7 @@ Scene small_scene() {
 std::string small_answer() {
   importing::MeshFile file;
   file.meshes.push_back({.name = "m",
+                         .places = {glm::dmat4(1)},
                          .has_color = true,
                          .positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}},
                          .corner_counts = {3, 4},

@@ -154,8 +154,12 @@ void scale(Trial& trial) {
     named->apply(settings);
     if (!settings.empty() && named->settings().empty()) continue;  // the default
     trial.at(reference, settings);
-    Asked asked{
-        .world = *w, .gbuffer = w->gbuffer(), .settings = settings, .lights = trial.supported_lights(w->scene, settings)};
+    Asked asked{.world = *w,
+                .gbuffer = w->gbuffer(),
+                .settings = settings,
+                .lights = trial.supported_lights(w->scene, settings),
+                .technique = {},
+                .masks = {}};
     if (!settings.empty() && asked.lights.size() > 2) asked.lights.resize(2);
     if (asked.lights.empty()) continue;
     asked.technique = trial.set_up(settings);

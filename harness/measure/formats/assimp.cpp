@@ -80,7 +80,7 @@ void add_meshes(const aiScene& scene, const aiNode& node, const glm::dmat4& worl
     const aiMesh& mesh = *scene.mMeshes[node.mMeshes[i]];
     ImportedMesh& raw = answer.meshes.emplace_back();
     raw.name = mesh.mName.length > 0 ? mesh.mName.C_Str() : node.mName.C_Str();
-    raw.world_from_mesh = world_from_mesh;
+    raw.places = {world_from_mesh};
     read_material(scene, mesh.mMaterialIndex, raw);
     raw.positions.reserve(mesh.mNumVertices);
     for (unsigned v = 0; v < mesh.mNumVertices; ++v)

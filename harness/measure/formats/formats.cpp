@@ -36,7 +36,10 @@ void MeshFile::note(std::size_t count, std::string_view what) {
 
 MeshFile read_mesh_file(const fs::path& file, const ReadFile& read) {
   const MeshFormat* format = own_format(file);
-  return format ? format->read(file, read) : read_by_assimp(file, read);
+  MeshFile answer = format ? format->read(file, read) : read_by_assimp(file, read);
+  for (ImportedMesh& mesh : answer.meshes)
+    if (mesh.places.empty()) mesh.places = {glm::dmat4(1)};  // formats without nodes
+  return answer;
 }
 
 bool has_mesh_format(const fs::path& file) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <glm/gtc/quaternion.hpp>
 #include <numbers>
+#include <optional>
 
 #include "measure/formats/gltf_mesh.h"
 #include "measure/formats/readers.h"
@@ -21,7 +22,7 @@ glm::dmat4 moved(const glm::dvec3& translation, const glm::dvec4& rotation, cons
 
 class SceneReader {
  public:
-  explicit SceneReader(GltfFile& file) : file_(file), nodes_(file.count("nodes")) {}
+  explicit SceneReader(GltfFile& file) : file_(file), nodes_(file.count("nodes")), hidden_(nodes_.size()) {}
 
   MeshFile read() {
     read_tree();
@@ -29,9 +30,13 @@ class SceneReader {
     for (const std::size_t n : order_) {
       const Json& node = file_.item("nodes", n);
       const std::string where = fmt::format("node {}", n);
-      if (const auto mesh = file_.index(node, where, "mesh")) meshes.add(n, *mesh, instances(node, n));
+      if (hidden_[n]) {
+        hidden_count_ += node.contains("mesh") || file_.extension_of(node, "KHR_lights_punctual");
+      } else if (const auto mesh = file_.index(node, where, "mesh")) {
+        meshes.add(n, *mesh, instances(node, n));
+      }
       if (const auto camera = file_.index(node, where, "camera")) add_camera(node, n, *camera);
-      if (const Json* light = file_.extension_of(node, "KHR_lights_punctual"))
+      if (const Json* light = file_.extension_of(node, "KHR_lights_punctual"); light && !hidden_[n])
         if (const auto index = file_.index(*light, where, "light")) add_light(node, n, *index);
     }
     meshes.note();
@@ -51,8 +56,20 @@ class SceneReader {
     const std::vector<double> t = file_.numbers(node, where, "translation", 3), r = file_.numbers(node, where, "rotation", 4),
                               s = file_.numbers(node, where, "scale", 3);
     return moved(t.empty() ? glm::dvec3(0) : glm::dvec3(t[0], t[1], t[2]),
-                 r.empty() ? glm::dvec4(0, 0, 0, 1) : glm::normalize(glm::dvec4(r[0], r[1], r[2], r[3])),
+                 r.empty() ? glm::dvec4(0, 0, 0, 1) : turn_of(where, glm::dvec4(r[0], r[1], r[2], r[3])),
                  s.empty() ? glm::dvec3(1) : glm::dvec3(s[0], s[1], s[2]));
+  }
+
+  glm::dvec4 turn_of(const std::string& where, const glm::dvec4& rotation) const {
+    if (!(glm::length(rotation) > 0)) throw Error("{}: {}: rotation = (0, 0, 0, 0) is none", file_.name(), where);
+    return glm::normalize(rotation);
+  }
+
+  bool is_hidden(const Json& node) const {
+    const Json* visibility = file_.extension_of(node, "KHR_node_visibility");
+    if (!visibility) return false;
+    const auto visible = visibility->find("visible");
+    return visible != visibility->end() && visible->is_boolean() && !visible->get<bool>();
   }
 
   std::vector<std::size_t> children_of(const Json& owner, const std::string& where, const char* key) const {
@@ -85,6 +102,7 @@ class SceneReader {
     walk(roots, children, [&](std::size_t n) {
       const glm::dmat4 matrix = matrix_of(n);
       nodes_[n] = parents[n] == none ? matrix : nodes_[parents[n]] * matrix;
+      hidden_[n] = (parents[n] != none && hidden_[parents[n]]) || is_hidden(file_.item("nodes", n));
       ++placed;
     });
     if (placed < nodes_.size()) throw Error("{}: {} nodes are below themselves", file_.name(), nodes_.size() - placed);
@@ -127,14 +145,21 @@ class SceneReader {
       return accessor ? file_.read(*accessor, width) : Numbers{};
     };
     const Numbers t = read("TRANSLATION", 3), r = read("ROTATION", 4), s = read("SCALE", 3);
-    const std::size_t count = std::max({t.count, r.count, s.count});
+    std::optional<std::size_t> told;  // any attribute tells how many there are
+    for (const auto& [name, accessor] : attributes->items())
+      if (const auto index = file_.index(*attributes, where, name.c_str()); index && !told)
+        told = file_.index(file_.item("accessors", *index), where, "count");
+    if (!told) return {nodes_[n]};
+    const std::size_t count = *told;
+    constexpr std::size_t most = 10'000'000;
+    if (count > most) throw Error("{}: {}: {} of them; at most {} are read", file_.name(), where, count, most);
     for (const Numbers* numbers : {&t, &r, &s})
       if (!numbers->values.empty() && numbers->count != count)
         throw Error("{}: {} have accessors of {} and {} elements", file_.name(), where, count, numbers->count);
     std::vector<glm::dmat4> places;
     for (std::size_t i = 0; i < count; ++i)
       places.push_back(nodes_[n] * moved(t.count ? t.vector(i) : glm::dvec3(0),
-                                         r.count ? glm::normalize(glm::dvec4(r.vector(i), r.at(i, 3))) : glm::dvec4(0, 0, 0, 1),
+                                         r.count ? turn_of(where, glm::dvec4(r.vector(i), r.at(i, 3))) : glm::dvec4(0, 0, 0, 1),
                                          s.count ? s.vector(i) : glm::dvec3(1)));
     return places;
   }
@@ -185,6 +210,7 @@ class SceneReader {
     raw.inner = file_.number(cone, where, "innerConeAngle", 0);
     raw.outer = file_.number(cone, where, "outerConeAngle", std::numbers::pi / 4);
     used_lights_.push_back(index);
+    colored_lights_ += light.contains("intensity") || light.contains("color") || light.contains("range");
   }
 
   static std::size_t distinct(std::vector<std::size_t> items) {
@@ -194,9 +220,12 @@ class SceneReader {
 
   void note() {
     answer_.note(meshes_elsewhere_, "nodes with meshes stand outside of the default scene and are left out");
-    answer_.note(file_.count("cameras") - distinct(used_cameras_), "cameras stand at no node and are left out");
+    answer_.note(file_.count("cameras") - distinct(used_cameras_), "cameras stand at no node of the scene and are left out");
     const Json* lights = light_list();
-    answer_.note((lights ? lights->size() : 0) - distinct(used_lights_), "lights stand at no node and are left out");
+    answer_.note((lights ? lights->size() : 0) - distinct(used_lights_),
+                 "lights stand at no node of the scene and are left out");
+    answer_.note(hidden_count_, "nodes with meshes or lights are hidden by KHR_node_visibility and left out");
+    answer_.note(colored_lights_, "lights have an intensity, a color or a range, which are not used");
     answer_.note(file_.count("animations"), "animations are not applied: nodes stand as they do in the file");
     for (const std::string& note : file_.notes()) answer_.notes.push_back(note);
   }
@@ -204,7 +233,9 @@ class SceneReader {
   GltfFile& file_;
   std::vector<glm::dmat4> nodes_;   ///< world from node
   std::vector<std::size_t> order_;  ///< nodes of the default scene
+  std::vector<bool> hidden_;        ///< by KHR_node_visibility, with all below them
   std::vector<std::size_t> used_cameras_, used_lights_;
+  std::size_t hidden_count_ = 0, colored_lights_ = 0;
   std::size_t meshes_elsewhere_ = 0;
   MeshFile answer_;
 };

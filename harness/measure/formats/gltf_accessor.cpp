@@ -65,6 +65,7 @@ GltfFile::Layout GltfFile::layout(std::size_t accessor, std::size_t width) const
   const Json& json = item("accessors", accessor);
   Layout layout{.where = fmt::format("accessor {}", accessor)};
   const std::string type = text(json, "type");
+  layout.width = 0;
   for (const Shape& shape : shapes)
     if (shape.name == type) layout.width = shape.width;
   if (layout.width != width || (type == "MAT2") != (width == 4 && type.starts_with("MAT")))

@@ -13,10 +13,11 @@ namespace {
 namespace fs = std::filesystem;
 
 /// What a file may require: extensions that are read, and those that change materials and textures alone.
-constexpr std::string_view known_extensions[] = {
-    "KHR_lights_punctual", "KHR_mesh_quantization", "EXT_mesh_gpu_instancing", "KHR_texture_transform", "KHR_texture_basisu",
-    "EXT_texture_webp",    "EXT_texture_avif",      "MSFT_texture_dds",        "KHR_animation_pointer", "KHR_xmp",
-    "KHR_xmp_json_ld"};
+constexpr std::string_view known_extensions[] = {"KHR_lights_punctual",   "KHR_mesh_quantization", "EXT_mesh_gpu_instancing",
+                                                 "KHR_texture_transform", "KHR_texture_basisu",    "EXT_texture_webp",
+                                                 "EXT_texture_avif",      "MSFT_texture_dds",      "KHR_node_visibility",
+                                                 "KHR_techniques_webgl",  "KHR_animation_pointer", "KHR_xmp",
+                                                 "KHR_xmp_json_ld"};
 constexpr std::string_view known_families[] = {"KHR_materials_"};
 
 std::uint32_t word_at(std::string_view bytes, std::size_t offset) {
@@ -83,7 +84,7 @@ void GltfFile::open(const fs::path& file, const ReadFile& read) {
   const std::string bytes = read(file);
   if (!bytes.starts_with("glTF")) {
     if (lower(file.extension().string()) == ".glb") throw Error("{}: has no GLB header", name_);
-    json_ = parse_json(std::string(without_byte_order_mark(name_, bytes)));
+    json_ = parse_json(std::string(without_byte_order_mark(name_, bytes)), "extras");
     return;
   }
   if (bytes.size() < 20) throw Error("{}: is {} bytes long; a GLB has at least 20", name_, bytes.size());
@@ -102,7 +103,7 @@ void GltfFile::open(const fs::path& file, const ReadFile& read) {
     const std::string_view body = std::string_view(bytes).substr(at + 8, length);
     if (chunk == 0 && kind != "JSON") throw Error("{}: its first chunk is not JSON", name_);
     if (chunk == 0) {
-      json_ = parse_json(std::string(body));
+      json_ = parse_json(std::string(body), "extras");
     } else if (kind == std::string_view("BIN\0", 4) && !has_binary_) {
       binary_ = body;
       has_binary_ = true;
@@ -150,16 +151,18 @@ void GltfFile::read_buffers(const fs::path& file, const ReadFile& read) {
     const std::string uri = text(buffer, "uri");
     const std::size_t size = index(buffer, where, "byteLength").value_or(0);
     std::string& bytes = buffers_.emplace_back();
-    if (uri.starts_with("data:")) {
+    if (same_word(std::string_view(uri).substr(0, 5), "data:")) {
       const std::size_t comma = uri.find(',');
       const std::string_view head = std::string_view(uri).substr(0, comma);
       if (comma == uri.npos || !head.ends_with(";base64")) throw Error("{}: {} holds data that are not base64", name_, where);
-      bytes = from_base64(fmt::format("{}: {}", name_, where), std::string_view(uri).substr(comma + 1));
+      bytes = from_base64(fmt::format("{}: {}", name_, where), percent_decoded(std::string_view(uri).substr(comma + 1)));
     } else if (!uri.empty()) {
       std::error_code code;
       fs::path path = file.parent_path() / percent_decoded(uri);
       if (const fs::path raw = file.parent_path() / uri; !fs::exists(path, code) && fs::exists(raw, code)) path = raw;
-      if (!fs::is_regular_file(path, code)) throw Error("{}: its buffer {} does not exist", name_, path.string());
+      if (!fs::is_regular_file(path, code))
+        throw Error("{}: its buffer {} {}", name_, path.string(),
+                    fs::exists(path, code) ? "is no regular file" : "does not exist");
       bytes = read(path);
     } else if (b == 0 && has_binary_) {
       bytes = std::move(binary_);
@@ -207,7 +210,8 @@ std::vector<double> GltfFile::numbers(const Json& owner, const std::string& wher
   std::vector<double> values;
   const auto is_number = [](const Json& value) { return value.is_number(); };
   if (!found->is_array() || !std::ranges::all_of(*found, is_number) || (size > 0 && found->size() != size))
-    throw Error("{}: {}: {} = {} is no list of {} numbers", name_, where, key, json_text(*found), size);
+    throw Error("{}: {}: {} = {:.60} is no list of {}numbers", name_, where, key, json_text(*found),
+                size > 0 ? fmt::format("{} ", size) : "");
   for (const Json& value : *found) values.push_back(value.get<double>());
   return values;
 }

@@ -33,9 +33,36 @@ std::size_t GltfMeshes::attribute(const Primitive& primitive, const char* name) 
   return file_.index(*attributes, primitive.where, name).value_or(none);
 }
 
+namespace {
+
+/// Primitives may share their vertices: each keeps those that its faces name.
+void drop_unused_vertices(ImportedMesh& mesh) {
+  constexpr std::uint32_t unused = 0xffffffffu;
+  std::vector<std::uint32_t> place(mesh.positions.size(), unused);
+  for (const std::uint32_t corner : mesh.corners) place[corner] = 0;
+  std::uint32_t count = 0;
+  for (std::size_t v = 0; v < place.size(); ++v) {
+    if (place[v] == unused) continue;
+    mesh.positions[count] = mesh.positions[v];
+    place[v] = count++;
+  }
+  mesh.positions.resize(count);
+  for (std::uint32_t& corner : mesh.corners) corner = place[corner];
+}
+
+}  // namespace
+
 void GltfMeshes::add_primitive(const Primitive& primitive, const std::vector<glm::dmat4>& places) {
   if (attribute(primitive, "POSITION") == static_cast<std::size_t>(-1)) {
     ++without_positions_;
+    return;
+  }
+  // What many nodes have is read once.
+  const std::string key = fmt::format("{} {}", primitive.where, primitive.name);
+  const bool is_posed = primitive.node.contains("skin") || primitive.node.contains("weights");
+  if (const auto known = known_.find(key); known != known_.end() && !is_posed) {
+    std::vector<glm::dmat4>& there = answer_.meshes[known->second].places;
+    there.insert(there.end(), places.begin(), places.end());
     return;
   }
   ImportedMesh mesh;
@@ -46,10 +73,10 @@ void GltfMeshes::add_primitive(const Primitive& primitive, const std::vector<glm
   read_material(primitive, mesh);
   const auto skin = file_.index(primitive.node, primitive.where, "skin");
   if (skin) pose(primitive, *skin, mesh.positions);  // the place of its own node counts for nothing then
-  for (const glm::dmat4& place : places) {
-    answer_.meshes.push_back(mesh);
-    answer_.meshes.back().world_from_mesh = skin ? glm::dmat4(1) : place;
-  }
+  mesh.places = skin ? std::vector{glm::dmat4(1)} : places;
+  if (!skin && !primitive.node.contains("weights")) known_.emplace(key, answer_.meshes.size());
+  drop_unused_vertices(mesh);
+  answer_.meshes.push_back(std::move(mesh));
 }
 
 /// Of the node, else of the mesh, else 0.
@@ -62,12 +89,13 @@ std::vector<double> GltfMeshes::weights(const Primitive& primitive, std::size_t 
   return weights;
 }
 
-std::vector<glm::dvec3> GltfMeshes::positions(const Primitive& primitive) const {
+std::vector<glm::dvec3> GltfMeshes::positions(const Primitive& primitive) {
   const std::size_t accessor = attribute(primitive, "POSITION");
   if (file_.extension_of(primitive.json, "KHR_draco_mesh_compression") &&
       !file_.item("accessors", accessor).contains("bufferView"))
     throw Error("{}: {} is compressed by KHR_draco_mesh_compression, which is not read", file_.name(), primitive.where);
-  const Numbers numbers = file_.read(accessor, 3);
+  if (!last_ || last_->first != accessor) last_.emplace(accessor, file_.read(accessor, 3));  // primitives may share it
+  const Numbers& numbers = last_->second;
   std::vector<glm::dvec3> positions(numbers.count);
   for (std::size_t v = 0; v < numbers.count; ++v) positions[v] = numbers.vector(v);
 
@@ -111,7 +139,8 @@ std::vector<glm::dmat4> GltfMeshes::joints(std::size_t skin) const {
 
 /// Each vertex stands where the weighted sum of its joints puts it.
 void GltfMeshes::pose(const Primitive& primitive, std::size_t skin, std::vector<glm::dvec3>& positions) {
-  const std::vector<glm::dmat4> matrices = joints(skin);
+  if (!last_skin_ || last_skin_->first != skin) last_skin_.emplace(skin, joints(skin));
+  const std::vector<glm::dmat4>& matrices = last_skin_->second;
   std::vector<glm::dmat4> sums(positions.size(), glm::dmat4(0));
   std::vector<double> weight_sums(positions.size());
   for (int set = 0;; ++set) {
@@ -201,7 +230,9 @@ void GltfMeshes::read_material(const Primitive& primitive, ImportedMesh& mesh) c
   mesh.has_color = true;
   mesh.color = factor.empty() ? glm::vec3(1) : glm::vec3(factor[0], factor[1], factor[2]);
   mesh.has_texture = colors.contains(glossy ? "diffuseTexture" : "baseColorTexture");
-  const bool blends = file_.text(material, "alphaMode") == "BLEND" && !factor.empty() && factor[3] < 1;
+  const std::string mode = file_.text(material, "alphaMode");
+  const double alpha = factor.empty() ? 1 : factor[3];
+  const bool blends = mode == "BLEND" ? alpha < 1 : mode == "MASK" && alpha < file_.number(material, where, "alphaCutoff", 0.5);
   const Json* transmission = file_.extension_of(material, "KHR_materials_transmission");
   mesh.is_transparent = blends || (transmission && file_.number(*transmission, where, "transmissionFactor", 0) > 0);
 }

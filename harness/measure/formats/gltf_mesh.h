@@ -21,7 +21,7 @@ class GltfMeshes {
   struct Primitive;
   void add_primitive(const Primitive& primitive, const std::vector<glm::dmat4>& places);
   std::vector<double> weights(const Primitive& primitive, std::size_t target_count) const;
-  std::vector<glm::dvec3> positions(const Primitive& primitive) const;
+  std::vector<glm::dvec3> positions(const Primitive& primitive);
   void pose(const Primitive& primitive, std::size_t skin, std::vector<glm::dvec3>& positions);
   std::vector<glm::dmat4> joints(std::size_t skin) const;
   void add_faces(const Primitive& primitive, std::size_t vertex_count, ImportedMesh& mesh);
@@ -31,6 +31,9 @@ class GltfMeshes {
   const GltfFile& file_;
   const std::vector<glm::dmat4>& nodes_;
   MeshFile& answer_;
+  std::map<std::string, std::size_t> known_;             ///< meshes of the answer by primitive and name
+  std::optional<std::pair<std::size_t, Numbers>> last_;  ///< accessor of positions that was read last
+  std::optional<std::pair<std::size_t, std::vector<glm::dmat4>>> last_skin_;
   std::size_t points_and_lines_ = 0, without_positions_ = 0, odd_weights_ = 0;
 };
 

@@ -15,10 +15,10 @@
 
 namespace gnomon::importing {
 
-/// One mesh of one node.
+/// A mesh, and where it stands: once for each node that has it.
 struct ImportedMesh {
   std::string name;
-  glm::dmat4 world_from_mesh{1};
+  std::vector<glm::dmat4> places;  ///< world from mesh
   bool has_color = false, has_texture = false, is_transparent = false;
   glm::vec3 color{0};  ///< diffuse color of the material, when has_color
   std::vector<glm::dvec3> positions;
@@ -56,7 +56,7 @@ struct MeshFile {
 /// The fields in the order in which they cross the pipe, for FieldWriter and FieldReader alike.
 void visit_file(auto& io, auto& file) {
   io.list(file.meshes, [](auto& sub, auto& mesh) {
-    sub(mesh.name, mesh.world_from_mesh, mesh.has_color, mesh.has_texture, mesh.is_transparent, mesh.color, mesh.positions,
+    sub(mesh.name, mesh.places, mesh.has_color, mesh.has_texture, mesh.is_transparent, mesh.color, mesh.positions,
         mesh.corner_counts, mesh.corners);
   });
   io.list(file.cameras, [](auto& sub, auto& camera) { sub(camera.name, camera.eye, camera.forward, camera.up, camera.fov_y); });

@@ -142,10 +142,13 @@ class ObjReader {
     if (is_group && !parts_.empty() && name == group_) return;
     if (is_group) group_ = name;
     const auto [same, is_new] = objects_.emplace(name, parts_.size());
-    if (!is_group && !is_new)
+    const auto fits = [&](const Part& part) { return part.material == material_ || part.corner_counts.empty(); };
+    if (!is_group && !is_new && fits(parts_[same->second])) {
       part_ = same->second;
-    else
+      parts_[part_].material = material_;
+    } else {
       begin_part(name);
+    }
   }
   void begin_part(const std::string& name) {
     part_ = parts_.size();

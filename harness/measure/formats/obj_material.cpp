@@ -9,6 +9,7 @@ namespace fs = std::filesystem;
 
 void ObjMaterials::add_library(const std::string& names, MeshFile& answer) {
   const auto path_of = [&](std::string name) {
+    if (name.size() > 1 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
     std::error_code code;
     if (!fs::exists(file_.parent_path() / name, code))
       for (char& c : name)  // written under Windows
@@ -28,7 +29,7 @@ void ObjMaterials::add_library(const std::string& names, MeshFile& answer) {
     if (fs::is_regular_file(path_of(name), code))
       read_library(path_of(name), answer);
     else
-      answer.notes.push_back(fmt::format("its library of materials '{}' is not there", name));
+      missing_libraries_.push_back(name);
   }
 }
 
@@ -81,6 +82,10 @@ void ObjMaterials::apply(const std::string& name, ImportedMesh& mesh) {
 }
 
 void ObjMaterials::note(MeshFile& answer) const {
+  if (!missing_libraries_.empty())
+    answer.note(
+        missing_libraries_.size(),
+        fmt::format("libraries of materials are not there, or no regular files ('{}' is one)", missing_libraries_.front()));
   if (!missing_.empty())
     answer.note(missing_.size(),
                 fmt::format("materials are in no library ('{}' is one); their color is not known", *missing_.begin()));

@@ -29,6 +29,7 @@ class ObjMaterials {
   const ReadFile& read_;
   std::map<std::string, Material> materials_;
   std::set<std::string> missing_, read_before_;
+  std::vector<std::string> missing_libraries_;
 };
 
 }  // namespace gnomon::importing

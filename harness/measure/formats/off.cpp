@@ -19,16 +19,21 @@ struct OffHeader {
 std::string_view read_magic(const std::string& name, std::string_view word, OffHeader& header) {
   const std::size_t magic = word.find("OFF");
   std::string_view letters = word.substr(0, magic);
-  const auto takes = [&](std::string_view letter) {
-    const bool is_there = letters.starts_with(letter);
-    if (is_there) letters.remove_prefix(letter.size());
-    return is_there;
-  };
-  header.has_texture = takes("ST");
-  header.has_color = takes("C");
-  header.has_normal = takes("N");
-  header.has_weight = takes("4");
-  const bool has_dimension = takes("n");
+  // Geomview has them in this order; others write NCOFF.
+  bool has_dimension = false;
+  for (std::size_t before = 0; before != letters.size();) {
+    before = letters.size();
+    const auto take = [&](std::string_view letter, bool& is_there) {
+      if (!letters.starts_with(letter)) return;
+      is_there = true;
+      letters.remove_prefix(letter.size());
+    };
+    take("ST", header.has_texture);
+    take("C", header.has_color);
+    take("N", header.has_normal);
+    take("4", header.has_weight);
+    take("n", has_dimension);
+  }
   if (!letters.empty()) throw Error("{}: opens with '{}', not with [ST][C][N][4][n]OFF", name, word);
   if (has_dimension) throw Error("{}: opens with '{}': vertices of any number of dimensions are not read, 3 are", name, word);
   return word.substr(magic + 3);

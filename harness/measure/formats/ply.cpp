@@ -1,6 +1,7 @@
 // PLY: a header that names elements and the types of their properties, then a body of lines or of bytes.
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <optional>
 
@@ -221,7 +222,10 @@ class PlyReader {
   }
   void read_corners(const PlyElement& element, std::size_t place, const PlyProperty& property) {
     const double count = body_.value(*property.count_type);
-    if (!element.is_strips()) need_corners(body_.where(), place, count);
+    if (!element.is_strips())
+      need_corners(body_.where(), place, count);
+    else if (!(count >= 0 && count == std::floor(count)))
+      throw Error("{}: strip {} has {} corners; a whole number is allowed", body_.where(), place, count);
     strip_.clear();
     face_.clear();
     for (double k = 0; k < count; ++k) {
@@ -253,11 +257,17 @@ MeshFile read_body(const PlyHeader& header, Body body) {
   mesh.positions.reserve(header.vertex_count);
   answer.note(header.unknown_count, "lines of the header open with a word that is unknown to PLY and are left out");
   PlyReader reader(header, body, mesh);
+  std::size_t others = 0;
   for (const PlyElement& element : header.elements) {
-    reader.read(element);
-    if (!element.is_vertex() && !element.is_faces())
+    if (!element.properties.empty()) reader.read(element);
+    constexpr std::size_t most_notes = 10;
+    if (element.is_vertex() || element.is_faces() || element.count == 0) continue;
+    if (answer.notes.size() < most_notes)
       answer.note(element.count, fmt::format("'{}' elements are left out", element.name));
+    else
+      others += element.count;
   }
+  answer.note(others, "elements of other kinds are left out");
   body.note_rest(answer);
   return answer;
 }

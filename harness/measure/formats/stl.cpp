@@ -18,20 +18,22 @@ std::uint32_t word_at(std::string_view bytes, std::size_t offset) {
 
 std::uint64_t declared_size(std::string_view bytes) { return head_size + facet_size * std::uint64_t{word_at(bytes, 80)}; }
 
-/// Many binary files open with `solid` as well, so their length decides; where it is no help, what follows the name does.
-bool is_text(const std::string& name, std::string_view bytes, std::string_view text) {
-  if (bytes.size() >= head_size && bytes.size() == declared_size(bytes)) return false;
-  TextLines lines(name, text, 0);
+/// No binary file of a few facets is without a zero byte.
+bool looks_like_text(std::string_view bytes) { return bytes.substr(0, 1000).find('\0') == bytes.npos; }
+
+/// Many binary files open with `solid` as well, so their length decides; where it is no help, zero bytes do.
+bool is_text(const std::string& name, std::string_view bytes) {
+  TextLines lines(name, bytes, 0);
   if (!lines.next() || !same_word(lines.word(), "solid")) return false;
-  if (!lines.next()) return true;
-  const std::string_view second = lines.word();
-  return same_word(second, "facet") || same_word(second, "endsolid");
+  return looks_like_text(bytes);
 }
 
 MeshFile read_binary(const std::string& name, std::string_view bytes) {
   if (bytes.size() < head_size)
     throw Error("{}: is {} bytes long and opens with no 'solid'; a binary STL has at least 84", name, bytes.size());
   const std::uint64_t size = declared_size(bytes);
+  if (bytes.size() < size && looks_like_text(bytes))
+    throw Error("{}: is neither a text that opens with 'solid' nor a binary STL, which has zero bytes", name);
   if (bytes.size() < size) throw Error("{}: is {} bytes long but declares {}; it is truncated", name, bytes.size(), size);
   MeshFile answer;
   ImportedMesh& mesh = answer.meshes.emplace_back();
@@ -130,8 +132,10 @@ MeshFile read_text(const std::string& name, std::string_view text) {
 
 MeshFile read_stl(const std::filesystem::path& file, const ReadFile& read) {
   const std::string name = file.string(), bytes = read(file);
-  const std::string_view text = without_byte_order_mark(name, bytes);
-  return is_text(name, bytes, text) ? read_text(name, text) : read_binary(name, bytes);
+  if (bytes.size() >= head_size && bytes.size() == declared_size(bytes)) return read_binary(name, bytes);
+  std::string_view text = without_byte_order_mark(name, bytes);
+  while (text.ends_with('\0') || text.ends_with('\x1a')) text.remove_suffix(1);  // as old systems end a text
+  return is_text(name, text) ? read_text(name, text) : read_binary(name, bytes);
 }
 
 }  // namespace gnomon::importing

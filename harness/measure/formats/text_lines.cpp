@@ -11,6 +11,12 @@ namespace {
 
 constexpr std::string_view blanks = " \t\v\f";
 
+/// Whether a \ is the last of a line but blanks.
+bool goes_on(std::string_view line) {
+  const std::size_t last = line.find_last_not_of(blanks);
+  return last != line.npos && line[last] == '\\';
+}
+
 char small(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 }  // namespace
@@ -41,16 +47,21 @@ std::string_view TextLines::raw_line() {
 }
 
 bool TextLines::next() {
-  const auto stripped = [&](std::string_view line) { return comment_ ? line.substr(0, line.find(comment_)) : line; };
+  // Within a word it is a letter: Material_#25, or 1.#QNAN, which is no number.
+  const auto stripped = [&](std::string_view line) {
+    std::size_t at = comment_ ? line.find(comment_) : line.npos;
+    while (at != line.npos && at > 0 && blanks.find(line[at - 1]) == blanks.npos) at = line.find(comment_, at + 1);
+    return line.substr(0, at);
+  };
   while (next_ < text_.size()) {
     line_ = stripped(raw_line());
-    if (continued_ && line_.ends_with('\\')) {
+    if (continued_ && goes_on(line_)) {
       joined_.clear();
-      while (line_.ends_with('\\') && next_ < text_.size()) {
-        joined_.append(line_.substr(0, line_.size() - 1)).append(" ");
+      while (goes_on(line_) && next_ < text_.size()) {
+        joined_.append(line_.substr(0, line_.rfind('\\'))).append(" ");
         line_ = stripped(raw_line());
       }
-      joined_.append(line_.substr(0, line_.size() - line_.ends_with('\\')));
+      joined_.append(line_.substr(0, goes_on(line_) ? line_.rfind('\\') : line_.npos));
       line_ = joined_;
     }
     at_ = words_ = 0;
@@ -63,7 +74,9 @@ bool TextLines::next() {
 }
 
 void TextLines::begin(std::string_view element, std::size_t place, std::size_t count) {
-  if (!next()) throw Error("{}: holds {} of {} {} lines; it is truncated", name_, place, count, element);
+  if (!next())
+    throw Error("{}: holds {} of {} {} lines; it is truncated, or has more than one {} on a line", name_, place, count, element,
+                element);
   element_ = element;
   place_ = place;
 }

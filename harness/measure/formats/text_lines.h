@@ -17,7 +17,8 @@ bool same_word(std::string_view a, std::string_view b);
 /// Walks the lines of a text, which end in \n, \r\n or \r, and the words of a line. `name` opens all errors: "FILE:LINE".
 class TextLines {
  public:
-  /// `comment` opens a remark to the end of the line; 0 for none. `continued`: \ at the end of a line goes on in the next one.
+  /// `comment` opens a remark to the end of the line where it begins a word; 0 for none. `continued`: \ at the end of a line
+  /// goes on in the next one.
   TextLines(const std::string& name, std::string_view text, char comment, bool continued = false);
 
   /// Goes to the next line that has a word in it; false when there is none.

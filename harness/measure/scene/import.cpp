@@ -12,6 +12,7 @@
 #include <numbers>
 
 #include "measure/paths.h"
+#include "measure/printable.h"
 #include "measure/scene/base_scene.h"
 #include "measure/scene/load.h"
 
@@ -93,6 +94,7 @@ struct Reach {
 struct NoteCounts {
   std::size_t short_faces = 0, self_crossing_polygons = 0;  ///< left out, split as fans
   std::size_t textured = 0, transparent = 0;                ///< triangles
+  std::size_t odd_colors = 0;                               ///< meshes
   Reach raw, placed;
 };
 
@@ -116,8 +118,8 @@ std::vector<bool> used_vertices(const std::string& where, const ImportedMesh& ra
 
 /// Places the vertices that faces use, and welds them: readers may repeat a vertex for every face; one position becomes one
 /// vertex again. Returns the place in `mesh` of each vertex of the file.
-std::vector<std::uint32_t> place_vertices(const std::string& where, const ImportedMesh& raw, const Placement& placement,
-                                          NoteCounts& counts, Mesh& mesh) {
+std::vector<std::uint32_t> place_vertices(const std::string& where, const ImportedMesh& raw, const glm::dmat4& place,
+                                          const Placement& placement, NoteCounts& counts, Mesh& mesh) {
   const std::vector<bool> used = used_vertices(where, raw);
   std::vector<glm::vec3> positions(raw.positions.size());
   std::vector<std::uint8_t> wanted(raw.positions.size());
@@ -125,9 +127,10 @@ std::vector<std::uint32_t> place_vertices(const std::string& where, const Import
     wanted[v] = used[v];
     if (!used[v]) continue;
     const glm::dvec3& p = raw.positions[v];
-    const glm::dvec3 placed = placement.apply(glm::dvec3(raw.world_from_mesh * glm::dvec4(p, 1)));
+    const glm::dvec3 placed = placement.apply(glm::dvec3(place * glm::dvec4(p, 1)));
     if (!is_sound(p) || !is_sound(placed))
-      throw Error("{}, vertex {}: position = ({}, {}, {}) is outside {}", where, v, p.x, p.y, p.z, coordinate_range);
+      throw Error("{}, vertex {}: position = ({}, {}, {}), placed at ({}, {}, {}), is outside {}", where, v, p.x, p.y, p.z,
+                  placed.x, placed.y, placed.z, coordinate_range);
     positions[v] = placed;
     counts.raw.add(p);
     counts.placed.add(placed);
@@ -143,13 +146,16 @@ std::vector<std::uint32_t> place_vertices(const std::string& where, const Import
 }
 
 /// Checks, places, welds and triangulates one mesh.
-Mesh convert(const fs::path& file, const ImportedMesh& raw, const Placement& placement, NoteCounts& counts) {
+Mesh convert(const fs::path& file, const ImportedMesh& raw, const glm::dmat4& place, const Placement& placement,
+             NoteCounts& counts) {
   Mesh mesh;
-  mesh.name = raw.name.empty() ? file.stem().string() : raw.name;
+  mesh.name = printable(raw.name.empty() ? file.stem().string() : raw.name, true);
   const auto is_share = [](float x) { return x >= 0 && x <= 1; };
-  if (raw.has_color && is_share(raw.color.r) && is_share(raw.color.g) && is_share(raw.color.b)) mesh.albedo = raw.color;
+  const bool is_albedo = is_share(raw.color.r) && is_share(raw.color.g) && is_share(raw.color.b);
+  if (raw.has_color && is_albedo) mesh.albedo = raw.color;
+  counts.odd_colors += raw.has_color && !is_albedo;
   const std::string where = fmt::format("{}: mesh '{}'", file.string(), mesh.name);
-  const std::vector<std::uint32_t> welded = place_vertices(where, raw, placement, counts, mesh);
+  const std::vector<std::uint32_t> welded = place_vertices(where, raw, place, placement, counts, mesh);
 
   auto corner = raw.corners.begin();
   std::vector<std::uint32_t> face;
@@ -193,11 +199,17 @@ glm::dvec3 placed_direction(const Placement& placement, const glm::dvec3& direct
 void add_camera(const fs::path& file, const ImportedCamera& raw, const Placement& placement, const Bounds& bounds,
                 Scene& scene) {
   if (!(raw.fov_y > 0 && raw.fov_y < std::numbers::pi)) {
-    scene.notes.push_back(fmt::format("{}: camera '{}' is not a perspective one and is left out", file.string(), raw.name));
+    scene.notes.push_back(fmt::format("{}: camera '{}' is not a perspective one of 0 to 180 degrees and is left out",
+                                      file.filename().string(), printable(raw.name, true)));
     return;
   }
   const glm::dvec3 eye = placement.apply(raw.eye);
   const glm::dvec3 forward = placed_direction(placement, raw.forward), up = placed_direction(placement, raw.up);
+  if (!is_sound(forward) || !is_sound(up)) {
+    scene.notes.push_back(fmt::format("{}: camera '{}' stands at a node without size and is left out", file.filename().string(),
+                                      printable(raw.name, true)));
+    return;
+  }
   const glm::dvec3 low(bounds.min), high(bounds.max);
   const double distance = std::max(glm::dot((low + high) / 2.0 - eye, forward), 0.1 * glm::length(high - low));
   scene.views.push_back({.name = free_name(raw.name, scene.views, "view"),
@@ -223,12 +235,13 @@ void add_light(const fs::path& file, const ImportedLight& raw, const Placement& 
   if (auto* spot = std::get_if<SpotLight>(&light.kind);
       spot && spot->outer_degrees >= widest_spot && spot->outer_degrees <= 90) {
     scene.notes.push_back(fmt::format("{}: light '{}' is a spot of {:g} degrees and is read as one of {:g}",
-                                      file.filename().string(), raw.name, spot->outer_degrees, widest_spot));
+                                      file.filename().string(), printable(raw.name, true), spot->outer_degrees, widest_spot));
     spot->outer_degrees = widest_spot;
     spot->inner_degrees = std::min(spot->inner_degrees, widest_spot);
   }
   if (raw.kind == ImportedLightKind::other)
-    scene.notes.push_back(fmt::format("{}: light '{}' is of no punctual kind and is left out", file.string(), raw.name));
+    scene.notes.push_back(fmt::format("{}: light '{}' is of no punctual kind and is left out", file.filename().string(),
+                                      printable(raw.name, true)));
   else
     scene.lights.push_back(light);
 }
@@ -252,23 +265,25 @@ void importing::add_imported(const fs::path& file, std::span<const std::byte> an
   NoteCounts counts;
   std::size_t triangle_count = 0;
   Bounds bounds;
-  for (const ImportedMesh& raw_mesh : raw.meshes) {
-    Mesh mesh = convert(file, raw_mesh, placement, counts);
-    triangle_count += mesh.triangles.size();
-    if (triangle_count > max_triangle_count) throw Error("{}: more than {} triangles", file.string(), max_triangle_count);
-    if (mesh.triangles.empty()) continue;
-    for (const glm::vec3& p : mesh.positions) bounds.add(p);
-    scene.meshes.push_back(std::move(mesh));
-  }
+  for (const ImportedMesh& raw_mesh : raw.meshes)
+    for (const glm::dmat4& place : raw_mesh.places) {
+      Mesh mesh = convert(file, raw_mesh, place, placement, counts);
+      triangle_count += mesh.triangles.size();
+      if (triangle_count > max_triangle_count) throw Error("{}: more than {} triangles", file.string(), max_triangle_count);
+      if (mesh.triangles.empty()) continue;
+      for (const glm::vec3& p : mesh.positions) bounds.add(p);
+      scene.meshes.push_back(std::move(mesh));
+    }
   if (triangle_count == 0)
     throw Error("{}: has no faces{}", file.string(), raw.notes.empty() ? "" : "; " + joined(raw.notes, "; "));
-  const std::string name = file.filename().string();
+  const std::string name = printable(file.filename().string(), true);
   const auto note = [&](std::size_t count, const char* what) {
     if (count > 0) scene.notes.push_back(fmt::format("{}: {} {}", name, count, what));
   };
-  for (const std::string& words : raw.notes) scene.notes.push_back(fmt::format("{}: {}", name, words));
+  for (const std::string& words : raw.notes) scene.notes.push_back(fmt::format("{}: {}", name, printable(words, true)));
   note(counts.short_faces, "points and lines are left out");
   note(counts.self_crossing_polygons, "polygons cross themselves and are split as fans");
+  note(counts.odd_colors, "meshes have a color outside of 0 .. 1, in place of which they have the usual one");
   note(counts.textured, "triangles have textures, which are not used: cut-out leaves and grids are opaque");
   note(counts.transparent, "triangles are of transparent material and stop light all the same");
   for (const Reach* reach : {&counts.raw, &counts.placed})

@@ -77,24 +77,39 @@ bool triangulate(std::span<const glm::vec3> positions, std::span<const std::uint
     return true;
   }
 
-  // Cut ears off a ring of links. `idle` counts corners passed without a cut: a full round of them is the end.
+  // Cut ears off a ring of links. `idle` counts corners passed without a cut: a full round of them is the end. A cut changes
+  // the two corners beside it alone: in a simple polygon what lies in another triangle lies there with a corner that turns in,
+  // and none of these is cut.
   std::vector<std::uint32_t> next(n), previous(n);
   for (std::uint32_t i = 0; i < n; ++i) {
     next[i] = (i + 1) % n;
     previous[i] = (i + n - 1) % n;
   }
+  const auto may_be_cut = [&](std::uint32_t b) {
+    const std::uint32_t a = previous[b], c = next[b];
+    const bool is_spike = turn(flat[a], flat[b], flat[c]) == 0 && glm::dot(flat[b] - flat[a], flat[c] - flat[b]) < 0;
+    return is_spike || is_ear(flat, next, a, b, c);
+  };
+  std::vector<bool> is_free(n);
+  for (std::uint32_t i = 0; i < n; ++i) is_free[i] = may_be_cut(i);
   std::uint32_t left = n, idle = 0, b = 0;
+  int looks_left = 16;  // at all corners anew
   while (left > 3 && idle < left) {
     const std::uint32_t a = previous[b], c = next[b];
-    const bool flat_corner = turn(flat[a], flat[b], flat[c]) == 0 && glm::dot(flat[b] - flat[a], flat[c] - flat[b]) < 0;
-    if (is_ear(flat, next, a, b, c) || flat_corner) {
+    if (is_free[b]) {
       triangles.emplace_back(loop[a], loop[b], loop[c]);  // a spike folded flat goes as a triangle of no area
       next[a] = c;
       previous[c] = a;
+      is_free[a] = may_be_cut(a);
+      is_free[c] = may_be_cut(c);
       --left;
       idle = 0;
-    } else {
-      ++idle;
+    } else if (++idle == left && looks_left-- > 0) {  // of one that is not simple another corner may have become free
+      for (std::uint32_t i = b, k = 0; k < left; i = next[i], ++k)
+        if (!is_free[i] && may_be_cut(i)) {
+          is_free[i] = true;
+          idle = 0;
+        }
     }
     b = c;
   }

@@ -154,7 +154,7 @@ RC_GTEST_PROP(Obj, reads_the_same_however_its_lines_are_written, ()) {
   const std::string end = one_of("\n", "\r\n", "\r");
   const auto blank = [&] { return one_of(" ", "\t", "  ", " \\" + end + " "); };
   const auto line_end = [&] {
-    return one_of("", " ", " # v 1 2 3", "#\tf 1 2 3 4") + end + one_of("", end, "# f 9 9 9" + end);
+    return one_of("", " ", " # v 1 2 3", " #\tf 1 2 3 4") + end + one_of("", end, "# f 9 9 9" + end);
   };
   std::string text = flip() ? "\xEF\xBB\xBF" : "";
   const std::size_t ahead = *rc::gen::inRange<std::size_t>(0, model.positions.size());
@@ -279,6 +279,21 @@ TEST(Obj, objects_groups_and_materials_become_meshes) {
   EXPECT_EQ(parts, (std::vector<std::pair<std::string, std::size_t>>{{"", 1}, {"house", 1}, {"wall", 1}, {"red", 2}}));
 }
 
+TEST(Obj, a_remark_begins_a_word) {
+  const std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0 # 7\nusemtl Material_#25\nf 1 2 3\nusemtl Material_#26\nf 1 2 3 #4\n";
+  const MeshFile file = read("a.obj", text);
+  ASSERT_EQ(file.meshes.size(), 2u) << "two materials";
+  EXPECT_EQ(file.meshes[1].name, "Material_#26");
+  for (const char* bad : {"-1.#IND00", "1.#INF", "1.#QNAN"})
+    expect_words(error_of("a.obj", fmt::format("v 0 0 {}\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", bad)),
+                 {"a.obj:1", bad, "not a number"});
+}
+
+TEST(Obj, an_object_that_comes_again_keeps_the_material_that_is_used) {
+  const std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\no A\nusemtl red\nf 1 2 3\no B\nusemtl blue\nf 1 2 3\no A\nf 1 2 3\n";
+  EXPECT_EQ(read("a.obj", text).meshes.size(), 3u);
+}
+
 TEST(Obj, what_is_no_face_is_counted) {
   const MeshFile file =
       read("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2\np 1 2 3\nl 1 2 3\nsurf 0 1 0 1 1 2 3\nnonsense 3\n");
@@ -286,6 +301,30 @@ TEST(Obj, what_is_no_face_is_counted) {
                             "5 points and lines are left out", "1 faces have fewer than three corners and are left out",
                             "1 free-form curves and surfaces are left out",
                             "1 lines open with a word that is unknown to OBJ ('nonsense' of line 9) and are left out"}));
+}
+
+TEST(Ply, counts_of_strips_are_whole_numbers) {
+  for (const char* bad : {"2.5", "-1", "nan"})
+    EXPECT_NE(
+        error_of("a.ply",
+                 fmt::format("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                             "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
+                             "0 0 0\n1 0 0\n0 1 0\n{} 0 1 2\n",
+                             bad)),
+        "")
+        << bad;
+}
+
+TEST(Off, letters_may_stand_in_any_order) {
+  const std::string text = "NCOFF\n3 1 0\n0 0 0 0 0 1 1 1 1 1\n1 0 0 0 0 1 1 1 1 1\n0 1 0 0 0 1 1 1 1 1\n3 0 1 2\n";
+  EXPECT_EQ(faces_of(read("a.off", text)).size(), 1u);
+}
+
+TEST(Stl, texts_that_are_none_are_named) {
+  std::string page = "<!DOCTYPE html><html>" + std::string(100, ' ');
+  expect_words(error_of("a.stl", page), {"neither a text that opens with 'solid'"});
+  const std::string facet = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
+  EXPECT_EQ(faces_of(read("a.stl", "solid a\n" + facet + "endsolid a\n\x1a")).size(), 1u) << "as old systems end a text";
 }
 
 TEST(Ply, a_header_that_ends_lines_in_returns_leaves_the_body_alone) {

@@ -154,7 +154,7 @@ TEST(Gltf, nodes_move_their_children) {
   file.primitive()["mode"] = 5;
   file.json["nodes"] = parse_json(R"([{"children":[1],"scale":[2,2,2]},
     {"mesh":0,"translation":[1,0,0],"rotation":[0,0,0.7071067811865476,0.7071067811865476]}])");
-  const glm::dmat4 place = file.read().meshes.at(0).world_from_mesh;
+  const glm::dmat4 place = file.read().meshes.at(0).places.at(0);
   const glm::dvec4 moved = place * glm::dvec4(1, 0, 0, 1);  // turned about z to (0, 1, 0), moved to (1, 1, 0), scaled
   EXPECT_LT(glm::length(moved - glm::dvec4(2, 2, 0, 1)), 1e-12);
 }
@@ -193,7 +193,7 @@ TEST(Gltf, what_stands_outside_of_the_default_scene_is_noted) {
   file.json["cameras"] = parse_json(R"([{"type":"perspective","perspective":{"yfov":1,"znear":1}}])");
   EXPECT_EQ(file.read().notes,
             (std::vector<std::string>{"1 nodes with meshes stand outside of the default scene and are left out",
-                                      "1 cameras stand at no node and are left out",
+                                      "1 cameras stand at no node of the scene and are left out",
                                       "2 animations are not applied: nodes stand as they do in the file"}));
 }
 
@@ -209,7 +209,7 @@ TEST(Gltf, skins_put_vertices_where_their_joints_are) {
   attributes["JOINTS_0"] = file.accessor(std::vector<std::uint8_t>{0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0}, "VEC4", 4);
   attributes["WEIGHTS_0"] = file.accessor(std::vector<float>{1, 0, 0, 0, 1, 0, 0, 0, 0.5, 0.5, 0, 0, 0.5, 0, 0, 0}, "VEC4", 4);
   MeshFile read = file.read();
-  EXPECT_EQ(read.meshes.at(0).world_from_mesh, glm::dmat4(1)) << "the mesh's own place counts for nothing";
+  EXPECT_EQ(read.meshes.at(0).places.at(0), glm::dmat4(1)) << "the mesh's own place counts for nothing";
   EXPECT_EQ(read.meshes[0].positions, (std::vector<glm::dvec3>{{10, 0, 0}, {1, 10, 0}, {5, 6, 0}, {0.5, 5.5, 0}}));
   expect_words(read.notes.at(0), {"1 vertices", "sum is not 1"});
   file.json["skins"] = parse_json(R"([{"joints":[1]}])");
@@ -230,6 +230,51 @@ TEST(Gltf, morph_targets_count_by_their_weights) {
   EXPECT_EQ(height(), 2) << "of the node";
   file.json["nodes"][0]["weights"] = Json::array({1, 1});
   expect_words(file.error(), {"1 morph targets and 2 weights"});
+}
+
+TEST(Gltf, what_many_nodes_have_is_read_once) {
+  Gltf file;
+  file.add_square();
+  file.primitive()["mode"] = 5;
+  file.json["nodes"] = parse_json(R"([{"mesh":0},{"mesh":0,"translation":[5,0,0]}])");
+  file.json["scenes"][0]["nodes"] = Json::array({0, 1});
+  const MeshFile read = file.read();
+  ASSERT_EQ(read.meshes.size(), 1u);
+  ASSERT_EQ(read.meshes[0].places.size(), 2u);
+  EXPECT_EQ(read.meshes[0].places[1][3], glm::dvec4(5, 0, 0, 1));
+}
+
+TEST(Gltf, vertices_that_no_face_of_a_primitive_names_are_dropped) {
+  Gltf file;
+  file.add_square();
+  file.primitive()["indices"] = file.accessor(std::vector<std::uint8_t>{0, 3, 2}, "SCALAR", 1);
+  const MeshFile read = file.read();
+  EXPECT_EQ(read.meshes.at(0).positions, (std::vector<glm::dvec3>{{0, 0, 0}, {0, 1, 0}, {1, 1, 0}}));
+  EXPECT_EQ(read.meshes[0].corners, (std::vector<std::uint32_t>{0, 2, 1}));
+}
+
+TEST(Gltf, instances_are_as_many_as_any_attribute_has) {
+  Gltf file;
+  file.add_square();
+  file.primitive()["mode"] = 5;
+  const std::size_t ids = file.accessor(std::vector<float>{1, 2, 3}, "SCALAR", 1);
+  file.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["_ID"] = ids;
+  EXPECT_EQ(file.read().meshes.at(0).places.size(), 3u);
+  file.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = Json::object();
+  EXPECT_EQ(file.read().meshes.at(0).places.size(), 1u);
+}
+
+TEST(Gltf, hidden_nodes_and_all_below_them_are_noted) {
+  Gltf file;
+  file.add_square();
+  file.primitive()["mode"] = 5;
+  file.json["nodes"] =
+      parse_json(R"([{"mesh":0},{"children":[2],"extensions":{"KHR_node_visibility":{"visible":false}}},{"mesh":0}])");
+  file.json["scenes"][0]["nodes"] = Json::array({0, 1});
+  const MeshFile read = file.read();
+  EXPECT_EQ(read.meshes.at(0).places.size(), 1u);
+  EXPECT_EQ(read.notes,
+            std::vector<std::string>{"1 nodes with meshes or lights are hidden by KHR_node_visibility and left out"});
 }
 
 TEST(Gltf, numbers_that_do_not_fit_name_their_accessor) {

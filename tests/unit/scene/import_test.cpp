@@ -5,6 +5,7 @@
 #include <rapidcheck/gtest.h>
 
 #include <cmath>
+#include <ctime>
 #include <numbers>
 
 namespace import_test {
@@ -78,6 +79,25 @@ TEST(Triangulate, takes_polygons_of_thousands_of_corners) {
     covered += glm::cross(b - a, c - a).z / 2;
   }
   EXPECT_EQ(covered, shoelace) << "halves of small whole numbers: exact";
+}
+
+TEST(Triangulate, takes_time_that_grows_with_the_square_of_the_corners) {
+  // A spiral of four turns and back again, half of whose corners turn in. Looking at all corners after each cut took 14 s.
+  constexpr int count = 2000;
+  std::vector<glm::vec3> points;
+  for (const double inset : {0.0, 0.4})
+    for (int k = 0; k < count; ++k) {
+      const double t = (inset == 0 ? k : count - 1 - k) / static_cast<double>(count), angle = 8 * std::numbers::pi * t;
+      const double radius = 1 + 4 * t - inset;
+      points.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0);
+    }
+  std::vector<std::uint32_t> corners(points.size());
+  for (std::uint32_t i = 0; i < corners.size(); ++i) corners[i] = i;
+  std::vector<glm::uvec3> triangles;
+  const std::clock_t start = std::clock();
+  EXPECT_TRUE(importing::triangulate(points, corners, triangles));
+  EXPECT_EQ(triangles.size(), points.size() - 2);
+  EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, 6) << "seconds of this process; 0.2 usually";
 }
 
 }  // namespace import_test
