@@ -102,13 +102,13 @@ void Session::choose_view(const std::string& name) {
 void Session::set_light(const Light& light) {
   check(light, "window");
   light_moved_ = light_moved_ || !are_same(light, selection_.light);
-  selection_.light = light;
+  selection_.light = usable(light);
 }
 
 void Session::set_view(const View& view) {
   check(view, "window");
   view_moved_ = view_moved_ || !are_same(view, selection_.view);
-  selection_.view = view;
+  selection_.view = usable(view);
 }
 
 void Session::set_size(int width, int height) {

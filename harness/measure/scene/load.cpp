@@ -97,15 +97,6 @@ View framing_view(const Scene& scene, const glm::dvec3& middle) {
   return view;
 }
 
-/// Of a scene that a generator made; a description's directions are usable before they are rounded to float32.
-void use_any_length(Light& light) {
-  const auto use = [](auto& l) {
-    if constexpr (requires { l.direction; }) l.direction = usable_direction(l.direction);
-    if constexpr (requires { l.normal; }) l.normal = usable_direction(l.normal);
-  };
-  std::visit(use, light.kind);
-}
-
 void check_vertices(const Mesh& mesh, const std::string& where) {
   for (std::size_t i = 0; i < mesh.positions.size(); ++i)
     if (const glm::vec3& p = mesh.positions[i]; !is_sound(p))
@@ -127,6 +118,20 @@ glm::dvec3 usable_direction(const glm::dvec3& v) {
   const double largest = extent(v);
   if (!(largest > 0) || !std::isfinite(largest) || (largest >= least && largest <= most)) return v;
   return v / std::pow(10, std::max(std::floor(std::log10(largest)), -300.0));  // 1e-300: powers below are not normal numbers
+}
+
+Light usable(Light light) {
+  const auto use = [](auto& l) {
+    if constexpr (requires { l.direction; }) l.direction = usable_direction(l.direction);
+    if constexpr (requires { l.normal; }) l.normal = usable_direction(l.normal);
+  };
+  std::visit(use, light.kind);
+  return light;
+}
+
+View usable(View view) {
+  view.up = usable_direction(view.up);
+  return view;
 }
 
 bool is_plain_name(std::string_view name) {
@@ -191,8 +196,8 @@ void check(const View& view, const std::string& where) {
 }
 
 void finish_scene(Scene& scene, const std::string& where) {
-  for (Light& light : scene.lights) use_any_length(light);
-  for (View& view : scene.views) view.up = usable_direction(view.up);
+  for (Light& light : scene.lights) light = usable(light);
+  for (View& view : scene.views) view = usable(view);
   check_names(scene.lights, "light", where);
   check_names(scene.views, "view", where);
   std::size_t dropped = 0;

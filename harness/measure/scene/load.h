@@ -59,6 +59,11 @@ bool is_plain_name(std::string_view name);
 void check(const Light& light, const std::string& where);
 void check(const View& view, const std::string& where);
 
+/// The same with directions, normals and `up` at a length that techniques can use: usable_direction of base_scene.h. What a
+/// description says is made so before it is rounded to float32.
+Light usable(Light light);
+View usable(View view);
+
 /// What every loader ends with: drops degenerate triangles, measures facts, checks that coordinates are finite, that names
 /// are unique, that no eye equals its target; throws Error when nothing is left to see. `where` opens the error's text.
 void finish_scene(Scene& scene, const std::string& where);

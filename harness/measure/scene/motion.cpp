@@ -8,7 +8,6 @@
 #include <cassert>
 #include <cmath>
 
-#include "measure/scene/base_scene.h"
 #include "measure/scene/load.h"
 
 namespace gnomon {
@@ -76,10 +75,8 @@ Path find_path(const Scene& scene, const std::string& name, const Light& light, 
 
 Light light_at(const Path& path, const Light& light, int frame) {
   Light moved = light;
-  if (path.moves != Path::Moves::light) return moved;
-  place_of(moved) = position_at(path, frame);
-  if (auto* const sun = std::get_if<DirectionalLight>(&moved.kind)) sun->direction = usable_direction(sun->direction);
-  return moved;
+  if (path.moves == Path::Moves::light) place_of(moved) = position_at(path, frame);
+  return usable(moved);
 }
 
 View view_at(const Path& path, const View& view, int frame) {

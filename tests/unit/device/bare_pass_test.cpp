@@ -56,9 +56,10 @@ TEST_F(BarePassTest, copy_copies_every_pixel) { EXPECT_EQ(drawn(Floor::copy, 2),
 
 TEST_F(BarePassTest, a_scene_without_triangles_is_drawn) {
   const Scene nothing{.views = scene_.views};
-  const BarePass pass(Floor::depth_draw, nothing, gbuffer_);
+  const GBuffer gbuffer = small_world::make_gbuffer(nothing, scene_.views[0], 40, 30);
+  const BarePass pass(Floor::depth_draw, nothing, gbuffer);
   pass.draw();
-  EXPECT_EQ(pass.read(), std::vector<float>(gbuffer_.size(), 0));
+  EXPECT_EQ(pass.read(), std::vector<float>(gbuffer.size(), 0));
 }
 
 TEST_F(BarePassTest, none_is_no_pass) { EXPECT_THROW(BarePass(Floor::none, scene_, gbuffer_), Error); }

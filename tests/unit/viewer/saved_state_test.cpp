@@ -137,8 +137,8 @@ Selection some_state() {
 
 RC_GTEST_PROP(saved_state, every_light_and_view_comes_back_to_the_bit, ()) {
   Selection state = some_state();
-  state.light = any_light();
-  state.view = any_view();
+  state.light = usable(any_light());
+  state.view = usable(any_view());
   RC_PRE(is_sound(state.light) && is_sound(state.view));
   RC_TAG(std::string(kind_name(state.light)));
   const Folder folder;
