@@ -127,6 +127,7 @@ TEST_F(BaseScene, files_are_relative_to_the_description_that_names_them) {
 
 TEST_F(BaseScene, framing_fills_only_what_neither_brings) {
   fs::copy(data_root() / "tests/data/tetrahedron.obj", folder_ / "t.obj");
+  fs::copy(data_root() / "tests/data/tetrahedron.mtl", folder_ / "tetrahedron.mtl");
   const std::string start = "scene = \"t.obj\"\n";
   const Scene base = load_scene((folder_ / "t.obj").string());
   ASSERT_EQ(base.notes.size(), 2u);
