@@ -305,7 +305,7 @@ void resolve(benchmark::State& state, const char* reference, const char* method)
   const auto technique = made(*scene, fmt::format("count={}", method));
   technique->relight(light);
   const BareVolumes bare(*scene, light, std::string_view(method) == "zfail");
-  const glm::mat4 clip(clip_from_world(frame.gbuffer.view, width, height));
+  const glm::mat4 clip(clip_from_world(frame.gbuffer, *scene));
   VisibilityMask mask(width, height), other(width, height);
   const auto contender = [&] { technique->resolve(frame.gbuffer, mask); };
   const auto floor = [&] {

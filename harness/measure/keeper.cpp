@@ -1,6 +1,6 @@
 // A process between the program and one that it starts. As a subreaper it becomes the parent of all that lose theirs, so that
-// nothing escapes it by a session of its own or an empty environment. It is a fork without exec: plain system calls alone, which are
-// bound when the program starts (-fno-plt): the memory by which others are found later is gone.
+// nothing escapes it by a session of its own or an empty environment. It is a fork without exec: plain system calls alone,
+// which are bound when the program starts (-fno-plt): the memory by which others are found later is gone.
 #include "measure/keeper.h"
 
 #include <fcntl.h>

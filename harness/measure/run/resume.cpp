@@ -66,7 +66,7 @@ std::vector<std::string> changes(std::span<const Record> kept, const Record& now
 
 void use_recorded_scenes(const fs::path& out, Suite& suite, SceneLibrary& library) {
   if (!is_plain_file(records_file(out))) return;  // who writes it will say so
-  std::map<std::string, std::string> recorded;  // name as written then, by the path of the file
+  std::map<std::string, std::string> recorded;    // name as written then, by the path of the file
   std::error_code code;
   for (const Record& record : read_records(out))
     if (!context_text(record, "scene_file").empty())
