@@ -102,7 +102,8 @@ void read(const std::string& field, const Json& value, T& into, MissingField mis
   if constexpr (std::is_same_v<T, std::string>) {
     need(value.is_string(), "text");
     into = value.get<std::string>();
-    need(!has_control_characters(into), "text without control characters");
+    // What people see of a record does nothing to their terminal; messages are taken to the letter.
+    if (missing == MissingField::kept && has_control_characters(into)) into = printable(into);
   } else if constexpr (std::is_same_v<T, double>) {
     need(value.is_number(), "a number");
     into = value.get<double>();

@@ -174,7 +174,9 @@ class Surroundings(ProgramTest):
         row = records(self.dir / "out")[0]
         for key, text in (("scene", "\x1b[2Jx"), ("label", "\x1b]0;title\x07"), ("reason", "a\x9bb")):
             (self.dir / "out/records.jsonl").write_text(json.dumps({**row, key: text}) + "\n")
-            self.refuse("table", "out", says=["records.jsonl:1", key, "control characters"])
+            for arguments in (["table", "out"], ["table", "out", "--format", "tex"], ["analyze", "out", "best"]):
+                done = self.gnomon(*arguments)
+                self.assertFalse(set("\x1b\x07\x9b") & set(done.stdout + done.stderr), (key, arguments))
         self.write("fails.toml", (self.dir / "fails.toml").read_text().replace('"T"', '"\\u001b[31mT"'))
         self.refuse("--program", "fails.toml", "list", "techniques", says=["title", "control characters"])
 

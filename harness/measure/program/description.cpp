@@ -8,6 +8,7 @@
 #include <set>
 
 #include "measure/paths.h"
+#include "measure/printable.h"
 #include "measure/program/program_process.h"
 #include "measure/scene/toml_table.h"
 
@@ -165,6 +166,19 @@ bool is_in_path(const std::string& program) {
   return false;
 }
 
+/// Titles, sentences, names and units are shown in a terminal: they do nothing else there.
+void refuse_control_characters(const toml::table& table, const fs::path& file) {
+  for (const auto& [key, value] : table) {
+    const auto text = value.value_exact<std::string>();
+    if (text && has_control_characters(*text))
+      throw Error("program.{} = '{}' is not a text without control characters ({}:{})", key.str(), *text, file.string(),
+                  value.source().begin.line);
+    if (const toml::array* const tables = value.as_array())
+      for (const toml::node& item : *tables)
+        if (const toml::table* const inner = item.as_table()) refuse_control_characters(*inner, file);
+  }
+}
+
 }  // namespace
 
 std::shared_ptr<const ProgramDescription> read_program(const fs::path& file) {
@@ -179,6 +193,7 @@ std::shared_ptr<const ProgramDescription> read_program(const fs::path& file) {
   d.id = file.stem().string();
   if (!is_plain_name(d.id))
     throw Error("program {}: '{}' is no id; a file's stem of a..z, 0..9 and _ is wanted", file.string(), d.id);
+  refuse_control_characters(toml, file);
   d.title = table.text("title");
   d.summary = table.text("summary");
   d.source = table.text("source");

@@ -93,7 +93,11 @@ class WriterLock {
  public:
   explicit WriterLock(const fs::path& file) {
     if (file.has_parent_path()) make_folder(file.parent_path());
-    make_way(file);
+    try {
+      make_way(file);
+    } catch (const Error& error) {
+      throw Error("{} cannot be locked: {}", file.string(), error.what());
+    }
     descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
     int locked = -1;
     while (descriptor_ >= 0 && (locked = flock(descriptor_, LOCK_EX)) != 0 && errno == EINTR) {

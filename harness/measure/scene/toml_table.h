@@ -12,7 +12,6 @@
 #include <string>
 #include <vector>
 
-#include "measure/printable.h"
 #include "measure/scene/base_scene.h"
 #include "measure/scene/load.h"
 
@@ -54,7 +53,6 @@ class Table {
   std::string text(std::string_view key) const {
     const auto value = need(key).value_exact<std::string>();
     if (!value) refuse(key, kind(key), "a text");
-    if (has_control_characters(*value)) refuse(key, '\'' + *value + '\'', "a text without control characters");
     return *value;
   }
   bool flag(std::string_view key, bool fallback) const {

@@ -1,5 +1,7 @@
 #include "measure/worker/protocol.h"
 
+#include "measure/printable.h"
+
 namespace gnomon {
 
 SupportReply reply_of(const Support& support) { return {support.kind(), support.why()}; }
@@ -9,9 +11,9 @@ Support support_of(const SupportReply& reply) {
     case Support::Kind::full:
       return Support::full();
     case Support::Kind::approximate:
-      return Support::approximate(reply.why);
+      return Support::approximate(printable(reply.why));
     case Support::Kind::unsupported:
-      return Support::unsupported(reply.why);
+      return Support::unsupported(printable(reply.why));
   }
   return Support::full();
 }
