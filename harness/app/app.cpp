@@ -120,7 +120,8 @@ int run_program(int argc, char** argv) {
     print_notice("gnomon: {}: {}\n", shown(error.path1().string()), error.code().message());
     return 2;
   } catch (const std::system_error& error) {
-    print_notice("gnomon: standard output cannot be written: {}\n", error.code().message());
+    if (error.code() != std::errc::broken_pipe)  // who has read enough wants no words
+      print_notice("gnomon: standard output cannot be written: {}\n", error.code().message());
     return 2;
   } catch (const std::bad_alloc&) {
     print_notice("gnomon: not enough memory for {}\n", shown(joined(std::vector<std::string>(argv, argv + argc), " ")));
