@@ -215,7 +215,7 @@ class SceneReader {
 
   static std::size_t distinct(std::vector<std::size_t> items) {
     std::ranges::sort(items);
-    return static_cast<std::size_t>(std::ranges::unique(items).begin() - items.begin());
+    return static_cast<std::size_t>(std::unique(items.begin(), items.end()) - items.begin());
   }
 
   void note() {
