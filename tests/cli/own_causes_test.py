@@ -11,7 +11,7 @@ import zlib
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import FAULTS, SMALL, ProgramTest, records  # noqa: E402
+from program import FAULTS, PROGRAM_SHEET, SMALL, ProgramTest, records  # noqa: E402
 
 # The plugin lights everything and names `left_half` in the left half of the picture; in the right one a shadow is a missing caster.
 ROWS = ["--scene", "fence", "--technique", "names_causes", "--technique", "names_more", "--technique", "unshadowed"]
@@ -20,13 +20,7 @@ OWN = [{"name": "left_half", "sentence": "The left half of the picture is out of
 
 
 # A program that lights everything, and says why of the left half.
-SHEET = """title = "T"
-summary = "S."
-source = "None."
-error = "E."
-fails = "F."
-command = ["/usr/bin/python3", "-IB", "lights_all.py"]
-answers = ["explain"]
+SHEET = PROGRAM_SHEET.format(id="lights_all") + """answers = ["explain"]
 [[cause]]
 id = "left_half"
 sentence = "The left half of the picture is out of its sight."

@@ -39,6 +39,16 @@ def small_maps(texels=288):
         yield ":".join([technique, *(f"{name}={texels}" for name in sorted(names & {"resolution", "hemicube"}))])
 
 
+# The description of a technique that is the program ID.py; further lines may follow.
+PROGRAM_SHEET = """title = "T"
+summary = "S."
+source = "None."
+error = "E."
+fails = "F."
+command = ["/usr/bin/python3", "-IB", "{id}.py"]
+"""
+
+
 class ProgramTest(unittest.TestCase):
     """Each class has a folder of its own, with a cache in it; each test a folder below, by which its processes are known."""
 

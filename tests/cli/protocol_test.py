@@ -11,15 +11,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import program  # noqa: E402
-from program import HUNG, NUMBERS, ROOT, SMALL, ProgramTest, records  # noqa: E402
+from program import HUNG, NUMBERS, PROGRAM_SHEET, ROOT, SMALL, ProgramTest, records  # noqa: E402
 
-SHEET = """title = "T"
-summary = "S."
-source = "None."
-error = "E."
-fails = "F."
-command = ["/usr/bin/python3", "-IB", "{id}.py"]
-"""
 
 # A program of nothing but the protocol: lit everywhere. `fault` is code that may do otherwise, called with each request.
 LIT = """
@@ -84,7 +77,7 @@ class Protocol(ProgramTest):
     def program(self, name, code=None, sheet="", fault=""):
         """ID.toml and ID.py in the test's folder; the option that loads it."""
         self.write(f"{name}.py", code or LIT.replace("FAULT", fault))
-        return ["--program", self.write(f"{name}.toml", SHEET.format(id=name) + sheet)]
+        return ["--program", self.write(f"{name}.toml", PROGRAM_SHEET.format(id=name) + sheet)]
 
     def run_one(self, name, options, *more, status=0, scene="single_triangle"):
         self.succeed(*options, "run", "--scene", scene, "--technique", name, "--light", "sun", *NUMBERS, *more, "--out", "out", status=status)
@@ -224,7 +217,7 @@ sentence = "Whether."
         (root / "techniques").mkdir(parents=True)
         for name in ("scenes", "bench"):
             (root / name).symlink_to(ROOT / name)
-        (root / "techniques/lit.toml").write_text(SHEET.format(id="lit"))
+        (root / "techniques/lit.toml").write_text(PROGRAM_SHEET.format(id="lit"))
         (root / "techniques/lit.py").write_text(LIT.replace("FAULT", ""))
         self.environment["GNOMON_ROOT"] = str(root)
         self.addCleanup(self.environment.update, GNOMON_ROOT=str(ROOT))
@@ -265,7 +258,7 @@ def fault(r):
     def test_what_is_not_there_is_unsupported_with_the_way_to_get_it(self):
         options = self.program("needy", sheet='[[need]]\nprogram = "no_such_program"\ninstall = "apt install nothing"\n')
         options += self.program("needs_run", sheet='[[need]]\nruns = ["/bin/false"]\ninstall = "pray"\n')
-        self.write("absent.toml", SHEET.format(id="absent").replace('"/usr/bin/python3", "-IB"', '"./absent"'))
+        self.write("absent.toml", PROGRAM_SHEET.format(id="absent").replace('"/usr/bin/python3", "-IB"', '"./absent"'))
         options += ["--program", self.dir / "absent.toml"]
         options += self.program("hard_only", sheet='lights = ["point"]\n')
         arguments = [word for name in ("needy", "needs_run", "absent", "hard_only") for word in ("--technique", name)]

@@ -14,16 +14,9 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import GONE, PATIENCE, ProgramTest, records, wait_until  # noqa: E402
+from program import GONE, PATIENCE, PROGRAM_SHEET, ProgramTest, records, wait_until  # noqa: E402
 
 ROW = ["run", "--scene", "single_triangle", "--light", "sun", "--processes", "1", "--repetitions", "1", "--size", "80x45"]
-SHEET = """title = "T"
-summary = "S."
-source = "x"
-error = "E."
-fails = "F."
-command = ["/usr/bin/python3", "-IB", "{}.py"]
-"""
 ANSWERS = """
 for line in sys.stdin:
     r = json.loads(line)
@@ -41,7 +34,7 @@ for line in sys.stdin:
 class Surroundings(ProgramTest):
     def program(self, name, fault="    return None", more=""):
         """A technique that is a program, with a body of fault(request): what it answers in place of what it should, or None."""
-        self.write(f"{name}.toml", SHEET.format(name) + more)
+        self.write(f"{name}.toml", PROGRAM_SHEET.format(id=name) + more)
         self.write(f"{name}.py", f"import json, os, struct, subprocess, sys, time\n\ndef fault(r):\n{fault}\n{ANSWERS}")
         return ["--program", f"{name}.toml", *ROW, "--technique", name]
 

@@ -1,19 +1,12 @@
 #include "measure/formats/foreign_checks.h"
 
+#include "measure/formats/little_endian.h"
 #include "measure/formats/text_lines.h"
 
 namespace gnomon::importing {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Little-endian 32 bits at `offset`; 0 beyond the end.
-std::uint32_t word_at(std::string_view bytes, std::size_t offset) {
-  std::uint32_t word = 0;
-  for (std::size_t i = 0; i < 4 && offset + i < bytes.size(); ++i)
-    word |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[offset + i])) << (8 * i);
-  return word;
-}
 
 /// Chunks of a 3DS file: an id of 16 bits, a length of 32 that counts these six bytes too, and what the chunk holds.
 class Chunks {

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstring>
 
+#include "measure/formats/little_endian.h"
 #include "measure/formats/text_lines.h"
 
 namespace gnomon::importing {
@@ -19,12 +20,6 @@ constexpr std::string_view known_extensions[] = {"KHR_lights_punctual",   "KHR_m
                                                  "KHR_techniques_webgl",  "KHR_animation_pointer", "KHR_xmp",
                                                  "KHR_xmp_json_ld"};
 constexpr std::string_view known_families[] = {"KHR_materials_"};
-
-std::uint32_t word_at(std::string_view bytes, std::size_t offset) {
-  std::uint32_t word = 0;
-  for (std::size_t k = 4; k-- > 0;) word = word << 8 | static_cast<unsigned char>(bytes[offset + k]);
-  return word;
-}
 
 }  // namespace
 

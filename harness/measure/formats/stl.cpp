@@ -2,6 +2,7 @@
 #include <bit>
 #include <cstring>
 
+#include "measure/formats/little_endian.h"
 #include "measure/formats/readers.h"
 #include "measure/formats/text_lines.h"
 
@@ -9,12 +10,6 @@ namespace gnomon::importing {
 namespace {
 
 constexpr std::size_t head_size = 84, facet_size = 50;
-
-std::uint32_t word_at(std::string_view bytes, std::size_t offset) {
-  std::uint32_t word = 0;
-  for (std::size_t k = 4; k-- > 0;) word = word << 8 | static_cast<unsigned char>(bytes[offset + k]);
-  return word;
-}
 
 std::uint64_t declared_size(std::string_view bytes) { return head_size + facet_size * std::uint64_t{word_at(bytes, 80)}; }
 
