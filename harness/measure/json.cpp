@@ -29,6 +29,67 @@ bool is_too_deep(std::string_view text) {
   return false;
 }
 
+/// Builds a value without the members of one key. The library's callback could leave them out, too, but looks through all that
+/// an array holds at the end of each of its elements.
+struct Without {
+  using Text = Json::string_t;
+
+  Json root;
+
+  explicit Without(std::string_view key) : unwanted_(key) {}
+  bool null() { return put(nullptr); }
+  bool boolean(bool value) { return put(value); }
+  bool number_integer(Json::number_integer_t value) { return put(value); }
+  bool number_unsigned(Json::number_unsigned_t value) { return put(value); }
+  bool number_float(Json::number_float_t value, const Text&) { return put(value); }
+  bool string(Text& value) { return put(std::move(value)); }
+  bool binary(Json::binary_t&) { return false; }
+  bool start_object(std::size_t) { return start(Json::value_t::object); }
+  bool start_array(std::size_t) { return start(Json::value_t::array); }
+  bool end_object() { return end(); }
+  bool end_array() { return end(); }
+  bool key(Text& name) {
+    if (left_out_ == 0) member_ = name == unwanted_ ? nullptr : &(*open_.back())[name];
+    return true;
+  }
+  bool parse_error(std::size_t, const std::string&, const Json::exception&) { return false; }
+
+ private:
+  /// Where the next value goes; null where it is left out.
+  Json* place() {
+    if (left_out_ > 0) return nullptr;
+    if (open_.empty()) return &root;
+    return open_.back()->is_array() ? &open_.back()->emplace_back() : member_;
+  }
+  template <class Value>
+  bool put(Value&& value) {
+    if (Json* const at = place()) *at = std::forward<Value>(value);
+    return true;
+  }
+  bool start(Json::value_t type) {
+    Json* const at = place();
+    if (at) {
+      *at = Json(type);
+      open_.push_back(at);
+    } else {
+      ++left_out_;
+    }
+    return true;
+  }
+  bool end() {
+    if (left_out_ > 0)
+      --left_out_;
+    else
+      open_.pop_back();
+    return true;
+  }
+
+  std::string_view unwanted_;
+  std::vector<Json*> open_;
+  Json* member_ = nullptr;    ///< of the object that is open
+  std::size_t left_out_ = 0;  ///< brackets that are open within what is left out
+};
+
 }  // namespace
 
 Json parse_json(const std::string& text) {
@@ -38,9 +99,8 @@ Json parse_json(const std::string& text) {
 
 Json parse_json(const std::string& text, std::string_view unwanted_key) {
   if (is_too_deep(text)) return parse_json(text);  // which refuses it
-  return Json::parse(text, [&](int, Json::parse_event_t event, Json& value) {
-    return event != Json::parse_event_t::key || value.get_ref<const std::string&>() != unwanted_key;
-  });
+  Without builder(unwanted_key);
+  return Json::sax_parse(text, &builder) ? std::move(builder.root) : Json::parse(text);  // which says what is wrong
 }
 
 Json parse_if_json(std::string_view text) {
