@@ -13,12 +13,14 @@ import select
 import signal
 import subprocess
 import time
+from pathlib import Path
 from statistics import median
 
 import numpy as np
 from gnomon_technique import Technique
 
 _END_WITH_PARENT = 1  # of prctl: PR_SET_PDEATHSIG
+_CLOCK_STEP = 20_000_000  # ns: a file's time may be older than the clock's by a step of the kernel
 
 
 def _end_with_parent():
@@ -89,6 +91,32 @@ class Child:
 
     def end(self):
         _end(self.process)
+
+
+class Awaited:
+    """A file that a renderer is to write: what lies there is removed, so that an answer given before is never taken for this one."""
+
+    def __init__(self, folder, name):
+        self.path = Path(folder, name)
+        self.path.unlink(missing_ok=True)
+        self.asked = time.time_ns()
+
+    def taken(self):
+        """The path of what was written since; RuntimeError where nothing was, or something older was put there."""
+        try:
+            written = self.path.stat().st_mtime_ns
+        except FileNotFoundError:
+            raise RuntimeError(f"no {self.path.name} was written") from None
+        if written < self.asked - _CLOCK_STEP:
+            raise RuntimeError(f"{self.path.name} is {(self.asked - written) / 1e9:.1f} s older than what was asked for")
+        return self.path
+
+    def array(self, kind, height, width):
+        """Its numbers of a NumPy kind, height x width; RuntimeError where it is of another size."""
+        found, wanted = self.taken().stat().st_size, np.dtype(kind).itemsize * height * width
+        if found != wanted:
+            raise RuntimeError(f"{self.path.name} has {found} bytes; {wanted} are wanted, of {width} x {height} pixels")
+        return np.fromfile(self.path, kind).reshape(height, width)
 
 
 def version_of(command, pattern):

@@ -9,7 +9,7 @@ from pathlib import Path
 from statistics import median
 
 import numpy as np
-from gnomon_engine import Camera, Child, require_version
+from gnomon_engine import Awaited, Camera, Child, require_version
 from gnomon_technique import Technique, serve
 
 HARD = ("point", "spot", "directional")
@@ -65,11 +65,14 @@ class Cycles(Technique):
 
     def frame(self, gbuffer, shadows):
         c = Camera(gbuffer.view, gbuffer.width, gbuffer.height, self.corners)
-        out = str(Path(self.folder, "frame.npy"))
+        picture = Awaited(self.folder, "frame.npy")
         done = self.blender.ask(do="frame", matrix=basis(c.right, c.up, -c.forward, c.eye), fov_y=float(np.radians(c.fov_y_degrees)),
-                                near=c.near, far=c.far, width=gbuffer.width, height=gbuffer.height, shadows=shadows, out=out,
+                                near=c.near, far=c.far, width=gbuffer.width, height=gbuffer.height, shadows=shadows, out=str(picture.path),
                                 samples=1 if self.is_hard else self.settings.samples, seed=self.settings.seed)
-        return np.load(out).astype(float), done["trace_ms"], done["sync_ms"]
+        pixels = np.load(picture.taken()).astype(float)
+        if pixels.shape != (gbuffer.height, gbuffer.width):
+            raise RuntimeError(f"Blender's picture has the shape {pixels.shape}; {(gbuffer.height, gbuffer.width)} is wanted")
+        return pixels, done["trace_ms"], done["sync_ms"]
 
     def resolve(self, gbuffer, mask):
         lit, self.ms, sync = self.frame(gbuffer, True)

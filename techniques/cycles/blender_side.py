@@ -108,6 +108,7 @@ class Renderer:
         said = self.render()
         start, end = (next(when for line, when in said if words in line) for words in ("| Sample 0/", "| Finished"))
         file = str(self.folder / "frame.exr")
+        Path(file).unlink(missing_ok=True)  # a picture that cannot be written is an error, not the one before
         bpy.data.images["Render Result"].save_render(file)
         picture = bpy.data.images.load(file)
         picture.colorspace_settings.name = "Non-Color"

@@ -7,7 +7,7 @@ shadow then. The mask is the ratio of the frame with shadows to one without. Fra
 from pathlib import Path
 
 import numpy as np
-from gnomon_engine import Child, Engine, is_closed, require_version
+from gnomon_engine import Awaited, Child, Engine, is_closed, require_version
 from gnomon_technique import serve
 
 ALL_ROUND_DEGREES = 180  # OpenGL's cutoff of a light without a cone
@@ -30,11 +30,10 @@ class OpenSceneGraphShadows(Engine):
         require_version("OpenSceneGraph", version, "3.6")
         self.maker = f"OpenSceneGraph {version}"
 
-    def file(self, name, array=None):
-        """The name of a file between the adapter and the renderer; filled with an array's numbers."""
+    def file(self, name, array):
+        """The name of a file between the adapter and the renderer, filled with an array's numbers."""
         path = Path(self.folder) / f"open_scene_graph_{name}"
-        if array is not None:
-            np.ascontiguousarray(array).tofile(path)
+        np.ascontiguousarray(array).tofile(path)
         return str(path)
 
     def load(self, scene):
@@ -73,12 +72,12 @@ class OpenSceneGraphShadows(Engine):
     def frame(self, camera, width, height, shadows):
         eye = {"eye": camera.eye.tolist(), "target": (camera.eye + camera.forward).tolist(), "up": camera.up.tolist()}
         lens = {"fov_y_degrees": camera.fov_y_degrees, "aspect": camera.aspect, "near": float(camera.near), "far": float(camera.far)}
-        picture = self.file("picture")
+        picture = Awaited(self.folder, "open_scene_graph_picture")
         settings = dict(vars(self.settings))
         if self.light.kind != "directional":
             settings["light_margin"] = 0  # osgShadow measures it along the light's axis, past the light where it is near
-        answer = self.child.ask(do="frame", width=width, height=height, shadows=shadows, settings=settings, picture=picture, **eye, **lens)
-        return np.fromfile(picture, np.uint8).reshape(height, width)[::-1], answer["ms"]
+        answer = self.child.ask(do="frame", width=width, height=height, shadows=shadows, settings=settings, picture=str(picture.path), **eye, **lens)
+        return picture.array(np.uint8, height, width)[::-1], answer["ms"]
 
 
 serve(OpenSceneGraphShadows)

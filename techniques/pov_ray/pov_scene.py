@@ -105,12 +105,28 @@ def meshes_text(meshes, corners, curved):
     return "".join(mesh_text(mesh, corners, curved) for mesh in meshes)
 
 
+def pixels_of(picture, width, height, asked):
+    """Of a PPM of 16 bits its green, height x width, 0 .. 1; RuntimeError where it is not there, older than `asked`, or of another size."""
+    if not picture.is_file():
+        raise RuntimeError("povray says that it rendered, but wrote no picture")
+    if picture.stat().st_mtime_ns < asked:
+        raise RuntimeError("povray's picture is older than its scene")
+    data = picture.read_bytes()
+    head = re.match(rb"P6(?:\s|#.*\n)+(\d+)\s+(\d+)(?:\s|#.*\n)+65535\s", data)
+    if not head or (int(head[1]), int(head[2]), len(data) - head.end()) != (width, height, 6 * width * height):
+        begins = data[:20].decode(errors="replace")
+        raise RuntimeError(f"povray's picture has {len(data)} bytes and begins with {begins!r}; a PPM of {width} x {height} and 16 bits is wanted")
+    return np.frombuffer(data, ">u2", offset=head.end()).reshape(height, width, 3)[:, :, 1] / 65535
+
+
 def render(text, width, height, folder, threads):
-    """Renders a scene in a folder, a ray through the center of each pixel."""
+    """Renders a scene in a folder, a ray through the center of each pixel. The folder may have any name: povray, which reads much into
+    the names that it is given, is given none of it."""
     scene, picture = Path(folder, "scene.pov"), Path(folder, "scene.ppm")
+    picture.unlink(missing_ok=True)  # that of the render before
     scene.write_text(text)
     options = ["+FP16", f"+W{width}", f"+H{height}", f"+WT{threads}", "-A", "-D", "File_Gamma=1", "-GD", "-GR", "-GW"]
-    done = subprocess.run(["povray", f"+I{scene}", f"+O{picture}", *options], cwd=folder, capture_output=True,
+    done = subprocess.run(["povray", f"+I{scene.name}", f"+O{picture.name}", *options], cwd=folder, capture_output=True,
                           stdin=subprocess.DEVNULL, text=True, errors="replace", check=False)
     if done.returncode:
         said = [line.strip() for line in (done.stdout + done.stderr).splitlines() if line.strip()]
@@ -120,6 +136,5 @@ def render(text, width, height, folder, threads):
     if set(seconds) != {"Parse", "Trace"}:
         raise RuntimeError("povray says no times; the adapter is made for version 3.7")
     rays = re.search(r"Shadow Ray Tests: +([0-9]+)", done.stdout + done.stderr)
-    pixels = np.frombuffer(picture.read_bytes()[-6 * width * height:], ">u2")  # behind a header of varying length
-    return Rendering(pixels.reshape(height, width, 3)[:, :, 1] / 65535, 1000 * float(seconds["Trace"]),
-                     1000 * float(seconds["Parse"]), int(rays[1]) if rays else 0)
+    brightness = pixels_of(picture, width, height, scene.stat().st_mtime_ns)
+    return Rendering(brightness, 1000 * float(seconds["Trace"]), 1000 * float(seconds["Parse"]), int(rays[1]) if rays else 0)

@@ -9,7 +9,7 @@ import shutil
 from pathlib import Path
 
 import numpy as np
-from gnomon_engine import Child, Engine, require_version
+from gnomon_engine import Awaited, Child, Engine, require_version
 from gnomon_technique import serve
 
 VERSION = "187"
@@ -85,9 +85,9 @@ class ThreeJs(Engine):
         world = np.column_stack((world, (0, 0, 0, 1))).ravel().tolist()
         eye = {"world": world, "fov_y_degrees": camera.fov_y_degrees, "near": camera.near, "far": camera.far}
         settings = {name: getattr(self.settings, name) for name in OF_FRAMES}
+        picture = Awaited(self.folder, "picture")
         done = self.renderer.ask(do="frame", width=width, height=height, camera=eye, shadows=shadows, settings=settings, file="picture")
-        picture = np.fromfile(Path(self.folder, "picture"), np.float16).reshape(height, width)
-        return picture[::-1].astype(np.float32), done["ms"]
+        return picture.array(np.float16, height, width)[::-1].astype(np.float32), done["ms"]
 
 
 serve(ThreeJs)

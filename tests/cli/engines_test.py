@@ -28,6 +28,24 @@ for line in sys.stdin:
     WHAT
     print(json.dumps({"version": "VERSION"}), file=answers, flush=True)
 """
+# Renders a white picture the first time, and WHAT the next; says each time that all went well.
+FORGETFUL = """#!/usr/bin/python3
+import os, sys, time
+from pathlib import Path
+place, picture = Path(os.environ["GNOMON_FAKE_PLACE"]), Path("scene.ppm")
+old = place / "old.ppm"
+if "--version" in sys.argv:
+    sys.exit(print("POV-Ray VERSION"))
+width, height = (next(int(word[2:]) for word in sys.argv if word.startswith(letter)) for letter in ("+W", "+H"))
+def write(width, height):
+    picture.write_bytes(b"P6\\n# a remark\\n%d %d\\n65535\\n" % (width, height) + bytes([255]) * 6 * width * height)
+if not old.exists():
+    write(width, height)
+    os.link(picture, old)
+else:
+    WHAT
+print("Parse Time: x (0.0 seconds)\\nTrace Time: x (0.0 seconds)")
+"""
 # An engine that draws to a display: lit everywhere, which needs no engine at all.
 LIT_ENGINE = """
 import numpy as np
@@ -131,6 +149,35 @@ class Engines(ProgramTest):
                 self.assertIn(says, self.run_one(technique, "--timeout", HUNG)["reason"])
                 self.all_ended()
 
+    def test_a_picture_of_before_is_no_answer(self):
+        for what, says in (
+            ("pass", "povray says that it rendered, but wrote no picture"),
+            ("os.utime(old, (1, 1)); os.link(old, picture)", "povray's picture is older than its scene"),
+            ("write(width, height - 1)", "a PPM of 160 x 90 and 16 bits is wanted"),
+            ("picture.write_bytes(old.read_bytes()[:-1])", "a PPM of 160 x 90 and 16 bits is wanted"),
+            ("picture.write_text('sorry')", "begins with 'sorry'"),
+            ("write(width, height)", None),
+        ):
+            with self.subTest(what):
+                (self.dir / "old.ppm").unlink(missing_ok=True)
+                self.fake("povray", FORGETFUL, "3.7.0", what)
+                record = self.run_one("pov_ray", status=1 if says else 0)
+                self.assertIn(says or "", record.get("reason", ""))
+
+    def test_a_file_of_before_is_no_answer(self):
+        write = "np.full((height, width), 200, np.uint8).tofile(picture.path)"
+        for what, says in (
+            ("pass", "no picture was written"),
+            (f"{write}; os.utime(picture.path, (1, 1))", "picture is "),
+            (f"{write}; os.truncate(picture.path, 14399)", "picture has 14399 bytes; 14400 are wanted, of 160 x 90 pixels"),
+            (write, None),
+        ):
+            with self.subTest(what):
+                asked = "import os; from gnomon_engine import Awaited; picture = Awaited(self.folder, 'picture')"
+                before = self.lit_engine(f"{asked}; {what}; return picture.array(np.uint8, height, width), 0.5")
+                record = self.run_one("lit_engine", before=before, status=1 if says else 0)
+                self.assertIn(says or "", record.get("reason", ""))
+
     def lit_engine(self, what=""):
         self.write("lit_engine.py", LIT_ENGINE.replace("WHAT", what or "pass"))
         return ["--program", self.write("lit_engine.toml", LIT_SHEET)]
@@ -166,6 +213,15 @@ class Engines(ProgramTest):
                 self.assertLess(wrong, lit["metrics"]["mesh"]["wrong_rate"] / 4)
                 self.assertTrue(record["context"]["plugin"]["maker"])
                 self.assertLess(record["stages"]["resolve"][0][0], record["harness_stages"]["resolve"][0][0])
+
+    @unittest.skipUnless(shutil.which("povray"), "there is no POV-Ray")
+    def test_pov_ray_in_a_folder_of_any_name(self):
+        self.environment["PATH"] = os.environ["PATH"]
+        for name in ("my runs", "a=b;c#d", "J\u00f6rg", "it's \"so\"", "-A", "+W5", "@x", "$HOME `ls` %s", "a\nb"):
+            with self.subTest(name):
+                out = Path(self.dir, "named", name)
+                self.succeed("run", "--scene", "fence", "--light", "point", "--technique", "pov_ray", *NUMBERS, "--quiet", "--out", out)
+                self.assertEqual(records(out)[0]["metrics"]["shape"]["wrong_rate"], 0)
 
     @unittest.skipUnless(shutil.which("povray"), "there is no POV-Ray")
     def test_pov_ray_agrees_with_the_reference(self):
