@@ -15,6 +15,7 @@
 
 #include "measure/cause/own_causes.h"
 #include "measure/conformance/child.h"
+#include "measure/keeper.h"
 #include "measure/notice.h"
 #include "measure/paths.h"
 #include "measure/printable.h"
@@ -90,6 +91,7 @@ bool is_where_techniques_run(int argc, char** argv) {
 
 int run_program(int argc, char** argv) {
   prepare_process();
+  if (!is_where_techniques_run(argc, argv)) end_orphans_of_keepers();
   try {
     Program program{
         {"Gnomon: shadow techniques side by side, by cost and by error against ray-traced truth", "gnomon", GNOMON_VERSION},

@@ -17,6 +17,10 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <mutex>
+#include <set>
 
 namespace gnomon {
 namespace {
@@ -144,6 +148,30 @@ void keep(pid_t process) {
   }
 }
 
+// Of the program: who keeps its workers now.
+std::mutex of_keepers;
+std::set<pid_t> keepers;
+bool ends_orphans = false;
+
+/// Kills the children that a killed keeper left, and theirs, which become children then, until there are none.
+void end_orphans() {
+  constexpr int most_rounds = 1000;
+  bool is_found = ends_orphans;
+  for (int round = 0; is_found && round < most_rounds; ++round) {
+    is_found = false;
+    std::error_code code;
+    for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task", code)) {
+      std::ifstream list(thread.path() / "children");
+      for (pid_t child = 0; list >> child;) {
+        if (keepers.contains(child) || getsid(child) == getsid(0)) continue;
+        kill(child, SIGKILL);
+        waitpid(child, nullptr, 0);
+        is_found = true;
+      }
+    }
+  }
+}
+
 /// `high` as `low`, whatever was there.
 void put_at(int high, int low) {
   if (high == low)
@@ -158,8 +186,11 @@ pid_t fork_kept(const std::function<void()>& body, int last_words) {
   int pipe_ends[2] = {-1, -1};
   if (pipe2(pipe_ends, O_CLOEXEC) != 0) return -1;
   const int nothing = open("/dev/null", O_RDWR | O_CLOEXEC);
+  std::unique_lock lock(of_keepers);
   const pid_t owner = getpid(), keeper = fork();
   if (keeper != 0) {
+    if (keeper > 0) keepers.insert(keeper);
+    lock.unlock();
     close(pipe_ends[0]);
     close(pipe_ends[1]);
     close(nothing);
@@ -202,12 +233,24 @@ pid_t fork_kept(const std::function<void()>& body, int last_words) {
 void end_kept(pid_t keeper) {
   kill(keeper, SIGTERM);
   constexpr int most_waits = 10'000;  // milliseconds
+  int status = 0;
   for (int wait = 0; wait < most_waits; ++wait) {
-    if (waitpid(keeper, nullptr, WNOHANG) != 0) return;
+    if (has_ended(keeper, status)) return;
     usleep(wait < 20 ? 200 : 1000);
   }
   kill(keeper, SIGKILL);
-  waitpid(keeper, nullptr, 0);
+  while (!has_ended(keeper, status)) usleep(1000);
 }
+
+bool has_ended(pid_t keeper, int& status) {
+  const pid_t found = waitpid(keeper, &status, WNOHANG);
+  if (found == 0 || (found < 0 && errno == EINTR)) return false;
+  const std::scoped_lock lock(of_keepers);
+  keepers.erase(keeper);
+  end_orphans();
+  return true;
+}
+
+void end_orphans_of_keepers() { ends_orphans = prctl(PR_SET_CHILD_SUBREAPER, 1) == 0; }
 
 }  // namespace gnomon

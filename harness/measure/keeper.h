@@ -19,4 +19,11 @@ pid_t fork_kept(const std::function<void()>& body, int last_words = -1);
 /// Ends a keeper and all that it keeps, and waits until they are gone; one that does not go is killed.
 void end_kept(pid_t keeper);
 
+/// Whether a keeper has ended, and its status, as `waitpid` gives it. Once: it is nobody's number then.
+bool has_ended(pid_t keeper, int& status);
+
+/// From now on this process ends what a keeper leaves that is killed itself. For the program, not for a library's caller: of
+/// the children of this process those with a session of their own are meant that no `fork_kept` made.
+void end_orphans_of_keepers();
+
 }  // namespace gnomon

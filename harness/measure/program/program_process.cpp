@@ -10,7 +10,6 @@
 
 #include <chrono>
 #include <cstring>
-#include <optional>
 
 #include "measure/keeper.h"
 #include "measure/process_memory.h"
@@ -61,14 +60,14 @@ int start(Launch& launch, const std::filesystem::path& folder, int input, int ou
   _exit(127);
 }
 
-/// Of a process that will end; nothing when it has not after so many milliseconds.
-std::optional<int> status_within(int process, int milliseconds) {
-  int status = 0;
+/// Whether `is_over` comes to be within so many milliseconds.
+template <class Test>
+bool within(int milliseconds, const Test& is_over) {
   for (int waited = 0; waited <= milliseconds; ++waited) {
-    if (waitpid(process, &status, WNOHANG) == process) return status;
+    if (is_over()) return true;
     usleep(1000);
   }
-  return std::nullopt;
+  return false;
 }
 
 std::string shortened(const std::string& text) { return text.size() <= 80 ? text : text.substr(0, 80) + " ..."; }
@@ -86,9 +85,10 @@ bool ends_well(const std::vector<std::string>& command, const std::filesystem::p
     _exit(127);
   });
   if (keeper < 0) return false;
-  const std::optional<int> status = status_within(keeper, 10'000);
-  if (!status) end_kept(keeper);
-  return status && WIFEXITED(*status) && WEXITSTATUS(*status) == 0;
+  int status = 0;
+  if (within(10'000, [&] { return has_ended(keeper, status); })) return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  end_kept(keeper);
+  return false;
 }
 
 ProgramProcess::ProgramProcess(const std::vector<std::string>& command, const std::filesystem::path& folder,
@@ -118,7 +118,8 @@ ProgramProcess::ProgramProcess(const std::vector<std::string>& command, const st
 
 ProgramProcess::~ProgramProcess() {
   close(input_);
-  if (process_ > 0 && !status_within(process_, 100)) {  // the end of its input is its end
+  const auto has_left = [this] { return waitpid(process_, nullptr, WNOHANG) == process_; };
+  if (process_ > 0 && !within(100, has_left)) {  // the end of its input is its end
     kill(process_, SIGKILL);
     waitpid(process_, nullptr, 0);
   }
@@ -157,12 +158,13 @@ Json ProgramProcess::ask(const Json& request) {
 
 void ProgramProcess::fail_as_it_ended(const std::string& doing) {
   const std::string half = pending_.empty() ? "" : fmt::format(", in the middle of a line: {}", shortened(pending_));
-  const std::optional<int> status = status_within(process_, 1000);
-  if (!status) throw Error("{} closed its output in {} and went on{}", name_, doing, half);
+  int status = 0;
+  if (!within(1000, [&] { return waitpid(process_, &status, WNOHANG) == process_; }))
+    throw Error("{} closed its output in {} and went on{}", name_, doing, half);
   process_ = -1;
-  if (WIFSIGNALED(*status))
-    throw Error("{} crashed in {}{}: {} (signal {})", name_, doing, half, strsignal(WTERMSIG(*status)), WTERMSIG(*status));
-  throw Error("{} ended in {}{}: exit status {}", name_, doing, half, WEXITSTATUS(*status));
+  if (WIFSIGNALED(status))
+    throw Error("{} crashed in {}{}: {} (signal {})", name_, doing, half, strsignal(WTERMSIG(status)), WTERMSIG(status));
+  throw Error("{} ended in {}{}: exit status {}", name_, doing, half, WEXITSTATUS(status));
 }
 
 double ProgramProcess::resident_bytes() const { return process_ > 0 ? own_resident_bytes(process_) : 0; }

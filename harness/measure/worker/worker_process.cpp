@@ -217,12 +217,12 @@ Json WorkerProcess::receive(double timeout_seconds, const std::function<void()>&
 void WorkerProcess::fail_as_it_ended() {
   if (is_interrupted_) fail(fmt::format("was interrupted in {}", doing_));
   int status = 0;
-  bool has_ended = false;
-  for (int wait = 0; wait < 100 && !has_ended; ++wait) {
-    has_ended = waitpid(process_, &status, WNOHANG) == process_;
-    if (!has_ended) usleep(10000);
+  bool is_gone = false;
+  for (int wait = 0; wait < 100 && !is_gone; ++wait) {
+    is_gone = has_ended(process_, status);
+    if (!is_gone) usleep(10000);
   }
-  if (!has_ended) fail(fmt::format("crashed in {}: it closed its connection and went on", doing_));
+  if (!is_gone) fail(fmt::format("crashed in {}: it closed its connection and went on", doing_));
   process_ = -1;
   constexpr int not_started = 127;  // what is left where exec fails: the program may have gone since it was looked at
   if (WIFEXITED(status) && WEXITSTATUS(status) == not_started) program_to_start(options_);
