@@ -1,6 +1,7 @@
 #include "measure/paths.h"
 
 #include <gnomon/error.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -47,6 +48,11 @@ namespace {
 bool is_installed(const fs::path& root) { return root.filename() == "gnomon" && root.parent_path().filename() == "share"; }
 
 }  // namespace
+
+bool is_of_another_user(const fs::path& folder) {
+  struct stat facts {};
+  return stat(folder.c_str(), &facts) == 0 && facts.st_uid != geteuid();
+}
 
 std::string fetch_command() { return is_installed(find_data_root()) ? "gnomon-fetch-scenes" : "scripts/fetch_scenes"; }
 

@@ -93,6 +93,21 @@ class Surroundings(ProgramTest):
         self.assertEqual(precious.read_text(), "precious\n")
         self.assertFalse((self.dir / "c" / mask).is_symlink())
 
+    @unittest.skipUnless(os.geteuid() == 0, "who is not root cannot give a folder away")
+    def test_the_cache_of_another_user_is_read_and_not_written(self):
+        cache = self.dir / "cache"
+        self.environment["GNOMON_CACHE"] = str(cache)
+        self.succeed(*ROW, "--technique", "unshadowed", "--out", "a")
+        for path in [cache, *cache.rglob("*")]:
+            os.chown(path, 12345, 12345)
+        before = {str(path): path.stat() for path in [cache, *cache.rglob("*")]}
+        self.succeed(*ROW, "--technique", "unshadowed", "--light", "point", "--out", "b")
+        after = {str(path): path.stat() for path in [cache, *cache.rglob("*")]}
+        facts = [{name: (s.st_ino, s.st_size, s.st_mtime_ns) for name, s in some.items()} for some in (before, after)]
+        self.assertEqual(*facts)
+        mask = records(self.dir / "a")[0]["mask"]
+        self.assertEqual((self.dir / "a" / mask).read_bytes(), (self.dir / "b" / records(self.dir / "b")[0]["mask"]).read_bytes())
+
     def test_pipes_in_the_cache_are_no_files(self):
         cache = self.dir / "cache"
         cache.mkdir()
@@ -122,6 +137,15 @@ class Surroundings(ProgramTest):
                 self.assertEqual(run.wait(PATIENCE), -number)
                 run.communicate()
                 self.assert_none_left(71722)
+
+    def test_who_kills_what_keeps_it_ends_too(self):
+        betrays = ('    if r["do"] == "build":\n        subprocess.Popen(["/usr/bin/env", "-i", "/bin/sleep", "71724"], '
+                   "start_new_session=True, stdin=-3, stdout=-3, stderr=-3)\n"
+                   '        worker = open(f"/proc/{os.getppid()}/stat").read().rsplit(")", 1)[1].split()\n'
+                   "        os.kill(int(worker[1]), 9)\n        time.sleep(100)")
+        done = self.gnomon(*self.program("betrays", betrays), "--out", "out")
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assert_none_left(71724)
 
     def test_what_a_need_asks_for_leaves_nothing(self):
         words = self.program("needs", more='[[need]]\nruns = ["/bin/sh", "-c", "/bin/sleep 71723 & exit 0"]\ninstall = "x"\n')

@@ -6,10 +6,13 @@
 #include <charconv>
 #include <chrono>
 #include <cstdlib>
+#include <mutex>
 #include <numeric>
+#include <utility>
 
 #include "measure/notice.h"
 #include "measure/part_file.h"
+#include "measure/paths.h"
 #include "measure/scene/blob.h"
 
 namespace gnomon {
@@ -98,19 +101,36 @@ void remove_left_overs(const fs::path& folder) {
 }
 
 FrameFiles::FrameFiles(fs::path folder) : folder_(std::move(folder)), limit_(frame_cache_limit()) {
-  remove_left_overs(folder_);
   std::error_code code;
+  if (is_of_another_user(folder_) || is_of_another_user(folder_.parent_path())) {
+    static std::once_flag is_said;
+    std::call_once(is_said, [&] {
+      print_notice("the cache {} is another user's: it is read, and frames are made for this run alone\n", folder_.string());
+    });
+    source_ = std::exchange(folder_, scratch_.emplace(ScratchFolder::temporary(scratch_prefix)).path());
+  } else {
+    remove_left_overs(folder_);
+  }
   if (const fs::path temporary = fs::temp_directory_path(code); !code) remove_left_over_folders(temporary, scratch_prefix);
 }
 
 fs::path FrameFiles::find(const std::string& name, const std::function<bool(std::span<const std::byte>)>& is_sound) {
   const fs::path file = held(name);
+  if (!source_.empty() && !fs::exists(file)) return take(name, is_sound);
   if (!is_plain_file(file)) return {};  // a link may lead anywhere
   if (sound_.contains(file)) return file;
   if (!is_sound(MappedFile::copy(file)->bytes())) return {};
   touch(file);
   sound_.insert(file);
   return file;
+}
+
+fs::path FrameFiles::take(const std::string& name, const std::function<bool(std::span<const std::byte>)>& is_sound) {
+  if (!is_plain_file(source_ / name)) return {};
+  const auto copied = MappedFile::copy(source_ / name);
+  if (!is_sound(copied->bytes())) return {};
+  sound_.insert(folder_ / name);
+  return put(name, copied->bytes());
 }
 
 fs::path FrameFiles::held(const std::string& name) {

@@ -50,7 +50,8 @@ bool ends_with_own_hash(std::span<const std::byte> bytes);
 
 /// The files of the cache that one program uses. It holds each by a link of its own in a folder beside them, so that one which
 /// another program removes, or makes anew, stays as it was for this one and its workers. A folder that cannot be written costs
-/// time, and no row: files go to a scratch folder.
+/// time, and no row: files go to a scratch folder. So do copies of what another user's cache holds, who could change it
+/// meanwhile.
 class FrameFiles {
  public:
   /// Throws Error where $GNOMON_CACHE_LIMIT is no limit.
@@ -64,9 +65,12 @@ class FrameFiles {
  private:
   /// The program's own name for a file of the cache, or that of the cache where there can be no links.
   std::filesystem::path held(const std::string& name);
+  /// Copies a sound file of another user's cache, if it has one of that name.
+  std::filesystem::path take(const std::string& name, const std::function<bool(std::span<const std::byte>)>& is_sound);
   std::filesystem::path put_in_cache(const std::string& name, std::span<const std::byte> bytes);
 
   std::filesystem::path folder_;
+  std::filesystem::path source_;  ///< another user's cache; empty where there is none
   std::uintmax_t limit_;
   std::optional<ScratchFolder> links_, scratch_;  ///< scratch: where folder_ is once the cache could not be written
   std::set<std::filesystem::path> sound_;         ///< files whose content was looked at

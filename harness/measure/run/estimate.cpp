@@ -164,7 +164,7 @@ std::vector<RowCost> History::read() const {
 }
 
 void History::add(std::span<const RowCost> costs) const {
-  if (costs.empty()) return;
+  if (costs.empty() || is_of_another_user(file_.parent_path())) return;
   const WriterLock lock(fs::path(file_) += ".lock");
   std::vector<RowCost> all = read();
   std::set<std::pair<std::string, std::string>> fresh;
@@ -202,7 +202,8 @@ std::vector<RowCost> shipped_costs() {
       }
     } catch (const Error&) {  // of another version: an estimate can do without
     }
-  if (fs::is_directory(kept.parent_path(), none)) try {  // who only asks for a price leaves no folder behind
+  if (fs::is_directory(kept.parent_path(), none) && !is_of_another_user(kept.parent_path()))
+    try {  // who only asks for a price leaves no folder behind
       write_file(kept, stamp + '\n' + lines_of(costs));
     } catch (const Error&) {  // it is read again
     }
