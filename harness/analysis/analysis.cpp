@@ -9,6 +9,7 @@
 #include "measure/pattern.h"
 #include "measure/record/title.h"
 #include "measure/score/metrics.h"
+#include "measure/statistics/resample.h"
 
 namespace gnomon {
 
@@ -27,7 +28,10 @@ double median_in_place(std::span<double> values) {
 }  // namespace
 
 Sample::Sample(std::vector<ProcessTimes> stages) : stages_(std::move(stages)) {
-  for (ProcessTimes& stage : stages_) std::erase_if(stage, [](const std::vector<double>& process) { return process.empty(); });
+  for (ProcessTimes& stage : stages_) {
+    std::erase_if(stage, [](const std::vector<double>& process) { return process.empty(); });
+    order_long_processes(stage);
+  }
 }
 
 bool Sample::is_timed() const {
@@ -49,7 +53,7 @@ double Sample::draw(Random& random) const {
   for (const ProcessTimes& stage : stages_) most = std::max(most, stage.size());
   // One stream of draws for all stages: with equal numbers of processes these are the same processes.
   static thread_local std::vector<std::uint32_t> drawn;
-  static thread_local std::vector<double> medians, repetitions;
+  static thread_local std::vector<double> medians, scratch;
   drawn.resize(most);
   for (std::uint32_t& one : drawn) one = random.next();
   double sum = 0;
@@ -57,9 +61,7 @@ double Sample::draw(Random& random) const {
     medians.resize(stage.size());
     for (std::size_t k = 0; k < stage.size(); ++k) {
       const std::vector<double>& process = stage[static_cast<std::size_t>(std::uint64_t{drawn[k]} * stage.size() >> 32)];
-      repetitions.resize(process.size());
-      for (double& one : repetitions) one = process[random.below(static_cast<std::uint32_t>(process.size()))];
-      medians[k] = median_in_place(repetitions);
+      medians[k] = median_in_place(draw_repetitions(process, random, scratch));
     }
     sum += median_in_place(medians);
   }

@@ -60,8 +60,11 @@ void print_machines(const TableCommand& options, Format format) {
 void print_table(TableCommand& options) {
   const Format format = format_named(options.format);
   if (!options.by.empty()) return print_machines(options, format);
+  const bool is_list = options.table.columns == std::vector<std::string>{"list"};
+  if (format == Format::csv && !is_list && !options.is_rescored && !options.is_saved && options.dirs.size() == 1)
+    return write_csv(options.dirs.front(), options.table, [](const std::string& text) { fmt::print("{}", text); });
   const std::vector<Record> records = options.records();
-  if (options.table.columns == std::vector<std::string>{"list"}) {
+  if (is_list) {
     for (const std::string& name : column_names(records)) fmt::print("{}\n", name);
     return;
   }

@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
+#include <functional>
 #include <map>
 #include <optional>
 #include <span>
@@ -202,6 +204,23 @@ struct RecordFile {
 /// Reads a file of records. A last line that a killed run left unfinished is left out with a note; any other line that is not a
 /// record of today's schema throws Error with file and line.
 RecordFile read_record_file(const std::filesystem::path& file);
+
+/// The records of a run's folder one at a time, in the order of tables: those of a long run are larger than memory.
+class RecordLines {
+ public:
+  /// Reads all once; `seen` is told each, in order of the file, from line 0. Throws as `read_records` does, whose notes it
+  /// gives.
+  explicit RecordLines(const std::filesystem::path& dir, const std::function<void(const Record&)>& seen = {});
+  /// The lines that count, in the order of tables.
+  const std::vector<std::size_t>& order() const { return order_; }
+  Record read(std::size_t line);
+
+ private:
+  std::filesystem::path file_;
+  std::ifstream stream_;
+  std::vector<std::streamoff> starts_;  ///< by line
+  std::vector<std::size_t> order_;
+};
 
 /// Suites in order of first appearance, within one by place; records without a place stay in their order.
 void sort_by_place(std::vector<Record>& records);

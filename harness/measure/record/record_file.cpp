@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <map>
 #include <unordered_map>
 
 #include "measure/notice.h"
@@ -48,51 +49,118 @@ off_t size_of(int descriptor) {
 
 fs::path records_file(const fs::path& dir) { return dir / "records.jsonl"; }
 
-RecordFile read_record_file(const fs::path& file) {
+namespace {
+
+std::ifstream opened(const fs::path& file) {
   if (fs::exists(file) && !fs::is_regular_file(file)) throw Error("{} cannot be read: it is not a file", file.string());
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw Error("{} cannot be read: {}", file.string(), std::strerror(errno));
+  return stream;
+}
 
-  RecordFile result;
-  std::unordered_map<std::string, std::size_t> place_of_job;
+/// Tells each record of the file with where its line starts, and answers what was left out.
+std::vector<std::string> for_each_record(const fs::path& file, const std::function<void(Record&&, std::streamoff)>& tell) {
+  std::ifstream stream = opened(file);
+  std::vector<std::string> notes;
   std::string line;
+  std::streamoff start = 0;
   for (int number = 1; std::getline(stream, line); ++number) {
     const bool is_finished = !stream.eof();
     if (!is_finished && parse_if_json(line).is_discarded()) {
-      result.notes.push_back(fmt::format("{}:{}: the last line is unfinished, the run was stopped while writing it; left out",
-                                         file.string(), number));
+      notes.push_back(fmt::format("{}:{}: the last line is unfinished, the run was stopped while writing it; left out",
+                                  file.string(), number));
       break;
     }
     try {
-      Record record = parse_json(line).get<Record>();
-      const auto [place, is_new] = place_of_job.try_emplace(record.job, result.records.size());
-      if (is_new || record.job.empty())
-        result.records.push_back(std::move(record));
-      else
-        result.records[place->second] = std::move(record);
+      tell(parse_json(line).get<Record>(), start);
     } catch (const Json::exception& problem) {
       throw Error("{}:{}: not a record: {}", file.string(), number, complaint(problem));
     } catch (const Error& problem) {
       throw Error("{}:{}: {}", file.string(), number, problem.what());
     }
+    start += static_cast<std::streamoff>(line.size()) + 1;
   }
   if (stream.bad()) throw Error("{} cannot be read to its end: {}", file.string(), std::strerror(errno));
+  return notes;
+}
+
+fs::path records_file_of_run(const fs::path& dir) {
+  fs::path file = records_file(dir);
+  if (!fs::exists(file)) throw Error("{} is not the folder of a run: it has no {}", dir.string(), file.filename().string());
+  return file;
+}
+
+void print_notes(const std::vector<std::string>& notes) {
+  for (const std::string& note : notes) print_notice("{}\n", note);
+}
+
+/// Where a record lies in a table: place_of answers its suite and its place there.
+template <class Item, class PlaceOf>
+void sort_by_suite(std::vector<Item>& items, const PlaceOf& place_of) {
+  std::map<std::string, std::size_t, std::less<>> suites;  // in order of first appearance
+  for (const Item& item : items) suites.try_emplace(std::string(place_of(item).first), suites.size());
+  const auto key = [&](const Item& item) {
+    const auto [suite, place] = place_of(item);
+    return std::pair(suites.find(suite)->second, place);
+  };
+  std::ranges::stable_sort(items, std::less(), key);
+}
+
+}  // namespace
+
+RecordFile read_record_file(const fs::path& file) {
+  RecordFile result;
+  std::unordered_map<std::string, std::size_t> place_of_job;
+  result.notes = for_each_record(file, [&](Record&& record, std::streamoff) {
+    const auto [place, is_new] = place_of_job.try_emplace(record.job, result.records.size());
+    if (is_new || record.job.empty())
+      result.records.push_back(std::move(record));
+    else
+      result.records[place->second] = std::move(record);
+  });
   return result;
 }
 
-void sort_by_place(std::vector<Record>& records) {
-  std::unordered_map<std::string, std::size_t> suites;
-  for (const Record& record : records) suites.try_emplace(record.suite, suites.size());
-  std::ranges::stable_sort(records, [&](const Record& a, const Record& b) {
-    return std::pair(suites[a.suite], a.place) < std::pair(suites[b.suite], b.place);
+RecordLines::RecordLines(const fs::path& dir, const std::function<void(const Record&)>& seen)
+    : file_(records_file_of_run(dir)) {
+  struct Line {
+    std::size_t number;
+    std::string suite;
+    std::uint64_t place;
+  };
+  std::vector<Line> lines;
+  std::unordered_map<std::string, std::size_t> place_of_job;
+  const std::vector<std::string> notes = for_each_record(file_, [&](Record&& record, std::streamoff start) {
+    const Line line{starts_.size(), record.suite, record.place};
+    starts_.push_back(start);
+    const auto [place, is_new] = place_of_job.try_emplace(record.job, lines.size());
+    if (is_new || record.job.empty())
+      lines.push_back(line);
+    else
+      lines[place->second] = line;
+    if (seen) seen(record);
   });
+  print_notes(notes);
+  sort_by_suite(lines, [](const Line& line) { return std::pair(std::string_view(line.suite), line.place); });
+  for (const Line& line : lines) order_.push_back(line.number);
+  stream_ = opened(file_);
+}
+
+Record RecordLines::read(std::size_t line) {
+  std::string text;
+  stream_.clear();
+  stream_.seekg(starts_.at(line));
+  if (!std::getline(stream_, text)) throw Error("{} was shortened while it was read", file_.string());
+  return parse_json(text).get<Record>();
+}
+
+void sort_by_place(std::vector<Record>& records) {
+  sort_by_suite(records, [](const Record& record) { return std::pair(std::string_view(record.suite), record.place); });
 }
 
 std::vector<Record> read_records(const fs::path& dir) {
-  const fs::path file = records_file(dir);
-  if (!fs::exists(file)) throw Error("{} is not the folder of a run: it has no {}", dir.string(), file.filename().string());
-  RecordFile contents = read_record_file(file);
-  for (const std::string& note : contents.notes) print_notice("{}\n", note);
+  RecordFile contents = read_record_file(records_file_of_run(dir));
+  print_notes(contents.notes);
   sort_by_place(contents.records);
   return std::move(contents.records);
 }

@@ -54,16 +54,14 @@ MeasuredRow kept_row(const Record& record, const std::filesystem::path& file, st
   auto facts = record.lights.begin();
   for (const Light& light : place.lights) {
     const std::string channel = fmt::format("{}.{}", light.name, what);
-    Answer answer{frames.gbuffer(place.key),
-                  frames.reference(place.key, light, target_of(*facts), subpixel_bits_of(record)),
-                  read_exr(file, channel, record.width, record.height),
-                  {},
-                  estimates_of(*facts++),
-                  own_causes(record)};
+    // First of all, since it finds a size that is not the record's: a frame of that size may be far larger than the mask.
+    std::vector<float> mask = read_exr(file, channel, record.width, record.height);
     const auto is_wild = [](float v) { return !(v >= 0 && v <= 1); };
-    if (const auto wild = std::ranges::find_if(answer.mask, is_wild); wild != answer.mask.end())
-      throw Error("{}: {} at pixel {} is {}; a visibility is 0 .. 1", file.string(), channel, wild - answer.mask.begin(),
-                  *wild);
+    if (const auto wild = std::ranges::find_if(mask, is_wild); wild != mask.end())
+      throw Error("{}: {} at pixel {} is {}; a visibility is 0 .. 1", file.string(), channel, wild - mask.begin(), *wild);
+    Answer answer{frames.gbuffer(place.key), frames.reference(place.key, light, target_of(*facts), subpixel_bits_of(record)),
+                  std::move(mask),           {},
+                  estimates_of(*facts++),    own_causes(record)};
     row.lights.push_back({light, std::move(answer)});
   }
   return row;

@@ -1,26 +1,26 @@
 #include "measure/statistics/statistics.h"
 
-#include <gnomon/kit/random.h>
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <numeric>
 
+#include "measure/statistics/resample.h"
+
 namespace gnomon {
 
 namespace {
 
-/// Sorts in place.
-double sorted_quantile(std::span<double> values, double q) {
+/// Reorders the values.
+double quantile_in_place(std::span<double> values, double q) {
   assert(!values.empty() && q >= 0 && q <= 1);
-  std::sort(values.begin(), values.end());
   const double place = q * static_cast<double>(values.size() - 1);
-  const auto below = static_cast<std::size_t>(place);
-  const std::size_t above = std::min(below + 1, values.size() - 1);
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(place);
+  std::nth_element(values.begin(), at, values.end());
+  const double below = *at, above = at + 1 == values.end() ? below : *std::min_element(at + 1, values.end());
   // Equal neighbours are returned as they are: a sum of two products may miss them by a rounding.
-  if (values[below] == values[above]) return values[below];
-  return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
+  if (below == above) return below;
+  return below + (place - std::floor(place)) * (above - below);
 }
 
 /// The continued fraction of the incomplete beta function (Abramowitz and Stegun 26.5.8), evaluated by Lentz's method. It
@@ -56,7 +56,7 @@ double incomplete_beta(double a, double b, double x, double rest) {
 
 double quantile(std::span<const double> values, double q) {
   std::vector<double> copy(values.begin(), values.end());
-  return sorted_quantile(copy, q);
+  return quantile_in_place(copy, q);
 }
 
 double median(std::span<const double> values) { return quantile(values, 0.5); }
@@ -82,17 +82,16 @@ std::optional<Estimate> bootstrap(const ProcessTimes& times) {
   if (kept.size() < 2) return std::nullopt;
   // PCG32's own first state and increment, written as seed and stream: intervals of all records were made with them.
   Random random(0xe5505758d9003cadu, 0xa02bdbf7bb3c0a7u);
-  std::vector<double> resamples(resample_count), medians(kept.size()), repetitions;
+  order_long_processes(kept);
+  std::vector<double> resamples(resample_count), medians(kept.size()), scratch;
   for (double& resample : resamples) {
     for (double& process_median : medians) {
       const std::vector<double>& process = kept[random.below(static_cast<std::uint32_t>(kept.size()))];
-      repetitions.resize(process.size());
-      for (double& repetition : repetitions) repetition = process[random.below(static_cast<std::uint32_t>(process.size()))];
-      process_median = sorted_quantile(repetitions, 0.5);
+      process_median = quantile_in_place(draw_repetitions(process, random, scratch), 0.5);
     }
-    resample = sorted_quantile(medians, 0.5);
+    resample = quantile_in_place(medians, 0.5);
   }
-  return Estimate{*median_of_medians(kept), sorted_quantile(resamples, 0.025), sorted_quantile(resamples, 0.975)};
+  return Estimate{*median_of_medians(kept), quantile_in_place(resamples, 0.025), quantile_in_place(resamples, 0.975)};
 }
 
 double student_tail(double t, double freedom) {

@@ -74,6 +74,8 @@ void add_identity(std::vector<Column>& columns) {
 using Intervals = std::map<ProcessTimes, std::optional<Estimate>>;
 
 std::optional<Estimate> interval_of(const ProcessTimes& times, Intervals& known) {
+  constexpr std::size_t most_known = 1000;  // those of a group of rows
+  if (known.size() >= most_known) known.clear();
   const auto [found, is_new] = known.try_emplace(times);
   if (is_new) found->second = bootstrap(times);
   return found->second;

@@ -66,6 +66,9 @@ std::string markdown_table(const Layout& layout);
 /// only when it is longer than a page. Long texts wrap into further lines.
 std::string latex_table(const Layout& layout, const TableOptions& options);
 std::string csv_table(const Layout& layout);
+/// Its first line, and that of a row.
+std::string csv_heads(std::span<const Column> columns);
+std::string csv_line(std::span<const Cell> cells);
 std::string json_table(const Layout& layout);
 
 /// A field of RFC 4180: quoted when it holds a comma, a quote or a line break, quotes doubled.

@@ -1,4 +1,6 @@
 #pragma once
+#include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -25,6 +27,11 @@ struct TableOptions {
 /// contender of each group, show unsupported and failed rows with their reason, and say below the table where the numbers
 /// come from. CSV and JSON hold plain values, one record a row. Throws Error on an unknown column.
 std::string render_table(std::span<const Record> records, Format format, const TableOptions& options = {});
+
+/// The CSV table of a run's folder, in pieces: the same text, but records are read one by one, since those of a long run are
+/// larger than memory. Throws Error as `read_records` and `render_table` do, before the first piece.
+void write_csv(const std::filesystem::path& dir, const TableOptions& options,
+               const std::function<void(const std::string&)>& write);
 
 /// Names and headings of the columns that these records can fill: what `columns` may hold.
 std::vector<std::string> column_names(std::span<const Record> records);

@@ -44,19 +44,25 @@ std::string csv_field(std::string_view text) {
   return quoted + '"';
 }
 
-std::string csv_table(const Layout& table) {
+std::string csv_heads(std::span<const Column> columns) {
   std::vector<std::string> fields;
-  for (const Column& column : table.columns) fields.push_back(csv_field(column.name));
-  std::string text = fmt::format("{}\r\n", joined(fields, ","));  // RFC 4180
+  for (const Column& column : columns) fields.push_back(csv_field(column.name));
+  return fmt::format("{}\r\n", joined(fields, ","));  // RFC 4180
+}
+
+std::string csv_line(std::span<const Cell> cells) {
+  std::vector<std::string> fields;
+  for (const Cell& cell : cells) {
+    const auto* words = std::get_if<std::string>(&cell.value);
+    fields.push_back(cell.number() ? exact(*cell.number()) : words ? csv_field(*words) : "");
+  }
+  return fmt::format("{}\r\n", joined(fields, ","));
+}
+
+std::string csv_table(const Layout& table) {
+  std::string text = csv_heads(table.columns);
   for (const Layout::Group& group : table.groups)
-    for (const Layout::Row& row : group.rows) {
-      fields.clear();
-      for (const Cell& cell : row.cells) {
-        const auto* words = std::get_if<std::string>(&cell.value);
-        fields.push_back(cell.number() ? exact(*cell.number()) : words ? csv_field(*words) : "");
-      }
-      text += fmt::format("{}\r\n", joined(fields, ","));
-    }
+    for (const Layout::Row& row : group.rows) text += csv_line(row.cells);
   return text;
 }
 

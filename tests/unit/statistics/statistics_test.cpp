@@ -7,6 +7,8 @@
 #include <cmath>
 #include <random>
 
+#include "measure/statistics/resample.h"
+
 namespace statistics_test {
 
 using namespace gnomon;
@@ -101,6 +103,59 @@ TEST(bootstrap, repetitions_do_not_narrow_the_interval_below_the_spread_of_proce
   // 93.75 % again, and resampling repetitions moves the ends by less than their noise. A bootstrap that pools the 25 times
   // would take them for independent and cover far less. Tolerance as above.
   EXPECT_NEAR(coverage(5, 5, 1, 0.1, 500), 0.9375, 0.042);
+}
+
+/// P(X = k) of a binomial distribution of n trials.
+double binomial(std::size_t n, std::size_t k, double p) {
+  const auto a = static_cast<double>(n), b = static_cast<double>(k);
+  return std::exp(std::lgamma(a + 1) - std::lgamma(b + 1) - std::lgamma(a - b + 1) + b * std::log(p) +
+                  (a - b) * std::log(1 - p));
+}
+
+/// P(X >= k).
+double binomial_tail(std::size_t n, std::size_t k, double p) {
+  double sum = 0;
+  for (std::size_t i = k; i <= n; ++i) sum += binomial(n, i, p);
+  return sum;
+}
+
+TEST(resample, middle_of_a_long_process_is_drawn_as_often_as_from_single_draws) {
+  // Of n draws from 0 .. n-1 the k-th smallest is below j where k draws are: Binomial(n, j / n) >= k. Both values in the middle
+  // are parted by j where exactly n / 2 are below. Tolerance: 4 standard deviations of a share of 20,000 draws.
+  constexpr int draws = 20'000;
+  for (const std::size_t n : {most_drawn_singly + 1, most_drawn_singly + 2, std::size_t{1000}}) {
+    ProcessTimes times(1);
+    for (std::size_t i = n; i-- > 0;) times[0].push_back(static_cast<double>(i));
+    order_long_processes(times);
+    Random random(3);
+    std::vector<double> scratch;
+    for (const double share : {0.46, 0.5, 0.53}) {
+      const auto j = static_cast<std::size_t>(share * static_cast<double>(n));
+      const auto edge = static_cast<double>(j);
+      int below = 0, parted = 0;
+      for (int draw = 0; draw < draws; ++draw) {
+        const std::span<double> middle = draw_repetitions(times[0], random, scratch);
+        ASSERT_EQ(middle.size(), 2 - n % 2);
+        ASSERT_LE(middle.front(), middle.back());
+        below += middle.front() < edge;
+        parted += middle.front() < edge && middle.back() >= edge;
+      }
+      const double p = edge / static_cast<double>(n);
+      const auto expect = [&](int count, double wanted) {
+        EXPECT_NEAR(static_cast<double>(count) / draws, wanted, 4 * std::sqrt(wanted * (1 - wanted) / draws)) << n << ' ' << j;
+      };
+      expect(below, binomial_tail(n, (n + 1) / 2, p));
+      if (n % 2 == 0) expect(parted, binomial(n, n / 2, p));
+    }
+  }
+}
+
+TEST(resample, short_processes_are_drawn_value_by_value) {
+  const std::vector<double> process(most_drawn_singly, 7.5);
+  Random random(1);
+  std::vector<double> scratch;
+  EXPECT_EQ(draw_repetitions(process, random, scratch).size(), most_drawn_singly);
+  EXPECT_EQ(scratch, process);
 }
 
 TEST(student, tails_are_those_of_the_tables) {
