@@ -277,6 +277,12 @@ TEST(exr, what_is_cut_off_or_sampled_less_is_refused) {
     save(file, head);
     EXPECT_THROW(image_files().exr_size(file), Error);
   }
+  // Memory would be taken for rows of what is not shown.
+  Bytes wide = exr(window, window, {"Y"}, place);
+  wide.replace(wide.find(attribute("dataWindow", "box2i", raw(window))) + 21, 16, raw(Window{0, 0, 1 << 18, 3}));
+  save(file, wide);
+  EXPECT_NE(refusal([&] { image_files().exr_size(file); }).find("sides are 1 .. 16384 pixels"), std::string::npos)
+      << refusal([&] { image_files().exr_size(file); });
 }
 
 TEST(other_formats, are_read_as_they_are) {

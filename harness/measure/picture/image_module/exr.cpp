@@ -42,6 +42,9 @@ class ExrReader final : public ImageReader {
     };
     width = side(shown_.min.x, shown_.max.x);
     height = side(shown_.min.y, shown_.max.y);
+    if (std::max(side(data_.min.x, data_.max.x), side(data_.min.y, data_.max.y)) > most_side &&
+        std::max(width, height) <= most_side)
+      throw Error("its pixels are {}; sides are 1 .. {} pixels", words(data_), most_side);
     for (auto c = header.channels().begin(); c != header.channels().end(); ++c) channels.emplace_back(c.name());
     std::ranges::stable_sort(channels, [](const std::string& a, const std::string& b) {
       const std::string_view layer = std::string_view(a).substr(0, a.rfind('.') + 1);

@@ -64,7 +64,6 @@ std::unique_ptr<ImageReader> open_by_format(const fs::path& path) {
 
 /// A picture from outside, of a size that can be scored, and of which there are bytes enough that it may be whole.
 std::unique_ptr<ImageReader> open_image(const fs::path& path) {
-  constexpr int most_side = 16384;
   constexpr std::uint64_t most_pixels_per_byte = 100'000;  // of one color throughout, compressed by the best that there is
   if (!fs::exists(path)) throw Error("{} cannot be read: there is no such file", path.string());
   if (!fs::is_regular_file(path)) throw Error("{} cannot be read: it is not a file", path.string());

@@ -6,7 +6,10 @@
 
 namespace gnomon::image_module {
 
-/// An image file whose header has been read.
+/// Of a picture that can be scored.
+inline constexpr int most_side = 16384;
+
+/// An image file whose header has been read. Where its size says more than `most_side`, nothing else of it has.
 class ImageReader {
  public:
   ImageReader() = default;

@@ -2,6 +2,7 @@
 #include <gnomon/error.h>
 #include <png.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csetjmp>
 #include <cstdio>
@@ -55,9 +56,9 @@ class PngReader final : public ImageReader {
  public:
   explicit PngReader(const std::filesystem::path& path) : file_(open_file(path, "rb")) {
     if (!info_) throw Error("there is no memory for it");
-    demand([this] { read_header(); });
-    width = static_cast<int>(png_get_image_width(png_, info_));
-    height = static_cast<int>(png_get_image_height(png_, info_));
+    demand([this] { read_size(); });
+    if (std::max(width, height) > most_side) return;  // libpng would make room for a row
+    demand([this] { read_layout(); });
     const int type = png_get_color_type(png_, info_);
     channels = type & PNG_COLOR_MASK_COLOR ? std::vector<std::string>{"R", "G", "B"} : std::vector<std::string>{"Y"};
     if (type & PNG_COLOR_MASK_ALPHA) channels.emplace_back("A");
@@ -92,10 +93,14 @@ class PngReader final : public ImageReader {
   }
 
  private:
-  void read_header() {
+  void read_size() {
     png_init_io(png_, file_.get());
     png_set_user_limits(png_, PNG_UINT_31_MAX, PNG_UINT_31_MAX);  // ours say more
     png_read_info(png_, info_);
+    width = static_cast<int>(png_get_image_width(png_, info_));
+    height = static_cast<int>(png_get_image_height(png_, info_));
+  }
+  void read_layout() {
     png_set_expand(png_);  // colors of a palette, 8 bits at least, transparency as alpha
     passes_ = png_set_interlace_handling(png_);
     png_read_update_info(png_, info_);
