@@ -96,7 +96,7 @@ Outcome read_words(const fs::path&, const std::string& bytes) {
   if (words[0] == "run")
     words.insert(words.begin() + 1, "--dry-run");
   else if (words[0] != "list" && words[0] != "describe")
-    words.emplace_back("--no-command-takes-this");
+    words.insert(words.begin() + 1, "--no-command-takes-this");  // at the end it could be an option's value
   return run_words(std::move(words));
 }
 
