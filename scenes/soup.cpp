@@ -9,7 +9,7 @@ namespace {
 using namespace gnomon;
 
 class Soup final : public SceneGenerator {
-  Number<int> count{this, "count", 1000, {.min = 1, .max = 1000000, .log = true}, Stage::build, "Number of triangles."};
+  Number<int> count{this, "count", 1000, {.min = 1, .max = 10000000, .log = true}, Stage::build, "Number of triangles."};
   Number<double> size{
       this, "size", 0.45, {.unit = "m", .min = 0.001, .max = 2.5, .log = true}, Stage::build, "Mean length of the edges."};
   Number<int> seed{this, "seed", 1, {.min = 0, .max = 1000000}, Stage::build, "Chooses the triangles."};

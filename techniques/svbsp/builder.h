@@ -14,6 +14,8 @@ struct Rules {
       Drop::shared;  ///< edges without a shadow plane: none; those made by cuts; also own ones on the plane of a node above
   bool is_ordered = false;     ///< pieces come front to back: what reaches an IN cell is in shadow
   std::size_t tile_size = 16;  ///< pieces of a tile on average; those with more are split. 0: no tiles
+  /// With more pieces in all tiles together, those behind one that covers the tile are left out before any tree is made.
+  std::uint64_t very_many = 1 << 25;
 };
 
 /// Work of making a tree.

@@ -5,10 +5,13 @@
 #include <gnomon/kit/random.h>
 
 #include <atomic>
+#include <cmath>
 
 #include "tiles.h"
 
 namespace gnomon::svbsp {
+
+constexpr std::size_t piece_block = 4096;
 
 void Forest::lay_grids(const Pieces& pieces, std::size_t tile_size) {
   std::uint32_t next = 0;
@@ -44,26 +47,74 @@ void Forest::lay_grids(const Pieces& pieces, std::size_t tile_size) {
   end_ = next;
 }
 
-/// Counts, then places; which of two threads comes first changes the places within a tile, so these are sorted in the end.
-void Forest::sort_into_tiles(const Pieces& pieces, double thinnest) {
-  constexpr std::size_t block = 4096;
-  ends_.assign(end_ + 1, 0);
-  const auto for_tiles = [&](const auto& visit) {
-    for (int face = 0; face < 6; ++face) {
+template <class Visit>
+void Forest::for_tiles_of(const Piece& piece, const Grid& grid, const Visit& visit) {
+  const int left = grid.column(piece.low.x), right = grid.column(piece.high.x), bottom = grid.row(piece.high.y);
+  for (int row = grid.row(piece.low.y); row <= bottom; ++row)
+    for (int column = left; column <= right; ++column)
+      visit(grid.tile(column, row), glm::dvec2(grid.column_side(column), grid.row_side(row)),
+            glm::dvec2(grid.column_side(column + 1), grid.row_side(row + 1)));
+}
+
+void Forest::find_covers(const Pieces& pieces, double epsilon, std::uint64_t very_many) {
+  covers_.clear();
+  std::uint64_t sum = 0;
+  for (int face = 0; face < 6; ++face)
+    for (const Piece& piece : pieces.of_face(face)) {
       const Grid& grid = grids_[face];
-      for_blocks(pieces.of_face(face).size(), block, [&](std::size_t begin, std::size_t end) {
+      sum += static_cast<std::uint64_t>(grid.column(piece.high.x) - grid.column(piece.low.x) + 1) *
+             static_cast<std::uint64_t>(grid.row(piece.high.y) - grid.row(piece.low.y) + 1);
+    }
+  if (sum <= very_many) return;
+  covers_.assign(end_, -INFINITY);
+  for (int face = 0; face < 6; ++face)
+    for_blocks(pieces.of_face(face).size(), piece_block, [&](std::size_t begin, std::size_t end) {
+      std::vector<glm::dvec3> sides;  // of a piece: at least epsilon inside of it dot(side, (x, y, 1)) is positive
+      for (const Piece& piece : pieces.of_face(face).subspan(begin, end - begin)) {
+        sides.clear();
+        for (std::size_t i = 0; i < piece.count; ++i) {
+          const glm::dvec2 a(piece.corners[i].at), along = glm::dvec2(piece.corners[(i + 1) % piece.count].at) - a;
+          const glm::dvec2 inward = glm::dvec2(-along.y, along.x) / glm::length(along);
+          sides.emplace_back(inward, -glm::dot(inward, a) - epsilon);
+        }
+        for_tiles_of(piece, grids_[face], [&](std::uint32_t tile, const glm::dvec2& low, const glm::dvec2& high) {
+          const auto least = [&](const glm::dvec3& rise) {
+            return std::min(rise.x * low.x, rise.x * high.x) + std::min(rise.y * low.y, rise.y * high.y) + rise.z;
+          };
+          if (!std::ranges::all_of(sides, [&](const glm::dvec3& side) { return least(side) > 0; })) return;
+          const std::atomic_ref cover(covers_[tile]);
+          const double farthest = least(piece.rise);
+          for (double known = cover; farthest > known && !cover.compare_exchange_weak(known, farthest);) {
+          }
+        });
+      }
+    });
+}
+
+/// Counts, then places; which of two threads comes first changes the places within a tile, so these are sorted in the end.
+void Forest::sort_into_tiles(const Pieces& pieces, double thinnest, std::uint64_t very_many) {
+  find_covers(pieces, 4 * thinnest, very_many);
+  ends_.assign(end_ + 1, 0);
+  std::atomic<std::uint64_t> covered = 0;
+  const auto for_tiles = [&](const auto& visit) {
+    for (int face = 0; face < 6; ++face)
+      for_blocks(pieces.of_face(face).size(), piece_block, [&](std::size_t begin, std::size_t end) {
+        std::uint64_t left_out = 0;
         for (std::size_t i = begin; i < end; ++i) {
           const Piece& piece = pieces.of_face(face)[i];
           if (is_thin(piece.polygon(), thinnest)) continue;
-          const int left = grid.column(piece.low.x), right = grid.column(piece.high.x), bottom = grid.row(piece.high.y);
-          for (int row = grid.row(piece.low.y); row <= bottom; ++row)
-            for (int column = left; column <= right; ++column)
-              visit(std::atomic_ref(ends_[grid.tile(column, row)]), static_cast<std::uint32_t>(i));
+          for_tiles_of(piece, grids_[face], [&](std::uint32_t tile, const glm::dvec2& low, const glm::dvec2& high) {
+            if (is_covered(tile, piece.nearest(low, high)))
+              ++left_out;
+            else
+              visit(std::atomic_ref(ends_[tile]), static_cast<std::uint32_t>(i));
+          });
         }
+        covered += left_out;
       });
-    }
   };
   for_tiles([](std::atomic_ref<std::uint32_t> count, std::uint32_t) { count.fetch_add(1, std::memory_order_relaxed); });
+  covered_ = covered;
   std::uint64_t sum = 0;
   for (std::uint32_t& count : ends_) sum += std::exchange(count, static_cast<std::uint32_t>(sum));
   if (sum > 0xffffffffu) throw Error("polygons in {} tiles are beyond {}", sum, 0xffffffffu);
@@ -80,7 +131,7 @@ void Forest::grow(const ProjectedSpace& space, const Pieces& pieces, const Facin
     if (!grid.is_empty()) size = glm::max(size, grid.high - grid.low);
   epsilon_ = rules.epsilon = space.epsilons(std::max(size.x, size.y), extent);
   rules.is_ordered = order == Order::bsp;
-  sort_into_tiles(pieces, epsilon_.across);
+  sort_into_tiles(pieces, epsilon_.across, rules.very_many);
 
   roots_.assign(end_, out_cell);
   bins_.resize(end_ / bin_size);
@@ -120,6 +171,7 @@ void Forest::grow_bin(std::size_t b, const ProjectedSpace& space, const Pieces& 
 
 TreeWork Forest::work() const {
   TreeWork sum;
+  sum.hidden = covered_;
   for (const Bin& bin : bins_) sum += bin.work;
   return sum;
 }
@@ -145,7 +197,7 @@ std::size_t Forest::depth() const {
 }
 
 std::size_t Forest::bytes() const {
-  std::size_t sum = bytes_of(bins_, roots_, ends_, sorted_);
+  std::size_t sum = bytes_of(bins_, roots_, ends_, sorted_, covers_);
   for (const Bin& bin : bins_) sum += bytes_of(bin.nodes);
   return sum;
 }

@@ -1,4 +1,6 @@
 #pragma once
+#include <cmath>
+
 #include "builder.h"
 
 namespace gnomon::svbsp {
@@ -54,6 +56,8 @@ class Forest {
     for (const Grid& grid : grids_) sum += static_cast<std::size_t>(grid.columns) * grid.rows;
     return sum;
   }
+  /// Pieces left out of tiles because one covers the tile before them.
+  std::uint64_t covered_count() const { return covered_; }
   std::size_t node_count() const;
   std::size_t depth() const;  ///< nodes on the longest way
   std::size_t bytes() const;
@@ -70,7 +74,15 @@ class Forest {
 
   /// Tiles with `tile_size` pieces on average; one tile for each face where that is 0.
   void lay_grids(const Pieces& pieces, std::size_t tile_size);
-  void sort_into_tiles(const Pieces& pieces, double thinnest);
+  void sort_into_tiles(const Pieces& pieces, double thinnest, std::uint64_t very_many);
+  /// Calls visit(tile, low, high) for the tiles of a piece's bounds, with their corners.
+  template <class Visit>
+  static void for_tiles_of(const Piece& piece, const Grid& grid, const Visit& visit);
+  /// Where pieces lie in very many tiles, most are behind others: finds what covers each tile.
+  void find_covers(const Pieces& pieces, double epsilon, std::uint64_t very_many);
+  bool is_covered(std::uint32_t tile, double nearest) const {
+    return !covers_.empty() && nearest < covers_[tile] - 1e-12 * std::abs(covers_[tile]);
+  }
   void grow_bin(std::size_t bin, const ProjectedSpace& space, const Pieces& pieces, const Facing& facing, Order order,
                 const Rules& rules);
 
@@ -81,6 +93,8 @@ class Forest {
   std::vector<Link> roots_;            // of each tile
   std::vector<std::uint32_t> ends_;    // of each tile's pieces, in sorted_
   std::vector<std::uint32_t> sorted_;  // pieces of the tile's face
+  std::vector<double> covers_;         // of each tile: z of what covers all of it, where that is farthest; or empty
+  std::uint64_t covered_ = 0;
 };
 
 }  // namespace gnomon::svbsp

@@ -112,7 +112,8 @@ std::vector<PixelClass> classify(const Scene& scene, const RayScene& casters, co
                                  std::span<const float> reference) {
   const glm::dvec4 l = homogeneous(light);
   std::optional<MovedRays> moved;
-  if (is_resolved(scene, light, gbuffer.view)) moved.emplace(scene, casters, gbuffer, l, extent(scene, light, gbuffer.view));
+  if (is_resolved(scene, light, gbuffer.view))
+    moved.emplace(scene, casters, gbuffer, l, extent(scene, light, gbuffer.view), reference);
   std::vector<PixelClass> classes(gbuffer.size(), PixelClass::T);
   const auto is_asked = [&](std::size_t i, int x, int y) {
     if (gbuffer.is_background(i))
@@ -127,7 +128,7 @@ std::vector<PixelClass> classify(const Scene& scene, const RayScene& casters, co
     return classes[i] == PixelClass::T;
   };
   decide_in_packets(gbuffer.width, gbuffer.height, is_asked, [&](std::span<const std::size_t> pixels) {
-    const std::uint32_t unstable = moved ? moved->unstable(pixels, reference) : ~0u;
+    const std::uint32_t unstable = moved ? moved->unstable(pixels) : ~0u;
     for (std::size_t k = 0; k < pixels.size(); ++k)
       if (unstable >> k & 1) classes[pixels[k]] = PixelClass::U;
   });

@@ -54,17 +54,23 @@ std::vector<RayScene::Met> casters_near(const Scene& scene, Truth truth, const g
 }  // namespace
 
 MovedRays::MovedRays(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const glm::dvec4& light,
-                     double extent)
-    : scene_(scene), casters_(casters), gbuffer_(gbuffer), light_(light), extent_(extent), outline_(casters, light, rho() / 2) {
+                     double extent, std::span<const float> reference)
+    : scene_(scene),
+      casters_(casters),
+      gbuffer_(gbuffer),
+      light_(light),
+      extent_(extent),
+      reference_(reference),
+      outline_(casters, light, rho() / 2, LitWays(gbuffer, light, reference, 8 * rho())) {
   if (light.w != 0) at_light_ = casters_near(scene, gbuffer.truth, glm::dvec3(light), rho());
 }
 
-std::uint32_t MovedRays::unstable(std::span<const std::size_t> indices, std::span<const float> reference) const {
+std::uint32_t MovedRays::unstable(std::span<const std::size_t> indices) const {
   Pixels pixels;
   pixels.indices = indices;
   for (std::size_t k = 0; k < indices.size(); ++k) {
     pixels.all |= 1u << k;
-    pixels.lit |= static_cast<std::uint32_t>(is_lit(reference[indices[k]])) << k;
+    pixels.lit |= static_cast<std::uint32_t>(is_lit(reference_[indices[k]])) << k;
     pixels.mesh[k] = gbuffer_.mesh[indices[k]];
     pixels.triangle[k] = gbuffer_.triangle[indices[k]];
     pixels.tangents[k] = across(glm::normalize(glm::dvec3(gbuffer_.normal(indices[k]))));

@@ -11,10 +11,11 @@ namespace gnomon {
 /// cannot tell.
 class MovedRays {
  public:
-  MovedRays(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const glm::dvec4& light, double extent);
+  MovedRays(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const glm::dvec4& light, double extent,
+            std::span<const float> reference);
 
-  /// Bit k: the answer of pixel indices[k] changes within rounding.
-  std::uint32_t unstable(std::span<const std::size_t> indices, std::span<const float> reference) const;
+  /// Bit k: the answer of pixel indices[k], which the reference gives it, changes within rounding.
+  std::uint32_t unstable(std::span<const std::size_t> indices) const;
 
  private:
   /// Up to sixteen pixels, and the light that the reference gives them; bit k is pixel k.
@@ -41,6 +42,7 @@ class MovedRays {
   const GBuffer& gbuffer_;
   glm::dvec4 light_;
   double extent_;
+  std::span<const float> reference_;
   Outline outline_;
   std::vector<RayScene::Met> at_light_;  ///< the casters within rho of a light at a place, and perhaps a few more
 };

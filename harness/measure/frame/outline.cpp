@@ -1,6 +1,7 @@
 #include "measure/frame/outline.h"
 
 #include <gnomon/kit/edges.h>
+#include <gnomon/kit/parallel.h>
 
 #include <algorithm>
 
@@ -37,14 +38,21 @@ void add_band(Mesh& bands, const glm::dvec3& a, const glm::dvec3& b, const glm::
 
 }  // namespace
 
-Outline::Outline(const RayScene& casters, const glm::dvec4& light, double radius) {
+Outline::Outline(const RayScene& casters, const glm::dvec4& light, double radius, const LitWays& ways) {
   const EdgeAdjacency& adjacency = casters.adjacency();
   Silhouette silhouette;
   adjacency.find_silhouette(light, silhouette);
+  constexpr std::size_t block = 1 << 16;
+  std::vector<std::vector<SilhouetteEdge>> touched((silhouette.edges.size() + block - 1) / block);
+  const auto place = [&](std::uint32_t vertex) { return glm::dvec3(adjacency.positions()[vertex]); };
+  for_blocks(silhouette.edges.size(), block, [&](std::size_t begin, std::size_t end) {
+    for (const SilhouetteEdge& edge : std::span(silhouette.edges).subspan(begin, end - begin))
+      if (ways.may_touch(place(edge.low), place(edge.high))) touched[begin / block].push_back(edge);
+  });
   Mesh& bands = bands_.meshes.emplace_back();
-  for (const SilhouetteEdge& edge : silhouette.edges)
-    add_band(bands, adjacency.positions()[edge.low], adjacency.positions()[edge.high], light, radius);
-  if (!silhouette.edges.empty()) rays_.emplace(bands_, Truth::mesh, RayScene::Which::all);
+  for (const std::vector<SilhouetteEdge>& edges : touched)
+    for (const SilhouetteEdge& edge : edges) add_band(bands, place(edge.low), place(edge.high), light, radius);
+  if (!bands.triangles.empty()) rays_.emplace(bands_, Truth::mesh, RayScene::Which::all);
 }
 
 std::uint32_t Outline::met(std::uint32_t valid, ShadowPacket& packet) const {

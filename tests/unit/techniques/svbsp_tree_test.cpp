@@ -219,4 +219,45 @@ TEST(Svbsp, pieces_lie_in_64_tiles_at_most_on_average) {
   }
 }
 
+// What lies behind a triangle that covers a tile is nearest to the light nowhere in it.
+TEST(Svbsp, what_a_triangle_covers_may_be_left_out) {
+  Random random(5);
+  std::uint64_t left_out = 0;
+  for (const glm::dvec4& light : {glm::dvec4(0.25, 9, 0.125, 1), glm::dvec4(0.25, 1, -0.5, 0)}) {
+    std::vector<SceneTriangle> triangles;
+    std::vector<std::int8_t> signs;
+    Bounds bounds;
+    for (int i = 0; i < 600; ++i) {
+      const glm::dvec3 center = random.uniform({-4, 0, -4}, {4, 3, 4});
+      SceneTriangle& t = triangles.emplace_back();
+      for (glm::vec3& p : t.points) p = glm::vec3(center + random.uniform({-3, -0.2, -3}, {3, 0.2, 3}));
+      signs.push_back(static_cast<std::int8_t>(orient3d_sign(t.points[0], t.points[1], t.points[2], light)));
+      bounds.add(t.points);
+    }
+    const Facing facing{triangles, signs};
+    const ProjectedSpace space(light, bounds);
+    Pieces pieces;
+    pieces.make(space, facing, triangles.size(), [&](std::size_t i, Corner* corners) -> Pieces::Part {
+      for (int k = 0; k < 3; ++k) corners[k] = {glm::dvec3(triangles[i].points[k]), own_edge};
+      return {static_cast<std::uint32_t>(i), {corners, 3}};
+    });
+    Forest all, nearest;
+    all.grow(space, pieces, facing, Forest::Order::tiles, {.tile_size = 1}, bounds.extent());
+    nearest.grow(space, pieces, facing, Forest::Order::tiles, {.tile_size = 1, .very_many = 0}, bounds.extent());
+    const auto nearest_at = [&](const Forest& forest, int face, const glm::dvec3& at) {
+      Query query = forest.query(face, at);
+      std::uint64_t visits = 0;
+      locate<1>({&query, 1}, visits);
+      return is_in_cell(query.link) ? triangle_in(query.link) : 0xffffffffu;
+    };
+    for (int i = 0; i < 20'000; ++i) {
+      const auto [face, at] = space.of_world(random.uniform({-5, -1, -5}, {5, 3, 5}));
+      ASSERT_EQ(nearest_at(nearest, face, at), nearest_at(all, face, at)) << i;
+    }
+    left_out += nearest.covered_count();
+    EXPECT_EQ(all.covered_count(), 0u);
+  }
+  EXPECT_GT(left_out, 1000u);
+}
+
 }  // namespace gnomon::svbsp_tree_test
