@@ -103,8 +103,13 @@ std::vector<std::uint32_t> weld(std::span<const glm::vec3> positions, std::span<
 namespace {
 
 /// Exact: float differences and their products are exact in quadruple precision unless exponents differ by more than 60 bits,
-/// where no float32 scene of finite size lives.
+/// where no float32 scene of finite size lives. Most triangles are so far from it that double, whose differences and products
+/// err by 2^-53 of themselves, is sure.
 bool is_degenerate(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+  const glm::dvec3 u = glm::dvec3(b) - glm::dvec3(a), v = glm::dvec3(c) - glm::dvec3(a);
+  const auto surely_differ = [](double p, double q) { return std::abs(p - q) > 0x1p-49 * (std::abs(p) + std::abs(q)); };
+  if (surely_differ(u.y * v.z, u.z * v.y) || surely_differ(u.z * v.x, u.x * v.z) || surely_differ(u.x * v.y, u.y * v.x))
+    return false;
   using Quad = __float128;
   const Quad ux = Quad(b.x) - a.x, uy = Quad(b.y) - a.y, uz = Quad(b.z) - a.z;
   const Quad vx = Quad(c.x) - a.x, vy = Quad(c.y) - a.y, vz = Quad(c.z) - a.z;

@@ -1,4 +1,5 @@
 #include <gnomon/error.h>
+#include <gnomon/kit/random.h>
 #include <gnomon/kit/shapes.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -226,6 +227,31 @@ TEST(Shapes, merge_keeps_every_part_where_it_was) {
   EXPECT_TRUE(both.facts.closed());
   EXPECT_EQ(both.triangles.size(), 24u);
   EXPECT_DOUBLE_EQ(signed_volume(both), 1 + 2);
+}
+
+// Places on a lattice are exact, and so is whether three of them lie on a line; a step of float32 beside it they do not.
+TEST(shapes, triangles_without_area_are_dropped_and_no_others) {
+  Random random(11);
+  for (int i = 0; i < 4000; ++i) {
+    const auto step = [&] { return static_cast<float>(static_cast<int>(random.below(2001)) - 1000); };
+    const float scale = std::ldexp(1.0f, static_cast<int>(random.below(41)) - 20);
+    const glm::vec3 a = scale * glm::vec3(step(), step(), step()), d = scale * glm::vec3(step(), step(), step());
+    const float times = static_cast<float>(random.below(5)) - 1;
+    Mesh line;
+    line.positions = {a, a + d, a + times * d};
+    line.triangles = {{0, 1, 2}};
+    Mesh beside = line;
+    for (int k = 0; k < 3; ++k)
+      if (d[k] != 0) {
+        float& moved = beside.positions[2][(k + 1) % 3];
+        moved = std::nextafter(moved, INFINITY);
+        break;
+      }
+    finish(line);
+    finish(beside);
+    EXPECT_EQ(line.facts.degenerate_count, 1u) << i;
+    EXPECT_EQ(beside.facts.degenerate_count, d == glm::vec3(0) ? 1u : 0u) << i;
+  }
 }
 
 }  // namespace shapes_test
