@@ -244,7 +244,7 @@ TEST(shapes, triangles_without_area_are_dropped_and_no_others) {
     for (int k = 0; k < 3; ++k)
       if (d[k] != 0) {
         float& moved = beside.positions[2][(k + 1) % 3];
-        moved = std::nextafter(moved, INFINITY);
+        moved = moved == 0 ? 0x1p-20f * scale : std::nextafter(moved, INFINITY);
         break;
       }
     finish(line);
