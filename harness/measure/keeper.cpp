@@ -216,12 +216,18 @@ pid_t fork_kept(const std::function<void()>& body, int last_words) {
     _exit(126);
   }
   // The lowest numbers are free of what is wanted once all of it lies above them.
-  const int in = fcntl(pipe_ends[0], F_DUPFD, 100), file = last_words >= 0 ? fcntl(last_words, F_DUPFD, 100) : -1;
-  const int signals = signalfd(-1, &told, SFD_NONBLOCK), high = fcntl(signals, F_DUPFD, 100),
-            dark = fcntl(nothing, F_DUPFD, 100);
+  const int in = fcntl(pipe_ends[0], F_DUPFD, first_other),
+            file = fcntl(last_words >= 0 ? last_words : nothing, F_DUPFD, first_other);
+  const int signals = signalfd(-1, &told, SFD_NONBLOCK), high = fcntl(signals, F_DUPFD, first_other),
+            dark = fcntl(nothing, F_DUPFD, first_other);
+  if (in < 0 || file < 0 || high < 0 || dark < 0) {  // too few may be open: what lies at the low numbers is not ours
+    kill(process, SIGKILL);
+    constexpr char why[] = "too many files are open to keep a process";
+    _exit(last_words >= 0 && pwrite(last_words, why, sizeof why - 1, 0) < 0 ? 124 : 125);
+  }
   for (const int low : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) put_at(dark, low);
   put_at(in, words_in);
-  put_at(file >= 0 ? file : dark, words_file);
+  put_at(file, words_file);
   put_at(high, signals_in);
   fcntl(words_in, F_SETFL, O_NONBLOCK);
   if (syscall(SYS_close_range, first_other, ~0U, 0) != 0)

@@ -69,6 +69,16 @@ class Surroundings(ProgramTest):
             self.assertIn(done.returncode, (1, 2), done.stderr)
             self.assertIn("File too large", done.stdout + done.stderr)
 
+    def test_too_few_files_that_may_be_open_cost_rows_and_no_time(self):
+        for most in (6, 12, 18, 24, 40):
+            with self.subTest(most):
+                shutil.rmtree(self.dir / "out", ignore_errors=True)
+                done = self.gnomon(*ROW, "--technique", "unshadowed", "--out", "out",
+                                   preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (most, most)))
+                self.assertIn(done.returncode, (0, 1, 2), done.stderr)
+                for row in records(self.dir / "out"):
+                    self.assertTrue(row["status"] == "ok" or "files" in row["reason"], row["reason"])
+
     def test_a_reader_that_goes_ends_the_program_by_no_signal(self):
         with subprocess.Popen(self.command("list", "techniques"), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                               env=self.environment) as child:

@@ -1,0 +1,349 @@
+"""The metrics of `gnomon list metrics` a second time: in float64, from the definitions in docs/method.md, with no code of the program.
+
+`nan` stands for what is not defined, which is `null` in a record.
+"""
+
+import math
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+PIXELS_PER_DEGREE = 67
+
+
+# --- errors -----------------------------------------------------------------------------------------------------------------
+
+
+def share(part, whole):
+    """part / whole; not defined where the whole is nothing."""
+    return float(part / whole) if whole else math.nan
+
+
+def mean(values):
+    """Sum over number; not defined without values."""
+    return share(values.sum(), values.size)
+
+
+def root_mean_square(values):
+    """Root of the mean of the squares."""
+    return math.sqrt(mean(values**2))
+
+
+def error_rates(e):
+    """Shares of the pixels of T, and of T + G + S + U, with |V - V_ref| > 1/2, of T by its sign; means over T of |V - V_ref|, of errors."""
+    difference = e.mask - e.reference
+    wrong, tested = np.abs(difference) > 0.5, e.tested
+    rates = {
+        "wrong_rate": mean(wrong[tested]),
+        "wrong_rate_all": mean(wrong[e.facing]),
+        "false_dark_rate": mean((difference < -0.5)[tested]),
+        "false_lit_rate": mean((difference > 0.5)[tested]),
+        "error_mean": mean(np.abs(difference)[tested]),
+        "reference_error_mean": mean(e.error[tested]) if e.has_area else math.nan,
+        "other_error_mean": mean(np.abs(e.mask - e.other)[tested]) if e.has_area else math.nan,
+        "tested_share": share(tested.sum(), e.facing.sum()),
+    }
+    return rates | {"error": rates["error_mean" if e.has_area else "wrong_rate"]}
+
+
+def distances(marked):
+    """Distance in pixels of every pixel to the nearest marked one; infinity where none is marked."""
+    height, width = marked.shape
+    nearest = np.full((height, width), math.inf)
+    y, x = np.mgrid[:height, :width]
+    for j, i in zip(*np.nonzero(marked)):
+        nearest = np.minimum(nearest, (y - j) ** 2 + (x - i) ** 2)
+    return np.sqrt(nearest)
+
+
+def beside_boundary(visibility, facing):
+    """Pixels that face the light and have one of their four neighbors, which does so too, on the other side of V = 1/2."""
+    lit = visibility > 0.5
+    marked = np.zeros(lit.shape, bool)
+    for a, b in ((np.s_[:, 1:], np.s_[:, :-1]), (np.s_[1:], np.s_[:-1])):
+        crossed = (lit[a] != lit[b]) & facing[a] & facing[b]
+        marked[a] |= crossed
+        marked[b] |= crossed
+    return marked
+
+
+def displacement(e):
+    """Distances from the dark side of each boundary to the nearest pixel of the other's dark side: mean and 95th percentile, both ways together."""
+    ours, theirs = (beside_boundary(v, e.facing) & (v <= 0.5) for v in (e.mask, e.reference))
+    both = np.concatenate([distances(theirs)[ours], distances(ours)[theirs]])
+    both = both if both.size else np.zeros(1)  # neither has a boundary
+    is_defined = np.isfinite(both).all()  # infinite where one of the two has none
+    values = (mean(both), float(np.percentile(both, 95))) if is_defined else (math.nan, math.nan)
+    return dict(zip(("displacement_mean", "displacement_p95"), values))
+
+
+def cosine(e):
+    """N.l with l the unit vector to the light, of one with area to its center."""
+    if e.light["kind"] == "directional":
+        way = np.broadcast_to(-np.array(e.light["direction"], float), e.position.shape)
+    else:
+        way = np.array(e.light.get("position", e.light.get("center")), float) - e.position
+    return (e.normal * way).sum(axis=-1) / np.linalg.norm(way, axis=-1)
+
+
+def binned_rates(e):
+    """Wrong rate of the pixels of T in each bin: a bin holds what is above the end of the one before it, up to its own."""
+    wrong = np.abs(e.mask - e.reference) > 0.5
+    edge = distances(beside_boundary(e.reference, e.facing))
+    angle = np.degrees(np.arcsin(np.clip(cosine(e), -1, 1)))
+    rates = {}
+    for family, value, ends in (("edge", edge, [0, 1, 2, 4, 8, "up"]), ("angle", angle, [2, 10, 30, 60, 90])):
+        for k, (low, high) in enumerate(zip(ends, ends[1:])):
+            inside = e.tested & ((value > low) | (k == 0)) & (value <= (math.inf if high == "up" else high))
+            rates[f"wrong_rate_{family}_{low}_{high}"] = mean(wrong[inside])
+    return rates
+
+
+def eye_rays(e, dx, dy):
+    """The eye E, for every pixel r = f + u R + v U through its center moved by (dx, dy) pixels, and the side s of a pixel at distance 1."""
+    eye, target, up = (np.array(e.view[name], float) for name in ("eye", "target", "up"))
+    forward = (target - eye) / np.linalg.norm(target - eye)
+    right = np.cross(forward, up) / np.linalg.norm(np.cross(forward, up))
+    height, width = e.mesh.shape
+    side = 2 * math.tan(math.radians(float(e.view["fov_y_degrees"])) / 2) / height
+    u, down = (side * (np.arange(n) + 0.5 + d - n / 2) for n, d in ((width, dx), (height, dy)))
+    return eye, forward + u[None, :, None] * right - down[:, None, None] * np.cross(right, forward), side
+
+
+def pixel_areas(e):
+    """Square meters that each pixel covers on the plane through P across N: h^2 s^2 a_0 / (a_1 a_2 a_3 a_4) with h = N.(P - E), a = N.r.
+
+    The distance to the plane along a corner's ray is |r| h / a. Where it more than triples from corner to corner the pixel covers nothing.
+    """
+    eye, center, side = eye_rays(e, 0, 0)
+    corners = np.array([eye_rays(e, dx, dy)[1] for dx in (-0.5, 0.5) for dy in (-0.5, 0.5)])
+    h = (e.normal * (e.position - eye)).sum(axis=-1)
+    a = (e.normal * corners).sum(axis=-1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        area = np.abs(h**2 * side**2 * (e.normal * center).sum(axis=-1) / np.prod(a, axis=0))
+        distance = np.linalg.norm(corners, axis=-1) * h / a
+        is_flat = (distance.min(axis=0) <= 0) | (distance.max(axis=0) > 3 * distance.min(axis=0))
+    return np.where((e.mesh < 0) | is_flat, 0, area)
+
+
+def shadow_area_ratio(e):
+    """Sum over T of area (1 - V), technique to reference."""
+    area = pixel_areas(e)[e.tested]
+    return {"shadow_area_ratio": share((area * (1 - e.mask[e.tested])).sum(), (area * (1 - e.reference[e.tested])).sum())}
+
+
+def instability(before, now):
+    """Of the pixels that are T in both of two frames, the share whose V crosses 1/2 in the technique and not in the reference."""
+    ours, theirs = ((getattr(before, of) > 0.5) != (getattr(now, of) > 0.5) for of in ("mask", "reference"))
+    return mean((ours & ~theirs)[before.tested & now.tested])
+
+
+def received_errors(e):
+    """E = intensity max(0, N.l) V: mean of |E - E_ref| over T, and its root mean square as a share of that of E_ref."""
+    light = (float(e.light["intensity"]) * np.maximum(0, cosine(e)))[e.tested]
+    difference, right = light * (e.mask - e.reference)[e.tested], light * e.reference[e.tested]
+    return {"received_error_mean": mean(np.abs(difference)), "received_error_rms": share(root_mean_square(difference), root_mean_square(right))}
+
+
+# --- penumbrae --------------------------------------------------------------------------------------------------------------
+
+
+def windows(values, size):
+    """The size x size neighborhoods of every pixel in the last axis; pixels outside the picture are nan."""
+    padded = np.pad(values.astype(float), size // 2, constant_values=math.nan)
+    return sliding_window_view(padded, (size, size)).reshape(*values.shape, size * size)
+
+
+def is_on_one_object(e, size):
+    """Whether all of a pixel's size x size neighborhood lies in the picture, faces the light and shows one mesh."""
+    mesh = np.where(e.facing, e.mesh, -1)
+    return (windows(mesh, size) == mesh[..., None]).all(axis=-1) & e.facing
+
+
+def gradient(visibility):
+    """d/dx and d/dy per pixel of the plane that fits a pixel's 3 x 3 neighborhood best; nan at the rim of the picture."""
+    y, x = (k.ravel() for k in np.mgrid[-1:2, -1:2])
+    around = windows(visibility, 3)
+    return np.stack([(around * x).sum(axis=-1), (around * y).sum(axis=-1)], axis=-1) / 6
+
+
+def width_ratio(e):
+    """Median of w / w_ref, w = 0.8 / slope, over the pixels of T with 0.1 < V < 0.9 in both whose 3 x 3 neighborhood is on one object."""
+    middle = [(v > np.float32(0.1)) & (v < np.float32(0.9)) for v in (e.mask, e.reference)]
+    chosen = e.tested & middle[0] & middle[1] & is_on_one_object(e, 3)
+    ours, theirs = (np.linalg.norm(gradient(v), axis=-1)[chosen] for v in (e.mask, e.reference))
+    ratio = np.median(ours[theirs > 0] / theirs[theirs > 0]) if (theirs > 0).any() else 0
+    return share(1, ratio)
+
+
+def crossings(e, visibility):
+    """Points (x, y) where V, linear between 4-neighbors on one object, crosses 1/2, and the left or upper pixel (row, column) of the two."""
+    lit, points, pixels = visibility > 0.5, [], []
+    for dy, dx in ((0, 1), (1, 0)):
+        a, b = np.s_[:lit.shape[0] - dy, :lit.shape[1] - dx], np.s_[dy:, dx:]
+        crossed = (lit[a] != lit[b]) & e.facing[a] & e.facing[b] & (e.mesh[a] == e.mesh[b])
+        pixel = np.argwhere(crossed)
+        part = (0.5 - visibility[a][crossed]) / (visibility[b][crossed] - visibility[a][crossed])
+        points.append(pixel[:, ::-1] + part[:, None] * [dx, dy])
+        pixels.append(pixel)
+    return np.concatenate(points), np.concatenate(pixels)
+
+
+def penumbra_shift(e):
+    """Median over the mask's crossings c, at pixels of T, of n.(c - c_ref), n the unit gradient of V_ref at the pixel of c_ref.
+
+    c_ref is the nearer crossing of V_ref at the nearest pixel that has one; of pixels as near, the leftmost, then the upmost.
+    """
+    (points, pixels), (points_ref, pixels_ref) = crossings(e, e.mask), crossings(e, e.reference)
+    points, pixels = (values[e.tested[tuple(pixels.T)]] for values in (points, pixels))
+    if not len(points) or not len(points_ref):
+        return math.nan
+    way = pixels_ref - pixels[:, None]
+    to_point = ((points[:, None] - points_ref) ** 2).sum(axis=-1)
+    nearest = np.lexsort((to_point, way[..., 0], way[..., 1], (way**2).sum(axis=-1)), axis=-1)[:, 0]
+    to_lit = gradient(e.reference)[tuple(pixels_ref[nearest].T)]
+    length = np.linalg.norm(to_lit, axis=-1)
+    offsets = ((points - points_ref[nearest]) * to_lit).sum(axis=-1)[length > 0] / length[length > 0]
+    return float(np.median(offsets)) if offsets.size else math.nan
+
+
+def penumbra_metrics(e):
+    """What is defined where the reference has penumbra, 0.02 < V < 0.98, at a pixel of T.
+
+    The band is all within 2 px of a pixel that faces the light and has penumbra. Errors are |V - V_ref| over T in the band and outside it,
+    areas are counts of pixels of T, and noise is V less its 5 x 5 median, over T in the band where the neighborhood is on one object.
+    """
+    ours, theirs, tested = e.mask, e.reference, e.tested
+    penumbra, ours_penumbra = ((v > 0.02) & (v < 0.98) & e.facing for v in (theirs, ours))
+    band = distances(penumbra) <= 2
+    inside, outside = ((ours - theirs)[tested & part] for part in (band, ~band))
+    smooth = tested & band & is_on_one_object(e, 5)
+    found = {
+        "penumbra_error_mean": mean(np.abs(inside)),
+        "penumbra_error_rms": root_mean_square(inside),
+        "outside_error_mean": mean(np.abs(outside)),
+        "outside_error_rms": root_mean_square(outside),
+        "umbra_area_ratio": share((tested & (ours <= 0.02)).sum(), (tested & (theirs <= 0.02)).sum()),
+        "penumbra_area_ratio": share((tested & ours_penumbra).sum(), (tested & penumbra).sum()),
+        "penumbra_width_ratio": width_ratio(e),
+        "penumbra_noise": root_mean_square((ours - np.median(windows(ours, 5), axis=-1))[smooth]),
+        "penumbra_shift": penumbra_shift(e),
+    }
+    return found if (penumbra & tested).any() else dict.fromkeys(found, math.nan)
+
+
+# --- how it looks -----------------------------------------------------------------------------------------------------------
+
+
+def srgb(linear):
+    """IEC 61966-2-1, 8 bits."""
+    linear = np.clip(linear, 0, 1)
+    return np.floor(255 * np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055) + 0.5)
+
+
+def shaded(e, visibility):
+    """The picture of shaded/: albedo (ambient + intensity max(0, N.l) V), rounded down to a 4096th, in sRGB, with its background."""
+    albedo = np.array([mesh["albedo"] for mesh in e.scene["meshes"]], float)[e.mesh]
+    light = float(e.scene["ambient"]) + float(e.light["intensity"]) * np.maximum(0, cosine(e)) * visibility
+    linear = np.floor(4096 * np.clip(albedo * light[..., None], 0, 1)) / 4096
+    return np.where((e.mesh < 0)[..., None], (24, 26, 30), srgb(linear))
+
+
+def along(kernel, size, pads):
+    """The matrix that convolves a line of `size` values. With `pads` the rim's values are repeated outside, else only whole windows count."""
+    radius = len(kernel) // 2
+    matrix = np.zeros((size, size))
+    for line in range(size):
+        np.add.at(matrix[line], np.clip(np.arange(line - radius, line + radius + 1), 0, size - 1), kernel)
+    return matrix if pads else matrix[radius:size - radius]
+
+
+def filtered(picture, across, down, pads=True):
+    """A picture convolved with the kernel down x across."""
+    height, width = picture.shape
+    return along(down, height, pads) @ picture @ along(across, width, pads).T
+
+
+def ssim(reference, test):
+    """Wang et al. 2004 on luma in 0 .. 1: a Gaussian window of 11 x 11 pixels and sigma 1.5, K1 = 0.01, K2 = 0.03, biased variances."""
+    if min(reference.shape[:2]) < 11:
+        return math.nan
+    window = np.exp(-np.arange(-5, 6) ** 2 / (2 * 1.5**2))
+    window /= window.sum()
+    x, y = (picture / 255 @ [0.2126, 0.7152, 0.0722] for picture in (reference, test))
+    mx, my, xx, yy, xy = (filtered(p, window, window, pads=False) for p in (x, y, x * x, y * y, x * y))
+    c1, c2 = 0.01**2, 0.03**2
+    return mean((2 * mx * my + c1) * (2 * (xy - mx * my) + c2) / ((mx**2 + my**2 + c1) * (xx - mx**2 + yy - my**2 + c2)))
+
+
+RGB_TO_XYZ = np.array([[10135552 / 24577794, 8788810 / 24577794, 4435075 / 24577794],
+                       [2613072 / 12288897, 8788810 / 12288897, 887015 / 12288897],
+                       [1425312 / 73733382, 8788810 / 73733382, 70074185 / 73733382]])
+WHITE = RGB_TO_XYZ.sum(axis=1)
+
+
+def opponent(rgb):
+    """Linear RGB to Y Cx Cz."""
+    x, y, z = np.moveaxis(rgb @ RGB_TO_XYZ.T / WHITE, -1, 0)
+    return np.stack([116 * y - 16, 500 * (x - y), 200 * (y - z)])
+
+
+def hunt_lab(rgb):
+    """Linear RGB to L*a*b*, chroma times 0.01 L* (Hunt)."""
+    t = rgb @ RGB_TO_XYZ.T / WHITE
+    x, y, z = np.moveaxis(np.where(t > (6 / 29) ** 3, np.cbrt(t), t / (3 * (6 / 29) ** 2) + 4 / 29), -1, 0)
+    lightness = 116 * y - 16
+    return np.stack([lightness, 0.01 * lightness * 500 * (x - y), 0.01 * lightness * 200 * (y - z)])
+
+
+def perceived(rgb):
+    """The picture that the eye sees: opponent channels through their contrast sensitivity, in L*a*b* after Hunt."""
+    x = np.arange(-10, 11) / PIXELS_PER_DEGREE  # three sigma of the widest: 3 sqrt(0.04 / (2 pi^2)) degrees
+    blurred = []
+    for channel, terms in zip(opponent(rgb), ([(1, 0.0047)], [(1, 0.0053)], [(34.1, 0.04), (13.5, 0.025)])):
+        kernels = [(a * math.sqrt(math.pi / b), np.exp(-math.pi**2 * x**2 / b)) for a, b in terms]
+        whole = sum(a * k.sum() ** 2 for a, k in kernels)
+        blurred.append(sum(a * filtered(channel, k, k) for a, k in kernels) / whole)
+    y = (blurred[0] + 16) / 116
+    xyz = np.stack([y + blurred[1] / 500, y, y - blurred[2] / 200], axis=-1) * WHITE
+    return hunt_lab(np.clip(xyz @ np.linalg.inv(RGB_TO_XYZ).T, 0, 1))
+
+
+def hyab(a, b):
+    """Distance of colors: |dL*| + sqrt(da*^2 + db*^2)."""
+    return np.abs(a[0] - b[0]) + np.hypot(a[1] - b[1], a[2] - b[2])
+
+
+def features(rgb):
+    """Strengths of edges and of points: first and second derivatives of a Gaussian of 0.082 degrees / 2, each side of a kernel summing to 1."""
+    gray, sigma = (opponent(rgb)[0] + 16) / 116, 0.5 * 0.082 * PIXELS_PER_DEGREE
+    x = np.arange(-math.ceil(3 * sigma), math.ceil(3 * sigma) + 1)
+    gaussian = np.exp(-x**2 / (2 * sigma**2))
+    found = []
+    smooth = gaussian / gaussian.sum()
+    for kernel in (-x * gaussian, (x**2 / sigma**2 - 1) * gaussian):
+        kernel = np.where(kernel < 0, kernel / -kernel[kernel < 0].sum(), kernel / kernel[kernel > 0].sum())
+        found.append(np.hypot(filtered(gray, kernel, smooth), filtered(gray, smooth, kernel)))
+    return found
+
+
+def flip(reference, test):
+    """LDR-FLIP (Andersson et al. 2020), mean over the picture: color difference to the power 1 - feature difference."""
+    reference, test = (np.where(p / 255 > 0.04045, ((p / 255 + 0.055) / 1.055) ** 2.4, p / 255 / 12.92) for p in (reference, test))
+    difference = hyab(perceived(reference), perceived(test)) ** 0.7
+    largest = hyab(hunt_lab(np.array([0.0, 1.0, 0.0])), hunt_lab(np.array([0.0, 0.0, 1.0]))) ** 0.7
+    knee = 0.4 * largest
+    color = np.where(difference < knee, 0.95 / knee * difference, 0.95 + (difference - knee) / (largest - knee) * 0.05)
+    strongest = np.max([np.abs(r - t) for r, t in zip(features(reference), features(test))], axis=0)
+    return mean(color ** (1 - np.sqrt(strongest / math.sqrt(2))))
+
+
+def likeness(e):
+    """SSIM and FLIP of the shaded pictures of reference and mask."""
+    pictures = shaded(e, e.reference), shaded(e, e.mask)
+    return {"ssim": ssim(*pictures), "flip": flip(*pictures)}
+
+
+def measure(e):
+    """Every metric that a mask alone decides, by name."""
+    return error_rates(e) | displacement(e) | binned_rates(e) | shadow_area_ratio(e) | received_errors(e) | penumbra_metrics(e) | likeness(e)
