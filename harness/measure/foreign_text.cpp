@@ -18,4 +18,17 @@ std::string read_foreign_text(const std::string& what, const std::filesystem::pa
   return text;
 }
 
+bool next_foreign_line(std::istream& stream, std::string& line, std::size_t most) {
+  line.clear();
+  for (char piece[1 << 16];;) {
+    stream.getline(piece, sizeof piece);
+    const auto count = static_cast<std::size_t>(stream.gcount());
+    const bool has_end = stream.good(), is_full = !has_end && !stream.eof() && !stream.bad() && count > 0;
+    line.append(piece, has_end ? count - 1 : count);
+    if (line.size() > most) throw Error("a line is longer than {} bytes", most);
+    if (!is_full) return has_end || !line.empty();
+    stream.clear();
+  }
+}
+
 }  // namespace gnomon

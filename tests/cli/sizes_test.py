@@ -45,6 +45,23 @@ class Sizes(ProgramTest):
             self.assertEqual(done.returncode, status, done.stderr)
             self.assertIn("160x90; 16384x16384 is wanted", done.stderr)
 
+    def test_files_of_no_end_take_no_memory(self):
+        """Sparse files of 64 GB in the place of records, their history and frames."""
+        cache, limit, size = self.dir / "cache", 4096 * MEBIBYTE, 64 << 30
+        self.environment["GNOMON_CACHE"] = str(cache)
+        one = ("run", "--scene", "single_triangle", "--light", "sun", "--technique", "unshadowed", "--size", "80x45")
+        self.succeed(*one, "--out", self.dir / "a")
+        bound = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit))}
+        for file in [cache / "history.jsonl", *(cache / "frames").glob("*.*")]:
+            os.truncate(file, size)
+        self.assertEqual(self.gnomon(*one, "--out", self.dir / "b", **bound).returncode, 0)
+        os.truncate(self.out / "records.jsonl", size)
+        for words in (("table", self.out), ("table", self.out, "--rescore", "--save"), ("report", self.out), ("merge", self.out, "--out", "m"),
+                      (*one, "--resume", "--out", self.out), ("compare", self.out, self.out)):
+            done = self.gnomon(*words, **bound)
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertIn("line is longer than 536870912 bytes", done.stderr)
+
     def test_a_row_of_a_million_times_is_told_in_seconds(self):
         self.row["stages"]["resolve"] = [[0.1 + 0.001 * (k * r % 7) for r in range(1000)] for k in range(1000)]
         self.write_rows([self.row])

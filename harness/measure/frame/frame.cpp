@@ -90,8 +90,7 @@ const std::string& FrameStore::scene_hash(const std::vector<std::string>& lights
 }
 
 fs::path FrameStore::find(const std::string& name, std::size_t size) {
-  return files_.find(
-      name, [&](std::span<const std::byte> bytes) { return bytes.size() == size + hash_size && ends_with_own_hash(bytes); });
+  return files_.find(name, size + hash_size, ends_with_own_hash);
 }
 
 fs::path FrameStore::make(const std::string& name, const MissingFrame& missing) {
@@ -104,8 +103,8 @@ fs::path FrameStore::make(const std::string& name, const MissingFrame& missing) 
 
 fs::path FrameStore::scene_file() {
   const std::string name = scene_hash_ + ".scene";
-  const fs::path file =
-      files_.find(name, [&](std::span<const std::byte> bytes) { return std::ranges::equal(bytes, scene_bytes_); });
+  const fs::path file = files_.find(name, scene_bytes_.size(),
+                                    [&](std::span<const std::byte> bytes) { return std::ranges::equal(bytes, scene_bytes_); });
   return file.empty() ? files_.put(name, scene_bytes_) : file;
 }
 

@@ -59,6 +59,8 @@ std::vector<CachedFile> cached_files(const fs::path& folder) {
 }
 
 bool is_sound(const CachedFile& file) {
+  constexpr std::uintmax_t most_bytes = std::uintmax_t{16384} * 16384 * 40;  // of any frame; what is larger is not read
+  if (file.kind != "scene" && file.bytes > most_bytes) return false;
   const auto mapped = MappedFile::copy(file.path);
   return file.kind == "scene" ? content_hash(mapped->bytes()) == file.path.stem() : ends_with_own_hash(mapped->bytes());
 }
@@ -114,10 +116,10 @@ FrameFiles::FrameFiles(fs::path folder) : folder_(std::move(folder)), limit_(fra
   if (const fs::path temporary = fs::temp_directory_path(code); !code) remove_left_over_folders(temporary, scratch_prefix);
 }
 
-fs::path FrameFiles::find(const std::string& name, const std::function<bool(std::span<const std::byte>)>& is_sound) {
+fs::path FrameFiles::find(const std::string& name, std::size_t size, const IsSound& is_sound) {
   const fs::path file = held(name);
-  if (!source_.empty() && !fs::exists(file)) return take(name, is_sound);
-  if (!is_plain_file(file)) return {};  // a link may lead anywhere
+  if (!source_.empty() && !fs::exists(file)) return take(name, size, is_sound);
+  if (!is_plain_file(file) || fs::file_size(file) != size) return {};  // a link may lead anywhere
   if (sound_.contains(file)) return file;
   if (!is_sound(MappedFile::copy(file)->bytes())) return {};
   touch(file);
@@ -125,8 +127,8 @@ fs::path FrameFiles::find(const std::string& name, const std::function<bool(std:
   return file;
 }
 
-fs::path FrameFiles::take(const std::string& name, const std::function<bool(std::span<const std::byte>)>& is_sound) {
-  if (!is_plain_file(source_ / name)) return {};
+fs::path FrameFiles::take(const std::string& name, std::size_t size, const IsSound& is_sound) {
+  if (!is_plain_file(source_ / name) || fs::file_size(source_ / name) != size) return {};
   const auto copied = MappedFile::copy(source_ / name);
   if (!is_sound(copied->bytes())) return {};
   sound_.insert(folder_ / name);

@@ -57,8 +57,9 @@ class FrameFiles {
   /// Throws Error where $GNOMON_CACHE_LIMIT is no limit.
   explicit FrameFiles(std::filesystem::path folder);
 
-  /// Where the file of that name is, if its content is sound; nothing else. It is looked at once.
-  std::filesystem::path find(const std::string& name, const std::function<bool(std::span<const std::byte>)>& is_sound);
+  using IsSound = std::function<bool(std::span<const std::byte>)>;
+  /// Where the file of that name is, if it has this size and its content is sound; nothing else. It is looked at once.
+  std::filesystem::path find(const std::string& name, std::size_t size, const IsSound& is_sound);
   /// Writes a file of that name; returns where it is.
   std::filesystem::path put(const std::string& name, std::span<const std::byte> bytes);
 
@@ -66,7 +67,7 @@ class FrameFiles {
   /// The program's own name for a file of the cache, or that of the cache where there can be no links.
   std::filesystem::path held(const std::string& name);
   /// Copies a sound file of another user's cache, if it has one of that name.
-  std::filesystem::path take(const std::string& name, const std::function<bool(std::span<const std::byte>)>& is_sound);
+  std::filesystem::path take(const std::string& name, std::size_t size, const IsSound& is_sound);
   std::filesystem::path put_in_cache(const std::string& name, std::span<const std::byte> bytes);
 
   std::filesystem::path folder_;

@@ -12,6 +12,7 @@
 #include <map>
 #include <unordered_map>
 
+#include "measure/foreign_text.h"
 #include "measure/notice.h"
 #include "measure/part_file.h"
 #include "measure/record/record.h"
@@ -23,21 +24,25 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// The end of the file after its last newline. Empty for an empty file or one that is no regular file.
+/// A row of 1000 times in each of 1000 processes has a million numbers for each stage and clock.
+constexpr std::size_t most_line_bytes = std::size_t{512} << 20;
+
+/// The end of the file after its last newline. Empty for an empty file or one that is no regular file. What cannot be read is
+/// left to the write that follows, which says what is wrong with the disk. Throws Error where no line ends so late.
 std::string unfinished_tail(int descriptor, off_t size) {
-  std::string tail;
-  char block[4096];
-  while (size > 0) {
-    const off_t start = std::max<off_t>(0, size - static_cast<off_t>(sizeof block));
-    const ssize_t got = pread(descriptor, block, static_cast<std::size_t>(size - start), start);
-    if (got != size - start) break;  // the write that follows says what is wrong with the disk
-    const std::string_view text(block, static_cast<std::size_t>(got));
-    const std::size_t newline = text.rfind('\n');
-    tail.insert(0, text.substr(newline == text.npos ? 0 : newline + 1));
-    if (newline != text.npos) break;
-    size = start;
+  std::vector<char> block(1 << 20);
+  off_t begin = size;
+  while (begin > 0) {
+    const off_t start = std::max<off_t>(0, begin - static_cast<off_t>(block.size()));
+    if (size - start > static_cast<off_t>(most_line_bytes))
+      throw Error("its last line is longer than {} bytes", most_line_bytes);
+    if (pread(descriptor, block.data(), static_cast<std::size_t>(begin - start), start) != begin - start) return {};
+    const std::size_t newline = std::string_view(block.data(), static_cast<std::size_t>(begin - start)).rfind('\n');
+    begin = newline == std::string_view::npos ? start : start + static_cast<off_t>(newline) + 1;
+    if (newline != std::string_view::npos) break;
   }
-  return tail;
+  std::string tail(static_cast<std::size_t>(size - begin), '\0');
+  return pread(descriptor, tail.data(), tail.size(), begin) == size - begin ? tail : std::string();
 }
 
 off_t size_of(int descriptor) {
@@ -64,14 +69,15 @@ std::vector<std::string> for_each_record(const fs::path& file, const std::functi
   std::vector<std::string> notes;
   std::string line;
   std::streamoff start = 0;
-  for (int number = 1; std::getline(stream, line); ++number) {
-    const bool is_finished = !stream.eof();
-    if (!is_finished && parse_if_json(line).is_discarded()) {
-      notes.push_back(fmt::format("{}:{}: the last line is unfinished, the run was stopped while writing it; left out",
-                                  file.string(), number));
-      break;
-    }
+  for (int number = 1;; ++number) {
     try {
+      if (!next_foreign_line(stream, line, most_line_bytes)) break;
+      const bool is_finished = !stream.eof();
+      if (!is_finished && parse_if_json(line).is_discarded()) {
+        notes.push_back(fmt::format("{}:{}: the last line is unfinished, the run was stopped while writing it; left out",
+                                    file.string(), number));
+        break;
+      }
       tell(parse_json(line).get<Record>(), start);
     } catch (const Json::exception& problem) {
       throw Error("{}:{}: not a record: {}", file.string(), number, complaint(problem));
@@ -150,7 +156,7 @@ Record RecordLines::read(std::size_t line) {
   std::string text;
   stream_.clear();
   stream_.seekg(starts_.at(line));
-  if (!std::getline(stream_, text)) throw Error("{} was shortened while it was read", file_.string());
+  if (!next_foreign_line(stream_, text, most_line_bytes)) throw Error("{} was shortened while it was read", file_.string());
   return parse_json(text).get<Record>();
 }
 
@@ -187,7 +193,12 @@ RecordWriter::RecordWriter(const fs::path& dir) : file_(records_file(dir)) {
   remove_left_over_parts(dir);
   // A tail that is a whole record only lacks its newline; any other tail was cut off and its job runs again.
   const off_t size = size_of(descriptor_);
-  const std::string tail = unfinished_tail(descriptor_, size);
+  std::string tail;
+  try {
+    tail = unfinished_tail(descriptor_, size);
+  } catch (const Error& error) {
+    refuse(fmt::format("cannot be gone on with: {}", error.what()));
+  }
   if (tail.empty()) return;
   const bool is_mended = parse_if_json(tail).is_discarded()
                              ? ftruncate(descriptor_, size - static_cast<off_t>(tail.size())) == 0

@@ -65,6 +65,9 @@ RowCost scaled_to(RowCost cost, int width, int height) {
   return cost;
 }
 
+/// Of a file of costs: some times what ours have. A larger one is not ours.
+constexpr std::uintmax_t most_bytes = 64 << 20;
+
 /// Lines that are no costs are left out.
 std::vector<RowCost> costs_in(std::istream& lines) {
   std::vector<RowCost> costs;
@@ -158,7 +161,7 @@ RowCost cost_of(const Record& record, int warmups, double opening) {
 }
 
 std::vector<RowCost> History::read() const {
-  if (!is_plain_file(file_)) return {};
+  if (!is_plain_file(file_) || fs::file_size(file_) > most_bytes) return {};
   std::ifstream stream(file_, std::ios::binary);
   return costs_in(stream);
 }
@@ -190,7 +193,7 @@ std::vector<RowCost> shipped_costs() {
   }
   // All records take a second to read, their costs a tenth of that: they are kept.
   const fs::path kept = cache_root() / "shipped_costs.jsonl";
-  std::ifstream lines(is_plain_file(kept) ? kept : fs::path(), std::ios::binary);
+  std::ifstream lines(is_plain_file(kept) && fs::file_size(kept) <= most_bytes ? kept : fs::path(), std::ios::binary);
   if (std::string known; std::getline(lines, known) && known == stamp) return costs_in(lines);
 
   std::vector<RowCost> costs;
