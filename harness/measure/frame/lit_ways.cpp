@@ -32,12 +32,10 @@ LitWays::LitWays(const GBuffer& gbuffer, const glm::dvec4& light, std::span<cons
   };
   if (light.w == 0) {
     axes_[2] = -glm::normalize(glm::dvec3(light));
-    const auto [u, v] = across(axes_[2]);
-    axes_[0] = u;
-    axes_[1] = v;
+    std::ranges::copy(across(axes_[2]), axes_);
     glm::dvec2 low(INFINITY), high(-INFINITY);
     for_lit([&](const glm::dvec3& p) {
-      const glm::dvec2 at(glm::dot(p, u), glm::dot(p, v));
+      const glm::dvec2 at(glm::dot(p, axes_[0]), glm::dot(p, axes_[1]));
       low = glm::min(low, at);
       high = glm::max(high, at);
     });
