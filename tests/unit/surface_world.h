@@ -91,7 +91,8 @@ struct World {
       return glm::vec3(x, y, z);
     };
     light = is_in_the_sun ? sun(point()) : point_light(1.6f * point());
-    look(point(), point());
+    const glm::vec3 target = point(), eye = point();
+    look(eye, target);
   }
   void look(const glm::vec3& eye, const glm::vec3& target) {
     gbuffer = small_world::make_gbuffer(scene, {.eye = eye, .target = target, .fov_y_degrees = 75}, 64, 48);
