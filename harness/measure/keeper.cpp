@@ -186,9 +186,15 @@ pid_t fork_kept(const std::function<void()>& body, int last_words) {
   int pipe_ends[2] = {-1, -1};
   if (pipe2(pipe_ends, O_CLOEXEC) != 0) return -1;
   const int nothing = open("/dev/null", O_RDWR | O_CLOEXEC);
+  // Blocked before there is a keeper: a handler of the program's, which it inherits, would tell the program of what it is told.
+  sigset_t told, before;
+  sigemptyset(&told);
+  for (const int signal : {SIGCHLD, SIGTERM, SIGINT, SIGHUP, SIGQUIT}) sigaddset(&told, signal);
+  pthread_sigmask(SIG_BLOCK, &told, &before);
   std::unique_lock lock(of_keepers);
   const pid_t owner = getpid(), keeper = fork();
   if (keeper != 0) {
+    pthread_sigmask(SIG_SETMASK, &before, nullptr);
     if (keeper > 0) keepers.insert(keeper);
     lock.unlock();
     close(pipe_ends[0]);
@@ -198,10 +204,6 @@ pid_t fork_kept(const std::function<void()>& body, int last_words) {
   }
   setsid();
   prctl(PR_SET_NAME, "gnomon-keeper");
-  sigset_t told, before;
-  sigemptyset(&told);
-  for (const int signal : {SIGCHLD, SIGTERM, SIGINT, SIGHUP, SIGQUIT}) sigaddset(&told, signal);
-  sigprocmask(SIG_BLOCK, &told, &before);
   prctl(PR_SET_CHILD_SUBREAPER, 1);
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != owner) _exit(0);  // it died before it could be watched

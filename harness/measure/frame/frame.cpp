@@ -203,6 +203,9 @@ std::vector<std::byte> FrameTracer::soft_reference(const MissingFrame& missing, 
 
 std::vector<std::byte> FrameTracer::global_reference(const MissingFrame& missing, const GBuffer& g) {
   if (const auto why = endless_bounces(scene_)) throw Error("{}", *why);
+  if (!has_area(*missing.light) || missing.global_samples < ray_lanes)
+    throw Error("all light of {} samples a pixel; {} or more of a light with area are wanted", missing.global_samples,
+                ray_lanes);
   const LightSurfaces surfaces{scene_, everything(missing.key.truth), casters(missing.key.truth)};
   const PathOptions options{.samples = missing.global_samples, .seed = global_seed};
   const PathPicture picture = trace_paths(surfaces, g, *missing.light, options, missing.done);

@@ -82,14 +82,15 @@ bool LitWays::may_touch(int face, glm::dvec3 a, glm::dvec3 b) const {
   if (light_.w != 0) {
     // What of it lies before the light, along the face's axis. All that the face shows of it is farther than half of `near`.
     const double least = near / 2 * reach_, sign = face % 2 ? -1 : 1;
-    double &at_a = a[face / 2], &at_b = b[face / 2];
-    if (sign * at_a < least && sign * at_b < least) return false;
-    const glm::dvec3 border = a + (sign * least - at_a) / (at_b - at_a) * (b - a);
-    if (sign * at_a < least)
-      a = border, at_a = sign * least;
-    else if (sign * at_b < least)
-      b = border, at_b = sign * least;
-    pad = glm::dvec2(4 * reach_ / std::min(std::abs(at_a), std::abs(at_b)));
+    const int axis = face / 2;
+    const bool is_a_before = sign * a[axis] < least, is_b_before = sign * b[axis] < least;
+    if (is_a_before && is_b_before) return false;
+    if (is_a_before || is_b_before) {
+      glm::dvec3 border = a + (sign * least - a[axis]) / (b[axis] - a[axis]) * (b - a);
+      border[axis] = sign * least;
+      (is_a_before ? a : b) = border;
+    }
+    pad = glm::dvec2(4 * reach_ / std::min(std::abs(a[axis]), std::abs(b[axis])));
   }
   const glm::dvec3 one = seen(face, a), other = seen(face, b);
   const glm::dvec2 low = glm::min(glm::dvec2(one), glm::dvec2(other)) - pad - 1e-9,

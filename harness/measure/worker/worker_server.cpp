@@ -165,9 +165,6 @@ class TechniqueServer {
         .global_samples = request.global_samples,
         .done = &done.value()};
     if (!holder.lights.empty()) missing.light = holder.lights[0];
-    if (request.global_samples != 0 && (!missing.light || !has_area(*missing.light) || request.global_samples < ray_lanes))
-      throw Error("all light of {} samples a pixel is asked for; {} or more of a light with area are wanted",
-                  request.global_samples, ray_lanes);
     write_file(request.out, tracer_->make(missing));
     return {};
   }
