@@ -186,7 +186,7 @@ pid_t fork_kept(const std::function<void()>& body, int last_words) {
   int pipe_ends[2] = {-1, -1};
   if (pipe2(pipe_ends, O_CLOEXEC) != 0) return -1;
   const int nothing = open("/dev/null", O_RDWR | O_CLOEXEC);
-  // Blocked before there is a keeper: a handler of the program's, which it inherits, would tell the program of what it is told.
+  // Blocked before the fork: the keeper inherits the program's handlers, and one may write to a pipe that both share.
   sigset_t told, before;
   sigemptyset(&told);
   for (const int signal : {SIGCHLD, SIGTERM, SIGINT, SIGHUP, SIGQUIT}) sigaddset(&told, signal);

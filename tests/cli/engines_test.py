@@ -8,7 +8,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import GONE, HUNG, NUMBERS, ProgramTest, records, wait_until  # noqa: E402
+from program import GONE, HUNG, NUMBERS, PROGRAM_SHEET, ProgramTest, records, wait_until  # noqa: E402
 
 ENGINES = ("cycles", "ogre", "open_scene_graph", "pov_ray", "three_js")
 # What each of these prints says who it is, as the true ones do.
@@ -67,13 +67,7 @@ class Lit(Engine):
 
 serve(Lit)
 """
-LIT_SHEET = """title = "T"
-summary = "S."
-source = "None."
-error = "E."
-fails = "F."
-command = ["/usr/bin/python3", "-B", "lit_engine.py"]
-"""
+LIT_SHEET = PROGRAM_SHEET.format(id="lit_engine").replace("-IB", "-B")  # not isolated: it imports gnomon_engine
 
 
 def is_there(process):

@@ -100,6 +100,24 @@ void print_notes(const std::vector<std::string>& notes) {
   for (const std::string& note : notes) print_notice("{}\n", note);
 }
 
+/// Items in the order of the file; of a job that was run again its last one, in the place of the first.
+template <class Item>
+class LastOfJobs {
+ public:
+  std::vector<Item> items;
+
+  void add(const std::string& job, Item item) {
+    const auto [place, is_new] = place_of_job_.try_emplace(job, items.size());
+    if (is_new || job.empty())
+      items.push_back(std::move(item));
+    else
+      items[place->second] = std::move(item);
+  }
+
+ private:
+  std::unordered_map<std::string, std::size_t> place_of_job_;
+};
+
 /// Where a record lies in a table: place_of answers its suite and its place there.
 template <class Item, class PlaceOf>
 void sort_by_suite(std::vector<Item>& items, const PlaceOf& place_of) {
@@ -115,16 +133,12 @@ void sort_by_suite(std::vector<Item>& items, const PlaceOf& place_of) {
 }  // namespace
 
 RecordFile read_record_file(const fs::path& file) {
-  RecordFile result;
-  std::unordered_map<std::string, std::size_t> place_of_job;
-  result.notes = for_each_record(file, [&](Record&& record, std::streamoff) {
-    const auto [place, is_new] = place_of_job.try_emplace(record.job, result.records.size());
-    if (is_new || record.job.empty())
-      result.records.push_back(std::move(record));
-    else
-      result.records[place->second] = std::move(record);
+  LastOfJobs<Record> records;
+  std::vector<std::string> notes = for_each_record(file, [&](Record&& record, std::streamoff) {
+    const std::string job = record.job;
+    records.add(job, std::move(record));
   });
-  return result;
+  return {std::move(records.items), std::move(notes)};
 }
 
 RecordLines::RecordLines(const fs::path& dir, const std::function<void(const Record&)>& seen)
@@ -134,21 +148,15 @@ RecordLines::RecordLines(const fs::path& dir, const std::function<void(const Rec
     std::string suite;
     std::uint64_t place;
   };
-  std::vector<Line> lines;
-  std::unordered_map<std::string, std::size_t> place_of_job;
+  LastOfJobs<Line> lines;
   const std::vector<std::string> notes = for_each_record(file_, [&](Record&& record, std::streamoff start) {
-    const Line line{starts_.size(), record.suite, record.place};
+    lines.add(record.job, {starts_.size(), record.suite, record.place});
     starts_.push_back(start);
-    const auto [place, is_new] = place_of_job.try_emplace(record.job, lines.size());
-    if (is_new || record.job.empty())
-      lines.push_back(line);
-    else
-      lines[place->second] = line;
     if (seen) seen(record);
   });
   print_notes(notes);
-  sort_by_suite(lines, [](const Line& line) { return std::pair(std::string_view(line.suite), line.place); });
-  for (const Line& line : lines) order_.push_back(line.number);
+  sort_by_suite(lines.items, [](const Line& line) { return std::pair(std::string_view(line.suite), line.place); });
+  for (const Line& line : lines.items) order_.push_back(line.number);
   stream_ = opened(file_);
 }
 
