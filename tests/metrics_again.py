@@ -29,21 +29,28 @@ def root_mean_square(values):
     return math.sqrt(mean(values**2))
 
 
+def is_wrong(e):
+    """Pixels whose |V - V_ref| is above 1/2, or is 1/2 with the reference above it."""
+    off = np.abs(e.mask - e.reference)
+    return (off > 0.5) | ((off == 0.5) & (e.reference > 0.5))
+
+
 def error_rates(e):
-    """Shares of the pixels of T, and of T + G + S + U, with |V - V_ref| > 1/2, of T by its sign; means over T of |V - V_ref|, of errors."""
+    """Means over T of |V - V_ref|, of V its best constant, of errors; shares of the pixels of T, and of T + G + S + U, that are wrong, of T by sign."""
     difference = e.mask - e.reference
-    wrong, tested = np.abs(difference) > 0.5, e.tested
-    rates = {
+    wrong, tested = is_wrong(e), e.tested
+    reference = e.reference[tested]
+    return {
+        "error": mean(np.abs(difference)[tested]),
+        "constant_error": mean(np.abs(reference - np.median(reference))) if reference.size else math.nan,
         "wrong_rate": mean(wrong[tested]),
         "wrong_rate_all": mean(wrong[e.facing]),
-        "false_dark_rate": mean((difference < -0.5)[tested]),
-        "false_lit_rate": mean((difference > 0.5)[tested]),
-        "error_mean": mean(np.abs(difference)[tested]),
+        "false_dark_rate": mean((wrong & (difference < 0))[tested]),
+        "false_lit_rate": mean((wrong & (difference > 0))[tested]),
         "reference_error_mean": mean(e.error[tested]) if e.has_area else math.nan,
         "other_error_mean": mean(np.abs(e.mask - e.other)[tested]) if e.has_area else math.nan,
         "tested_share": share(tested.sum(), e.facing.sum()),
     }
-    return rates | {"error": rates["error_mean" if e.has_area else "wrong_rate"]}
 
 
 def distances(marked):
@@ -88,7 +95,7 @@ def cosine(e):
 
 def binned_rates(e):
     """Wrong rate of the pixels of T in each bin: a bin holds what is above the end of the one before it, up to its own."""
-    wrong = np.abs(e.mask - e.reference) > 0.5
+    wrong = is_wrong(e)
     edge = distances(beside_boundary(e.reference, e.facing))
     angle = np.degrees(np.arcsin(np.clip(cosine(e), -1, 1)))
     rates = {}

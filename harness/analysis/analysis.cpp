@@ -198,32 +198,19 @@ std::optional<double> quantity(const Record& r, std::string_view wanted) {
 }
 
 std::optional<double> error_floor(const Record& r, std::string_view wanted) {
-  if (r.answer != AnswerKind::fraction || (wanted != "error" && wanted != "error_mean")) return std::nullopt;
+  if (r.answer != AnswerKind::fraction || wanted != "error") return std::nullopt;
   return r.metric("reference_error_mean");
+}
+
+std::optional<double> gain_over_constant(const Record& r) {
+  const std::optional<double> error = r.metric("error"), constant = r.metric("constant_error");
+  return error && constant ? std::optional(*constant - *error) : std::nullopt;
 }
 
 std::string_view lights_text(AnswerKind answer) {
   static constexpr std::string_view texts[] = {" under lights without area", " under lights with area",
                                                " under several lights together"};
   return texts[static_cast<std::size_t>(answer)];
-}
-
-bool LightCounts::is_mixed() const {
-  return std::ranges::count_if(rows, [](std::size_t count) { return count > 0; }) > 1;
-}
-
-std::optional<AnswerKind> LightCounts::only() const {
-  if (is_mixed()) return std::nullopt;
-  for (const AnswerKind of : all_answer_kinds)
-    if (rows[static_cast<std::size_t>(of)] > 0) return of;
-  return std::nullopt;
-}
-
-LightCounts count_lights(std::span<const Record> records) {
-  LightCounts counts;
-  for (const Record& r : records)
-    if (r.status == Status::ok && r.metric("error")) counts.add(r.answer);
-  return counts;
 }
 
 namespace {

@@ -1,7 +1,6 @@
 #pragma once
 #include <gnomon/kit/random.h>
 
-#include <array>
 #include <compare>
 #include <functional>
 #include <optional>
@@ -91,21 +90,15 @@ std::optional<double> scene_parameter(const std::string& scene, std::string_view
 std::optional<Stage> stage_of_time(std::string_view quantity);
 /// Anything in a record that has one number: a metric (headline truth), `cause.NAME` (share of T), STAGE_ms, bytes, peak_bytes.
 std::optional<double> quantity(const Record& record, std::string_view name);
-/// Of a mean error under a light with area (`error`, `error_mean`) the reference's own: a smaller one may be the reference's.
-/// Nothing of other quantities and lights.
+/// Of the error under a light with area the reference's own: a smaller one may be the reference's. Nothing of other quantities
+/// and lights.
 std::optional<double> error_floor(const Record& record, std::string_view quantity);
-/// Rows of each kind of answer: the metric `error` means something else in each.
-struct LightCounts {
-  std::array<std::size_t, std::size(all_answer_kinds)> rows{};
-  /// The only one that there is; nothing where there are none or several.
-  std::optional<AnswerKind> only() const;
-  bool is_mixed() const;
-  void add(AnswerKind of) { ++rows[static_cast<std::size_t>(of)]; }
-};
+/// How far the row's error lies below that of the best constant mask at its place; nothing where the record does not say.
+std::optional<double> gain_over_constant(const Record& record);
+/// Whether a row may be called best: its error is below that of the best constant mask, or that is not known.
+inline bool beats_constant(const Record& record) { return gain_over_constant(record).value_or(1) > 0; }
 /// " under lights with area".
 std::string_view lights_text(AnswerKind answer);
-/// Of the rows that have the metric `error`.
-LightCounts count_lights(std::span<const Record> records);
 /// Throws Error with the nearest name when no record has it.
 void require_quantity(std::span<const Record> records, std::string_view name);
 /// "lower" or "higher"; "lower" for times, sizes and causes, "" where a metric has no direction.

@@ -110,23 +110,6 @@ void compare_parameters(RowChange& row) {
   if (!changes.empty()) row.notes.push_back(fmt::format("parameters changed: {}", joined(changes, ", ")));
 }
 
-/// The metric that a row is judged by, and the one that says the same.
-struct Headline {
-  std::string_view metric, twin;
-};
-
-Headline headline_of(const Record& record) {
-  switch (record.answer) {
-    case AnswerKind::binary:
-      return {"wrong_rate", "error"};
-    case AnswerKind::fraction:
-      return {"error", "error_mean"};
-    case AnswerKind::received:
-      return {"error", "received_error_rms"};
-  }
-  return {};
-}
-
 /// The greater of the floors of both rows.
 std::optional<double> common_floor(const RowChange& row, Truth truth) {
   if (row.contender->answer != AnswerKind::fraction) return std::nullopt;
@@ -138,15 +121,13 @@ std::optional<double> common_floor(const RowChange& row, Truth truth) {
 /// Metrics against one truth that both runs have: one that only the newer program knows has not changed.
 std::vector<MetricChange> changed_metrics(const RowChange& row, Truth truth, double error_threshold) {
   std::vector<MetricChange> changes;
-  const Headline headline = headline_of(*row.contender);
   const auto b = row.base->metrics.find(truth), c = row.contender->metrics.find(truth);
   if (b == row.base->metrics.end() || c == row.contender->metrics.end()) return changes;
   for (const MetricInfo& info : metric_infos()) {
     const auto before = b->second.find(info.name), after = c->second.find(info.name);
     if (before == b->second.end() || after == c->second.end() || before->second == after->second) continue;
-    if (info.name == headline.twin) continue;
     MetricChange change{truth, std::string(info.name), before->second, after->second, false, {}};
-    if (info.name == headline.metric) {
+    if (info.name == "error") {
       change.floor = common_floor(row, truth);
       change.is_regression = truth == row.contender->truth && change.base &&
                              (!change.contender || *change.contender - *change.base > error_threshold);

@@ -37,8 +37,7 @@ struct StageChange {
   bool is_regression = false;
 };
 
-/// A metric that is not the same in both runs. Metrics repeat bit for bit, so every change has a cause. What says the same as
-/// another one stands once: `error` is wrong_rate under lights without area, and stands for error_mean under lights with area.
+/// A metric that is not the same in both runs. Metrics repeat bit for bit, so every change has a cause.
 struct MetricChange {
   Truth truth = Truth::shape;
   std::string metric;

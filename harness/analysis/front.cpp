@@ -30,16 +30,36 @@ void add_relative_costs(Field& field) {
   }
 }
 
-/// Adds the row's error, one of `count`, to the means of the candidate.
-void add_error(Candidate& candidate, const Record& r, const FieldOptions& options, std::size_t count) {
-  candidate.error += *quantity(r, options.error) / static_cast<double>(count);
-  const std::optional<double> floor = error_floor(r, options.error);
-  if (floor) candidate.floor = candidate.floor.value_or(0) + *floor / static_cast<double>(count);
+/// The mean of what `of` says of the rows; nothing where it says nothing of one.
+template <class Of>
+std::optional<double> mean(std::span<const Record* const> rows, const Of& of) {
+  double sum = 0;
+  for (const Record* row : rows) {
+    const std::optional<double> one = of(*row);
+    if (!one) return std::nullopt;
+    sum += *one;
+  }
+  return rows.empty() ? std::nullopt : std::optional(sum / static_cast<double>(rows.size()));
+}
+
+std::optional<double> constant_error(std::span<const Record* const> rows) {
+  return mean(rows, [](const Record& r) { return r.metric("constant_error"); });
+}
+
+/// How far the setting of these rows, one a place, is off.
+Candidate candidate_of(std::span<const Record* const> rows, const FieldOptions& options) {
+  const Record& first = *rows.front();
+  return {.setting = setting_name(first),
+          .technique = first.technique,
+          .role = first.role,
+          .error = *mean(rows, [&](const Record& r) { return quantity(r, options.error); }),
+          .floor = mean(rows, [&](const Record& r) { return error_floor(r, options.error); }),
+          .gain_over_constant = mean(rows, gain_over_constant)};
 }
 
 Candidate candidate_of(const Record& r, const FieldOptions& options) {
-  Candidate candidate{.setting = setting_name(r), .technique = r.technique, .role = r.role};
-  add_error(candidate, r, options, 1);
+  const Record* const rows[] = {&r};
+  Candidate candidate = candidate_of(rows, options);
   candidate.cost = cost_of(r, options.cost);
   candidate.time = options.cost == Cost::bytes ? cost_of(r, Cost::light) : candidate.cost;
   if (r.bytes) candidate.bytes = static_cast<double>(*r.bytes);
@@ -48,8 +68,7 @@ Candidate candidate_of(const Record& r, const FieldOptions& options) {
 
 /// Over all places: means of what the rows of one setting measured.
 Candidate mean_of(const std::vector<const Record*>& rows, const FieldOptions& options) {
-  const Record& first = *rows.front();
-  Candidate candidate{.setting = setting_name(first), .technique = first.technique, .role = first.role};
+  Candidate candidate = candidate_of(rows, options);
   const auto geometric_cost = [&](Cost cost) -> std::optional<ValueWithInterval> {
     std::vector<double> sizes;
     std::vector<Sample> samples;
@@ -67,7 +86,6 @@ Candidate mean_of(const std::vector<const Record*>& rows, const FieldOptions& op
     const bool is_nothing = std::ranges::any_of(sizes, [](double size) { return size <= 0; });
     return ValueWithInterval(is_nothing ? 0 : geometric_mean(sizes));
   };
-  for (const Record* row : rows) add_error(candidate, *row, options, rows.size());
   candidate.cost = geometric_cost(options.cost);
   candidate.time = options.cost == Cost::bytes ? geometric_cost(Cost::light) : candidate.cost;
   if (const auto bytes = geometric_cost(Cost::bytes)) candidate.bytes = bytes->value;
@@ -76,7 +94,7 @@ Candidate mean_of(const std::vector<const Record*>& rows, const FieldOptions& op
 
 /// The field over all places of a kind of light, from the rows of each setting in order of appearance.
 Field overall(RowsBySetting settings, const FieldOptions& options, AnswerKind answer) {
-  Field field{.place = {}, .answer = answer, .places = 0, .candidates = {}, .notes = {}};
+  Field field{.place = {}, .answer = answer, .candidates = {}, .notes = {}};
   std::set<Place> common;
   while (!settings.empty()) {
     common = common_places(settings, &RowsBySetting::value_type::second);
@@ -93,6 +111,7 @@ Field overall(RowsBySetting settings, const FieldOptions& options, AnswerKind an
     for (const auto& [place, row] : rows)
       if (common.contains(place)) compared.push_back(row);
     field.candidates.push_back(mean_of(compared, options));
+    field.constant = constant_error(compared);
   }
   add_relative_costs(field);
   return field;
@@ -131,7 +150,10 @@ std::vector<Field> find_fields(std::span<const Record> records, const FieldOptio
   for (const Record& r : records) {
     if (r.status != Status::ok || !has_error(r)) continue;
     const auto [found, is_new] = places.try_emplace(place_of(r), fields.size());
-    if (is_new) fields.push_back({.place = place_of(r), .answer = r.answer, .places = 1, .candidates = {}, .notes = {}});
+    const Record* const here[] = {&r};
+    if (is_new)
+      fields.push_back(
+          {.place = place_of(r), .answer = r.answer, .constant = constant_error(here), .candidates = {}, .notes = {}});
     fields[found->second].candidates.push_back(candidate_of(r, options));
   }
   const auto competes = [](const Candidate& c) { return c.role == Role::contender; };
@@ -158,16 +180,17 @@ std::vector<const Field*> overall_fields(std::span<const Field> fields) {
 }
 
 std::string_view name(Standing standing) {
-  static constexpr std::string_view names[] = {"front", "unclear", "beaten", "aside"};
+  static constexpr std::string_view names[] = {"front", "unclear", "beaten", "constant", "aside"};
   return names[static_cast<int>(standing)];
 }
 
 std::vector<FrontEntry> find_front(const Field& field, std::string_view direction) {
-  const auto competes = [](const Candidate& c) { return c.role == Role::contender && c.cost; };
+  const auto competes = [](const Candidate& c) { return c.may_be_best() && c.cost; };
   std::vector<FrontEntry> stands;
   for (const Candidate& mine : field.candidates) {
     FrontEntry stand;
     if (!competes(mine)) {
+      if (mine.role == Role::contender && mine.cost) stand.standing = Standing::constant;
       stands.push_back(stand);
       continue;
     }
@@ -204,7 +227,7 @@ Budgets round_budgets(std::span<const Field> fields, std::size_t most) {
   Range times, memories, errors;
   for (const Field& field : fields)
     for (const Candidate& c : field.candidates) {
-      if (c.role != Role::contender) continue;
+      if (!c.may_be_best()) continue;
       if (c.time) times.add(c.time->value);
       if (c.bytes) memories.add(*c.bytes / (1024 * 1024));
       errors.add(c.error);
@@ -221,7 +244,7 @@ std::vector<Best> find_best(const Field& field, const Budgets& budgets, std::str
   // The winner among those that `keeps` allows, by `beats`; `ties` says who is as good.
   const auto choose = [&](std::string what, double budget, auto keeps, auto beats, auto ties) {
     Best best{.what = std::move(what), .budget = budget, .winner = {}, .also = {}};
-    const auto competes = [&](const Candidate& c) { return c.role == Role::contender && keeps(c); };
+    const auto competes = [&](const Candidate& c) { return c.may_be_best() && keeps(c); };
     for (std::size_t i = 0; i < all.size(); ++i)
       if (competes(all[i]) && (!best.winner || beats(all[i], all[*best.winner]))) best.winner = i;
     for (std::size_t i = 0; best.winner && i < all.size(); ++i)

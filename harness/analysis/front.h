@@ -10,10 +10,15 @@ struct Candidate {
   double error = 0;  ///< over all places: the mean
   /// Of mean errors under lights with area the reference's own mean error, shown beside; over all places: the mean.
   std::optional<double> floor = {};
+  /// Over all places: the mean (see gain_over_constant); nothing where a record does not say.
+  std::optional<double> gain_over_constant = {};
   std::optional<ValueWithInterval> cost = {};  ///< over all places: the geometric mean
   std::optional<ValueWithInterval> time = {};  ///< the same, in milliseconds also where the cost is memory
   std::optional<double> bytes = {};            ///< over all places: the geometric mean
   ValueWithInterval relative_cost = {};        ///< to the cheapest contender of the field
+
+  /// Whether it may be on a front and meet a budget.
+  bool may_be_best() const { return role == Role::contender && gain_over_constant.value_or(1) > 0; }
 };
 
 /// Candidates that may be compared with one another.
@@ -21,6 +26,7 @@ struct Field {
   std::optional<Place> place;              ///< nothing: over all places
   AnswerKind answer = AnswerKind::binary;  ///< of its places
   std::size_t places = 1;                  ///< how many it covers
+  std::optional<double> constant = {};     ///< error of the best constant mask, over all places the mean
   std::vector<Candidate> candidates;
   std::vector<std::string> notes;  ///< who is left out, and why
 };
@@ -44,7 +50,8 @@ enum class Standing {
   front,    ///< no contender is at least as good in both and better in one
   unclear,  ///< beaten by value, but the costs' intervals overlap with those of all who beat it
   beaten,
-  aside,  ///< reference, baseline, or without a cost: no contender that can be placed
+  constant,  ///< a contender that errs as much as the best constant mask, or more
+  aside,     ///< reference, baseline, or without a cost: no contender that can be placed
 };
 std::string_view name(Standing standing);
 

@@ -21,6 +21,7 @@ std::string shown_value(const Json& value) {
 struct Measured {
   double value = 0;
   bool is_fraction = false;  ///< the answer, where the light is part of the place
+  double gain = 0;           ///< over the best constant mask; infinite where the record does not say
 };
 
 /// One setting of a technique: its parameters and what it measured where.
@@ -92,11 +93,15 @@ Map make_map(const std::vector<Setting>& members, const Axes& axes, const std::s
   for (const Place& place : places) map.places_with_fractions += members.front().measured.at(place).is_fraction;
   for (const std::string& facet : axes.facets) map.facet.emplace_back(facet, members.front().values.at(facet));
   for (const Setting& member : members) {
-    double sum = 0;
-    for (const Place& place : places) sum += member.measured.at(place).value;
+    double sum = 0, gain = 0;
+    for (const Place& place : places) {
+      sum += member.measured.at(place).value;
+      gain += member.measured.at(place).gain;
+    }
     const std::size_t row = axes.y.empty() ? 0 : index_of(map.ys, member.values.at(axes.y));
-    map.cells[row * map.xs.size() + index_of(map.xs, member.values.at(axes.x))].value =
-        sum / static_cast<double>(places.size());
+    Map::Cell& cell = map.cells[row * map.xs.size() + index_of(map.xs, member.values.at(axes.x))];
+    cell.value = sum / static_cast<double>(places.size());
+    cell.may_be_best = gain > 0;
   }
   return map;
 }
@@ -107,9 +112,9 @@ void mark_best(std::span<Map> maps, std::string_view direction) {
   std::optional<double> best;
   for (const Map& map : maps)
     for (const Map::Cell& cell : map.cells)
-      if (cell.value && (!best || is_better(direction, *cell.value, *best))) best = cell.value;
+      if (cell.value && cell.may_be_best && (!best || is_better(direction, *cell.value, *best))) best = cell.value;
   for (Map& map : maps)
-    for (Map::Cell& cell : map.cells) cell.is_best = cell.value && cell.value == best;
+    for (Map::Cell& cell : map.cells) cell.is_best = cell.may_be_best && cell.value && cell.value == best;
 }
 
 void make_technique_maps(const std::string& technique, const std::vector<Setting>& settings,
@@ -169,7 +174,8 @@ void add_row(const Record& r, double value, const std::set<std::string>& axes, T
   Setting& setting = technique.settings[key];
   if (setting.measured.empty()) technique.order.push_back(key);
   setting.values = std::move(values);
-  setting.measured[place] = {value, r.answer == AnswerKind::fraction && !place.light.empty()};
+  setting.measured[place] = {value, r.answer == AnswerKind::fraction && !place.light.empty(),
+                             gain_over_constant(r).value_or(INFINITY)};
 }
 
 }  // namespace

@@ -20,7 +20,8 @@ struct Map {
   std::vector<std::string> xs, ys;  ///< their values in order: numbers by size, words by appearance
   struct Cell {
     std::optional<double> value;
-    bool is_best = false;  ///< no cell of any map of the technique is better
+    bool may_be_best = true;  ///< it errs less than the best constant mask of the same places
+    bool is_best = false;     ///< no cell of any map of the technique that may be is better
   };
   std::vector<Cell> cells;                ///< xs.size() * ys.size(), row by row of y
   std::size_t places = 0;                 ///< that the means cover

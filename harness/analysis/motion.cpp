@@ -49,10 +49,4 @@ std::vector<Motion> find_motion(std::span<const Record> records, const std::stri
   return rows;
 }
 
-LightCounts count_lights(std::span<const Motion> motions) {
-  LightCounts counts;
-  for (const Motion& motion : motions) counts.add(motion.record->answer);
-  return counts;
-}
-
 }  // namespace gnomon

@@ -19,7 +19,4 @@ struct Motion {
 /// when none has this metric.
 std::vector<Motion> find_motion(std::span<const Record> records, const std::string& error = "error");
 
-/// Of the rows of these motions.
-LightCounts count_lights(std::span<const Motion> motions);
-
 }  // namespace gnomon

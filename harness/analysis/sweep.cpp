@@ -82,8 +82,6 @@ Sweeps find_sweeps(std::span<const Record> records, const std::string& parameter
       continue;
     }
     sweeps.repeated += repeated;
-    if (std::ranges::any_of(sweep.points, [](const Sweep::Point& point) { return point.value.has_value(); }))
-      sweeps.lights.add(series.rows.front().second->answer);
     add_once(sweeps.places, sweep.place);
     sweeps.rows.push_back(std::move(sweep));
   }

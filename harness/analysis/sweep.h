@@ -23,7 +23,6 @@ struct Sweeps {
   std::size_t single = 0;          ///< series of one x, left out
   std::size_t repeated = 0;        ///< rows at an x that their series has already, left out
   std::vector<Place> places = {};  ///< of the rows, in their order
-  LightCounts lights = {};         ///< of the rows that have a value
 
   /// Every x that a row of this place has, in order.
   std::vector<double> xs(const Place& place) const;

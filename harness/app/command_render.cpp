@@ -109,22 +109,23 @@ Suite render_suite(const RenderOptions& options, const Contender& contender) {
   return suite;
 }
 
-/// One line: how wrong the mask is; under a light with area by how much it is off, beside the reference's own error; of several
-/// lights what is wrong with the light received.
+/// One line: the error and what it is read against; where the answer is binary how many pixels are wrong, of several lights
+/// what is wrong with the light received.
 std::string summary(const Record& record, const ErrorCounts& errors) {
-  const auto percent_of = [&](double part) { return errors.tested ? 100 * part / static_cast<double>(errors.tested) : 0.0; };
+  const auto percent = [&](std::string_view metric) {
+    const std::optional<double> value = record.metric(metric);
+    return value ? fmt::format("{:.4f} %", 100 * *value) : "-";
+  };
+  std::string text = fmt::format("error {} over {} tested pixels, best constant mask {}", percent("error"), errors.tested,
+                                 percent("constant_error"));
+  if (record.metric("reference_error_mean")) text += ", the reference's own " + percent("reference_error_mean");
   if (record.answer == AnswerKind::received)
-    return fmt::format("{} lights, error of the light received {:.4f} % (rms) over {} tested pixels, FLIP {:.4f}",
-                       record.lights.size(), 100 * record.metric("received_error_rms").value_or(0), errors.tested,
-                       record.metric("flip").value_or(0));
+    return fmt::format("{} lights, {}, light received {} (rms), FLIP {:.4f}", record.lights.size(), text,
+                       percent("received_error_rms"), record.metric("flip").value_or(0));
+  text += ", wrong " + percent("wrong_rate");
   if (record.answer == AnswerKind::binary)
-    return fmt::format("wrong {:.4f} % of {} tested pixels, false dark {}, false lit {}",
-                       percent_of(static_cast<double>(errors.wrong)), errors.tested, errors.false_dark, errors.false_lit);
-  const auto of_all_light = record.metric("radiosity_error");
-  return fmt::format("mean error {:.4f} % over {} tested pixels, the reference's own {:.4f} %, wrong {:.4f} %{}",
-                     percent_of(errors.error_sum), errors.tested, 100 * record.metric("reference_error_mean").value_or(0),
-                     percent_of(static_cast<double>(errors.wrong)),
-                     of_all_light ? fmt::format(", error of all light {:.2f} %", 100 * *of_all_light) : "");
+    text += fmt::format(", false dark {}, false lit {}", errors.false_dark, errors.false_lit);
+  return record.metric("radiosity_error") ? text + ", error of all light " + percent("radiosity_error") : text;
 }
 
 /// Renders the lights of a scene one after the other and writes what came out into the folders, which are published when all

@@ -4,11 +4,11 @@
 
 namespace gnomon {
 
-/// What is asked at every pixel, and so what a mask is judged by.
+/// What is asked at every pixel.
 enum class AnswerKind {
-  binary,    ///< whether the light arrives: judged by the wrong rate
-  fraction,  ///< what part of the light arrives: judged by the mean error
-  received,  ///< of several lights together, what part of their light the pixel receives: judged by the light received
+  binary,    ///< whether the light arrives
+  fraction,  ///< what part of the light arrives
+  received,  ///< of several lights together, what part of their light the pixel receives
 };
 inline constexpr AnswerKind all_answer_kinds[] = {AnswerKind::binary, AnswerKind::fraction, AnswerKind::received};
 inline constexpr std::string_view answer_kind_names[] = {"binary", "fraction", "received"};

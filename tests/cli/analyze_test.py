@@ -18,7 +18,7 @@ def record(technique="shadow_map", scene="soup", settings="", cost=1.0, wrong=0.
     """A line of records.jsonl made by hand: three processes, each cost the same."""
     parameters = dict(pair.split("=") for pair in settings.split(",") if pair)
     row = {
-        "schema": 3, "job": "", "scene": scene, "light": "point", "lights": [{"name": "point", "kind": "point", "answer": "binary"}], "answer": "binary",
+        "schema": 4, "job": "", "scene": scene, "light": "point", "lights": [{"name": "point", "kind": "point", "answer": "binary"}], "answer": "binary",
         "technique": technique, "settings": settings,
         "parameters": {key: json.loads(value) for key, value in parameters.items()}, "width": 640, "height": 360,
         "status": "ok", "role": "contender", "bytes": 1 << 20, "classes": {"T": 1000},
@@ -140,17 +140,38 @@ class Analyze(ProgramTest):
                                  "truth": ("aside", "")})
         text = self.succeed("analyze", run, "front")
         self.assertNotRegex(text, "(?m)^bad ")
-        self.assertIn("1 beaten settings are not shown", text)
+        self.assertIn("1 settings that are beaten or constant are not shown", text)
         self.assertRegex(self.succeed("analyze", run, "front", "--all"), r"(?m)^bad +20\.0 +10\.0 .*beaten \(slow\)")
         memory = {row["setting"]: row["standing"] for row in self.rows(run, "front", "--cost", "bytes")}
         self.assertEqual(memory, {"fast": "beaten", "slow": "front", "bad": "beaten", "truth": "aside"})
+
+    def test_what_does_not_beat_a_constant_mask_is_called_best_nowhere(self):
+        def rated(name, cost, error):
+            return record(name, cost=cost, metrics={"shape": {"error": error, "constant_error": 0.25, "wrong_rate": 0}})
+        run = self.run_of(rated("half", 1, 0.5), rated("constant", 2, 0.25), rated("map", 4, 0.2), rated("rays", 8, 0.1))
+        standings = {row["setting"]: row["standing"] for row in self.rows(run, "front")}
+        self.assertEqual(standings, {"half": "constant", "constant": "constant", "map": "front", "rays": "front"})
+        # However it is ranked: none of them is wrong anywhere.
+        standings = {row["setting"]: row["standing"] for row in self.rows(run, "front", "--error", "wrong_rate")}
+        self.assertEqual(standings, {"half": "constant", "constant": "constant", "map": "front", "rays": "beaten"})
+        best = [row["setting"] for row in self.rows(run, "best", "--times", "3,9", "--errors", "60")]
+        self.assertEqual(best, ["", "map", "map"])
+        text = self.succeed("analyze", run, "front")
+        self.assertIn("best constant mask 25.0 %", text)
+        self.assertIn("2 settings that are beaten or constant are not shown", text)
+        table = self.succeed("table", run, "--format", "md")
+        self.assertRegex(table, r"\| half \|[^*]*\n")
+        self.assertRegex(table, r"\| map \|.*\*\*4\.00\*\*")
+        self.assertIn("best constant mask: the least error of one value everywhere", table)
+        script = self.succeed("figure", run, "front", "--script")
+        self.assertIn("title 'best constant mask'", script)
 
     def test_budgets_are_given_in_the_units_that_tables_show(self):
         run = self.run_of(record("fast", cost=1, wrong=0.3), record("slow", cost=4, wrong=0.1))
         rows = self.rows(run, "best", "--times", "2,8", "--errors", "10,30")
         self.assertEqual([(row["limited"], float(row["budget"]), row["setting"]) for row in rows],
                          [("time", 2, "fast"), ("time", 8, "slow"), ("error", 0.1, "slow"), ("error", 0.3, "fast")])
-        self.assertRegex(self.succeed("analyze", run, "best", "--errors", "5"), r"(?m)^wrong ≤ 5 % +none +-")
+        self.assertRegex(self.succeed("analyze", run, "best", "--errors", "5"), r"(?m)^error ≤ 5 % +none +-")
 
     def test_a_map_is_a_pivot_for_people_and_tidy_for_programs(self):
         run = self.run_of(*(record(settings=f"bias={bias},resolution={size}", wrong=(abs(bias - 1) + 100 / size) / 10)
@@ -168,7 +189,7 @@ class Analyze(ProgramTest):
                           record("printed", "composite:object=cone,light_x=0"),
                           record("printed", "composite:object=cone,light_x=2", status="unsupported", reason="below", metrics={}))
         text = self.succeed("analyze", run, "sweep", "--x", "light_x")
-        self.assertRegex(text, r"\Awrong in % against light_x in m\n\ntechnique +0 +2 +5\n")
+        self.assertRegex(text, r"\Aerror in % against light_x in m\n\ntechnique +0 +2 +5\n")
         self.assertRegex(text, r"(?m)^composite:object=cone,light_x=\*, point\npaper +0 +2\.00 +5\.00\nexact +0 +0 +0\n"
                                r"printed +10\.0 +- +-\n")
         self.assertIn("\n-: no value; 1 not supported, 1 not run\n", text)
@@ -179,10 +200,10 @@ class Analyze(ProgramTest):
         times = self.rows(run, "sweep", "--x", "light_x", "--error", "relight_ms")
         self.assertEqual((times[0]["relight_ms"], times[0]["relight_ms_low"]), ("1", "1"))
 
-    def test_rows_under_lights_with_area_are_judged_by_their_mean_error(self):
+    def test_rows_of_all_kinds_are_judged_by_one_error(self):
         soft = {"light": "lamp", "light_kind": "disc", "lights": [{"name": "lamp", "kind": "disc", "answer": "fraction"}], "answer": "fraction"}
         def metrics(error):
-            return {"metrics": {"shape": {"error": error, "error_mean": error, "wrong_rate": 0, "reference_error_mean": 0.001}}}
+            return {"metrics": {"shape": {"error": error, "wrong_rate": 0, "reference_error_mean": 0.001}}}
         run = self.run_of(record("hard", wrong=0.2), record("soft", cost=2, **soft, **metrics(0.03)),
                           record("better", cost=4, **soft, **metrics(0.01)))
         rows = {row["setting"]: row for row in self.rows(run, "front")}
@@ -192,10 +213,8 @@ class Analyze(ProgramTest):
         text = self.succeed("analyze", run, "front")
         self.assertRegex(text, r"(?m)^soft +3\.00 +0\.10 +")
         self.assertRegex(text, r"(?m)^hard +20\.0 +- +")
-        self.assertIn("the wrong rate under lights without area, the mean error under lights with area", text)
         script = self.succeed("figure", run, "front", "--script")
-        self.assertIn("set ylabel 'wrong (%)'", script)
-        self.assertIn("set ylabel 'mean error (%)'", script)
+        self.assertEqual(script.count("set ylabel 'error (%)'"), 2)
         table = self.succeed("table", run, "--format", "md")
         self.assertRegex(table, r"\| lamp \| better \|.*\*\*1\.00\*\* \| 0\.10 \|")
         self.assertEqual(table.count("| technique |"), 2)

@@ -228,7 +228,7 @@ class Engines(ProgramTest):
             self.assertRegex(record["context"]["plugin"]["maker"], r"POV-Ray 3\.7")
         (record,) = records(self.dir / "soft")
         # An edge of a shadow crosses some 8 of the 64 cells of the grid, so that a share may be off by half of these.
-        self.assertLess(record["metrics"]["shape"]["error_mean"], 8 / 2 / 64)
+        self.assertLess(record["metrics"]["shape"]["error"], 8 / 2 / 64)
 
 
 if __name__ == "__main__":

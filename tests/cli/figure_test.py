@@ -28,7 +28,7 @@ class Figure(ProgramTest):
                     self.assertTrue((self.dir / out).read_bytes().startswith(head))
         self.assertEqual(len(self.names(self.dir)), 9)
         texts = " ".join(xml.etree.ElementTree.parse(self.dir / "figures/front.svg").getroot().itertext())
-        for text in ("relight + resolve (ms)", "wrong (%)", "shadow_map pcf", "planar_projected", "embree_rays (reference)"):
+        for text in ("relight + resolve (ms)", "error (%)", "shadow_map pcf", "planar_projected", "embree_rays (reference)"):
             self.assertIn(text, texts)
         self.assertNotIn("unshadowed", texts)
 
@@ -36,7 +36,7 @@ class Figure(ProgramTest):
     def test_a_sweep_names_its_settings_and_its_axes(self):
         self.succeed("figure", SHIPPED, "sweep", "--x", "resolution", "--filter", "bunny", "--out", "sweep.svg")
         texts = " ".join(xml.etree.ElementTree.parse(self.dir / "sweep.svg").getroot().itertext())
-        for text in ("resolution (texel)", "wrong (%)", "bunny", "shadow_map"):
+        for text in ("resolution (texel)", "error (%)", "bunny", "shadow_map"):
             self.assertIn(text, texts)
 
     @unittest.skipUnless(HAS_GNUPLOT, "there is no gnuplot")

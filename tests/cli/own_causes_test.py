@@ -130,7 +130,7 @@ class OwnCauses(ProgramTest):
         self.assertEqual(sum(light["causes"]["left_half"] for light in row["lights"]), row["causes"]["left_half"])
         self.assertGreater(row["causes"]["left_half"], 100)
         self.assertGreater(row["cause_errors"]["left_half"], 0)
-        self.assertAlmostEqual(sum(row["cause_errors"].values()), row["metrics"][row["truth"]]["error_mean"], delta=0.01)
+        self.assertAlmostEqual(sum(row["cause_errors"].values()), row["metrics"][row["truth"]]["error"], delta=0.01)
         self.succeed("report", "several")
         self.succeed("table", "several", "--rescore")
 

@@ -74,7 +74,7 @@ test("a signed difference has the color of its share of the scale, and the scale
   const mean = off.reduce((sum, d) => sum + Math.abs(d), 0) / off.length;
   const said = Number((await legendOf(page)).match(/mean size ([\d.]+)/)[1]);
   assert.ok(Math.abs(said - mean) < 0.03 * mean, `${said} ${mean}: two digits are said`);
-  const error = data.rows[rowOf(data, "center_ray")].values[data.columns.findIndex(({ name }) => name === "error_mean")];
+  const error = data.rows[rowOf(data, "center_ray")].values[data.columns.findIndex(({ name }) => name === "error")];
   assert.ok(Math.abs(mean - error) < 0.00025, `${mean} ${error}`);
   // Against B the difference turns round when both are exchanged.
   await page.locator("#pictures select[name=a]").selectOption({ label: "reference" });

@@ -85,7 +85,7 @@ test("the pictures of several lights are all together, and each alone", async ()
   await page.context().close();
 });
 
-test("the legend says the error of the light received, and none of one light's", async () => {
+test("the legend says the error of all together, and none of one light's", async () => {
   const page = await open(report);
   const pictures = page.locator("#pictures");
   await pictures.locator("select[name=picture]").selectOption({ label: "lamps.toml \u00b7 all+" });
@@ -93,10 +93,10 @@ test("the legend says the error of the light received, and none of one light's",
   await page.locator("input[name=mode][value=error]").check({ force: true });
   await settled(page);
   const legend = () => pictures.locator('ul[aria-label="Colors of the picture"]').textContent();
-  assert.match(await legend(), /light error [\d.]+ %, the reference's own [\d.]+ %/);
+  assert.match(await legend(), /error [\d.]+ %, the reference's own [\d.]+ %/);
   await pictures.locator("select[name=picture]").selectOption({ label: "lamps.toml \u00b7 all+: left alone" });
   await settled(page);
-  assert.doesNotMatch(await legend(), /light error|mean error/);
+  assert.doesNotMatch(await legend(), /error [\d.]+ %, the reference/);
   assert.deepEqual(page.troubles, []);
   await page.context().close();
 });

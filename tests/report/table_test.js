@@ -147,10 +147,10 @@ test("plots: a front that nothing beats, times by stage, growth, frames of the p
   await settled(page);
   assert.equal(await front.locator("svg g[data-mark=dot] path, svg g[data-mark=dot] circle").count(), measured.length);
   // The front's line has a corner for every contender that no other beats in both, and one more between each two.
-  const wrong = columns.findIndex((column) => column.name === "wrong_rate");
+  const [error, constant] = ["error", "constant_error"].map((name) => columns.findIndex((column) => column.name === name));
   const points = measured
-    .filter((row) => row.role === "contender")
-    .map((row) => ({ x: row.costs.light[0], y: row.values[wrong] }));
+    .filter((row) => row.role === "contender" && row.values[error] < row.values[constant])
+    .map((row) => ({ x: row.costs.light[0], y: row.values[error] }));
   const best = points.filter((p) => !points.some((q) => q !== p && q.x <= p.x && q.y <= p.y));
   const line = await front.locator("svg g[data-mark=line] path").getAttribute("d");
   assert.equal(line.split(/[MLHV]/).length - 2, 2 * (best.length - 1), line);

@@ -45,7 +45,7 @@ struct World {
         {scene, casters, gbuffer, light, r, mask, right_on_mesh, explain, LightShareKind::area, own_causes, rasterizes});
     EXPECT_EQ(found.size(), mask.size());
     for (std::size_t i = 0; i < found.size(); ++i)
-      EXPECT_EQ(found[i] != Cause::none, classes[i] == PixelClass::T && std::abs(mask[i] - truth[i]) > 0.5f) << i;
+      EXPECT_EQ(found[i] != Cause::none, classes[i] == PixelClass::T && is_wrong(mask[i], truth[i])) << i;
     Causes counts = count_causes(found, own_causes);
     std::erase_if(counts, [](const auto& item) { return item.second == 0; });
     return counts;
@@ -66,7 +66,7 @@ struct World {
   }
   std::uint64_t wrong() const {
     std::uint64_t count = 0;
-    for (std::size_t i = 0; i < mask.size(); ++i) count += classes[i] == PixelClass::T && std::abs(mask[i] - truth[i]) > 0.5f;
+    for (std::size_t i = 0; i < mask.size(); ++i) count += classes[i] == PixelClass::T && is_wrong(mask[i], truth[i]);
     return count;
   }
   /// The pixel whose point is nearest to (x, z) of the ground.

@@ -76,6 +76,7 @@ void Engine::Body::Side::count_wrong(const std::shared_ptr<const SideAnswer>& an
   const Scoring scoring(evidence);
   verdict->errors = scoring.error_counts();
   verdict->reference_error = measure_metric(scoring, "reference_error_mean");
+  verdict->constant_error = measure_metric(scoring, "constant_error");
   if (verdict->together) verdict->received_error = scoring.light_error().rms;
   body_.change([&](EngineState&) { state().verdict = verdict; });
 }
@@ -91,9 +92,11 @@ std::vector<std::vector<std::uint8_t>> Engine::Body::Side::right_on_mesh(
   if (ask_support(mesh_frame, "causes")) {
     const std::vector<std::vector<float>> masks = split_masks(resolve_mask(false), lights.size());
     for (std::size_t k = 0; k < lights.size(); ++k) {
-      const double most = answer_kind(frame.all_lights()[k]) == AnswerKind::fraction ? 4 * AreaTarget{}.error : 0.5;
+      const bool is_fraction = answer_kind(frame.all_lights()[k]) == AnswerKind::fraction;
+      const std::vector<float>& truth = lights[k]->on_mesh->mask;
       for (std::size_t i = 0; i < masks[k].size(); ++i)
-        right[k].push_back(std::abs(masks[k][i] - lights[k]->on_mesh->mask[i]) <= most);
+        right[k].push_back(is_fraction ? std::abs(masks[k][i] - truth[i]) <= 4 * AreaTarget{}.error
+                                       : !is_wrong(masks[k][i], truth[i]));
     }
   }
   ask_support(frame, "causes");

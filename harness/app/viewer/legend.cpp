@@ -226,16 +226,19 @@ std::span<const Tally> tallies(const Frame* frame) {
   static constexpr Tally received{
       "light error", "Root mean square error of the light that tested pixels receive of all lights, as a share of that light.",
       [](const Verdict& v) { return percent_or_none(v.received_error); }};
-  static constexpr Tally hard[] = {
-      {"wrong", "Share of the tested pixels that differ from the reference.",
-       [](const Verdict& v) { return percent_of(static_cast<double>(v.errors.wrong), v.errors.tested); }},
-      {"false dark", "Tested pixels that are dark where the reference is lit.",
-       [](const Verdict& v) { return fmt::format("{}", v.errors.false_dark); }},
-      {"false lit", "Tested pixels that are lit where the reference is dark.",
-       [](const Verdict& v) { return fmt::format("{}", v.errors.false_lit); }},
-      tested};
-  static constexpr Tally soft[] = {error, own, wrong, tested};
-  static constexpr Tally several[] = {received, error, own, tested};
+  static constexpr Tally constant{"constant",
+                                  "Error of the best mask of one value everywhere: what does not beat it is no shadow.",
+                                  [](const Verdict& v) { return percent_or_none(v.constant_error); }};
+  static constexpr Tally hard[] = {error,
+                                   constant,
+                                   wrong,
+                                   {"false dark", "Tested pixels that are dark where the reference is lit.",
+                                    [](const Verdict& v) { return fmt::format("{}", v.errors.false_dark); }},
+                                   {"false lit", "Tested pixels that are lit where the reference is dark.",
+                                    [](const Verdict& v) { return fmt::format("{}", v.errors.false_lit); }},
+                                   tested};
+  static constexpr Tally soft[] = {error, constant, own, wrong, tested};
+  static constexpr Tally several[] = {error, constant, own, received, tested};
   if (frame && frame->is_together()) return several;
   return frame && frame->has_shares() ? std::span<const Tally>(soft) : hard;
 }

@@ -84,6 +84,7 @@ struct Verdict {
   std::shared_ptr<const Together> together;         ///< of several lights; with their causes when these are known
   ErrorCounts errors;
   std::optional<double> reference_error;  ///< under a light with area: the reference's own mean error over T
+  std::optional<double> constant_error;   ///< of the best constant mask
   std::optional<double> received_error;   ///< of several lights: rms error of the light received, as a share of that
   bool has_causes = false;                ///< they are known
   std::vector<Cause> causes;              ///< empty until then

@@ -33,8 +33,11 @@ std::span<const ClassInfo> class_infos();
 /// Whether a visibility counts as light where only light and shadow are told apart: more than one half.
 constexpr bool is_lit(float visibility) { return visibility > 0.5f; }
 
-/// Whether a pixel of this visibility is wrong: it is off by more than one half.
-inline bool is_wrong(float visibility, float reference) { return std::abs(visibility - reference) > 0.5f; }
+/// Whether a pixel of this visibility is wrong: it is off by more than one half, or by one half and dark where the reference is
+/// lit. Against 0 and 1 that is what `is_lit` says.
+constexpr bool is_wrong(float visibility, float reference) {
+  return is_lit(reference) ? reference - visibility >= 0.5f : visibility - reference > 0.5f;
+}
 
 /// Whether float32 resolves a scene where it is: its longest side is at least 2^-12 of the largest coordinate of scene, finite
 /// light and eye, which is 256 rho. Where it does not, all that would be tested is uncertain.

@@ -144,6 +144,8 @@ void to_json(Json& json, const Record& r) {
   json = Json::object();
   json["schema"] = record_schema;
   json.update(written(r));
+  if (std::size(r.lights) == 1)
+    for (const char* key : {"classes", "metrics", "causes", "cause_errors"}) json["lights"].front().erase(key);
   json.update(r.unknown);
 }
 
@@ -165,8 +167,8 @@ void from_json(const Json& json, Record& record) {
   take("schema", schema);
   if (schema < record_schema)
     throw Error(
-        "schema = {} is that of an older program, this one reads {}: run the rows again, or, of schema 2, convert the "
-        "folder with scripts/convert_records",
+        "schema = {} is that of an older program, this one reads {}: run the rows again, or, of schema 2 and 3, convert "
+        "the folder with scripts/convert_records",
         schema, record_schema);
   if (schema > record_schema) throw Error("schema = {} is that of a newer program, this one reads {}", schema, record_schema);
   for_each_field(r, take);
@@ -178,6 +180,12 @@ void from_json(const Json& json, Record& record) {
     if (light.answer == AnswerKind::received) throw Error("lights.answer = received is not one of binary, fraction");
   const AnswerKind wanted = &r.lights.front() == &r.lights.back() ? r.lights.front().answer : AnswerKind::received;
   if (r.answer != wanted) throw Error("answer = {} is not {}, that of its lights", name(r.answer), name(wanted));
+  if (Record::LightFacts& first = r.lights.front(); std::size(r.lights) == 1) {
+    first.classes = r.classes;
+    if (const auto headline = r.metrics.find(r.truth); headline != r.metrics.end()) first.metrics = headline->second;
+    first.causes = r.causes;
+    first.cause_errors = r.cause_errors;
+  }
   record = std::move(r);
 }
 

@@ -20,7 +20,7 @@ namespace gnomon {
 
 /// Version of the record's fields: the one that is written and read. One more with every change; scripts/results --convert
 /// brings kept folders along.
-inline constexpr int record_schema = 3;
+inline constexpr int record_schema = 4;
 
 enum class Status { ok, unsupported, failed };
 std::string_view name(Status status);
@@ -98,7 +98,7 @@ struct Record {
     std::optional<Support::Kind> support;    ///< of several lights one that is unsupported casts no shadows
     std::string reason;
     std::optional<ReferenceFacts> reference;
-    // As in the record, of this light's mask. Of one light they are the record's.
+    // As in the record, of this light's mask. Of one light they are the record's, and stand in the file but once, there.
     std::map<std::string, std::uint64_t> classes;
     Metrics metrics;  ///< headline truth
     std::optional<std::map<std::string, std::uint64_t>> causes;
@@ -119,8 +119,8 @@ struct Record {
     std::array<std::uint8_t, 3> color{};  ///< sRGB
   };
   std::vector<OwnCauseFacts> own_causes;  ///< in the data sheet's order; empty where the technique has none
-  /// Under a light with area: what each cause holds of the mean error; they add up to `error_mean`. Of several lights: of
-  /// the mean error of the share of the light received, where pixels have the cause of the light that errs most.
+  /// Under a light with area: what each cause holds of the mean error; they add up to `error`. Of several lights: of the
+  /// error of the share of the light received, where pixels have the cause of the light that errs most.
   std::optional<std::map<std::string, double>> cause_errors;
   /// On a path: by metric, its value at every frame, headline truth.
   std::map<std::string, std::vector<std::optional<double>>> frames;

@@ -2,7 +2,6 @@
 #include "measure/score/metrics.h"
 
 #include <tbb/blocked_range.h>
-#include <tbb/parallel_invoke.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
@@ -10,9 +9,6 @@
 #include <numeric>
 
 #include "measure/frame/boundary.h"
-#include "measure/picture/picture.h"
-#include "measure/picture/shading.h"
-#include "measure/score/perceptual.h"
 #include "measure/statistics/statistics.h"
 
 namespace gnomon {
@@ -114,18 +110,31 @@ std::optional<double> mean_over_tested(const Scoring& s, std::span<const float> 
   return values.empty() ? std::nullopt : share(sum, s.error_counts().tested);
 }
 
+/// Of all numbers the median is the nearest to the reference in the mean.
+std::optional<double> constant_error(const Scoring& s) {
+  const Evidence& e = s.evidence();
+  std::vector<float> tested;
+  for (std::size_t i = 0; i < e.reference.size(); ++i)
+    if (e.classes[i] == PixelClass::T) tested.push_back(e.reference[i]);
+  if (tested.empty()) return std::nullopt;
+  const auto middle = tested.begin() + std::ssize(tested) / 2;
+  std::ranges::nth_element(tested, middle);
+  double sum = 0;
+  for (const float reference : tested) sum += std::abs(reference - *middle);
+  return share(sum, static_cast<double>(tested.size()));
+}
+
 constexpr MetricInfo metric_rows[] = {
     {"error", "", "lower",
-     "What a row is judged by: its wrong rate; under a light with area its mean error (error_mean); under several lights "
-     "together "
-     "that of the light received (received_error_rms).",
-     [](const Scoring& s) {
-       const AnswerKind kind = s.evidence().kind;
-       if (kind == AnswerKind::received) return s.light_error().rms;
-       const ErrorCounts& counts = s.error_counts();
-       return share(kind == AnswerKind::fraction ? counts.error_sum : static_cast<double>(counts.wrong), counts.tested);
-     }},
-    {"wrong_rate", "", "lower", "Share of the tested pixels (T) whose visibility is off by more than one half.",
+     "What every row is judged by: mean over the tested pixels (T) of the absolute difference from the reference, |V - V_ref|; "
+     "of several lights together V is the share of their light that a pixel receives.",
+     [](const Scoring& s) { return share(s.error_counts().error_sum, static_cast<double>(s.error_counts().tested)); }},
+    {"constant_error", "", "",
+     "Error of the best mask that has one value everywhere: a row that does not beat it says nothing of the shadow, and is "
+     "never called best.",
+     constant_error},
+    {"wrong_rate", "", "lower",
+     "Share of T whose visibility is off by more than one half, or by one half and dark where the reference is lit.",
      [](const Scoring& s) { return share(s.error_counts().wrong, s.error_counts().tested); }},
     {"wrong_rate_all", "", "lower", "The same over every pixel that faces the light (T, G, S and U): nothing hidden.",
      [](const Scoring& s) { return share(s.error_counts().wrong_facing, s.error_counts().facing); }},
@@ -133,8 +142,6 @@ constexpr MetricInfo metric_rows[] = {
      [](const Scoring& s) { return share(s.error_counts().false_dark, s.error_counts().tested); }},
     {"false_lit_rate", "", "lower", "Share of T that is lit where the reference is dark.",
      [](const Scoring& s) { return share(s.error_counts().false_lit, s.error_counts().tested); }},
-    {"error_mean", "", "lower", "Mean over T of the absolute difference from the reference.",
-     [](const Scoring& s) { return share(s.error_counts().error_sum, s.error_counts().tested); }},
     {"reference_error_mean", "", "",
      "Mean over T of the reference's own standard error under a light with area: no mean error below it can be told from 0.",
      [](const Scoring& s) { return mean_over_tested(s, s.evidence().reference_error, {}); }},
@@ -259,34 +266,6 @@ Displacement measure_displacement(const Evidence& e) {
   }
   return {std::accumulate(distances.begin(), distances.end(), 0.0) / static_cast<double>(distances.size()),
           quantile(distances, 0.95)};
-}
-
-LightError measure_light_error(const Evidence& e) {
-  if (!e.gbuffer || (!e.light && e.received.empty())) return {};
-  const std::vector<double> of_one = e.received.empty() ? received_light(*e.gbuffer, *e.light) : std::vector<double>();
-  const std::span<const double> received = e.received.empty() ? std::span(of_one) : e.received;
-  double tested = 0, sum = 0, squares = 0, whole = 0;
-  for (std::size_t i = 0; i < e.mask.size(); ++i) {
-    if (e.classes[i] != PixelClass::T) continue;
-    const double difference = received[i] * (static_cast<double>(e.mask[i]) - e.reference[i]);
-    const double right = received[i] * e.reference[i];
-    ++tested;
-    sum += std::abs(difference);
-    squares += difference * difference;
-    whole += right * right;
-  }
-  return {share(sum, tested), whole > 0 ? std::optional(std::sqrt(squares / whole)) : std::nullopt};
-}
-
-/// What a viewer sees of a wrong mask: the shaded picture against the reference's.
-Likeness measure_likeness(const Evidence& e) {
-  if (!e.scene || !e.gbuffer || (!e.light && e.received.empty())) return {};
-  const auto shaded = [&](std::span<const float> mask) {
-    return e.light ? shade(*e.scene, *e.gbuffer, *e.light, mask) : shade(*e.scene, *e.gbuffer, e.received, mask);
-  };
-  Picture ours, theirs;
-  tbb::parallel_invoke([&] { ours = shaded(e.mask); }, [&] { theirs = shaded(e.reference); });
-  return {ssim(theirs, ours), flip(theirs, ours)};
 }
 
 /// What `make` answers, made at the first call.

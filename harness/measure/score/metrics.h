@@ -120,6 +120,8 @@ std::span<const MetricInfo> metric_infos();
 
 // The bodies of metrics that fill a file of their own.
 Softness measure_softness(const Evidence& evidence);
+LightError measure_light_error(const Evidence& evidence);
+Likeness measure_likeness(const Evidence& evidence);
 
 /// Square meters that pixel i covers on the plane through its point, across its normal: the exact area of the quadrilateral
 /// that the pixel's four corner rays cut out. 0 for background, and for a pixel so flat to the eye's ray that the distance to

@@ -22,29 +22,10 @@ std::vector<std::string> analysis_kinds() {
   return names;
 }
 
-std::string error_heading(AnswerKind answer) {
-  static constexpr std::string_view headings[] = {"wrong", "mean error", "light error"};
-  return std::string(headings[static_cast<std::size_t>(answer)]);
-}
-
-Column quantity_column(const std::string& quantity, const LightCounts& lights) {
-  for (Column& column : all_columns({})) {
-    if (column.name != quantity) continue;
-    if (const auto only = lights.only(); quantity == "error" && only) column.heading = error_heading(*only);
-    return column;
-  }
+Column quantity_column(const std::string& quantity) {
+  for (Column& column : all_columns({}))
+    if (column.name == quantity) return column;
   return number_column(quantity, "", quantity);  // a metric that another version measured
-}
-
-std::vector<std::string> error_notes(const std::string& quantity, const LightCounts& lights) {
-  if (quantity != "error" || !lights.is_mixed()) return {};
-  static constexpr std::string_view meanings[] = {"the wrong rate under lights without area",
-                                                  "the mean error under lights with area",
-                                                  "that of the light received under several lights together"};
-  std::vector<std::string> here;
-  for (std::size_t k = 0; k < std::size(meanings); ++k)
-    if (lights.rows[k] > 0) here.emplace_back(meanings[k]);
-  return {"error: " + joined(here, ", ")};
 }
 
 std::string analyze(std::span<const Record> records, const std::string& kind, const AnalysisOptions& options, Format format,

@@ -26,12 +26,7 @@ std::vector<std::string> analysis_kinds();
 std::string analyze(std::span<const Record> records, const std::string& kind, const AnalysisOptions& options, Format format,
                     const TableOptions& table = {});
 
-/// The column that shows a quantity: its heading, unit and scale. `error` is called "wrong" where it is of lights without area
-/// alone, "mean error" where it is of lights with area alone.
-/// What `error` is called of rows of one kind of answer: "wrong", "mean error", "light error".
-std::string error_heading(AnswerKind answer);
-Column quantity_column(const std::string& quantity, const LightCounts& lights = {});
-/// What `error` is under which lights, where there are both kinds; nothing to say otherwise.
-std::vector<std::string> error_notes(const std::string& quantity, const LightCounts& lights);
+/// The column that shows a quantity: its heading, unit and scale.
+Column quantity_column(const std::string& quantity);
 
 }  // namespace gnomon

@@ -11,9 +11,10 @@ namespace {
 
 /// `is_mixed`: there are fields of both kinds of lights.
 std::string field_heading(const Field& field, std::span<const Place> places, bool is_mixed) {
-  if (field.place) return title(*field.place, places);
-  return fmt::format("over all {} places{} that these settings finished: mean error, geometric mean cost", field.places,
-                     is_mixed ? lights_text(field.answer) : "");
+  const std::string constant = field.constant ? fmt::format("; {}", constant_text(*field.constant)) : "";
+  if (field.place) return title(*field.place, places) + constant;
+  return fmt::format("over all {} places{} that these settings finished: mean error, geometric mean cost{}", field.places,
+                     is_mixed ? lights_text(field.answer) : "", constant);
 }
 
 /// The column of a cost in milliseconds or bytes.
@@ -49,9 +50,10 @@ void add_error_cells(Cells& cells, const Candidate& candidate, bool with_floor) 
   if (with_floor) cells.push_back(candidate.floor ? Cell{.value = *candidate.floor} : Cell{});
 }
 
-void add_error_notes(Layout& table, const AnalysisOptions& options, std::span<const Record> records, bool with_floor) {
-  for (const std::string& note : error_notes(options.metric, count_lights(records))) table.notes.push_back(note);
-  if (with_floor) table.notes.emplace_back("ref. error: the reference's own mean error: a smaller one may be the reference's");
+void add_error_notes(Layout& table, std::span<const Field> fields) {
+  if (has_floor(fields)) table.notes.emplace_back("ref. error: the reference's own: a smaller one may be the reference's");
+  if (std::ranges::any_of(fields, [](const Field& field) { return field.constant.has_value(); }))
+    table.notes.push_back(fmt::format("best constant mask: {}", constant_note));
 }
 
 std::vector<Column> front_columns(const Column& error, const Column& cost, std::span<const Field> fields) {
@@ -66,7 +68,7 @@ std::vector<Column> front_columns(const Column& error, const Column& cost, std::
   return columns;
 }
 
-/// "front", "beaten (SETTING)"; of those that do not compete why: "reference", "baseline", "no cost".
+/// "front", "beaten (SETTING)"; of those that do not compete why: "constant", "reference", "baseline", "no cost".
 std::string standing_text(const Candidate& candidate, const FrontEntry& stand) {
   if (stand.standing == Standing::aside)
     return candidate.role == Role::contender ? "no cost" : std::string(name(candidate.role));
@@ -103,7 +105,7 @@ Layout table_of(std::span<const Field> fields, std::string title, std::vector<Co
 
 Tables front_tables(std::span<const Record> records, const AnalysisOptions& options, Format) {
   const std::vector<Field> fields = find_fields(records, {.error = options.metric, .cost = options.cost});
-  const Column cost = cost_column(options.cost), error = quantity_column(options.metric, count_lights(records));
+  const Column cost = cost_column(options.cost), error = quantity_column(options.metric);
   const bool with_floor = has_floor(fields);
   Layout table = table_of(fields, fmt::format("Front of {} against {}", with_unit(error), sentence(options.cost)),
                           front_columns(error, cost, fields));
@@ -111,7 +113,8 @@ Tables front_tables(std::span<const Record> records, const AnalysisOptions& opti
   for (std::size_t k = 0; k < fields.size(); ++k) {
     const std::vector<FrontEntry> stands = find_front(fields[k], better(options.metric));
     for (const std::size_t i : order_by_cost(fields[k])) {
-      if (options.all || stands[i].standing != Standing::beaten)
+      const bool is_behind = stands[i].standing == Standing::beaten || stands[i].standing == Standing::constant;
+      if (options.all || !is_behind)
         table.groups[k].rows.push_back({.cells = front_cells(fields[k], fields[k].candidates[i], stands[i], cost, with_floor)});
       else
         ++hidden;
@@ -119,10 +122,12 @@ Tables front_tables(std::span<const Record> records, const AnalysisOptions& opti
   }
   table.notes.insert(table.notes.end(), {"front: no contender is at least as good in both and better in one",
                                          "unclear: beaten by value, but the intervals of the costs overlap",
+                                         "constant: errs as much as the best constant mask, or more",
                                          "relative: cost over that of the cheapest contender of the group"});
   if (options.cost != Cost::bytes) table.notes.emplace_back(interval_note);
-  add_error_notes(table, options, records, with_floor);
-  if (hidden > 0) table.notes.push_back(fmt::format("{} beaten settings are not shown; --all shows them", hidden));
+  add_error_notes(table, fields);
+  if (hidden > 0)
+    table.notes.push_back(fmt::format("{} settings that are beaten or constant are not shown; --all shows them", hidden));
   return {table};
 }
 
@@ -192,8 +197,7 @@ Tables best_tables(std::span<const Record> records, const AnalysisOptions& optio
   if (options.cost == Cost::bytes)
     throw Error("--cost bytes is for front; best takes resolve, light or geometry, and budgets of memory by --memories");
   const std::vector<Field> fields = find_fields(records, {.error = options.metric, .cost = options.cost});
-  const BestColumns columns{quantity_column(options.metric, count_lights(records)), quantity_column("resolve_ms"),
-                            quantity_column("bytes")};
+  const BestColumns columns{quantity_column(options.metric), quantity_column("resolve_ms"), quantity_column("bytes")};
   const bool with_floor = has_floor(fields);
   const Budgets budgets = budgets_of(options, columns, fields);
   const std::string_view direction = better(options.metric);
@@ -207,7 +211,7 @@ Tables best_tables(std::span<const Record> records, const AnalysisOptions& optio
   table.notes.emplace_back(
       "at equal time and memory the lowest error within the budget, at equal error the lowest time; as good: the same error, "
       "or a time whose interval overlaps");
-  add_error_notes(table, options, records, with_floor);
+  add_error_notes(table, fields);
   return {table};
 }
 

@@ -8,9 +8,9 @@ namespace gnomon::analysis {
 namespace {
 
 /// Of the first and the last point: times, or the quantity.
-std::vector<Column> value_columns(const Growths& growths, const LightCounts& lights) {
+std::vector<Column> value_columns(const Growths& growths) {
   if (growths.quantity.empty()) return {number_column("ms_from", "ms", "time from"), number_column("ms_to", "ms", "to")};
-  Column from = quantity_column(growths.quantity, lights), to = from;
+  Column from = quantity_column(growths.quantity), to = from;
   from.name += "_from";
   from.heading += " from";
   to.name += "_to";
@@ -18,7 +18,7 @@ std::vector<Column> value_columns(const Growths& growths, const LightCounts& lig
   return {from, to};
 }
 
-std::vector<Column> columns_of(const Growths& growths, const LightCounts& lights) {
+std::vector<Column> columns_of(const Growths& growths) {
   const bool is_time = growths.quantity.empty();
   std::vector<Column> columns = place_columns();
   const Column stage = text_column(is_time ? "stage" : "quantity", is_time ? "stage" : "quantity");
@@ -32,7 +32,7 @@ std::vector<Column> columns_of(const Growths& growths, const LightCounts& lights
   if (!is_time) columns.push_back(whole_column("rows", "", "rows"));
   columns.insert(columns.end(),
                  {whole_column("x_from", growths.unit, growths.axis + " from"), whole_column("x_to", growths.unit, "to")});
-  for (Column& column : value_columns(growths, lights)) columns.push_back(std::move(column));
+  for (Column& column : value_columns(growths)) columns.push_back(std::move(column));
   columns.push_back(for_programs(text_column("why_not", "why not")));
   return columns;
 }
@@ -89,7 +89,7 @@ Tables growth_tables(std::span<const Record> records, const AnalysisOptions& opt
   Layout table;
   table.title = fmt::format("Growth of {} with {}: {} = coefficient * {}^exponent", is_time ? "cost" : growths.quantity,
                             growths.axis, is_time ? "time" : growths.quantity, growths.axis);
-  table.columns = columns_of(growths, count_lights(records));
+  table.columns = columns_of(growths);
   add_groups(table, growths.rows, &Growth::place, [&](const Growth& growth) { return cells_of(growth, !is_time); });
   table.notes = notes_of(growths);
   if (std::ranges::none_of(growths.rows, [](const Growth& growth) { return growth.exponent.has_value(); }))

@@ -56,14 +56,9 @@ Layout map_rows(const std::vector<Map>& maps, const Column& quantity) {
 Tables map_tables(std::span<const Record> records, const AnalysisOptions& options, Format format) {
   const std::vector<Map> maps =
       make_maps(records, {.metric = options.metric, .x = options.x, .y = options.y, .facet = options.facet});
-  const Column quantity = quantity_column(options.metric, count_lights(records));
-  const std::vector<std::string> notes = error_notes(options.metric, count_lights(records));
+  const Column quantity = quantity_column(options.metric);
   Tables tables;
-  if (format == Format::csv || format == Format::json) {
-    tables.push_back(map_rows(maps, quantity));
-    tables.back().notes = notes;
-    return tables;
-  }
+  if (format == Format::csv || format == Format::json) return {map_rows(maps, quantity)};
   for (const Map& map : maps) {
     Layout& table = tables.emplace_back();
     if (&map == &maps.front() || format == Format::latex) table.title = map_title(map, quantity);
@@ -79,7 +74,6 @@ Tables map_tables(std::span<const Record> records, const AnalysisOptions& option
       }
     }
   }
-  tables.back().notes = notes;
   return tables;
 }
 

@@ -4,7 +4,7 @@ namespace gnomon::analysis {
 
 Tables motion_tables(std::span<const Record> records, const AnalysisOptions& options, Format) {
   const std::vector<Motion> motions = find_motion(records, options.metric);
-  const Column error = quantity_column(options.metric, count_lights(motions)), instability = quantity_column("instability");
+  const Column error = quantity_column(options.metric), instability = quantity_column("instability");
   Layout table;
   table.title = fmt::format("Along paths: instability, and {} of every frame", with_unit(error));
   table.columns = place_columns();
@@ -29,7 +29,6 @@ Tables motion_tables(std::span<const Record> records, const AnalysisOptions& opt
   });
   table.notes = {"instability: share of the tested pixels that flip from one frame to the next where the reference does not",
                  "frames are counted from 0"};
-  for (const std::string& note : error_notes(options.metric, count_lights(motions))) table.notes.push_back(note);
   return {table};
 }
 

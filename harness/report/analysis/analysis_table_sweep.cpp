@@ -90,7 +90,7 @@ std::vector<std::string> sweep_notes(const Sweeps& sweeps) {
 
 Tables sweep_tables(std::span<const Record> records, const AnalysisOptions& options, Format format) {
   const Sweeps sweeps = find_sweeps(records, options.x, options.metric);
-  const Column quantity = quantity_column(options.metric, sweeps.lights);
+  const Column quantity = quantity_column(options.metric);
   Tables tables;
   if (format == Format::csv || format == Format::json) {
     tables.push_back(sweep_rows(sweeps, quantity));
@@ -108,7 +108,6 @@ Tables sweep_tables(std::span<const Record> records, const AnalysisOptions& opti
       if (&table == &tables.front() || format == Format::latex) table.title = against(sweeps, quantity);
   }
   tables.back().notes = sweep_notes(sweeps);
-  for (const std::string& note : error_notes(options.metric, sweeps.lights)) tables.back().notes.push_back(note);
   return tables;
 }
 

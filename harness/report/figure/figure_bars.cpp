@@ -21,18 +21,18 @@ struct Bar {
 /// What is drawn: a bar for each setting, and over how many places.
 struct Bars {
   std::vector<Bar> all;
-  LightCounts places = {};
+  std::array<std::size_t, std::size(all_answer_kinds)> places{};  ///< of each kind of answer
 
   /// ", mean over 5 places"; nothing to say of a single one.
   std::string over_text() const {
     static constexpr std::string_view kinds[] = {"without area of the light", "with area of the light", "of several lights"};
-    std::size_t all = 0;
+    std::size_t sum = 0;
     std::vector<std::string> parts;
-    for (std::size_t k = 0; k < places.rows.size(); ++k) {
-      all += places.rows[k];
-      if (places.rows[k] > 0) parts.push_back(fmt::format("{} {}", places.rows[k], kinds[k]));
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      sum += places[k];
+      if (places[k] > 0) parts.push_back(fmt::format("{} {}", places[k], kinds[k]));
     }
-    if (!places.is_mixed()) return all == 1 ? "" : fmt::format(", mean over {} places", all);
+    if (parts.size() < 2) return sum == 1 ? "" : fmt::format(", mean over {} places", sum);
     return ", mean over places: " + joined(parts, ", ");
   }
 };
@@ -45,8 +45,8 @@ Bars bars_of(std::span<const Record> records, auto has) {
     const RowsBySetting settings = rows_by_setting(records, [&](const Record& r) { return r.answer == of && has(r); });
     const std::set<Place> common = common_places(settings, &RowsBySetting::value_type::second);
     if (common.empty()) continue;
-    const bool is_first = !bars.places.only();
-    bars.places.rows[static_cast<std::size_t>(of)] = common.size();
+    const bool is_first = bars.all.empty();
+    bars.places[static_cast<std::size_t>(of)] = common.size();
     for (const auto& [key, rows] : settings) {
       const Record& first = *rows.begin()->second;
       Bar& bar = bars.all.emplace_back(Bar{setting_name(first), first.role, {}});
@@ -184,10 +184,9 @@ void draw_causes(std::span<const Record> records, FigureScript& script) {
   for (std::size_t k = 0; k < bars.size(); ++k)
     script.add("set label {} at 101.5,{} left textcolor rgb '#222222'",
                FigureScript::quoted(measured(100 * shares[k].error) + " %"), k + 1);
-  const std::optional<AnswerKind> only = places.places.only();
-  const bool is_hard = only == AnswerKind::binary;
-  script.add("set label {} at 101.5,0.2 left textcolor rgb '#666666'",
-             FigureScript::quoted(only ? error_heading(*only) : "error"));
+  const auto is_hard_row = [](const Record* row) { return row->answer == AnswerKind::binary; };
+  const bool is_hard = std::ranges::all_of(bars, [&](const Bar& bar) { return std::ranges::all_of(bar.rows, is_hard_row); });
+  script.add("set label 'error' at 101.5,0.2 left textcolor rgb '#666666'");
   script.add("set yrange [{}:-0.2]", static_cast<double>(bars.size()) + 0.6);
   script.add("set xrange [0:100]; set xlabel {}",
              FigureScript::quoted((is_hard ? "share of the wrong pixels (%)" : "share of the error (%)") + places.over_text()));

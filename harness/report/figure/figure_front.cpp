@@ -16,7 +16,7 @@ struct FrontLegend {
   bool is_named = false;              ///< each setting has a color of its own; else each technique
   std::vector<std::string> names;     ///< that have colors
   std::vector<std::string> numbered;  ///< settings on a front, numbered where they are too many to name them all
-  bool has_front = false, has_floor = false;
+  bool has_front = false, has_floor = false, has_constant = false;
 
   const std::string& name_of(const Candidate& c) const { return is_named ? c.setting : c.technique; }
 };
@@ -37,7 +37,7 @@ class FrontPanel {
 
  private:
   void add_staircase(FigureScript& script, FrontLegend& legend);
-  void add_floor(FigureScript& script, FrontLegend& legend);
+  void add_level(FigureScript& script, double level, int dashes, const char* name, bool& is_said);
   void add_series(FigureScript& script, FrontLegend& legend);
   void number_front(FrontLegend& legend);
   double x(const Candidate& c) const { return c.cost->value * cost_column_.shown_scale; }
@@ -53,20 +53,15 @@ class FrontPanel {
   bool is_log_ = false, has_zero_ = false;
   Extent errors_, costs_;  ///< errors above 0
   double floor_ = 0;       ///< the reference's own mean error; 0: there is none to draw
+  double constant_ = 0;    ///< error of the best constant mask; the same
   double zero_ = 0, top_ = 0;
   std::vector<std::string> numbers_;  ///< commands that write numbers beside marks
 };
 
-LightCounts lights_of(const Field& field) {
-  LightCounts lights;
-  lights.add(field.answer);
-  return lights;
-}
-
 FrontPanel::FrontPanel(const Field& field, const AnalysisOptions& options)
     : field_(field),
       options_(options),
-      error_column_(quantity_column(options.metric, lights_of(field))),
+      error_column_(quantity_column(options.metric)),
       cost_column_(quantity_column(options.cost == Cost::bytes ? "bytes" : "resolve_ms")),
       is_higher_better_(better(options.metric) == "higher") {
   const std::vector<FrontEntry> stands = find_front(field, better(options.metric));
@@ -81,7 +76,9 @@ FrontPanel::FrontPanel(const Field& field, const AnalysisOptions& options)
     costs_.add(c.cost->low * cost_column_.shown_scale);
     costs_.add(c.cost->high * cost_column_.shown_scale);
   }
-  if (floor_ > 0) errors_.add(floor_);
+  if (options.metric == "error" && field.constant) constant_ = *field.constant * error_column_.shown_scale;
+  for (const double level : {floor_, constant_})
+    if (level > 0) errors_.add(level);
   std::sort(front_.begin(), front_.end(), [](const auto* a, const auto* b) { return a->cost->value < b->cost->value; });
   const double greatest_error = std::max(errors_.greatest, 0.0);
   is_log_ = greatest_error > 0 && !is_higher_better_;
@@ -91,7 +88,8 @@ FrontPanel::FrontPanel(const Field& field, const AnalysisOptions& options)
 
 void FrontPanel::add_data(FigureScript& script, FrontLegend& legend) {
   add_staircase(script, legend);
-  add_floor(script, legend);
+  add_level(script, floor_, 3, "the reference's own mean error", legend.has_floor);
+  add_level(script, constant_, 2, "best constant mask", legend.has_constant);
   add_series(script, legend);
   number_front(legend);
 }
@@ -107,14 +105,15 @@ void FrontPanel::add_staircase(FigureScript& script, FrontLegend& legend) {
   script.legend.push_back({"with lines lw 1.6 lc rgb '#bbbbbb'", "front"});
 }
 
-/// The reference's own error: one below it may be the reference's.
-void FrontPanel::add_floor(FigureScript& script, FrontLegend& legend) {
-  if (floor_ <= 0) return;
-  const std::vector<std::string> lines{fmt::format("{}\t{}", costs_.least / 1.3, floor_),
-                                       fmt::format("{}\t{}", costs_.greatest * 1.3, floor_)};
-  plot.add("{} using 1:2 with lines dt 3 lw 1.2 lc rgb '#888888' notitle", script.data(lines));
-  if (std::exchange(legend.has_floor, true)) return;
-  script.legend.push_back({"with lines dt 3 lw 1.2 lc rgb '#888888'", "the reference's own mean error"});
+/// A line at an error that others are read against; none at 0.
+void FrontPanel::add_level(FigureScript& script, double level, int dashes, const char* name, bool& is_said) {
+  if (level <= 0) return;
+  const std::vector<std::string> lines{fmt::format("{}\t{}", costs_.least / 1.3, level),
+                                       fmt::format("{}\t{}", costs_.greatest * 1.3, level)};
+  const std::string style = fmt::format("with lines dt {} lw 1.2 lc rgb '#888888'", dashes);
+  plot.add("{} using 1:2 {} notitle", script.data(lines), style);
+  if (std::exchange(is_said, true)) return;
+  script.legend.push_back({style, name});
 }
 
 void FrontPanel::add_series(FigureScript& script, FrontLegend& legend) {

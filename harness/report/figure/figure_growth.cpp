@@ -120,7 +120,7 @@ void draw_growth(std::span<const Record> records, FigureScript& script) {
   const std::string& quantity = script.options.analysis.growing;
   const Growths growths = find_growth(records, axis, quantity);
   const bool is_time = quantity.empty();
-  const Column column = is_time ? Column{} : quantity_column(quantity, count_lights(records));
+  const Column column = is_time ? Column{} : quantity_column(quantity);
   const DrawnGrowths drawn = choose(growths, is_time ? 1 : column.shown_scale);
   if (drawn.rows.empty())
     throw Error("there is nothing to draw: no setting has {} at two values of {}", is_time ? "times" : quantity, axis);

@@ -131,7 +131,7 @@ void draw_map(std::span<const Record> records, FigureScript& script) {
   const Map& first = maps.front();
   const bool are_lines =
       std::ranges::all_of(maps, [&](const Map& map) { return map.y.empty() && map.x == first.x && map.xs == first.xs; });
-  (are_lines ? draw_lines : draw_heat_maps)(maps, quantity_column(wanted.metric, count_lights(records)), script);
+  (are_lines ? draw_lines : draw_heat_maps)(maps, quantity_column(wanted.metric), script);
 }
 
 }  // namespace gnomon

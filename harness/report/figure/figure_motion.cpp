@@ -8,7 +8,7 @@ namespace gnomon {
 void draw_motion(std::span<const Record> records, FigureScript& script) {
   const std::string& metric = script.options.analysis.metric;
   const std::vector<Motion> motions = find_motion(records, metric);
-  const Column column = quantity_column(metric, count_lights(motions));
+  const Column column = quantity_column(metric);
   std::vector<Place> places;
   std::vector<std::string> settings;
   for (const Motion& motion : motions) {

@@ -118,7 +118,7 @@ void add_sweep(const Sweep& sweep, const Column& column, const std::string& styl
 void draw_sweep(std::span<const Record> records, FigureScript& script) {
   const std::string& quantity = script.options.analysis.metric;
   const Sweeps sweeps = find_sweeps(records, script.options.analysis.x, quantity);
-  const Column column = quantity_column(quantity, sweeps.lights);
+  const Column column = quantity_column(quantity);
   const DrawnSweeps drawn = choose(sweeps, column);
   const auto& [rows, places, settings, xs, x] = drawn;
   if (rows.empty())

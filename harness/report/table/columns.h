@@ -59,6 +59,11 @@ Cell text_cell(std::string_view text);
 /// count (`count.texels`) that occurs.
 std::vector<Column> all_columns(std::span<const Record> records);
 
+/// "best constant mask 12.3 %": what a place's errors are read against.
+std::string constant_text(double error);
+inline constexpr const char* constant_note =
+    "the least error of one value everywhere; what does not beat it is never called best";
+
 /// Below this share of tested pixels a wrong rate speaks for too small a part of the picture; such cells are flagged.
 inline constexpr double least_tested_share = 0.90;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "measure/score/metrics.h"
+#include "report/table/digits.h"
 
 namespace gnomon {
 
@@ -11,6 +12,7 @@ namespace {
 /// "false_dark_rate" -> "false dark": the unit says that it is a rate. "displacement" is too wide for two columns of a table.
 std::string heading_of(std::string metric) {
   if (metric == "reference_error_mean") return "ref. error";
+  if (metric == "constant_error") return "constant";
   if (metric == "other_error_mean") return "other error";
   if (metric.ends_with("_rate")) metric.resize(metric.size() - 5);
   if (const std::size_t rate = metric.find("_rate_"); rate != metric.npos) metric.erase(rate, 5);
@@ -47,6 +49,8 @@ Column metric_column(const MetricInfo& info, std::optional<Truth> truth) {
 
 }  // namespace
 
+std::string constant_text(double error) { return fmt::format("best constant mask {} %", measured(100 * error)); }
+
 void add_metrics(std::vector<Column>& columns) {
   for (const std::optional<Truth> truth : {std::optional<Truth>(), std::optional(Truth::shape), std::optional(Truth::mesh)})
     for (const MetricInfo& info : metric_infos()) columns.push_back(metric_column(info, truth));
@@ -64,7 +68,7 @@ void add_worst_light(std::vector<Column>& columns) {
   column.shown_unit = "%";
   column.shown_scale = 100;
   column.better = "lower";
-  column.sentence = "The largest error of one light's mask: its wrong rate, of a light with area its mean error.";
+  column.sentence = "The largest error of one light's mask.";
   columns.push_back(std::move(column));
 }
 

@@ -48,7 +48,8 @@ std::string uncertainty(const Layout::Group& group) {
                      share > 0.5 ? "; the scene is outside what the reference can decide" : "");
 }
 
-/// Marks the best contenders of one column in one group; nothing when there is no choice or no difference. Where the column
+/// Marks the best contenders of one column in one group, of those that beat a constant mask; nothing when there is no choice or
+/// no difference. Where the column
 /// has intervals, whoever's overlaps that of the best is marked too: the data does not tell them apart.
 void mark_best(const Column& column, std::size_t index, Layout::Group& group) {
   if (column.better.empty()) return;
@@ -60,7 +61,7 @@ void mark_best(const Column& column, std::size_t index, Layout::Group& group) {
   for (Layout::Row& row : group.rows) {
     const Record& record = *row.record;
     const double* value = row.cells[index].number();
-    if (!value || record.status != Status::ok || record.role != Role::contender) continue;
+    if (!value || record.status != Status::ok || record.role != Role::contender || !beats_constant(record)) continue;
     const std::optional<Estimate> interval = column.interval ? column.interval(record) : std::nullopt;
     competitors.push_back({&row.cells[index], interval.value_or(Estimate{*value, *value, *value})});
   }
@@ -88,9 +89,6 @@ bool has_unusual_grid(std::span<const Record> records) {
     return bits != r.context.end() && *bits != usual_subpixel_bits;
   });
 }
-bool any_is_not_hard(std::span<const Record> records) {
-  return std::ranges::any_of(records, [](const Record& r) { return r.answer != AnswerKind::binary; });
-}
 
 /// Adds those of the metrics that some record has.
 void add_known(std::vector<std::string>& names, std::span<const Record> records, std::span<const std::string_view> metrics) {
@@ -98,13 +96,15 @@ void add_known(std::vector<std::string>& names, std::span<const Record> records,
     if (has_metric(records, metric)) names.emplace_back(metric);
 }
 
-/// What a row is judged by, and what it is read against: under lights without area the wrong rate and the snapping floor, under
-/// lights with area the mean error and the reference's own, under several lights the light received and how it looks.
+/// What a row is judged by, and what it is read against; where the answer is binary the wrong rate, of several lights the worst
+/// of them, the light received and how it looks.
 void add_error_columns(std::vector<std::string>& names, std::span<const Record> records) {
   static constexpr std::string_view floors[] = {"reference_error_mean", "snapping_floor"};
-  names.emplace_back(any_is_not_hard(records) ? "error" : "wrong_rate");
+  names.emplace_back("error");
   add_known(names, records, floors);
-  if (any_is(records, AnswerKind::received)) names.insert(names.end(), {"light_error_max", "flip", "ssim"});
+  if (any_is(records, AnswerKind::binary)) names.emplace_back("wrong_rate");
+  if (any_is(records, AnswerKind::received))
+    names.insert(names.end(), {"light_error_max", "received_error_rms", "flip", "ssim"});
 }
 
 /// What is defined under lights with area alone.
@@ -137,6 +137,8 @@ std::vector<std::string> headline_columns(std::span<const Record> records, bool 
     if (std::ranges::any_of(records, [](const Record& r) { return !r.path.empty(); })) names.emplace_back("path");
     if (varies(&Record::width) || varies(&Record::height)) names.insert(names.end(), {"width", "height"});
     if (varies(&Record::truth)) names.emplace_back("truth");
+    static constexpr std::string_view of_place[] = {"constant_error"};
+    add_known(names, records, of_place);
   }
   names.insert(names.end(), {"technique", "support", "setup_ms", "build_ms", "relight_ms", "resolve_ms"});
   const auto has_device_times = [](const Record& r) { return !r.device_times(Stage::resolve).empty(); };
@@ -188,13 +190,6 @@ Remarks provenance(std::span<const Record> records) {
   return lines;
 }
 
-bool Layout::has_soft_rows() const {
-  return std::ranges::any_of(groups, [](const Group& group) {
-    return std::ranges::any_of(group.rows,
-                               [](const Row& row) { return row.record && row.record->answer != AnswerKind::binary; });
-  });
-}
-
 Remarks legend(const Layout& layout, std::string_view best, std::string_view flag) {
   const auto has = [&](bool Cell::*mark) {
     for (const Layout::Group& group : layout.groups)
@@ -205,8 +200,8 @@ Remarks legend(const Layout& layout, std::string_view best, std::string_view fla
   Remarks lines;
   if (has(&Cell::is_best)) lines.emplace_back(best, layout.best);
   if (has(&Cell::is_flagged))
-    lines.emplace_back(flag, fmt::format("less than {} % of the pixels facing the light are tested: read the {} with care",
-                                         exact(100 * least_tested_share), layout.has_soft_rows() ? "errors" : "wrong rate"));
+    lines.emplace_back(flag, fmt::format("less than {} % of the pixels facing the light are tested: read the errors with care",
+                                         exact(100 * least_tested_share)));
   lines.insert(lines.end(), layout.shorthands.begin(), layout.shorthands.end());
   return lines;
 }
@@ -219,24 +214,18 @@ Layout::Row row_of(const Record& record, std::span<const Column> columns) {
 
 namespace {
 
-/// What the columns of soft shadows and of several lights say.
+/// What the columns of errors say.
 void add_error_shorthands(Layout& layout, std::span<const Record> records) {
   const auto add = [&](std::string_view column, std::string_view word, std::string text) {
     if (std::ranges::find(layout.columns, column, &Column::name) != layout.columns.end())
       layout.shorthands.emplace_back(word, std::move(text));
   };
-  static constexpr std::string_view meanings[] = {
-      "the wrong rate", "mean difference from the reference over the tested pixels",
-      "root mean square error of the light received, as a share of the reference's"};
-  std::vector<std::string> errors;
-  LightCounts counts;
-  for (const Record& r : records) counts.add(r.answer);
-  for (const AnswerKind of : {AnswerKind::fraction, AnswerKind::binary, AnswerKind::received})
-    if (const auto k = static_cast<std::size_t>(of); counts.rows[k] > 0)
-      errors.push_back(fmt::format("{}{}", meanings[k], counts.is_mixed() ? lights_text(of) : ""));
-  add("error", "error", joined(errors, "; "));
-  add("light_error_max", "worst light", "the largest error of one light's mask: its wrong rate, with area its mean error");
-  add("reference_error_mean", "ref. error", "the reference's own mean error: a smaller one may be the reference's");
+  add("error", "error", "mean difference from the reference over the tested pixels: what rows are judged by");
+  add("wrong_rate", "wrong", "share of them that is off by more than one half");
+  if (has_metric(records, "constant_error")) layout.shorthands.emplace_back("best constant mask", constant_note);
+  add("light_error_max", "worst light", "the largest error of one light's mask");
+  add("received_error_rms", "received error rms", "of the light received, as a share of the reference's");
+  add("reference_error_mean", "ref. error", "the reference's own: a smaller one may be the reference's");
   add("other_error_mean", "other error",
       "from the other number that is true of a light with area: share of its irradiance, or of its area where the technique "
       "estimates irradiance");
@@ -266,6 +255,12 @@ Layout lay_out(std::span<const Record> records, std::span<const std::string> nam
   for (Layout::Group& group : layout.groups)
     for (std::size_t i = 0; i < columns.size(); ++i) mark_best(columns[i], i, group);
 
+  for (Layout::Group& group : layout.groups)
+    for (const Layout::Row& row : group.rows)
+      if (const std::optional<double> constant = row.record->metric("constant_error")) {
+        group.heading += fmt::format("; {}", constant_text(*constant));
+        break;
+      }
   for (const Layout::Group& group : layout.groups)
     if (const std::string text = uncertainty(group); !text.empty()) layout.shorthands.emplace_back("uncertain", text);
 
@@ -288,7 +283,7 @@ Layout lay_out(std::span<const Record> records, std::span<const std::string> nam
       layout.shorthands.emplace_back("clocks", fmt::format("those of device and host cannot both be right in {} row{}: do not "
                                                            "trust their times (column clocks)",
                                                            count, count == 1 ? "" : "s"));
-  if (any_is_not_hard(records)) add_error_shorthands(layout, records);
+  add_error_shorthands(layout, records);
   if (has_column("snapping_floor") && has_metric(records, "snapping_floor"))
     layout.shorthands.emplace_back(
         "snapping floor",

@@ -31,8 +31,6 @@ struct Layout {
   Remarks shorthands = {};                ///< other signs that occur
   std::vector<std::string> notes = {};
   Remarks provenance = {};
-
-  bool has_soft_rows() const;  ///< some row is judged by how far it is off, not by how many pixels are wrong
 };
 
 /// Terminal, Markdown and LaTeX round, CSV and JSON do not. The audience decides on the columns.

@@ -22,11 +22,10 @@ std::vector<std::string> column_names(std::span<const Record> records) {
 namespace {
 
 /// Headline columns that a narrow terminal can do without, the least missed first.
-constexpr std::string_view dispensable[] = {"displacement_p95",     "displacement_mean", "wrong_rate_all",
-                                            "snapping_floor",       "peak_bytes",        "setup_ms",
-                                            "floor_share",          "penumbra_noise",    "other_error_mean",
-                                            "penumbra_shift",       "contact_hardening", "causes",
-                                            "penumbra_width_ratio", "build_ms",          "bytes"};
+constexpr std::string_view dispensable[] = {
+    "displacement_p95", "displacement_mean",    "wrong_rate_all",   "snapping_floor", "peak_bytes",        "setup_ms",
+    "floor_share",      "penumbra_noise",       "other_error_mean", "penumbra_shift", "contact_hardening", "received_error_rms",
+    "causes",           "penumbra_width_ratio", "build_ms",         "bytes"};
 
 /// The rows of one kind of answer, and what stands below their table of where they were made.
 struct Part {
@@ -34,8 +33,8 @@ struct Part {
   Remarks provenance = {};
 };
 
-/// Rows of each kind of answer are judged by other numbers: people read them in tables of their own. The last one says where
-/// all were made.
+/// Rows of each kind of answer have other columns: people read them in tables of their own. The last one says where all were
+/// made.
 std::vector<Part> parts_of(std::span<const Record> records) {
   std::vector<Part> parts;
   for (const AnswerKind of : all_answer_kinds) {

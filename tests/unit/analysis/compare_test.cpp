@@ -34,7 +34,7 @@ Record record(const std::string& job, const std::string& technique = "shadow_map
   r.times(Stage::relight) = around(2);
   r.times(Stage::resolve) = around(1);
   for (const Truth truth : {Truth::shape, Truth::mesh})
-    r.metrics[truth] = {{"wrong_rate", 0.01}, {"false_dark_rate", 0.004}, {"displacement_mean", std::nullopt}};
+    r.metrics[truth] = {{"error", 0.01}, {"wrong_rate", 0.01}, {"false_dark_rate", 0.004}, {"displacement_mean", std::nullopt}};
   r.context = {{"processor", "A"}, {"cores", 8},          {"threads", 8},
                {"commit", "one"},  {"scene_hash", "abc"}, {"load_average", 0.5}};
   return r;
@@ -137,9 +137,9 @@ TEST(compare, every_changed_metric_is_listed_once_for_equal_truths) {
   for (const Truth truth : {Truth::shape, Truth::mesh}) contender[2].metrics[truth]["false_dark_rate"] = 0.005;
   contender[2].metrics[Truth::mesh]["wrong_rate"] = 0.5;
   contender[5].metrics[Truth::shape]["displacement_mean"] = 1.5;
-  contender[6].metrics[Truth::shape]["wrong_rate"] = 0.01005;  // below the threshold
-  contender[7].metrics[Truth::shape]["wrong_rate"] = 0.0102;   // above it
-  contender[8].metrics[Truth::shape]["wrong_rate"] = 0.001;
+  contender[6].metrics[Truth::shape]["error"] = 0.01005;  // below the threshold
+  contender[7].metrics[Truth::shape]["error"] = 0.0102;   // above it
+  contender[8].metrics[Truth::shape]["error"] = 0.001;
   contender[9].metrics[Truth::shape]["ssim_of_the_future"] = 1;
   const Comparison comparison = compare(base, contender);
   ASSERT_EQ(comparison.rows[2].metrics.size(), 2u);
@@ -152,7 +152,7 @@ TEST(compare, every_changed_metric_is_listed_once_for_equal_truths) {
   EXPECT_EQ(comparison.rows[5].metrics[0].contender, 1.5);
   EXPECT_FALSE(comparison.rows[6].regressed());
   EXPECT_TRUE(comparison.rows[7].regressed());
-  EXPECT_FALSE(comparison.rows[8].regressed()) << "fewer wrong pixels are no regression";
+  EXPECT_FALSE(comparison.rows[8].regressed()) << "a smaller error is no regression";
   EXPECT_TRUE(comparison.rows[9].metrics.empty()) << "a metric that only one run has did not change";
   EXPECT_EQ(comparison.counts().changed_rows, 5u);
 }
@@ -183,7 +183,7 @@ TEST(compare, another_scene_under_the_same_name_is_not_compared) {
   const std::vector<Record> base = run();
   std::vector<Record> contender = run();
   contender[0].context["scene_hash"] = "def";
-  contender[0].metrics[Truth::shape]["wrong_rate"] = 0.9;
+  contender[0].metrics[Truth::shape]["error"] = 0.9;
   scale(contender[0], Stage::resolve, 9);
   const Comparison comparison = compare(base, contender);
   EXPECT_TRUE(comparison.rows[0].differs());
@@ -269,7 +269,7 @@ TEST(compare_table, people_see_what_differs_and_programs_everything) {
   const std::vector<Record> base = run();
   std::vector<Record> contender = run();
   scale(contender[3], Stage::resolve, 1.5);
-  contender[5].metrics[Truth::shape]["wrong_rate"] = 0.02;
+  contender[5].metrics[Truth::shape]["error"] = 0.02;
   const Comparison comparison = compare(base, contender);
   const CompareTableOptions options{"before", "after"};
   const std::string text = render_comparison(comparison, Format::terminal, options);

@@ -126,7 +126,7 @@ TEST(sweep, what_has_no_value_keeps_its_place_and_is_counted_below) {
   EXPECT_FALSE(sweeps.rows[2].points[0].value);
   EXPECT_EQ(sweeps.rows[2].points[2].value->value, 0.2);
   const std::string text = analyze(records, "sweep", {.x = "height"}, Format::terminal);
-  EXPECT_TRUE(has(text, "wrong in % against height in m\n")) << text;
+  EXPECT_TRUE(has(text, "error in % against height in m\n")) << text;
   EXPECT_TRUE(has(text, "\ntechnique   0   0.5     2\n")) << text;
   EXPECT_TRUE(has(text, "\nmap:bias=1  0  5.00     -\n")) << text;
   EXPECT_TRUE(has(text, "\nmap:bias=2  0  5.00     -\n")) << text;

@@ -85,7 +85,7 @@ TEST(own_causes, and_the_common_ones_are_exhaustive_over_random_masks_and_accoun
       if (random() % 2) why.cause = both[random() % 2].id;
       if (random() % 3 == 0) why.taps = {cause_world::through(0, 0, 0)};
       why.texel_width = 0.1;
-      const bool is_wrong = world.classes[i] == PixelClass::T && std::abs(world.mask[i] - world.truth[i]) > 0.5f;
+      const bool is_wrong = world.classes[i] == PixelClass::T && gnomon::is_wrong(world.mask[i], world.truth[i]);
       if (is_wrong && why.covered && !why.formula_differs && !why.cause.empty()) ++expected[why.cause];
     }
     const Causes found = world.causes([&](std::uint32_t i) { return whys[i]; });

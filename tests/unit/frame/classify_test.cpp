@@ -223,13 +223,15 @@ TEST(classify, a_class_is_known_by_its_letter_in_the_order_of_the_classes) {
   EXPECT_EQ(class_infos()[std::size_t(PixelClass::T)].word, "tested");
 }
 
-TEST(wrong, is_off_by_more_than_one_half) {
-  for (const float reference : {0.0f, 1.0f}) {
-    EXPECT_FALSE(is_wrong(0.5f, reference)) << "one half is wrong on neither side";
-    EXPECT_FALSE(is_wrong(reference, reference));
-    EXPECT_TRUE(is_wrong(1 - reference, reference));
-  }
-  EXPECT_TRUE(is_wrong(std::nextafter(0.5f, 1.0f), 0));
+TEST(wrong, is_on_the_other_side_of_one_half) {
+  for (const float reference : {0.0f, 1.0f})
+    for (const float v : {0.0f, 0.25f, std::nextafter(0.5f, 0.0f), 0.5f, std::nextafter(0.5f, 1.0f), 0.75f, 1.0f})
+      EXPECT_EQ(is_wrong(v, reference), is_lit(v) != is_lit(reference)) << v << ' ' << reference;
+  // Of shares: off by more than one half, or by one half and dark where the reference is lit.
+  EXPECT_FALSE(is_wrong(0.4f, 0.6f));
+  EXPECT_FALSE(is_wrong(0.75f, 0.25f));
+  EXPECT_TRUE(is_wrong(0.25f, 0.75f));
+  EXPECT_TRUE(is_wrong(0.8f, 0.25f));
   EXPECT_FALSE(is_lit(0.5f)) << "a tie counts as shadow";
   EXPECT_TRUE(is_lit(std::nextafter(0.5f, 1.0f)));
 }

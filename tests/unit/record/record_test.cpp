@@ -230,10 +230,10 @@ TEST(record, wrong_field_is_named_with_its_value_and_what_is_allowed) {
   EXPECT_EQ(message("width", 1.5), "width = 1.5 is not a whole number, 0 or more");
   EXPECT_EQ(message("status", "fine"), "status = \"fine\" is not one of ok, unsupported, failed");
   EXPECT_EQ(message("technique", nullptr), "technique is missing");
-  EXPECT_EQ(message("schema", 99), "schema = 99 is that of a newer program, this one reads 3");
+  EXPECT_EQ(message("schema", 99), "schema = 99 is that of a newer program, this one reads 4");
   EXPECT_EQ(message("schema", 2),
-            "schema = 2 is that of an older program, this one reads 3: run the rows again, or, of schema 2, convert the folder "
-            "with scripts/convert_records");
+            "schema = 2 is that of an older program, this one reads 4: run the rows again, or, of schema 2 and 3, convert the "
+            "folder with scripts/convert_records");
   EXPECT_EQ(message("lights", Json::array()), "lights = [] is not an array of one light or more");
   EXPECT_EQ(message("answer", "fraction"), "answer = fraction is not binary, that of its lights");
   EXPECT_EQ(message("answer", "soft"), "answer = \"soft\" is not one of binary, fraction, received");
@@ -254,7 +254,7 @@ TEST_F(RecordFileTest, a_newer_schema_is_refused_with_file_and_line) {
     read_records(dir);
     FAIL() << "no error";
   } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("records.jsonl:2: schema = 4 is that of a newer program"), std::string::npos)
+    EXPECT_NE(std::string(error.what()).find("records.jsonl:2: schema = 5 is that of a newer program"), std::string::npos)
         << error.what();
   }
 }

@@ -42,7 +42,8 @@ Record row(const std::string& technique, double resolve, double wrong_rate, cons
   r.times(Stage::setup) = {{100}, {101}, {102}, {103}, {104}};
   r.times(Stage::resolve) = {{resolve}, {resolve * 2}, {resolve}, {resolve}, {resolve / 2}};
   r.bytes = 3u << 20;
-  r.metrics[Truth::shape] = {{"wrong_rate", wrong_rate}, {"tested_share", 0.95}, {"displacement_mean", std::nullopt}};
+  r.metrics[Truth::shape] = {
+      {"error", wrong_rate}, {"wrong_rate", wrong_rate}, {"tested_share", 0.95}, {"displacement_mean", std::nullopt}};
   r.metrics[Truth::mesh] = {{"wrong_rate", wrong_rate / 2}};
   r.context = {{"gl_renderer", "a renderer"}, {"processor", "an abacus"}, {"threads", 2}, {"commit", "abc123"}};
   return r;
@@ -128,7 +129,7 @@ TEST(table, where_no_time_is_better_than_another_none_is_marked) {
   EXPECT_FALSE(has(render_table(records, Format::markdown, {.columns = {"technique", "resolve_ms"}}), "**"));
 }
 
-TEST(table, the_snapping_floor_stands_beside_the_wrong_rate_once_a_record_has_it) {
+TEST(table, the_snapping_floor_stands_beside_the_error_once_a_record_has_it) {
   std::vector<Record> records{row("a", 3, 0.1), row("b", 5, 0.2)};
   for (const Format format : {Format::markdown, Format::latex, Format::terminal})
     EXPECT_FALSE(has(render_table(records, format), "snapping")) << "older records do not have it";
@@ -137,9 +138,9 @@ TEST(table, the_snapping_floor_stands_beside_the_wrong_rate_once_a_record_has_it
   // 4 of 40,000 pixels are 0.01 %; of the older record it is missing, not 0. It is the scene's, so that no row is best.
   records[0].metrics[Truth::shape]["snapping_floor"] = 1e-4;
   const std::string text = render_table(records, Format::markdown);
-  EXPECT_TRUE(has(text, "| wrong (%) | snapping floor (%) |")) << text;
-  EXPECT_TRUE(has(text, "| **10.0** | 0.010 |")) << text;
-  EXPECT_TRUE(has(text, "| 20.0 | - |")) << text;
+  EXPECT_TRUE(has(text, "| error (%) | snapping floor (%) | wrong (%) |")) << text;
+  EXPECT_TRUE(has(text, "| **10.0** | 0.010 | **10.0** |")) << text;
+  EXPECT_TRUE(has(text, "| 20.0 | - | 20.0 |")) << text;
   EXPECT_TRUE(has(render_table(records, Format::latex), "snapping"));
   EXPECT_TRUE(has(render_table(records, Format::terminal), "snapping"));
   const TableOptions options{.columns = {"technique", "snapping_floor", "mesh.snapping_floor"}};

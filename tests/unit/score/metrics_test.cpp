@@ -67,27 +67,29 @@ TEST(metrics, tally_counts_tested_and_facing_pixels_apart) {
   EXPECT_DOUBLE_EQ(*metric(s, "wrong_rate_all"), 5.0 / 23);
   EXPECT_DOUBLE_EQ(*metric(s, "false_dark_rate"), 1.0 / 20);
   EXPECT_DOUBLE_EQ(*metric(s, "false_lit_rate"), 1.0 / 20);
-  EXPECT_DOUBLE_EQ(*metric(s, "error_mean"), 2.0 / 20);
+  EXPECT_DOUBLE_EQ(*metric(s, "error"), 2.0 / 20);
   EXPECT_DOUBLE_EQ(*metric(s, "tested_share"), 20.0 / 23);
 }
 
-TEST(metrics, wrong_is_off_by_more_than_one_half) {
+// One half is dark: wrong where the reference is lit.
+TEST(metrics, wrong_is_on_the_other_side_of_one_half) {
   const std::vector<PixelClass> all(4, PixelClass::T);
-  const std::vector<float> truth{1, 1, 0, 0}, answer{0.5f, 0.49f, 0.5f, 0.51f};
+  const std::vector<float> truth{1, 1, 0, 0}, answer{0.5f, 0.51f, 0.5f, 0.51f};
   const Evidence e = evidence(4, 1, all, truth, answer);
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(e.is_wrong(i), is_lit(answer[i]) != is_lit(truth[i])) << i;
   const ErrorCounts t = Scoring(e).error_counts();
   EXPECT_EQ(t.wrong, 2u);
   EXPECT_EQ(t.false_dark, 1u);
   EXPECT_EQ(t.false_lit, 1u);
-  EXPECT_NEAR(*metric(e, "error_mean"), (0.5 + 0.51 + 0.5 + 0.51) / 4, 1e-7);
+  EXPECT_NEAR(*metric(e, "error"), (0.5 + 0.49 + 0.5 + 0.51) / 4, 1e-7);
 }
 
 TEST(metrics, nothing_tested_leaves_rates_undefined) {
   const std::vector<PixelClass> background(4, PixelClass::B);
   const std::vector<float> lit(4, 1.0f);
   const Evidence e = evidence(2, 2, background, lit, lit);
-  for (const char* name : {"wrong_rate", "wrong_rate_all", "false_dark_rate", "error_mean", "tested_share",
-                           "wrong_rate_edge_0_1", "wrong_rate_edge_8_up", "penumbra_error_mean"})
+  for (const char* name : {"wrong_rate", "wrong_rate_all", "false_dark_rate", "error", "tested_share", "wrong_rate_edge_0_1",
+                           "wrong_rate_edge_8_up", "penumbra_error_mean"})
     EXPECT_EQ(metric(e, name), std::nullopt) << name;
   EXPECT_EQ(metric(e, "displacement_mean"), 0) << "no boundary on either side: nothing is displaced";
 }

@@ -125,7 +125,7 @@ TEST(viewer_compose, masks_of_fewer_pixels_stand_for_their_frame) {
 
 TEST(viewer_compose, errors_are_colored_where_they_are_tested) {
   HandMadeFrame seen(6, 1);
-  seen.answer->mask = {1, 0, 0, 1, 0, 0.5f};
+  seen.answer->mask = {1, 0, 0, 1, 0, 0.51f};
   seen.reference->mask = {1, 1, 0, 0, 1, 1};
   seen.reference->classes[4] = PixelClass::S;
   seen.verdict.causes = {Cause::none, Cause::crack, Cause::none, Cause::region, Cause::none, Cause::none};

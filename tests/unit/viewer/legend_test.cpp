@@ -106,10 +106,11 @@ TEST(viewer_legend, under_a_light_with_area_shares_are_of_the_error) {
   EXPECT_EQ(legend(left_of(seen, Paint::causes), 0).size(), 2u) << "none were sought";
 }
 
-TEST(viewer_numbers, a_light_with_area_is_judged_by_its_mean_error) {
+TEST(viewer_numbers, the_error_leads_under_every_light) {
   HandMadeFrame seen(4, 1);
   seen.verdict.errors = {.tested = 4, .wrong = 1, .false_dark = 1, .error_sum = 0.9};
   seen.verdict.reference_error = 0.00125;
+  seen.verdict.constant_error = 0.25;
   const auto words = [&](bool has_area) {
     std::vector<std::string> all;
     if (has_area) seen.frame->light.kind = SphereLight{};
@@ -117,16 +118,19 @@ TEST(viewer_numbers, a_light_with_area_is_judged_by_its_mean_error) {
       all.push_back(fmt::format("{}: {}", tally.name, tally.words(seen.verdict)));
     return all;
   };
-  EXPECT_EQ(words(false), (std::vector<std::string>{"wrong: 25.0000 %", "false dark: 1", "false lit: 0", "tested: 4"}));
-  EXPECT_EQ(words(true),
-            (std::vector<std::string>{"error: 22.5000 %", "ref. error: 0.1250 %", "wrong: 25.0000 %", "tested: 4"}));
+  EXPECT_EQ(words(false), (std::vector<std::string>{"error: 22.5000 %", "constant: 25.0000 %", "wrong: 25.0000 %",
+                                                    "false dark: 1", "false lit: 0", "tested: 4"}));
+  EXPECT_EQ(words(true), (std::vector<std::string>{"error: 22.5000 %", "constant: 25.0000 %", "ref. error: 0.1250 %",
+                                                   "wrong: 25.0000 %", "tested: 4"}));
   seen.verdict.errors = {};
   seen.verdict.reference_error.reset();
-  EXPECT_EQ(words(true), (std::vector<std::string>{"error: ", "ref. error: ", "wrong: ", "tested: 0"}));
+  seen.verdict.constant_error.reset();
+  EXPECT_EQ(words(true), (std::vector<std::string>{"error: ", "constant: ", "ref. error: ", "wrong: ", "tested: 0"}));
   seen.frame->lights = {seen.frame->light, hand_made::sun({0, -1, 0})};
   seen.verdict.received_error = 0.0625;
-  EXPECT_EQ(words(true), (std::vector<std::string>{"light error: 6.2500 %", "error: ", "ref. error: ", "tested: 0"}))
-      << "several lights, by the light received";
+  EXPECT_EQ(words(true),
+            (std::vector<std::string>{"error: ", "constant: ", "ref. error: ", "light error: 6.2500 %", "tested: 0"}))
+      << "several lights";
 }
 
 /// The value of a fact; "-" when it is not there.

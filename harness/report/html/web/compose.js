@@ -23,7 +23,10 @@ export const isFacing = (frame, i) => frame.classes[i] >= firstFacing;
 export const isTested = (frame, i) => frame.classes[i] === tested;
 
 /** Whether a side is wrong there: off by more than one half, and the pixel faces the light. */
-export const isWrong = (frame, side, i) => isFacing(frame, i) && Math.abs(side.mask[i] - side.reference[i]) > 0.5;
+export const isWrong = (frame, side, i) => {
+  const over = side.mask[i] - side.reference[i];
+  return isFacing(frame, i) && (side.reference[i] > 0.5 ? over <= -0.5 : over > 0.5);
+};
 
 /** How strong the color of an error is, 0 .. 1: under a light with area by its size, in steps. */
 const steps = data.error_steps;

@@ -25,20 +25,16 @@ export const isOk = (row) => row.status === "ok";
 /** Different values in order of appearance. */
 export const distinct = (items) => [...new Set(items)];
 
-/**
- * What is asked at each pixel: a "binary" answer, a "fraction" of the light, or the light "received" of several. The row is
- * judged by its wrong rate, its mean error, the error of the light received.
- */
+/** What is asked at each pixel: a "binary" answer, a "fraction" of the light, or the light "received" of several. */
 export const answerOf = (row) => data.groups[row.group].answer;
 
-/** Whether the row is judged by how far it is off, not by how many pixels are wrong. */
+/** Whether errors of the row's pixels are differences of shares, not wrong pixels. */
 export const isSoft = (row) => answerOf(row) !== "binary";
 
-/** What the metric `error` is called of these rows. */
-export const errorName = (rows) => {
-  const kinds = distinct(rows.map(answerOf));
-  if (kinds.length > 1) return "error";
-  return { binary: "wrong", fraction: "mean error", received: "light error" }[kinds[0] ?? "binary"];
+/** How far the row's error lies below that of the best constant mask; infinite where that is not known. */
+export const gainOverConstant = (row) => {
+  const [error, constant] = ["error", "constant_error"].map((name) => valueOf(row, name));
+  return error === null || constant === null ? Infinity : constant - error;
 };
 
 /** What tells a group from the others: parts that are the same everywhere are left out. */

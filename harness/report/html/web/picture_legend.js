@@ -2,7 +2,7 @@
 
 import * as compose from "./compose.js";
 import { levels } from "./contours.js";
-import { columnNamed, data, errorName, textOf, valueOf } from "./data.js";
+import { columnNamed, data, textOf, valueOf } from "./data.js";
 import { measured, percent, tick } from "./digits.js";
 import { h, rgb } from "./dom.js";
 
@@ -90,7 +90,7 @@ function means(frame, { row }) {
   if (!frame.is_soft || !row || frame.is_one_of_several) return [];
   const says = (name) => `${textOf(row, columnNamed(name))} %`;
   const has_floor = valueOf(row, "reference_error_mean") !== null;
-  return [h("li", {}, `${errorName([row])} ${says("error")}${has_floor ? `, the reference's own ${says("reference_error_mean")}` : ""}`)];
+  return [h("li", {}, `error ${says("error")}${has_floor ? `, the reference's own ${says("reference_error_mean")}` : ""}`)];
 }
 
 function ofErrors(frame, side, { counts, errors }) {

@@ -4,7 +4,7 @@ import { data, distinct, groupName, answerOf } from "./data.js";
 import { chooser } from "./dom.js";
 import { filteredRows } from "./filter.js";
 
-/** Several places at once. Rows of each kind of answer are judged by other numbers, and few settings have several. */
+/** Several places at once. Few settings have rows of several kinds of answer. */
 const everywhere = [
   { value: "all", text: "over all", accepts: () => true },
   { value: "all-hard", text: "over all lights without area", accepts: (row) => answerOf(row) === "binary" },

@@ -3,18 +3,16 @@
 import { dot, line, plot } from "@observablehq/plot";
 
 import { frame, settingsOf, tipOf } from "./axes.js";
-import { columnNamed, data, distinct, errorName, isOk, isSoft } from "./data.js";
+import { columnNamed, data, distinct, isOk } from "./data.js";
 import { measured, tick } from "./digits.js";
 import { chooser } from "./dom.js";
 import { placeList } from "./places.js";
-import { judgedBy } from "./quantities.js";
 
 export function framesCard(redraw) {
   const names = distinct(
     data.rows.flatMap((row) => Object.keys(row.frames).filter((name) => row.frames[name].some((value) => value !== null))),
   );
-  const isTwin = (name) => name === "error" && !data.rows.some(isSoft); // the wrong rate again
-  const ordered = data.metrics.map((metric) => metric.name).filter((name) => names.includes(name) && !isTwin(name));
+  const ordered = data.metrics.map((metric) => metric.name).filter((name) => names.includes(name));
   const where = placeList("path", (row) => isOk(row) && Object.keys(row.frames).length > 0, redraw);
   if (!where || ordered.length === 0) return null;
   const metric = chooser(
@@ -23,7 +21,7 @@ export function framesCard(redraw) {
     redraw,
     { name: "metric" },
   );
-  metric.value = ordered.includes("instability") ? "instability" : ordered.includes(judgedBy) ? judgedBy : ordered[0];
+  metric.value = ordered.includes("instability") ? "instability" : ordered.includes("error") ? "error" : ordered[0];
 
   function draw(width) {
     const column = columnNamed(metric.value);
@@ -45,7 +43,7 @@ export function framesCard(redraw) {
     const there = points.filter((point) => !Number.isNaN(point.value));
     if (there.length === 0) return { empty: "No row here has frames of this metric." };
     const by = settingsOf(there);
-    const name = metric.value === "error" ? errorName(there.map((point) => point.row)) : (column?.heading ?? metric.value);
+    const name = column?.heading ?? metric.value;
     return {
       plot: plot({
         ...frame(width),

@@ -3,10 +3,10 @@
 import { dot, line, plot, ruleY, text } from "@observablehq/plot";
 
 import { acrossOptions, between, colorScale, frame, logAxis, symbolScale, tipOf, upOptions, usedBy, zeroLines } from "./axes.js";
-import { distinct, isOk } from "./data.js";
+import { distinct, gainOverConstant, isOk } from "./data.js";
 import { chooser, plural } from "./dom.js";
 import { placeList } from "./places.js";
-import { calledFor, events, floorOf, judgedBy, memory, metrics, named, optionsOf, stages } from "./quantities.js";
+import { events, levelsOf, memory, metrics, named, optionsOf, stages } from "./quantities.js";
 
 /** Points that none beats in both, by cost. */
 export function frontOf(points) {
@@ -26,6 +26,7 @@ function pointOf(row, cost, metric) {
       title: row.title,
       technique: row.technique,
       role: row.role,
+      gain: gainOverConstant(row),
       x: x.value,
       low: x.low,
       high: x.high,
@@ -53,6 +54,7 @@ function pointsOverAll(rows, cost, metric) {
       ...all[0],
       x: Math.exp(cost_sum / all.length),
       y: all.reduce((sum, point) => sum + point.y, 0) / all.length,
+      gain: all.reduce((sum, point) => sum + point.gain, 0),
       low: null,
       high: null,
       note: "",
@@ -93,13 +95,13 @@ function nameMarks(points, at, isLeft) {
   ];
 }
 
-/** Points with their intervals, and the line through the front. `x` and `y` are the quantities, `floor` that of y or null. */
-function frontPlot(points, x, y, floor, width) {
+/** Points with their intervals, and the line through the front. `x` and `y` are the quantities, `levels` those of y. */
+function frontPlot(points, x, y, { floor, constant }, width) {
   const isFlipped = y.better === "higher";
   points.forEach((point) => (point.error = isFlipped ? -point.y : point.y));
-  const front = frontOf(points.filter((point) => point.role === "contender"));
+  const front = frontOf(points.filter((point) => point.role === "contender" && point.gain > 0));
   const across = logAxis(points.flatMap((point) => [point.x, point.low, point.high].filter((value) => value !== null))),
-    up = logAxis([...points.map((point) => point.y), ...(floor > 0 ? [floor] : [])]);
+    up = logAxis([...points.map((point) => point.y), ...[floor, constant].filter((level) => level > 0)]);
   const at = { x: (point) => across.at(point.x), y: (point) => up.at(point.y) };
   const height = Math.max(320, Math.min(480, width * 0.62));
   const names = labeled(
@@ -118,6 +120,7 @@ function frontPlot(points, x, y, floor, width) {
     marks: [
       ...zeroLines(across, up),
       ...(floor > 0 ? [ruleY([up.at(floor)], { stroke: "var(--ink)", strokeDasharray: "1 4" })] : []),
+      ...(constant > 0 ? [ruleY([up.at(constant)], { stroke: "var(--ink)", strokeOpacity: 0.6, strokeDasharray: "6 4" })] : []),
       line(front, { ...at, curve: "step-after", stroke: "var(--ink)", strokeOpacity: 0.55, strokeWidth: 1.5 }),
       ruleY(
         points.filter((point) => point.low !== null),
@@ -142,15 +145,16 @@ function frontPlot(points, x, y, floor, width) {
 }
 
 /** What the plot shows; `groups` are those of means, undefined where a single place is shown. */
-const captionOf = (points, groups, floor) =>
+const captionOf = (points, groups, { floor, constant }) =>
   [
     groups
       ? `Mean error and geometric mean cost over ${plural(groups.length, "place", "places")} that every setting here finished. `
       : "",
-    "The line joins contenders that none beats in both. ",
+    `The line joins contenders that none beats in both${constant > 0 ? ", of those that beat a constant mask" : ""}. `,
     points.some((point) => point.low !== null) ? "Bars are 95 % intervals. " : "",
     points.some((point) => point.role !== "contender") ? "Hollow: baseline and reference. " : "",
-    floor > 0 ? "Dotted: the reference's own mean error." : "",
+    floor > 0 ? "Dotted: the reference's own mean error. " : "",
+    constant > 0 ? "Dashed: the best constant mask." : "",
   ].join("");
 
 export function frontCard(redraw) {
@@ -160,7 +164,7 @@ export function frontCard(redraw) {
   if (!where) return null;
   const error = chooser("error", optionsOf(metrics), redraw, { name: "error" });
   const cost = chooser("cost", optionsOf(costs), redraw, { name: "cost" });
-  error.value = judgedBy;
+  error.value = metrics.some(({ name }) => name === "error") ? "error" : metrics[0].name;
   cost.value = costs.some(({ name }) => name === "light") ? "light" : costs[0].name;
 
   function draw(width) {
@@ -170,10 +174,11 @@ export function frontCard(redraw) {
     const { points, groups } = where.isAll
       ? pointsOverAll(rows, x, y)
       : { points: rows.map((row) => pointOf(row, x, y)).filter(Boolean) };
-    const shown = points.map((point) => point.row),
-      floor = floorOf(shown, y);
-    if (points.length > 0)
-      return { plot: frontPlot(points, x, calledFor(y, shown), floor, width), caption: captionOf(points, groups, floor) };
+    const levels = levelsOf(
+      points.map((point) => point.row),
+      y,
+    );
+    if (points.length > 0) return { plot: frontPlot(points, x, y, levels, width), caption: captionOf(points, groups, levels) };
     return {
       empty:
         groups && rows.length

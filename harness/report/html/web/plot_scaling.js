@@ -7,7 +7,7 @@ import { data, distinct, groupName, isOk, isSoft, valueOf } from "./data.js";
 import { tick } from "./digits.js";
 import { chooser, plural } from "./dom.js";
 import { filteredRows } from "./filter.js";
-import { calledFor, events, floorOf, judgedBy, memory, metrics, named, optionsOf, stages } from "./quantities.js";
+import { events, levelsOf, memory, metrics, named, optionsOf, stages } from "./quantities.js";
 
 /** Along these the error of independent samples falls with the root of their number. */
 const isSamples = (x) => /(^|_)samples$/.test(x.parameter ?? "");
@@ -93,7 +93,7 @@ function tellApart(points, x) {
 /** The reference's own mean error at each place, percent. */
 const floorsOf = (points, y) =>
   distinct(points.map(({ row }) => row.group))
-    .map((group) => floorOf(points.map(({ row }) => row).filter((row) => row.group === group), y))
+    .map((group) => levelsOf(points.map(({ row }) => row).filter((row) => row.group === group), y).floor)
     .filter((floor) => floor > 0);
 
 /** From above the largest error of the fewest samples down with one over the root of their number; null of other quantities. */
@@ -176,8 +176,8 @@ export function scalingCard(redraw) {
   // What was swept most.
   const most = (least) => xs.reduce((best, x) => (lines(x, least) > lines(best, least) ? x : best), xs[0]);
   along.value = (lines(most(3), 3) > 0 ? most(3) : most(2)).name;
-  const is_convergence = isSamples(named(xs, along.value)) && data.rows.some(isSoft) && metrics.includes(named(ys, judgedBy));
-  const wanted = is_convergence ? judgedBy : "resolve";
+  const is_convergence = isSamples(named(xs, along.value)) && data.rows.some(isSoft) && metrics.some(({ name }) => name === "error");
+  const wanted = is_convergence ? "error" : "resolve";
   what.value = ys.some(({ name }) => name === wanted) ? wanted : ys[0].name;
 
   function draw(width) {
@@ -210,12 +210,8 @@ export function scalingCard(redraw) {
     const guide = across.isLog && axis.isLog ? wished : null,
       up = guide || !wished ? axis : logAxis([...ends, ...floors]);
     const lines = { floors, guide };
-    const called = calledFor(
-      y,
-      points.map((point) => point.row),
-    );
     return {
-      plot: scalingPlot(points, across, up, x, called, lines, width),
+      plot: scalingPlot(points, across, up, x, y, lines, width),
       caption: captionOf(points, across, up, x, lines),
     };
   }

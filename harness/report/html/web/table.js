@@ -22,7 +22,7 @@ const causesColumn = {
 /** Columns that may be shown; intervals stand with their times, behind what rows are judged by what it is read against, then causes. */
 function allColumns() {
   const columns = data.columns.filter((column) => !isInterval(column) && column.name !== "causes");
-  const judged = columns.find((column) => ["error", "wrong_rate"].includes(column.name) && column.is_headline);
+  const judged = columns.find((column) => column.name === "error" && column.is_headline);
   if (!judged) return withCauses.length > 0 ? [...columns, causesColumn] : columns;
   const floors = ["reference_error_mean", "snapping_floor"].map(columnNamed).filter((column) => column?.is_headline);
   const beside = withCauses.length > 0 ? [...floors, causesColumn] : floors;
