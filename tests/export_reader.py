@@ -69,6 +69,7 @@ class Evidence:
     corners: np.ndarray  # of the scene's triangles, n x 3 x 3
     mesh_of_triangle: np.ndarray
     error: np.ndarray = None  # under a light with area: standard error of the reference
+    half: np.ndarray = None  # what half of its rays say
     other: np.ndarray = None  # and the number that the technique does not estimate
 
     @property
@@ -97,9 +98,9 @@ def read_evidence(folder, light_name, mask, estimates=None):
     reference = {name: array(entry) for name, entry in light["reference"].items()}
     position, normal, mesh = (array(frame["gbuffer"][name]) for name in ("position", "normal", "mesh"))
     vertices, triangles, mesh_of_triangle = (array(scene["arrays"][name]) for name in ("position", "triangle", "mesh"))
-    truth = [(reference["visibility"], reference.get("error")), (reference.get("irradiance"), reference.get("irradiance_error"))]
-    if estimates == "irradiance":
-        truth.reverse()
-    return Evidence(mask=mask, reference=truth[0][0], error=truth[0][1], other=truth[1][0], classes=reference["class"],
+    area = [reference.get(name) for name in ("visibility", "error", "half")]
+    irradiance = [reference.get(name) for name in ("irradiance", "irradiance_error", "irradiance_half")]
+    (right, error, half), (other, *_) = (irradiance, area) if estimates == "irradiance" else (area, irradiance)
+    return Evidence(mask=mask, reference=right, error=error, half=half, other=other, classes=reference["class"],
                     position=np.moveaxis(position, 0, -1), normal=np.moveaxis(normal, 0, -1), mesh=mesh, view=frame["view"],
                     light=light, scene=scene, corners=vertices[triangles], mesh_of_triangle=mesh_of_triangle)

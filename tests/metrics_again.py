@@ -3,7 +3,9 @@
 `nan` stands for what is not defined, which is `null` in a record.
 """
 
+import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -24,6 +26,12 @@ def mean(values):
     return share(values.sum(), values.size)
 
 
+def middle_mean(values):
+    """Mean of all but the n / 4 (rounded down) smallest and as many largest of n values."""
+    cut = len(values) // 4
+    return mean(np.sort(values)[cut:len(values) - cut])
+
+
 def root_mean_square(values):
     """Root of the mean of the squares."""
     return math.sqrt(mean(values**2))
@@ -36,7 +44,7 @@ def is_wrong(e):
 
 
 def error_rates(e):
-    """Means over T of |V - V_ref|, of V its best constant, of errors; shares of the pixels of T, and of T + G + S + U, that are wrong, of T by sign."""
+    """Means over T of |V - V_ref|, of V its best constant, of V its half; shares of T, and of T + G + S + U, that are wrong, of T by sign."""
     difference = e.mask - e.reference
     wrong, tested = is_wrong(e), e.tested
     reference = e.reference[tested]
@@ -47,7 +55,7 @@ def error_rates(e):
         "wrong_rate_all": mean(wrong[e.facing]),
         "false_dark_rate": mean((wrong & (difference < 0))[tested]),
         "false_lit_rate": mean((wrong & (difference > 0))[tested]),
-        "reference_error_mean": mean(e.error[tested]) if e.has_area else math.nan,
+        "error_floor": mean(np.abs(e.half - e.reference)[tested]) if e.half is not None else math.nan,
         "other_error_mean": mean(np.abs(e.mask - e.other)[tested]) if e.has_area else math.nan,
         "tested_share": share(tested.sum(), e.facing.sum()),
     }
@@ -174,44 +182,70 @@ def gradient(visibility):
     return np.stack([(around * x).sum(axis=-1), (around * y).sum(axis=-1)], axis=-1) / 6
 
 
-def width_ratio(e):
-    """Median of w / w_ref, w = 0.8 / slope, over the pixels of T with 0.1 < V < 0.9 in both whose 3 x 3 neighborhood is on one object."""
-    middle = [(v > np.float32(0.1)) & (v < np.float32(0.9)) for v in (e.mask, e.reference)]
-    chosen = e.tested & middle[0] & middle[1] & is_on_one_object(e, 3)
-    ours, theirs = (np.linalg.norm(gradient(v), axis=-1)[chosen] for v in (e.mask, e.reference))
-    ratio = np.median(ours[theirs > 0] / theirs[theirs > 0]) if (theirs > 0).any() else 0
-    return share(1, ratio)
+def samples(e, points, mesh):
+    """V and V_ref at points (x, y), bilinear, and whether they count: all four pixels in the picture, those with weight of T and on the mesh."""
+    low = np.floor(points).astype(int)
+    counts = ((low >= 0) & (low < np.array(e.mesh.shape)[::-1] - 1)).all(axis=-1)
+    low = np.where(counts[:, None], low, 0)
+    values = np.zeros((2, len(points)))
+    for corner in ((0, 0), (1, 0), (0, 1), (1, 1)):
+        weight = np.prod(np.where(corner, points - low, 1 - (points - low)), axis=-1)
+        pixel = tuple((low + corner).T[::-1])
+        counts &= (weight == 0) | (e.tested[pixel] & (e.mesh[pixel] == mesh))
+        values += weight * np.array([e.mask[pixel], e.reference[pixel]])
+    return values, counts
 
 
-def crossings(e, visibility):
-    """Points (x, y) where V, linear between 4-neighbors on one object, crosses 1/2, and the left or upper pixel (row, column) of the two."""
-    lit, points, pixels = visibility > 0.5, [], []
-    for dy, dx in ((0, 1), (1, 0)):
-        a, b = np.s_[:lit.shape[0] - dy, :lit.shape[1] - dx], np.s_[dy:, dx:]
-        crossed = (lit[a] != lit[b]) & e.facing[a] & e.facing[b] & (e.mesh[a] == e.mesh[b])
-        pixel = np.argwhere(crossed)
-        part = (0.5 - visibility[a][crossed]) / (visibility[b][crossed] - visibility[a][crossed])
-        points.append(pixel[:, ::-1] + part[:, None] * [dx, dy])
-        pixels.append(pixel)
-    return np.concatenate(points), np.concatenate(pixels)
+def line_beginnings(e):
+    """Points (x, y) where V_ref, linear between 4-neighbors on one object, crosses 1/2, the unit gradient at the nearest pixel, and the mesh.
 
-
-def penumbra_shift(e):
-    """Median over the mask's crossings c, at pixels of T, of n.(c - c_ref), n the unit gradient of V_ref at the pixel of c_ref.
-
-    c_ref is the nearer crossing of V_ref at the nearest pixel that has one; of pixels as near, the leftmost, then the upmost.
+    Left out are points whose nearest pixel has a 3 x 3 neighborhood that is not on one object, or no gradient.
     """
-    (points, pixels), (points_ref, pixels_ref) = crossings(e, e.mask), crossings(e, e.reference)
-    points, pixels = (values[e.tested[tuple(pixels.T)]] for values in (points, pixels))
-    if not len(points) or not len(points_ref):
-        return math.nan
-    way = pixels_ref - pixels[:, None]
-    to_point = ((points[:, None] - points_ref) ** 2).sum(axis=-1)
-    nearest = np.lexsort((to_point, way[..., 0], way[..., 1], (way**2).sum(axis=-1)), axis=-1)[:, 0]
-    to_lit = gradient(e.reference)[tuple(pixels_ref[nearest].T)]
-    length = np.linalg.norm(to_lit, axis=-1)
-    offsets = ((points - points_ref[nearest]) * to_lit).sum(axis=-1)[length > 0] / length[length > 0]
-    return float(np.median(offsets)) if offsets.size else math.nan
+    v, points, meshes = e.reference, [], []
+    for dy, dx in ((0, 1), (1, 0)):
+        a, b = np.s_[:v.shape[0] - dy, :v.shape[1] - dx], np.s_[dy:, dx:]
+        crossed = ((v[a] > 0.5) != (v[b] > 0.5)) & e.facing[a] & e.facing[b] & (e.mesh[a] == e.mesh[b])
+        part = (0.5 - v[a][crossed]) / (v[b][crossed] - v[a][crossed])
+        points.append(np.argwhere(crossed)[:, ::-1] + part[:, None] * [dx, dy])
+        meshes.append(e.mesh[a][crossed])
+    points, meshes = np.concatenate(points), np.concatenate(meshes)
+    nearest = tuple(np.floor(points + 0.5).astype(int).T[::-1])
+    slope = gradient(v)[nearest]
+    length = np.linalg.norm(slope, axis=-1)
+    good = is_on_one_object(e, 3)[nearest] & (length > 0)
+    return points[good], slope[good] / length[good, None], meshes[good]
+
+
+def penumbra_lines(e):
+    """Width of V, width of V_ref and shift of every line across a penumbra whose width_ref is 2 px or more."""
+    start, way, mesh = line_beginnings(e)
+    values, good = samples(e, start, mesh)
+    everything = [values]
+    for step, is_far in ((way / 2, lambda v: v >= 0.98), (-way / 2, lambda v: v <= 0.02)):
+        going, was_far, last = good.copy(), np.zeros(len(start), bool), np.full(len(start), math.inf)
+        good = np.zeros(len(start), bool)
+        for k in itertools.count(1):
+            values, counts = samples(e, start + k * step, mesh)
+            going &= counts & (k <= last)
+            if not going.any():
+                break
+            everything.append(np.where(going, values, 0))  # V = V_ref = 0 adds nothing
+            far = is_far(values)
+            last[far[1] & np.isinf(last)] = 4 * k + 8  # 4 d + 4 px in steps of half a pixel
+            good |= going & was_far & far.all(axis=0)
+            going &= ~good
+            was_far = far.all(axis=0)
+    ours, theirs = np.moveaxis(everything, 1, 0)
+    width, width_ref, shift = (values.sum(axis=0)[good] / 2 for values in (6 * ours * (1 - ours), 6 * theirs * (1 - theirs), theirs - ours))
+    wide = width_ref >= 2
+    return width[wide], width_ref[wide], shift[wide]
+
+
+def width_and_shift(e):
+    """Of width / width_ref and of the shift, over the lines; not defined with fewer than ten lines."""
+    width, width_ref, shift = penumbra_lines(e)
+    values = (middle_mean(width / width_ref), middle_mean(shift)) if len(shift) >= 10 else (math.nan, math.nan)
+    return dict(zip(("penumbra_width_ratio", "penumbra_shift"), map(float, values)))
 
 
 def penumbra_metrics(e):
@@ -232,11 +266,17 @@ def penumbra_metrics(e):
         "outside_error_rms": root_mean_square(outside),
         "umbra_area_ratio": share((tested & (ours <= 0.02)).sum(), (tested & (theirs <= 0.02)).sum()),
         "penumbra_area_ratio": share((tested & ours_penumbra).sum(), (tested & penumbra).sum()),
-        "penumbra_width_ratio": width_ratio(e),
         "penumbra_noise": root_mean_square((ours - np.median(windows(ours, 5), axis=-1))[smooth]),
-        "penumbra_shift": penumbra_shift(e),
-    }
+    } | width_and_shift(e)
     return found if (penumbra & tested).any() else dict.fromkeys(found, math.nan)
+
+
+def penumbra_floors(e):
+    """How far the metrics of V_half, as if it were the mask, are from the best: 1 of ratios, 0 of errors and of the shift."""
+    best = dict.fromkeys(("penumbra_error_mean", "penumbra_error_rms", "outside_error_mean", "outside_error_rms", "penumbra_shift"), 0)
+    best |= dict.fromkeys(("umbra_area_ratio", "penumbra_area_ratio", "penumbra_width_ratio"), 1)
+    found = penumbra_metrics(replace(e, mask=e.half)) if e.half is not None else dict.fromkeys(best, math.nan)
+    return {f"{name}_floor": abs(found[name] - value) for name, value in best.items()}
 
 
 # --- how it looks -----------------------------------------------------------------------------------------------------------
@@ -353,4 +393,5 @@ def likeness(e):
 
 def measure(e):
     """Every metric that a mask alone decides, by name."""
-    return error_rates(e) | displacement(e) | binned_rates(e) | shadow_area_ratio(e) | received_errors(e) | penumbra_metrics(e) | likeness(e)
+    of_penumbra = penumbra_metrics(e) | penumbra_floors(e)
+    return error_rates(e) | displacement(e) | binned_rates(e) | shadow_area_ratio(e) | received_errors(e) | of_penumbra | likeness(e)

@@ -199,7 +199,7 @@ std::optional<double> quantity(const Record& r, std::string_view wanted) {
 
 std::optional<double> error_floor(const Record& r, std::string_view wanted) {
   if (r.answer != AnswerKind::fraction || wanted != "error") return std::nullopt;
-  return r.metric("reference_error_mean");
+  return r.metric("error_floor");
 }
 
 std::optional<double> gain_over_constant(const Record& r) {

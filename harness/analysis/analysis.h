@@ -90,8 +90,8 @@ std::optional<double> scene_parameter(const std::string& scene, std::string_view
 std::optional<Stage> stage_of_time(std::string_view quantity);
 /// Anything in a record that has one number: a metric (headline truth), `cause.NAME` (share of T), STAGE_ms, bytes, peak_bytes.
 std::optional<double> quantity(const Record& record, std::string_view name);
-/// Of the error under a light with area the reference's own: a smaller one may be the reference's. Nothing of other quantities
-/// and lights.
+/// Of the error under a light with area what the reference's own noise makes of it: no smaller one can be told from 0. Nothing
+/// of other quantities and lights.
 std::optional<double> error_floor(const Record& record, std::string_view quantity);
 /// How far the row's error lies below that of the best constant mask at its place; nothing where the record does not say.
 std::optional<double> gain_over_constant(const Record& record);

@@ -113,8 +113,8 @@ void compare_parameters(RowChange& row) {
 /// The greater of the floors of both rows.
 std::optional<double> common_floor(const RowChange& row, Truth truth) {
   if (row.contender->answer != AnswerKind::fraction) return std::nullopt;
-  const auto base = row.base->metric(truth, "reference_error_mean");
-  const auto contender = row.contender->metric(truth, "reference_error_mean");
+  const auto base = row.base->metric(truth, "error_floor");
+  const auto contender = row.contender->metric(truth, "error_floor");
   return base && contender ? std::optional(std::max(*base, *contender)) : std::nullopt;
 }
 

@@ -43,7 +43,7 @@ struct MetricChange {
   std::string metric;
   std::optional<double> base, contender;  ///< nothing: not defined
   bool is_regression = false;
-  /// Of a mean error under a light with area, to be shown beside: the greater of the references' own mean errors.
+  /// Of an error under a light with area, to be shown beside: the greater of both floors.
   std::optional<double> floor;
 };
 

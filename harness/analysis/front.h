@@ -8,7 +8,7 @@ struct Candidate {
   std::string setting = {}, technique = {};
   Role role = Role::contender;
   double error = 0;  ///< over all places: the mean
-  /// Of mean errors under lights with area the reference's own mean error, shown beside; over all places: the mean.
+  /// Of errors under lights with area what the reference's own noise makes, shown beside; over all places: the mean.
   std::optional<double> floor = {};
   /// Over all places: the mean (see gain_over_constant); nothing where a record does not say.
   std::optional<double> gain_over_constant = {};

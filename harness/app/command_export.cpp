@@ -30,7 +30,8 @@ Json with_names(Json arrays) {
   return arrays;
 }
 
-/// What is true under a light: `visibility`, `class`; with area also the standard error, and both of the irradiance.
+/// What is true under a light: `visibility`, `class`; with area also the standard error and what half of the rays
+/// say, and all three of the irradiance.
 Arrays reference_arrays(const Reference& reference, std::span<const std::uint32_t> classes, int width, int height) {
   const std::vector<std::size_t> shape = {static_cast<std::size_t>(height), static_cast<std::size_t>(width)};
   Arrays arrays = {{"visibility", array_of<float>(shape, {reference.mask})},
@@ -39,6 +40,8 @@ Arrays reference_arrays(const Reference& reference, std::span<const std::uint32_
   arrays.emplace("error", array_of<float>(shape, {reference.error}));
   arrays.emplace("irradiance", array_of<float>(shape, {reference.irradiance}));
   arrays.emplace("irradiance_error", array_of<float>(shape, {reference.irradiance_error}));
+  arrays.emplace("half", array_of<float>(shape, {reference.half}));
+  arrays.emplace("irradiance_half", array_of<float>(shape, {reference.irradiance_half}));
   return arrays;
 }
 

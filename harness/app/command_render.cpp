@@ -118,7 +118,7 @@ std::string summary(const Record& record, const ErrorCounts& errors) {
   };
   std::string text = fmt::format("error {} over {} tested pixels, best constant mask {}", percent("error"), errors.tested,
                                  percent("constant_error"));
-  if (record.metric("reference_error_mean")) text += ", the reference's own " + percent("reference_error_mean");
+  if (record.metric("error_floor")) text += ", floor " + percent("error_floor");
   if (record.answer == AnswerKind::received)
     return fmt::format("{} lights, {}, light received {} (rms), FLIP {:.4f}", record.lights.size(), text,
                        percent("received_error_rms"), record.metric("flip").value_or(0));

@@ -51,11 +51,11 @@ struct Sums {
 };
 
 struct Share {
-  double value = 1, error = 0;
+  double value = 1, error = 0, half = 1;
 };
 
-/// The share seen: all replicas together, and the standard error of that by their spread. Of a ratio: each replica is off by
-/// what its dark part differs from the share of all that it asked, in units of a mean replica.
+/// The share seen: all replicas together, the standard error of that by their spread, and half of them alone. Of a ratio: each
+/// replica is off by what its dark part differs from the share of all that it asked, in units of a mean replica.
 Share share_of(const std::array<double, ray_replicas>& all, const std::array<double, ray_replicas>& dark) {
   double sum = 0, sum_dark = 0;
   for (int k = 0; k < ray_replicas; ++k) {
@@ -63,12 +63,17 @@ Share share_of(const std::array<double, ray_replicas>& all, const std::array<dou
     sum_dark += dark[k];
   }
   if (!(sum > 0)) return {};
-  double squares = 0;
+  double squares = 0, half = 0, half_dark = 0;
+  for (int k = 0; k < ray_replicas / 2; ++k) {
+    half += all[k];
+    half_dark += dark[k];
+  }
   for (int k = 0; k < ray_replicas; ++k) {
     const double off = (dark[k] - sum_dark / sum * all[k]) * ray_replicas / sum;
     squares += off * off;
   }
-  return {1 - sum_dark / sum, std::sqrt(squares / (ray_replicas - 1) / ray_replicas)};
+  return {1 - sum_dark / sum, std::sqrt(squares / (ray_replicas - 1) / ray_replicas),
+          1 - (half > 0 ? half_dark / half : sum_dark / sum)};
 }
 
 /// The same of one chunk of packets, by lane: of each replica two.
@@ -112,7 +117,13 @@ SampledShares shares_of(const Sums& sums) {
   const Share area = share_of(sums.asked, sums.blocked), irradiance = share_of(sums.weight, sums.blocked_weight);
   double rays = 0;
   for (const double asked : sums.asked) rays += asked;
-  return {area.value, irradiance.value, area.error, irradiance.error, static_cast<std::uint32_t>(rays), 0};
+  return {.area = area.value,
+          .irradiance = irradiance.value,
+          .area_error = area.error,
+          .irradiance_error = irradiance.error,
+          .area_half = area.half,
+          .irradiance_half = irradiance.half,
+          .rays = static_cast<std::uint32_t>(rays)};
 }
 
 /// What one ray more or less makes of the irradiance, where its weight is half of the heaviest one's: a place that is so near
@@ -186,6 +197,7 @@ SampledShares sample_shares(const FaceRays& rays, std::uint64_t seed, const Area
   const double for_spread = std::ceil(pilot_rounds * std::pow(error_of(foretold) / (0.85 * target.error), 1 / 0.75));
   const Scramble scramble(2 * seed + 1);
   Sums sums;
+  double known_area = foretold.area_error, known_irradiance = foretold.irradiance_error, known_rounds = pilot_rounds;
   double asked = 0, rounds = std::clamp(std::max(for_spread, rounds_for_one_ray(0)), 1.0, most);
   for (;;) {
     ask(rays, scramble, static_cast<std::uint32_t>(asked), static_cast<std::uint32_t>(rounds), sums);
@@ -194,10 +206,14 @@ SampledShares sample_shares(const FaceRays& rays, std::uint64_t seed, const Area
     shares.pilot_rays = foretold.rays;
     const double one_ray = 1.0 / std::max(shares.rays, 1u), one_heavy_ray = one_ray_of_irradiance(sums);
     const double spread = std::max(error_of(shares), one_heavy_ray);
-    // Eight replicas that happen to agree would state too little: what the pilot foretells for so many rays is a floor.
-    const double by_now = std::pow(pilot_rounds / asked, 0.75);
-    shares.area_error = std::max({shares.area_error, one_ray, by_now * foretold.area_error});
-    shares.irradiance_error = std::max({shares.irradiance_error, one_ray, one_heavy_ray, by_now * foretold.irradiance_error});
+    // Eight replicas that happen to agree would state too little: what the pilot and those asked before foretell for so many
+    // rays is a floor. Without the latter rays that go on until they agree would have the error of those that happen to.
+    const double by_now = std::pow(known_rounds / asked, 0.75);
+    known_area = std::max(by_now * known_area, shares.area_error);
+    known_irradiance = std::max(by_now * known_irradiance, shares.irradiance_error);
+    known_rounds = asked;
+    shares.area_error = std::max(known_area, one_ray);
+    shares.irradiance_error = std::max({known_irradiance, one_ray, one_heavy_ray});
     if (error_of(shares) <= target.error || asked >= most) return shares;
     const double more = spread > target.error ? std::ceil(0.3 * asked) : std::max(rounds_for_one_ray(shares.rays), 1.0);
     rounds = std::min(most, asked + more);

@@ -203,11 +203,11 @@ class Analyze(ProgramTest):
     def test_rows_of_all_kinds_are_judged_by_one_error(self):
         soft = {"light": "lamp", "light_kind": "disc", "lights": [{"name": "lamp", "kind": "disc", "answer": "fraction"}], "answer": "fraction"}
         def metrics(error):
-            return {"metrics": {"shape": {"error": error, "wrong_rate": 0, "reference_error_mean": 0.001}}}
+            return {"metrics": {"shape": {"error": error, "wrong_rate": 0, "error_floor": 0.001}}}
         run = self.run_of(record("hard", wrong=0.2), record("soft", cost=2, **soft, **metrics(0.03)),
                           record("better", cost=4, **soft, **metrics(0.01)))
         rows = {row["setting"]: row for row in self.rows(run, "front")}
-        self.assertEqual([(name, row["error"], row["reference_error_mean"]) for name, row in sorted(rows.items())],
+        self.assertEqual([(name, row["error"], row["error_floor"]) for name, row in sorted(rows.items())],
                          [("better", "0.01", "0.001"), ("hard", "0.2", ""), ("soft", "0.03", "0.001")])
         self.assertEqual({row["standing"] for row in rows.values()}, {"front"})
         text = self.succeed("analyze", run, "front")

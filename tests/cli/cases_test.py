@@ -4,9 +4,12 @@ ones of the kinds that were once read wrongly, most of them the box 0 .. 1 of 12
 
 import json
 import re
+import shutil
 import sys
 import unittest
 from pathlib import Path
+
+import numpy
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from program import DATA, ProgramTest  # noqa: E402
@@ -130,10 +133,21 @@ class Cases(ProgramTest):
             self.assertEqual(wrong("png_alpha/b.toml", *mask), 0, name)
 
     def test_vertices_that_no_face_uses_frame_nothing(self):
-        self.succeed("render", "--scene", CASES / "gltf_unused_vertex/unused_vertex.gltf", "--technique", "svbsp", "--size", "160x90",
-                     "--out", "out")
-        record = json.loads((self.dir / "out/record.json").read_text())[0]
-        self.assertEqual(record["classes"]["T"], 2863)  # as of the box without that vertex
+        scene = CASES / "gltf_unused_vertex/unused_vertex.gltf"
+        self.succeed("export", "--scene", scene, "--size", "16x9", "--out", "true")
+        arrays = json.loads((self.dir / "true/scene.json").read_text())["arrays"]
+        positions, triangles = (numpy.load(self.dir / "true" / arrays[name]["file"]) for name in ("position", "triangle"))
+        used, triangles = numpy.unique(triangles, return_inverse=True)
+        self.assertEqual(len(used), 8)
+        lines = ["v %r %r %r" % tuple(map(float, positions[k])) for k in used]
+        self.write("box.obj", "\n".join(lines + ["f %d %d %d" % tuple(t + 1) for t in triangles.reshape(-1, 3)]) + "\n")
+        classes = []
+        for name in (scene, "box.obj"):
+            self.succeed("render", "--scene", name, "--technique", "svbsp", "--size", "160x90", "--out", "out")
+            classes.append(json.loads((self.dir / "out/record.json").read_text())[0]["classes"])
+            shutil.rmtree(self.dir / "out")
+        self.assertEqual(*classes)
+        self.assertGreater(classes[0]["T"], 2000)
 
 
 if __name__ == "__main__":

@@ -40,6 +40,7 @@ LEFT_OUT = (
     "radiosity_error",  # needs pictures of all light, which no file holds
     "instability",  # of rows on a path, which have a test of their own
     "contact_hardening",  # needs distances to casters, which the reference's own random rays find and no file holds
+    "contact_hardening_floor",
 )
 
 
@@ -72,8 +73,11 @@ def first_hits(triangles, spheres, origin, way, skipped):
     return times[rows, hit], hit, normal / np.linalg.norm(normal, axis=-1, keepdims=True)
 
 
-def is_lit(e, solids, origin, way):
-    """Whether the light arrives at the point that a ray of the eye meets, asked by a ray that starts 8 * 2^-24 max|P| over the surface."""
+def answers(e, solids, origin, way):
+    """Whether the light arrives at the point that a ray of the eye meets: 1 or 0, nan where it meets nothing that faces the light.
+
+    It is asked by a ray that starts 8 * 2^-24 max|P| over the surface.
+    """
     time, hit, normal = first_hits(*solids, np.broadcast_to(origin, way.shape), way, np.full(len(way), -1))
     point = origin + time[:, None] * way
     normal = -np.sign((normal * way).sum(axis=-1, keepdims=True)) * normal
@@ -82,11 +86,12 @@ def is_lit(e, solids, origin, way):
         to, end = np.broadcast_to(-np.array(e.light["direction"], float), start.shape), math.inf
     else:
         to, end = np.array(e.light["position"], float) - start, 1
-    return first_hits(*solids, start, to, hit)[0] >= end
+    faces = np.isfinite(time) & ((normal * to).sum(axis=-1) > 0)
+    return np.where(faces, first_hits(*solids, start, to, hit)[0] >= end, math.nan)
 
 
 def snapping_floor(e):
-    """Share of T whose answer is another one at a corner of the square of +-1/512 px around the pixel's center."""
+    """Share of T whose answer is another one at a corner, if that has any, of the square of +-1/512 px around the pixel's center."""
     shapes = [mesh["shape"] or {} for mesh in e.scene["meshes"]]
     round_ones = [k for k, shape in enumerate(shapes) if shape.get("kind") == "sphere"]
     solids = e.corners[~np.isin(e.mesh_of_triangle, round_ones)], [(np.array(shapes[k]["center"], float), float(shapes[k]["radius"]))
@@ -94,7 +99,7 @@ def snapping_floor(e):
     right, flips = e.reference[e.tested] > 0.5, False
     for dx, dy in ((-1, -1), (-1, 1), (1, -1), (1, 1)):
         eye, ways, _ = eye_rays(e, dx / 512, dy / 512)
-        flips |= np.concatenate([is_lit(e, solids, eye, way) for way in np.array_split(ways[e.tested], 16)]) != right
+        flips |= np.abs(np.concatenate([answers(e, solids, eye, way) for way in np.array_split(ways[e.tested], 16)]) - right) == 1
     return share(flips.sum(), flips.size)
 
 

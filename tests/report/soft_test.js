@@ -19,7 +19,7 @@ test("the table has a mean error with the reference's own beside it, and what so
   const headings = await page.locator("thead th").evaluateAll((cells) => cells.map((cell) => cell.dataset.column));
   const error = headings.indexOf("error");
   assert.ok(error > 0, String(headings));
-  assert.deepEqual(headings.slice(error, error + 3), ["error", "reference_error_mean", "snapping_floor"]);
+  assert.deepEqual(headings.slice(error, error + 3), ["error", "error_floor", "snapping_floor"]);
   for (const name of ["other_error_mean", "penumbra_width_ratio", "penumbra_shift", "penumbra_noise"])
     assert.ok(headings.includes(name), name);
   const cells = (row) =>
@@ -29,9 +29,9 @@ test("the table has a mean error with the reference's own beside it, and what so
     hard = rowOf(data, "shadow_map:resolution=64", "bulb");
   const shown = await cells(soft);
   assert.equal(shown[error], data.rows[soft].texts[column("error")]);
-  assert.equal(shown[error + 1], data.rows[soft].texts[column("reference_error_mean")]);
+  assert.equal(shown[error + 1], data.rows[soft].texts[column("error_floor")]);
   assert.equal(shown[error + 2], "-", "a floor of rasterizers");
-  assert.ok(data.rows[soft].values[column("reference_error_mean")] > 0);
+  assert.ok(data.rows[soft].values[column("error_floor")] > 0);
   assert.equal((await cells(hard))[error + 1], "-");
   assert.equal(data.rows[hard].values[column("error")], data.rows[hard].values[column("wrong_rate")]);
   const best = rowOf(data, "exact_area");
@@ -64,7 +64,7 @@ test("the front is of errors, under a light with area above a dotted floor", asy
   const soft = await choose("lamp");
   assert.match(soft, /error \(%\)/);
   assert.match(soft, /Dashed: the best constant mask/);
-  assert.match(soft, /Dotted: the reference's own mean error/);
+  assert.match(soft, /Dotted: the error floor/);
   const lines = await front.locator('svg g[stroke-dasharray="1 4"] line').count();
   assert.equal(lines, 1);
   const hard = await choose("bulb");
@@ -91,7 +91,7 @@ test("errors fall along samples: seeds are one point, with the reference's own e
   const text = await card.locator("> figure").textContent();
   assert.match(text, /slope \u22121\/2/);
   assert.match(text, /means of up to 3 seeds, bars reach from the smallest to the largest/);
-  assert.match(text, /Dotted: the reference's own mean error/);
+  assert.match(text, /Dotted: the error floor/);
   assert.equal(await svg.locator('g[stroke-dasharray="1 4"] line').count(), 1);
   // Heights are logarithms: two errors that are known give pixels for each decade.
   const column = data.columns.findIndex(({ name }) => name === "error");
@@ -144,7 +144,7 @@ test("errors are as strong as they are large, and the legend has their scale", a
   assert.ok(r === g && g === b, "what is right stays gray");
   const [wr, , wb] = await at(weak);
   assert.ok(wr > wb && wb > 0, `${wr} ${wb}: between gray and orange`);
-  assert.match(await legend(), /error [\d.]+ %, the reference's own [\d.]+ %/);
+  assert.match(await legend(), /error [\d.]+ %, floor [\d.]+ %/);
   assert.match(await legend(), /too dark [\d.]+ % of the error\s*too light [\d.]+ % of the error/);
   assert.match(await legend(), /off by 1 %\s*3 %\s*10 %\s*30 % or more/);
   // The hard shadow of the light's center: its causes hold all of the error.

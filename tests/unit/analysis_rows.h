@@ -49,7 +49,7 @@ inline Record soft_row(const std::string& setting, double relight, double resolv
   r.answer = AnswerKind::fraction;
   r.lights[0].name = r.lights[0].kind = "disc";
   r.lights[0].answer = AnswerKind::fraction;
-  r.metrics[Truth::shape] = {{"error", error}, {"wrong_rate", 0.0}, {"reference_error_mean", 0.002}};
+  r.metrics[Truth::shape] = {{"error", error}, {"wrong_rate", 0.0}, {"error_floor", 0.002}};
   return r;
 }
 

@@ -27,7 +27,7 @@ struct World {
     gbuffer = make_gbuffer(scene, everything, view, 64, 64, geometry);
     truth.resize(gbuffer.size());
     trace_shadows(casters, scene, gbuffer, light, truth);
-    classes = classify(scene, casters, gbuffer, light, truth);
+    classes = classify(scene, casters, gbuffer, light, truth, find_silhouettes(everything, gbuffer));
     nearest_caster = find_nearest_casters(scene, casters, gbuffer, light, truth);
     mask = truth;
   }

@@ -12,7 +12,7 @@ struct World {
       : scene(std::move(the_scene)), light(std::move(the_light)), casters(scene, Truth::mesh, RayScene::Which::casters) {
     const RayScene everything(scene, Truth::mesh, RayScene::Which::all);
     gbuffer = make_gbuffer(scene, everything, {.eye = {0, 10, 0}, .target = {0, 0, 0}, .up = {0, 0, -1}}, 64, 64, Truth::mesh);
-    truth = trace_soft(scene, casters, gbuffer, light, target);
+    truth = trace_soft(scene, casters, gbuffer, light, find_silhouettes(everything, gbuffer), target);
     mask = truth.area;
   }
 

@@ -11,7 +11,7 @@ namespace gnomon::viewer {
 
 namespace {
 
-constexpr double worth_going_on = 1.5;  // times the reference's own error: what comes below is the reference's
+constexpr double worth_going_on = 1.5;  // times the error floor: what comes below is the reference's
 
 /// The mean error of masks of the verdict's frame, one light after the other.
 double mean_error(const Verdict& verdict, std::vector<float> masks) {
@@ -67,7 +67,7 @@ Engine::Body::Work Engine::Body::next_curve() {
 void Engine::Body::measure_curve(const std::shared_ptr<const Verdict>& verdict, const SideSelection& side,
                                  std::uint64_t ticket) {
   SampleCurve curve{.frame = verdict->answer->frame, .samples = {}, .error = {}};
-  curve.reference_error = verdict->reference_error.value_or(0);
+  curve.error_floor = verdict->error_floor.value_or(0);
   const auto show = [&] {
     change([&](EngineState& s) {
       if (ticket == curve_ticket) s.curve = std::make_shared<const SampleCurve>(curve);
@@ -102,7 +102,7 @@ void Engine::Body::measure_curve(const std::shared_ptr<const Verdict>& verdict, 
       curve.error.push_back(mean_error(*verdict, curve_worker->mask()));
       curve.samples.push_back(n);
       show();
-      if (curve.error.back() < worth_going_on * curve.reference_error) break;
+      if (curve.error.back() < worth_going_on * curve.error_floor) break;
     }
   } catch (const std::exception& error) {
     curve.why_not = message_of(error);  // seen where nothing else was selected meanwhile

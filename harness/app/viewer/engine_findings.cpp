@@ -75,7 +75,7 @@ void Engine::Body::Side::count_wrong(const std::shared_ptr<const SideAnswer>& an
                                               : evidence_of(g.width, g.height, answer->mask, *reference, verdict->estimates);
   const Scoring scoring(evidence);
   verdict->errors = scoring.error_counts();
-  verdict->reference_error = measure_metric(scoring, "reference_error_mean");
+  verdict->error_floor = measure_metric(scoring, "error_floor");
   verdict->constant_error = measure_metric(scoring, "constant_error");
   if (verdict->together) verdict->received_error = scoring.light_error().rms;
   body_.change([&](EngineState&) { state().verdict = verdict; });

@@ -224,16 +224,20 @@ void Engine::Body::trace_reference(const std::shared_ptr<const Frame>& frame, bo
 
 /// Classes under one light, and under one with area the shares.
 void Engine::Body::find_classes(const Frame& frame, const Light& light, ReferenceState& reference) {
-  const RayScene& casters = frame.loaded->store->casters(frame.gbuffer.truth);
+  FrameStore& store = *frame.loaded->store;
+  const RayScene& casters = store.casters(frame.gbuffer.truth);
+  const std::vector<std::uint8_t> silhouettes = find_silhouettes(store.everything(frame.gbuffer.truth), frame.gbuffer);
   if (!has_area(light)) {
-    reference.classes = classify(frame.scene(), casters, frame.gbuffer, light, reference.mask);
+    reference.classes = classify(frame.scene(), casters, frame.gbuffer, light, reference.mask, silhouettes);
     return;
   }
-  SoftReference soft = trace_soft(frame.scene(), casters, frame.gbuffer, light, {});
+  SoftReference soft = trace_soft(frame.scene(), casters, frame.gbuffer, light, silhouettes, {});
   reference.mask = std::move(soft.area);
   reference.error = std::move(soft.area_error);
   reference.irradiance = std::move(soft.irradiance);
   reference.irradiance_error = std::move(soft.irradiance_error);
+  reference.half = std::move(soft.area_half);
+  reference.irradiance_half = std::move(soft.irradiance_half);
   reference.classes = std::move(soft.classes);
 }
 

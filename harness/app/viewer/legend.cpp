@@ -221,8 +221,8 @@ std::span<const Tally> tallies(const Frame* frame) {
                                }};
   static constexpr Tally error{"error", "Mean difference from the reference over the tested pixels.",
                                [](const Verdict& v) { return percent_of(v.errors.error_sum, v.errors.tested); }};
-  static constexpr Tally own{"ref. error", "The reference's own mean error over them: a smaller one may be the reference's.",
-                             [](const Verdict& v) { return percent_or_none(v.reference_error); }};
+  static constexpr Tally own{"floor", "Error that the reference's own noise alone makes: no smaller one can be told from 0.",
+                             [](const Verdict& v) { return percent_or_none(v.error_floor); }};
   static constexpr Tally received{
       "light error", "Root mean square error of the light that tested pixels receive of all lights, as a share of that light.",
       [](const Verdict& v) { return percent_or_none(v.received_error); }};

@@ -52,7 +52,7 @@ struct ReferenceState {
   std::vector<float> mask;    ///< width * height; of several lights the share of the light that they would give
   /// Under a light with area, with the classes: `mask` is the share of its area that is seen, `irradiance` that of the
   /// irradiance, each with its standard error. Else empty.
-  std::vector<float> error, irradiance, irradiance_error;
+  std::vector<float> error, irradiance, irradiance_error, half, irradiance_half;
   std::vector<PixelClass> classes;            ///< empty until they are known; then the mask has the frame's size
   std::vector<std::uint32_t> nearest_caster;  ///< empty until known; see Reference
   /// The same view and light on the meshes, where the scene has curved shapes and they count; null until it is known.
@@ -83,12 +83,12 @@ struct Verdict {
   LightShareKind estimates = LightShareKind::area;  ///< what the answer is compared with under a light with area
   std::shared_ptr<const Together> together;         ///< of several lights; with their causes when these are known
   ErrorCounts errors;
-  std::optional<double> reference_error;  ///< under a light with area: the reference's own mean error over T
-  std::optional<double> constant_error;   ///< of the best constant mask
-  std::optional<double> received_error;   ///< of several lights: rms error of the light received, as a share of that
-  bool has_causes = false;                ///< they are known
-  std::vector<Cause> causes;              ///< empty until then
-  std::vector<CauseInfo> own_causes;      ///< of the technique
+  std::optional<double> error_floor;     ///< under a light with area: what the reference's own noise makes
+  std::optional<double> constant_error;  ///< of the best constant mask
+  std::optional<double> received_error;  ///< of several lights: rms error of the light received, as a share of that
+  bool has_causes = false;               ///< they are known
+  std::vector<Cause> causes;             ///< empty until then
+  std::vector<CauseInfo> own_causes;     ///< of the technique
   std::map<std::string, std::uint64_t> cause_counts;
 };
 
@@ -109,6 +109,7 @@ inline Evidence evidence_of(int width, int height, std::span<const float> mask, 
           .causes = {},
           .light = &reference.frame->light,
           .reference_error = is_irradiance ? reference.irradiance_error : reference.error,
+          .reference_half = is_irradiance ? reference.irradiance_half : reference.half,
           .kind = reference.frame->kind()};
 }
 

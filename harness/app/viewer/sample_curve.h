@@ -13,7 +13,7 @@ struct Frame;
 struct SampleCurve {
   std::shared_ptr<const Frame> frame;
   std::vector<double> samples, error;  ///< mean of |mask - reference| over the tested pixels
-  double reference_error = 0;          ///< the reference's own mean error over them
+  double error_floor = 0;              ///< what the reference's own noise makes of it
   bool is_complete = false;            ///< nothing more will come
   std::string why_not = {};            ///< it ended early for this reason; else empty
 };

@@ -119,7 +119,7 @@ Json window_json(const DrawnWindow& window, const Session& session, const Engine
   if (const auto& curve = state.curve)
     json["curve"] = {{"samples", curve->samples},
                      {"error", curve->error},
-                     {"reference_error", curve->reference_error},
+                     {"error_floor", curve->error_floor},
                      {"complete", curve->is_complete},
                      {"why_not", curve->why_not}};
   json["picked"] = nullptr;

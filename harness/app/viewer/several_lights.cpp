@@ -79,6 +79,7 @@ Evidence evidence_of(const Frame& frame, const ReferenceState& reference, LightS
           .gbuffer = &frame.gbuffer,
           .light = &frame.lights[k],
           .reference_error = is_irradiance ? own.irradiance_error : own.error,
+          .reference_half = is_irradiance ? own.irradiance_half : own.half,
           .kind = answer_kind(frame.lights[k])};
 }
 
@@ -96,11 +97,13 @@ void put_together(ReferenceState& reference) {
   reference.height = frame.gbuffer.height;
   reference.mask = std::move(area.reference);
   reference.error = std::move(area.reference_error);
+  reference.half = std::move(area.reference_half);
   reference.classes = std::move(area.classes);
   if (reference.error.empty()) return;  // no light's answer is a fraction
   Together irradiance = whole(LightShareKind::irradiance);
   reference.irradiance = std::move(irradiance.reference);
   reference.irradiance_error = std::move(irradiance.reference_error);
+  reference.irradiance_half = std::move(irradiance.reference_half);
 }
 
 Evidence evidence_of(const SideAnswer& answer, const ReferenceState& reference, LightShareKind estimates, std::size_t k) {

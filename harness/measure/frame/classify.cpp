@@ -1,5 +1,8 @@
 #include "measure/frame/classify.h"
 
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
 #include <optional>
 
 #include "measure/frame/gbuffer_maker.h"
@@ -18,13 +21,19 @@ constexpr ClassInfo classes_table[] = {
      "Faces away from the light, lies outside its cone, or does not receive: dark whatever the mask says.",
      {92, 96, 104}},
     {"G", "grazing", "The light grazes the surface, at 2 degrees or less: any bias decides it.", {238, 190, 50}},
-    {"S", "silhouette", "Beside the outline of something nearer or farther: primary visibility decides it.", {20, 105, 210}},
+    {"S",
+     "silhouette",
+     "What it shows is in doubt: 1/512 px beside its center is another mesh, or the same much nearer or farther.",
+     {20, 105, 210}},
     {"U", "uncertain", "The reference's answer changes within float32 rounding.", {215, 55, 60}},
     {"T",
      "tested",
-     "The wrong rate is the share of these that are wrong, the mean error what they are off by on average.",
+     "The error is what these are off by on average, the wrong rate the share of them that are wrong.",
      {212, 216, 214}},
 };
+
+/// Of a square around a pixel's center.
+constexpr glm::dvec2 corners[] = {{-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
 
 /// Asks the ray tracer again with the sample points moved, sixteen pixels at a time.
 class SnappedRays {
@@ -45,12 +54,12 @@ class SnappedRays {
     const int count = static_cast<int>(pixels.size());
     std::uint32_t dark = 0, flipped = 0;
     for (int k = 0; k < count; ++k) dark |= static_cast<std::uint32_t>(!is_lit(reference[pixels[k]])) << k;
-    for (int corner = 0; corner < 4; ++corner) {
+    for (const glm::dvec2& corner : corners) {
       ShadowPacket packet{};
       std::uint32_t mesh[16] = {}, triangle[16] = {}, valid = 0;
       for (int k = 0; k < count; ++k) {
-        const double x = static_cast<double>(pixels[k] % gbuffer_.width) + 0.5 + (corner & 1 ? most_ : -most_);
-        const double y = static_cast<double>(pixels[k] / gbuffer_.width) + 0.5 + (corner & 2 ? most_ : -most_);
+        const double x = static_cast<double>(pixels[k] % gbuffer_.width) + 0.5 + corner.x * most_;
+        const double y = static_cast<double>(pixels[k] / gbuffer_.width) + 0.5 + corner.y * most_;
         const SurfacePoint point = surface_through(scene_, everything_, camera_, gbuffer_.truth, x, y);
         if (!has_answer(point)) continue;
         valid |= 1u << k;
@@ -89,18 +98,25 @@ class SnappedRays {
 
 }  // namespace
 
-bool is_silhouette(const GBuffer& gbuffer, int x, int y) {
-  const std::size_t i = static_cast<std::size_t>(y) * gbuffer.width + x;
-  const glm::vec3 eye = gbuffer.view.eye;
-  const float distance = glm::distance(gbuffer.position(i), eye);
-  for (int ny = std::max(0, y - 1); ny <= std::min(gbuffer.height - 1, y + 1); ++ny)
-    for (int nx = std::max(0, x - 1); nx <= std::min(gbuffer.width - 1, x + 1); ++nx) {
-      const std::size_t j = static_cast<std::size_t>(ny) * gbuffer.width + nx;
-      if (gbuffer.is_background(j)) return true;
-      if (gbuffer.mesh[j] != gbuffer.mesh[i] && std::abs(glm::distance(gbuffer.position(j), eye) - distance) > 0.02f * distance)
-        return true;
+std::vector<std::uint8_t> find_silhouettes(const RayScene& everything, const GBuffer& gbuffer) {
+  const Camera camera(gbuffer.view, gbuffer.width, gbuffer.height);
+  const auto is_in_doubt = [&](std::size_t i, const glm::dvec2& center) {
+    const double distance = glm::distance(glm::dvec3(gbuffer.position(i)), camera.eye);
+    return std::ranges::any_of(corners, [&](const glm::dvec2& corner) {
+      const glm::dvec2 at = center + snapping_grid(usual_subpixel_bits) / 2 * corner;
+      const glm::dvec3 ray = camera.ray(at.x, at.y);
+      const RayScene::Hit hit = everything.closest(camera.eye, ray);
+      return hit.mesh != gbuffer.mesh[i] || std::abs(hit.t * glm::length(ray) - distance) > 0.02 * distance;
+    });
+  };
+  std::vector<std::uint8_t> silhouettes(gbuffer.size());
+  tbb::parallel_for(0, gbuffer.height, [&](int y) {
+    for (int x = 0; x < gbuffer.width; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * gbuffer.width + x;
+      if (!gbuffer.is_background(i)) silhouettes[i] = is_in_doubt(i, {x + 0.5, y + 0.5});
     }
-  return false;
+  });
+  return silhouettes;
 }
 
 bool is_resolved(const Scene& scene, const Light& light, const View& view) {
@@ -109,13 +125,13 @@ bool is_resolved(const Scene& scene, const Light& light, const View& view) {
 }
 
 std::vector<PixelClass> classify(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const Light& light,
-                                 std::span<const float> reference) {
+                                 std::span<const float> reference, std::span<const std::uint8_t> silhouettes) {
   const glm::dvec4 l = homogeneous(light);
   std::optional<MovedRays> moved;
   if (is_resolved(scene, light, gbuffer.view))
     moved.emplace(scene, casters, gbuffer, l, extent(scene, light, gbuffer.view), reference);
   std::vector<PixelClass> classes(gbuffer.size(), PixelClass::T);
-  const auto is_asked = [&](std::size_t i, int x, int y) {
+  const auto is_asked = [&](std::size_t i, int, int) {
     if (gbuffer.is_background(i))
       classes[i] = PixelClass::B;
     else if (!faces_light(scene, gbuffer, light, i))
@@ -123,7 +139,7 @@ std::vector<PixelClass> classify(const Scene& scene, const RayScene& casters, co
     else if (const glm::dvec3 to = to_light(l, gbuffer.position(i));
              glm::dot(glm::dvec3(gbuffer.normal(i)), to) < 0.035 * glm::length(to))
       classes[i] = PixelClass::G;
-    else if (is_silhouette(gbuffer, x, y))
+    else if (!silhouettes.empty() && silhouettes[i])
       classes[i] = PixelClass::S;
     return classes[i] == PixelClass::T;
   };

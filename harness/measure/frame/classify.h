@@ -43,17 +43,20 @@ constexpr bool is_wrong(float visibility, float reference) {
 /// light and eye, which is 256 rho. Where it does not, all that would be tested is uncertain.
 bool is_resolved(const Scene& scene, const Light& light, const View& view);
 
-/// Whether a pixel is of class S, if of none before.
-bool is_silhouette(const GBuffer& gbuffer, int x, int y);
-
-/// Class of every pixel. `reference` is the mask of trace_shadows for the same casters.
-std::vector<PixelClass> classify(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const Light& light,
-                                 std::span<const float> reference);
-
 /// Of most rasterizers: they round vertices to the grid of 2^-8 px.
 inline constexpr int usual_subpixel_bits = 8;
 /// The side of a square of such a grid, in pixels; half of it is the most that a vertex is moved along x and along y.
 inline double snapping_grid(int subpixel_bits) { return std::ldexp(1.0, -subpixel_bits); }
+
+/// Of every pixel: 1 where what it shows is in doubt, which makes it of class S, if of none before: an eye ray through a corner
+/// of the square of +- half a usual snapping_grid around its center meets nothing, another mesh, or a surface more than 2 % of
+/// the distance nearer or farther; else 0. `everything` holds all meshes under the truth of the G-buffer.
+std::vector<std::uint8_t> find_silhouettes(const RayScene& everything, const GBuffer& gbuffer);
+
+/// Class of every pixel. `reference` is the mask of trace_shadows for the same casters, `silhouettes` is that of
+/// find_silhouettes; where it is empty, no pixel is of class S.
+std::vector<PixelClass> classify(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const Light& light,
+                                 std::span<const float> reference, std::span<const std::uint8_t> silhouettes);
 
 /// Of every pixel: 1 where it is of class T and its exact answer is another one when its sample point lies at a corner of the
 /// square of +- half a snapping_grid around the center, else 0. An edge between two rounded vertices moves by up to that along

@@ -28,13 +28,13 @@ void append(std::vector<std::byte>& bytes, std::span<const T> items) {
   bytes.insert(bytes.end(), view.begin(), view.end());
 }
 
-/// Bytes of a pixel in the cache: six floats and two ids; a float, a mesh, a class and a flag, and of a light with area four
+/// Bytes of a pixel in the cache: six floats and two ids; a float, a mesh, a class and a flag, and of a light with area six
 /// floats and a number more.
-constexpr std::size_t gbuffer_pixel = 32, hard_pixel = 10, soft_pixel = 30;
+constexpr std::size_t gbuffer_pixel = 32, hard_pixel = 10, soft_pixel = 38;
 std::size_t reference_pixel(const Light& light) { return answer_kind(light) == AnswerKind::fraction ? soft_pixel : hard_pixel; }
 
 /// Raised when trace_soft answers otherwise.
-constexpr int soft_version = 2;
+constexpr int soft_version = 3;
 
 /// Raised when trace_paths answers otherwise.
 constexpr int global_version = 1;
@@ -73,7 +73,7 @@ std::span<const T> slice(const MappedFile& file, std::size_t& offset, std::size_
 
 }  // namespace
 
-int frame_version() { return 7; }
+int frame_version() { return 8; }
 
 FrameStore::FrameStore(const Scene& scene, fs::path folder, std::unique_ptr<FrameMaker> maker)
     : scene_(scene),
@@ -176,7 +176,8 @@ std::vector<std::byte> FrameTracer::reference(const MissingFrame& missing, const
   const Light& light = *missing.light;
   std::vector<float> mask(g.size());
   trace_shadows(casters(key.truth), scene_, g, light, mask);
-  const std::vector<PixelClass> classes = classify(scene_, casters(key.truth), g, light, mask);
+  const std::vector<PixelClass> classes =
+      classify(scene_, casters(key.truth), g, light, mask, find_silhouettes(everything(key.truth), g));
   std::vector<std::byte> bytes;
   append(bytes, std::span<const float>(mask));
   append(bytes, std::span<const std::uint32_t>(find_nearest_casters(scene_, casters(key.truth), g, light, mask)));
@@ -189,11 +190,13 @@ std::vector<std::byte> FrameTracer::reference(const MissingFrame& missing, const
 std::vector<std::byte> FrameTracer::soft_reference(const MissingFrame& missing, const GBuffer& g) {
   const Light& light = *missing.light;
   const RayScene& all_casters = casters(missing.key.truth);
-  const SoftReference soft = trace_soft(scene_, all_casters, g, light, missing.target, missing.done);
+  const std::vector<std::uint8_t> silhouettes = find_silhouettes(everything(missing.key.truth), g);
+  const SoftReference soft = trace_soft(scene_, all_casters, g, light, silhouettes, missing.target, missing.done);
   std::vector<std::byte> bytes;
   append(bytes, std::span<const float>(soft.area));
   append(bytes, std::span<const std::uint32_t>(find_nearest_casters(scene_, all_casters, g, light, soft.area)));
-  for (const auto* floats : {&soft.irradiance, &soft.area_error, &soft.irradiance_error, &soft.caster_distance})
+  for (const auto* floats : {&soft.irradiance, &soft.area_error, &soft.irradiance_error, &soft.area_half, &soft.irradiance_half,
+                             &soft.caster_distance})
     append(bytes, std::span<const float>(*floats));
   append(bytes, std::span<const std::uint32_t>(soft.rays));
   append(bytes, std::span<const PixelClass>(soft.classes));
@@ -256,7 +259,8 @@ Reference FrameStore::reference(const FrameKey& key, const Light& light, const A
   reference.mask = slice<float>(*file, offset, n);
   reference.nearest_caster = slice<std::uint32_t>(*file, offset, n);
   if (reference.kind == AnswerKind::fraction) {
-    for (auto* floats : {&reference.irradiance, &reference.error, &reference.irradiance_error, &reference.caster_distance})
+    for (auto* floats : {&reference.irradiance, &reference.error, &reference.irradiance_error, &reference.half,
+                         &reference.irradiance_half, &reference.caster_distance})
       *floats = slice<float>(*file, offset, n);
     reference.rays = slice<std::uint32_t>(*file, offset, n);
   }

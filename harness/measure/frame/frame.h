@@ -34,8 +34,9 @@ struct Reference {
   int subpixel_bits = usual_subpixel_bits;  ///< of that rasterizer
   AnswerKind kind = AnswerKind::binary;
   /// Where the answer is a fraction, else empty: `mask` is the share of its area that is seen, `irradiance` that of the
-  /// irradiance, each with its standard error (see SoftReference).
-  std::span<const float> irradiance = {}, error = {}, irradiance_error = {}, caster_distance = {};
+  /// irradiance, each with its standard error, and by half of its rays (see SoftReference).
+  std::span<const float> irradiance = {}, error = {}, irradiance_error = {}, half = {}, irradiance_half = {},
+                         caster_distance = {};
   std::span<const std::uint32_t> rays = {};
 };
 

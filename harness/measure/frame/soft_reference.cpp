@@ -133,10 +133,10 @@ class SoftPixel {
 }  // namespace
 
 SoftReference trace_soft(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const Light& light,
-                         const AreaTarget& target, std::atomic<std::size_t>* done) {
+                         std::span<const std::uint8_t> silhouettes, const AreaTarget& target, std::atomic<std::size_t>* done) {
   const std::size_t size = gbuffer.size();
   SoftReference result;
-  for (auto* shares : {&result.area, &result.irradiance}) shares->assign(size, 1);
+  for (auto* shares : {&result.area, &result.irradiance, &result.area_half, &result.irradiance_half}) shares->assign(size, 1);
   for (auto* floats : {&result.area_error, &result.irradiance_error, &result.caster_distance}) floats->assign(size, 0);
   result.rays.assign(size, 0);
   result.classes.assign(size, PixelClass::B);
@@ -152,14 +152,15 @@ SoftReference trace_soft(const Scene& scene, const RayScene& casters, const GBuf
     const SampledShares shares = pixel.shares(target);
     result.area[i] = static_cast<float>(shares.area);
     result.irradiance[i] = static_cast<float>(shares.irradiance);
+    result.area_half[i] = static_cast<float>(shares.area_half);
+    result.irradiance_half[i] = static_cast<float>(shares.irradiance_half);
     result.area_error[i] = static_cast<float>(shares.area_error);
     result.irradiance_error[i] = static_cast<float>(shares.irradiance_error);
     result.rays[i] = shares.rays;
     if (shares.area > 0 && shares.area < 1) result.caster_distance[i] = static_cast<float>(pixel.caster_distance());
-    const int x = static_cast<int>(i % gbuffer.width), y = static_cast<int>(i / gbuffer.width);
     if (pixel.face().highest() < grazing)
       of = PixelClass::G;
-    else if (is_silhouette(gbuffer, x, y))
+    else if (!silhouettes.empty() && silhouettes[i])
       of = PixelClass::S;
     else if (!has_room || std::max(shares.area_error, shares.irradiance_error) > target.error ||
              pixel.moves(rho, 4 * target.error))

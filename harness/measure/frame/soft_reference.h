@@ -11,6 +11,7 @@ namespace gnomon {
 struct SoftReference {
   std::vector<float> area, irradiance;              ///< shares seen, see LightShares
   std::vector<float> area_error, irradiance_error;  ///< standard errors
+  std::vector<float> area_half, irradiance_half;    ///< the shares by half of their rays
   std::vector<std::uint32_t> rays;                  ///< that the shares are made of, without the pilot
   /// Meters to the caster, the mean of a few ways to the light that are blocked; 0 where the point sees all of the light or
   /// none.
@@ -24,8 +25,9 @@ struct SoftReference {
 ///   G  its highest place is less than 2 degrees above the horizon
 ///   U  the target is missed at the cap; or a share moves by more than 4 targets when the point moves by rho along a tangent,
 ///      when the light does, or when rays start at the point itself; or the scene is not resolved
-/// `done` counts pixels as they are finished, for whoever shows progress.
+/// `silhouettes` are as of classify. `done` counts pixels as they are finished, for whoever shows progress.
 SoftReference trace_soft(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const Light& light,
-                         const AreaTarget& target, std::atomic<std::size_t>* done = nullptr);
+                         std::span<const std::uint8_t> silhouettes, const AreaTarget& target,
+                         std::atomic<std::size_t>* done = nullptr);
 
 }  // namespace gnomon

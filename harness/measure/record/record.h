@@ -170,6 +170,8 @@ std::optional<bool> clocks_agree(const Record& record);
 /// What each cause holds of the error that counts: of the wrong rate, under a light with area of the mean error. Nothing when
 /// the run sought none, or tested nothing.
 std::optional<std::map<std::string, double>> cause_shares(const Record& record);
+/// What part of the pixels that face the light is of a class, "S"; nothing where none faces it.
+std::optional<double> class_share(const Record& record, std::string_view letter);
 std::vector<std::string> light_names(const Record& record);
 /// Name of the technique with its settings: the label that the suite gave, else "id:a=1,b=2".
 std::string setting_name(const Record& record);

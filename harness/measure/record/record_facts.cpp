@@ -5,6 +5,15 @@
 
 namespace gnomon {
 
+std::optional<double> class_share(const Record& record, std::string_view letter) {
+  double facing = 0, of_class = 0;
+  for (const auto& [of, pixels] : record.classes) {
+    if (of != "B" && of != "F") facing += static_cast<double>(pixels);
+    if (of == letter) of_class = static_cast<double>(pixels);
+  }
+  return facing > 0 ? std::optional(of_class / facing) : std::nullopt;
+}
+
 std::vector<std::string> light_names(const Record& r) {
   std::vector<std::string> names;
   for (const Record::LightFacts& light : r.lights) names.push_back(light.name);

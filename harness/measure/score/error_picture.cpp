@@ -27,9 +27,9 @@ namespace {
 
 /// What the pixels of T add up to.
 struct Sums {
-  double tested = 0, error = 0, reference_error = 0;  ///< pixels, and of |mask - reference| and of the reference's own
-  std::vector<std::size_t> marked;                    ///< pixels by kind
-  std::vector<double> errors;                         ///< of |mask - reference| by kind, those below the first step too
+  double tested = 0, error = 0, floor = 0;  ///< pixels, |mask - reference|, and what the reference's own noise makes of that
+  std::vector<std::size_t> marked;          ///< pixels by kind
+  std::vector<double> errors;               ///< of |mask - reference| by kind, those below the first step too
 };
 
 Sums add_up(const Evidence& e, std::span<const ErrorMark> marks, std::size_t kinds) {
@@ -39,7 +39,7 @@ Sums add_up(const Evidence& e, std::span<const ErrorMark> marks, std::size_t kin
     const double error = std::abs(static_cast<double>(e.mask[i]) - e.reference[i]);
     ++sums.tested;
     sums.error += error;
-    if (!e.reference_error.empty()) sums.reference_error += e.reference_error[i];
+    if (!e.reference_half.empty()) sums.floor += std::abs(static_cast<double>(e.reference_half[i]) - e.reference[i]);
     if (marks[i].kind >= 0) ++sums.marked[marks[i].kind];
     if (const int kind = kind_of(e, i); kind >= 0) sums.errors[kind] += error;
   }
@@ -55,11 +55,11 @@ void add_wrong(PictureLegend& legend, std::span<const ErrorKind> kinds, const Su
     legend.add(std::nullopt, "no tested pixel is wrong");
 }
 
-/// The mean error and what it is made of, then the scale of the colors.
+/// The error and what it is made of, then the scale of the colors.
 void add_soft(PictureLegend& legend, std::span<const ErrorKind> kinds, const Sums& sums, bool has_floor) {
   if (sums.tested == 0) return legend.add(std::nullopt, "no pixel is tested");
-  legend.add(std::nullopt, "mean error " + percent(sums.error / sums.tested) +
-                               (has_floor ? ", the reference's own " + percent(sums.reference_error / sums.tested) : ""));
+  legend.add(std::nullopt,
+             "error " + percent(sums.error / sums.tested) + (has_floor ? ", floor " + percent(sums.floor / sums.tested) : ""));
   for (std::size_t k = 0; k < kinds.size(); ++k)
     if (sums.errors[k] > 0) legend.add(kinds[k].color, kinds[k].label + " " + percent(sums.errors[k] / sums.error) + " of it");
   constexpr std::uint8_t gray = 128;
@@ -84,7 +84,7 @@ Picture draw_errors(const Evidence& evidence, const std::string& title) {
   const Sums sums = add_up(evidence, marks, kinds.size());
   PictureLegend legend(gbuffer.width);
   if (!title.empty()) legend.add(std::nullopt, title);
-  soft ? add_soft(legend, kinds, sums, !evidence.reference_error.empty()) : add_wrong(legend, kinds, sums);
+  soft ? add_soft(legend, kinds, sums, !evidence.reference_half.empty()) : add_wrong(legend, kinds, sums);
 
   const std::vector<float> lit(gbuffer.size(), 1.0f);
   const Picture shaded = evidence.light ? shade(*evidence.scene, gbuffer, *evidence.light, lit)

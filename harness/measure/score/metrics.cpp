@@ -9,7 +9,6 @@
 #include <numeric>
 
 #include "measure/frame/boundary.h"
-#include "measure/statistics/statistics.h"
 
 namespace gnomon {
 
@@ -106,7 +105,7 @@ std::optional<double> mean_over_tested(const Scoring& s, std::span<const float> 
   const Evidence& e = s.evidence();
   double sum = 0;
   for (std::size_t i = 0; i < values.size(); ++i)
-    if (e.classes[i] == PixelClass::T) sum += std::abs(static_cast<double>(values[i]) - (of.empty() ? 0 : of[i]));
+    if (e.classes[i] == PixelClass::T) sum += std::abs(static_cast<double>(values[i]) - of[i]);
   return values.empty() ? std::nullopt : share(sum, s.error_counts().tested);
 }
 
@@ -122,6 +121,17 @@ std::optional<double> constant_error(const Scoring& s) {
   double sum = 0;
   for (const float reference : tested) sum += std::abs(reference - *middle);
   return share(sum, static_cast<double>(tested.size()));
+}
+
+constexpr std::string_view floor_sentence =
+    "How far the reference's own noise alone takes the metric of that name from its best: what half of the reference's rays "
+    "say, "
+    "against all of them. Under lights with area.";
+
+template <std::optional<double> Softness::*metric, int best>
+std::optional<double> softness_floor(const Scoring& s) {
+  const std::optional<double> of_half = s.softness_of_half().*metric;
+  return of_half ? std::optional(std::abs(*of_half - best)) : std::nullopt;
 }
 
 constexpr MetricInfo metric_rows[] = {
@@ -142,9 +152,10 @@ constexpr MetricInfo metric_rows[] = {
      [](const Scoring& s) { return share(s.error_counts().false_dark, s.error_counts().tested); }},
     {"false_lit_rate", "", "lower", "Share of T that is lit where the reference is dark.",
      [](const Scoring& s) { return share(s.error_counts().false_lit, s.error_counts().tested); }},
-    {"reference_error_mean", "", "",
-     "Mean over T of the reference's own standard error under a light with area: no mean error below it can be told from 0.",
-     [](const Scoring& s) { return mean_over_tested(s, s.evidence().reference_error, {}); }},
+    {"error_floor", "", "",
+     "Error that the reference's own noise alone makes under a light with area, where half of its rays are held against all of "
+     "them: no error up to it can be told from 0.",
+     [](const Scoring& s) { return mean_over_tested(s, s.evidence().reference_half, s.evidence().reference); }},
     {"other_error_mean", "", "lower",
      "Mean over T of the absolute difference from the other number that is true of a light with area: share of its irradiance "
      "for techniques that estimate the share of its area, and the other way about.",
@@ -210,17 +221,28 @@ constexpr MetricInfo metric_rows[] = {
     {"penumbra_area_ratio", "ratio", "", "Pixels of T with 0.02 < V < 0.98, technique to reference; best at 1.",
      [](const Scoring& s) { return s.softness().penumbra_ratio; }},
     {"penumbra_width_ratio", "ratio", "",
-     "Median of the widths of penumbra (0.8 / slope of V) where V is in 0.1 .. 0.9 in both, technique to reference; best at 1.",
+     "Width of penumbra along lines across it (6 times the integral of V (1 - V)), technique to reference; best at 1. Where "
+     "ten "
+     "lines go from umbra to light in both.",
      [](const Scoring& s) { return s.softness().width_ratio; }},
     {"contact_hardening", "ratio", "",
      "How fast the penumbra widens with the distance to the caster, technique to reference; best at 1. Under lights with area.",
      [](const Scoring& s) { return s.softness().hardening; }},
     {"penumbra_shift", "px", "",
-     "Median distance from the reference's line V = 0.5 to the technique's; positive: shadow too large.",
+     "How far the shadow's edge has moved along the same lines (the integral of V_ref - V); positive: shadow too large.",
      [](const Scoring& s) { return s.softness().shift; }},
     {"penumbra_noise", "", "lower",
      "Root mean square over T in the band of what a 5 x 5 median takes from the technique's mask.",
      [](const Scoring& s) { return s.softness().noise; }},
+    {"penumbra_error_mean_floor", "", "", floor_sentence, softness_floor<&Softness::band_mean, 0>},
+    {"penumbra_error_rms_floor", "", "", floor_sentence, softness_floor<&Softness::band_rms, 0>},
+    {"outside_error_mean_floor", "", "", floor_sentence, softness_floor<&Softness::outside_mean, 0>},
+    {"outside_error_rms_floor", "", "", floor_sentence, softness_floor<&Softness::outside_rms, 0>},
+    {"umbra_area_ratio_floor", "ratio", "", floor_sentence, softness_floor<&Softness::umbra_ratio, 1>},
+    {"penumbra_area_ratio_floor", "ratio", "", floor_sentence, softness_floor<&Softness::penumbra_ratio, 1>},
+    {"penumbra_width_ratio_floor", "ratio", "", floor_sentence, softness_floor<&Softness::width_ratio, 1>},
+    {"contact_hardening_floor", "ratio", "", floor_sentence, softness_floor<&Softness::hardening, 1>},
+    {"penumbra_shift_floor", "px", "", floor_sentence, softness_floor<&Softness::shift, 0>},
     {"ssim", "index", "higher", "Structural similarity of the shaded picture and the reference's, on luma; 1 is equal.",
      [](const Scoring& s) { return s.likeness().ssim; }},
     {"flip", "index", "lower",
@@ -243,29 +265,6 @@ ErrorCounts count(const Evidence& e) {
     ++(e.mask[i] < e.reference[i] ? t.false_dark : t.false_lit);
   }
   return t;
-}
-
-/// The dark side of the boundary alone: with both sides marked, an edge displaced by k pixels would be found k - 1/2 away.
-std::vector<std::uint8_t> shadow_rim(const Evidence& e, std::span<const float> mask) {
-  std::vector<std::uint8_t> marked = shadow_boundary(mask, e.classes, e.width, e.height);
-  for (std::size_t i = 0; i < marked.size(); ++i) marked[i] &= !is_lit(mask[i]);
-  return marked;
-}
-
-/// How far the technique's shadow boundary lies from the reference's.
-Displacement measure_displacement(const Evidence& e) {
-  const auto ours = shadow_rim(e, e.mask), theirs = shadow_rim(e, e.reference);
-  const bool have_ours = std::ranges::count(ours, 1) > 0, have_theirs = std::ranges::count(theirs, 1) > 0;
-  if (!have_ours && !have_theirs) return {0, 0};
-  if (!have_ours || !have_theirs) return {};
-  const auto to_ours = distance_transform(ours, e.width, e.height), to_theirs = distance_transform(theirs, e.width, e.height);
-  std::vector<double> distances;
-  for (std::size_t i = 0; i < ours.size(); ++i) {
-    if (ours[i]) distances.push_back(to_theirs[i]);
-    if (theirs[i]) distances.push_back(to_ours[i]);
-  }
-  return {std::accumulate(distances.begin(), distances.end(), 0.0) / static_cast<double>(distances.size()),
-          quantile(distances, 0.95)};
 }
 
 /// What `make` answers, made at the first call.
@@ -314,6 +313,15 @@ const std::vector<BinCount>& Scoring::angle_bins() const {
 
 const Softness& Scoring::softness() const {
   return once(softness_, [&] { return measure_softness(evidence_); });
+}
+
+const Softness& Scoring::softness_of_half() const {
+  return once(softness_of_half_, [&]() -> Softness {
+    if (evidence_.reference_half.empty()) return {};
+    Evidence half = evidence_;
+    half.mask = evidence_.reference_half;
+    return measure_softness(half);
+  });
 }
 
 const LightError& Scoring::light_error() const {

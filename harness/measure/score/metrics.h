@@ -25,9 +25,9 @@ struct Evidence {
   const Evidence* previous = nullptr;  ///< the frame before, on a path
   /// 1 where a rasterizer's rounding may turn the answer over (see find_snapping); empty when it was not found.
   std::span<const std::uint8_t> snapping = {};
-  /// Where the answer is a fraction, else empty: standard errors of `reference`, and the other number that is true of the
-  /// light.
-  std::span<const float> reference_error = {}, other_reference = {};
+  /// Where the answer is a fraction, else empty: standard errors of `reference`, what half of its rays say, and the other
+  /// number that is true of the light.
+  std::span<const float> reference_error = {}, reference_half = {}, other_reference = {};
   std::span<const float> caster_distance = {};  ///< meters, see SoftReference
   /// Of several lights together (see Together), else empty: what a pixel would receive of them without shadows. Mask and
   /// reference are shares of it, and `light` is null.
@@ -95,6 +95,8 @@ class Scoring {
   const std::vector<BinCount>& edge_bins() const;
   const std::vector<BinCount>& angle_bins() const;
   const Softness& softness() const;
+  /// Of what half of the reference's rays say, as if that were the mask.
+  const Softness& softness_of_half() const;
   const LightError& light_error() const;
   const Likeness& likeness() const;
 
@@ -104,7 +106,7 @@ class Scoring {
   mutable std::optional<Displacement> displacement_;
   mutable std::optional<std::vector<float>> edge_distance_;
   mutable std::optional<std::vector<BinCount>> edge_bins_, angle_bins_;
-  mutable std::optional<Softness> softness_;
+  mutable std::optional<Softness> softness_, softness_of_half_;
   mutable std::optional<LightError> light_error_;
   mutable std::optional<Likeness> likeness_;
 };
@@ -119,6 +121,7 @@ struct MetricInfo {
 std::span<const MetricInfo> metric_infos();
 
 // The bodies of metrics that fill a file of their own.
+Displacement measure_displacement(const Evidence& evidence);
 Softness measure_softness(const Evidence& evidence);
 LightError measure_light_error(const Evidence& evidence);
 Likeness measure_likeness(const Evidence& evidence);

@@ -33,6 +33,7 @@ struct Answer {
             .gbuffer = &gbuffer,
             .snapping = reference.snapping,
             .reference_error = is_irradiance ? reference.irradiance_error : reference.error,
+            .reference_half = is_irradiance ? reference.irradiance_half : reference.half,
             .other_reference = is_irradiance ? reference.mask : reference.irradiance,
             .caster_distance = reference.caster_distance,
             .own_causes = own_causes,

@@ -12,8 +12,9 @@ namespace {
 
 /// Sums over the lights, in double: the order of the lights then does not show in a float.
 struct ShareSums {
-  explicit ShareSums(std::size_t pixels) : mask(pixels), shown(pixels), reference(pixels), variance(pixels), worst(pixels) {}
-  std::vector<double> mask, shown, reference, variance;
+  explicit ShareSums(std::size_t pixels)
+      : mask(pixels), shown(pixels), reference(pixels), half(pixels), variance(pixels), worst(pixels) {}
+  std::vector<double> mask, shown, reference, half, variance;
   std::vector<double> worst;  ///< the largest error of one light that has a cause, as light received
 };
 
@@ -24,6 +25,7 @@ void add(const Evidence& e, const std::vector<double>& received, Together& whole
     const double reference = received[i] * e.reference[i];
     const double mask = e.classes[i] == PixelClass::T ? received[i] * e.mask[i] : reference;
     sums.reference[i] += reference;
+    sums.half[i] += e.reference_half.empty() ? reference : received[i] * e.reference_half[i];
     sums.mask[i] += mask;
     sums.shown[i] += received[i] * e.mask[i];
     if (!e.reference_error.empty()) {
@@ -51,6 +53,7 @@ Together together(std::span<const Evidence> lights) {
                  .reference = {},
                  .shown = {},
                  .reference_error = {},
+                 .reference_half = {},
                  .classes = std::vector<PixelClass>(pixels, PixelClass::B),
                  .causes = {},
                  .own_causes = {lights.front().own_causes.begin(), lights.front().own_causes.end()}};
@@ -63,11 +66,14 @@ Together together(std::span<const Evidence> lights) {
   whole.reference = whole.shown = whole.mask;
   if (std::ranges::any_of(lights, [](const Evidence& e) { return !e.reference_error.empty(); }))
     whole.reference_error.assign(pixels, 0.0f);
+  if (std::ranges::any_of(lights, [](const Evidence& e) { return !e.reference_half.empty(); }))
+    whole.reference_half.assign(pixels, 1.0f);
   for (std::size_t i = 0; i < pixels; ++i) {
     if (whole.received[i] == 0) continue;
     whole.mask[i] = static_cast<float>(sums.mask[i] / whole.received[i]);
     whole.shown[i] = static_cast<float>(sums.shown[i] / whole.received[i]);
     whole.reference[i] = static_cast<float>(sums.reference[i] / whole.received[i]);
+    if (!whole.reference_half.empty()) whole.reference_half[i] = static_cast<float>(sums.half[i] / whole.received[i]);
     if (!whole.reference_error.empty())
       whole.reference_error[i] = static_cast<float>(std::sqrt(sums.variance[i]) / whole.received[i]);
   }
@@ -84,6 +90,7 @@ Evidence Together::evidence() const {
           .scene = scene,
           .gbuffer = gbuffer,
           .reference_error = reference_error,
+          .reference_half = reference_half,
           .received = received,
           .own_causes = own_causes,
           .kind = AnswerKind::received};

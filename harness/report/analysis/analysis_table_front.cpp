@@ -42,7 +42,7 @@ bool has_floor(std::span<const Field> fields) {
 /// Where a field has a floor, it stands beside the error.
 void add_error_columns(std::vector<Column>& columns, const Column& error, std::span<const Field> fields) {
   columns.push_back(error);
-  if (has_floor(fields)) columns.push_back(quantity_column("reference_error_mean"));
+  if (has_floor(fields)) columns.push_back(quantity_column("error_floor"));
 }
 
 void add_error_cells(Cells& cells, const Candidate& candidate, bool with_floor) {
@@ -51,7 +51,7 @@ void add_error_cells(Cells& cells, const Candidate& candidate, bool with_floor) 
 }
 
 void add_error_notes(Layout& table, std::span<const Field> fields) {
-  if (has_floor(fields)) table.notes.emplace_back("ref. error: the reference's own: a smaller one may be the reference's");
+  if (has_floor(fields)) table.notes.push_back(fmt::format("error floor: {}", floor_note));
   if (std::ranges::any_of(fields, [](const Field& field) { return field.constant.has_value(); }))
     table.notes.push_back(fmt::format("best constant mask: {}", constant_note));
 }

@@ -136,7 +136,7 @@ std::string legend_text(const Comparison& comparison) {
   const bool has_floor = std::ranges::any_of(comparison.rows, [](const RowChange& row) {
     return std::ranges::any_of(row.metrics, [](const MetricChange& change) { return change.floor.has_value(); });
   });
-  if (has_floor) text += "; floor: the reference's own mean error";
+  if (has_floor) text += "; floor: what the reference's own noise makes";
   return text;
 }
 

@@ -52,7 +52,7 @@ class FrontPanel {
   std::vector<const Candidate*> front_;  ///< by cost
   bool is_log_ = false, has_zero_ = false;
   Extent errors_, costs_;  ///< errors above 0
-  double floor_ = 0;       ///< the reference's own mean error; 0: there is none to draw
+  double floor_ = 0;       ///< what the reference's own noise makes; 0: there is none to draw
   double constant_ = 0;    ///< error of the best constant mask; the same
   double zero_ = 0, top_ = 0;
   std::vector<std::string> numbers_;  ///< commands that write numbers beside marks
@@ -88,7 +88,7 @@ FrontPanel::FrontPanel(const Field& field, const AnalysisOptions& options)
 
 void FrontPanel::add_data(FigureScript& script, FrontLegend& legend) {
   add_staircase(script, legend);
-  add_level(script, floor_, 3, "the reference's own mean error", legend.has_floor);
+  add_level(script, floor_, 3, "error floor", legend.has_floor);
   add_level(script, constant_, 2, "best constant mask", legend.has_constant);
   add_series(script, legend);
   number_front(legend);

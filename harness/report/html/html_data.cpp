@@ -65,7 +65,7 @@ Json causes_json(const Record& record, std::span<const CauseInfo> causes) {
 Json row_json(const Layout& layout, const Layout::Row& row, std::size_t group, const std::string& family,
               std::span<const CauseInfo> causes) {
   const Record& r = *row.record;
-  Json values = Json::array(), texts = Json::array(), best = Json::array(), flagged = Json::array();
+  Json values = Json::array(), texts = Json::array(), best = Json::array(), floored = Json::array(), flagged = Json::array();
   for (std::size_t k = 0; k < layout.columns.size(); ++k) {
     values.push_back(value_json(row.cells[k]));
     // Text is sent once.
@@ -73,6 +73,7 @@ Json row_json(const Layout& layout, const Layout::Row& row, std::size_t group, c
     const bool is_same = values.back().is_string() && values.back() == text;
     texts.push_back(is_same ? Json() : Json(text));
     if (row.cells[k].is_best) best.push_back(k);
+    if (row.cells[k].is_floored) floored.push_back(k);
     if (row.cells[k].is_flagged) flagged.push_back(k);
   }
   Json stages = Json::object(), costs = Json::object();
@@ -102,6 +103,7 @@ Json row_json(const Layout& layout, const Layout::Row& row, std::size_t group, c
       {"values", std::move(values)},
       {"texts", std::move(texts)},
       {"best", std::move(best)},
+      {"floored", std::move(floored)},
       {"flagged", std::move(flagged)},
       {"stages", std::move(stages)},
       {"costs", std::move(costs)},
@@ -165,7 +167,7 @@ Json report_data(const Layout& layout, std::span<const Record> records) {
   const auto ink = [](const ContourInk& ink) { return Json{{"core", ink.core}, {"casing", ink.casing}}; };
   data["contours"] = {
       {"levels", levels}, {"reference", ink(reference_ink)}, {"techniques", {ink(technique_inks[0]), ink(technique_inks[1])}}};
-  data["legend"] = pairs_json(legend(layout, "best", "flag"));
+  data["legend"] = pairs_json(legend(layout, {"best", "floor", "flag"}));
   data["provenance"] = pairs_json(provenance(records));
   for (const MetricInfo& info : metric_infos())
     data["metrics"].push_back({{"name", info.name}, {"unit", info.unit}, {"better", info.better}, {"sentence", info.sentence}});

@@ -177,6 +177,15 @@ void add_causes(std::vector<Column>& columns, std::span<const Record> records) {
 
 void add_facts(std::vector<Column>& columns) {
   for (const ClassInfo& info : class_infos()) {
+    if (info.letter != "S" && info.letter != "G" && info.letter != "U") continue;
+    columns.push_back(number_column(fmt::format("{}_share", info.word), "", std::string(info.letter)));
+    Column& column = columns.back();
+    column.shown_unit = "%";
+    column.shown_scale = 100;
+    column.sentence = fmt::format("Share of the pixels facing the light that is of class {}. {}", info.letter, info.sentence);
+    column.cell = [letter = std::string(info.letter)](const Record& r) { return number(class_share(r, letter)); };
+  }
+  for (const ClassInfo& info : class_infos()) {
     columns.push_back(whole_column(fmt::format("class.{}", info.letter), "px", fmt::format("class {}", info.letter)));
     columns.back().cell = [letter = std::string(info.letter)](const Record& r) {
       const auto found = r.classes.find(letter);

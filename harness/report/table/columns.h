@@ -17,6 +17,7 @@ struct Cell {
   std::string shown = {};   ///< for people, where that differs from the value
   bool is_flagged = false;  ///< needs a second look; the legend says why
   bool is_best = false;     ///< among those that compete with it
+  bool is_floored = false;  ///< as near to its best as the reference's own noise may take it
 
   const double* number() const { return std::get_if<double>(&value); }
 };
@@ -63,6 +64,8 @@ std::vector<Column> all_columns(std::span<const Record> records);
 std::string constant_text(double error);
 inline constexpr const char* constant_note =
     "the least error of one value everywhere; what does not beat it is never called best";
+
+inline constexpr const char* floor_note = "what the reference's own noise makes: no smaller error can be told from 0";
 
 /// Below this share of tested pixels a wrong rate speaks for too small a part of the picture; such cells are flagged.
 inline constexpr double least_tested_share = 0.90;

@@ -11,7 +11,6 @@ namespace {
 
 /// "false_dark_rate" -> "false dark": the unit says that it is a rate. "displacement" is too wide for two columns of a table.
 std::string heading_of(std::string metric) {
-  if (metric == "reference_error_mean") return "ref. error";
   if (metric == "constant_error") return "constant";
   if (metric == "other_error_mean") return "other error";
   if (metric.ends_with("_rate")) metric.resize(metric.size() - 5);
@@ -39,9 +38,13 @@ Column metric_column(const MetricInfo& info, std::optional<Truth> truth) {
   }
   column.better = info.better;
   column.sentence = info.sentence;
-  column.cell = [metric, truth](const Record& r) {
+  const std::string floor_name = metric + "_floor";
+  const double best = info.unit == "ratio" ? 1 : 0;
+  column.cell = [metric, floor_name, best, truth](const Record& r) {
     Cell cell = number(r.metric(truth.value_or(r.truth), metric));
     cell.is_flagged = metric == "tested_share" && cell.number() && *cell.number() < least_tested_share;
+    if (const auto floor = r.metric(truth.value_or(r.truth), floor_name); cell.number() && floor)
+      cell.is_floored = std::abs(*cell.number() - best) <= *floor;
     return cell;
   };
   return column;

@@ -14,16 +14,6 @@ namespace {
 /// Above this share of class U among the pixels that face the light, a table says so.
 constexpr double most_uncertain_share = 0.01;
 
-/// Share of class U among the pixels that face the light; 0 where the record has no classes.
-double uncertain_share(const Record& r) {
-  double facing = 0, uncertain = 0;
-  for (const auto& [letter, pixels] : r.classes) {
-    if (letter != "B" && letter != "F") facing += static_cast<double>(pixels);
-    if (letter == "U") uncertain = static_cast<double>(pixels);
-  }
-  return facing > 0 ? uncertain / facing : 0;
-}
-
 std::string group_heading(const Record& r) {
   std::string text = fmt::format("scene {}", r.scene);
   if (r.scene_facts) text += fmt::format(" ({} triangles)", r.scene_facts->triangles);
@@ -38,6 +28,7 @@ std::string group_heading(const Record& r) {
 /// What to say of a group whose reference leaves much undecided; empty where it does not. Classes do not depend on the
 /// technique.
 std::string uncertainty(const Layout::Group& group) {
+  const auto uncertain_share = [](const Record& r) { return class_share(r, "U").value_or(0); };
   const Record* most = group.rows.front().record;
   for (const Layout::Row& row : group.rows)
     if (uncertain_share(*row.record) > uncertain_share(*most)) most = row.record;
@@ -63,7 +54,9 @@ void mark_best(const Column& column, std::size_t index, Layout::Group& group) {
     const double* value = row.cells[index].number();
     if (!value || record.status != Status::ok || record.role != Role::contender || !beats_constant(record)) continue;
     const std::optional<Estimate> interval = column.interval ? column.interval(record) : std::nullopt;
-    competitors.push_back({&row.cells[index], interval.value_or(Estimate{*value, *value, *value})});
+    // What noise may have made of the best is as good as the best.
+    const Estimate alone{*value, row.cells[index].is_floored ? 0 : *value, *value};
+    competitors.push_back({&row.cells[index], interval.value_or(alone)});
   }
   if (competitors.empty()) return;
   const auto by_value = [](const Competitor& a, const Competitor& b) { return a.estimate.value < b.estimate.value; };
@@ -99,7 +92,7 @@ void add_known(std::vector<std::string>& names, std::span<const Record> records,
 /// What a row is judged by, and what it is read against; where the answer is binary the wrong rate, of several lights the worst
 /// of them, the light received and how it looks.
 void add_error_columns(std::vector<std::string>& names, std::span<const Record> records) {
-  static constexpr std::string_view floors[] = {"reference_error_mean", "snapping_floor"};
+  static constexpr std::string_view floors[] = {"error_floor", "snapping_floor"};
   names.emplace_back("error");
   add_known(names, records, floors);
   if (any_is(records, AnswerKind::binary)) names.emplace_back("wrong_rate");
@@ -110,6 +103,11 @@ void add_error_columns(std::vector<std::string>& names, std::span<const Record> 
 /// What is defined under lights with area alone.
 constexpr std::string_view soft_metrics[] = {"other_error_mean", "penumbra_width_ratio", "penumbra_shift", "penumbra_noise",
                                              "contact_hardening"};
+
+/// What is tested of the pixels that face the light, and what is not, by class.
+void add_class_columns(std::vector<std::string>& names) {
+  names.insert(names.end(), {"tested_share", "silhouette_share", "grazing_share", "uncertain_share"});
+}
 
 /// "5 processes x 3 repetitions", every combination that occurs in a stage after setup.
 std::string repetition_plan(std::span<const Record> records) {
@@ -152,7 +150,7 @@ std::vector<std::string> headline_columns(std::span<const Record> records, bool 
     names.emplace_back("causes");
   if (with_hard) names.insert(names.end(), {"displacement_mean", "displacement_p95"});
   if (any_is(records, AnswerKind::fraction)) add_known(names, records, soft_metrics);
-  names.emplace_back("tested_share");
+  add_class_columns(names);
   return names;
 }
 
@@ -162,7 +160,7 @@ std::vector<std::string> paper_columns(std::span<const Record> records) {
   if (any_is(records, AnswerKind::binary))
     names.insert(names.end(), {"false_dark_rate", "false_lit_rate", "displacement_mean"});
   if (any_is(records, AnswerKind::fraction)) add_known(names, records, soft_metrics);
-  names.emplace_back("tested_share");
+  add_class_columns(names);
   return names;
 }
 
@@ -190,7 +188,7 @@ Remarks provenance(std::span<const Record> records) {
   return lines;
 }
 
-Remarks legend(const Layout& layout, std::string_view best, std::string_view flag) {
+Remarks legend(const Layout& layout, const Marks& marks) {
   const auto has = [&](bool Cell::*mark) {
     for (const Layout::Group& group : layout.groups)
       for (const Layout::Row& row : group.rows)
@@ -198,10 +196,13 @@ Remarks legend(const Layout& layout, std::string_view best, std::string_view fla
     return false;
   };
   Remarks lines;
-  if (has(&Cell::is_best)) lines.emplace_back(best, layout.best);
+  if (has(&Cell::is_best)) lines.emplace_back(marks.best, layout.best);
+  if (has(&Cell::is_floored))
+    lines.emplace_back(marks.floored, "no farther from its best than the reference's own noise may take it");
   if (has(&Cell::is_flagged))
-    lines.emplace_back(flag, fmt::format("less than {} % of the pixels facing the light are tested: read the errors with care",
-                                         exact(100 * least_tested_share)));
+    lines.emplace_back(marks.flagged,
+                       fmt::format("less than {} % of the pixels facing the light are tested: read the errors with care",
+                                   exact(100 * least_tested_share)));
   lines.insert(lines.end(), layout.shorthands.begin(), layout.shorthands.end());
   return lines;
 }
@@ -225,7 +226,7 @@ void add_error_shorthands(Layout& layout, std::span<const Record> records) {
   if (has_metric(records, "constant_error")) layout.shorthands.emplace_back("best constant mask", constant_note);
   add("light_error_max", "worst light", "the largest error of one light's mask");
   add("received_error_rms", "received error rms", "of the light received, as a share of the reference's");
-  add("reference_error_mean", "ref. error", "the reference's own: a smaller one may be the reference's");
+  add("error_floor", "error floor", floor_note);
   add("other_error_mean", "other error",
       "from the other number that is true of a light with area: share of its irradiance, or of its area where the technique "
       "estimates irradiance");
@@ -273,6 +274,9 @@ Layout lay_out(std::span<const Record> records, std::span<const std::string> nam
   if (has_null) layout.shorthands.emplace_back("-", "not measured or not defined");
   if (std::ranges::find(columns, "ms", &Column::unit) != columns.end())
     layout.shorthands.emplace_back("ms", "median of the medians of the processes");
+  if (has_column("silhouette_share") || has_column("grazing_share") || has_column("uncertain_share"))
+    layout.shorthands.emplace_back("S, G, U",
+                                   "shares of the pixels facing the light that are not tested: silhouette, grazing, uncertain");
   if (has_column("resolve_device_ms"))
     layout.shorthands.emplace_back("on device", "by the clock of what draws; ms alone by that of the host, which waits for it");
   if (has_column("floor_share"))

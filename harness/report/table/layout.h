@@ -52,8 +52,12 @@ Layout lay_out(std::span<const Record> records, std::span<const std::string> col
 /// What the records say of where they were made, "-" where they do not say.
 Remarks provenance(std::span<const Record> records);
 
+/// How a form marks cells.
+struct Marks {
+  std::string_view best, floored, flagged;
+};
 /// The marks and shorthands that occur in this table, explained.
-Remarks legend(const Layout& layout, std::string_view best, std::string_view flag);
+Remarks legend(const Layout& layout, const Marks& marks);
 
 // The forms, of columns that their audience sees.
 std::string terminal_table(const Layout& layout, std::size_t width);

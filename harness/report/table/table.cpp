@@ -22,10 +22,27 @@ std::vector<std::string> column_names(std::span<const Record> records) {
 namespace {
 
 /// Headline columns that a narrow terminal can do without, the least missed first.
-constexpr std::string_view dispensable[] = {
-    "displacement_p95", "displacement_mean",    "wrong_rate_all",   "snapping_floor", "peak_bytes",        "setup_ms",
-    "floor_share",      "penumbra_noise",       "other_error_mean", "penumbra_shift", "contact_hardening", "received_error_rms",
-    "causes",           "penumbra_width_ratio", "build_ms",         "bytes"};
+constexpr std::string_view dispensable[] = {"uncertain_share",
+                                            "silhouette_share",
+                                            "grazing_share",
+                                            "displacement_p95",
+                                            "displacement_mean",
+                                            "wrong_rate_all",
+                                            "snapping_floor",
+                                            "peak_bytes",
+                                            "setup_ms",
+                                            "floor_share",
+                                            "penumbra_noise",
+                                            "other_error_mean",
+                                            "penumbra_shift",
+                                            "contact_hardening",
+                                            "received_error_rms",
+                                            "causes",
+                                            "build_ms",
+                                            "bytes",
+                                            "penumbra_width_ratio",
+                                            "false_lit_rate",
+                                            "false_dark_rate"};
 
 /// The rows of one kind of answer, and what stands below their table of where they were made.
 struct Part {

@@ -79,6 +79,7 @@ std::vector<std::vector<std::string>> lines_of(const Layout::Row& row, const Lay
       if (row.cells[i].is_best && !cell.empty()) cell = "\\textbf{" + cell + "}";
     }
     std::string& last = lines[pieces.size() - 1][i];
+    if (row.cells[i].is_floored) last += "$^\\circ$";
     if (row.cells[i].is_flagged) last += "$^\\dagger$";
     if (row.reason > 0 && column.name == "support") last += fmt::format("$^{{{}}}$", row.reason);
   }
@@ -169,7 +170,7 @@ std::vector<std::string> lines_below(const Layout& layout) {
   std::vector<std::string> lines;
   for (std::size_t i = 0; i < layout.reasons.size(); ++i)
     lines.push_back(fmt::format("$^{{{}}}$~{}", i + 1, latex_text(layout.reasons[i])));
-  for (const auto& [mark, meaning] : legend(layout, "\\textbf{bold}", "$^\\dagger$"))
+  for (const auto& [mark, meaning] : legend(layout, {"\\textbf{bold}", "$^\\circ$", "$^\\dagger$"}))
     lines.push_back(fmt::format("{}: {}", mark == "-" ? "--" : mark, latex_text(meaning)));
   for (const std::string& note : layout.notes) lines.push_back(latex_text(note));
   for (const auto& [topic, what] : layout.provenance)

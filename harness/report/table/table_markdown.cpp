@@ -31,6 +31,7 @@ std::string markdown_table(const Layout& layout) {
       for (std::size_t i = 0; i < row.cells.size(); ++i) {
         const std::string cell = markdown_text(shown(layout.columns[i], row.cells[i]));
         text += row.cells[i].is_best ? fmt::format(" **{}**", cell) : " " + cell;
+        if (row.cells[i].is_floored) text += "\u00b0";
         if (row.cells[i].is_flagged) text += " (!)";
         if (row.reason > 0 && layout.columns[i].name == "support") text += fmt::format(" ({})", row.reason);
         text += " |";
@@ -42,7 +43,7 @@ std::string markdown_table(const Layout& layout) {
   for (std::size_t i = 0; i < layout.reasons.size(); ++i)
     text += fmt::format("- ({}) {}\n", i + 1, markdown_text(layout.reasons[i]));
   // A bare dash would open a list in the list.
-  for (const auto& [mark, meaning] : legend(layout, "**bold**", "(!)"))
+  for (const auto& [mark, meaning] : legend(layout, {"**bold**", "\u00b0", "(!)"}))
     text += fmt::format("- {}: {}\n", mark == "-" ? "\\-" : mark, meaning);
   for (const std::string& note : layout.notes) text += fmt::format("- {}\n", markdown_text(note));
   for (const auto& [topic, what] : layout.provenance) text += fmt::format("- {}: {}\n", topic, markdown_text(what));

@@ -17,17 +17,20 @@ std::size_t filled_columns(const Layout& layout, const Layout::Row& row) {
   return first;
 }
 
+std::string marks_of(const Cell& cell) {
+  return std::string(cell.is_flagged ? "!" : cell.is_best ? "*" : "") + (cell.is_floored ? "\u00b0" : "");
+}
+
 }  // namespace
 
 std::string terminal_table(const Layout& layout, std::size_t width) {
   std::vector<TextTable::Column> columns;
   for (const Column& column : layout.columns) columns.push_back({column.heading, column.shown_unit, column.alignment});
   // Marks have a column of their own width behind the number, so that digits stay under digits.
-  std::vector<bool> has_mark(columns.size(), false);
+  std::vector<std::size_t> room(columns.size(), 0);
   for (const Layout::Group& group : layout.groups)
     for (const Layout::Row& row : group.rows)
-      for (std::size_t i = 0; i < row.cells.size(); ++i)
-        has_mark[i] = has_mark[i] || row.cells[i].is_best || row.cells[i].is_flagged;
+      for (std::size_t i = 0; i < row.cells.size(); ++i) room[i] = std::max(room[i], display_width(marks_of(row.cells[i])));
 
   TextTable table(std::move(columns));
   std::vector<std::size_t> noted;  // reasons that did not fit into their row, numbered by first use
@@ -35,11 +38,10 @@ std::string terminal_table(const Layout& layout, std::size_t width) {
     if (!group.heading.empty()) table.add_heading(group.heading);
     for (const Layout::Row& row : group.rows) {
       std::vector<std::string> cells;
-      for (std::size_t i = 0; i < row.cells.size(); ++i)
-        cells.push_back(shown(layout.columns[i], row.cells[i]) + (row.cells[i].is_flagged ? "!"
-                                                                  : row.cells[i].is_best  ? "*"
-                                                                  : has_mark[i]           ? " "
-                                                                                          : ""));
+      for (std::size_t i = 0; i < row.cells.size(); ++i) {
+        const std::string marks = marks_of(row.cells[i]);
+        cells.push_back(shown(layout.columns[i], row.cells[i]) + marks + std::string(room[i] - display_width(marks), ' '));
+      }
       const std::size_t filled = filled_columns(layout, row);
       if (row.reason > 0 && filled < cells.size()) {
         cells.resize(filled);
@@ -57,7 +59,7 @@ std::string terminal_table(const Layout& layout, std::size_t width) {
 
   std::string text = (layout.title.empty() ? "" : layout.title + "\n\n") + table.text(width) + '\n';
   for (std::size_t i = 0; i < noted.size(); ++i) text += fmt::format("[{}] {}\n", i + 1, layout.reasons[noted[i] - 1]);
-  for (const auto& [mark, meaning] : legend(layout, "*", "!")) text += fmt::format("{}: {}\n", mark, meaning);
+  for (const auto& [mark, meaning] : legend(layout, {"*", "\u00b0", "!"})) text += fmt::format("{}: {}\n", mark, meaning);
   for (const std::string& note : layout.notes) text += note + '\n';
   for (const auto& [topic, what] : layout.provenance) text += fmt::format("{}: {}\n", topic, what);
   return text;

@@ -172,10 +172,12 @@ std::string TextTable::text(std::size_t width) const {
   for (const std::vector<std::string>& cells : heading_rows(columns_, column_widths)) write_row(cells, "");
   if (!columns_.empty()) all += std::string(starts.back() - gap, '-') + '\n';
   for (const HeadingOrRow& row : rows_) {
-    if (row.is_heading)
-      all += '\n' + row.rest + '\n';
-    else
+    if (!row.is_heading) {
       write_row(row.cells, row.rest);
+      continue;
+    }
+    all += '\n';
+    for (const std::string& line : wrap(row.rest, width > 0 ? width : std::string::npos)) all += line + '\n';
   }
   return all;
 }

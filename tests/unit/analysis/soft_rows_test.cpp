@@ -26,10 +26,10 @@ TEST(soft_rows, error_floor_is_of_errors_under_lights_with_area) {
   Record soft = soft_row("a", 1, 1, 0.1);
   EXPECT_EQ(error_floor(soft, "error"), 0.002);
   EXPECT_EQ(error_floor(soft, "wrong_rate"), std::nullopt);
-  soft.metrics[Truth::shape].erase("reference_error_mean");
+  soft.metrics[Truth::shape].erase("error_floor");
   EXPECT_EQ(error_floor(soft, "error"), std::nullopt);
   Record hard = row("a", 1, 1, 0.1);
-  hard.metrics[Truth::shape]["reference_error_mean"] = 0.002;
+  hard.metrics[Truth::shape]["error_floor"] = 0.002;
   EXPECT_EQ(error_floor(hard, "error"), std::nullopt);
 }
 
@@ -70,12 +70,12 @@ TEST(soft_rows, tables_show_the_floor_where_there_is_one) {
   const std::vector<Record> hard{row("a", 1, 1, 0.1), row("b", 1, 2, 0.05)};
   for (const char* kind : {"front", "best"}) {
     EXPECT_TRUE(has(text(hard, kind), "error in %")) << text(hard, kind);
-    EXPECT_FALSE(has(text(hard, kind), "ref.")) << "no column of nothing";
+    EXPECT_FALSE(has(text(hard, kind), "floor")) << "no column of nothing";
   }
   const std::vector<Record> soft{soft_row("a", 1, 1, 0.1), soft_row("b", 1, 2, 0.05)};
   for (const char* kind : {"front", "best"}) {
     EXPECT_TRUE(has(text(soft, kind), "error in %")) << text(soft, kind);
-    EXPECT_TRUE(has(text(soft, kind), "\nref. error: the reference's own: ")) << text(soft, kind);
+    EXPECT_TRUE(has(text(soft, kind), "\nerror floor: what the reference's own noise makes: ")) << text(soft, kind);
     EXPECT_TRUE(has(text(soft, kind), "0.20")) << "the floor beside each";
     EXPECT_FALSE(has(text(soft, kind), "lights without area"));
   }
@@ -89,12 +89,12 @@ TEST(soft_rows, tables_show_the_floor_where_there_is_one) {
 TEST(soft_rows, programs_get_the_floor_beside_the_error) {
   const Json json = Json::parse(analyze(mixed(), "front", {}, Format::json));
   for (const Json& one : json["rows"]) {
-    EXPECT_EQ(one["reference_error_mean"].is_null(), one["light"] == "point" || one["setting"] == "hard" || one["error"] > 0.09)
+    EXPECT_EQ(one["error_floor"].is_null(), one["light"] == "point" || one["setting"] == "hard" || one["error"] > 0.09)
         << one;
     EXPECT_TRUE(one["error"].is_number());
   }
   const Json hard = Json::parse(analyze(std::vector{row("a", 1, 1, 0.1)}, "front", {}, Format::json));
-  EXPECT_FALSE(hard["rows"][0].contains("reference_error_mean"));
+  EXPECT_FALSE(hard["rows"][0].contains("error_floor"));
 }
 
 TEST(soft_rows, a_map_over_both_kinds_says_how_many_places_are_of_each) {
@@ -129,7 +129,7 @@ TEST(soft_rows, motion_and_sweep_name_what_they_show) {
 TEST(soft_rows, compare_judges_all_by_their_error) {
   std::vector<Record> base{soft_row("a", 1, 1, 0.01), soft_row("b", 1, 1, 0.01), row("c", 1, 1, 0.01)}, now = base;
   now[0].metrics[Truth::shape]["error"] = 0.011;
-  now[0].metrics[Truth::shape]["reference_error_mean"] = 0.003;
+  now[0].metrics[Truth::shape]["error_floor"] = 0.003;
   now[1].metrics[Truth::shape]["wrong_rate"] = 0.5;
   now[2].metrics[Truth::shape]["error"] = 0.02;
   const Comparison comparison = compare(base, now);
@@ -138,7 +138,7 @@ TEST(soft_rows, compare_judges_all_by_their_error) {
     for (const MetricChange& change : comparison.rows[k].metrics) names.push_back(change.metric);
     return names;
   };
-  EXPECT_EQ(metrics(0), (std::vector<std::string>{"error", "reference_error_mean"}));
+  EXPECT_EQ(metrics(0), (std::vector<std::string>{"error", "error_floor"}));
   EXPECT_TRUE(comparison.rows[0].regressed());
   EXPECT_EQ(comparison.rows[0].metrics[0].floor, 0.003) << "the greater one";
   EXPECT_EQ(metrics(1), std::vector<std::string>{"wrong_rate"});
@@ -148,7 +148,7 @@ TEST(soft_rows, compare_judges_all_by_their_error) {
   EXPECT_EQ(comparison.rows[2].metrics[0].floor, std::nullopt);
   const std::string text = render_comparison(comparison, Format::terminal, {.base = "x", .contender = "y"});
   EXPECT_TRUE(has(text, "changed !, floor 0.30 %")) << text;
-  EXPECT_TRUE(has(text, "; floor: the reference's own mean error\n")) << text;
+  EXPECT_TRUE(has(text, "; floor: what the reference's own noise makes\n")) << text;
   const Json json = Json::parse(render_comparison(comparison, Format::json, {.base = "x", .contender = "y"}));
   EXPECT_EQ(json["rows"][0]["metrics"][0]["floor"], 0.003);
   EXPECT_TRUE(json["rows"][2]["metrics"][0]["floor"].is_null());

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "hand_made.h"
+#include "measure/frame/gbuffer_maker.h"
 #include "measure/frame/light_rays.h"
 #include "measure/frame/ray_packets.h"
 
@@ -16,12 +17,13 @@ namespace classify_test {
 using namespace gnomon;
 using hand_made::Picture;
 
-std::string letters(const Scene& scene, const Picture& picture, const Light& light) {
+std::string letters(const Scene& scene, const Picture& picture, const Light& light,
+                    std::span<const std::uint8_t> silhouettes = {}) {
   const RayScene casters(scene, Truth::mesh, RayScene::Which::casters);
   std::vector<float> reference(picture.gbuffer.size());
   trace_shadows(casters, scene, picture.gbuffer, light, reference);
   std::string text;
-  for (const PixelClass c : classify(scene, casters, picture.gbuffer, light, reference))
+  for (const PixelClass c : classify(scene, casters, picture.gbuffer, light, reference, silhouettes))
     text += class_infos()[std::size_t(c)].letter;
   return text;
 }
@@ -53,7 +55,7 @@ TEST(classify, faces_away_outside_the_cone_or_on_a_mesh_that_does_not_receive) {
   // From (0, 2, 0) straight down the points are seen under 0, 26.6 and 45 degrees.
   const Light spot{.name = "spot", .kind = SpotLight{{0, 2, 0}, {0, -1, 0}, 10, 30}};
   EXPECT_EQ(letters(two_grounds(), picture, spot), "TTF");
-  // The middle point on a mesh of its own, as far from the eye as its neighbors, which so are no silhouette.
+  // The middle point on a mesh of its own.
   Scene scene = two_grounds();
   scene.meshes[1].receives = false;
   for (int i = 0; i < 3; ++i) picture.set(i, {0, 0, 0}, {0, 1, 0}, i == 1 ? 1 : 0, 0);
@@ -74,27 +76,51 @@ TEST(classify, grazing_below_0_035) {
   EXPECT_EQ(letters(two_grounds(), picture, hand_made::point_light({-99, 3.6f, 0})), "T") << "3.6 / 100.06 = 0.03598";
 }
 
-TEST(classify, silhouette_where_a_neighbor_is_background_or_another_mesh_off_by_2_percent) {
-  // 5 x 3, all 4 m below the eye; the center pixel (2,1) differs. All eight neighbors count, pixels two away do not.
-  Picture picture(5, 3);
-  picture.gbuffer.view.eye = {0, 4, 0};
-  const auto reset = [&] {
-    for (int i = 0; i < 15; ++i) picture.set(i, {0, 0, 0}, {0, 1, 0}, 0, 0);
-  };
-  const Light above = hand_made::sun({0, -1, 0});
-  reset();
-  picture.mesh[7] = no_mesh;
-  EXPECT_EQ(letters(two_grounds(), picture, above), "TSSSTTSBSTTSSST");
-  reset();
-  picture.set(7, {0, 0.04f, 0}, {0, 1, 0}, 1, 0);  // 3.96 m: 1 % nearer
-  EXPECT_EQ(letters(two_grounds(), picture, above), "TTTTTTTTTTTTTTT");
-  picture.set(7, {0, 0.12f, 0}, {0, 1, 0}, 1, 0);  // 3 % nearer: a step seen from both sides
-  EXPECT_EQ(letters(two_grounds(), picture, above), "TSSSTTSSSTTSSST");
-  picture.set(7, {0, -0.12f, 0}, {0, 1, 0}, 1,
-              0);  // 3 % farther
-  EXPECT_EQ(letters(two_grounds(), picture, above), "TSSSTTSSSTTSSST");
-  picture.set(7, {0, 2, 0}, {0, 1, 0}, 0, 0);  // far, but the same mesh
-  EXPECT_EQ(letters(two_grounds(), picture, above), "TTTTTTTTTTTTTTT");
+/// Seen straight from above, 4 m over the ground: a pixel of 8 x 8 is 1 m of it, the center of pixel 4 at x = 0.5. A plate over
+/// x > 0.5
+/// - `beyond` px, `height` m high, is a mesh of its own or a part of the ground's.
+std::vector<std::uint8_t> beside_a_plate(double beyond, double height, bool is_own_mesh) {
+  const auto x = static_cast<float>((0.5 - beyond) * (4 - height) / 4), y = static_cast<float>(height);
+  Mesh ground = hand_made::square(40, 0);
+  Mesh plate = hand_made::mesh_of({{x, y, -40}, {40, y, -40}, {40, y, 40}, {x, y, 40}}, {{0, 1, 2}, {0, 2, 3}});
+  Scene scene;
+  if (is_own_mesh) {
+    scene.meshes = {ground, plate};
+  } else {
+    for (const glm::vec3& p : plate.positions) ground.positions.push_back(p);
+    for (const glm::uvec3& t : plate.triangles) ground.triangles.push_back(t + 4u);
+    finish(ground);
+    scene.meshes = {ground};
+  }
+  const RayScene everything(scene, Truth::mesh, RayScene::Which::all);
+  const View view{.eye = {0, 4, 0}, .target = {0, 0, 0}, .up = {0, 0, -1}, .fov_y_degrees = 90};
+  return find_silhouettes(everything, make_gbuffer(scene, everything, view, 8, 8, Truth::mesh));
+}
+
+TEST(silhouettes, are_pixels_that_show_something_else_half_a_grid_aside) {
+  for (const double sign : {-1.0, 1.0})  // the center shows the ground, or the plate
+    for (const bool is_own_mesh : {true, false}) {
+      const auto near = beside_a_plate(sign / 700, 0.4, is_own_mesh), far = beside_a_plate(sign / 400, 0.4, is_own_mesh);
+      for (int i = 0; i < 64; ++i) {
+        EXPECT_EQ(near[i], i % 8 == 4) << i << ": 1/700 of a pixel from the edge";
+        EXPECT_EQ(far[i], 0) << i << ": 1/400";
+      }
+    }
+  // 1 % nearer is another mesh, and no step of one.
+  EXPECT_EQ(std::ranges::count(beside_a_plate(0, 0.04, true), 1), 8);
+  EXPECT_EQ(std::ranges::count(beside_a_plate(0, 0.04, false), 1), 0);
+  EXPECT_EQ(std::ranges::count(beside_a_plate(0, 0.12, false), 1), 8) << "3 %";
+}
+
+TEST(silhouettes, are_pixels_beside_nothing) {
+  Scene scene;
+  scene.meshes = {hand_made::mesh_of({{0.5f, 0, -40}, {40, 0, -40}, {40, 0, 40}, {0.5f, 0, 40}}, {{0, 1, 2}, {0, 2, 3}})};
+  const RayScene everything(scene, Truth::mesh, RayScene::Which::all);
+  const View view{.eye = {0, 4, 0.1f}, .target = {0, 0, 0.1f}, .up = {0, 0, -1}, .fov_y_degrees = 90};
+  const GBuffer gbuffer = make_gbuffer(scene, everything, view, 8, 8, Truth::mesh);
+  const auto silhouettes = find_silhouettes(everything, gbuffer);
+  for (int i = 0; i < 64; ++i)
+    EXPECT_EQ(silhouettes[i], i % 8 == 4 && !gbuffer.is_background(i)) << "background is of a class of its own";
 }
 
 /// Ground from -4 to 4 that casts nothing, and one triangle over it.
@@ -179,18 +205,19 @@ TEST(classify, first_match_decides) {
   const Light sun = hand_made::sun({0, -1, 0});
   Picture picture(1, 2);
   picture.gbuffer.view.eye = {0, 4, 0};
-  const auto upper = [&](const glm::vec3& normal, std::uint32_t below) {
+  const std::uint8_t in_doubt[] = {1, 0};
+  const auto upper = [&](const glm::vec3& normal, std::span<const std::uint8_t> silhouettes) {
     picture.set(0, {0, 0, 0}, normal, 0, 0);
-    picture.set(1, {0, 0, 0.5f}, {0, 1, 0}, below, 0);
-    return letters(scene, picture, sun)[0];
+    picture.set(1, {0, 0, 0.5f}, {0, 1, 0}, 0, 0);
+    return letters(scene, picture, sun, silhouettes)[0];
   };
   const glm::vec3 grazing(std::sqrt(1 - 0.03f * 0.03f), 0.03f, 0);
-  EXPECT_EQ(upper({0, 1, 0}, 0), 'U');
-  EXPECT_EQ(upper({0, 1, 0}, no_mesh), 'S') << "silhouette before uncertain";
-  EXPECT_EQ(upper(grazing, no_mesh), 'G') << "grazing before silhouette";
-  EXPECT_EQ(upper({0, -1, 0}, no_mesh), 'F') << "facing away before silhouette";
+  EXPECT_EQ(upper({0, 1, 0}, {}), 'U');
+  EXPECT_EQ(upper({0, 1, 0}, in_doubt), 'S') << "silhouette before uncertain";
+  EXPECT_EQ(upper(grazing, in_doubt), 'G') << "grazing before silhouette";
+  EXPECT_EQ(upper({0, -1, 0}, in_doubt), 'F') << "facing away before silhouette";
   picture.mesh[0] = no_mesh;
-  EXPECT_EQ(letters(scene, picture, sun)[0], 'B');
+  EXPECT_EQ(letters(scene, picture, sun, in_doubt)[0], 'B');
 }
 
 TEST(classify, a_reference_that_is_wrong_makes_uncertain_and_nothing_else) {
@@ -205,9 +232,9 @@ TEST(classify, a_reference_that_is_wrong_makes_uncertain_and_nothing_else) {
   const RayScene casters(scene, Truth::mesh, RayScene::Which::casters);
   std::vector<float> reference(40);
   trace_shadows(casters, scene, picture.gbuffer, sun, reference);
-  const auto right = classify(scene, casters, picture.gbuffer, sun, reference);
+  const auto right = classify(scene, casters, picture.gbuffer, sun, reference, {});
   for (float& v : reference) v = 1 - v;
-  const auto inverted = classify(scene, casters, picture.gbuffer, sun, reference);
+  const auto inverted = classify(scene, casters, picture.gbuffer, sun, reference, {});
   for (std::size_t i = 0; i < right.size(); ++i)
     EXPECT_EQ(inverted[i], right[i] == PixelClass::T ? PixelClass::U : right[i]) << i;
   const auto counts = count_classes(right);

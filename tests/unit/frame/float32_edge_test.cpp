@@ -48,7 +48,7 @@ Seen look(const Ground& ground, const Light& light) {
   Seen seen{.mask = truth};
   trace_shadows(casters, ground.scene, g, light, seen.mask);
   ExactScene(ground.scene).decide(g, light, truth);
-  const std::vector<PixelClass> classes = classify(ground.scene, casters, g, light, seen.mask);
+  const std::vector<PixelClass> classes = classify(ground.scene, casters, g, light, seen.mask, {});
   for (std::size_t i = 0; i < g.size(); ++i) {
     const bool is_tested = classes[i] == PixelClass::T, is_off = seen.mask[i] != truth[i];
     seen.tested += is_tested, seen.wrong += is_off, seen.wrong_tested += is_tested && is_off, seen.dark += truth[i] == 0;

@@ -65,7 +65,8 @@ TEST(frame, what_the_cache_holds_is_what_is_computed) {
       for (const Light& light : scene.lights) {
         std::vector<float> mask(fresh.size());
         trace_shadows(casters, scene, fresh, light, mask);
-        const std::vector<PixelClass> classes = classify(scene, casters, fresh, light, mask);
+        const std::vector<PixelClass> classes =
+            classify(scene, casters, fresh, light, mask, find_silhouettes(everything, fresh));
         const Reference reference = frames.reference(key, light);
         EXPECT_TRUE(std::ranges::equal(reference.mask, mask));
         EXPECT_TRUE(std::ranges::equal(reference.classes, classes));

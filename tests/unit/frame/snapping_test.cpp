@@ -26,7 +26,7 @@ struct Frame {
     gbuffer = gnomon::make_gbuffer(scene, everything, view, size, size, truth);
     reference.resize(gbuffer.size());
     trace_shadows(casters, scene, gbuffer, light, reference);
-    classes = classify(scene, casters, gbuffer, light, reference);
+    classes = classify(scene, casters, gbuffer, light, reference, find_silhouettes(everything, gbuffer));
     snapping = find_snapping(scene, everything, casters, gbuffer, light, reference, classes, subpixel_bits);
   }
   Evidence evidence() const {

@@ -157,7 +157,7 @@ Agreement compare(const Case& c, const WitnessedFrame& frame, const Light& light
   const std::vector<float> witness = read_witness(c.witness, c.scene, c.light, width, height);
   if (witness.empty())
     throw Error("the mask of {} {} {} is missing; run tests/witness/make_witnesses", c.witness.id, c.scene, c.light);
-  const SoftReference reference = trace_soft(frame.scene, frame.casters, frame.gbuffer, light, {});
+  const SoftReference reference = trace_soft(frame.scene, frame.casters, frame.gbuffer, light, frame.silhouettes, {});
   const bool is_area = share == Share::area;
   const std::vector<float>& shares = is_area ? reference.area : reference.irradiance;
   const std::vector<float>& errors = is_area ? reference.area_error : reference.irradiance_error;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "measure/frame/classify.h"
 #include "measure/frame/gbuffer_maker.h"
 #include "measure/picture/picture.h"
 #include "measure/scene/load.h"
@@ -35,12 +36,15 @@ struct WitnessedFrame {
       : scene(load_scene(reference)),
         light(*std::ranges::find(scene.lights, light_name, &Light::name)),
         casters(scene, truth, RayScene::Which::casters),
-        gbuffer(make_gbuffer(scene, RayScene(scene, truth, RayScene::Which::all), scene.views[0], width, height, truth)) {}
+        everything(scene, truth, RayScene::Which::all),
+        gbuffer(make_gbuffer(scene, everything, scene.views[0], width, height, truth)),
+        silhouettes(find_silhouettes(everything, gbuffer)) {}
 
   Scene scene;
   Light light;
-  RayScene casters;
+  RayScene casters, everything;
   GBuffer gbuffer;
+  std::vector<std::uint8_t> silhouettes;
 };
 
 }  // namespace gnomon

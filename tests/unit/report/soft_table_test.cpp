@@ -38,21 +38,21 @@ std::vector<Record> mixed() {
 
 TEST(soft_table, an_error_stands_beside_the_references_own) {
   const std::string text = render_table(soft_rows, Format::markdown);
-  EXPECT_TRUE(has(first_line(text), "| error (%) | ref. error (%) | other error (%) | penumbra width ratio (ratio) |")) << text;
+  EXPECT_TRUE(has(first_line(text), "| error (%) | error floor (%) | other error (%) | penumbra width ratio (ratio) |")) << text;
   EXPECT_TRUE(has(text, "| 4.00 | 0.20 | 3.00 | 1.25 | -0.50 | 4.00 | 97.0 |")) << text;
   EXPECT_TRUE(has(text, "| **1.00** | 0.20 |")) << "the best is marked by its error";
   EXPECT_FALSE(has(first_line(text), "wrong")) << text;
   EXPECT_FALSE(has(first_line(text), "contact hardening")) << "no row has it";
   EXPECT_TRUE(has(text, "- error: mean difference from the reference over the tested pixels: what rows are judged by\n"))
       << text;
-  EXPECT_TRUE(has(text, "- ref. error: the reference's own: ")) << text;
-  EXPECT_TRUE(has(render_table(soft_rows, Format::latex), "ref. error"));
+  EXPECT_TRUE(has(text, "- error floor: what the reference's own noise makes: ")) << text;
+  EXPECT_TRUE(has(render_table(soft_rows, Format::latex), "error floor"));
 }
 
 TEST(soft_table, rows_without_area_have_no_columns_of_soft_shadows) {
   for (const Format format : {Format::markdown, Format::terminal, Format::latex}) {
     const std::string text = render_table(hard_rows, format);
-    EXPECT_FALSE(has(text, "ref. error")) << text;
+    EXPECT_FALSE(has(text, "error floor")) << text;
     EXPECT_FALSE(has(text, "penumbra"));
     EXPECT_TRUE(has(text, "wrong"));
   }
@@ -61,7 +61,7 @@ TEST(soft_table, rows_without_area_have_no_columns_of_soft_shadows) {
 TEST(soft_table, both_kinds_have_a_table_each_and_one_provenance) {
   const std::string text = render_table(mixed(), Format::markdown);
   EXPECT_EQ(count(text, "| technique |"), 2u);
-  EXPECT_LT(text.find("wrong (%)"), text.find("ref. error (%)")) << "lights without area first";
+  EXPECT_LT(text.find("wrong (%)"), text.find("error floor (%)")) << "lights without area first";
   EXPECT_EQ(count(text, "- processor: "), 1u);
   EXPECT_EQ(count(text, "| point |"), 2u);
   EXPECT_EQ(count(text, "| disc |"), 2u);
@@ -73,7 +73,7 @@ TEST(soft_table, both_kinds_have_a_table_each_and_one_provenance) {
   EXPECT_TRUE(has(latex, "view: lights with area.}\n  \\label{tab:gnomon:2}\n")) << latex;
   // Named columns make one table.
   const std::string chosen =
-      render_table(mixed(), Format::markdown, {.columns = {"light", "technique", "error", "reference_error_mean"}});
+      render_table(mixed(), Format::markdown, {.columns = {"light", "technique", "error", "error_floor"}});
   EXPECT_TRUE(has(chosen, "| disc | a | 4.00 | 0.20 |\n")) << chosen;
   EXPECT_TRUE(has(chosen, "| point | c | 20.0 | - |\n")) << chosen;
   // Programs get one table of all columns.
@@ -96,10 +96,10 @@ TEST(soft_table, the_flag_speaks_of_errors) {
 TEST(soft_table, the_headline_of_a_page_covers_both_kinds) {
   const std::vector<std::string> names = headline_columns(mixed(), true);
   const auto at = [&](const std::string& name) { return std::ranges::find(names, name) - names.begin(); };
-  EXPECT_EQ(at("reference_error_mean"), at("error") + 1);
+  EXPECT_EQ(at("error_floor"), at("error") + 1);
   EXPECT_LT(at("false_dark_rate"), std::ssize(names));
   EXPECT_LT(at("penumbra_shift"), std::ssize(names));
-  EXPECT_EQ(at("wrong_rate"), at("reference_error_mean") + 1);
+  EXPECT_EQ(at("wrong_rate"), at("error_floor") + 1);
 }
 
 TEST(soft_figure, a_front_has_a_panel_for_each_kind_of_light) {
@@ -108,11 +108,11 @@ TEST(soft_figure, a_front_has_a_panel_for_each_kind_of_light) {
   EXPECT_TRUE(has(both, "set multiplot layout 1,2")) << both;
   EXPECT_EQ(count(both, "set ylabel 'error (%)'"), 2u) << both;
   EXPECT_EQ(count(both, "title 'a'"), 1u) << "a technique of both has one color, named once";
-  EXPECT_EQ(count(both, "title 'the reference''s own mean error'"), 1u);
+  EXPECT_EQ(count(both, "title 'error floor'"), 1u);
   EXPECT_FALSE(has(both, "nan") || has(both, "inf")) << both;
   const std::string hard = script(hard_rows);
   EXPECT_TRUE(has(hard, "set multiplot layout 1,1")) << hard;
-  EXPECT_FALSE(has(hard, "own mean error")) << hard;
+  EXPECT_FALSE(has(hard, "error floor")) << hard;
 }
 
 TEST(soft_figure, bars_stand_for_the_places_of_their_kind) {

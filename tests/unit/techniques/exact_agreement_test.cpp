@@ -129,7 +129,7 @@ struct Differences {
     const RayScene casters(c.scene, Truth::mesh, RayScene::Which::casters);
     std::vector<float> reference(g.size());
     trace_shadows(casters, c.scene, g, c.light, reference);
-    const std::vector<PixelClass> classes = classify(c.scene, casters, g, c.light, reference);
+    const std::vector<PixelClass> classes = classify(c.scene, casters, g, c.light, reference, {});
     for (const Question& question : c.questions) {
       const auto k = static_cast<std::size_t>(classes[question.pixel]);
       ++pixels[k];

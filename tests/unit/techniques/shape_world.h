@@ -24,7 +24,7 @@ struct ShapeWorld {
     return mask;
   }
   std::vector<PixelClass> classes(const Light& light, std::span<const float> reference) const {
-    return classify(scene, casters, gbuffer, light, reference);
+    return classify(scene, casters, gbuffer, light, reference, find_silhouettes(everything, gbuffer));
   }
 };
 

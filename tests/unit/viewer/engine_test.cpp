@@ -195,7 +195,7 @@ TEST(viewer_engine, measures_error_against_samples_beside_the_side) {
   for (std::size_t k = 0; k < curve.samples.size(); ++k) EXPECT_EQ(curve.samples[k], std::pow(4, k));
   EXPECT_EQ(curve.error[2], errors.error_sum / static_cast<double>(errors.tested));
   EXPECT_LT(curve.error[2], curve.error[0] / 3);
-  EXPECT_EQ(curve.reference_error, before.sides[0].verdict->reference_error);
+  EXPECT_EQ(curve.error_floor, before.sides[0].verdict->error_floor);
   EXPECT_EQ(after.sides[0].answer, before.sides[0].answer);
   EXPECT_EQ(after.sides[0].answer_count, before.sides[0].answer_count);
   rig.selection.picked = 7;

@@ -109,7 +109,7 @@ TEST(viewer_legend, under_a_light_with_area_shares_are_of_the_error) {
 TEST(viewer_numbers, the_error_leads_under_every_light) {
   HandMadeFrame seen(4, 1);
   seen.verdict.errors = {.tested = 4, .wrong = 1, .false_dark = 1, .error_sum = 0.9};
-  seen.verdict.reference_error = 0.00125;
+  seen.verdict.error_floor = 0.00125;
   seen.verdict.constant_error = 0.25;
   const auto words = [&](bool has_area) {
     std::vector<std::string> all;
@@ -120,16 +120,16 @@ TEST(viewer_numbers, the_error_leads_under_every_light) {
   };
   EXPECT_EQ(words(false), (std::vector<std::string>{"error: 22.5000 %", "constant: 25.0000 %", "wrong: 25.0000 %",
                                                     "false dark: 1", "false lit: 0", "tested: 4"}));
-  EXPECT_EQ(words(true), (std::vector<std::string>{"error: 22.5000 %", "constant: 25.0000 %", "ref. error: 0.1250 %",
+  EXPECT_EQ(words(true), (std::vector<std::string>{"error: 22.5000 %", "constant: 25.0000 %", "floor: 0.1250 %",
                                                    "wrong: 25.0000 %", "tested: 4"}));
   seen.verdict.errors = {};
-  seen.verdict.reference_error.reset();
+  seen.verdict.error_floor.reset();
   seen.verdict.constant_error.reset();
-  EXPECT_EQ(words(true), (std::vector<std::string>{"error: ", "constant: ", "ref. error: ", "wrong: ", "tested: 0"}));
+  EXPECT_EQ(words(true), (std::vector<std::string>{"error: ", "constant: ", "floor: ", "wrong: ", "tested: 0"}));
   seen.frame->lights = {seen.frame->light, hand_made::sun({0, -1, 0})};
   seen.verdict.received_error = 0.0625;
   EXPECT_EQ(words(true),
-            (std::vector<std::string>{"error: ", "constant: ", "ref. error: ", "light error: 6.2500 %", "tested: 0"}))
+            (std::vector<std::string>{"error: ", "constant: ", "floor: ", "light error: 6.2500 %", "tested: 0"}))
       << "several lights";
 }
 

@@ -94,8 +94,10 @@ struct AreaTarget {
 struct SampledShares {
   double area = 1, irradiance = 1;
   double area_error = 0, irradiance_error = 0;  ///< never below what one ray more or less would make
-  std::uint32_t rays = 0;                       ///< that the shares are made of
-  std::uint32_t pilot_rays = 0;                 ///< that chose their number and are left out
+  /// By half of the replicas alone: as far from the shares, in the mean, as these are from the truth.
+  double area_half = 1, irradiance_half = 1;
+  std::uint32_t rays = 0;        ///< that the shares are made of
+  std::uint32_t pilot_rays = 0;  ///< that chose their number and are left out
 };
 
 /// The shares by sixteen replicas: as many independent scrambles of one sequence, whose spread is the standard error. A pilot

@@ -6,6 +6,7 @@ data.columns.forEach((column, index) => (column.index = index));
 data.rows.forEach((row, index) => {
   row.index = index;
   row.best = new Set(row.best);
+  row.floored = new Set(row.floored);
   row.flagged = new Set(row.flagged);
 });
 

@@ -85,12 +85,12 @@ function scale(frame, color = compose.lighter) {
   return steps.map(([least, over], k) => entry(over, text(least, k), "Of the light's visible share, 0 to 100 %"));
 }
 
-/** The row's error and the reference's own, as the table has them; it has none of one light of several. */
+/** The row's error and its floor, as the table has them; it has none of one light of several. */
 function means(frame, { row }) {
   if (!frame.is_soft || !row || frame.is_one_of_several) return [];
   const says = (name) => `${textOf(row, columnNamed(name))} %`;
-  const has_floor = valueOf(row, "reference_error_mean") !== null;
-  return [h("li", {}, `error ${says("error")}${has_floor ? `, the reference's own ${says("reference_error_mean")}` : ""}`)];
+  const has_floor = valueOf(row, "error_floor") !== null;
+  return [h("li", {}, `error ${says("error")}${has_floor ? `, floor ${says("error_floor")}` : ""}`)];
 }
 
 function ofErrors(frame, side, { counts, errors }) {

@@ -153,7 +153,7 @@ const captionOf = (points, groups, { floor, constant }) =>
     `The line joins contenders that none beats in both${constant > 0 ? ", of those that beat a constant mask" : ""}. `,
     points.some((point) => point.low !== null) ? "Bars are 95 % intervals. " : "",
     points.some((point) => point.role !== "contender") ? "Hollow: baseline and reference. " : "",
-    floor > 0 ? "Dotted: the reference's own mean error. " : "",
+    floor > 0 ? "Dotted: the error floor, what the reference's own noise makes. " : "",
     constant > 0 ? "Dashed: the best constant mask." : "",
   ].join("");
 

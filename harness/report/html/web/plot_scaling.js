@@ -90,7 +90,7 @@ function tellApart(points, x) {
   return is_one && !x.sweepsScene && names.length <= 16 ? { name: "name", ...scalesOver(names) } : seriesOf(points);
 }
 
-/** The reference's own mean error at each place, percent. */
+/** The error floor at each place, percent. */
 const floorsOf = (points, y) =>
   distinct(points.map(({ row }) => row.group))
     .map((group) => levelsOf(points.map(({ row }) => row).filter((row) => row.group === group), y).floor)
@@ -156,7 +156,7 @@ function captionOf(points, across, up, x, { floors, guide }) {
     seeds > 1
       ? `Points are means of up to ${plural(seeds, "seed")}, bars reach from the smallest to the largest.`
       : points.some(hasInterval) && "Bars are 95 % intervals.",
-    floors.length > 0 && "Dotted: the reference's own mean error; below it nothing can be told from 0.",
+    floors.length > 0 && "Dotted: the error floor, what the reference's own noise makes; below it nothing can be told from 0.",
     guide && `Dashed: how the error of independent samples falls, with one over the root of their number.`,
   ]
     .filter(Boolean)

@@ -24,7 +24,7 @@ function allColumns() {
   const columns = data.columns.filter((column) => !isInterval(column) && column.name !== "causes");
   const judged = columns.find((column) => column.name === "error" && column.is_headline);
   if (!judged) return withCauses.length > 0 ? [...columns, causesColumn] : columns;
-  const floors = ["reference_error_mean", "snapping_floor"].map(columnNamed).filter((column) => column?.is_headline);
+  const floors = ["error_floor", "snapping_floor"].map(columnNamed).filter((column) => column?.is_headline);
   const beside = withCauses.length > 0 ? [...floors, causesColumn] : floors;
   const others = columns.filter((column) => !floors.includes(column));
   others.splice(others.indexOf(judged) + 1, 0, ...beside);
@@ -88,6 +88,7 @@ function cell(row, column, openPictures) {
   if (column.name === "support") return supportCell(row, text);
   if (row.values[column.index] === null) return h("td", { class: column.is_left ? "text null" : "null" }, text);
   const is_best = row.best.has(column.index),
+    is_floored = row.floored.has(column.index),
     is_flagged = row.flagged.has(column.index);
   return h(
     "td",
@@ -95,6 +96,8 @@ function cell(row, column, openPictures) {
     is_best &&
       h("span", { class: "mark", role: "img", "aria-label": "best of its group", title: "best of its group" }, "\u2605"),
     column.is_left ? breakable(text) : text,
+    is_floored &&
+      h("span", { class: "mark", role: "img", "aria-label": "within the reference's noise", title: "no farther from its best than the reference's own noise may take it" }, "\u00b0"),
     is_flagged &&
       h(
         "span",
@@ -128,7 +131,7 @@ function cells(row, columns, openPictures) {
 }
 
 function legend() {
-  const marks = { best: "\u2605", flag: "\u2691" };
+  const marks = { best: "\u2605", floor: "\u00b0", flag: "\u2691" };
   return h(
     "ul",
     { class: "marks" },
