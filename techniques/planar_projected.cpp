@@ -40,8 +40,7 @@ constexpr About about{
 //   double_blend  halves what is there for every triangle: n of them leave 1/2^n. A closed convex caster has n = 2, its near
 //                 side and its far one, or 1 where the plane cuts it open; where shadows overlap, they add up.
 // Where they answer otherwise than without them by more than one half, the account of a pixel says that the formula differs. A
-// mask of 1/2 is as near to dark as to lit: double_blend shows in the mean error and in the shaded picture, hardly in wrong
-// pixels.
+// mask of 1/2 counts as dark: double_blend shows in the mean error and in the shaded picture, hardly in wrong pixels.
 /// Casters projected onto one plane by one light.
 struct Projection : PlaneProjection {
   std::uint32_t index;  ///< of the receiver plane

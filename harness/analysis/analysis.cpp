@@ -197,9 +197,8 @@ std::optional<double> quantity(const Record& r, std::string_view wanted) {
   return r.metric(wanted);
 }
 
-std::optional<double> error_floor(const Record& r, std::string_view wanted) {
-  if (r.answer != AnswerKind::fraction || wanted != "error") return std::nullopt;
-  return r.metric("error_floor");
+std::optional<double> noise_floor(const Record& r, std::string_view wanted) {
+  return r.metric(fmt::format("{}_floor", wanted));
 }
 
 std::optional<double> gain_over_constant(const Record& r) {

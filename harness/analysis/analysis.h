@@ -90,9 +90,9 @@ std::optional<double> scene_parameter(const std::string& scene, std::string_view
 std::optional<Stage> stage_of_time(std::string_view quantity);
 /// Anything in a record that has one number: a metric (headline truth), `cause.NAME` (share of T), STAGE_ms, bytes, peak_bytes.
 std::optional<double> quantity(const Record& record, std::string_view name);
-/// Of the error under a light with area what the reference's own noise makes of it: no smaller one can be told from 0. Nothing
-/// of other quantities and lights.
-std::optional<double> error_floor(const Record& record, std::string_view quantity);
+/// Of a metric under a light with area what the reference's own noise makes of it, METRIC_floor: a smaller one cannot be told
+/// from that of a right mask. Nothing of other quantities and lights.
+std::optional<double> noise_floor(const Record& record, std::string_view quantity);
 /// How far the row's error lies below that of the best constant mask at its place; nothing where the record does not say.
 std::optional<double> gain_over_constant(const Record& record);
 /// Whether a row may be called best: its error is below that of the best constant mask, or that is not known.

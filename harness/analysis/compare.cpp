@@ -111,10 +111,9 @@ void compare_parameters(RowChange& row) {
 }
 
 /// The greater of the floors of both rows.
-std::optional<double> common_floor(const RowChange& row, Truth truth) {
-  if (row.contender->answer != AnswerKind::fraction) return std::nullopt;
-  const auto base = row.base->metric(truth, "error_floor");
-  const auto contender = row.contender->metric(truth, "error_floor");
+std::optional<double> common_floor(const RowChange& row, Truth truth, std::string_view metric) {
+  const std::string floor = fmt::format("{}_floor", metric);
+  const auto base = row.base->metric(truth, floor), contender = row.contender->metric(truth, floor);
   return base && contender ? std::optional(std::max(*base, *contender)) : std::nullopt;
 }
 
@@ -127,11 +126,10 @@ std::vector<MetricChange> changed_metrics(const RowChange& row, Truth truth, dou
     const auto before = b->second.find(info.name), after = c->second.find(info.name);
     if (before == b->second.end() || after == c->second.end() || before->second == after->second) continue;
     MetricChange change{truth, std::string(info.name), before->second, after->second, false, {}};
-    if (info.name == "error") {
-      change.floor = common_floor(row, truth);
+    change.floor = common_floor(row, truth, info.name);
+    if (info.name == "error")
       change.is_regression = truth == row.contender->truth && change.base &&
                              (!change.contender || *change.contender - *change.base > error_threshold);
-    }
     changes.push_back(std::move(change));
   }
   return changes;

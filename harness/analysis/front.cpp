@@ -46,6 +46,8 @@ std::optional<double> constant_error(std::span<const Record* const> rows) {
   return mean(rows, [](const Record& r) { return r.metric("constant_error"); });
 }
 
+std::optional<double> larger(std::optional<double> a, std::optional<double> b) { return a && b ? std::max(*a, *b) : a ? a : b; }
+
 /// How far the setting of these rows, one a place, is off.
 Candidate candidate_of(std::span<const Record* const> rows, const FieldOptions& options) {
   const Record& first = *rows.front();
@@ -53,7 +55,7 @@ Candidate candidate_of(std::span<const Record* const> rows, const FieldOptions& 
           .technique = first.technique,
           .role = first.role,
           .error = *mean(rows, [&](const Record& r) { return quantity(r, options.error); }),
-          .floor = mean(rows, [&](const Record& r) { return error_floor(r, options.error); }),
+          .floor = mean(rows, [&](const Record& r) { return noise_floor(r, options.error); }),
           .gain_over_constant = mean(rows, gain_over_constant)};
 }
 
@@ -111,7 +113,7 @@ Field overall(RowsBySetting settings, const FieldOptions& options, AnswerKind an
     for (const auto& [place, row] : rows)
       if (common.contains(place)) compared.push_back(row);
     field.candidates.push_back(mean_of(compared, options));
-    field.constant = constant_error(compared);
+    field.constant = larger(field.constant, constant_error(compared));
   }
   add_relative_costs(field);
   return field;
@@ -150,11 +152,11 @@ std::vector<Field> find_fields(std::span<const Record> records, const FieldOptio
   for (const Record& r : records) {
     if (r.status != Status::ok || !has_error(r)) continue;
     const auto [found, is_new] = places.try_emplace(place_of(r), fields.size());
+    if (is_new) fields.push_back({.place = place_of(r), .answer = r.answer, .candidates = {}, .notes = {}});
+    Field& field = fields[found->second];
+    field.candidates.push_back(candidate_of(r, options));
     const Record* const here[] = {&r};
-    if (is_new)
-      fields.push_back(
-          {.place = place_of(r), .answer = r.answer, .constant = constant_error(here), .candidates = {}, .notes = {}});
-    fields[found->second].candidates.push_back(candidate_of(r, options));
+    field.constant = larger(field.constant, constant_error(here));
   }
   const auto competes = [](const Candidate& c) { return c.role == Role::contender; };
   if (std::ranges::none_of(fields, [&](const Field& f) { return std::ranges::any_of(f.candidates, competes); }))
@@ -197,8 +199,11 @@ std::vector<FrontEntry> find_front(const Field& field, std::string_view directio
     stand.standing = Standing::front;
     const Candidate* beater = nullptr;
     for (const Candidate& other : field.candidates) {
-      if (!competes(other) || is_better(direction, mine.error, other.error) || mine.cost->value < other.cost->value) continue;
-      const bool is_strict = is_better(direction, other.error, mine.error) || other.cost->value < mine.cost->value;
+      if (!competes(other) || is_better(direction, mine.ranked_error(), other.ranked_error()) ||
+          mine.cost->value < other.cost->value)
+        continue;
+      const bool is_strict =
+          is_better(direction, other.ranked_error(), mine.ranked_error()) || other.cost->value < mine.cost->value;
       if (!is_strict) continue;
       // Equal costs without noise, bytes for instance, are no overlap of intervals.
       const bool is_noisy = mine.cost->has_interval && other.cost->has_interval;
@@ -253,9 +258,10 @@ std::vector<Best> find_best(const Field& field, const Budgets& budgets, std::str
   };
   const auto time_of = [](const Candidate& c) { return c.time ? c.time->value : INFINITY; };
   const auto lower_error = [&](const Candidate& a, const Candidate& b) {
-    return a.error != b.error ? is_better(direction, a.error, b.error) : time_of(a) < time_of(b);
+    const double mine = a.ranked_error(), other = b.ranked_error();
+    return mine != other ? is_better(direction, mine, other) : time_of(a) < time_of(b);
   };
-  const auto same_error = [](const Candidate& a, const Candidate& b) { return a.error == b.error; };
+  const auto same_error = [](const Candidate& a, const Candidate& b) { return a.ranked_error() == b.ranked_error(); };
   for (const double budget : budgets.times)
     choose(
         "time", budget, [&](const Candidate& c) { return time_of(c) <= budget; }, lower_error, same_error);

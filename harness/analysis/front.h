@@ -17,6 +17,8 @@ struct Candidate {
   std::optional<double> bytes = {};            ///< over all places: the geometric mean
   ValueWithInterval relative_cost = {};        ///< to the cheapest contender of the field
 
+  /// Errors are ranked by this: those that the reference's own noise may make are alike.
+  double ranked_error() const { return floor && error <= *floor ? 0 : error; }
   /// Whether it may be on a front and meet a budget.
   bool may_be_best() const { return role == Role::contender && gain_over_constant.value_or(1) > 0; }
 };
@@ -26,7 +28,9 @@ struct Field {
   std::optional<Place> place;              ///< nothing: over all places
   AnswerKind answer = AnswerKind::binary;  ///< of its places
   std::size_t places = 1;                  ///< how many it covers
-  std::optional<double> constant = {};     ///< error of the best constant mask, over all places the mean
+  /// Error of the best constant mask, over all places the mean; where techniques are compared with different numbers that are
+  /// true of a light, the largest.
+  std::optional<double> constant = {};
   std::vector<Candidate> candidates;
   std::vector<std::string> notes;  ///< who is left out, and why
 };

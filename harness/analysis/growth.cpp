@@ -106,8 +106,10 @@ void add_lights(const std::vector<AxisSeries>& all, Growths& growths) {
   }
 }
 
-/// Three standard errors of the reference where the quantity is a difference from it under a light with area; else 0.
+/// Three times what the reference's own noise makes of the quantity; of a record without floors three times the error that was
+/// wanted of each pixel's reference. 0 of what no reference is behind.
 double least_of(const Record& record, const std::string& quantity) {
+  if (const auto floor = noise_floor(record, quantity)) return least_reference_errors * *floor;
   const bool is_error = quantity == "error" || quantity.ends_with("error_mean") || quantity.ends_with("error_rms");
   return is_error && record.answer == AnswerKind::fraction && record.lights.front().reference
              ? least_reference_errors * record.lights.front().reference->target

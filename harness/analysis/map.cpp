@@ -1,6 +1,7 @@
 #include "analysis/map.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "analysis/in_order.h"

@@ -215,7 +215,9 @@ SampledShares sample_shares(const FaceRays& rays, std::uint64_t seed, const Area
     shares.area_error = std::max(known_area, one_ray);
     shares.irradiance_error = std::max({known_irradiance, one_ray, one_heavy_ray});
     if (error_of(shares) <= target.error || asked >= most) return shares;
-    const double more = spread > target.error ? std::ceil(0.3 * asked) : std::max(rounds_for_one_ray(shares.rays), 1.0);
+    const double by_law = asked * (std::pow(std::max(known_area, known_irradiance) / target.error, 1 / 0.75) - 1);
+    const double more =
+        spread > target.error ? std::ceil(0.3 * asked) : std::max({rounds_for_one_ray(shares.rays), std::ceil(by_law), 1.0});
     rounds = std::min(most, asked + more);
   }
 }

@@ -13,7 +13,7 @@ before(async () => {
 });
 after(closeBrowser);
 
-test("the table has a mean error with the reference's own beside it, and what soft shadows alone have", async () => {
+test("the table has an error with its floor beside it, and what soft shadows alone have", async () => {
   const page = await open(report);
   const data = await dataOf(page);
   const headings = await page.locator("thead th").evaluateAll((cells) => cells.map((cell) => cell.dataset.column));
@@ -74,7 +74,7 @@ test("the front is of errors, under a light with area above a dotted floor", asy
   await page.context().close();
 });
 
-test("errors fall along samples: seeds are one point, with the reference's own error and a slope to compare with", async () => {
+test("errors fall along samples: seeds are one point, with their floor and a slope to compare with", async () => {
   const page = await open(report);
   const data = await dataOf(page);
   await page.locator("#plots").scrollIntoViewIfNeeded();

@@ -109,8 +109,7 @@ struct Tally {
   const char *name, *sentence;
   std::string (*words)(const Verdict&);
 };
-/// Those of the numbers' panel for a frame. A light with area is judged by the mean error, beside it the reference's own, and
-/// several lights by the light received.
+/// Those of the numbers' panel for a frame: the error and what it is read against first.
 std::span<const Tally> tallies(const Frame* frame);
 /// The swatches of a debug layer.
 std::vector<LegendEntry> layer_legend(const LayerPicture& layer);

@@ -226,9 +226,9 @@ std::span<const Tally> tallies(const Frame* frame) {
   static constexpr Tally received{
       "light error", "Root mean square error of the light that tested pixels receive of all lights, as a share of that light.",
       [](const Verdict& v) { return percent_or_none(v.received_error); }};
-  static constexpr Tally constant{"constant",
-                                  "Error of the best mask of one value everywhere: what does not beat it is no shadow.",
-                                  [](const Verdict& v) { return percent_or_none(v.constant_error); }};
+  static constexpr Tally constant{
+      "constant", "Error of the best mask of one value: a mask that does not beat it says nothing of the shadow.",
+      [](const Verdict& v) { return percent_or_none(v.constant_error); }};
   static constexpr Tally hard[] = {error,
                                    constant,
                                    wrong,

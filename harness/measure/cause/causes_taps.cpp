@@ -23,7 +23,8 @@ struct Question {
   glm::dvec3 shift{0};                 ///< from the point to where the shifted look-up's ray cuts the tangent plane
   std::size_t first_tap = 0;           ///< in the block's flat list
 
-  bool is_on_technique_side(double v) const { return is_dark ? v < 0.5 : v > 0.5; }
+  /// One half is dark; sums of weights are of floats.
+  bool is_on_technique_side(double v) const { return (v > 0.5 + 1e-6) != is_dark; }
   std::size_t tap_count() const { return why->taps.size(); }
 };
 

@@ -68,7 +68,7 @@ void lit_below_no_caster(Trial& trial) {
       if (truth.classes[i] != PixelClass::T) continue;
       if (truth.mask[i] != 1) return trial.found("the reference itself is not lit there", i, gbuffer);
       ++tested;
-      if (mask[i] >= 0.5f) continue;
+      if (is_lit(mask[i])) continue;
       if (wrong++ == 0) first = i;
     }
     const std::size_t most = trial.entry().about.promise == Promise::exact ? 0 : tested / 100;

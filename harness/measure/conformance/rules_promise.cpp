@@ -23,6 +23,7 @@ Tally tally(const std::vector<float>& mask, const World::Truthful& truth, const 
     if (why && !why->covered && !takes_all) continue;
     ++t.tested;
     t.dark += truth.mask[i] < 0.5f;
+    // Stricter than a metric: who promises answers with no half, over a dark truth neither.
     const bool is_wrong = std::abs(mask[i] - truth.mask[i]) >= 0.5f;
     if (is_wrong && t.wrong++ == 0) t.first_wrong = i;
   }

@@ -23,7 +23,7 @@ constexpr ClassInfo classes_table[] = {
     {"G", "grazing", "The light grazes the surface, at 2 degrees or less: any bias decides it.", {238, 190, 50}},
     {"S",
      "silhouette",
-     "What it shows is in doubt: 1/512 px beside its center is another mesh, or the same much nearer or farther.",
+     "What it shows is in doubt: 1/512 px beside its center is nothing, another mesh, or the same much nearer or farther.",
      {20, 105, 210}},
     {"U", "uncertain", "The reference's answer changes within float32 rounding.", {215, 55, 60}},
     {"T",

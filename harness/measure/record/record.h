@@ -167,7 +167,7 @@ std::optional<double> floor_share(const Record& record);
 /// device's, and of bare passes, in which the processor does nothing, no more than half is unexplained. Nothing without times
 /// by the device's clock.
 std::optional<bool> clocks_agree(const Record& record);
-/// What each cause holds of the error that counts: of the wrong rate, under a light with area of the mean error. Nothing when
+/// What each cause holds of the wrong rate, under a light with area of the error. Nothing when
 /// the run sought none, or tested nothing.
 std::optional<std::map<std::string, double>> cause_shares(const Record& record);
 /// What part of the pixels that face the light is of a class, "S"; nothing where none faces it.

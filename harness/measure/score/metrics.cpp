@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 
 #include "measure/frame/boundary.h"
 
@@ -124,9 +123,9 @@ std::optional<double> constant_error(const Scoring& s) {
 }
 
 constexpr std::string_view floor_sentence =
-    "How far the reference's own noise alone takes the metric of that name from its best: what half of the reference's rays "
-    "say, "
-    "against all of them. Under lights with area.";
+    "How far the reference's own noise alone takes the metric of that name from its best: what half of its rays say, held "
+    "against "
+    "all of them. Under lights with area.";
 
 template <std::optional<double> Softness::*metric, int best>
 std::optional<double> softness_floor(const Scoring& s) {

@@ -36,7 +36,7 @@ struct Evidence {
   /// standard errors; empty where it was not asked for, and of a technique that has no such picture.
   std::span<const float> global_picture = {}, global_reference = {}, global_error = {};
   std::span<const CauseInfo> own_causes = {};  ///< that the technique has beside the common ones
-  AnswerKind kind = AnswerKind::binary;        ///< of the reference: what the mask is judged by
+  AnswerKind kind = AnswerKind::binary;        ///< of the reference: what the mask is compared with
 
   bool faces_light(std::size_t i) const { return classes[i] > PixelClass::F; }
   bool is_wrong(std::size_t i) const { return gnomon::is_wrong(mask[i], reference[i]); }

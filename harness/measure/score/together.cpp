@@ -25,7 +25,8 @@ void add(const Evidence& e, const std::vector<double>& received, Together& whole
     const double reference = received[i] * e.reference[i];
     const double mask = e.classes[i] == PixelClass::T ? received[i] * e.mask[i] : reference;
     sums.reference[i] += reference;
-    sums.half[i] += e.reference_half.empty() ? reference : received[i] * e.reference_half[i];
+    const bool has_half = e.classes[i] == PixelClass::T && !e.reference_half.empty();
+    sums.half[i] += has_half ? received[i] * e.reference_half[i] : reference;
     sums.mask[i] += mask;
     sums.shown[i] += received[i] * e.mask[i];
     if (!e.reference_error.empty()) {

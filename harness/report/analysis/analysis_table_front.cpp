@@ -39,19 +39,22 @@ bool has_floor(std::span<const Field> fields) {
   return std::ranges::any_of(fields, [&](const Field& field) { return std::ranges::any_of(field.candidates, is_floored); });
 }
 
-/// Where a field has a floor, it stands beside the error.
+/// Where a field has a floor, it stands beside the error; the best constant mask stands above the rows.
 void add_error_columns(std::vector<Column>& columns, const Column& error, std::span<const Field> fields) {
   columns.push_back(error);
-  if (has_floor(fields)) columns.push_back(quantity_column("error_floor"));
+  if (has_floor(fields)) columns.push_back(quantity_column(error.name + "_floor"));
+  columns.push_back(for_programs(quantity_column("constant_error")));
 }
 
-void add_error_cells(Cells& cells, const Candidate& candidate, bool with_floor) {
-  cells.push_back({.value = candidate.error});
-  if (with_floor) cells.push_back(candidate.floor ? Cell{.value = *candidate.floor} : Cell{});
+void add_error_cells(Cells& cells, const Field& field, const Candidate* candidate, bool with_floor) {
+  cells.push_back(candidate ? Cell{.value = candidate->error} : Cell{});
+  if (with_floor) cells.push_back(candidate && candidate->floor ? Cell{.value = *candidate->floor} : Cell{});
+  cells.push_back(field.constant ? Cell{.value = *field.constant} : Cell{});
 }
 
-void add_error_notes(Layout& table, std::span<const Field> fields) {
-  if (has_floor(fields)) table.notes.push_back(fmt::format("error floor: {}", floor_note));
+void add_error_notes(Layout& table, const Column& error, std::span<const Field> fields) {
+  if (has_floor(fields))
+    table.notes.push_back(fmt::format("{}: {}", quantity_column(error.name + "_floor").heading, floor_note));
   if (std::ranges::any_of(fields, [](const Field& field) { return field.constant.has_value(); }))
     table.notes.push_back(fmt::format("best constant mask: {}", constant_note));
 }
@@ -79,7 +82,7 @@ std::string standing_text(const Candidate& candidate, const FrontEntry& stand) {
 Cells front_cells(const Field& field, const Candidate& c, const FrontEntry& stand, const Column& cost, bool with_floor) {
   Cells cells = place_cells(field.place);
   cells.insert(cells.end(), {text_cell(c.setting), text_cell(name(c.role))});
-  add_error_cells(cells, c, with_floor);
+  add_error_cells(cells, field, &c, with_floor);
   cells.insert(cells.end(), {value_of(c.cost), text_cell(c.cost ? interval_text(cost, *c.cost) : "-"),
                              end(c.cost, &ValueWithInterval::low), end(c.cost, &ValueWithInterval::high),
                              c.cost && c.relative_cost.value > 0 ? Cell{.value = c.relative_cost.value} : Cell{},
@@ -125,7 +128,7 @@ Tables front_tables(std::span<const Record> records, const AnalysisOptions& opti
                                          "constant: errs as much as the best constant mask, or more",
                                          "relative: cost over that of the cheapest contender of the group"});
   if (options.cost != Cost::bytes) table.notes.emplace_back(interval_note);
-  add_error_notes(table, fields);
+  add_error_notes(table, error, fields);
   if (hidden > 0)
     table.notes.push_back(fmt::format("{} settings that are beaten or constant are not shown; --all shows them", hidden));
   return {table};
@@ -146,6 +149,9 @@ Budgets budgets_of(const AnalysisOptions& options, const BestColumns& columns, s
   for (double& memory : budgets.memories) memory /= columns.bytes.shown_scale;
   for (double& error : budgets.errors) error /= columns.error.shown_scale;
   if (is_empty(budgets)) budgets = round_budgets(fields);
+  const auto may_be_best = [](const Field& field) { return std::ranges::any_of(field.candidates, &Candidate::may_be_best); };
+  if (is_empty(budgets) && std::ranges::none_of(fields, may_be_best))
+    throw Error("there is nothing to rank: no contender beats the best constant mask");
   if (is_empty(budgets))
     throw Error("there is nothing to rank: no contender has a time, a memory or a {} above 0", options.metric);
   return budgets;
@@ -161,7 +167,7 @@ std::vector<Column> best_columns(const AnalysisOptions& options, const BestColum
   return columns;
 }
 
-/// "wrong ≤ 0.5 %", "time ≤ 2 ms".
+/// "error ≤ 0.5 %", "time ≤ 2 ms".
 std::string budget_text(const Best& best, const BestColumns& columns, std::string_view direction) {
   const bool is_error = best.what == "error";
   const Column& limited = is_error ? columns.error : best.what == "time" ? columns.time : columns.bytes;
@@ -176,7 +182,8 @@ Cells best_cells(const Field& field, const Best& best, const BestColumns& column
                {text_cell(best.what), Cell{.value = best.budget}, text_cell(budget_text(best, columns, direction))});
   if (!best.winner) {
     cells.push_back({.shown = "none"});
-    cells.resize(cells.size() + (with_floor ? 5 : 4));
+    add_error_cells(cells, field, nullptr, with_floor);
+    cells.resize(cells.size() + 3);
     return cells;
   }
   const Candidate& winner = field.candidates[*best.winner];
@@ -184,7 +191,7 @@ Cells best_cells(const Field& field, const Best& best, const BestColumns& column
   for (const std::size_t i : best.also) also.push_back(field.candidates[i].setting);
   const std::string all = joined(also, "; ");
   cells.push_back(text_cell(winner.setting));
-  add_error_cells(cells, winner, with_floor);
+  add_error_cells(cells, field, &winner, with_floor);
   cells.insert(cells.end(),
                {value_of(winner.time), winner.bytes ? Cell{.value = *winner.bytes} : Cell{},
                 also.empty() ? Cell{} : shown_text(all, also.size() > 3 ? fmt::format("{} others", also.size()) : all)});
@@ -211,7 +218,7 @@ Tables best_tables(std::span<const Record> records, const AnalysisOptions& optio
   table.notes.emplace_back(
       "at equal time and memory the lowest error within the budget, at equal error the lowest time; as good: the same error, "
       "or a time whose interval overlaps");
-  add_error_notes(table, fields);
+  add_error_notes(table, columns.error, fields);
   return {table};
 }
 

@@ -76,7 +76,7 @@ std::vector<std::string> notes_of(const Growths& growths) {
     return std::ranges::any_of(growth.points, [](const Growth::Point& point) { return point.least > 0; });
   });
   if (has_least)
-    notes.back() += fmt::format("; below the reference: less than {} of its standard errors, left out of the line",
+    notes.back() += fmt::format("; below the reference: less than {} times what its noise makes, left out of the line",
                                 exact(least_reference_errors));
   return notes;
 }

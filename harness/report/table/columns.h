@@ -67,7 +67,7 @@ inline constexpr const char* constant_note =
 
 inline constexpr const char* floor_note = "what the reference's own noise makes: no smaller error can be told from 0";
 
-/// Below this share of tested pixels a wrong rate speaks for too small a part of the picture; such cells are flagged.
+/// Below this share of tested pixels an error speaks for too small a part of the picture; such cells are flagged.
 inline constexpr double least_tested_share = 0.90;
 
 /// A name for people: "edge resolution" of "edge_resolution".

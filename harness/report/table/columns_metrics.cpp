@@ -1,6 +1,7 @@
 #include "report/table/columns_metrics.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "measure/score/metrics.h"
 #include "report/table/digits.h"

@@ -222,7 +222,7 @@ void add_error_shorthands(Layout& layout, std::span<const Record> records) {
       layout.shorthands.emplace_back(word, std::move(text));
   };
   add("error", "error", "mean difference from the reference over the tested pixels: what rows are judged by");
-  add("wrong_rate", "wrong", "share of them that is off by more than one half");
+  add("wrong_rate", "wrong", "share of the tested pixels that are on the other side of one half");
   if (has_metric(records, "constant_error")) layout.shorthands.emplace_back("best constant mask", constant_note);
   add("light_error_max", "worst light", "the largest error of one light's mask");
   add("received_error_rms", "received error rms", "of the light received, as a share of the reference's");
@@ -256,12 +256,14 @@ Layout lay_out(std::span<const Record> records, std::span<const std::string> nam
   for (Layout::Group& group : layout.groups)
     for (std::size_t i = 0; i < columns.size(); ++i) mark_best(columns[i], i, group);
 
-  for (Layout::Group& group : layout.groups)
+  for (Layout::Group& group : layout.groups) {
+    // Techniques that are compared with different numbers that are true of a light have constants of their own.
+    std::optional<double> largest;
     for (const Layout::Row& row : group.rows)
-      if (const std::optional<double> constant = row.record->metric("constant_error")) {
-        group.heading += fmt::format("; {}", constant_text(*constant));
-        break;
-      }
+      if (const std::optional<double> constant = row.record->metric("constant_error"))
+        largest = std::max(largest.value_or(0), *constant);
+    if (largest) group.heading += fmt::format("; {}", constant_text(*largest));
+  }
   for (const Layout::Group& group : layout.groups)
     if (const std::string text = uncertainty(group); !text.empty()) layout.shorthands.emplace_back("uncertain", text);
 

@@ -22,10 +22,7 @@ std::vector<std::string> column_names(std::span<const Record> records) {
 namespace {
 
 /// Headline columns that a narrow terminal can do without, the least missed first.
-constexpr std::string_view dispensable[] = {"uncertain_share",
-                                            "silhouette_share",
-                                            "grazing_share",
-                                            "displacement_p95",
+constexpr std::string_view dispensable[] = {"displacement_p95",
                                             "displacement_mean",
                                             "wrong_rate_all",
                                             "snapping_floor",
@@ -35,12 +32,15 @@ constexpr std::string_view dispensable[] = {"uncertain_share",
                                             "penumbra_noise",
                                             "other_error_mean",
                                             "penumbra_shift",
-                                            "contact_hardening",
-                                            "received_error_rms",
                                             "causes",
                                             "build_ms",
                                             "bytes",
+                                            "contact_hardening",
+                                            "received_error_rms",
                                             "penumbra_width_ratio",
+                                            "uncertain_share",
+                                            "silhouette_share",
+                                            "grazing_share",
                                             "false_lit_rate",
                                             "false_dark_rate"};
 

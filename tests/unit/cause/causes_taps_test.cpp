@@ -36,6 +36,21 @@ TEST(causes, an_edge_within_the_raster_s_snapping_is_an_edge_and_farther_is_not)
   EXPECT_EQ(at(-1.0 / 100, 0), (Causes{{"leak_representation", 1}}));
 }
 
+// Two taps, one in the plate's shadow and one beside it: one half, which is dark, where the reference is lit.
+TEST(causes, taps_that_see_one_half_are_dark) {
+  World world = shadow_of_two_by_two();
+  const std::uint32_t outside = world.pixel(1.1, 0);
+  world.mask[outside] = 0.5f;
+  const auto why = [&](std::uint32_t) {
+    Explanation why = tapped(through(0.9, 0, 2), 0.4);
+    why.taps.push_back(through(1.3, 0, 0));
+    for (Tap& tap : why.taps) tap.weight = 0.5;
+    return why;
+  };
+  EXPECT_EQ(world.wrong(), 1u);
+  EXPECT_EQ(world.causes(why), (Causes{{"edge_resolution", 1}}));
+}
+
 TEST(causes, a_dark_reference_without_anything_before_the_light_is_unexplained) {
   // The reference is made to say dark at a point that sees the light; the tap lies in the shadow beside it.
   World world = shadow_of_two_by_two();

@@ -73,6 +73,20 @@ TEST_F(Suns, visibility_is_the_share_of_the_light_received) {
   EXPECT_GT(*measure_metric(scoring, "flip"), 0);
 }
 
+// What half of the rays say is off by 0.5 under `low`, which gives two thirds of the light: by a third, and not at all where
+// `low` is not tested.
+TEST_F(Suns, the_half_counts_where_the_light_is_tested) {
+  const std::vector<float> lit(4, 1.0f), half(4, 0.5f);
+  std::vector<PixelClass> some = tested;
+  some[3] = PixelClass::U;
+  Evidence lights[] = {of(high, lit, lit, tested), of(low, lit, lit, some)};
+  lights[1].reference_half = half;
+  const Together all = together(lights);
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(all.reference_half[i], 2.0 / 3, 1e-6);
+  EXPECT_EQ(all.reference_half[3], 1);
+  EXPECT_NEAR(*measure_metric(Scoring(all.evidence()), "error_floor"), 0.25, 1e-6);
+}
+
 // Where `low` is not tested its reference counts on both sides: only what is wrong under `high` remains.
 TEST_F(Suns, a_light_that_is_not_tested_at_a_pixel_is_right_there) {
   const std::vector<float> lit(4, 1.0f), dark(4, 0.0f);

@@ -100,7 +100,7 @@ struct SampledShares {
   std::uint32_t pilot_rays = 0;  ///< that chose their number and are left out
 };
 
-/// The shares by sixteen replicas: as many independent scrambles of one sequence, whose spread is the standard error. A pilot
+/// The shares by eight replicas: as many independent scrambles of one sequence, whose spread is the standard error. A pilot
 /// of 64 rays foretells how many are needed; where they turn out too few, more follow up to the cap. Same arguments, same
 /// answer.
 SampledShares sample_shares(const FaceRays& rays, std::uint64_t seed, const AreaTarget& target);

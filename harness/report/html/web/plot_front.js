@@ -23,6 +23,7 @@ function pointOf(row, cost, metric) {
     x &&
     y && {
       row,
+      rows: [row],
       title: row.title,
       technique: row.technique,
       role: row.role,
@@ -52,6 +53,7 @@ function pointsOverAll(rows, cost, metric) {
     const cost_sum = all.reduce((sum, point) => sum + Math.log(Math.max(point.x, 1e-9)), 0);
     return {
       ...all[0],
+      rows: all.map((point) => point.row),
       x: Math.exp(cost_sum / all.length),
       y: all.reduce((sum, point) => sum + point.y, 0) / all.length,
       gain: all.reduce((sum, point) => sum + point.gain, 0),
@@ -98,7 +100,9 @@ function nameMarks(points, at, isLeft) {
 /** Points with their intervals, and the line through the front. `x` and `y` are the quantities, `levels` those of y. */
 function frontPlot(points, x, y, { floor, constant }, width) {
   const isFlipped = y.better === "higher";
-  points.forEach((point) => (point.error = isFlipped ? -point.y : point.y));
+  // Errors that the reference's own noise may make are alike.
+  const ranked = (point) => (point.y <= (levelsOf(point.rows, y).floor ?? -Infinity) ? 0 : point.y);
+  points.forEach((point) => (point.error = isFlipped ? -point.y : ranked(point)));
   const front = frontOf(points.filter((point) => point.role === "contender" && point.gain > 0));
   const across = logAxis(points.flatMap((point) => [point.x, point.low, point.high].filter((value) => value !== null))),
     up = logAxis([...points.map((point) => point.y), ...[floor, constant].filter((level) => level > 0)]);
@@ -175,7 +179,7 @@ export function frontCard(redraw) {
       ? pointsOverAll(rows, x, y)
       : { points: rows.map((row) => pointOf(row, x, y)).filter(Boolean) };
     const levels = levelsOf(
-      points.map((point) => point.row),
+      points.flatMap((point) => point.rows),
       y,
     );
     if (points.length > 0) return { plot: frontPlot(points, x, y, levels, width), caption: captionOf(points, groups, levels) };

@@ -35,13 +35,14 @@ export const metrics = data.metrics
 
 const mean = (values) => (values.length > 0 ? values.reduce((sum, value) => sum + value, 0) / values.length : null);
 
-/** What errors are read against, in percent over the rows: what the reference's own noise makes, and the error of the best constant mask; null of other quantities, and where there is none. */
+/** What a quantity is read against, in its unit, over the rows: what the reference's own noise makes of it, and of `error` that of the best constant mask; null where there is none. */
 export function levelsOf(rows, metric) {
   const level = (name) => {
-    const values = metric.name === "error" ? rows.map((row) => valueOf(row, name)).filter((value) => value !== null) : [];
-    return values.length > 0 ? 100 * mean(values) : null;
+    const column = columnNamed(name);
+    const values = column ? rows.map((row) => valueOf(row, name)).filter((value) => value !== null) : [];
+    return values.length > 0 ? column.scale * mean(values) : null;
   };
-  return { floor: level("error_floor"), constant: level("constant_error") };
+  return { floor: level(`${metric.name}_floor`), constant: metric.name === "error" ? level("constant_error") : null };
 }
 
 export const optionsOf = (quantities) => quantities.map(({ name, text }) => ({ value: name, text }));
