@@ -222,7 +222,7 @@ void add_error_shorthands(Layout& layout, std::span<const Record> records) {
       layout.shorthands.emplace_back(word, std::move(text));
   };
   add("error", "error", "mean difference from the reference over the tested pixels: what rows are judged by");
-  add("wrong_rate", "wrong", "share of the tested pixels that are on the other side of one half");
+  add("wrong_rate", "wrong", "share of the tested pixels that are dark where the reference is lit, or lit where it is dark");
   if (has_metric(records, "constant_error")) layout.shorthands.emplace_back("best constant mask", constant_note);
   add("light_error_max", "worst light", "the largest error of one light's mask");
   add("received_error_rms", "received error rms", "of the light received, as a share of the reference's");
