@@ -55,7 +55,7 @@ def error_rates(e):
         "wrong_rate_all": mean(wrong[e.facing]),
         "false_dark_rate": mean((wrong & (difference < 0))[tested]),
         "false_lit_rate": mean((wrong & (difference > 0))[tested]),
-        "error_floor": mean(np.abs(e.half - e.reference)[tested]) if e.half is not None else math.nan,
+        "error_floor": 1.1 * mean(np.abs(e.half - e.reference)[tested]) if e.half is not None else math.nan,
         "other_error_mean": mean(np.abs(e.mask - e.other)[tested]) if e.has_area else math.nan,
         "tested_share": share(tested.sum(), e.facing.sum()),
     }
@@ -272,11 +272,11 @@ def penumbra_metrics(e):
 
 
 def penumbra_floors(e):
-    """How far the metrics of V_half, as if it were the mask, are from the best: 1 of ratios, 0 of errors and of the shift."""
+    """1.1 times how far the metrics of V_half, as if it were the mask, are from the best: 1 of ratios, 0 of errors and of the shift."""
     best = dict.fromkeys(("penumbra_error_mean", "penumbra_error_rms", "outside_error_mean", "outside_error_rms", "penumbra_shift"), 0)
     best |= dict.fromkeys(("umbra_area_ratio", "penumbra_area_ratio", "penumbra_width_ratio"), 1)
     found = penumbra_metrics(replace(e, mask=e.half)) if e.half is not None else dict.fromkeys(best, math.nan)
-    return {f"{name}_floor": abs(found[name] - value) for name, value in best.items()}
+    return {f"{name}_floor": 1.1 * abs(found[name] - value) for name, value in best.items()}
 
 
 # --- how it looks -----------------------------------------------------------------------------------------------------------

@@ -211,6 +211,12 @@ SampledShares sample_shares(const FaceRays& rays, std::uint64_t seed, const Area
     const double by_now = std::pow(known_rounds / asked, 0.75);
     known_area = std::max(by_now * known_area, shares.area_error);
     known_irradiance = std::max(by_now * known_irradiance, shares.irradiance_error);
+    // The halves of those that happen to agree differ by too little, too.
+    const auto as_far_as = [](double half, double whole, double known, double spread) {
+      return spread > 0 ? whole + (half - whole) * known / spread : half;
+    };
+    shares.area_half = as_far_as(shares.area_half, shares.area, known_area, shares.area_error);
+    shares.irradiance_half = as_far_as(shares.irradiance_half, shares.irradiance, known_irradiance, shares.irradiance_error);
     known_rounds = asked;
     shares.area_error = std::max(known_area, one_ray);
     shares.irradiance_error = std::max({known_irradiance, one_ray, one_heavy_ray});

@@ -34,7 +34,7 @@ constexpr std::size_t gbuffer_pixel = 32, hard_pixel = 10, soft_pixel = 38;
 std::size_t reference_pixel(const Light& light) { return answer_kind(light) == AnswerKind::fraction ? soft_pixel : hard_pixel; }
 
 /// Raised when trace_soft answers otherwise.
-constexpr int soft_version = 3;
+constexpr int soft_version = 4;
 
 /// Raised when trace_paths answers otherwise.
 constexpr int global_version = 1;

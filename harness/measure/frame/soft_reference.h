@@ -11,7 +11,7 @@ namespace gnomon {
 struct SoftReference {
   std::vector<float> area, irradiance;              ///< shares seen, see LightShares
   std::vector<float> area_error, irradiance_error;  ///< standard errors
-  std::vector<float> area_half, irradiance_half;    ///< the shares by half of their rays
+  std::vector<float> area_half, irradiance_half;    ///< by half of their rays, see SampledShares
   std::vector<std::uint32_t> rays;                  ///< that the shares are made of, without the pilot
   /// Meters to the caster, the mean of a few ways to the light that are blocked; 0 where the point sees all of the light or
   /// none.

@@ -127,10 +127,18 @@ constexpr std::string_view floor_sentence =
     "against "
     "all of them. Under lights with area.";
 
+/// A floor is itself measured: that of a right mask may lie a little above.
+constexpr double floor_margin = 1.1;
+
 template <std::optional<double> Softness::*metric, int best>
 std::optional<double> softness_floor(const Scoring& s) {
   const std::optional<double> of_half = s.softness_of_half().*metric;
-  return of_half ? std::optional(std::abs(*of_half - best)) : std::nullopt;
+  return of_half ? std::optional(floor_margin * std::abs(*of_half - best)) : std::nullopt;
+}
+
+std::optional<double> error_floor(const Scoring& s) {
+  const std::optional<double> of_half = mean_over_tested(s, s.evidence().reference_half, s.evidence().reference);
+  return of_half ? std::optional(floor_margin * *of_half) : std::nullopt;
 }
 
 constexpr MetricInfo metric_rows[] = {
@@ -154,7 +162,7 @@ constexpr MetricInfo metric_rows[] = {
     {"error_floor", "", "",
      "Error that the reference's own noise alone makes under a light with area, where half of its rays are held against all of "
      "them: no error up to it can be told from 0.",
-     [](const Scoring& s) { return mean_over_tested(s, s.evidence().reference_half, s.evidence().reference); }},
+     error_floor},
     {"other_error_mean", "", "lower",
      "Mean over T of the absolute difference from the other number that is true of a light with area: share of its irradiance "
      "for techniques that estimate the share of its area, and the other way about.",

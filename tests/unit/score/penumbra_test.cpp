@@ -197,13 +197,13 @@ TEST(floors, are_what_the_references_noise_makes_of_a_right_mask) {
   };
   for (const char* name : {"error", "penumbra_error_mean", "penumbra_error_rms"}) {
     const std::string floor = std::string(name) == "error" ? "error_floor" : std::string(name) + "_floor";
-    EXPECT_NEAR(asked(right, floor) / asked(right, name), 1, 0.05) << name;
+    EXPECT_NEAR(asked(right, floor) / asked(right, name), 1.1, 0.05) << name << ": a tenth more, for it is measured";
     EXPECT_GT(asked(drawn(straight(232, 30)), name), 5 * asked(right, floor)) << name << ": a real error is far above";
   }
   EXPECT_EQ(asked(right, "outside_error_mean_floor"), 0) << "where all rays agree the reference is right";
   EXPECT_LT(asked(right, "penumbra_width_ratio_floor"), 0.02);
   EXPECT_LT(asked(right, "penumbra_shift_floor"), 0.1);
-  EXPECT_EQ(asked(half, "error"), asked(right, "error_floor")) << "by definition";
+  EXPECT_DOUBLE_EQ(1.1 * asked(half, "error"), asked(right, "error_floor")) << "by definition";
 }
 
 }  // namespace penumbra_test

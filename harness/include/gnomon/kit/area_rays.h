@@ -94,7 +94,8 @@ struct AreaTarget {
 struct SampledShares {
   double area = 1, irradiance = 1;
   double area_error = 0, irradiance_error = 0;  ///< never below what one ray more or less would make
-  /// By half of the replicas alone: as far from the shares, in the mean, as these are from the truth.
+  /// By half of the replicas alone, brought as far from the shares as what is known of their error says: in the mean as far as
+  /// these are from the truth. Not held to 0 .. 1.
   double area_half = 1, irradiance_half = 1;
   std::uint32_t rays = 0;        ///< that the shares are made of
   std::uint32_t pilot_rays = 0;  ///< that chose their number and are left out
