@@ -155,13 +155,14 @@ Cause PenumbraShapes::form_within(std::size_t i, int reach) const {
   return widened > 0 ? Cause::too_wide : Cause::too_narrow;
 }
 
-/// As far around as the penumbra is wide; where that mixes several edges, close by.
+/// As far around as the penumbra is wide; where that mixes several edges, as beside an outline, close by, and then next to it.
 Cause PenumbraShapes::of_form(std::size_t i) const {
   constexpr int near = 3;
   if (nearest_[i] < 0) return Cause::none;
   const int reach = static_cast<int>(std::clamp(std::ceil(to_penumbra_[i] + width(i)), double(near), double(most_reach)));
-  const Cause form = form_within(i, reach);
-  return form == Cause::none ? form_within(i, near) : form;
+  for (const int around : {reach, near, 1})
+    if (const Cause form = form_within(i, around); form != Cause::none) return form;
+  return Cause::none;
 }
 
 }  // namespace gnomon
