@@ -171,13 +171,21 @@ std::vector<std::byte> FrameTracer::make(const MissingFrame& missing) {
   return gbuffer_bytes(make_gbuffer(scene_, everything(key.truth), key.view, key.width, key.height, key.truth));
 }
 
+std::span<const std::uint8_t> FrameTracer::silhouettes(const MissingFrame& missing, const GBuffer& g) {
+  // A file's name is the hash of what it was made from.
+  if (silhouettes_of_ != missing.gbuffer_file) {
+    silhouettes_ = find_silhouettes(everything(missing.key.truth), g);
+    silhouettes_of_ = missing.gbuffer_file;
+  }
+  return silhouettes_;
+}
+
 std::vector<std::byte> FrameTracer::reference(const MissingFrame& missing, const GBuffer& g) {
   const FrameKey& key = missing.key;
   const Light& light = *missing.light;
   std::vector<float> mask(g.size());
   trace_shadows(casters(key.truth), scene_, g, light, mask);
-  const std::vector<PixelClass> classes =
-      classify(scene_, casters(key.truth), g, light, mask, find_silhouettes(everything(key.truth), g));
+  const std::vector<PixelClass> classes = classify(scene_, casters(key.truth), g, light, mask, silhouettes(missing, g));
   std::vector<std::byte> bytes;
   append(bytes, std::span<const float>(mask));
   append(bytes, std::span<const std::uint32_t>(find_nearest_casters(scene_, casters(key.truth), g, light, mask)));
@@ -190,8 +198,7 @@ std::vector<std::byte> FrameTracer::reference(const MissingFrame& missing, const
 std::vector<std::byte> FrameTracer::soft_reference(const MissingFrame& missing, const GBuffer& g) {
   const Light& light = *missing.light;
   const RayScene& all_casters = casters(missing.key.truth);
-  const std::vector<std::uint8_t> silhouettes = find_silhouettes(everything(missing.key.truth), g);
-  const SoftReference soft = trace_soft(scene_, all_casters, g, light, silhouettes, missing.target, missing.done);
+  const SoftReference soft = trace_soft(scene_, all_casters, g, light, silhouettes(missing, g), missing.target, missing.done);
   std::vector<std::byte> bytes;
   append(bytes, std::span<const float>(soft.area));
   append(bytes, std::span<const std::uint32_t>(find_nearest_casters(scene_, all_casters, g, light, soft.area)));

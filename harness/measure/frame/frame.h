@@ -91,12 +91,16 @@ class FrameTracer final : public FrameMaker {
 
  private:
   const RayScene& rays(Truth truth, RayScene::Which which);
+  /// See find_silhouettes; of the view that was asked for last they are kept, for its other lights.
+  std::span<const std::uint8_t> silhouettes(const MissingFrame& missing, const GBuffer& g);
   std::vector<std::byte> reference(const MissingFrame& missing, const GBuffer& g);
   std::vector<std::byte> soft_reference(const MissingFrame& missing, const GBuffer& g);
   std::vector<std::byte> global_reference(const MissingFrame& missing, const GBuffer& g);
 
   const Scene& scene_;
   std::map<std::pair<Truth, RayScene::Which>, RayScene> rays_;
+  std::filesystem::path silhouettes_of_;  ///< the G-buffer's file
+  std::vector<std::uint8_t> silhouettes_;
 };
 
 /// G-buffers and references of one scene: made once, kept in a content-hashed folder, mapped by every process that needs

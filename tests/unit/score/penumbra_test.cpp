@@ -51,13 +51,14 @@ std::vector<float> sampled(const Field& v, int samples, std::uint64_t seed) {
   return mask;
 }
 
-std::optional<double> metric(std::span<const float> truth, std::span<const float> mask, std::string_view name) {
+std::optional<double> metric(std::span<const float> truth, std::span<const float> mask, std::string_view name,
+                             std::span<const float> half = {}) {
   const Evidence e{.width = width,
                    .height = height,
                    .classes = tested,
                    .reference = truth,
                    .mask = mask,
-                   .reference_error = truth,
+                   .reference_half = half,
                    .kind = AnswerKind::fraction};
   return measure_metric(Scoring(e), name);
 }
@@ -185,15 +186,7 @@ TEST(floors, are_what_the_references_noise_makes_of_a_right_mask) {
   std::vector<float> whole;
   for (std::size_t i = 0; i < pixels; ++i) whole.push_back((half[i] + other[i]) / 2);
   const auto asked = [&](std::span<const float> mask, std::string_view name) {
-    const Evidence e{.width = width,
-                     .height = height,
-                     .classes = tested,
-                     .reference = whole,
-                     .mask = mask,
-                     .reference_error = whole,
-                     .reference_half = half,
-                     .kind = AnswerKind::fraction};
-    return measure_metric(Scoring(e), name).value();
+    return metric(whole, mask, name, half).value();
   };
   for (const char* name : {"error", "penumbra_error_mean", "penumbra_error_rms"}) {
     const std::string floor = std::string(name) == "error" ? "error_floor" : std::string(name) + "_floor";

@@ -24,7 +24,7 @@ function allColumns() {
   const columns = data.columns.filter((column) => !isInterval(column) && column.name !== "causes");
   const judged = columns.find((column) => column.name === "error" && column.is_headline);
   if (!judged) return withCauses.length > 0 ? [...columns, causesColumn] : columns;
-  const floors = ["error_floor", "snapping_floor"].map(columnNamed).filter((column) => column?.is_headline);
+  const floors = ["error_floor", "snapping_floor", "constant_error"].map(columnNamed).filter((column) => column?.is_headline);
   const beside = withCauses.length > 0 ? [...floors, causesColumn] : floors;
   const others = columns.filter((column) => !floors.includes(column));
   others.splice(others.indexOf(judged) + 1, 0, ...beside);
