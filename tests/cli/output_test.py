@@ -51,9 +51,10 @@ class Output(ProgramTest):
         self.assertEqual(len(records(self.dir / "out")), 4)
 
     def test_a_file_that_cannot_grow_fails_the_row_and_leaves_no_half_picture(self):
-        # 160 x 90 floats are 57,600 bytes, a G-buffer is eight times that and comes from the cache.
-        self.succeed("run", *ANY, *SMALL, "--out", "first")
-        done = self.gnomon("run", *ANY, *SMALL, "--out", "out", preexec_fn=limit_files(50_000))
+        # 320 x 180 floats are 230,400 bytes, more than any table; a G-buffer is eight times that and comes from the cache.
+        size = [*SMALL[:-1], "320x180"]
+        self.succeed("run", *ANY, *size, "--out", "first")
+        done = self.gnomon("run", *ANY, *size, "--out", "out", preexec_fn=limit_files(200_000))
         self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
         row = records(self.dir / "out")[0]
         self.assertEqual(row["status"], "failed")
