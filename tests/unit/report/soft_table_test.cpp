@@ -38,7 +38,8 @@ std::vector<Record> mixed() {
 
 TEST(soft_table, an_error_stands_beside_the_references_own) {
   const std::string text = render_table(soft_rows, Format::markdown);
-  EXPECT_TRUE(has(first_line(text), "| error (%) | error floor (%) | other error (%) | penumbra width ratio (ratio) |")) << text;
+  EXPECT_TRUE(has(first_line(text), "| error (%) | error floor (%) | other error (%) | penumbra width ratio (ratio) |"))
+      << text;
   EXPECT_TRUE(has(text, "| 4.00 | 0.20 | 3.00 | 1.25 | -0.50 | 4.00 | 97.0 |")) << text;
   EXPECT_TRUE(has(text, "| **1.00** | 0.20 |")) << "the best is marked by its error";
   EXPECT_FALSE(has(first_line(text), "wrong")) << text;

@@ -128,8 +128,7 @@ TEST(viewer_numbers, the_error_leads_under_every_light) {
   EXPECT_EQ(words(true), (std::vector<std::string>{"error: ", "constant: ", "floor: ", "wrong: ", "tested: 0"}));
   seen.frame->lights = {seen.frame->light, hand_made::sun({0, -1, 0})};
   seen.verdict.received_error = 0.0625;
-  EXPECT_EQ(words(true),
-            (std::vector<std::string>{"error: ", "constant: ", "floor: ", "light error: 6.2500 %", "tested: 0"}))
+  EXPECT_EQ(words(true), (std::vector<std::string>{"error: ", "constant: ", "floor: ", "light error: 6.2500 %", "tested: 0"}))
       << "several lights";
 }
 
