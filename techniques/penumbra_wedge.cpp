@@ -19,8 +19,8 @@ using namespace gnomon::penumbra_wedge;
 constexpr OwnCause causes[] = {
     {"overlapping_penumbrae",
      "Penumbrae of several outlines add up although they hide the same part of the light.",
-     {180, 92, 160}},
-    {"one_outline", "The outline that the light's center sees stands for that of every place of the light.", {128, 176, 255}},
+     {192, 72, 152}},
+    {"one_outline", "The outline that the light's center sees stands for that of every place of the light.", {32, 144, 255}},
 };
 
 constexpr About about{

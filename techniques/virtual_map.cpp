@@ -115,6 +115,7 @@ class VirtualMap final : public Technique {
     Framebuffer framebuffer;
     const Scene* scene = nullptr;
     MeshBoxes boxes;
+    SolidParts solid_parts;
   };
   Shared<Made> made_;
   Light light_;
@@ -150,13 +151,14 @@ void VirtualMap::setup() {
 void VirtualMap::build(const Scene& scene) {
   made_->scene = &scene;
   made_->boxes = mesh_boxes(scene);
+  made_->solid_parts = solid_parts(scene);
   scene_buffers(scene);
 }
 
 void VirtualMap::relight(const Light& light) {
   light_ = light;
   camera_ = finest_camera(light, made_->boxes);
-  footprints_ = footprints_of(*made_->scene, scene_buffers(*made_->scene), camera_);
+  footprints_ = footprints_of(*made_->scene, made_->solid_parts, camera_);
 }
 
 void VirtualMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
@@ -228,7 +230,7 @@ void VirtualMap::look_up(const Program& program, unsigned target) const {
 }
 
 Counts VirtualMap::counts() const {
-  const double shared_bytes = static_cast<double>(made_->drawer.bytes());
+  const double shared_bytes = static_cast<double>(made_->drawer.bytes() + bytes_of(made_->solid_parts));
   const double bytes = static_cast<double>(pool_.bytes + addresses_.bytes + places_.bytes + lists_.bins.bytes() +
                                            bytes_of(footprints_.all, asked_, table_.pages, lists_.corners));
   return {{"pages_asked_for", double(table_.asked_count), "page"},

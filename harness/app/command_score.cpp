@@ -135,7 +135,8 @@ struct Question {
 };
 
 /// Says one light's score, or adds it to the list.
-void report(const Question& question, std::size_t k, const RowScore& score, Json& list) {
+void report(const Question& question, std::size_t k, const ScoredMask& mask, Json& list) {
+  const RowScore& score = mask.score;
   const ScoreOptions& options = question.options;
   const Channel& channel = question.channels[k];
   const FrameKey& key = question.key;
@@ -145,6 +146,7 @@ void report(const Question& question, std::size_t k, const RowScore& score, Json
     fmt::print("{}scene {}, light {}, view {}, {} x {}, {} truth: {} of {} pixels facing the light are tested\n\n{}",
                k == 0 ? "" : "\n", options.scene, channel.light.name, key.view.name, key.width, key.height, options.truth,
                score.errors.tested, score.errors.facing, text_of(score.whole.metrics, shares));
+    if (const std::string words = mask.words(); !words.empty()) fmt::print("\n{}\n", words);
     return;
   }
   Json& row = list.emplace_back();
@@ -160,6 +162,7 @@ void report(const Question& question, std::size_t k, const RowScore& score, Json
   row["classes"] = score.whole.classes;
   row["causes"] = causes;
   if (score.whole.cause_errors) row["cause_errors"] = shares;
+  if (mask.whole) row["whole_mask"] = mask.words();
 }
 
 /// "resolve=12.5": milliseconds that somebody told, by stage.
@@ -214,7 +217,7 @@ void score_rows(Question& question, const ForeignMask& called, FrameStore& frame
   }
   add_foreign_rows(options.out, question.scene, rows);
   write_tables(options.out, read_records(options.out));
-  for (std::size_t k = 0; k < rows.size(); ++k) report(question, k, rows[k].scored.score, list);
+  for (std::size_t k = 0; k < rows.size(); ++k) report(question, k, rows[k].scored, list);
   for (std::size_t k = 0; k < rows.size(); ++k) {
     if (options.json) {
       list[k]["job"] = rows[k].record.job;
@@ -241,7 +244,7 @@ void score_masks(Question& question, FrameStore& frames, Json& list) {
                 draw_errors(scored.measured.evidence(question.scene), options.mask.filename().string()));
       write_png(folder->path / ("shaded" + tail + ".png"), shade(question.scene, scored.measured));
     }
-    report(question, k, scored.score, list);
+    report(question, k, scored, list);
   }
   if (folder) folder->publish();
 }

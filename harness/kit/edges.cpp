@@ -164,4 +164,10 @@ std::vector<Bounds> solid_parts(const Mesh& mesh) {
   return parts;
 }
 
+SolidParts solid_parts(const Scene& scene) {
+  SolidParts all;
+  for (const Mesh& mesh : scene.meshes) all.push_back(solid_parts(mesh));
+  return all;
+}
+
 }  // namespace gnomon

@@ -1,6 +1,6 @@
 #include <gnomon/error.h>
-#include <gnomon/kit/edges.h>
 #include <gnomon/kit/gl_pass.h>
+#include <gnomon/kit/unset_vector.h>
 
 #include <algorithm>
 #include <bit>
@@ -78,6 +78,8 @@ struct Inputs {
   std::vector<std::unique_ptr<GBufferSlot>> gbuffers;
   Program depth_program, shape_depth_program;
 };
+std::uint64_t uploaded_bytes = 0;  // of triangles
+bool is_depth_used = false;
 
 // Not destroyed at exit: the context may be gone by then.
 Inputs& inputs() {
@@ -100,29 +102,33 @@ Slot& find_or_make(std::vector<std::unique_ptr<Slot>>& slots, const IsWanted& is
 
 SceneBuffers upload(const Scene& scene) {
   SceneBuffers buffers;
-  std::vector<glm::vec3> positions;
-  std::vector<glm::uvec3> triangles;
-  const auto start = std::chrono::steady_clock::now();
+  std::size_t vertices = 0, triangles = 0;
   for (const Mesh& mesh : scene.meshes) {
-    const auto first_vertex = static_cast<std::uint32_t>(positions.size());
-    buffers.meshes.push_back({first_vertex, static_cast<std::uint32_t>(triangles.size()),
-                              static_cast<std::uint32_t>(mesh.triangles.size()), mesh.casts, mesh.receives, solid_parts(mesh)});
-    positions.insert(positions.end(), mesh.positions.begin(), mesh.positions.end());
-    for (const glm::uvec3& t : mesh.triangles) triangles.push_back(t + first_vertex);
+    buffers.meshes.push_back({static_cast<std::uint32_t>(vertices), static_cast<std::uint32_t>(triangles),
+                              static_cast<std::uint32_t>(mesh.triangles.size()), mesh.casts, mesh.receives});
+    vertices += mesh.positions.size();
+    triangles += mesh.triangles.size();
   }
-  const double sorted_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  buffers.upload_ms = sorted_ms + drained_ms([&] {
-                        buffers.positions = Buffer(positions.data(), positions.size() * sizeof(glm::vec3));
-                        buffers.triangles = Buffer(triangles.data(), triangles.size() * sizeof(glm::uvec3));
-                        buffers.vertex_array = make_vertex_array();
-                        const GLuint vao = buffers.vertex_array.name();
-                        glVertexArrayVertexBuffer(vao, 0, buffers.positions.name(), 0, sizeof(glm::vec3));
-                        glVertexArrayAttribFormat(vao, 0, 3, GL_FLOAT, GL_FALSE, 0);
-                        glVertexArrayAttribBinding(vao, 0, 0);
-                        glEnableVertexArrayAttrib(vao, 0);
-                        glVertexArrayElementBuffer(vao, buffers.triangles.name());
-                      });
+  UnsetVector<glm::vec3> positions(vertices);
+  UnsetVector<glm::uvec3> corners(triangles);
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+    const Mesh& mesh = scene.meshes[m];
+    const MeshRange& range = buffers.meshes[m];
+    std::ranges::copy(mesh.positions, positions.begin() + range.first_vertex);
+    std::ranges::transform(mesh.triangles, corners.begin() + range.first_triangle,
+                           [&](const glm::uvec3& t) { return t + range.first_vertex; });
+  }
+  buffers.positions = Buffer(positions.data(), positions.size() * sizeof(glm::vec3));
+  buffers.triangles = Buffer(corners.data(), corners.size() * sizeof(glm::uvec3));
+  buffers.vertex_array = make_vertex_array();
+  const GLuint vao = buffers.vertex_array.name();
+  glVertexArrayVertexBuffer(vao, 0, buffers.positions.name(), 0, sizeof(glm::vec3));
+  glVertexArrayAttribFormat(vao, 0, 3, GL_FLOAT, GL_FALSE, 0);
+  glVertexArrayAttribBinding(vao, 0, 0);
+  glEnableVertexArrayAttrib(vao, 0);
+  glVertexArrayElementBuffer(vao, buffers.triangles.name());
   buffers.bytes = buffers.positions.bytes + buffers.triangles.bytes;
+  uploaded_bytes += buffers.bytes;
   return buffers;
 }
 
@@ -204,6 +210,28 @@ const SceneBuffers& scene_buffers(const Scene& scene) {
   return find_or_make(inputs().scenes, is_wanted, [&] { return SceneSlot{wanted, upload(scene)}; }).buffers;
 }
 
+const SceneBuffers* uploaded_scene(const Scene& scene) {
+  const auto found = std::ranges::find(inputs().scenes, stamp(scene), [](const auto& slot) { return slot->stamp; });
+  return found == inputs().scenes.end() ? nullptr : &(*found)->buffers;
+}
+
+void forget_scene(const Scene& scene) {
+  std::erase_if(inputs().scenes, [wanted = stamp(scene)](const auto& slot) { return slot->stamp == wanted; });
+}
+
+std::uint64_t uploaded_scene_bytes() { return uploaded_bytes; }
+
+bool uses_depth_stencil() { return is_depth_used; }
+
+UploadCost picture_uploads(const Scene& scene, const GBuffer& gbuffer) {
+  UploadCost cost;
+  for (const auto& slot : inputs().gbuffers)
+    if (slot->holds(gbuffer, stamp(scene)))
+      cost = {slot->textures.bytes + slot->depth.bytes + slot->shape_depth.bytes,
+              slot->textures.upload_ms + slot->depth.upload_ms + slot->shape_depth.upload_ms};
+  return cost;
+}
+
 const GBufferTextures& gbuffer_textures(const GBuffer& gbuffer, const Scene& scene) {
   return gbuffer_slot(gbuffer, scene).textures;
 }
@@ -213,6 +241,7 @@ glm::dmat4 clip_from_world(const GBuffer& gbuffer, const Scene& scene) {
 }
 
 const DepthStencil& depth_stencil(const Scene& scene, const GBuffer& gbuffer, Truth sees) {
+  is_depth_used = true;
   const bool shows_shapes = sees == Truth::shape && gbuffer.truth == Truth::shape && scene.has_curved_shapes();
   GBufferSlot& slot = gbuffer_slot(gbuffer, scene);
   DepthStencil& depth = shows_shapes ? slot.shape_depth : slot.depth;

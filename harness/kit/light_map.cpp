@@ -20,9 +20,9 @@ void main() {
 
 }  // namespace
 
-bool is_seen_from_outside(const MeshRange& mesh, const LightSpaceFace& face) {
+bool is_seen_from_outside(std::span<const Bounds> solid_parts, const LightSpaceFace& face) {
   const auto holds_light = [&](const Bounds& part) { return part.holds(face.origin); };  // a part's box holds its border, too
-  return !mesh.solid_parts.empty() && !(face.is_perspective && std::ranges::any_of(mesh.solid_parts, holds_light));
+  return !solid_parts.empty() && !(face.is_perspective && std::ranges::any_of(solid_parts, holds_light));
 }
 
 void DepthImages::setup() {
@@ -34,6 +34,7 @@ void DepthImages::setup() {
 void DepthImages::build(const Scene& scene) {
   scene_ = &scene;
   boxes_ = mesh_boxes(scene);
+  solid_parts_ = solid_parts(scene);
   scene_buffers(scene);
 }
 
@@ -68,7 +69,7 @@ std::size_t DepthImages::draw(const Program& program, const LightCamera& camera,
     lit.clear();
     all.clear();
     for (const std::uint32_t m : image.casters) {
-      (faces == Faces::lit && is_seen_from_outside(buffers.meshes[m], image) ? lit : all).push_back(m);
+      (faces == Faces::lit && is_seen_from_outside(solid_parts_[m], image) ? lit : all).push_back(m);
       triangles += buffers.meshes[m].triangle_count;
     }
     buffers.draw(all);

@@ -1,7 +1,7 @@
 """Engines that draw frames as shadow techniques, for Gnomon: what adapters of rasterizing engines share. See docs/engines.md.
 
 An engine gives no mask, but pictures. Every surface is white and nothing but the light shines; the mask is the ratio of the frame with shadows to the frame without. The time of a resolve is
-that of the frame with shadows, as the engine's user waits for it; the count `plain_frame` has that of the frame without.
+that of the frame with shadows, as the engine's user waits for it; the counts `plain_frame` and `frame_difference` have that of the frame without and what the two differ by.
 """
 
 import atexit
@@ -156,6 +156,27 @@ class Camera:
         self.near = max(0.99 * depth.min(initial=self.far), 1e-3 * self.far) if len(ahead) == depth.size else 1e-3 * self.far
 
 
+class FramePairs:
+    """Frames with shadows and without, drawn next to each other: what shadows cost is what the two of a pair differ by. The order
+    alternates, so that neither is always the one that finds the caches warm."""
+
+    def __init__(self):
+        self.plain_ms, self.difference_ms = [], []
+
+    def draw(self, frame):
+        """The next pair, by `frame(shadows)`, which answers a tuple: its picture, its milliseconds and whatever else. Returns that
+        with shadows and that without."""
+        with_first = len(self.plain_ms) % 2 == 0
+        drawn = {shadows: frame(shadows) for shadows in (with_first, not with_first)}
+        self.plain_ms.append(drawn[False][1])
+        self.difference_ms.append(drawn[True][1] - drawn[False][1])
+        return drawn[True], drawn[False]
+
+    def counts(self):
+        """Medians of all pairs so far."""
+        return {"plain_frame": (median(self.plain_ms), "ms"), "frame_difference": (median(self.difference_ms), "ms")}
+
+
 class Engine(Technique):
     """What an adapter of an engine derives from; it gives the methods below that raise NotImplementedError.
 
@@ -186,7 +207,6 @@ class Engine(Technique):
         self.display = start_display() if self.needs_display else None
         if self.display:
             os.environ.update(DISPLAY=self.display, LIBGL_ALWAYS_SOFTWARE="1")
-        self.plain_ms = []
         self.start()
 
     def build(self, scene):
@@ -198,7 +218,7 @@ class Engine(Technique):
         self.load(scene)
 
     def relight(self, light):
-        self.light = light
+        self.light, self.pairs = light, FramePairs()
         self.place_light(light)
 
     def to_light(self):
@@ -210,10 +230,8 @@ class Engine(Technique):
 
     def resolve(self, gbuffer, mask):
         camera = Camera(gbuffer.view, gbuffer.width, gbuffer.height, self.corners)
-        lit, self.ms = self.frame(camera, gbuffer.width, gbuffer.height, shadows=True)
-        full, plain_ms = self.frame(camera, gbuffer.width, gbuffer.height, shadows=False)
-        self.plain_ms.append(plain_ms)
-        self.counts["plain_frame"] = (median(self.plain_ms), "ms")
+        (lit, self.ms), (full, _) = self.pairs.draw(lambda shadows: self.frame(camera, gbuffer.width, gbuffer.height, shadows))
+        self.counts.update(self.pairs.counts())
         full = np.asarray(full, float)
         mask[...] = np.where(full > 0, np.clip(lit / np.maximum(full, 1e-30), 0, 1), 1)
         mask[~gbuffer.faces(self.light, self.scene)] = 1

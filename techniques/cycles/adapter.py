@@ -6,10 +6,9 @@ that of tracing the picture with shadows; what Blender does before it (taking th
 """
 
 from pathlib import Path
-from statistics import median
 
 import numpy as np
-from gnomon_engine import Awaited, Camera, Child, require_version
+from gnomon_engine import Awaited, Camera, Child, FramePairs, require_version
 from gnomon_technique import Technique, serve
 
 HARD = ("point", "spot", "directional")
@@ -61,7 +60,7 @@ class Cycles(Technique):
                 matrix, size = basis(-light.half_u / u, light.half_v / v, back, light.center), (2 * u, 2 * v)
         far = np.linalg.norm(self.corners - light.center, axis=-1).max() if kind == "AREA" and len(self.corners) else 1
         self.blender.ask(do="relight", kind=kind, power=ENOUGH * max(far, 1) ** 2 if kind != "SUN" else 1, matrix=matrix, size=size, sides=sides)
-        self.is_hard, self.plain = light.kind in HARD, []
+        self.is_hard, self.pairs = light.kind in HARD, FramePairs()
 
     def frame(self, gbuffer, shadows):
         c = Camera(gbuffer.view, gbuffer.width, gbuffer.height, self.corners)
@@ -75,12 +74,10 @@ class Cycles(Technique):
         return pixels, done["trace_ms"], done["sync_ms"]
 
     def resolve(self, gbuffer, mask):
-        lit, self.ms, sync = self.frame(gbuffer, True)
-        full, plain, _ = self.frame(gbuffer, False)
-        self.plain.append(plain)
+        (lit, self.ms, sync), (full, *_) = self.pairs.draw(lambda shadows: self.frame(gbuffer, shadows))
         share = np.where(full > 0, np.clip(lit / np.maximum(full, 1e-30), 0, 1), 1)
         mask[...] = np.where(gbuffer.faces(self.light, self.scene), share >= 0.5, 1) if self.is_hard else share
-        self.counts = {"plain_frame": (median(self.plain), "ms"), "sync": (sync, "ms")}
+        self.counts = self.pairs.counts() | {"sync": (sync, "ms")}
 
 
 serve(Cycles)

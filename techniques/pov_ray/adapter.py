@@ -4,7 +4,7 @@ The time of a resolve is what POV-Ray says that it traced for; reading the scene
 """
 
 import numpy as np
-from gnomon_engine import require_version, version_of
+from gnomon_engine import FramePairs, require_version, version_of
 from gnomon_technique import Technique, serve
 from pov_scene import SETTINGS, camera, grid_points, light_source, meshes_text, render
 
@@ -22,7 +22,7 @@ class PovRay(Technique):
         self.texts = {}
 
     def relight(self, light):
-        self.light, self.plain = light, None
+        self.light, self.pairs = light, FramePairs()
 
     def run(self, gbuffer, shadows):
         curved = gbuffer.truth == "shape"
@@ -44,9 +44,7 @@ class PovRay(Technique):
         return count / len(points)
 
     def resolve(self, gbuffer, mask):
-        done = self.run(gbuffer, True)
-        if self.plain is None:
-            self.plain = self.run(gbuffer, False).trace_ms  # once for each light: it is beside the table's times
+        done, _ = self.pairs.draw(lambda shadows: self.run(gbuffer, shadows))
         if self.light.kind == "rect":
             # what is below the horizon is hidden by the surface itself and counted by POV-Ray, but neither lit nor dark here
             above = self.share_above(gbuffer)
@@ -54,7 +52,7 @@ class PovRay(Technique):
         else:
             mask[...] = np.where(gbuffer.faces(self.light, self.scene), done.picture >= 0.5, 1)
         self.ms = done.trace_ms
-        self.counts = {"plain_frame": (self.plain, "ms"), "parse": (done.parse_ms, "ms"), "shadow_rays": done.shadow_rays}
+        self.counts = self.pairs.counts() | {"parse": (done.parse_ms, "ms"), "shadow_rays": done.shadow_rays}
 
 
 serve(PovRay)

@@ -11,7 +11,7 @@ namespace gnomon::radiosity {
 inline constexpr OwnCause own_causes[] = {
     {"interpolated",
      "Between the points where light was found it does not run straight: the element is too large.",
-     {128, 176, 255}},
+     {32, 144, 255}},
     {"crossed_patch",
      "A surface stands on the element, or cuts it: light or shadow leaks from a point on its other side.",
      {252, 0, 132}},

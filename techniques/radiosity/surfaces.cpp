@@ -19,8 +19,7 @@ void Surfaces::build(const Scene& of, double patch_size) {
   patches.emplace(*faces, patch_size * size);
   casters.emplace(of, Truth::mesh, RayScene::Which::casters);
   all.emplace(of, Truth::mesh, RayScene::Which::all);
-  solid_parts.clear();
-  for (const Mesh& mesh : of.meshes) solid_parts.push_back(gnomon::solid_parts(mesh));
+  solid_parts = gnomon::solid_parts(of);
 }
 
 }  // namespace gnomon::radiosity

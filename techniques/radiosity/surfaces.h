@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/kit/edges.h>
 #include <gnomon/kit/rays.h>
 #include <gnomon/scene.h>
 
@@ -16,11 +17,11 @@ struct Surfaces {
 
   const Scene* scene = nullptr;
   std::optional<Faces> faces;
-  std::optional<Division> patches;               ///< not divided further
-  std::optional<RayScene> casters;               ///< what hides a lamp
-  std::optional<RayScene> all;                   ///< what light between surfaces meets
-  std::vector<std::vector<Bounds>> solid_parts;  ///< of each mesh, as gnomon/kit/edges.h has them
-  double size = 0;                               ///< longest side of the scene's box, meters
+  std::optional<Division> patches;  ///< not divided further
+  std::optional<RayScene> casters;  ///< what hides a lamp
+  std::optional<RayScene> all;      ///< what light between surfaces meets
+  SolidParts solid_parts;
+  double size = 0;  ///< longest side of the scene's box, meters
 };
 double longest_side(const Scene& scene);
 

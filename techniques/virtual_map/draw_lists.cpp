@@ -122,7 +122,7 @@ std::vector<LevelPages> levels_of(const PageTable& table) {
 
 }  // namespace
 
-Footprints footprints_of(const Scene& scene, const SceneBuffers& buffers, const LightCamera& camera) {
+Footprints footprints_of(const Scene& scene, const SolidParts& solid_parts, const LightCamera& camera) {
   Footprints footprints;
   std::vector<std::vector<Footprint>> found;
   for (const LightImage& image : camera.images) {
@@ -130,7 +130,7 @@ Footprints footprints_of(const Scene& scene, const SceneBuffers& buffers, const 
     if (image.layer < 0) continue;
     for (const std::uint32_t m : image.casters) {
       const Mesh& mesh = scene.meshes[m];
-      const bool only_lit = is_seen_from_outside(buffers.meshes[m], image);
+      const bool only_lit = is_seen_from_outside(solid_parts[m], image);
       found.assign((mesh.triangles.size() + block - 1) / block, {});
       for_blocks(mesh.triangles.size(), block, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {

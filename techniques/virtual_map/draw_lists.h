@@ -1,5 +1,6 @@
 #pragma once
 #include <gnomon/kit/bins.h>
+#include <gnomon/kit/edges.h>
 #include <gnomon/kit/gl.h>
 
 #include <vector>
@@ -20,7 +21,7 @@ struct Footprints {
   std::vector<Footprint> all;        ///< face after face
   std::vector<std::size_t> begin{};  ///< of each face; one more ends the last
 };
-Footprints footprints_of(const Scene& scene, const SceneBuffers& buffers, const LightCamera& camera);
+Footprints footprints_of(const Scene& scene, const SolidParts& solid_parts, const LightCamera& camera);
 
 /// What each page draws. Triangles that reach far beyond their page come after the others, and are drawn apart: drivers clip
 /// all triangles of a draw one by one as soon as one of them needs it (70 ms become 46 ms, bunny, llvmpipe).

@@ -11,6 +11,7 @@
 #include "measure/cause/components.h"
 #include "measure/cause/own_causes.h"
 #include "measure/cause/soft_causes.h"
+#include "measure/cause/whole_mask.h"
 #include "measure/frame/boundary.h"
 
 namespace gnomon {
@@ -133,7 +134,9 @@ std::vector<Cause> find_causes(const Attribution& a) {
   std::vector<std::uint32_t> open, geometric;
   for (std::uint32_t i = 0; i < causes.size(); ++i) {
     if (!is_wrong(a, i)) continue;
-    if (!a.right_on_mesh.empty() && a.right_on_mesh[i])
+    if (a.whole && a.whole->explains(a, i))
+      causes[i] = a.whole->cause();
+    else if (!a.right_on_mesh.empty() && a.right_on_mesh[i])
       causes[i] = Cause::tessellation;
     else
       open.push_back(i);
@@ -158,10 +161,10 @@ std::vector<Cause> find_causes(const Attribution& a) {
         causes[i] = Cause::formula;
       else if (why && !why->cause.empty())
         causes[i] = own_cause_named(why->cause, a.own_causes);
-      else if (a.mask[i] > a.reference.mask[i] && missing[i])
+      else if (const bool is_missing = a.mask[i] > a.reference.mask[i] && missing[i]; why && !why->taps.empty())
+        cases.push_back({i, &*why, is_missing});
+      else if (is_missing)
         causes[i] = Cause::missing_caster;
-      else if (why && !why->taps.empty())
-        cases.push_back({i, &*why});
       else if (why && why->outline_error > 0)
         outlines.push_back({i, why->outline_error});
       else

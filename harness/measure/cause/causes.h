@@ -20,11 +20,15 @@ namespace gnomon {
 /// a mask alone shows. Numbers behind the last are causes of a technique's own (own_causes.h).
 enum class Cause : std::uint8_t {
   none,  ///< right, or not tested
+  mask_shift,
+  mask_gamma,
+  mask_blur,
   tessellation,
   beyond_coverage,
   formula,
   missing_caster,
   edge_resolution,
+  filter_width,
   lookup_shift,
   acne,
   over_dark,
@@ -61,6 +65,8 @@ std::span<const CauseInfo> cause_infos();
 /// Of one of those, or of `none`.
 std::string_view name(Cause cause);
 
+struct WholeMask;  // whole_mask.h
+
 /// What is asked about one mask.
 struct Attribution {
   const Scene& scene;
@@ -77,6 +83,7 @@ struct Attribution {
   LightShareKind estimates = LightShareKind::area;  ///< what the mask is compared with under a light with area
   std::span<const CauseInfo> own_causes = {};       ///< that an explanation may name
   bool rasterizes = false;                          ///< see About
+  const WholeMask* whole = nullptr;                 ///< what became of a mask that another program made; null: nothing is known
 };
 
 /// The cause of every wrong pixel of class T, under a light with area of every one that is off at all; `none` elsewhere;

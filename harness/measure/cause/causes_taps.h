@@ -9,10 +9,11 @@ namespace gnomon {
 /// A wrong pixel of a technique that decides by taps.
 struct TapCase {
   std::uint32_t pixel;
-  const Explanation* why;  ///< with taps
+  const Explanation* why;   ///< with taps
+  bool is_missing = false;  ///< false lit in a shadow that the mask hardly has
 };
 
-/// The causes that taps tell apart (edge_resolution to leak_representation, then unexplained), in the order of the
+/// The causes that taps tell apart (missing_caster to leak_representation, then unexplained), in the order of the
 /// cases; docs/causes.md derives each step. Runs on all threads.
 std::vector<Cause> find_tap_causes(const Attribution& attribution, const LightRays& rays, std::span<const TapCase> cases);
 

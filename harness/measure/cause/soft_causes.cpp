@@ -11,6 +11,7 @@
 #include "measure/cause/causes_taps.h"
 #include "measure/cause/components.h"
 #include "measure/cause/own_causes.h"
+#include "measure/cause/whole_mask.h"
 
 namespace gnomon {
 
@@ -33,6 +34,8 @@ class SoftCauses {
       if (a_.reference.classes[i] != PixelClass::T || error(i) == 0) continue;
       if (std::abs(error(i)) <= most_errors * truth_.error[i])
         causes_[i] = Cause::reference_error;
+      else if (a_.whole && a_.whole->explains(a_, i))
+        causes_[i] = a_.whole->cause();
       else if (!a_.right_on_mesh.empty() && a_.right_on_mesh[i])
         causes_[i] = Cause::tessellation;
       else

@@ -1,4 +1,4 @@
-// Whether a technique holds as many bytes as it says.
+// Whether a technique holds as many bytes as it says, and gets its geometry in the stage that is charged for it.
 #include <gnomon/kit/gl_pass.h>
 #include <gnomon/kit/shapes.h>
 #include <malloc.h>
@@ -135,10 +135,39 @@ void reported_bytes(Trial& trial) {
   }
 }
 
+// Twice: in a process that has seen nothing, and after the geometry changed.
+void geometry_in_build(Trial& trial) {
+  const char* const reference = "box_city:count=12";
+  trial.at(reference);
+  const auto w = trial.world(reference);
+  const GBuffer gbuffer = w->gbuffer();
+  for (const Light& light : trial.supported_lights(w->scene)) {
+    trial.at(light);
+    const auto technique = trial.set_up();
+    for (const char* when : {"", " changed"}) {
+      forget_scene(w->scene);
+      technique->build(w->scene);
+      const std::uint64_t built = uploaded_scene_bytes();
+      technique->relight(light);
+      trial.expect(uploaded_scene_bytes() == built, fmt::format("relight uploads the scene{}", when));
+      VisibilityMask mask(gbuffer.width, gbuffer.height);
+      technique->resolve(gbuffer, mask);
+      trial.expect(uploaded_scene_bytes() == built, fmt::format("resolve uploads the scene{}", when));
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<Rule> memory_rules() {
   return {
+      {.name = "geometry_in_build",
+       .sentence = "The scene's triangles go up to OpenGL in build, so that it is charged for them, and in no later stage.",
+       .advice = "Ask for scene_buffers(scene) in build, also where only depth_stencil or a later stage needs them.",
+       .check = geometry_in_build,
+       .asked = Asked::drawing,
+       .has_small_pictures = true,
+       .sanitized = Sanitized::nothing},
       {.name = "reported_bytes",
        .sentence = "The count bytes is within a factor of two of the growth in resident memory, and 8 MiB, from 6 "
                    "thousand to 400 thousand triangles.",

@@ -14,7 +14,7 @@ enum class PixelClass : std::uint8_t {
   B,  ///< background
   F,  ///< faces away from the light, outside the spot cone, or on a mesh that does not receive
   G,  ///< grazing: 0 < N.l < 0.035 (2 degrees)
-  S,  ///< primary silhouette: an 8-neighbor is background or another mesh more than 2 % of the distance nearer or farther
+  S,  ///< primary silhouette: what the pixel shows is in doubt, see find_silhouettes
   U,  ///< uncertain: the reference changes when the point or the light moves by rho = 16 * 2^-24 * extent, or when the ray
       ///< starts at the point itself instead of a ray offset above it; the light is no farther than rho; a lit point's way
       ///< passes the outline of casters by less than rho / 2; exact signs contradict it at the point or the light, or confirm

@@ -35,10 +35,6 @@ static void for_each_field(MaybeConst<Record::FloorTimes> auto& floor, const aut
   use("ms", floor.ms);
   use("device_ms", floor.device_ms);
 }
-static void for_each_field(MaybeConst<Record::GlInputs> auto& gl, const auto& use) {
-  use("input_bytes", gl.input_bytes);
-  use("upload_ms", gl.upload_ms);
-}
 static void for_each_field(MaybeConst<Record::ReferenceFacts::GlobalFacts> auto& facts, const auto& use) {
   use("samples", facts.samples);
   use("rays", facts.rays);
@@ -167,7 +163,7 @@ void from_json(const Json& json, Record& record) {
   take("schema", schema);
   if (schema < record_schema)
     throw Error(
-        "schema = {} is that of an older program, this one reads {}: run the rows again, or, of schema 2 and 3, convert "
+        "schema = {} is that of an older program, this one reads {}: run the rows again, or, of schema 2 to 4, convert "
         "the folder with scripts/convert_records",
         schema, record_schema);
   if (schema > record_schema) throw Error("schema = {} is that of a newer program, this one reads {}", schema, record_schema);

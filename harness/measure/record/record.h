@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "measure/answer_kind.h"
+#include "measure/gl_inputs.h"
 #include "measure/json.h"
 #include "measure/statistics/statistics.h"
 
@@ -20,7 +21,7 @@ namespace gnomon {
 
 /// Version of the record's fields: the one that is written and read. One more with every change; scripts/results --convert
 /// brings kept folders along.
-inline constexpr int record_schema = 4;
+inline constexpr int record_schema = 5;
 
 enum class Status { ok, unsupported, failed };
 std::string_view name(Status status);
@@ -61,10 +62,6 @@ struct Record {
   Counts counts;
   std::optional<std::uint64_t> bytes;       ///< what the technique says it holds
   std::optional<std::uint64_t> peak_bytes;  ///< largest resident memory of a worker
-  struct GlInputs {
-    std::uint64_t input_bytes = 0;
-    double upload_ms = 0;
-  };
   /// The barest pass that the technique cannot do without, as its data sheet says, on the same scene and picture in the same
   /// processes: times of one pass.
   struct FloorTimes {
@@ -72,7 +69,7 @@ struct Record {
     ProcessTimes ms, device_ms;
   };
   std::optional<FloorTimes> floor;  ///< nothing without OpenGL, and of a technique that names none
-  std::optional<GlInputs> gl;       ///< scene and G-buffer on the GL side, outside every timed stage
+  std::optional<GlInputs> gl;       ///< nothing without OpenGL
 
   /// Where the answer is a fraction: which of its two true numbers the technique was scored against, and how well that is
   /// known.

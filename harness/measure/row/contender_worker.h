@@ -67,6 +67,8 @@ class ContenderWorker {
   /// The technique's mask of the frame under each light beside the reference, causes left out; counts and memory go to `record`
   /// unless it is null.
   std::vector<Answer> answers(Record* record);
+  /// Of a technique that runs in a program of its own: what it counted of time, after more frames.
+  void count_times_again(Record& record);
   /// The technique's picture of all light beside the reference's, both sums over the lights with area; nothing where the frame
   /// does not ask for it, the technique has none or refuses one of these lights, or the scene is endless.
   std::optional<GlobalAnswer> global_answer();
@@ -74,7 +76,7 @@ class ContenderWorker {
   bool supports_light(std::size_t k) const { return static_cast<bool>(reply_.lights[k]); }
   /// What the technique said of each light of the frame.
   void note_lights(Record& record) const;
-  /// What GL it has, and what went up to it for the frame.
+  /// What GL it has.
   void note_gl(Record& record) const;
   /// How the card does now, beside how it did when the worker was loaded; nothing where nobody knows.
   void note_card(Record& record);
@@ -86,7 +88,7 @@ class ContenderWorker {
   SceneRun& run_;
   std::string technique_, settings_;
   WorkerClient client_;
-  FrameReply reply_{.support = Support::full(), .upload = {}, .lights = {}, .floor = {}, .shares = {}};  ///< of the frame
+  FrameReply reply_{.support = Support::full(), .lights = {}, .floor = {}, .shares = {}};  ///< of the frame
   RowFrame frame_;
   Truth truth_ = Truth::shape;
   std::map<std::size_t, SetupTime> setup_times_;  ///< by objects

@@ -74,6 +74,11 @@ void check_foreign_id(const std::string& id) {
     throw Error("technique {} is one that runs here: give the mask's another id with --technique", id);
 }
 
+std::string ScoredMask::words() const {
+  if (!whole) return {};
+  return fmt::format("the whole mask is {}: that is {:.0f} % of its error", whole->words(), 100 * whole->explained);
+}
+
 ScoredMask scored_mask(const Scene& scene, FrameStore& frames, const FrameKey& key, const Light& light,
                        std::vector<float> values) {
   ScoredMask scored;
@@ -82,8 +87,10 @@ ScoredMask scored_mask(const Scene& scene, FrameStore& frames, const FrameKey& k
   answer.gbuffer = frames.gbuffer(key);
   answer.reference = frames.reference(key, light);
   answer.mask = std::move(values);
-  answer.causes =
-      find_causes({scene, frames.casters(key.truth), answer.gbuffer, light, answer.reference, answer.mask, {}, nullptr});
+  Attribution asked{scene, frames.casters(key.truth), answer.gbuffer, light, answer.reference, answer.mask, {}, nullptr};
+  scored.whole = find_whole_mask(asked);
+  if (scored.whole) asked.whole = &*scored.whole;
+  answer.causes = find_causes(asked);
   scored.score = score(scored.measured, scene);
   return scored;
 }
@@ -115,6 +122,8 @@ ForeignRow foreign_row(const Scene& scene, const std::string& reference, FrameSt
   const Light* const lights[] = {&light};
   describe_lights(record, lights);
   tell_times(record, mask.told_ms);
+  if (const std::string words = row.scored.words(); !words.empty())
+    record.notes.push_back(fmt::format("{}: {}", called(record), words));
 
   MeasuredLight& measured = row.scored.measured.lights.front();
   record.lights.front().reference = reference_facts(measured.answer, {});

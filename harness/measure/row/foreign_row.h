@@ -1,4 +1,5 @@
 #pragma once
+#include "measure/cause/whole_mask.h"
 #include "measure/frame/frame.h"
 #include "measure/row/score_row.h"
 
@@ -21,8 +22,14 @@ void check_foreign_id(const std::string& id);
 struct ScoredMask {
   MeasuredRow measured;
   RowScore score;
+  std::optional<WholeMask> whole;
+
+  /// "the whole mask is shifted by 1 px right and 0 px down: that is 98 % of its error"; empty where it is not changed as a
+  /// whole.
+  std::string words() const;
 };
-/// The mask under the light. Its causes are what wrong pixels look like and where they lie, for a file explains none.
+/// The mask under the light. Its causes are what became of it as a whole, and else what wrong pixels look like and where they
+/// lie, for a file explains none.
 ScoredMask scored_mask(const Scene& scene, FrameStore& frames, const FrameKey& key, const Light& light,
                        std::vector<float> values);
 

@@ -161,9 +161,19 @@ class Batch {
       row->record.seconds = row->record.seconds.value_or(0) + seconds_since(start);
     }
     for (const Stage stage : timed_stages) time_stage(group, stage);
+    if (process_ == 0) count_times(group);
     time_floors(group);
     for (PendingRow* row : group)
       if (!row->over && process_ < suite_.processes) progress_.advance(1);
+  }
+
+  /// What programs count of time is of all frames that they drew in the first process.
+  void count_times(const std::vector<PendingRow*>& group) {
+    for (PendingRow* row : group) try {
+        if (!row->over) workers_[row->contender]->count_times_again(row->record);
+      } catch (const std::exception& failure) {
+        fail(*row, message_of(failure));
+      }
   }
 
   /// The bare passes of the frame, each once for all rows of a side that name it, and how the card does after all that.
@@ -296,34 +306,6 @@ class Batch {
 };
 
 }  // namespace
-
-bool is_narrow(const Record& record, double interval) {
-  for (const Stage stage : frame_stages) {
-    const ProcessTimes& times = record.times(stage);
-    const auto time = median_of_medians(times);
-    if (!time || *time < least_time) continue;
-    if (times.size() < least_processes) return false;
-    const auto estimate = bootstrap(times);
-    if (!estimate || estimate->high - estimate->low > interval * estimate->value) return false;
-  }
-  return true;
-}
-
-int most_processes(const Suite& suite) { return std::max(4 * suite.processes, 8); }
-
-std::vector<std::vector<PendingRow>> split(std::vector<PendingRow> rows) {
-  std::size_t sides = 1;
-  std::map<std::string, std::size_t> places;  // of contenders, in order of first appearance
-  for (const PendingRow& row : rows) {
-    sides = std::max(sides, row.side + 1);
-    places.try_emplace(row.job.contender.name(), places.size());
-  }
-  const std::size_t most_contenders = 16 / sides;
-  std::vector<std::vector<PendingRow>> batches((places.size() + most_contenders - 1) / most_contenders);
-  for (PendingRow& row : rows)
-    batches[places[row.job.contender.name()] * batches.size() / places.size()].push_back(std::move(row));
-  return batches;
-}
 
 double run_batch(SceneRun& run, const Suite& suite, std::span<const Side> sides, std::vector<PendingRow>& rows,
                  Progress& progress, double budget) {

@@ -4,6 +4,7 @@
 
 #include "measure/fields.h"
 #include "measure/frame/classify.h"
+#include "measure/gl_inputs.h"
 
 // What is said between a program and its workers: one line of JSON a request, {"do": VERB, ...}, and one a reply. Each request
 // is a struct with its verb and its reply; an exception is answered as {"error": text}.
@@ -12,7 +13,7 @@ namespace gnomon {
 
 /// Version of these, and of the files that pass between both sides. One more with every change that an older worker would
 /// misunderstand.
-inline constexpr int worker_protocol = 4;
+inline constexpr int worker_protocol = 5;
 
 /// A worker that is asked for several iterations of a stage answers after the one in which these seconds are over, with as many
 /// as it has done: an answer takes no longer than this and one call of the stage.
@@ -109,11 +110,9 @@ struct GoRequest {
   struct Reply {
     SupportReply support;
     int fresh = 0;
-    std::vector<SupportReply> lights = {};          ///< each; one that is unsupported beside others casts no shadows
-    std::optional<bool> shares = {};                ///< of several lights: whether they share what setup and build make
-    std::optional<std::uint64_t> input_bytes = {};  ///< scene and G-buffer on the GL side, outside all stages
-    std::optional<double> upload_ms = {};
-    std::string floor = {};  ///< name of the bare pass of the frame; empty: none
+    std::vector<SupportReply> lights = {};  ///< each; one that is unsupported beside others casts no shadows
+    std::optional<bool> shares = {};        ///< of several lights: whether they share what setup and build make
+    std::string floor = {};                 ///< name of the bare pass of the frame; empty: none
   };
 };
 void for_each_field(MaybeConst<GoRequest> auto& request, const auto& use) {
@@ -132,8 +131,6 @@ void for_each_field(MaybeConst<GoRequest::Reply> auto& reply, const auto& use) {
   use("fresh", reply.fresh);
   use("lights", reply.lights);
   use("shares", reply.shares);
-  use("input_bytes", reply.input_bytes);
-  use("upload_ms", reply.upload_ms);
   use("floor", reply.floor);
 }
 
@@ -209,6 +206,7 @@ struct AnswerRequest {
     Counts counts;
     std::uint64_t peak_bytes = 0;  ///< largest resident memory so far
     std::string maker = {};        ///< WorksElsewhere::maker
+    std::optional<GlInputs> gl = {};
   };
 };
 void for_each_field(MaybeConst<AnswerRequest> auto& request, const auto& use) { use("mask", request.mask); }
@@ -216,6 +214,7 @@ void for_each_field(MaybeConst<AnswerRequest::Reply> auto& reply, const auto& us
   use("counts", reply.counts);
   use("peak_bytes", reply.peak_bytes);
   use("maker", reply.maker);
+  use("gl", reply.gl);
 }
 
 // These are about one of the frame's lights, and about the masks answered last.

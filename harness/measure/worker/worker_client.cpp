@@ -103,12 +103,10 @@ FrameReply WorkerClient::frame(const FrameRequest& request) {
   pixel_count_ = static_cast<std::size_t>(request.width) * request.height;
   const GoRequest::Reply reply = ask(question);
   fresh_count_ = reply.fresh;
-  FrameReply result{
-      .support = support_of(reply.support), .upload = {}, .lights = {}, .floor = reply.floor, .shares = reply.shares};
+  FrameReply result{.support = support_of(reply.support), .lights = {}, .floor = reply.floor, .shares = reply.shares};
   for (const SupportReply& light : reply.lights) result.lights.push_back(support_of(light));
   if (result.lights.size() != light_count_)
     process_.fail(fmt::format("support of {} lights came for {}", result.lights.size(), light_count_));
-  if (reply.input_bytes) result.upload = {*reply.input_bytes, reply.upload_ms.value_or(0)};
   return result;
 }
 
@@ -165,7 +163,7 @@ MaskReply WorkerClient::answer() {
   bring_up(Stage::resolve);
   AnswerRequest::Reply reply = ask(AnswerRequest{.mask = file("mask").string()});
   return {checked([&] { return read_mask_file(file("mask"), pixel_count_, light_count_); }), std::move(reply.counts),
-          reply.peak_bytes, std::move(reply.maker)};
+          reply.peak_bytes, std::move(reply.maker), reply.gl};
 }
 
 std::vector<std::optional<Explanation>> WorkerClient::explain(std::span<const std::uint32_t> pixels, std::size_t light) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "measure/frame/classify.h"
+#include "measure/gl_inputs.h"
 #include "measure/scratch_folder.h"
 #include "measure/worker/shared_count.h"
 #include "measure/worker/worker_process.h"
@@ -50,12 +51,6 @@ struct FrameRequest {
 /// What the technique says of a frame before it does anything.
 struct FrameReply {
   Support support;
-  /// Scene and G-buffer on the GL side, outside all stages; nothing without GL, and where it is unsupported.
-  struct Upload {
-    std::uint64_t bytes = 0;
-    double ms = 0;
-  };
-  std::optional<Upload> upload;
   std::vector<Support> lights;  ///< each; one that is unsupported beside others casts no shadows
   std::string floor;            ///< name of the bare pass that `time_floor` draws; empty: none
   std::optional<bool> shares;   ///< of several lights: whether they share what setup and build make
@@ -72,6 +67,7 @@ struct MaskReply {
   Counts counts;
   std::uint64_t peak_bytes = 0;  ///< largest resident memory of the worker so far
   std::string maker;             ///< WorksElsewhere::maker
+  std::optional<GlInputs> gl;    ///< with OpenGL
 };
 
 /// One worker, asked and answered in types: load, go to a frame, do stages, read what came out. Calls wait for their answer and

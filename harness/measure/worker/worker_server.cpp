@@ -1,6 +1,5 @@
 #include "measure/worker/worker_server.h"
 
-#include <gnomon/kit/gl.h>
 #include <gnomon/kit/light_objects.h>
 #include <gnomon/kit/progress.h>
 #include <gnomon/kit/surface_detail.h>
@@ -20,6 +19,7 @@
 #include "measure/worker/asked_frame.h"
 #include "measure/worker/machine_context.h"
 #include "measure/worker/shared_count.h"
+#include "measure/worker/staged_inputs.h"
 #include "measure/worker/worker_device.h"
 #include "measure/worker/worker_roll.h"
 
@@ -112,14 +112,7 @@ class TechniqueServer {
     GoRequest::Reply reply{.support = reply_of(support), .fresh = fresh_ + 1};
     for (const Support& one : supports) reply.lights.push_back(reply_of(one));
     if (supports.size() > 1) reply.shares = objects_->shares();
-    if (uses_gl_ && support) {
-      const SceneBuffers& buffers = scene_buffers(scene_);
-      const GBufferTextures& textures = gbuffer_textures(gbuffer_, scene_);
-      const DepthStencil& depth = depth_stencil(scene_, gbuffer_, entry_->about.sees);
-      reply.input_bytes = buffers.bytes + textures.bytes + depth.bytes;
-      reply.upload_ms = buffers.upload_ms + textures.upload_ms + depth.upload_ms;
-      if (entry_->about.floor != Floor::none) reply.floor = name(entry_->about.floor);
-    }
+    if (uses_gl_ && support && entry_->about.floor != Floor::none) reply.floor = name(entry_->about.floor);
     return reply;
   }
 
@@ -214,7 +207,7 @@ class TechniqueServer {
     if (stage >= Stage::relight && masks_.empty()) throw Error("a worker cannot {} before it has a frame", name(stage));
     if (stage >= Stage::relight && lit_.empty())
       throw Error("a worker cannot {} lights that its technique refuses", name(stage));
-    if (uses_gl_) glFinish();
+    if (uses_gl_) inputs_.prepare(stage, scene_, gbuffer_, entry_->about.sees);
     std::optional<double> own_ms;
     const auto start = Clock::now();
     if (stopwatch_) stopwatch_->start();
@@ -242,6 +235,7 @@ class TechniqueServer {
     if (uses_gl_)
       if (const GLenum code = glGetError(); code != GL_NO_ERROR) throw Error("OpenGL error {:#x}", code);
     fresh_ = static_cast<int>(stage);
+    if (uses_gl_) inputs_.end_stage();
     if (own_ms && !(*own_ms >= 0 && *own_ms <= ms))
       throw Error("{} took {:g} ms by the technique's own clock, {:g} ms by the harness's", name(stage), *own_ms, ms);
     return {.harness_ms = ms, .own_ms = own_ms};
@@ -261,6 +255,11 @@ class TechniqueServer {
                                .peak_bytes = static_cast<std::uint64_t>(peak_bytes()),
                                .maker = {}};  // counting may build or draw once more
     reply.counts = objects_->counts();
+    if (uses_gl_) {
+      reply.gl = inputs_.facts(scene_, gbuffer_);
+      for (Count& count : reply.counts)
+        if (count.name == "bytes") count.value += static_cast<double>(*reply.gl->geometry_bytes);
+    }
     for (const Count& c : reply.counts)
       if (!std::isfinite(c.value)) throw Error("count {} is {}", c.name, c.value);
     if (const WorksElsewhere* const there = elsewhere((*objects_)[0])) reply.maker = there->maker();
@@ -334,7 +333,8 @@ class TechniqueServer {
   GBuffer gbuffer_;
   std::optional<TimedBarePass> bare_pass_;  ///< of the frame
   std::optional<FrameTracer> tracer_;
-  int fresh_ = -1;  ///< last stage that is up to date
+  int fresh_ = -1;       ///< last stage that is up to date
+  StagedInputs inputs_;  ///< with GL
 };
 
 }  // namespace

@@ -159,13 +159,14 @@ TEST(own_causes, are_numbered_in_pictures_behind_the_common_ones_that_their_reco
   EXPECT_THROW(causes_from_numbers(std::vector{first + 2}, counts, own), Error);
   // A program that knew no `edge` numbered all behind it, and the own ones, one lower.
   counts.erase("edge");
-  EXPECT_EQ(causes_from_numbers(std::vector{14.0f, first - 1, first}, counts, own),
+  const float region = static_cast<float>(Cause::region) - 1;
+  EXPECT_EQ(causes_from_numbers(std::vector{region, first - 1, first}, counts, own),
             (std::vector{Cause::region, own_cause(0), own_cause(1)}));
   // One that called its own cause what is a common one today: the number is its own.
   std::vector<CauseInfo> old = own;
   old[0].name = "edge";
   counts["edge"] = 0;
-  EXPECT_EQ(causes_from_numbers(std::vector{14.0f, first - 1}, counts, old), (std::vector{Cause::region, own_cause(0)}));
+  EXPECT_EQ(causes_from_numbers(std::vector{region, first - 1}, counts, old), (std::vector{Cause::region, own_cause(0)}));
 }
 
 class Declared : public testing::Test {

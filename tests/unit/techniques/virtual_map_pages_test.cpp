@@ -86,7 +86,7 @@ TEST(VirtualMapPages, every_triangle_over_a_texel_is_in_the_list_of_its_page) {
             for (int k = 0; k < 1 << 2 * (10 - level); ++k)
               asked.push_back(PageAddress::of(int(face), level, {k % (1 << (10 - level)), k / (1 << (10 - level))}).word);
       const PageTable table = pages_of(asked, asked.size(), 10);
-      const Footprints footprints = footprints_of(scene, buffers, camera);
+      const Footprints footprints = footprints_of(scene, solid_parts(scene), camera);
       DrawLists lists;
       fill(lists, scene, buffers, camera, footprints, table, 128);
       std::size_t met = 0;
@@ -144,7 +144,7 @@ TEST(VirtualMapPages, a_sliver_is_drawn_in_the_pages_that_it_crosses) {
   for (int k = 0; k < 16; ++k) asked.push_back(PageAddress::of(0, 8, {k % 4, k / 4}).word);
   const PageTable table = pages_of(asked, asked.size(), 10);
   const SceneBuffers& buffers = scene_buffers(scene);
-  const Footprints footprints = footprints_of(scene, buffers, camera);
+  const Footprints footprints = footprints_of(scene, solid_parts(scene), camera);
   DrawLists lists;
   fill(lists, scene, buffers, camera, footprints, table, 128);
   std::set<std::pair<int, int>> crossed;

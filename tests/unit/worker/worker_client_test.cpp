@@ -173,7 +173,7 @@ TEST_F(ScriptedWorker, support_comes_with_its_reason) {
   WorkerClient worker = loaded(
       "hear\nsay "
       "'{\"support\":{\"support\":\"full\",\"why\":\"\"},\"fresh\":0,\"lights\":[{\"support\":\"full\",\"why\":\"\"}],"
-      "\"floor\":\"\",\"input_bytes\":12,\"upload_ms\":0.5}'\n"
+      "\"floor\":\"\"}'\n"
       "hear\nsay "
       "'{\"support\":{\"support\":\"approximate\",\"why\":\"near\"},\"fresh\":2,\"lights\":[{\"support\":\"approximate\","
       "\"why\":\"near\"}],\"floor\":\"\"}'\n"
@@ -185,12 +185,9 @@ TEST_F(ScriptedWorker, support_comes_with_its_reason) {
   worker.load(anything);
   const FrameReply full = worker.frame(small_frame());
   EXPECT_EQ(full.support.kind(), Support::Kind::full);
-  ASSERT_TRUE(full.upload);
-  EXPECT_EQ(full.upload->bytes, 12u);
   const FrameReply near = worker.frame(small_frame());
   EXPECT_EQ(near.support.kind(), Support::Kind::approximate);
   EXPECT_EQ(near.support.why(), "near");
-  EXPECT_FALSE(near.upload);
   EXPECT_EQ(worker.fresh_count(), 2);
   const FrameReply none = worker.frame(small_frame());
   EXPECT_FALSE(none.support);
@@ -231,118 +228,6 @@ TEST_F(ScriptedWorker, a_mask_of_the_wrong_size_or_value_is_a_failure) {
     const std::string why = reason([&] { worker.mask(); });
     EXPECT_NE(why.find(says), std::string::npos) << make << ": " << why;
   }
-}
-
-/// Workers of this program on a scene of one triangle, 80 pixels by 45.
-class OwnWorker : public testing::Test {
- protected:
-  WorkerClient worker(const std::string& name) {
-    return WorkerClient({.threads = 0, .plugins = {}, .program = tested_program()}, folder.path() / name, 60);
-  }
-  TechniqueOnScene request(const std::string& technique, const std::string& settings = "") {
-    return {.scene_file = frames.scene_file(), .technique = technique, .settings = settings};
-  }
-  FrameRequest frame() {
-    const FrameKey key{.view = scene.views[0], .width = 80, .height = 45, .truth = Truth::mesh};
-    return {.gbuffer_file = frames.gbuffer_file(key),
-            .width = key.width,
-            .height = key.height,
-            .truth = key.truth,
-            .seen = SceneLightAndView{}};
-  }
-  static constexpr std::size_t pixel_count = 80 * 45;
-
-  const ScratchFolder folder = ScratchFolder::temporary("gnomon_worker");
-  const Scene scene = load_scene("single_triangle");
-  FrameStore frames{scene, folder.path() / "frames"};
-};
-
-TEST_F(OwnWorker, answers_counts_layers_and_explanations) {
-  WorkerClient client = worker("map");
-  client.load(request("shadow_map", "resolution=256"));
-  ASSERT_TRUE(client.gl());
-  EXPECT_FALSE(client.gl()->renderer.empty());
-  EXPECT_GE(client.gl()->subpixel_bits, 4);  // what OpenGL promises
-  const FrameReply reply = client.frame(frame());
-  EXPECT_TRUE(reply.support);
-  ASSERT_TRUE(reply.upload);
-  EXPECT_GT(reply.upload->bytes, 0u);
-  const MaskReply answer = client.answer();
-  EXPECT_EQ(client.fresh_count(), 4);
-  EXPECT_EQ(answer.mask.size(), pixel_count);
-  EXPECT_NE(std::ranges::find(answer.mask, 0.0f), answer.mask.end());
-  const auto bytes = std::ranges::find(answer.counts, "bytes", &Count::name);
-  ASSERT_NE(bytes, answer.counts.end());
-  EXPECT_GE(bytes->value, 6 * 256 * 256 * 2) << "six faces of at least 16 bits a texel";
-  EXPECT_GT(answer.peak_bytes, 1'000'000u);
-  EXPECT_EQ(client.debug_layer("map").size(), 3 * pixel_count);
-  // More pixels than one request asks for: those of the picture, twice over.
-  std::vector<std::uint32_t> pixels(2 * pixel_count);
-  for (std::size_t k = 0; k < pixels.size(); ++k) pixels[k] = static_cast<std::uint32_t>(k % pixel_count);
-  const auto explanations = client.explain(pixels);
-  ASSERT_EQ(explanations.size(), pixels.size());
-  const std::size_t shadow = static_cast<std::size_t>(std::ranges::find(answer.mask, 0.0f) - answer.mask.begin());
-  ASSERT_TRUE(explanations[shadow] && explanations[shadow + pixel_count]);
-  EXPECT_FALSE(explanations[shadow]->taps.empty());
-  EXPECT_EQ(explanations[shadow]->taps.size(), explanations[shadow + pixel_count]->taps.size());
-  client.set("resolution=128");
-  EXPECT_EQ(client.fresh_count(), 2) << "setup and build know no resolution";
-  EXPECT_EQ(client.mask().size(), pixel_count);
-}
-
-TEST_F(OwnWorker, a_technique_without_samples_explains_nothing) {
-  WorkerClient client = worker("rays");
-  client.load(request("embree_rays"));
-  EXPECT_FALSE(client.gl());
-  client.frame(frame());
-  const std::vector<std::uint32_t> pixels{0, 7, 9};
-  const auto explanations = client.explain(pixels);
-  ASSERT_EQ(explanations.size(), 3u);
-  EXPECT_FALSE(explanations[0] || explanations[1] || explanations[2]);
-}
-
-TEST_F(OwnWorker, gives_surface_detail_once_light_is_there) {
-  WorkerClient client = worker("tree");
-  client.load(request("svbsp"));
-  client.frame(frame());
-  const SurfaceDetail detail = client.surface_detail();
-  EXPECT_FALSE(detail.polygons.empty());
-  EXPECT_EQ(client.fresh_count(), 3);
-}
-
-TEST_F(OwnWorker, answers_a_light_that_is_not_the_scenes) {
-  WorkerClient client = worker("free");
-  client.load(request("embree_rays"));
-  client.frame(frame());
-  const std::vector<float> before = client.mask();
-  Light moved = scene.lights[0];
-  std::get<PointLight>(moved.kind).position += glm::vec3(1, 0, 0);
-  FrameRequest elsewhere = frame();
-  elsewhere.seen = FreeLightAndView{{moved}, scene.views[0]};
-  client.frame(elsewhere);
-  EXPECT_EQ(client.fresh_count(), 2) << "another light: build stands";
-  EXPECT_NE(client.mask(), before);
-  elsewhere.seen = FreeLightAndView{{scene.lights[0]}, scene.views[0]};
-  client.frame(elsewhere);
-  EXPECT_EQ(client.mask(), before);
-}
-
-TEST_F(OwnWorker, several_load_at_once) {
-  WorkerClient one = worker("one"), two = worker("two");
-  one.begin_load(request("unshadowed"));
-  two.begin_load(request("embree_rays"));
-  two.end_load();
-  one.end_load();
-  one.frame(frame());
-  two.frame(frame());
-  EXPECT_EQ(one.mask(), std::vector<float>(pixel_count, 1.0f));
-  EXPECT_NE(two.mask(), one.mask());
-}
-
-TEST_F(OwnWorker, an_unknown_technique_is_an_exception_in_open) {
-  WorkerClient client = worker("none");
-  const std::string why = reason([&] { client.load(request("shadow_mop")); });
-  EXPECT_TRUE(why.starts_with("threw in open: there is no technique shadow_mop")) << why;
 }
 
 }  // namespace worker_client_test

@@ -132,5 +132,13 @@ std::int64_t bound_depth(const EdgeAdjacency& adjacency, const Silhouette& silho
 /// The boxes of a casting mesh's connected parts, where every part is closed and wound counter-clockwise seen from outside:
 /// light from outside of a box never reaches the inside of its part. Empty otherwise.
 std::vector<Bounds> solid_parts(const Mesh& mesh);
+/// Of each mesh.
+using SolidParts = std::vector<std::vector<Bounds>>;
+SolidParts solid_parts(const Scene& scene);
+inline std::size_t bytes_of(const SolidParts& parts) {
+  std::size_t bytes = 0;
+  for (const std::vector<Bounds>& mesh : parts) bytes += mesh.size() * sizeof(Bounds);
+  return bytes;
+}
 
 }  // namespace gnomon

@@ -133,14 +133,11 @@ glm::dmat4 clip_from_world(const GBuffer& gbuffer, const Scene& scene);
 /// attribute 0 `vec3 position`, `uniform mat4 clip_from_world`, `vec4 place(vec4 world)`, `invariant gl_Position`.
 extern const std::string_view position_snippet;
 
-// --- Inputs, owned here, uploaded outside the timed stages -----------------------------------------------------------------
+// --- Inputs, owned here ----------------------------------------------------------------------------------------------------
 
 struct MeshRange {
   std::uint32_t first_vertex = 0, first_triangle = 0, triangle_count = 0;
   bool casts = true, receives = true;
-  /// The boxes of its connected parts, where every part is closed and wound counter-clockwise seen from outside: light from
-  /// outside enters such a part through a triangle that is turned to it before it leaves it through another. Else none.
-  std::vector<Bounds> solid_parts{};
 };
 
 /// All meshes one after the other. `triangles` holds three uint32 a triangle, counted over the whole scene (base vertex 0).
@@ -150,7 +147,6 @@ struct SceneBuffers {
   VertexArray vertex_array;  ///< attribute 0 = position, and the element buffer
   std::vector<MeshRange> meshes;
   std::size_t bytes = 0;
-  double upload_ms = 0;
   /// Draws the triangles of these meshes, in order, by one call; neighbors are drawn as one. Leaves no vertex array bound.
   void draw(const std::vector<std::uint32_t>& which) const;
 };
@@ -189,11 +185,30 @@ struct DepthStencil {
 /// What the next three need of the device.
 GlLimits inputs_need(const Scene& scene, int width, int height);
 
-/// Uploaded at the first request, looked up after. The last few scenes and G-buffers are held: ask again in every stage and
-/// keep no reference from one to the next. The harness asks first, so that a technique's call costs a look-up.
+/// The triangles of a scene: uploaded at the first request after they changed, looked up after. A technique asks for them in
+/// `build`, which so takes the time of the upload; what holds them counts among its memory. The last few scenes are held: ask
+/// again in every stage and keep no reference from one to the next.
 const SceneBuffers& scene_buffers(const Scene& scene);
+/// The same without an upload; null where nobody asked since the scene changed.
+const SceneBuffers* uploaded_scene(const Scene& scene);
+/// The scene's triangles changed, or are to be taken for changed: the next request uploads them.
+void forget_scene(const Scene& scene);
+/// Bytes of triangles that this process has uploaded.
+std::uint64_t uploaded_scene_bytes();
+
+/// What belongs to the picture and not to the technique: the same upload for all that draw. The harness asks first, outside of
+/// the timed stages, so that a technique's call costs a look-up; held as the scenes are. Depth is drawn from scene_buffers.
 const GBufferTextures& gbuffer_textures(const GBuffer& gbuffer, const Scene& scene);
 const DepthStencil& depth_stencil(const Scene& scene, const GBuffer& gbuffer, Truth sees = Truth::mesh);
+/// Whether a technique of this process has asked for a depth, so far.
+bool uses_depth_stencil();
+struct UploadCost {
+  std::size_t bytes = 0;
+  double ms = 0;
+};
+/// Of those two, as far as they are held.
+UploadCost picture_uploads(const Scene& scene, const GBuffer& gbuffer);
+
 /// Frees what this part holds. Must be called before the context goes, or after a scene was edited in place.
 void release_inputs();
 

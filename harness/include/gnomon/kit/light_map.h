@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/kit/edges.h>
 #include <gnomon/kit/gl_pass.h>
 #include <gnomon/kit/light_camera.h>
 
@@ -6,8 +7,9 @@
 
 namespace gnomon {
 
-/// Whether the light is outside all parts of a solid mesh: what is turned away from it then hides nothing more.
-bool is_seen_from_outside(const MeshRange& mesh, const LightSpaceFace& face);
+/// Whether the light is outside all parts of a mesh (see solid_parts): what is turned away from it then
+/// hides nothing more, for light enters such a part through a triangle that is turned to it before it leaves it.
+bool is_seen_from_outside(std::span<const Bounds> solid_parts, const LightSpaceFace& face);
 
 /// Draws the images of light cameras. One serves all lights of a technique: keep it with what they share.
 class DepthImages {
@@ -27,7 +29,7 @@ class DepthImages {
   /// The first surface strictly behind that of `first`; what is as near as that is the same surface, or one glued to it.
   std::size_t draw_second(const LightCamera& camera, const Texture& first, Texture& target);
 
-  std::size_t bytes() const { return boxes_.meshes.size() * sizeof(MeshBox); }
+  std::size_t bytes() const { return boxes_.meshes.size() * sizeof(MeshBox) + bytes_of(solid_parts_); }
 
  private:
   std::size_t draw(const Program& program, const LightCamera& camera, Texture& target, Faces faces);
@@ -35,6 +37,7 @@ class DepthImages {
   Framebuffer framebuffer_;
   const Scene* scene_ = nullptr;
   MeshBoxes boxes_;
+  SolidParts solid_parts_;
 };
 
 /// How a camera looks, as shaders know it: PROJECTION of `light_map_head`.

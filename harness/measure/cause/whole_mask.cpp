@@ -1,0 +1,289 @@
+// Looks for one change of the whole reference that makes it the mask.
+#include "measure/cause/whole_mask.h"
+
+#include <fmt/format.h>
+#include <gnomon/kit/parallel.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "measure/cause/soft_causes.h"
+
+namespace gnomon {
+
+namespace {
+
+constexpr float unknown = NAN;
+
+/// Rows of the picture. Changes are fitted on some and made of all.
+struct Rows {
+  int begin, end;
+};
+/// What a change makes of the reference in these rows, every pixel of them; NaN where nothing tells.
+using Made = std::vector<float>;
+
+/// What the mask is compared with.
+std::span<const float> truth_of(const Attribution& a) {
+  return a.reference.kind == AnswerKind::fraction ? SoftTruth(a).share : a.reference.mask;
+}
+
+class Finder {
+ public:
+  explicit Finder(const Attribution& a)
+      : a_(a),
+        width_(a.gbuffer.width),
+        height_(a.gbuffer.height),
+        truth_(truth_of(a)),
+        picture_(whole_picture()),
+        fitted_(rows_with_most_error()) {}
+
+  std::optional<WholeMask> find() {
+    if (total({0, height_}) == 0) return std::nullopt;
+    std::vector<WholeMask> candidates{best_shift(), best_gamma(), best_blur()};
+    for (const auto change :
+         {WholeMask::Change::upside_down, WholeMask::Change::mirrored, WholeMask::Change::turned, WholeMask::Change::inverted})
+      candidates.push_back({.change = change, .changed = {}});
+    WholeMask* best = nullptr;
+    for (WholeMask& candidate : candidates) {
+      candidate.explained = explained(candidate, fitted_);
+      if (!best || candidate.explained > best->explained) best = &candidate;
+    }
+    best->changed = make(*best, {0, height_});
+    best->explained = explained(best->changed, {0, height_});
+    if (best->explained < least_explained) return std::nullopt;
+    return std::move(*best);
+  }
+
+ private:
+  bool is_tested(std::size_t i) const { return a_.reference.classes[i] == PixelClass::T; }
+  std::size_t at(int x, int y) const { return static_cast<std::size_t>(y) * width_ + x; }
+  double error(std::size_t i) const { return std::abs(static_cast<double>(a_.mask[i]) - truth_[i]); }
+
+  /// The reference, and where nothing is asked what the mask has there, whatever its maker writes: the median over background
+  /// and that over surfaces turned from the light.
+  std::vector<float> whole_picture() const {
+    std::vector<float> picture(truth_.begin(), truth_.end());
+    for (const PixelClass nothing : {PixelClass::B, PixelClass::F}) {
+      std::vector<float> values;
+      for (std::size_t i = 0; i < picture.size(); ++i)
+        if (a_.reference.classes[i] == nothing) values.push_back(a_.mask[i]);
+      if (values.empty()) continue;
+      std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
+      for (std::size_t i = 0; i < picture.size(); ++i)
+        if (a_.reference.classes[i] == nothing) picture[i] = values[values.size() / 2];
+    }
+    return picture;
+  }
+
+  double total(Rows rows) const {
+    double sum = 0;
+    for (std::size_t i = at(0, rows.begin); i < at(0, rows.end); ++i)
+      if (is_tested(i)) sum += error(i);
+    return sum;
+  }
+
+  /// About a million pixels.
+  Rows rows_with_most_error() const {
+    const int count = std::min(height_, std::max(64, (1 << 20) / width_));
+    std::vector<double> before(height_ + 1, 0);
+    for (int y = 0; y < height_; ++y) before[y + 1] = before[y] + total({y, y + 1});
+    int best = 0;
+    for (int y = 0; y + count <= height_; ++y)
+      if (before[y + count] - before[y] > before[best + count] - before[best]) best = y;
+    return {best, best + count};
+  }
+
+  double explained(const WholeMask& change, Rows rows) const { return explained(make(change, rows), rows); }
+  double explained(const Made& made, Rows rows) const {
+    double before = 0, after = 0;
+    const std::size_t first = at(0, rows.begin);
+    for (std::size_t k = 0; k < made.size(); ++k) {
+      const std::size_t i = first + k;
+      if (!is_tested(i) || std::isnan(made[k])) continue;
+      before += error(i);
+      after += std::abs(static_cast<double>(a_.mask[i]) - made[k]);
+    }
+    return before > 0 && 2 * before >= total(rows) ? 1 - after / before : -INFINITY;
+  }
+
+  Made make(const WholeMask& change, Rows rows) const {
+    using Change = WholeMask::Change;
+    const auto each = [&](const auto& value) {
+      Made made(at(0, rows.end) - at(0, rows.begin));
+      for_blocks(rows.end - rows.begin, 16, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row)
+          for (int x = 0; x < width_; ++x) made[row * width_ + x] = value(x, rows.begin + static_cast<int>(row));
+      });
+      return made;
+    };
+    switch (change.change) {
+      case Change::shift:
+        return each([&](int x, int y) { return between(x - change.shift.x, y - change.shift.y); });
+      case Change::gamma:
+        return each([&](int x, int y) { return static_cast<float>(std::pow(truth_[at(x, y)], change.gamma)); });
+      case Change::blur:
+        return blurred(change.sigma, rows);
+      case Change::upside_down:
+        return each([&](int x, int y) { return answer(x, height_ - 1 - y); });
+      case Change::mirrored:
+        return each([&](int x, int y) { return answer(width_ - 1 - x, y); });
+      case Change::turned:
+        return each([&](int x, int y) { return answer(width_ - 1 - x, height_ - 1 - y); });
+      case Change::inverted:
+        return each([&](int x, int y) { return 1 - answer(x, y); });
+    }
+    return {};
+  }
+
+  float answer(int x, int y) const { return x < 0 || y < 0 || x >= width_ || y >= height_ ? unknown : picture_[at(x, y)]; }
+  /// Bilinear, of the neighbors that have weight.
+  float between(double x, double y) const {
+    const int left = static_cast<int>(std::floor(x)), top = static_cast<int>(std::floor(y));
+    const double u = x - left, v = y - top;
+    double sum = 0;
+    for (int k = 0; k < 4; ++k)
+      if (const double weight = (k % 2 ? u : 1 - u) * (k / 2 ? v : 1 - v); weight > 0)
+        sum += weight * answer(left + k % 2, top + k / 2);
+    return static_cast<float>(sum);
+  }
+
+  /// The mean of what is around, weighted by a Gaussian; what is beside the picture has no weight.
+  Made blurred(double sigma, Rows rows) const {
+    const int reach = static_cast<int>(std::ceil(3 * sigma));
+    std::vector<double> weights;
+    for (int k = -reach; k <= reach; ++k) weights.push_back(std::exp(-k * k / (2 * sigma * sigma)));
+    const Rows read{std::max(0, rows.begin - reach), std::min(height_, rows.end + reach)};
+    // Along the rows: sums of answers and of weights.
+    std::vector<glm::dvec2> sums(at(0, read.end) - at(0, read.begin));
+    for_blocks(read.end - read.begin, 16, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t row = begin; row < end; ++row)
+        for (int x = 0; x < width_; ++x) {
+          glm::dvec2 sum(0);
+          for (int j = std::max(0, x - reach); j <= std::min(width_ - 1, x + reach); ++j)
+            sum += weights[j - x + reach] * glm::dvec2(picture_[at(j, read.begin + static_cast<int>(row))], 1);
+          sums[row * width_ + x] = sum;
+        }
+    });
+    Made made(at(0, rows.end) - at(0, rows.begin));
+    for_blocks(rows.end - rows.begin, 16, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t row = begin; row < end; ++row) {
+        const int y = rows.begin + static_cast<int>(row);
+        std::vector<glm::dvec2> column(width_, glm::dvec2(0));
+        for (int j = std::max(read.begin, y - reach); j <= std::min(read.end - 1, y + reach); ++j)
+          for (int x = 0; x < width_; ++x) column[x] += weights[j - y + reach] * sums[at(x, j - read.begin)];
+        for (int x = 0; x < width_; ++x) made[row * width_ + x] = static_cast<float>(column[x].x / column[x].y);
+      }
+    });
+    return made;
+  }
+
+  /// The best whole number of pixels; and between pixels, where either mask has more than two values.
+  WholeMask best_shift() const {
+    WholeMask best{.change = WholeMask::Change::shift, .explained = -INFINITY, .changed = {}};
+    const auto try_at = [&](const glm::dvec2& shift) {
+      WholeMask there{.change = WholeMask::Change::shift, .shift = shift, .changed = {}};
+      if (shift == glm::dvec2(0)) return false;
+      there.explained = explained(there, fitted_);
+      if (there.explained <= best.explained) return false;
+      best = std::move(there);
+      return true;
+    };
+    for (int dy = -most_shift; dy <= most_shift; ++dy)
+      for (int dx = -most_shift; dx <= most_shift; ++dx) try_at({dx, dy});
+    if (a_.reference.kind == AnswerKind::binary && std::ranges::all_of(a_.mask, [](float v) { return v == 0 || v == 1; }))
+      return best;
+    for (double step = 0.5; step >= 1.0 / 32; step /= 2)
+      for (bool is_better = true; is_better;) {
+        is_better = false;
+        const glm::dvec2 center = best.shift;
+        for (int k = 0; k < 9; ++k)
+          if (k != 4) is_better |= try_at(center + step * glm::dvec2(k % 3 - 1, k / 3 - 1));
+      }
+    return best;
+  }
+
+  WholeMask best_gamma() const {
+    return best_along({.change = WholeMask::Change::gamma, .changed = {}}, &WholeMask::gamma, 0.2, 5);
+  }
+  WholeMask best_blur() const {
+    return best_along({.change = WholeMask::Change::blur, .changed = {}}, &WholeMask::sigma, 0.25, most_sigma);
+  }
+  /// Of numbers from `least` to `most` the one that explains the most: a few in equal ratios, then between the best one's
+  /// neighbors by thirds.
+  WholeMask best_along(WholeMask change, double WholeMask::*number, double least, double most) const {
+    constexpr int count = 12, thirds = 12;
+    const double ratio = std::pow(most / least, 1.0 / (count - 1));
+    const auto explained_by = [&](double value) {
+      change.*number = value;
+      return explained(change, fitted_);
+    };
+    int best = 0;
+    std::vector<double> found;
+    for (int k = 0; k < count; ++k) {
+      found.push_back(explained_by(least * std::pow(ratio, k)));
+      if (found[k] > found[best]) best = k;
+    }
+    double low = least * std::pow(ratio, std::max(best - 1, 0)), high = least * std::pow(ratio, std::min(best + 1, count - 1));
+    for (int k = 0; k < thirds; ++k) {
+      const double a = low + (high - low) / 3, b = high - (high - low) / 3;
+      if (explained_by(a) > explained_by(b))
+        high = b;
+      else
+        low = a;
+    }
+    change.*number = (low + high) / 2;
+    return change;
+  }
+
+  const Attribution& a_;
+  const int width_, height_;
+  const std::span<const float> truth_;
+  const std::vector<float> picture_;
+  const Rows fitted_;
+};
+
+}  // namespace
+
+bool WholeMask::explains(const Attribution& a, std::size_t i) const {
+  const auto off = [&](float truth) { return std::abs(static_cast<double>(a.mask[i]) - truth); };
+  return cause() != Cause::none && off(changed[i]) < off(truth_of(a)[i]) / 2;  // never of a NaN
+}
+
+Cause WholeMask::cause() const {
+  switch (change) {
+    case Change::shift:
+      return Cause::mask_shift;
+    case Change::gamma:
+      return Cause::mask_gamma;
+    case Change::blur:
+      return Cause::mask_blur;
+    default:
+      return Cause::none;
+  }
+}
+
+std::string WholeMask::words() const {
+  switch (change) {
+    case Change::shift:
+      return fmt::format("shifted by {:.4g} px {} and {:.4g} px {}", std::abs(shift.x), shift.x < 0 ? "left" : "right",
+                         std::abs(shift.y), shift.y < 0 ? "up" : "down");
+    case Change::gamma:
+      return fmt::format("raised to the power {:.2f}, as by a gamma curve", gamma);
+    case Change::blur:
+      return fmt::format("blurred, by a filter of {:.2g} px standard deviation", sigma);
+    case Change::upside_down:
+      return "upside down";
+    case Change::mirrored:
+      return "mirrored, left to right";
+    case Change::turned:
+      return "turned by 180 degrees";
+    case Change::inverted:
+      return "inverted: 1 is lit, 0 is in shadow";
+  }
+  return {};
+}
+
+std::optional<WholeMask> find_whole_mask(const Attribution& attribution) { return Finder(attribution).find(); }
+
+}  // namespace gnomon
