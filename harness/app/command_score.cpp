@@ -109,6 +109,16 @@ Json json_of(const Metrics& metrics) {
   return values;
 }
 
+/// What became of the whole mask, in words and in numbers.
+Json json_of(const ScoredMask& mask) {
+  const WholeMask& whole = *mask.whole;
+  Json json = json_object({{"change", name(whole.change)}, {"explained", whole.explained}, {"words", mask.words()}});
+  if (whole.change == WholeMask::Change::shift) json["pixels"] = {whole.shift.x, whole.shift.y};
+  if (whole.change == WholeMask::Change::gamma) json["power"] = whole.gamma;
+  if (whole.change == WholeMask::Change::blur) json["sigma"] = whole.sigma;
+  return json;
+}
+
 /// Wrong pixels by cause, causes that occur only.
 std::map<std::string, std::uint64_t> causes_that_occur(const Score& score) {
   std::map<std::string, std::uint64_t> counts = *score.causes;
@@ -162,7 +172,7 @@ void report(const Question& question, std::size_t k, const ScoredMask& mask, Jso
   row["classes"] = score.whole.classes;
   row["causes"] = causes;
   if (score.whole.cause_errors) row["cause_errors"] = shares;
-  if (mask.whole) row["whole_mask"] = mask.words();
+  if (mask.whole) row["whole_mask"] = json_of(mask);
 }
 
 /// "resolve=12.5": milliseconds that somebody told, by stage.

@@ -79,7 +79,7 @@ struct Inputs {
   Program depth_program, shape_depth_program;
 };
 std::uint64_t uploaded_bytes = 0;  // of triangles
-bool is_depth_used = false;
+bool is_depth_used[2] = {};        // by what is seen
 
 // Not destroyed at exit: the context may be gone by then.
 Inputs& inputs() {
@@ -216,12 +216,18 @@ const SceneBuffers* uploaded_scene(const Scene& scene) {
 }
 
 void forget_scene(const Scene& scene) {
-  std::erase_if(inputs().scenes, [wanted = stamp(scene)](const auto& slot) { return slot->stamp == wanted; });
+  const std::uint64_t wanted = stamp(scene);
+  std::erase_if(inputs().scenes, [&](const auto& slot) { return slot->stamp == wanted; });
+  for (const auto& slot : inputs().gbuffers)
+    if (slot->scene_stamp == wanted) {
+      slot->depth = {};
+      slot->shape_depth = {};
+    }
 }
 
 std::uint64_t uploaded_scene_bytes() { return uploaded_bytes; }
 
-bool uses_depth_stencil() { return is_depth_used; }
+bool uses_depth_stencil(Truth sees) { return is_depth_used[static_cast<std::size_t>(sees)]; }
 
 UploadCost picture_uploads(const Scene& scene, const GBuffer& gbuffer) {
   UploadCost cost;
@@ -241,7 +247,7 @@ glm::dmat4 clip_from_world(const GBuffer& gbuffer, const Scene& scene) {
 }
 
 const DepthStencil& depth_stencil(const Scene& scene, const GBuffer& gbuffer, Truth sees) {
-  is_depth_used = true;
+  is_depth_used[static_cast<std::size_t>(sees)] = true;
   const bool shows_shapes = sees == Truth::shape && gbuffer.truth == Truth::shape && scene.has_curved_shapes();
   GBufferSlot& slot = gbuffer_slot(gbuffer, scene);
   DepthStencil& depth = shows_shapes ? slot.shape_depth : slot.depth;

@@ -161,11 +161,13 @@ class FramePairs:
     alternates, so that neither is always the one that finds the caches warm."""
 
     def __init__(self):
-        self.plain_ms, self.difference_ms = [], []
+        self.of = None
 
-    def draw(self, frame):
+    def draw(self, of, frame):
         """The next pair, by `frame(shadows)`, which answers a tuple: its picture, its milliseconds and whatever else. Returns that
-        with shadows and that without."""
+        with shadows and that without. `of`: the light, view and size that pairs are of; other ones begin anew."""
+        if of != self.of:
+            self.of, self.plain_ms, self.difference_ms = of, [], []
         with_first = len(self.plain_ms) % 2 == 0
         drawn = {shadows: frame(shadows) for shadows in (with_first, not with_first)}
         self.plain_ms.append(drawn[False][1])
@@ -175,6 +177,11 @@ class FramePairs:
     def counts(self):
         """Medians of all pairs so far; a difference that is lost in the noise is 0."""
         return {"plain_frame": (median(self.plain_ms), "ms"), "frame_difference": (max(0.0, median(self.difference_ms)), "ms")}
+
+
+def pair_of(light, gbuffer):
+    """What a pair of frames is of."""
+    return light.name, gbuffer.view.name, gbuffer.width, gbuffer.height
 
 
 class Engine(Technique):
@@ -207,6 +214,7 @@ class Engine(Technique):
         self.display = start_display() if self.needs_display else None
         if self.display:
             os.environ.update(DISPLAY=self.display, LIBGL_ALWAYS_SOFTWARE="1")
+        self.pairs = FramePairs()
         self.start()
 
     def build(self, scene):
@@ -218,7 +226,7 @@ class Engine(Technique):
         self.load(scene)
 
     def relight(self, light):
-        self.light, self.pairs = light, FramePairs()
+        self.light = light
         self.place_light(light)
 
     def to_light(self):
@@ -230,7 +238,7 @@ class Engine(Technique):
 
     def resolve(self, gbuffer, mask):
         camera = Camera(gbuffer.view, gbuffer.width, gbuffer.height, self.corners)
-        (lit, self.ms), (full, _) = self.pairs.draw(lambda shadows: self.frame(camera, gbuffer.width, gbuffer.height, shadows))
+        (lit, self.ms), (full, _) = self.pairs.draw(pair_of(self.light, gbuffer), lambda shadows: self.frame(camera, gbuffer.width, gbuffer.height, shadows))
         self.counts.update(self.pairs.counts())
         full = np.asarray(full, float)
         mask[...] = np.where(full > 0, np.clip(lit / np.maximum(full, 1e-30), 0, 1), 1)

@@ -8,7 +8,7 @@ that of tracing the picture with shadows; what Blender does before it (taking th
 from pathlib import Path
 
 import numpy as np
-from gnomon_engine import Awaited, Camera, Child, FramePairs, require_version
+from gnomon_engine import Awaited, Camera, Child, FramePairs, pair_of, require_version
 from gnomon_technique import Technique, serve
 
 HARD = ("point", "spot", "directional")
@@ -35,6 +35,7 @@ class Cycles(Technique):
         version = self.blender.ask(do="start", folder=self.folder, threads=self.threads)["version"]
         require_version("Blender", version, "3.4")
         self.maker = f"Blender {version} (Cycles)"
+        self.pairs = FramePairs()
 
     def build(self, scene):
         self.scene = scene
@@ -60,7 +61,7 @@ class Cycles(Technique):
                 matrix, size = basis(-light.half_u / u, light.half_v / v, back, light.center), (2 * u, 2 * v)
         far = np.linalg.norm(self.corners - light.center, axis=-1).max() if kind == "AREA" and len(self.corners) else 1
         self.blender.ask(do="relight", kind=kind, power=ENOUGH * max(far, 1) ** 2 if kind != "SUN" else 1, matrix=matrix, size=size, sides=sides)
-        self.is_hard, self.pairs = light.kind in HARD, FramePairs()
+        self.is_hard = light.kind in HARD
 
     def frame(self, gbuffer, shadows):
         c = Camera(gbuffer.view, gbuffer.width, gbuffer.height, self.corners)
@@ -74,7 +75,7 @@ class Cycles(Technique):
         return pixels, done["trace_ms"], done["sync_ms"]
 
     def resolve(self, gbuffer, mask):
-        (lit, self.ms, sync), (full, *_) = self.pairs.draw(lambda shadows: self.frame(gbuffer, shadows))
+        (lit, self.ms, sync), (full, *_) = self.pairs.draw(pair_of(self.light, gbuffer), lambda shadows: self.frame(gbuffer, shadows))
         share = np.where(full > 0, np.clip(lit / np.maximum(full, 1e-30), 0, 1), 1)
         mask[...] = np.where(gbuffer.faces(self.light, self.scene), share >= 0.5, 1) if self.is_hard else share
         self.counts = self.pairs.counts() | {"sync": (sync, "ms")}

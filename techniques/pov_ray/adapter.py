@@ -4,7 +4,7 @@ The time of a resolve is what POV-Ray says that it traced for; reading the scene
 """
 
 import numpy as np
-from gnomon_engine import FramePairs, require_version, version_of
+from gnomon_engine import FramePairs, pair_of, require_version, version_of
 from gnomon_technique import Technique, serve
 from pov_scene import SETTINGS, camera, grid_points, light_source, meshes_text, render
 
@@ -14,6 +14,7 @@ class PovRay(Technique):
         version = version_of(["povray", "--version"], r"POV-Ray ([0-9.]+[0-9])")
         require_version("POV-Ray", version, "3.7")
         self.maker = f"POV-Ray {version}"
+        self.pairs = FramePairs()
 
     def build(self, scene):
         self.scene = scene
@@ -22,7 +23,7 @@ class PovRay(Technique):
         self.texts = {}
 
     def relight(self, light):
-        self.light, self.pairs = light, FramePairs()
+        self.light = light
 
     def run(self, gbuffer, shadows):
         curved = gbuffer.truth == "shape"
@@ -44,7 +45,7 @@ class PovRay(Technique):
         return count / len(points)
 
     def resolve(self, gbuffer, mask):
-        done, _ = self.pairs.draw(lambda shadows: self.run(gbuffer, shadows))
+        done, _ = self.pairs.draw(pair_of(self.light, gbuffer), lambda shadows: self.run(gbuffer, shadows))
         if self.light.kind == "rect":
             # what is below the horizon is hidden by the surface itself and counted by POV-Ray, but neither lit nor dark here
             above = self.share_above(gbuffer)

@@ -107,8 +107,8 @@ class Merge(ProgramTest):
         self.refuse("merge", self.parts[0], "absent", "--out", "merged", says=["absent is not the folder of a run"])
         self.refuse("merge", "--out", "merged", says=["dirs"])
         self.refuse("merge", self.parts[0], says=["--out"])
-        copy, _ = self.change(lambda r: r.update(schema=5))
-        self.refuse("merge", copy, "--out", "merged", says=["changed/records.jsonl:1: schema = 5 is that of a newer program"])
+        copy, _ = self.change(lambda r: r.update(schema=99))
+        self.refuse("merge", copy, "--out", "merged", says=["changed/records.jsonl:1: schema = 99 is that of a newer program"])
         self.assertFalse((self.dir / "merged").exists())
 
 

@@ -2,14 +2,51 @@
 """score: a mask from a file against the reference."""
 
 import json
+import struct
 import sys
 import unittest
+import zlib
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from program import SMALL, ProgramTest, records  # noqa: E402
 
 SIZE = SMALL[-2:]
+
+
+def gray_png(file):
+    """Width, height and the first channel of a PNG of eight bits and no interlacing."""
+    data, at, packed = file.read_bytes(), 8, b""
+    while at < len(data):
+        size, kind = struct.unpack(">I4s", data[at:at + 8])
+        if kind == b"IHDR":
+            width, height, depth, color = struct.unpack(">IIBB", data[at + 8:at + 18])
+        if kind == b"IDAT":
+            packed += data[at + 8:at + 8 + size]
+        at += size + 12
+    channels = {0: 1, 2: 3}[color]
+    assert depth == 8
+    raw, before, gray = zlib.decompress(packed), bytearray(width * channels), bytearray()
+    for y in range(height):
+        kind, row = raw[y * (width * channels + 1)], bytearray(raw[y * (width * channels + 1) + 1:(y + 1) * (width * channels + 1)])
+        for x in range(len(row)):
+            left, up = row[x - channels] if x >= channels else 0, before[x]
+            corner = before[x - channels] if x >= channels else 0
+            nearest = min((left, up, corner), key=lambda v, of=left + up - corner: abs(of - v))
+            row[x] = (row[x] + (0, left, up, (left + up) // 2, nearest)[kind]) & 255
+        gray += row[::channels]
+        before = row
+    return width, height, bytes(gray)
+
+
+def write_gray_png(file, width, height, rows):
+    """`rows`: each with its filter, 0, before it."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    file.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0))
+                     + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
 SCENE = ("--scene", "sphere_over_plane")
 
 
@@ -72,6 +109,31 @@ class Score(ProgramTest):
             (("--mask", picture, "--channel", "R"), ("--channel R", "2 are asked for", "--light")),
         ):
             self.refuse("score", *SCENE, *arguments, says=words)
+
+
+    def test_a_mask_that_is_changed_as_a_whole_is_said_to_be(self):
+        # One pixel to the right; the rim repeats. A gray PNG is what other programs write.
+        mask, _ = self.render("embree_rays")
+        width, height, gray = gray_png(self.dir / "made/mask.png")
+        moved = bytearray()
+        for y in range(height):
+            row = gray[y * width:(y + 1) * width]
+            moved += bytes([0]) + row[:1] + row[:-1]
+        shifted = self.dir / "shifted.png"
+        write_gray_png(shifted, width, height, bytes(moved))
+        score, = json.loads(self.succeed("score", *SCENE, "--mask", shifted, "--light", "point", "--json"))
+        self.assertEqual((score["whole_mask"]["change"], score["whole_mask"]["pixels"]), ("shift", [1, 0]))
+        self.assertGreater(score["whole_mask"]["explained"], 0.95)
+        self.assertGreater(score["causes"]["mask_shift"], 0.95 * sum(score["causes"].values()))
+        text = self.succeed("score", *SCENE, "--mask", shifted, "--light", "point")
+        self.assertRegex(text, r"\nthe whole mask is shifted by 1 px right, which makes \d+ % of its error\n")
+        score, = json.loads(self.succeed("score", *SCENE, "--mask", self.dir / "made/mask.png", "--channel", "R", "--light", "point", "--json"))
+        self.assertNotIn("whole_mask", score)
+        # It is told of the row, too.
+        self.succeed("score", *SCENE, "--mask", shifted, "--light", "point", "--label", "Other", "--out", "rows")
+        record, = records(self.dir / "rows")
+        self.assertIn("Other: the whole mask is shifted by 1 px right", record["notes"][-1])
+        self.assertGreater(record["causes"]["mask_shift"], 0)
 
 
 class Rows(ProgramTest):

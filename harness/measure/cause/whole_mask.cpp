@@ -6,7 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
+#include <tuple>
 
 #include "measure/cause/soft_causes.h"
 
@@ -36,11 +36,14 @@ class Finder {
         height_(a.gbuffer.height),
         truth_(truth_of(a)),
         picture_(whole_picture()),
+        one_value_(median_of_mask()),
+        error_before_(errors_before_rows()),
         fitted_(rows_with_most_error()) {}
 
   std::optional<WholeMask> find() {
-    if (total({0, height_}) == 0) return std::nullopt;
-    std::vector<WholeMask> candidates{best_shift(), best_gamma(), best_blur()};
+    if (error_before_.back() == 0) return std::nullopt;
+    std::vector<WholeMask> candidates{best_shift(), best_blur()};
+    if (a_.reference.kind != AnswerKind::binary) candidates.push_back(best_gamma());  // 0 and 1 stay what they are
     for (const auto change :
          {WholeMask::Change::upside_down, WholeMask::Change::mirrored, WholeMask::Change::turned, WholeMask::Change::inverted})
       candidates.push_back({.change = change, .changed = {}});
@@ -76,35 +79,55 @@ class Finder {
     return picture;
   }
 
-  double total(Rows rows) const {
-    double sum = 0;
-    for (std::size_t i = at(0, rows.begin); i < at(0, rows.end); ++i)
-      if (is_tested(i)) sum += error(i);
-    return sum;
+  /// What lies nearest to all tested pixels of the mask.
+  double median_of_mask() const {
+    std::vector<float> values;
+    for (std::size_t i = 0; i < a_.mask.size(); ++i)
+      if (is_tested(i)) values.push_back(a_.mask[i]);
+    if (values.empty()) return 0;
+    std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
+    return values[values.size() / 2];
+  }
+
+  /// The sum of errors above each row, and of all.
+  std::vector<double> errors_before_rows() const {
+    std::vector<double> before(height_ + 1, 0);
+    for (int y = 0; y < height_; ++y) {
+      before[y + 1] = before[y];
+      for (std::size_t i = at(0, y); i < at(0, y + 1); ++i)
+        if (is_tested(i)) before[y + 1] += error(i);
+    }
+    return before;
   }
 
   /// About a million pixels.
   Rows rows_with_most_error() const {
     const int count = std::min(height_, std::max(64, (1 << 20) / width_));
-    std::vector<double> before(height_ + 1, 0);
-    for (int y = 0; y < height_; ++y) before[y + 1] = before[y] + total({y, y + 1});
+    const auto held = [&](int y) { return error_before_[y + count] - error_before_[y]; };
     int best = 0;
     for (int y = 0; y + count <= height_; ++y)
-      if (before[y + count] - before[y] > before[best + count] - before[best]) best = y;
+      if (held(y) > held(best)) best = y;
     return {best, best + count};
   }
 
   double explained(const WholeMask& change, Rows rows) const { return explained(make(change, rows), rows); }
+  /// The share of the error that goes with this in the reference's place. Minus infinity where too much of it is at pixels of
+  /// which nothing is known, and where the mask is as near to one value everywhere: a black mask is not an inverted one.
   double explained(const Made& made, Rows rows) const {
-    double before = 0, after = 0;
-    const std::size_t first = at(0, rows.begin);
-    for (std::size_t k = 0; k < made.size(); ++k) {
-      const std::size_t i = first + k;
-      if (!is_tested(i) || std::isnan(made[k])) continue;
-      before += error(i);
-      after += std::abs(static_cast<double>(a_.mask[i]) - made[k]);
-    }
-    return before > 0 && 2 * before >= total(rows) ? 1 - after / before : -INFINITY;
+    std::vector<glm::dvec3> sums(rows.end - rows.begin, glm::dvec3(0));  // of each row: before, after, from one value
+    for_blocks(sums.size(), 16, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin * width_; k < end * width_; ++k) {
+        const std::size_t i = at(0, rows.begin) + k;
+        if (!is_tested(i) || std::isnan(made[k])) continue;
+        const double v = a_.mask[i];
+        sums[k / width_] += glm::dvec3(error(i), std::abs(v - made[k]), std::abs(v - one_value_));
+      }
+    });
+    glm::dvec3 sum(0);
+    for (const glm::dvec3& row : sums) sum += row;
+    const auto [before, after, from_one_value] = std::tuple(sum.x, sum.y, sum.z);
+    const bool is_known = before > 0 && 2 * before >= error_before_[rows.end] - error_before_[rows.begin];
+    return is_known && after <= (1 - least_explained) * from_one_value ? 1 - after / before : -INFINITY;
   }
 
   Made make(const WholeMask& change, Rows rows) const {
@@ -150,6 +173,15 @@ class Finder {
 
   /// The mean of what is around, weighted by a Gaussian; what is beside the picture has no weight.
   Made blurred(double sigma, Rows rows) const {
+    constexpr int band = 256;  // rows: what is held beside the outcome
+    Made made;
+    for (int y = rows.begin; y < rows.end; y += band) {
+      const Made some = blurred_band(sigma, {y, std::min(y + band, rows.end)});
+      made.insert(made.end(), some.begin(), some.end());
+    }
+    return made;
+  }
+  Made blurred_band(double sigma, Rows rows) const {
     const int reach = static_cast<int>(std::ceil(3 * sigma));
     std::vector<double> weights;
     for (int k = -reach; k <= reach; ++k) weights.push_back(std::exp(-k * k / (2 * sigma * sigma)));
@@ -183,7 +215,7 @@ class Finder {
     WholeMask best{.change = WholeMask::Change::shift, .explained = -INFINITY, .changed = {}};
     const auto try_at = [&](const glm::dvec2& shift) {
       WholeMask there{.change = WholeMask::Change::shift, .shift = shift, .changed = {}};
-      if (shift == glm::dvec2(0)) return false;
+      if (shift == glm::dvec2(0) || std::max(std::abs(shift.x), std::abs(shift.y)) > most_shift) return false;
       there.explained = explained(there, fitted_);
       if (there.explained <= best.explained) return false;
       best = std::move(there);
@@ -240,6 +272,8 @@ class Finder {
   const int width_, height_;
   const std::span<const float> truth_;
   const std::vector<float> picture_;
+  const double one_value_;
+  const std::vector<double> error_before_;
   const Rows fitted_;
 };
 
@@ -248,6 +282,11 @@ class Finder {
 bool WholeMask::explains(const Attribution& a, std::size_t i) const {
   const auto off = [&](float truth) { return std::abs(static_cast<double>(a.mask[i]) - truth); };
   return cause() != Cause::none && off(changed[i]) < off(truth_of(a)[i]) / 2;  // never of a NaN
+}
+
+std::string_view name(WholeMask::Change change) {
+  static constexpr std::string_view names[] = {"shift", "gamma", "blur", "upside_down", "mirrored", "turned", "inverted"};
+  return names[static_cast<std::size_t>(change)];
 }
 
 Cause WholeMask::cause() const {
@@ -265,9 +304,13 @@ Cause WholeMask::cause() const {
 
 std::string WholeMask::words() const {
   switch (change) {
-    case Change::shift:
-      return fmt::format("shifted by {:.4g} px {} and {:.4g} px {}", std::abs(shift.x), shift.x < 0 ? "left" : "right",
-                         std::abs(shift.y), shift.y < 0 ? "up" : "down");
+    case Change::shift: {
+      const auto part = [](double by, const char* back, const char* forth) {
+        return by == 0 ? "" : fmt::format("{:.4g} px {}", std::abs(by), by < 0 ? back : forth);
+      };
+      const std::string across = part(shift.x, "left", "right"), along = part(shift.y, "up", "down");
+      return fmt::format("shifted by {}{}{}", across, across.empty() || along.empty() ? "" : " and ", along);
+    }
     case Change::gamma:
       return fmt::format("raised to the power {:.2f}, as by a gamma curve", gamma);
     case Change::blur:
@@ -279,7 +322,7 @@ std::string WholeMask::words() const {
     case Change::turned:
       return "turned by 180 degrees";
     case Change::inverted:
-      return "inverted: 1 is lit, 0 is in shadow";
+      return "inverted (1 must be lit, 0 in shadow)";
   }
   return {};
 }

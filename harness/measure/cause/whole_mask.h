@@ -22,9 +22,12 @@ struct WholeMask {
   /// Whether the change leaves less than half of the pixel's error, and has a cause of its own: the last four have none.
   bool explains(const Attribution& attribution, std::size_t pixel) const;
   Cause cause() const;
-  /// "shifted by 1 px right and 0 px down"
+  /// "shifted by 1 px right and 2 px down"
   std::string words() const;
 };
+
+/// "shift", "upside_down", ...
+std::string_view name(WholeMask::Change change);
 
 /// How far is searched, in pixels; and the share of the error that must go.
 inline constexpr int most_shift = 8;

@@ -172,7 +172,8 @@ std::vector<Rule> memory_rules() {
        .sentence = "The count bytes is within a factor of two of the growth in resident memory, and 8 MiB, from 6 "
                    "thousand to 400 thousand triangles.",
        .advice = "Count everything that the object holds after resolve, textures and buffers of OpenGL included: those "
-                 "of the kit know their bytes. What is only needed within a stage is freed at its end.",
+                 "of the kit know their bytes. What scene_buffers and gbuffer_textures hold is counted by the harness. What is "
+                 "only needed within a stage is freed at its end.",
        .check = reported_bytes,
        .sanitized = Sanitized::nothing},
   };

@@ -60,7 +60,7 @@ struct Record {
   std::map<std::string, std::uint64_t> iterations;  ///< by stage: calls whose mean is one repetition
   std::string stop;  ///< why there are no more processes: "fixed", "target" (interval narrow enough) or "budget"
   Counts counts;
-  std::optional<std::uint64_t> bytes;       ///< what the technique says it holds
+  std::optional<std::uint64_t> bytes;       ///< what the technique says it holds, and the scene's triangles in OpenGL
   std::optional<std::uint64_t> peak_bytes;  ///< largest resident memory of a worker
   /// The barest pass that the technique cannot do without, as its data sheet says, on the same scene and picture in the same
   /// processes: times of one pass.

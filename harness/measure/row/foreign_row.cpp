@@ -76,7 +76,7 @@ void check_foreign_id(const std::string& id) {
 
 std::string ScoredMask::words() const {
   if (!whole) return {};
-  return fmt::format("the whole mask is {}: that is {:.0f} % of its error", whole->words(), 100 * whole->explained);
+  return fmt::format("the whole mask is {}, which makes {:.0f} % of its error", whole->words(), 100 * whole->explained);
 }
 
 ScoredMask scored_mask(const Scene& scene, FrameStore& frames, const FrameKey& key, const Light& light,

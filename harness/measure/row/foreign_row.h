@@ -24,7 +24,7 @@ struct ScoredMask {
   RowScore score;
   std::optional<WholeMask> whole;
 
-  /// "the whole mask is shifted by 1 px right and 0 px down: that is 98 % of its error"; empty where it is not changed as a
+  /// "the whole mask is shifted by 1 px right, which makes 98 % of its error"; empty where it is not changed as a
   /// whole.
   std::string words() const;
 };

@@ -11,14 +11,25 @@ class StagedInputs {
  public:
   /// Before the clock of a stage starts. Geometry that changed is uploaded by the technique's build; what belongs to the
   /// picture is there before resolve.
-  void prepare(Stage stage, const Scene& scene, const GBuffer& gbuffer, Truth sees) {
+  void prepare(Stage stage, const Scene& scene, const GBuffer& gbuffer) {
     if (stage == Stage::build) forget_scene(scene);
     if (stage == Stage::resolve) {
       gbuffer_textures(gbuffer, scene);
-      if (uses_depth_stencil()) depth_stencil(scene, gbuffer, sees);
+      for (const Truth sees : {Truth::shape, Truth::mesh})
+        if (uses_depth_stencil(sees)) depth_stencil(scene, gbuffer, sees);
     }
     glFinish();
     before_ = uploaded_scene_bytes();
+  }
+  /// Does what is no technique's work and may want the triangles; they are gone after it unless they were there before.
+  template <class Work>
+  auto beside(const Scene& scene, const Work& work) {
+    const bool was_there = uploaded_scene(scene) != nullptr;
+    before_ = uploaded_scene_bytes();
+    auto outcome = work();
+    end_stage();
+    if (!was_there) forget_scene(scene);
+    return outcome;
   }
   void end_stage() { staged_ += uploaded_scene_bytes() - before_; }
 

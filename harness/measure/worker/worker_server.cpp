@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <map>
 
 #include "device/context.h"
 #include "measure/cause/causes.h"
@@ -43,7 +42,8 @@ class TechniqueServer {
     on<GoRequest>([this](const auto& request) { return frame(request); });
     on<TimeRequest>([this](const auto& request) { return time_stage(request); });
     on<FloorRequest>([this](const auto& request) { return floor(request.times); });
-    on<CardRequest>([this](const auto&) { return card(); });
+    on<CardRequest>(
+        [this](const auto&) { return CardRequest::Reply{uses_gl_ ? card_json(process_context().info()) : std::nullopt}; });
     on<BringUpRequest>([this](const auto& request) { return bring_up(request.stage); });
     on<AnswerRequest>([this](const auto& request) { return answer(request.mask); });
     on<MaskRequest>([this](const auto& request) { return write_mask(request.mask); });
@@ -186,11 +186,11 @@ class TechniqueServer {
 
   /// The bare pass that the technique names, so many times in a row.
   FloorRequest::Reply floor(int times) {
-    if (!bare_pass_) bare_pass_.emplace(entry_->about.floor, scene_, gbuffer_);
-    return bare_pass_->time(times, stopwatch_ ? &*stopwatch_ : nullptr);
+    return inputs_.beside(scene_, [&] {
+      if (!bare_pass_) bare_pass_.emplace(entry_->about.floor, scene_, gbuffer_);
+      return bare_pass_->time(times, stopwatch_ ? &*stopwatch_ : nullptr);
+    });
   }
-
-  CardRequest::Reply card() { return {uses_gl_ ? card_json(process_context().info()) : std::nullopt}; }
 
   Done bring_up(Stage last) {
     for (const Stage stage : all_stages)
@@ -207,7 +207,7 @@ class TechniqueServer {
     if (stage >= Stage::relight && masks_.empty()) throw Error("a worker cannot {} before it has a frame", name(stage));
     if (stage >= Stage::relight && lit_.empty())
       throw Error("a worker cannot {} lights that its technique refuses", name(stage));
-    if (uses_gl_) inputs_.prepare(stage, scene_, gbuffer_, entry_->about.sees);
+    if (uses_gl_) inputs_.prepare(stage, scene_, gbuffer_);
     std::optional<double> own_ms;
     const auto start = Clock::now();
     if (stopwatch_) stopwatch_->start();

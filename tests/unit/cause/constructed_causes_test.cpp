@@ -196,6 +196,7 @@ TEST(constructed_causes, masks_that_are_turned_about_are_said_to_be) {
   EXPECT_EQ(told([&](int x, int y) { return x < 32 ? at(x, y) : 1 - at(x, y); }), std::nullopt) << "a half is inverted";
   EXPECT_EQ(told([](int, int) { return 1.0f; }), std::nullopt) << "without shadows";
   EXPECT_EQ(told([](int, int) { return 0.5f; }), std::nullopt);
+  EXPECT_EQ(told([](int, int) { return 0.0f; }), std::nullopt) << "black, where four fifths and more are lit";
   std::mt19937 random(1);
   EXPECT_EQ(told([&](int, int) { return static_cast<float>(random() % 2); }), std::nullopt) << "noise";
 }

@@ -191,7 +191,7 @@ GlLimits inputs_need(const Scene& scene, int width, int height);
 const SceneBuffers& scene_buffers(const Scene& scene);
 /// The same without an upload; null where nobody asked since the scene changed.
 const SceneBuffers* uploaded_scene(const Scene& scene);
-/// The scene's triangles changed, or are to be taken for changed: the next request uploads them.
+/// The scene's triangles changed, or are to be taken for changed: the next request uploads them, and depth is drawn again.
 void forget_scene(const Scene& scene);
 /// Bytes of triangles that this process has uploaded.
 std::uint64_t uploaded_scene_bytes();
@@ -200,8 +200,8 @@ std::uint64_t uploaded_scene_bytes();
 /// the timed stages, so that a technique's call costs a look-up; held as the scenes are. Depth is drawn from scene_buffers.
 const GBufferTextures& gbuffer_textures(const GBuffer& gbuffer, const Scene& scene);
 const DepthStencil& depth_stencil(const Scene& scene, const GBuffer& gbuffer, Truth sees = Truth::mesh);
-/// Whether a technique of this process has asked for a depth, so far.
-bool uses_depth_stencil();
+/// Whether somebody in this process has asked for the depth of what a technique sees, so far.
+bool uses_depth_stencil(Truth sees);
 struct UploadCost {
   std::size_t bytes = 0;
   double ms = 0;
