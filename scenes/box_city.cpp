@@ -1,5 +1,6 @@
 // Boxes of different heights on a ground, like the blocks of a town. Each is its own closed mesh with an exact box; they stand
 // on the ground (contact is the normal case) and do not touch one another.
+#include <gnomon/kit/irradiance.h>
 #include <gnomon/kit/random.h>
 #include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
@@ -50,9 +51,9 @@ class BoxCity final : public SceneGenerator {
       const Box box{.min = {min_x, 0, min_z}, .max = {max_x, height, max_z}};
       scene.meshes.push_back(painted(tessellate(box, default_segments, fmt::format("box_{}", i)), albedo));
     }
-    scene.lights = {{.name = "point", .kind = PointLight{{-7, 10, 5}}},
-                    {.name = "sun", .kind = DirectionalLight{{1, -1.1f, -0.6f}}},
-                    {.name = "panel", .kind = level_square({-7, 10, 5}, panel)}};
+    scene.lights = shining_at({0, 0, 0.5f}, {{.name = "point", .kind = PointLight{{-7, 10, 5}}},
+                                             {.name = "sun", .kind = DirectionalLight{{1, -1.1f, -0.6f}}},
+                                             {.name = "panel", .kind = level_square({-7, 10, 5}, panel)}});
     scene.views = {{.name = "view", .eye = {2, 9, 14}, .target = {0, 0, 0.5f}, .fov_y_degrees = 38},
                    {.name = "above", .eye = {0.5f, 24, 7}, .target = {0, 0, 0}, .fov_y_degrees = 32}};
     return scene;

@@ -1,6 +1,7 @@
 // An empty room, closed on all six sides, of one color: what light does once it can leave nowhere is known on paper. Of the
 // power P that the lamp sends out, surfaces of reflectance r absorb 1 - r at each meeting, so that all of them together send on
 // P r / (1 - r): at 0.5 as much as the lamp, at 0.9 nine times as much. The sun stays outside.
+#include <gnomon/kit/irradiance.h>
 #include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
 
@@ -29,11 +30,13 @@ class ClosedRoom final : public SceneGenerator {
     add_sheet({.center = {-w, h / 2, 0}, .half_u = {0, h / 2, 0}, .half_v = {0, 0, d}}, "left");
     add_sheet({.center = {w, h / 2, 0}, .half_u = {0, 0, d}, .half_v = {0, h / 2, 0}}, "right");
 
-    scene.lights = {{.name = "point", .kind = PointLight{{0.5f, 2.5f, 0.25f}}},
-                    {.name = "sun", .kind = DirectionalLight{{-0.4f, -0.8f, -0.5f}}},
-                    {.name = "ceiling",
-                     .kind = RectLight{
-                         .center = {0, 2.9375f, 0}, .half_u = {0.5f, 0, 0}, .half_v = {0, 0, 0.5f}, .emits = Emits::in_front}}};
+    scene.lights = shining_at(
+        {-0.75f, 1.25f, -1},
+        {{.name = "point", .kind = PointLight{{0.5f, 2.5f, 0.25f}}},
+         {.name = "sun", .kind = DirectionalLight{{-0.4f, -0.8f, -0.5f}}},
+         {.name = "ceiling",
+          .kind =
+              RectLight{.center = {0, 2.9375f, 0}, .half_u = {0.5f, 0, 0}, .half_v = {0, 0, 0.5f}, .emits = Emits::in_front}}});
     scene.views = {{.name = "view", .eye = {1.75f, 2, 1.8125f}, .target = {-0.75f, 1.25f, -1}, .fov_y_degrees = 62},
                    {.name = "up", .eye = {1.5f, 0.375f, 1.5f}, .target = {-0.5f, 2.25f, -0.75f}, .fov_y_degrees = 62}};
     return scene;

@@ -1,5 +1,6 @@
 // Two rows of round columns under a roof with gaps: the sun falls in between the slabs and through the columns, and the far end
 // recedes, so that one picture holds shadows at every distance. A lamp hangs between the rows.
+#include <gnomon/kit/irradiance.h>
 #include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
 
@@ -40,8 +41,8 @@ class Colonnade final : public SceneGenerator {
     scene.meshes.push_back(painted(merge(capitals, "capitals"), stone));
     scene.meshes.push_back(painted(merge(beams, "beams"), pale));
     scene.meshes.push_back(painted(merge(slabs, "slabs"), {0.55f, 0.33f, 0.22f}));
-    scene.lights = {{.name = "point", .kind = PointLight{{-5.2f, 3.2f, 0.3f}}},
-                    {.name = "sun", .kind = DirectionalLight{{0.4f, -0.8f, -0.75f}}}};
+    scene.lights = shining_at({-5, 1.2f, -1}, {{.name = "point", .kind = PointLight{{-5.2f, 3.2f, 0.3f}}},
+                                               {.name = "sun", .kind = DirectionalLight{{0.4f, -0.8f, -0.75f}}}});
     scene.views = {{.name = "view", .eye = {-12.5f, 5.2f, -9}, .target = {-5, 1.2f, -1}, .fov_y_degrees = 42},
                    {.name = "inside", .eye = {-11, 2.1f, 0.9f}, .target = {-3, 1.5f, -0.3f}, .fov_y_degrees = 50},
                    {.name = "low", .eye = {-10.2f, 0.4f, -4.6f}, .target = {0, 0.7f, -2.8f}, .fov_y_degrees = 50}};

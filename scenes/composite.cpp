@@ -2,6 +2,7 @@
 // and a point light that moves along X and Y. Letters of the paper: the light stands at (x_i, y_i, z_i), the object d over the
 // plane, r is the radius of circle, sphere and cone and half the triangle's base, h_p the height of triangle and cone. As
 // there, d reaches up to the circle's center, the middle of the triangle's and the cone's base, and the center of the sphere.
+#include <gnomon/kit/irradiance.h>
 #include <gnomon/kit/planar_shadow.h>
 #include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
@@ -67,7 +68,8 @@ class Composite final : public SceneGenerator {
                     light_x.value(), light_y.value(), light_z.value(), why);
       scene.meshes.push_back(painted(tessellate(shape, segments, kinds[k]), albedos[k]));
     }
-    scene.lights = {{.name = "point", .kind = PointLight{light}}, {.name = "sun", .kind = DirectionalLight{-light}}};
+    scene.lights = shining_at(
+        {-1, 1.65f, 0}, {{.name = "point", .kind = PointLight{light}}, {.name = "sun", .kind = DirectionalLight{-light}}});
     // Of one object, `shadow` shows all of the shadow and hides none of it: seen from far along z and low, the object covers
     // ground beyond its shadow. From so far pixels hold nearly the same area everywhere. Of four objects it is a plan, with x
     // upward.

@@ -1,6 +1,7 @@
 // A table top of things that touch: thin slabs lying and hovering, wires thinner than a texel, stacked boxes, a ball against a
 // box, a card against a wall. Every bias shows here: too little speckles, too much loosens a shadow from what casts it. Sizes
 // that meet are sums of powers of two, so that what should touch does so exactly in float32.
+#include <gnomon/kit/irradiance.h>
 #include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
 
@@ -55,12 +56,13 @@ class Contact final : public SceneGenerator {
     add_shape(Plane{.center = {-0.5f, 0.21875f, -0.40625f}, .half_u = {0.25f, 0, 0}, .half_v = {0, 0.21875f, -0.09375f}},
               "card", {0.75f, 0.62f, 0.2f});
 
-    scene.lights = {
-        {.name = "point", .kind = PointLight{{-1.3f, 0.8f, 0.35f}}},
-        {.name = "sun", .kind = DirectionalLight{{1, -0.55f, -0.3f}}},
-        {.name = "lamp", .kind = DiscLight{.center = {-1.3f, 0.8f, 0.35f}, .normal = {1.5f, -0.75f, -0.3f}, .radius = 0.08f}},
-        {.name = "tube",
-         .kind = RectLight{.center = {0.2f, 1.2f, 0.9f}, .half_u = {0.3f, 0, 0}, .half_v = {0, 0.015f, 0.0125f}}}};
+    scene.lights = shining_at(
+        {0.18f, 0.08f, 0.05f},
+        {{.name = "point", .kind = PointLight{{-1.3f, 0.8f, 0.35f}}},
+         {.name = "sun", .kind = DirectionalLight{{1, -0.55f, -0.3f}}},
+         {.name = "lamp", .kind = DiscLight{.center = {-1.3f, 0.8f, 0.35f}, .normal = {1.5f, -0.75f, -0.3f}, .radius = 0.08f}},
+         {.name = "tube",
+          .kind = RectLight{.center = {0.2f, 1.2f, 0.9f}, .half_u = {0.3f, 0, 0}, .half_v = {0, 0.015f, 0.0125f}}}});
     scene.views = {{.name = "view", .eye = {0.2f, 0.95f, 1.8f}, .target = {0.18f, 0.08f, 0.05f}, .fov_y_degrees = 38},
                    {.name = "close", .eye = {-0.1f, 0.12f, 1}, .target = {-0.1f, 0.02f, 0.4f}, .fov_y_degrees = 36}};
     return scene;

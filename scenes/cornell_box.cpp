@@ -1,6 +1,7 @@
 // The Cornell box: the measured room of Goral, Torrance, Greenberg and Battaile 1984, ten times its size (5.5 m), with the
 // published corners of its two turned blocks and of its lamp. The front is open; the sun falls in through it, the point light
 // hangs below the ceiling.
+#include <gnomon/kit/irradiance.h>
 #include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
 
@@ -31,13 +32,14 @@ class CornellBox final : public SceneGenerator {
     scene.meshes.push_back(painted(prism(short_block, {0, 1.65, 0}, "short_block"), white));
     scene.meshes.push_back(painted(prism(tall_block, {0, 3.3, 0}, "tall_block"), white));
 
-    scene.lights = {
-        {.name = "point", .kind = PointLight{{2.78f, 5.2f, 2.5f}}},
-        {.name = "sun", .kind = DirectionalLight{{-0.4f, -0.5f, 1}}},
-        // The published lamp: 1.3 x 1.05 m, 1.2 cm below the ceiling.
-        {.name = "ceiling",
-         .kind = RectLight{
-             .center = {2.78f, 5.488f, 2.795f}, .half_u = {0.65f, 0, 0}, .half_v = {0, 0, 0.525f}, .emits = Emits::in_front}}};
+    scene.lights = shining_at({2.75f, 1.5f, 2.8f}, {{.name = "point", .kind = PointLight{{2.78f, 5.2f, 2.5f}}},
+                                                    {.name = "sun", .kind = DirectionalLight{{-0.4f, -0.5f, 1}}},
+                                                    // The published lamp: 1.3 x 1.05 m, 1.2 cm below the ceiling.
+                                                    {.name = "ceiling",
+                                                     .kind = RectLight{.center = {2.78f, 5.488f, 2.795f},
+                                                                       .half_u = {0.65f, 0, 0},
+                                                                       .half_v = {0, 0, 0.525f},
+                                                                       .emits = Emits::in_front}}});
     scene.views = {{.name = "view", .eye = {2.75f, 4.4f, -3.2f}, .target = {2.75f, 1.5f, 2.8f}, .fov_y_degrees = 42},
                    {.name = "front", .eye = {2.78f, 2.73f, -8}, .target = {2.78f, 2.73f, 2.8f}, .fov_y_degrees = 39.3f}};
     return scene;

@@ -1,6 +1,7 @@
 // Two squares that face each other, and a lamp just below the upper one: light goes back and forth between them, and leaves at
 // the sides. The share that goes from one to the other, their form factor, is known in closed form (Hottel 1931): 0.19982 for
 // squares as far apart as they are wide, more the closer they are.
+#include <gnomon/kit/irradiance.h>
 #include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
 
@@ -27,13 +28,14 @@ class FacingPlates final : public SceneGenerator {
                     painted(tessellate(upper, default_segments, "upper"), gray)};
 
     // The lamp is half as wide as a plate, and a 64th of the distance below the upper one.
-    scene.lights = {{.name = "point", .kind = PointLight{{half / 4, 0.75f * height, half / 8}}},
-                    {.name = "sun", .kind = DirectionalLight{{-0.3f, -1, -0.6f}}},
-                    {.name = "panel",
-                     .kind = RectLight{.center = {0, height * 63 / 64, 0},
-                                       .half_u = {half / 2, 0, 0},
-                                       .half_v = {0, 0, half / 2},
-                                       .emits = Emits::in_front}}};
+    scene.lights =
+        shining_at({0, 0.125f * height, 0}, {{.name = "point", .kind = PointLight{{half / 4, 0.75f * height, half / 8}}},
+                                             {.name = "sun", .kind = DirectionalLight{{-0.3f, -1, -0.6f}}},
+                                             {.name = "panel",
+                                              .kind = RectLight{.center = {0, height * 63 / 64, 0},
+                                                                .half_u = {half / 2, 0, 0},
+                                                                .half_v = {0, 0, half / 2},
+                                                                .emits = Emits::in_front}}});
     scene.views = {{.name = "view",
                     .eye = {0.5f * half, 0.875f * height, 2.5f * half},
                     .target = {0, 0.125f * height, 0},

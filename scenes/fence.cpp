@@ -1,5 +1,6 @@
 // A picket fence in a low sun: long parallel stripes of shadow, thinner than a texel in the distance. The fence is always about
 // 8 m long; narrower pickets and gaps mean more of them.
+#include <gnomon/kit/irradiance.h>
 #include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
 
@@ -45,10 +46,11 @@ class Fence final : public SceneGenerator {
     scene.meshes.push_back(painted(merge(pickets, "pickets"), {0.8f, 0.78f, 0.72f}));
     scene.meshes.push_back(painted(merge(rails, "rails"), {0.6f, 0.45f, 0.3f}));
     scene.meshes.push_back(painted(merge(posts, "posts"), {0.45f, 0.3f, 0.2f}));
-    scene.lights = {{.name = "point", .kind = PointLight{{-1.5f, 2.6f, -3.5f}}},
-                    {.name = "sun", .kind = DirectionalLight{{0.45f, -0.5f, 1}}},
-                    {.name = "globe", .kind = SphereLight{.center = {-1.5f, 2.6f, -3.5f}, .radius = 0.15f}},
-                    {.name = "soft_sun", .kind = SphereLight{.center = {-22.5f, 25, -50}, .radius = 0.2804f}}};
+    scene.lights = shining_at({0.2f, 0.2f, 0.6f},
+                              {{.name = "point", .kind = PointLight{{-1.5f, 2.6f, -3.5f}}},
+                               {.name = "sun", .kind = DirectionalLight{{0.45f, -0.5f, 1}}},
+                               {.name = "globe", .kind = SphereLight{.center = {-1.5f, 2.6f, -3.5f}, .radius = 0.15f}},
+                               {.name = "soft_sun", .kind = SphereLight{.center = {-22.5f, 25, -50}, .radius = 0.2804f}}});
     scene.views = {{.name = "view", .eye = {2.6f, 2.1f, 5}, .target = {0.2f, 0.2f, 0.6f}, .fov_y_degrees = 40},
                    {.name = "low", .eye = {-4.6f, 0.16f, 1.5f}, .target = {4, 0.1f, 0.7f}, .fov_y_degrees = 40}};
     return scene;

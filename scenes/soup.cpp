@@ -1,5 +1,6 @@
 // Random triangles in the air: no mesh to speak of, every edge open, any two may cut each other. What survives this needs no
 // closed casters. They fill a box of 16 x 3 x 16 m from y = 0.2 up.
+#include <gnomon/kit/irradiance.h>
 #include <gnomon/kit/random.h>
 #include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
@@ -34,8 +35,8 @@ class Soup final : public SceneGenerator {
     finish(soup);
     scene.meshes.push_back(std::move(soup));
 
-    scene.lights = {{.name = "point", .kind = PointLight{{2, 10, 1}}},
-                    {.name = "sun", .kind = DirectionalLight{{1, -1.2f, -0.5f}}}};
+    scene.lights = shining_at({0, 0.8f, 0}, {{.name = "point", .kind = PointLight{{2, 10, 1}}},
+                                             {.name = "sun", .kind = DirectionalLight{{1, -1.2f, -0.5f}}}});
     scene.views = {{.name = "view", .eye = {2, 4.5f, 11}, .target = {0, 0.8f, 0}, .fov_y_degrees = 37}};
     return scene;
   }

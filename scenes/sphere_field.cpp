@@ -1,5 +1,6 @@
 // Many exact spheres above a ground, on a jittered grid that always fills the same square: more spheres are smaller ones.
 // Every third rests on the ground, the others float; none touch one another.
+#include <gnomon/kit/irradiance.h>
 #include <gnomon/kit/random.h>
 #include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
@@ -49,15 +50,17 @@ class SphereField final : public SceneGenerator {
       const Sphere sphere{.center = {x, rounded + clearance, z}, .radius = rounded};
       scene.meshes.push_back(painted(tessellate(sphere, segments, fmt::format("sphere_{}", i)), albedo));
     }
-    scene.lights = {{.name = "point", .kind = PointLight{{-6, 9, 3}}},
-                    {.name = "sun", .kind = DirectionalLight{{1, -0.9f, -0.35f}}},
-                    {.name = "panel", .kind = level_square({-6, 9, 3}, panel)}};
+    scene.lights = shining_at({0.3f, 0, 0.5f}, {{.name = "point", .kind = PointLight{{-6, 9, 3}}},
+                                                {.name = "sun", .kind = DirectionalLight{{1, -0.9f, -0.35f}}},
+                                                {.name = "panel", .kind = level_square({-6, 9, 3}, panel)}});
+    std::vector<Light> all_around;
     for (int k = 0; k < lights; ++k) {
       const double angle = 2 * M_PI * k / lights;
-      scene.lights.push_back({.name = fmt::format("ring_{}", k + 1),
-                              .kind = ring_light({10 * std::cos(angle), 9, 10 * std::sin(angle)}),
-                              .intensity = 1.0f / static_cast<float>(lights)});
+      all_around.push_back(
+          {.name = fmt::format("ring_{}", k + 1), .kind = ring_light({10 * std::cos(angle), 9, 10 * std::sin(angle)})});
     }
+    const std::vector<Light> shining = shining_at({0.3f, 0, 0.5f}, all_around, 1.0 / lights);
+    scene.lights.insert(scene.lights.end(), shining.begin(), shining.end());
     scene.views = {{.name = "view", .eye = {1, 5.5f, 11.5f}, .target = {0.3f, 0, 0.5f}, .fov_y_degrees = 36},
                    {.name = "low", .eye = {-5, 0.8f, 9.5f}, .target = {0, 0.6f, 0}, .fov_y_degrees = 45}};
     return scene;

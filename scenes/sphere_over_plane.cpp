@@ -1,5 +1,6 @@
 // One exact sphere above a ground: the shadow's outline is an ellipse known in closed form, and the tessellation is put to the
 // test, because the mesh is inscribed and its shadow everywhere a little too small.
+#include <gnomon/kit/irradiance.h>
 #include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
 
@@ -21,8 +22,8 @@ class SphereOverPlane final : public SceneGenerator {
     const Sphere sphere{.center = {0, radius + height, 0}, .radius = static_cast<float>(radius)};
     scene.meshes.push_back(painted(tessellate(ground_plane(8), default_segments, "ground"), {0.7f, 0.7f, 0.66f}));
     scene.meshes.push_back(painted(tessellate(sphere, segments, "sphere"), {0.7f, 0.22f, 0.12f}));
-    scene.lights = {{.name = "point", .kind = PointLight{{-5, 7.5f, 4}}},
-                    {.name = "sun", .kind = DirectionalLight{{1, -1, -0.25f}}}};
+    scene.lights = shining_at({1, 0.6f, 0}, {{.name = "point", .kind = PointLight{{-5, 7.5f, 4}}},
+                                             {.name = "sun", .kind = DirectionalLight{{1, -1, -0.25f}}}});
     scene.views = {{.name = "view", .eye = {1.2f, 3.6f, 7}, .target = {1, 0.6f, 0}, .fov_y_degrees = 34}};
     return scene;
   }

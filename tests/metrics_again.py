@@ -101,6 +101,90 @@ def cosine(e):
     return (e.normal * way).sum(axis=-1) / np.linalg.norm(way, axis=-1)
 
 
+def unit(v):
+    return v / np.linalg.norm(v, axis=-1, keepdims=True)
+
+
+def dot(a, b):
+    return (a * b).sum(axis=-1)
+
+
+def edge_integral(a, b, n):
+    """Lambert's half of the angle between a and b, times the part of n across both."""
+    across = np.cross(a, b)
+    sine = np.linalg.norm(across, axis=-1)
+    return np.where(sine > 0, np.arctan2(sine, dot(a, b)) * dot(n, across) / np.where(sine > 0, sine, 1) / 2, 0)
+
+
+def disc_integral(center, axis, radius, n):
+    """The same along the rim of a disc, as far as it is above the horizon, and back along the horizon; one disc for each point."""
+    some = np.where(np.abs(axis[..., :1]) < 0.9, (1.0, 0, 0), (0, 1.0, 0))
+    u = unit(np.cross(axis, some)) * radius[..., None]
+    v = np.cross(axis, u)
+    rise = np.hypot(dot(n, u), dot(n, v))
+    low = np.clip(-dot(n, center) / np.where(rise > 0, rise, 1), -1, 1)
+    end, turn = np.where(rise > 0, np.arccos(low), np.pi * (dot(n, center) > 0)), np.arctan2(dot(n, v), dot(n, u))
+    nodes, weights = np.polynomial.legendre.leggauss(96)
+    total = np.zeros(end.shape)
+
+    def rim(angle):
+        return center + np.cos(angle)[..., None] * u + np.sin(angle)[..., None] * v
+
+    for node, weight in zip(nodes, weights):
+        angle = turn + node * end
+        r, onward = rim(angle), np.cos(angle)[..., None] * v - np.sin(angle)[..., None] * u
+        total += weight * end * dot(n, np.cross(r, onward)) / dot(r, r) / 2
+    return np.abs(total + np.where((low > -1) & (low < 1), edge_integral(rim(turn + end), rim(turn - end), n), 0))
+
+
+def irradiance(e):
+    """Of every pixel without casters, W/m2."""
+    light, n = e.light, e.normal.astype(float)
+    kind, intensity = light["kind"], float(light["intensity"])
+    if kind in ("point", "spot", "directional"):
+        value = intensity * np.maximum(0, cosine(e))
+        if kind != "directional":
+            way = e.position - np.array(light["position"], float)
+            value = value / dot(way, way)
+        if kind == "spot":
+            along = dot(unit(way), unit(np.array(light["direction"], float)))
+            inner, outer = (np.cos(np.radians(light[of])) for of in ("inner_degrees", "outer_degrees"))
+            value = np.where(along >= outer, value * np.clip((along - outer) / max(inner - outer, 1e-3), 0, 1) ** 2, 0)
+        return np.where(e.mesh < 0, 0, value)
+    center = np.array(light["center"], float) - e.position
+    if kind == "rect":
+        u, v = np.array(light["half_u"], float), np.array(light["half_v"], float)
+        axis, corners = np.cross(u, v), [center + s * u + t * v for s, t in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+        value, leaves, enters = np.zeros(e.mesh.shape), np.zeros(center.shape), np.zeros(center.shape)
+        for a, b in zip(corners, corners[1:] + corners[:1]):
+            high_a, high_b = dot(n, a), dot(n, b)
+            cut = a + (high_a / np.where(high_a == high_b, 1, high_a - high_b))[..., None] * (b - a)
+            first, last = np.where((high_a >= 0)[..., None], a, cut), np.where((high_b >= 0)[..., None], b, cut)
+            value += np.where((high_a > 0) | (high_b > 0), edge_integral(first, last, n), 0)
+            leaves += np.where(((high_a >= 0) & (high_b < 0))[..., None], cut, 0)
+            enters += np.where(((high_a < 0) & (high_b >= 0))[..., None], cut, 0)
+        value = np.abs(value + edge_integral(leaves, enters, n))
+    elif kind == "disc":
+        axis = np.array(light["normal"], float)
+        value = disc_integral(center, np.broadcast_to(unit(axis), center.shape), np.full(e.mesh.shape, float(light["radius"])), n)
+    else:
+        square, axis = dot(center, center), None
+        share = np.minimum(float(light["radius"]) ** 2 / square, 1)
+        value = disc_integral(center * (1 - share)[..., None], unit(center), float(light["radius"]) * np.sqrt(1 - share), n)
+        value = np.where(share < 1, value, 0)
+    if axis is not None and light.get("one_sided"):
+        value = np.where(dot(center, axis) < 0, value, 0)
+    return np.where(e.mesh < 0, 0, intensity * value)
+
+
+def exposure(e):
+    """The view's own, or one over what a tenth of the lit pixels receives more than."""
+    if e.view.get("exposure"):
+        return float(e.view["exposure"])
+    lit = np.sort(irradiance(e)[irradiance(e) > 0])
+    return 1 / lit[len(lit) - 1 - len(lit) // 10] if len(lit) else 1.0
+
+
 def binned_rates(e):
     """Wrong rate of the pixels of T in each bin: a bin holds what is above the end of the one before it, up to its own."""
     wrong = is_wrong(e)
@@ -154,8 +238,8 @@ def instability(before, now):
 
 
 def received_errors(e):
-    """E = intensity max(0, N.l) V: mean of |E - E_ref| over T, and its root mean square as a share of that of E_ref."""
-    light = (float(e.light["intensity"]) * np.maximum(0, cosine(e)))[e.tested]
+    """E = irradiance V: mean of |E - E_ref| over T, and its root mean square as a share of that of E_ref."""
+    light = irradiance(e)[e.tested]
     difference, right = light * (e.mask - e.reference)[e.tested], light * e.reference[e.tested]
     return {"received_error_mean": mean(np.abs(difference)), "received_error_rms": share(root_mean_square(difference), root_mean_square(right))}
 
@@ -289,9 +373,9 @@ def srgb(linear):
 
 
 def shaded(e, visibility):
-    """The picture of shaded/: albedo (ambient + intensity max(0, N.l) V), rounded down to a 4096th, in sRGB, with its background."""
+    """The picture of shaded/: albedo (ambient + exposure E V), rounded down to a 4096th, in sRGB, with its background."""
     albedo = np.array([mesh["albedo"] for mesh in e.scene["meshes"]], float)[e.mesh]
-    light = float(e.scene["ambient"]) + float(e.light["intensity"]) * np.maximum(0, cosine(e)) * visibility
+    light = float(e.scene["ambient"]) + exposure(e) * irradiance(e) * visibility
     linear = np.floor(4096 * np.clip(albedo * light[..., None], 0, 1)) / 4096
     return np.where((e.mesh < 0)[..., None], (24, 26, 30), srgb(linear))
 

@@ -12,7 +12,6 @@ from gnomon_engine import Awaited, Camera, Child, FramePairs, pair_of, require_v
 from gnomon_technique import Technique, serve
 
 HARD = ("point", "spot", "directional")
-ENOUGH = 1e4  # of light: no float of a picture is then so small that it loses digits, and none overflows
 
 
 def basis(right, up, back, place):
@@ -46,21 +45,23 @@ class Cycles(Technique):
 
     def relight(self, light):
         self.light = light
-        kind, size, sides = "POINT", (0, 0), 1
+        # Blender's watts: a lamp without area sends P / (4 pi) W/sr, one with area has the radiance P / (4 A), and a sun's are W/m2.
+        kind, size, sides, power = "POINT", (0, 0), 1, 4 * np.pi * light.intensity
         if light.kind == "directional":
-            kind, matrix = "SUN", looking(light.direction, (0, 0, 0))
+            kind, power, matrix = "SUN", light.intensity, looking(light.direction, (0, 0, 0))
         elif light.kind in HARD:
             matrix = looking((0, -1, 0), light.position)
         else:
             kind, sides = "AREA", 1 if light.one_sided else 2
             if light.kind == "disc":
                 matrix, size = looking(light.normal, light.center), (2 * light.radius, None)
+                power = 4 * np.pi * light.radius**2 * light.intensity
             else:  # it shines along half_u x half_v
                 u, v = np.linalg.norm(light.half_u), np.linalg.norm(light.half_v)
                 back = -np.cross(light.half_u, light.half_v) / (u * v)
                 matrix, size = basis(-light.half_u / u, light.half_v / v, back, light.center), (2 * u, 2 * v)
-        far = np.linalg.norm(self.corners - light.center, axis=-1).max() if kind == "AREA" and len(self.corners) else 1
-        self.blender.ask(do="relight", kind=kind, power=ENOUGH * max(far, 1) ** 2 if kind != "SUN" else 1, matrix=matrix, size=size, sides=sides)
+                power = 4 * 4 * u * v * light.intensity
+        self.blender.ask(do="relight", kind=kind, power=float(power), matrix=matrix, size=size, sides=sides)
         self.is_hard = light.kind in HARD
 
     def frame(self, gbuffer, shadows):

@@ -18,7 +18,7 @@ def record(technique="shadow_map", scene="soup", settings="", cost=1.0, wrong=0.
     """A line of records.jsonl made by hand: three processes, each cost the same."""
     parameters = dict(pair.split("=") for pair in settings.split(",") if pair)
     row = {
-        "schema": 5, "job": "", "scene": scene, "light": "point", "lights": [{"name": "point", "kind": "point", "answer": "binary"}], "answer": "binary",
+        "schema": 6, "job": "", "scene": scene, "light": "point", "lights": [{"name": "point", "kind": "point", "answer": "binary"}], "answer": "binary",
         "technique": technique, "settings": settings,
         "parameters": {key: json.loads(value) for key, value in parameters.items()}, "width": 640, "height": 360,
         "status": "ok", "role": "contender", "bytes": 1 << 20, "classes": {"T": 1000},

@@ -32,7 +32,7 @@ class Convert(ProgramTest):
         self.refuse("table", folder, says=["records.jsonl:1: schema = 2 is that of an older program", "scripts/convert_records"])
         before = records(folder)
         self.convert(folder)
-        self.assertEqual((folder / "records.jsonl").read_text(), (DATA / "records/schema_5.jsonl").read_text())
+        self.assertEqual((folder / "records.jsonl").read_text(), (DATA / "records/schema_6.jsonl").read_text())
         for old, new in zip(before, records(folder)):
             for truth, metrics in old["metrics"].items():
                 gone = ("error_mean", "penumbra_width_ratio", "penumbra_shift", "contact_hardening", "reference_error_mean")
@@ -77,7 +77,7 @@ class Convert(ProgramTest):
         self.assertEqual((folder / "records.jsonl").read_text(), text)
         self.assertIn("nowhere", self.convert("nowhere", status=2))
         good = (DATA / "records/schema_2.jsonl").read_text()
-        for bad, says in (("[]", "records.jsonl:3"), ('{"schema": 2}', "lacks"), ('{"schema": 6}', "no step leads from schema 6"), ("{", "records.jsonl:3")):
+        for bad, says in (("[]", "records.jsonl:3"), ('{"schema": 2}', "lacks"), ('{"schema": 7}', "no step leads from schema 7"), ("{", "records.jsonl:3")):
             (folder / "records.jsonl").write_text(good + bad + "\n")
             self.assertIn(says, self.convert(folder, status=2))
             self.assertEqual((folder / "records.jsonl").read_text(), good + bad + "\n")
@@ -87,7 +87,7 @@ class Convert(ProgramTest):
         # What a killed run left at the end is no line yet.
         (folder / "records.jsonl").write_text(good + '{"schema": 2, "jo')
         self.convert(folder)
-        self.assertEqual((folder / "records.jsonl").read_text(), (DATA / "records/schema_5.jsonl").read_text() + '{"schema": 2, "jo')
+        self.assertEqual((folder / "records.jsonl").read_text(), (DATA / "records/schema_6.jsonl").read_text() + '{"schema": 2, "jo')
 
     def test_scores_against_the_center_of_a_light_with_area_are_withdrawn(self):
         folder = self.folder(2)
@@ -102,7 +102,7 @@ class Convert(ProgramTest):
     def test_what_is_kept_has_today_s_schema(self):
         for file in sorted(ROOT.glob("results/*/records.jsonl")):
             with self.subTest(file.parent.name), open(file, encoding="utf-8") as lines:
-                self.assertEqual({json.loads(line)["schema"] for line in lines}, {5})
+                self.assertEqual({json.loads(line)["schema"] for line in lines}, {6})
 
 
 if __name__ == "__main__":

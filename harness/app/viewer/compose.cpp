@@ -138,7 +138,7 @@ class SidePainter {
   const ComposeSide& compared() const { return scale_.against == Against::reference ? truth_ : other_; }
 
   Color shaded_at(std::size_t i, float visibility) const {
-    return shaded_srgb(steps_, meshes_[gbuffer_.mesh[i]].albedo, exposure_ * (ambient_ + received_[i] * visibility));
+    return shaded_srgb(steps_, meshes_[gbuffer_.mesh[i]].albedo, ambient_ + exposure_ * received_[i] * visibility);
   }
   std::uint8_t dimmed_at(std::size_t i) const {
     if (gbuffer_.is_background(i)) return dimmed(background_srgb, false);

@@ -78,7 +78,8 @@ std::string light_toml(const Light& light) {
 
 std::string view_toml(const View& view) {
   return "[[view]]\n" + line("name", quoted(view.name)) + line("eye", view.eye) + line("target", view.target) +
-         line("up", view.up) + line("fov_y_degrees", view.fov_y_degrees);
+         line("up", view.up) + line("fov_y_degrees", view.fov_y_degrees) +
+         (view.exposure > 0 ? line("exposure", view.exposure) : "");
 }
 
 /// The word as a POSIX shell reads it back; plain where nothing in it means anything to a shell.

@@ -15,7 +15,7 @@ struct PointLight {
 struct SpotLight {
   glm::vec3 position{0};
   glm::vec3 direction{0, -1, 0};  ///< the way light travels, any length
-  float inner_degrees = 20;       ///< half-angle of full intensity
+  float inner_degrees = 20;       ///< half-angle of full intensity; see spot_share
   float outer_degrees = 30;       ///< half-angle of the cone, below 90; outside it a pixel is class F
 };
 struct DirectionalLight {
@@ -41,10 +41,15 @@ struct SphereLight {
 
 using LightKind = std::variant<PointLight, SpotLight, DirectionalLight, RectLight, DiscLight, SphereLight>;
 
+/// Of radiation of 540 THz, to which the candela and the lux are tied: a watt is taken for so many lumens, whatever its color.
+inline constexpr double lumens_per_watt = 683;
+
 struct Light {
   std::string name = "light";  ///< unique in its scene, [a-z0-9_]
   LightKind kind;
-  float intensity = 1;  ///< of a light with area its radiance
+  /// W/sr of a point and of a spot, toward its inner cone; W/m2 of a directional light, on a surface across its direction;
+  /// W/(m2 sr), its radiance, of a light with area.
+  float intensity = 1;
 };
 
 /// "point", "spot", "directional", "rect", "disc", "sphere".

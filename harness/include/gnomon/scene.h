@@ -112,6 +112,7 @@ struct View {
   std::string name = "view";
   glm::vec3 eye{0, 0, 5}, target{0}, up{0, 1, 0};
   float fov_y_degrees = 45;
+  float exposure = 0;  ///< what irradiance is multiplied by in pictures, m2/W; 0: by exposure_of, from what is lit
 };
 
 /// A motion of the camera's eye or of one light through key positions, as a row of still frames.

@@ -209,8 +209,9 @@ class SceneReader {
     const Json& cone = spot != light.end() && spot->is_object() ? *spot : none;
     raw.inner = file_.number(cone, where, "innerConeAngle", 0);
     raw.outer = file_.number(cone, where, "outerConeAngle", std::numbers::pi / 4);
+    raw.intensity = file_.number(light, where, "intensity", 1) / lumens_per_watt;
     used_lights_.push_back(index);
-    colored_lights_ += light.contains("intensity") || light.contains("color") || light.contains("range");
+    colored_lights_ += light.contains("color") || light.contains("range");
   }
 
   static std::size_t distinct(std::vector<std::size_t> items) {
@@ -225,7 +226,7 @@ class SceneReader {
     answer_.note((lights ? lights->size() : 0) - distinct(used_lights_),
                  "lights stand at no node of the scene and are left out");
     answer_.note(hidden_count_, "nodes with meshes or lights are hidden by KHR_node_visibility and left out");
-    answer_.note(colored_lights_, "lights have an intensity, a color or a range, which are not used");
+    answer_.note(colored_lights_, "lights have a color or a range, which are not used");
     answer_.note(file_.count("animations"), "animations are not applied: nodes stand as they do in the file");
     for (const std::string& note : file_.notes()) answer_.notes.push_back(note);
   }

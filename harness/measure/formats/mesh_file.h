@@ -41,6 +41,7 @@ struct ImportedLight {
   ImportedLightKind kind = ImportedLightKind::other;
   glm::dvec3 position{0}, direction{0, 0, -1};
   double inner = 0, outer = 0;
+  double intensity = 1;  ///< W/sr, of a directional light W/m2
 };
 struct MeshFile {
   std::vector<ImportedMesh> meshes;
@@ -61,7 +62,7 @@ void visit_file(auto& io, auto& file) {
   });
   io.list(file.cameras, [](auto& sub, auto& camera) { sub(camera.name, camera.eye, camera.forward, camera.up, camera.fov_y); });
   io.list(file.lights, [](auto& sub, auto& light) {
-    sub(light.name, light.kind, light.position, light.direction, light.inner, light.outer);
+    sub(light.name, light.kind, light.position, light.direction, light.inner, light.outer, light.intensity);
   });
   io.list(file.notes, [](auto& sub, auto& note) { sub(note); });
   io(file.failure);

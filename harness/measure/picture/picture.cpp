@@ -2,6 +2,7 @@
 
 #include <dlfcn.h>
 #include <gnomon/error.h>
+#include <gnomon/kit/irradiance.h>
 #include <gnomon/kit/parallel.h>
 
 #include <algorithm>
@@ -32,15 +33,9 @@ const SrgbSteps& srgb_steps() {
 
 std::vector<double> received_light(const GBuffer& gbuffer, const Light& light) {
   std::vector<double> received(gbuffer.size());
-  const glm::dvec4 l = homogeneous_of_center(light);
-  for_blocks(received.size(), 16384, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      if (gbuffer.is_background(i)) continue;
-      const glm::dvec3 point = gbuffer.position(i), to = to_light(l, point);
-      if (!in_spot_cone(light, point)) continue;
-      const double cosine = glm::dot(glm::dvec3(gbuffer.normal(i)), to) / std::max(glm::length(to), 1e-300);
-      received[i] = light.intensity * std::max(0.0, cosine);
-    }
+  for_blocks(received.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (!gbuffer.is_background(i)) received[i] = irradiance(light, gbuffer.position(i), gbuffer.normal(i));
   });
   return received;
 }
@@ -56,7 +51,7 @@ Picture shade_exposed(const Scene& scene, const GBuffer& gbuffer, std::span<cons
   for (std::size_t i = 0; i < gbuffer.size(); ++i) {
     Color color = background_srgb;
     if (!gbuffer.is_background(i))
-      color = shaded_srgb(steps, scene.meshes[gbuffer.mesh[i]].albedo, exposure * (scene.ambient + received[i] * shares[i]));
+      color = shaded_srgb(steps, scene.meshes[gbuffer.mesh[i]].albedo, scene.ambient + exposure * received[i] * shares[i]);
     std::ranges::copy(color, &picture.rgb[3 * i]);
   }
   return picture;
@@ -64,22 +59,23 @@ Picture shade_exposed(const Scene& scene, const GBuffer& gbuffer, std::span<cons
 
 }  // namespace
 
-double exposure_of(const Scene& scene, const GBuffer& gbuffer, std::span<const double> received) {
-  double brightest = 1;
-  for (std::size_t i = 0; i < received.size(); ++i) {
-    if (gbuffer.is_background(i)) continue;
-    const glm::vec3& albedo = scene.meshes[gbuffer.mesh[i]].albedo;
-    brightest = std::max(brightest, std::max({albedo.x, albedo.y, albedo.z}) * (scene.ambient + received[i]));
-  }
-  return 1 / brightest;
+double exposure_of(const GBuffer& gbuffer, std::span<const double> received) {
+  if (gbuffer.view.exposure > 0) return gbuffer.view.exposure;
+  std::vector<double> lit;
+  for (const double irradiance : received)
+    if (irradiance > 0) lit.push_back(irradiance);
+  if (lit.empty()) return 1;
+  const auto bright = lit.begin() + static_cast<std::ptrdiff_t>(lit.size() - 1 - lit.size() / 10);
+  std::ranges::nth_element(lit, bright);
+  return 1 / *bright;
 }
 
 Picture shade(const Scene& scene, const GBuffer& gbuffer, const Light& light, std::span<const float> visibility) {
-  return shade_exposed(scene, gbuffer, received_light(gbuffer, light), visibility, 1);
+  return shade(scene, gbuffer, received_light(gbuffer, light), visibility);
 }
 
 Picture shade(const Scene& scene, const GBuffer& gbuffer, std::span<const double> received, std::span<const float> shares) {
-  return shade_exposed(scene, gbuffer, received, shares, exposure_of(scene, gbuffer, received));
+  return shade_exposed(scene, gbuffer, received, shares, exposure_of(gbuffer, received));
 }
 
 Picture draw_mask(std::span<const float> visibility, int width, int height) {

@@ -16,11 +16,10 @@ struct Picture {
   int legend_height = 0;  ///< rows at the bottom that hold a legend; files say so, and `exr_size` refuses them as masks
 };
 
-/// Lambert with constant ambient: albedo * (ambient + intensity * max(0, N.l) * visibility), sRGB. No falloff with distance.
+/// Lambert with constant ambient: albedo * (ambient + exposure * irradiance * visibility), sRGB; see exposure_of.
 Picture shade(const Scene& scene, const GBuffer& gbuffer, const Light& light, std::span<const float> visibility);
 
-/// Under several lights together: of the light that they would give without shadows, per pixel, these shares. It is as much
-/// darker as keeps every pixel without shadows below white.
+/// Under several lights together: of the irradiance that they would give without shadows, per pixel, these shares.
 Picture shade(const Scene& scene, const GBuffer& gbuffer, std::span<const double> received, std::span<const float> shares);
 
 /// Visibility as gray, black in shadow.

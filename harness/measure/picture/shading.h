@@ -27,13 +27,15 @@ inline std::uint8_t srgb_fast(const SrgbSteps& steps, double linear) {
 /// What shows no surface.
 inline constexpr Color background_srgb{24, 26, 30};
 
-/// Intensity * max(0, N.l) of every pixel; 0 on the background and outside a spot's cone. On all threads.
+/// Irradiance of every pixel without casters, W/m2; 0 on the background. On all threads.
 std::vector<double> received_light(const GBuffer& gbuffer, const Light& light);
 
-/// What pictures under several lights are darkened by, at most 1: the brightest pixel without shadows is then white.
-double exposure_of(const Scene& scene, const GBuffer& gbuffer, std::span<const double> received);
+/// What irradiance is multiplied by in pictures: the view's own exposure, or one for which nine tenths of the pixels that
+/// receive light without shadows show no more than their albedo: a gray card of 18 % is middle gray where it is brightest but
+/// for a tenth. 1 where none receives any.
+double exposure_of(const GBuffer& gbuffer, std::span<const double> received);
 
-/// A surface of linear albedo under the light `ambient + received * visibility`.
+/// A surface of linear albedo under the light `ambient + exposure * received * visibility`.
 inline Color shaded_srgb(const SrgbSteps& steps, const glm::vec3& albedo, double light) {
   return {srgb_fast(steps, albedo.x * light), srgb_fast(steps, albedo.y * light), srgb_fast(steps, albedo.z * light)};
 }

@@ -114,6 +114,7 @@ static void for_each_field(MaybeConst<Record> auto& r, const auto& use) {
   use("own_causes", r.own_causes);
   use("cause_errors", r.cause_errors);
   use("frames", r.frames);
+  use("exposure", r.exposure);
   use("mask", r.mask);
   use("error_picture", r.error_picture);
   use("shaded_picture", r.shaded_picture);
@@ -163,7 +164,7 @@ void from_json(const Json& json, Record& record) {
   take("schema", schema);
   if (schema < record_schema)
     throw Error(
-        "schema = {} is that of an older program, this one reads {}: run the rows again, or, of schema 2 to 4, convert "
+        "schema = {} is that of an older program, this one reads {}: run the rows again, or, of schema 2 to 5, convert "
         "the folder with scripts/convert_records",
         schema, record_schema);
   if (schema > record_schema) throw Error("schema = {} is that of a newer program, this one reads {}", schema, record_schema);
@@ -188,7 +189,7 @@ void from_json(const Json& json, Record& record) {
 void forget_results(Record& r) {
   const auto empty = [](auto&... fields) { ((fields = std::decay_t<decltype(fields)>()), ...); };
   empty(r.stages, r.device_stages, r.harness_stages, r.iterations, r.stop, r.counts, r.bytes, r.peak_bytes, r.floor, r.gl,
-        r.classes, r.metrics, r.causes, r.cause_errors, r.frames, r.mask, r.error_picture, r.shaded_picture, r.shares_build);
+        r.classes, r.metrics, r.causes, r.cause_errors, r.frames, r.exposure, r.mask, r.error_picture, r.shaded_picture, r.shares_build);
   for (Record::LightFacts& light : r.lights)
     empty(light.reference, light.classes, light.metrics, light.causes, light.cause_errors);
 }

@@ -21,7 +21,7 @@ namespace gnomon {
 
 /// Version of the record's fields: the one that is written and read. One more with every change; scripts/results --convert
 /// brings kept folders along.
-inline constexpr int record_schema = 5;
+inline constexpr int record_schema = 6;
 
 enum class Status { ok, unsupported, failed };
 std::string_view name(Status status);
@@ -121,6 +121,8 @@ struct Record {
   std::optional<std::map<std::string, double>> cause_errors;
   /// On a path: by metric, its value at every frame, headline truth.
   std::map<std::string, std::vector<std::optional<double>>> frames;
+  /// What irradiance is multiplied by in the row's pictures, m2/W; on a path that of the last frame.
+  std::optional<double> exposure;
   std::optional<std::string> mask, error_picture, shaded_picture;  ///< paths relative to the run's folder
 
   struct SceneFacts {

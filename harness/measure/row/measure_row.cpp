@@ -94,6 +94,7 @@ class RowMeasurement {
     for (MeasuredLight& light : now_.lights) find_causes_under(light, number++);
     put_together(now_, run_.scene);
     const RowScore score = gnomon::score(now_, run_.scene, frame.number > 0 ? &before_ : nullptr);
+    record_.exposure = score.exposure;
     score_.add(score.whole);
     auto sum = light_scores_.begin();
     for (const Score& light : score.lights) (sum++)->add(light);

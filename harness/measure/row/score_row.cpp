@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "measure/picture/shading.h"
+
 namespace gnomon {
 
 namespace {
@@ -40,7 +42,8 @@ RowScore score(const MeasuredRow& row, const Scene& scene, const MeasuredRow* be
     evidence.previous = &previous;
   }
   const Scoring scoring(evidence);
-  RowScore result{.lights = {}, .whole = score_of(evidence, scoring), .errors = scoring.error_counts()};
+  RowScore result{.lights = {}, .whole = score_of(evidence, scoring), .errors = scoring.error_counts(),
+                  .exposure = exposure_of(row.gbuffer(), scoring.received())};
   if (!row.together) {
     result.lights = {result.whole};
     return result;
@@ -86,6 +89,11 @@ void put_score(Record& record, std::span<const Score> lights, const Score& whole
     put(light, *from);
     light.metrics = (from++)->metrics;
   }
+}
+
+void put_score(Record& record, const RowScore& score) {
+  put_score(record, score.lights, score.whole);
+  record.exposure = score.exposure;
 }
 
 void PathScore::add(const Score& score) {

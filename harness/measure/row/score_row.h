@@ -17,7 +17,8 @@ struct Score {
 struct RowScore {
   std::vector<Score> lights;
   Score whole;
-  ErrorCounts errors;  ///< of the whole
+  ErrorCounts errors;   ///< of the whole
+  double exposure = 1;  ///< of its pictures; see exposure_of
 };
 
 /// Scores a row that is put together; `before` is the same row at the frame before, on a path.
@@ -29,7 +30,7 @@ std::optional<Record::ReferenceFacts> reference_facts(const Answer& answer, cons
 
 /// Puts scores into a record whose lights are described: metrics against its headline truth. There is one for each light.
 void put_score(Record& record, std::span<const Score> lights, const Score& whole);
-inline void put_score(Record& record, const RowScore& score) { put_score(record, score.lights, score.whole); }
+void put_score(Record& record, const RowScore& score);
 
 /// The score of a path of so many frames: metrics are means, classes and causes sums. A mean is there where every frame has the
 /// metric (instability: every frame but the first), for one over some frames would be another quantity in every row.

@@ -27,7 +27,7 @@ void visit_scene(auto& io, auto& scene) {
     sub(mesh.name, mesh.positions, mesh.triangles, mesh.casts, mesh.receives, mesh.albedo, mesh.facts, mesh.shape);
   });
   io.list(scene.lights, [](auto& sub, auto& light) { sub(light.name, light.intensity, light.kind); });
-  io.list(scene.views, [](auto& sub, auto& view) { sub(view.name, view.eye, view.target, view.up, view.fov_y_degrees); });
+  io.list(scene.views, [](auto& sub, auto& view) { sub(view.name, view.eye, view.target, view.up, view.fov_y_degrees, view.exposure); });
   io.list(scene.notes, [](auto& sub, auto& note) { sub(note); });
   // Paths came later: a scene without any keeps the bytes, and so the hash, that older records know it by.
   if (io.has_more(scene.paths))

@@ -239,8 +239,12 @@ void add_light(const fs::path& file, const ImportedLight& raw, const Placement& 
     spot->outer_degrees = widest_spot;
     spot->inner_degrees = std::min(spot->inner_degrees, widest_spot);
   }
+  light.intensity = static_cast<float>(raw.intensity);
   if (raw.kind == ImportedLightKind::other)
     scene.notes.push_back(fmt::format("{}: light '{}' is of no punctual kind and is left out", file.filename().string(),
+                                      printable(raw.name, true)));
+  else if (raw.intensity == 0)
+    scene.notes.push_back(fmt::format("{}: light '{}' has the intensity 0 and is left out", file.filename().string(),
                                       printable(raw.name, true)));
   else
     scene.lights.push_back(light);

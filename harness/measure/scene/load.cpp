@@ -1,6 +1,7 @@
 // From what `--scene` says to a scene that every technique can take: find it, load it, frame it, check it.
 #include "measure/scene/load.h"
 
+#include <gnomon/kit/irradiance.h>
 #include <gnomon/registry.h>
 
 #include <cmath>
@@ -193,6 +194,7 @@ void check(const View& view, const std::string& where) {
        fmt::format("up = ({}, {}, {}) lies along the line of sight", view.up.x, view.up.y, view.up.z));
   need(view.fov_y_degrees > 0 && view.fov_y_degrees < 180,
        fmt::format("fov_y_degrees = {} is outside 0 .. 180, both excluded", view.fov_y_degrees));
+  need(view.exposure >= 0 && std::isfinite(view.exposure), fmt::format("exposure = {} is below 0", view.exposure));
 }
 
 void finish_scene(Scene& scene, const std::string& where) {
@@ -232,8 +234,8 @@ void add_framing(Scene& scene) {
   if (scene.lights.empty()) {
     // Twice the radius of the sphere around the bounds: outside all geometry.
     const glm::vec3 position(middle + glm::length(high - low) * glm::normalize(toward_point));
-    scene.lights.push_back({.name = "point", .kind = PointLight{position}});
-    scene.lights.push_back({.name = "sun", .kind = DirectionalLight{glm::vec3(-toward_sun)}});
+    scene.lights = shining_at(glm::vec3(middle), {{.name = "point", .kind = PointLight{position}},
+                                                  {.name = "sun", .kind = DirectionalLight{glm::vec3(-toward_sun)}}});
     scene.notes.push_back("no light given: 'point' stands above the left front, 'sun' comes from there");
   }
 }

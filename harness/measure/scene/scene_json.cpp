@@ -64,10 +64,12 @@ SceneKeys scene_keys(const Light& light) {
   return keys;
 }
 SceneKeys scene_keys(const View& view) {
-  return {{"eye", number_json(view.eye)},
-          {"target", number_json(view.target)},
-          {"up", number_json(view.up)},
-          {"fov_y_degrees", number_json(view.fov_y_degrees)}};
+  SceneKeys keys{{"eye", number_json(view.eye)},
+                 {"target", number_json(view.target)},
+                 {"up", number_json(view.up)},
+                 {"fov_y_degrees", number_json(view.fov_y_degrees)}};
+  if (view.exposure > 0) keys.emplace_back("exposure", number_json(view.exposure));  // else automatic
+  return keys;
 }
 SceneKeys scene_keys(const Shape& shape) {
   return std::visit([](const auto& kind) { return keys_of(kind); }, shape);

@@ -238,13 +238,14 @@ void read_light(const toml::table& toml, const fs::path& file, Scene& scene) {
 }
 
 void read_view(const toml::table& toml, const fs::path& file, Scene& scene) {
-  const Table table(toml, file, "view", {"name", "eye", "target", "up", "fov_y_degrees"});
+  const Table table(toml, file, "view", {"name", "eye", "target", "up", "fov_y_degrees", "exposure"});
   const View fallback;
   const View view{.name = table.name("name", scene.views),
                   .eye = table.vector("eye"),
                   .target = table.vector("target"),
                   .up = table.has("up") ? table.direction("up") : glm::dvec3(fallback.up),
-                  .fov_y_degrees = static_cast<float>(table.number("fov_y_degrees", fallback.fov_y_degrees))};
+                  .fov_y_degrees = static_cast<float>(table.number("fov_y_degrees", fallback.fov_y_degrees)),
+                  .exposure = table.has("exposure") ? table.positive("exposure") : fallback.exposure};
   check(view, table.where());
   scene.views.push_back(view);
 }

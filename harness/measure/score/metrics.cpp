@@ -172,8 +172,8 @@ constexpr MetricInfo metric_rows[] = {
      "reference's: an "
      "unlit picture has 100 %.",
      [](const Scoring& s) { return s.light_error().rms; }},
-    {"received_error_mean", "intensity", "lower",
-     "Mean over T of the absolute difference in light received, in units of the lights' intensity.",
+    {"received_error_mean", "W/m2", "lower",
+     "Mean over T of the absolute difference in light received (irradiance).",
      [](const Scoring& s) { return s.light_error().mean; }},
     {"radiosity_error", "", "lower",
      "Root mean square, over all pixels but background and all channels, of the difference in all light toward the eye (global "
@@ -332,11 +332,11 @@ const Softness& Scoring::softness_of_half() const {
 }
 
 const LightError& Scoring::light_error() const {
-  return once(light_error_, [&] { return measure_light_error(evidence_); });
+  return once(light_error_, [&] { return measure_light_error(*this); });
 }
 
 const Likeness& Scoring::likeness() const {
-  return once(likeness_, [&] { return measure_likeness(evidence_); });
+  return once(likeness_, [&] { return measure_likeness(*this); });
 }
 
 }  // namespace gnomon

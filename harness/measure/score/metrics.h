@@ -71,7 +71,7 @@ struct Displacement {
   std::optional<double> mean, p95;
 };
 
-/// What is wrong with the light that pixels of T receive, in units of the lights' intensity.
+/// What is wrong with the light that pixels of T receive, as irradiance.
 struct LightError {
   std::optional<double> mean;  ///< of the absolute difference
   std::optional<double> rms;   ///< of the difference, as a share of that of the reference
@@ -97,6 +97,8 @@ class Scoring {
   const Softness& softness() const;
   /// Of what half of the reference's rays say, as if that were the mask.
   const Softness& softness_of_half() const;
+  /// Irradiance of every pixel without casters, of all lights together; empty where neither light nor that is known.
+  std::span<const double> received() const;
   const LightError& light_error() const;
   const Likeness& likeness() const;
 
@@ -107,6 +109,7 @@ class Scoring {
   mutable std::optional<std::vector<float>> edge_distance_;
   mutable std::optional<std::vector<BinCount>> edge_bins_, angle_bins_;
   mutable std::optional<Softness> softness_, softness_of_half_;
+  mutable std::optional<std::vector<double>> received_;  ///< of one light
   mutable std::optional<LightError> light_error_;
   mutable std::optional<Likeness> likeness_;
 };
@@ -123,8 +126,8 @@ std::span<const MetricInfo> metric_infos();
 // The bodies of metrics that fill a file of their own.
 Displacement measure_displacement(const Evidence& evidence);
 Softness measure_softness(const Evidence& evidence);
-LightError measure_light_error(const Evidence& evidence);
-Likeness measure_likeness(const Evidence& evidence);
+LightError measure_light_error(const Scoring& scoring);
+Likeness measure_likeness(const Scoring& scoring);
 
 /// Square meters that pixel i covers on the plane through its point, across its normal: the exact area of the quadrilateral
 /// that the pixel's four corner rays cut out. 0 for background, and for a pixel so flat to the eye's ray that the distance to

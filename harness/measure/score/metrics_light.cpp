@@ -10,10 +10,17 @@
 
 namespace gnomon {
 
-LightError measure_light_error(const Evidence& e) {
-  if (!e.gbuffer || (!e.light && e.received.empty())) return {};
-  const std::vector<double> of_one = e.received.empty() ? received_light(*e.gbuffer, *e.light) : std::vector<double>();
-  const std::span<const double> received = e.received.empty() ? std::span(of_one) : e.received;
+std::span<const double> Scoring::received() const {
+  const Evidence& e = evidence_;
+  if (!e.received.empty() || !e.gbuffer || !e.light) return e.received;
+  if (!received_) received_ = received_light(*e.gbuffer, *e.light);
+  return *received_;
+}
+
+LightError measure_light_error(const Scoring& scoring) {
+  const Evidence& e = scoring.evidence();
+  const std::span<const double> received = scoring.received();
+  if (received.empty()) return {};
   double tested = 0, sum = 0, squares = 0, whole = 0;
   for (std::size_t i = 0; i < e.mask.size(); ++i) {
     if (e.classes[i] != PixelClass::T) continue;
@@ -29,11 +36,11 @@ LightError measure_light_error(const Evidence& e) {
 }
 
 /// What a viewer sees of a wrong mask: the shaded picture against the reference's.
-Likeness measure_likeness(const Evidence& e) {
-  if (!e.scene || !e.gbuffer || (!e.light && e.received.empty())) return {};
-  const auto shaded = [&](std::span<const float> mask) {
-    return e.light ? shade(*e.scene, *e.gbuffer, *e.light, mask) : shade(*e.scene, *e.gbuffer, e.received, mask);
-  };
+Likeness measure_likeness(const Scoring& scoring) {
+  const Evidence& e = scoring.evidence();
+  const std::span<const double> received = scoring.received();
+  if (!e.scene || received.empty()) return {};
+  const auto shaded = [&](std::span<const float> mask) { return shade(*e.scene, *e.gbuffer, received, mask); };
   Picture ours, theirs;
   tbb::parallel_invoke([&] { ours = shaded(e.mask); }, [&] { theirs = shaded(e.reference); });
   return {ssim(theirs, ours), flip(theirs, ours)};

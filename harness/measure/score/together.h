@@ -9,7 +9,7 @@ namespace gnomon {
 struct Together {
   const Scene* scene = nullptr;
   const GBuffer* gbuffer = nullptr;
-  std::vector<double> received;        ///< of all lights without shadows, in units of their intensity
+  std::vector<double> received;        ///< of all lights without shadows, W/m2
   std::vector<float> mask, reference;  ///< shares of it
   std::vector<float> shown;            ///< the mask's share where lights are not tested, too: for pictures
   std::vector<float> reference_error;  ///< standard errors of `reference`; empty where no light has an area

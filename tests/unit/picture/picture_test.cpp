@@ -47,6 +47,7 @@ TEST(picture, shading_is_lambert_with_ambient_in_srgb) {
   Light sun = hand_made::sun({-std::sqrt(3.0f), -1, 0});
   sun.intensity = 0.5f;
   flat.picture.mesh[3] = no_mesh;
+  flat.picture.gbuffer.view.exposure = 1;
   const std::vector<float> visibility{1, 0, 0.5f, 1};
   const Picture shaded = shade(flat.scene, flat.picture.gbuffer, sun, visibility);
   EXPECT_EQ(pixel(shaded, 1, 0), (Rgb{137, 99, 71}));  // ambient alone: 1/4, 1/8, 1/16

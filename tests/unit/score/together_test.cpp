@@ -4,10 +4,14 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
+#include <numeric>
 
 #include "measure/cause/own_causes.h"
+#include "measure/frame/gbuffer_maker.h"
 #include "measure/picture/picture.h"
 #include "measure/picture/shading.h"
+#include "measure/scene/load.h"
 #include "measure/score/score.h"
 
 namespace together_test {
@@ -139,18 +143,47 @@ TEST_F(Suns, standard_errors_of_the_reference_add_up_as_squares) {
   EXPECT_NEAR(together(lights).reference_error[0], 0.04 / 3, 1e-7) << "a light without area has none";
 }
 
-// An albedo of 1/2 under 3 is 1.5 of white: pictures are darkened to 2/3, so that nothing is clipped; half of the light is then
-// half of white.
-TEST_F(Suns, pictures_are_as_bright_as_shows_all_of_the_light) {
-  const std::vector<double> received(4, 3);
+// What a tenth of the lit pixels receives more than is exposed to show a surface as bright as its albedo, here 1/2, whatever
+// the lights' watts; half of the light is then half of that.
+TEST_F(Suns, pictures_are_exposed_for_what_is_lit) {
   const std::vector<float> shares{1, 0.5f, 0, 1};
-  EXPECT_NEAR(exposure_of(scene, gbuffer, received), 2.0 / 3, 1e-12);
-  const Picture picture = shade(scene, gbuffer, received, shares);
-  EXPECT_EQ(picture.rgb[0], 255);
-  EXPECT_NEAR(picture.rgb[3], srgb(0.5), 1);
-  EXPECT_EQ(picture.rgb[6], 0);
-  const std::vector<double> dim(4, 1.5);
-  EXPECT_EQ(exposure_of(scene, gbuffer, dim), 1) << "nothing is made brighter";
+  for (const double watts : {3.0, 1e-6, 1e9}) {
+    const std::vector<double> received{watts, watts, watts, 0.5 * watts};
+    EXPECT_NEAR(exposure_of(gbuffer, received) * watts, 1, 1e-12);
+    const Picture picture = shade(scene, gbuffer, received, shares);
+    EXPECT_NEAR(picture.rgb[0], srgb(0.5), 1);
+    EXPECT_NEAR(picture.rgb[3], srgb(0.25), 1);
+    EXPECT_EQ(picture.rgb[6], 0);
+    EXPECT_NEAR(picture.rgb[9], srgb(0.25), 1);
+  }
+  EXPECT_EQ(exposure_of(gbuffer, std::vector<double>{0, 0, 0, 8}), 0.125) << "what is not lit does not count";
+  EXPECT_EQ(exposure_of(gbuffer, std::vector<double>(4, 0)), 1) << "nothing is lit";
+  std::vector<double> many(100, 2);
+  std::fill_n(many.begin(), 10, 1000.0);
+  EXPECT_EQ(exposure_of(gbuffer, many), 0.5) << "a tenth is brighter";
+  many[50] = 1000;
+  EXPECT_EQ(exposure_of(gbuffer, many), 0.001);
+  gbuffer.view.exposure = 0.5f;
+  EXPECT_EQ(exposure_of(gbuffer, std::vector<double>(4, 3)), 0.5) << "the view's own";
+}
+
+// A point light over the fence, one ten times farther, and a bulb of 1 cm radius in the place of the first with the same number
+// for its radiance: the bulb sends pi r^2 = 0.000314 W/sr.
+TEST(together, lights_count_by_what_they_give) {
+  const Scene scene = load_scene("fence");
+  const glm::vec3 place(-1.5f, 2.6f, -3.5f);
+  const RayScene everything(scene, Truth::mesh, RayScene::Which::all);
+  const GBuffer gbuffer = make_gbuffer(scene, everything, scene.views[0], 320, 180, Truth::mesh);
+  std::vector<double> sums;
+  for (const Light& light : {Light{.kind = PointLight{place}}, Light{.kind = PointLight{10.0f * place}},
+                             Light{.kind = SphereLight{.center = place, .radius = 0.01f}}}) {
+    const std::vector<double> received = received_light(gbuffer, light);
+    sums.push_back(std::accumulate(received.begin(), received.end(), 0.0));
+  }
+  const double all = sums[0] + sums[1] + sums[2];
+  EXPECT_NEAR(sums[0] / all, 0.983, 0.00983);
+  EXPECT_NEAR(sums[1] / all, 0.017, 0.0017);
+  EXPECT_NEAR(sums[2] / all, 0.983 * std::numbers::pi * 1e-4, 3e-6);
 }
 
 }  // namespace together_test

@@ -90,13 +90,13 @@ HandMadeFrame several_seen(std::mt19937& random, int width, int height) {
   frame.received = received_light(frame.gbuffer, frame.lights[0]);
   const std::vector<double> more = received_light(frame.gbuffer, frame.lights[1]);
   for (std::size_t i = 0; i < more.size(); ++i) frame.received[i] += more[i];
-  frame.exposure = exposure_of(frame.scene(), frame.gbuffer, frame.received);
+  frame.exposure = exposure_of(frame.gbuffer, frame.received);
   seen.verdict.together = put_together(*seen.answer, *seen.reference, LightShareKind::area, causes);
   seen.verdict.has_causes = true;
   return seen;
 }
 
-// Of several lights together, too: the light of all, in an exposure that keeps it below white, and errors of that light.
+// Of several lights together, too: the light of all, exposed together, and errors of that light.
 TEST(viewer_compose, several_lights_have_the_bytes_of_the_pictures_in_files) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     std::mt19937 random(seed);

@@ -14,7 +14,7 @@ using namespace hand_made_frame;
 
 const Rgb darker = rgb(signed_color(-1, 1)), same = rgb(signed_color(0, 1)), lighter = rgb(signed_color(1, 1));
 
-TEST(viewer_compose, light_received_is_intensity_times_cosine_inside_the_cone) {
+TEST(viewer_compose, light_received_is_irradiance_inside_the_cone) {
   // A light 2 m above the origin; the point at (2, 0, 0) sees it under 45 degrees, as far from the cone's axis.
   HandMadeFrame seen(4, 1);
   seen.picture->set(1, {2, 0, 0}, {0, 1, 0}, 0, 0);
@@ -23,13 +23,13 @@ TEST(viewer_compose, light_received_is_intensity_times_cosine_inside_the_cone) {
   Light point = hand_made::point_light({0, 2, 0});
   point.intensity = 3;
   std::vector<double> received = received_light(seen.picture->gbuffer, point);
-  EXPECT_EQ(received[0], 3);
-  EXPECT_NEAR(received[1], 3 * std::sqrt(0.5), 1e-15);
+  EXPECT_EQ(received[0], 3.0 / 4);
+  EXPECT_NEAR(received[1], 3.0 / 8 * std::sqrt(0.5), 1e-15);
   EXPECT_EQ(received[2], 0) << "turned away";
   EXPECT_EQ(received[3], 0) << "background";
   point.kind = SpotLight{{0, 2, 0}, {0, -1, 0}, 20, 44};
   received = received_light(seen.picture->gbuffer, point);
-  EXPECT_EQ(received[0], 3);
+  EXPECT_EQ(received[0], 3.0 / 4);
   EXPECT_EQ(received[1], 0) << "outside the cone";
 }
 

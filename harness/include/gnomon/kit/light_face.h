@@ -42,6 +42,10 @@ class LightFace {
     return (!is_disc_ || glm::dot(place, place) <= 1) && horizon_.x + horizon_.y * place.x + horizon_.z * place.y > 0;
   }
 
+  /// Irradiance at radiance 1 of all that is above the horizon, without casters: Lambert's integral along its outline, in closed
+  /// form. 0 where nothing is seen.
+  double irradiance() const;
+
   /// Irradiance that the figure at radiance 1 gives the point from the places around `to`, by coordinates: cosine at both
   /// ends, inverse square, times half_u x half_v. The integral over the places above the horizon is all of it.
   double weight(const glm::dvec3& to) const {
