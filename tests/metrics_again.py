@@ -149,7 +149,8 @@ def irradiance(e):
         if kind == "spot":
             along = dot(unit(way), unit(np.array(light["direction"], float)))
             inner, outer = (np.cos(np.radians(light[of])) for of in ("inner_degrees", "outer_degrees"))
-            value = np.where(along >= outer, value * np.clip((along - outer) / max(inner - outer, 1e-3), 0, 1) ** 2, 0)
+            fading = (along - outer) / (inner - outer) if inner > outer else 1
+            value = value * np.where(along >= inner, 1, np.where(along > outer, fading, 0)) ** 2
         return np.where(e.mesh < 0, 0, value)
     center = np.array(light["center"], float) - e.position
     if kind == "rect":
@@ -181,8 +182,10 @@ def exposure(e):
     """The view's own, or one over what a tenth of the lit pixels receives more than."""
     if e.view.get("exposure"):
         return float(e.view["exposure"])
-    lit = np.sort(irradiance(e)[irradiance(e) > 0])
-    return 1 / lit[len(lit) - 1 - len(lit) // 10] if len(lit) else 1.0
+    received = irradiance(e)
+    lit = np.sort(received[received > 0])
+    share = 1 - float(e.scene["ambient"]) if e.scene["ambient"] < 1 else 1
+    return share / lit[len(lit) - 1 - len(lit) // 10] if len(lit) else 1.0
 
 
 def binned_rates(e):

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace gnomon {
 
@@ -14,7 +15,9 @@ double spot_share(const Light& light, const glm::dvec3& point) {
   const double cosine = glm::dot(way, glm::normalize(glm::dvec3(spot->direction))) / glm::length(way);
   const double inner = std::cos(glm::radians(double(spot->inner_degrees)));
   const double outer = std::cos(glm::radians(double(spot->outer_degrees)));
-  const double share = std::clamp((cosine - outer) / std::max(inner - outer, 1e-3), 0.0, 1.0);
+  if (cosine >= inner) return 1;
+  if (cosine <= outer) return 0;
+  const double share = (cosine - outer) / (inner - outer);
   return share * share;
 }
 
@@ -30,8 +33,10 @@ double irradiance(const Light& light, const glm::dvec3& point, const glm::dvec3&
 std::vector<Light> shining_at(const glm::vec3& point, std::vector<Light> lights, double watts) {
   for (Light& light : lights) {
     light.intensity = 1;
-    const glm::dvec3 toward = glm::normalize(to_light(homogeneous_of_center(light), point));
-    light.intensity = static_cast<float>(watts / irradiance(light, point, toward));
+    const glm::dvec3 way = to_light(homogeneous_of_center(light), point);
+    const double at_one = glm::length(way) > 0 ? irradiance(light, point, glm::normalize(way)) : 0;
+    constexpr double least = std::numeric_limits<float>::min(), most = std::numeric_limits<float>::max();
+    if (at_one > 0) light.intensity = static_cast<float>(std::clamp(watts / at_one, least, most));
   }
   return lights;
 }

@@ -26,40 +26,55 @@ double highest_between(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec
   return x > 0 && x < 1 ? std::max(best, sine(x)) : best;
 }
 
-/// Lambert's integral along the way from a to b: half of the angle between them, times the part of the normal across both.
-double along_edge(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& n) {
-  const glm::dvec3 across = glm::cross(a, b);
+/// Lambert's integral along an edge from `start` by `way`: half of the angle, times the part of the normal across both ends.
+double along_edge(const glm::dvec3& start, const glm::dvec3& way, const glm::dvec3& n) {
+  const glm::dvec3 across = glm::cross(start, way);
   const double sine = glm::length(across);
-  return sine > 0 ? std::atan2(sine, glm::dot(a, b)) / sine * glm::dot(n, across) / 2 : 0;
+  return sine > 0 ? std::atan2(sine, glm::dot(start, start + way)) / sine * glm::dot(n, across) / 2 : 0;
 }
 
-/// Integral over -end .. end of (n0 + n1 cos t + n2 sin t) / (a + b cos t + c sin t), with a > hypot(b, c).
-double integral_of_turn(double n0, double n1, double n2, double a, double b, double c, double end) {
-  const double d = std::hypot(b, c);
-  if (d < 1e-3 * a) {
-    // Nearly a constant below: the rule of 64 equal parts, whose error falls like (d / a)^64 around a circle and is below 1e-12
-    // with Gauss's three points in each of them on an arc.
-    constexpr int parts = 64;
+/// (n0 + n1 cos t + n2 sin t) / (a + b cos t + c sin t), with d = hypot(b, c) and a - d and a + d as they come without
+/// rounding.
+struct RimIntegrand {
+  double n0, n1, n2, a, b, c, less, more;
+
+  /// All around.
+  double whole() const {
+    const double root = std::sqrt(less * more);
+    return root > 0 ? 2 * std::numbers::pi / root * (n0 - (n1 * b + n2 * c) / (a + root)) : 0;
+  }
+  /// Over -end .. end.
+  double up_to(double end) const {
+    const double d = std::hypot(b, c);
+    if (d <= 1e-12 * a) return (2 * n0 * end + 2 * n1 * std::sin(end)) / a;
+    if (d < 1e-3 * a) return by_parts(end);
+    if (!(less > 0)) return 0;
+    // Turned by `turn`, what is below is a + d cos t, and what is above has a part of that, a part of its derivative and a
+    // rest.
+    const double turn = std::atan2(c, b), m1 = (n1 * b + n2 * c) / d, m2 = (n2 * b - n1 * c) / d;
+    const double root = std::sqrt(less * more), slope = std::sqrt(less / more);
+    const auto below = [&](double t) { return std::log(a + d * std::cos(t)); };
+    const auto inverse = [&](double t) {  // integral of 1 / (a + d cos t), continuous
+      const double turns = std::round(t / (2 * std::numbers::pi)) * std::numbers::pi;
+      return 2 / root * (std::atan(slope * std::tan(t / 2 - turns)) + turns);
+    };
+    const double low = -end - turn, high = end - turn;
+    return m1 / d * (high - low) + (n0 - a * m1 / d) * (inverse(high) - inverse(low)) - m2 / d * (below(high) - below(low));
+  }
+
+ private:
+  double at(double t) const { return (n0 + n1 * std::cos(t) + n2 * std::sin(t)) / (a + b * std::cos(t) + c * std::sin(t)); }
+  /// What is below is nearly a constant, and the closed form divides by d: Gauss's three points in each of 16 parts are off by
+  /// less than 1e-12.
+  double by_parts(double end) const {
+    constexpr int parts = 16;
     constexpr double aside = 0.7745966692414834, weights[] = {5.0 / 9, 8.0 / 9, 5.0 / 9};
     double sum = 0;
     for (int k = 0; k < parts; ++k)
-      for (int j = 0; j < 3; ++j) {
-        const double t = end * (-1 + (2 * k + 1 + (j - 1) * aside) / parts);
-        sum += weights[j] * (n0 + n1 * std::cos(t) + n2 * std::sin(t)) / (a + b * std::cos(t) + c * std::sin(t));
-      }
+      for (int j = 0; j < 3; ++j) sum += weights[j] * at(end * (-1 + (2 * k + 1 + (j - 1) * aside) / parts));
     return sum * end / parts;
   }
-  // Turned by `turn`, what is below is a + d cos t, and what is above has a part of that, a part of its derivative and a rest.
-  const double turn = std::atan2(c, b), m1 = (n1 * b + n2 * c) / d, m2 = (n2 * b - n1 * c) / d;
-  const double root = std::sqrt((a - d) * (a + d)), slope = std::sqrt((a - d) / (a + d));
-  const auto below = [&](double t) { return std::log(a + d * std::cos(t)); };
-  const auto whole = [&](double t) {  // of 1 / (a + d cos t), continuous
-    const double turns = std::round(t / (2 * std::numbers::pi));
-    return 2 / root * (std::atan(slope * std::tan(t / 2 - turns * std::numbers::pi)) + turns * std::numbers::pi);
-  };
-  const double low = -end - turn, high = end - turn;
-  return m1 / d * (high - low) + (n0 - a * m1 / d) * (whole(high) - whole(low)) - m2 / d * (below(high) - below(low));
-}
+};
 
 }  // namespace
 
@@ -140,22 +155,45 @@ LightFace::LightFace(const Light& light, const glm::dvec3& point, const glm::dve
 
 double LightFace::irradiance() const {
   if (!is_seen_) return 0;
-  if (!is_disc_) {
-    std::vector<glm::dvec2> seen = square();
-    clip_places(seen, horizon_);
-    double sum = 0;
-    for (std::size_t i = 0; i < seen.size(); ++i) sum += along_edge(at(seen[i]), at(seen[(i + 1) % seen.size()]), normal_);
+  const double distance = glm::length(center_), size = glm::length(half_u_) + glm::length(half_v_);
+  const bool is_cut = !(horizon_.x > std::abs(horizon_.y) + std::abs(horizon_.z));
+  // So small a figure is one place; the sum over its outline would lose digits.
+  if (size < 1e-5 * distance && !is_cut) return (is_disc_ ? std::numbers::pi : 4) * weight(center_);
+  if (!is_disc_) return of_rectangle(is_cut);
+  // The rim is r = center + cos t half_u + sin t half_v. With h the height over the disc's plane and `aside` the distance from
+  // its axis, |r|^2 is between h^2 + (aside - radius)^2 and h^2 + (aside + radius)^2.
+  const double radius = glm::length(half_u_), h = glm::dot(center_, glm::normalize(axis_));
+  const double aside = glm::length(center_ - h * glm::normalize(axis_));
+  const RimIntegrand rim{.n0 = glm::dot(normal_, axis_),
+                         .n1 = glm::dot(normal_, glm::cross(center_, half_v_)),
+                         .n2 = -glm::dot(normal_, glm::cross(center_, half_u_)),
+                         .a = h * h + aside * aside + radius * radius,
+                         .b = 2 * glm::dot(center_, half_u_),
+                         .c = 2 * glm::dot(center_, half_v_),
+                         .less = h * h + (aside - radius) * (aside - radius),
+                         .more = h * h + (aside + radius) * (aside + radius)};
+  const double start = box_.low.x;
+  if (start <= -1) return std::abs(rim.whole()) / 2;
+  // Where the horizon cuts it, the chord closes what is left.
+  const double wide = std::sqrt(std::max(0.0, 1 - start * start));
+  return std::abs(rim.up_to(std::acos(start)) / 2 + along_edge(at({start, wide}), -2 * wide * half_v_, normal_));
+}
+
+double LightFace::of_rectangle(bool is_cut) const {
+  double sum = 0;
+  if (!is_cut) {
+    const glm::dvec3 u = 2.0 * half_u_, v = 2.0 * half_v_;
+    sum = along_edge(at({-1, -1}), u, normal_) + along_edge(at({1, -1}), v, normal_) + along_edge(at({1, 1}), -u, normal_) +
+          along_edge(at({-1, 1}), -v, normal_);
     return std::abs(sum);
   }
-  // The rim is r = center + cos t half_u + sin t half_v; where the horizon cuts it, the chord closes what is left.
-  const double start = box_.low.x, end = start > -1 ? std::acos(start) : std::numbers::pi;
-  const double n0 = glm::dot(normal_, axis_), n1 = glm::dot(normal_, glm::cross(center_, half_v_)),
-               n2 = -glm::dot(normal_, glm::cross(center_, half_u_));
-  const double a = glm::dot(center_, center_) + glm::dot(half_u_, half_u_);
-  const double arc = integral_of_turn(n0, n1, n2, a, 2 * glm::dot(center_, half_u_), 2 * glm::dot(center_, half_v_), end) / 2;
-  if (start <= -1) return std::abs(arc);
-  const double wide = std::sqrt(std::max(0.0, 1 - start * start));
-  return std::abs(arc + along_edge(at({start, wide}), at({start, -wide}), normal_));
+  std::vector<glm::dvec2> seen = square();
+  clip_places(seen, horizon_);
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const glm::dvec2 way = seen[(i + 1) % seen.size()] - seen[i];
+    sum += along_edge(at(seen[i]), way.x * half_u_ + way.y * half_v_, normal_);
+  }
+  return std::abs(sum);
 }
 
 double LightFace::highest() const {

@@ -77,7 +77,7 @@ class Cycles(Technique):
 
     def resolve(self, gbuffer, mask):
         (lit, self.ms, sync), (full, *_) = self.pairs.draw(pair_of(self.light, gbuffer), lambda shadows: self.frame(gbuffer, shadows))
-        share = np.where(full > 0, np.clip(lit / np.maximum(full, 1e-30), 0, 1), 1)
+        share = np.clip(np.divide(lit, full, out=np.ones_like(full), where=full > 0), 0, 1)
         mask[...] = np.where(gbuffer.faces(self.light, self.scene), share >= 0.5, 1) if self.is_hard else share
         self.counts = self.pairs.counts() | {"sync": (sync, "ms")}
 

@@ -252,7 +252,7 @@ void Engine::Body::make_frame(const Selection& selection, std::uint64_t number) 
       frame->file = write_shared(frame->gbuffer);
     }
     frame->received = received_light_of(*frame);
-    frame->exposure = exposure_of(frame->gbuffer, frame->received);
+    frame->exposure = exposure_of(frame->scene(), frame->gbuffer, frame->received);
   } catch (const std::exception& error) {
     // A full disk or no memory: said, and tried again with the next selection.
     change([&](EngineState& s) {

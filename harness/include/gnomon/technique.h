@@ -123,7 +123,7 @@ class Technique : public Parametrized {
   /// RGB picture, width * height * 3 floats, of one layer for the last resolve.
   virtual std::vector<float> draw_debug(std::string_view layer) const;
   /// All light that the surfaces of the last resolve send to the eye, handed on by other surfaces included: linear RGB
-  /// radiance, width * height * 3 floats, in units of the lights' intensity; background 0. Nothing from techniques that answer
+  /// radiance, width * height * 3 floats, in W/(m2 sr); background 0. Nothing from techniques that answer
   /// for shadows alone. Untimed.
   virtual std::optional<std::vector<float>> global_picture() const { return std::nullopt; }
 };

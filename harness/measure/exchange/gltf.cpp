@@ -115,7 +115,8 @@ class GltfWriter {
 
   void add(const Light& light) {
     Json node = json_object({{"name", light.name}, {"extras", scene_json(light)}});
-    Json facts = json_object({{"name", light.name}, {"type", kind_name(light)}, {"intensity", number_json(lumens_per_watt * light.intensity)}});
+    Json facts = json_object(
+        {{"name", light.name}, {"type", kind_name(light)}, {"intensity", number_json(lumens_per_watt * light.intensity)}});
     if (const auto* point = std::get_if<PointLight>(&light.kind)) {
       node["translation"] = number_json(point->position);
     } else if (const auto* spot = std::get_if<SpotLight>(&light.kind)) {

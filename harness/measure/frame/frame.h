@@ -41,7 +41,7 @@ struct Reference {
 };
 
 /// All light that surfaces send to the eye under one light with area, by random light paths (see PathPicture): linear RGB
-/// radiance in units of the light's intensity, three floats a pixel, and the standard error of each.
+/// radiance in W/(m2 sr), three floats a pixel, and the standard error of each.
 struct GlobalReference {
   std::span<const float> radiance, error;
   std::uint64_t rays = 0;

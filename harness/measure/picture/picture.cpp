@@ -59,7 +59,7 @@ Picture shade_exposed(const Scene& scene, const GBuffer& gbuffer, std::span<cons
 
 }  // namespace
 
-double exposure_of(const GBuffer& gbuffer, std::span<const double> received) {
+double exposure_of(const Scene& scene, const GBuffer& gbuffer, std::span<const double> received) {
   if (gbuffer.view.exposure > 0) return gbuffer.view.exposure;
   std::vector<double> lit;
   for (const double irradiance : received)
@@ -67,7 +67,7 @@ double exposure_of(const GBuffer& gbuffer, std::span<const double> received) {
   if (lit.empty()) return 1;
   const auto bright = lit.begin() + static_cast<std::ptrdiff_t>(lit.size() - 1 - lit.size() / 10);
   std::ranges::nth_element(lit, bright);
-  return 1 / *bright;
+  return (scene.ambient < 1 ? 1 - scene.ambient : 1) / *bright;
 }
 
 Picture shade(const Scene& scene, const GBuffer& gbuffer, const Light& light, std::span<const float> visibility) {
@@ -75,7 +75,7 @@ Picture shade(const Scene& scene, const GBuffer& gbuffer, const Light& light, st
 }
 
 Picture shade(const Scene& scene, const GBuffer& gbuffer, std::span<const double> received, std::span<const float> shares) {
-  return shade_exposed(scene, gbuffer, received, shares, exposure_of(gbuffer, received));
+  return shade_exposed(scene, gbuffer, received, shares, exposure_of(scene, gbuffer, received));
 }
 
 Picture draw_mask(std::span<const float> visibility, int width, int height) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <gnomon/gbuffer.h>
 #include <gnomon/light.h>
+#include <gnomon/scene.h>
 
 #include <algorithm>
 #include <array>
@@ -32,8 +33,8 @@ std::vector<double> received_light(const GBuffer& gbuffer, const Light& light);
 
 /// What irradiance is multiplied by in pictures: the view's own exposure, or one for which nine tenths of the pixels that
 /// receive light without shadows show no more than their albedo: a gray card of 18 % is middle gray where it is brightest but
-/// for a tenth. 1 where none receives any.
-double exposure_of(const GBuffer& gbuffer, std::span<const double> received);
+/// for a tenth, ambient light included. 1 where none receives any.
+double exposure_of(const Scene& scene, const GBuffer& gbuffer, std::span<const double> received);
 
 /// A surface of linear albedo under the light `ambient + exposure * received * visibility`.
 inline Color shaded_srgb(const SrgbSteps& steps, const glm::vec3& albedo, double light) {

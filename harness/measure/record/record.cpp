@@ -189,7 +189,8 @@ void from_json(const Json& json, Record& record) {
 void forget_results(Record& r) {
   const auto empty = [](auto&... fields) { ((fields = std::decay_t<decltype(fields)>()), ...); };
   empty(r.stages, r.device_stages, r.harness_stages, r.iterations, r.stop, r.counts, r.bytes, r.peak_bytes, r.floor, r.gl,
-        r.classes, r.metrics, r.causes, r.cause_errors, r.frames, r.exposure, r.mask, r.error_picture, r.shaded_picture, r.shares_build);
+        r.classes, r.metrics, r.causes, r.cause_errors, r.frames, r.exposure, r.mask, r.error_picture, r.shaded_picture,
+        r.shares_build);
   for (Record::LightFacts& light : r.lights)
     empty(light.reference, light.classes, light.metrics, light.causes, light.cause_errors);
 }

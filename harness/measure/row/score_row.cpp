@@ -42,8 +42,10 @@ RowScore score(const MeasuredRow& row, const Scene& scene, const MeasuredRow* be
     evidence.previous = &previous;
   }
   const Scoring scoring(evidence);
-  RowScore result{.lights = {}, .whole = score_of(evidence, scoring), .errors = scoring.error_counts(),
-                  .exposure = exposure_of(row.gbuffer(), scoring.received())};
+  RowScore result{.lights = {},
+                  .whole = score_of(evidence, scoring),
+                  .errors = scoring.error_counts(),
+                  .exposure = exposure_of(scene, row.gbuffer(), scoring.received())};
   if (!row.together) {
     result.lights = {result.whole};
     return result;

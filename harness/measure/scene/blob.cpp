@@ -18,7 +18,7 @@ namespace gnomon {
 
 namespace {
 
-constexpr std::uint32_t layout_version = 1;
+constexpr std::uint32_t layout_version = 2;
 
 /// The layout, for FieldWriter (const objects) and FieldReader alike.
 void visit_scene(auto& io, auto& scene) {
@@ -27,9 +27,9 @@ void visit_scene(auto& io, auto& scene) {
     sub(mesh.name, mesh.positions, mesh.triangles, mesh.casts, mesh.receives, mesh.albedo, mesh.facts, mesh.shape);
   });
   io.list(scene.lights, [](auto& sub, auto& light) { sub(light.name, light.intensity, light.kind); });
-  io.list(scene.views, [](auto& sub, auto& view) { sub(view.name, view.eye, view.target, view.up, view.fov_y_degrees, view.exposure); });
+  io.list(scene.views,
+          [](auto& sub, auto& view) { sub(view.name, view.eye, view.target, view.up, view.fov_y_degrees, view.exposure); });
   io.list(scene.notes, [](auto& sub, auto& note) { sub(note); });
-  // Paths came later: a scene without any keeps the bytes, and so the hash, that older records know it by.
   if (io.has_more(scene.paths))
     io.list(scene.paths, [](auto& sub, auto& path) { sub(path.name, path.moves, path.positions, path.frame_count); });
 }

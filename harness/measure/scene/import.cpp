@@ -243,9 +243,9 @@ void add_light(const fs::path& file, const ImportedLight& raw, const Placement& 
   if (raw.kind == ImportedLightKind::other)
     scene.notes.push_back(fmt::format("{}: light '{}' is of no punctual kind and is left out", file.filename().string(),
                                       printable(raw.name, true)));
-  else if (raw.intensity == 0)
-    scene.notes.push_back(fmt::format("{}: light '{}' has the intensity 0 and is left out", file.filename().string(),
-                                      printable(raw.name, true)));
+  else if (!(light.intensity > 0 && std::isfinite(light.intensity)))
+    scene.notes.push_back(fmt::format("{}: light '{}' has the intensity {:g} and is left out", file.filename().string(),
+                                      printable(raw.name, true), raw.intensity * lumens_per_watt));
   else
     scene.lights.push_back(light);
 }

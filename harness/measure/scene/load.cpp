@@ -194,7 +194,8 @@ void check(const View& view, const std::string& where) {
        fmt::format("up = ({}, {}, {}) lies along the line of sight", view.up.x, view.up.y, view.up.z));
   need(view.fov_y_degrees > 0 && view.fov_y_degrees < 180,
        fmt::format("fov_y_degrees = {} is outside 0 .. 180, both excluded", view.fov_y_degrees));
-  need(view.exposure >= 0 && std::isfinite(view.exposure), fmt::format("exposure = {} is below 0", view.exposure));
+  need(view.exposure >= 0 && std::isfinite(view.exposure),
+       fmt::format("exposure = {} is not finite and 0 or more", view.exposure));
 }
 
 void finish_scene(Scene& scene, const std::string& where) {

@@ -172,8 +172,7 @@ constexpr MetricInfo metric_rows[] = {
      "reference's: an "
      "unlit picture has 100 %.",
      [](const Scoring& s) { return s.light_error().rms; }},
-    {"received_error_mean", "W/m2", "lower",
-     "Mean over T of the absolute difference in light received (irradiance).",
+    {"received_error_mean", "W/m2", "lower", "Mean over T of the absolute difference in light received (irradiance).",
      [](const Scoring& s) { return s.light_error().mean; }},
     {"radiosity_error", "", "lower",
      "Root mean square, over all pixels but background and all channels, of the difference in all light toward the eye (global "

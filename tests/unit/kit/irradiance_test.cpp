@@ -44,6 +44,40 @@ TEST(irradiance, of_a_spot_is_whole_in_its_inner_cone_and_fades_to_its_outer_one
   EXPECT_EQ(at(40.1), 0);
 }
 
+TEST(irradiance, of_a_narrow_spot_is_whole_on_its_axis_and_ends_where_both_cones_do) {
+  for (const float outer : {0.02f, 1.0f, 2.0f}) {
+    const Light fading{.kind = SpotLight{{0, 2, 0}, {0, -1, 0}, 0.5f * outer, outer}, .intensity = 8};
+    const Light sharp{.kind = SpotLight{{0, 2, 0}, {0, -1, 0}, outer, outer}, .intensity = 8};
+    for (const Light& light : {fading, sharp}) EXPECT_EQ(irradiance(light, {0, 0, 0}, up), 2) << outer;
+    const double inside = 2 * std::tan(glm::radians(0.99 * outer)), outside = 2 * std::tan(glm::radians(1.01 * outer));
+    expect_close(irradiance(sharp, {inside, 0, 0}, up), 2 * std::pow(std::cos(glm::radians(0.99 * outer)), 3));
+    EXPECT_EQ(irradiance(sharp, {outside, 0, 0}, up), 0);
+  }
+}
+
+// A figure so small that it is one place, whatever float32 can hold.
+TEST(irradiance, of_tiny_and_of_far_lights_keeps_its_digits) {
+  for (const float half : {1e-3f, 1e-5f, 1e-6f, 1e-9f, 1e-12f, 1e-15f}) {
+    const double side = half;
+    const Light rect{.kind = RectLight{.center = {0, 2, 0}, .half_u = {half, 0, 0}, .half_v = {0, 0, half}}};
+    expect_close(irradiance(rect, {0, 0, 0}, up) / (side * side), 4.0 / 4, 2e-6);
+    const Light disc{.kind = DiscLight{.center = {0, 2, 0}, .normal = {0, -1, 0}, .radius = half}};
+    expect_close(irradiance(disc, {0, 0, 0}, up) / (side * side), pi / 4, 2e-6);
+    const Light sphere{.kind = SphereLight{.center = {0, 2, 0}, .radius = half}};
+    expect_close(irradiance(sphere, {0, 0, 0}, up) / (side * side), pi / 4, 2e-6);
+  }
+}
+
+TEST(irradiance, beside_the_rim_of_a_disc_is_a_number_between_nothing_and_all) {
+  for (const double off : {1e-3, 1e-6, 1e-9, 1e-12, 0.0})
+    for (const double height : {1e-3, 1e-8, 1e-12})
+      for (const int sign : {-1, 1}) {
+        const Light disc{.kind = DiscLight{.center = {0, 0, 0}, .normal = {0, -1, 0}, .radius = 1}};
+        const double value = irradiance(disc, {1 + sign * off, -height, 0}, up);
+        EXPECT_TRUE(value >= 0 && value <= pi * (1 + 1e-6)) << off << ' ' << height << ": " << value;
+      }
+}
+
 // Howell's catalog, B-3: a surface parallel to a rectangle, below one of its corners.
 TEST(irradiance, of_a_rectangle_over_its_corner) {
   for (const auto& [a, b, height] : {std::tuple(1.0f, 2.0f, 3.0f), std::tuple(4.0f, 0.5f, 0.25f)}) {
@@ -119,6 +153,10 @@ TEST(irradiance, of_a_light_set_to_shine_is_what_was_asked_for) {
     const glm::dvec3 toward = glm::normalize(to_light(homogeneous_of_center(light), point));
     expect_close(irradiance(light, point, toward), 0.25, 1e-6);
   }
+  // One that does not reach the point keeps 1.
+  const Light away{.kind = DiscLight{.center = {0, 5, 0}, .normal = {0, 1, 0}, .radius = 1, .emits = Emits::in_front}};
+  EXPECT_EQ(shining_at(point, {away})[0].intensity, 1);
+  EXPECT_EQ(shining_at(point, {{.kind = PointLight{point}}})[0].intensity, 1);
 }
 
 }  // namespace irradiance_test

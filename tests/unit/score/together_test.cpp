@@ -149,22 +149,24 @@ TEST_F(Suns, pictures_are_exposed_for_what_is_lit) {
   const std::vector<float> shares{1, 0.5f, 0, 1};
   for (const double watts : {3.0, 1e-6, 1e9}) {
     const std::vector<double> received{watts, watts, watts, 0.5 * watts};
-    EXPECT_NEAR(exposure_of(gbuffer, received) * watts, 1, 1e-12);
+    EXPECT_NEAR(exposure_of(scene, gbuffer, received) * watts, 1, 1e-12);
     const Picture picture = shade(scene, gbuffer, received, shares);
     EXPECT_NEAR(picture.rgb[0], srgb(0.5), 1);
     EXPECT_NEAR(picture.rgb[3], srgb(0.25), 1);
     EXPECT_EQ(picture.rgb[6], 0);
     EXPECT_NEAR(picture.rgb[9], srgb(0.25), 1);
   }
-  EXPECT_EQ(exposure_of(gbuffer, std::vector<double>{0, 0, 0, 8}), 0.125) << "what is not lit does not count";
-  EXPECT_EQ(exposure_of(gbuffer, std::vector<double>(4, 0)), 1) << "nothing is lit";
+  EXPECT_EQ(exposure_of(scene, gbuffer, std::vector<double>{0, 0, 0, 8}), 0.125) << "what is not lit does not count";
+  EXPECT_EQ(exposure_of(scene, gbuffer, std::vector<double>(4, 0)), 1) << "nothing is lit";
   std::vector<double> many(100, 2);
   std::fill_n(many.begin(), 10, 1000.0);
-  EXPECT_EQ(exposure_of(gbuffer, many), 0.5) << "a tenth is brighter";
+  EXPECT_EQ(exposure_of(scene, gbuffer, many), 0.5) << "a tenth is brighter";
   many[50] = 1000;
-  EXPECT_EQ(exposure_of(gbuffer, many), 0.001);
+  EXPECT_EQ(exposure_of(scene, gbuffer, many), 0.001);
+  scene.ambient = 0.25f;
+  EXPECT_EQ(exposure_of(scene, gbuffer, std::vector<double>(4, 3)), 0.25) << "with the ambient light as bright as the albedo";
   gbuffer.view.exposure = 0.5f;
-  EXPECT_EQ(exposure_of(gbuffer, std::vector<double>(4, 3)), 0.5) << "the view's own";
+  EXPECT_EQ(exposure_of(scene, gbuffer, std::vector<double>(4, 3)), 0.5) << "the view's own";
 }
 
 // A point light over the fence, one ten times farther, and a bulb of 1 cm radius in the place of the first with the same number

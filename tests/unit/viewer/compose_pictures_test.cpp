@@ -90,7 +90,7 @@ HandMadeFrame several_seen(std::mt19937& random, int width, int height) {
   frame.received = received_light(frame.gbuffer, frame.lights[0]);
   const std::vector<double> more = received_light(frame.gbuffer, frame.lights[1]);
   for (std::size_t i = 0; i < more.size(); ++i) frame.received[i] += more[i];
-  frame.exposure = exposure_of(frame.gbuffer, frame.received);
+  frame.exposure = exposure_of(frame.scene(), frame.gbuffer, frame.received);
   seen.verdict.together = put_together(*seen.answer, *seen.reference, LightShareKind::area, causes);
   seen.verdict.has_causes = true;
   return seen;

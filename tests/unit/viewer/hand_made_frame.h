@@ -50,7 +50,7 @@ struct HandMadeFrame {
     frame->gbuffer = picture->gbuffer;
     frame->gbuffer.storage = picture;
     frame->received = received_light(frame->gbuffer, frame->light);
-    frame->exposure = exposure_of(frame->gbuffer, frame->received);
+    frame->exposure = exposure_of(scene(), frame->gbuffer, frame->received);
   }
   /// Another answer for a frame, with a reference of its own.
   explicit HandMadeFrame(const std::shared_ptr<Frame>& of) : HandMadeFrame(of->gbuffer.width, of->gbuffer.height) {

@@ -13,7 +13,8 @@ double irradiance(const Light& light, const glm::dvec3& point, const glm::dvec3&
 /// glTF has it (KHR_lights_punctual): the square of a linear function of the cosine. 1 of every other light.
 double spot_share(const Light& light, const glm::dvec3& point);
 
-/// The lights with intensities that give a surface at `point`, turned to each light's center, `watts` per square meter.
+/// The lights with intensities that give a surface at `point`, turned to each light's center, `watts` per square meter; 1 where
+/// a light does not reach the point.
 std::vector<Light> shining_at(const glm::vec3& point, std::vector<Light> lights, double watts = 1);
 
 }  // namespace gnomon

@@ -9,7 +9,8 @@ namespace gnomon {
 
 // Pictures of debug layers: width * height * 3 floats, linear RGB in 0 .. 1.
 
-/// The scene in muted colors, shaded by the light and darkened where the mask is dark: what other things are drawn over.
+/// The scene in muted colors, shaded by the cosine of the light's incidence and darkened where the mask is dark: what other
+/// things are drawn over.
 std::vector<float> shaded_layer(const Scene& scene, const GBuffer& gbuffer, const Light& light, std::span<const float> mask);
 
 /// One color of it: a point of a mesh with its unit normal on the eye's side, and what the mask says.

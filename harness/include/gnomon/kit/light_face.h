@@ -42,8 +42,8 @@ class LightFace {
     return (!is_disc_ || glm::dot(place, place) <= 1) && horizon_.x + horizon_.y * place.x + horizon_.z * place.y > 0;
   }
 
-  /// Irradiance at radiance 1 of all that is above the horizon, without casters: Lambert's integral along its outline, in closed
-  /// form. 0 where nothing is seen.
+  /// Irradiance at radiance 1 of all that is above the horizon, without casters: Lambert's integral along its outline, in
+  /// closed form. 0 where nothing is seen.
   double irradiance() const;
 
   /// Irradiance that the figure at radiance 1 gives the point from the places around `to`, by coordinates: cosine at both
@@ -54,6 +54,8 @@ class LightFace {
   }
 
  private:
+  double of_rectangle(bool is_cut) const;
+
   glm::dvec3 center_{0}, half_u_{0}, half_v_{0};
   glm::dvec3 normal_, axis_{0};  ///< axis: half_u x half_v, across the figure
   glm::dvec3 horizon_{0};

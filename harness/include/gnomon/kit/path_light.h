@@ -24,7 +24,7 @@ struct PathOptions {
 
 /// The light of a scene, pixel by pixel, estimated. Background is 0, its visibility 1.
 struct PathPicture {
-  std::vector<float> radiance;  ///< toward the eye, RGB, in units of the light's intensity
+  std::vector<float> radiance;  ///< toward the eye, RGB, W/(m2 sr)
   std::vector<float> error;     ///< standard error of each of these numbers
   std::vector<float>
       visibility;  ///< the share of the light's irradiance that no caster keeps off; 1 where nothing of it is seen
