@@ -10,20 +10,15 @@ namespace gnomon::conformance {
 namespace {
 
 void same_mask(Trial& trial) {
-  for (const char* reference : {"sphere_over_plane:segments=24", "box_city:count=12"}) {
-    trial.at(reference);
-    const auto w = trial.world(reference);
-    const GBuffer gbuffer = w->gbuffer();
-    for (const Light& light : trial.supported_lights(w->scene)) {
-      trial.at(light);
+  for (const char* reference : {"sphere_over_plane:segments=24", "box_city:count=12"})
+    trial.under_each_light(reference, [&](const World& w, const GBuffer& gbuffer, const Light& light) {
       const auto technique = trial.set_up();
-      const std::vector<float> first = trial.answer(*technique, w->scene, light, gbuffer);
-      trial.expect_mask(first, w->scene, gbuffer, light);
+      const std::vector<float> first = trial.answer(*technique, w.scene, light, gbuffer);
+      trial.expect_mask(first, w.scene, gbuffer, light);
       trial.expect_same(first, trial.resolve(*technique, gbuffer), "resolve again", &gbuffer);
-      trial.expect_same(first, trial.answer(*technique, w->scene, light, gbuffer), "build, relight, resolve again", &gbuffer);
-      trial.expect_same(first, trial.fresh_answer(w->scene, light, gbuffer), "another object", &gbuffer);
-    }
-  }
+      trial.expect_same(first, trial.answer(*technique, w.scene, light, gbuffer), "build, relight, resolve again", &gbuffer);
+      trial.expect_same(first, trial.fresh_answer(w.scene, light, gbuffer), "another object", &gbuffer);
+    });
 }
 
 void lit_where_nothing_receives(Trial& trial) {
@@ -78,14 +73,9 @@ void lit_below_no_caster(Trial& trial) {
 }
 
 void counts(Trial& trial) {
-  const char* const reference = "box_city:count=12";
-  trial.at(reference);
-  const auto w = trial.world(reference);
-  const GBuffer gbuffer = w->gbuffer();
-  for (const Light& light : trial.supported_lights(w->scene)) {
-    trial.at(light);
+  trial.under_each_light("box_city:count=12", [&](const World& w, const GBuffer& gbuffer, const Light& light) {
     const auto technique = trial.set_up();
-    trial.answer(*technique, w->scene, light, gbuffer);
+    trial.answer(*technique, w.scene, light, gbuffer);
     int bytes = 0;
     for (const Count& count : technique->counts()) {
       trial.expect(is_plain_name(count.name), fmt::format("the count's name '{}' is no plain name", count.name));
@@ -93,19 +83,14 @@ void counts(Trial& trial) {
       bytes += count.name == "bytes";
     }
     trial.expect(bytes == 1, fmt::format("{} counts are named bytes, not 1", bytes));
-  }
+  });
 }
 
 // Weights of the taps of a pixel sum to 1, and asking changes nothing.
 void explanations(Trial& trial) {
-  const char* const reference = "sphere_over_plane:segments=24";
-  trial.at(reference);
-  const auto w = trial.world(reference);
-  const GBuffer gbuffer = w->gbuffer();
-  for (const Light& light : trial.supported_lights(w->scene)) {
-    trial.at(light);
+  trial.under_each_light("sphere_over_plane:segments=24", [&](const World& w, const GBuffer& gbuffer, const Light& light) {
     const auto technique = trial.set_up();
-    const std::vector<float> mask = trial.answer(*technique, w->scene, light, gbuffer);
+    const std::vector<float> mask = trial.answer(*technique, w.scene, light, gbuffer);
     for (std::size_t i = 0; i < gbuffer.size(); i += 7) {
       const auto why = technique->explain(i);
       if (!why) continue;
@@ -120,7 +105,7 @@ void explanations(Trial& trial) {
         trial.found(fmt::format("its bias is {}, its texel width {}", why->bias, why->texel_width), i, gbuffer);
     }
     trial.expect_same(mask, trial.resolve(*technique, gbuffer), "resolve after explain", &gbuffer);
-  }
+  });
 }
 
 /// A technique under a light that it supports, and its answer.

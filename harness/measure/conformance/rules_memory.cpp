@@ -137,16 +137,11 @@ void reported_bytes(Trial& trial) {
 
 // Twice: in a process that has seen nothing, and after the geometry changed.
 void geometry_in_build(Trial& trial) {
-  const char* const reference = "box_city:count=12";
-  trial.at(reference);
-  const auto w = trial.world(reference);
-  const GBuffer gbuffer = w->gbuffer();
-  for (const Light& light : trial.supported_lights(w->scene)) {
-    trial.at(light);
+  trial.under_each_light("box_city:count=12", [&](const World& w, const GBuffer& gbuffer, const Light& light) {
     const auto technique = trial.set_up();
-    for (const char* when : {"", " changed"}) {
-      forget_scene(w->scene);
-      technique->build(w->scene);
+    for (const char* when : {"", ", which changed"}) {
+      forget_scene(w.scene);
+      technique->build(w.scene);
       const std::uint64_t built = uploaded_scene_bytes();
       technique->relight(light);
       trial.expect(uploaded_scene_bytes() == built, fmt::format("relight uploads the scene{}", when));
@@ -154,7 +149,7 @@ void geometry_in_build(Trial& trial) {
       technique->resolve(gbuffer, mask);
       trial.expect(uploaded_scene_bytes() == built, fmt::format("resolve uploads the scene{}", when));
     }
-  }
+  });
 }
 
 }  // namespace

@@ -19,6 +19,17 @@ std::vector<Light> Trial::supported_lights(const Scene& scene, const std::string
   return lights;
 }
 
+void Trial::under_each_light(const std::string& reference,
+                             const std::function<void(const World&, const GBuffer&, const Light&)>& check) {
+  at(reference);
+  const auto w = world(reference);
+  const GBuffer gbuffer = w->gbuffer();
+  for (const Light& light : supported_lights(w->scene)) {
+    at(light);
+    check(*w, gbuffer, light);
+  }
+}
+
 const std::string& Trial::asked_with(const std::string& settings) const {
   const auto [found, is_new] = asked_with_.try_emplace(settings);
   if (is_new) found->second = rule_.has_small_pictures ? with_small_pictures(entry_, settings) : settings;

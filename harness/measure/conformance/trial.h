@@ -33,6 +33,10 @@ class Trial {
   Support support(const Scene& scene, const Light& light, const std::string& settings = "") const;
   std::vector<Light> supported_lights(const Scene& scene, const std::string& settings = "") const;
 
+  /// Calls `check` for the first view of a generated scene and each light of it that the technique supports.
+  void under_each_light(const std::string& reference,
+                        const std::function<void(const World& world, const GBuffer& gbuffer, const Light& light)>& check);
+
   std::unique_ptr<Technique> set_up(const std::string& settings = "") const;
   /// In a mask that holds nonsense until the technique has written every pixel of it, in memory or in its texture.
   std::vector<float> resolve(Technique& technique, const GBuffer& gbuffer) const;
