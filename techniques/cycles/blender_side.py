@@ -136,7 +136,7 @@ class Renderer:
         return list(zip(lines, self.steps))
 
 
-def main():
+def main(kind=Renderer):
     renderer = None
     with os.fdopen(int(os.environ["GNOMON_ANSWERS"]), "w", encoding="utf-8") as answers:
         for line in sys.stdin:
@@ -144,7 +144,7 @@ def main():
             doing = request.pop("do")
             try:
                 if doing == "start":
-                    renderer = Renderer(**request)
+                    renderer = kind(**request)
                     answer = {"version": bpy.app.version_string}
                 else:
                     answer = getattr(renderer, doing)(**request) or {}
@@ -155,4 +155,5 @@ def main():
             answers.flush()
 
 
-main()
+if __name__ == "__main__":
+    main()

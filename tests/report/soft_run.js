@@ -7,7 +7,7 @@ import { join } from "node:path";
 import { gnomon, home, open, settled } from "./browser.js";
 
 // From straight above a floor 8.284 m wide: a card 2 m wide and 1 m above it, a disc 4 m above it and a bulb at the same place.
-const scene = `
+export const scene = `
 [[shape]]
 kind = "plane"
 center = [0, 0, 0]
@@ -69,11 +69,11 @@ export const rowOf = (data, title, light = "lamp") =>
   data.rows.findIndex((row) => row.title === title && data.groups[row.group].light === light);
 
 /** A page on the comparer, showing the lamp's shadow by `a`. */
-export async function openPictures(a) {
-  const page = await open(report);
+export async function openPictures(a, { of = report, scene = "card.toml" } = {}) {
+  const page = await open(of);
   const pictures = page.locator("#pictures");
   await pictures.scrollIntoViewIfNeeded();
-  await pictures.locator("select[name=picture]").selectOption({ label: "card.toml \u00b7 lamp" });
+  await pictures.locator("select[name=picture]").selectOption({ label: `${scene} \u00b7 lamp` });
   await pictures.locator("select[name=a]").selectOption({ label: a });
   await settled(page);
   return page;

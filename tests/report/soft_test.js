@@ -1,11 +1,13 @@
 // A run under lights with and without area, read as a person reads it.
 
 import assert from "node:assert/strict";
+import { readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
 import { after, before, test } from "node:test";
 
 import { bytesOf, sharesOf } from "./blobs.js";
-import { closeBrowser, colorAt, dataOf, open, openBrowser, readOut, saved, settled, shownRows } from "./browser.js";
-import { choose, makeSoftRun, openPictures, report, rowOf } from "./soft_run.js";
+import { closeBrowser, colorAt, dataOf, gnomon, home, open, openBrowser, readOut, saved, settled, shownRows } from "./browser.js";
+import { choose, makeSoftRun, openPictures, report, rowOf, scene } from "./soft_run.js";
 
 before(async () => {
   makeSoftRun();
@@ -187,6 +189,68 @@ test("masks are gray, and the read-out says how far a pixel is off", async () =>
   assert.equal(said.pixel, `${x}, ${y}`);
   assert.match(said.A, /^0\.50 \([+\u2212]0\.\d\d\)$/);
   assert.equal(said.reference, truth[half].toFixed(2));
+  assert.deepEqual(page.troubles, []);
+  await page.context().close();
+});
+
+/** The pixels of a PNG file, [r, g, b] each. */
+const pixelsOf = (page, file) =>
+  page.evaluate(
+    async (source) => {
+      const image = new Image();
+      image.src = source;
+      await image.decode();
+      const canvas = new OffscreenCanvas(image.width, image.height).getContext("2d");
+      canvas.drawImage(image, 0, 0);
+      const bytes = canvas.getImageData(0, 0, image.width, image.height).data;
+      return Array.from({ length: bytes.length / 4 }, (_, i) => [...bytes.slice(4 * i, 4 * i + 3)]);
+    },
+    `data:image/png;base64,${readFileSync(file).toString("base64")}`,
+  );
+
+// With this exposure the floor is three times as bright as white: a place that sees half of the lamp is white, too;
+// mixed from a white that was cut off it would be gray.
+test("penumbrae of what is brighter than white are as bright as in the row's own picture", async () => {
+  const run = join(home, "bright"),
+    of = join(run, "report.html");
+  writeFileSync(join(home, "bright.toml"), `${scene}exposure = 6\n`);
+  writeFileSync(
+    join(home, "bright_suite.toml"),
+    `
+width = 160
+height = 90
+repetitions = 1
+warmups = 1
+[[group]]
+scenes = ["${join(home, "bright.toml")}"]
+techniques = ["unshadowed"]
+[[group]]
+scenes = ["${join(home, "bright.toml")}"]
+lights = ["lamp"]
+techniques = ["exact_area"]
+`,
+  );
+  gnomon(["run", join(home, "bright_suite.toml"), "--out", run, "--quiet"]);
+  gnomon(["report", run]);
+  const page = await openPictures("exact_area", { of, scene: "bright.toml" });
+  const data = await dataOf(page);
+  const row = rowOf(data, "exact_area"),
+    { pictures } = data.groups[data.rows[row].group];
+  assert.ok(pictures.white > 3, `${pictures.white} is the brightest`);
+  const records = readFileSync(join(run, "records.jsonl"), "utf8").trim().split("\n").map(JSON.parse);
+  const record = records.find(({ technique }) => technique === "exact_area");
+  const drawn = await pixelsOf(page, join(run, record.shaded_picture));
+  const mask = await sharesOf(page, data.rows[row].pictures.mask, pictures.bits);
+  await choose(page, "flicker");
+  const half = mask.flatMap((share, i) => (share > 0.2 && share < 0.8 ? [i] : [])).filter((_, k) => k % 20 === 0);
+  assert.ok(half.length > 20, `${half.length} pixels`);
+  for (const i of half) {
+    const shown = await colorAt(page, i % 160, Math.floor(i / 160));
+    assert.ok(
+      shown.every((value, c) => Math.abs(value - drawn[i][c]) <= 2),
+      `pixel ${i}, share ${mask[i]}: ${shown}, in the picture ${drawn[i]}`,
+    );
+  }
   assert.deepEqual(page.troubles, []);
   await page.context().close();
 });

@@ -45,13 +45,14 @@ std::string percent(double share) { return fmt::format("{:.{}f} %", 100 * share,
 namespace {
 
 Picture shade_exposed(const Scene& scene, const GBuffer& gbuffer, std::span<const double> received,
-                      std::span<const float> shares, double exposure) {
+                      std::span<const float> shares, double exposure, double white) {
   Picture picture{gbuffer.width, gbuffer.height, std::vector<std::uint8_t>(gbuffer.size() * 3)};
   const SrgbSteps& steps = srgb_steps();
   for (std::size_t i = 0; i < gbuffer.size(); ++i) {
     Color color = background_srgb;
     if (!gbuffer.is_background(i))
-      color = shaded_srgb(steps, scene.meshes[gbuffer.mesh[i]].albedo, scene.ambient + exposure * received[i] * shares[i]);
+      color = shaded_srgb(steps, scene.meshes[gbuffer.mesh[i]].albedo,
+                          (scene.ambient + exposure * received[i] * shares[i]) / white);
     std::ranges::copy(color, &picture.rgb[3 * i]);
   }
   return picture;
@@ -74,8 +75,20 @@ Picture shade(const Scene& scene, const GBuffer& gbuffer, const Light& light, st
   return shade(scene, gbuffer, received_light(gbuffer, light), visibility);
 }
 
-Picture shade(const Scene& scene, const GBuffer& gbuffer, std::span<const double> received, std::span<const float> shares) {
-  return shade_exposed(scene, gbuffer, received, shares, exposure_of(scene, gbuffer, received));
+Picture shade(const Scene& scene, const GBuffer& gbuffer, std::span<const double> received, std::span<const float> shares,
+              double white) {
+  return shade_exposed(scene, gbuffer, received, shares, exposure_of(scene, gbuffer, received), white);
+}
+
+double brightest(const Scene& scene, const GBuffer& gbuffer, std::span<const double> received) {
+  const double exposure = exposure_of(scene, gbuffer, received);
+  double most = 0;
+  for (std::size_t i = 0; i < gbuffer.size(); ++i) {
+    if (gbuffer.is_background(i)) continue;
+    const glm::vec3& albedo = scene.meshes[gbuffer.mesh[i]].albedo;
+    most = std::max(most, std::max({albedo.x, albedo.y, albedo.z}) * (scene.ambient + exposure * received[i]));
+  }
+  return most;
 }
 
 Picture draw_mask(std::span<const float> visibility, int width, int height) {

@@ -35,12 +35,13 @@ std::string html_text(std::string_view text);
 /// Pictures for the image comparer: base64 of deflated bytes, each read by the page when it is first shown.
 struct PictureSet {
   std::vector<std::string> blobs;
-  /// By group of the layout: null, or {bits, lit, dark, reference, reference_error, irradiance, irradiance_error, classes}: the
-  /// bits of all shares of the group (see share_bytes), the others numbers of blobs. `lit` and `dark` are
-  /// the shaded colors with all and without any direct light: red, green and blue planes, each byte less its left neighbor
-  /// modulo 256. `classes` is one byte a pixel, index of PixelClass. `irradiance` is the reference of the
-  /// rows that estimate the share of a light's irradiance, null where there is none. The errors are standard errors (see
-  /// error_bytes) of the references of lights with area, else null.
+  /// By group of the layout: null, or {bits, lit, dark, bright, white, reference, reference_error, irradiance,
+  /// irradiance_error, classes}: the bits of all shares of the group (see share_bytes), the others but `white` numbers of
+  /// blobs. `lit` and `dark` are the shaded colors with all and without any direct light: red, green and blue planes, each byte
+  /// less its left neighbor modulo 256. `bright` is `lit` with the linear light `white` shown as white, null where `lit` hides
+  /// nothing above white, 1: a penumbra mixes what is above it. `classes` is one byte a pixel, index of PixelClass.
+  /// `irradiance` is the reference of the rows that estimate the share of a light's irradiance, null where there is none. The
+  /// errors are standard errors (see error_bytes) of the references of lights with area, else null.
   Json groups = Json::array();
   /// By row in the layout's order: null, or {mask, causes}; causes is null or one byte a pixel: 0, or k for the k-th of
   /// page_causes.

@@ -145,10 +145,7 @@ class Collector {
     put_together(row, scene);
     if (!row.together) return frame_of(row.lights.front(), with_irradiance);
     const Together& all = *row.together;
-    const std::vector<float> lit(all.mask.size(), 1.0f), dark(all.mask.size(), 0.0f);
-    Json json;
-    json["lit"] = keep(color_planes(shade(scene, row.gbuffer(), all.received, lit)));
-    json["dark"] = keep(color_planes(shade(scene, row.gbuffer(), all.received, dark)));
+    Json json = shadings(row.gbuffer(), all.received);
     json["bits"] = bits_of_shares(AnswerKind::received);
     json["reference"] = keep(share_bytes(all.reference, bits_of_shares(AnswerKind::received)));
     json["reference_error"] = all.reference_error.empty() ? Json() : Json(keep(error_bytes(all.reference_error)));
@@ -166,18 +163,25 @@ class Collector {
     return json;
   }
 
+  /// The scene with all light and with none of it, and what the first hides above white.
+  Json shadings(const GBuffer& gbuffer, std::span<const double> received) {
+    const std::vector<float> all(gbuffer.size(), 1.0f), none(gbuffer.size(), 0.0f);
+    const auto shaded = [&](std::span<const float> shares, double white) {
+      return keep(color_planes(shade(frames_.scene(), gbuffer, received, shares, white)));
+    };
+    const double white = brightest(frames_.scene(), gbuffer, received);
+    Json json = {{"lit", shaded(all, 1)}, {"dark", shaded(none, 1)}, {"bright", nullptr}, {"white", std::max(white, 1.0)}};
+    if (white > 1) json["bright"] = shaded(all, white);
+    return json;
+  }
+
   static std::span<const MeasuredLight> shown_lights(const MeasuredRow& row) {
     return std::span(row.lights).first(std::min(row.lights.size(), most_shown_lights));
   }
 
   Json frame_of(const MeasuredLight& of, bool with_irradiance) {
-    const Scene& scene = frames_.scene();
-    const GBuffer& gbuffer = of.answer.gbuffer;
     const Reference& reference = of.answer.reference;
-    const std::vector<float> lit(gbuffer.size(), 1.0f), dark(gbuffer.size(), 0.0f);
-    Json json;
-    json["lit"] = keep(color_planes(shade(scene, gbuffer, of.light, lit)));
-    json["dark"] = keep(color_planes(shade(scene, gbuffer, of.light, dark)));
+    Json json = shadings(of.answer.gbuffer, received_light(of.answer.gbuffer, of.light));
     const int bits = bits_of_shares(reference.kind);
     json["bits"] = bits;
     const auto truth = [&](const char* name, std::span<const float> shares, std::span<const float> errors) {

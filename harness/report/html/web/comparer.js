@@ -231,9 +231,10 @@ class Comparer {
         ? { name, mask: await shares(number, pictures.bits), error: error === null ? null : await errors(error) }
         : null;
     try {
-      const [lit, dark, classes, area, irradiance] = await Promise.all([
+      const [lit, dark, bright, classes, area, irradiance] = await Promise.all([
         colors(pictures.lit),
         colors(pictures.dark),
+        pictures.bright === null ? null : colors(pictures.bright),
         blob(pictures.classes),
         truth("reference", pictures.reference, pictures.reference_error),
         truth("reference, share of irradiance", pictures.irradiance, pictures.irradiance_error),
@@ -259,7 +260,8 @@ class Comparer {
       const sides = await Promise.all([side(rowA, rowB), side(rowB, rowA)]);
       if (turn !== this.turn) return;
       const is_one_of_several = this.light !== null;
-      this.frame = { width, height, is_soft, is_one_of_several, lit, dark, classes, place: [scene, view, width, height].join() };
+      const place = [scene, view, width, height].join();
+      this.frame = { width, height, is_soft, is_one_of_several, lit, dark, bright, white: pictures.white, classes, place };
       [this.sideA, this.sideB] = sides;
       this.problem.hidden = true;
       this.view.setSize(width, height);

@@ -1,5 +1,6 @@
-// Pictures from masks: what the comparer shows, as ImageData. A frame is {width, height, is_soft, lit, dark, classes}, a side what
-// is compared: {mask, reference, causes}; `reference` is what its mask is judged by. Masks are shares of the light, 0 .. 1.
+// Pictures from masks: what the comparer shows, as ImageData. A frame is {width, height, is_soft, lit, dark, bright, white,
+// classes}, a side what is compared: {mask, reference, causes}; `reference` is what its mask is judged by. Masks are shares of the
+// light, 0 .. 1.
 
 import { data } from "./data.js";
 
@@ -50,14 +51,16 @@ function painted({ width, height }, paint) {
   return image;
 }
 
-/** The scene under this mask: exact at 0 and 1, mixed in linear light between. */
+/** The scene under this mask: exact at 0 and 1, mixed in linear light between; `bright` has what `lit` cuts off above white. */
 export function shaded(frame, mask) {
-  const { lit, dark } = frame;
+  const { lit, dark, bright, white } = frame;
+  const full = (k) => (lit[k] < 255 || !bright ? linear[lit[k]] : white * linear[bright[k]]);
+  const mixed = (v, k) => srgb(Math.min(1, v * full(k) + (1 - v) * linear[dark[k]]));
   return painted(frame, (i, color) => {
     const v = mask[i];
     for (let c = 0; c < 3; ++c) {
       const k = 3 * i + c;
-      color[c] = v === 1 ? lit[k] : v === 0 ? dark[k] : srgb(v * linear[lit[k]] + (1 - v) * linear[dark[k]]);
+      color[c] = v === 1 ? lit[k] : v === 0 ? dark[k] : mixed(v, k);
     }
   });
 }
