@@ -21,6 +21,7 @@
 #include "measure/printable.h"
 #include "measure/program/program_technique.h"
 #include "measure/scene/import.h"
+#include "measure/worker/build.h"
 #include "measure/worker/outside.h"
 #include "measure/worker/worker_server.h"
 
@@ -94,8 +95,10 @@ int run_program(int argc, char** argv) {
   if (!is_where_techniques_run(argc, argv)) end_orphans_of_keepers();
   try {
     Program program{
-        {"Gnomon: shadow techniques side by side, by cost and by error against ray-traced truth", "gnomon", GNOMON_VERSION},
-        {}};
+        {"Gnomon: shadow techniques side by side, by cost and by error against ray-traced truth", "gnomon", build_text()},
+        {},
+        {argv, argv + argc}};
+    if (argc > 0) program.words.front() = "gnomon";  // wherever it lies
     const auto loaded_by = [&](void (*load)(const std::string&)) {
       return [&program, load](const std::string& path) {
         load(path);

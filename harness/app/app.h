@@ -19,6 +19,7 @@ namespace gnomon::app {
 struct Program {
   CommandLine line;
   std::vector<std::string> plugins;  ///< as WorkerOptions has them
+  std::vector<std::string> words;    ///< that it was called by, the first "gnomon"
 };
 
 // One function per command: adds it, what it takes and what it does. Each is in command_NAME.cpp, or with a command of its

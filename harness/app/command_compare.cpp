@@ -25,6 +25,7 @@ void run_both(CompareCommand& options, const Program& program) {
   if (options.suite.empty() && options.scenes.empty() && options.techniques.empty()) options.suite = "quick";
   live.suite = make_suite(options, "compare --live");
   live.filter = options.filter;
+  live.command = program.words;
   live.worker = worker_options(program, options.threads);
   if (live.out.empty()) live.out = timed_folder("live");
   SceneLibrary library;

@@ -11,6 +11,7 @@
 #include "measure/record/merge.h"
 #include "measure/run/estimate.h"
 #include "measure/run/run.h"
+#include "measure/run/run_file.h"
 #include "measure/scene/blob.h"
 #include "measure/worker/machine_context.h"
 #include "report/table/table.h"
@@ -39,6 +40,7 @@ void print_contents(const fs::path& folder) {
     fmt::print("{}/{:<15}{}\n", folder.string(), name, what);
   };
   line("records.jsonl", "every raw repetition and metric");
+  line("run.json", "command, suite, scenes and build that made them");
   static constexpr std::pair<const char*, const char*> rooms[] = {
       {"masks/", "visibility masks, EXR"}, {"errors/", "error pictures, PNG"}, {"shaded/", "shaded pictures, PNG"}};
   for (const auto& [room, what] : rooms)
@@ -111,6 +113,7 @@ int run(RunCommand& options, const Program& program) {
   RunOptions& run_options = options.run;
   run_options.suite = make_suite(options, "run");
   run_options.filter = options.filter;
+  run_options.command = program.words;
   run_options.worker = worker_options(program, options.threads);
   if (!options.shard.empty()) std::tie(run_options.shard_index, run_options.shard_count) = parse_shard(options.shard);
   if (run_options.out.empty()) {
@@ -175,7 +178,10 @@ int merge(const MergeOptions& options) {
                  merged.duplicate_count, options.prefer_last ? "last" : "first");
   std::vector<Record> records;
   for (const MergedRow& row : merged.rows) records.push_back(row.record);
-  const std::size_t missing = write_merge(merged, options.out, [&](const fs::path& folder) { write_tables(folder, records); });
+  const std::size_t missing = write_merge(merged, options.out, [&](const fs::path& folder) {
+    join_run_files(options.dirs, folder);
+    write_tables(folder, records);
+  });
   if (missing) print_notice("note: {} pictures that the records name are in none of the folders\n", missing);
   if (records.empty()) {
     fmt::print("the folders hold no rows\n");
@@ -210,6 +216,7 @@ void add_run(Program& program) {
                  {.check = not_empty()});
   const auto resume = command.flag("--resume", &options.run.resume, "Continue in --out; rows that are there are not run again");
   command.flag("--retry-failed", &options.run.retry_failed, "With --resume: rows that failed are run again", resume);
+  command.flag("--rebuilt", &options.run.rebuilt, "With --resume: rows that other code measured are run again", resume);
   command.flag("--dry-run", &options.dry_run, "Print the rows and how long they may take; run nothing");
   command.flag("--quiet", &options.quiet, "No progress");
 }

@@ -1,18 +1,66 @@
-# Writes gnomon_commit.h when the commit has changed; run at every build. A tree that is not what the commit holds is "-dirty":
-# changed files, and new ones that git does not know in the folders from which the build takes every file that it finds.
+# Writes gnomon_commit.h when commit or sources have changed; run at every build.
+#
+# GNOMON_COMMIT: a tree that is not what the commit holds is "-dirty": changed files, and new ones that git does not know in the
+# folders from which the build takes every file that it finds.
+# GNOMON_SOURCES: hash of all sources by which a row is measured but those of techniques: contract, kit, device, measuring.
+# GNOMON_TECHNIQUE_SOURCES: {"ID", "hash"} of each technique's file and of its folder, where it has one.
+# GNOMON_CHANGES: bytes, each with a comma behind it, of what a dirty tree differs by from its commit: `git diff`, new files whole.
 set(git ${CMAKE_COMMAND} -E env GIT_OPTIONAL_LOCKS=0 git -C ${SOURCE})
+set(built techniques scenes harness bench/suites)
 execute_process(COMMAND ${git} describe --always --dirty --abbrev=10 OUTPUT_VARIABLE commit
   OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE failed)
+set(changes)
 if(failed)
   set(commit unknown)
-elseif(NOT commit MATCHES "-dirty$")
-  execute_process(COMMAND ${git} ls-files --others --exclude-standard -- techniques scenes harness bench/suites
-    OUTPUT_VARIABLE untracked ERROR_QUIET)
-  if(untracked)
+else()
+  execute_process(COMMAND ${git} ls-files --others --exclude-standard -- ${built} OUTPUT_VARIABLE untracked ERROR_QUIET)
+  if(untracked AND NOT commit MATCHES "-dirty$")
     string(APPEND commit "-dirty")
   endif()
+  if(commit MATCHES "-dirty$")
+    execute_process(COMMAND ${git} diff HEAD --no-color --no-ext-diff -- CMakeLists.txt ${built} OUTPUT_VARIABLE changes ERROR_QUIET)
+    string(REGEX MATCHALL "[^\n]+" untracked "${untracked}")
+    foreach(file ${untracked})
+      execute_process(COMMAND ${git} diff --no-color --no-ext-diff --no-index -- /dev/null ${file} OUTPUT_VARIABLE new ERROR_QUIET)
+      string(APPEND changes "${new}")
+    endforeach()
+  endif()
 endif()
-set(text "#define GNOMON_COMMIT \"${commit}\"\n")
+string(LENGTH "${changes}" length)
+if(length GREATER 1000000)
+  set(changes "The tree differs from its commit by ${length} bytes of text, which are not kept.\n")
+endif()
+string(HEX "${changes}" changes)
+string(REGEX REPLACE "(..)" "0x\\1," changes "${changes}")
+
+# hash_of(RESULT FILE...): of names below the tree and contents, 16 digits.
+function(hash_of result)
+  set(text)
+  list(FILTER ARGN EXCLUDE REGEX "/[.]|~$|__pycache__")  # what editors and Python leave
+  foreach(file ${ARGN})
+    file(SHA256 ${file} hash)
+    file(RELATIVE_PATH name ${SOURCE} ${file})
+    string(APPEND text "${name} ${hash}\n")
+  endforeach()
+  string(SHA256 hash "${text}")
+  string(SUBSTRING ${hash} 0 16 hash)
+  set(${result} ${hash} PARENT_SCOPE)
+endfunction()
+
+file(GLOB_RECURSE files ${SOURCE}/harness/include/* ${SOURCE}/harness/kit/* ${SOURCE}/harness/device/* ${SOURCE}/harness/measure/*
+  ${SOURCE}/harness/python/*.py)
+hash_of(sources ${files})
+set(techniques)
+file(GLOB files ${SOURCE}/techniques/*.cpp)
+foreach(file ${files})
+  get_filename_component(id ${file} NAME_WE)
+  file(GLOB_RECURSE parts ${SOURCE}/techniques/${id}/*)
+  hash_of(hash ${file} ${parts})
+  string(APPEND techniques "{\"${id}\", \"${hash}\"}, ")
+endforeach()
+
+set(text "#define GNOMON_COMMIT \"${commit}\"\n#define GNOMON_SOURCES \"${sources}\"\n")
+string(APPEND text "#define GNOMON_TECHNIQUE_SOURCES ${techniques}\n#define GNOMON_CHANGES ${changes}\n")
 if(EXISTS ${OUT})
   file(READ ${OUT} old)
 endif()

@@ -17,16 +17,19 @@ class Commit(ProgramTest):
         name = ("-c", "user.name=nobody", "-c", "user.email=nobody@example.org")
         return subprocess.run(["git", *name, *words], cwd=self.tree, check=True, capture_output=True, text=True).stdout.strip()
 
-    def commit(self):
-        """As the header has it that the build writes."""
+    def header(self):
+        """What the build writes, by name."""
         out = self.dir / "commit.h"
         subprocess.run(["cmake", f"-DSOURCE={self.tree}", f"-DOUT={out}", "-P", SCRIPT], check=True, env=self.environment)
-        return out.read_text().split('"')[1]
+        return dict(line.removeprefix("#define GNOMON_").split(" ", 1) for line in out.read_text().splitlines())
+
+    def commit(self):
+        return self.header()["COMMIT"].strip('"')
 
     def setUp(self):
         super().setUp()
         self.tree = self.dir / "tree"
-        for folder in ("techniques", "scenes", "docs"):
+        for folder in ("techniques/a", "scenes", "docs", "harness/kit", "harness/report"):
             (self.tree / folder).mkdir(parents=True)
         (self.tree / "techniques/a.cpp").write_text("a")
         (self.tree / ".gitignore").write_text("*.swp\n")
@@ -54,6 +57,38 @@ class Commit(ProgramTest):
                 else:
                     path.write_text(before)
                 self.assertEqual(self.commit(), self.clean)
+
+    def test_changes_of_the_tree_are_kept(self):
+        def changes():
+            return bytes(int(byte, 16) for byte in self.header()["CHANGES"].split(",")[:-1]).decode()
+
+        self.assertEqual(changes(), "")
+        (self.tree / "techniques/a.cpp").write_text('b; [1] "\\" \u2212\n')
+        (self.tree / "scenes/new.toml").write_text("fresh")
+        (self.tree / "docs/note.md").write_text("no part of the program")
+        text = changes()
+        for line in ("-a", '+b; [1] "\\" \u2212', "+++ b/scenes/new.toml", "+fresh"):
+            self.assertIn(line, text.splitlines())
+        self.assertNotIn("note.md", text)
+        (self.tree / "techniques/a.cpp").write_text("x\n" * 600_000)
+        self.assertRegex(changes(), r"^The tree differs from its commit by \d+ bytes of text, which are not kept.\n$")
+
+    def test_sources_have_a_hash_and_techniques_one_of_their_own(self):
+        def hashes():
+            header = self.header()
+            return header["SOURCES"], header["TECHNIQUE_SOURCES"]
+
+        before = hashes()
+        self.assertRegex(before[1], r'^\{"a", "[0-9a-f]{16}"\}, $')
+        for file, is_shared, is_own in (("techniques/a/part.h", False, True), ("techniques/a.cpp", False, True), ("harness/kit/b.cpp", True, False),
+                                        ("harness/report/b.cpp", False, False), ("docs/note.md", False, False)):
+            path = self.tree / file
+            kept = path.read_text() if path.exists() else None
+            path.write_text("other")
+            after = hashes()
+            self.assertEqual((after[0] != before[0], after[1] != before[1]), (is_shared, is_own), file)
+            path.unlink() if kept is None else path.write_text(kept)
+            self.assertEqual(hashes(), before)
 
     def test_a_tree_without_git_is_unknown(self):
         self.tree = self.dir / "bare"

@@ -152,8 +152,8 @@ class Descriptions(ProgramTest):
 
 
 class Help(ProgramTest):
-    def test_version_is_a_number(self):
-        self.assertRegex(self.succeed("--version"), r"^\d+\.\d+\.\d+\n$")
+    def test_version_is_a_number_and_what_was_built(self):
+        self.assertRegex(self.succeed("--version"), r"^\d+\.\d+\.\d+ \(commit ([0-9a-f]{10}(-dirty)?|unknown), build [0-9a-f]{16}\)\n$")
 
     def test_every_command_explains_itself(self):
         text = self.succeed("--help")

@@ -70,10 +70,64 @@ class Resume(ProgramTest):
         self.refuse(*other, "--processes", "1", "--repetitions", "3", says=["was run with 1 repetitions, not 3"])
         self.refuse(*run, "--truth", "mesh", says=["its rows have the truth shape, not mesh"])
         self.assertEqual(self.lines(), before)
+
+    def test_rows_that_other_code_measured_are_refused_or_run_again(self):
+        run = ["run", *ROWS, *NUMBERS, "--out", "out", "--resume"]
+        self.succeed(*run)
+        now = records(self.dir / "out")[0]["context"]
         self.change(lambda row: row["context"].update(commit="feedc0de"))
-        before = self.lines()
-        self.refuse(*run, says=["out holds rows of commit feedc0de", "another --out"])
-        self.assertEqual(self.lines(), before)
+        self.assertIn("4 were done before", self.succeed(*run))  # another commit of the same code
+
+        def refused(*says):
+            before = self.lines()
+            self.refuse(*run, says=[*says, "--rebuilt, or name another --out"])
+            self.refuse(*run, "--dry-run", says=says)
+            self.refuse(*run, "--rebuilt", "--filter", " shadow_map", says=[*says, "single_triangle point unshadowed is not run again"])
+            self.assertEqual(self.lines(), before)
+
+        self.change(lambda row: row["context"].update(build="0" * 16))
+        refused("out holds rows of commit feedc0de, and this program is ")
+        self.change(lambda row: row["context"].pop("build"))  # as earlier programs wrote it
+        refused("out holds rows of commit feedc0de, and this program is ")
+        self.change(lambda row: row["context"].update(commit=now["commit"], build="0" * 16))
+        refused(f"out holds rows of build {'0' * 16}, and this program is {now['build']}")
+        self.assertIn("4 rows: 4 ok", self.succeed(*run, "--rebuilt"))
+        self.assertEqual({row["context"]["build"] for row in records(self.dir / "out")}, {now["build"]})
+
+        self.change(lambda row: row["technique"] == "unshadowed" and row["context"].update(technique_source="0" * 16))
+        refused("out holds rows of unshadowed as its source was")
+        self.assertIn("2 rows: 2 ok, 0 unsupported, 0 failed; 2 were done before", self.succeed(*run, "--rebuilt"))
+        self.assertEqual(len({row["context"]["technique_source"] for row in records(self.dir / "out")}), 2)
+        self.refuse(*run[:-1], "--rebuilt", says=["--rebuilt"])  # without --resume
+
+    def test_a_folder_says_how_it_was_run(self):
+        scene = self.write("card.toml", 'scene = "contact"\n')
+        suite = self.write("mine.toml", SUITE.format('["single_triangle", "card.toml"]'))
+        self.succeed("run", suite, "--out", "out", "--quiet")
+        said = json.loads((self.dir / "out/run.json").read_text())
+        self.assertEqual(said["schema"], "gnomon-run-1")
+        [run] = said["runs"]
+        self.assertEqual(run["command"], ["gnomon", "run", str(suite), "--out", "out", "--quiet"])
+        self.assertEqual(run["suite"], {"name": "mine", "text": Path(self.dir, suite).read_text()})
+        self.assertEqual([one["scene"] for one in run["scenes"]], ["single_triangle", "card.toml"])
+        self.assertEqual([one["text"] for one in run["scenes"]], [None, Path(self.dir, scene).read_text()])
+        self.assertIn("point", [light["name"] for light in run["scenes"][0]["lights"]])
+        context = records(self.dir / "out")[0]["context"]
+        self.assertEqual({key: run["context"][key] for key in ("commit", "build", "flags")}, {key: context[key] for key in ("commit", "build", "flags")})
+        self.assertEqual(run["changes"] != "", context["commit"].endswith("-dirty"))
+        self.succeed("run", suite, "--out", "out", "--quiet", "--resume")
+        self.succeed("run", "--scene", "fence", "--technique", "unshadowed", *HARD, *NUMBERS, "--out", "more", "--quiet")
+        self.succeed("merge", "out", "more", "--out", "both")
+        runs = json.loads((self.dir / "both/run.json").read_text())["runs"]
+        self.assertEqual([run["suite"]["name"] for run in runs], ["mine", "mine", "adhoc"])
+        self.assertIsNone(runs[-1]["suite"]["text"])
+        self.assertEqual(runs[1]["command"][-1], "--resume")
+        for broken in ("{", '{"schema": "gnomon-run-2", "runs": []}', "[]"):
+            self.write("out/run.json", broken)
+            before = self.lines()
+            self.refuse("run", suite, "--out", "out", "--resume", "--quiet", says=["out/run.json does not say how the folder was run"])
+            self.assertEqual((self.lines(), (self.dir / "out/run.json").read_text()), (before, broken))
+
 
     def test_another_machine_is_said(self):
         run = ["run", *ROWS, *NUMBERS, "--out", "out", "--resume"]

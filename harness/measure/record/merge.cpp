@@ -28,7 +28,7 @@ Json content(const Record& record) {
        {"status", "support", "parameters", "width", "height", "truth", "path", "classes", "metrics", "causes", "frames"})
     part[key] = all[key];
   if (record.status != Status::failed) part["reason"] = record.reason;
-  for (const char* key : {"scene_hash", "commit"}) part["context"][key] = context_text(record, key);
+  for (const char* key : {"scene_hash", "commit", "technique_source"}) part["context"][key] = context_text(record, key);
   if (const std::string hash = plugin_hash(record); !hash.empty()) part["context"]["plugin"]["hash"] = hash;
   return part.flatten();
 }
@@ -65,6 +65,7 @@ void note_mixture(Merge& merge) {
       {"suites", "the table holds all of them", [](const Record& r) { return r.suite; }},
       {"versions", rows, in_context("version")},
       {"commits", rows, in_context("commit")},
+      {"builds", rows, in_context("build")},
       {"build types", times, in_context("build_type")},
       {"processors", times, in_context("processor")},
       {"numbers of threads", times, in_context("threads")},

@@ -10,6 +10,7 @@
 #include "measure/run/run.h"
 #include "measure/scene/blob.h"
 #include "measure/scene/load.h"
+#include "measure/worker/build.h"
 #include "measure/worker/machine_context.h"
 
 namespace gnomon {
@@ -45,6 +46,19 @@ void require_effort(const fs::path& out, const Record& record, const Suite& suit
     refuse(out, fmt::format("{} was run with {} processes, not {}", title(record), processes, suite.processes));
   if (const auto repetitions = repetitions_of(record); repetitions && *repetitions != suite.repetitions)
     refuse(out, fmt::format("{} was run with {} repetitions, not {}", title(record), *repetitions, suite.repetitions));
+}
+
+/// How the code that measured a row differs from this program's; "" where it does not. Rows without a hash have their commit.
+std::string other_code(const Record& record, const Record& now) {
+  const std::string commit = context_text(record, "commit"), build = context_text(record, "build");
+  if (build.empty() ? commit.empty() || commit == context_text(now, "commit") : build == context_text(now, "build")) {
+    const std::string source = context_text(record, "technique_source");
+    if (build.empty() || is_foreign(record) || source == technique_source(record.technique, record.settings)) return "";
+    return fmt::format("of {} as its source was", record.technique);
+  }
+  if (commit != context_text(now, "commit"))
+    return fmt::format("of commit {}, and this program is {}", commit, context_text(now, "commit"));
+  return fmt::format("of build {}, and this program is {}", build, context_text(now, "build"));
 }
 
 /// A line for each fact of the machine that is not what it was.
@@ -101,8 +115,15 @@ Earlier earlier_rows(const RunOptions& options, SceneLibrary& library, std::span
     if (is_of_other_plugin && !wanted.contains(record.job))
       throw Error("{} holds rows of {} from another plugin than now: run them, too, or name another --out",
                   options.out.string(), title(record));
+    const std::string code = other_code(record, now);
+    if (!code.empty() && !options.rebuilt)
+      throw Error("{} holds rows {}: continue them with that one, run them again with --rebuilt, or name another --out",
+                  options.out.string(), code);
+    if (!code.empty() && !wanted.contains(record.job))
+      throw Error("{} holds rows {}, and {} is not run again: {}, or name another --out", options.out.string(), code,
+                  title(record), is_foreign(record) ? "score its mask again" : "run it, too");
     const bool is_retried = options.retry_failed && record.status == Status::failed && wanted.contains(record.job);
-    if ((entry.scene && then.empty()) || is_retried || is_of_other_plugin) {
+    if ((entry.scene && then.empty()) || is_retried || is_of_other_plugin || !code.empty()) {
       earlier.is_changed = true;
       continue;
     }
@@ -112,9 +133,6 @@ Earlier earlier_rows(const RunOptions& options, SceneLibrary& library, std::span
       if (then != hash)
         throw Error("scene {} has changed since {} was run: run it into another --out", record.scene, options.out.string());
     }
-    if (const std::string commit = context_text(record, "commit"); !commit.empty() && commit != context_text(now, "commit"))
-      throw Error("{} holds rows of commit {}, and this program is {}: continue them with that one, or name another --out",
-                  options.out.string(), commit, context_text(now, "commit"));
     if (is_of_run && record.suite != options.suite.name)
       refuse(options.out, fmt::format("it holds rows of suite {}, not {}", record.suite, options.suite.name));
     if (record.truth != options.suite.truth)

@@ -10,6 +10,7 @@
 #include "measure/record/scene_place.h"
 #include "measure/run/batch.h"
 #include "measure/run/estimate.h"
+#include "measure/run/run_file.h"
 #include "measure/scene/blob.h"
 #include "measure/scratch_folder.h"
 #include "measure/worker/machine_context.h"
@@ -138,6 +139,7 @@ RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress&
   refuse();  // of a run that ended just now
   const Earlier earlier = options.resume ? earlier_rows(options, library, suite.jobs, jobs) : Earlier{};
   for (const std::string& note : earlier.notes) progress.say(note);
+  add_to_run_file(options, machine_context(options.worker.threads), library, jobs);
   if (earlier.is_changed) writer.replace(earlier.kept);
   remove_unfinished_pictures(options.out);
   RunSummary summary;
@@ -184,6 +186,11 @@ void run_live(const RunOptions& options, const std::string& base_program, SceneL
   for (const Side& side : sides) make_folder(side.out, "output folder");
   std::array<RecordWriter, 2> writers{RecordWriter(sides[0].out), RecordWriter(sides[1].out)};
   refuse();  // of a run that ended just now
+  for (const Side& side : sides) {
+    RunOptions of_side = options;
+    of_side.out = side.out;
+    add_to_run_file(of_side, &side == &sides[0] ? base : machine_context(options.worker.threads), library, jobs);
+  }
   std::vector<PendingRow> rows;
   for (const Job& job : jobs)
     for (const std::size_t side : {0, 1}) rows.push_back({.job = job, .record = {}, .side = side});
@@ -192,7 +199,7 @@ void run_live(const RunOptions& options, const std::string& base_program, SceneL
   const std::string mark = content_hash(fmt::format("{} {}", options.out.string(), now)).substr(0, 16);
   const auto contexts = [&] {
     std::vector<Json> by_side{machine_context(threads), machine_context(threads)};
-    for (const char* key : {"version", "commit", "build_type", "compiler", "flags", "libraries"})
+    for (const char* key : {"version", "commit", "build", "build_type", "compiler", "flags", "libraries", "technique_sources"})
       if (base.contains(key)) by_side[0][key] = base[key];
     for (Json& context : by_side) {
       // Pairs are judged as if nothing differed but the program: one load for both.

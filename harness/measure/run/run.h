@@ -15,6 +15,8 @@ struct RunOptions {
   std::string filter;  ///< regular expression over "SCENE LIGHT [VIEW] [PATH] TECHNIQUE:SETTINGS"; empty: all
   bool resume = false;
   bool retry_failed = false;             ///< with resume: rows that failed are run again
+  bool rebuilt = false;                  ///< with resume: rows that other code measured are run again, and no error
+  std::vector<std::string> command;      ///< the words by which the program was called, for run.json
   int shard_index = 0, shard_count = 1;  ///< runs the jobs whose hash says so
   WorkerOptions worker;                  ///< of this program
 };
@@ -42,11 +44,12 @@ struct Earlier {
 void use_recorded_scenes(const std::filesystem::path& out, Suite& suite, SceneLibrary& library);
 
 /// Reads options.out; nothing where there are no records. A scene that was not fetched then and is now is run, and its old row
-/// goes; so does a failed row of `jobs` when failed ones are to be tried again, and one of `jobs` whose plugin was built anew.
-/// Rows that cannot stand in one table with new ones are an Error: of a scene that has changed since, of another commit, of a
-/// plugin as it was when they are not in `jobs`, of another suite, and of the same one with other processes, repetitions or
-/// truth; so is a folder none of whose rows the suite has. Where it has some, a note counts the rest.
-/// `suite` are all jobs of the suite, `jobs` those that are asked for.
+/// goes; so does a failed row of `jobs` when failed ones are to be tried again, one of `jobs` whose plugin was built anew, and
+/// with `rebuilt` one that other code measured: what all techniques share, or the technique's own. Rows that cannot stand in
+/// one table with new ones are an Error: of a scene that has changed since, of other code, of a plugin as it was when they are
+/// not in `jobs`, of another suite, and of the same one with other processes, repetitions or truth; so is a folder none of
+/// whose rows the suite has. Where it has some, a note counts the rest. `suite` are all jobs of the suite, `jobs` those that
+/// are asked for.
 Earlier earlier_rows(const RunOptions& options, SceneLibrary& library, std::span<const Job> suite, std::span<const Job> jobs);
 
 /// Runs the selected jobs: one record per job in OUT/records.jsonl, masks, error pictures and shaded pictures beside it. A

@@ -4,6 +4,7 @@
 #include "measure/program/plugin_facts.h"
 #include "measure/run/jobs.h"
 #include "measure/scene/names.h"
+#include "measure/worker/build.h"
 
 namespace gnomon {
 
@@ -35,6 +36,11 @@ Record start_record(const Job& job, const Suite& suite, const Scene* scene, cons
   record.context = context;
   const Json plugin = plugin_facts(job.contender.technique, job.contender.settings);
   if (!plugin.is_null()) record.context["plugin"] = plugin;
+  // Another program's row has what that was built of.
+  const std::string source = context.contains("technique_sources") ? context["technique_sources"].value(record.technique, "")
+                                                                   : technique_source(record.technique, record.settings);
+  record.context.erase("technique_sources");
+  if (!source.empty()) record.context["technique_source"] = source;
   if (scene) {
     std::vector<const Light*> lights;
     for (const std::string& name : job.lights)

@@ -8,6 +8,7 @@
 #include <unordered_map>
 
 #include "measure/paths.h"
+#include "measure/scene/blob.h"
 #include "measure/scene/toml_table.h"
 
 namespace gnomon {
@@ -193,6 +194,8 @@ Suite read_suite(const std::string& name_or_path) {
                    "reference_error", "reference_rays", "group"});
   Suite suite;
   suite.name = path.stem();
+  const std::shared_ptr<const MappedFile> file = MappedFile::copy(path);
+  suite.text.assign(reinterpret_cast<const char*>(file->bytes().data()), file->bytes().size());
   if (top.has("title")) suite.title = top.text("title");
   suite.width = top.integer("width", suite.width, 1, 16384);
   suite.height = top.integer("height", suite.height, 1, 16384);

@@ -41,6 +41,7 @@ struct SuiteGroup {
 /// What to run and how often; data, not code. docs/suites.md describes the file.
 struct Suite {
   std::string name, title;
+  std::string text;  ///< of its file; empty where it was none
   int width = 640, height = 360;
   Truth truth = Truth::shape;
   int processes = 5;    ///< fresh worker processes per contender: the unit of statistics

@@ -12,13 +12,7 @@
 #include <fstream>
 #include <thread>
 
-#include "gnomon_commit.h"
-
-#ifdef __clang__
-#define GNOMON_COMPILER __VERSION__
-#else
-#define GNOMON_COMPILER "g++ " __VERSION__
-#endif
+#include "measure/worker/build.h"
 
 namespace gnomon {
 
@@ -41,13 +35,9 @@ Json machine_context(int threads) {
   const std::time_t now = std::time(nullptr);
   std::strftime(started, sizeof started, "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&now));
   const std::string assimp = fmt::format("{}.{}.{}", aiGetVersionMajor(), aiGetVersionMinor(), aiGetVersionPatch());
-  Json context =
-      json_object({{"version", GNOMON_VERSION},
-                   {"commit", GNOMON_COMMIT},
-                   {"build_type", GNOMON_BUILD_TYPE},
-                   {"compiler", GNOMON_COMPILER},
-                   {"flags", GNOMON_FLAGS},
-                   {"processor", processor()},
+  Json context = build_context();
+  context.update(
+      json_object({{"processor", processor()},
                    {"cores", cores},
                    {"threads", threads > 0 ? threads : cores},
                    {"load_average", load[0]},
@@ -55,9 +45,15 @@ Json machine_context(int threads) {
                    {"libraries", json_object({{"embree", RTC_VERSION_STRING},
                                               {"openimageio", OIIO_VERSION_STRING},
                                               {"assimp", assimp},
-                                              {"tbb", fmt::format("{}.{}", TBB_VERSION_MAJOR, TBB_VERSION_MINOR)}})}});
+                                              {"tbb", fmt::format("{}.{}", TBB_VERSION_MAJOR, TBB_VERSION_MINOR)}})}}));
   if (environment_keeps_shaders()) context["shaders"] = "kept";
   if (const char* const trial = std::getenv("GNOMON_TRIAL"); trial && *trial) context["trial"] = trial;
+  return context;
+}
+
+Json program_context() {
+  Json context = machine_context(0);
+  context["technique_sources"] = technique_sources();
   return context;
 }
 

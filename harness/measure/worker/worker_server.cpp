@@ -33,7 +33,7 @@ class TechniqueServer {
  public:
   TechniqueServer() {
     answers_.on<ProtocolRequest>([](const ProtocolRequest&) {
-      return ProtocolRequest::Reply{.protocol = worker_protocol, .context = machine_context(0)};
+      return ProtocolRequest::Reply{.protocol = worker_protocol, .context = program_context()};
     });
     answers_.on<OpenRequest>([this](const auto& request) { return open(request); });
     answers_.on<TraceRequest>([this](const auto& request) { return trace(request); });

@@ -1,0 +1,83 @@
+#include "measure/run/run_file.h"
+
+#include <gnomon/error.h>
+
+#include <set>
+
+#include "measure/part_file.h"
+#include "measure/scene/blob.h"
+#include "measure/scene/load.h"
+#include "measure/scene/scene_json.h"
+#include "measure/worker/build.h"
+
+namespace gnomon {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* schema = "gnomon-run-1";
+
+fs::path run_file(const fs::path& folder) { return folder / "run.json"; }
+
+std::string text_of(const fs::path& file) {
+  const std::shared_ptr<const MappedFile> copy = MappedFile::copy(file);
+  return {reinterpret_cast<const char*>(copy->bytes().data()), copy->bytes().size()};
+}
+
+/// The entries of a folder; none where it has no such file.
+Json runs_of(const fs::path& folder) {
+  const fs::path file = run_file(folder);
+  if (!fs::exists(fs::symlink_status(file))) return Json::array();
+  if (!is_plain_file(file)) throw Error("{} cannot be read: it is not a file", file.string());
+  const Json json = parse_if_json(text_of(file));
+  if (!json.is_object() || json.value("schema", Json()) != schema || !json.value("runs", Json()).is_array())
+    throw Error("{} does not say how the folder was run ({}): move it away", file.string(), schema);
+  return json["runs"];
+}
+
+void write_runs(const fs::path& folder, Json runs) {
+  write_file(run_file(folder), json_text(json_object({{"schema", schema}, {"runs", std::move(runs)}}), 1) + "\n", Durable::yes);
+}
+
+Json described(const std::string& reference, const Scene* scene) {
+  Json json = json_object({{"scene", reference}, {"text", nullptr}, {"lights", Json::array()}, {"views", Json::array()}});
+  if (names_file(reference) && fs::path(reference).extension() == ".toml" && is_plain_file(reference))
+    json["text"] = text_of(reference);
+  if (!scene) return json;
+  for (const Light& light : scene->lights) json["lights"].push_back(scene_json(light));
+  for (const View& view : scene->views) json["views"].push_back(scene_json(view));
+  return json;
+}
+
+}  // namespace
+
+void add_to_run_file(const RunOptions& options, const Json& context, SceneLibrary& library, std::span<const Job> jobs) {
+  Json runs = runs_of(options.out);
+  Json run = json_object({{"command", options.command},
+                          {"suite", json_object({{"name", options.suite.name},
+                                                 {"text", options.suite.text.empty() ? Json() : Json(options.suite.text)}})},
+                          {"scenes", Json::array()},
+                          {"context", context},
+                          {"changes", nullptr}});
+  const Json own = build_context();  // another program's changes are not known
+  if (context.value("build", Json()) == own["build"] && context.value("commit", Json()) == own["commit"])
+    run["changes"] = tree_changes();
+  std::set<std::string> known;
+  for (const Job& job : jobs) {
+    if (!known.insert(job.scene).second) continue;
+    const SceneLibrary::Entry& entry = library.get(job.scene);
+    run["scenes"].push_back(described(job.scene, entry.scene ? &*entry.scene : nullptr));
+  }
+  runs.push_back(std::move(run));
+  write_runs(options.out, std::move(runs));
+}
+
+void join_run_files(std::span<const fs::path> folders, const fs::path& out) {
+  Json runs = Json::array();
+  for (const fs::path& folder : folders)
+    for (Json& run : runs_of(folder)) runs.push_back(std::move(run));
+  if (!runs.empty()) write_runs(out, std::move(runs));
+}
+
+}  // namespace gnomon
