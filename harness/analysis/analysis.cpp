@@ -72,6 +72,16 @@ ValueWithInterval Sample::estimate() const {
   return bootstrap({this, 1}, [](std::span<const double> values) { return values[0]; });
 }
 
+std::optional<LogTime> Sample::log_time() const {
+  if (!has_processes()) return std::nullopt;
+  std::size_t processes = stages_.front().size();
+  for (const ProcessTimes& stage : stages_) processes = std::min(processes, stage.size());
+  ProcessTimes sums(processes, {0.0});
+  for (const ProcessTimes& stage : stages_)
+    for (std::size_t k = 0; k < processes; ++k) sums[k].front() += median(stage[k]);
+  return gnomon::log_time(sums);
+}
+
 ValueWithInterval bootstrap(std::span<const Sample> samples, const std::function<double(std::span<const double>)>& statistic) {
   std::vector<double> values;
   for (const Sample& sample : samples) values.push_back(sample.value());

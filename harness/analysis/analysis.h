@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "analysis/told_apart.h"
 #include "measure/record/record.h"
 
 namespace gnomon {
@@ -33,7 +34,8 @@ class Sample {
   bool is_timed() const;       ///< every stage has a time
   bool has_processes() const;  ///< every stage has at least two processes: there is an interval
   double value() const;
-  ValueWithInterval estimate() const;  ///< see `bootstrap`
+  ValueWithInterval estimate() const;       ///< see `bootstrap`
+  std::optional<LogTime> log_time() const;  ///< of the stages' sum, process by process
   /// Processes are drawn with replacement, the same ones for all stages; then the repetitions within each.
   double draw(Random& random) const;
 

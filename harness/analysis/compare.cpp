@@ -18,7 +18,7 @@ std::string_view name(Verdict verdict) {
 
 bool RowChange::differs() const {
   const auto called = [](const StageChange& s) { return s.verdict == Verdict::faster || s.verdict == Verdict::slower; };
-  return !base || !contender || !notes.empty() || !metrics.empty() || std::ranges::any_of(stages, called);
+  return !base || !contender || !notes.empty() || !metrics.empty() || !counts.empty() || std::ranges::any_of(stages, called);
 }
 
 bool RowChange::regressed() const {
@@ -40,6 +40,7 @@ Comparison::Counts Comparison::counts() const {
     }
     counts.changed_rows += !row.metrics.empty();
     counts.changed_metrics += row.metrics.size();
+    counts.rows_of_other_work += !row.counts.empty();
     counts.regressions += row.regressed();
   }
   for (const OverallChange& change : overall) {
@@ -64,8 +65,8 @@ double median_load(std::span<const Record> records) {
 }
 
 void compare_contexts(Comparison& result, std::span<const Record> base, std::span<const Record> contender) {
-  static constexpr const char* keys[] = {"processor", "cores", "threads",     "version",    "commit",   "build_type",
-                                         "compiler",  "flags", "gl_renderer", "gl_version", "libraries"};
+  static constexpr const char* keys[] = {"processor",  "cores",    "threads", "version",     "commit",     "build",
+                                         "build_type", "compiler", "flags",   "gl_renderer", "gl_version", "libraries"};
   for (const char* key : keys) {
     const std::vector<std::string> b = context_values(base, key), c = context_values(contender, key);
     if (b == c) continue;
@@ -149,8 +150,19 @@ void compare_metrics(RowChange& row, double error_threshold) {
   }
 }
 
+/// Counts that both runs have.
+std::vector<CountChange> changed_counts(const Record& base, const Record& contender) {
+  std::vector<CountChange> changes;
+  for (const Count& after : contender.counts) {
+    const auto before = std::ranges::find(base.counts, after.name, &Count::name);
+    if (before != base.counts.end() && after.unit != "ms" && before->value != after.value)
+      changes.push_back({after.name, after.unit, before->value, after.value});
+  }
+  return changes;
+}
+
 RowChange match(const Record& base, const Record& contender, const CompareOptions& options) {
-  RowChange row{&base, &contender, {}, false, {}, {}};
+  RowChange row{&base, &contender, {}, false, {}, {}, {}};
   if (base.status != contender.status) {
     const std::string& why = contender.status == Status::ok ? base.reason : contender.reason;
     row.notes.push_back(fmt::format("{} -> {}{}{}", name(base.status), name(contender.status), why.empty() ? "" : ": ", why));
@@ -163,8 +175,14 @@ RowChange match(const Record& base, const Record& contender, const CompareOption
   if (before != after && !before.empty() && !after.empty())
     row.notes.push_back("the scene has changed: neither times nor errors can be compared");
   compare_parameters(row);
+  if (const std::string source = context_text(base, "technique_source"), now = context_text(contender, "technique_source");
+      source != now && !source.empty() && !now.empty())
+    row.notes.push_back("the source of the technique has changed");
   if (base.status != Status::ok || contender.status != Status::ok) return row;
-  if (before == after) compare_metrics(row, options.error_threshold);
+  if (before == after) {
+    compare_metrics(row, options.error_threshold);
+    row.counts = changed_counts(base, contender);
+  }
   return row;
 }
 
@@ -181,7 +199,7 @@ Comparison compare(std::span<const Record> base, std::span<const Record> contend
   for (const Record& record : contender) {
     const auto found = by_key.find(key_of(record));
     if (found == by_key.end()) {
-      result.rows.push_back({nullptr, &record, {}, false, {}, {}});
+      result.rows.push_back({nullptr, &record, {}, false, {}, {}, {}});
       continue;
     }
     result.rows.push_back(match(*found->second, record, options));
@@ -189,7 +207,7 @@ Comparison compare(std::span<const Record> base, std::span<const Record> contend
   }
   for (const Record& record : base)
     if (const auto left = by_key.find(key_of(record)); left != by_key.end() && left->second == &record)
-      result.rows.push_back({&record, nullptr, {}, false, {}, {}});
+      result.rows.push_back({&record, nullptr, {}, false, {}, {}, {}});
   judge_times(result);
   return result;
 }

@@ -47,6 +47,13 @@ struct MetricChange {
   std::optional<double> floor;
 };
 
+/// Counted work that is not the same in both runs. It repeats exactly, so every change has a cause; what is counted in
+/// milliseconds is left to the times.
+struct CountChange {
+  std::string name, unit;
+  double base = 0, contender = 0;
+};
+
 /// One job in both runs, or in one of them.
 struct RowChange {
   const Record* base = nullptr;       ///< nullptr: the row is new
@@ -55,6 +62,7 @@ struct RowChange {
   bool is_regression = false;         ///< of the status: it worked, and does not any more
   std::vector<StageChange> stages;    ///< setup is listed, never judged
   std::vector<MetricChange> metrics;
+  std::vector<CountChange> counts;
 
   const Record& record() const { return contender ? *contender : *base; }
   bool differs() const;
@@ -70,15 +78,18 @@ struct OverallChange {
   double p = 1, false_discovery = 1;
   Verdict verdict = Verdict::similar;
   bool is_regression = false;
+  double least_ratio = 1;  ///< see Comparison
 };
 
 struct Comparison {
   CompareOptions options;
   /// What the two runs do not share: topic, and how base and contender differ.
   std::vector<std::pair<std::string, std::string>> differences;
-  std::string refusal;                 ///< why no time is judged; empty: times are judged
-  bool side_by_side = false;           ///< both programs were timed in one run, in pairs
-  double between = 0, inflation = 1;   ///< of difference.h's Judgements
+  std::string refusal;                ///< why no time is judged; empty: times are judged
+  bool side_by_side = false;          ///< both programs were timed in one run, in pairs
+  double between = 0, inflation = 1;  ///< of difference.h's Judgements
+  double least_ratio =
+      1;  ///< the least that one row alone would have been found to be slower by four times in five: the median
   std::vector<OverallChange> overall;  ///< all rows first; nothing where all rows are of one scene
   std::vector<RowChange> rows;         ///< in the order of the contender, missing ones last
 
@@ -86,6 +97,7 @@ struct Comparison {
     std::size_t matched = 0, missing = 0, added = 0, status = 0;
     std::size_t judged = 0, faster = 0, slower = 0;     ///< times
     std::size_t changed_rows = 0, changed_metrics = 0;  ///< rows with a changed metric, changed metrics in all
+    std::size_t rows_of_other_work = 0;                 ///< with a changed count
     std::size_t overall = 0, overall_faster = 0, overall_slower = 0;
     std::size_t regressions = 0;  ///< rows, and what is worse over all scenes
   };

@@ -88,6 +88,7 @@ void judge_contenders(Comparison& result, const std::vector<LogDifference>& diff
     change.ratio = {std::exp(all[g]->value), std::exp(judgement.low), std::exp(judgement.high)};
     change.p = judgement.p;
     change.false_discovery = judgement.false_discovery;
+    change.least_ratio = std::exp(judgement.least);
     if (judgement.false_discovery <= result.options.fdr && std::abs(all[g]->value) > floor)
       change.verdict = all[g]->value > 0 ? Verdict::slower : Verdict::faster;
     change.is_regression = change.verdict == Verdict::slower && change.ratio.value > result.options.threshold;
@@ -138,6 +139,7 @@ void judge_times(Comparison& result) {
   const Judgements all = judge(differences, floor, result.side_by_side);
   result.between = all.between;
   result.inflation = all.inflation;
+  std::vector<double> least;
   for (std::size_t k = 0; k < judged.size(); ++k) {
     StageChange& change = *judged[k];
     const Judgement& judgement = all.each[k];
@@ -146,6 +148,7 @@ void judge_times(Comparison& result) {
     change.false_discovery = judgement.false_discovery;
     change.ratio->low = ratio * std::exp(judgement.low - value);
     change.ratio->high = ratio * std::exp(judgement.high - value);
+    least.push_back(judgement.least);
     change.verdict = Verdict::similar;
     // The mean of the logarithms is tested and the ratio of medians is shown: they must agree.
     if (judgement.false_discovery <= result.options.fdr && std::abs(std::log(ratio)) > floor && std::log(ratio) * value > 0)
@@ -154,6 +157,7 @@ void judge_times(Comparison& result) {
     if (change.verdict == Verdict::similar && differences[k].slack * value > 0 && std::abs(value) > floor)
       change.why = fmt::format("the load of the machine explains up to {:.2f}", std::exp(differences[k].slack));
   }
+  if (!least.empty()) result.least_ratio = std::exp(median(least));
   judge_contenders(result, differences, owners);
 }
 

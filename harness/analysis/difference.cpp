@@ -8,8 +8,6 @@ namespace gnomon {
 
 namespace {
 
-/// Weight of the typical variance, in degrees of freedom. Two times five processes have eight of their own.
-constexpr double typical_freedom = 4;
 /// The share of the differences, the smallest ones, from whose spread the drift between runs is read. The others may be as
 /// far away as they like: a fifth of the rows may really have changed.
 constexpr double steady_share = 0.8;
@@ -90,9 +88,9 @@ double excess_variance(std::span<const double> distances, std::span<const double
   return high;
 }
 
-/// The test of one value against the floor. No difference is what lies between -floor and floor, widened on one side by the
-/// slack.
-Judgement judge_one(double value, double slack, double variance, double freedom, double floor) {
+/// The test of one value, of so many, against the floor. No difference is what lies between -floor and floor, widened on one
+/// side by the slack.
+Judgement judge_one(double value, double slack, double variance, double freedom, double floor, std::size_t tests) {
   const double width = floor + std::abs(slack) / 2, far = std::abs(value - slack / 2), deviation = std::sqrt(variance);
   Judgement judgement;
   if (deviation > 0)
@@ -103,6 +101,10 @@ Judgement judge_one(double value, double slack, double variance, double freedom,
   const double half = student_quantile(0.025, freedom) * deviation;
   judgement.low = value - half;
   judgement.high = value + half;
+  constexpr double false_share = 0.05, missed_share = 0.2;
+  const double beyond =
+      student_quantile(false_share / static_cast<double>(tests), freedom) + student_quantile(missed_share, freedom);
+  judgement.least = width + beyond * deviation;
   return judgement;
 }
 
@@ -170,7 +172,7 @@ Judgements judge(std::span<const LogDifference> differences, double floor, bool 
     const double freedom =
         variance > 0 ? variance * variance / (variances[k] * variances[k] / freedoms[k] + drift * drift / drift_freedom)
                      : freedoms[k];
-    const Judgement judgement = judge_one(value, differences[k].slack, variance, freedom, floor);
+    const Judgement judgement = judge_one(value, differences[k].slack, variance, freedom, floor, differences.size());
     p_values.push_back(judgement.p);
     if (variances[k] > 0) growth.push_back(std::sqrt(variance / variances[k]));
     judged.each.push_back(judgement);
@@ -206,7 +208,7 @@ std::vector<std::optional<GroupJudgement>> judge_groups(std::span<const LogDiffe
     double squares = weight * batch_drift * batch_drift;
     for (const double mean : means) squares += (mean - value) * (mean - value);
     const double variance = squares / freedom * (1 / count + (side_by_side ? 0 : 1));
-    result[g] = GroupJudgement{value, judge_one(value, median(members[g].slacks), variance, freedom, floor)};
+    result[g] = GroupJudgement{value, judge_one(value, median(members[g].slacks), variance, freedom, floor, members.size())};
     p_values.push_back(result[g]->judgement.p);
   }
   const std::vector<double> rates = false_discovery_rates(p_values);

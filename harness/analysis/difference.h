@@ -7,6 +7,9 @@
 
 namespace gnomon {
 
+/// Weight of the typical variance of many, in degrees of freedom. Two times five processes have eight of their own.
+inline constexpr double typical_freedom = 4;
+
 /// One stage of one row, timed in two runs: the difference of the logarithms of its times, contender minus base.
 struct LogDifference {
   double value = 0;     ///< of the means of the logarithms of the process medians
@@ -32,6 +35,9 @@ struct Judgement {
   double p = 1;                ///< of a difference this large, were the true one at most the floor
   double false_discovery = 1;  ///< the rate of false calls, over all differences, at which this one is called
   double low = 0, high = 0;    ///< 95 % interval of the value
+  /// The least true difference that, alone among the differences, would be called four times in five, with a rate of false
+  /// calls of 5 %.
+  double least = 0;
   bool operator==(const Judgement&) const = default;
 };
 

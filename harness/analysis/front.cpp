@@ -63,7 +63,10 @@ Candidate candidate_of(const Record& r, const FieldOptions& options) {
   const Record* const rows[] = {&r};
   Candidate candidate = candidate_of(rows, options);
   candidate.cost = cost_of(r, options.cost);
-  candidate.time = options.cost == Cost::bytes ? cost_of(r, Cost::light) : candidate.cost;
+  const Cost time = options.cost == Cost::bytes ? Cost::light : options.cost;
+  candidate.time = options.cost == Cost::bytes ? cost_of(r, time) : candidate.cost;
+  candidate.log_time = sample_of(r, stages_of(time)).log_time();
+  if (options.cost != Cost::bytes) candidate.log_cost = candidate.log_time;
   if (r.bytes) candidate.bytes = static_cast<double>(*r.bytes);
   return candidate;
 }
@@ -88,6 +91,17 @@ Candidate mean_of(const std::vector<const Record*>& rows, const FieldOptions& op
     const bool is_nothing = std::ranges::any_of(sizes, [](double size) { return size <= 0; });
     return ValueWithInterval(is_nothing ? 0 : geometric_mean(sizes));
   };
+  const auto geometric_log = [&](Cost cost) -> std::optional<LogTime> {
+    std::vector<LogTime> times;
+    for (const Record* row : rows) {
+      const std::optional<LogTime> time = sample_of(*row, stages_of(cost)).log_time();
+      if (!time) return std::nullopt;
+      times.push_back(*time);
+    }
+    return times.empty() ? std::nullopt : std::optional(mean_of(times));
+  };
+  candidate.log_time = geometric_log(options.cost == Cost::bytes ? Cost::light : options.cost);
+  if (options.cost != Cost::bytes) candidate.log_cost = candidate.log_time;
   candidate.cost = geometric_cost(options.cost);
   candidate.time = options.cost == Cost::bytes ? geometric_cost(Cost::light) : candidate.cost;
   if (const auto bytes = geometric_cost(Cost::bytes)) candidate.bytes = bytes->value;
@@ -188,7 +202,10 @@ std::string_view name(Standing standing) {
 
 std::vector<FrontEntry> find_front(const Field& field, std::string_view direction) {
   const auto competes = [](const Candidate& c) { return c.may_be_best() && c.cost; };
+  const auto competing = static_cast<std::size_t>(std::ranges::count_if(field.candidates, competes));
   std::vector<FrontEntry> stands;
+  std::vector<Contrast> contrasts;  // of costs that a beaten candidate may share with who beats it
+  std::vector<std::size_t> owners;  // entries
   for (const Candidate& mine : field.candidates) {
     FrontEntry stand;
     if (!competes(mine)) {
@@ -205,18 +222,21 @@ std::vector<FrontEntry> find_front(const Field& field, std::string_view directio
       const bool is_strict =
           is_better(direction, other.ranked_error(), mine.ranked_error()) || other.cost->value < mine.cost->value;
       if (!is_strict) continue;
-      // Equal costs without noise, bytes for instance, are no overlap of intervals.
-      const bool is_noisy = mine.cost->has_interval && other.cost->has_interval;
-      const bool is_sure = !is_noisy || other.cost->high < mine.cost->low;
-      if (is_sure)
-        stand.standing = Standing::beaten;
-      else if (stand.standing == Standing::front)
-        stand.standing = Standing::unclear;
+      if (mine.log_cost && other.log_cost) {
+        contrasts.push_back({*mine.log_cost, *other.log_cost, competing});
+        owners.push_back(stands.size());
+        if (stand.standing == Standing::front) stand.standing = Standing::unclear;
+      } else {
+        stand.standing = Standing::beaten;  // by value: bytes, for instance
+      }
       if (!beater || other.cost->value < beater->cost->value) beater = &other;
     }
     if (beater) stand.beaten_by = beater->setting;
     stands.push_back(stand);
   }
+  const std::vector<bool> told = told_apart(contrasts);
+  for (std::size_t k = 0; k < told.size(); ++k)
+    if (told[k]) stands[owners[k]].standing = Standing::beaten;
   return stands;
 }
 
@@ -243,6 +263,21 @@ Budgets round_budgets(std::span<const Field> fields, std::size_t most) {
   return budgets;
 }
 
+namespace {
+
+/// Of those who meet a budget of error, those whose time is not told apart from the winner's.
+void keep_not_told_apart(const std::vector<Candidate>& all, Best& best) {
+  std::vector<Contrast> contrasts;
+  for (const std::size_t k : best.also)
+    if (all[k].log_time && all[*best.winner].log_time)
+      contrasts.push_back({*all[k].log_time, *all[*best.winner].log_time, best.also.size() + 1});
+  const std::vector<bool> told = told_apart(contrasts);
+  std::size_t next = 0;
+  std::erase_if(best.also, [&](std::size_t k) { return all[k].log_time && all[*best.winner].log_time && told[next++]; });
+}
+
+}  // namespace
+
 std::vector<Best> find_best(const Field& field, const Budgets& budgets, std::string_view direction) {
   std::vector<Best> rows;
   const std::vector<Candidate>& all = field.candidates;
@@ -268,11 +303,13 @@ std::vector<Best> find_best(const Field& field, const Budgets& budgets, std::str
   for (const double budget : budgets.memories)
     choose(
         "memory", budget, [&](const Candidate& c) { return c.bytes && *c.bytes <= budget; }, lower_error, same_error);
-  for (const double budget : budgets.errors)
+  for (const double budget : budgets.errors) {
     choose(
         "error", budget, [&](const Candidate& c) { return c.time && !is_better(direction, budget, c.error); },
         [&](const Candidate& a, const Candidate& b) { return time_of(a) < time_of(b); },
-        [](const Candidate& a, const Candidate& b) { return a.time->low <= b.time->high; });
+        [](const Candidate& a, const Candidate& b) { return a.time->value == b.time->value || (a.log_time && b.log_time); });
+    keep_not_told_apart(all, rows.back());
+  }
   return rows;
 }
 

@@ -12,10 +12,11 @@ struct Candidate {
   std::optional<double> floor = {};
   /// Over all places: the mean (see gain_over_constant); nothing where a record does not say.
   std::optional<double> gain_over_constant = {};
-  std::optional<ValueWithInterval> cost = {};  ///< over all places: the geometric mean
-  std::optional<ValueWithInterval> time = {};  ///< the same, in milliseconds also where the cost is memory
-  std::optional<double> bytes = {};            ///< over all places: the geometric mean
-  ValueWithInterval relative_cost = {};        ///< to the cheapest contender of the field
+  std::optional<ValueWithInterval> cost = {};           ///< over all places: the geometric mean
+  std::optional<ValueWithInterval> time = {};           ///< the same, in milliseconds also where the cost is memory
+  std::optional<LogTime> log_cost = {}, log_time = {};  ///< of cost and time, where processes tell them
+  std::optional<double> bytes = {};                     ///< over all places: the geometric mean
+  ValueWithInterval relative_cost = {};                 ///< to the cheapest contender of the field
 
   /// Errors are ranked by this: those that the reference's own noise may make are alike.
   double ranked_error() const { return floor && error <= *floor ? 0 : error; }
@@ -52,7 +53,7 @@ std::vector<const Field*> overall_fields(std::span<const Field> fields);
 /// Where a candidate stands among the contenders of its field.
 enum class Standing {
   front,    ///< no contender is at least as good in both and better in one
-  unclear,  ///< beaten by value, but the costs' intervals overlap with those of all who beat it
+  unclear,  ///< beaten by value, but its cost is not told apart from those of all who beat it (told_apart)
   beaten,
   constant,  ///< a contender that errs as much as the best constant mask, or more
   aside,     ///< reference, baseline, or without a cost: no contender that can be placed
@@ -71,7 +72,7 @@ struct Best {
   std::string what;                   ///< "time", "memory", "error": what is limited
   double budget = 0;                  ///< milliseconds, bytes, or the error's unit
   std::optional<std::size_t> winner;  ///< of the field's candidates; nothing when none keeps the budget
-  std::vector<std::size_t> also;      ///< as good as it by value or within the intervals
+  std::vector<std::size_t> also;      ///< as good as it by value, or not told apart from it
 };
 
 struct Budgets {

@@ -26,6 +26,21 @@ struct Points {
   const char* below = "below the clock";  ///< said of a series with too few values of `least` and more
 };
 
+/// The slopes of a series whose fitted points these are, rising in x.
+void add_slopes(Growth& growth, std::span<const double> xs, std::span<const double> ys) {
+  growth.least_slope = INFINITY;
+  growth.greatest_slope = -INFINITY;
+  for (std::size_t k = 1; k < xs.size(); ++k) {
+    if (xs[k] == xs[k - 1]) continue;
+    const double slope = std::log(ys[k] / ys[k - 1]) / std::log(xs[k] / xs[k - 1]);
+    growth.least_slope = std::min(growth.least_slope, slope);
+    growth.greatest_slope = std::max(growth.greatest_slope, slope);
+  }
+  std::size_t first = xs.size() / 2;
+  while (xs[first] == xs.back()) --first;  // several rows of one x make no line
+  growth.upper_slope = fit_power_law(xs.subspan(first), ys.subspan(first)).exponent;
+}
+
 Growth fit(const AxisSeries& series, std::string stage, Points points) {
   Growth growth{.place = series.place, .setting = series.setting, .role = series.role, .stage = std::move(stage)};
   std::ranges::stable_sort(points.sums, {}, &Points::Sum::x);
@@ -64,6 +79,11 @@ Growth fit(const AxisSeries& series, std::string stage, Points points) {
   const PowerLaw best = law(values);
   growth.coefficient = best.coefficient;
   growth.r2 = best.r2;
+  // What the line misses says how sure its slope is, whether processes tell anything or not.
+  ValueWithInterval& exponent = *growth.exponent;
+  exponent = {exponent.value, std::min(exponent.low, exponent.value - *best.misfit),
+              std::max(exponent.high, exponent.value + *best.misfit)};
+  add_slopes(growth, xs, ys);
   return growth;
 }
 
@@ -184,7 +204,9 @@ PowerLaw fit_power_law(std::span<const double> x, std::span<const double> y) {
   const double exponent = xy / xx;
   // What float noise leaves of a constant is no variance.
   const bool is_constant = yy <= n * 1e-24;
-  return {exponent, std::exp(mean_y - exponent * mean_x), is_constant ? 1 : xy * xy / (xx * yy)};
+  PowerLaw law{exponent, std::exp(mean_y - exponent * mean_x), is_constant ? 1 : xy * xy / (xx * yy)};
+  if (x.size() > 2) law.misfit = student_quantile(0.025, n - 2) * std::sqrt(std::max(0.0, yy - exponent * xy) / (n - 2) / xx);
+  return law;
 }
 
 Growths find_growth(std::span<const Record> records, const std::string& axis, const std::string& quantity) {

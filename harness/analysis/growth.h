@@ -7,6 +7,8 @@ namespace gnomon {
 struct PowerLaw {
   double exponent = 0, coefficient = 0;
   double r2 = 0;  ///< share of the variance of ln y that the line explains; 1 where y does not vary
+  /// Half of the exponent's 95 % interval by how far the points lie from the line (Student's t); nothing of two points.
+  std::optional<double> misfit = {};
 };
 /// Positive values, one y per x, at least two different x.
 PowerLaw fit_power_law(std::span<const double> x, std::span<const double> y);
@@ -25,10 +27,15 @@ struct Growth {
     std::size_t rows = 1;     ///< that it is made of: seeds of one setting, or lights
     bool is_fitted() const { return value.value > 0 && value.value >= least; }
   };
-  std::vector<Point> points = {};                  ///< by x
-  std::size_t left_out = 0;                        ///< points that are not fitted
-  std::optional<ValueWithInterval> exponent = {};  ///< nothing: see why_not
+  std::vector<Point> points = {};  ///< by x
+  std::size_t left_out = 0;        ///< points that are not fitted
+  /// Nothing: see why_not. The interval holds what times differ by from process to process, and that points do not lie on a
+  /// line.
+  std::optional<ValueWithInterval> exponent = {};
   double coefficient = 0, r2 = 0;
+  /// From each fitted point to the next, the least and the greatest; of the line through the upper half of them, the middle one
+  /// of an odd number included. With an exponent alone.
+  double least_slope = 0, greatest_slope = 0, upper_slope = 0;
   std::string why_not = {};  ///< "too few points", "below the clock", "below the reference"
 };
 

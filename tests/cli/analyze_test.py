@@ -50,7 +50,7 @@ class Analyze(ProgramTest):
             for column in ("exponent", "exponent_low", "exponent_high"):
                 self.assertAlmostEqual(float(rows[0][column]), 1.5, places=9)
         text = self.succeed("analyze", run, "growth")
-        self.assertRegex(text, r"(?m)^shadow_map +resolve +1\.50 +1\.50 \.\. 1\.50 +1\.000 +4 ")
+        self.assertRegex(text, r"(?m)^shadow_map +resolve +1\.50 +1\.50 \.\. 1\.50 +1\.50 \.\. 1\.50 +1\.50 +4 ")
 
     def test_growth_of_an_error_joins_seeds(self):
         run = self.run_of(*(record(technique="area_rays", settings=f"samples={n},seed={seed}", wrong=(1 + seed / 100) / n)

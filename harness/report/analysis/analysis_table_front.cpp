@@ -124,7 +124,7 @@ Tables front_tables(std::span<const Record> records, const AnalysisOptions& opti
     }
   }
   table.notes.insert(table.notes.end(), {"front: no contender is at least as good in both and better in one",
-                                         "unclear: beaten by value, but the intervals of the costs overlap",
+                                         "unclear: beaten by value, but the costs are not told apart",
                                          "constant: errs as much as the best constant mask, or more",
                                          "relative: cost over that of the cheapest contender of the group"});
   if (options.cost != Cost::bytes) table.notes.emplace_back(interval_note);
@@ -217,7 +217,7 @@ Tables best_tables(std::span<const Record> records, const AnalysisOptions& optio
       table.groups[k].rows.push_back({.cells = best_cells(fields[k], best, columns, direction, with_floor)});
   table.notes.emplace_back(
       "at equal time and memory the lowest error within the budget, at equal error the lowest time; as good: the same error, "
-      "or a time whose interval overlaps");
+      "or a time that is not told apart from the winner's");
   add_error_notes(table, columns.error, fields);
   return {table};
 }

@@ -22,13 +22,17 @@ std::vector<Column> columns_of(const Growths& growths) {
   const bool is_time = growths.quantity.empty();
   std::vector<Column> columns = place_columns();
   const Column stage = text_column(is_time ? "stage" : "quantity", is_time ? "stage" : "quantity");
-  columns.insert(columns.end(),
-                 {text_column("setting", "technique"), is_time ? stage : for_programs(stage),
-                  number_column("exponent", "", "exponent"), for_people(text_column("exponent_interval", "interval")),
-                  for_programs(number_column("exponent_low", "", "exponent_low")),
-                  for_programs(number_column("exponent_high", "", "exponent_high")),
-                  for_programs(number_column("coefficient", is_time ? "ms" : "", "coefficient")), number_column("r2", "", "R²"),
-                  whole_column("points", "", "points")});
+  columns.insert(
+      columns.end(),
+      {text_column("setting", "technique"), is_time ? stage : for_programs(stage), number_column("exponent", "", "exponent"),
+       for_people(text_column("exponent_interval", "interval")),
+       for_programs(number_column("exponent_low", "", "exponent_low")),
+       for_programs(number_column("exponent_high", "", "exponent_high")),
+       for_people(text_column("local_slopes", "from point to point")),
+       for_programs(number_column("slope_least", "", "slope_least")),
+       for_programs(number_column("slope_greatest", "", "slope_greatest")), number_column("slope_upper", "", "upper half"),
+       for_programs(number_column("coefficient", is_time ? "ms" : "", "coefficient")),
+       for_programs(number_column("r2", "", "R²")), whole_column("points", "", "points")});
   if (!is_time) columns.push_back(whole_column("rows", "", "rows"));
   columns.insert(columns.end(),
                  {whole_column("x_from", growths.unit, growths.axis + " from"), whole_column("x_to", growths.unit, "to")});
@@ -46,6 +50,9 @@ Cells cells_of(const Growth& growth, bool with_rows) {
                              e ? Cell{.value = e->value, .shown = fixed(e->value)} : Cell{.shown = growth.why_not},
                              text_cell(e && e->has_interval ? fixed(e->low) + " .. " + fixed(e->high) : "-"),
                              end(e, &ValueWithInterval::low), end(e, &ValueWithInterval::high),
+                             text_cell(e ? fixed(growth.least_slope) + " .. " + fixed(growth.greatest_slope) : "-"),
+                             e ? Cell{.value = growth.least_slope} : Cell{}, e ? Cell{.value = growth.greatest_slope} : Cell{},
+                             e ? Cell{.value = growth.upper_slope, .shown = fixed(growth.upper_slope)} : Cell{},
                              e ? Cell{.value = growth.coefficient} : Cell{},
                              e ? Cell{.value = growth.r2, .shown = fmt::format("{:.3f}", growth.r2)} : Cell{},
                              Cell{.value = static_cast<double>(growth.points.size())}});
@@ -64,13 +71,15 @@ std::vector<std::string> notes_of(const Growths& growths) {
   const char* what = growths.quantity.empty() ? "time" : growths.quantity.c_str();
   std::vector<std::string> notes = {
       fmt::format("exponent: slope of the least-squares line through log {} and log {}", what, growths.axis)};
+  notes.emplace_back("interval: 95 %, of the spread of processes and of how far the points lie from the line");
+  notes.emplace_back("from point to point: the least and the greatest slope between neighbors");
+  notes.emplace_back("upper half: the slope of the line through the upper half of the points");
   const std::string too_few = fmt::format("too few points: below {} different {}", least_points, growths.axis);
   if (growths.quantity.empty()) {
-    notes.emplace_back(interval_note);
     notes.push_back(fmt::format("{}; below the clock: faster than {} ms", too_few, exact(clock_ms)));
     return notes;
   }
-  notes.emplace_back("interval: 95 %, bootstrap over rows that differ in their seed alone; a point is their median");
+  notes.emplace_back("a point is the median of rows that differ in their seed alone, which are what the bootstrap draws");
   notes.push_back(too_few);
   const bool has_least = std::ranges::any_of(growths.rows, [](const Growth& growth) {
     return std::ranges::any_of(growth.points, [](const Growth::Point& point) { return point.least > 0; });

@@ -51,6 +51,9 @@ Json row_json(const RowChange& row) {
                        {"contender", or_null(m.contender)},
                        {"floor", or_null(m.floor)},
                        {"regression", m.is_regression}});
+  Json& counts = json["counts"] = Json::array();
+  for (const CountChange& c : row.counts)
+    counts.push_back({{"count", c.name}, {"unit", c.unit}, {"base", c.base}, {"contender", c.contender}});
   return json;
 }
 
@@ -85,6 +88,9 @@ std::string comparison_csv(const Comparison& comparison) {
     for (const MetricChange& m : row.metrics)
       line({"metric", m.metric, std::string(name(m.truth)), number_text(m.base), number_text(m.contender), "", "", "", "", "",
             "changed", yes(m.is_regression), m.floor ? fmt::format("floor {}", exact(*m.floor)) : ""});
+    for (const CountChange& c : row.counts)
+      line({"count", c.name, "", exact(c.base), exact(c.contender), c.base != 0 ? exact(c.contender / c.base) : "", "", "", "",
+            "", "changed", yes(false), c.unit});
   }
   return text;
 }
@@ -107,6 +113,7 @@ std::string comparison_json(const Comparison& comparison, const CompareTableOpti
   json["side_by_side"] = comparison.side_by_side;
   json["drift"] = comparison.between;
   json["inflation"] = comparison.inflation;
+  json["least_ratio"] = comparison.least_ratio;
   Json& together = json["over_all_scenes"] = Json::array();
   for (const OverallChange& c : comparison.overall)
     together.push_back({{"contender", c.contender.empty() ? Json(nullptr) : Json(c.contender)},
@@ -118,6 +125,7 @@ std::string comparison_json(const Comparison& comparison, const CompareTableOpti
                         {"p", c.p},
                         {"false_discovery", c.false_discovery},
                         {"verdict", name(c.verdict)},
+                        {"least_ratio", c.least_ratio},
                         {"regression", c.is_regression}});
   json["counts"] = {{"matched", n.matched},
                     {"missing", n.missing},
@@ -130,6 +138,7 @@ std::string comparison_json(const Comparison& comparison, const CompareTableOpti
                     {"over_all_scenes_faster", n.overall_faster},
                     {"rows_with_changed_metrics", n.changed_rows},
                     {"changed_metrics", n.changed_metrics},
+                    {"rows_of_other_work", n.rows_of_other_work},
                     {"regressions", n.regressions}};
   Json& rows = json["rows"] = Json::array();
   for (const RowChange& row : comparison.rows) rows.push_back(row_json(row));

@@ -100,6 +100,11 @@ void add_row(std::vector<Line>& lines, const RowChange& row, bool all) {
          .values = metric_texts(change),
          .verdict = with_mark("changed", change.is_regression) +
                     (change.floor ? fmt::format(", floor {} %", measured(100 * *change.floor)) : "")});
+  for (const CountChange& change : row.counts)
+    add({.what = change.unit.empty() ? change.name : fmt::format("{}, {}", change.name, change.unit),
+         .values = {exact(change.base), exact(change.contender),
+                    change.base != 0 ? rounded(change.contender / change.base, 3) : "-"},
+         .verdict = "changed"});
   if (all && lines.size() == before) add({.note = fmt::format("{} in both runs", name(record.status))});
 }
 
@@ -116,6 +121,19 @@ std::vector<Line> lines_of(const Comparison& comparison, bool all) {
   return lines;
 }
 
+/// What differences would have been found, and how smaller ones are.
+std::string least_ratios(const Comparison& comparison) {
+  std::string text = fmt::format("times that are {} times as long in one row", rounded(comparison.least_ratio, 3));
+  const auto all_rows = std::ranges::find(comparison.overall, "", &OverallChange::contender);
+  if (all_rows != comparison.overall.end()) text += fmt::format(", {} times in all rows", rounded(all_rows->least_ratio, 3));
+  text += ", four times in five";
+  if (comparison.side_by_side) return text;
+  const auto row = std::ranges::find_if(comparison.rows, [](const RowChange& r) { return r.base && r.contender; });
+  const std::string suite = row->contender->suite;
+  return text + fmt::format("; less is found by gnomon compare --live PROGRAM {}, where PROGRAM is that of the base",
+                            suite.empty() || suite == "adhoc" ? "--scene ... --technique ..." : "--suite " + suite);
+}
+
 /// Remarks about the whole comparison: topic and text.
 std::vector<std::pair<std::string, std::string>> remarks(const Comparison& comparison) {
   std::vector<std::pair<std::string, std::string>> lines = comparison.differences;
@@ -127,12 +145,13 @@ std::vector<std::pair<std::string, std::string>> remarks(const Comparison& compa
       "drift", fmt::format("{} % {}, read off the spread of all times; intervals are {} times as wide for it",
                            rounded(100 * std::expm1(comparison.between), 2),
                            comparison.side_by_side ? "between the two" : "from run to run", rounded(comparison.inflation, 2)));
+  lines.emplace_back("could find", least_ratios(comparison));
   return lines;
 }
 
 std::string legend_text(const Comparison& comparison) {
   std::string text =
-      "change: contender / base of the times with its 95 % interval, contender - base of the errors; !: regression";
+      "change: contender / base of times, with its 95 % interval, and of counts, contender - base of errors; !: regression";
   const bool has_floor = std::ranges::any_of(comparison.rows, [](const RowChange& row) {
     return std::ranges::any_of(row.metrics, [](const MetricChange& change) { return change.floor.has_value(); });
   });
@@ -193,6 +212,7 @@ std::string summary_line(const Comparison& comparison) {
   if (n.status) text += fmt::format(", {} of another status", n.status);
   text += fmt::format("; {} times judged: {} slower, {} faster; {} with other errors", n.judged, n.slower, n.faster,
                       n.changed_rows == 1 ? "1 row" : fmt::format("{} rows", n.changed_rows));
+  if (n.rows_of_other_work > 0) text += fmt::format(", {} with other work", n.rows_of_other_work);
   if (n.overall > 0) text += fmt::format("; over all scenes {} slower, {} faster", n.overall_slower, n.overall_faster);
   return text + fmt::format("; {}", n.regressions == 0   ? "no regression"
                                     : n.regressions == 1 ? "1 regression"

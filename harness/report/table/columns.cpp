@@ -70,7 +70,7 @@ void add_identity(std::vector<Column>& columns) {
   columns.push_back(text_column("reason", "reason", [](const Record& r) { return text_cell(r.reason); }));
 }
 
-/// Intervals by times, each computed once: the columns of both ends and the mark of the best need the same one.
+/// Intervals by times, each computed once: the columns of both ends need the same one.
 using Intervals = std::map<ProcessTimes, std::optional<Estimate>>;
 
 std::optional<Estimate> interval_of(const ProcessTimes& times, Intervals& known) {
@@ -106,7 +106,7 @@ void add_times(std::vector<Column>& columns) {
     Column& median = add("", "");
     median.better = "lower";
     median.cell = [stage](const Record& r) { return number(median_of_medians(r.times(stage))); };
-    median.interval = [intervals, stage](const Record& r) { return interval_of(r.times(stage), *intervals); };
+    median.log_time = [stage](const Record& r) { return log_time(r.times(stage)); };
     add_end("_low", " low", &Estimate::low);
     add_end("_high", " high", &Estimate::high);
     add("_mad", " MAD").cell = [stage](const Record& r) { return number(spread(r.times(stage))); };

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "analysis/told_apart.h"
 #include "measure/record/record.h"
 #include "report/table/text_table.h"
 
@@ -37,8 +38,8 @@ struct Column {
   std::string better = "";  ///< "lower", "higher", or "" when neither is
   std::string sentence = "";
   std::function<Cell(const Record&)> cell = {};  ///< empty in tables whose rows are no records
-  /// The 95 % interval of the cell's value, in the column's unit; empty function where the column has none.
-  std::function<std::optional<Estimate>(const Record&)> interval = {};
+  /// Of a time: as its processes tell it, nothing where there are too few. Empty function where the column has no times.
+  std::function<std::optional<LogTime>(const Record&)> log_time = {};
   Audience audience = Audience::all;
 };
 

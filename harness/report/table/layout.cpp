@@ -1,6 +1,9 @@
 #include "report/table/layout.h"
 
 #include <algorithm>
+#include <functional>
+#include <map>
+#include <set>
 
 #include "analysis/analysis.h"
 #include "analysis/in_order.h"
@@ -39,32 +42,54 @@ std::string uncertainty(const Layout::Group& group) {
                      share > 0.5 ? "; the scene is outside what the reference can decide" : "");
 }
 
-/// Marks the best contenders of one column in one group, of those that beat a constant mask; nothing when there is no choice or
-/// no difference. Where the column
-/// has intervals, whoever's overlaps that of the best is marked too: the data does not tell them apart.
-void mark_best(const Column& column, std::size_t index, Layout::Group& group) {
-  if (column.better.empty()) return;
-  struct Competitor {
+/// Marks the best contenders of each column in one group, of those that beat a constant mask; nothing where there is no choice
+/// or no difference. Of times, whoever is not told apart from the best is marked, too (told_apart, over all times of the
+/// group).
+void mark_best(std::span<const Column> columns, Layout::Group& group) {
+  struct Mark {
+    std::size_t column;
     Cell* cell;
-    Estimate estimate;
+    bool is_best;
   };
-  std::vector<Competitor> competitors;
-  for (Layout::Row& row : group.rows) {
-    const Record& record = *row.record;
-    const double* value = row.cells[index].number();
-    if (!value || record.status != Status::ok || record.role != Role::contender || !beats_constant(record)) continue;
-    const std::optional<Estimate> interval = column.interval ? column.interval(record) : std::nullopt;
-    // What noise may have made of the best is as good as the best.
-    const Estimate alone{*value, row.cells[index].is_floored ? 0 : *value, *value};
-    competitors.push_back({&row.cells[index], interval.value_or(alone)});
+  std::vector<Mark> marks;
+  std::vector<Contrast> contrasts;
+  std::vector<std::size_t> contrasted;  // marks
+  for (std::size_t index = 0; index < columns.size(); ++index) {
+    const Column& column = columns[index];
+    if (column.better.empty()) continue;
+    struct Competitor {
+      Cell* cell;
+      double value, least;  // what noise may have made of the best is as good as the best
+      std::optional<LogTime> log_time;
+    };
+    std::vector<Competitor> competitors;
+    for (Layout::Row& row : group.rows) {
+      const Record& record = *row.record;
+      Cell& cell = row.cells[index];
+      const double* value = cell.number();
+      if (!value || record.status != Status::ok || record.role != Role::contender || !beats_constant(record)) continue;
+      competitors.push_back(
+          {&cell, *value, cell.is_floored ? 0 : *value, column.log_time ? column.log_time(record) : std::nullopt});
+    }
+    if (competitors.empty()) continue;
+    const auto [least, greatest] = std::ranges::minmax_element(competitors, {}, &Competitor::value);
+    const Competitor best = column.better == "lower" ? *least : *greatest;
+    for (const Competitor& c : competitors) {
+      if (c.value != best.value && c.log_time && best.log_time) {
+        contrasts.push_back({*c.log_time, *best.log_time, competitors.size()});
+        contrasted.push_back(marks.size());
+      }
+      marks.push_back({index, c.cell, c.least <= best.value && c.value >= best.least});
+    }
   }
-  if (competitors.empty()) return;
-  const auto by_value = [](const Competitor& a, const Competitor& b) { return a.estimate.value < b.estimate.value; };
-  const auto [least, greatest] = std::minmax_element(competitors.begin(), competitors.end(), by_value);
-  const Estimate best = column.better == "lower" ? least->estimate : greatest->estimate;
-  const auto is_best = [&](const Competitor& c) { return c.estimate.low <= best.high && c.estimate.high >= best.low; };
-  if (std::all_of(competitors.begin(), competitors.end(), is_best)) return;
-  for (const Competitor& c : competitors) c.cell->is_best = is_best(c);
+  const std::vector<bool> told = told_apart(contrasts);
+  for (std::size_t k = 0; k < told.size(); ++k) marks[contrasted[k]].is_best = !told[k];
+  for (auto first = marks.begin(); first != marks.end();) {
+    const auto last = std::find_if(first, marks.end(), [&](const Mark& mark) { return mark.column != first->column; });
+    if (!std::all_of(first, last, std::mem_fn(&Mark::is_best)))
+      for (auto mark = first; mark != last; ++mark) mark->cell->is_best = mark->is_best;
+    first = last;
+  }
 }
 
 /// Not every record has it: a column of nothing would stand beside the errors.
@@ -164,6 +189,25 @@ std::vector<std::string> paper_columns(std::span<const Record> records) {
   return names;
 }
 
+/// Which programs measured the rows, where it was more than one; of rows without a hash of the code their commits tell.
+std::string mixed_programs(std::span<const Record> records) {
+  std::map<std::string, std::size_t> programs;
+  std::map<std::string, std::set<std::string>> sources;  // by technique and settings
+  for (const Record& r : records) {
+    const std::string build = context_text(r, "build"), commit = context_text(r, "commit");
+    if (!build.empty() || !commit.empty()) ++programs[build.empty() ? "commit " + commit : "build " + build];
+    if (const std::string source = context_text(r, "technique_source"); !source.empty())
+      sources[r.technique + ":" + r.settings].insert(source);
+  }
+  std::vector<std::string> texts;
+  if (programs.size() > 1)
+    for (const auto& [program, rows] : programs)
+      texts.push_back(fmt::format("{} ({} row{})", program, rows, rows == 1 ? "" : "s"));
+  for (const auto& [technique, hashes] : sources)
+    if (hashes.size() > 1) texts.push_back(fmt::format("{} sources of {}", hashes.size(), technique));
+  return texts.empty() ? "" : fmt::format("rows of several programs may not be comparable: {}", joined(texts, ", "));
+}
+
 Remarks provenance(std::span<const Record> records) {
   Remarks lines;
   const auto add = [&](const char* topic, std::string text) {
@@ -175,6 +219,7 @@ Remarks provenance(std::span<const Record> records) {
                                                                  {"version", "version"},
                                                                  {"commit", "commit"}};
   for (const auto& [topic, key] : keys) add(topic, joined(context_values(records, key), "; "));
+  if (std::string mixed = mixed_programs(records); !mixed.empty()) add("mixed", std::move(mixed));
   add("processes x repetitions", repetition_plan(records));
   const auto has_kept_shaders = [](const Record& r) {
     return context_text(r, "shaders") == "kept" && !context_text(r, "gl_renderer").empty();
@@ -253,8 +298,7 @@ Layout lay_out(std::span<const Record> records, std::span<const std::string> nam
     add_once(layout.reasons, record.reason);
     row.reason = index_of(layout.reasons, record.reason) + 1;
   }
-  for (Layout::Group& group : layout.groups)
-    for (std::size_t i = 0; i < columns.size(); ++i) mark_best(columns[i], i, group);
+  for (Layout::Group& group : layout.groups) mark_best(columns, group);
 
   for (Layout::Group& group : layout.groups) {
     // Techniques that are compared with different numbers that are true of a light have constants of their own.
@@ -271,8 +315,8 @@ Layout lay_out(std::span<const Record> records, std::span<const std::string> nam
     return std::ranges::find(columns, name, &Column::name) != columns.end();
   };
   layout.best = "best contender of its group";
-  if (std::ranges::any_of(columns, [](const Column& c) { return c.interval != nullptr; }))
-    layout.best += "; of times, all whose 95 % interval overlaps the best one's";
+  if (std::ranges::any_of(columns, [](const Column& c) { return c.log_time != nullptr; }))
+    layout.best += "; of times, all that are not told apart from the best one";
   if (has_null) layout.shorthands.emplace_back("-", "not measured or not defined");
   if (std::ranges::find(columns, "ms", &Column::unit) != columns.end())
     layout.shorthands.emplace_back("ms", "median of the medians of the processes");

@@ -69,6 +69,54 @@ TEST(compare, a_run_and_itself_do_not_differ) {
   EXPECT_EQ(stage(comparison.rows[0], Stage::setup).verdict, Verdict::not_judged);
 }
 
+TEST(compare, counted_work_is_compared_exactly_and_times_among_it_are_not) {
+  std::vector<Record> base = run(), contender = run();
+  for (std::vector<Record>* records : {&base, &contender})
+    for (Record& r : *records) r.counts = {{"rays", 1000, "ray"}, {"parse", 3, "ms"}};
+  contender[2].counts = {{"parse", 4, "ms"}, {"rays", 1001, "ray"}, {"new", 5, ""}};
+  const Comparison comparison = compare(base, contender);
+  EXPECT_EQ(comparison.counts().rows_of_other_work, 1u);
+  const std::vector<CountChange>& changes = comparison.rows[2].counts;
+  ASSERT_EQ(changes.size(), 1u);
+  EXPECT_EQ(changes[0].name, "rays");
+  EXPECT_EQ(changes[0].base, 1000);
+  EXPECT_EQ(changes[0].contender, 1001);
+  EXPECT_TRUE(comparison.rows[2].differs());
+  EXPECT_FALSE(comparison.rows[3].differs());
+  const CompareTableOptions options{"before", "after", false};
+  const std::string text = render_comparison(comparison, Format::terminal, options);
+  EXPECT_NE(text.find("rays, ray"), std::string::npos) << text;
+  EXPECT_NE(text.find("0 rows with other errors, 1 with other work"), std::string::npos) << summary_line(comparison);
+  EXPECT_NE(render_comparison(comparison, Format::csv, options).find(",count,rays,,1000,1001,1.001,"), std::string::npos);
+}
+
+TEST(compare, other_code_is_said) {
+  std::vector<Record> base = run(), contender = run();
+  base[1].context["technique_source"] = "a";
+  contender[1].context["technique_source"] = "b";
+  contender[2].context["technique_source"] = "b";  // the base does not say
+  for (Record& r : contender) r.context["build"] = "two";
+  const Comparison comparison = compare(base, contender);
+  EXPECT_EQ(comparison.rows[1].notes, std::vector<std::string>{"the source of the technique has changed"});
+  EXPECT_TRUE(comparison.rows[2].notes.empty());
+  EXPECT_EQ(comparison.differences, (std::vector<std::pair<std::string, std::string>>{{"build", "- -> two"}}));
+}
+
+TEST(compare, what_could_have_been_found_is_said_with_the_command_that_finds_less) {
+  std::vector<Record> base = run(), contender = run();
+  for (Record& r : contender) r.suite = "quick";
+  const Comparison apart = compare(base, contender);
+  EXPECT_GT(apart.least_ratio, 1.05);
+  const std::string text = render_comparison(apart, Format::terminal, {"before", "after", false});
+  EXPECT_NE(text.find("could find: times that are "), std::string::npos) << text;
+  EXPECT_NE(text.find("gnomon compare --live PROGRAM --suite quick"), std::string::npos) << text;
+  for (std::vector<Record>* records : {&base, &contender})
+    for (Record& r : *records) r.context["side_by_side"] = "mark";
+  const Comparison paired = compare(base, contender);
+  EXPECT_LT(paired.least_ratio, apart.least_ratio);
+  EXPECT_EQ(render_comparison(paired, Format::terminal, {"before", "after", false}).find("--live"), std::string::npos);
+}
+
 TEST(compare, a_slower_stage_is_a_regression_and_a_faster_one_is_not) {
   const std::vector<Record> base = run();
   std::vector<Record> contender = run();

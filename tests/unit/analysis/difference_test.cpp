@@ -232,4 +232,28 @@ TEST(judge, quiet_data_are_not_inflated) {
   EXPECT_NEAR(judge(differences, std::log(1.05), true).inflation, 3, 0.3);
 }
 
+// One of forty rows is as much slower as the judgement says could be found; the others are the same program.
+TEST(judge, the_least_difference_is_called_four_times_in_five) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  int called = 0;
+  constexpr int trials = 400;
+  for (int trial = 0; trial < trials; ++trial) {
+    std::vector<LogDifference> rows;
+    for (int k = 0; k < 40; ++k) {
+      std::vector<double> pairs;
+      for (int p = 0; p < 5; ++p) pairs.push_back(0.05 * normal(random));
+      double mean = 0, squares = 0;
+      for (const double pair : pairs) mean += pair / 5;
+      for (const double pair : pairs) squares += (pair - mean) * (pair - mean);
+      rows.push_back({.value = mean, .variance = squares / 4 / 5, .freedom = 4});
+    }
+    const double least = judge(rows, 0.05, true).each[0].least;
+    rows[0].value += least;
+    called += judge(rows, 0.05, true).each[0].false_discovery <= 0.05;
+  }
+  EXPECT_GT(called, 0.7 * trials);
+  EXPECT_LT(called, 0.9 * trials);
+}
+
 }  // namespace difference_test

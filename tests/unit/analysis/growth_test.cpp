@@ -1,5 +1,6 @@
 #include "analysis/growth.h"
 
+#include <gnomon/kit/random.h>
 #include <gnomon/registry.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -171,10 +172,65 @@ TEST(growth, a_quantity_grows_and_seeds_are_its_repetitions) {
   ASSERT_TRUE(growth.exponent && growth.exponent->has_interval);
   EXPECT_NEAR(growth.exponent->value, -0.5, 0.05);
   EXPECT_LT(growth.exponent->high - growth.exponent->low, 0.1);
-  // One seed: a line without an interval.
+  // One seed: how far the points lie from the line is all that is known of its slope.
   const Growth single = find_growth(rays({16, 32, 64}, 1, -0.5, 0), "samples", "penumbra_error_rms").rows.at(0);
   EXPECT_NEAR(single.exponent->value, -0.5, 1e-9);
-  EXPECT_FALSE(single.exponent->has_interval);
+  EXPECT_TRUE(single.exponent->has_interval);
+  EXPECT_NEAR(single.exponent->low, -0.5, 1e-6);
+  EXPECT_NEAR(single.exponent->high, -0.5, 1e-6);
+}
+
+TEST(growth, slopes_between_neighbors_and_of_the_upper_half_by_hand) {
+  // ln x = 0, 1, 2, 3 and ln y = 0, 2, 1, 2: slopes 2, -1, 1; the upper half has 1. The line: mean x 1.5, sum of squares 5, of
+  // products -1.5 * 0 - 0.5 * 2 + 0.5 * 1 + 1.5 * 2 = 2.5, so 0.5; y about its mean 1.25: 2.75, less 0.5 * 2.5: 1.5 is missed.
+  std::vector<Record> records = family({1, 2, 3, 4}, 0);
+  const double x[] = {1, std::exp(1), std::exp(2), std::exp(3)}, y[] = {1, std::exp(2), std::exp(1), std::exp(2)};
+  const PowerLaw law = fit_power_law(x, y);
+  EXPECT_NEAR(law.exponent, 0.5, 1e-12);
+  EXPECT_NEAR(*law.misfit, 4.302653 * std::sqrt(1.5 / 2 / 5), 1e-5);
+  const int sizes[] = {1000, 10'000, 100'000, 1'000'000};
+  for (std::size_t k = 0; k < 4; ++k) {
+    records[k].scene_facts->triangles = static_cast<std::uint64_t>(sizes[k]);
+    records[k].times(Stage::resolve) = {{y[k]}, {y[k]}, {y[k]}};
+  }
+  const Growth growth = stage_of(find_growth(records, "triangles"), "resolve");
+  const double decade = std::log(10);
+  EXPECT_NEAR(growth.least_slope, -1 / decade, 1e-9);
+  EXPECT_NEAR(growth.greatest_slope, 2 / decade, 1e-9);
+  EXPECT_NEAR(growth.upper_slope, 1 / decade, 1e-9);
+}
+
+// The truth is a power law that each size of a scene misses in a way of its own, beside 5 % from process to process.
+TEST(growth, the_interval_covers_the_exponent_whatever_the_misfit) {
+  for (const double misfit : {0.0, 0.05, 0.15})
+    for (const int count : {3, 6}) {
+      Random random(11, static_cast<std::uint64_t>(count));
+      const auto normal = [&] {  // of twelve uniform numbers, within 6
+        double sum = -6;
+        for (int k = 0; k < 12; ++k) sum += random.uniform(0, 1);
+        return sum;
+      };
+      int covered = 0;
+      constexpr int trials = 120;
+      for (int trial = 0; trial < trials; ++trial) {
+        std::vector<Record> records;
+        for (int k = 0; k < count; ++k) {
+          const int triangles = 1000 << 2 * k;
+          Record r = family({triangles}, 0).front();
+          const double middle = 0.001 * triangles * std::exp(misfit * normal());
+          r.stages = {};
+          for (int p = 0; p < 5; ++p) {
+            const double here = middle * std::exp(0.05 * normal());
+            r.times(Stage::resolve).push_back({here, here * 1.01, here * 0.99});
+          }
+          records.push_back(std::move(r));
+        }
+        const ValueWithInterval exponent = *stage_of(find_growth(records, "triangles"), "resolve").exponent;
+        covered += exponent.low <= 1 && 1 <= exponent.high;
+      }
+      RecordProperty(fmt::format("covered_{}_{}", count, static_cast<int>(100 * misfit)), covered);
+      EXPECT_GE(covered, 0.9 * trials) << misfit << ", " << count << " sizes";
+    }
 }
 
 // 0.4 / samples passes three standard errors of the reference, 0.003, between 128 and 256.

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <string>
+#include <tuple>
 
 #include "measure/statistics/resample.h"
 
@@ -195,6 +197,29 @@ RC_GTEST_PROP(false_discovery, rates_lie_between_p_and_bonferroni_and_keep_their
     RC_ASSERT(p[a] <= rates[a] + 1e-15);
     RC_ASSERT(rates[a] <= std::min(1.0, p[a] * static_cast<double>(p.size())) + 1e-15);
     for (std::size_t b = 0; b < p.size(); ++b) RC_ASSERT(p[a] > p[b] || rates[a] <= rates[b]);
+  }
+}
+
+// Process medians are the unit: 5 % from process to process, 2 % from repetition to repetition, as quick and standard run them.
+TEST(bootstrap, the_interval_covers_what_the_pages_say) {
+  for (const auto& [processes, repetitions, low, high] : {std::tuple(3, 3, 0.79, 0.87), std::tuple(5, 3, 0.90, 0.96)}) {
+    std::mt19937 random(3);
+    std::normal_distribution<double> normal;
+    int covered = 0;
+    constexpr int trials = 600;
+    for (int trial = 0; trial < trials; ++trial) {
+      ProcessTimes times;
+      for (int p = 0; p < processes; ++p) {
+        const double here = std::exp(0.05 * normal(random));
+        times.emplace_back();
+        for (int r = 0; r < repetitions; ++r) times.back().push_back(here * std::exp(0.02 * normal(random)));
+      }
+      const Estimate estimate = *bootstrap(times);
+      covered += estimate.low <= 1 && 1 <= estimate.high;
+    }
+    RecordProperty("covered_" + std::to_string(processes), covered);
+    EXPECT_GT(covered, low * trials) << processes;
+    EXPECT_LT(covered, high * trials) << processes;
   }
 }
 

@@ -88,7 +88,9 @@ TEST_F(OwnWorker, geometry_goes_up_in_stages_alone) {
     EXPECT_EQ(answer.gl->loose_bytes, 0u) << entry.id;
     holding += *answer.gl->geometry_bytes > 0;
     const auto bytes = std::ranges::find(answer.counts, "bytes", &Count::name);
-    if (bytes != answer.counts.end()) EXPECT_GE(bytes->value, static_cast<double>(*answer.gl->geometry_bytes)) << entry.id;
+    if (bytes != answer.counts.end()) {
+      EXPECT_GE(bytes->value, static_cast<double>(*answer.gl->geometry_bytes)) << entry.id;
+    }
   }
   EXPECT_GE(holding, 8u);
 }
