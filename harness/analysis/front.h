@@ -28,7 +28,7 @@ struct Candidate {
 struct Field {
   std::optional<Place> place;              ///< nothing: over all places
   AnswerKind answer = AnswerKind::binary;  ///< of its places
-  std::size_t places = 1;                  ///< how many it covers
+  std::size_t places = 1, all_places = 1;  ///< how many it covers, of how many of its kind that anybody finished
   /// Error of the best constant mask, over all places the mean; where techniques are compared with different numbers that are
   /// true of a light, the largest.
   std::optional<double> constant = {};

@@ -195,5 +195,64 @@ class Adaptive(ProgramTest):
         self.assertLessEqual(len(row["stages"]["resolve"]), 3)
 
 
+# A technique whose clock and count are what it says: each process of its own mood, 5 %, each call 1 %.
+WORKS = """
+import os, random, time
+from gnomon_technique import Technique, serve
+class Works(Technique):
+    def setup(self):
+        self.mood = random.SystemRandom().gauss(0, 0.05)
+    def resolve(self, gbuffer, mask):
+        mask[...] = 1
+        time.sleep(0.001)  # the clock that is told may not say more than the harness's
+        units = 2 ** (self.settings.size / 5)
+        self.ms = 0.05 * units * float(os.environ.get("PLANTED_TIME", 1)) * 2.718 ** (self.mood + random.gauss(0, 0.01))
+        self.counts = {"steps": 1000 * 2 ** self.settings.size * float(os.environ.get("PLANTED_WORK", 1))}
+serve(Works)
+"""
+WORKS_SHEET = """
+title = "Works"
+summary = "Says what it took."
+source = "Nowhere"
+error = "All of it."
+fails = "Always."
+command = ["/usr/bin/python3", "-IB", "works.py"]
+[[parameter]]
+name = "size"
+value = 0
+min = 0
+max = 20
+stage = "resolve"
+sentence = "Work, as a power of two."
+"""
+
+
+class Planted(ProgramTest):
+    def test_a_planted_slowdown_is_found_side_by_side_and_more_work_always(self):
+        (self.dir / "works.py").write_text(f"import sys\nsys.path.insert(0, {str(ROOT / 'harness/python')!r})\n{WORKS}")
+        sheet = self.write("works.toml", WORKS_SHEET)
+        before = self.write("before", f'#!/bin/sh\nunset PLANTED_TIME PLANTED_WORK\nexec {PROGRAM} "$@"\n')
+        (self.dir / "before").chmod(0o755)
+        sizes = range(5)
+
+        def compared(time, work):
+            self.environment.update(PLANTED_TIME=str(time), PLANTED_WORK=str(work))
+            done = self.gnomon("--program", sheet, "compare", "--live", self.dir / before, "--scene", "single_triangle", "--light", "point", "--size",
+                               "32x18", "--technique", f"works:size={{{','.join(map(str, sizes))}}}", "--processes", "5", "--repetitions", "3", "--pictures",
+                               "none", "--out", self.dir / f"by_{time}_{work}", "--format", "json", "--quiet")
+            self.assertIn(done.returncode, (0, 1), done.stderr)
+            rows = json.loads(done.stdout)["rows"]
+            self.assertEqual(len(rows), len(sizes))
+            slower = sum(time["stage"] == "resolve" and time["verdict"] == "slower" for row in rows for time in row["times"])
+            return slower, [[(one["count"], one["contender"] / one["base"]) for one in row["counts"]] for row in rows]
+
+        slower, counts = compared(1.3, 1.05)
+        self.assertGreaterEqual(slower, 0.8 * len(sizes))
+        self.assertEqual([[(name, round(ratio, 9)) for name, ratio in row] for row in counts], [[("steps", 1.05)]] * len(sizes))
+        slower, counts = compared(1, 1)
+        self.assertLessEqual(slower, 1)
+        self.assertEqual(counts, [[]] * len(sizes))
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -13,7 +13,9 @@ namespace {
 std::string field_heading(const Field& field, std::span<const Place> places, bool is_mixed) {
   const std::string constant = field.constant ? fmt::format("; {}", constant_text(*field.constant)) : "";
   if (field.place) return title(*field.place, places) + constant;
-  return fmt::format("over all {} places{} that these settings finished: mean error, geometric mean cost{}", field.places,
+  const std::string which = field.places == field.all_places ? fmt::format("all {}", field.places)
+                                                             : fmt::format("those {} of {}", field.places, field.all_places);
+  return fmt::format("over {} places{} that these settings finished: mean error, geometric mean cost{}", which,
                      is_mixed ? lights_text(field.answer) : "", constant);
 }
 
