@@ -16,6 +16,7 @@
 #include "measure/process_memory.h"
 #include "measure/program/elsewhere.h"
 #include "measure/worker/asked_frame.h"
+#include "measure/worker/counted_stage.h"
 #include "measure/worker/machine_context.h"
 #include "measure/worker/shared_count.h"
 #include "measure/worker/staged_inputs.h"
@@ -209,29 +210,21 @@ class TechniqueServer {
       throw Error("a worker cannot {} lights that its technique refuses", name(stage));
     if (uses_gl_) inputs_.prepare(stage, scene_, gbuffer_);
     std::optional<double> own_ms;
+    std::optional<CountedStage> counted(std::in_place, name(stage).data());
     const auto start = Clock::now();
     if (stopwatch_) stopwatch_->start();
     objects_->each(stage, [&](Technique& technique, std::size_t k) {
-      switch (stage) {
-        case Stage::setup:
-          technique.setup();
-          break;
-        case Stage::build:
-          technique.build(scene_);
-          break;
-        case Stage::relight:
-          technique.relight((*lights_)[lit_[k]]);
-          break;
-        case Stage::resolve:
-          technique.resolve(gbuffer_, masks_[lit_[k]]);
-          break;
-      }
+      if (stage == Stage::setup) technique.setup();
+      if (stage == Stage::build) technique.build(scene_);
+      if (stage == Stage::relight) technique.relight((*lights_)[lit_[k]]);
+      if (stage == Stage::resolve) technique.resolve(gbuffer_, masks_[lit_[k]]);
       if (const WorksElsewhere* const there = elsewhere(technique))
         if (const auto ms = there->own_ms()) own_ms = own_ms.value_or(0) + *ms;
     });
     if (stopwatch_) stopwatch_->stop();
     if (uses_gl_) glFinish();
     const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    counted.reset();
     if (uses_gl_)
       if (const GLenum code = glGetError(); code != GL_NO_ERROR) throw Error("OpenGL error {:#x}", code);
     fresh_ = static_cast<int>(stage);
