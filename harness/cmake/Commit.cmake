@@ -38,8 +38,11 @@ function(hash_of result)
   set(text)
   list(FILTER ARGN EXCLUDE REGEX "/[.]|~$|__pycache__")  # what editors and Python leave
   foreach(file ${ARGN})
-    file(SHA256 ${file} hash)
-    file(RELATIVE_PATH name ${SOURCE} ${file})
+    set(hash)
+    if(EXISTS "${file}" AND NOT IS_DIRECTORY "${file}")  # a name with a semicolon falls apart
+      file(SHA256 "${file}" hash)
+    endif()
+    string(REPLACE "${SOURCE}/" "" name "${file}")
     string(APPEND text "${name} ${hash}\n")
   endforeach()
   string(SHA256 hash "${text}")

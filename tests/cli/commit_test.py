@@ -73,6 +73,14 @@ class Commit(ProgramTest):
         (self.tree / "techniques/a.cpp").write_text("x\n" * 600_000)
         self.assertRegex(changes(), r"^The tree differs from its commit by \d+ bytes of text, which are not kept.\n$")
 
+    def test_files_of_any_name_break_no_build(self):
+        for name in ("we ird;[f.h", "\u00fc ml]aut.h", "-x\ny.h"):
+            (self.tree / "techniques/a" / name).write_text("x;y[1]\n")
+        (self.tree / "scenes/binary").write_bytes(b"\0\xff\1")
+        header = self.header()
+        self.assertEqual(header["COMMIT"], f'"{self.clean}-dirty"')
+        self.assertIn("scenes/binary", bytes(int(byte, 16) for byte in header["CHANGES"].split(",")[:-1]).decode(errors="replace"))
+
     def test_sources_have_a_hash_and_techniques_one_of_their_own(self):
         def hashes():
             header = self.header()

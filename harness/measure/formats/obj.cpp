@@ -58,8 +58,7 @@ struct Part {
 
 class ObjReader {
  public:
-  ObjReader(const std::filesystem::path& file, const ReadFile& read)
-      : file_(file), name_(file.string()), materials_(file, read) {}
+  ObjReader(const std::filesystem::path& file, const ReadFile& read) : name_(file.string()), materials_(file, read) {}
 
   MeshFile read(std::string_view text) {
     TextLines lines(name_, text, '#', true);
@@ -201,7 +200,6 @@ class ObjReader {
 
   static constexpr std::uint32_t unused = 0xffffffffu;
 
-  const std::filesystem::path& file_;
   const std::string name_;
   ObjMaterials materials_;
   MeshFile answer_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "measure/frame/classify.h"
 #include "measure/frame/light_rays.h"
 
 namespace gnomon {

@@ -19,8 +19,8 @@ struct Picture {
 /// Lambert with constant ambient: albedo * (ambient + exposure * irradiance * visibility), sRGB; see exposure_of.
 Picture shade(const Scene& scene, const GBuffer& gbuffer, const Light& light, std::span<const float> visibility);
 
-/// Under several lights together: of the irradiance that they would give without shadows, per pixel, these shares. `white` is the
-/// linear light that is shown as white; what is brighter is white, too.
+/// Under several lights together: of the irradiance that they would give without shadows, per pixel, these shares. `white` is
+/// the linear light that is shown as white; what is brighter is white, too.
 Picture shade(const Scene& scene, const GBuffer& gbuffer, std::span<const double> received, std::span<const float> shares,
               double white = 1);
 

@@ -82,7 +82,7 @@ TEST(suite, what_is_wrong_with_sizes_and_paths_is_said) {
   EXPECT_EQ(trouble(head + "sizes = [\"64x\"]\n"), "group.sizes 64x is not WxH with W and H of 1 .. 16384 pixels (FILE:1)");
   const File file(head + "paths = [\"camera_slid\"]\n");
   SceneLibrary library;
-  EXPECT_EQ(complaint([&] { expand_jobs(read_suite(file.path), library, {.program = tested_program()}).jobs; }),
+  EXPECT_EQ(complaint([&] { (void)expand_jobs(read_suite(file.path), library, {.program = tested_program()}); }),
             "scene contact has no path camera_slid; did you mean camera_slide? It has: camera_slide, light_slide");
 }
 
@@ -229,7 +229,7 @@ TEST(suite, the_suites_that_ship_can_be_read) {
 TEST(suite, a_light_that_the_scene_lacks_is_an_error) {
   const File file("[[group]]\nscenes = 'contact'\nlights = 'sum'\ntechniques = ['unshadowed']\n");
   SceneLibrary library;
-  EXPECT_EQ(complaint([&] { expand_jobs(read_suite(file.path), library, {.program = tested_program()}).jobs; }),
+  EXPECT_EQ(complaint([&] { (void)expand_jobs(read_suite(file.path), library, {.program = tested_program()}); }),
             "scene contact has no light sum; did you mean sun? It has: point, sun, lamp, tube");
 }
 
@@ -249,7 +249,7 @@ TEST(suite, lights_are_chosen_by_whether_they_have_an_area) {
             "scene contact has no light whose name is like *sof; it has: point, sun, lamp, tube");
   const File file("[[group]]\nscenes = 'soup'\nlights = '*soft'\ntechniques = ['unshadowed']\n");
   SceneLibrary library;
-  EXPECT_EQ(complaint([&] { expand_jobs(read_suite(file.path), library, {.program = tested_program()}).jobs; }),
+  EXPECT_EQ(complaint([&] { (void)expand_jobs(read_suite(file.path), library, {.program = tested_program()}); }),
             "scene soup has no light with area, which *soft asks for; it has: point, sun");
 }
 

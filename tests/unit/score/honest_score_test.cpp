@@ -1,4 +1,5 @@
 // What a mask can gain by saying nothing: the error that rows are judged by, against masks made from the reference's.
+#include <gnomon/kit/random.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
