@@ -103,7 +103,7 @@ void judge_times(Comparison& result) {
   std::vector<LogDifference> differences;
   std::vector<std::string> owners;  // contenders
   SameTimes is_known;
-  std::map<std::string, int> scenes;
+  std::map<std::string, int> scenes, techniques;
   for (RowChange& row : result.rows) {
     if (!row.base || !row.contender || row.base->status != Status::ok || row.contender->status != Status::ok) continue;
     row.stages = list_stages(row);
@@ -128,6 +128,7 @@ void judge_times(Comparison& result) {
       if (!change.why.empty()) continue;
       difference->kind = static_cast<int>(change.stage);
       difference->batch = scenes.try_emplace(row.base->scene, static_cast<int>(scenes.size())).first->second;
+      difference->owner = techniques.try_emplace(row.base->technique, static_cast<int>(techniques.size())).first->second;
       difference->slack = slack(*row.base, *row.contender);
       differences.push_back(*difference);
       judged.push_back(&change);

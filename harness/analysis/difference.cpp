@@ -88,6 +88,26 @@ double excess_variance(std::span<const double> distances, std::span<const double
   return high;
 }
 
+/// What runs at different times differ by for each owner and kind: read off its own differences about their median as `drift`
+/// is off all, which counts as `usual_weight` of them, and not less than that.
+std::map<std::pair<int, int>, double> drifts_by_owner(std::span<const LogDifference> differences,
+                                                      std::span<const double> variances, double freedom, double drift) {
+  std::map<std::pair<int, int>, std::vector<std::size_t>> members;
+  for (std::size_t k = 0; k < differences.size(); ++k) members[{differences[k].owner, differences[k].kind}].push_back(k);
+  std::map<std::pair<int, int>, double> drifts;
+  for (const auto& [owner, rows] : members) {
+    std::vector<double> distances, own_variances;
+    for (const std::size_t k : rows) distances.push_back(differences[k].value);
+    const double middle = median(distances);
+    for (double& distance : distances) distance = std::abs(distance - middle);
+    for (const std::size_t k : rows) own_variances.push_back(variances[k]);
+    const double seen = static_cast<double>(rows.size()) - 1;
+    const double own = excess_variance(distances, own_variances, freedom);
+    drifts[owner] = std::max(drift, (usual_weight * drift + seen * own) / (usual_weight + seen));
+  }
+  return drifts;
+}
+
 /// The test of one value, of so many, against the floor. No difference is what lies between -floor and floor, widened on one
 /// side by the slack.
 Judgement judge_one(double value, double slack, double variance, double freedom, double floor, std::size_t tests) {
@@ -166,12 +186,15 @@ Judgements judge(std::span<const LogDifference> differences, double floor, bool 
   const double drift_freedom = std::max(4.0, (seen + weight) / 6);
   judged.between = std::sqrt(drift);
 
+  const auto by_owner =
+      side_by_side ? std::map<std::pair<int, int>, double>() : drifts_by_owner(differences, variances, median(freedoms), drift);
   std::vector<double> p_values, growth;
   for (std::size_t k = 0; k < differences.size(); ++k) {
-    const double variance = variances[k] + drift, value = differences[k].value;
-    const double freedom =
-        variance > 0 ? variance * variance / (variances[k] * variances[k] / freedoms[k] + drift * drift / drift_freedom)
-                     : freedoms[k];
+    const double own = side_by_side ? drift : by_owner.at({differences[k].owner, differences[k].kind});
+    const double variance = variances[k] + own, value = differences[k].value;
+    const double freedom = variance > 0
+                               ? variance * variance / (variances[k] * variances[k] / freedoms[k] + own * own / drift_freedom)
+                               : freedoms[k];
     const Judgement judgement = judge_one(value, differences[k].slack, variance, freedom, floor, differences.size());
     p_values.push_back(judgement.p);
     if (variances[k] > 0) growth.push_back(std::sqrt(variance / variances[k]));
