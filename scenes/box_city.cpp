@@ -1,8 +1,8 @@
 // Boxes of different heights on a ground, like the blocks of a town. Each is its own closed mesh with an exact box; they stand
 // on the ground (contact is the normal case) and do not touch one another.
+#include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/kit/irradiance.h>
 #include <gnomon/kit/random.h>
-#include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
 
 #include <algorithm>

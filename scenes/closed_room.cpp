@@ -1,8 +1,8 @@
 // An empty room, closed on all six sides, of one color: what light does once it can leave nowhere is known on paper. Of the
 // power P that the lamp sends out, surfaces of reflectance r absorb 1 - r at each meeting, so that all of them together send on
 // P r / (1 - r): at 0.5 as much as the lamp, at 0.9 nine times as much. The sun stays outside.
+#include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/kit/irradiance.h>
-#include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
 
 namespace {

@@ -1,7 +1,7 @@
 // Two rows of round columns under a roof with gaps: the sun falls in between the slabs and through the columns, and the far end
 // recedes, so that one picture holds shadows at every distance. A lamp hangs between the rows.
+#include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/kit/irradiance.h>
-#include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
 
 namespace {

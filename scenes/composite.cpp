@@ -2,9 +2,9 @@
 // and a point light that moves along X and Y. Letters of the paper: the light stands at (x_i, y_i, z_i), the object d over the
 // plane, r is the radius of circle, sphere and cone and half the triangle's base, h_p the height of triangle and cone. As
 // there, d reaches up to the circle's center, the middle of the triangle's and the cone's base, and the center of the sphere.
+#include <gnomon/kit/geometry/planar_shadow.h>
+#include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/kit/irradiance.h>
-#include <gnomon/kit/planar_shadow.h>
-#include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
 
 #include <cmath>

@@ -1,8 +1,8 @@
 // A table top of things that touch: thin slabs lying and hovering, wires thinner than a texel, stacked boxes, a ball against a
 // box, a card against a wall. Every bias shows here: too little speckles, too much loosens a shadow from what casts it. Sizes
 // that meet are sums of powers of two, so that what should touch does so exactly in float32.
+#include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/kit/irradiance.h>
-#include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
 
 #include <cmath>

@@ -1,8 +1,8 @@
 // The Cornell box: the measured room of Goral, Torrance, Greenberg and Battaile 1984, ten times its size (5.5 m), with the
 // published corners of its two turned blocks and of its lamp. The front is open; the sun falls in through it, the point light
 // hangs below the ceiling.
+#include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/kit/irradiance.h>
-#include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
 
 namespace {

@@ -1,8 +1,8 @@
 // Two squares that face each other, and a lamp just below the upper one: light goes back and forth between them, and leaves at
 // the sides. The share that goes from one to the other, their form factor, is known in closed form (Hottel 1931): 0.19982 for
 // squares as far apart as they are wide, more the closer they are.
+#include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/kit/irradiance.h>
-#include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
 
 namespace {

@@ -1,7 +1,7 @@
 // A picket fence in a low sun: long parallel stripes of shadow, thinner than a texel in the distance. The fence is always about
 // 8 m long; narrower pickets and gaps mean more of them.
+#include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/kit/irradiance.h>
-#include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
 
 #include <cmath>

@@ -7,8 +7,8 @@
 //   ( 0, 2, -2)   ( 2, 0, -5)      ( 1, 0, -2.5)
 // Around the point light lie a rectangle, a disc and a sphere, half a meter wide: where the point shadow's edge runs, away from
 // its corners, a point sees half of each.
+#include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/kit/irradiance.h>
-#include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
 
 namespace {

@@ -1,8 +1,8 @@
 // Random triangles in the air: no mesh to speak of, every edge open, any two may cut each other. What survives this needs no
 // closed casters. They fill a box of 16 x 3 x 16 m from y = 0.2 up.
+#include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/kit/irradiance.h>
 #include <gnomon/kit/random.h>
-#include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
 
 namespace {

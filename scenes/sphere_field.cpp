@@ -1,8 +1,8 @@
 // Many exact spheres above a ground, on a jittered grid that always fills the same square: more spheres are smaller ones.
 // Every third rests on the ground, the others float; none touch one another.
+#include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/kit/irradiance.h>
 #include <gnomon/kit/random.h>
-#include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
 
 #include <algorithm>

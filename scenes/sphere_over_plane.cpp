@@ -1,7 +1,7 @@
 // One exact sphere above a ground: the shadow's outline is an ellipse known in closed form, and the tessellation is put to the
 // test, because the mesh is inscribed and its shadow everywhere a little too small.
+#include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/kit/irradiance.h>
-#include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
 
 namespace {

@@ -5,7 +5,7 @@
 // planes through the light and its edges and against its own plane, in double with a proven bound, by exact signs where double
 // cannot decide.
 #include <gnomon/kit/add_up.h>
-#include <gnomon/kit/point_technique.h>
+#include <gnomon/kit/bases/point_technique.h>
 #include <gnomon/kit/scratch_pool.h>
 #include <gnomon/registry.h>
 

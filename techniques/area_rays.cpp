@@ -1,7 +1,7 @@
 // Area rays: shadow rays from every visible point to a number of places of the light.
-#include <gnomon/kit/light_points.h>
+#include <gnomon/kit/area/light_points.h>
 #include <gnomon/kit/parallel.h>
-#include <gnomon/kit/ray_casters.h>
+#include <gnomon/kit/rays/ray_casters.h>
 #include <gnomon/registry.h>
 
 #include <atomic>
@@ -59,10 +59,10 @@ class AreaRays final : public Technique {
   std::unique_ptr<Technique> for_another_light() const override { return another(*this, &AreaRays::casters_); }
   std::optional<Explanation> explain(std::size_t index) const override {
     Explanation why;
-    ask(*gbuffer_, index, [&](const LightFace& face, const Squares& squares, const FaceHits& hits) {
+    ask(*gbuffer_, index, [&](const LightFigure& face, const Squares& squares, const FaceHits& hits) {
       for (std::uint32_t left = hits.asked; left; left &= left - 1) {
         const int k = std::countr_zero(left);
-        const LightFace::Box& box = face.box();
+        const LightFigure::Box& box = face.box();
         const glm::dvec2 place = box.low + glm::dvec2(squares.x[k], squares.y[k]) * (box.high - box.low);
         why.samples.push_back({glm::dvec3(gbuffer_->position(index)) + face.at(place), 1, hits.blocked >> k & 1 ? 0.0 : 1.0});
       }
@@ -77,7 +77,7 @@ class AreaRays final : public Technique {
   template <class Use>
   void ask(const GBuffer& gbuffer, std::size_t i, const Use& use) const {
     if (gbuffer.is_background(i) || !casters_->scene().meshes[gbuffer.mesh[i]].receives) return;
-    const LightFace face(light_, gbuffer.position(i), gbuffer.normal(i));
+    const LightFigure face(light_, gbuffer.position(i), gbuffer.normal(i));
     if (!face.is_seen()) return;
     const FaceRays to_light(casters_->under(gbuffer.truth), gbuffer, i, face);
     const std::size_t x = i % gbuffer.width, y = i / gbuffer.width;
@@ -91,7 +91,7 @@ class AreaRays final : public Technique {
 
   float visibility(const GBuffer& gbuffer, std::size_t i, std::size_t& rays) const {
     int asked = 0, blocked = 0;
-    ask(gbuffer, i, [&](const LightFace&, const Squares&, const FaceHits& hits) {
+    ask(gbuffer, i, [&](const LightFigure&, const Squares&, const FaceHits& hits) {
       asked += std::popcount(hits.asked);
       blocked += std::popcount(hits.blocked);
     });

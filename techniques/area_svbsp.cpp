@@ -5,11 +5,11 @@
 // hides all. Both are convex, and bounded by planes through an edge of the one and a corner of the other, light or polygon. The
 // fragments of a receiver are the cells of a tree of such planes, grown on the receiver alone: no order of polygons is needed,
 // and what no receiver crosses is never cut.
-#include <gnomon/kit/layers.h>
+#include <gnomon/kit/bases/point_technique.h>
 #include <gnomon/kit/parallel.h>
-#include <gnomon/kit/point_technique.h>
+#include <gnomon/kit/pictures/layers.h>
+#include <gnomon/kit/pictures/surface_detail.h>
 #include <gnomon/kit/shared.h>
-#include <gnomon/kit/surface_detail.h>
 #include <gnomon/registry.h>
 
 #include "area_svbsp/detail.h"
@@ -20,9 +20,7 @@ using namespace gnomon;
 using namespace gnomon::area_svbsp;
 
 constexpr OwnCause causes[] = {
-    {"corners_only",
-     "The light was asked at the corners of the fragment, and what lies between is interpolated.",
-     {20, 255, 148}},
+    {"corners_only", "The light was computed at the corners of the fragment and interpolated between them.", {20, 255, 148}},
 };
 
 constexpr About about{
@@ -33,8 +31,7 @@ constexpr About about{
     .source = "Chin and Feiner 1992; the light divided where it pays as in Wong and Tsang 1998",
     .error =
         "None but rounding of double with shade=pixels, as for exact_area. With shade=vertices what is linear between the "
-        "corners "
-        "of a fragment, which falls with its size. It estimates the share of the light's area, and sees triangles.",
+        "corners of a fragment, which falls with its size. It estimates the share of the light's area, and sees triangles.",
     .fails =
         "Fine meshes: the umbra of a triangle smaller than the light is nothing, so all of their shadow is penumbra. Lights as "
         "large as the scene: everything is in the penumbra of everything.",
@@ -205,7 +202,7 @@ AreaSvbsp::Place AreaSvbsp::place(const GBuffer& gbuffer, std::size_t i, Tally& 
 
 float AreaSvbsp::visibility(const GBuffer& gbuffer, std::size_t i, Scratch& scratch, Tally& tally) const {
   if (gbuffer.is_background(i) || !built_->scene->meshes[gbuffer.mesh[i]].receives) return 1;
-  const LightFace face(light_, gbuffer.position(i), gbuffer.normal(i));
+  const LightFigure face(light_, gbuffer.position(i), gbuffer.normal(i));
   if (!face.is_seen()) return 1;
   const Place at = place(gbuffer, i, tally);
   if (at.tree && !is_penumbra(at.link)) return at.link == lit_cell ? 1.0f : 0.0f;

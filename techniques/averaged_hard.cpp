@@ -1,11 +1,11 @@
 // Averaged hard shadows: the mean of the masks that a hard technique gives for a number of points of the light.
+#include <gnomon/kit/area/light_points.h>
+#include <gnomon/kit/bases/inner_technique.h>
+#include <gnomon/kit/bases/light_objects.h>
 #include <gnomon/kit/bytes.h>
-#include <gnomon/kit/inner_technique.h>
 #include <gnomon/kit/kept_masks.h>
-#include <gnomon/kit/layers.h>
-#include <gnomon/kit/light_objects.h>
-#include <gnomon/kit/light_points.h>
 #include <gnomon/kit/parallel.h>
+#include <gnomon/kit/pictures/layers.h>
 #include <gnomon/kit/shared.h>
 
 #include <algorithm>
@@ -20,13 +20,11 @@ constexpr About about{
     .source = "Brotman and Badler 1984; places of the light as for area_rays.",
     .error =
         "That of the hard technique, and banding: all pixels share the points (in pattern interleaved every sixteenth), so "
-        "that n "
-        "of them tell n + 1 shares apart. The error falls with n as n^-0.5 where they are random and as about n^-0.75 where "
-        "they are spread evenly. It estimates the share of the light's area.",
+        "that n of them tell n + 1 shares apart. The error falls with n as n^-0.5 where they are random and as about n^-0.75 "
+        "where they are spread evenly. It estimates the share of the light's area.",
     .fails =
         "A wide penumbra of few points shows as many edges as there are points. Memory and relight grow with their number. "
-        "Casters "
-        "within a sphere of light hide points of its surface; other techniques ask the disc that is seen of it.",
+        "Casters within a sphere of light hide points of its surface; other techniques ask the disc that is seen of it.",
     .needs_gl = true,
     .floor = Floor::copy};  // many hard techniques draw
 

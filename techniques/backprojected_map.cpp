@@ -1,6 +1,6 @@
 // Backprojected map: every texel of a depth image from the light's center is a patch of a caster, which is projected from the
 // point onto the light; what the patches hide is added up.
-#include <gnomon/kit/area_map.h>
+#include <gnomon/kit/maps/area_map.h>
 #include <gnomon/registry.h>
 
 #include <cmath>
@@ -15,13 +15,11 @@ constexpr About about{
     .summary = "Texels of a depth image from the light's center, each a patch that hides its part of the light, added up.",
     .source = "Guennebaud, Barthe and Paulin 2006 (patches, joints, search by the nearest depth of blocks)",
     .error =
-        "Patches that overlap count twice, and what is hidden by both is too dark. A disc counts as the square with its area: "
-        "a straight "
-        "edge before it is off by up to 2.3 %. It estimates the share of the light's area.",
+        "Patches that overlap count twice, and what is hidden by both is too dark. A disc counts as the square with its "
+        "area: a straight edge before it is off by up to 2.3 %. It estimates the share of the light's area.",
     .fails =
         "Casters behind one another, of which the image holds the nearest; casters that the center sees from the side; "
-        "penumbrae wider than "
-        "most_radius.",
+        "penumbrae wider than most_radius.",
     .needs_gl = true,
     .floor = Floor::depth_draw};
 

@@ -9,8 +9,8 @@
 // placement=fitted is as tight as images can be: each holds the rectangle of what its slice shows that faces the light, and
 // slices divide the range of depths that is seen. placement=stable gives the rest of the sharpness for rest: the size of an
 // image depends on its slice alone, and its place goes in steps of a texel, so edges do not crawl while the eye moves.
-#include <gnomon/kit/camera.h>
-#include <gnomon/kit/compared_map.h>
+#include <gnomon/kit/geometry/camera.h>
+#include <gnomon/kit/maps/compared_map.h>
 #include <gnomon/registry.h>
 
 #include "cascaded_map/slices.h"

@@ -1,5 +1,5 @@
 // Center ray: the hard shadow of the center of a light with area.
-#include <gnomon/kit/ray_casters.h>
+#include <gnomon/kit/rays/ray_casters.h>
 #include <gnomon/registry.h>
 
 namespace {

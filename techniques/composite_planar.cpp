@@ -1,6 +1,6 @@
 // Analytic composite shadow: every caster is a simple shape, whose shadow on a plane is known in closed form; the shadow of
 // what is composed of shapes is the union of theirs. A pixel asks only the shapes whose outlines reach its part of the picture.
-#include <gnomon/kit/gl_pass.h>
+#include <gnomon/kit/gl/gl_pass.h>
 #include <gnomon/kit/parallel.h>
 #include <gnomon/kit/shared.h>
 #include <gnomon/registry.h>

@@ -1,6 +1,6 @@
 // Crow's counting of shadow volumes: on the way from the eye to a point, volumes entered minus volumes left, front to back.
-#include <gnomon/kit/layers.h>
-#include <gnomon/kit/lines.h>
+#include <gnomon/kit/pictures/layers.h>
+#include <gnomon/kit/pictures/lines.h>
 #include <gnomon/kit/random.h>
 #include <gnomon/registry.h>
 
@@ -20,12 +20,11 @@ constexpr About about{
         "everything).",
     .error =
         "None on the float32 points that it is given: a crossing that double cannot decide is decided by exact signs. A way "
-        "through the border of a side quad is counted anew from a start beside the eye. A point on such a border, whose "
-        "way to the light goes exactly through an edge, is dark. Of a closed body only the half that faces the light "
-        "counts, and the other half is asked about points close to an edge alone: a point that rounding put through its own "
-        "triangle and out of the body behind it may be lit where it is 64 times as far from the edges of that triangle as it "
-        "is "
-        "behind it. Tessellation on curved shapes.",
+        "through the border of a side quad is counted anew from a start beside the eye. A point on such a border, whose way "
+        "to the light goes exactly through an edge, is dark. Of a closed body only the half that faces the light counts, and "
+        "the other half is asked about points close to an edge alone: a point that rounding put through its own triangle and "
+        "out of the body behind it may be lit where it is 64 times as far from the edges of that triangle as it is behind "
+        "it. Tessellation on curved shapes.",
     .fails =
         "Nothing it supports; the work grows with the length of the silhouette's shadow on the screen. A closed body that "
         "passes through itself inside out may be taken for empty.",

@@ -1,7 +1,7 @@
 // Shadow rays: one ray from every visible point to the light, or as many as a light with area needs, traced by Embree. The
 // reference.
-#include <gnomon/kit/area_rays.h>
-#include <gnomon/kit/ray_casters.h>
+#include <gnomon/kit/area/area_rays.h>
+#include <gnomon/kit/rays/ray_casters.h>
 #include <gnomon/registry.h>
 
 namespace {

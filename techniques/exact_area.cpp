@@ -1,6 +1,6 @@
 // Exact area: what casters leave of a light with area, by clipping its figure, from every visible point. The independent
 // witness for soft shadows: no samples, no noise, no code in common with the ray tracer.
-#include <gnomon/kit/area_scene.h>
+#include <gnomon/kit/area/area_scene.h>
 #include <gnomon/kit/parallel.h>
 #include <gnomon/kit/shared.h>
 #include <gnomon/registry.h>
@@ -40,7 +40,7 @@ class ExactArea final : public Technique {
       for (std::size_t i = begin; i < end; ++i) {
         pixels[i] = 1;
         if (gbuffer.is_background(i) || !built_->scene->meshes[gbuffer.mesh[i]].receives) continue;
-        const LightFace face(light_, gbuffer.position(i), gbuffer.normal(i));
+        const LightFigure face(light_, gbuffer.position(i), gbuffer.normal(i));
         if (!face.is_seen()) continue;
         pixels[i] = static_cast<float>(
             built_->casters->seen(receiver_at(*built_->scene, gbuffer, i), face, pieces, tallies[begin / block]).area.best);

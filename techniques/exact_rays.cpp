@@ -1,6 +1,6 @@
 // Exact rays: one segment from every visible point to the light, against every triangle near it, by exact signs of
 // determinants. The independent witness for the ray tracer: no offset, no epsilon, no code in common with it.
-#include <gnomon/kit/exact_scene.h>
+#include <gnomon/kit/geometry/exact_scene.h>
 #include <gnomon/kit/shared.h>
 #include <gnomon/registry.h>
 
@@ -10,7 +10,7 @@ using namespace gnomon;
 constexpr About about{
     .title = "Exact rays",
     .summary = "One segment per visible point against the triangles near it, decided without rounding or epsilon.",
-    .source = "None to cite for the whole; the filter is of the kind of Shewchuk 1997, derived in kit/exact.cpp.",
+    .source = "None to cite for the whole; the filter is of the kind of Shewchuk 1997, derived in kit/geometry/exact.cpp.",
     .error =
         "None on the points it is given, which are float32. A point may so lie below its own triangle by a rounding; then a "
         "neighbor across an edge, closer than that rounding, blocks it by right. Edges and vertices count as blocking. It "

@@ -1,5 +1,5 @@
 // Exponential shadow map: a texel holds an exponential of depth, whose mean tells how much of the light arrives.
-#include <gnomon/kit/filtered_map.h>
+#include <gnomon/kit/maps/filtered_map.h>
 #include <gnomon/registry.h>
 
 namespace {

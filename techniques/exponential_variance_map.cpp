@@ -1,5 +1,5 @@
 // Exponential variance shadow map: a variance map of depths that are warped by exponentials first.
-#include <gnomon/kit/filtered_map.h>
+#include <gnomon/kit/maps/filtered_map.h>
 #include <gnomon/registry.h>
 
 #include "exponential_variance_map/answer.h"

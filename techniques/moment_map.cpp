@@ -1,5 +1,5 @@
 // Moment shadow map: a texel holds four powers of depth, so that means of texels tell where two layers of depth lie.
-#include <gnomon/kit/filtered_map.h>
+#include <gnomon/kit/maps/filtered_map.h>
 #include <gnomon/registry.h>
 
 #include "moment_map/answer.h"

@@ -1,7 +1,7 @@
 // Path rays: all light of the scene, by random paths from every visible point to the lamp.
-#include <gnomon/kit/exposure.h>
-#include <gnomon/kit/path_light.h>
-#include <gnomon/kit/ray_casters.h>
+#include <gnomon/kit/area/path_light.h>
+#include <gnomon/kit/pictures/exposure.h>
+#include <gnomon/kit/rays/ray_casters.h>
 #include <gnomon/registry.h>
 
 #include <algorithm>
@@ -81,10 +81,10 @@ class PathRays final : public Technique {
     Explanation why;
     if (!receives(index)) return why;
     double sum = 0;
-    const auto take = [&](const LightFace& face, const Squares& squares, const FaceHits& hits) {
+    const auto take = [&](const LightFigure& face, const Squares& squares, const FaceHits& hits) {
       for (std::uint32_t left = hits.asked; left; left &= left - 1) {
         const int k = std::countr_zero(left);
-        const LightFace::Box& box = face.box();
+        const LightFigure::Box& box = face.box();
         const glm::dvec2 place = box.low + glm::dvec2(squares.x[k], squares.y[k]) * (box.high - box.low);
         why.samples.push_back(
             {glm::dvec3(gbuffer_->position(index)) + face.at(place), hits.weight[k], hits.blocked >> k & 1 ? 0.0 : 1.0});

@@ -3,8 +3,8 @@
 //
 // Published is a rasterizer's two passes, one for the hard shadow and one for wedges, which meet in a visibility buffer. Here
 // both are asked at every visible point, so that the sum is of one outline in closed form, with nothing lost to pixels.
-#include <gnomon/kit/lines.h>
-#include <gnomon/kit/point_technique.h>
+#include <gnomon/kit/bases/point_technique.h>
+#include <gnomon/kit/pictures/lines.h>
 #include <gnomon/kit/scratch_pool.h>
 #include <gnomon/registry.h>
 
@@ -18,17 +18,16 @@ using namespace gnomon::penumbra_wedge;
 
 constexpr OwnCause causes[] = {
     {"overlapping_penumbrae",
-     "Penumbrae of several outlines add up although they hide the same part of the light.",
+     "Penumbrae of several outlines were added up although they hide the same part of the light.",
      {192, 72, 152}},
-    {"one_outline", "The outline that the light's center sees stands for that of every place of the light.", {32, 144, 255}},
+    {"one_outline", "The outline seen from the light's center was used for every point of the light.", {32, 144, 255}},
 };
 
 constexpr About about{
     .title = "Penumbra wedges",
     .summary =
         "The hard shadow of the light's center, to which every silhouette edge adds or from which it takes its part of the "
-        "light "
-        "in the wedge of points that see it before the light.",
+        "light in the wedge of points that see it before the light.",
     .source = "Assarsson and Akenine-Moeller 2003 (penumbra wedges); Bergeron 1986 (open meshes)",
     .error =
         "One convex polygon with all of the light on one side of its plane: rounding of double, since the part of each edge is "
@@ -39,10 +38,8 @@ constexpr About about{
     .fails =
         "Leaves, soups and fences under large lights, whose penumbrae overlap. Bodies close to a large light, of which other "
         "places see sides that the center does not: the floor before a box gets no penumbra from places behind a front that "
-        "the "
-        "center sees. A caster across the light ends in its plane, and what it hides of places that see its other side than "
-        "the "
-        "center counts as lit.",
+        "the center sees. A caster across the light ends in its plane, and what it hides of places that see its other side "
+        "than the center counts as lit.",
     .causes = causes};
 
 class PenumbraWedge final : public Technique {
@@ -108,7 +105,7 @@ void PenumbraWedge::decide(const GBuffer& gbuffer, std::span<std::uint32_t> pixe
       },
       [&](const PixelGroup&, std::span<const std::uint32_t> some) {
         for (const std::uint32_t i : some) {
-          const LightFace face(light_, gbuffer.position(i), gbuffer.normal(i));
+          const LightFigure face(light_, gbuffer.position(i), gbuffer.normal(i));
           if (face.is_seen()) mask[i] = static_cast<float>(query.share(receiver(gbuffer, i), face, tally));
         }
       });
@@ -148,7 +145,7 @@ template <class Use>
 void PenumbraWedge::ask(std::size_t index, const Use& use) const {
   const GBuffer& gbuffer = *gbuffer_;
   if (!is_asked(gbuffer, index)) return;
-  const LightFace face(light_, gbuffer.position(index), gbuffer.normal(index));
+  const LightFigure face(light_, gbuffer.position(index), gbuffer.normal(index));
   if (!face.is_seen()) return;
   const auto query = pool_.borrow();
   const auto pixel = static_cast<std::uint32_t>(index);
@@ -162,7 +159,7 @@ void PenumbraWedge::ask(std::size_t index, const Use& use) const {
 // Where no place has more than one layer, adding up is not what is wrong, and there is only the outline left.
 std::optional<Explanation> PenumbraWedge::explain(std::size_t index) const {
   Explanation why;
-  ask(index, [&](PointQuery& query, const LightFace& face) {
+  ask(index, [&](PointQuery& query, const LightFigure& face) {
     constexpr int side = 16;
     int seen = 0, asked = 0, layers = 0;
     for (int k = 0; k < side * side; ++k) {
@@ -192,7 +189,7 @@ std::vector<float> PenumbraWedge::draw_debug(std::string_view layer) const {
   std::vector<float> values(gbuffer_->size(), 0);
   for_blocks(values.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      ask(i, [&](const PointQuery& query, const LightFace&) { values[i] = static_cast<float>(query.holding_count()); });
+      ask(i, [&](const PointQuery& query, const LightFigure&) { values[i] = static_cast<float>(query.holding_count()); });
   });
   return heat_layer(*gbuffer_, values);
 }

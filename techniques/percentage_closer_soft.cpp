@@ -1,6 +1,6 @@
 // Percentage-closer soft shadows: what lies before a point tells how wide its penumbra is, and so over how many texels the
 // comparisons with one depth image are averaged.
-#include <gnomon/kit/area_map.h>
+#include <gnomon/kit/maps/area_map.h>
 #include <gnomon/registry.h>
 
 #include <cmath>
@@ -18,8 +18,7 @@ constexpr About about{
     .source = "Fernando 2005 (search, mean depth, filter); Reeves, Salesin and Cook 1987 (filter)",
     .error =
         "Exact for one caster in a plane across the image's axis but for texels and taps: n taps tell n + 1 shares apart. "
-        "Casters of "
-        "several depths get one filter for their mean. It estimates the share of the light's area.",
+        "Casters of several depths get one filter for their mean. It estimates the share of the light's area.",
     .fails =
         "Casters behind one another, of which the image holds the nearest; near casters before far ones; penumbrae wider than "
         "most_radius.",

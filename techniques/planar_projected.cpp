@@ -1,6 +1,6 @@
 // Planar projected shadow: casters flattened onto each receiver plane by a matrix and drawn there from the eye.
-#include <gnomon/kit/gl_planes.h>
-#include <gnomon/kit/plane_projection.h>
+#include <gnomon/kit/geometry/plane_projection.h>
+#include <gnomon/kit/gl/gl_planes.h>
 #include <gnomon/kit/shared.h>
 #include <gnomon/registry.h>
 

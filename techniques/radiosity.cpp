@@ -1,7 +1,7 @@
 // Radiosity: surfaces in patches, which hand light on to each other by form factors; shadows fall out where a patch does not
 // see the lamp.
-#include <gnomon/kit/exposure.h>
 #include <gnomon/kit/parallel.h>
+#include <gnomon/kit/pictures/exposure.h>
 #include <gnomon/kit/shared.h>
 #include <gnomon/registry.h>
 

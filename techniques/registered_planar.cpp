@@ -1,9 +1,9 @@
 // Registered planar shadows: for each receiver plane a texture in which casters, projected from many points of the light, add
 // up.
+#include <gnomon/kit/area/light_points.h>
 #include <gnomon/kit/bytes.h>
 #include <gnomon/kit/kept_masks.h>
-#include <gnomon/kit/layers.h>
-#include <gnomon/kit/light_points.h>
+#include <gnomon/kit/pictures/layers.h>
 #include <gnomon/kit/shared.h>
 #include <gnomon/registry.h>
 
@@ -22,10 +22,9 @@ constexpr About about{
         "looks its share up.",
     .source = "Heckbert and Herf 1997; the projection of Blinn 1988; places of the light as for area_rays.",
     .error =
-        "Steps of one point of the light in n, soft over a texel, and shadows that are thinner than one. The error falls with "
-        "n as "
-        "n^-0.5 where points are random and as about n^-0.75 where they are spread evenly, down to that of the texels. It "
-        "estimates the share of the light's area.",
+        "Steps of one point of the light in n, soft over a texel, and shadows that are thinner than one. The error falls "
+        "with n as n^-0.5 where points are random and as about n^-0.75 where they are spread evenly, down to that of the "
+        "texels. It estimates the share of the light's area.",
     .fails =
         "Receivers that are not flat: pixels off the receiver planes are lit and reported as not covered; contact shadows "
         "and fine casters on a large plane, whose texels are large; casters within a sphere of light, as for averaged_hard.",

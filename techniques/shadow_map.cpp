@@ -4,7 +4,7 @@
 // fitted and culls meshes for itself, and a 3 x 2 atlas of the largest faces would exceed the largest texture (16384).
 //
 // Defaults: the bias with the lowest mean wrong rate in suite shadow_map_defaults; results/shadow_map_defaults has the sweep.
-#include <gnomon/kit/compared_map.h>
+#include <gnomon/kit/maps/compared_map.h>
 #include <gnomon/registry.h>
 
 namespace {

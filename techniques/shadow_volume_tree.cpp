@@ -3,7 +3,7 @@
 // What a triangle shades is inside its three shadow planes and behind its own plane: four nodes. Each has a tree on either side
 // and a third one, visited from both, for triangles that lie across: they go there whole, nothing is ever split. Any triangles
 // will do, and memory is fixed.
-#include <gnomon/kit/point_technique.h>
+#include <gnomon/kit/bases/point_technique.h>
 #include <gnomon/kit/random.h>
 #include <gnomon/registry.h>
 

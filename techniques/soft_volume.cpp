@@ -3,8 +3,8 @@
 // Where an outline passes before the light, as the point sees it, the number of triangles before a place of the light jumps by
 // a known number. So edges alone tell how deep in shadow each place is, up to one number for all of them. A ray to one of the
 // least deep places finds that number: where it is blocked, all are; else the least deep ones are seen, and no other.
-#include <gnomon/kit/layers.h>
 #include <gnomon/kit/parallel.h>
+#include <gnomon/kit/pictures/layers.h>
 #include <gnomon/kit/scratch_pool.h>
 #include <gnomon/kit/shared.h>
 #include <gnomon/registry.h>
@@ -27,11 +27,10 @@ constexpr About about{
     .source = "Laine, Aila, Assarsson, Lehtinen and Akenine-Moeller 2005; Bergeron 1986 (open meshes).",
     .error =
         "That of as many shadow rays to the same places, see area_rays: noise, which falls with the number n of places as "
-        "n^-0.5 where they are random and as about n^-0.75 where they are spread evenly. Each place is what exact signs say of "
-        "the float32 points, but within double's rounding of an edge, or where "
-        "a "
-        "point is within 2^-48 of its coordinates of another caster's plane and counts as in it. It estimates the share of "
-        "the light's area, and sees triangles: against exact spheres, cones and discs it errs by the tessellation.",
+        "n^-0.5 where they are random and as about n^-0.75 where they are spread evenly. Each place is what exact signs say "
+        "of the float32 points, but within double's rounding of an edge, or where a point is within 2^-48 of its coordinates "
+        "of another caster's plane and counts as in it. It estimates the share of the light's area, and sees triangles: "
+        "against exact spheres, cones and discs it errs by the tessellation.",
     .fails =
         "Nothing it supports. It is slow where many silhouette edges lie before the light: soups, leaves, and points close to "
         "finely tessellated casters under a large light."};
@@ -137,7 +136,7 @@ void SoftVolume::decide(const GBuffer& gbuffer, std::span<std::uint32_t> pixels,
       [&](const PixelGroup& group, std::span<const std::uint32_t> some) {
         query.get_ready(group.box);
         for (const std::uint32_t i : some) {
-          const LightFace face(light_, gbuffer.position(i), gbuffer.normal(i));
+          const LightFigure face(light_, gbuffer.position(i), gbuffer.normal(i));
           if (face.is_seen())
             mask[i] = static_cast<float>(query.share(receiver(gbuffer, i), face, pattern_of(gbuffer, i), tally));
         }
@@ -171,7 +170,7 @@ template <class Use>
 void SoftVolume::ask(std::size_t index, const Use& use) const {
   const GBuffer& gbuffer = *gbuffer_;
   if (!is_asked(gbuffer, index)) return;
-  const LightFace face(light_, gbuffer.position(index), gbuffer.normal(index));
+  const LightFigure face(light_, gbuffer.position(index), gbuffer.normal(index));
   if (!face.is_seen()) return;
   const auto query = pool_.borrow();
   const auto pixel = static_cast<std::uint32_t>(index);
@@ -185,7 +184,7 @@ void SoftVolume::ask(std::size_t index, const Use& use) const {
 
 std::optional<Explanation> SoftVolume::explain(std::size_t index) const {
   Explanation why;
-  ask(index, [&](PointQuery& query, const LightFace& face) {
+  ask(index, [&](PointQuery& query, const LightFigure& face) {
     query.find_all_places(face, pattern_of(*gbuffer_, index));
     for (std::uint32_t k = 0; k < query.place_count(); ++k)
       why.samples.push_back({glm::dvec3(gbuffer_->position(index)) + face.at(query.place(face, k)), 1.0 / query.place_count(),
@@ -199,7 +198,7 @@ std::vector<float> SoftVolume::draw_debug(std::string_view layer) const {
   std::vector<float> values(gbuffer_->size(), 0);
   for_blocks(values.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      ask(i, [&](const PointQuery& query, const LightFace&) { values[i] = static_cast<float>(query.line_count()); });
+      ask(i, [&](const PointQuery& query, const LightFigure&) { values[i] = static_cast<float>(query.line_count()); });
   });
   return heat_layer(*gbuffer_, values);
 }

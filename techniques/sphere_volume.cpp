@@ -1,7 +1,7 @@
 // Shadow volumes of shapes: those of the exact spheres, cones and discs, counted in the stencil buffer by z-fail; no triangle
 // of their tessellation takes part. Casters without a curved shape cast the volumes of their own triangles.
-#include <gnomon/kit/gl_pass.h>
-#include <gnomon/kit/volume_technique.h>
+#include <gnomon/kit/gl/gl_pass.h>
+#include <gnomon/kit/volumes/volume_technique.h>
 #include <gnomon/registry.h>
 
 #include <algorithm>

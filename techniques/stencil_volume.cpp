@@ -1,7 +1,7 @@
 // Stencil shadow volumes: faces of the casters' shadow volumes, counted per pixel by the rasterizer.
-#include <gnomon/kit/box_tree.h>
-#include <gnomon/kit/camera.h>
-#include <gnomon/kit/volume_technique.h>
+#include <gnomon/kit/geometry/box_tree.h>
+#include <gnomon/kit/geometry/camera.h>
+#include <gnomon/kit/volumes/volume_technique.h>
 #include <gnomon/registry.h>
 
 #include <memory>

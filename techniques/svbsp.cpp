@@ -8,8 +8,8 @@
 //   face_planes  any order, with the polygon's own plane as the last of its IN cell;
 //   tiles        tiles as the light sees them, split as long as that leaves fewer polygons in each, and in each one the nearest
 //                polygons first, with face planes.
-#include <gnomon/kit/point_technique.h>
-#include <gnomon/kit/surface_detail.h>
+#include <gnomon/kit/bases/point_technique.h>
+#include <gnomon/kit/pictures/surface_detail.h>
 #include <gnomon/registry.h>
 
 #include "svbsp/detail.h"
@@ -28,9 +28,8 @@ constexpr About about{
     .error =
         "None but for epsilon, 1e-10 of the casters' extent, and from a point light farther away than 28,000 of that 2^-48 "
         "of its coordinates: within it double decides, and everything counts as on a plane; whether the point lies beyond "
-        "the polygon nearest to the light is decided exactly. A point that rounding put behind its own triangle is lit "
-        "where that one, or another in its plane, is nearest to the light: a cell knows the nearest polygon alone, and not "
-        "what "
+        "the polygon nearest to the light is decided exactly. A point that rounding put behind its own triangle is lit where "
+        "that one, or another in its plane, is nearest to the light: a cell knows the nearest polygon alone, and not what "
         "lies between it and the point. Tessellation on curved shapes.",
     .fails =
         "Nothing it supports. Many small polygons behind many others, as the light sees them, are cut most: fragments per "
@@ -52,8 +51,7 @@ class Svbsp final : public PointTechnique {
                {"balanced", "fewest_splits", "first"},
                Stage::build,
                "Which polygon's plane splits a cell of the regular BSP tree, for order=bsp and the painter: of the least 8 "
-               "cuts + imbalance, of the fewest cuts, "
-               "or the first one's."};
+               "cuts + imbalance, of the fewest cuts, or the first one's."};
   Flag free_cuts{this, "free_cuts", true, Stage::build,
                  "The regular BSP tree may also be split by planes across an axis that hold no polygon; not with split=first."};
   Choice drop_edges{

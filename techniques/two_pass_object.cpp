@@ -7,8 +7,8 @@
 // each other need no case of their own, and since the planes bound a cone on its own side only, what lies behind the light
 // stays out. Candidates come from a grid in light space. What lies beyond casters that cover its cell, or all of its places
 // there, is in shadow and is not clipped at all.
-#include <gnomon/kit/point_technique.h>
-#include <gnomon/kit/surface_detail.h>
+#include <gnomon/kit/bases/point_technique.h>
+#include <gnomon/kit/pictures/surface_detail.h>
 #include <gnomon/registry.h>
 
 #include "two_pass_object/detail.h"

@@ -1,5 +1,5 @@
 // Variance shadow map: a texel holds depth and its square, so that means of texels tell mean and variance of the depths below.
-#include <gnomon/kit/filtered_map.h>
+#include <gnomon/kit/maps/filtered_map.h>
 #include <gnomon/registry.h>
 
 #include "variance_map/answer.h"

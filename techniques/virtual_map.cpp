@@ -4,8 +4,8 @@
 // All but the fit is work of resolve. A pass over the G-buffer writes for every pixel which page it asks for; the processor
 // collects these words and sorts the casters' triangles to pages; each page draws its own; a second pass looks up, by the very
 // words that the first one wrote, so that no rounding can make it miss a page.
-#include <gnomon/kit/camera.h>
-#include <gnomon/kit/light_map.h>
+#include <gnomon/kit/geometry/camera.h>
+#include <gnomon/kit/maps/light_map.h>
 #include <gnomon/kit/shared.h>
 #include <gnomon/registry.h>
 
@@ -25,9 +25,8 @@ constexpr About about{
         "2014 (bias of the receiver's own plane)",
     .error =
         "Stair steps along shadow edges, as wide as a texel: 1/texels_per_pixel of a pixel's side or less, more where the "
-        "light "
-        "sees a pixel over eight times as long as wide. Where more pages are asked for than there is room for, all texels are "
-        "2^levels_raised times as wide.",
+        "light sees a pixel over eight times as long as wide. Where more pages are asked for than there is room for, all "
+        "texels are 2^levels_raised times as wide.",
     .fails =
         "Pixels that ask for pages far apart: surfaces edge-on to the light, leaves and grass; a page is then drawn for a few "
         "pixels. All but the fit is work of resolve, paid for in every picture.",

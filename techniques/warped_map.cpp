@@ -8,7 +8,7 @@
 // Defaults: of each warp the setting within 1 % of its lowest mean wrong rate in suite map_defaults (results/map_defaults).
 //
 // Depths are stored over the warp's divisor, which planes keep: rasterizing stays exact, and look-ups multiply it back.
-#include <gnomon/kit/compared_map.h>
+#include <gnomon/kit/maps/compared_map.h>
 #include <gnomon/kit/parallel.h>
 #include <gnomon/registry.h>
 

@@ -8,10 +8,10 @@
 // characteristic     The points that determine a shape's shadow by the paper's equations (contender) beside the projection of
 //                    all vertices of its tessellation (floor), as dearly as that is done: 1 / `ratio` is what the paper saves.
 #include <benchmark/benchmark.h>
-#include <gnomon/kit/gl_pass.h>
-#include <gnomon/kit/planar_shadow.h>
+#include <gnomon/kit/geometry/planar_shadow.h>
+#include <gnomon/kit/geometry/shapes.h>
+#include <gnomon/kit/gl/gl_pass.h>
 #include <gnomon/kit/random.h>
-#include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
 
 #include "bench/micro/alternate.h"

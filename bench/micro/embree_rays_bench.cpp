@@ -7,8 +7,8 @@
 // resolve fills its packets from the G-buffer, asks the same question and writes the mask, all on the clock.
 #include <benchmark/benchmark.h>
 #include <embree3/rtcore.h>
-#include <gnomon/kit/rays.h>
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/geometry/shapes.h>
+#include <gnomon/kit/rays/rays.h>
 #include <gnomon/registry.h>
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>

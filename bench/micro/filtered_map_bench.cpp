@@ -2,7 +2,7 @@
 // filter_radius=2) at the same resolution: one look-up of means has to be no slower than twenty-five. `ratio` is the ratio of
 // their medians. Wanted: at most 1.
 #include <benchmark/benchmark.h>
-#include <gnomon/kit/gl_pass.h>
+#include <gnomon/kit/gl/gl_pass.h>
 #include <gnomon/registry.h>
 
 #include "bench/micro/alternate.h"

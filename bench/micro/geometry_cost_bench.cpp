@@ -1,7 +1,7 @@
 // What a new geometry costs: the stages as a worker tells them, and the uploads told beside, held to the wall clock of the same
 // work done here, from an empty OpenGL to a finished mask. Told less than nine tenths of the clock, it is an error.
 #include <benchmark/benchmark.h>
-#include <gnomon/kit/gl.h>
+#include <gnomon/kit/gl/gl.h>
 #include <gnomon/registry.h>
 
 #include <chrono>

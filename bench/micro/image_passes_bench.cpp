@@ -1,8 +1,8 @@
 // What image passes cost beside bare passes over the picture that fetch as many texels for each and write as many: full-screen
 // draws into the same formats. `ratio` is the ratio of their medians.
 #include <benchmark/benchmark.h>
-#include <gnomon/kit/gl_pass.h>
-#include <gnomon/kit/image_passes.h>
+#include <gnomon/kit/gl/gl_pass.h>
+#include <gnomon/kit/gl/image_passes.h>
 
 #include <array>
 #include <random>

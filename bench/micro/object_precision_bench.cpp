@@ -8,8 +8,8 @@
 // resolve  Point locations on one thread, on the bunny's scene, beside a floor: a bare loop that reads the G-buffer, asks which
 //          pixels face the light, and writes the mask. Wanted: at least 5 million a second; embree_rays stands beside it.
 #include <benchmark/benchmark.h>
-#include <gnomon/kit/exact.h>
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/geometry/exact.h>
+#include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/registry.h>
 #include <tbb/global_control.h>
 

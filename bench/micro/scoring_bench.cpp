@@ -2,7 +2,7 @@
 // `wrong` is the share of the tested pixels that are wrong. Settings that are wrong more often or look at more texels cost
 // more.
 #include <benchmark/benchmark.h>
-#include <gnomon/kit/gl.h>
+#include <gnomon/kit/gl/gl.h>
 #include <gnomon/registry.h>
 #include <unistd.h>
 

@@ -2,8 +2,8 @@
 // resolution and faces (relight), and one full-screen pass that fetches the same textures and writes the same target
 // (resolve). Contender and floor alternate inside one run; `ratio` is the ratio of their medians.
 #include <benchmark/benchmark.h>
-#include <gnomon/kit/light_map.h>
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/geometry/shapes.h>
+#include <gnomon/kit/maps/light_map.h>
 #include <gnomon/registry.h>
 
 #include "bench/micro/alternate.h"

@@ -1,7 +1,7 @@
 // Resolve of maps for lights with area, beside rays to as many places as a filter has taps: area_rays:samples=32. `ratio` is
 // the ratio of their medians. Scene contact, light lamp.
 #include <benchmark/benchmark.h>
-#include <gnomon/kit/gl_pass.h>
+#include <gnomon/kit/gl/gl_pass.h>
 #include <gnomon/registry.h>
 
 #include "bench/micro/alternate.h"

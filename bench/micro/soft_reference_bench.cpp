@@ -6,7 +6,7 @@
 // packets filled, in the same order; it stores 16 constants into each, because rtcOccluded16 overwrites them.
 #include <benchmark/benchmark.h>
 #include <embree3/rtcore.h>
-#include <gnomon/kit/area_rays.h>
+#include <gnomon/kit/area/area_rays.h>
 #include <gnomon/kit/random.h>
 #include <gnomon/registry.h>
 #include <tbb/blocked_range.h>
@@ -85,7 +85,7 @@ class Rig {
     while (pixels_.size() < pixel_count) {
       const auto i = static_cast<std::size_t>(random.uniform(0, 1) * static_cast<double>(gbuffer.size()));
       if (gbuffer.is_background(i)) continue;
-      const LightFace face(light, gbuffer.position(i), gbuffer.normal(i));
+      const LightFigure face(light, gbuffer.position(i), gbuffer.normal(i));
       if (!face.is_seen()) continue;
       pixels_.push_back({FaceRays(casters_, gbuffer, i, face), i, {}});
       Pixel& pixel = pixels_.back();

@@ -1,7 +1,7 @@
 // Relight and resolve of techniques that draw, on scenes of suite quick at 640 x 360, beside a bare full-screen pass that
 // fetches position and normal: where the time of a row goes, with a profiler or two builds side by side.
 #include <benchmark/benchmark.h>
-#include <gnomon/kit/gl_pass.h>
+#include <gnomon/kit/gl/gl_pass.h>
 #include <gnomon/registry.h>
 
 #include "bench/micro/alternate.h"

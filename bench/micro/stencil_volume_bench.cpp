@@ -11,11 +11,11 @@
 //
 // Adjacency and relight run on two threads.
 #include <benchmark/benchmark.h>
-#include <gnomon/kit/edges.h>
-#include <gnomon/kit/gl_pass.h>
+#include <gnomon/kit/geometry/edges.h>
+#include <gnomon/kit/geometry/shapes.h>
+#include <gnomon/kit/gl/gl_pass.h>
 #include <gnomon/kit/parallel.h>
-#include <gnomon/kit/shapes.h>
-#include <gnomon/kit/volume_faces.h>
+#include <gnomon/kit/volumes/volume_faces.h>
 #include <gnomon/registry.h>
 #include <tbb/global_control.h>
 

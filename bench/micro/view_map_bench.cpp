@@ -1,7 +1,7 @@
 // Resolve of maps that are drawn for the picture, beside shadow_map:fit=view at as many texels: what slices and warps cost over
 // one image that is fitted and drawn as well. `ratio` is the ratio of their medians. Light "sun" of fence, view "low".
 #include <benchmark/benchmark.h>
-#include <gnomon/kit/gl_pass.h>
+#include <gnomon/kit/gl/gl_pass.h>
 #include <gnomon/registry.h>
 
 #include "bench/micro/alternate.h"

@@ -1,7 +1,7 @@
 // Resolve of virtual_map beside shadow_map:fit=view at as many texels or more: what pages, their table and their lists cost
 // over images that are fitted and drawn whole. `ratio` is the ratio of their medians.
 #include <benchmark/benchmark.h>
-#include <gnomon/kit/gl_pass.h>
+#include <gnomon/kit/gl/gl_pass.h>
 #include <gnomon/registry.h>
 
 #include "bench/micro/alternate.h"

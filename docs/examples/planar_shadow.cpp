@@ -4,7 +4,7 @@
 // HEIGHT is the light's, 5 unless told otherwise; with 1.5 it is below the sphere's top, and the shadow has no end.
 // To build it, CMake needs find_package(gnomon) and target_link_libraries(planar_shadow gnomon::gnomon).
 #include <fmt/format.h>
-#include <gnomon/kit/planar_shadow.h>
+#include <gnomon/kit/geometry/planar_shadow.h>
 
 #include <algorithm>
 #include <cstdlib>

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "measure/statistics/distributions.h"
+
 namespace gnomon {
 
 namespace {

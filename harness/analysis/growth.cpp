@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "analysis/in_order.h"
+#include "measure/statistics/distributions.h"
 
 namespace gnomon {
 

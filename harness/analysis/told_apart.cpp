@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "analysis/difference.h"
+#include "measure/statistics/distributions.h"
 
 namespace gnomon {
 

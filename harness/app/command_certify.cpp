@@ -9,7 +9,7 @@
 #include "measure/run/suite.h"
 #include "measure/scene/load.h"
 #include "measure/scene/names.h"
-#include "measure/worker/frame_worker.h"
+#include "measure/worker/worker_frame_maker.h"
 
 namespace gnomon::app {
 
@@ -40,7 +40,7 @@ int run_certify(const CertifyCommand& options) {
   for (const Light* light : lights) require_reference(scene, *light, scene.views.front());
   Progress progress;
   FrameStore frames(scene, cache_root() / "frames",
-                    std::make_unique<FrameWorker>(std::filesystem::path(), "", shown_on(progress, options.scene)));
+                    std::make_unique<WorkerFrameMaker>(std::filesystem::path(), "", shown_on(progress, options.scene)));
   bool all_hold = true;
   Json list = Json::array();
   for (const View* view : views)

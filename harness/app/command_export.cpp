@@ -10,7 +10,7 @@
 #include "measure/scene/load.h"
 #include "measure/scene/names.h"
 #include "measure/scene/scene_json.h"
-#include "measure/worker/frame_worker.h"
+#include "measure/worker/worker_frame_maker.h"
 
 namespace gnomon::app {
 
@@ -65,7 +65,7 @@ void export_frame(const ExportOptions& options) {
 
   Progress progress;
   FrameStore frames(scene, cache_root() / "frames",
-                    std::make_unique<FrameWorker>(fs::path(), "", shown_on(progress, options.scene)));
+                    std::make_unique<WorkerFrameMaker>(fs::path(), "", shown_on(progress, options.scene)));
   const GBuffer gbuffer = frames.gbuffer(key);
   Json frame = json_object({{"scene", options.scene},
                             {"view", scene_json(key.view)},

@@ -1,4 +1,4 @@
-#include <gnomon/kit/surface_detail.h>
+#include <gnomon/kit/pictures/surface_detail.h>
 #include <gnomon/registry.h>
 
 #include <fstream>

@@ -13,7 +13,7 @@
 #include "measure/scene/names.h"
 #include "measure/score/error_picture.h"
 #include "measure/score/score.h"
-#include "measure/worker/frame_worker.h"
+#include "measure/worker/worker_frame_maker.h"
 #include "report/table/digits.h"
 #include "report/table/text_table.h"
 
@@ -273,7 +273,7 @@ void score(const ScoreOptions& options) {
     question.masks.push_back(read_mask(options.mask, channel.name, width, height));
   Progress progress;
   FrameStore frames(scene, cache_root() / "frames",
-                    std::make_unique<FrameWorker>(fs::path(), "", shown_on(progress, options.scene)));
+                    std::make_unique<WorkerFrameMaker>(fs::path(), "", shown_on(progress, options.scene)));
   Json list = Json::array();
   if (called)
     score_rows(question, *called, frames, list);

@@ -4,7 +4,7 @@
 #include "app/app.h"
 #include "app/viewer/application.h"
 #include "measure/notice.h"
-#include "measure/run/light_words.h"
+#include "measure/run/light_selection.h"
 #include "measure/run/suite.h"
 #include "measure/scene/load.h"
 #include "measure/scene/names.h"

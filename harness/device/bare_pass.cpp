@@ -1,7 +1,7 @@
 #include "device/bare_pass.h"
 
 #include <gnomon/error.h>
-#include <gnomon/kit/gl_pass.h>
+#include <gnomon/kit/gl/gl_pass.h>
 
 #include <array>
 #include <numeric>

@@ -3,8 +3,8 @@
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 #include <gnomon/error.h>
-#include <gnomon/kit/gl.h>
-#include <gnomon/kit/gl_limits.h>
+#include <gnomon/kit/gl/gl.h>
+#include <gnomon/kit/gl/gl_limits.h>
 
 #include <cstdlib>
 #include <string_view>

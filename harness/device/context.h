@@ -25,7 +25,7 @@ struct GlInfo {
 
 /// A headless OpenGL 4.5 core context on an EGL device, without window, surface or display; current on the thread that made
 /// it from construction to destruction. It sets the house state on top of the defaults of OpenGL: clip control upper left,
-/// zero to one. Destruction releases the inputs that kit/gl holds. A choice of software or zink sets the variables by which
+/// zero to one. Destruction releases the inputs that kit/gl/gl holds. A choice of software or zink sets the variables by which
 /// Mesa chooses its driver, of this process: Mesa reads them when the first context is made, so a process has one driver.
 /// Throws Error when no device gives a context.
 class GlContext {

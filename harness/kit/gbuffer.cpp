@@ -1,13 +1,13 @@
 #include <epoxy/gl.h>
 #include <gnomon/gbuffer.h>
-#include <gnomon/kit/light_face.h>
+#include <gnomon/kit/area/light_figure.h>
 
 namespace gnomon {
 
 bool faces_light(const Scene& scene, const GBuffer& gbuffer, const Light& light, std::size_t i) {
   if (gbuffer.is_background(i) || !scene.meshes[gbuffer.mesh[i]].receives) return false;
   const glm::dvec3 point = gbuffer.position(i);
-  if (has_area(light)) return LightFace(light, point, gbuffer.normal(i)).is_seen();
+  if (has_area(light)) return LightFigure(light, point, gbuffer.normal(i)).is_seen();
   return glm::dot(glm::dvec3(gbuffer.normal(i)), to_light(homogeneous(light), point)) > 0 && in_spot_cone(light, point);
 }
 

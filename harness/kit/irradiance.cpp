@@ -1,5 +1,5 @@
+#include <gnomon/kit/area/light_figure.h>
 #include <gnomon/kit/irradiance.h>
-#include <gnomon/kit/light_face.h>
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +22,7 @@ double spot_share(const Light& light, const glm::dvec3& point) {
 }
 
 double irradiance(const Light& light, const glm::dvec3& point, const glm::dvec3& normal) {
-  if (has_area(light)) return light.intensity * LightFace(light, point, normal).irradiance();
+  if (has_area(light)) return light.intensity * LightFigure(light, point, normal).irradiance();
   const glm::dvec4 l = homogeneous(light);
   const glm::dvec3 to = to_light(l, point);
   const double distance = glm::length(to), cosine = glm::dot(normal, to) / distance;

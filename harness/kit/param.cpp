@@ -63,9 +63,9 @@ struct InnerName {
 };
 
 /// `of.count` of averaged_hard is `count` of the object that `of` names.
-class InnerRow final : InnerName, public Parameter {
+class InnerParameter final : InnerName, public Parameter {
  public:
-  InnerRow(const Parametrized& owner, std::string_view prefix, Parameter& row)
+  InnerParameter(const Parametrized& owner, std::string_view prefix, Parameter& row)
       : InnerName{fmt::format("{}.{}", prefix, row.name())},
         Parameter(owner, full_name, row.unit(), row.spoils(), row.sentence()),
         row_(row) {}
@@ -89,22 +89,22 @@ class InnerRow final : InnerName, public Parameter {
 }  // namespace
 
 const Parameter& typed(const Parameter& row) {
-  const auto* const inner = dynamic_cast<const InnerRow*>(&row);
+  const auto* const inner = dynamic_cast<const InnerParameter*>(&row);
   return inner ? typed(inner->row()) : row;
 }
 
-ObjectRow::~ObjectRow() = default;
+ObjectParameter::~ObjectParameter() = default;
 
-ObjectRow::Known& ObjectRow::known() const {
+ObjectParameter::Known& ObjectParameter::known() const {
   const auto found = known_.find(id_);
   if (found != known_.end()) return found->second;
   Known fresh{made(id_), {}};
   for (Parameter* const row : fresh.object->parameters())
-    fresh.rows.push_back(std::make_unique<InnerRow>(owner(), name(), *row));
+    fresh.rows.push_back(std::make_unique<InnerParameter>(owner(), name(), *row));
   return known_.emplace(id_, std::move(fresh)).first->second;
 }
 
-void ObjectRow::set(std::string_view value) {
+void ObjectParameter::set(std::string_view value) {
   if (value == id_) return;
   if (const std::string why = objection(value); !why.empty()) refuse(value, "; " + why);
   id_ = value;
@@ -114,7 +114,7 @@ std::vector<Parameter*> Parametrized::parameters() const {
   std::vector<Parameter*> rows;
   for (Parameter* const row : parameters_) {
     rows.push_back(row);
-    if (const auto* const object = dynamic_cast<const ObjectRow*>(row))
+    if (const auto* const object = dynamic_cast<const ObjectParameter*>(row))
       for (const auto& inner : object->inner()) rows.push_back(inner.get());
   }
   return rows;

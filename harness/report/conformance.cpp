@@ -81,7 +81,7 @@ Json check_json(const std::string& technique, std::span<const Judged> judged) {
 std::string list_text(std::span<const Rule> rules, std::size_t width) {
   TextTable table({{"rule", ""}, {"asked of", ""}, {"what a technique must do", ""}});
   for (const Rule& rule : rules)
-    table.add_row({std::string(rule.name), std::string(name(rule.asked)), std::string(rule.sentence)});
+    table.add_row({std::string(rule.name), std::string(name(rule.applies_to)), std::string(rule.sentence)});
   return table.text(width);
 }
 
@@ -89,7 +89,7 @@ Json list_json(std::span<const Rule> rules) {
   Json list = Json::array();
   for (const Rule& rule : rules)
     list.push_back(json_object(
-        {{"name", rule.name}, {"asked_of", name(rule.asked)}, {"sentence", rule.sentence}, {"advice", rule.advice}}));
+        {{"name", rule.name}, {"asked_of", name(rule.applies_to)}, {"sentence", rule.sentence}, {"advice", rule.advice}}));
   return list;
 }
 
@@ -110,7 +110,7 @@ std::string rules_page() {
       rules().size());
   page += "| rule | asked of | what a technique must do |\n| --- | --- | --- |\n";
   for (const Rule& rule : rules())
-    page += fmt::format("| [{0}](#{0}) | {1} | {2} |\n", rule.name, name(rule.asked), markdown_text(rule.sentence));
+    page += fmt::format("| [{0}](#{0}) | {1} | {2} |\n", rule.name, name(rule.applies_to), markdown_text(rule.sentence));
   page += "\n## When a rule fails\n";
   for (const Rule& rule : rules()) page += fmt::format("\n### {}\n\n{}\n", rule.name, markdown_text(rule.advice));
   return page;

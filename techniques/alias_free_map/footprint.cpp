@@ -1,7 +1,7 @@
 #include "footprint.h"
 
-#include <gnomon/kit/across.h>
-#include <gnomon/kit/clip.h>
+#include <gnomon/kit/geometry/across.h>
+#include <gnomon/kit/geometry/clip.h>
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/light_space.h>
+#include <gnomon/kit/maps/light_space.h>
 #include <gnomon/scene.h>
 
 #include <array>
@@ -12,7 +12,7 @@ namespace gnomon::alias_free_map {
 /// The light's faces: one across parallel rays; or a cube whose own frame looks at the casters, or along the cone of a spot.
 /// Every frame is right-handed. The computed axes are taken for what they are, some invertible linear map: they need not be
 /// exactly orthogonal for the sign of a determinant to mean the same before and after. What counts is how exactly the map is
-/// applied (kit/light_space.h).
+/// applied (kit/maps/light_space.h).
 LightSpace space_of(const Light& light, const Bounds& casters);
 
 /// A box of places on a face that holds all that a caster may shade there, and a z below that of every point in its shadow.

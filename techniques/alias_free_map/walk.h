@@ -11,9 +11,9 @@
 namespace gnomon::alias_free_map {
 
 /// Error of a plane's value, of the product of the lengths that made it. With e = 2^-53, points are off by 9 e of their
-/// distance (kit/light_space.h), so the cross product of two by 18 e, and by 6 e for its own rounding; its product with a third
-/// point adds 9 e for that one and 4 e for rounding: 37 e. A plane off the origin takes another 9 e + 4 e on the side of its
-/// offset. 2^-46 is three times as much.
+/// distance (kit/maps/light_space.h), so the cross product of two by 18 e, and by 6 e for its own rounding; its product with a
+/// third point adds 9 e for that one and 4 e for rounding: 37 e. A plane off the origin takes another 9 e + 4 e on the side of
+/// its offset. 2^-46 is three times as much.
 constexpr double plane_error = 0x1p-46;
 
 /// A linear function of a sample in the frame of its face, raised by its error: where it is negative, its true value is. Where

@@ -1,6 +1,6 @@
 #pragma once
-#include <gnomon/kit/box_tree.h>
-#include <gnomon/kit/receiver.h>
+#include <gnomon/kit/geometry/box_tree.h>
+#include <gnomon/kit/geometry/receiver.h>
 
 #include "volume.h"
 

@@ -40,7 +40,7 @@ Span longest_span(std::span<const Corner> polygon) {
 }  // namespace
 
 double seen_past(std::span<const CasterPolygon> casters, std::span<const std::uint32_t> polygons, const glm::dvec3& point,
-                 const LightFace& face, VisibleArea& area) {
+                 const LightFigure& face, VisibleArea& area) {
   area.start(face);
   for (const std::uint32_t number : polygons) area.add(casters[number], point);
   return area.share();
@@ -287,7 +287,7 @@ glm::dvec3 Divider::middle(const Part& part) const {
 }
 
 double Divider::share_at(const glm::dvec3& point, std::span<const std::uint32_t> polygons) {
-  const LightFace face(lighting_.light, point, normal_);
+  const LightFigure face(lighting_.light, point, normal_);
   if (!face.is_seen()) return 1;
   work_->clips += polygons.size();
   return seen_past(lighting_.polygons, polygons, point, face, area_);

@@ -84,7 +84,7 @@ struct Lighting {
 
 /// How much of a light a point sees past polygons, by their numbers.
 double seen_past(std::span<const CasterPolygon> casters, std::span<const std::uint32_t> polygons, const glm::dvec3& point,
-                 const LightFace& face, VisibleArea& area);
+                 const LightFigure& face, VisibleArea& area);
 
 /// Divides one side of a triangle into fragments that see all of the light, a part of it, or nothing. A fragment is cut by the
 /// planes of the penumbra volumes of polygons until it is inside one of them or outside all, and in there by those of umbra

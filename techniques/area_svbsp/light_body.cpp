@@ -1,6 +1,6 @@
 #include "light_body.h"
 
-#include <gnomon/kit/across.h>
+#include <gnomon/kit/geometry/across.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/clip.h>
+#include <gnomon/kit/geometry/clip.h>
 #include <gnomon/light.h>
 
 #include <array>

@@ -135,8 +135,8 @@ struct Pyramid {
   glm::dvec3 point, low{0}, high{0};
   glm::dvec3 planes[5];  ///< normals of planes through the point, positive inside
 
-  Pyramid(const glm::dvec3& from, const LightFace& face) : point(from) {
-    const LightFace::Box& box = face.box();
+  Pyramid(const glm::dvec3& from, const LightFigure& face) : point(from) {
+    const LightFigure::Box& box = face.box();
     const glm::dvec3 corners[] = {face.at(box.low), face.at({box.high.x, box.low.y}), face.at(box.high),
                                   face.at({box.low.x, box.high.y})};
     const double turn = glm::dot(glm::cross(corners[0], corners[1]), corners[2]) > 0 ? 1 : -1;
@@ -160,7 +160,7 @@ struct Pyramid {
 }  // namespace
 
 void find_between(const Scene& scene, std::span<const CasterPolygon> polygons, const BoxTree& boxes,
-                  const TriangleNumbers& numbers, const Receiver& receiver, const LightFace& face,
+                  const TriangleNumbers& numbers, const Receiver& receiver, const LightFigure& face,
                   std::vector<std::uint32_t>& found) {
   found.clear();
   const Pyramid pyramid(glm::dvec3(receiver.point), face);
@@ -205,7 +205,7 @@ double casters_before(const Scene& scene, const Light& light) {
                        place = a + u * (glm::dvec3(triangle.points[1]) - a) + v * (glm::dvec3(triangle.points[2]) - a);
       const glm::dvec3 normal = glm::normalize(triangle.normal());
       for (const double side : {1.0, -1.0})
-        if (const LightFace face(light, place, side * normal); face.is_seen()) {
+        if (const LightFigure face(light, place, side * normal); face.is_seen()) {
           pyramids.emplace_back(place, face);
           break;
         }

@@ -38,7 +38,7 @@ class Trees {
 
 /// The polygons that may hide some of a light from a point, not those that never shade the receiver: where no tree tells.
 void find_between(const Scene& scene, std::span<const CasterPolygon> polygons, const BoxTree& boxes,
-                  const TriangleNumbers& numbers, const Receiver& receiver, const LightFace& face,
+                  const TriangleNumbers& numbers, const Receiver& receiver, const LightFigure& face,
                   std::vector<std::uint32_t>& found);
 
 /// How many triangles that cast stand before a light, at most, from a receiving point: the mean over those that see it of 64

@@ -40,7 +40,7 @@ Box box_of(std::span<const glm::dvec2> polygon) {
 
 }  // namespace
 
-void VisibleArea::start(const LightFace& face) {
+void VisibleArea::start(const LightFigure& face) {
   face_ = &face;
   axis_ = glm::cross(face.half_u(), face.half_v());
   plane_ = glm::dot(axis_, face.center());
@@ -70,7 +70,7 @@ void VisibleArea::add(const CasterPolygon& polygon, const glm::dvec3& point) {
     add_line(normal, glm::dot(normal, to[0]));
   }
   // What misses the box of the figure is no region.
-  const LightFace::Box& box = face_->box();
+  const LightFigure::Box& box = face_->box();
   for (std::uint32_t k = 0; k < region.count; ++k) {
     const glm::dvec3& line = region.lines[k];
     if (!(line_at(line, {line.y > 0 ? box.high.x : box.low.x, line.z > 0 ? box.high.y : box.low.y}) > 0)) return;

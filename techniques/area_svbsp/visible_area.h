@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/light_face.h>
+#include <gnomon/kit/area/light_figure.h>
 
 #include <span>
 
@@ -17,7 +17,7 @@ namespace gnomon::area_svbsp {
 class VisibleArea {
  public:
   /// `face` must be seen, and outlive what follows.
-  void start(const LightFace& face);
+  void start(const LightFigure& face);
   /// A polygon between, with the place of the point. One whose plane holds the point hides nothing.
   void add(const CasterPolygon& polygon, const glm::dvec3& point);
   /// Of the figure above the horizon.
@@ -46,7 +46,7 @@ class VisibleArea {
   /// Of a figure with these corners, what is above the horizon: twice its area, and twice of what is seen.
   std::pair<double, double> seen_of(std::vector<glm::dvec2> figure);
 
-  const LightFace* face_ = nullptr;
+  const LightFigure* face_ = nullptr;
   glm::dvec3 axis_{0};
   double plane_ = 0;
   std::vector<Region> regions_;

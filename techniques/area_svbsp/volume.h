@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/clip.h>
+#include <gnomon/kit/geometry/clip.h>
 
 #include <optional>
 

@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/light_camera.h>
+#include <gnomon/kit/maps/light_camera.h>
 
 #include <span>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/layers.h>
+#include <gnomon/kit/pictures/layers.h>
 
 namespace composite_planar {
 using namespace gnomon;

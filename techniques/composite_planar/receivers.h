@@ -1,7 +1,7 @@
 #pragma once
-#include <gnomon/kit/across.h>
-#include <gnomon/kit/contour.h>
-#include <gnomon/kit/planes.h>
+#include <gnomon/kit/geometry/across.h>
+#include <gnomon/kit/geometry/contour.h>
+#include <gnomon/kit/geometry/planes.h>
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #pragma once
-#include <gnomon/kit/gl_pass.h>
-#include <gnomon/kit/planar_shadow.h>
+#include <gnomon/kit/geometry/planar_shadow.h>
+#include <gnomon/kit/gl/gl_pass.h>
 
 namespace composite_planar {
 

@@ -1,8 +1,8 @@
 #pragma once
 #include <gnomon/kit/bytes.h>
-#include <gnomon/kit/camera.h>
-#include <gnomon/kit/gl.h>
-#include <gnomon/kit/planar_shadow.h>
+#include <gnomon/kit/geometry/camera.h>
+#include <gnomon/kit/geometry/planar_shadow.h>
+#include <gnomon/kit/gl/gl.h>
 
 #include "receivers.h"
 

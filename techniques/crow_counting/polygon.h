@@ -1,6 +1,6 @@
 #pragma once
-#include <gnomon/kit/across.h>
-#include <gnomon/kit/exact.h>
+#include <gnomon/kit/geometry/across.h>
+#include <gnomon/kit/geometry/exact.h>
 
 #include <algorithm>
 #include <cmath>

@@ -20,7 +20,7 @@ struct Tile {
   ///
   /// The box has a margin, so that the tile also holds the place where the way from a point to the light leaves the point's own
   /// surface. P is at most sqrt(3) / 2 * 2^-24 max|P| off that surface, and the way to a light 1 / 32 rad or more above it
-  /// takes 32 times as much: 28 * 2^-24 max|P| < 2^-18 max|P|. Where the light is lower, doubts.h sees to it.
+  /// takes 32 times as much: 28 * 2^-24 max|P| < 2^-18 max|P|. Where the light is lower, unresolved_points.h sees to it.
   void add(const glm::dvec3& p, double largest_coordinate) {
     const double distance = glm::length(p);
     ++undecided;

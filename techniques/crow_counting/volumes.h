@@ -1,8 +1,8 @@
 #pragma once
-#include <gnomon/kit/box_tree.h>
-#include <gnomon/kit/edges.h>
+#include <gnomon/kit/geometry/box_tree.h>
+#include <gnomon/kit/geometry/edges.h>
+#include <gnomon/kit/geometry/receiver.h>
 #include <gnomon/kit/parallel.h>
-#include <gnomon/kit/receiver.h>
 #include <gnomon/kit/shared.h>
 
 #include "polygon.h"
@@ -107,7 +107,7 @@ class Volumes {
 };
 
 /// Volumes that hold a point only because of the surface that it lies on, and which therefore never shade it: those of the
-/// triangles that kit/receiver.h leaves out.
+/// triangles that kit/geometry/receiver.h leaves out.
 class OwnVolumes {
  public:
   void build(const Scene& scene) {
@@ -146,7 +146,7 @@ class OwnVolumes {
   /// Calls visit(triangle) for those that hold the point; says whether the point lies behind the plane of its own triangle, as
   /// the light sees it, so that there may be any. `near` are light caps that ways from the start to the point and its neighbors
   /// may cross. A way from the lit side of the own triangle crosses its plane just before a point below it, so they hold every
-  /// coplanar triangle that matters, but for a grazing light (doubts.h); from any other start all caps are asked.
+  /// coplanar triangle that matters, but for a grazing light (unresolved_points.h); from any other start all caps are asked.
   template <class Visit>
   bool for_holding(const Volumes& volumes, const NumberedReceiver& surface, const glm::vec3& start,
                    std::span<const std::uint32_t> near, Visit&& visit) const {

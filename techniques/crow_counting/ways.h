@@ -2,7 +2,7 @@
 #include <gnomon/kit/add_up.h>
 #include <gnomon/kit/scratch_pool.h>
 
-#include "doubts.h"
+#include "unresolved_points.h"
 
 namespace gnomon::crow_counting {
 
@@ -60,12 +60,12 @@ class WayCounter {
     const int level = pyramid_.top();
     Pyramid::Level& top = pyramid_.level(level);
     std::vector<CountingWork> works(top.tiles.size());
-    std::vector<std::vector<Doubt>> doubts(top.tiles.size());
+    std::vector<std::vector<UnresolvedPoint>> unresolved(top.tiles.size());
     for_blocks(top.tiles.size(), 1, [&](std::size_t k, std::size_t) {
       if (top.tiles[k].undecided == 0) return;
       const auto scratch = scratch_.borrow();
       scratch->polygons.resize(std::max<std::size_t>(scratch->polygons.size(), level + 2));
-      scratch->doubts = &doubts[k];
+      scratch->unresolved = &unresolved[k];
       std::vector<std::uint32_t>& list = scratch->polygons[level + 1];
       list.clear();
       for (std::uint32_t p = 0; p < volumes_->count(); ++p)
@@ -78,7 +78,7 @@ class WayCounter {
       work_ += work;
       left += work.again;
     }
-    settle(doubts);
+    settle(unresolved);
     return left;
   }
 
@@ -110,7 +110,7 @@ class WayCounter {
     std::vector<std::vector<std::uint32_t>> polygons;  ///< of the tile on each level
     std::vector<std::uint32_t> caps;                   ///< triangles among those of the smallest
     std::vector<MetPolygon> met[tile_size];
-    std::vector<Doubt>* doubts;  ///< of the tile of the top level
+    std::vector<UnresolvedPoint>* unresolved;  ///< of the tile of the top level
   };
   /// A pixel of a tile while its polygons are looked for.
   struct Query {
@@ -229,19 +229,21 @@ class WayCounter {
   /// doubt where that takes more than the caps of the tile.
   std::int64_t count_own(const Query& query, std::int64_t depth, std::uint32_t crossings, const Scratch& scratch) const {
     const NumberedReceiver surface = own_->surface(*gbuffer_, query.pixel);
-    const auto beginning = [&] {
-      return Beginning(volumes_->adjacency().corners(surface.first_own), surface.point, volumes_->silhouette().light, extent_);
+    const auto segment = [&] {
+      return SegmentToOwnPlane(volumes_->adjacency().corners(surface.first_own), surface.point, volumes_->silhouette().light,
+                               extent_);
     };
     std::int64_t own = 0;
     bool may_leave = false;  // a body, through the half of it that does not count
     const bool is_behind = own_->for_holding(*volumes_, surface, frame_.start, scratch.caps, [&](std::uint32_t t) {
       ++own;
-      may_leave |= surface.has_triangle() && volumes_->is_half(t) && beginning().is_near_edge(volumes_->adjacency().corners(t));
+      may_leave |= surface.has_triangle() && volumes_->is_half(t) && segment().is_near_edge(volumes_->adjacency().corners(t));
     });
     if (query.touches) return own;
-    const bool is_grazed = depth > own && is_behind && beginning().leaves_tile(query.seen);
+    const bool is_grazed = depth > own && is_behind && segment().leaves_tile(query.seen);
     if (is_grazed || (depth == own && may_leave))
-      scratch.doubts->push_back({query.pixel, depth, crossings, is_grazed, beginning().box(), static_cast<std::int32_t>(own)});
+      scratch.unresolved->push_back(
+          {query.pixel, depth, crossings, is_grazed, segment().box(), static_cast<std::int32_t>(own)});
     return own;
   }
 
@@ -253,12 +255,13 @@ class WayCounter {
   }
 
   /// Decides the points in doubt anew.
-  void settle(std::span<const std::vector<Doubt>> doubts) {
-    std::vector<Doubt> all;
-    for (const std::vector<Doubt>& some : doubts) all.insert(all.end(), some.begin(), some.end());
+  void settle(std::span<const std::vector<UnresolvedPoint>> unresolved) {
+    std::vector<UnresolvedPoint> all;
+    for (const std::vector<UnresolvedPoint>& some : unresolved) all.insert(all.end(), some.begin(), some.end());
     if (all.empty()) return;
     ask_casters(*volumes_, *own_, *gbuffer_, frame_.start, all);
-    for (const Doubt& d : all) mask_[d.pixel] = conclude(d.pixel, d.depth + d.behind, d.crossings, d.own) ? 0.0f : 1.0f;
+    for (const UnresolvedPoint& d : all)
+      mask_[d.pixel] = conclude(d.pixel, d.depth + d.behind, d.crossings, d.own) ? 0.0f : 1.0f;
   }
 
   const GBuffer* gbuffer_ = nullptr;

@@ -1,6 +1,6 @@
 #include "casters.h"
 
-#include <gnomon/kit/sure_sign.h>
+#include <gnomon/kit/geometry/sure_sign.h>
 
 #include <algorithm>
 #include <cmath>
@@ -64,7 +64,7 @@ bool Casters::is_beside(const NumberedReceiver& receiver, std::uint32_t triangle
   return height <= 0x1p-21 * (gnomon::extent(receiver.point) + gnomon::extent(position(vertex(triangle, 0))));
 }
 
-// As in crosses() of kit/exact.h, with the point at the origin.
+// As in crosses() of kit/geometry/exact.h, with the point at the origin.
 Casters::Crossed Casters::crosses(const NumberedReceiver& receiver, std::uint32_t triangle, const glm::dvec3& to,
                                   int& side) const {
   const Triangle corners = adjacency_.corners(triangle);

@@ -16,7 +16,7 @@ PlaceLine line_through(const glm::dvec2& a, const glm::dvec2& b, double side) {
 }  // namespace
 
 /// A way d is w * (center + s * half_u + t * half_v): the inverse of the matrix with these columns, by cross products.
-void Coverage::set(const LightFace& face) {
+void Coverage::set(const LightFigure& face) {
   seen_.emplace(face);
   area_ = seen_->area();
   const glm::dvec3 &u = face.half_u(), &v = face.half_v(), &c = face.center();
@@ -28,7 +28,7 @@ void Coverage::set(const LightFace& face) {
   turn_ = volume > 0 ? 1 : -1;
 }
 
-void Coverage::start(const LightFace& face, const glm::dvec2& base) {
+void Coverage::start(const LightFigure& face, const glm::dvec2& base) {
   regions_.clear();
   base_ = base;
   to_base_ = face.at(base);

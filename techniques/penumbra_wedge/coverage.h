@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/sure_sign.h>
+#include <gnomon/kit/geometry/sure_sign.h>
 
 #include <optional>
 #include <vector>
@@ -22,9 +22,9 @@ class Coverage {
     bool is_beyond;  ///< in the light's plane, or behind it
   };
 
-  void set(const LightFace& face);
+  void set(const LightFigure& face);
   /// Starts anew with another base, a place of the light.
-  void start(const LightFace& face, const glm::dvec2& base);
+  void start(const LightFigure& face, const glm::dvec2& base);
   Projected project(const glm::dvec3& to) const;
 
   /// A directed edge: as the light sees it, `count` layers more lie on its left. Only what is before the light's plane counts.

@@ -24,7 +24,7 @@ double twice_in_disc(const glm::dvec2& a, const glm::dvec2& b) {
 
 }  // namespace
 
-Figure::Figure(const LightFace& face) : corners_{{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}}, count_(4), is_disc_(face.is_disc()) {
+Figure::Figure(const LightFigure& face) : corners_{{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}}, count_(4), is_disc_(face.is_disc()) {
   clip(face.horizon());
 }
 

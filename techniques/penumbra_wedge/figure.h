@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/light_face.h>
+#include <gnomon/kit/area/light_figure.h>
 
 #include <array>
 
@@ -16,7 +16,7 @@ inline double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y
 class Figure {
  public:
   /// What the point's horizon leaves.
-  explicit Figure(const LightFace& face);
+  explicit Figure(const LightFigure& face);
   void clip(const PlaceLine& line);
   /// Of what lies on the light, in places: a whole rectangle has 4, a disc pi. Closed form.
   double area() const;

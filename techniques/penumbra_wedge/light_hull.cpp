@@ -1,6 +1,6 @@
 #include "light_hull.h"
 
-#include <gnomon/kit/across.h>
+#include <gnomon/kit/geometry/across.h>
 
 #include <numbers>
 

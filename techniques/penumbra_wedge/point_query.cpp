@@ -9,7 +9,7 @@ namespace {
 
 /// The light's center, where it stands clear of the horizon, else a place half as high over it as the light's highest one: a
 /// way along the own surface may meet what is beside the point.
-glm::dvec2 first_base(const LightFace& face) {
+glm::dvec2 first_base(const LightFigure& face) {
   const glm::dvec3& horizon = face.horizon();
   const double rise = std::abs(horizon.y) + std::abs(horizon.z);
   if (4 * horizon.x > horizon.x + rise) return {0, 0};
@@ -17,7 +17,7 @@ glm::dvec2 first_base(const LightFace& face) {
 }
 
 /// Then places spread evenly over what is seen (Roberts 2018), as long as they are on the light.
-std::optional<glm::dvec2> base_of(const LightFace& face, int attempt) {
+std::optional<glm::dvec2> base_of(const LightFigure& face, int attempt) {
   const auto part = [&](double step) { return std::fmod(0.5 + attempt * step, 1.0); };
   const glm::dvec2 square(part(0.7548776662466927), part(0.5698402909980532)), size = face.box().high - face.box().low;
   const glm::dvec2 place = attempt == 0 ? first_base(face) : face.box().low + square * size;
@@ -47,7 +47,7 @@ void PointQuery::narrow(std::size_t level, const PixelGroup& points) {
   outline_->wedges.narrow(points.box, levels_[level - 1].wedges, levels_[level].wedges);
 }
 
-double PointQuery::share(const NumberedReceiver& receiver, const LightFace& face, Tally& tally) {
+double PointQuery::share(const NumberedReceiver& receiver, const LightFigure& face, Tally& tally) {
   ++tally.points;
   const Level& level = levels_[level_];
   held_.clear();
@@ -68,7 +68,7 @@ double PointQuery::share(const NumberedReceiver& receiver, const LightFace& face
   return std::clamp(1 - (at_base_ + coverage_.mean()), 0.0, 1.0);
 }
 
-bool PointQuery::try_base(const NumberedReceiver& receiver, const LightFace& face, const glm::dvec2& base, Tally& tally) {
+bool PointQuery::try_base(const NumberedReceiver& receiver, const LightFigure& face, const glm::dvec2& base, Tally& tally) {
   coverage_.start(face, base);
   ++tally.rays;
   const bool is_alone = held_.empty() && outline_->crossing.empty();

@@ -38,7 +38,7 @@ class PointQuery {
 
   /// The share that the outline leaves of the light: what is seen at the base, and what every wedge adds to it or takes from
   /// it. `face` must be seen.
-  double share(const NumberedReceiver& receiver, const LightFace& face, Tally& tally);
+  double share(const NumberedReceiver& receiver, const LightFigure& face, Tally& tally);
 
   // Of the last point:
   std::size_t holding_count() const { return held_.size(); }
@@ -51,7 +51,7 @@ class PointQuery {
     std::vector<std::uint32_t> wedges;
   };
   /// Finds the layers at a base and adds the regions of all edges; false where double cannot tell all signs.
-  bool try_base(const NumberedReceiver& receiver, const LightFace& face, const glm::dvec2& base, Tally& tally);
+  bool try_base(const NumberedReceiver& receiver, const LightFigure& face, const glm::dvec2& base, Tally& tally);
   bool add_wedges(const NumberedReceiver& receiver);
   bool add_crossing(const NumberedReceiver& receiver);
 

@@ -1,6 +1,6 @@
 #include "wedges.h"
 
-#include <gnomon/kit/across.h>
+#include <gnomon/kit/geometry/across.h>
 #include <gnomon/kit/parallel.h>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #pragma once
-#include <gnomon/kit/beam.h>
-#include <gnomon/kit/box_tree.h>
-#include <gnomon/kit/edges.h>
+#include <gnomon/kit/geometry/beam.h>
+#include <gnomon/kit/geometry/box_tree.h>
+#include <gnomon/kit/geometry/edges.h>
 
 #include <span>
 

@@ -1,6 +1,6 @@
 #include "explaining.h"
 
-#include <gnomon/kit/area_rays.h>
+#include <gnomon/kit/area/area_rays.h>
 
 #include <algorithm>
 #include <array>

@@ -10,14 +10,14 @@ namespace gnomon::radiosity {
 
 inline constexpr OwnCause own_causes[] = {
     {"interpolated",
-     "Between the points where light was found it does not run straight: the element is too large.",
+     "Light is not linear between the points where it was computed: the element is too large.",
      {32, 144, 255}},
     {"crossed_patch",
-     "A surface stands on the element, or cuts it: light or shadow leaks from a point on its other side.",
+     "A surface touches or cuts the element: light or shadow leaks from a point on the other side.",
      {252, 0, 132}},
-    {"few_rays", "At the points where light was found too few rays tell how much of the lamp is seen.", {188, 88, 48}},
+    {"few_rays", "Too few rays sampled the lamp at the points where light was computed.", {188, 88, 48}},
     {"hemicube_aliasing",
-     "The lamp's hemicube has too few texels for the element: it got one too many or too few.",
+     "The lamp's hemicube has too few texels for the element, which got one too many or too few.",
      {20, 255, 148}},
 };
 

@@ -1,7 +1,7 @@
 #include "gathering.h"
 
-#include <gnomon/kit/across.h>
-#include <gnomon/kit/area_rays.h>
+#include <gnomon/kit/area/area_rays.h>
+#include <gnomon/kit/geometry/across.h>
 #include <gnomon/kit/random.h>
 
 #include <algorithm>

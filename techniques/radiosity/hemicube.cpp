@@ -1,6 +1,6 @@
 #include "hemicube.h"
 
-#include <gnomon/kit/across.h>
+#include <gnomon/kit/geometry/across.h>
 
 #include <array>
 #include <numbers>

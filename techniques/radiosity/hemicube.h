@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/gl.h>
+#include <gnomon/kit/gl/gl.h>
 
 #include <span>
 #include <vector>

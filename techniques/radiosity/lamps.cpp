@@ -1,6 +1,6 @@
 #include "lamps.h"
 
-#include <gnomon/kit/across.h>
+#include <gnomon/kit/geometry/across.h>
 
 #include <algorithm>
 #include <cmath>

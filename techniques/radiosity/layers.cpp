@@ -1,6 +1,6 @@
 #include "layers.h"
 
-#include <gnomon/kit/layers.h>
+#include <gnomon/kit/pictures/layers.h>
 
 #include <algorithm>
 #include <array>

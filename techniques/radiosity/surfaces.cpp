@@ -1,6 +1,6 @@
 #include "surfaces.h"
 
-#include <gnomon/kit/edges.h>
+#include <gnomon/kit/geometry/edges.h>
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 #pragma once
-#include <gnomon/kit/edges.h>
-#include <gnomon/kit/rays.h>
+#include <gnomon/kit/geometry/edges.h>
+#include <gnomon/kit/rays/rays.h>
 #include <gnomon/scene.h>
 
 #include <optional>

@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/gl_planes.h>
+#include <gnomon/kit/gl/gl_planes.h>
 
 namespace registered_planar {
 

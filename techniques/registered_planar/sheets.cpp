@@ -1,10 +1,10 @@
 // How casters are projected into textures of receiver planes, and how pixels look them up.
 #include "sheets.h"
 
-#include <gnomon/kit/across.h>
+#include <gnomon/kit/area/light_points.h>
 #include <gnomon/kit/bytes.h>
-#include <gnomon/kit/light_points.h>
-#include <gnomon/kit/plane_projection.h>
+#include <gnomon/kit/geometry/across.h>
+#include <gnomon/kit/geometry/plane_projection.h>
 
 #include <algorithm>
 

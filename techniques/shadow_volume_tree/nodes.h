@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/exact.h>
+#include <gnomon/kit/geometry/exact.h>
 
 #include <algorithm>
 #include <bit>

@@ -1,7 +1,7 @@
 #include "casters.h"
 
+#include <gnomon/kit/geometry/sure_sign.h>
 #include <gnomon/kit/parallel.h>
-#include <gnomon/kit/sure_sign.h>
 
 #include <algorithm>
 #include <cmath>
@@ -270,7 +270,7 @@ int Casters::multiplicity(const NumberedReceiver& receiver, std::uint32_t number
   return sum;
 }
 
-// As in crosses() of kit/exact.h, with the point at the origin. Where a sign is not sure, the answer is not.
+// As in crosses() of kit/geometry/exact.h, with the point at the origin. Where a sign is not sure, the answer is not.
 Way Casters::crosses(const NumberedReceiver& receiver, std::uint32_t triangle, const glm::dvec3& to,
                      CoplanarCache& cache) const {
   const Triangle corners = adjacency_.corners(triangle);

@@ -1,8 +1,8 @@
 #pragma once
-#include <gnomon/kit/beam.h>
-#include <gnomon/kit/box_tree.h>
-#include <gnomon/kit/edges.h>
-#include <gnomon/kit/receiver.h>
+#include <gnomon/kit/geometry/beam.h>
+#include <gnomon/kit/geometry/box_tree.h>
+#include <gnomon/kit/geometry/edges.h>
+#include <gnomon/kit/geometry/receiver.h>
 
 namespace gnomon::soft_volume {
 

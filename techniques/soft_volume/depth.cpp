@@ -32,10 +32,10 @@ GNOMON_VECTORIZED void add_steps(const LightDepth::Step* steps, std::size_t step
 
 }  // namespace
 
-LightDepth::LightDepth(const LightFace& face) { set(face); }
+LightDepth::LightDepth(const LightFigure& face) { set(face); }
 
 /// A way d is w * (center + s * half_u + t * half_v): the inverse of the matrix with these columns, by cross products.
-void LightDepth::set(const LightFace& face) {
+void LightDepth::set(const LightFigure& face) {
   clear();
   const glm::dvec3 &u = face.half_u(), &v = face.half_v(), &c = face.center();
   const glm::dvec3 axis = glm::cross(u, v);

@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/light_face.h>
+#include <gnomon/kit/area/light_figure.h>
 
 #include <span>
 #include <vector>
@@ -30,7 +30,7 @@ class LightDepth {
     bool is_beyond;
   };
 
-  explicit LightDepth(const LightFace& face);
+  explicit LightDepth(const LightFigure& face);
 
   Corner corner(const glm::dvec3& to) const;
   /// A directed edge; `jump` is m. Only what is before the light's plane counts.
@@ -44,7 +44,7 @@ class LightDepth {
     lines_.clear();
     steps_.clear();
   }
-  void set(const LightFace& face);
+  void set(const LightFigure& face);
 
   /// The depth at places less that at the corner.
   void find(const Places& places, std::vector<double>& depths) const;

@@ -40,7 +40,7 @@ void PointQuery::get_ready(const Bounds& points) {
   filter_.set(*casters_, now.edges, now.regular_count, points);
 }
 
-double PointQuery::share(const NumberedReceiver& receiver, const LightFace& face, const Pattern& pattern, Tally& tally) {
+double PointQuery::share(const NumberedReceiver& receiver, const LightFigure& face, const Pattern& pattern, Tally& tally) {
   ++tally.points;
   is_dark_ = false;
   depths_.clear();
@@ -81,7 +81,7 @@ double PointQuery::share(const NumberedReceiver& receiver, const LightFace& face
   return static_cast<double>(std::ranges::count(depths_, least_)) / place_count();
 }
 
-void PointQuery::find_places(const LightFace& face, PatternPlaces& places, std::uint32_t from, std::uint32_t to) {
+void PointQuery::find_places(const LightFigure& face, PatternPlaces& places, std::uint32_t from, std::uint32_t to) {
   for (std::uint32_t first = from; first < to; first += 16) {
     const Squares squares = places_on(face, places.next(first / 16));
     for (std::uint32_t k = 0; k < std::min(to - first, 16u); ++k) {
@@ -93,7 +93,7 @@ void PointQuery::find_places(const LightFace& face, PatternPlaces& places, std::
   }
 }
 
-void PointQuery::find_all_places(const LightFace& face, const Pattern& pattern) {
+void PointQuery::find_all_places(const LightFigure& face, const Pattern& pattern) {
   if (!depths_.empty()) return;
   places_.x.clear();
   places_.y.clear();
@@ -101,12 +101,12 @@ void PointQuery::find_all_places(const LightFace& face, const Pattern& pattern) 
   find_places(face, places, 0, static_cast<std::uint32_t>(pattern.count));
 }
 
-Way PointQuery::way(const NumberedReceiver& receiver, const LightFace& face, std::uint32_t k, Tally& tally) {
+Way PointQuery::way(const NumberedReceiver& receiver, const LightFigure& face, std::uint32_t k, Tally& tally) {
   ++tally.rays;
   return casters_->way(receiver, face.at(place(face, k)), cache_, hint_);
 }
 
-bool PointQuery::is_blocked(const NumberedReceiver& receiver, const LightFace& face, Tally& tally) {
+bool PointQuery::is_blocked(const NumberedReceiver& receiver, const LightFigure& face, Tally& tally) {
   for (std::uint32_t k = 0; k < place_count(); ++k) {
     if (depths_[k] != least_) continue;
     if (const Way one = way(receiver, face, k, tally); one != Way::unsure) return one == Way::blocked;

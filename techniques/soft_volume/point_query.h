@@ -1,6 +1,6 @@
 #pragma once
 #include <gnomon/kit/add_up.h>
-#include <gnomon/kit/light_points.h>
+#include <gnomon/kit/area/light_points.h>
 #include <gnomon/kit/pixel_groups.h>
 
 #include "edge_filter.h"
@@ -43,15 +43,15 @@ class PointQuery {
   void get_ready(const Bounds& points);
 
   /// The share of the places above the horizon that is seen; 1 where there is none. `face` must be seen.
-  double share(const NumberedReceiver& receiver, const LightFace& face, const Pattern& pattern, Tally& tally);
+  double share(const NumberedReceiver& receiver, const LightFigure& face, const Pattern& pattern, Tally& tally);
 
   /// Finds all places of the last point, where `share` needed fewer.
-  void find_all_places(const LightFace& face, const Pattern& pattern);
+  void find_all_places(const LightFigure& face, const Pattern& pattern);
 
   // Of the last point:
   std::uint32_t place_count() const { return static_cast<std::uint32_t>(places_.size()); }
-  glm::dvec2 place(const LightFace& face, std::uint32_t k) const {
-    const LightFace::Box& box = face.box();
+  glm::dvec2 place(const LightFigure& face, std::uint32_t k) const {
+    const LightFigure::Box& box = face.box();
     return box.low + glm::dvec2(places_.x[k], places_.y[k]) * (box.high - box.low);
   }
   bool is_seen(std::uint32_t k) const { return !is_dark_ && (depths_.empty() || depths_[k] == least_); }
@@ -59,10 +59,10 @@ class PointQuery {
 
  private:
   /// Finds places from number `from` to before `to` that are on the light and above the horizon; all before `from` were found.
-  void find_places(const LightFace& face, PatternPlaces& places, std::uint32_t from, std::uint32_t to);
-  Way way(const NumberedReceiver& receiver, const LightFace& face, std::uint32_t k, Tally& tally);
+  void find_places(const LightFigure& face, PatternPlaces& places, std::uint32_t from, std::uint32_t to);
+  Way way(const NumberedReceiver& receiver, const LightFigure& face, std::uint32_t k, Tally& tally);
   /// By the reference ray: to the first of the least deep places whose way is sure.
-  bool is_blocked(const NumberedReceiver& receiver, const LightFace& face, Tally& tally);
+  bool is_blocked(const NumberedReceiver& receiver, const LightFigure& face, Tally& tally);
   void add_edges(const NumberedReceiver& receiver);
   void add_crossing(const NumberedReceiver& receiver);
 

@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/contour.h>
+#include <gnomon/kit/geometry/contour.h>
 
 #include <algorithm>
 #include <numbers>

@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/gl_pass.h>
+#include <gnomon/kit/gl/gl_pass.h>
 
 namespace sphere_volume {
 

@@ -1,6 +1,6 @@
 #pragma once
 #include <gnomon/kit/bytes.h>
-#include <gnomon/kit/gl_volumes.h>
+#include <gnomon/kit/volumes/gl_volumes.h>
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #pragma once
-#include <gnomon/kit/edges.h>
-#include <gnomon/kit/gl.h>
+#include <gnomon/kit/geometry/edges.h>
+#include <gnomon/kit/gl/gl.h>
 
 #include <algorithm>
 #include <cmath>

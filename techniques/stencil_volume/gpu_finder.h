@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/volume_faces.h>
+#include <gnomon/kit/volumes/volume_faces.h>
 
 #include <algorithm>
 #include <optional>

@@ -1,6 +1,6 @@
 #pragma once
-#include <gnomon/kit/clip.h>
-#include <gnomon/kit/receiver.h>
+#include <gnomon/kit/geometry/clip.h>
+#include <gnomon/kit/geometry/receiver.h>
 #include <gnomon/kit/unset_vector.h>
 
 #include <span>

@@ -1,6 +1,6 @@
 #pragma once
 // Private to bsp.cpp: triangles and their parts on the way down a BSP tree that is being made.
-#include <gnomon/kit/clip.h>
+#include <gnomon/kit/geometry/clip.h>
 #include <gnomon/scene.h>
 
 #include <algorithm>

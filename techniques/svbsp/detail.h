@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/receiver.h>
+#include <gnomon/kit/geometry/receiver.h>
 #include <gnomon/technique.h>
 
 #include "forest.h"

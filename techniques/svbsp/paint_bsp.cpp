@@ -1,8 +1,8 @@
 #include "paint_bsp.h"
 
-#include <gnomon/kit/exact.h>
-#include <gnomon/kit/layers.h>
-#include <gnomon/kit/surface_detail.h>
+#include <gnomon/kit/geometry/exact.h>
+#include <gnomon/kit/pictures/layers.h>
+#include <gnomon/kit/pictures/surface_detail.h>
 
 #include <algorithm>
 

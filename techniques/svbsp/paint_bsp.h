@@ -1,6 +1,6 @@
 #pragma once
 #include <gnomon/gbuffer.h>
-#include <gnomon/kit/painter.h>
+#include <gnomon/kit/pictures/painter.h>
 #include <gnomon/technique.h>
 
 #include <functional>

@@ -1,7 +1,7 @@
 #pragma once
-#include <gnomon/kit/across.h>
-#include <gnomon/kit/clip.h>
-#include <gnomon/kit/light_space.h>
+#include <gnomon/kit/geometry/across.h>
+#include <gnomon/kit/geometry/clip.h>
+#include <gnomon/kit/maps/light_space.h>
 #include <gnomon/scene.h>
 
 #include <algorithm>
@@ -17,8 +17,8 @@ struct Epsilons {
 };
 
 /// Light space in which planes stay planes, and z says how near a point is to the light: greater is nearer. x and y are a
-/// point's place (kit/light_space.h); z is one over the distance along the face's axis, for a directional light that distance
-/// reversed. A shadow plane is one along z: a line in x and y.
+/// point's place (kit/maps/light_space.h); z is one over the distance along the face's axis, for a directional light that
+/// distance reversed. A shadow plane is one along z: a line in x and y.
 class ProjectedSpace {
  public:
   ProjectedSpace() = default;

@@ -1,7 +1,7 @@
 #pragma once
-#include <gnomon/kit/across.h>
-#include <gnomon/kit/clip.h>
-#include <gnomon/kit/light_space.h>
+#include <gnomon/kit/geometry/across.h>
+#include <gnomon/kit/geometry/clip.h>
+#include <gnomon/kit/maps/light_space.h>
 #include <gnomon/scene.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ struct PlaceAndDepth {
   double u, v, depth;
 };
 
-/// Light space (kit/light_space.h) in which places are numbers about 1: within -1 .. 1 on the faces of a cube, and within
+/// Light space (kit/maps/light_space.h) in which places are numbers about 1: within -1 .. 1 on the faces of a cube, and within
 /// -2 .. 2 for a directional light, whose unit is the extent of the scene.
 class SceneLightSpace {
  public:

@@ -1,6 +1,6 @@
 #include "triangles.h"
 
-#include <gnomon/kit/point_technique.h>
+#include <gnomon/kit/bases/point_technique.h>
 
 namespace gnomon::two_pass_object {
 

@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/receiver.h>
+#include <gnomon/kit/geometry/receiver.h>
 #include <gnomon/kit/shared.h>
 
 #include "scene_light_space.h"

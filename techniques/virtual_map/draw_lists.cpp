@@ -1,7 +1,7 @@
 #include "draw_lists.h"
 
-#include <gnomon/kit/clip.h>
-#include <gnomon/kit/light_map.h>
+#include <gnomon/kit/geometry/clip.h>
+#include <gnomon/kit/maps/light_map.h>
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 #pragma once
 #include <gnomon/kit/bins.h>
-#include <gnomon/kit/edges.h>
-#include <gnomon/kit/gl.h>
+#include <gnomon/kit/geometry/edges.h>
+#include <gnomon/kit/gl/gl.h>
 
 #include <vector>
 

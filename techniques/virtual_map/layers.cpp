@@ -42,9 +42,9 @@ std::vector<DebugLayer> debug_layers() {
   for (DebugLayer& layer : map_layers()) {
     if (layer.name == "map")
       layer.sentence =
-          "What the pages store, the finest of each place, as one image a face: upright, from the nearest stored depth (dark) "
-          "to the "
-          "farthest (light), with lines where depth jumps; around a point light six, framed by the way they look.";
+          "What the pages store, the finest of each place, as one image a face: upright, from the nearest stored depth "
+          "(dark) to the farthest (light), with lines where depth jumps; around a point light six, framed by the way they "
+          "look.";
     layers.push_back(std::move(layer));
   }
   return layers;
@@ -81,7 +81,7 @@ std::vector<float> paint_texels(const Resolved& r) {
     for (LightImage& image : camera.images) image = at_level(image, level);
     const std::vector<float> of_level = paint_texels(camera, r.scene, r.gbuffer, r.light, look_ups, r.mask);
     for (std::size_t i = 0; i < r.pages.size(); ++i)
-      if (look_ups[i].face >= 0) std::copy_n(&of_level[3 * i], 3, &picture[3 * i]);
+      if (look_ups[i].image >= 0) std::copy_n(&of_level[3 * i], 3, &picture[3 * i]);
   }
   return picture;
 }

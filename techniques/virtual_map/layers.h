@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/light_layers.h>
+#include <gnomon/kit/maps/light_layers.h>
 
 #include <functional>
 

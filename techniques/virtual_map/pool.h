@@ -1,6 +1,6 @@
 #pragma once
-#include <gnomon/kit/light_map.h>
-#include <gnomon/kit/volume_faces.h>
+#include <gnomon/kit/maps/light_map.h>
+#include <gnomon/kit/volumes/volume_faces.h>
 
 #include "draw_lists.h"
 

@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/light_map.h>
+#include <gnomon/kit/maps/light_map.h>
 
 #include <bit>
 

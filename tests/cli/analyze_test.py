@@ -162,7 +162,7 @@ class Analyze(ProgramTest):
         table = self.succeed("table", run, "--format", "md")
         self.assertRegex(table, r"\| half \|[^*]*\n")
         self.assertRegex(table, r"\| map \|.*\*\*4\.00\*\*")
-        self.assertIn("best constant mask: the least error of one value everywhere", table)
+        self.assertIn("best constant mask: error of the best mask of one value everywhere", table)
         script = self.succeed("figure", run, "front", "--script")
         self.assertIn("title 'best constant mask'", script)
 

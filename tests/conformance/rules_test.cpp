@@ -38,7 +38,7 @@ int main(int argc, char** argv) {
   for (const Rule& rule : rules()) {
     if (is_sanitized && rule.sanitized == Sanitized::nothing) continue;
     for (const TechniqueEntry& entry : registry().techniques())
-      if (why_not_asked(rule, entry.about).empty())
+      if (why_not_applied(rule, entry.about).empty())
         testing::RegisterTest("technique", fmt::format("{}/{}", rule.name, entry.id).c_str(), nullptr, nullptr, __FILE__,
                               __LINE__, [&]() -> testing::Test* { return new Holds(rule, entry); });
   }

@@ -1,6 +1,6 @@
 // Half shadow: one ray per visible point, and a share of the light gets through every caster.
 // Source: none; an example of a plugin.  Error: the share, wherever it is dark.  Fails: everywhere, unless share is 0.
-#include <gnomon/kit/rays.h>
+#include <gnomon/kit/rays/rays.h>
 #include <gnomon/registry.h>
 
 #include <optional>

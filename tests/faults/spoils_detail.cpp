@@ -1,6 +1,6 @@
 // Spoils detail: every receiving triangle that is not edge-on to the light is cut in two, one half lit, one shadowed. What it
 // hands out then may be spoilt.
-#include <gnomon/kit/exact.h>
+#include <gnomon/kit/geometry/exact.h>
 
 #include "faults/harmless.h"
 

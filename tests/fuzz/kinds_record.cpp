@@ -1,5 +1,5 @@
 // Records, masks, and what the program and its workers write for each other.
-#include <gnomon/kit/surface_detail.h>
+#include <gnomon/kit/pictures/surface_detail.h>
 
 #include "fuzz.h"
 #include "measure/cause/causes.h"
@@ -132,7 +132,7 @@ std::vector<Input> written_seeds(const std::string& kind, const fs::path& scratc
             {0, "small.detail", small_detail()}};
   if (kind == "requests") {  // what the requests of the seeds name
     write_file(scratch / "small.scene", scene_bytes(small_scene()));
-    write_file(scratch / "small.stand", light_and_view_bytes(small_scene().lights.at(0), small_scene().views.at(0)));
+    write_file(scratch / "small.light_and_view", light_and_view_bytes(small_scene().lights.at(0), small_scene().views.at(0)));
     std::vector<float> pixels(std::size_t{8} * 16, 0.1f);  // of 4x4, all on triangle 0 of mesh 0
     std::fill(pixels.begin() + 16 * 6, pixels.end(), 0.0f);
     write_file(scratch / "small.gbuffer", std::as_bytes(std::span(pixels)));

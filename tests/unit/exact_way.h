@@ -1,8 +1,8 @@
 #pragma once
 // Whether casters block the way from a receiver's point to a place of a light, in rational numbers: for places in double, which
-// kit/exact.h does not take. Every triangle is asked.
+// kit/geometry/exact.h does not take. Every triangle is asked.
 #include <gmpxx.h>
-#include <gnomon/kit/receiver.h>
+#include <gnomon/kit/geometry/receiver.h>
 
 #include <array>
 
@@ -27,7 +27,7 @@ inline bool misses(const glm::dvec3& u, const glm::dvec3& v, const glm::dvec3& w
   return !(uv > -slack && vw > -slack && wu > -slack) && !(uv < slack && vw < slack && wu < slack);
 }
 
-/// As in crosses() of kit/exact.h. `to`: from the receiver's point to the place.
+/// As in crosses() of kit/geometry/exact.h. `to`: from the receiver's point to the place.
 inline Way way(const Scene& scene, const Receiver& receiver, const glm::dvec3& to) {
   Way answer = Way::clear;
   const glm::dvec3 p(receiver.point);

@@ -1,6 +1,6 @@
 #pragma once
 // A world with one casting triangle, whose shadow on all others is known, and its pictures.
-#include <gnomon/kit/clip.h>
+#include <gnomon/kit/geometry/clip.h>
 
 #include "hand_made.h"
 #include "small_world.h"

@@ -1,7 +1,7 @@
 #pragma once
 // A small shadow map by rays, for tests of what is said about shadow maps: depths at texel centers, nothing shared with the
 // technique.
-#include <gnomon/kit/rays.h>
+#include <gnomon/kit/rays/rays.h>
 #include <gnomon/technique.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/edges.h>
+#include <gnomon/kit/geometry/edges.h>
 #include <gnomon/kit/random.h>
 #include <gnomon/scene.h>
 

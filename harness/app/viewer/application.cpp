@@ -213,12 +213,12 @@ class Application {
     const Frame* const frame = sides[0].frame ? sides[0].frame.get() : sides[1].frame.get();
     rate_.note(frame ? frame->number : 0, Window::now());
     drawn_state_ = state_.number;
-    Shown shown{.state = state_,
-                .composition = canvas_.composition(),
-                .times = times_,
-                .legends = {canvas_.legend_of(0), canvas_.legend_of(1)},
-                .texture = window_.picture_texture(),
-                .frames_per_second = static_cast<double>(rate_.count())};
+    PanelData shown{.state = state_,
+                    .composition = canvas_.composition(),
+                    .times = times_,
+                    .legends = {canvas_.legend_of(0), canvas_.legend_of(1)},
+                    .texture = window_.picture_texture(),
+                    .frames_per_second = static_cast<double>(rate_.count())};
     if (session_.picked())
       shown.pixel = *session_.picked();
     else if (view_.mouse() && !view_.is_dragging())
@@ -239,7 +239,7 @@ class Application {
     window_.end_drawing();
   }
 
-  void draw_panels(const Shown& shown) {
+  void draw_panels(const PanelData& shown) {
     if (session_.shows_panels) {
       Widgets widgets(places_, [&](const std::string& why) { session_.say(why, true); });
       draw_controls(arrangement_.controls, session_, shown, scenes_, widgets);

@@ -1,7 +1,7 @@
 #include "app/viewer/compose.h"
 
-#include <gnomon/kit/layers.h>
 #include <gnomon/kit/parallel.h>
+#include <gnomon/kit/pictures/layers.h>
 
 #include <algorithm>
 #include <cassert>
@@ -62,13 +62,13 @@ class SidePainter {
     if (reference) classes_ = reference->classes;
     switch (composition.paint) {
       case Paint::shaded:
-        shown_ = has_mask(side_) ? Shown::shaded : Shown::dimmed;
+        shown_ = has_mask(side_) ? Content::shaded : Content::dimmed;
         break;
       case Paint::mask:
-        shown_ = has_mask(side_) ? Shown::mask : Shown::dimmed;
+        shown_ = has_mask(side_) ? Content::mask : Content::dimmed;
         break;
       case Paint::difference:
-        if (has_mask(side_) && has_mask(compared()) && is_same(side_.frame, compared().frame)) shown_ = Shown::difference;
+        if (has_mask(side_) && has_mask(compared()) && is_same(side_.frame, compared().frame)) shown_ = Content::difference;
         break;
       case Paint::kinds:
       case Paint::causes: {
@@ -77,12 +77,12 @@ class SidePainter {
         if (!evidence) break;
         evidence_ = *evidence;
         is_soft_ = is_soft(evidence_);
-        shown_ = Shown::errors;
+        shown_ = Content::errors;
         for (const ErrorKind& kind : error_kinds(*evidence, false)) kind_colors_.push_back(kind.color);
         break;
       }
       case Paint::classes:
-        if (!classes_.empty()) shown_ = Shown::classes;
+        if (!classes_.empty()) shown_ = Content::classes;
         break;
     }
   }
@@ -95,7 +95,7 @@ class SidePainter {
   }
 
  private:
-  enum class Shown { dimmed, shaded, mask, difference, errors, classes };
+  enum class Content { dimmed, shaded, mask, difference, errors, classes };
 
   void paint_row(int y, int first, int last, Scratch& scratch) const {
     const std::size_t row = static_cast<std::size_t>(y) * gbuffer_.width;
@@ -103,18 +103,18 @@ class SidePainter {
       for (int x = first; x < last; ++x) scratch.colors[x] = color_of(x, row + x);
     };
     switch (shown_) {
-      case Shown::dimmed:
+      case Content::dimmed:
         return fill([&](int, std::size_t i) { return pack_gray(dimmed_at(i)); });
-      case Shown::shaded: {
+      case Content::shaded: {
         const float* const v = visibility(side_, y, first, last, scratch.visibility[0]);
         static const std::uint32_t background = pack(background_srgb);
         return fill([&](int x, std::size_t i) { return gbuffer_.is_background(i) ? background : pack(shaded_at(i, v[x])); });
       }
-      case Shown::mask: {
+      case Content::mask: {
         const float* const v = visibility(side_, y, first, last, scratch.visibility[0]);
         return fill([&](int x, std::size_t) { return pack_gray(mask_gray(v[x])); });
       }
-      case Shown::difference: {
+      case Content::difference: {
         const float* const here = visibility(side_, y, first, last, scratch.visibility[0]);
         const float* const there = visibility(compared(), y, first, last, scratch.visibility[1]);
         return fill([&](int x, std::size_t i) {
@@ -123,13 +123,13 @@ class SidePainter {
           return pack(scale_.is_plain ? color : shadowed(color, dimmed_at(i)));
         });
       }
-      case Shown::errors:
+      case Content::errors:
         return fill([&](int, std::size_t i) {
           const ErrorMark mark = error_mark(evidence_, i, is_soft_);
           const std::uint8_t gray = mark.kind < 0 || mark.weight < 1 ? dimmed_at(i) : 0;
           return mark.kind >= 0 ? pack(marked(gray, kind_colors_[mark.kind], mark.weight)) : pack_gray(gray);
         });
-      case Shown::classes:
+      case Content::classes:
         return fill([&](int, std::size_t i) { return pack(class_infos()[static_cast<std::size_t>(classes_[i])].color); });
     }
   }
@@ -161,7 +161,7 @@ class SidePainter {
   const double* received_ = side_.frame->received.data();
   const Mesh* meshes_ = side_.frame->scene().meshes.data();
   double ambient_ = side_.frame->scene().ambient, exposure_ = side_.frame->exposure;
-  Shown shown_ = Shown::dimmed;
+  Content shown_ = Content::dimmed;
   std::span<const PixelClass> classes_;  // empty while they are not known
   Evidence evidence_;
   bool is_soft_ = false;  ///< the evidence's light has an area

@@ -15,7 +15,7 @@
 #include "app/viewer/engine_side.h"
 #include "measure/notice.h"
 #include "measure/scene/load.h"
-#include "measure/worker/frame_worker.h"
+#include "measure/worker/worker_frame_maker.h"
 
 namespace gnomon::viewer {
 
@@ -50,7 +50,7 @@ std::vector<double> received_light_of(const Frame& frame) {
 /// Throws WorkerFailure for a scene that brings the ray tracer down, which the viewer's own process uses from then on.
 void try_in_a_worker(const Scene& scene, const fs::path& folder, const std::string& program) {
   const ScratchFolder trial = ScratchFolder::at(folder / "trial");
-  FrameStore frames(scene, trial.path(), std::make_unique<FrameWorker>(trial.path() / "frame", program));
+  FrameStore frames(scene, trial.path(), std::make_unique<WorkerFrameMaker>(trial.path() / "frame", program));
   const View& view = scene.views.front();
   for (const Truth truth : {Truth::shape, Truth::mesh}) {
     const FrameKey key{view, 64, 36, truth};
@@ -158,7 +158,7 @@ Engine::Body::Work Engine::Body::next_scene() {
   };
 }
 
-int Divisor::next() const {
+int PreviewDivisor::next() const {
   const double now = ms_[value_];
   if (now == 0) return value_;
   if (now <= frame_budget_ms) {
@@ -172,16 +172,16 @@ int Divisor::next() const {
   return value_ > 1 && ms_[value_ - 1] > 0 && now > worth(value_) * ms_[value_ - 1] ? value_ - 1 : value_;
 }
 
-void Divisor::took(double ms) {
+void PreviewDivisor::took(double ms) {
   // A frame now and then is slow for reasons of its own.
   double& known = ms_[value_];
   known = known == 0 ? ms : 0.7 * known + 0.3 * ms;
   value_ = next();
 }
 
-void Divisor::forget() { ms_ = {}; }
+void PreviewDivisor::forget() { ms_ = {}; }
 
-void Divisor::expect(double full_ms) {
+void PreviewDivisor::expect(double full_ms) {
   if (std::ranges::any_of(ms_, [](double ms) { return ms > 0; })) return;
   while (value_ < largest && full_ms > frame_budget_ms * value_ * value_) ++value_;
 }
@@ -224,7 +224,7 @@ void Engine::Body::make_frame(const Selection& selection, std::uint64_t number) 
   const auto start = Clock::now();
   const std::shared_ptr<const Frame> before = state.frame;  // only this thread makes frames
   const bool same_view = shows_view(before.get(), selection);
-  Divisor& fitting = same_view ? light_divisor : camera_divisor;
+  PreviewDivisor& fitting = same_view ? light_divisor : camera_divisor;
   const bool may_shrink = selection.is_moving && !selection.full_while_moving;
   if (!may_shrink) {
     camera_divisor.forget();

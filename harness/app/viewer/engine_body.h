@@ -34,9 +34,9 @@ class Interruptible {
 
 /// How many times smaller than the picture frames are while something moves, in each direction: as little as keeps them in
 /// time, and no more than helps.
-class Divisor {
+class PreviewDivisor {
  public:
-  explicit Divisor(int first) : value_(first) {}
+  explicit PreviewDivisor(int first) : value_(first) {}
   int value() const { return value_; }
   /// A frame of that size took so long, with its answers.
   void took(double ms);
@@ -120,7 +120,7 @@ struct Engine::Body {
   // Of the thread that makes frames.
   std::uint64_t failed_selection = 0;  ///< the last one that no frame could be made for; guarded by the lock
   std::uint64_t frame_count = 0;
-  Divisor camera_divisor{2}, light_divisor{1};  ///< while these move
+  PreviewDivisor camera_divisor{2}, light_divisor{1};  ///< while these move
 
   // Of the thread that refines.
   struct KnownReference {

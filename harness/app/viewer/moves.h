@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/camera.h>
+#include <gnomon/kit/geometry/camera.h>
 #include <gnomon/scene.h>
 
 #include <optional>

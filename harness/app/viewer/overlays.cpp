@@ -1,7 +1,7 @@
 // Lines and handles over the picture. All places are computed in pixels of the picture.
 #include "app/viewer/overlays.h"
 
-#include <gnomon/kit/camera.h>
+#include <gnomon/kit/geometry/camera.h>
 #include <imgui.h>
 
 #include <algorithm>
@@ -137,7 +137,7 @@ Columns columns_of(const Composition& composition, int side) {
 }
 
 /// The names of what is seen, in the upper corners of their sides, and what the technique itself says is wrong with it.
-void draw_titles(const PictureDrawing& drawing, const Session& session, const Shown& shown) {
+void draw_titles(const PictureDrawing& drawing, const Session& session, const PanelData& shown) {
   const double margin = 8 * drawing.scale * drawing.unit;
   const auto extent = [&](const std::string& text) {
     const ImVec2 size = ImGui::CalcTextSize(text.c_str());
@@ -172,7 +172,7 @@ void draw_notice(const PictureDrawing& drawing, Columns columns, const std::stri
 }
 
 /// What a side without an answer waits for, or why it has none.
-void draw_notices(const PictureDrawing& drawing, const Session& session, const Shown& shown) {
+void draw_notices(const PictureDrawing& drawing, const Session& session, const PanelData& shown) {
   const EngineState& state = shown.state;
   const Columns all{0, static_cast<double>(drawing.place.width)};
   if (!state.trouble.empty()) return draw_notice(drawing, all, state.trouble, warning_text);
@@ -220,7 +220,7 @@ std::optional<glm::dvec3> find_caster_point(const Frame& frame, std::size_t pixe
 
 /// From the picked pixel's point to the light, or to the caster that stops the ray; and where the taps of the technique's own
 /// explanation found something stored.
-void draw_shadow_ray(const PictureDrawing& drawing, const Session& session, const Shown& shown) {
+void draw_shadow_ray(const PictureDrawing& drawing, const Session& session, const PanelData& shown) {
   const std::shared_ptr<const Frame>& frame = shown.state.frame;
   const std::size_t index = *session.selection().picked;
   if (!frame || !frame->is_full() || index >= frame->gbuffer.size() || frame->gbuffer.is_background(index)) return;
@@ -250,7 +250,7 @@ void draw_shadow_ray(const PictureDrawing& drawing, const Session& session, cons
 
 }  // namespace
 
-void Overlays::draw(const PixelRect& place, const Session& session, const Shown& shown) {
+void Overlays::draw(const PixelRect& place, const Session& session, const PanelData& shown) {
   const Composition& composition = shown.composition;
   const Scene* const scene = session.scene();
   if (!scene || place.width <= 0) return;

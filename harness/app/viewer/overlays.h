@@ -1,6 +1,6 @@
 #pragma once
-#include <gnomon/kit/edges.h>
-#include <gnomon/kit/lines.h>
+#include <gnomon/kit/geometry/edges.h>
+#include <gnomon/kit/pictures/lines.h>
 
 #include <atomic>
 #include <functional>
@@ -47,7 +47,7 @@ class SilhouetteFinder {
 class Overlays {
  public:
   explicit Overlays(std::function<void()> changed) : finder_(std::move(changed)) {}
-  void draw(const PixelRect& place, const Session& session, const Shown& shown);
+  void draw(const PixelRect& place, const Session& session, const PanelData& shown);
   /// Whether the last `draw` drew all that was to be shown; silhouettes may still be missing.
   bool is_complete() const { return is_complete_; }
 

@@ -33,7 +33,7 @@ void draw_scene_list(Session& session, std::span<const SceneListing> scenes, Wid
     widgets.attempt([&] { session.choose_scene(scenes[*k].id); });
 }
 
-void draw_scene(Session& session, const Shown& shown, std::span<const SceneListing> scenes, Widgets& widgets) {
+void draw_scene(Session& session, const PanelData& shown, std::span<const SceneListing> scenes, Widgets& widgets) {
   draw_scene_list(session, scenes, widgets);
   static std::string path;
   widgets.label("file", "Path of a .toml or mesh file; Enter opens it.");
@@ -279,7 +279,7 @@ void draw_technique(int side, Session& session, Widgets& widgets) {
     session.choose_technique(side, registry().techniques()[*k].id);
 }
 
-void draw_side_controls(int side, Session& session, const Shown& shown, Widgets& widgets) {
+void draw_side_controls(int side, Session& session, const PanelData& shown, Widgets& widgets) {
   const std::string prefix = side_name(side);
   Technique& technique = session.technique(side);
   if (widgets.parameters(prefix, technique)) session.technique_changed(side);
@@ -319,7 +319,7 @@ std::string title_of(const Session& session, int side) {
   return std::string(registry().technique(session.selection().sides[side].technique).about.title);
 }
 
-void draw_controls(const PixelRect& place, Session& session, const Shown& shown, std::span<const SceneListing> scenes,
+void draw_controls(const PixelRect& place, Session& session, const PanelData& shown, std::span<const SceneListing> scenes,
                    Widgets& widgets) {
   if (begin_panel("controls", place)) {
     draw_actions(session, widgets);

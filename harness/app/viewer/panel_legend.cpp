@@ -53,7 +53,7 @@ std::string percent_words(double share) {
   return share > 0 && share < 1e-5 ? std::string("<0.001") : fmt::format("{:.3f}", 100 * share);
 }
 
-bool has_layer(const Shown& shown) {
+bool has_layer(const PanelData& shown) {
   const Composition& c = shown.composition;
   return (c.sides[0].layer && is_shown(c.layout, 0)) || (c.sides[1].layer && is_shown(c.layout, 1));
 }
@@ -69,7 +69,7 @@ struct PaintLegend {
 };
 
 /// The colors of both sides that are shown, those of the same name in one line.
-PaintLegend join_legends(const Shown& shown) {
+PaintLegend join_legends(const PanelData& shown) {
   PaintLegend legend;
   const Paint paint = shown.composition.paint;
   for (int side = 0; side < 2; ++side) {
@@ -93,7 +93,7 @@ std::string title_of(const Composition& composition) {
   return composition.difference.against == Against::reference ? "minus reference" : "minus other side";
 }
 
-void draw_legend_table(const PaintLegend& legend, const Shown& shown) {
+void draw_legend_table(const PaintLegend& legend, const PanelData& shown) {
   const Paint paint = shown.composition.paint;
   const ModeRow& mode = paint_rows[static_cast<int>(paint)];
   // Classes are the frame's, the same on both sides.
@@ -153,7 +153,7 @@ void draw_bar(const LegendBar& bar) {
 }
 
 /// The bar of the first side that is shown and has one; sides differ in their lights at most while something moves.
-void draw_bars(const Shown& shown) {
+void draw_bars(const PanelData& shown) {
   for (int side = 0; side < 2; ++side)
     if (is_shown(shown.composition.layout, side))
       if (const auto bar = legend_bar(shown.composition, side)) return draw_bar(*bar);
@@ -175,7 +175,7 @@ void draw_ink(const ContourInk& ink, bool is_broad) {
 }
 
 /// Whose line is which.
-void draw_contour_legend(const Shown& shown) {
+void draw_contour_legend(const PanelData& shown) {
   std::string levels;
   for (const float level : contour_levels) levels += fmt::format("{}{:.2g}", levels.empty() ? "" : ", ", level);
   Widgets::wrapped("Contours at " + levels, quiet_text);
@@ -188,7 +188,7 @@ void draw_contour_legend(const Shown& shown) {
   Widgets::wrapped("reference");
 }
 
-void draw_paint_legend(const Shown& shown) {
+void draw_paint_legend(const PanelData& shown) {
   const PaintLegend legend = join_legends(shown);
   if (!legend.lines.empty()) return draw_legend_table(legend, shown);
   const Paint paint = shown.composition.paint;
@@ -221,7 +221,7 @@ void draw_swatches(std::span<const LegendEntry> swatches) {
 
 }  // namespace
 
-void draw_legend(const Shown& shown) {
+void draw_legend(const PanelData& shown) {
   draw_paint_legend(shown);
   draw_bars(shown);
   if (shown.composition.shows_contours) draw_contour_legend(shown);

@@ -88,7 +88,7 @@ void draw_phase(const SideState& state, bool is_right) {
   Widgets::tooltip(sentence);
 }
 
-void draw_heads(const Shown& shown, const Session& session) {
+void draw_heads(const PanelData& shown, const Session& session) {
   ImGui::TableNextRow();
   ImGui::TableNextColumn();
   for (int side = 0; side < 2; ++side) {
@@ -105,7 +105,7 @@ void draw_heads(const Shown& shown, const Session& session) {
 }
 
 /// The head of the only side that has numbers.
-void draw_head(const Shown& shown, const Session& session, int side) {
+void draw_head(const PanelData& shown, const Session& session, int side) {
   ImGui::TextUnformatted(title_of(session, side).c_str());
   Widgets::tooltip(written(session.selection().sides[side]));
   ImGui::SameLine(0, 2 * lengths().gap);
@@ -190,7 +190,7 @@ bool begin_numbers(const char* id, std::size_t sides, float width, float name_wi
 
 }  // namespace
 
-void draw_numbers(const Shown& shown, const Session& session) {
+void draw_numbers(const PanelData& shown, const Session& session) {
   const EngineState& state = shown.state;
   const std::vector<int> sides = numbered_sides(state);
   if (sides.empty()) return Widgets::wrapped("Both sides show the reference itself: there is nothing to compare.", quiet_text);

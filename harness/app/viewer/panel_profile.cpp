@@ -11,7 +11,7 @@
 
 namespace gnomon::viewer {
 
-void draw_profile(const Shown& shown, const ProfileLine& line) {
+void draw_profile(const PanelData& shown, const ProfileLine& line) {
   const Profile profile = profile_along(shown.composition, line);
   const auto widened = [](const std::vector<float>& values) { return std::vector<double>(values.begin(), values.end()); };
   const std::vector<double> reference = widened(profile.reference),

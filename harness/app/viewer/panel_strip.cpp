@@ -29,7 +29,7 @@ bool begin_panel(const char* name, const PixelRect& place) {
 namespace {
 
 /// Left: what was done or went wrong last. Right: how fast the window is, and how small the frames are.
-void draw_status(const Session& session, const Shown& shown) {
+void draw_status(const Session& session, const PanelData& shown) {
   std::string words = shown.frames_per_second > 1 ? fmt::format("{:.0f} frames/s", shown.frames_per_second)
                       : shown.state.is_finished   ? "at rest"
                                                   : "computing";
@@ -56,7 +56,7 @@ constexpr int around = 8;       // pixels to each side of the middle one
 constexpr double enlarged = 8;  // framebuffer pixels of a pixel, at scale 1
 
 /// A square of pixels around the middle one; what lies outside the picture stays dark.
-void draw_pixels(const Shown& shown, float pixel) {
+void draw_pixels(const PanelData& shown, float pixel) {
   const float side = pixel * (2 * around + 1);
   const ImVec2 at = ImGui::GetCursorScreenPos();
   ImDrawList& list = *ImGui::GetWindowDrawList();
@@ -81,7 +81,7 @@ void draw_pixels(const Shown& shown, float pixel) {
   ImGui::Dummy({side, side});
 }
 
-void draw_facts(const Shown& shown, const Session& session) {
+void draw_facts(const PanelData& shown, const Session& session) {
   const SideState& side = shown.state.sides[shown.side];
   const bool is_explained =
       session.picked() && side.explanation && side.explained && side.explained == session.selection().picked;
@@ -125,7 +125,7 @@ void draw_facts(const Shown& shown, const Session& session) {
 }
 
 /// The pixels around one, eight times as large, and what is known of it.
-void draw_magnifier(const Shown& shown, const Session& session) {
+void draw_magnifier(const PanelData& shown, const Session& session) {
   // As large as its place lets it be, in whole pixels.
   const ImVec2 room = ImGui::GetContentRegionAvail();
   const double unit = pixels_per_unit(), scale = lengths().panel / panel_width * unit;
@@ -144,7 +144,7 @@ void draw_magnifier(const Shown& shown, const Session& session) {
 
 }  // namespace
 
-void draw_strip(const PixelRect& place, const Session& session, const Shown& shown) {
+void draw_strip(const PixelRect& place, const Session& session, const PanelData& shown) {
   if (begin_panel("strip", place)) {
     const float status = ImGui::GetTextLineHeightWithSpacing() + ImGui::GetStyle().ItemSpacing.y;
     const ImVec2 room = ImGui::GetContentRegionAvail();

@@ -26,7 +26,7 @@ struct Arrangement {
 Arrangement arrange(glm::ivec2 window, double scale, bool with_panels);
 
 /// All that panels show beside the session. Made once a frame.
-struct Shown {
+struct PanelData {
   const EngineState& state;
   const Composition& composition;
   const ResolveTimes& times;
@@ -41,18 +41,18 @@ struct Shown {
 bool begin_panel(const char* name, const PixelRect& place);
 
 /// Choices and parameters. `scenes` is what `list_scenes` says.
-void draw_controls(const PixelRect& place, Session& session, const Shown& shown, std::span<const SceneListing> scenes,
+void draw_controls(const PixelRect& place, Session& session, const PanelData& shown, std::span<const SceneListing> scenes,
                    Widgets& widgets);
 /// Numbers, legend, magnifier and the last message.
-void draw_strip(const PixelRect& place, const Session& session, const Shown& shown);
+void draw_strip(const PixelRect& place, const Session& session, const PanelData& shown);
 /// All keys and what the mouse does, over everything.
 void draw_help(glm::ivec2 window, Session& session);
 
 // Parts of the strip.
-void draw_numbers(const Shown& shown, const Session& session);
-void draw_legend(const Shown& shown);
+void draw_numbers(const PanelData& shown, const Session& session);
+void draw_legend(const PanelData& shown);
 /// Masks and reference along the line that was drawn over the picture.
-void draw_profile(const Shown& shown, const ProfileLine& line);
+void draw_profile(const PanelData& shown, const ProfileLine& line);
 
 /// Error against samples, both logarithmic, in the magnifier's place.
 void draw_sample_curve(const SampleCurve& curve);

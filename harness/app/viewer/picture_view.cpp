@@ -2,7 +2,7 @@
 // happened, so that a gesture that begins and ends between two frames counts, too.
 #include "app/viewer/picture_view.h"
 
-#include <gnomon/kit/camera.h>
+#include <gnomon/kit/geometry/camera.h>
 
 #include <algorithm>
 #include <cmath>

@@ -42,7 +42,7 @@ std::string mask_words(const ComposeSide& side, const GBuffer& gbuffer, std::siz
   return fmt::format("{:.4g}{}", v, v == 1 ? " lit" : v == 0 ? " umbra" : "");
 }
 
-std::string light_words(const Light& light, const glm::dvec3& point) {
+std::string light_text(const Light& light, const glm::dvec3& point) {
   const glm::dvec4 l = homogeneous_of_center(light);
   return l.w == 0 ? std::string("infinite") : fmt::format("{:.6g} m", glm::length(to_light(l, point)));
 }
@@ -174,7 +174,7 @@ std::vector<PixelFact> pixel_facts(const Composition& composition, int side, int
   const double cosine = glm::dot(normal, to) / std::max(glm::length(to), 1e-300);
   facts.push_back({"cosine", fmt::format("{}, {:.1f} degrees off the normal", number(cosine, 4),
                                          glm::degrees(std::acos(std::clamp(cosine, -1.0, 1.0))))});
-  facts.push_back({"to the light", light_words(frame.light, point)});
+  facts.push_back({"to the light", light_text(frame.light, point)});
   if (explanation) {
     std::optional<double> visibility;
     if (has_mask(own)) visibility = visibility_at(own, g, static_cast<int>(i % g.width), static_cast<int>(i / g.width));

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "app/viewer/window.h"
-#include "measure/run/light_words.h"
+#include "measure/run/light_selection.h"
 #include "measure/scene/load.h"
 
 namespace gnomon::viewer {

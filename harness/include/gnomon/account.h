@@ -13,7 +13,7 @@ struct Count {
   /// How the counts of several objects, one for each light, become one.
   enum class Together { sum, largest, mean };
   std::string name;  ///< "bytes" is all it holds for scene, light and picture after resolve: sizes, not room; GL included, but
-                     ///< for what kit/gl hands out
+                     ///< for what kit/gl/gl hands out
   double value = 0;
   std::string unit;
   Together together = Together::sum;  ///< a depth is the `largest`, what is counted for each of something a `mean`

@@ -29,8 +29,8 @@ struct GBuffer {
 };
 
 /// Whether pixel i must be decided at all: not background, on a mesh that receives, turned toward the light, inside the spot
-/// cone; of a light with area, with some of it above the horizon (LightFace::is_seen). The rest are classes B and F, and their
-/// mask is 1.
+/// cone; of a light with area, with some of it above the horizon (LightFigure::is_seen). The rest are classes B and F, and
+/// their mask is 1.
 bool faces_light(const Scene& scene, const GBuffer& gbuffer, const Light& light, std::size_t i);
 
 /// A technique's answer: 1 lit, 0 umbra, between penumbra; cast shadows only. Pixels that do not face the light are 1.

@@ -72,7 +72,7 @@ class Parametrized {
 
   const std::string& id() const { return id_; }
   void set_id(std::string_view id) { id_ = id; }  ///< called once by the registry
-  /// In order of declaration; behind an ObjectRow those of the object that it names.
+  /// In order of declaration; behind an ObjectParameter those of the object that it names.
   std::vector<Parameter*> parameters() const;
   /// Throws Error with the nearest name and the list of names when `name` is unknown.
   Parameter& parameter(std::string_view name) const;
@@ -159,11 +159,11 @@ class Flag final : public Choice {
 /// Another object among the rows: its id is the value, and its own rows follow, with the name of this one before theirs. With
 /// of=stencil_volume there is a row of.count. Another id brings another object, and the first one back with the values that it
 /// had. Rows that were listed live as long as this one, also those of objects that are not the present one any more.
-class ObjectRow : public Parameter {
+class ObjectParameter : public Parameter {
  public:
-  ObjectRow(Parametrized* owner, std::string_view name, std::string_view id, Stage spoils, std::string_view sentence)
+  ObjectParameter(Parametrized* owner, std::string_view name, std::string_view id, Stage spoils, std::string_view sentence)
       : Parameter(owner, name, "", spoils, sentence), id_(id), default_(id) {}
-  ~ObjectRow() override;
+  ~ObjectParameter() override;
 
   /// The present object, which holds the values of its rows. Made when it is first asked for.
   Parametrized& object() const { return *known().object; }
@@ -193,7 +193,7 @@ class ObjectRow : public Parameter {
   mutable std::map<std::string, Known, std::less<>> known_;
 };
 
-/// The row itself; of a row behind an ObjectRow the one of its own object, which is a Number or a Choice.
+/// The row itself; of a row behind an ObjectParameter the one of its own object, which is a Number or a Choice.
 const Parameter& typed(const Parameter& row);
 
 /// The candidate with the smallest edit distance to `word`; empty when there is no candidate.

@@ -99,7 +99,7 @@ struct About {
 class Technique : public Parametrized {
  public:
   /// Asked before anything runs, on a fresh object with its parameters set: without GL, and of one that draws again where a
-  /// context is current, whose limits count then (gnomon/kit/gl_limits.h).
+  /// context is current, whose limits count then (gnomon/kit/gl/gl_limits.h).
   virtual Support supports(const Scene& scene, const Light& light, const View& view) const = 0;
   /// Once per process. Ends with one draw per shader variant in the state of the timed stages.
   virtual void setup() = 0;

@@ -19,14 +19,14 @@ using Color = std::array<std::uint8_t, 3>;
 std::string hex(const Color& c) { return fmt::format("#{:02x}{:02x}{:02x}", c[0], c[1], c[2]); }
 
 /// What a color must stay apart from, and what that is called.
-struct Taken {
+struct ReservedColor {
   Color color;
   std::string name;
 };
 
 /// The colors of all common causes and the grays that error pictures have between them.
-std::vector<Taken> common_colors() {
-  std::vector<Taken> taken;
+std::vector<ReservedColor> common_colors() {
+  std::vector<ReservedColor> taken;
   for (const CauseInfo& info : cause_infos()) taken.push_back({info.color, std::string(info.name)});
   for (int gray = 20; gray <= 172; ++gray) {
     const auto g = static_cast<std::uint8_t>(gray);
@@ -36,18 +36,18 @@ std::vector<Taken> common_colors() {
 }
 
 /// The distance to the nearest of the colors for the people to whom it is smallest, and which one that is.
-std::pair<double, const Taken*> nearest(const Color& color, std::span<const Taken> taken) {
-  std::pair<double, const Taken*> best{INFINITY, nullptr};
+std::pair<double, const ReservedColor*> nearest(const Color& color, std::span<const ReservedColor> taken) {
+  std::pair<double, const ReservedColor*> best{INFINITY, nullptr};
   for (const glm::dmat3& vision : color_vision::visions) {
     const glm::dvec3 own = color_vision::lab(color, vision);
-    for (const Taken& other : taken)
+    for (const ReservedColor& other : taken)
       if (const double d = glm::distance(own, color_vision::lab(other.color, vision)); d < best.first) best = {d, &other};
   }
   return best;
 }
 
 /// The free color that looks most like this one, among some 36000.
-Color nearest_free(const Color& wanted, std::span<const Taken> taken) {
+Color nearest_free(const Color& wanted, std::span<const ReservedColor> taken) {
   const glm::dvec3 lab = color_vision::lab(wanted, color_vision::visions[0]);
   std::vector<std::pair<double, Color>> candidates;
   const auto level = [](int k) { return static_cast<std::uint8_t>(std::min(8 * k, 255)); };
@@ -64,7 +64,7 @@ Color nearest_free(const Color& wanted, std::span<const Taken> taken) {
 }
 
 /// One technique alone.
-void check(const TechniqueEntry& entry, std::vector<Taken> taken) {
+void check(const TechniqueEntry& entry, std::vector<ReservedColor> taken) {
   const auto causes = entry.about.causes;
   if (causes.size() > most_own_causes)
     throw Error("technique {} declares {} causes; {} are allowed", entry.id, causes.size(), most_own_causes);
@@ -113,7 +113,7 @@ Cause own_cause_named(std::string_view name, std::span<const CauseInfo> own) {
 
 void check_own_causes(std::span<const TechniqueEntry> techniques) {
   std::map<std::string_view, std::pair<const TechniqueEntry*, const OwnCause*>> declared;
-  std::vector<Taken> common;
+  std::vector<ReservedColor> common;
   for (const TechniqueEntry& entry : techniques) {
     if (entry.about.causes.empty()) continue;
     if (common.empty()) common = common_colors();

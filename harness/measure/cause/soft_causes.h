@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/light_face.h>
+#include <gnomon/kit/area/light_figure.h>
 
 #include <optional>
 #include <span>

@@ -1,5 +1,5 @@
 // What geometry and rays say about one pixel under a light with area.
-#include <gnomon/kit/area_rays.h>
+#include <gnomon/kit/area/area_rays.h>
 
 #include <algorithm>
 #include <bit>
@@ -21,7 +21,7 @@ double area_of(std::span<const glm::dvec2> polygon) {
   return std::abs(twice) / 2;
 }
 
-LightFace face_at(const Attribution& a, const Light& light, std::size_t i) {
+LightFigure face_at(const Attribution& a, const Light& light, std::size_t i) {
   return {light, a.gbuffer.position(i), a.gbuffer.normal(i)};
 }
 
@@ -40,7 +40,7 @@ Light four_times(Light light) {
 }  // namespace
 
 double LightQuestions::above_horizon(std::size_t i) const {
-  const LightFace face = face_at(a_, a_.light, i);
+  const LightFigure face = face_at(a_, a_.light, i);
   std::vector<glm::dvec2> figure;
   if (face.is_disc()) {
     constexpr int corners = 128;
@@ -75,8 +75,8 @@ std::vector<std::uint32_t> LightQuestions::between(std::size_t i, const glm::dve
 
 LightQuestions::Casters LightQuestions::casters(std::size_t i) const {
   constexpr std::uint32_t rounds = 16;
-  const LightFace face = face_at(a_, a_.light, i);
-  const LightFace::Box& box = face.box();
+  const LightFigure face = face_at(a_, a_.light, i);
+  const LightFigure::Box& box = face.box();
   const Scramble scramble(~std::uint64_t{i});
   std::map<std::uint32_t, std::size_t> hidden;
   std::size_t asked = 0, hidden_together = 0;
@@ -104,7 +104,7 @@ LightQuestions::Casters LightQuestions::casters(std::size_t i) const {
 }
 
 std::optional<double> LightQuestions::seen_of_larger(std::size_t i) const {
-  const LightFace face = face_at(a_, four_times(a_.light), i);
+  const LightFigure face = face_at(a_, four_times(a_.light), i);
   if (!face.is_seen()) return std::nullopt;
   const FaceRays rays(a_.casters, a_.gbuffer, i, face);
   const Scramble scramble(i);

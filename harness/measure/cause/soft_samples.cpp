@@ -1,5 +1,5 @@
 // What the places of the light that a technique asked say about its error.
-#include <gnomon/kit/area_rays.h>
+#include <gnomon/kit/area/area_rays.h>
 #include <gnomon/kit/parallel.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace {
 /// Places of a face's figure for points on or before it.
 class FigurePlaces {
  public:
-  explicit FigurePlaces(const LightFace& face) : face_(face), axis_(glm::cross(face.half_u(), face.half_v())) {
+  explicit FigurePlaces(const LightFigure& face) : face_(face), axis_(glm::cross(face.half_u(), face.half_v())) {
     const glm::dvec3 u = glm::cross(face.half_v(), axis_), v = glm::cross(axis_, face.half_u());
     u_ = u / glm::dot(face.half_u(), u);
     v_ = v / glm::dot(face.half_v(), v);
@@ -36,7 +36,7 @@ class FigurePlaces {
   }
 
  private:
-  const LightFace& face_;
+  const LightFigure& face_;
   glm::dvec3 axis_, u_, v_;
 };
 
@@ -52,10 +52,10 @@ struct Answers {
 
 Answers ask(const Attribution& a, std::uint32_t pixel, const Explanation& why) {
   const glm::dvec3 point = a.gbuffer.position(pixel);
-  const LightFace face(a.light, point, a.gbuffer.normal(pixel));
+  const LightFigure face(a.light, point, a.gbuffer.normal(pixel));
   const FaceRays rays(a.casters, a.gbuffer, pixel, face);
   const FigurePlaces figure(face);
-  const LightFace::Box& box = face.box();
+  const LightFigure::Box& box = face.box();
   Answers sums;
   sums.is_cut = face.horizon().x - std::abs(face.horizon().y) - std::abs(face.horizon().z) < 0;
   double squares_sum = 0;
@@ -124,7 +124,7 @@ bool SampleCauses::share_places(std::uint32_t pixel, const Explanation& why, std
                                 const Explanation& why_before) const {
   if (why.samples.size() != why_before.samples.size()) return false;
   const glm::dvec3 point = a_.gbuffer.position(pixel), point_before = a_.gbuffer.position(before);
-  const LightFace face(a_.light, point, a_.gbuffer.normal(pixel));
+  const LightFigure face(a_.light, point, a_.gbuffer.normal(pixel));
   const double size = std::max(glm::length(face.half_u()), glm::length(face.half_v()));
   double sum = 0;
   for (std::size_t j = 0; j < why.samples.size(); ++j) sum += glm::distance(why.samples[j].place, why_before.samples[j].place);

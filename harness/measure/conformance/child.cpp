@@ -58,7 +58,7 @@ Verdict verdict_of(const Json& json) {
 }
 
 Verdict judge_in_child(const Rule& rule, const TechniqueEntry& entry, WorkerOptions options, double timeout_seconds) {
-  if (const std::string_view why = why_not_asked(rule, entry.about); !why.empty())
+  if (const std::string_view why = why_not_applied(rule, entry.about); !why.empty())
     return {.kind = Verdict::Kind::does_not_apply, .why = std::string(why)};
   const ScratchFolder folder = ScratchFolder::in_memory("gnomon-check");
   const std::filesystem::path place = folder.path() / "place";

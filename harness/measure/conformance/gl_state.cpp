@@ -1,6 +1,6 @@
 #include "measure/conformance/gl_state.h"
 
-#include <gnomon/kit/gl.h>
+#include <gnomon/kit/gl/gl.h>
 
 namespace gnomon {
 

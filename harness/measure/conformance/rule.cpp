@@ -34,10 +34,10 @@ std::string_view name(Verdict::Kind kind) {
   return names[static_cast<int>(kind)];
 }
 
-std::string_view name(Asked asked) {
+std::string_view name(AppliesTo applies_to) {
   static constexpr std::string_view names[] = {"every technique", "techniques that draw", "techniques that promise to be exact",
-                                               "techniques of samples, but baselines"};
-  return names[static_cast<int>(asked)];
+                                               "sampled techniques, without baselines"};
+  return names[static_cast<int>(applies_to)];
 }
 
 std::span<const Rule> rules() {
@@ -54,15 +54,15 @@ const Rule& rule(std::string_view name) {
   throw Error("there is no rule {}; did you mean {}? There are: {}", name, nearest_word(name, names), joined(names));
 }
 
-std::string_view why_not_asked(const Rule& rule, const About& about) {
-  switch (rule.asked) {
-    case Asked::everybody:
+std::string_view why_not_applied(const Rule& rule, const About& about) {
+  switch (rule.applies_to) {
+    case AppliesTo::all:
       return "";
-    case Asked::drawing:
+    case AppliesTo::drawing:
       return about.needs_gl ? "" : "it does not draw";
-    case Asked::exact:
+    case AppliesTo::exact:
       return about.promise == Promise::exact ? "" : "it does not promise to be exact";
-    case Asked::sampled:
+    case AppliesTo::sampled:
       if (about.promise != Promise::sampled) return "it promises to be exact";
       return about.role == Role::baseline ? "it is a baseline" : "";
   }
@@ -70,7 +70,7 @@ std::string_view why_not_asked(const Rule& rule, const About& about) {
 }
 
 Verdict judge(const Rule& rule, const TechniqueEntry& entry, const std::function<void(const Place&)>& moves) {
-  if (const std::string_view why = why_not_asked(rule, entry.about); !why.empty())
+  if (const std::string_view why = why_not_applied(rule, entry.about); !why.empty())
     return {.kind = Verdict::Kind::does_not_apply, .why = std::string(why)};
   if (rule.has_context && entry.about.needs_gl) process_context();
   Trial trial(rule, entry, moves);

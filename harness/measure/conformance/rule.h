@@ -46,10 +46,10 @@ inline constexpr std::size_t most_findings = 40;
 /// "holds", "does not apply", "fails".
 std::string_view name(Verdict::Kind kind);
 
-/// Who is asked, by the data sheet.
-enum class Asked { everybody, drawing, exact, sampled };
+/// The techniques that a rule is for, by their data sheets.
+enum class AppliesTo { all, drawing, exact, sampled };
 /// "techniques that draw".
-std::string_view name(Asked asked);
+std::string_view name(AppliesTo applies_to);
 
 /// How much of a rule the sanitizers see (tests/conformance). What judges answers against the truth runs no code of a technique
 /// that others do not run, and drivers are not instrumented.
@@ -68,7 +68,7 @@ struct Rule {
   std::string_view sentence;  ///< what a technique must do
   std::string_view advice;    ///< what its author does when it does not
   void (*check)(Trial&);
-  Asked asked = Asked::everybody;
+  AppliesTo applies_to = AppliesTo::all;
   bool has_context = true;  ///< false: those that draw are asked without OpenGL, too, as the harness asks
   /// Masks are compared with each other alone: pictures of the technique's own, such as a map, may be small.
   bool has_small_pictures = false;
@@ -79,8 +79,8 @@ struct Rule {
 std::span<const Rule> rules();
 /// Throws Error with the nearest name and the list.
 const Rule& rule(std::string_view name);
-/// Why a technique of such a data sheet is not asked; "" when it is.
-std::string_view why_not_asked(const Rule& rule, const About& about);
+/// Why a rule does not apply to a technique of such a data sheet; "" when it does.
+std::string_view why_not_applied(const Rule& rule, const About& about);
 
 /// Asks one technique one rule, here in this process, which a technique may take down. An exception of the technique is a
 /// finding. `moves` hears where it is asked, before it is. Throws Error where the rule's scenes are missing.

@@ -11,7 +11,7 @@
 namespace gnomon::conformance {
 namespace {
 
-/// Of a row behind an ObjectRow the parts between the dots are names.
+/// Of a row behind an ObjectParameter the parts between the dots are names.
 bool is_row_name(std::string_view name) {
   const std::size_t dot = name.find('.');
   return is_plain_name(name.substr(0, dot)) && (dot == name.npos || is_row_name(name.substr(dot + 1)));
@@ -149,15 +149,15 @@ std::vector<Rule> about_rules() {
                  "anything else.",
        .check = supports_a_light},
       {.name = "support_answered",
-       .sentence = "For every kind of light it says whether it supports it, the same each time, before anything runs "
-                   "and without OpenGL; a reason stands with everything but full support.",
+       .sentence = "For every kind of light it answers whether it supports it: before anything runs, without OpenGL, and "
+                   "the same each time. Everything but full support has a reason.",
        .advice = "A fresh object is asked supports(): compute the answer from scene, light and view alone, and never "
                  "from what a stage has made. Give Support::unsupported and Support::approximate a reason.",
        .check = support_answered,
        .has_context = false},
       {.name = "parameters_and_layers",
-       .sentence = "Every parameter and debug layer has a plain name of its own and a sentence, no layer that of the "
-                   "pictures mask, error and shaded; colors of legends lie in 0 .. 1; a fresh object has its defaults.",
+       .sentence = "Every parameter and debug layer has a plain name of its own and a sentence. No layer is named mask, "
+                   "error or shaded. Colors of legends lie in 0 .. 1. A fresh object has its defaults.",
        .advice = "Mend the row of the parameter or the entry of debug_layers() that is named. Constructors set nothing.",
        .check = parameters_and_layers},
       {.name = "parameter_values",

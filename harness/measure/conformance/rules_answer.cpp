@@ -187,16 +187,16 @@ void global_pictures(Trial& trial) {
 std::vector<Rule> answer_rules() {
   return {
       {.name = "same_mask",
-       .sentence = "Under every light that it supports it writes every pixel of the mask, a number from 0 to 1, and 1 "
-                   "where nothing faces the light; the same, bit for bit, when a stage or everything is done again and "
-                   "by another object.",
+       .sentence = "Under every supported light it writes every pixel of the mask: a number from 0 to 1, and 1 where "
+                   "nothing faces the light. Repeating a stage, repeating all stages, and another object give the same "
+                   "mask bit for bit.",
        .advice = "Write every pixel, 1 where faces_light() says no. What differs from call to call comes from memory "
                  "that is not set, from work that an earlier call left half done, or from the order of threads. Random "
                  "numbers come from a seed parameter.",
        .check = same_mask,
        .has_small_pictures = true},
       {.name = "lit_where_nothing_receives",
-       .sentence = "The mask is a mask, too, where some meshes do not receive shadows.",
+       .sentence = "It writes a valid mask where some meshes do not receive shadows.",
        .advice = "Leave meshes with receives = false lit and keep looking at the others.",
        .check = lit_where_nothing_receives,
        .has_small_pictures = true},
@@ -207,8 +207,8 @@ std::vector<Rule> answer_rules() {
        .check = lit_without_casters,
        .has_small_pictures = true},
       {.name = "lit_below_no_caster",
-       .sentence = "A mesh that does not cast leaves what lies behind it lit: none of the tested pixels is dark where "
-                   "the technique promises to be exact, one of a hundred elsewhere.",
+       .sentence = "A mesh that does not cast throws no shadow: no tested pixel behind it is dark if the technique "
+                   "promises to be exact, at most one of a hundred otherwise.",
        .advice = "Look for acne on the ground, and for casts = false that is forgotten.",
        .check = lit_below_no_caster,
        .sanitized = Sanitized::nothing},
@@ -218,22 +218,22 @@ std::vector<Rule> answer_rules() {
        .check = counts,
        .has_small_pictures = true},
       {.name = "explanations",
-       .sentence = "What it says of a pixel is well formed: weights of taps sum to 1, directions have length 1, the "
-                   "bias is finite; and asking changes no answer.",
+       .sentence = "The explanation of a pixel is well formed: weights of taps sum to 1, directions have length 1, the "
+                   "bias is finite. Asking for it changes no answer.",
        .advice = "Look at explain(): divide the weights by their sum, normalize directions, and let it only read.",
        .check = explanations,
        .has_small_pictures = true},
       {.name = "debug_layers",
-       .sentence = "Every debug layer is a picture of three numbers from 0 to 1 for each pixel, the same twice, under "
-                   "both truths; it changes no answer, and a layer that is not there is refused with the technique's "
-                   "name.",
+       .sentence = "Every debug layer is a picture of three numbers from 0 to 1 for each pixel, the same when drawn twice, "
+                   "under both truths. Drawing it changes no answer. A layer that does not exist is refused with the "
+                   "technique's name.",
        .advice = "Size the picture by the last G-buffer, clamp what is a color, and end draw_debug with "
                  "Technique::draw_debug(layer), which words the refusal.",
        .check = debug_layers,
        .has_small_pictures = true},
       {.name = "global_picture",
-       .sentence = "A global picture has three finite numbers from 0 on for each pixel, 0 where there is background, the "
-                   "same twice, under both truths and every light that the technique supports; it changes no answer.",
+       .sentence = "A global picture has three finite numbers >= 0 for each pixel, and 0 at background. It is the same "
+                   "when made twice, under both truths and every supported light, and changes no answer.",
        .advice = "Size the picture by the last G-buffer, and let global_picture() only read what resolve has found.",
        .check = global_pictures,
        .has_small_pictures = true},

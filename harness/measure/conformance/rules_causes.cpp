@@ -95,8 +95,8 @@ void named_causes(Trial& trial) {
 std::vector<Rule> cause_rules() {
   return {
       {.name = "named_causes",
-       .sentence = "Every wrong pixel of four scenes has a cause that explains it; under lights with area all but 1 % "
-                   "of the error has.",
+       .sentence = "Every wrong pixel of four scenes has a cause. Under lights with area at least 99 % of the error has "
+                   "one.",
        .advice = "Return from explain() what decided the pixel: the taps with their weights and stored depths, or the "
                  "samples of the light, the bias, and covered = false where the technique has no opinion. "
                  "docs/causes.md says what each cause looks at.",

@@ -179,15 +179,15 @@ void two_objects(Trial& trial) {
 std::vector<Rule> life_rules() {
   return {
       {.name = "parameter_ends",
-       .sentence = "Both ends of every parameter and every choice run; a value that is set on a used object is seen in "
-                   "full from the stage that the parameter spoils on.",
+       .sentence = "Both ends of every parameter, and every choice, run. A value set on a used object takes full effect "
+                   "from the stage that the parameter spoils.",
        .advice = "Name the earliest stage that reads the parameter in its row; read it in that stage and not in a "
                  "constructor.",
        .check = parameter_ends,
        .has_small_pictures = true,
        .sanitized = Sanitized::part},
       {.name = "change_of_light",
-       .sentence = "After relight under another light it answers as a fresh object does, all lights forth and back.",
+       .sentence = "After relight under another light it answers as a fresh object does, through all lights and back.",
        .advice = "Let relight set all that depends on the light: what is kept from the light before is what differs.",
        .check = change_of_light,
        .has_small_pictures = true},
@@ -197,7 +197,7 @@ std::vector<Rule> life_rules() {
        .check = change_of_view,
        .has_small_pictures = true},
       {.name = "counts_of_now",
-       .sentence = "Counts but for times are those of the present scene, light and picture, whatever came before.",
+       .sentence = "Counts, except times, depend on the present scene, light and picture alone, not on earlier ones.",
        .advice = "Count sizes, not room: vectors and textures that stay large after a larger picture are not all in "
                  "use. Set counters to zero at the beginning of their stage.",
        .check = counts_of_now,

@@ -1,5 +1,5 @@
 // Rows of several lights: objects for further lights are as good as whole ones, and hold no more.
-#include <gnomon/kit/light_objects.h>
+#include <gnomon/kit/bases/light_objects.h>
 
 #include <algorithm>
 #include <cmath>
@@ -132,7 +132,7 @@ void bytes_of_further_lights(Trial& trial) {
 std::vector<Rule> light_rules() {
   return {
       {.name = "further_lights",
-       .sentence = "Objects for further lights answer as whole ones do, also after the scene changed under them.",
+       .sentence = "Objects for further lights answer as independent objects do, also after a change of scene.",
        .advice = "An object of for_another_light() shares what setup and build make and nothing else; keep it in one "
                  "Shared<Made> member (gnomon/kit/shared.h). Without for_another_light every light has a whole object.",
        .check = further_lights,
@@ -143,7 +143,7 @@ std::vector<Rule> light_rules() {
        .check = sum_of_lights,
        .sanitized = Sanitized::nothing},
       {.name = "bytes_of_further_lights",
-       .sentence = "Objects for further lights hold no more bytes than whole objects would.",
+       .sentence = "Objects for further lights hold no more bytes than independent objects would.",
        .advice = "Let an object for a further light count only what it holds itself, not what it shares.",
        .check = bytes_of_further_lights,
        .sanitized = Sanitized::nothing},

@@ -1,5 +1,5 @@
 // On a device that can do less, a technique that draws says which limit is too small, or keeps within it.
-#include <gnomon/kit/gl.h>
+#include <gnomon/kit/gl/gl.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -11,15 +11,15 @@ namespace gnomon::conformance {
 namespace {
 
 /// The device has less while this lives.
-class Pretended {
+class ReducedLimits {
  public:
-  explicit Pretended(const std::string& words) {
+  explicit ReducedLimits(const std::string& words) {
     if (const char* was = std::getenv("GNOMON_GL_LIMITS")) was_ = was;
     setenv("GNOMON_GL_LIMITS", words.c_str(), 1);
     ask_gl_limits();
   }
-  Pretended(const Pretended&) = delete;
-  ~Pretended() {
+  ReducedLimits(const ReducedLimits&) = delete;
+  ~ReducedLimits() {
     was_.empty() ? unsetenv("GNOMON_GL_LIMITS") : setenv("GNOMON_GL_LIMITS", was_.c_str(), 1);
     ask_gl_limits();
   }
@@ -117,7 +117,7 @@ int run_within(Trial& trial, Case& c, std::string_view limit) {
     trial.at(light);
     const GlLimits used = is_seen ? used_under(trial, c, light) : GlLimits{};
     release_inputs();
-    const Pretended pretended{std::string(limit)};
+    const ReducedLimits limits{std::string(limit)};
     if (const Support inputs = within_limits(inputs_need(scene, c.gbuffer.width, c.gbuffer.height)); !inputs) {
       // A worker says so in the technique's place.
       trial.expect(inputs.why().find(name) != std::string::npos,
@@ -168,11 +168,11 @@ void device_limits(Trial& trial) {
 std::vector<Rule> limit_rules() {
   return {
       {.name = "device_limits",
-       .sentence = "On a device that can do less it says which limit is too small, or keeps within it.",
-       .advice = "Say in supports() what the programs and textures need, with within_limits of gnomon/kit/gl_limits.h; "
+       .sentence = "On a device with lower limits it names the limit that is too low, or stays within it.",
+       .advice = "Say in supports() what the programs and textures need, with within_limits of gnomon/kit/gl/gl_limits.h; "
                  "what the kit makes has a function that says what it needs.",
        .check = device_limits,
-       .asked = Asked::drawing,
+       .applies_to = AppliesTo::drawing,
        .has_small_pictures = true,
        .sanitized = Sanitized::part},
   };

@@ -1,6 +1,6 @@
 // Whether a technique holds as many bytes as it says, and gets its geometry in the stage that is charged for it.
-#include <gnomon/kit/gl_pass.h>
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/geometry/shapes.h>
+#include <gnomon/kit/gl/gl_pass.h>
 #include <malloc.h>
 #include <unistd.h>
 
@@ -157,15 +157,16 @@ void geometry_in_build(Trial& trial) {
 std::vector<Rule> memory_rules() {
   return {
       {.name = "geometry_in_build",
-       .sentence = "The scene's triangles go up to OpenGL in build, so that it is charged for them, and in no later stage.",
+       .sentence = "Build uploads the scene's triangles to OpenGL, so that its time includes the upload. No later stage "
+                   "uploads them.",
        .advice = "Ask for scene_buffers(scene) in build, also where only depth_stencil or a later stage needs them.",
        .check = geometry_in_build,
-       .asked = Asked::drawing,
+       .applies_to = AppliesTo::drawing,
        .has_small_pictures = true,
        .sanitized = Sanitized::nothing},
       {.name = "reported_bytes",
-       .sentence = "The count bytes is within a factor of two of the growth in resident memory, and 8 MiB, from 6 "
-                   "thousand to 400 thousand triangles.",
+       .sentence = "From 6 thousand to 400 thousand triangles, the count bytes grows as resident memory does, within a "
+                   "factor of two and 8 MiB.",
        .advice = "Count everything that the object holds after resolve, textures and buffers of OpenGL included: those "
                  "of the kit know their bytes. What scene_buffers and gbuffer_textures hold is counted by the harness. What is "
                  "only needed within a stage is freed at its end.",

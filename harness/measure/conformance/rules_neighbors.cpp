@@ -1,5 +1,5 @@
 // What a technique must leave alone: its inputs, other people's textures, the state of OpenGL.
-#include <gnomon/kit/gl.h>
+#include <gnomon/kit/gl/gl.h>
 
 #include <cstring>
 
@@ -47,7 +47,7 @@ struct GlInput {
   Bytes bytes;
 };
 
-/// All that kit/gl hands to a technique to read, in order.
+/// All that kit/gl/gl hands to a technique to read, in order.
 std::vector<GlInput> gl_inputs_now(const Scene& scene, const GBuffer& gbuffer) {
   const SceneBuffers& buffers = scene_buffers(scene);
   const GBufferTextures& textures = gbuffer_textures(gbuffer, scene);
@@ -136,27 +136,26 @@ void gl_state(Trial& trial) {
 std::vector<Rule> neighbor_rules() {
   return {
       {.name = "inputs",
-       .sentence = "Scene and G-buffer in memory stay as they are.",
+       .sentence = "Scene and G-buffer in memory stay unchanged.",
        .advice = "Take no const away: copy what has to be changed.",
        .check = inputs,
        .has_small_pictures = true,
        .sanitized = Sanitized::nothing},
       {.name = "gl_inputs",
-       .sentence = "Buffers and textures of scene and G-buffer in OpenGL stay as they are, and so do textures of "
-                   "others.",
+       .sentence = "OpenGL buffers and textures of scene and G-buffer stay unchanged, and so do textures of others.",
        .advice = "Write to objects of your own only: look for a framebuffer, an image unit or a storage binding that "
                  "still holds somebody else's name.",
        .check = gl_inputs,
-       .asked = Asked::drawing,
+       .applies_to = AppliesTo::drawing,
        .has_small_pictures = true,
        .sanitized = Sanitized::nothing},
       {.name = "gl_state",
        .sentence = "Every stage, explain, draw_debug and the destructor leave the state of OpenGL at its defaults, and "
                    "no error pending.",
-       .advice = "Put a StateGuard (gnomon/kit/gl_pass.h) at the beginning of every function that draws, or set back "
+       .advice = "Put a StateGuard (gnomon/kit/gl/gl_pass.h) at the beginning of every function that draws, or set back "
                  "what is named.",
        .check = gl_state,
-       .asked = Asked::drawing,
+       .applies_to = AppliesTo::drawing,
        .has_small_pictures = true,
        .sanitized = Sanitized::nothing},
   };

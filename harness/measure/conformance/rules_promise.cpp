@@ -5,6 +5,7 @@
 #include "measure/conformance/trial.h"
 #include "measure/frame/certify_soft.h"
 #include "measure/scene/load.h"
+#include "measure/statistics/distributions.h"
 #include "measure/statistics/statistics.h"
 
 namespace gnomon::conformance {
@@ -99,13 +100,13 @@ void exact_soft(Trial& trial) {
 }
 
 /// How far off a technique of samples is, and how far the absence of shadows: wrong pixels, or errors summed up.
-struct Off {
+struct ErrorSums {
   double technique = 0, unshadowed = 0;
   double quarter = 0;                 ///< of the latter: what may not be reached where nothing is promised
   std::size_t tested = 0, first = 0;  ///< the first pixel that is wrong, or the worst
 };
 
-void judge_promise(Trial& trial, const Support& support, const Off& off, std::string_view what, const GBuffer& gbuffer) {
+void judge_promise(Trial& trial, const Support& support, const ErrorSums& off, std::string_view what, const GBuffer& gbuffer) {
   const double share = 100.0 / static_cast<double>(std::max<std::size_t>(off.tested, 1));
   const std::string is =
       fmt::format("{} {:.3g} %, {:.3g} % without shadows", what, share * off.technique, share * off.unshadowed);
@@ -117,7 +118,7 @@ void judge_promise(Trial& trial, const Support& support, const Off& off, std::st
   }
 }
 
-void expect_worth(Trial& trial, const Support& support, const Off& off) {
+void expect_worth(Trial& trial, const Support& support, const ErrorSums& off) {
   const auto promised = support.most_wrong();
   if (promised && *promised * static_cast<double>(off.tested) >= off.unshadowed)
     trial.found(fmt::format("it promises at most {:.3g} %, which is no better than no shadows at all: {:.3g} %",
@@ -141,8 +142,8 @@ void better_than_nothing(Trial& trial) {
       const auto technique = trial.set_up();
       const std::vector<float> mask = trial.answer(*technique, w->scene, light, gbuffer);
       const Tally t = tally(mask, w->reference(gbuffer, light), *technique, support.most_wrong().has_value());
-      const Off off{static_cast<double>(t.wrong), static_cast<double>(t.dark), static_cast<double>(t.dark / 4), t.tested,
-                    t.first_wrong};
+      const ErrorSums off{static_cast<double>(t.wrong), static_cast<double>(t.dark), static_cast<double>(t.dark / 4), t.tested,
+                          t.first_wrong};
       judge_promise(trial, support, off, "pixels wrong:", gbuffer);
       if (is_first) expect_worth(trial, support, off);
       tested += t.tested;
@@ -162,7 +163,7 @@ void better_than_nothing_soft(Trial& trial) {
     trial.at(light);
     const std::vector<float> mask = trial.fresh_answer(w->scene, light, gbuffer);
     const World::Truthful truth = w->reference(gbuffer, light, trial.entry().about.estimates);
-    Off off;
+    ErrorSums off;
     float worst = -1;
     for (std::size_t i = 0; i < mask.size(); ++i) {
       if (truth.classes[i] != PixelClass::T) continue;
@@ -187,38 +188,40 @@ void better_than_nothing_soft(Trial& trial) {
 std::vector<Rule> promise_rules() {
   return {
       {.name = "exact",
-       .sentence = "One that promises to be exact is wrong at no tested pixel of five scenes, under every light without "
-                   "area that it supports; with full support it covers them all.",
+       .sentence = "An exact technique is wrong at no tested pixel of five scenes, under every light without area that it "
+                   "supports. With full support it covers all pixels.",
        .advice = "Look at the pixel that is named: gnomon run with this scene, light and size shows it in the color of "
                  "its cause. Where the method errs, promise Promise::sampled; where it has no opinion, say "
                  "Support::approximate and covered = false.",
        .check = exact,
-       .asked = Asked::exact,
+       .applies_to = AppliesTo::exact,
        .sanitized = Sanitized::nothing},
       {.name = "exact_soft",
-       .sentence = "Under lights with area one that promises to be exact is within 4 standard errors of the reference, "
-                   "but for as many pixels as chance puts beyond, and nowhere beyond 12.",
+       .sentence = "Under lights with area an exact technique is within 4 standard errors of the reference, except at as "
+                   "many pixels as chance allows, and within 12 everywhere.",
        .advice = "See that About::estimates names the share that the mask holds, of the area or of the irradiance. "
                  "Where the method errs, promise Promise::sampled.",
        .check = exact_soft,
-       .asked = Asked::exact,
+       .applies_to = AppliesTo::exact,
        .sanitized = Sanitized::nothing},
       {.name = "better_than_nothing",
-       .sentence = "At its defaults one of samples is wrong at less than a quarter of the pixels that are wrong without "
-                   "shadows; where it promises a share itself, at no more than that.",
+       .sentence =
+           "At its defaults a sampled technique has less than a quarter of the wrong pixels that a mask without shadows has; "
+           "one that promises a share of wrong pixels keeps its promise instead.",
        .advice = "See that the defaults suit a scene of a few meters. One that only approximates says so and what it "
                  "promises: Support::approximate(why, {.most_wrong = 0.3}), the largest share of tested pixels that is "
                  "wrong.",
        .check = better_than_nothing,
-       .asked = Asked::sampled,
+       .applies_to = AppliesTo::sampled,
        .sanitized = Sanitized::nothing},
       {.name = "better_than_nothing_soft",
-       .sentence = "Under lights with area the mean error of one of samples is less than a quarter of that without "
-                   "shadows; where it promises a bound itself, no more than that.",
+       .sentence =
+           "Under lights with area a sampled technique has less than a quarter of the mean error that a mask without shadows "
+           "has; one that promises a bound keeps its promise instead.",
        .advice = "See that About::estimates names the share that the mask holds, and that the defaults suit a scene of "
                  "a few meters. One that only approximates says what it promises, as with better_than_nothing.",
        .check = better_than_nothing_soft,
-       .asked = Asked::sampled,
+       .applies_to = AppliesTo::sampled,
        .sanitized = Sanitized::nothing},
   };
 }

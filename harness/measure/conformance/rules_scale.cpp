@@ -118,7 +118,7 @@ void expect_alike(Trial& trial, const std::vector<float>& before, const std::vec
 }
 
 /// A scene, and lights that are supported there, with what one object says of them.
-struct Asked {
+struct ScaleCase {
   const World& world;
   GBuffer gbuffer;
   std::string settings;
@@ -127,19 +127,20 @@ struct Asked {
   std::vector<std::vector<float>> masks;
 };
 
-void ask_scaled(Trial& trial, const Asked& asked, const std::string& reference, const Powers& powers) {
+void ask_scaled(Trial& trial, const ScaleCase& original, const std::string& reference, const Powers& powers) {
   const Scaling by{std::ldexp(1.0f, powers.length), std::ldexp(1.0f, powers.direction)};
-  const Scene& scene = asked.world.scene;
+  const Scene& scene = original.world.scene;
   const Scene other = scaled(scene, by);
-  const GBuffer picture = scaled(asked.gbuffer, by);
+  const GBuffer picture = scaled(original.gbuffer, by);
   trial.at(fmt::format("{}, lengths times 2^{}, directions times 2^{}", reference, powers.length, powers.direction),
-           asked.settings);
-  for (std::size_t k = 0; k < asked.lights.size(); ++k) {
-    const Light light = scaled(asked.lights[k], by);
+           original.settings);
+  for (std::size_t k = 0; k < original.lights.size(); ++k) {
+    const Light light = scaled(original.lights[k], by);
     trial.at(light);
-    const Support is = trial.support(other, light, asked.settings), was = trial.support(scene, asked.lights[k], asked.settings);
+    const Support is = trial.support(other, light, original.settings),
+                  was = trial.support(scene, original.lights[k], original.settings);
     if (is.kind() > was.kind()) continue;  // it says so
-    expect_alike(trial, asked.masks[k], trial.answer(*asked.technique, other, light, picture), picture);
+    expect_alike(trial, original.masks[k], trial.answer(*original.technique, other, light, picture), picture);
   }
 }
 
@@ -154,23 +155,23 @@ void scale(Trial& trial) {
     named->apply(settings);
     if (!settings.empty() && named->settings().empty()) continue;  // the default
     trial.at(reference, settings);
-    Asked asked{.world = *w,
-                .gbuffer = w->gbuffer(),
-                .settings = settings,
-                .lights = trial.supported_lights(w->scene, settings),
-                .technique = {},
-                .masks = {}};
-    if (!settings.empty() && asked.lights.size() > 2) asked.lights.resize(2);
-    if (asked.lights.empty()) continue;
-    asked.technique = trial.set_up(settings);
-    for (const Light& light : asked.lights) {
+    ScaleCase original{.world = *w,
+                       .gbuffer = w->gbuffer(),
+                       .settings = settings,
+                       .lights = trial.supported_lights(w->scene, settings),
+                       .technique = {},
+                       .masks = {}};
+    if (!settings.empty() && original.lights.size() > 2) original.lights.resize(2);
+    if (original.lights.empty()) continue;
+    original.technique = trial.set_up(settings);
+    for (const Light& light : original.lights) {
       trial.at(light);
-      asked.masks.push_back(trial.answer(*asked.technique, w->scene, light, asked.gbuffer));
+      original.masks.push_back(trial.answer(*original.technique, w->scene, light, original.gbuffer));
     }
-    ask_scaled(trial, asked, reference, {-20, 8});
+    ask_scaled(trial, original, reference, {-20, 8});
     if (!settings.empty()) continue;
-    ask_scaled(trial, asked, reference, {-10, -8});
-    ask_scaled(trial, asked, reference, {10, 3});
+    ask_scaled(trial, original, reference, {-10, -8});
+    ask_scaled(trial, original, reference, {10, 3});
   }
 }
 
@@ -180,8 +181,8 @@ std::vector<Rule> scale_rules() {
   return {
       {.name = "scale",
        .sentence =
-           "No length is special: a scene that is 2^10 times larger, or 2^10 or 2^20 times smaller, has the same mask, and so "
-           "has one whose directions have other lengths; or the support says less.",
+           "Scale does not matter: a scene 2^10 times larger, or 2^10 or 2^20 times smaller, has the same mask, and so has "
+           "one whose directions have other lengths, unless the technique's support is lower there.",
        .advice = "Look for a constant in meters, such as a near plane or an epsilon, and for a direction that is compared "
                  "with one: take a share of the scene's extent, or of the distance that is at hand.",
        .check = scale,

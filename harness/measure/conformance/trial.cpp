@@ -1,6 +1,6 @@
 #include "measure/conformance/trial.h"
 
-#include <gnomon/kit/gl.h>
+#include <gnomon/kit/gl/gl.h>
 
 #include <algorithm>
 #include <bit>

@@ -1,7 +1,7 @@
 #include "measure/exchange/gltf.h"
 
-#include <gnomon/kit/across.h>
-#include <gnomon/kit/camera.h>
+#include <gnomon/kit/geometry/across.h>
+#include <gnomon/kit/geometry/camera.h>
 
 #include <cstring>
 

@@ -1,6 +1,6 @@
 #pragma once
 #include <gnomon/gbuffer.h>
-#include <gnomon/kit/exact_scene.h>
+#include <gnomon/kit/geometry/exact_scene.h>
 
 #include <functional>
 #include <string>

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "measure/statistics/distributions.h"
 #include "measure/statistics/statistics.h"
 
 namespace gnomon {
@@ -74,19 +75,6 @@ SoftCertificate::Comparison compare(const std::string& what, std::span<const Sof
 
 }  // namespace
 
-std::size_t most_by_chance(std::size_t total, double chance, double false_alarm) {
-  // Terms of the binomial law from 0 on, until what is left is less likely than a false alarm.
-  const auto n = static_cast<double>(total);
-  double sum = 0;
-  for (std::size_t k = 0; k < total; ++k) {
-    const auto x = static_cast<double>(k);
-    sum += std::exp(std::lgamma(n + 1) - std::lgamma(x + 1) - std::lgamma(n - x + 1) + x * std::log(chance) +
-                    (n - x) * std::log1p(-chance));
-    if (1 - sum < false_alarm) return k;
-  }
-  return total;
-}
-
 bool SoftCertificate::holds() const {
   const auto has_some = [](const Comparison& c) { return c.count > 0; };
   return std::ranges::any_of(comparisons, has_some) && std::ranges::all_of(comparisons, &Comparison::holds);
@@ -113,7 +101,7 @@ SoftCertificate certify_soft(const Scene& scene, const Light& light, const GBuff
       LightPieces pieces;
       for (std::size_t k = begin; k < end; ++k) {
         const std::size_t i = (*samples)[k].pixel;
-        const LightFace face(light, gbuffer.position(i), gbuffer.normal(i));
+        const LightFigure face(light, gbuffer.position(i), gbuffer.normal(i));
         (*samples)[k].exact = exact.seen(receiver_at(scene, gbuffer, i), face, pieces, tallies[begin / block]);
       }
     });

@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/area_scene.h>
+#include <gnomon/kit/area/area_scene.h>
 
 #include <array>
 #include <string>
@@ -48,9 +48,6 @@ struct SoftCertificate {
 /// a light without area and on a G-buffer of exact curved shapes.
 SoftCertificate certify_soft(const Scene& scene, const Light& light, const GBuffer& gbuffer, const Reference& reference,
                              const SoftCertifyOptions& options = {});
-
-/// The largest number of events that has a chance above `false_alarm` to be reached, of `total` trials with this chance each.
-std::size_t most_by_chance(std::size_t total, double chance, double false_alarm);
 
 /// A few lines for the terminal.
 std::string text(const SoftCertificate& certificate);

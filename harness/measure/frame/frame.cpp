@@ -1,7 +1,7 @@
 #include "measure/frame/frame.h"
 
 #include <gnomon/error.h>
-#include <gnomon/kit/path_light.h>
+#include <gnomon/kit/area/path_light.h>
 #include <gnomon/registry.h>
 
 #include <algorithm>

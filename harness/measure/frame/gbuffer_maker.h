@@ -1,7 +1,7 @@
 #pragma once
 #include <gnomon/gbuffer.h>
-#include <gnomon/kit/camera.h>
-#include <gnomon/kit/rays.h>
+#include <gnomon/kit/geometry/camera.h>
+#include <gnomon/kit/rays/rays.h>
 
 namespace gnomon {
 

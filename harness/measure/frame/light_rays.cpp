@@ -1,6 +1,6 @@
 #include "measure/frame/light_rays.h"
 
-#include <gnomon/kit/across.h>
+#include <gnomon/kit/geometry/across.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "measure/frame/moved_rays.h"
 
-#include <gnomon/kit/exact.h>
+#include <gnomon/kit/geometry/exact.h>
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #include "measure/frame/outline.h"
 
-#include <gnomon/kit/edges.h>
+#include <gnomon/kit/geometry/edges.h>
 #include <gnomon/kit/parallel.h>
 
 #include <algorithm>

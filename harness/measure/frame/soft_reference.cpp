@@ -24,13 +24,13 @@ class SoftPixel {
         seed_(index),
         face_(light, point_, normal_) {}
 
-  const LightFace& face() const { return face_; }
+  const LightFigure& face() const { return face_; }
   SampledShares shares(const AreaTarget& target) const { return sample_shares(rays(face_, {}, true), seed_, target); }
 
   /// Mean over the blocked ones of sixteen ways to the light; 0 where none is.
   double caster_distance() const {
     const Squares squares = Scramble(~std::uint64_t{seed_}).of_each(0);
-    const LightFace::Box& box = face_.box();
+    const LightFigure::Box& box = face_.box();
     const glm::dvec3 origin = point_ + static_cast<float>(area_ray_offset(point_)) * normal_;
     double sum = 0;
     int count = 0;
@@ -86,7 +86,7 @@ class SoftPixel {
     int known_ = 0;
   };
 
-  FaceRays rays(const LightFace& face, const glm::vec3& moved, bool is_lifted) const {
+  FaceRays rays(const LightFigure& face, const glm::vec3& moved, bool is_lifted) const {
     const glm::vec3 lift = is_lifted || is_on_shape_ ? static_cast<float>(area_ray_offset(point_)) * normal_ : glm::vec3(0);
     return {casters_, point_ + moved + lift, lift, mesh_, triangle_, face};
   }
@@ -100,8 +100,8 @@ class SoftPixel {
     const glm::dvec3 axis = shift < 4 ? glm::dvec3(normal_) : to_center;
     const glm::dvec3 way = step * (shift < 8 ? across(axis)[shift / 2 % 2] : axis);
     // A light that moves one way is a point that moves the other way, below casters that come along.
-    if (shift < 4) return rays(LightFace(light_, point + way, normal_), glm::vec3(way), true);
-    return rays(LightFace(light_, point - way, normal_), {}, true);
+    if (shift < 4) return rays(LightFigure(light_, point + way, normal_), glm::vec3(way), true);
+    return rays(LightFigure(light_, point - way, normal_), {}, true);
   }
 
   /// The larger change of the two shares, from the same places.
@@ -127,7 +127,7 @@ class SoftPixel {
   std::uint32_t mesh_, triangle_;
   bool is_on_shape_;
   std::uint64_t seed_;
-  LightFace face_;
+  LightFigure face_;
 };
 
 }  // namespace

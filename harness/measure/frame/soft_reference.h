@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/area_rays.h>
+#include <gnomon/kit/area/area_rays.h>
 
 #include <atomic>
 

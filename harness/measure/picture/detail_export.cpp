@@ -1,7 +1,7 @@
 #include "measure/picture/detail_export.h"
 
 #include <gnomon/error.h>
-#include <gnomon/kit/surface_detail.h>
+#include <gnomon/kit/pictures/surface_detail.h>
 
 #include <algorithm>
 #include <array>

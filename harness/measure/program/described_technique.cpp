@@ -19,7 +19,7 @@ Json kind_json(const Parameter& row) {
   if (const auto* const whole = dynamic_cast<const Number<int>*>(&row)) return json_object({{"whole", range(*whole)}});
   if (const auto* const real = dynamic_cast<const Number<double>*>(&row)) return json_object({{"real", range(*real)}});
   if (dynamic_cast<const Flag*>(&row)) return json_object({{"flag", nullptr}});
-  const bool is_object = dynamic_cast<const ObjectRow*>(&row) != nullptr;
+  const bool is_object = dynamic_cast<const ObjectParameter*>(&row) != nullptr;
   return json_object({{is_object ? "object" : "word", row.probes()}});
 }
 
@@ -48,10 +48,10 @@ Enum enum_of(const Json& number, Enum last) {
 }
 
 /// An object of the registry among the rows, of those that the plugin allows.
-class DescribedObject final : public ObjectRow {
+class DescribedObject final : public ObjectParameter {
  public:
   DescribedObject(Parametrized* owner, const DescribedParameter& row, const DescribedParameter::Word& word)
-      : ObjectRow(owner, row.name, word.value, row.stage, row.sentence), ids_(word.choices) {}
+      : ObjectParameter(owner, row.name, word.value, row.stage, row.sentence), ids_(word.choices) {}
 
  private:
   std::vector<std::string> ids() const override { return ids_; }

@@ -216,8 +216,8 @@ std::shared_ptr<const ProgramDescription> read_program(const fs::path& file) {
   for (std::size_t s = 0; s < d.knows.size(); ++s) d.knows[s] = holds(stages, stage_names[s]);
   if (!d.knows.back()) table.refuse("stages", "this", "a list with resolve, which makes the mask");
   d.lights = words_of(toml, table, "lights", all_light_kinds, {"point", "spot", "directional"});
-  d.light_words.assign(d.lights.begin(), d.lights.end());
-  d.about.lights = d.light_words;
+  d.light_kinds.assign(d.lights.begin(), d.lights.end());
+  d.about.lights = d.light_kinds;
   if (table.has("approximate")) d.approximate = table.text("approximate");
   constexpr std::string_view questions[] = {"supports", "explain"};
   const std::vector<std::string> answers = words_of(toml, table, "answers", questions, {});

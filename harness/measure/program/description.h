@@ -38,7 +38,7 @@ struct ProgramDescription {
   std::vector<std::string> command;           ///< run in the file's folder; the first word ready for exec
   std::array<bool, 4> knows{};                ///< by stage: whether the program is told of it
   std::vector<std::string> lights;            ///< kinds that it knows
-  std::vector<std::string_view> light_words;  ///< the same, for `about`
+  std::vector<std::string_view> light_kinds;  ///< the same, for `about`
   std::string approximate;                    ///< why its answers are; empty: they are not
   bool answers_supports = false, explains = false;
   bool wants_gltf = false, wants_scene_arrays = true, wants_gbuffer_exr = false, wants_gbuffer_arrays = true;

@@ -58,7 +58,7 @@ std::string from_outside(const std::string& technique, const std::string& settin
     return technique;  // of a record whose settings are none any more
   }
   for (const Parameter* const row : object->parameters())
-    if (dynamic_cast<const ObjectRow*>(&typed(*row)) && !origin_of(row->text()).empty()) return row->text();
+    if (dynamic_cast<const ObjectParameter*>(&typed(*row)) && !origin_of(row->text()).empty()) return row->text();
   return technique;
 }
 

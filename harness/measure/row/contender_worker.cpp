@@ -1,7 +1,7 @@
 #include "measure/row/contender_worker.h"
 
 #include <gnomon/error.h>
-#include <gnomon/kit/path_light.h>
+#include <gnomon/kit/area/path_light.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 #pragma once
 #include "measure/row/row.h"
-#include "measure/worker/frame_worker.h"
 #include "measure/worker/worker_client.h"
+#include "measure/worker/worker_frame_maker.h"
 
 namespace gnomon {
 
@@ -35,8 +35,8 @@ struct SceneRun {
   SceneRun(Scene the_scene, Options options)
       : scene(std::move(the_scene)),
         frames(scene, options.cache,
-               std::make_unique<FrameWorker>(options.scratch / "frames", std::move(options.program_that_traces),
-                                             std::move(options.watch))),
+               std::make_unique<WorkerFrameMaker>(options.scratch / "frames", std::move(options.program_that_traces),
+                                                  std::move(options.watch))),
         scratch(std::move(options.scratch)),
         target(options.target),
         timeout(options.timeout) {}

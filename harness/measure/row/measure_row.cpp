@@ -1,7 +1,7 @@
 // Masks and causes of a row by its worker, frame by frame.
 #include "measure/row/measure_row.h"
 
-#include <gnomon/kit/path_light.h>
+#include <gnomon/kit/area/path_light.h>
 #include <gnomon/registry.h>
 
 #include "measure/cause/own_causes.h"

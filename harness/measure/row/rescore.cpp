@@ -13,7 +13,7 @@
 #include "measure/row/score_row.h"
 #include "measure/scene/load.h"
 #include "measure/scene/names.h"
-#include "measure/worker/frame_worker.h"
+#include "measure/worker/worker_frame_maker.h"
 
 namespace gnomon {
 
@@ -22,16 +22,16 @@ namespace fs = std::filesystem;
 namespace {
 
 /// A scene of today, or why there is none.
-struct SceneToday {
+struct CurrentScene {
   std::optional<Scene> scene;
   std::unique_ptr<FrameStore> frames;
   std::string missing;
 
-  SceneToday(const std::string& reference, const std::string& place, Progress& progress) {
+  CurrentScene(const std::string& reference, const std::string& place, Progress& progress) {
     try {
       scene = load_scene(place);
       frames = std::make_unique<FrameStore>(*scene, cache_root() / "frames",
-                                            std::make_unique<FrameWorker>(fs::path(), "", shown_on(progress, reference)));
+                                            std::make_unique<WorkerFrameMaker>(fs::path(), "", shown_on(progress, reference)));
     } catch (const Error& problem) {
       // A scene that is not fetched, or whose file moved since, costs its own rows only.
       missing = problem.what();
@@ -44,7 +44,7 @@ std::string full_title(const Record& record) { return fmt::format("{} ({})", tit
 /// Rewrites what one record says of its mask.
 class Row {
  public:
-  Row(Record& record, const fs::path& dir, SceneToday& today) : record_(record), today_(today) {
+  Row(Record& record, const fs::path& dir, CurrentScene& today) : record_(record), current_(today) {
     if (!record.mask) throw Error("the row has no mask");
     file_ = dir / *record.mask;
     if (!fs::exists(file_)) throw Error("its mask {} is not there", file_.string());
@@ -53,17 +53,18 @@ class Row {
 
   /// Why the row keeps what it has; empty when it can be measured anew.
   std::string obstacle() {
-    if (!today_.scene) return today_.missing;
+    if (!current_.scene) return current_.missing;
     const std::vector<std::string> names = light_names(record_);
     for (const std::string& name : names)
-      if (!find_named(today_.scene->lights, name)) return fmt::format("the scene has no light {} any more", name);
+      if (!find_named(current_.scene->lights, name)) return fmt::format("the scene has no light {} any more", name);
     const std::string hash = context_text(record_, "scene_hash");
     if (hash.empty()) return "its record does not say which scene was measured";
-    if (hash != today_.frames->scene_hash(names)) return "the scene is not the one that was measured";
-    const View* const view = find_named(today_.scene->views, record_.view);
+    if (hash != current_.frames->scene_hash(names)) return "the scene is not the one that was measured";
+    const View* const view = find_named(current_.scene->views, record_.view);
     if (!view) return fmt::format("the scene has no view {} any more", record_.view);
     for (const std::string& name : names)
-      if (const Support support = reference_support(*today_.scene, *find_named(today_.scene->lights, name), *view); !support)
+      if (const Support support = reference_support(*current_.scene, *find_named(current_.scene->lights, name), *view);
+          !support)
         return support.why();
     return {};
   }
@@ -73,17 +74,17 @@ class Row {
     const Truth truth = record_.truth, other = truth == Truth::shape ? Truth::mesh : Truth::shape;
     MeasuredRow row = read_row(truth, "V");
     const std::string lost = take_causes(row);
-    put_together(row, *today_.scene);
-    RowScore fresh = score(row, *today_.scene);
+    put_together(row, *current_.scene);
+    RowScore fresh = score(row, *current_.scene);
     keep_global(fresh.whole.metrics, truth);
     if (!row.together) fresh.lights = {fresh.whole};
     put_score(record_, fresh);
-    if (!today_.scene->has_curved_shapes()) {
+    if (!current_.scene->has_curved_shapes()) {
       record_.metrics[other] = record_.metrics[truth];
     } else if (has(record_.lights.front(), name(other))) {
       MeasuredRow on_other = read_row(other, name(other));
-      put_together(on_other, *today_.scene);
-      const Evidence evidence = on_other.evidence(*today_.scene);
+      put_together(on_other, *current_.scene);
+      const Evidence evidence = on_other.evidence(*current_.scene);
       Metrics metrics = measure_metrics(Scoring(evidence));
       keep_global(metrics, other);
       record_.metrics[other] = std::move(metrics);
@@ -99,7 +100,7 @@ class Row {
 
   /// The row's masks in the channels LIGHT.WHAT.
   MeasuredRow read_row(Truth truth, std::string_view what) const {
-    return kept_row(record_, file_, what, kept_place(record_, *today_.scene, truth), *today_.frames);
+    return kept_row(record_, file_, what, kept_place(record_, *current_.scene, truth), *current_.frames);
   }
 
   /// Masks alone are kept: what was found of the picture of all light stays.
@@ -123,7 +124,7 @@ class Row {
   }
 
   Record& record_;
-  SceneToday& today_;
+  CurrentScene& current_;
   fs::path file_;
   std::vector<std::string> channels_;
 };
@@ -153,7 +154,7 @@ RescoreSummary rescore(std::vector<Record>& records, const fs::path& dir, Progre
 
   progress.expect(static_cast<double>(count));
   for (auto& [scene, scene_records] : scenes) {
-    SceneToday today(scene, scene_reference(*scene_records.front(), dir), progress);
+    CurrentScene today(scene, scene_reference(*scene_records.front(), dir), progress);
     std::map<std::string, std::size_t> obstacles, losses;
     for (Record* record : scene_records) {
       progress.step(full_title(*record));

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "measure/record/title.h"
-#include "measure/run/light_words.h"
+#include "measure/run/light_selection.h"
 #include "measure/scene/blob.h"
 #include "measure/scene/load.h"
 #include "measure/scene/motion.h"
@@ -100,7 +100,7 @@ std::vector<Contender> contenders_of(const SuiteGroup& group, SceneLibrary& libr
   std::vector<Contender> kept;
   for (const Contender& contender : group.contenders) {
     std::optional<std::string> why;
-    if (contender.is_one_of_all) try {
+    if (contender.is_from_wildcard) try {
         why = objection(group, contender.technique, library, questions);
       } catch (const WorkerFailure&) {  // its rows will say so
       }

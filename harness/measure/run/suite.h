@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/area_rays.h>
+#include <gnomon/kit/area/area_rays.h>
 #include <gnomon/scene.h>
 
 #include <filesystem>
@@ -10,10 +10,10 @@ namespace gnomon {
 
 /// One technique with its settings, as a suite or the command line names it.
 struct Contender {
-  std::string technique;       ///< id
-  std::string settings;        ///< canonical "a=1,b=2" of what differs from the defaults
-  std::string label;           ///< short name for tables; may be empty
-  bool is_one_of_all = false;  ///< named by `*`: it is left out where it supports nothing
+  std::string technique;          ///< id
+  std::string settings;           ///< canonical "a=1,b=2" of what differs from the defaults
+  std::string label;              ///< short name for tables; may be empty
+  bool is_from_wildcard = false;  ///< named by `*`: it is left out where it supports nothing
   std::string name() const { return settings.empty() ? technique : technique + ":" + settings; }
 };
 

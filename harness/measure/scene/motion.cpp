@@ -1,7 +1,7 @@
 #include "measure/scene/motion.h"
 
 #include <gnomon/error.h>
-#include <gnomon/kit/across.h>
+#include <gnomon/kit/geometry/across.h>
 #include <gnomon/param.h>
 
 #include <algorithm>

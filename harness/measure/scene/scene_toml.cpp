@@ -1,5 +1,5 @@
 // Reads a described scene. Every key is known by name, every value has a type and a range, every complaint a file and a line.
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/geometry/shapes.h>
 
 #include <fstream>
 #include <numbers>

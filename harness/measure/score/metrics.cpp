@@ -123,9 +123,8 @@ std::optional<double> constant_error(const Scoring& s) {
 }
 
 constexpr std::string_view floor_sentence =
-    "How far the reference's own noise alone takes the metric of that name from its best: what half of its rays say, held "
-    "against "
-    "all of them. Under lights with area.";
+    "Distance of the metric of that name from its best value by the reference's noise alone: half of its rays against all "
+    "of them. Under lights with area.";
 
 /// A floor is itself measured: that of a right mask may lie a little above.
 constexpr double floor_margin = 1.1;
@@ -143,41 +142,38 @@ std::optional<double> error_floor(const Scoring& s) {
 
 constexpr MetricInfo metric_rows[] = {
     {"error", "", "lower",
-     "What every row is judged by: mean over the tested pixels (T) of the absolute difference from the reference, |V - V_ref|; "
-     "of several lights together V is the share of their light that a pixel receives.",
+     "Mean of |V - V_ref| over the tested pixels (T). Every row is judged by it. Under several lights together V is the "
+     "share of their light that a pixel receives.",
      [](const Scoring& s) { return share(s.error_counts().error_sum, static_cast<double>(s.error_counts().tested)); }},
     {"constant_error", "", "",
-     "Error of the best mask that has one value everywhere: a row that does not beat it says nothing of the shadow, and is "
-     "never called best.",
-     constant_error},
+     "Error of the best mask of one value everywhere. A row that does not beat it is never called best.", constant_error},
     {"wrong_rate", "", "lower",
-     "Share of T whose visibility is off by more than one half, or by one half and dark where the reference is lit.",
+     "Share of T whose visibility is off by more than one half, or is one half where the reference is lit.",
      [](const Scoring& s) { return share(s.error_counts().wrong, s.error_counts().tested); }},
-    {"wrong_rate_all", "", "lower", "The same over every pixel that faces the light (T, G, S and U): nothing hidden.",
+    {"wrong_rate_all", "", "lower", "Wrong rate over every pixel that faces the light (T, G, S and U).",
      [](const Scoring& s) { return share(s.error_counts().wrong_facing, s.error_counts().facing); }},
     {"false_dark_rate", "", "lower", "Share of T that is dark where the reference is lit.",
      [](const Scoring& s) { return share(s.error_counts().false_dark, s.error_counts().tested); }},
     {"false_lit_rate", "", "lower", "Share of T that is lit where the reference is dark.",
      [](const Scoring& s) { return share(s.error_counts().false_lit, s.error_counts().tested); }},
     {"error_floor", "", "",
-     "Error that the reference's own noise alone makes under a light with area, where half of its rays are held against all of "
-     "them: no error up to it can be told from 0.",
+     "Error that the reference's noise alone makes under a light with area: the error of half of its rays against all of "
+     "them. A smaller error cannot be told from 0.",
      error_floor},
     {"other_error_mean", "", "lower",
-     "Mean over T of the absolute difference from the other number that is true of a light with area: share of its irradiance "
-     "for techniques that estimate the share of its area, and the other way about.",
+     "Mean over T of the absolute difference from the other share of a light with area: from its share of irradiance for "
+     "techniques that estimate the share of area, and vice versa.",
      [](const Scoring& s) { return mean_over_tested(s, s.evidence().other_reference, s.evidence().mask); }},
     {"received_error_rms", "", "lower",
-     "Root mean square over T of the difference in light received (irradiance, in linear units), as a share of the "
-     "reference's: an "
-     "unlit picture has 100 %.",
+     "Root mean square over T of the difference in irradiance, as a share of the reference's root mean square. An unlit "
+     "picture has 100 %.",
      [](const Scoring& s) { return s.light_error().rms; }},
-    {"received_error_mean", "W/m2", "lower", "Mean over T of the absolute difference in light received (irradiance).",
+    {"received_error_mean", "W/m2", "lower", "Mean over T of the absolute difference in irradiance.",
      [](const Scoring& s) { return s.light_error().mean; }},
     {"radiosity_error", "", "lower",
-     "Root mean square, over all pixels but background and all channels, of the difference in all light toward the eye (global "
-     "picture), as a share of the reference's; what the reference's own noise adds is taken off, down to 0. Where "
-     "global_samples asks for it.",
+     "Root mean square of the difference in all light toward the eye (global picture), over channels and all pixels but "
+     "background, as a share of the reference's. The part of the reference's noise is subtracted, down to 0. Needs "
+     "global_samples.",
      radiosity_error},
     {"displacement_mean", "px", "lower", "Mean distance between the shadow boundaries of technique and reference, both ways.",
      [](const Scoring& s) { return s.displacement().mean; }},
@@ -186,7 +182,7 @@ constexpr MetricInfo metric_rows[] = {
     {"tested_share", "", "higher", "Share of the pixels facing the light that is tested (T).",
      [](const Scoring& s) { return share(s.error_counts().tested, s.error_counts().facing); }},
     {"snapping_floor", "", "",
-     "Share of T whose exact answer flips when the sample point moves by 1/512 px: no rasterizer can promise a lower wrong "
+     "Share of T whose exact answer flips when the sample point moves by 1/512 px. No rasterizer can promise a lower wrong "
      "rate.",
      snapping_floor},
     {"wrong_rate_edge_0_1", "", "lower", "Wrong rate of the pixels of T within 1 px of the reference's shadow boundary.",
@@ -210,7 +206,7 @@ constexpr MetricInfo metric_rows[] = {
     {"shadow_area_ratio", "ratio", "",
      "Area of surface in cast shadow over the pixels of T, technique to reference; best at 1.", shadow_area_ratio},
     {"instability", "", "lower",
-     "Share of the pixels of T in this frame of a path and the one before that change in the technique and not in the "
+     "Share of the pixels of T, in this frame of a path and the one before, that change in the technique and not in the "
      "reference.",
      instability},
     {"penumbra_error_mean", "", "lower",
@@ -227,18 +223,17 @@ constexpr MetricInfo metric_rows[] = {
     {"penumbra_area_ratio", "ratio", "", "Pixels of T with 0.02 < V < 0.98, technique to reference; best at 1.",
      [](const Scoring& s) { return s.softness().penumbra_ratio; }},
     {"penumbra_width_ratio", "ratio", "",
-     "Width of penumbra along lines across it (6 times the integral of V (1 - V)), technique to reference; best at 1. Where "
-     "ten "
-     "lines go from umbra to light in both.",
+     "Width of the penumbra, technique to reference; best at 1. The width is 6 times the integral of V (1 - V) along a "
+     "line across the penumbra. Needs ten lines that go from umbra to light in both.",
      [](const Scoring& s) { return s.softness().width_ratio; }},
     {"contact_hardening", "ratio", "",
      "How fast the penumbra widens with the distance to the caster, technique to reference; best at 1. Under lights with area.",
      [](const Scoring& s) { return s.softness().hardening; }},
     {"penumbra_shift", "px", "",
-     "How far the shadow's edge has moved along the same lines (the integral of V_ref - V); positive: shadow too large.",
+     "Shift of the shadow's edge along the same lines: the integral of V_ref - V. Positive: the shadow is too large.",
      [](const Scoring& s) { return s.softness().shift; }},
     {"penumbra_noise", "", "lower",
-     "Root mean square over T in the band of what a 5 x 5 median takes from the technique's mask.",
+     "Root mean square of V - median_5x5(V) over the tested pixels of the penumbra band; V is the technique's mask.",
      [](const Scoring& s) { return s.softness().noise; }},
     {"penumbra_error_mean_floor", "", "", floor_sentence, softness_floor<&Softness::band_mean, 0>},
     {"penumbra_error_rms_floor", "", "", floor_sentence, softness_floor<&Softness::band_rms, 0>},
@@ -252,7 +247,8 @@ constexpr MetricInfo metric_rows[] = {
     {"ssim", "index", "higher", "Structural similarity of the shaded picture and the reference's, on luma; 1 is equal.",
      [](const Scoring& s) { return s.likeness().ssim; }},
     {"flip", "index", "lower",
-     "Mean LDR-FLIP of the same two pictures at 67 pixels per degree: what a viewer notices who sees them in turn.",
+     "Mean LDR-FLIP of the same two pictures at 67 pixels per degree: the difference that a viewer notices who alternates "
+     "between them.",
      [](const Scoring& s) { return s.likeness().flip; }},
 };
 

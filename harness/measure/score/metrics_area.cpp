@@ -1,5 +1,5 @@
 // How much surface lies in shadow: pixels weighted by the area that they cover in the scene.
-#include <gnomon/kit/camera.h>
+#include <gnomon/kit/geometry/camera.h>
 #include <gnomon/kit/parallel.h>
 
 #include <numeric>

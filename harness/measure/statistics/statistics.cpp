@@ -23,35 +23,6 @@ double quantile_in_place(std::span<double> values, double q) {
   return below + (place - std::floor(place)) * (above - below);
 }
 
-/// The continued fraction of the incomplete beta function (Abramowitz and Stegun 26.5.8), evaluated by Lentz's method. It
-/// converges fast for x < (a + 1) / (a + b + 2).
-double beta_fraction(double a, double b, double x) {
-  constexpr double tiny = 1e-300, enough = 1e-14;
-  const auto away_from_zero = [](double value) { return std::abs(value) < tiny ? tiny : value; };
-  double c = 1, d = 1 / away_from_zero(1 - (a + b) * x / (a + 1)), fraction = d;
-  for (int m = 1; m < 1000; ++m) {
-    const double terms[] = {m * (b - m) * x / ((a + 2 * m - 1) * (a + 2 * m)),
-                            -(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1))};
-    double step = 1;
-    for (const double term : terms) {
-      d = 1 / away_from_zero(1 + term * d);
-      c = away_from_zero(1 + term / c);
-      fraction *= step = c * d;
-    }
-    if (std::abs(step - 1) < enough) break;
-  }
-  return fraction;
-}
-
-/// Regularized incomplete beta function I_x(a, b). `rest` is 1 - x, from whoever knows it without the difference, which cancels
-/// for an x near 1.
-double incomplete_beta(double a, double b, double x, double rest) {
-  if (x <= 0) return 0;
-  if (rest <= 0) return 1;
-  const double front = std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) + a * std::log(x) + b * std::log(rest));
-  return x < (a + 1) / (a + b + 2) ? front * beta_fraction(a, b, x) / a : 1 - front * beta_fraction(b, a, rest) / b;
-}
-
 }  // namespace
 
 double quantile(std::span<const double> values, double q) {
@@ -92,28 +63,6 @@ std::optional<Estimate> bootstrap(const ProcessTimes& times) {
     resample = quantile_in_place(medians, 0.5);
   }
   return Estimate{*median_of_medians(kept), quantile_in_place(resamples, 0.025), quantile_in_place(resamples, 0.975)};
-}
-
-double student_tail(double t, double freedom) {
-  assert(freedom > 0);
-  if (std::isnan(t)) return t;
-  // Abramowitz and Stegun 26.7.1: both tails together are I_x(n / 2, 1 / 2) at x = n / (n + t^2).
-  const double whole = freedom + t * t;
-  const double tail = std::isinf(t) ? 0 : 0.5 * incomplete_beta(freedom / 2, 0.5, freedom / whole, t * t / whole);
-  return t > 0 ? tail : 1 - tail;
-}
-
-double student_quantile(double tail, double freedom) {
-  assert(tail > 0 && tail < 1);
-  if (tail > 0.5) return -student_quantile(1 - tail, freedom);
-  double low = 0, high = 1;
-  while (student_tail(high, freedom) > tail && high < 1e150) high *= 2;
-  for (int k = 0; k < 200 && low < high; ++k) {
-    const double middle = (low + high) / 2;
-    if (middle == low || middle == high) break;
-    (student_tail(middle, freedom) > tail ? low : high) = middle;
-  }
-  return (low + high) / 2;
 }
 
 std::vector<double> false_discovery_rates(std::span<const double> p_values) {

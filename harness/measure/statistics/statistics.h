@@ -36,11 +36,6 @@ std::optional<double> median_of_medians(const ProcessTimes& times);
 /// nothing about the next. Of few it covers less: 93 % of 5 and 81 % of 3, simulated. Same times, same interval.
 std::optional<Estimate> bootstrap(const ProcessTimes& times);
 
-/// P(T > t) for Student's t with `freedom` > 0 degrees of freedom, which need not be whole.
-double student_tail(double t, double freedom);
-/// The t with P(T > t) = tail, 0 < tail < 1.
-double student_quantile(double tail, double freedom);
-
 /// Benjamini and Hochberg 1995: the least rate of false discoveries at which each of these p-values would be called, in their
 /// order. Whoever calls all that are at most q is wrong in at most a share q of the calls, on average.
 std::vector<double> false_discovery_rates(std::span<const double> p_values);

@@ -56,7 +56,7 @@ std::string technique_source(const std::string& technique, const std::string& se
   }
   std::string inner;
   for (const Parameter* const row : object->parameters())
-    if (dynamic_cast<const ObjectRow*>(&typed(*row))) inner += source_of(row->text());
+    if (dynamic_cast<const ObjectParameter*>(&typed(*row))) inner += source_of(row->text());
   return inner.empty() ? source : content_hash(source + inner).substr(0, 16);
 }
 

@@ -96,13 +96,13 @@ void for_each_field(MaybeConst<SetRequest> auto& request, const auto& use) { use
 void for_each_field(MaybeConst<SetRequest::Reply> auto& reply, const auto& use) { use("fresh", reply.fresh); }
 
 /// Goes to a frame. Lights and view are the scene's, by number, on a path where that has moved one of them to; or they are
-/// free: those of `stand`, a file with the scene_bytes of a scene without meshes that holds the lights and one view.
+/// free: those of `light_and_view`, a file with the scene_bytes of a scene without meshes that holds the lights and one view.
 struct GoRequest {
   static constexpr const char* verb = "frame";
   std::string gbuffer = {};  ///< file, as write_gbuffer writes it
   int width = 0, height = 0;
   Truth truth = Truth::shape;
-  std::optional<std::string> stand = {};
+  std::optional<std::string> light_and_view = {};
   std::vector<std::size_t> lights = {};
   std::size_t view = 0;
   std::string path = {};  ///< its name; empty: both stand still
@@ -120,7 +120,7 @@ void for_each_field(MaybeConst<GoRequest> auto& request, const auto& use) {
   use("width", request.width);
   use("height", request.height);
   use("truth", request.truth);
-  use("stand", request.stand);
+  use("light_and_view", request.light_and_view);
   use("lights", request.lights);
   use("view", request.view);
   use("path", request.path);
@@ -274,11 +274,11 @@ void for_each_field(MaybeConst<DetailRequest> auto& request, const auto& use) {
   use("light", request.light);
 }
 
-/// The reference of a light, with `global_samples` that of all light, or where `stand` holds no light the G-buffer, as the
-/// frame cache has them. A worker that traces serves no technique.
+/// The reference of a light, with `global_samples` that of all light, or where `light_and_view` holds no light the G-buffer, as
+/// the frame cache has them. A worker that traces serves no technique.
 struct TraceRequest {
   static constexpr const char* verb = "trace";
-  std::string scene, stand, gbuffer, out;  ///< files; stand as in GoRequest
+  std::string scene, light_and_view, gbuffer, out;  ///< files; light_and_view as in GoRequest
   int width = 0, height = 0;
   Truth truth = Truth::shape;
   double error = 0;  ///< AreaTarget
@@ -289,7 +289,7 @@ struct TraceRequest {
 };
 void for_each_field(MaybeConst<TraceRequest> auto& request, const auto& use) {
   use("scene", request.scene);
-  use("stand", request.stand);
+  use("light_and_view", request.light_and_view);
   use("gbuffer", request.gbuffer);
   use("out", request.out);
   use("width", request.width);

@@ -85,7 +85,7 @@ FrameReply WorkerClient::frame(const FrameRequest& request) {
                      .width = request.width,
                      .height = request.height,
                      .truth = request.truth,
-                     .stand = {},
+                     .light_and_view = {},
                      .lights = {}};
   if (const auto* const seen = std::get_if<SceneLightAndView>(&request.seen)) {
     question.lights = seen->lights;
@@ -98,7 +98,7 @@ FrameReply WorkerClient::frame(const FrameRequest& request) {
     const auto& [lights, view] = std::get<FreeLightAndView>(request.seen);
     light_count_ = lights.size();
     write_file(light_and_view, light_and_view_bytes(lights, view));
-    question.stand = light_and_view.string();
+    question.light_and_view = light_and_view.string();
   }
   pixel_count_ = static_cast<std::size_t>(request.width) * request.height;
   const GoRequest::Reply reply = ask(question);

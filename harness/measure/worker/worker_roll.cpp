@@ -1,12 +1,12 @@
 #include "measure/worker/worker_roll.h"
 
-#include <gnomon/kit/inner_technique.h>
+#include <gnomon/kit/bases/inner_technique.h>
 #include <gnomon/plugins.h>
 #include <gnomon/registry.h>
 
 #include "measure/program/described_technique.h"
 #include "measure/scene/blob.h"
-#include "measure/worker/asked_frame.h"
+#include "measure/worker/requested_frame.h"
 #include "measure/worker/roll_protocol.h"
 
 namespace gnomon {

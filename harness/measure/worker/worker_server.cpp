@@ -1,8 +1,8 @@
 #include "measure/worker/worker_server.h"
 
-#include <gnomon/kit/light_objects.h>
+#include <gnomon/kit/bases/light_objects.h>
+#include <gnomon/kit/pictures/surface_detail.h>
 #include <gnomon/kit/progress.h>
-#include <gnomon/kit/surface_detail.h>
 #include <gnomon/registry.h>
 #include <tbb/global_control.h>
 
@@ -15,9 +15,9 @@
 #include "measure/picture/detail_export.h"
 #include "measure/process_memory.h"
 #include "measure/program/elsewhere.h"
-#include "measure/worker/asked_frame.h"
 #include "measure/worker/counted_stage.h"
 #include "measure/worker/machine_context.h"
+#include "measure/worker/requested_frame.h"
 #include "measure/worker/shared_count.h"
 #include "measure/worker/staged_inputs.h"
 #include "measure/worker/worker_device.h"
@@ -97,18 +97,19 @@ class TechniqueServer {
   }
 
   GoRequest::Reply frame(const GoRequest& request) {
-    const AskedFrame asked = asked_frame(request, scene_);
+    const RequestedFrame requested = requested_frame(request, scene_);
     // A viewer makes a new G-buffer with every move of the camera and does not come back to an old one.
-    if (asked.is_free) std::erase_if(gbuffers_, [&](const auto& known) { return known.first != request.gbuffer; });
-    fresh_ = std::min(fresh_, static_cast<int>(asked.lit_by == lit_by_ ? Stage::relight : Stage::build));
-    if (!lights_ || asked.lit_by != lit_by_) lights_ = std::make_unique<std::vector<Light>>(asked.lights);
-    lit_by_ = asked.lit_by;
+    if (requested.is_free) std::erase_if(gbuffers_, [&](const auto& known) { return known.first != request.gbuffer; });
+    fresh_ = std::min(fresh_, static_cast<int>(requested.lit_by == lit_by_ ? Stage::relight : Stage::build));
+    if (!lights_ || requested.lit_by != lit_by_) lights_ = std::make_unique<std::vector<Light>>(requested.lights);
+    lit_by_ = requested.lit_by;
     // The same G-buffer under another light stays mapped, and uploaded.
     GBuffer& known = gbuffers_[request.gbuffer];
-    if (known.width != asked.key.width || known.height != asked.key.height) known = map_gbuffer(request.gbuffer, asked.key);
+    if (known.width != requested.key.width || known.height != requested.key.height)
+      known = map_gbuffer(request.gbuffer, requested.key);
     bare_pass_.reset();
     gbuffer_ = known;
-    const std::vector<Support> supports = hold_objects(asked.key);
+    const std::vector<Support> supports = hold_objects(requested.key);
     const Support support = support_together(*lights_, supports);
     GoRequest::Reply reply{.support = reply_of(support), .fresh = fresh_ + 1};
     for (const Support& one : supports) reply.lights.push_back(reply_of(one));
@@ -145,7 +146,7 @@ class TechniqueServer {
       scene_ = scene_in(request.scene);
       tracer_.emplace(scene_);
     }
-    const Scene holder = scene_in(request.stand);
+    const Scene holder = scene_in(request.light_and_view);
     check_size(request.width, request.height);
     if (!(request.error >= 1e-6)) throw Error("a reference's error = {} is below 1e-6", request.error);
     SharedCount done(request.done);

@@ -179,7 +179,9 @@ std::string render_machines(std::span<const MachineRun> runs, Format format, con
       return cells;
     });
     table.title = "What a frame (relight and resolve) costs and how far it errs, by machine";
-    table.notes.push_back("ms: median of the medians of the processes by the host's clock; device: by the clock of what draws");
+    table.notes.push_back(
+        "ms: median of the medians of the processes by the host's clock; device: by the clock of the "
+        "OpenGL device");
     table.notes.push_back("A/B: how many times faster than A; bare: what part of the frame the technique's bare pass takes");
     if (!with_masks.empty())
       table.notes.push_back("differs: pixels whose visibility is another than A's, by more than half a step of eight bits");

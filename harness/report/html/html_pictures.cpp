@@ -1,4 +1,4 @@
-#include <gnomon/kit/exposure.h>
+#include <gnomon/kit/pictures/exposure.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 #include "measure/record/scene_place.h"
 #include "measure/row/kept_row.h"
 #include "measure/scene/load.h"
-#include "measure/worker/frame_worker.h"
+#include "measure/worker/worker_frame_maker.h"
 #include "report/html/html_parts.h"
 
 namespace gnomon {
@@ -84,7 +84,7 @@ class Frames {
     store_.reset();
     scene_.reset();
     scene_ = std::make_unique<Scene>(load_scene(reference));
-    store_.emplace(*scene_, cache_root() / "frames", std::make_unique<FrameWorker>());
+    store_.emplace(*scene_, cache_root() / "frames", std::make_unique<WorkerFrameMaker>());
     reference_ = reference;
   }
   const Scene& scene() const { return *scene_; }

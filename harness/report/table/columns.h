@@ -64,9 +64,9 @@ std::vector<Column> all_columns(std::span<const Record> records);
 /// "best constant mask 12.3 %": what a place's errors are read against.
 std::string constant_text(double error);
 inline constexpr const char* constant_note =
-    "the least error of one value everywhere; what does not beat it is never called best";
+    "error of the best mask of one value everywhere; a row that does not beat it is never called best";
 
-inline constexpr const char* floor_note = "what the reference's own noise makes: no smaller error can be told from 0";
+inline constexpr const char* floor_note = "error that the reference's noise alone makes; a smaller error cannot be told from 0";
 
 /// Below this share of tested pixels an error speaks for too small a part of the picture; such cells are flagged.
 inline constexpr double least_tested_share = 0.90;

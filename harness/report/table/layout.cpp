@@ -242,8 +242,7 @@ Remarks legend(const Layout& layout, const Marks& marks) {
   };
   Remarks lines;
   if (has(&Cell::is_best)) lines.emplace_back(marks.best, layout.best);
-  if (has(&Cell::is_floored))
-    lines.emplace_back(marks.floored, "no farther from its best than the reference's own noise may take it");
+  if (has(&Cell::is_floored)) lines.emplace_back(marks.floored, "within the reference's noise of the best value");
   if (has(&Cell::is_flagged))
     lines.emplace_back(marks.flagged,
                        fmt::format("less than {} % of the pixels facing the light are tested: read the errors with care",
@@ -266,17 +265,18 @@ void add_error_shorthands(Layout& layout, std::span<const Record> records) {
     if (std::ranges::find(layout.columns, column, &Column::name) != layout.columns.end())
       layout.shorthands.emplace_back(word, std::move(text));
   };
-  add("error", "error", "mean difference from the reference over the tested pixels: what rows are judged by");
+  add("error", "error", "mean difference from the reference over the tested pixels; rows are judged by it");
   add("wrong_rate", "wrong", "share of the tested pixels that are dark where the reference is lit, or lit where it is dark");
   if (has_metric(records, "constant_error")) layout.shorthands.emplace_back("best constant mask", constant_note);
   add("light_error_max", "worst light", "the largest error of one light's mask");
-  add("received_error_rms", "received error rms", "of the light received, as a share of the reference's");
+  add("received_error_rms", "received error rms",
+      "root mean square of the difference in irradiance, as a share of the "
+      "reference's");
   add("error_floor", "error floor", floor_note);
   add("other_error_mean", "other error",
-      "from the other number that is true of a light with area: share of its irradiance, or of its area where the technique "
-      "estimates irradiance");
+      "difference from the light's share of irradiance, or from its share of area where the technique estimates irradiance");
   add("contact_hardening", "contact hardening",
-      "growth of the penumbra's width with the caster's distance, to the reference's");
+      "growth of the penumbra's width with the caster's distance, technique to reference");
 }
 
 }  // namespace
@@ -316,7 +316,7 @@ Layout lay_out(std::span<const Record> records, std::span<const std::string> nam
   };
   layout.best = "best contender of its group";
   if (std::ranges::any_of(columns, [](const Column& c) { return c.log_time != nullptr; }))
-    layout.best += "; of times, all that are not told apart from the best one";
+    layout.best += "; of times, all that cannot be told apart from the best one";
   if (has_null) layout.shorthands.emplace_back("-", "not measured or not defined");
   if (std::ranges::find(columns, "ms", &Column::unit) != columns.end())
     layout.shorthands.emplace_back("ms", "median of the medians of the processes");
@@ -324,13 +324,15 @@ Layout lay_out(std::span<const Record> records, std::span<const std::string> nam
     layout.shorthands.emplace_back("S, G, U",
                                    "shares of the pixels facing the light that are not tested: silhouette, grazing, uncertain");
   if (has_column("resolve_device_ms"))
-    layout.shorthands.emplace_back("on device", "by the clock of what draws; ms alone by that of the host, which waits for it");
+    layout.shorthands.emplace_back("on device",
+                                   "time by the clock of the OpenGL device; ms alone is by the clock of the "
+                                   "host, which waits for the device");
   if (has_column("floor_share"))
     layout.shorthands.emplace_back("bare share",
-                                   "what part of relight and resolve the technique's bare pass takes (column floor)");
+                                   "share of relight and resolve that the technique's bare pass takes (column floor)");
   if (has_column("resolve_device_ms") || has_column("clocks"))
     if (const auto count = std::ranges::count(records, std::optional(false), clocks_agree); count > 0)
-      layout.shorthands.emplace_back("clocks", fmt::format("those of device and host cannot both be right in {} row{}: do not "
+      layout.shorthands.emplace_back("clocks", fmt::format("device and host contradict each other in {} row{}: do not "
                                                            "trust their times (column clocks)",
                                                            count, count == 1 ? "" : "s"));
   add_error_shorthands(layout, records);
@@ -338,9 +340,9 @@ Layout lay_out(std::span<const Record> records, std::span<const std::string> nam
     layout.shorthands.emplace_back(
         "snapping floor",
         has_unusual_grid(records)
-            ? "what a shift by half the rasterizer's grid turns over, without OpenGL by 1/512 pixel: up to it a rasterizer is "
-              "right"
-            : "what a shift by 1/512 pixel turns over, in every row of a group alike: up to it a rasterizer is right");
+            ? "share of pixels whose reference changes when samples shift by half the rasterizer's grid (without OpenGL, by "
+              "1/512 pixel); rasterizers cannot do better"
+            : "share of pixels whose reference changes when samples shift by 1/512 pixel; rasterizers cannot do better");
   return layout;
 }
 

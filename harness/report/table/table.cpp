@@ -64,6 +64,19 @@ std::vector<Part> parts_of(std::span<const Record> records) {
   return parts;
 }
 
+/// The lights of the part's rows, which have all one kind of answer.
+std::string_view lights_of(const Part& part) {
+  switch (part.records.front().answer) {
+    case AnswerKind::binary:
+      return "lights without area";
+    case AnswerKind::fraction:
+      return "lights with area";
+    case AnswerKind::received:
+      break;
+  }
+  return "several lights together";
+}
+
 /// The headline table, without some columns where the terminal is too narrow for all; says which.
 std::string fitted_table(const Part& part, std::size_t width) {
   std::vector<std::string> names = headline_columns(part.records, false), left_out;
@@ -140,10 +153,9 @@ std::string render_table(std::span<const Record> records, Format format, const T
   std::string text;
   const std::vector<Part> parts = parts_of(records);
   for (const Part& part : parts) {
-    const bool is_one_of_two = parts.size() > 1, is_last = &part == &parts.back();
-    if (is_one_of_two && options.caption.empty())
-      here.caption = fmt::format("{}: lights {} area.", caption, is_last ? "with" : "without");
-    if (is_one_of_two && is_last) here.label += ":2";
+    const bool is_last = &part == &parts.back();
+    if (parts.size() > 1 && options.caption.empty()) here.caption = fmt::format("{}: {}.", caption, lights_of(part));
+    if (const auto number = &part - parts.data() + 1; number > 1) here.label = fmt::format("{}:{}", options.label, number);
     text += format == Format::terminal ? fitted_table(part, options.width)
             : format == Format::latex  ? chosen_table(part, paper_columns(part.records), format, here)
                                        : chosen_table(part, headline_columns(part.records, true), format, here);

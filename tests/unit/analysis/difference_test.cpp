@@ -5,6 +5,8 @@
 #include <cmath>
 #include <random>
 
+#include "measure/statistics/distributions.h"
+
 namespace difference_test {
 
 using namespace gnomon;

@@ -80,7 +80,7 @@ TEST(soft_rows, tables_show_the_floor_where_there_is_one) {
   const std::vector<Record> soft{soft_row("a", 1, 1, 0.1), soft_row("b", 1, 2, 0.05)};
   for (const char* kind : {"front", "best"}) {
     EXPECT_TRUE(has(text(soft, kind), "error in %")) << text(soft, kind);
-    EXPECT_TRUE(has(text(soft, kind), "\nerror floor: what the reference's own noise makes: ")) << text(soft, kind);
+    EXPECT_TRUE(has(text(soft, kind), "\nerror floor: error that the reference's noise alone makes; ")) << text(soft, kind);
     EXPECT_TRUE(has(text(soft, kind), "0.20")) << "the floor beside each";
     EXPECT_FALSE(has(text(soft, kind), "lights without area"));
   }

@@ -1,6 +1,6 @@
 #include "measure/cause/causes_taps.h"
 
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/geometry/shapes.h>
 #include <gtest/gtest.h>
 
 #include "cause_world.h"

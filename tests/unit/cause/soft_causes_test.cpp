@@ -1,6 +1,6 @@
 // Each cause of soft errors made alone, and found under its name.
 #include <gnomon/error.h>
-#include <gnomon/kit/area_rays.h>
+#include <gnomon/kit/area/area_rays.h>
 
 #include <random>
 

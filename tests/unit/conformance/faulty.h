@@ -1,7 +1,7 @@
 #pragma once
 // A technique of shadow rays that keeps every rule, and what becomes of it with one fault in it.
-#include <gnomon/kit/gl.h>
-#include <gnomon/kit/rays.h>
+#include <gnomon/kit/gl/gl.h>
+#include <gnomon/kit/rays/rays.h>
 #include <gnomon/registry.h>
 
 #include <algorithm>

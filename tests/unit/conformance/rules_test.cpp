@@ -65,7 +65,7 @@ TEST(rules, hold_of_a_technique_without_faults) {
     EXPECT_EQ(verdict.why.empty(), verdict.kind == Kind::holds) << rule.name;
     if (rule.name == "named_causes") {
       EXPECT_EQ(verdict.why, "no pixel of these scenes is wrong");
-    } else if (rule.asked == Asked::everybody && !(is_sanitized && rule.sanitized == Sanitized::nothing)) {
+    } else if (rule.applies_to == AppliesTo::all && !(is_sanitized && rule.sanitized == Sanitized::nothing)) {
       EXPECT_EQ(verdict.kind, Kind::holds) << rule.name;
     }
   }
@@ -175,8 +175,8 @@ TEST(rules, are_not_asked_of_whom_they_are_not_for) {
   EXPECT_EQ(verdict.why, "it does not draw");
   About baseline = faulty::sampled();
   baseline.role = Role::baseline;
-  EXPECT_EQ(why_not_asked(rule("better_than_nothing"), baseline), "it is a baseline");
-  EXPECT_EQ(why_not_asked(rule("exact"), faulty::sampled()), "it does not promise to be exact");
+  EXPECT_EQ(why_not_applied(rule("better_than_nothing"), baseline), "it is a baseline");
+  EXPECT_EQ(why_not_applied(rule("exact"), faulty::sampled()), "it does not promise to be exact");
 }
 
 }  // namespace rules_test

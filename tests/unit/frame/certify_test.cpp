@@ -2,7 +2,7 @@
 #include "measure/frame/certify.h"
 
 #include <gnomon/error.h>
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/geometry/shapes.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // The reference at the edge of what float32 can say: each kind of trouble alone. Where it differs from exact signs, the pixel
 // is of class U, and scenes of any size are traced as at one meter.
-#include <gnomon/kit/exact_scene.h>
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/geometry/exact_scene.h>
+#include <gnomon/kit/geometry/shapes.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

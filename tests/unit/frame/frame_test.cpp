@@ -1,6 +1,6 @@
 #include "measure/frame/frame.h"
 
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/geometry/shapes.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>

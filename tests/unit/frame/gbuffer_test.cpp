@@ -1,5 +1,5 @@
-#include <gnomon/kit/camera.h>
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/geometry/camera.h>
+#include <gnomon/kit/geometry/shapes.h>
 #include <gtest/gtest.h>
 
 #include <random>

@@ -1,7 +1,7 @@
 // The reference of all light in the cache of frames.
 #include <gnomon/error.h>
-#include <gnomon/kit/path_light.h>
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/area/path_light.h>
+#include <gnomon/kit/geometry/shapes.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

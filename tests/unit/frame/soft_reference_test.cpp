@@ -1,7 +1,7 @@
 // The reference under lights with area, its classes, and its certificate.
 #include "measure/frame/soft_reference.h"
 
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/geometry/shapes.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,6 +9,7 @@
 #include "measure/frame/certify_soft.h"
 #include "measure/scene/load.h"
 #include "measure/scratch_folder.h"
+#include "measure/statistics/distributions.h"
 #include "measure/statistics/statistics.h"
 
 namespace gnomon::soft_reference_test {

@@ -17,7 +17,7 @@
 // the picture, pixels of a row or column see it at the same place; others see it elsewhere: as many differences are independent
 // as there are rows or columns, whichever are fewer.
 #include <gnomon/error.h>
-#include <gnomon/kit/area_rays.h>
+#include <gnomon/kit/area/area_rays.h>
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -28,6 +28,7 @@
 
 #include "measure/frame/certify_soft.h"
 #include "measure/frame/soft_reference.h"
+#include "measure/statistics/distributions.h"
 #include "measure/statistics/statistics.h"
 #include "witness_mask.h"
 
@@ -40,7 +41,7 @@ constexpr double path_count = 1024;  // of Cycles
 /// Of the cells of POV-Ray's grid, the share that an edge or the horizon crosses, of those above the horizon: where corners and
 /// center of one are not all the same.
 double crossed_share(const WitnessedFrame& frame, const Light& light, std::size_t pixel) {
-  const LightFace face(light, frame.gbuffer.position(pixel), frame.gbuffer.normal(pixel));
+  const LightFigure face(light, frame.gbuffer.position(pixel), frame.gbuffer.normal(pixel));
   const FaceRays rays(frame.casters, frame.gbuffer, pixel, face);
   const auto ask = [&](int side, double first) {
     const auto place_of = [&](std::size_t along) { return static_cast<float>((first + static_cast<double>(along)) / grid); };
@@ -86,7 +87,7 @@ bool is_one_sided(const Light& light) {
 
 double path_error(const WitnessedFrame& frame, const Light& light, std::size_t pixel, double share) {
   constexpr int side = 8;
-  const LightFace face(light, frame.gbuffer.position(pixel), frame.gbuffer.normal(pixel));
+  const LightFigure face(light, frame.gbuffer.position(pixel), frame.gbuffer.normal(pixel));
   double count = 0, angle = 0, irradiance = 0, most_irradiance = 0, most_cosine = 0;
   for (int k = 0; k < side * side; ++k) {
     const glm::dvec2 place((2 * (k % side) + 1.0) / side - 1, (2 * (k / side) + 1.0) / side - 1);

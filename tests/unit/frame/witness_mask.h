@@ -1,7 +1,7 @@
 #pragma once
 // Masks that foreign renderers made: tests/witness/README.md says how to read them.
 #include <fmt/format.h>
-#include <gnomon/kit/rays.h>
+#include <gnomon/kit/rays/rays.h>
 
 #include <algorithm>
 #include <filesystem>

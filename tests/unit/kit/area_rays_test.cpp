@@ -1,6 +1,6 @@
 // Rays to a light with area, against what casters leave of it in closed form.
-#include <gnomon/kit/area_rays.h>
-#include <gnomon/kit/area_scene.h>
+#include <gnomon/kit/area/area_rays.h>
+#include <gnomon/kit/area/area_scene.h>
 #include <gnomon/kit/random.h>
 #include <gtest/gtest.h>
 
@@ -29,7 +29,7 @@ struct Both {
 };
 
 Both ask(const Scene& scene, const Light& light, const AreaTarget& target, std::uint64_t seed = 1) {
-  const LightFace face(light, {}, up);
+  const LightFigure face(light, {}, up);
   const RayScene casters(scene, Truth::mesh, RayScene::Which::casters);
   const glm::vec3 lift(0, 1e-6f, 0);
   const FaceRays rays(casters, lift, lift, no_mesh, 0, face);
@@ -115,7 +115,7 @@ TEST(AreaRays, weights_stay_within_float32) {
   for (const float size : {1e-18f, 1e-9f, 1.0f, 1e9f, 1e16f}) {
     const Scene half = scene_of({{{{0, size, -9 * size}, {-9 * size, size, 0}, {0, size, 9 * size}}}});
     const Light panel{.kind = RectLight{{0, 2 * size, 0}, {0.5f * size, 0, 0}, {0, 0, 0.5f * size}}};
-    const LightFace face(panel, {}, up);
+    const LightFigure face(panel, {}, up);
     const RayScene casters(half, Truth::mesh, RayScene::Which::casters);
     const SampledShares shares = sample_shares(FaceRays(casters, {}, {}, no_mesh, 0, face), 1, {});
     EXPECT_NEAR(shares.area, 0.5, 5 * shares.area_error) << size;
@@ -200,7 +200,7 @@ TEST(SortedRounds, keep_places_and_sequences_and_bring_neighbors_together) {
 
 // The concentric map keeps areas: of places spread evenly, a ring and a sector get their share.
 TEST(PlacesOn, a_disc_is_filled_evenly) {
-  const LightFace face({.kind = DiscLight{{0, 2, 0}, {0, -1, 0}, 1}}, {}, up);
+  const LightFigure face({.kind = DiscLight{{0, 2, 0}, {0, -1, 0}, 1}}, {}, up);
   const Scramble scramble(3);
   int inner = 0, quarter = 0;
   constexpr int groups = 256;

@@ -1,7 +1,7 @@
 // Exact shares of lights with area over whole scenes: what the tree finds is what every triangle by itself leaves.
-#include <gnomon/kit/area_scene.h>
+#include <gnomon/kit/area/area_scene.h>
+#include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/kit/random.h>
-#include <gnomon/kit/shapes.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -44,7 +44,7 @@ TEST(AreaScene, asks_every_triangle_that_matters) {
     for (const Light& light : lights())
       for (int k = 0; k < 10; ++k) {
         const glm::vec3 point(random.uniform({-2, 0, -2}, {2, 0.3, 2}));
-        const LightFace face(light, point, {0, 1, 0});
+        const LightFigure face(light, point, {0, 1, 0});
         if (!face.is_seen()) continue;
         const LightShares shares = exact.seen({point}, face, pieces, tally);
         all.start(face);
@@ -74,7 +74,7 @@ TEST(AreaScene, a_surface_does_not_shade_itself) {
   for (const Light& light : lights())
     for (const float y : {0.0f, -1e-7f, 1e-7f}) {
       const Receiver receiver{{0.3f, y, 0.1f}, 0, 0};
-      const LightFace face(light, receiver.point, {0, 1, 0});
+      const LightFigure face(light, receiver.point, {0, 1, 0});
       const LightShares shares = exact.seen(receiver, face, pieces, tally);
       EXPECT_EQ(shares.area.best, 1) << light.name;
       EXPECT_EQ(shares.irradiance.best, 1) << light.name;
@@ -89,7 +89,7 @@ TEST(AreaScene, casters_that_touch_the_light_have_an_answer) {
   LightPieces pieces;
   AreaTally tally;
   const Light panel{.name = "panel", .kind = RectLight{{0, 3, 0}, {1, 0, 0}, {0, 0, 1}}};
-  const LightFace face(panel, {0, 0, 0}, {0, 1, 0});
+  const LightFigure face(panel, {0, 0, 0}, {0, 1, 0});
   EXPECT_EQ(AreaScene(scene).seen({{0, 0, 0}}, face, pieces, tally).area.best, 1);
   Scene wall;
   Mesh& mesh = wall.meshes.emplace_back();
@@ -97,7 +97,7 @@ TEST(AreaScene, casters_that_touch_the_light_have_an_answer) {
       {0, 2, -9}, {0, 2, 9}, {0, 4, 0}};  // of x = 0, seen from x = -1: its part below the light covers x in 0 .. 0.5
   mesh.triangles = {{0, 1, 2}};
   finish(mesh);
-  const LightFace from_side(panel, {-1, 0, 0}, {0, 1, 0});
+  const LightFigure from_side(panel, {-1, 0, 0}, {0, 1, 0});
   EXPECT_NEAR(AreaScene(wall).seen({{-1, 0, 0}}, from_side, pieces, tally).area.best, 0.75, 1e-12);
 }
 
@@ -114,9 +114,11 @@ TEST(AreaScene, a_light_on_a_box_is_behind_its_walls) {
   for (int k = 0; k < 200; ++k) {
     glm::vec3 point(random.uniform({-3, 0, -3}, {3, 0.9, 3}));
     if (std::max(std::abs(point.x), std::abs(point.z)) < 0.6f) continue;
-    EXPECT_EQ(exact.seen({point}, LightFace(top, point, {0, 1, 0}), pieces, tally).area.best, 0) << point.x << ", " << point.z;
+    EXPECT_EQ(exact.seen({point}, LightFigure(top, point, {0, 1, 0}), pieces, tally).area.best, 0)
+        << point.x << ", " << point.z;
     point.y += 2;
-    EXPECT_EQ(exact.seen({point}, LightFace(top, point, {0, -1, 0}), pieces, tally).area.best, 1) << point.x << ", " << point.z;
+    EXPECT_EQ(exact.seen({point}, LightFigure(top, point, {0, -1, 0}), pieces, tally).area.best, 1)
+        << point.x << ", " << point.z;
   }
 }
 
@@ -134,7 +136,7 @@ TEST(AreaScene, a_tip_at_the_light_has_one_answer) {
     const Light panel{.name = "panel", .kind = RectLight{{0, 2, 0}, {1, 0, 0}, {0, 0, 1}}};
     LightPieces pieces;
     AreaTally tally;
-    const double share = AreaScene(scene).seen({{2, 0, 0}}, LightFace(panel, {2, 0, 0}, {0, 1, 0}), pieces, tally).area.best;
+    const double share = AreaScene(scene).seen({{2, 0, 0}}, LightFigure(panel, {2, 0, 0}, {0, 1, 0}), pieces, tally).area.best;
     EXPECT_NEAR(share, 0.75, 1e-6 + std::abs(tip - 2)) << tip;
   }
 }

@@ -1,5 +1,5 @@
 // The clipper: parts on paper, and what holds for every cut.
-#include <gnomon/kit/clip.h>
+#include <gnomon/kit/geometry/clip.h>
 #include <gnomon/kit/random.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Where tangents touch spheres and cones, against closed forms and against the surfaces themselves.
-#include <gnomon/kit/contour.h>
+#include <gnomon/kit/geometry/contour.h>
 #include <gnomon/kit/random.h>
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The bound on overlapping shadow volumes, against the exact depth of many points.
-#include <gnomon/kit/edges.h>
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/geometry/edges.h>
+#include <gnomon/kit/geometry/shapes.h>
 #include <gtest/gtest.h>
 
 #include "small_world.h"

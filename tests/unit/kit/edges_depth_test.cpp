@@ -1,6 +1,6 @@
 // How deep in shadow a point lies, against the exact crossing of every triangle; and work on many threads.
-#include <gnomon/kit/exact.h>
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/geometry/exact.h>
+#include <gnomon/kit/geometry/shapes.h>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 

@@ -1,6 +1,6 @@
 // Edge adjacency and silhouettes: facts on small meshes, and brute force over random ones.
-#include <gnomon/kit/exact.h>
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/geometry/exact.h>
+#include <gnomon/kit/geometry/shapes.h>
 #include <gtest/gtest.h>
 
 #include <array>

@@ -1,8 +1,8 @@
 // Exact signs and crossings against rational arithmetic.
 #include <gmpxx.h>
-#include <gnomon/kit/exact.h>
+#include <gnomon/kit/geometry/exact.h>
+#include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/kit/random.h>
-#include <gnomon/kit/shapes.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 

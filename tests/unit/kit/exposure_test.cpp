@@ -1,4 +1,4 @@
-#include <gnomon/kit/exposure.h>
+#include <gnomon/kit/pictures/exposure.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

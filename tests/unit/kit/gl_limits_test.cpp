@@ -1,5 +1,5 @@
 #include <gnomon/error.h>
-#include <gnomon/kit/gl.h>
+#include <gnomon/kit/gl/gl.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>

@@ -1,4 +1,4 @@
-#include <gnomon/kit/gl_pass.h>
+#include <gnomon/kit/gl/gl_pass.h>
 #include <gtest/gtest.h>
 
 #include <random>

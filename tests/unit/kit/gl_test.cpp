@@ -1,6 +1,6 @@
-#include <gnomon/kit/exact_scene.h>
-#include <gnomon/kit/gl_pass.h>
-#include <gnomon/kit/volume_faces.h>
+#include <gnomon/kit/geometry/exact_scene.h>
+#include <gnomon/kit/gl/gl_pass.h>
+#include <gnomon/kit/volumes/volume_faces.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

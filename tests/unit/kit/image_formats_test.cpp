@@ -1,5 +1,5 @@
 // Passes over images of 16 bits a number, and sums of whole numbers, against the same in double on the processor.
-#include <gnomon/kit/image_passes.h>
+#include <gnomon/kit/gl/image_passes.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

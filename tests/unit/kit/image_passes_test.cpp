@@ -1,6 +1,6 @@
 // The passes against the same in double on the processor. u = 2^-24 is the rounding of float32.
-#include <gnomon/kit/gl_pass.h>
-#include <gnomon/kit/image_passes.h>
+#include <gnomon/kit/gl/gl_pass.h>
+#include <gnomon/kit/gl/image_passes.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

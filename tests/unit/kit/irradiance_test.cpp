@@ -1,6 +1,6 @@
 // What lights give without casters: closed forms of the literature, and sums over many small pieces.
+#include <gnomon/kit/area/light_figure.h>
 #include <gnomon/kit/irradiance.h>
-#include <gnomon/kit/light_face.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -100,7 +100,7 @@ TEST(irradiance, of_a_disc_on_its_axis_and_of_a_sphere) {
 }
 
 /// By the midpoints of many small pieces, in squares around the center of a disc or over a rectangle.
-double by_pieces(const LightFace& face) {
+double by_pieces(const LightFigure& face) {
   constexpr int count = 1200;
   double sum = 0;
   for (int i = 0; i < count; ++i)
@@ -135,7 +135,7 @@ TEST(irradiance, of_lights_anywhere_is_the_sum_of_their_pieces) {
     else
       light.kind = RectLight{.center = center, .half_u = anywhere(1), .half_v = {0, 0, 0}};
     if (auto* rect = std::get_if<RectLight>(&light.kind)) rect->half_v = glm::cross(rect->half_u, anywhere(1));
-    const LightFace face(light, {0, 0, 0}, up);
+    const LightFigure face(light, {0, 0, 0}, up);
     if (!face.is_seen()) continue;
     cut += face.horizon().x < std::abs(face.horizon().y) + std::abs(face.horizon().z);
     const double pieces = by_pieces(face);

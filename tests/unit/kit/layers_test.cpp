@@ -1,4 +1,4 @@
-#include <gnomon/kit/layers.h>
+#include <gnomon/kit/pictures/layers.h>
 #include <gtest/gtest.h>
 
 #include <stdexcept>

@@ -1,4 +1,4 @@
-#include <gnomon/kit/light_camera.h>
+#include <gnomon/kit/maps/light_camera.h>
 #include <gtest/gtest.h>
 
 #include "map_scenes.h"

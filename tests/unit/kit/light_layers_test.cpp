@@ -1,5 +1,5 @@
 // The pictures of depth images and of their texels, against rectangles and lengths by hand.
-#include <gnomon/kit/light_layers.h>
+#include <gnomon/kit/maps/light_layers.h>
 #include <gtest/gtest.h>
 
 #include "small_world.h"
@@ -90,7 +90,7 @@ TEST(light_layers, texels_have_the_color_of_their_length_and_are_checkered_where
     const double length = 2.0 / 62 / (2 * 4 * tangent / height), darker = 1 - 0.4 * std::clamp(length - 1, 0.0, 1.0);
     double brightness[2] = {0, 0};
     for (std::size_t i = 0; i < g.size(); ++i) {
-      if (look_ups[i].face < 0) continue;
+      if (look_ups[i].image < 0) continue;
       EXPECT_TRUE(is_a_tone_of(color(picture, i), swatch("texels", name))) << tangent << ", " << i;
       const glm::dvec3 to_eye = glm::normalize(glm::dvec3(0, 4, 0) - glm::dvec3(g.position(i)));
       const int parity = (look_ups[i].texel.x + look_ups[i].texel.y) % 2;
@@ -122,9 +122,9 @@ TEST(light_layers, rims_are_two_pixels_wide_and_end_with_the_picture) {
       for (const glm::ivec2& way : {glm::ivec2(2, 0), glm::ivec2(-2, 0), glm::ivec2(0, 2), glm::ivec2(0, -2)}) {
         const int u = x + way.x, v = y + way.y;
         if (u >= 0 && v >= 0 && u < width && v < height)
-          is_rim |= look_ups[static_cast<std::size_t>(v) * width + u].face != look_ups[i].face;
+          is_rim |= look_ups[static_cast<std::size_t>(v) * width + u].image != look_ups[i].image;
       }
-      EXPECT_EQ(is_a_tone_of(color(picture, i), swatch("texels", faces[look_ups[i].face])), is_rim) << x << ", " << y;
+      EXPECT_EQ(is_a_tone_of(color(picture, i), swatch("texels", faces[look_ups[i].image])), is_rim) << x << ", " << y;
       rims += is_rim;
       at_border += is_rim && (x < 2 || y < 2 || x >= width - 2 || y >= height - 2);
     }

@@ -1,5 +1,5 @@
-#include <gnomon/kit/light_map.h>
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/geometry/shapes.h>
+#include <gnomon/kit/maps/light_map.h>
 #include <gtest/gtest.h>
 
 #include "device/context.h"

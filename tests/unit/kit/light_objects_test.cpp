@@ -1,4 +1,4 @@
-#include <gnomon/kit/light_objects.h>
+#include <gnomon/kit/bases/light_objects.h>
 #include <gnomon/kit/shared.h>
 #include <gtest/gtest.h>
 

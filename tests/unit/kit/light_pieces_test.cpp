@@ -1,5 +1,5 @@
 // What casters leave of a light with area, against closed forms and against scan lines that know nothing of polygons.
-#include <gnomon/kit/area_scene.h>
+#include <gnomon/kit/area/area_scene.h>
 #include <gnomon/kit/random.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ Light square_light(Emits emits = Emits::on_both_sides) { return {.kind = RectLig
 
 LightShares seen(const Light& light, const std::vector<Caster>& casters, const glm::dvec3& point = {},
                  const glm::dvec3& normal = up) {
-  const LightFace face(light, point, normal);
+  const LightFigure face(light, point, normal);
   EXPECT_TRUE(face.is_seen());
   LightPieces pieces;
   pieces.start(face);
@@ -111,16 +111,16 @@ TEST(LightPieces, what_is_below_the_horizon_counts_neither_way) {
 // plane at 0.75 m cuts it at twice its border.
 TEST(LightPieces, a_sphere_is_the_disc_of_its_tangents) {
   const Light sphere{.kind = SphereLight{{0, 0, 2}, 1}};
-  const LightFace face(sphere, {}, up);
+  const LightFigure face(sphere, {}, up);
   EXPECT_NEAR(face.center().z, 1.5, 1e-15);
   EXPECT_NEAR(glm::length(face.half_u()), std::sqrt(3) / 2, 1e-15);
   const double x = 0.4 / (std::sqrt(3) / 2), kept = (std::acos(x) - x * std::sqrt(1 - x * x)) / std::numbers::pi;
   EXPECT_NEAR(seen(sphere, quad({0.2, 50, 0.75}, {-50, 0, 0}, {0, -100, 0})).area.best, kept, 3e-6);
 }
 
-TEST(LightFace, what_cannot_be_seen) {
+TEST(LightFigure, what_cannot_be_seen) {
   const auto is_seen = [](const Light& light, const glm::dvec3& point, const glm::dvec3& normal = up) {
-    return LightFace(light, point, normal).is_seen();
+    return LightFigure(light, point, normal).is_seen();
   };
   EXPECT_FALSE(is_seen(square_light(), {0, 0, 3}));                            // below the horizon
   EXPECT_FALSE(is_seen(square_light(), {5, 0, 2}, {-1, 0, 0}));                // in its plane
@@ -135,15 +135,15 @@ TEST(LightFace, what_cannot_be_seen) {
 
 // Straight above it is 1. A light at the height 1 whose nearest border is at the distance 3: 1 / sqrt(10); of a disc its
 // nearest point.
-TEST(LightFace, its_highest_place) {
-  const auto highest = [](const Light& light, const glm::dvec3& point) { return LightFace(light, point, up).highest(); };
+TEST(LightFigure, its_highest_place) {
+  const auto highest = [](const Light& light, const glm::dvec3& point) { return LightFigure(light, point, up).highest(); };
   EXPECT_EQ(highest(square_light(), {0.3, -0.9, 1}), 1);
   EXPECT_NEAR(highest(square_light(), {4, 0.2, 1}), 1 / std::sqrt(10), 1e-12);
   EXPECT_NEAR(highest({.kind = DiscLight{{0, 0, 2}, {0, 0, 1}, 1}}, {4, 0, 1}), 1 / std::sqrt(10), 1e-4);
 }
 
 /// The share of a light that casters leave, by 4,000 scan lines: on each the covered parts are intervals.
-double scanned_area(const LightFace& face, const std::vector<Caster>& casters) {
+double scanned_area(const LightFigure& face, const std::vector<Caster>& casters) {
   constexpr int line_count = 4000;
   double seen = 0, all = 0;
   for (int line = 0; line < line_count; ++line) {
@@ -200,7 +200,7 @@ TEST(LightPieces, agree_with_scan_lines_over_random_casters) {
     if (round % 3 == 0) light.kind = RectLight{center, glm::vec3(around(1)), glm::vec3(around(1))};
     if (round % 3 == 1) light.kind = DiscLight{center, glm::vec3(around(1)), 0.8f};
     if (round % 3 == 2) light.kind = SphereLight{center, 0.3f};
-    const LightFace face(light, {}, up);
+    const LightFigure face(light, {}, up);
     if (!face.is_seen()) continue;
     std::vector<Caster> casters;
     for (int k = 0; k < 2 + round; ++k) {

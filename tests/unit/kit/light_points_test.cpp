@@ -1,6 +1,6 @@
 // Points of a light that everybody shares, and what they count.
 #include <gnomon/error.h>
-#include <gnomon/kit/light_points.h>
+#include <gnomon/kit/area/light_points.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,6 +1,6 @@
 // Light space: faces, places and ties on paper, and what holds for every light.
-#include <gnomon/kit/across.h>
-#include <gnomon/kit/light_space.h>
+#include <gnomon/kit/geometry/across.h>
+#include <gnomon/kit/maps/light_space.h>
 #include <gnomon/kit/random.h>
 #include <gtest/gtest.h>
 

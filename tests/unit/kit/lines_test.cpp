@@ -1,6 +1,6 @@
 // Lines over a picture, and those of silhouettes.
-#include <gnomon/kit/camera.h>
-#include <gnomon/kit/lines.h>
+#include <gnomon/kit/geometry/camera.h>
+#include <gnomon/kit/pictures/lines.h>
 #include <gtest/gtest.h>
 
 #include "small_world.h"

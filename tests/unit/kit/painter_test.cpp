@@ -1,4 +1,4 @@
-#include <gnomon/kit/painter.h>
+#include <gnomon/kit/pictures/painter.h>
 #include <gnomon/kit/random.h>
 #include <gtest/gtest.h>
 

@@ -173,9 +173,9 @@ RC_GTEST_PROP(param, settings_applied_to_a_fresh_object_give_the_same_object, ()
 }
 
 /// Of two kinds: `plain` has a size, `rich` has the rows above.
-class Kind final : public ObjectRow {
+class Kind final : public ObjectParameter {
  public:
-  explicit Kind(Parametrized* owner) : ObjectRow(owner, "of", "plain", Stage::setup, "What it is of.") {}
+  explicit Kind(Parametrized* owner) : ObjectParameter(owner, "of", "plain", Stage::setup, "What it is of.") {}
 
  protected:
   struct Plain : Parametrized {

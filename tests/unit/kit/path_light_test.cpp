@@ -1,7 +1,7 @@
 // Light that goes on from surface to surface, against sums and integrals that can be derived on paper.
-#include <gnomon/kit/across.h>
-#include <gnomon/kit/area_scene.h>
-#include <gnomon/kit/path_light.h>
+#include <gnomon/kit/area/area_scene.h>
+#include <gnomon/kit/area/path_light.h>
+#include <gnomon/kit/geometry/across.h>
 #include <gnomon/kit/random.h>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -233,7 +233,7 @@ TEST(PathLight, direct_light_and_mask_are_those_of_the_exact_witness_within_thei
     const PathPicture found =
         Rays(scene, Truth::mesh)
             .trace(picture.gbuffer, light, {.samples = 1024, .bounces = 0, .seed = static_cast<std::uint64_t>(round)});
-    const LightFace face(light, {}, {0, 1, 0});
+    const LightFigure face(light, {}, {0, 1, 0});
     LightPieces pieces;
     AreaTally tally;
     const double share = AreaScene(scene).seen({.mesh = 0}, face, pieces, tally).irradiance.best;

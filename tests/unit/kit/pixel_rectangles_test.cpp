@@ -1,4 +1,4 @@
-#include "kit/pixel_rectangles.h"
+#include "kit/gl/pixel_rectangles.h"
 
 #include <gtest/gtest.h>
 

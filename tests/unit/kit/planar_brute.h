@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/geometry/shapes.h>
 
 #include "small_world.h"
 

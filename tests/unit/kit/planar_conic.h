@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/planar_shadow.h>
+#include <gnomon/kit/geometry/planar_shadow.h>
 
 #include <cmath>
 #include <numbers>

@@ -1,6 +1,6 @@
 #pragma once
 #include <fmt/format.h>
-#include <gnomon/kit/planar_shadow.h>
+#include <gnomon/kit/geometry/planar_shadow.h>
 #include <gnomon/kit/random.h>
 
 #include "planar_brute.h"

@@ -1,5 +1,5 @@
 // Shadows in closed form against rays through the very shapes: random and degenerate places of shape, light and plane.
-#include <gnomon/kit/planar_shadow.h>
+#include <gnomon/kit/geometry/planar_shadow.h>
 #include <gtest/gtest.h>
 
 #include <map>

@@ -1,4 +1,4 @@
-#include <gnomon/kit/prefilter.h>
+#include <gnomon/kit/maps/prefilter.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

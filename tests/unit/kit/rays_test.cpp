@@ -1,7 +1,7 @@
 // Shadow rays against a brute force in double that knows no Embree, and against themselves.
+#include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/kit/random.h>
-#include <gnomon/kit/rays.h>
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/rays/rays.h>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 

@@ -1,5 +1,5 @@
 // What of its own surface never shades a visible point.
-#include <gnomon/kit/receiver.h>
+#include <gnomon/kit/geometry/receiver.h>
 #include <gtest/gtest.h>
 
 #include "hand_made.h"

@@ -1,9 +1,9 @@
 // Rays and exact curved shapes, in double, against closed forms and against marching in small steps.
-#include "kit/shape_rays.h"
+#include "kit/rays/shape_rays.h"
 
-#include <gnomon/kit/contour.h>
+#include <gnomon/kit/geometry/contour.h>
+#include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/kit/random.h>
-#include <gnomon/kit/shapes.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,6 +1,6 @@
 #include <gnomon/error.h>
+#include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/kit/random.h>
-#include <gnomon/kit/shapes.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 

@@ -1,5 +1,5 @@
 // Silhouettes: the side quads of known edges.
-#include <gnomon/kit/exact.h>
+#include <gnomon/kit/geometry/exact.h>
 #include <gtest/gtest.h>
 
 #include <array>

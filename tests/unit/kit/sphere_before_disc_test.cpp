@@ -8,9 +8,9 @@
 // or, inside each other, the smaller one. Irradiance (over pi, for radiance 1): a whole cone around the normal gives the square
 // of its sine, (r / d)^2; a disc parallel to the surface gives (1 - (D^2 + e^2 - R^2) / sqrt((D^2 + e^2 + R^2)^2 - 4 R^2 e^2))
 // / 2.
-#include <gnomon/kit/area_rays.h>
-#include <gnomon/kit/area_scene.h>
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/area/area_rays.h>
+#include <gnomon/kit/area/area_scene.h>
+#include <gnomon/kit/geometry/shapes.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -80,7 +80,7 @@ TEST(SphereBeforeDisc, exact_shares_of_the_triangles_lie_between_two_spheres) {
     ASSERT_GT(inner, 0.999 * r);
     LightPieces pieces;
     AreaTally tally;
-    const LightShares shares = AreaScene(scene).seen({}, LightFace(light_at(e), {}, up), pieces, tally);
+    const LightShares shares = AreaScene(scene).seen({}, LightFigure(light_at(e), {}, up), pieces, tally);
     const double least = area_seen(r, e), most = area_seen(inner, e);
     EXPECT_LE(shares.area.low, most + 1e-12) << r << ", " << e;
     EXPECT_GE(shares.area.high, least - 1e-12) << r << ", " << e;
@@ -103,7 +103,7 @@ TEST(SphereBeforeDisc, rays_to_the_exact_sphere_find_the_closed_form) {
     const Scene scene = ball(r);
     const RayScene casters(scene, Truth::shape, RayScene::Which::casters);
     const glm::vec3 lift(0, 0, 1e-6f);
-    const LightFace face(light_at(e), {}, up);
+    const LightFigure face(light_at(e), {}, up);
     const FaceRays rays(casters, lift, lift, no_mesh, 0, face);
     double area = 0, irradiance = 0;
     for (int seed = 0; seed < seeds; ++seed) {

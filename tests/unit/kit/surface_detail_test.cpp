@@ -1,6 +1,6 @@
 #include <gnomon/error.h>
-#include <gnomon/kit/layers.h>
-#include <gnomon/kit/surface_detail.h>
+#include <gnomon/kit/pictures/layers.h>
+#include <gnomon/kit/pictures/surface_detail.h>
 #include <gtest/gtest.h>
 
 #include <set>

@@ -1,6 +1,6 @@
 // The pictures of where polygons are divided.
-#include <gnomon/kit/layers.h>
-#include <gnomon/kit/surface_detail.h>
+#include <gnomon/kit/pictures/layers.h>
+#include <gnomon/kit/pictures/surface_detail.h>
 #include <gtest/gtest.h>
 
 #include "small_world.h"

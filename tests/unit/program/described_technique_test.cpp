@@ -1,7 +1,7 @@
 // What a worker tells of a technique is all that the program needs of it, whatever technique it is.
 #include "measure/program/described_technique.h"
 
-#include <gnomon/kit/inner_technique.h>
+#include <gnomon/kit/bases/inner_technique.h>
 #include <gtest/gtest.h>
 
 namespace described_technique_test {

@@ -121,7 +121,9 @@ TEST(table, contenders_that_the_times_do_not_tell_apart_are_all_marked) {
   EXPECT_TRUE(has(text, "| a | **3.00** | **10.0** |")) << text;
   EXPECT_TRUE(has(text, "| b | **5.00** | 20.0 |")) << text;
   EXPECT_TRUE(has(text, "| c | 20.0 | 30.0 |")) << text;
-  EXPECT_TRUE(has(text, "- **bold**: best contender of its group; of times, all that are not told apart from the best one\n"));
+  EXPECT_TRUE(has(text,
+                  "- **bold**: best contender of its group; of times, all that cannot be told apart from the best "
+                  "one\n"));
 }
 
 TEST(table, where_no_time_is_better_than_another_none_is_marked) {

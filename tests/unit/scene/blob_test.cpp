@@ -1,7 +1,7 @@
 #include "measure/scene/blob.h"
 
 #include <gnomon/error.h>
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/geometry/shapes.h>
 #include <gtest/gtest.h>
 
 #include <fstream>

@@ -1,5 +1,5 @@
 // Described scenes: defaults, exact values, and a file and line for every mistake.
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/geometry/shapes.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 

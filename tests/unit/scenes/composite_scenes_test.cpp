@@ -1,6 +1,6 @@
 // The scenes for shadows in closed form: `composite`, and those put together from simple shapes.
-#include <gnomon/kit/camera.h>
-#include <gnomon/kit/planar_shadow.h>
+#include <gnomon/kit/geometry/camera.h>
+#include <gnomon/kit/geometry/planar_shadow.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

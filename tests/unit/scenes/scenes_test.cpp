@@ -1,4 +1,4 @@
-#include <gnomon/kit/area_scene.h>
+#include <gnomon/kit/area/area_scene.h>
 #include <gnomon/kit/random.h>
 #include <gnomon/registry.h>
 #include <gtest/gtest.h>
@@ -245,7 +245,7 @@ TEST(Scenes, single_triangle_halves_its_lights_where_the_point_shadow_ends) {
     kinds.insert(kind_name(light));
     EXPECT_EQ(glm::vec3(homogeneous_of_center(light)), point_light(scene));
     const auto seen = [&](const glm::vec3& point) {
-      return casters.seen({point}, LightFace(light, point, {0, 1, 0}), pieces, tally).area.best;
+      return casters.seen({point}, LightFigure(light, point, {0, 1, 0}), pieces, tally).area.best;
     };
     for (int k = 0; k < 3; ++k) {
       const glm::vec3 from = shadow[k], to = shadow[(k + 1) % 3], middle = (from + to) / 2.0f;

@@ -1,4 +1,4 @@
-#include <gnomon/kit/camera.h>
+#include <gnomon/kit/geometry/camera.h>
 #include <gtest/gtest.h>
 
 #include <numbers>

@@ -9,6 +9,7 @@
 #include <string>
 #include <tuple>
 
+#include "measure/statistics/distributions.h"
 #include "measure/statistics/resample.h"
 
 namespace statistics_test {

@@ -1,5 +1,5 @@
 // Parts of the alias-free map: footprints and shadows of single triangles against exact signs.
-#include <gnomon/kit/exact_scene.h>
+#include <gnomon/kit/geometry/exact_scene.h>
 #include <gnomon/kit/random.h>
 #include <gtest/gtest.h>
 

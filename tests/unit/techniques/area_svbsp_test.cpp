@@ -1,8 +1,8 @@
 // Umbra and penumbra trees against shares derived on paper, against the exact witness, and against svbsp where the light is
 // next to a point.
-#include <gnomon/kit/across.h>
-#include <gnomon/kit/area_scene.h>
-#include <gnomon/kit/surface_detail.h>
+#include <gnomon/kit/area/area_scene.h>
+#include <gnomon/kit/geometry/across.h>
+#include <gnomon/kit/pictures/surface_detail.h>
 #include <gtest/gtest.h>
 
 #include "hard_scenes.h"
@@ -70,10 +70,10 @@ struct Tally {
       const auto share = [&](const glm::vec3& offset, const glm::vec3& normal) {
         Receiver moved = receiver;
         moved.point += offset;
-        const LightFace face(light, moved.point, normal);
+        const LightFigure face(light, moved.point, normal);
         return face.is_seen() ? witness.seen(moved, face, pieces, work).area.best : 1;
       };
-      if (!LightFace(light, receiver.point, g.normal(i)).is_seen()) {
+      if (!LightFigure(light, receiver.point, g.normal(i)).is_seen()) {
         EXPECT_EQ(mask[i], 1);
         continue;
       }

@@ -1,6 +1,6 @@
 // Means of hard shadows: what they are of, and where they converge to.
-#include <gnomon/kit/layers.h>
-#include <gnomon/kit/light_points.h>
+#include <gnomon/kit/area/light_points.h>
+#include <gnomon/kit/pictures/layers.h>
 
 #include <cmath>
 #include <map>
@@ -54,7 +54,7 @@ TEST_F(AveragedHard, of_rays_it_is_area_rays_with_the_same_places) {
       EXPECT_EQ(averaged[i], 1);
       continue;
     }
-    const LightFace face(light, g.position(i), g.normal(i));
+    const LightFigure face(light, g.position(i), g.normal(i));
     if (!(face.horizon().x > std::abs(face.horizon().y) + std::abs(face.horizon().z))) continue;
     ++asked;
     in_penumbra += rays[i] > 0 && rays[i] < 1;

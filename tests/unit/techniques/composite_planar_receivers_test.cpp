@@ -64,8 +64,7 @@ TEST_F(CompositeReceivers, curved_receivers_are_lit_and_not_covered) {
   const Support answered = supports(scene, light);
   EXPECT_EQ(answered.kind(), Support::Kind::approximate);
   EXPECT_NEAR(std::stod(answered.why()), 100 * 4 * pi * 0.64 / (4 * pi * 0.64 + 64 + pi * 0.36), 0.5);
-  EXPECT_NE(answered.why().find("% of the receiving area lies on no receiver "
-                                "plane; pixels there are not covered"),
+  EXPECT_NE(answered.why().find("% of the receiving area lies on no receiver plane; pixels there are not covered"),
             std::string::npos);
 }
 

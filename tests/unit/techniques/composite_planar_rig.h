@@ -1,8 +1,8 @@
 #pragma once
-#include <gnomon/kit/gl.h>
-#include <gnomon/kit/planar_shadow.h>
+#include <gnomon/kit/geometry/planar_shadow.h>
+#include <gnomon/kit/geometry/shapes.h>
+#include <gnomon/kit/gl/gl.h>
 #include <gnomon/kit/random.h>
-#include <gnomon/kit/shapes.h>
 #include <gtest/gtest.h>
 
 #include "device/context.h"

@@ -26,7 +26,7 @@ Receiver square(double half, double height) {
       .sides = {glm::dvec4(1, 0, 0, half), glm::dvec4(-1, 0, 0, half), glm::dvec4(0, 0, 1, half), glm::dvec4(0, 0, -1, half)}};
 }
 
-struct Asked {
+struct PlaneTest {
   std::uint32_t plane;
   ShadowTest test;
 };
@@ -34,7 +34,7 @@ struct Asked {
 struct Outcome {
   Tiles tiles;
   Patches patches;
-  std::vector<Asked> asked;
+  std::vector<PlaneTest> asked;
 
   std::vector<Patch> all() const {
     std::vector<Patch> all = patches.whole;

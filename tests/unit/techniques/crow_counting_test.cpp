@@ -1,8 +1,8 @@
 // Crow's count: the seed's rule on scenes that realize it, points that rounding moves off their plane, and what layers show.
-#include <gnomon/kit/exact.h>
-#include <gnomon/kit/layers.h>
+#include <gnomon/kit/geometry/exact.h>
+#include <gnomon/kit/geometry/shapes.h>
+#include <gnomon/kit/pictures/layers.h>
 #include <gnomon/kit/random.h>
-#include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
 #include <gtest/gtest.h>
 

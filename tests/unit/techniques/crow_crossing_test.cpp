@@ -1,5 +1,5 @@
 // Crow's count: the crossing predicates on paper and against other formulations.
-#include <gnomon/kit/exact_scene.h>
+#include <gnomon/kit/geometry/exact_scene.h>
 #include <gnomon/kit/random.h>
 #include <gtest/gtest.h>
 

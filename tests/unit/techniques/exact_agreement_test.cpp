@@ -3,7 +3,7 @@
 // GNOMON_PIXELS=10000000 asks about that many pixels instead of the few of every day, and says what was seen; GNOMON_SEED=1
 // makes other scenes.
 #include <fmt/format.h>
-#include <gnomon/kit/rays.h>
+#include <gnomon/kit/rays/rays.h>
 #include <gtest/gtest.h>
 
 #include <array>

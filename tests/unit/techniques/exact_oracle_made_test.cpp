@@ -1,5 +1,5 @@
 // Every exact technique decides as the exact oracle does where rounding, the light or the exact shape is out to mislead it.
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/geometry/shapes.h>
 
 #include "exact_oracle_rig.h"
 #include "exact_techniques.h"

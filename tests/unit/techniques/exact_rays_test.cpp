@@ -1,5 +1,5 @@
 // The exact scene against brute force, and the technique on hand-made G-buffers.
-#include <gnomon/kit/exact_scene.h>
+#include <gnomon/kit/geometry/exact_scene.h>
 #include <gnomon/kit/random.h>
 #include <gnomon/registry.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 #pragma once
 // Scenes of six kinds, one after the other, for techniques that answer at points and for those that cut triangles.
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/geometry/shapes.h>
 
 #include "hard_scenes.h"
 

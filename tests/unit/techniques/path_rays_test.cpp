@@ -1,5 +1,5 @@
 // Path rays as a technique: its mask is that of soft shadows, its picture that of the kit, and it says what it cannot do.
-#include <gnomon/kit/exposure.h>
+#include <gnomon/kit/pictures/exposure.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

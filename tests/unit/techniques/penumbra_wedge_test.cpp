@@ -1,6 +1,6 @@
 // What penumbra wedges say of a light, against clipping in closed form, and their edges against ways through every triangle.
-#include <gnomon/kit/exact_scene.h>
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/geometry/exact_scene.h>
+#include <gnomon/kit/geometry/shapes.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -230,7 +230,7 @@ TEST(PenumbraWedge, layers_by_edges_are_those_on_the_way_to_every_place) {
         ++left_out;
         continue;
       }
-      const LightFace face(light, g.position(i), g.normal(i));
+      const LightFigure face(light, g.position(i), g.normal(i));
       PointQuery query;
       PixelGroup group;
       group.box.add(g.position(i));
@@ -283,7 +283,7 @@ TEST(PenumbraWedge, a_wedge_holds_every_point_that_sees_its_edge_before_the_ligh
           glm::mix(glm::dvec3(adjacency.positions()[wedge.low]), glm::dvec3(adjacency.positions()[wedge.high]),
                    random.below(4) ? random.uniform(0, 1) : static_cast<double>(random.below(2)));
       // Any point has the light's face that it has; a place of a sphere is one inside it.
-      const LightFace face(light, glm::dvec3(100, 50, 30), {-1, 0, 0});
+      const LightFigure face(light, glm::dvec3(100, 50, 30), {-1, 0, 0});
       const glm::dvec3 place = glm::dvec3(100, 50, 30) + face.at({random.uniform(-0.7, 0.7), random.uniform(-0.7, 0.7)});
       const glm::dvec3 point = on_edge + random.uniform(0, 3) * (on_edge - place);
       if (extent(point) > 4) continue;

@@ -1,6 +1,6 @@
 #pragma once
 // Planar projected shadows brought up on small scenes, and what rays in double say about them.
-#include <gnomon/kit/gl.h>
+#include <gnomon/kit/gl/gl.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
-#include <gnomon/kit/planes.h>
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/geometry/planes.h>
+#include <gnomon/kit/geometry/shapes.h>
 
 #include <algorithm>
 #include <utility>
@@ -9,7 +9,8 @@
 namespace planar_test {
 using namespace planar_rig;
 
-// --- kit/planes ------------------------------------------------------------------------------------------------------------
+// --- kit/geometry/planes
+// ------------------------------------------------------------------------------------------------------------
 
 /// A square of half-side 1 in cells x cells quads, turned and moved in double, then rounded.
 Mesh tilted_grid(int cells, const glm::dvec3& shift, double height = 0) {

@@ -1,8 +1,8 @@
 #pragma once
 // Scenes that are hard on object precision, points on them that ask for their light, and what the exact oracle says.
-#include <gnomon/kit/exact.h>
-#include <gnomon/kit/exact_scene.h>
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/geometry/exact.h>
+#include <gnomon/kit/geometry/exact_scene.h>
+#include <gnomon/kit/geometry/shapes.h>
 
 #include "hard_scenes.h"
 

@@ -1,4 +1,4 @@
-#include <gnomon/kit/map_comparison.h>
+#include <gnomon/kit/maps/map_comparison.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

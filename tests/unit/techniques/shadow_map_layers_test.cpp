@@ -1,5 +1,5 @@
 // What the pictures of a shadow map show.
-#include <gnomon/kit/gl.h>
+#include <gnomon/kit/gl/gl.h>
 #include <gtest/gtest.h>
 
 #include "device/context.h"

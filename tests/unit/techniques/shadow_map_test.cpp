@@ -1,4 +1,4 @@
-#include <gnomon/kit/gl.h>
+#include <gnomon/kit/gl/gl.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

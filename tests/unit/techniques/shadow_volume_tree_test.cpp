@@ -1,6 +1,6 @@
 // The shadow volume tree: what copies and size cost it, what it leaves out, and what it refuses.
+#include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/kit/random.h>
-#include <gnomon/kit/shapes.h>
 #include <gnomon/registry.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/rays.h>
+#include <gnomon/kit/rays/rays.h>
 
 #include "measure/frame/classify.h"
 #include "measure/frame/gbuffer_maker.h"

@@ -1,7 +1,7 @@
 // What soft volumes say of each place of a light, against exact signs and shadow rays.
 #include <gnomon/error.h>
-#include <gnomon/kit/exact_scene.h>
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/geometry/exact_scene.h>
+#include <gnomon/kit/geometry/shapes.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -38,13 +38,13 @@ bool is_all_but_in_a_plane(const Scene& scene, const Receiver& receiver) {
   return false;
 }
 
-struct Asked {
+struct Tally {
   std::size_t places = 0, wrong = 0, degenerate = 0;
   std::size_t penumbrae = 0, left_out = 0;  // pixels
 };
 
 /// Asks the exact judge about every place of every pixel.
-void judge(const Scene& scene, const Light& light, const GBuffer& g, const std::string& settings, Asked& asked) {
+void judge(const Scene& scene, const Light& light, const GBuffer& g, const std::string& settings, Tally& asked) {
   const small_world::Run run = small_world::run(gnomon_technique_soft_volume, settings, scene, light, g);
   for (std::size_t i = 0; i < g.size(); ++i) {
     if (!faces_light(scene, g, light, i)) {
@@ -105,7 +105,7 @@ TEST(SoftVolume, every_place_of_random_scenes_is_what_exact_signs_say) {
   const std::size_t least = wanted ? std::strtoull(wanted, nullptr, 10) : 90'000;
   const char* seed = std::getenv("GNOMON_SEED");
   Random random(seed ? std::strtoull(seed, nullptr, 10) : 22);
-  Asked asked;
+  Tally asked;
   for (int round = 0; asked.places < least; ++round) {
     const Scene scene = random_scene(round, random);
     hand_made::Picture picture(40, 3);
@@ -193,7 +193,7 @@ TEST(SoftVolume, masks_are_those_of_area_rays_in_every_pattern) {
 // triangle faces it neither way.
 TEST(SoftVolume, a_point_that_rounding_put_off_its_own_triangle_is_not_shaded_by_it) {
   Random random(4);
-  Asked asked;
+  Tally asked;
   for (int round = 0; round < 6; ++round) {
     Scene scene;
     for (int k = 0; k < 3; ++k)

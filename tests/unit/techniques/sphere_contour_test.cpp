@@ -1,12 +1,12 @@
 // Outlines of spheres, cones and discs in double, against closed forms and against rays through the solids.
-#include <gnomon/kit/contour.h>
+#include <gnomon/kit/geometry/contour.h>
+#include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/kit/random.h>
-#include <gnomon/kit/shapes.h>
 #include <gtest/gtest.h>
 
 #include <numbers>
 
-#include "kit/shape_rays.h"
+#include "kit/rays/shape_rays.h"
 #include "small_world.h"
 #include "techniques/sphere_volume/bodies.h"
 

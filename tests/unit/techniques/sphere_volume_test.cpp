@@ -1,14 +1,14 @@
 // Shadow volumes of spheres, cones and discs against the ray tracer under shape truth.
-#include <gnomon/kit/contour.h>
-#include <gnomon/kit/gl.h>
+#include <gnomon/kit/geometry/contour.h>
+#include <gnomon/kit/geometry/shapes.h>
+#include <gnomon/kit/gl/gl.h>
 #include <gnomon/kit/random.h>
-#include <gnomon/kit/shapes.h>
 #include <gtest/gtest.h>
 
 #include <numbers>
 
 #include "device/context.h"
-#include "kit/shape_rays.h"
+#include "kit/rays/shape_rays.h"
 #include "measure/conformance/gl_state.h"
 #include "shape_world.h"
 #include "small_world.h"

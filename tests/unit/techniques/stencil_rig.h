@@ -1,6 +1,6 @@
 #pragma once
-#include <gnomon/kit/exact_scene.h>
-#include <gnomon/kit/gl.h>
+#include <gnomon/kit/geometry/exact_scene.h>
+#include <gnomon/kit/gl/gl.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // Stencil volumes: all ways of counting against each other and against exact signs, and what parameters and layers do.
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/geometry/shapes.h>
 
 #include "stencil_rig.h"
 

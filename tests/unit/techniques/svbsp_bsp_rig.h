@@ -1,6 +1,6 @@
 #pragma once
 // Regular BSP trees looked at from outside: scenes for them, and what must be true of every one.
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/geometry/shapes.h>
 #include <gtest/gtest.h>
 
 #include "hard_scenes.h"

@@ -1,5 +1,5 @@
 // The surface detail of the SVBSP tree: areas on paper, what is narrow or far away, and the painter's picture of it.
-#include <gnomon/kit/layers.h>
+#include <gnomon/kit/pictures/layers.h>
 #include <gtest/gtest.h>
 
 #include <map>

@@ -1,5 +1,5 @@
 // The second pass of svbsp: polygons of the regular BSP tree painted back to front.
-#include <gnomon/kit/layers.h>
+#include <gnomon/kit/pictures/layers.h>
 #include <gnomon/kit/random.h>
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The technique svbsp: orders and rules that change no answer, counts on paper, what shades what.
-#include <gnomon/kit/exact_scene.h>
-#include <gnomon/kit/shapes.h>
+#include <gnomon/kit/geometry/exact_scene.h>
+#include <gnomon/kit/geometry/shapes.h>
 #include <gtest/gtest.h>
 
 #include "hard_scenes.h"

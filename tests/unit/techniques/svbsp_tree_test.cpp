@@ -1,5 +1,5 @@
 // The SVBSP tree on paper: light space, shadow planes and cells.
-#include <gnomon/kit/exact.h>
+#include <gnomon/kit/geometry/exact.h>
 #include <gtest/gtest.h>
 
 #include "hard_scenes.h"

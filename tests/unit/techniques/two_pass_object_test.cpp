@@ -1,6 +1,6 @@
 // Two-pass object precision: pieces on paper, what threads and growth change, layers, and what is refused.
 #include <gnomon/error.h>
-#include <gnomon/kit/exact_scene.h>
+#include <gnomon/kit/geometry/exact_scene.h>
 #include <tbb/global_control.h>
 
 #include "techniques/two_pass_object/detail.h"

@@ -1,4 +1,4 @@
-#include <gnomon/kit/light_map.h>
+#include <gnomon/kit/maps/light_map.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

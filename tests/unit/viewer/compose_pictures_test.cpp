@@ -1,5 +1,5 @@
 // Composed pictures of any frames: the bytes that files of `gnomon render` have, and no pixel left out.
-#include <gnomon/kit/layers.h>
+#include <gnomon/kit/pictures/layers.h>
 #include <rapidcheck/gtest.h>
 
 #include <random>

@@ -1,7 +1,7 @@
 // Composed pictures of small frames, pixel by pixel: sides, scales, colors, layers.
 #include "app/viewer/compose.h"
 
-#include <gnomon/kit/layers.h>
+#include <gnomon/kit/pictures/layers.h>
 
 #include "composed.h"
 #include "measure/cause/color_vision.h"

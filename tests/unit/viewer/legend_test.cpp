@@ -155,7 +155,7 @@ TEST(pixel_facts, tell_where_the_pixel_is_and_what_the_masks_say) {
   EXPECT_EQ(fact(facts, "frame pixel"), "1 0 of 2 x 1");
   EXPECT_TRUE(fact(facts, "class").starts_with("T, tested. "));
   EXPECT_EQ(fact(facts, "error"), "false dark");
-  EXPECT_TRUE(fact(facts, "cause").starts_with("crack. At most four pixels"));
+  EXPECT_TRUE(fact(facts, "cause").starts_with("crack. At most four connected pixels"));
   EXPECT_EQ(fact(facts, "mask left"), "0 umbra");
   EXPECT_EQ(fact(facts, "mask right"), "1 lit");
   EXPECT_EQ(fact(facts, "reference"), "1 lit");

@@ -1,6 +1,6 @@
 #pragma once
 // What the tests of camera and light moves share: any view, a small scene, lights of every kind, and what rounding costs.
-#include <gnomon/kit/camera.h>
+#include <gnomon/kit/geometry/camera.h>
 #include <gnomon/kit/random.h>
 #include <gnomon/scene.h>
 

@@ -97,7 +97,7 @@ function cell(row, column, openPictures) {
       h("span", { class: "mark", role: "img", "aria-label": "best of its group", title: "best of its group" }, "\u2605"),
     column.is_left ? breakable(text) : text,
     is_floored &&
-      h("span", { class: "mark", role: "img", "aria-label": "within the reference's noise", title: "no farther from its best than the reference's own noise may take it" }, "\u00b0"),
+      h("span", { class: "mark", role: "img", "aria-label": "within the reference's noise", title: "within the reference's noise of the best value" }, "\u00b0"),
     is_flagged &&
       h(
         "span",

@@ -1,0 +1,58 @@
+#pragma once
+#include <gnomon/kit/gl/gl.h>
+
+namespace gnomon {
+
+// Passes over the pixels of a picture. What the fragments of a pass are given:
+//
+//   samplers   0 gbuffer_position, 1 gbuffer_normal, 2 gbuffer_ids, by `bind_gbuffer`; 3 light_map, by kit/maps/light_map.h;
+//   the
+//              technique's own from 4 on
+//   functions  of `gbuffer_snippet` and `faces_light_snippet`
+//   constants  that the technique declares (PassConstants), and those of `faces_light_constants`: light, spot
+//
+// Names that begin with gbuffer_, light_ or flat_ are the kit's.
+
+/// What all fragments of a pass read alike, declared as in GLSL: "vec3 origin; vec4 window[6];". Under llvmpipe every pixel
+/// pays some six cycles for each float of a uniform, and nothing for what the corners of its triangle hand on flat: a matrix
+/// takes half as long as the whole rest of a pass. So constants are uniforms of the vertex shader, set by name as ever, and
+/// fragments see them under the same names as flat inputs. OpenGL promises room for fifteen vec4, a vec3 or a row of a matrix
+/// counted as one.
+struct PassConstants {
+  std::string vertex;    ///< declares the uniforms, and `void hand_on()`, which the vertex shader calls
+  std::string fragment;  ///< declares what fragments read
+  explicit PassConstants(std::string_view declarations);
+};
+
+/// A program for `draw_full_screen` and `draw_receivers`.
+Program pass_program(std::string_view title, std::string_view constants, std::string_view fragment);
+
+/// Vertex shader of passes without constants.
+extern const std::string_view full_screen_vertex;
+/// One triangle that covers the viewport, with the program in use. Leaves no vertex array bound.
+void draw_full_screen();
+
+/// Attaches the mask's texture to the framebuffer, binds that, and makes every pixel 1 that `draw_receivers` will not touch.
+void begin_mask(const Framebuffer& framebuffer, unsigned texture, const GBufferTextures& gbuffer);
+/// The pixels that show receivers, and few others: the rest costs nothing. Pixels of a background that a rectangle holds are
+/// the fragment shader's affair. Leaves the scissor test off.
+void draw_receivers(const GBufferTextures& gbuffer);
+
+/// Binds position, normal, ids to texture units 0, 1, 2.
+void bind_gbuffer(const GBufferTextures& textures);
+/// Fragment shader code: the samplers, and what they hold at the pixel, without more cost than a fetch:
+/// `vec4 position_here()`, w = 1 where not background; `vec4 normal_here()`, w = 1 where the mesh receives;
+/// `uvec2 ids_here()`, mesh + 1 and triangle.
+extern const std::string_view gbuffer_snippet;
+
+/// Constants and fragment shader code: `bool faces_light(vec4 position, vec4 normal)`, which means what gnomon::faces_light
+/// means, in float32: within rounding (2^-21) of the horizon and of the cone's edge it says false, so that no pixel of class F
+/// is ever taken for one to decide. `vec4 light` is homogeneous; `vec4 spot` is the unit axis and the squared cosine of the
+/// outer half-angle, rounded up, and zero for lights without a cone. Both are set by `set_light`.
+extern const std::string_view faces_light_constants, faces_light_snippet;
+void set_light(const Program& program, const Light& light);
+
+/// Frees what this part holds; called by release_inputs.
+void release_passes();
+
+}  // namespace gnomon

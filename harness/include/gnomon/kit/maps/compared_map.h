@@ -1,0 +1,97 @@
+#pragma once
+#include <gnomon/kit/maps/map_comparison.h>
+#include <gnomon/kit/maps/stored_depth.h>
+#include <gnomon/kit/shared.h>
+
+#include <array>
+#include <optional>
+
+namespace gnomon {
+
+/// What techniques share that compare a point with depth images of the light: they differ in which images those are.
+///
+/// The bias is a length along the axis of the image. Its parameters are in texels because acne is: a texel's world width at the
+/// point, times the parameter, gives meters.
+class ComparedMap : public Technique {
+ public:
+  Support supports(const Scene&, const Light& light, const View&) const override {
+    return light_map_support(light, resolution, comparison().margin(), MapComparison::constant_count, images());
+  }
+  void setup() override;
+  void build(const Scene& scene) override;
+  void relight(const Light& light) override;
+  void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
+  Counts counts() const override;
+  std::optional<Explanation> explain(std::size_t index) const override;
+  std::vector<DebugLayer> debug_layers() const override;
+  std::vector<float> draw_debug(std::string_view layer) const override;
+
+ protected:
+  struct Defaults {
+    std::string_view bias;
+    double depth_bias, slope_bias;
+  };
+  explicit ComparedMap(const Defaults& defaults);
+
+  /// Images for any view, drawn by relight; nothing if they depend on the view.
+  virtual std::optional<LightCamera> fitted_to_scene(const Light& light, const MeshBoxes& boxes, int margin) const = 0;
+  /// Images for this picture, drawn by resolve, which then pays for it; asked where there are none for any view.
+  virtual LightCamera fitted_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int margin) const = 0;
+  /// What texels hold. Its kind is asked by setup, its offset whenever images are drawn.
+  virtual StoredDepth stored_depth() const { return {}; }
+  virtual LightImages images() const { return LightImages::faces; }
+
+  int image_resolution() const { return resolution; }
+
+  /// What all lights share: a member of it each technique passes to `another`.
+  struct Made {
+    DepthImages depth_images;
+    DepthCombination combination;
+    std::array<Program, light_projection_count> resolve_programs;  // of the present bias and filter
+    std::array<std::optional<Program>, light_projection_count> explain_programs;
+    Framebuffer framebuffer;
+    const Scene* scene = nullptr;
+    // What questions need, in memory: of one object at a time, for 64 lights' images fill a gigabyte.
+    const ComparedMap* read_of = nullptr;
+    std::vector<float> read_depths;        // of all layers, read at the first question after a relight
+    std::vector<glm::vec3> read_look_ups;  // by pixel, asked for at the first question after a resolve
+  };
+  Shared<Made> made_;
+
+ private:
+  Number<int> resolution;
+  Choice bias;
+  Number<double> depth_bias, slope_bias, normal_offset;
+  Choice filter;
+  Number<int> filter_radius;
+
+  /// Biases are for one texel: a filter compares with texels farther away.
+  MapComparison comparison() const;
+  const Texture& map() const {
+    const StoredDepth stored = stored_depth();
+    return stored.is_combined() ? combined_ : stored.needs_second() ? second_ : first_;
+  }
+  void start_questions() const;
+  const std::vector<float>& depths() const;
+  /// A pixel's image and its place there, in texels, in the last resolve.
+  struct Place {
+    const LightImage* image;  ///< null: nothing casts there
+    glm::dvec2 texel;
+  };
+  Place looked_up(std::size_t index) const;
+  std::vector<float> answer() const;
+  void draw_images(LightCamera&& camera);
+  /// Runs a program of resolve over all pixels, into a texture.
+  void look_up(const Program& program, unsigned target) const;
+  Program resolve_program(LightProjection projection, bool explains) const;
+  LightProjection projection() const { return projection_of(camera_); }
+
+  Light light_;
+  LightCamera camera_;
+  bool draws_in_resolve_ = false;
+  Texture first_, second_, combined_;  // arrays with one layer for each image that is drawn
+  std::size_t drawn_triangles_ = 0;
+  const GBuffer* gbuffer_ = nullptr;
+};
+
+}  // namespace gnomon

@@ -1,0 +1,79 @@
+#pragma once
+#include <gnomon/kit/geometry/edges.h>
+#include <gnomon/kit/gl/gl_pass.h>
+#include <gnomon/kit/maps/light_camera.h>
+
+#include <functional>
+
+namespace gnomon {
+
+/// Whether the light is outside all parts of a mesh (see solid_parts): what is turned away from it then
+/// hides nothing more, for light enters such a part through a triangle that is turned to it before it leaves it.
+bool is_seen_from_outside(std::span<const Bounds> solid_parts, const LightSpaceFace& face);
+
+/// Draws the images of light cameras. One serves all lights of a technique: keep it with what they share.
+class DepthImages {
+ public:
+  /// Every triangle, or of solid casters only what is turned to the light: the first surface is the same.
+  enum class Faces { all, lit };
+
+  /// Compiles; needs the context.
+  void setup();
+  /// The scene must live as long as images of it are drawn.
+  void build(const Scene& scene);
+  const MeshBoxes& boxes() const { return boxes_; }
+
+  /// The first surface seen from the light, one layer for each image with casters, into `target`, which becomes D32F of the
+  /// camera's size: reversed depth, 0 where there is nothing. Answers how many triangles were drawn.
+  std::size_t draw(const LightCamera& camera, Texture& target, Faces faces = Faces::lit);
+  /// The first surface strictly behind that of `first`; what is as near as that is the same surface, or one glued to it.
+  std::size_t draw_second(const LightCamera& camera, const Texture& first, Texture& target);
+
+  std::size_t bytes() const { return boxes_.meshes.size() * sizeof(MeshBox) + bytes_of(solid_parts_); }
+
+ private:
+  std::size_t draw(const Program& program, const LightCamera& camera, Texture& target, Faces faces);
+  Program first_program_, second_program_;
+  Framebuffer framebuffer_;
+  const Scene* scene_ = nullptr;
+  MeshBoxes boxes_;
+  SolidParts solid_parts_;
+};
+
+/// How a camera looks, as shaders know it: PROJECTION of `light_map_head`.
+enum class LightProjection { parallel, centered, cube };
+inline constexpr int light_projection_count = 3;
+LightProjection projection_of(const LightCamera& camera);
+
+/// For a pass whose fragments look points up in the images of a camera. The head comes first, the constants are declared to
+/// pass_program, and the snippet offers:
+///
+///   vec3 light_origin                 subtract it from a point; what follows takes the difference v
+///   void choose_image(vec3 v)         of the six; then `light_window` and `light_facts` are those of that image
+///   vec4 light_window                 scale and offset
+///   vec4 light_facts                  layer, the texel's larger width in window coordinates, near, and far or what
+///                                     `set_light_camera` was given instead
+///   vec3 in_image(vec3 v)             texel column and row, both times z where rays start at the light; z: the axis distance
+///   vec3 along_image(vec3 step)       what in_image gives more where v is longer by a step; of faces
+///   vec2 across_image(vec3 n)         how far a direction goes along columns and rows, in texels at axis distance 1
+///   vec2 way_in_image(vec2 a, vec2 b) from texel to texel, in the measure of across_image: b - a unless the image is warped
+///   float stored_depth(vec2 texel)    of a texel by its whole numbers; 0 beside the image and where nothing is stored
+///   bool faces_light_at(vec4 position, vec4 normal, vec3 v)   what faces_light says, with no constant more
+///
+/// In a warped image, across_image is for texels as large as at the pivot, and `light_stretch` is how much larger the
+/// box around one is at the point that in_image was asked for last; `light_facts.y` is then of that place.
+///
+/// `spot` of faces_light_constants is among the constants where rays start at the light.
+std::string light_map_head(LightProjection projection, LightImages images = LightImages::faces);
+/// Full, unless the light has an area (a map has one center), the margin of a fit leaves less than half of the texels, or the
+/// device is too small for images of so many and for passes, one for each projection, that have so many constants beside those
+/// below.
+Support light_map_support(const Light& light, int resolution, int margin, int more_constants,
+                          LightImages images = LightImages::faces);
+std::string light_map_constants(LightProjection projection, LightImages images = LightImages::faces);
+extern const std::string_view light_map_snippet;
+/// Sets light, spot and the constants. `fourth` gives the last of `light_facts`; without it, that is far.
+void set_light_camera(const Program& program, const Light& light, const LightCamera& camera,
+                      const std::function<double(const LightImage&)>& fourth = {});
+
+}  // namespace gnomon

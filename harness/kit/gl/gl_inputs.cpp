@@ -1,0 +1,316 @@
+#include <gnomon/error.h>
+#include <gnomon/kit/gl/gl_pass.h>
+#include <gnomon/kit/unset_vector.h>
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <cmath>
+
+#include "kit/gl/pixel_rectangles.h"
+
+namespace gnomon {
+
+namespace {
+
+/// Milliseconds of `work`, the queue drained before and after.
+template <class Work>
+double drained_ms(const Work& work) {
+  glFinish();
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  glFinish();
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// A hash that tells a new scene at an old address from the old one without reading all of it: of addresses and sizes of its
+/// arrays, flags, and four vertices of some meshes. It misses an edit of other vertices in place: call release_inputs after
+/// one.
+std::uint64_t stamp(const Scene& scene) {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  const auto mix = [&](std::uint64_t value) { hash = (hash ^ value) * 0x100000001b3u ^ hash >> 29; };
+  mix(std::bit_cast<std::uintptr_t>(&scene));
+  mix(scene.meshes.size());
+  // At most 32 meshes: timed stages compute this, too.
+  const std::size_t step = scene.meshes.size() / 32 + 1;
+  for (std::size_t m = 0; m < scene.meshes.size(); m += step) {
+    const Mesh& mesh = scene.meshes[m];
+    mix(std::bit_cast<std::uintptr_t>(mesh.positions.data()));
+    mix(std::bit_cast<std::uintptr_t>(mesh.triangles.data()));
+    mix(mesh.positions.size());
+    mix(mesh.triangles.size());
+    mix(mesh.casts * 2 + mesh.receives);
+    if (mesh.positions.empty()) continue;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const glm::vec3& p = mesh.positions[(mesh.positions.size() - 1) * k / 3];
+      for (int i = 0; i < 3; ++i) mix(std::bit_cast<std::uint32_t>(p[i]));
+    }
+  }
+  return hash;
+}
+
+struct SceneSlot {
+  std::uint64_t stamp = 0;
+  SceneBuffers buffers;
+};
+
+/// A weak pointer keeps the control block of the G-buffer's storage, so that no later G-buffer can be taken for this one, and
+/// none of its memory. G-buffers on borrowed arrays (null storage) are told apart by address and size only.
+struct GBufferSlot {
+  std::weak_ptr<const void> storage;
+  const float* data = nullptr;
+  std::uint64_t scene_stamp = 0;
+  GBufferTextures textures;
+  DepthStencil depth, shape_depth;
+
+  bool holds(const GBuffer& g, std::uint64_t scene) const {
+    return scene_stamp == scene && data == g.px.data() && textures.position.width == g.width &&
+           textures.position.height == g.height && !storage.owner_before(g.storage) && !g.storage.owner_before(storage);
+  }
+};
+
+/// How many scenes and how many G-buffers are held; the least recently used goes first.
+constexpr std::size_t slot_count = 4;
+
+/// What is held for the one context; slots from most to least recently used.
+struct Inputs {
+  std::vector<std::unique_ptr<SceneSlot>> scenes;
+  std::vector<std::unique_ptr<GBufferSlot>> gbuffers;
+  Program depth_program, shape_depth_program;
+};
+std::uint64_t uploaded_bytes = 0;  // of triangles
+bool is_depth_used[2] = {};        // by what is seen
+
+// Not destroyed at exit: the context may be gone by then.
+Inputs& inputs() {
+  static Inputs* const inputs = new Inputs;
+  return *inputs;
+}
+
+/// The slot that `is_wanted`, moved to the front; else a new one that `make` fills.
+template <class Slot, class IsWanted, class Make>
+Slot& find_or_make(std::vector<std::unique_ptr<Slot>>& slots, const IsWanted& is_wanted, const Make& make) {
+  auto found = std::ranges::find_if(slots, [&](const auto& slot) { return is_wanted(*slot); });
+  if (found == slots.end()) {
+    if (slots.size() == slot_count) slots.pop_back();
+    slots.push_back(std::make_unique<Slot>(make()));
+    found = slots.end() - 1;
+  }
+  std::rotate(slots.begin(), found, found + 1);
+  return *slots.front();
+}
+
+SceneBuffers upload(const Scene& scene) {
+  SceneBuffers buffers;
+  std::size_t vertices = 0, triangles = 0;
+  for (const Mesh& mesh : scene.meshes) {
+    buffers.meshes.push_back({static_cast<std::uint32_t>(vertices), static_cast<std::uint32_t>(triangles),
+                              static_cast<std::uint32_t>(mesh.triangles.size()), mesh.casts, mesh.receives});
+    vertices += mesh.positions.size();
+    triangles += mesh.triangles.size();
+  }
+  UnsetVector<glm::vec3> positions(vertices);
+  UnsetVector<glm::uvec3> corners(triangles);
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+    const Mesh& mesh = scene.meshes[m];
+    const MeshRange& range = buffers.meshes[m];
+    std::ranges::copy(mesh.positions, positions.begin() + range.first_vertex);
+    std::ranges::transform(mesh.triangles, corners.begin() + range.first_triangle,
+                           [&](const glm::uvec3& t) { return t + range.first_vertex; });
+  }
+  buffers.positions = Buffer(positions.data(), positions.size() * sizeof(glm::vec3));
+  buffers.triangles = Buffer(corners.data(), corners.size() * sizeof(glm::uvec3));
+  buffers.vertex_array = make_vertex_array();
+  const GLuint vao = buffers.vertex_array.name();
+  glVertexArrayVertexBuffer(vao, 0, buffers.positions.name(), 0, sizeof(glm::vec3));
+  glVertexArrayAttribFormat(vao, 0, 3, GL_FLOAT, GL_FALSE, 0);
+  glVertexArrayAttribBinding(vao, 0, 0);
+  glEnableVertexArrayAttrib(vao, 0);
+  glVertexArrayElementBuffer(vao, buffers.triangles.name());
+  buffers.bytes = buffers.positions.bytes + buffers.triangles.bytes;
+  uploaded_bytes += buffers.bytes;
+  return buffers;
+}
+
+/// A view that shows nothing has its target for its nearest point.
+double near_plane_of(const GBuffer& g) {
+  const glm::dvec3 eye = g.view.eye, way = glm::dvec3(g.view.target) - eye, forward = glm::normalize(way);
+  double nearest = INFINITY;
+  for (std::size_t i = 0; i < g.size(); ++i) {
+    if (g.is_background(i)) continue;
+    const double distance = glm::dot(forward, glm::dvec3(g.position(i)) - eye);
+    if (distance > 0) nearest = std::min(nearest, distance);  // else it is rounded behind the eye
+  }
+  return std::ldexp(GBufferTextures::near_share, std::ilogb(nearest < INFINITY ? nearest : glm::length(way)));
+}
+
+GBufferTextures upload(const GBuffer& g, const Scene& scene) {
+  std::vector<glm::vec4> positions(g.size()), normals(g.size());
+  std::vector<glm::uvec2> ids(g.size());
+  for (std::size_t i = 0; i < g.size(); ++i) {
+    if (g.is_background(i)) continue;
+    positions[i] = {g.position(i), 1};
+    normals[i] = {g.normal(i), scene.meshes[g.mesh[i]].receives ? 1 : 0};
+    ids[i] = {g.mesh[i] + 1, g.triangle[i]};
+  }
+  GBufferTextures textures;
+  textures.near_plane = near_plane_of(g);
+  textures.receivers = rectangles_around(g.width, g.height, [&](std::size_t i) { return normals[i].w != 0; });
+  textures.upload_ms = drained_ms([&] {
+    const auto fill = [&](GLenum format, GLenum components, GLenum type, const void* data) {
+      Texture texture(format, g.width, g.height);
+      glTextureSubImage2D(texture.name(), 0, 0, 0, g.width, g.height, components, type, data);
+      textures.bytes += texture.bytes;
+      return texture;
+    };
+    textures.position = fill(GL_RGBA32F, GL_RGBA, GL_FLOAT, positions.data());
+    textures.normal = fill(GL_RGBA32F, GL_RGBA, GL_FLOAT, normals.data());
+    textures.ids = fill(GL_RG32UI, GL_RG_INTEGER, GL_UNSIGNED_INT, ids.data());
+  });
+  return textures;
+}
+
+/// Depth of the G-buffer's points on curved shapes; w is summed as in place().
+constexpr std::string_view shape_depth_fragment = R"(
+layout(binding = 0) uniform sampler2D gbuffer_position;
+layout(binding = 2) uniform usampler2D gbuffer_ids;
+layout(std430, binding = 0) readonly buffer IsCurved { uint is_curved[]; };
+uniform vec4 w_row;  // of clip_from_world
+uniform float near_plane;
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  uint mesh = texelFetch(gbuffer_ids, pixel, 0).x;  // plus one
+  if (mesh == 0 || is_curved[mesh - 1] == 0) discard;
+  vec3 point = texelFetch(gbuffer_position, pixel, 0).xyz;
+  precise float w = ((w_row.x * point.x + w_row.y * point.y) + w_row.z * point.z) + w_row.w;
+  gl_FragDepth = near_plane / w;
+}
+)";
+
+GBufferSlot& gbuffer_slot(const GBuffer& gbuffer, const Scene& scene) {
+  const std::uint64_t wanted = stamp(scene);
+  return find_or_make(
+      inputs().gbuffers, [&](const GBufferSlot& slot) { return slot.holds(gbuffer, wanted); },
+      [&] { return GBufferSlot{gbuffer.storage, gbuffer.px.data(), wanted, upload(gbuffer, scene), {}, {}}; });
+}
+
+}  // namespace
+
+GlLimits inputs_need(const Scene& scene, int width, int height) {
+  GlLimits needed{.texture_size = std::max(width, height)};
+  if (!scene.has_curved_shapes()) return needed;
+  needed.fragment_storage_blocks = needed.storage_bindings = 1;
+  needed.storage_block_bytes = static_cast<std::int64_t>(scene.meshes.size() * sizeof(std::uint32_t));
+  return needed;
+}
+
+const SceneBuffers& scene_buffers(const Scene& scene) {
+  const std::uint64_t wanted = stamp(scene);
+  const auto is_wanted = [&](const SceneSlot& slot) { return slot.stamp == wanted; };
+  return find_or_make(inputs().scenes, is_wanted, [&] { return SceneSlot{wanted, upload(scene)}; }).buffers;
+}
+
+const SceneBuffers* uploaded_scene(const Scene& scene) {
+  const auto found = std::ranges::find(inputs().scenes, stamp(scene), [](const auto& slot) { return slot->stamp; });
+  return found == inputs().scenes.end() ? nullptr : &(*found)->buffers;
+}
+
+void forget_scene(const Scene& scene) {
+  const std::uint64_t wanted = stamp(scene);
+  std::erase_if(inputs().scenes, [&](const auto& slot) { return slot->stamp == wanted; });
+  for (const auto& slot : inputs().gbuffers)
+    if (slot->scene_stamp == wanted) {
+      slot->depth = {};
+      slot->shape_depth = {};
+    }
+}
+
+std::uint64_t uploaded_scene_bytes() { return uploaded_bytes; }
+
+bool uses_depth_stencil(Truth sees) { return is_depth_used[static_cast<std::size_t>(sees)]; }
+
+UploadCost picture_uploads(const Scene& scene, const GBuffer& gbuffer) {
+  UploadCost cost;
+  for (const auto& slot : inputs().gbuffers)
+    if (slot->holds(gbuffer, stamp(scene)))
+      cost = {slot->textures.bytes + slot->depth.bytes + slot->shape_depth.bytes,
+              slot->textures.upload_ms + slot->depth.upload_ms + slot->shape_depth.upload_ms};
+  return cost;
+}
+
+const GBufferTextures& gbuffer_textures(const GBuffer& gbuffer, const Scene& scene) {
+  return gbuffer_slot(gbuffer, scene).textures;
+}
+
+glm::dmat4 clip_from_world(const GBuffer& gbuffer, const Scene& scene) {
+  return clip_from_world(gbuffer.view, gbuffer.width, gbuffer.height, gbuffer_textures(gbuffer, scene).near_plane);
+}
+
+const DepthStencil& depth_stencil(const Scene& scene, const GBuffer& gbuffer, Truth sees) {
+  is_depth_used[static_cast<std::size_t>(sees)] = true;
+  const bool shows_shapes = sees == Truth::shape && gbuffer.truth == Truth::shape && scene.has_curved_shapes();
+  GBufferSlot& slot = gbuffer_slot(gbuffer, scene);
+  DepthStencil& depth = shows_shapes ? slot.shape_depth : slot.depth;
+  if (depth.texture) return depth;
+  Program& program = inputs().depth_program;
+  Program& shape_program = inputs().shape_depth_program;
+  const SceneBuffers& buffers = scene_buffers(scene);
+  const std::string vertex = std::string(position_snippet) + "void main() { gl_Position = place(vec4(position, 1)); }";
+  if (!program) program = Program("depth of the view", vertex, "void main() {}");
+  if (shows_shapes && !shape_program)
+    shape_program = Program("depth of the shapes in view", full_screen_vertex, shape_depth_fragment);
+  std::vector<std::uint32_t> drawn, is_curved;
+  for (std::uint32_t i = 0; i < scene.meshes.size(); ++i) {
+    is_curved.push_back(scene.meshes[i].has_curved_shape());
+    if (!shows_shapes || !is_curved[i]) drawn.push_back(i);
+  }
+  depth.upload_ms = drained_ms([&] {
+    const StateGuard guard;
+    depth.texture = Texture(GL_DEPTH32F_STENCIL8, gbuffer.width, gbuffer.height);
+    const Framebuffer framebuffer = make_framebuffer();
+    glNamedFramebufferTexture(framebuffer.name(), GL_DEPTH_STENCIL_ATTACHMENT, depth.texture.name(), 0);
+    glClearNamedFramebufferfi(framebuffer.name(), GL_DEPTH_STENCIL, 0, 0.0f, 0);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
+    glViewport(0, 0, gbuffer.width, gbuffer.height);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_GREATER);
+    const glm::mat4 clip(clip_from_world(gbuffer, scene));
+    program.set("clip_from_world", clip);
+    glUseProgram(program.name());
+    buffers.draw(drawn);
+    if (!shows_shapes) return;
+    const Buffer curved(is_curved.data(), is_curved.size() * 4);
+    glDepthFunc(GL_ALWAYS);
+    bind_gbuffer(slot.textures);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, curved.name());
+    shape_program.set("w_row", glm::vec4(clip[0].w, clip[1].w, clip[2].w, clip[3].w));
+    shape_program.set("near_plane", static_cast<float>(slot.textures.near_plane));
+    glUseProgram(shape_program.name());
+    draw_full_screen();
+  });
+  depth.bytes = depth.texture.bytes;
+  return depth;
+}
+
+void release_inputs() {
+  inputs() = {};
+  release_passes();
+}
+
+void SceneBuffers::draw(const std::vector<std::uint32_t>& which) const {
+  std::vector<GLsizei> counts;
+  std::vector<const void*> offsets;
+  for (std::size_t i = 0, j; i < which.size(); i = j) {
+    const std::uint32_t first = meshes[which[i]].first_triangle;
+    std::uint32_t end = first;
+    for (j = i; j < which.size() && meshes[which[j]].first_triangle == end; ++j) end += meshes[which[j]].triangle_count;
+    counts.push_back(static_cast<GLsizei>(3 * (end - first)));
+    offsets.push_back(reinterpret_cast<const void*>(std::uintptr_t(first) * sizeof(glm::uvec3)));
+  }
+  if (counts.empty()) return;
+  glBindVertexArray(vertex_array.name());
+  glMultiDrawElements(GL_TRIANGLES, counts.data(), GL_UNSIGNED_INT, offsets.data(), static_cast<GLsizei>(counts.size()));
+  glBindVertexArray(0);
+}
+
+}  // namespace gnomon

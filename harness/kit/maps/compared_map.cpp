@@ -1,0 +1,222 @@
+#include <gnomon/kit/maps/compared_map.h>
+#include <gnomon/kit/maps/light_layers.h>
+
+namespace gnomon {
+
+namespace {
+
+/// With EXPLAIN it writes where it would look, in texels, and the layer of the image, instead of the visibility.
+constexpr std::string_view compare_body = R"(
+#ifdef EXPLAIN
+layout(location = 0) out vec4 looked_up;
+#else
+layout(location = 0) out float visibility;
+#endif
+void main() {
+  ComparedPoint point = ask(position_here(), normal_here());
+#ifdef EXPLAIN
+  looked_up = vec4(point.position, light_facts.x, 0);
+#else
+  visibility = compared(point);
+#endif
+}
+)";
+
+}  // namespace
+
+ComparedMap::ComparedMap(const Defaults& defaults)
+    : resolution{this,           "resolution",
+                 1024,           {.unit = "texel", .min = 64, .max = 8192, .log = true},
+                 Stage::relight, "Side of a square depth image (of each cube face for point lights)."},
+      bias{this,
+           "bias",
+           defaults.bias,
+           {"constant", "slope", "normal_offset", "receiver_plane"},
+           Stage::setup,
+           "What is added to depth_bias: nothing, a slope-scaled bias, a normal offset, or the receiver's own plane."},
+      depth_bias{this,
+                 "depth_bias",
+                 defaults.depth_bias,
+                 {.unit = "texel", .min = 0, .max = 64},
+                 Stage::resolve,
+                 "Constant depth bias along the image's axis, in every mode, in world widths of a texel at the point."},
+      slope_bias{this,
+                 "slope_bias",
+                 defaults.slope_bias,
+                 {.unit = "half texel diagonal", .min = 0, .max = 16},
+                 Stage::resolve,
+                 "Slope-scaled bias, times the tangent of the angle between normal and light; for bias=slope."},
+      normal_offset{this,
+                    "normal_offset",
+                    1.5,
+                    {.unit = "texel", .min = 0, .max = 16},
+                    Stage::relight,
+                    "How far the look-up point is moved along the normal; for bias=normal_offset."},
+      filter{this,
+             "filter",
+             "nearest",
+             {"nearest", "pcf", "disc", "bilinear"},
+             Stage::setup,
+             "One comparison, or the mean of several (percentage-closer filtering): of (2 filter_radius + 1)^2 texels, of a "
+             "disc around the point, or of the four nearest with the weights of graphics cards."},
+      filter_radius{this,
+                    "filter_radius",
+                    1,
+                    {.unit = "texel", .min = 1, .max = 8},
+                    Stage::relight,
+                    "Half the side of the square beside its middle texel, less half a texel the disc's radius; for filter=pcf "
+                    "and disc."} {}
+
+MapComparison ComparedMap::comparison() const {
+  const MapFilter used{MapFilter::Kind(filter.index()), filter_radius};
+  const double reach = used.reach();
+  return {.bias = MapComparison::Bias(bias.index()),
+          .depth_bias = reach * depth_bias,
+          .slope_bias = reach * slope_bias,
+          .normal_offset = reach * normal_offset,
+          .filter = used};
+}
+
+Program ComparedMap::resolve_program(LightProjection projection, bool explains) const {
+  return pass_program(
+      fmt::format("{} {}", id(), explains ? "explain" : "resolve"), comparison_constants(projection, images()),
+      fmt::format("{}{}{}{}{}{}{}", explains ? "#define EXPLAIN\n" : "", light_map_head(projection, images()),
+                  comparison_head(comparison()), gbuffer_snippet, light_map_snippet, comparison_snippet, compare_body));
+}
+
+void ComparedMap::setup() {
+  made_->depth_images.setup();
+  for (int i = 0; i < light_projection_count; ++i) {
+    made_->explain_programs[i].reset();
+    // Slices and warps are of one image: a cube has none.
+    if (images() == LightImages::faces || LightProjection(i) != LightProjection::cube)
+      made_->resolve_programs[i] = resolve_program(LightProjection(i), false);
+  }
+  if (stored_depth().is_combined()) made_->combination.setup(stored_depth().kind);
+  made_->framebuffer = make_framebuffer();
+  warm_up(*this);
+}
+
+void ComparedMap::build(const Scene& scene) {
+  made_->scene = &scene;
+  made_->depth_images.build(scene);
+}
+
+void ComparedMap::relight(const Light& light) {
+  const StateGuard guard;
+  light_ = light;
+  std::optional<LightCamera> camera = fitted_to_scene(light, made_->depth_images.boxes(), comparison().margin());
+  draws_in_resolve_ = !camera;
+  if (camera) draw_images(std::move(*camera));
+  glFinish();
+}
+
+void ComparedMap::draw_images(LightCamera&& camera) {
+  if (made_->read_of == this) made_->read_of = nullptr;
+  camera_ = std::move(camera);
+  DepthImages& depth_images = made_->depth_images;
+  const StoredDepth stored = stored_depth();
+  drawn_triangles_ =
+      depth_images.draw(camera_, first_, stored.needs_second() ? DepthImages::Faces::all : DepthImages::Faces::lit);
+  if (stored.needs_second()) drawn_triangles_ += depth_images.draw_second(camera_, first_, second_);
+  if (stored.is_combined()) made_->combination.run(camera_, stored, first_, second_, combined_);
+}
+
+void ComparedMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
+  const StateGuard guard;
+  gbuffer_ = &gbuffer;
+  if (made_->read_of == this) made_->read_look_ups.clear();
+  if (draws_in_resolve_) draw_images(fitted_to_view(light_, made_->depth_images.boxes(), gbuffer, comparison().margin()));
+  look_up(made_->resolve_programs[int(projection())], mask.texture());
+  glFinish();
+}
+
+void ComparedMap::look_up(const Program& p, unsigned target) const {
+  set_comparison(p, light_, camera_, comparison());
+  const GBufferTextures& textures = gbuffer_textures(*gbuffer_, *made_->scene);
+  bind_gbuffer(textures);
+  glBindTextureUnit(3, map().name());
+  begin_mask(made_->framebuffer, target, textures);
+  glUseProgram(p.name());
+  draw_receivers(textures);
+}
+
+Counts ComparedMap::counts() const {
+  const StoredDepth stored = stored_depth();
+  const int images = 1 + stored.needs_second() + stored.is_combined();
+  const double texels = double(resolution) * resolution * camera_.layer_count * images;
+  const double bytes = double(images * first_.bytes) + made_.own(double(made_->depth_images.bytes()));
+  return {{"texels", texels, "texel"},
+          {"faces", double(camera_.layer_count), ""},
+          {"triangles", double(drawn_triangles_), ""},
+          {"bytes", bytes, "byte"}};
+}
+
+void ComparedMap::start_questions() const {
+  if (made_->read_of == this) return;
+  made_->read_of = this;
+  made_->read_depths.clear();
+  made_->read_look_ups.clear();
+}
+
+const std::vector<float>& ComparedMap::depths() const {
+  start_questions();
+  if (made_->read_depths.empty()) made_->read_depths = read_texels<float>(map(), GL_DEPTH_COMPONENT);
+  return made_->read_depths;
+}
+
+// By the very shader: next to a border of texels, or of images, float32 decides.
+ComparedMap::Place ComparedMap::looked_up(std::size_t index) const {
+  start_questions();
+  if (made_->read_look_ups.empty()) {
+    const StateGuard guard;
+    auto& program = made_->explain_programs[int(projection())];
+    if (!program) program = resolve_program(projection(), true);
+    const Texture texels(GL_RGBA32F, gbuffer_->width, gbuffer_->height);
+    look_up(*program, texels.name());
+    made_->read_look_ups = read_texels<glm::vec3>(texels, GL_RGB);
+    glNamedFramebufferTexture(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, 0, 0);
+  }
+  const glm::dvec3 found = made_->read_look_ups[index];
+  const auto image = std::ranges::find(camera_.images, static_cast<int>(found.z), &LightImage::layer);
+  const bool is_drawn = image != camera_.images.end() && found.x > -1e5;  // see set_light_camera
+  return {is_drawn ? &*image : nullptr, glm::dvec2(found)};
+}
+
+/// The mask of the last resolve, once more.
+std::vector<float> ComparedMap::answer() const {
+  const StateGuard guard;
+  VisibilityMask mask(gbuffer_->width, gbuffer_->height);
+  look_up(made_->resolve_programs[int(projection())], mask.texture());
+  const std::span<const float> pixels = mask.read();
+  glNamedFramebufferTexture(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, 0, 0);
+  return {pixels.begin(), pixels.end()};
+}
+
+std::optional<Explanation> ComparedMap::explain(std::size_t index) const {
+  if (!faces_light(*made_->scene, *gbuffer_, light_, index)) return Explanation();
+  const auto [image, texel] = looked_up(index);
+  if (!image) return Explanation();
+  return explain_comparison({camera_, *image, depths()}, comparison(), gbuffer_->position(index), gbuffer_->normal(index),
+                            texel);
+}
+
+std::vector<DebugLayer> ComparedMap::debug_layers() const { return map_layers(images()); }
+
+std::vector<float> ComparedMap::draw_debug(std::string_view layer) const {
+  if (layer == "map") {
+    return paint_map(camera_, gbuffer_->width, gbuffer_->height,
+                     [&](std::size_t image) { return camera_.texels_of(camera_.images[image], depths()); });
+  }
+  if (layer != "texels") return Technique::draw_debug(layer);
+  std::vector<LookUp> look_ups(gbuffer_->size());
+  for (std::size_t i = 0; i < look_ups.size(); ++i) {
+    if (!faces_light(*made_->scene, *gbuffer_, light_, i)) continue;
+    const auto [image, texel] = looked_up(i);
+    const int number = image ? static_cast<int>(image - camera_.images.data()) : camera_.image_of(gbuffer_->position(i));
+    look_ups[i] = {number, image ? glm::ivec2(glm::floor(texel)) : glm::ivec2(-1)};
+  }
+  return paint_texels(camera_, *made_->scene, *gbuffer_, light_, look_ups, answer());
+}
+
+}  // namespace gnomon

@@ -1,0 +1,223 @@
+#include <gnomon/kit/maps/filtered_map.h>
+#include <gnomon/kit/maps/light_layers.h>
+
+#include <cmath>
+
+namespace gnomon {
+
+namespace {
+
+/// Depths of an image as what means are taken of. The head defines PROJECTION as 0 for parallel rays, and IS_TABLE.
+constexpr std::string_view encode_body = R"(
+layout(binding = 3) uniform sampler2DArray depths;
+#if IS_TABLE
+layout(location = 0) out uvec4 encoded;
+#else
+layout(location = 0) out vec4 encoded;
+#endif
+void main() {
+  float d = texelFetch(depths, ivec3(gl_FragCoord.xy, int(image.x)), 0).r, near = image.y, far = image.z;
+#if PROJECTION == 0
+  float t = 1 - d;
+#else
+  float t = d > 0 ? min((near / d - near) / (far - near), 1) : 1;
+#endif
+#if IS_TABLE
+  encoded = uvec4(clamp(encode(t) * to_one, 0, 1) * image.w + 0.5);
+#else
+  encoded = encode(t);
+#endif
+}
+)";
+
+constexpr std::string_view filter_body = R"(
+layout(location = 0) out float visibility;
+void main() {
+  vec4 position = position_here(), normal = normal_here();
+  vec3 v = position.xyz - light_origin;
+  choose_image(v);
+  vec3 place = in_image(v);
+  float width = light_facts.y;  // of a texel, meters
+#if PROJECTION != 0
+  place.xy /= place.z, width *= place.z;
+#endif
+  vec2 size = vec2(image_side);
+  bool inside = all(greaterThanEqual(place.xy, vec2(0))) && all(lessThan(place.xy, size));
+  float bias = look_up.x, leak_reduction = look_up.y;
+  float near = light_facts.z, far = light_facts.w, t = clamp((place.z - bias * width - near) / (far - near), 0, 1);
+  float lit = answer(mean_at(place, position.xyz, normal.xyz), t);
+  lit = clamp((lit - leak_reduction) / (1 - leak_reduction), 0, 1);
+  visibility = inside && faces_light_at(position, normal, v) ? lit : 1;
+}
+)";
+
+}  // namespace
+
+Support FilteredMap::supports(const Scene&, const Light& light, const View&) const {
+  const Prefilter filter = used_prefilter();
+  // The constants of the look-up, and the method's.
+  Support support = light_map_support(light, resolution, filter.margin(), 2 + prefilter_constant_count(filter.kind));
+  if (support) support = filter.supports(light, resolution);
+  if (support && has_table() && has_16_bits())
+    support = Support::unsupported("sums of a table need 32 bits: prefilter=table takes bits=32");
+  return support ? method_support() : support;
+}
+
+GLenum FilteredMap::format() const {
+  const Texel holds = texel();
+  const int k = holds.channels == 1 ? 0 : holds.channels == 2 ? 1 : 2;
+  if (has_table()) return std::array{GL_R32UI, GL_RG32UI, GL_RGBA32UI}[k];
+  if (!has_16_bits()) return std::array{GL_R32F, GL_RG32F, GL_RGBA32F}[k];
+  return holds.is_within_one ? std::array{GL_R16, GL_RG16, GL_RGBA16}[k] : std::array{GL_R16F, GL_RG16F, GL_RGBA16F}[k];
+}
+
+void FilteredMap::setup() {
+  const Method how = method();
+  const Prefilter filter = used_prefilter();
+  made_->depth_images.setup();
+  for (int k = 0; k < 2; ++k)
+    made_->encode_programs[k] = pass_program(
+        fmt::format("{} encode", id()), how.constants + "vec4 image; vec4 to_one;",
+        fmt::format("#define PROJECTION {}\n#define IS_TABLE {:d}\n{}{}", k, has_table(), how.encode, encode_body));
+  // The size of what is looked up: known sooner than the value of a uniform.
+  const std::string side = fmt::format("#define image_side textureSize({}, 0).xy\n", has_table() ? "light_sums" : "light_map");
+  for (int k = 0; k < light_projection_count; ++k) {
+    const LightProjection projection = LightProjection(k);
+    made_->resolve_programs[k] =
+        pass_program(fmt::format("{} resolve", id()),
+                     light_map_constants(projection) + prefilter_constants(filter.kind) + how.constants + "vec2 look_up;",
+                     fmt::format("{}{}{}{}{}{}{}", light_map_head(projection), gbuffer_snippet, light_map_snippet,
+                                 prefilter_snippet(filter.kind), how.answer, side, filter_body));
+  }
+  const ImageKind kind{.format = format(), .has_layers = true};
+  if (is_blurred()) made_->blur.setup(kind, filter.weights, filter.radius);
+  if (filter.kind == Prefilter::Kind::mips) made_->mips.setup(kind);
+  if (has_table()) made_->table.setup(kind);
+  made_->framebuffer = make_framebuffer();
+  warm_up(*this);
+}
+
+void FilteredMap::build(const Scene& scene) {
+  made_->scene = &scene;
+  made_->depth_images.build(scene);
+}
+
+void FilteredMap::relight(const Light& light) {
+  const StateGuard guard;
+  light_ = light;
+  if (fit.is("scene")) draw_images(fit_to_scene(light, made_->depth_images.boxes(), resolution, used_prefilter().margin()));
+  glFinish();
+}
+
+void FilteredMap::draw_images(LightCamera&& camera) {
+  if (made_->read_of == this) made_->read_of = nullptr;
+  camera_ = std::move(camera);
+  drawn_triangles_ = made_->depth_images.draw(camera_, depths_);
+  const Prefilter filter = used_prefilter();
+  const bool has_levels = filter.kind == Prefilter::Kind::mips;
+  means_.fit(format(), resolution, resolution, std::max(camera_.layer_count, 1), has_levels ? filter.last_level() + 1 : 1);
+  if (!has_table()) {
+    glTextureParameteri(means_.name(), GL_TEXTURE_MIN_FILTER, has_levels ? GL_LINEAR_MIPMAP_LINEAR : GL_LINEAR);
+    glTextureParameteri(means_.name(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  }
+  const Program& program = made_->encode_programs[camera_.space.is_parallel() ? 0 : 1];
+  set_constants(program);
+  program.set_if_used("to_one", texel().to_one);
+  glBindTextureUnit(3, depths_.name());
+  glUseProgram(program.name());
+  glBindFramebuffer(GL_FRAMEBUFFER, made_->framebuffer.name());
+  glViewport(0, 0, resolution, resolution);
+  for (const LightImage& image : camera_.images) {
+    if (image.layer < 0) continue;
+    glNamedFramebufferTextureLayer(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, means_.name(), 0, image.layer);
+    program.set_if_used("image", glm::vec4(image.layer, image.near, image.far, filter.whole()));
+    draw_full_screen();
+  }
+  glNamedFramebufferTexture(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, 0, 0);
+  if (is_blurred()) made_->blur.run(means_, means_);
+  if (has_levels) made_->mips.run(means_);
+  if (has_table()) made_->table.run(means_, means_);
+}
+
+void FilteredMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
+  const StateGuard guard;
+  gbuffer_ = &gbuffer;
+  if (fit.is("view"))
+    draw_images(fit_to_view(light_, made_->depth_images.boxes(), gbuffer, resolution, used_prefilter().margin()));
+  look_up(mask.texture());
+  glFinish();
+}
+
+void FilteredMap::look_up(unsigned target) const {
+  const GBufferTextures& textures = gbuffer_textures(*gbuffer_, *made_->scene);
+  const Program& program = made_->resolve_programs[static_cast<int>(projection_of(camera_))];
+  set_light_camera(program, light_, camera_);
+  set_constants(program);
+  program.set("look_up", glm::vec2(bias.value(), leak_reduction.value()));
+  set_prefilter(program, used_prefilter(), gbuffer_->view, gbuffer_->width, gbuffer_->height, texel().to_one);
+  bind_gbuffer(textures);
+  glBindTextureUnit(has_table() ? 4 : 3, means_.name());
+  begin_mask(made_->framebuffer, target, textures);
+  glUseProgram(program.name());
+  draw_receivers(textures);
+  glNamedFramebufferTexture(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, 0, 0);
+}
+
+Counts FilteredMap::counts() const {
+  const double texels = double(resolution) * resolution * camera_.layer_count;
+  // The blur's own image is as large as that which it blurs.
+  const double shared_bytes = double(made_->depth_images.bytes() + (is_blurred() ? means_.bytes : 0));
+  return {{"texels", texels, "texel"},
+          {"faces", double(camera_.layer_count), ""},
+          {"triangles", double(drawn_triangles_), ""},
+          {"bytes", double(depths_.bytes + means_.bytes) + made_.own(shared_bytes), "byte"}};
+}
+
+const std::vector<float>& FilteredMap::depths() const {
+  if (made_->read_of != this) made_->read_depths = read_texels<float>(depths_, GL_DEPTH_COMPONENT);
+  made_->read_of = this;
+  return made_->read_depths;
+}
+
+/// The taps are the texels whose means were looked up, each with its weight.
+std::optional<Explanation> FilteredMap::explain(std::size_t index) const {
+  if (!faces_light(*made_->scene, *gbuffer_, light_, index)) return Explanation();
+  const glm::dvec3 point = gbuffer_->position(index);
+  const LightImage& image = camera_.images[camera_.space.face_of(point)];
+  if (image.layer < 0) return Explanation();  // nothing casts there
+  const glm::dvec2 place = image.texel_of(image.place_of(point));
+  const Camera camera(gbuffer_->view, gbuffer_->width, gbuffer_->height);
+  const glm::dmat2 pixel = pixel_on_image(image, camera, point, gbuffer_->normal(index));
+  Explanation why;
+  why.texel_width = image.largest_texel(image.seen(point));
+  why.bias = bias * why.texel_width * image.stretch(point);
+  why.covered = camera_.holds(glm::ivec2(glm::floor(place)));
+  for (const auto& [texel, weight] : used_prefilter().texels(place, pixel, resolution))
+    why.taps.push_back(camera_.tap(image, depths(), texel, weight));
+  return why;
+}
+
+std::vector<DebugLayer> FilteredMap::debug_layers() const { return map_layers(); }
+
+std::vector<float> FilteredMap::draw_debug(std::string_view layer) const {
+  if (layer == "map")
+    return paint_map(camera_, gbuffer_->width, gbuffer_->height,
+                     [&](std::size_t face) { return camera_.texels_of(camera_.images[face], depths()); });
+  if (layer != "texels") return Technique::draw_debug(layer);
+  std::vector<LookUp> look_ups(gbuffer_->size());
+  for (std::size_t i = 0; i < look_ups.size(); ++i) {
+    if (!faces_light(*made_->scene, *gbuffer_, light_, i)) continue;
+    const int face = camera_.space.face_of(gbuffer_->position(i));
+    const LightImage& image = camera_.images[face];
+    const glm::dvec2 place = image.texel_of(image.place_of(gbuffer_->position(i)));
+    look_ups[i] = {face, image.layer < 0 ? glm::ivec2(-1) : glm::ivec2(glm::floor(place))};
+  }
+  VisibilityMask mask(gbuffer_->width, gbuffer_->height);
+  {
+    const StateGuard guard;
+    look_up(mask.texture());
+  }
+  return paint_texels(camera_, *made_->scene, *gbuffer_, light_, look_ups, mask.read());
+}
+
+}  // namespace gnomon

@@ -1,0 +1,350 @@
+#include <embree3/rtcore.h>
+#include <gnomon/error.h>
+#include <gnomon/kit/geometry/contour.h>
+#include <gnomon/kit/geometry/edges.h>
+#include <gnomon/kit/rays/rays.h>
+#include <gnomon/kit/vectorized.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <mutex>
+#include <optional>
+
+#include "kit/rays/ray_frame.h"
+#include "kit/rays/shape_rays.h"
+
+namespace gnomon {
+
+static_assert(sizeof(ShadowPacket) == sizeof(RTCRay16) && offsetof(ShadowPacket, tfar) == offsetof(RTCRay16, tfar) &&
+              offsetof(ShadowPacket, id) == offsetof(RTCRay16, id));
+
+/// A geometry of Embree that stands for a mesh with an exact curved shape.
+struct ShapeGeometry {
+  Shape shape;
+  std::uint32_t mesh;
+};
+
+namespace {
+
+/// What the filter and the shape callbacks see beside Embree's own context; ray ids are lane numbers.
+struct Context {
+  RTCIntersectContext embree = {};
+  Receivers receivers = {};  ///< none: exact curved shapes let all through
+};
+
+bool count_memory(void* sum, ssize_t bytes, bool) {
+  *static_cast<std::atomic<std::int64_t>*>(sum) += bytes;
+  return true;
+}
+
+void exclude_receiver(const RTCFilterFunctionNArguments* args) {
+  const auto& receivers = reinterpret_cast<const Context*>(args->context)->receivers;
+  for (unsigned lane = 0; lane < args->N; ++lane) {
+    if (args->valid[lane] == 0) continue;
+    const unsigned id = RTCRayN_id(args->ray, args->N, lane);
+    if (RTCHitN_geomID(args->hit, args->N, lane) == receivers.mesh[id] &&
+        RTCHitN_primID(args->hit, args->N, lane) == receivers.triangle[id])
+      args->valid[lane] = 0;
+  }
+}
+
+struct LaneRay {
+  glm::dvec3 origin, direction;
+  double tnear, tfar;
+};
+
+LaneRay lane_ray(RTCRayN* rays, unsigned count, unsigned lane) {
+  return {{RTCRayN_org_x(rays, count, lane), RTCRayN_org_y(rays, count, lane), RTCRayN_org_z(rays, count, lane)},
+          {RTCRayN_dir_x(rays, count, lane), RTCRayN_dir_y(rays, count, lane), RTCRayN_dir_z(rays, count, lane)},
+          RTCRayN_tnear(rays, count, lane),
+          RTCRayN_tfar(rays, count, lane)};
+}
+
+/// What `exclude_doubtful` sees: the rays, as they are traced, and where in the scene they go. It notes the rays in `doubtful`.
+struct DoubtContext : Context {
+  const Scene& scene;
+  double scale, clearance;
+  std::array<float, 16> tnear, tfar;
+  std::uint32_t doubtful = 0;
+};
+
+/// Whether a ray goes through a triangle with so much room on all sides that its float32 numbers leave no doubt.
+bool is_clear(const LaneRay& ray, const glm::dvec3 (&corner)[3], double clearance) {
+  const glm::dvec3 v[3] = {corner[0] - ray.origin, corner[1] - ray.origin, corner[2] - ray.origin};
+  double turn[3];
+  for (int k = 0; k < 3; ++k) {
+    const glm::dvec3 &from = v[k], &to = v[(k + 1) % 3];
+    turn[k] = glm::dot(glm::cross(from, to), ray.direction);
+    // Over the length on the right this is the distance of two lines.
+    if (!(std::abs(turn[k]) > clearance * glm::length(glm::cross(to - from, ray.direction)))) return false;
+  }
+  if ((turn[0] > 0) != (turn[1] > 0) || (turn[0] > 0) != (turn[2] > 0)) return false;
+  const glm::dvec3 normal = glm::cross(v[1] - v[0], v[2] - v[0]);
+  const double t = glm::dot(normal, v[0]) / glm::dot(normal, ray.direction), room = clearance / glm::length(ray.direction);
+  return t > std::max(ray.tnear + room, 4 * room) && t < ray.tfar - room;
+}
+
+void exclude_doubtful(const RTCFilterFunctionNArguments* args) {
+  exclude_receiver(args);
+  auto& context = static_cast<DoubtContext&>(*reinterpret_cast<Context*>(args->context));
+  for (unsigned lane = 0; lane < args->N; ++lane) {
+    if (args->valid[lane] == 0) continue;
+    const unsigned id = RTCRayN_id(args->ray, args->N, lane);
+    const Mesh& mesh = context.scene.meshes[RTCHitN_geomID(args->hit, args->N, lane)];
+    const Triangle triangle = mesh.corners(RTCHitN_primID(args->hit, args->N, lane));
+    glm::dvec3 corner[3];
+    for (int k = 0; k < 3; ++k) corner[k] = context.scale * glm::dvec3(triangle.points[k]);
+    LaneRay ray = lane_ray(args->ray, args->N, lane);
+    ray.tnear = context.tnear[id];
+    ray.tfar = context.tfar[id];
+    if (is_clear(ray, corner, context.clearance)) continue;
+    context.doubtful |= 1u << id;
+    args->valid[lane] = 0;
+  }
+}
+
+void shape_bounds(const RTCBoundsFunctionArguments* args) {
+  const Bounds box = shape_bounds(static_cast<const ShapeGeometry*>(args->geometryUserPtr)->shape);
+  *args->bounds_o = {box.min.x, box.min.y, box.min.z, 0, box.max.x, box.max.y, box.max.z, 0};
+}
+
+/// Lanes as Embree takes them: -1 is on.
+GNOMON_VECTORIZED void lanes_from_bits(std::uint32_t valid, int* lanes) {
+  for (int lane = 0; lane < 16; ++lane) lanes[lane] = valid & 1u << lane ? -1 : 0;
+}
+
+/// Makes the rays of lanes that are off empty. A processor that cannot trace 16 rays at once gets them as a stream, of which
+/// Embree traces every ray that has a length, whatever `lanes` says: numbers that nobody wrote would be a ray.
+GNOMON_VECTORIZED void empty_lanes(std::uint32_t valid, float* __restrict tnear, float* __restrict tfar) {
+  for (int lane = 0; lane < 16; ++lane) {
+    tnear[lane] = valid & 1u << lane ? tnear[lane] : 0;
+    tfar[lane] = valid & 1u << lane ? tfar[lane] : -1;
+  }
+}
+
+/// Embree sets tfar to minus infinity where something blocks.
+GNOMON_VECTORIZED std::uint32_t blocked_bits(const float* tfar) {
+  std::uint32_t blocked = 0;
+  for (int lane = 0; lane < 16; ++lane) blocked |= tfar[lane] < 0 ? 1u << lane : 0;
+  return blocked;
+}
+
+void intersect_shape(const RTCIntersectFunctionNArguments* args) {
+  const auto& geometry = *static_cast<const ShapeGeometry*>(args->geometryUserPtr);
+  RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, args->N);
+  RTCHitN* hits = RTCRayHitN_HitN(args->rayhit, args->N);
+  for (unsigned lane = 0; lane < args->N; ++lane) {
+    if (args->valid[lane] == 0) continue;
+    const LaneRay ray = lane_ray(rays, args->N, lane);
+    const ShapeHit hit = first_hit(geometry.shape, ray.origin, ray.direction, ray.tnear, ray.tfar);
+    if (!hit.found) continue;
+    RTCRayN_tfar(rays, args->N, lane) = static_cast<float>(hit.t);
+    RTCHitN_Ng_x(hits, args->N, lane) = static_cast<float>(hit.normal.x);
+    RTCHitN_Ng_y(hits, args->N, lane) = static_cast<float>(hit.normal.y);
+    RTCHitN_Ng_z(hits, args->N, lane) = static_cast<float>(hit.normal.z);
+    RTCHitN_geomID(hits, args->N, lane) = args->geomID;
+    RTCHitN_primID(hits, args->N, lane) = 0;
+    RTCHitN_instID(hits, args->N, lane, 0) = RTC_INVALID_GEOMETRY_ID;
+  }
+}
+
+/// A point of a convex body is never in that body's own shadow when its outward normal faces the light; when the eye, hence
+/// the normal, is inside, the body blocks where the ray leaves it. The ray offset decides: it is some times what rounding the
+/// point may move it, so the origin lies inside the receiver's own body exactly when the normal points inward.
+void occlude_shape(const RTCOccludedFunctionNArguments* args) {
+  const auto& geometry = *static_cast<const ShapeGeometry*>(args->geometryUserPtr);
+  const auto& receivers = reinterpret_cast<const Context*>(args->context)->receivers;
+  if (!receivers.mesh) return;
+  for (unsigned lane = 0; lane < args->N; ++lane) {
+    if (args->valid[lane] == 0) continue;
+    const LaneRay ray = lane_ray(args->ray, args->N, lane);
+    const bool is_own = receivers.mesh[RTCRayN_id(args->ray, args->N, lane)] == geometry.mesh;
+    if (is_own && !contains(geometry.shape, ray.origin)) continue;
+    if (first_hit(geometry.shape, ray.origin, ray.direction, ray.tnear, ray.tfar).found)
+      RTCRayN_tfar(args->ray, args->N, lane) = -INFINITY;
+  }
+}
+
+Shape scaled(const Shape& shape, double scale) {
+  const auto length = static_cast<float>(scale);
+  if (const auto* sphere = std::get_if<Sphere>(&shape)) return Sphere{sphere->center * length, sphere->radius * length};
+  if (const auto* disc = std::get_if<Disc>(&shape)) return Disc{disc->center * length, disc->normal, disc->radius * length};
+  const auto& cone = std::get<Cone>(shape);
+  return Cone{cone.base * length, cone.axis, cone.radius * length, cone.height * length};
+}
+
+/// Whether anything blocks the rays, hits that the filter excludes left out; bit k is ray k.
+std::uint32_t trace(RTCScene scene, std::uint32_t valid, ShadowPacket& packet, Context& context, RTCFilterFunctionN filter) {
+  rtcInitIntersectContext(&context.embree);
+  context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  context.embree.filter = filter;
+  alignas(64) int lanes[16];
+  lanes_from_bits(valid, lanes);
+  empty_lanes(valid, packet.tnear.data(), packet.tfar.data());
+  rtcOccluded16(lanes, scene, &context.embree, reinterpret_cast<RTCRay16*>(&packet));
+  return blocked_bits(packet.tfar.data()) & valid;
+}
+
+}  // namespace
+
+struct RayScene::Body {
+  const Scene* source = nullptr;
+  Truth truth = Truth::shape;
+  Which which = Which::all;
+  double scale = 1;                     ///< of the world to the frame that is traced
+  std::atomic<std::int64_t> bytes = 0;  ///< Embree counts them per device, so every RayScene has one of its own
+  std::optional<std::int64_t> bytes_of_one_thread;
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+  std::vector<std::unique_ptr<ShapeGeometry>> shapes;
+  std::once_flag is_joined;
+  EdgeAdjacency adjacency;
+  ~Body() {
+    rtcReleaseScene(scene);
+    rtcReleaseDevice(device);
+  }
+};
+
+RayScene::RayScene(const Scene& scene, Truth truth, Which which) : body_(std::make_shared<Body>()) {
+  body_->source = &scene;
+  body_->truth = truth;
+  body_->which = which;
+  body_->device = rtcNewDevice("verbose=0");
+  if (!body_->device) throw Error("Embree cannot start: error {}", static_cast<int>(rtcGetDeviceError(nullptr)));
+  rtcSetDeviceMemoryMonitorFunction(body_->device, count_memory, &body_->bytes);
+  body_->scene = rtcNewScene(body_->device);
+  body_->scale = traced_scale(scene);
+  rtcSetSceneFlags(body_->scene, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
+  for (std::uint32_t index = 0; index < scene.meshes.size(); ++index) {
+    const Mesh& mesh = scene.meshes[index];
+    if (which == Which::casters && !mesh.casts) continue;
+    RTCGeometry geometry;
+    if (truth == Truth::shape && mesh.has_curved_shape()) {
+      body_->shapes.push_back(std::make_unique<ShapeGeometry>(ShapeGeometry{scaled(*mesh.shape, body_->scale), index}));
+      geometry = rtcNewGeometry(body_->device, RTC_GEOMETRY_TYPE_USER);
+      rtcSetGeometryUserPrimitiveCount(geometry, 1);
+      rtcSetGeometryUserData(geometry, body_->shapes.back().get());
+      rtcSetGeometryBoundsFunction(geometry, shape_bounds, nullptr);
+      rtcSetGeometryIntersectFunction(geometry, intersect_shape);
+      rtcSetGeometryOccludedFunction(geometry, occlude_shape);
+    } else {
+      if (mesh.triangles.empty()) continue;
+      geometry = rtcNewGeometry(body_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+      // Embree reads 16 bytes per vertex, so positions are copied into a buffer that it pads.
+      auto* vertices = static_cast<glm::vec3*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                                       sizeof(glm::vec3), mesh.positions.size()));
+      std::ranges::transform(mesh.positions, vertices,
+                             [&](const glm::vec3& p) { return glm::vec3(body_->scale * glm::dvec3(p)); });
+      rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
+                                 sizeof(glm::uvec3), mesh.triangles.size());
+    }
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(body_->scene, geometry, index);
+    rtcReleaseGeometry(geometry);
+  }
+  rtcCommitScene(body_->scene);
+  if (const RTCError code = rtcGetDeviceError(body_->device); code != RTC_ERROR_NONE)
+    throw Error("Embree cannot build the scene {}: error {}", scene.name, static_cast<int>(code));
+}
+
+RayScene::Hit RayScene::closest(const glm::dvec3& origin, const glm::dvec3& direction) const {
+  const glm::dvec3 start = body_->scale * origin;
+  if (body_->scale != 1 && !(extent(start) < too_far)) return {};
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRayHit query{};
+  query.ray.org_x = static_cast<float>(start.x);
+  query.ray.org_y = static_cast<float>(start.y);
+  query.ray.org_z = static_cast<float>(start.z);
+  query.ray.dir_x = static_cast<float>(direction.x);
+  query.ray.dir_y = static_cast<float>(direction.y);
+  query.ray.dir_z = static_cast<float>(direction.z);
+  query.ray.tfar = INFINITY;
+  query.ray.mask = 0xffffffffu;
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(body_->scene, &context, &query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+  return {query.hit.geomID, query.hit.primID, glm::normalize(glm::dvec3(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z)),
+          query.ray.tfar / body_->scale};
+}
+
+std::vector<RayScene::Met> RayScene::met(const glm::dvec3& origin, const glm::dvec3& way) const {
+  struct Search : Context {
+    std::vector<Met> found;
+  } search;
+  rtcInitIntersectContext(&search.embree);
+  search.embree.filter = [](const RTCFilterFunctionNArguments* args) {
+    const auto* hit = reinterpret_cast<const RTCHit*>(args->hit);  // one ray
+    static_cast<Search*>(reinterpret_cast<Context*>(args->context))->found.push_back({hit->geomID, hit->primID});
+    args->valid[0] = 0;
+  };
+  const glm::dvec3 start = body_->scale * origin;
+  if (!(extent(start) < too_far)) return {};
+  const double length = glm::length(way);
+  const glm::dvec3 direction = way / length;
+  RTCRay ray{};
+  ray.org_x = static_cast<float>(start.x);
+  ray.org_y = static_cast<float>(start.y);
+  ray.org_z = static_cast<float>(start.z);
+  ray.dir_x = static_cast<float>(direction.x);
+  ray.dir_y = static_cast<float>(direction.y);
+  ray.dir_z = static_cast<float>(direction.z);
+  ray.tfar = static_cast<float>(body_->scale * length);
+  ray.mask = 0xffffffffu;
+  rtcOccluded1(body_->scene, &search.embree, &ray);
+  return search.found;
+}
+
+std::uint32_t RayScene::occluded(std::uint32_t valid, ShadowPacket& packet, const Receivers& receivers) const {
+  if (body_->scale != 1 || is_short(valid, packet)) valid &= into_frame(packet, body_->scale);
+  Context context{.receivers = receivers};
+  return trace(body_->scene, valid, packet, context, exclude_receiver);
+}
+
+RayScene::Blocked RayScene::blocked(std::uint32_t valid, ShadowPacket& packet, const Receivers& receivers,
+                                    double clearance) const {
+  if (body_->scale != 1 || is_short(valid, packet)) valid &= into_frame(packet, body_->scale);
+  DoubtContext context{{.receivers = receivers}, *body_->source, body_->scale,
+                       body_->scale * clearance, packet.tnear,   packet.tfar};
+  const std::uint32_t clearly = trace(body_->scene, valid, packet, context, exclude_doubtful);
+  return {clearly | (context.doubtful & valid), clearly};
+}
+
+const EdgeAdjacency& RayScene::adjacency() const {
+  std::call_once(body_->is_joined, [&] {
+    Scene traced;
+    traced.meshes = body_->source->meshes;
+    for (Mesh& mesh : traced.meshes) mesh.casts &= body_->truth == Truth::mesh || !mesh.has_curved_shape();
+    body_->adjacency = EdgeAdjacency(traced);
+  });
+  return body_->adjacency;
+}
+
+// Embree's allocator gives blocks to the threads that take part in a build, and how many of them do is open.
+std::size_t RayScene::bytes() const {
+  if (!body_->bytes_of_one_thread) {
+    const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+    const RayScene again(*body_->source, body_->truth, body_->which);
+    body_->bytes_of_one_thread = again.body_->bytes.load();
+  }
+  return static_cast<std::size_t>(*body_->bytes_of_one_thread);
+}
+
+std::string RayScene::description() const {
+  // The widest packet that Embree traces at once tells the instruction set it chose: 16 AVX-512, 8 AVX or AVX2, 4 SSE.
+  int width = 4;
+  if (rtcGetDeviceProperty(body_->device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED)) width = 8;
+  if (rtcGetDeviceProperty(body_->device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) width = 16;
+  std::string text =
+      fmt::format("Embree {}, {} rays at once, robust; receiver's triangle excluded, origin lifted by 8 * 2^-24 * max|P|",
+                  RTC_VERSION_STRING, width);
+  if (body_->scale != 1) text += fmt::format("; traced at 2^{} of its size", std::ilogb(body_->scale));
+  return text;
+}
+RTCSceneTy* RayScene::handle() const { return body_->scene; }
+
+double ray_offset(const glm::vec3& p) { return 8 * 0x1p-24 * extent(p); }
+
+}  // namespace gnomon

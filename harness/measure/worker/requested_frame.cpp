@@ -1,0 +1,45 @@
+#include "measure/worker/requested_frame.h"
+
+#include <gnomon/error.h>
+
+#include "measure/scene/motion.h"
+
+namespace gnomon {
+
+void check_size(int width, int height) {
+  for (const auto& [name, side] : {std::pair("width", width), std::pair("height", height)})
+    if (side < 1 || side > 16384) throw Error("a frame's {} = {} is outside 1 .. 16384 pixels", name, side);
+}
+
+Scene scene_in(const std::string& file) { return scene_from_bytes(MappedFile::open(file)->bytes()); }
+
+RequestedFrame requested_frame(const GoRequest& request, const Scene& scene) {
+  check_size(request.width, request.height);
+  RequestedFrame requested{.key = {.view = {}, .width = request.width, .height = request.height, .truth = request.truth},
+                           .lights = {},
+                           .lit_by = {}};
+  if (request.light_and_view) {
+    Scene holder = scene_in(*request.light_and_view);
+    requested.lights = holder.lights;
+    requested.key.view = holder.views.at(0);
+    holder.views.clear();
+    requested.lit_by = content_hash(scene_bytes(holder));
+    requested.is_free = true;
+  } else {
+    requested.key.view = scene.views.at(request.view);
+    for (const std::size_t number : request.lights) {
+      requested.lights.push_back(scene.lights.at(number));
+      requested.lit_by += requested.lights.back().name + "+";
+    }
+  }
+  if (requested.lights.empty()) throw Error("a frame has no light");
+  if (request.path.empty() || request.light_and_view) return requested;
+  const Path path = find_path(scene, request.path, requested.lights.front(), requested.key.view);
+  if (path.moves == Path::Moves::light && requested.lights.size() > 1) throw Error("a path moves one light");
+  requested.lights.front() = light_at(path, requested.lights.front(), request.frame);
+  requested.key.view = view_at(path, requested.key.view, request.frame);
+  if (path.moves == Path::Moves::light) requested.lit_by += fmt::format(" {} {}", request.path, request.frame);
+  return requested;
+}
+
+}  // namespace gnomon

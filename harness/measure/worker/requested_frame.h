@@ -1,0 +1,22 @@
+#pragma once
+#include "measure/frame/frame.h"
+#include "measure/worker/protocol.h"
+
+namespace gnomon {
+
+/// A frame as a request to a worker describes it.
+struct RequestedFrame {
+  FrameKey key;
+  std::vector<Light> lights;
+  std::string lit_by;    ///< differs between any two choices of lights: relight is out of date when it changes
+  bool is_free = false;  ///< light and view need not be the scene's
+};
+
+/// Throws Error when a picture cannot be so large.
+void check_size(int width, int height);
+/// Throws Error, or what containers throw, on a request that makes no sense.
+RequestedFrame requested_frame(const GoRequest& request, const Scene& scene);
+/// The scene in a file of scene_bytes.
+Scene scene_in(const std::string& file);
+
+}  // namespace gnomon
