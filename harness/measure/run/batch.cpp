@@ -276,12 +276,12 @@ class Batch {
   /// over 0.5 s are timed once per process.
   TimingTask warm_up(PendingRow& row, Stage stage, OtherSamples& others) {
     WorkerClient& worker = workers_[row.contender]->client();
-    const double last = warmed_up_ms(worker, stage, suite_.warmups);
+    const double least = warmed_up_ms(worker, stage, suite_.warmups);
     TimingTask task;
-    task.repetitions = last > 500 ? 1 : suite_.repetitions;
+    task.repetitions = least > 500 ? 1 : suite_.repetitions;
     // The first process says how many calls a repetition averages, so that all repetitions of the row are alike.
     std::uint64_t& iterations = row.record.iterations[std::string(name(stage))];
-    if (iterations == 0) iterations = static_cast<std::uint64_t>(iterations_for(last));
+    if (iterations == 0) iterations = static_cast<std::uint64_t>(iterations_for(least));
     task.iterations = static_cast<int>(iterations);
     task.milliseconds = [&worker, stage, &others](int count) {
       const double ms = worker.time(stage, count);

@@ -3,6 +3,7 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "measure/notice.h"
 
@@ -47,7 +48,10 @@ void run_task(benchmark::State& state, TimingTask& task) {
 
 }  // namespace
 
-int iterations_for(double ms) { return std::clamp(static_cast<int>(2 / std::max(ms, 1e-3)), 1, 50); }
+int iterations_for(double ms) {
+  constexpr double wanted_ms = 2, most = 64;
+  return static_cast<int>(std::clamp(std::exp2(std::round(std::log2(wanted_ms / std::max(ms, 1e-3)))), 1.0, most));
+}
 
 void time_interleaved(std::vector<TimingTask>& tasks) {
   [[maybe_unused]] static const bool is_initialized = [] {

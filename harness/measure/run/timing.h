@@ -20,7 +20,8 @@ struct TimingTask {
   std::string failure;                      ///< out: why there are no more samples
 };
 
-/// Iterations of a repetition of a stage that takes `ms`: as many as take two milliseconds together, 1 .. 50.
+/// Iterations of a repetition of a stage that takes `ms`: the power of two that takes about two milliseconds, 1 .. 64. A power
+/// of two, so that runs whose first call took a little longer or shorter choose the same number.
 int iterations_for(double ms);
 
 /// Times all tasks with Google Benchmark, repetitions of different tasks interleaved at random. Times are manual: what the

@@ -26,13 +26,14 @@ void settle(WorkerClient& worker, Stage stage) {
 
 double warmed_up_ms(WorkerClient& worker, Stage stage, int warmups) {
   constexpr double most_ms = 300;
-  double last = 0, sum = 0;
+  double least = 0, sum = 0;
   for (int k = 0; k < warmups && sum < most_ms; ++k) {
-    last = worker.time(stage);
-    sum += last;
+    const double ms = worker.time(stage);
+    least = k == 0 ? ms : std::min(least, ms);
+    sum += ms;
   }
   if (warmups > 0 && worker.other_clocks().device) settle(worker, stage);
-  return last;
+  return least;
 }
 
 Record::FloorTimes floor_times(WorkerClient& worker, int repetitions) {

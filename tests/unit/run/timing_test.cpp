@@ -45,11 +45,14 @@ TEST(timing, a_sample_is_the_mean_of_its_iterations_as_the_task_reports_them) {
 }
 
 TEST(timing, short_stages_are_repeated_for_two_milliseconds_up_to_50_times) {
-  EXPECT_EQ(iterations_for(0), 50);
-  EXPECT_EQ(iterations_for(0.01), 50);
+  EXPECT_EQ(iterations_for(0), 64);
+  EXPECT_EQ(iterations_for(0.01), 64);
   EXPECT_EQ(iterations_for(0.125), 16);
-  EXPECT_EQ(iterations_for(0.6), 3);
-  EXPECT_EQ(iterations_for(1.1), 1);
+  EXPECT_EQ(iterations_for(0.1), 16);   // 2 / 0.1 = 20, nearer to 16 than to 32 by ratio
+  EXPECT_EQ(iterations_for(0.15), 16);  // 13.3
+  EXPECT_EQ(iterations_for(0.6), 4);    // 3.3
+  EXPECT_EQ(iterations_for(1.1), 2);
+  EXPECT_EQ(iterations_for(1.5), 1);
   EXPECT_EQ(iterations_for(1e6), 1);
 }
 
