@@ -1,24 +1,23 @@
 # Writes gnomon_commit.h when commit or sources have changed; run at every build.
 #
-# GNOMON_COMMIT: a tree that is not what the commit holds is "-dirty": changed files, and new ones that git does not know in the
-# folders from which the build takes every file that it finds.
+# GNOMON_COMMIT: "-dirty" behind it where what the program is built from is not what the commit holds: files are changed, or new in
+# folders from which the build takes every file that it finds. Changes of pages, tests and results make no other program.
 # GNOMON_SOURCES: hash of all sources by which a row is measured but those of techniques: contract, kit, device, measuring.
 # GNOMON_TECHNIQUE_SOURCES: {"ID", "hash"} of each technique's file and of its folder, where it has one.
 # GNOMON_CHANGES: bytes, each with a comma behind it, of what a dirty tree differs by from its commit: `git diff`, new files whole.
 set(git ${CMAKE_COMMAND} -E env GIT_OPTIONAL_LOCKS=0 git -C ${SOURCE})
 set(built techniques scenes harness bench/suites)
-execute_process(COMMAND ${git} describe --always --dirty --abbrev=10 OUTPUT_VARIABLE commit
+set(described CMakeLists.txt CMakePresets.json)
+execute_process(COMMAND ${git} describe --always --abbrev=10 OUTPUT_VARIABLE commit
   OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE failed)
 set(changes)
 if(failed)
   set(commit unknown)
 else()
   execute_process(COMMAND ${git} ls-files --others --exclude-standard -- ${built} OUTPUT_VARIABLE untracked ERROR_QUIET)
-  if(untracked AND NOT commit MATCHES "-dirty$")
+  execute_process(COMMAND ${git} diff HEAD --no-color --no-ext-diff -- ${described} ${built} OUTPUT_VARIABLE changes ERROR_QUIET)
+  if(NOT "${untracked}${changes}" STREQUAL "")
     string(APPEND commit "-dirty")
-  endif()
-  if(commit MATCHES "-dirty$")
-    execute_process(COMMAND ${git} diff HEAD --no-color --no-ext-diff -- CMakeLists.txt ${built} OUTPUT_VARIABLE changes ERROR_QUIET)
     string(REGEX MATCHALL "[^\n]+" untracked "${untracked}")
     foreach(file ${untracked})
       execute_process(COMMAND ${git} diff --no-color --no-ext-diff --no-index -- /dev/null ${file} OUTPUT_VARIABLE new ERROR_QUIET)

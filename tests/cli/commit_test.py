@@ -32,6 +32,7 @@ class Commit(ProgramTest):
         for folder in ("techniques/a", "scenes", "docs", "harness/kit", "harness/report"):
             (self.tree / folder).mkdir(parents=True)
         (self.tree / "techniques/a.cpp").write_text("a")
+        (self.tree / "docs/page.md").write_text("a page")
         (self.tree / ".gitignore").write_text("*.swp\n")
         self.git("init", "-q")
         self.git("add", ".")
@@ -41,6 +42,7 @@ class Commit(ProgramTest):
     def test_a_tree_as_committed_has_the_bare_commit(self):
         self.assertEqual(self.commit(), self.clean)
         (self.tree / "docs/note.md").write_text("no part of the program")
+        (self.tree / "docs/page.md").write_text("changed")
         (self.tree / "techniques/.a.cpp.swp").write_text("ignored")
         self.assertEqual(self.commit(), self.clean)
 
