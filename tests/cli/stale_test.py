@@ -58,7 +58,26 @@ class Stale(ProgramTest):
     def test_a_suite_that_is_gone_is_named(self):
         (self.kept / "quick").rename(self.kept / "bygone")
         self.assertEqual(self.said(), "bygone: there is no suite bygone any more\n1 folders, 1 stale; no row measured again\n")
-        self.assertIn("nowhere has no records.jsonl", self.said("nowhere", status=2))
+        self.assertIn("nowhere has no records.jsonl and no run.json", self.said("nowhere", status=2))
+
+    def test_a_folder_without_records_has_the_suite_that_it_was_made_of(self):
+        (self.kept / "quick/records.jsonl").unlink()
+        file = self.kept / "quick/run.json"
+        run = json.loads(file.read_text())
+        run["runs"][0]["context"]["commit"] = "0123456789"
+        run["runs"][0]["changes"] = ""
+        file.write_text(json.dumps(run))
+        self.assertEqual(self.said(status=0), "1 folders, 0 stale; no row measured again\n")
+        run["runs"][0]["suite"]["text"] += "processes = 3\n"
+        run["runs"][0]["context"]["commit"] = "0123456789-dirty"
+        file.write_text(json.dumps(run))
+        self.assertEqual(self.said(), "quick: made by a tree that was no commit\nquick: made of another text of the suite\n"
+                                      "1 folders, 1 stale; no row measured again\n")
+
+    def test_records_of_another_schema_are_refused(self):
+        self.change(lambda row: row.update(schema=row["schema"] - 1))
+        text = self.said(status=1)
+        self.assertRegex(text, r"records\.jsonl:1: schema \d+, not \d+; scripts/convert_records \S+ brings records to today's schema")
 
 
 if __name__ == "__main__":
