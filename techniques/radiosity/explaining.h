@@ -9,9 +9,7 @@
 namespace gnomon::radiosity {
 
 inline constexpr OwnCause own_causes[] = {
-    {"interpolated",
-     "Light is not linear between the points where it was computed: the element is too large.",
-     {32, 144, 255}},
+    {"interpolated", "Light is not linear between the points where it was computed: the element is too large.", {32, 144, 255}},
     {"crossed_patch",
      "A surface touches or cuts the element: light or shadow leaks from a point on the other side.",
      {252, 0, 132}},

@@ -285,9 +285,7 @@ TEST(soft_shadows, noise_is_what_a_median_removes) {
 
 TEST(boundary, both_sides_are_marked_and_only_pixels_that_face_the_light) {
   // The step between column 1 and 2 marks both; where one of the two is of class B or F there is no boundary.
-  const auto marked = shadow_boundary(mask_of("..##..##..##"),
-                                      classes_of("TTTTTFTTGUST"),
-                                      4, 3);
+  const auto marked = shadow_boundary(mask_of("..##..##..##"), classes_of("TTTTTFTTGUST"), 4, 3);
   EXPECT_EQ(marked, marks_of(".xx......xx."));
   // Diagonal neighbors do not count: the dark corner marks itself and its two 4-neighbors.
   EXPECT_EQ(shadow_boundary(mask_of("#........"), classes_of("TTTTTTTTT"), 3, 3), marks_of("xx.x....."));
