@@ -38,7 +38,7 @@ class Check(ProgramTest):
         self.assertRegex(text, r"(?m)^data_sheet +holds$")
         self.assertRegex(text, r"(?m)^same_mask +fails: \d+ findings$")
         words = " ".join(text.split())
-        self.assertIn("must: Under every light that it supports it writes every pixel", words)
+        self.assertIn("must: Under every supported light it writes every pixel", words)
         self.assertIn("found: the mask is nan, outside 0 .. 1; in sphere_over_plane:segments=24, light point (point), pixel 7, 0 of "
                       + ("48 x 27" if SANITIZED else "96 x 54"), words)
         self.assertIn("do: Write every pixel, 1 where faces_light() says no.", words)
