@@ -45,8 +45,8 @@ TEST(estimate, seconds_grow_with_processes_warm_ups_and_repetitions_as_a_batch_s
   EXPECT_NEAR(slow.seconds({1, 1, 10}), 0.5 + 0.1 + 1.1, 1e-3);
   slow.stages = {0, 0, 1000};  // over 0.5 s: one warm-up fills 0.3 s, and one repetition
   EXPECT_NEAR(slow.seconds({2, 3, 5}), 0.5 + 2 * (0.1 + 2), 1e-3);
-  slow.stages = {0, 0, 0.1};  // 0.1 ms: twenty calls a sample
-  EXPECT_NEAR(slow.seconds({1, 3, 3}), 0.5 + 0.1 + (3 + 60) * 1e-4, 1e-3);
+  slow.stages = {0, 0, 0.1};  // 0.1 ms: sixteen calls a sample
+  EXPECT_NEAR(slow.seconds({1, 3, 3}), 0.5 + 0.1 + (3 + 48) * 1e-4, 1e-4);
   slow.is_measured = false;  // unsupported: asked once
   EXPECT_EQ(slow.seconds({5, 3, 3}), 0.5);
 }
