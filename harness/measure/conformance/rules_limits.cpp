@@ -104,8 +104,8 @@ const GlLimits& used_under(Trial& trial, Case& c, const Light& light) {
   return found->second;
 }
 
-/// Asks it in a case on the device that is pretended; how often it ran. Where it keeps within the limit though nothing is
-/// pretended, it does the same on the lesser device, and is only asked for its support.
+/// Runs it in a case on the device with the reduced limit; returns how often it ran. Where it keeps within the limit on the
+/// whole device, it does the same on the lesser one, and only its support is checked.
 int run_within(Trial& trial, Case& c, std::string_view limit) {
   const Scene& scene = c.world.scene;
   std::vector<Light> lights = trial.supported_lights(scene, c.settings);

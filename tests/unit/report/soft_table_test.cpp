@@ -71,6 +71,12 @@ TEST(soft_table, both_kinds_have_a_table_each_and_one_provenance) {
   const std::string latex = render_table(mixed(), Format::latex);
   EXPECT_TRUE(has(latex, "view: lights without area.}\n  \\label{tab:gnomon}\n")) << latex;
   EXPECT_TRUE(has(latex, "view: lights with area.}\n  \\label{tab:gnomon:2}\n")) << latex;
+  std::vector<Record> three = mixed();
+  three.push_back(row("a", 1, 1, 0.1));
+  three.back().answer = AnswerKind::received;
+  const std::string latex_of_three = render_table(three, Format::latex);
+  EXPECT_TRUE(has(latex_of_three, "view: lights with area.}\n  \\label{tab:gnomon:2}\n")) << latex_of_three;
+  EXPECT_TRUE(has(latex_of_three, "view: several lights together.}\n  \\label{tab:gnomon:3}\n")) << latex_of_three;
   // Named columns make one table.
   const std::string chosen =
       render_table(mixed(), Format::markdown, {.columns = {"light", "technique", "error", "error_floor"}});
