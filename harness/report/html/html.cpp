@@ -11,8 +11,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// The template with its slots filled; what is filled in is not looked at again.
-std::string filled(std::string_view page, std::span<const std::pair<std::string_view, std::string_view>> slots) {
+/// The template with its slots filled, in their order. Slots in the inserted texts stay as they are.
+std::string filled(std::string_view page, std::initializer_list<std::pair<std::string_view, std::string_view>> slots) {
   std::size_t size = page.size();
   for (const auto& [slot, text] : slots) size += text.size();
   std::string html;
@@ -31,8 +31,7 @@ std::string title_of(const fs::path& dir, std::span<const Record> records) {
   for (const Record& r : records)
     if (!r.suite.empty()) add_once(suites, r.suite);
   if (!suites.empty()) return joined(suites, ", ");
-  const fs::path folder = dir.has_filename() ? dir.filename() : dir.parent_path().filename();
-  return folder.string();
+  return (dir.has_filename() ? dir : dir.parent_path()).filename().string();
 }
 
 }  // namespace
@@ -43,32 +42,23 @@ Report make_report(const fs::path& dir, std::span<const Record> records, bool wi
   if (records.empty()) throw Error("{} holds no records; a report wants at least one", dir.string());
 
   const Layout layout = lay_out(records, column_names(records));
-
-  Report report;
+  const std::string title = title_of(dir, records);
   Json data = report_data(layout, records);
-  data["title"] = title_of(dir, records);
-  PictureSet pictures;
-  if (with_pictures)
-    pictures = collect_pictures(dir, layout);
-  else
-    pictures.notes.push_back("pictures were left out on demand");
+  data["title"] = title;
+  PictureSet pictures = with_pictures ? collect_pictures(dir, layout) : PictureSet();
+  if (!with_pictures) pictures.notes.push_back("pictures were left out on demand");
   for (std::size_t k = 0; k < pictures.groups.size(); ++k) data["groups"][k]["pictures"] = pictures.groups[k];
   for (std::size_t k = 0; k < pictures.rows.size(); ++k) data["rows"][k]["pictures"] = pictures.rows[k];
   data["notes"] = pictures.notes;
-  report.notes = pictures.notes;
 
   std::string blobs;
   for (std::size_t k = 0; k < pictures.blobs.size(); ++k) {
-    blobs += fmt::format("<script type=\"text/plain\" id=\"blob{}\">", k);
-    blobs += pictures.blobs[k];
-    blobs += "</script>\n";
+    blobs.append(fmt::format("<script type=\"text/plain\" id=\"blob{}\">", k)).append(pictures.blobs[k]).append("</script>\n");
     pictures.blobs[k] = {};  // a long run's pictures fill memory once
   }
-  const std::string title = html_text(data["title"].get<std::string>()), json = script_text(data);
-  const std::pair<std::string_view, std::string_view> slots[] = {
-      {title_slot, title}, {data_slot, json}, {pictures_slot, blobs}};
-  report.html = filled(page_template(), slots);
-  return report;
+  return {
+      .html = filled(page_template(), {{title_slot, html_text(title)}, {data_slot, script_text(data)}, {pictures_slot, blobs}}),
+      .notes = pictures.notes};
 }
 
 }  // namespace gnomon

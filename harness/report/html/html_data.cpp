@@ -17,7 +17,7 @@ namespace gnomon {
 
 namespace {
 
-/// What must be done again before a new mask is there, by what has happened.
+/// A change of the scene, and the stages that run again after it.
 struct Event {
   Cost cost;
   const char* heading;
@@ -50,7 +50,7 @@ Json value_json(const Cell& cell) {
   return {};
 }
 
-/// What each cause holds of the error, in the order of the page's; null where the run did not look for causes.
+/// The share of the error of each cause, in the page's order; null where the run did not find causes.
 Json causes_json(const Record& record, std::span<const CauseInfo> causes) {
   const auto shares = cause_shares(record);
   if (!shares) return {};
@@ -85,39 +85,30 @@ Json row_json(const Layout& layout, const Layout::Row& row, std::size_t group, c
     for (const std::optional<double>& value : series) out.push_back(value ? finite(*value) : Json());
   }
   const auto tested = r.classes.find("T");
-  return {
-      {"group", group},
-      {"title", setting_name(r)},
-      {"scene", r.scene},
-      {"family", family},
-      {"light", r.light},
-      {"view", r.view},
-      {"path", r.path},
-      {"technique", r.technique},
-      {"settings", r.settings},
-      {"role", name(r.role)},
-      {"status", name(r.status)},
-      {"support", r.support ? Json(name(*r.support)) : Json()},
-      {"reason", r.reason},
-      {"parameters", r.parameters},
-      {"values", std::move(values)},
-      {"texts", std::move(texts)},
-      {"best", std::move(best)},
-      {"floored", std::move(floored)},
-      {"flagged", std::move(flagged)},
-      {"stages", std::move(stages)},
-      {"costs", std::move(costs)},
-      {"causes", causes_json(r, causes)},
-      {"estimates",
-       r.answer == AnswerKind::fraction && r.lights.front().reference ? Json(name(estimates_of(r.lights.front()))) : Json()},
-      {"tested", tested == r.classes.end() ? Json() : Json(tested->second)},
-      {"frames", std::move(frames)}};
+  const bool has_estimate = r.answer == AnswerKind::fraction && r.lights.front().reference;
+  Json json = {{"group", group}, {"title", setting_name(r)}, {"scene", r.scene}, {"family", family}, {"light", r.light}};
+  json.update({{"view", r.view}, {"path", r.path}, {"technique", r.technique}, {"settings", r.settings}});
+  json.update({{"role", name(r.role)}, {"status", name(r.status)}, {"support", r.support ? Json(name(*r.support)) : Json()}});
+  json.update({{"reason", r.reason}, {"parameters", r.parameters}});
+  json["values"] = std::move(values);
+  json["texts"] = std::move(texts);
+  json.update({{"best", best}, {"floored", floored}, {"flagged", flagged}, {"stages", stages}, {"costs", costs}});
+  json["causes"] = causes_json(r, causes);
+  json["estimates"] = has_estimate ? Json(name(estimates_of(r.lights.front()))) : Json();
+  json["tested"] = tested == r.classes.end() ? Json() : Json(tested->second);
+  json["frames"] = std::move(frames);
+  return json;
 }
 
-Json pairs_json(const Remarks& pairs) {
-  Json lines = Json::array();
-  for (const auto& [topic, text] : pairs) lines.push_back({topic, text});
-  return lines;
+/// The text with each of these characters replaced by another text.
+std::string replaced(std::string_view text, std::initializer_list<std::pair<char, std::string_view>> replacements) {
+  std::string result;
+  result.reserve(text.size());
+  for (const char& c : text) {
+    const auto found = std::ranges::find(replacements, c, &std::pair<char, std::string_view>::first);
+    result += found == replacements.end() ? std::string_view(&c, 1) : found->second;
+  }
+  return result;
 }
 
 }  // namespace
@@ -139,17 +130,13 @@ Json report_data(const Layout& layout, std::span<const Record> records) {
   const std::vector<CauseInfo> causes = page_causes(layout);
   const std::map<std::string, std::string> families = scene_families(records);
   for (std::size_t group = 0; group < layout.groups.size(); ++group) {
-    const Record& first = *layout.groups[group].rows.front().record;
-    data["groups"].push_back({{"heading", layout.groups[group].heading},
-                              {"scene", first.scene},
-                              {"light", first.light},
-                              {"answer", name(first.answer)},
-                              {"view", first.view},
-                              {"path", first.path},
-                              {"width", first.width},
-                              {"height", first.height},
-                              {"truth", name(first.truth)}});
-    for (const Layout::Row& row : layout.groups[group].rows)
+    const auto& [heading, rows] = layout.groups[group];
+    const Record& first = *rows.front().record;
+    Json json = {{"heading", heading}, {"scene", first.scene}, {"light", first.light}, {"answer", name(first.answer)}};
+    json.update({{"view", first.view}, {"path", first.path}, {"width", first.width}, {"height", first.height}});
+    json["truth"] = name(first.truth);
+    data["groups"].push_back(std::move(json));
+    for (const Layout::Row& row : rows)
       data["rows"].push_back(row_json(layout, row, group, families.at(row.record->scene), causes));
   }
   for (const Event& event : events)
@@ -167,34 +154,17 @@ Json report_data(const Layout& layout, std::span<const Record> records) {
   const auto ink = [](const ContourInk& ink) { return Json{{"core", ink.core}, {"casing", ink.casing}}; };
   data["contours"] = {
       {"levels", levels}, {"reference", ink(reference_ink)}, {"techniques", {ink(technique_inks[0]), ink(technique_inks[1])}}};
-  data["legend"] = pairs_json(legend(layout, {"best", "floor", "flag"}));
-  data["provenance"] = pairs_json(provenance(records));
+  data["legend"] = legend(layout, {"best", "floor", "flag"});
+  data["provenance"] = provenance(records);
   for (const MetricInfo& info : metric_infos())
     data["metrics"].push_back({{"name", info.name}, {"unit", info.unit}, {"better", info.better}, {"sentence", info.sentence}});
   return data;
 }
 
-std::string script_text(const Json& json) {
-  const std::string text = json_text(json);
-  std::string safe;
-  safe.reserve(text.size());
-  for (const char c : text)
-    if (c == '<')
-      safe += "\\u003c";
-    else
-      safe += c;
-  return safe;
-}
+std::string script_text(const Json& json) { return replaced(json_text(json), {{'<', "\\u003c"}}); }
 
 std::string html_text(std::string_view text) {
-  static constexpr std::pair<char, std::string_view> entities[] = {
-      {'<', "&lt;"}, {'>', "&gt;"}, {'&', "&amp;"}, {'"', "&quot;"}};
-  std::string safe;
-  for (const char& c : text) {
-    const auto found = std::ranges::find(entities, c, &std::pair<char, std::string_view>::first);
-    safe += found == std::end(entities) ? std::string_view(&c, 1) : found->second;
-  }
-  return safe;
+  return replaced(text, {{'<', "&lt;"}, {'>', "&gt;"}, {'&', "&amp;"}, {'"', "&quot;"}});
 }
 
 }  // namespace gnomon

@@ -6,33 +6,33 @@
 
 namespace gnomon {
 
-// What the page of a run is put together from: template, numbers, pictures.
+// The parts of a run's page: template, numbers, pictures.
 
-/// The page without its data, made from harness/report/html/web by the build: it holds each slot once. Empty when the program
-/// was built without it (GNOMON_REPORT=OFF).
+/// The page without its data. The build makes it from harness/report/html/web. It contains each slot once. Empty when the
+/// program was built without it (GNOMON_REPORT=OFF).
 std::string_view page_template();
 
-// What stands in the template where data belongs.
+// The template contains these where the data are inserted.
 inline constexpr std::string_view title_slot = "@GNOMON_TITLE@";
 inline constexpr std::string_view data_slot = "@GNOMON_DATA@";
 inline constexpr std::string_view pictures_slot = "@GNOMON_PICTURES@";
 
-// The numbers as JSON; harness/report/html/web/data.js reads it. docs/report.md is for people who want the numbers:
-// they take `gnomon table --format json`.
+// The numbers as JSON; harness/report/html/web/data.js reads it. Other programs take `gnomon table --format json`, see
+// docs/report.md.
 
-/// Columns, rows, groups, legends, provenance: everything but pictures. The rows are those of the layout in its order, which
-/// must have been laid out with every column.
+/// Columns, rows, groups, legends, provenance: everything but pictures. The rows are those of the layout, in its order. The
+/// layout must contain every column.
 Json report_data(const Layout& layout, std::span<const Record> records);
-/// The page's list of causes: the common ones, then those that its techniques have of their own.
+/// The page's list of causes: the common ones, then the own causes of its techniques.
 std::vector<CauseInfo> page_causes(const Layout& layout);
 
-/// JSON that may stand inside a script element: no `<` in it, and text that is not UTF-8 mended.
+/// JSON for the inside of a script element: without `<`, and with bytes that are not UTF-8 replaced.
 std::string script_text(const Json& json);
 
-/// Text that may stand between tags or in a quoted attribute.
+/// Text for the inside of an element or of a quoted attribute.
 std::string html_text(std::string_view text);
 
-/// Pictures for the image comparer: base64 of deflated bytes, each read by the page when it is first shown.
+/// Pictures for the image comparer: base64 of deflated bytes. The page reads each when it is first shown.
 struct PictureSet {
   std::vector<std::string> blobs;
   /// By group of the layout: null, or {bits, lit, dark, bright, white, reference, reference_error, irradiance,
@@ -46,18 +46,18 @@ struct PictureSet {
   /// By row in the layout's order: null, or {mask, causes}; causes is null or one byte a pixel: 0, or k for the k-th of
   /// page_causes.
   Json rows = Json::array();
-  std::vector<std::string> notes;  ///< which groups and rows have none, and why
+  std::vector<std::string> notes;  ///< groups and rows without pictures, and the reasons
 };
 
-/// Masks come from the run's folder `dir`, the rest from the frame cache, made anew where it is not there. A scene that is not
-/// the one measured is left out.
+/// Reads masks from the run's folder `dir`, the rest from the frame cache, which makes what it lacks. Leaves out a scene that
+/// has changed since it was measured.
 PictureSet collect_pictures(const std::filesystem::path& dir, const Layout& layout);
 
-/// How finely the page knows visibilities under a light: 8 bits, under one with area 12, a step of 0.00024. Of 8 bits a step
-/// is 0.004, as wide as the usual reference's standard error makes its 95 % band.
+/// The precision of the page's visibilities under a light: 8 bits, under one with area 12, a step of 0.00024. A step of 8 bits
+/// is 0.004, as wide as the 95 % band of the usual reference.
 int bits_of_shares(AnswerKind kind);
-/// Shares, taken to 0 .. 1, as whole numbers up to 2^bits - 1: the upper 8 bits of every pixel; of 12 bits after these the
-/// lower 4, two pixels a byte, the first one's above.
+/// Shares, clamped to 0 .. 1, as whole numbers up to 2^bits - 1: the upper 8 bits of every pixel; of 12 bits after these the
+/// lower 4, two pixels a byte, the first one's in the upper half.
 std::vector<std::uint8_t> share_bytes(std::span<const float> shares, int bits);
 /// Standard errors in one byte: 0 is 0, and k from 1 is 10^(6 (k - 255) / 254), 1e-6 to 1, off by 2.8 % at most.
 std::vector<std::uint8_t> error_bytes(std::span<const float> errors);

@@ -75,10 +75,10 @@ Picture exposed_picture(std::span<const float> radiance, float exposure, int wid
   return picture;
 }
 
-/// One scene at a time: groups of a scene stand together in most runs.
+/// The frames of one scene at a time: most runs list the groups of a scene in sequence.
 class Frames {
  public:
-  /// Throws Error when the scene cannot be had.
+  /// Throws Error when the scene cannot be loaded.
   void open(const std::string& reference) {
     if (scene_ && reference_ == reference) return;
     store_.reset();
@@ -97,7 +97,7 @@ class Frames {
 };
 
 class Collector {
-  static constexpr std::size_t most_shown_lights = 8;  ///< of several, each with pictures of its own
+  static constexpr std::size_t most_shown_lights = 8;  ///< that get pictures of their own, of several
 
  public:
   Collector(const fs::path& dir, std::vector<CauseInfo> causes, PictureSet& set)
@@ -107,19 +107,18 @@ class Collector {
     Json base;
     std::vector<Json> rows(group.rows.size());
     const auto has_mask = [](const Layout::Row& row) { return row.record->status == Status::ok && row.record->mask; };
+    const auto is_irradiance = [](const Layout::Row& row) {
+      return row.record->answer == AnswerKind::fraction &&
+             estimates_of(row.record->lights.front()) == LightShareKind::irradiance;
+    };
+    const auto masked = std::ranges::find_if(group.rows, has_mask);
     try {
-      if (std::any_of(group.rows.begin(), group.rows.end(), has_mask)) {
-        const Record& first = *group.rows.front().record;
-        frames_.open(scene_reference(first, dir_));
+      if (masked != group.rows.end()) {
+        frames_.open(scene_reference(*group.rows.front().record, dir_));
         for (std::size_t k = 0; k < group.rows.size(); ++k)
           if (has_mask(group.rows[k])) rows[k] = row(*group.rows[k].record);
-        if (std::any_of(rows.begin(), rows.end(), [](const Json& json) { return !json.is_null(); })) {
-          const bool with_irradiance = std::any_of(group.rows.begin(), group.rows.end(), [](const Layout::Row& row) {
-            return row.record->answer == AnswerKind::fraction &&
-                   estimates_of(row.record->lights.front()) == LightShareKind::irradiance;
-          });
-          base = frame(*std::find_if(group.rows.begin(), group.rows.end(), has_mask)->record, with_irradiance);
-        }
+        if (!std::ranges::all_of(rows, &Json::is_null))
+          base = frame(*masked->record, std::ranges::any_of(group.rows, is_irradiance));
       }
     } catch (const std::exception& error) {
       note(group.heading, error.what());
@@ -129,7 +128,9 @@ class Collector {
   }
 
  private:
-  std::size_t keep(std::span<const std::uint8_t> bytes) {
+  /// The number of a new blob with these bytes; null without bytes.
+  Json keep(std::span<const std::uint8_t> bytes) {
+    if (bytes.empty()) return {};
     set_.blobs.push_back(packed(bytes));
     return set_.blobs.size() - 1;
   }
@@ -138,7 +139,7 @@ class Collector {
 
   void say(const std::string& text) { add_once(set_.notes, text); }
 
-  /// What all rows of a group share; of several lights beside that of all together that of each.
+  /// The pictures that all rows of a group share; under several lights those of all together and those of each light.
   Json frame(const Record& r, bool with_irradiance) {
     const Scene& scene = frames_.scene();
     MeasuredRow row = kept_row(r, dir_ / *r.mask, "V", kept_place(r, scene, r.truth), frames_.store());
@@ -148,14 +149,13 @@ class Collector {
     Json json = shadings(row.gbuffer(), all.received);
     json["bits"] = bits_of_shares(AnswerKind::received);
     json["reference"] = keep(share_bytes(all.reference, bits_of_shares(AnswerKind::received)));
-    json["reference_error"] = all.reference_error.empty() ? Json() : Json(keep(error_bytes(all.reference_error)));
+    json["reference_error"] = keep(error_bytes(all.reference_error));
     json["irradiance"] = json["irradiance_error"] = nullptr;
     json["classes"] = keep(index_bytes(all.classes));
     for (const MeasuredLight& light : shown_lights(row)) {
-      Json one = frame_of(light, false);
+      Json& one = json["lights"].emplace_back(frame_of(light, false));
       one["name"] = light.light.name;
       one["is_fraction"] = light.answer.reference.kind == AnswerKind::fraction;
-      json["lights"].push_back(std::move(one));
     }
     if (row.lights.size() > most_shown_lights)
       say(fmt::format("{}, light {}: pictures of each are of the first {} of {} lights", r.scene, r.light, most_shown_lights,
@@ -163,7 +163,7 @@ class Collector {
     return json;
   }
 
-  /// The scene with all light and with none of it, and what the first hides above white.
+  /// The scene with all direct light and without any, and the light above white that the first picture cuts off.
   Json shadings(const GBuffer& gbuffer, std::span<const double> received) {
     const std::vector<float> all(gbuffer.size(), 1.0f), none(gbuffer.size(), 0.0f);
     const auto shaded = [&](std::span<const float> shares, double white) {
@@ -184,9 +184,9 @@ class Collector {
     Json json = shadings(of.answer.gbuffer, received_light(of.answer.gbuffer, of.light));
     const int bits = bits_of_shares(reference.kind);
     json["bits"] = bits;
-    const auto truth = [&](const char* name, std::span<const float> shares, std::span<const float> errors) {
-      json[name] = shares.empty() ? Json() : Json(keep(share_bytes(shares, bits)));
-      json[std::string(name) + "_error"] = shares.empty() || errors.empty() ? Json() : Json(keep(error_bytes(errors)));
+    const auto truth = [&](const std::string& name, std::span<const float> shares, std::span<const float> errors) {
+      json[name] = keep(share_bytes(shares, bits));
+      json[name + "_error"] = keep(error_bytes(shares.empty() ? shares : errors));
     };
     truth("reference", reference.mask, reference.error);
     truth("irradiance", with_irradiance ? reference.irradiance : std::span<const float>(), reference.irradiance_error);
@@ -205,21 +205,14 @@ class Collector {
     }
     try {
       MeasuredRow row = kept_row(r, dir_ / *r.mask, "V", kept_place(r, frames_.scene(), r.truth), frames_.store());
-      auto measured = row.lights.begin();
-      for (const Record::LightFacts& light : r.lights) {
-        Answer& answer = (measured++)->answer;
-        if (light.causes) take_causes(r, answer, light);
-      }
+      for (std::size_t k = 0; k < r.lights.size(); ++k)
+        if (r.lights[k].causes) take_causes(r, row.lights[k].answer, r.lights[k]);
       put_together(row, frames_.scene());
-      if (!row.together) {
-        Json json = mask_of(row.lights.front());
-        add_global(r, json);
-        return json;
-      }
       Json json;
+      if (!row.together) json = mask_of(row.lights.front());
       add_global(r, json);
-      json["mask"] = keep(share_bytes(row.together->mask, bits_of_shares(AnswerKind::received)));
-      json["causes"] = row.together->causes.empty() ? Json() : Json(keep(page_numbers(row.together->evidence())));
+      if (!row.together) return json;
+      json.update(mask_json(row.together->evidence(), AnswerKind::received));
       for (const MeasuredLight& light : shown_lights(row)) json["lights"].push_back(mask_of(light));
       return json;
     } catch (const std::exception& error) {
@@ -228,7 +221,7 @@ class Collector {
     }
   }
 
-  /// Pictures of all light, where the row has them: both as bright as shows the reference best.
+  /// The row's pictures of all light, if any, in the exposure that fits the reference.
   void add_global(const Record& r, Json& json) {
     if (!r.metric("radiosity_error")) return;
     const fs::path file = dir_ / *r.mask;
@@ -246,14 +239,16 @@ class Collector {
     json["global_reference"] = global_reference_blob_;
   }
 
-  Json mask_of(const MeasuredLight& of) {
+  Json mask_json(const Evidence& evidence, AnswerKind kind) {
     Json json;
-    json["mask"] = keep(share_bytes(of.answer.mask, bits_of_shares(of.answer.reference.kind)));
-    json["causes"] = of.answer.causes.empty() ? Json() : Json(keep(page_numbers(of.answer.evidence())));
+    json["mask"] = keep(share_bytes(evidence.mask, bits_of_shares(kind)));
+    json["causes"] = evidence.causes.empty() ? Json() : keep(page_numbers(evidence));
     return json;
   }
 
-  /// Its causes as numbers of the page's list: those of a technique's own have another number in every record.
+  Json mask_of(const MeasuredLight& of) { return mask_json(of.answer.evidence(), of.answer.reference.kind); }
+
+  /// Its causes as numbers of the page's list. A technique's own causes have another number in every record.
   Bytes page_numbers(const Evidence& evidence) const {
     if (causes_.size() > 255) throw Error("the rows have {} causes; a picture of them holds 255", causes_.size());
     std::vector<std::uint8_t> number{0};
@@ -266,7 +261,7 @@ class Collector {
     return bytes;
   }
 
-  /// The causes of a mask; none, with a note, when they belong to another reference than the page shows.
+  /// Reads the causes of a mask; none, with a note, when they were found on another reference than the page shows.
   void take_causes(const Record& r, Answer& answer, const Record::LightFacts& light) {
     // A version is that of the whole run: one note for each scene.
     if (const std::string obstacle = causes_obstacle(r); !obstacle.empty())
@@ -278,8 +273,8 @@ class Collector {
   const std::vector<CauseInfo> causes_;
   PictureSet& set_;
   Frames frames_;
-  std::vector<float> global_reference_;  ///< the last one that was kept, and where
-  std::size_t global_reference_blob_ = 0;
+  std::vector<float> global_reference_;  ///< the last one that was kept
+  Json global_reference_blob_;           ///< the number of its blob
 };
 
 }  // namespace
@@ -292,7 +287,7 @@ std::vector<std::uint8_t> share_bytes(std::span<const float> shares, int bits) {
   Bytes bytes(shares.size());
   for (std::size_t i = 0; i < shares.size(); ++i) bytes[i] = static_cast<std::uint8_t>(code(i) >> (bits - 8));
   if (bits == 8) return bytes;
-  // The upper bits hang together from pixel to pixel, the lower ones hardly: apart they deflate better.
+  // The upper bits of neighbors are alike, the lower ones hardly are: in separate planes they deflate better.
   for (std::size_t i = 0; i < shares.size(); i += 2) {
     const long next = i + 1 < shares.size() ? code(i + 1) & 15 : 0;
     bytes.push_back(static_cast<std::uint8_t>((code(i) & 15) << 4 | next));

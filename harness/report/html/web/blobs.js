@@ -6,8 +6,8 @@ const parsed =
 
 function decoded(text) {
   if (Uint8Array.fromBase64) return Uint8Array.fromBase64(text);
-  const letters = atob(text),
-    bytes = new Uint8Array(letters.length);
+  const letters = atob(text);
+  const bytes = new Uint8Array(letters.length);
   for (let i = 0; i < letters.length; ++i) bytes[i] = letters.charCodeAt(i);
   return bytes;
 }
@@ -38,7 +38,7 @@ export async function shares(number, bits) {
 
 const standardErrors = Float32Array.from({ length: 256 }, (_, code) => (code ? 10 ** ((6 * (code - 255)) / 254) : 0));
 
-/** Standard errors from a byte each: 0 is 0, the others are powers from 1e-6 to 1, off by 2.8 % at most. */
+/** Standard errors of one byte each: 0 is 0, the others are powers from 1e-6 to 1, off by 2.8 % at most. */
 export async function errors(number) {
   return Float32Array.from(await blob(number), (code) => standardErrors[code]);
 }
@@ -46,8 +46,8 @@ export async function errors(number) {
 /** Colors from three planes of differences: 3 bytes a pixel. */
 export async function colors(number) {
   const planes = await blob(number);
-  const pixels = planes.length / 3,
-    rgb = new Uint8Array(planes.length);
+  const pixels = planes.length / 3;
+  const rgb = new Uint8Array(planes.length);
   for (let channel = 0; channel < 3; ++channel)
     for (let i = 0, value = 0; i < pixels; ++i) {
       value = (value + planes[channel * pixels + i]) & 255;

@@ -1,11 +1,11 @@
-// The image comparer: one scene and light, two answers side by side, over each other, or against each other.
+// The image comparer: two answers under one scene and light, beside each other, in turn, or as their difference.
 
 import { blob, colors, errors, shares } from "./blobs.js";
 import * as compose from "./compose.js";
 import { drawContours, inks } from "./contours.js";
-import { data, groupName } from "./data.js";
+import { data, distinct, groupName } from "./data.js";
 import { Divider } from "./divider.js";
-import { chooser, h, toggle } from "./dom.js";
+import { chooser, h, list, toggle } from "./dom.js";
 import { suggestedLine } from "./line_pixels.js";
 import { LineTool } from "./line_tool.js";
 import { contourLegend, legendOf } from "./picture_legend.js";
@@ -25,9 +25,7 @@ const referenceChoice = "reference";
 const flickerPeriod = 650;
 
 function canvasOf(image) {
-  const canvas = document.createElement("canvas");
-  canvas.width = image.width;
-  canvas.height = image.height;
+  const canvas = h("canvas", { width: image.width, height: image.height });
   canvas.getContext("2d").putImageData(image, 0, 0);
   return canvas;
 }
@@ -49,23 +47,14 @@ class Comparer {
     this.shows_b = false;
     this.is_running = !matchMedia("(prefers-reduced-motion: reduce)").matches;
     const load = () => this.load();
-    this.where = chooser(
-      "scene and light",
-      groups.flatMap((group) => placesOf(group)),
-      () => this.choose(),
-      { name: "picture" },
-    );
-    this.a = chooser("A", [], load, { name: "a" });
-    this.b = chooser("B", [], load, { name: "b" });
-    this.scale = chooser(
-      "colors end at",
-      data.signed.scales.map((scale) => ({ value: String(scale), text: `\u00b1${scale}` })),
-      () => this.compose(),
-      { name: "scale" },
-    );
+    this.where = chooser("picture", groups.flatMap(placesOf), () => this.choose(), "scene and light");
+    this.a = chooser("a", [], load, "A");
+    this.b = chooser("b", [], load, "B");
+    const scales = data.signed.scales.map((scale) => ({ value: String(scale), text: `\u00b1${scale}` }));
+    this.scale = chooser("scale", scales, () => this.compose(), "colors end at");
     this.divider = new Divider(() => this.view?.draw());
     this.line = new LineTool(() => this.profileLine());
-    this.profile = new Profile({ onpoint: (pixel) => this.mark(pixel) });
+    this.profile = new Profile((pixel) => this.mark(pixel));
     this.view = new Viewport({
       paint: (context, view) => this.paint(context, view),
       onpixel: (pixel) => this.read(pixel),
@@ -92,16 +81,19 @@ class Comparer {
 
   bars() {
     const mode = (info) => {
-      const input = h("input", {
-        type: "radio",
-        name: "mode",
-        value: info.name,
-        checked: info === this.mode,
-        onchange: () => this.setMode(info),
-      });
-      return h("label", {}, input, h("span", {}, info.text));
+      const choice = { value: info.name, checked: info === this.mode, onchange: () => this.setMode(info) };
+      return h("label", {}, h("input", { type: "radio", name: "mode", ...choice }), h("span", {}, info.text));
     };
+    const has_all_light = data.rows.some((row) => row.pictures?.global !== undefined);
     const zoom = (text, label, act) => h("button", { type: "button", title: label, "aria-label": label, onclick: act }, text);
+    const zooms = [
+      zoom("\u2212", "Zoom out", () => this.view.zoomAtPixel(1 / 1.5)),
+      this.zoomed,
+      zoom("+", "Zoom in", () => this.view.zoomAtPixel(1.5)),
+      zoom("Fit", "Fit the whole picture", () => this.view.fit()),
+      zoom("1:1", "One to one", () => this.view.zoomTo(1)),
+      zoom("8:1", "Pixels as squares of eight", () => this.view.zoomTo(8)),
+    ];
     return [
       h("div", { class: "bar" }, this.where.element, this.a.element, this.b.element),
       h(
@@ -110,21 +102,11 @@ class Comparer {
         h("fieldset", { class: "modes" }, h("legend", { class: "hidden" }, "How to compare"), modes.map(mode)),
         this.scale.element,
         this.flickers,
-        toggle("shaded", true, (on) => ((this.is_shaded = on), this.compose())),
-        data.rows.some((row) => row.pictures?.global !== undefined) &&
-          toggle("all light", false, (on) => ((this.shows_all_light = on), this.compose())),
-        toggle("contours", false, (on) => ((this.has_contours = on), this.setMode(this.mode))),
-        toggle("profile", false, (on) => this.setProfile(on)),
-        h(
-          "span",
-          { class: "group zooms" },
-          zoom("\u2212", "Zoom out", () => this.view.zoomAtPixel(1 / 1.5)),
-          this.zoomed,
-          zoom("+", "Zoom in", () => this.view.zoomAtPixel(1.5)),
-          zoom("Fit", "Fit the whole picture", () => this.view.fit()),
-          zoom("1:1", "One to one", () => this.view.zoomTo(1)),
-          zoom("8:1", "Pixels as squares of eight", () => this.view.zoomTo(8)),
-        ),
+        toggle("shaded", (on) => { this.is_shaded = on; this.compose(); }, true),
+        has_all_light && toggle("all light", (on) => { this.shows_all_light = on; this.compose(); }),
+        toggle("contours", (on) => { this.has_contours = on; this.setMode(this.mode); }),
+        toggle("profile", (on) => this.setProfile(on)),
+        h("span", { class: "group zooms" }, zooms),
       ),
     ];
   }
@@ -133,13 +115,13 @@ class Comparer {
     return Number(this.where.value.split(":")[0]);
   }
 
-  /** Which of several lights is shown alone; null: all that there are. */
+  /** Which of several lights is shown alone; null: all together. */
   get light() {
     const [, light] = this.where.value.split(":");
     return light === undefined ? null : Number(light);
   }
 
-  /** What the chosen light has of the pictures of a group or row. */
+  /** The chosen light's part of the pictures of a group or row. */
   of(pictures) {
     return this.light === null ? pictures : pictures.lights[this.light];
   }
@@ -148,19 +130,15 @@ class Comparer {
     return data.rows.filter((row) => row.group === group && row.pictures);
   }
 
-  /** Another scene and light: its rows to choose from, the chosen ones kept where they are there too. */
+  /** Offers the rows of another scene and light. Keeps the chosen titles where they are available, too, unless `a` is a row. */
   choose(a = null) {
-    const titles = (list) => list.select.selectedOptions[0]?.textContent;
-    const before = { a: titles(this.a), b: titles(this.b) };
     const rows = this.rows();
-    const options = [
-      { value: referenceChoice, text: "reference" },
-      ...rows.map((row) => ({ value: String(row.index), text: row.title })),
-    ];
-    const find = (title) => options.find((option) => option.text === title)?.value;
+    const optionOf = (row) => ({ value: String(row.index), text: row.title });
+    const options = [{ value: referenceChoice, text: "reference" }, ...rows.map(optionOf)];
+    const kept = ({ select }) => options.find(({ text }) => text === select.selectedOptions[0]?.textContent)?.value;
     const contender = rows.find((row) => row.role === "contender") ?? rows[0];
-    this.a.set(options, a !== null ? String(a) : (find(before.a) ?? String(contender.index)));
-    this.b.set(options, a !== null ? referenceChoice : (find(before.b) ?? referenceChoice));
+    this.a.set(options, String(a ?? kept(this.a) ?? contender.index));
+    this.b.set(options, a !== null ? referenceChoice : (kept(this.b) ?? referenceChoice));
     this.load();
   }
 
@@ -172,7 +150,7 @@ class Comparer {
 
   setMode(mode) {
     this.mode = mode;
-    // Contours are those of what is compared, and of A over other pictures; the profile is of both.
+    // Contours are those of the compared sides, and of A over other pictures; the profile is of both.
     this.a.select.disabled = !mode.a && !this.has_contours && !this.line.is_on;
     this.b.select.disabled = !mode.b && !this.line.is_on;
     this.scale.element.hidden = mode.name !== "difference";
@@ -201,7 +179,7 @@ class Comparer {
     this.profileLine();
   }
 
-  /** The line, which a place that has none yet gets where much happens, and what lies on it. */
+  /** Shows the profile of the line. A place without a line gets the suggested one. */
   profileLine() {
     const { frame, line } = this;
     if (!frame) return;
@@ -213,28 +191,27 @@ class Comparer {
     this.profile.set(frame, this.sideA, this.sideB, line.is_on ? line.line : null);
   }
 
-  /** The pixel of the line that is pointed at in its profile. */
+  /** Marks and reads the pixel of the line that is under the pointer in the profile. */
   mark(pixel) {
     this.line.marked = pixel;
     this.view.draw();
     if (pixel) this.read(pixel);
   }
 
-  /** Reads what the choices need; the last choice wins when several are under way. */
+  /** Reads the pictures of the choices; when several loads are under way, the last one is shown. */
   async load() {
     const turn = (this.turn = (this.turn ?? 0) + 1);
     const { width, height, answer, scene, view } = data.groups[this.group];
     const pictures = this.of(data.groups[this.group].pictures);
     const is_soft = pictures.is_fraction ?? answer !== "binary";
+    const given = (number, read) => (number === null ? null : read(number));
     const truth = async (name, number, error) =>
-      number !== null
-        ? { name, mask: await shares(number, pictures.bits), error: error === null ? null : await errors(error) }
-        : null;
+      number === null ? null : { name, mask: await shares(number, pictures.bits), error: await given(error, errors) };
     try {
       const [lit, dark, bright, classes, area, irradiance] = await Promise.all([
         colors(pictures.lit),
         colors(pictures.dark),
-        pictures.bright === null ? null : colors(pictures.bright),
+        given(pictures.bright, colors),
         blob(pictures.classes),
         truth("reference", pictures.reference, pictures.reference_error),
         truth("reference, share of irradiance", pictures.irradiance, pictures.irradiance_error),
@@ -245,16 +222,12 @@ class Comparer {
       const globalReference = this.rows().find((row) => row.pictures.global !== undefined)?.pictures.global_reference;
       const side = async (row, other) => {
         const judge = ((row ?? other)?.estimates === "irradiance" && irradiance) || area;
-        if (!row) {
-          const global = await globalOf(globalReference);
-          return { title: judge.name, mask: judge.mask, reference: judge.mask, truth: judge, causes: null, row: null, global };
-        }
-        const [mask, causes, global] = await Promise.all([
-          shares(this.of(row.pictures).mask, pictures.bits),
-          this.of(row.pictures).causes === null ? null : blob(this.of(row.pictures).causes),
-          globalOf(row.pictures.global),
-        ]);
-        return { title: row.title, mask, reference: judge.mask, truth: judge, causes, row, global };
+        const compared = { row, truth: judge, reference: judge.mask, title: row?.title ?? judge.name };
+        if (!row) return { ...compared, mask: judge.mask, causes: null, global: await globalOf(globalReference) };
+        const own = this.of(row.pictures);
+        const reads = [shares(own.mask, pictures.bits), given(own.causes, blob), globalOf(row.pictures.global)];
+        const [mask, causes, global] = await Promise.all(reads);
+        return { ...compared, mask, causes, global };
       };
       const [rowA, rowB] = [this.a, this.b].map(rowOf);
       const sides = await Promise.all([side(rowA, rowB), side(rowB, rowA)]);
@@ -277,14 +250,15 @@ class Comparer {
   /** Makes the pictures that the mode shows. */
   compose() {
     if (!this.frame) return;
-    const { frame, sideA, sideB } = this,
-      name = this.mode.name;
+    const { frame, sideA, sideB } = this;
     const plain = this.is_shaded ? compose.shaded : compose.maskOnly;
-    let made = null;
-    if (name === "difference") made = compose.difference(frame, sideA.mask, sideB.mask, Number(this.scale.value));
-    if (name === "error") made = compose.errors(frame, sideA, null);
-    if (name === "causes") made = compose.errors(frame, sideA, sideA.causes);
-    if (name === "classes") made = compose.classes(frame);
+    const make = {
+      difference: () => compose.difference(frame, sideA.mask, sideB.mask, Number(this.scale.value)),
+      error: () => compose.errors(frame, sideA, null),
+      causes: () => compose.errors(frame, sideA, sideA.causes),
+      classes: () => compose.classes(frame),
+    }[this.mode.name];
+    const made = make?.() ?? null;
     const show = (side) => (this.isInAllLight(side) ? compose.colored(frame, side.global) : plain(frame, side.mask));
     this.pictures = made ? [canvasOf(made.image)] : [sideA, sideB].map((side) => canvasOf(show(side)));
     this.showLegend(made);
@@ -293,14 +267,14 @@ class Comparer {
     this.view.draw();
   }
 
-  /** Whether a side is shown in all light: it is asked for, and the side has that picture. */
+  /** Whether a side is shown in all light: the toggle is on, and the side has that picture. */
   isInAllLight(side) {
     return this.shows_all_light && Boolean(side.global);
   }
 
   label() {
     if (!this.frame) return;
-    // The reference's title says which share its mask is; its picture of all light is no share.
+    // The reference's title names the share that its mask is; its picture of all light is no share.
     const shown = (side) => (this.isInAllLight(side) ? `${side.row?.title ?? "reference"}, all light` : side.title);
     const tags = {
       wipe: [`A  ${shown(this.sideA)}`, `B  ${shown(this.sideB)}`],
@@ -322,19 +296,19 @@ class Comparer {
     this.legend.hidden = entries.length === 0;
   }
 
-  /** What there is to know about one pixel. */
+  /** Shows the values at a pixel. */
   read(pixel) {
     const values = readOut(pixel, this.frame, this.sideA, this.sideB);
     this.readout.replaceChildren(...values.map(([name, text]) => h("div", {}, h("dt", {}, name), h("dd", {}, text))));
   }
 
-  /** Whose contours lie over the pictures, one list for each picture: the references' below those of techniques. */
+  /** The masks with contours over the pictures, one list for each picture: the references' below those of techniques. */
   contoured() {
+    const ofTruth = ({ name, mask }) => ({ title: name, mask, ink: inks.reference });
+    const ofSide = (side) => ({ title: side.title, mask: side.mask, ink: side === this.sideA ? inks.a : inks.b });
     const of = (...sides) => [
-      ...new Map(sides.map(({ truth }) => [truth, { title: truth.name, mask: truth.mask, ink: inks.reference }])).values(),
-      ...sides
-        .filter(({ row }) => row)
-        .map((side) => ({ title: side.title, mask: side.mask, ink: side === this.sideA ? inks.a : inks.b })),
+      ...distinct(sides.map(({ truth }) => truth)).map(ofTruth),
+      ...sides.filter(({ row }) => row).map(ofSide),
     ];
     if (this.pictures.length > 1) return [of(this.sideA), of(this.sideB)];
     return [this.mode.b ? of(this.sideA, this.sideB) : of(this.sideA)];
@@ -371,13 +345,6 @@ export function showComparer(section) {
   const groups = data.groups.map((_, index) => index).filter((index) => data.groups[index].pictures);
   if (groups.length > 0) return new Comparer(section, groups);
   const why = data.notes.length > 0 ? data.notes : ["no row of this run has a mask"];
-  section.append(
-    h("p", { class: "notice" }, "There are no pictures to compare."),
-    h(
-      "ul",
-      { class: "why-not" },
-      why.map((note) => h("li", {}, note)),
-    ),
-  );
+  section.append(h("p", { class: "notice" }, "There are no pictures to compare."), list({ class: "why-not" }, why));
   return { open() {} };
 }

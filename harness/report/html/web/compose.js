@@ -1,8 +1,8 @@
-// Pictures from masks: what the comparer shows, as ImageData. A frame is {width, height, is_soft, lit, dark, bright, white,
-// classes}, a side what is compared: {mask, reference, causes}; `reference` is what its mask is judged by. Masks are shares of the
-// light, 0 .. 1.
+// The comparer's pictures, made from masks as ImageData. A frame is {width, height, is_soft, lit, dark, bright, white, classes},
+// a side of the comparison {mask, reference, causes}; the mask's errors are differences from `reference`. Masks are shares of
+// the light, 0 .. 1.
 
-import { data } from "./data.js";
+import { clamp, data } from "./data.js";
 
 const tested = data.classes.findIndex((info) => info.name === "T");
 const firstFacing = data.classes.findIndex((info) => info.name === "G");
@@ -24,9 +24,9 @@ export const isFacing = (frame, i) => frame.classes[i] >= firstFacing;
 export const isTested = (frame, i) => frame.classes[i] === tested;
 
 /** Whether a side is wrong there: off by more than one half, and the pixel faces the light. */
-export const isWrong = (frame, side, i) => {
-  const over = side.mask[i] - side.reference[i];
-  return isFacing(frame, i) && (side.reference[i] > 0.5 ? over <= -0.5 : over > 0.5);
+export const isWrong = (frame, { mask, reference }, i) => {
+  const over = mask[i] - reference[i];
+  return isFacing(frame, i) && (reference[i] > 0.5 ? over <= -0.5 : over > 0.5);
 };
 
 /** How strong the color of an error is, 0 .. 1: under a light with area by its size, in steps. */
@@ -43,15 +43,13 @@ function painted({ width, height }, paint) {
   const color = [0, 0, 0];
   for (let i = 0; i < width * height; ++i) {
     paint(i, color);
-    image.data[4 * i] = color[0];
-    image.data[4 * i + 1] = color[1];
-    image.data[4 * i + 2] = color[2];
+    for (let c = 0; c < 3; ++c) image.data[4 * i + c] = color[c];
     image.data[4 * i + 3] = 255;
   }
   return image;
 }
 
-/** The scene under this mask: exact at 0 and 1, mixed in linear light between; `bright` has what `lit` cuts off above white. */
+/** The scene under this mask: exact at 0 and 1, mixed in linear light between; `bright` has the light that `lit` cuts off. */
 export function shaded(frame, mask) {
   const { lit, dark, bright, white } = frame;
   const full = (k) => (lit[k] < 255 || !bright ? linear[lit[k]] : white * linear[bright[k]]);
@@ -73,23 +71,19 @@ export const colored = (frame, rgb) =>
 
 export const maskOnly = (frame, mask) => painted(frame, (i, color) => color.fill(255 * mask[i]));
 
-/** The scene in gray, behind what matters: tested pixels lighter than the rest. */
-function ghost(frame, i) {
-  const k = 3 * i,
-    gray = (2 * frame.lit[k] + 5 * frame.lit[k + 1] + frame.lit[k + 2]) / 8;
-  return frame.classes[i] === tested ? 70 + gray * 0.4 : 20 + gray * 0.2;
-}
+/** The gray of the lit scene, 0 .. 255. */
+const grayOf = ({ lit }, i) => (2 * lit[3 * i] + 5 * lit[3 * i + 1] + lit[3 * i + 2]) / 8;
 
-/** The scene in light gray, for what is drawn in colors on white: how much darker than white. */
-const shadeOf = (frame, i) => {
-  const k = 3 * i;
-  return 36 * (1 - (2 * frame.lit[k] + 5 * frame.lit[k + 1] + frame.lit[k + 2]) / 2040);
-};
+/** The scene in gray, as a background: tested pixels are lighter than the rest. */
+const ghost = (frame, i) => (isTested(frame, i) ? 70 + grayOf(frame, i) * 0.4 : 20 + grayOf(frame, i) * 0.2);
 
-/** The color of a signed difference, which is given as a share of the scale, -1 .. 1. */
+/** The scene in light gray under colors on white: the difference from white. */
+const shadeOf = (frame, i) => 36 * (1 - grayOf(frame, i) / 255);
+
+/** The color of a signed difference, given as a share of the scale, -1 .. 1. */
 function signedColor(share, color) {
-  const colors = data.signed.colors,
-    place = ((colors.length - 1) * (1 + Math.max(-1, Math.min(1, share)))) / 2;
+  const { colors } = data.signed;
+  const place = ((colors.length - 1) * (1 + clamp(share, -1, 1))) / 2;
   const below = Math.min(Math.floor(place), colors.length - 2);
   for (let c = 0; c < 3; ++c) color[c] = colors[below][c] + (place - below) * (colors[below + 1][c] - colors[below][c]);
 }
@@ -102,13 +96,11 @@ function signedColor(share, color) {
 export function difference(frame, a, b, scale) {
   const counts = { darker: 0, lighter: 0, beyond: 0 };
   const least = frame.is_soft ? 0.01 : 0;
-  let sum = 0,
-    sizes = 0,
-    pixels = 0;
+  let [sum, sizes, pixels] = [0, 0, 0];
   const image = painted(frame, (i, color) => {
     if (!isFacing(frame, i)) return color.fill(ghost(frame, i));
-    const off = a[i] - b[i],
-      size = Math.abs(off);
+    const off = a[i] - b[i];
+    const size = Math.abs(off);
     signedColor(off / scale, color);
     const shade = shadeOf(frame, i) * (1 - Math.min(1, size / scale));
     for (let c = 0; c < 3; ++c) color[c] -= shade;
@@ -130,11 +122,10 @@ export function difference(frame, a, b, scale) {
 export function errors(frame, side, cause) {
   const { mask, reference } = side;
   const zeros = () => (cause ? data.causes.map(() => 0) : { darker: 0, lighter: 0 });
-  const counts = zeros(),
-    sums = zeros();
+  const [counts, sums] = [zeros(), zeros()];
   const image = painted(frame, (i, color) => {
     color.fill(ghost(frame, i));
-    if (frame.classes[i] !== tested) return;
+    if (!isTested(frame, i)) return;
     const size = Math.abs(mask[i] - reference[i]);
     const is_dark = mask[i] < reference[i];
     const kind = cause ? cause[i] - 1 : is_dark ? "darker" : "lighter";
@@ -151,12 +142,11 @@ export function errors(frame, side, cause) {
 export function classes(frame) {
   const counts = data.classes.map(() => 0);
   const image = painted(frame, (i, color) => {
-    const k = 3 * i,
-      gray = (2 * frame.lit[k] + 5 * frame.lit[k + 1] + frame.lit[k + 2]) / 8;
-    const info = data.classes[frame.classes[i]].color;
-    ++counts[frame.classes[i]];
-    // The scene shows through, so that one sees what is where.
-    for (let c = 0; c < 3; ++c) color[c] = frame.classes[i] === 0 ? info[c] : 0.62 * info[c] + 0.38 * gray;
+    const k = frame.classes[i];
+    const of_class = data.classes[k].color;
+    ++counts[k];
+    // The scene shows through, so that its objects can be recognized.
+    for (let c = 0; c < 3; ++c) color[c] = k === 0 ? of_class[c] : 0.62 * of_class[c] + 0.38 * grayOf(frame, i);
   });
   return { image, counts };
 }

@@ -2,9 +2,10 @@
 
 import { isFacing } from "./compose.js";
 import { data } from "./data.js";
+import { rgb, screenRatio } from "./dom.js";
 import { isolines } from "./isolines.js";
 
-/** How each level is drawn: dashes in CSS pixels. The middle of the penumbra is a whole line. */
+/** Dashes of each level in CSS pixels. The middle of the penumbra is a whole line. */
 const dashes = [[2, 3], [], [9, 4]];
 
 export const levels = data.contours.levels.map((value, k) => ({ value, dash: dashes[k] }));
@@ -28,7 +29,7 @@ function pathOf(lines) {
 
 const kept = new WeakMap();
 
-/** Paths by level. Where a mask has nothing between its outer levels, their lines are the middle one, which then stands alone. */
+/** Paths by level. A mask without values between its outer levels has the line of the middle level only: all three coincide. */
 function pathsOf(frame, mask) {
   if (kept.has(mask)) return kept.get(mask);
   const is_hard = mask.every((value) => value <= levels[0].value || value >= levels.at(-1).value);
@@ -41,20 +42,20 @@ function pathsOf(frame, mask) {
 
 /** Draws a mask's lines over the picture that `view` shows (see Viewport). */
 export function drawContours(context, view, frame, mask, ink) {
-  const ratio = (devicePixelRatio || 1) / view.scale; // of a CSS pixel in the picture's
+  const ratio = screenRatio() / view.scale; // of a CSS pixel in the picture's
+  const stroke = (path, color, width, dash) => {
+    context.setLineDash(dash.map((part) => part * ratio));
+    context.strokeStyle = rgb(color);
+    context.lineWidth = width * ratio;
+    context.stroke(path);
+  };
   context.save();
   context.translate(view.x, view.y);
   context.scale(view.scale, view.scale);
   context.lineJoin = "round";
   for (const { dash, path } of pathsOf(frame, mask)) {
-    context.setLineDash([]);
-    context.strokeStyle = `rgb(${ink.casing.join(" ")})`;
-    context.lineWidth = ink.widths[0] * ratio;
-    context.stroke(path);
-    context.setLineDash(dash.map((part) => part * ratio));
-    context.strokeStyle = `rgb(${ink.core.join(" ")})`;
-    context.lineWidth = ink.widths[1] * ratio;
-    context.stroke(path);
+    stroke(path, ink.casing, ink.widths[0], []);
+    stroke(path, ink.core, ink.widths[1], dash);
   }
   context.restore();
 }

@@ -4,11 +4,9 @@
 /** Without exponent, to `significant` digits; digits before the point are never dropped. */
 export function rounded(value, significant) {
   if (value === 0) return "0";
-  const decimalsFor = (x) => Math.max(0, significant - 1 - Math.floor(Math.log10(Math.abs(x))));
-  let decimals = Math.min(decimalsFor(value), 20);
-  const after = Number(value.toFixed(decimals));
-  if (after !== 0) decimals = Math.min(decimalsFor(after), 20);
-  return value.toFixed(decimals);
+  const decimalsFor = (x) => Math.min(20, Math.max(0, significant - 1 - Math.floor(Math.log10(Math.abs(x)))));
+  const after = Number(value.toFixed(decimalsFor(value)));
+  return value.toFixed(decimalsFor(after === 0 ? value : after));
 }
 
 export function measured(value) {
@@ -22,12 +20,12 @@ export const milliseconds = (value) => (value > 0 && value < 0.001 ? "<0.001" : 
 /** A share of 1 in percent. */
 export const percent = (share) => `${measured(100 * share)} %`;
 
-/** A tick of an axis: no digits that say nothing. */
+/** A tick of an axis, to three digits without zeros behind the point. */
 export function tick(value) {
   if (value === 0) return "0";
   const size = Math.abs(value);
-  if (size >= 1e9) return `${Number((value / 1e9).toPrecision(3))} G`;
-  if (size >= 1e6) return `${Number((value / 1e6).toPrecision(3))} M`;
-  if (size >= 1e4) return `${Number((value / 1e3).toPrecision(3))} k`;
-  return String(Number(value.toPrecision(3)));
+  const short = (unit) => Number((value / unit).toPrecision(3));
+  if (size >= 1e9) return `${short(1e9)} G`;
+  if (size >= 1e6) return `${short(1e6)} M`;
+  return size >= 1e4 ? `${short(1e3)} k` : String(short(1));
 }

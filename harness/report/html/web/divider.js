@@ -6,17 +6,10 @@ export class Divider {
   constructor(onmove) {
     this.onmove = onmove;
     this.share = 0.5;
+    const slider = { "aria-orientation": "horizontal", "aria-valuemin": "0", "aria-valuemax": "100" };
     this.element = h(
       "div",
-      {
-        class: "divider",
-        role: "slider",
-        tabindex: "0",
-        "aria-label": "Divider between A and B",
-        "aria-orientation": "horizontal",
-        "aria-valuemin": "0",
-        "aria-valuemax": "100",
-      },
+      { class: "divider", role: "slider", tabindex: "0", "aria-label": "Divider between A and B", ...slider },
       h("span", { "aria-hidden": "true" }, "\u25c2 \u25b8"),
     );
     this.element.addEventListener("pointerdown", (event) => {

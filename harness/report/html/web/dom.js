@@ -1,16 +1,24 @@
 // Elements from a line: h("td", {class: "number"}, "1.23"). Text never becomes markup.
 
+const isGiven = (value) => value !== null && value !== undefined && value !== false;
+
 /** Attributes that are functions are listeners ("onclick"); null, undefined and false leave an attribute or child out. */
 export function h(tag, attributes = {}, ...children) {
   const element = document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) {
     if (typeof value === "function") element.addEventListener(name.slice(2), value);
     else if (name === "style" && value) for (const [key, text] of Object.entries(value)) element.style.setProperty(key, text);
-    else if (value !== null && value !== undefined && value !== false) element.setAttribute(name, value === true ? "" : value);
+    else if (isGiven(value)) element.setAttribute(name, value === true ? "" : value);
   }
-  element.append(...children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false));
+  element.append(...children.flat(Infinity).filter(isGiven));
   return element;
 }
+
+/** A list with an entry for each item. */
+export const list = (attributes, items) => h("ul", attributes, items.map((item) => h("li", {}, item)));
+
+/** A box in the color that a legend names. */
+export const swatch = (color) => h("i", { style: { background: color } });
 
 /** A name that may break after what joins its parts, and not inside a word: "shadow_map:" "resolution=256," "filter=pcf". */
 export function breakable(text) {
@@ -18,9 +26,9 @@ export function breakable(text) {
   return parts.flatMap((part, index) => (index === 0 ? [part] : [h("wbr"), part]));
 }
 
-/** A labeled list to choose from. `options` are {value, text}; the choice is kept when the options change. */
-export function chooser(label, options, onchange, attributes = {}) {
-  const select = h("select", { ...attributes, onchange: () => onchange(select.value) });
+/** A labeled list of options {value, text}. `set` replaces the options and keeps the choice where it can. */
+export function chooser(name, options, onchange, label = name) {
+  const select = h("select", { name, onchange: () => onchange(select.value) });
   const element = h("label", { class: "field" }, h("span", {}, label), select);
   const set = (choices, value = select.value) => {
     select.replaceChildren(...choices.map((option) => h("option", { value: option.value }, option.text)));
@@ -32,21 +40,32 @@ export function chooser(label, options, onchange, attributes = {}) {
     element,
     select,
     set,
-    get value() {
-      return select.value;
-    },
-    set value(value) {
-      select.value = value;
-    },
+    get value() { return select.value; },
+    set value(value) { select.value = value; },
   };
 }
 
 /** A check box with its label. */
-export function toggle(label, checked, onchange) {
+export function toggle(label, onchange, checked = false) {
   const input = h("input", { type: "checkbox", checked, onchange: () => onchange(input.checked) });
   return h("label", { class: "toggle" }, input, h("span", {}, label));
 }
 
+/** Calls back with the element's width in CSS pixels, at first and whenever it changes. */
+export function onWidth(element, listener) {
+  let width = 0;
+  new ResizeObserver(() => {
+    if (width === element.clientWidth) return;
+    width = element.clientWidth;
+    listener(width);
+  }).observe(element);
+}
+
+/** Screen pixels of a CSS pixel. */
+export const screenRatio = () => devicePixelRatio || 1;
+
 export const rgb = (color) => `rgb(${color.join(" ")})`;
 
-export const plural = (count, one, many = one + "s") => `${count.toLocaleString("en")} ${count === 1 ? one : many}`;
+export const words = (name) => name.replaceAll("_", " ");
+
+export const plural = (count, one) => `${count.toLocaleString("en")} ${one}${count === 1 ? "" : "s"}`;

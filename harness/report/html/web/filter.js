@@ -4,32 +4,15 @@ import { data, distinct } from "./data.js";
 import { chooser, h, plural } from "./dom.js";
 
 const listeners = [];
+const listed = ["scene", "light", "technique", "status"];
+const searched = [...listed, "title", "settings", "view", "path", "role", "support", "reason"];
 const state = { text: "", scene: "", light: "", technique: "", status: "" };
-
-const wordsOf = (row) =>
-  [
-    row.title,
-    row.technique,
-    row.settings,
-    row.scene,
-    row.light,
-    row.view,
-    row.path,
-    row.role,
-    row.status,
-    row.support,
-    row.reason,
-  ]
-    .join(" ")
-    .toLowerCase();
-const words = data.rows.map(wordsOf);
+const texts = data.rows.map((row) => searched.map((key) => row[key]).join(" ").toLowerCase());
 
 function matches(row) {
-  const wanted = state.text.toLowerCase().split(/\s+/).filter(Boolean);
-  return (
-    wanted.every((word) => words[row.index].includes(word)) &&
-    ["scene", "light", "technique", "status"].every((key) => !state[key] || row[key] === state[key])
-  );
+  const words = state.text.toLowerCase().split(/\s+/).filter(Boolean);
+  const isChosen = (key) => !state[key] || row[key] === state[key];
+  return words.every((word) => texts[row.index].includes(word)) && listed.every(isChosen);
 }
 
 /** Rows that pass, in the order of the run. */
@@ -45,20 +28,17 @@ export function filterBar() {
     reset.disabled = Object.values(state).every((value) => !value);
     listeners.forEach((listener) => listener());
   };
-  const text = h("input", {
-    type: "search",
-    placeholder: "any words",
-    spellcheck: "false",
-    autocomplete: "off",
-    oninput: () => ((state.text = text.value), changed()),
-  });
-  const lists = ["scene", "light", "technique", "status"].map((key) => {
+  const set = (key, value) => {
+    state[key] = value;
+    changed();
+  };
+  const plain = { placeholder: "any words", spellcheck: "false", autocomplete: "off" };
+  const text = h("input", { type: "search", ...plain, oninput: () => set("text", text.value) });
+  const lists = listed.map((key) => {
+    const countOf = (value) => data.rows.filter((row) => row[key] === value).length;
     const values = distinct(data.rows.map((row) => row[key]));
-    const options = values.map((value) => ({
-      value,
-      text: `${value} (${data.rows.filter((row) => row[key] === value).length})`,
-    }));
-    return chooser(key, [{ value: "", text: "all" }, ...options], (value) => ((state[key] = value), changed()), { name: key });
+    const options = values.map((value) => ({ value, text: `${value} (${countOf(value)})` }));
+    return chooser(key, [{ value: "", text: "all" }, ...options], (value) => set(key, value));
   });
   const clear = () => {
     for (const key of Object.keys(state)) state[key] = "";
@@ -66,9 +46,9 @@ export function filterBar() {
     lists.forEach((list) => (list.value = ""));
     changed();
   };
-  const reset = h("button", { type: "button", class: "quiet", onclick: clear, disabled: true }, "Reset");
+  const reset = h("button", { type: "button", onclick: clear, disabled: true }, "Reset");
   const count = h("output", { class: "count", "aria-live": "polite" }, plural(data.rows.length, "row"));
-  const bar = h(
+  return h(
     "div",
     { class: "bar filters", role: "search", "aria-label": "Filter the rows of the table and of the plots" },
     h("label", { class: "field grows" }, h("span", {}, "filter"), text),
@@ -76,5 +56,4 @@ export function filterBar() {
     reset,
     count,
   );
-  return bar;
 }

@@ -1,10 +1,12 @@
 // The line of the profile over the picture: drawn with the mouse or a finger, or end by end with a key.
 
+import { screenRatio } from "./dom.js";
+
 const reach = 12; // CSS pixels in which an end is caught
 
 /**
- * `line` is null or two pixels {x, y}. `onchange()` is told of every change. A tool of a Viewport: `grab(point, near)` begins a
- * drag at a point in the picture's pixels and says whether it took it, `near(pixel)` being the distance on the screen.
+ * `line` is null or two pixels {x, y}. Calls `onchange()` after every change. A tool of a Viewport: `grab(pixel, near)` begins
+ * a drag at a pixel of the picture and returns whether the tool takes it. `near(pixel)` is a pixel's distance on the screen.
  */
 export class LineTool {
   constructor(onchange) {
@@ -41,7 +43,7 @@ export class LineTool {
     if (is_given_up || (from.x === to.x && from.y === to.y)) this.set(this.before);
   }
 
-  /** The key that puts ends, in turn; says whether it was one of its keys. */
+  /** P puts the ends at the pixel, in turn. Returns whether the tool took the key. */
   key(name, pixel) {
     if (name !== "p" || !pixel) return false;
     const line = this.line ? [...this.line] : [pixel, pixel];
@@ -53,15 +55,12 @@ export class LineTool {
 
   draw(context, view) {
     if (!this.line) return;
-    const ratio = devicePixelRatio || 1;
+    const ratio = screenRatio();
     const place = ({ x, y }) => [view.x + (x + 0.5) * view.scale, view.y + (y + 0.5) * view.scale];
     const ends = this.line.map(place);
     context.save();
     context.lineCap = "round";
-    for (const [color, width] of [
-      ["#000", 4],
-      ["#fff", 2],
-    ]) {
+    for (const [color, width] of [["#000", 4], ["#fff", 2]]) {
       context.strokeStyle = color;
       context.lineWidth = width * ratio;
       context.beginPath();

@@ -2,42 +2,30 @@
 
 import { showAbout } from "./about.js";
 import { showComparer } from "./comparer.js";
-import { data, distinct, isOk } from "./data.js";
-import { h, plural } from "./dom.js";
+import { data, distinct, isOk, joined } from "./data.js";
+import { h, list, plural } from "./dom.js";
 import { showPlots } from "./plots.js";
 import { showTable } from "./table.js";
 
 function showTop(header) {
   const count = (status) => data.rows.filter((row) => row.status === status).length;
-  const different = (key) => distinct(data.rows.map((row) => row[key])).length;
-  const says = new Map(data.provenance);
+  const different = (name, of) => plural(distinct(data.rows.map(of)).length, name);
+  const unmeasured = ["unsupported", "failed"].filter(count).map((status) => `${count(status)} ${status}`);
+  const masks = data.rows.filter((row) => isOk(row) && row.pictures).length;
+  const lights = different("light", (row) => `${row.scene} ${row.light}`);
   const facts = [
-    [
-      plural(data.rows.length, "row"),
-      ["unsupported", "failed"]
-        .filter(count)
-        .map((status) => `${count(status)} ${status}`)
-        .join(", "),
-    ],
-    [
-      plural(different("scene"), "scene"),
-      plural(distinct(data.rows.map((row) => `${row.scene} ${row.light}`)).length, "light") + " in them",
-    ],
-    [plural(different("technique"), "technique"), plural(distinct(data.rows.map((row) => row.title)).length, "setting")],
-    [plural(data.rows.filter((row) => isOk(row) && row.pictures).length, "mask"), "to compare"],
+    [plural(data.rows.length, "row"), unmeasured.join(", ")],
+    [different("scene", (row) => row.scene), `${lights} in them`],
+    [different("technique", (row) => row.technique), different("setting", (row) => row.title)],
+    [plural(masks, "mask"), "to compare"],
   ];
-  const machine = ["processor", "renderer", "version", "commit"]
-    .map((key) => says.get(key))
-    .filter((text) => text && text !== "-");
+  const provenance = new Map(data.provenance);
+  const machine = ["processor", "renderer", "version", "commit"].map((key) => provenance.get(key));
   header.append(
     h("p", { class: "kicker" }, "Gnomon report"),
     h("h1", {}, data.title),
-    h("p", { class: "machine" }, machine.join(" \u00b7 ")),
-    h(
-      "ul",
-      { class: "facts" },
-      facts.map(([fact, detail]) => h("li", {}, h("b", {}, fact), detail && h("span", {}, detail))),
-    ),
+    h("p", { class: "machine" }, joined(machine.filter((text) => text !== "-"), " \u00b7 ")),
+    list({ class: "facts" }, facts.map(([fact, detail]) => [h("b", {}, fact), detail && h("span", {}, detail)])),
   );
 }
 
@@ -51,5 +39,5 @@ showTable(document.getElementById("table"), (row) => {
 showPlots(document.getElementById("plots"));
 showAbout(document.getElementById("about"));
 
-// Paper cannot be unfolded.
+// On paper nobody can open what is closed.
 addEventListener("beforeprint", () => document.querySelectorAll("#about details").forEach((details) => (details.open = true)));

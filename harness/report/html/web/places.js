@@ -18,9 +18,9 @@ const choicesOfAll = (rows) => {
 };
 
 /**
- * `isWanted(row)` says which rows count. `with_all` leads with "over all", of each kind of light where there are both, which is not
- * chosen unless somebody does. Null when no row of the run counts. `rows()` are those of the choice; the list then holds what the
- * filter leaves, the choice kept where it can.
+ * `isWanted(row)` says which rows count. `with_all` leads with "over all", of each kind of light where there are both; the first
+ * choice is a single place. Null when no row of the run counts. `rows()` are those of the choice. It first reduces the list to
+ * what the filter leaves and keeps the choice where it can.
  */
 export function placeList(label, isWanted, redraw, with_all = false) {
   const options = (rows) => {
@@ -31,20 +31,14 @@ export function placeList(label, isWanted, redraw, with_all = false) {
   const all = data.rows.filter(isWanted);
   if (all.length === 0) return null;
   let wanted = String(all[0].group);
-  const list = chooser(label, options(all), (value) => ((wanted = value), redraw()), { name: "where" });
+  const list = chooser("where", options(all), (value) => { wanted = value; redraw(); }, label);
   list.value = wanted;
   const rows = () => {
-    const passing = filteredRows().filter(isWanted),
-      left = options(passing);
+    const passing = filteredRows().filter(isWanted);
+    const left = options(passing);
     const first = left.find((option) => !everywhere.includes(option))?.value;
     list.set(left, left.some((option) => option.value === wanted) ? wanted : first);
     return passing.filter(chosenOfAll()?.accepts ?? ((row) => row.group === Number(list.value)));
   };
-  return {
-    element: list.element,
-    rows,
-    get isAll() {
-      return Boolean(chosenOfAll());
-    },
-  };
+  return { element: list.element, rows, isAll: () => Boolean(chosenOfAll()) };
 }

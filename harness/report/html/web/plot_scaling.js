@@ -1,9 +1,9 @@
 // How a cost or an error grows with triangles, pixels or a parameter.
 
-import { dot, line, plot, ruleX, ruleY, text } from "@observablehq/plot";
+import { dot, line, plot, ruleX, text } from "@observablehq/plot";
 
-import { acrossOptions, between, frame, logAxis, scalesOver, seriesOf, tipOf, upOptions, zeroLines } from "./axes.js";
-import { data, distinct, groupName, isOk, isSoft, valueOf } from "./data.js";
+import { acrossOptions, between, floorLine, frame, logAxis, scalesOver, seriesOf, tipOf, upOptions, zeroLines } from "./axes.js";
+import { clamp, data, distinct, groupName, isOk, isSoft, joined, mean, valueOf } from "./data.js";
 import { tick } from "./digits.js";
 import { chooser, plural } from "./dom.js";
 import { filteredRows } from "./filter.js";
@@ -11,25 +11,23 @@ import { events, levelsOf, memory, metrics, named, optionsOf, stages } from "./q
 
 /** Along these the error of independent samples falls with the root of their number. */
 const isSamples = (x) => /(^|_)samples$/.test(x.parameter ?? "");
-const seed = "seed"; // the parameter that rows may differ in and be the same setting
+const seed = "seed"; // rows that differ in this parameter alone have the same setting
 
 /** What may grow: name, text, of(row) -> number or null, and whether it grows with the scene. */
 function growing() {
-  const parameters = distinct(data.rows.flatMap((row) => Object.keys(row.parameters)));
+  const ofParameter = (parameter) => {
+    const of = ({ parameters }) => (typeof parameters[parameter] === "number" ? parameters[parameter] : null);
+    return { name: `parameter.${parameter}`, text: parameter, parameter, of };
+  };
   const all = [
     { name: "triangles", text: "triangles", of: (row) => valueOf(row, "triangles"), sweepsScene: true },
     { name: "pixels", text: "pixels", of: (row) => data.groups[row.group].width * data.groups[row.group].height || null },
-    ...parameters.map((name) => ({
-      name: `parameter.${name}`,
-      text: name,
-      parameter: name,
-      of: (row) => (typeof row.parameters[name] === "number" ? row.parameters[name] : null),
-    })),
+    ...distinct(data.rows.flatMap((row) => Object.keys(row.parameters))).map(ofParameter),
   ];
   return all.filter((x) => lines(x, 2) > 0);
 }
 
-/** How many lines along x have at least so many places on it. */
+/** The number of lines with at least so many different x. */
 function lines(x, least) {
   const places = new Map();
   for (const row of data.rows.filter(isOk)) {
@@ -41,21 +39,13 @@ function lines(x, least) {
   return [...places.values()].filter((values) => values.size >= least).length;
 }
 
-/** Rows of one line: all is equal but what grows, and the seed. */
+/** A key of the row's line: the rows of a line are equal but for x and the seed. */
 function lineOf(row, x) {
   const parameters = Object.entries(row.parameters).filter(([name]) => name !== x.parameter && name !== seed);
   const { view, path, width, height, truth } = data.groups[row.group];
   const size = x.name === "pixels" ? "" : `${width}x${height}`;
-  return JSON.stringify([
-    row.technique,
-    parameters,
-    x.sweepsScene ? row.family : row.scene,
-    row.light,
-    view,
-    path,
-    size,
-    truth,
-  ]);
+  const scene = x.sweepsScene ? row.family : row.scene;
+  return JSON.stringify([row.technique, parameters, scene, row.light, view, path, size, truth]);
 }
 
 /** What a line's rows have in common, by name. */
@@ -75,12 +65,12 @@ function overSeeds(points) {
   return [...places.values()].map((same) => {
     if (same.length === 1) return { ...same[0], seeds: 1 };
     const values = same.map(({ estimate }) => estimate.value);
-    const value = values.reduce((sum, one) => sum + one, 0) / values.length;
-    return { ...same[0], seeds: same.length, estimate: { value, low: Math.min(...values), high: Math.max(...values) } };
+    const estimate = { value: mean(values), low: Math.min(...values), high: Math.max(...values) };
+    return { ...same[0], seeds: same.length, estimate };
   });
 }
 
-/** What colors tell apart: the lines by their names where one technique has few of them, else techniques or scenes. */
+/** The series that have colors: the lines by their names where one technique has few of them, else techniques or scenes. */
 function tellApart(points, x) {
   const groups = distinct(points.map(({ row }) => row.group));
   for (const point of points)
@@ -99,9 +89,8 @@ const floorsOf = (points, y) =>
 /** From above the largest error of the fewest samples down with one over the root of their number; null of other quantities. */
 function guideOf(points, x, y) {
   if (!isSamples(x) || !metrics.includes(y) || y.better !== "lower") return null;
-  const xs = points.map((point) => point.x).filter((value) => value > 0),
-    from = Math.min(...xs),
-    to = Math.max(...xs);
+  const xs = points.map((point) => point.x).filter((value) => value > 0);
+  const [from, to] = [Math.min(...xs), Math.max(...xs)];
   const first = 1.4 * Math.max(...points.filter((point) => point.x === from).map(({ estimate }) => estimate.value));
   return first > 0 ? [from, to].map((value) => ({ x: value, y: first * Math.sqrt(from / value) })) : null;
 }
@@ -119,20 +108,19 @@ function scalingPlot(points, across, up, x, y, { floors, guide }, width) {
   const at = { x: (point) => across.at(point.x), y: (point) => up.at(point.estimate.value) };
   const by = tellApart(points, x);
   const bars = { x: at.x, y1: ({ estimate }) => up.at(estimate.low), y2: ({ estimate }) => up.at(estimate.high) };
-  const along = { x: (point) => across.at(point.x), y: (point) => up.at(point.y) };
-  const said = { fill: "var(--muted)", stroke: "var(--surface)", strokeWidth: 4, textAnchor: "start", dx: 10, dy: -9 };
+  const along = { x: at.x, y: (point) => up.at(point.y) };
+  const beside = { fill: "var(--muted)", stroke: "var(--surface)", strokeWidth: 4, textAnchor: "start", dx: 10, dy: -9 };
   return plot({
-    ...frame(width),
-    height: Math.max(300, Math.min(440, width * 0.58)),
-    x: acrossOptions(across, x.text),
-    y: upOptions(up, `\u2191 ${y.label}`),
+    ...frame(width, clamp(width * 0.58, 300, 440)),
+    x: acrossOptions(x.text, across.options),
+    y: upOptions(`\u2191 ${y.label}`, up.options),
     color: by.color,
     symbol: { ...by.symbol, legend: true },
     marks: [
-      ...zeroLines({ zero: null }, up),
-      ...floors.map((floor) => ruleY([up.at(floor)], { stroke: "var(--ink)", strokeDasharray: "1 4" })),
-      ...(guide ? [line(guide, { ...along, stroke: "var(--muted)", strokeDasharray: "7 5", strokeWidth: 1.5 })] : []),
-      ...(guide ? [text(guide.slice(0, 1), { ...along, ...said, text: () => "slope \u22121/2" })] : []),
+      zeroLines({ zero: null }, up),
+      floors.map((floor) => floorLine(up, floor)),
+      guide && line(guide, { ...along, stroke: "var(--muted)", strokeDasharray: "7 5", strokeWidth: 1.5 }),
+      guide && text(guide.slice(0, 1), { ...along, ...beside, text: () => "slope \u22121/2" }),
       line(points, { ...at, z: "line", stroke: by.name, strokeOpacity: 0.65, strokeWidth: 1.5 }),
       ruleX(points.filter(hasInterval), { ...bars, stroke: by.name, strokeWidth: 1.5, strokeOpacity: 0.7 }),
       dot(points, { ...at, stroke: by.name, fill: by.name, fillOpacity: 0.6, symbol: by.name, r: 3.5 }),
@@ -150,17 +138,15 @@ const hasInterval = ({ estimate }) => estimate.low !== null;
 
 function captionOf(points, across, up, x, { floors, guide }) {
   const seeds = Math.max(...points.map((point) => point.seeds));
-  return [
+  return joined([
     across.isLog && up.isLog ? "Both axes are logarithmic." : across.isLog && "The horizontal axis is logarithmic.",
     `A line joins rows that differ in ${x.text} alone.`,
     seeds > 1
       ? `Points are means of up to ${plural(seeds, "seed")}, bars reach from the smallest to the largest.`
       : points.some(hasInterval) && "Bars are 95 % intervals.",
     floors.length > 0 && "Dotted: the error floor, what the reference's own noise makes; below it nothing can be told from 0.",
-    guide && `Dashed: how the error of independent samples falls, with one over the root of their number.`,
-  ]
-    .filter(Boolean)
-    .join(" ");
+    guide && "Dashed: how the error of independent samples falls, with one over the root of their number.",
+  ]);
 }
 
 export function scalingCard(redraw) {
@@ -168,58 +154,40 @@ export function scalingCard(redraw) {
   const ys = [...stages, ...events.filter((event) => event.name !== "resolve"), ...memory, ...metrics];
   if (xs.length === 0 || ys.length === 0) return null;
   const lights = distinct(data.rows.filter(isOk).map((row) => row.light));
-  const along = chooser("along", optionsOf(xs), redraw, { name: "along" });
-  const what = chooser("what", optionsOf(ys), redraw, { name: "what" });
-  const light = chooser("light", [{ value: "", text: "all" }, ...lights.map((value) => ({ value, text: value }))], redraw, {
-    name: "light",
-  });
-  // What was swept most.
+  const along = chooser("along", optionsOf(xs), redraw);
+  const what = chooser("what", optionsOf(ys), redraw);
+  const light = chooser("light", [{ value: "", text: "all" }, ...lights.map((value) => ({ value, text: value }))], redraw);
+  // The first choice is x with the most lines.
   const most = (least) => xs.reduce((best, x) => (lines(x, least) > lines(best, least) ? x : best), xs[0]);
   along.value = (lines(most(3), 3) > 0 ? most(3) : most(2)).name;
-  const is_convergence = isSamples(named(xs, along.value)) && data.rows.some(isSoft) && metrics.some(({ name }) => name === "error");
-  const wanted = is_convergence ? "error" : "resolve";
-  what.value = ys.some(({ name }) => name === wanted) ? wanted : ys[0].name;
+  const has_error = data.rows.some(isSoft) && metrics.some(({ name }) => name === "error");
+  const is_convergence = has_error && isSamples(named(xs, along.value));
+  what.value = named(ys, is_convergence ? "error" : "resolve").name;
 
   function draw(width) {
-    const x = xs.find(({ name }) => name === along.value),
-      y = named(ys, what.value);
-    const all = filteredRows()
-      .filter((row) => isOk(row) && (!light.value || row.light === light.value))
-      .map((row) => ({
-        row,
-        technique: row.technique,
-        scene: row.scene,
-        x: x.of(row),
-        estimate: y.of(row),
-        line: lineOf(row, x),
-      }))
-      .filter((point) => point.x !== null && point.estimate)
-      .sort((p, q) => p.x - q.x);
-    // A single point says nothing of growth.
+    const [x, y] = [named(xs, along.value), named(ys, what.value)];
+    const pointOf = (row) => {
+      const place = { x: x.of(row), estimate: y.of(row), line: lineOf(row, x) };
+      return { row, technique: row.technique, scene: row.scene, ...place };
+    };
+    const rows = filteredRows().filter((row) => isOk(row) && (!light.value || row.light === light.value));
+    const all = rows.map(pointOf).filter((point) => point.x !== null && point.estimate);
+    all.sort((p, q) => p.x - q.x);
+    // A single point does not show growth.
     const points = overSeeds(all.filter(({ line, x: value }) => all.some((other) => other.line === line && other.x !== value)));
     if (points.length === 0) return { empty: "No row here has both." };
-    const ends = points.flatMap(({ estimate }) =>
-      [estimate.value, estimate.low, estimate.high].filter((value) => value !== null),
-    );
+    const ends = points.flatMap(({ estimate: { value, low, high } }) => [value, low, high].filter((end) => end !== null));
     const floors = floorsOf(points, y);
-    const across = logAxis(points.map((point) => point.x)),
-      wished = guideOf(points, x, y),
-      axis = logAxis([...ends, ...floors, ...(wished ?? []).map((end) => end.y)]);
+    const across = logAxis(points.map((point) => point.x));
+    const wished = guideOf(points, x, y);
+    const axis = logAxis([...ends, ...floors, ...(wished ?? []).map((end) => end.y)]);
     if (isSamples(x) && across.isLog) tickAt(across, distinct(points.map((point) => point.x)));
-    // A slope is one where both axes are logarithmic.
-    const guide = across.isLog && axis.isLog ? wished : null,
-      up = guide || !wished ? axis : logAxis([...ends, ...floors]);
+    // The guide is straight where both axes are logarithmic.
+    const guide = across.isLog && axis.isLog ? wished : null;
+    const up = guide || !wished ? axis : logAxis([...ends, ...floors]);
     const lines = { floors, guide };
-    return {
-      plot: scalingPlot(points, across, up, x, y, lines, width),
-      caption: captionOf(points, across, up, x, lines),
-    };
+    return { plot: scalingPlot(points, across, up, x, y, lines, width), caption: captionOf(points, across, up, x, lines) };
   }
-  return {
-    name: "scaling",
-    title: "Scaling",
-    lead: "How cost grows, and how error falls with samples.",
-    controls: [along.element, what.element, light.element],
-    draw,
-  };
+  const lead = "How cost grows, and how error falls with samples.";
+  return { name: "scaling", title: "Scaling", lead, controls: [along.element, what.element, light.element], draw };
 }

@@ -1,15 +1,15 @@
 // What a plot can put on an axis: costs with their intervals, memory, metrics.
 
-import { columnNamed, data, valueOf } from "./data.js";
+import { columnNamed, data, mean, valueOf } from "./data.js";
 import { measured, milliseconds } from "./digits.js";
 
-/** A quantity: name, text for the list, label of the axis, of(row) -> {value, low, high} in the axis' unit or null, shown(value). */
+/** A quantity: name, text for the list, label of the axis, of(row) -> {value, low, high} in the axis' unit or null, shown(). */
 function ofTimes(name, text, times) {
   const of = (row) => {
     const estimate = times(row);
     return estimate && { value: estimate[0], low: estimate[1] ?? null, high: estimate[2] ?? null };
   };
-  return { name, text, label: `${text} (ms)`, unit: "ms", shown: milliseconds, of, isTime: true };
+  return { name, text, label: `${text} (ms)`, unit: "ms", shown: milliseconds, of };
 }
 
 function ofColumn(column) {
@@ -33,9 +33,10 @@ export const metrics = data.metrics
   .map((metric) => ({ ...ofColumn(columnNamed(metric.name)), better: metric.better, sentence: metric.sentence }))
   .filter(occurs);
 
-const mean = (values) => (values.length > 0 ? values.reduce((sum, value) => sum + value, 0) / values.length : null);
-
-/** What a quantity is read against, in its unit, over the rows: what the reference's own noise makes of it, and of `error` that of the best constant mask; null where there is none. */
+/**
+ * Means over the rows to compare a metric with, in its unit: its floor, which is what the reference's own noise makes of it, and
+ * of `error` that of the best constant mask; null where there is none.
+ */
 export function levelsOf(rows, metric) {
   const level = (name) => {
     const column = columnNamed(name);

@@ -1,7 +1,7 @@
 // The table of all rows: sorted by any column, filtered, with columns to choose.
 
 import { causeBar, causeLegend, occurringCauses, wrongShare } from "./causes.js";
-import { columnNamed, data, isOk, isSoft, textOf } from "./data.js";
+import { columnNamed, data, isOk, isSoft, joined, textOf } from "./data.js";
 import { breakable, h } from "./dom.js";
 import { filteredRows, filterBar, onFilter } from "./filter.js";
 
@@ -19,16 +19,15 @@ const causesColumn = {
     "the share of all tested ones.",
 };
 
-/** Columns that may be shown; intervals stand with their times, behind what rows are judged by what it is read against, then causes. */
+/** Columns that may be shown: the error is followed by its floors and by causes. Intervals are in the cells of their times. */
 function allColumns() {
   const columns = data.columns.filter((column) => !isInterval(column) && column.name !== "causes");
-  const judged = columns.find((column) => column.name === "error" && column.is_headline);
-  if (!judged) return withCauses.length > 0 ? [...columns, causesColumn] : columns;
+  const causes = withCauses.length > 0 ? [causesColumn] : [];
+  const error = columns.find((column) => column.name === "error" && column.is_headline);
+  if (!error) return [...columns, ...causes];
   const floors = ["error_floor", "snapping_floor", "constant_error"].map(columnNamed).filter((column) => column?.is_headline);
-  const beside = withCauses.length > 0 ? [...floors, causesColumn] : floors;
   const others = columns.filter((column) => !floors.includes(column));
-  others.splice(others.indexOf(judged) + 1, 0, ...beside);
-  return others;
+  return others.flatMap((column) => (column === error ? [error, ...floors, ...causes] : [column]));
 }
 
 const sortValue = (row, column) => (column === causesColumn ? wrongShare(row) : row.values[column.index]);
@@ -37,49 +36,42 @@ function compare(a, b) {
   return typeof a === "number" && typeof b === "number" ? a - b : String(a).localeCompare(String(b), "en", { numeric: true });
 }
 
-/** Rows in order; those without a value stay at the end. */
+/** Rows in order; those without a value are at the end. */
 function sorted(rows, { column, descending }) {
   if (!column) return rows;
   const sign = descending ? -1 : 1;
   return [...rows].sort((p, q) => {
-    const a = sortValue(p, column),
-      b = sortValue(q, column);
+    const a = sortValue(p, column);
+    const b = sortValue(q, column);
     if (a === null || b === null) return (a === null) - (b === null) || p.index - q.index;
     return sign * compare(a, b) || p.index - q.index;
   });
 }
 
 function interval(row, column) {
-  const [low, high] = ["_low", "_high"].map((end) => columnNamed(column.name + end));
-  if (!low || !high || row.values[low.index] === null || row.values[high.index] === null) return null;
-  const ends = [low, high].map((end) => textOf(row, end));
-  return ends[0] === ends[1] ? null : h("small", { class: "interval" }, ends.join(" \u2013 "));
+  const ends = ["_low", "_high"].map((end) => columnNamed(column.name + end));
+  if (ends.some((end) => !end || row.values[end.index] === null)) return null;
+  const [low, high] = ends.map((end) => textOf(row, end));
+  return low === high ? null : h("small", { class: "interval" }, `${low} \u2013 ${high}`);
 }
 
 function techniqueCell(row, text, openPictures) {
-  const button =
-    row.pictures &&
-    h(
-      "button",
-      {
-        type: "button",
-        class: "picture",
-        title: "Compare its picture with the reference",
-        "aria-label": `Pictures of ${row.title}`,
-        onclick: () => openPictures(row),
-      },
-      "\u25d0",
-    );
-  const role = row.role === "contender" ? null : h("small", { class: "role" }, row.role);
-  return h("th", { scope: "row", class: "text technique" }, h("div", {}, h("span", { class: "id" }, breakable(text)), role, button));
+  const title = "Compare its picture with the reference";
+  const act = { type: "button", onclick: () => openPictures(row) };
+  const button = h("button", { class: "picture", title, "aria-label": `Pictures of ${row.title}`, ...act }, "\u25d0");
+  const id = h("span", { class: "id" }, breakable(text));
+  const role = row.role !== "contender" && h("small", { class: "role" }, row.role);
+  return h("th", { scope: "row", class: "text technique" }, h("div", {}, id, role, row.pictures && button));
 }
 
 function supportCell(row, text) {
   const kind = isOk(row) ? (row.support ?? "none") : row.status;
   const pill = h("span", { class: `pill ${kind}` }, text);
-  if (!row.reason || !isOk(row)) return h("td", { class: "text" }, pill);
-  return h("td", { class: "text" }, h("details", { class: "why" }, h("summary", {}, pill), h("p", {}, row.reason)));
+  const why = () => h("details", { class: "why" }, h("summary", {}, pill), h("p", {}, row.reason));
+  return h("td", { class: "text" }, row.reason && isOk(row) ? why() : pill);
 }
+
+const mark = (sign, label, title = label) => h("span", { class: "mark", role: "img", "aria-label": label, title }, sign);
 
 function cell(row, column, openPictures) {
   if (column === causesColumn) return h("td", { class: "text" }, causeBar(row));
@@ -87,33 +79,21 @@ function cell(row, column, openPictures) {
   if (column.name === "technique") return techniqueCell(row, text, openPictures);
   if (column.name === "support") return supportCell(row, text);
   if (row.values[column.index] === null) return h("td", { class: column.is_left ? "text null" : "null" }, text);
-  const is_best = row.best.has(column.index),
-    is_floored = row.floored.has(column.index),
-    is_flagged = row.flagged.has(column.index);
+  const [is_best, is_floored, is_flagged] = [row.best, row.floored, row.flagged].map((marked) => marked.has(column.index));
+  const noise = "within the reference's noise";
+  const few = "too few pixels tested";
   return h(
     "td",
-    { class: [column.is_left && "text", is_best && "best", is_flagged && "flagged"].filter(Boolean).join(" ") || null },
-    is_best &&
-      h("span", { class: "mark", role: "img", "aria-label": "best of its group", title: "best of its group" }, "\u2605"),
+    { class: joined([column.is_left && "text", is_best && "best", is_flagged && "flagged"]) || null },
+    is_best && mark("\u2605", "best of its group"),
     column.is_left ? breakable(text) : text,
-    is_floored &&
-      h("span", { class: "mark", role: "img", "aria-label": "within the reference's noise", title: "within the reference's noise of the best value" }, "\u00b0"),
-    is_flagged &&
-      h(
-        "span",
-        {
-          class: "mark",
-          role: "img",
-          "aria-label": "too few pixels tested",
-          title: "too few pixels tested: read the errors with care",
-        },
-        "\u2691",
-      ),
+    is_floored && mark("\u00b0", noise, `${noise} of the best value`),
+    is_flagged && mark("\u2691", few, `${few}: read the errors with care`),
     interval(row, column),
   );
 }
 
-/** Cells of a row; where a row that was not measured has nothing for columns on end, its reason stands there. */
+/** Cells of a row. The reason of a row that was not measured fills its longest run of columns without values. */
 function cells(row, columns, openPictures) {
   if (isOk(row) || !row.reason) return columns.map((column) => cell(row, column, openPictures));
   const isEmpty = (column) => column === causesColumn || row.values[column.index] === null;
@@ -125,9 +105,9 @@ function cells(row, columns, openPictures) {
     start = Math.max(end, start + 1);
   }
   const reason = h("td", { class: "text reason", colspan: Math.max(1, best.length) }, row.reason);
+  const start = best.length === 0 ? columns.length : best.start;
   const rest = (from, to) => columns.slice(from, to).map((column) => cell(row, column, openPictures));
-  if (best.length === 0) return [...rest(0, columns.length), reason];
-  return [...rest(0, best.start), reason, ...rest(best.start + best.length, columns.length)];
+  return [...rest(0, start), reason, ...rest(start + best.length)];
 }
 
 function legend() {
@@ -146,8 +126,7 @@ export function showTable(section, openPictures) {
   const visible = new Set(columns.filter((column) => column.is_headline).map((column) => column.name));
   const order = { column: null, descending: false };
 
-  const head = h("thead"),
-    body = h("tbody");
+  const [head, body] = [h("thead"), h("tbody")];
   const table = h("table", {}, h("caption", { class: "hidden" }, "Every row of the run"), head, body);
 
   const sortBy = (column) => {
@@ -160,28 +139,23 @@ export function showTable(section, openPictures) {
   };
 
   const headCell = (column) => {
-    const is_sorted = order.column === column;
-    return h(
-      "th",
-      {
-        scope: "col",
-        class: column.is_left ? "text" : null,
-        "data-column": column.name,
-        "data-heading": column.shown_unit ? `${column.heading} (${column.shown_unit})` : column.heading,
-        "aria-sort": is_sorted ? (order.descending ? "descending" : "ascending") : null,
-      },
-      h(
-        "button",
-        { type: "button", title: column.sentence || null, onclick: () => sortBy(column) },
-        h(
-          "span",
-          { class: "heading" },
-          column.heading,
-          h("span", { class: "arrow", "aria-hidden": "true" }, is_sorted ? (order.descending ? "\u25be" : "\u25b4") : ""),
-        ),
-        h("small", {}, column.shown_unit || "\u00a0"),
-      ),
+    const { heading, shown_unit: unit, sentence } = column;
+    const direction = order.descending ? ["descending", "\u25be"] : ["ascending", "\u25b4"];
+    const [sort, arrow] = order.column === column ? direction : [null, ""];
+    const attributes = {
+      scope: "col",
+      class: column.is_left ? "text" : null,
+      "data-column": column.name,
+      "data-heading": unit ? `${heading} (${unit})` : heading,
+      "aria-sort": sort,
+    };
+    const button = h(
+      "button",
+      { type: "button", title: sentence || null, onclick: () => sortBy(column) },
+      h("span", {}, heading, h("span", { class: "arrow", "aria-hidden": "true" }, arrow)),
+      h("small", {}, unit || "\u00a0"),
     );
+    return h("th", attributes, button);
   };
 
   function draw() {
@@ -192,7 +166,7 @@ export function showTable(section, openPictures) {
       ...sorted(filteredRows(), order).map((row) => {
         const is_new_group = !order.column && group !== null && group !== row.group;
         group = row.group;
-        const names = [isOk(row) ? row.role : row.status, is_new_group && "first"].filter(Boolean).join(" ");
+        const names = joined([isOk(row) ? row.role : row.status, is_new_group && "first"]);
         return h("tr", { class: names, "data-row": row.index }, cells(row, shown, openPictures));
       }),
     );
@@ -201,18 +175,13 @@ export function showTable(section, openPictures) {
   }
 
   const box = (column) => {
-    const input = h("input", {
-      type: "checkbox",
-      name: column.name,
-      checked: visible.has(column.name),
-      onchange: () => (visible[input.checked ? "add" : "delete"](column.name), draw()),
-    });
-    return h(
-      "label",
-      { title: column.sentence || null },
-      input,
-      h("span", {}, column === causesColumn ? "causes" : column.name),
-    );
+    const { name, sentence } = column;
+    const onchange = () => {
+      visible[input.checked ? "add" : "delete"](name);
+      draw();
+    };
+    const input = h("input", { type: "checkbox", name, checked: visible.has(name), onchange });
+    return h("label", { title: sentence || null }, input, h("span", {}, name));
   };
   section.append(
     filterBar(),

@@ -1,13 +1,14 @@
 // A picture to look at closely: zoom by wheel, keys, buttons and two fingers, pan by dragging; pixels stay sharp squares.
 
-import { h } from "./dom.js";
+import { clamp } from "./data.js";
+import { h, screenRatio } from "./dom.js";
 
-const largest = 64; // screen pixels a picture's pixel may take
+const largest = 64; // CSS pixels of a picture's pixel, at most
 
 /**
- * `paint(context, view)` draws in screen pixels, view = {scale, x, y, width, height, at(pixel)}: the picture's pixel (0, 0) lies
- * at x, y. `onpixel(pixel)` is told which pixel {x, y} is pointed at, null when none is. A `tool` takes one pointer's drags for
- * itself, unless Shift is held, and keys of its own (see LineTool).
+ * `paint(context, view)` draws in screen pixels, view = {scale, x, y, width, height}: the picture's pixel (0, 0) is at x, y.
+ * Calls `onpixel(pixel)` with the pixel {x, y} under the pointer, or null. A `tool` takes the drags of one pointer unless Shift
+ * is held, and keys of its own (see LineTool).
  */
 export class Viewport {
   constructor({ paint, onpixel, label }) {
@@ -33,13 +34,11 @@ export class Viewport {
   }
 
   resized() {
-    const ratio = devicePixelRatio || 1;
-    const width = Math.max(1, Math.round(this.canvas.clientWidth * ratio)),
-      height = Math.max(1, Math.round(this.canvas.clientHeight * ratio));
+    const { clientWidth, clientHeight } = this.canvas;
+    const [width, height] = [clientWidth, clientHeight].map((size) => Math.max(1, Math.round(size * screenRatio())));
     if (this.canvas.width === width && this.canvas.height === height) return;
     const was_fit = !this.view || this.is_fit;
-    this.canvas.width = width;
-    this.canvas.height = height;
+    Object.assign(this.canvas, { width, height });
     if (was_fit) this.fit();
     else this.place(this.view.scale, this.view.x, this.view.y);
   }
@@ -48,42 +47,50 @@ export class Viewport {
     return Math.min(this.canvas.width / this.size.width, this.canvas.height / this.size.height);
   }
 
-  /** Screen pixels of one picture pixel, in CSS pixels. */
+  /** CSS pixels of one picture pixel. */
   get zoom() {
-    return this.view.scale / (devicePixelRatio || 1);
+    return this.view.scale / screenRatio();
+  }
+
+  /** The nearest scale that the picture may have. */
+  scaleNear(scale) {
+    return Math.min(Math.max(scale, this.fitScale), Math.max(largest * screenRatio(), this.fitScale));
   }
 
   fit() {
     this.place(this.fitScale, 0, 0);
   }
 
-  /** Sets scale and origin, kept where the picture fills the canvas. */
-  place(scale, x, y) {
+  /** Sets scale and origin, limited so that the picture fills the canvas. */
+  place(wanted, left, top) {
     const { width, height } = this.canvas;
-    const smallest = this.fitScale;
-    const s = Math.min(Math.max(scale, smallest), Math.max(largest * (devicePixelRatio || 1), smallest));
-    this.is_fit = s <= smallest * 1.0001;
-    const kept = (origin, room, extent) =>
-      extent <= room ? (room - extent) / 2 : Math.min(0, Math.max(room - extent, origin));
-    this.view = { scale: s, x: kept(x, width, s * this.size.width), y: kept(y, height, s * this.size.height), width, height };
+    const scale = this.scaleNear(wanted);
+    this.is_fit = scale <= this.fitScale * 1.0001;
+    const limited = (origin, room, extent) => (extent <= room ? (room - extent) / 2 : clamp(origin, room - extent, 0));
+    const x = limited(left, width, scale * this.size.width);
+    const y = limited(top, height, scale * this.size.height);
+    this.view = { scale, x, y, width, height };
     this.canvas.classList.toggle("zoomed", !this.is_fit);
     this.onzoom?.();
     this.draw();
   }
 
-  /** Zooms by a factor, the canvas point (x, y) staying where it is; the middle unless given. */
+  /** Zooms by a factor about the canvas point (x, y), by default the middle. */
   zoomBy(factor, x = this.canvas.width / 2, y = this.canvas.height / 2) {
     const { scale, x: left, y: top } = this.view;
-    const smallest = this.fitScale,
-      most = Math.max(largest * (devicePixelRatio || 1), smallest);
-    const next = Math.min(Math.max(scale * factor, smallest), most);
+    const next = this.scaleNear(scale * factor);
     this.place(next, x - ((x - left) / scale) * next, y - ((y - top) / scale) * next);
   }
 
-  /** One picture pixel on `zoom` CSS pixels, about the middle or the pixel that is pointed at. */
+  /** Shows a picture pixel on `zoom` CSS pixels. */
   zoomTo(zoom) {
+    this.zoomAtPixel((zoom * screenRatio()) / this.view.scale);
+  }
+
+  /** Zooms about the pixel under the pointer, without one about the middle. */
+  zoomAtPixel(factor) {
     const at = this.pixel && this.onCanvas(this.pixel);
-    this.zoomBy((zoom * (devicePixelRatio || 1)) / this.view.scale, at?.x, at?.y);
+    this.zoomBy(factor, at?.x, at?.y);
   }
 
   onCanvas({ x, y }) {
@@ -100,8 +107,8 @@ export class Viewport {
   }
 
   point(pixel) {
-    const is_inside = pixel && pixel.x >= 0 && pixel.y >= 0 && pixel.x < this.size.width && pixel.y < this.size.height;
-    this.pixel = is_inside ? pixel : null;
+    const { width, height } = this.size;
+    this.pixel = pixel && pixel.x >= 0 && pixel.y >= 0 && pixel.x < width && pixel.y < height ? pixel : null;
     this.onpixel(this.pixel);
     this.draw();
   }
@@ -114,26 +121,23 @@ export class Viewport {
     this.point(this.pixelAt(this.position(event)));
   }
 
-  /** The nearest pixel of the picture. */
-  pixelNear(at) {
-    const { x, y } = this.pixelAt(at),
-      { width, height } = this.size;
-    return { x: Math.min(Math.max(x, 0), width - 1), y: Math.min(Math.max(y, 0), height - 1) };
+  /** The picture's pixel that is nearest to a pixel's place, which may be outside. */
+  inside({ x, y }) {
+    return { x: clamp(x, 0, this.size.width - 1), y: clamp(y, 0, this.size.height - 1) };
   }
 
   /** Whether the tool takes the drag that begins here. */
   grab(event) {
     if (!this.tool || event.shiftKey || this.pointers.size > 1) return false;
-    const at = this.position(event),
-      ratio = devicePixelRatio || 1;
+    const at = this.position(event);
     const near = (pixel) => {
       const there = this.onCanvas(pixel);
-      return Math.hypot(there.x - at.x, there.y - at.y) / ratio;
+      return Math.hypot(there.x - at.x, there.y - at.y) / screenRatio();
     };
-    return this.tool.grab(this.pixelNear(at), near);
+    return this.tool.grab(this.inside(this.pixelAt(at)), near);
   }
 
-  /** The drag of the tool ends; a second finger gives it up. */
+  /** Ends the drag of the tool; a second finger cancels it. */
   drop(is_given_up = false) {
     if (this.is_grabbed) this.tool?.drop(is_given_up);
     this.is_grabbed = false;
@@ -152,16 +156,12 @@ export class Viewport {
     });
   }
 
-  /** The pixel that is pointed at, once one can see it. */
+  /** Outlines the pixel under the pointer once pixels are large enough. */
   outline(context) {
     if (!this.pixel || this.view.scale < 6) return;
-    const { scale } = this.view,
-      x = this.view.x + this.pixel.x * scale,
-      y = this.view.y + this.pixel.y * scale;
-    for (const [color, inset] of [
-      ["#000", 0.5],
-      ["#fff", 1.5],
-    ]) {
+    const { scale } = this.view;
+    const [x, y] = [this.view.x + this.pixel.x * scale, this.view.y + this.pixel.y * scale];
+    for (const [color, inset] of [["#000", 0.5], ["#fff", 1.5]]) {
       context.strokeStyle = color;
       context.lineWidth = 1;
       context.strokeRect(x + inset, y + inset, scale - 2 * inset, scale - 2 * inset);
@@ -170,19 +170,7 @@ export class Viewport {
 
   listen() {
     const { canvas } = this;
-    // A page that scrolls under the pointer must not start to zoom: the wheel zooms once the picture has the focus.
-    canvas.addEventListener(
-      "wheel",
-      (event) => {
-        if (document.activeElement !== canvas && !event.ctrlKey && !event.metaKey) return;
-        event.preventDefault();
-        const { x, y } = this.position(event);
-        const lines = event.deltaMode === 1 ? 16 : 1;
-        this.zoomBy(2 ** (-Math.max(-120, Math.min(120, event.deltaY * lines)) / 160), x, y);
-        this.pointAt(event);
-      },
-      { passive: false },
-    );
+    canvas.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
     canvas.addEventListener("pointerdown", (event) => {
       if (event.button !== 0) return;
       canvas.setPointerCapture(event.pointerId);
@@ -193,7 +181,7 @@ export class Viewport {
     });
     canvas.addEventListener("pointermove", (event) => {
       const before = this.pointers.get(event.pointerId);
-      if (this.is_grabbed) this.tool.drag(this.pixelNear(this.position(event)));
+      if (this.is_grabbed) this.tool.drag(this.inside(this.pixelAt(this.position(event))));
       else if (before) this.drag(event, before);
       if (this.pointers.size < 2) this.pointAt(event);
     });
@@ -211,19 +199,29 @@ export class Viewport {
     canvas.addEventListener("keydown", (event) => this.key(event));
   }
 
+  /** Zooms once the picture has the focus: a page that scrolls under the pointer must not start to zoom. */
+  wheel(event) {
+    if (document.activeElement !== this.canvas && !event.ctrlKey && !event.metaKey) return;
+    event.preventDefault();
+    const { x, y } = this.position(event);
+    const lines = event.deltaMode === 1 ? 16 : 1;
+    this.zoomBy(2 ** (-clamp(event.deltaY * lines, -120, 120) / 160), x, y);
+    this.pointAt(event);
+  }
+
   /** One pointer pans; two pan by their middle and zoom by their distance. */
   drag(event, before) {
     const now = this.position(event);
     const other = [...this.pointers].find(([id]) => id !== event.pointerId)?.[1];
     this.pointers.set(event.pointerId, now);
-    if (!other) return this.place(this.view.scale, this.view.x + now.x - before.x, this.view.y + now.y - before.y);
+    const { scale, x, y } = this.view;
+    if (!other) return this.place(scale, x + now.x - before.x, y + now.y - before.y);
     const apart = (p) => Math.hypot(p.x - other.x, p.y - other.y);
-    const middle = { x: (now.x + other.x) / 2, y: (now.y + other.y) / 2 };
-    this.place(this.view.scale, this.view.x + (now.x - before.x) / 2, this.view.y + (now.y - before.y) / 2);
-    this.zoomBy(apart(now) / Math.max(1, apart(before)), middle.x, middle.y);
+    this.place(scale, x + (now.x - before.x) / 2, y + (now.y - before.y) / 2);
+    this.zoomBy(apart(now) / Math.max(1, apart(before)), (now.x + other.x) / 2, (now.y + other.y) / 2);
   }
 
-  /** Arrows move the pixel that is pointed at; the picture follows. */
+  /** Arrows move the pixel that is read out; the picture follows. */
   key(event) {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
@@ -231,8 +229,7 @@ export class Viewport {
       const [dx, dy] = steps[event.key].map((step) => step * (event.shiftKey ? 10 : 1));
       const { width, height } = this.size;
       const from = this.pixel ?? { x: Math.floor(width / 2) - dx, y: Math.floor(height / 2) - dy };
-      const clamp = (value, end) => Math.min(Math.max(value, 0), end - 1);
-      this.point({ x: clamp(from.x + dx, width), y: clamp(from.y + dy, height) });
+      this.point(this.inside({ x: from.x + dx, y: from.y + dy }));
       this.follow();
     } else if (this.tool?.key(event.key, this.pixel)) this.draw();
     else if (event.key === "+" || event.key === "=") this.zoomAtPixel(1.5);
@@ -243,14 +240,9 @@ export class Viewport {
     event.preventDefault();
   }
 
-  zoomAtPixel(factor) {
-    const at = this.pixel && this.onCanvas(this.pixel);
-    this.zoomBy(factor, at?.x, at?.y);
-  }
-
   follow() {
-    const at = this.onCanvas(this.pixel),
-      { scale, width, height } = this.view;
+    const at = this.onCanvas(this.pixel);
+    const { scale, width, height } = this.view;
     const out = (value, room) => Math.min(0, value - scale) + Math.max(0, value + scale - room);
     this.place(scale, this.view.x - out(at.x, width), this.view.y - out(at.y, height));
   }
