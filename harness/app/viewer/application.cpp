@@ -2,7 +2,6 @@
 // The loop sleeps while nothing changes.
 #include "app/viewer/application.h"
 
-#include <gnomon/error.h>
 #include <imgui.h>
 
 #include <algorithm>
@@ -11,15 +10,10 @@
 #include <utility>
 
 #include "app/viewer/frame_pace.h"
-#include "app/viewer/keys.h"
 #include "app/viewer/overlays.h"
-#include "app/viewer/panels.h"
 #include "app/viewer/picture_view.h"
-#include "app/viewer/resolve_times.h"
 #include "app/viewer/saving.h"
 #include "app/viewer/speed_trial.h"
-#include "app/viewer/widgets.h"
-#include "app/viewer/window.h"
 #include "measure/notice.h"
 
 namespace gnomon::viewer {
@@ -51,8 +45,7 @@ class Application {
 
   int run() {
     while (!window_.is_closing() && !is_over_) {
-      const double wait = pause();
-      window_.wait(wait);
+      window_.wait(pause());
       update();
       // Events that come in quick succession make one picture.
       const double now = Window::now();
@@ -320,16 +313,13 @@ class Application {
   bool is_over_ = false;
   bool has_drawn_finished_ = false;  // the last picture showed all that is computed for the selection
   bool save_is_announced_ = false;   // a request to save waits, and the status line says so
-  bool has_failed_ = false;          // something that a script asked for
+  bool has_failed_ = false;          // something that a script requested
   std::optional<SpeedTrial> trial_;
   Engine engine_;  // the last member, so that it is destroyed first: its threads wake the window
 };
 
 }  // namespace
 
-int run_viewer(const ViewOptions& options) {
-  Application application(options);
-  return application.run();
-}
+int run_viewer(const ViewOptions& options) { return Application(options).run(); }
 
 }  // namespace gnomon::viewer

@@ -60,31 +60,19 @@ class SidePainter {
     }
     const ReferenceState* const reference = reference_of(composition, side);
     if (reference) classes_ = reference->classes;
-    switch (composition.paint) {
-      case Paint::shaded:
-        shown_ = has_mask(side_) ? Content::shaded : Content::dimmed;
-        break;
-      case Paint::mask:
-        shown_ = has_mask(side_) ? Content::mask : Content::dimmed;
-        break;
-      case Paint::difference:
-        if (has_mask(side_) && has_mask(compared()) && is_same(side_.frame, compared().frame)) shown_ = Content::difference;
-        break;
-      case Paint::kinds:
-      case Paint::causes: {
-        const bool with_causes = composition.paint == Paint::causes;
-        const std::optional<Evidence> evidence = evidence_of(composition, side, with_causes);
-        if (!evidence) break;
-        evidence_ = *evidence;
-        is_soft_ = is_soft(evidence_);
-        shown_ = Content::errors;
-        for (const ErrorKind& kind : error_kinds(*evidence, false)) kind_colors_.push_back(kind.color);
-        break;
-      }
-      case Paint::classes:
-        if (!classes_.empty()) shown_ = Content::classes;
-        break;
-    }
+    const Paint paint = composition.paint;
+    if (paint == Paint::shaded && has_mask(side_)) shown_ = Content::shaded;
+    if (paint == Paint::mask && has_mask(side_)) shown_ = Content::mask;
+    if (paint == Paint::classes && !classes_.empty()) shown_ = Content::classes;
+    if (paint == Paint::difference && has_mask(side_) && has_mask(compared()) && is_same(side_.frame, compared().frame))
+      shown_ = Content::difference;
+    if (paint != Paint::kinds && paint != Paint::causes) return;
+    const std::optional<Evidence> evidence = evidence_of(composition, side, paint == Paint::causes);
+    if (!evidence) return;
+    evidence_ = *evidence;
+    is_soft_ = is_soft(evidence_);
+    shown_ = Content::errors;
+    for (const ErrorKind& kind : error_kinds(*evidence, false)) kind_colors_.push_back(kind.color);
   }
 
   /// Row y of the frame from column `first` up to `last`, to where these columns are in the scratch's colors.
@@ -162,7 +150,7 @@ class SidePainter {
   const Mesh* meshes_ = side_.frame->scene().meshes.data();
   double ambient_ = side_.frame->scene().ambient, exposure_ = side_.frame->exposure;
   Content shown_ = Content::dimmed;
-  std::span<const PixelClass> classes_;  // empty while they are not known
+  std::span<const PixelClass> classes_;  // empty until they are computed
   Evidence evidence_;
   bool is_soft_ = false;  ///< the evidence's light has an area
   std::vector<Color> kind_colors_;
@@ -210,10 +198,7 @@ class Part {
       : height_(composition.height), first_(first), last_(last), frame_(composition.sides[side].frame) {
     const LayerPicture* const layer = composition.sides[side].layer;
     if (LayerPainter::is_shown(composition, layer)) layer_.emplace(composition, *layer);
-    if (!frame_ || frame_->gbuffer.size() == 0) {
-      frame_.reset();
-      return;
-    }
+    if (!frame_ || frame_->gbuffer.size() == 0) return;
     painter_.emplace(composition, side);
     columns_ = nearest_cells(composition.width, frame_->gbuffer.width);
   }

@@ -87,7 +87,7 @@ void compose(const Composition& composition, std::span<std::uint32_t> rgba);
 struct LegendEntry {
   Color color;
   std::string name;             ///< "false dark"
-  std::optional<double> share;  ///< nothing where it means nothing or is not known yet
+  std::optional<double> share;  ///< nothing where it means nothing or is not counted yet
   std::string_view of;          ///< what it is a share of: "of tested pixels"
 };
 /// A bar of colors with numbers below it, for paints that show a quantity.
@@ -104,7 +104,7 @@ std::optional<LegendBar> legend_bar(const Composition& composition, int side);
 /// Those of the paint; of kinds and causes the ones that occur. Counts pixels: for every new composition, not for every picture
 /// of a window at rest.
 std::vector<LegendEntry> legend(const Composition& composition, int side);
-/// A number that a verdict tells: what it is called, what it is, and its words, empty where it is not defined.
+/// A number of a verdict: its name, its meaning, and its text, empty where it is not defined.
 struct Tally {
   const char *name, *sentence;
   std::string (*words)(const Verdict&);
@@ -115,6 +115,8 @@ std::span<const Tally> tallies(const Frame* frame);
 std::vector<LegendEntry> layer_legend(const LayerPicture& layer);
 /// "false dark 0.31 % of tested pixels".
 std::string words(const LegendEntry& entry);
+
+inline const char* side_name(int side) { return side == 0 ? "left" : "right"; }
 
 /// Which side shows picture column x (from the left, in pixels): 0 or 1.
 int side_at(const Composition& composition, double x);
@@ -129,8 +131,8 @@ struct PixelFact {
 /// Pixel (x, y) of the picture. Class, cause, mask of both sides and of the reference, mesh, triangle, position, normal, cosine
 /// of the light, distance to the light; and of the side's own explanation of this pixel, where one is given: covered, taps
 /// (stored and measured distance along the light's ray, and whether the tap is dark: see "taps at fault" in docs/causes.md),
-/// bias, texel width, element, outline error, formula. What is not known is left out. Empty outside the picture and without a
-/// frame.
+/// bias, texel width, element, outline error, formula. What is not computed is left out. Empty outside the picture and without
+/// a frame.
 std::vector<PixelFact> pixel_facts(const Composition& composition, int side, int x, int y, const ReferenceState* reference,
                                    const Explanation* explanation);
 
@@ -144,7 +146,7 @@ inline int nearest_cell(int k, int many, int few) {
 /// Whether there is a frame and both are it.
 inline bool is_same(const std::shared_ptr<const Frame>& a, const std::shared_ptr<const Frame>& b) { return a && a == b; }
 
-/// Whether the side has a mask of the size that it says.
+/// Whether the side has a mask of its stated size.
 inline bool has_mask(const ComposeSide& side) {
   return side.frame && side.mask_width > 0 && side.mask_height > 0 &&
          side.mask.size() == static_cast<std::size_t>(side.mask_width) * side.mask_height;
@@ -168,15 +170,15 @@ const Verdict* verdict_of(const ComposeSide& side);
 /// null.
 const ReferenceState* reference_of(const Composition& composition, int side);
 
-/// The reference of the side's frame as if it were a side, the share that the side estimates where that is known; coarse while
-/// it is refined. Without a mask where there is none.
+/// The reference of the side's frame as if it were a side, the share that the side estimates where that is computed; coarse
+/// while it is refined. Without a mask where there is none.
 ComposeSide reference_side(const Composition& composition, int side);
 
-/// The standard error of each of its pixels; empty under lights without area, and until it is known.
+/// The standard error of each of its pixels; empty under lights without area, and until it is computed.
 std::span<const float> reference_error(const Composition& composition, int side);
 
-/// What the side's mask is judged by, with the causes of the verdict when asked for and sought. Nothing without a full mask or
-/// a reference, or before the causes are known.
+/// What the side's mask is judged by, with the causes of the verdict where requested and sought. Nothing without a full mask or
+/// a reference, or before the causes are found.
 std::optional<Evidence> evidence_of(const Composition& composition, int side, bool with_causes);
 
 }  // namespace gnomon::viewer

@@ -5,8 +5,8 @@
 namespace gnomon::viewer {
 
 /// The contours of one mask over its frame's pixels, drawn as lines of a width in a casing: a pixel is covered by how near the
-/// contour passes, which its visibility and the differences to its neighbors tell. Contours are of one surface: pixels of the
-/// background, those that the light's center is behind of, and neighbors of another mesh do not count.
+/// contour passes. That distance follows from its visibility and the differences to its neighbors. Contours are of one surface:
+/// pixels of the background, pixels that face away from the light's center, and neighbors of another mesh do not count.
 class Contours {
  public:
   /// `side` has a mask, and outlives this. Broad ones lie below others, so that both are seen where they coincide.

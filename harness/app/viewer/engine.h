@@ -4,7 +4,6 @@
 #include <string>
 
 #include "app/viewer/picture_parts.h"
-#include "app/viewer/sample_curve.h"
 #include "measure/worker/worker_process.h"
 
 namespace gnomon::viewer {
@@ -30,8 +29,8 @@ struct Selection {
   std::shared_ptr<const LoadedScene> loaded;
   Truth truth = Truth::shape;
   Light light;  ///< one of the scene's, perhaps moved
-  /// Several lights that are shown together, as the scene has them and in its order; `light` stands for the one of its name,
-  /// which is one of them. Empty: it is alone.
+  /// Several lights that are shown together, as the scene has them and in its order; `light` replaces the one of its
+  /// name, which is one of them. Empty: it is alone.
   std::vector<Light> together = {};
   View view;  ///< one of the scene's, perhaps moved
   int width = 960, height = 540;
@@ -65,16 +64,16 @@ struct SideState {
   Phase phase = Phase::starting;
   std::string words = {};     ///< what it does now ("setup"), or why it is unsupported or failed
   double seconds = 0;         ///< that the present request has taken
-  double progress = 0;        ///< share of it that is done, 0 .. 1; 0 where the technique does not tell
+  double progress = 0;        ///< share of it that is done, 0 .. 1; 0 where the technique does not report it
   bool is_reference = false;  ///< it shows the reference itself, which no worker computes
   std::shared_ptr<const SideAnswer> answer = nullptr;
-  std::shared_ptr<const Counts> counts;  ///< of `counted_answer`; null until they are known
+  std::shared_ptr<const Counts> counts;  ///< of `counted_answer`; null until there is one
   std::shared_ptr<const SideAnswer> counted_answer;
   std::shared_ptr<const Verdict> verdict;  ///< of `answer`, or of one before
   std::shared_ptr<const LayerPicture> layer;
   std::shared_ptr<const Explanation> explanation;      ///< of the picked pixel, for `answer`; null where there is none
-  std::optional<std::uint32_t> explained;              ///< the pixel that was asked about
-  std::shared_ptr<const SideAnswer> explained_answer;  ///< the answer that was asked about
+  std::optional<std::uint32_t> explained;              ///< the pixel of `explanation`
+  std::shared_ptr<const SideAnswer> explained_answer;  ///< the answer that `explanation` is of
   std::array<std::optional<double>, 4> newest_ms;      ///< of each stage, the last time that it was done; by Stage
   std::uint64_t answer_count = 0;                      ///< how often resolve was done since the worker started
   std::string renderer;                                ///< what draws, of a technique that draws; else empty
@@ -82,7 +81,7 @@ struct SideState {
   bool is_approximate() const { return answer && answer->support.kind() == Support::Kind::approximate; }
 };
 
-/// All that is known now. Copies are cheap.
+/// All that is computed so far. Copies are cheap.
 struct EngineState {
   std::uint64_t number = 0;                   ///< counts up with every change
   std::uint64_t selection_number = 0;         ///< of the selection that it follows: how often `select` was called
@@ -97,6 +96,10 @@ struct EngineState {
   bool is_finished = false;                  ///< nothing is left to do: full frame, both sides, reference, classes, causes
 };
 
+/// The samples that a curve measures: 1, 4, 16, ... as far as the range of the parameter `samples` goes. None where there is no
+/// such parameter.
+std::vector<int> curve_samples(const Parametrized& technique);
+
 /// Follows what is selected, in the background: loads scenes, makes frames, has a worker process for each side, computes the
 /// reference and refines it. No call waits for any of that.
 class Engine {
@@ -109,7 +112,7 @@ class Engine {
 
   /// Before the first selection: a scene that need not be loaded again. The engine makes its store.
   void offer(std::shared_ptr<LoadedScene> loaded);
-  /// Answers the number of this selection.
+  /// Returns the number of this selection.
   std::uint64_t select(const Selection& selection);
   EngineState state() const;
 

@@ -34,7 +34,7 @@ enum class Action {
   cancel,
 };
 
-// Steps of the camera and the light; what one step is says `moved_by_key`.
+// Steps of the camera and the light; `moved_by_key` defines one step.
 struct OrbitSteps {
   int right = 0, up = 0;
   bool operator==(const OrbitSteps&) const = default;
@@ -84,7 +84,7 @@ class KeyTable {
   /// uses itself or that the scene declares twice, or a parameter or value that the scene does not have.
   explicit KeyTable(std::span<const SceneEntry> scenes);
 
-  /// In the order of the help; rows of one group, and those of one effect, stand together.
+  /// In the order of the help; rows of one group, and those of one effect, are neighbors.
   std::span<const KeyRow> rows() const { return rows_; }
   /// The row of a key with exactly these modifiers. Caps Lock and Num Lock do not count, and for keys that go on while they are
   /// held Shift does not: that hand may be about to drag. Of scenes that declare the same letter, `scene` comes first. Null
@@ -105,7 +105,7 @@ class KeyTable {
 const KeyTable& key_table();
 
 /// The key that bears the letter, digit or sign of this key's cap. GLFW's codes are places on a keyboard of the United States,
-/// where Y is what a German or Serbian one calls Z. `cap` is what glfwGetKeyName says. Keys that print nothing, or nothing that
+/// where Y is what a German or Serbian one calls Z. `cap` is from glfwGetKeyName. Keys that print nothing, or nothing that
 /// GLFW has a code for (a Cyrillic letter), keep their place; so does the pad of digits.
 int key_of_cap(int key, std::string_view cap);
 

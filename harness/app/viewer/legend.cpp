@@ -113,8 +113,8 @@ std::vector<LegendEntry> classes_legend(const Composition& composition, int side
 const Verdict* verdict_of(const ComposeSide& side) {
   const Verdict* const v = side.verdict;
   if (!v || !v->answer || !v->reference || !has_full_mask(side)) return nullptr;
-  return is_same(v->answer->frame, side.frame) && is_same(v->reference->frame, side.frame) && is_whole(*v->reference) ? v
-                                                                                                                      : nullptr;
+  if (!is_same(v->answer->frame, side.frame) || !is_same(v->reference->frame, side.frame)) return nullptr;
+  return is_whole(*v->reference) ? v : nullptr;
 }
 
 const ReferenceState* reference_of(const Composition& composition, int side) {
@@ -146,12 +146,8 @@ ComposeSide reference_side(const Composition& composition, int side) {
   const ComposeSide& own = composition.sides[side];
   const ReferenceState* const truth = truth_of(composition, side);
   if (!truth) return {};
-  ComposeSide result;
-  result.frame = own.frame;
-  result.mask = share_of(*truth, estimates_of(own));
-  result.mask_width = truth->width;
-  result.mask_height = truth->height;
-  return result;
+  const std::span<const float> mask = share_of(*truth, estimates_of(own));
+  return {.frame = own.frame, .mask = mask, .mask_width = truth->width, .mask_height = truth->height};
 }
 
 std::span<const float> reference_error(const Composition& composition, int side) {
@@ -166,7 +162,7 @@ std::optional<Evidence> evidence_of(const Composition& composition, int side, bo
   if (!reference || !has_full_mask(s)) return std::nullopt;
   const Verdict* const verdict = verdict_of(s);
   if (s.frame->is_together()) {
-    // Where a light is not tested its reference counts, so that the mask alone does not tell.
+    // Where a light is not tested its reference counts, so that the mask alone is not enough.
     if (!verdict || !verdict->together || (with_causes && !verdict->has_causes)) return std::nullopt;
     Evidence whole = verdict->together->evidence();
     if (!with_causes) whole.causes = {};
@@ -229,14 +225,11 @@ std::span<const Tally> tallies(const Frame* frame) {
   static constexpr Tally constant{
       "constant", "Error of the best mask of one value: a mask that does not beat it says nothing of the shadow.",
       [](const Verdict& v) { return percent_or_none(v.constant_error); }};
-  static constexpr Tally hard[] = {error,
-                                   constant,
-                                   wrong,
-                                   {"false dark", "Tested pixels that are dark where the reference is lit.",
-                                    [](const Verdict& v) { return fmt::format("{}", v.errors.false_dark); }},
-                                   {"false lit", "Tested pixels that are lit where the reference is dark.",
-                                    [](const Verdict& v) { return fmt::format("{}", v.errors.false_lit); }},
-                                   tested};
+  static constexpr Tally false_dark{"false dark", "Tested pixels that are dark where the reference is lit.",
+                                    [](const Verdict& v) { return fmt::format("{}", v.errors.false_dark); }};
+  static constexpr Tally false_lit{"false lit", "Tested pixels that are lit where the reference is dark.",
+                                   [](const Verdict& v) { return fmt::format("{}", v.errors.false_lit); }};
+  static constexpr Tally hard[] = {error, constant, wrong, false_dark, false_lit, tested};
   static constexpr Tally soft[] = {error, constant, own, wrong, tested};
   static constexpr Tally several[] = {error, constant, own, received, tested};
   if (frame && frame->is_together()) return several;

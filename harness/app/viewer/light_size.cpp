@@ -1,14 +1,11 @@
 // Outlines and sizes of lights with area.
 #include "app/viewer/light_size.h"
 
-#include <gnomon/error.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "app/viewer/moves.h"
-#include "measure/scene/load.h"
 
 namespace gnomon::viewer {
 
@@ -31,6 +28,8 @@ Segments circle(const glm::dvec3& center, const glm::dvec3& normal, double radiu
   return segments;
 }
 
+/// A light without area has none.
+Segments outline(const auto&, const glm::dvec3&) { return {}; }
 Segments outline(const RectLight& rect, const glm::dvec3&) {
   const glm::dvec3 c(rect.center), u(rect.half_u), v(rect.half_v);
   const glm::dvec3 corners[] = {c - u - v, c + u - v, c + u + v, c - u + v};
@@ -92,23 +91,11 @@ Light with_length(const Light& light, std::size_t which, double meters) {
   } else if (auto* sphere = std::get_if<SphereLight>(&sized.kind)) {
     sphere->radius = static_cast<float>(meters);
   }
-  try {
-    check(sized, "");
-    return sized;
-  } catch (const Error&) {
-    return light;
-  }
+  return is_valid(sized) ? sized : light;
 }
 
 Segments light_outline(const Light& light, const glm::dvec3& eye) {
-  return std::visit(
-      [&](const auto& kind) {
-        if constexpr (requires { outline(kind, eye); })
-          return outline(kind, eye);
-        else
-          return Segments{};
-      },
-      light.kind);
+  return std::visit([&](const auto& kind) { return outline(kind, eye); }, light.kind);
 }
 
 std::vector<SizeHandle> size_handles(const Camera& camera, const Light& light) {

@@ -27,7 +27,7 @@ struct GrabTargets {
   std::vector<std::optional<glm::dvec2>> sizes = {};  ///< where the handles of the light's size are
 };
 
-/// Tells clicks and drags apart. The caller says what happens over the picture; presses elsewhere are not told. Points are
+/// Distinguishes clicks and drags. The caller reports what happens over the picture, but no presses elsewhere. Points are
 /// framebuffer pixels, times seconds; `button` and `modifiers` are GLFW_MOUSE_BUTTON_... and GLFW_MOD_...
 class Gesture {
  public:

@@ -1,29 +1,15 @@
 // Where the camera's eye and target go, and the light.
 #include "app/viewer/moves.h"
 
-#include <gnomon/error.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "app/viewer/keys.h"
 #include "measure/scene/base_scene.h"
-#include "measure/scene/load.h"
 
 namespace gnomon::viewer {
 namespace {
-
-/// Whether `check` accepts the view or light.
-template <class Item>
-bool is_valid(const Item& item) {
-  try {
-    check(item, "");
-    return true;
-  } catch (const Error&) {
-    return false;
-  }
-}
 
 constexpr double pole_gap = std::numbers::pi / 360;  // half a degree
 

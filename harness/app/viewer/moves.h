@@ -1,8 +1,11 @@
 #pragma once
+#include <gnomon/error.h>
 #include <gnomon/kit/geometry/camera.h>
 #include <gnomon/scene.h>
 
 #include <optional>
+
+#include "measure/scene/load.h"
 
 namespace gnomon::viewer {
 
@@ -13,6 +16,17 @@ namespace gnomon::viewer {
 // times, each time by half a unit in the last place of a coordinate; so a drag had better move the view that it found by all
 // its pixels so far (Gesture::moved) than the last view by the last pixels, which may be too few to reach the next float at
 // all.
+
+/// Whether `check` accepts the view or light.
+template <class Item>
+bool is_valid(const Item& item) {
+  try {
+    check(item, "");
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
 
 /// Turns the eye about the target, at the same distance: a drag over the whole height of the picture is half a turn. The scene
 /// follows the mouse: dragged to the right, the eye goes left; down, up. Ends half a degree short of the poles of `up`.
@@ -49,7 +63,7 @@ Light drag_light(const Scene& scene, const Light& light, const Camera& camera, g
 /// Where the camera shows a point, in pixels: `Camera::ray` backwards. Nothing for points that are not before the eye.
 std::optional<glm::dvec2> project(const Camera& camera, const glm::dvec3& point);
 
-/// The handle of a light at `place`, in pixels. Lights often stand beside the picture: then it is shown at the border, `margin`
+/// The handle of a light at `place`, in pixels. Lights are often beside the picture: then it is shown at the border, `margin`
 /// inside, on the way from the middle to where it is. A drag that moves it by some pixels takes the light from `at` to as many
 /// pixels from there, so that it can be fetched. Nothing for places that are not before the eye.
 struct Handle {

@@ -1,7 +1,6 @@
 // Lines and handles over the picture. All places are computed in pixels of the picture.
 #include "app/viewer/overlays.h"
 
-#include <gnomon/kit/geometry/camera.h>
 #include <imgui.h>
 
 #include <algorithm>
@@ -9,10 +8,7 @@
 #include <cmath>
 
 #include "app/viewer/light_size.h"
-#include "app/viewer/moves.h"
 #include "app/viewer/picture_view.h"
-#include "app/viewer/widgets.h"
-#include "app/viewer/window.h"
 #include "measure/frame/light_rays.h"
 
 namespace gnomon::viewer {
@@ -50,6 +46,13 @@ struct PictureDrawing {
     list.AddCircleFilled(at(p), (radius + 1) * scale, IM_COL32(0, 0, 0, 160));
     list.AddCircleFilled(at(p), radius * scale, color);
   }
+  /// A rectangle about p with an edge as wide as a line of width 1.
+  void box(const glm::dvec2& p, const ImVec2& half, ImU32 color, ImU32 edge_color, float rounding = 0) const {
+    const ImVec2 c = at(p);
+    for (const float edge : {scale, 0.0f})
+      list.AddRectFilled({c.x - half.x - edge, c.y - half.y - edge}, {c.x + half.x + edge, c.y + half.y + edge},
+                         edge > 0 ? edge_color : color, rounding);
+  }
   void words(const glm::dvec2& p, const std::string& text, ImU32 color) const {
     const ImVec2 corner = at(p), size = ImGui::CalcTextSize(text.c_str());
     const float margin = 3 * scale;
@@ -65,14 +68,9 @@ void draw_light_size(const PictureDrawing& drawing, const Light& light, std::spa
   const auto outline = light_outline(light, drawing.camera.eye);
   for (const auto& [from, to] : outline) drawing.segment(from, to, IM_COL32(0, 0, 0, 150), 3.5f);
   for (const auto& [from, to] : outline) drawing.segment(from, to, light_color, 1.5f);
-  const float half = 3.5f * drawing.scale, edge = drawing.scale;
-  for (const auto& handle : handles) {
-    if (!handle) continue;
-    const ImVec2 p = drawing.at(*handle);
-    drawing.list.AddRectFilled({p.x - half - edge, p.y - half - edge}, {p.x + half + edge, p.y + half + edge},
-                               IM_COL32(0, 0, 0, 160));
-    drawing.list.AddRectFilled({p.x - half, p.y - half}, {p.x + half, p.y + half}, light_color);
-  }
+  const float half = 3.5f * drawing.scale;
+  for (const auto& handle : handles)
+    if (handle) drawing.box(*handle, {half, half}, light_color, IM_COL32(0, 0, 0, 160));
 }
 
 /// The line of the profile, and where it begins.
@@ -120,10 +118,9 @@ void draw_other_lights(const PictureDrawing& drawing, const Scene& scene, const 
 /// The grip of the divider, whose line is of the picture itself.
 void draw_divider(const PictureDrawing& drawing, const Composition& composition) {
   if (composition.layout != Layout::split) return;
-  const float w = 3.5f * drawing.scale, h = 15 * drawing.scale, edge = drawing.scale;
-  const ImVec2 p = drawing.at({composition.divider * composition.width, composition.height / 2.0});
-  drawing.list.AddRectFilled({p.x - w - edge, p.y - h - edge}, {p.x + w + edge, p.y + h + edge}, IM_COL32(12, 13, 15, 200), w);
-  drawing.list.AddRectFilled({p.x - w, p.y - h}, {p.x + w, p.y + h}, IM_COL32(235, 235, 235, 240), w);
+  const ImVec2 half(3.5f * drawing.scale, 15 * drawing.scale);
+  drawing.box({composition.divider * composition.width, composition.height / 2.0}, half, IM_COL32(235, 235, 235, 240),
+              IM_COL32(12, 13, 15, 200), half.x);
 }
 
 /// The columns of the picture that show a side: from, to.
@@ -136,7 +133,7 @@ Columns columns_of(const Composition& composition, int side) {
   return side_at(composition, 0) == side ? Columns{0, all} : Columns{0, 0};
 }
 
-/// The names of what is seen, in the upper corners of their sides, and what the technique itself says is wrong with it.
+/// The names of the techniques in the upper corners of their sides, and why an answer is approximate.
 void draw_titles(const PictureDrawing& drawing, const Session& session, const PanelData& shown) {
   const double margin = 8 * drawing.scale * drawing.unit;
   const auto extent = [&](const std::string& text) {
@@ -257,7 +254,7 @@ void Overlays::draw(const PixelRect& place, const Session& session, const PanelD
   const auto unit = static_cast<float>(pixels_per_unit());
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   const PictureDrawing drawing{list, place, Camera(shown_view(session, composition), place.width, place.height), unit,
-                               lengths().panel / panel_width};
+                               lengths().scale};
   list.PushClipRect(drawing.at({0, 0}), drawing.at({place.width, place.height}), true);
   const Frame* const seen = shown_frame(composition);
   is_complete_ = true;

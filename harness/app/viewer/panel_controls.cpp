@@ -8,7 +8,6 @@
 #include "app/viewer/light_size.h"
 #include "app/viewer/moves.h"
 #include "app/viewer/panels.h"
-#include "app/viewer/widgets.h"
 #include "app/viewer/window.h"
 #include "measure/paths.h"
 #include "measure/picture/signed_color.h"
@@ -64,8 +63,7 @@ bool draw_vector(const std::string& name, const char* words, glm::vec3& value, f
     ImGui::PushID(k);
     ImGui::SetNextItemWidth(room);
     is_set = ImGui::DragFloat("##value", &value[k], speed, 0, 0, "%.4g") || is_set;
-    widgets.note(name + "." + "xyz"[k]);
-    widgets.note_dragging();
+    widgets.note_slider(name + "." + "xyz"[k]);
     ImGui::PopID();
   }
   ImGui::PopID();
@@ -92,8 +90,7 @@ bool draw_light_fields(Light& light, float speed, Widgets& widgets) {
       light = with_length(light, k, meters);
       is_set = true;
     }
-    widgets.note(name);
-    widgets.note_dragging();
+    widgets.note_slider(name);
   }
   return is_set;
 }
@@ -162,33 +159,30 @@ void draw_light_and_view(Session& session, Widgets& widgets) {
   Light light = session.selection().light;
   if (draw_light_fields(light, speed, widgets))
     if (widgets.attempt([&] { session.set_light(light); })) session.mark_moving();
-  const NameList views{
-      .what = "view", .shown = selection.view.name, .chosen = selection.view.name, .is_moved = session.is_view_moved()};
-  if (const auto name = draw_names(views, scene->views, widgets))
-    session.choose_view(name->empty() ? selection.view.name : *name);
+  const std::string& seen = selection.view.name;
+  const NameList views{.what = "view", .shown = seen, .chosen = seen, .is_moved = session.is_view_moved()};
+  if (const auto name = draw_names(views, scene->views, widgets)) session.choose_view(name->empty() ? seen : *name);
   View view = session.selection().view;
   widgets.label("field of view", "Of the picture's height, in degrees.");
   if (ImGui::SliderFloat("##fov", &view.fov_y_degrees, 5, 120, "%.4g degree", ImGuiSliderFlags_AlwaysClamp))
     if (widgets.attempt([&] { session.set_view(view); })) session.mark_moving();
-  widgets.note("view.fov_y_degrees");
-  widgets.note_dragging();
+  widgets.note_slider("view.fov_y_degrees");
 }
 
-/// Rows of buttons, `count` in each, one of which is chosen. The one that was pressed, or nothing.
-std::optional<int> draw_modes(const char* what, std::span<const ModeRow> rows, std::size_t count, int chosen,
-                              Widgets& widgets) {
-  std::optional<int> result;
+/// Rows of buttons, `count` in each, for the values of an enumeration; one that is pressed becomes the chosen one.
+template <class Mode>
+void draw_modes(const char* what, std::span<const ModeRow> rows, std::size_t count, Mode& chosen, Widgets& widgets) {
+  const auto before = static_cast<std::size_t>(chosen);
   widgets.label(what, "", 0.5f);
   const float left = ImGui::GetCursorPosX();
   for (std::size_t first = 0; first < rows.size(); first += count) {
     if (first > 0) ImGui::SetCursorPosX(left);
     std::vector<Widgets::Choice> buttons;
     for (std::size_t k = first; k < std::min(first + count, rows.size()); ++k)
-      buttons.push_back({fmt::format("{}.{}", what, rows[k].id), std::string(rows[k].title), std::string(rows[k].sentence),
-                         chosen == static_cast<int>(k)});
-    if (const auto k = widgets.buttons(buttons, 1)) result = static_cast<int>(first + *k);
+      buttons.push_back(
+          {fmt::format("{}.{}", what, rows[k].id), std::string(rows[k].title), std::string(rows[k].sentence), before == k});
+    if (const auto k = widgets.buttons(buttons, 1)) chosen = static_cast<Mode>(first + *k);
   }
-  return result;
 }
 
 /// A box to tick. Whether it was.
@@ -201,8 +195,7 @@ bool draw_flag(const std::string& name, const char* words, bool& value, const st
 
 /// What a difference is to, how large one has the whole color, and what lies below.
 void draw_difference_controls(DifferenceScale& difference, Widgets& widgets) {
-  if (const auto k = draw_modes("against", against_rows, 2, static_cast<int>(difference.against), widgets))
-    difference.against = static_cast<Against>(*k);
+  draw_modes("against", against_rows, 2, difference.against, widgets);
   const auto words = [](double full) { return fmt::format("-{0:g} .. +{0:g}", full); };
   std::vector<Widgets::Choice> choices;
   for (const double full : difference_scales)
@@ -215,10 +208,8 @@ void draw_difference_controls(DifferenceScale& difference, Widgets& widgets) {
 }
 
 void draw_picture_controls(Session& session, Widgets& widgets) {
-  if (const auto k = draw_modes("layout", layout_rows, 4, static_cast<int>(session.layout), widgets))
-    session.layout = static_cast<Layout>(*k);
-  if (const auto k = draw_modes("paint", paint_rows, 3, static_cast<int>(session.paint), widgets))
-    session.paint = static_cast<Paint>(*k);
+  draw_modes("layout", layout_rows, 4, session.layout, widgets);
+  draw_modes("paint", paint_rows, 3, session.paint, widgets);
   if (session.paint == Paint::difference) draw_difference_controls(session.difference, widgets);
   auto divider = static_cast<float>(100 * session.divider);
   widgets.label("divider", "Where the sides meet in a split picture; dragged in the picture, too.");

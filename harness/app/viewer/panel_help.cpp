@@ -2,12 +2,9 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <vector>
 
-#include "app/viewer/keys.h"
 #include "app/viewer/mouse.h"
 #include "app/viewer/panels.h"
-#include "app/viewer/widgets.h"
 #include "app/viewer/window.h"
 
 namespace gnomon::viewer {
@@ -48,7 +45,6 @@ void draw_group(const Group& group) {
   ImGui::TableSetupColumn("key", ImGuiTableColumnFlags_WidthFixed, group.key_width * ImGui::GetFontSize());
   ImGui::TableSetupColumn("sentence", ImGuiTableColumnFlags_WidthStretch);
   for (const auto& [name, sentence] : group.rows) {
-    ImGui::TableNextRow();
     ImGui::TableNextColumn();
     ImGui::TextUnformatted(name.c_str());
     ImGui::TableNextColumn();
@@ -79,7 +75,7 @@ std::vector<std::size_t> column_starts(const std::vector<float>& lines, int coun
   return starts;
 }
 
-/// Whole groups in columns of nearly the same height. Answers the height of the highest.
+/// Whole groups in columns of nearly the same height. Returns the height of the highest.
 float draw_columns(int count) {
   const std::vector<Group> groups = help_groups();
   std::vector<float> lines;

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "app/viewer/panels.h"
-#include "app/viewer/widgets.h"
 #include "measure/cause/own_causes.h"
 #include "measure/picture/signed_color.h"
 #include "measure/score/error_picture.h"
@@ -17,8 +16,6 @@ namespace {
 bool is_shown(Layout layout, int side) {
   return layout == Layout::split || layout == Layout::flicker || (layout == Layout::left) == (side == 0);
 }
-
-ImU32 color_of(const Color& c) { return IM_COL32(c[0], c[1], c[2], 255); }
 
 void draw_swatch(ImU32 color) {
   const float size = ImGui::GetFontSize() * 0.8f;
@@ -65,7 +62,7 @@ struct LegendLine {
 };
 struct PaintLegend {
   std::vector<LegendLine> lines;
-  bool has_shares[2] = {};  ///< of the side are known
+  bool has_shares[2] = {};  ///< those of the side are counted
 };
 
 /// The colors of both sides that are shown, those of the same name in one line.
@@ -110,7 +107,6 @@ void draw_legend_table(const PaintLegend& legend, const PanelData& shown) {
         draw(side);
       }
   };
-  ImGui::TableNextRow();
   ImGui::TableNextColumn();
   ImGui::TextDisabled("%s", title_of(shown.composition).c_str());
   std::string sentence(mode.sentence);
@@ -122,9 +118,8 @@ void draw_legend_table(const PaintLegend& legend, const PanelData& shown) {
   draw_shares([&](int side) { Widgets::right(columns == 3 ? fmt::format("{} %", side_name(side)) : "%"); });
   ImGui::PopStyleColor();
   for (const LegendLine& line : legend.lines) {
-    ImGui::TableNextRow();
     ImGui::TableNextColumn();
-    draw_swatch(color_of(line.entry.color));
+    draw_swatch(packed(line.entry.color));
     Widgets::wrapped(line.entry.name);
     Widgets::tooltip(sentence_of(shown.composition, line.entry.name));
     // A color that only one of two sides shows has share 0 in the other.
@@ -141,7 +136,7 @@ void draw_bar(const LegendBar& bar) {
   const float step = width / static_cast<float>(bar.colors.size());
   for (std::size_t k = 0; k < bar.colors.size(); ++k) {
     const float left = at.x + step * static_cast<float>(k);
-    list.AddRectFilled({left, at.y}, {left + step + 0.5f, at.y + height}, color_of(bar.colors[k]));
+    list.AddRectFilled({left, at.y}, {left + step + 0.5f, at.y + height}, packed(bar.colors[k]));
   }
   list.AddRect({at.x, at.y}, {at.x + width, at.y + height}, IM_COL32(255, 255, 255, 50));
   for (const LegendBar::Mark& mark : bar.marks) {
@@ -161,12 +156,12 @@ void draw_bars(const PanelData& shown) {
 
 /// A line in its casing.
 void draw_ink(const ContourInk& ink, bool is_broad) {
-  const float width = 1.6f * ImGui::GetFontSize(), scale = lengths().panel / panel_width;
+  const float width = 1.6f * ImGui::GetFontSize(), scale = lengths().scale;
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float middle = at.y + ImGui::GetTextLineHeight() / 2;
   ImDrawList& list = *ImGui::GetWindowDrawList();
   const auto line = [&](const Color& color, float wide) {
-    list.AddLine({at.x, middle}, {at.x + width, middle}, color_of(color), wide * scale);
+    list.AddLine({at.x, middle}, {at.x + width, middle}, packed(color), wide * scale);
   };
   line(ink.casing, is_broad ? 5 : 4);
   line(ink.core, is_broad ? 2.6f : 1.6f);
@@ -213,7 +208,7 @@ void draw_swatches(std::span<const LegendEntry> swatches) {
     const int wanted = std::min(static_cast<int>(std::ceil(width / cell)), cells);
     if (next + wanted > cells) next = 0;
     if (next > 0) ImGui::SameLine(left + static_cast<float>(next) * cell);
-    draw_swatch(color_of(swatch.color));
+    draw_swatch(packed(swatch.color));
     Widgets::wrapped(swatch.name);
     next += wanted;
   }

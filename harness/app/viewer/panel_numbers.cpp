@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "app/viewer/panels.h"
-#include "app/viewer/widgets.h"
 #include "report/table/digits.h"
 
 namespace gnomon::viewer {
@@ -50,11 +49,8 @@ void draw_value(const Value& value) {
 }
 
 void draw_name(const std::string& name, const std::string& sentence) {
-  ImGui::TableNextRow();
   ImGui::TableNextColumn();
-  ImGui::PushStyleColor(ImGuiCol_Text, quiet_text);
-  ImGui::TextUnformatted(name.c_str());
-  ImGui::PopStyleColor();
+  ImGui::TextDisabled("%s", name.c_str());
   const bool is_cut = ImGui::CalcTextSize(name.c_str()).x > ImGui::GetContentRegionAvail().x;
   Widgets::tooltip(is_cut ? name + "\n" + sentence : sentence);
 }
@@ -89,14 +85,12 @@ void draw_phase(const SideState& state, bool is_right) {
 }
 
 void draw_heads(const PanelData& shown, const Session& session) {
-  ImGui::TableNextRow();
   ImGui::TableNextColumn();
   for (int side = 0; side < 2; ++side) {
     ImGui::TableNextColumn();
     draw_words(title_of(session, side));
     Widgets::tooltip(written(session.selection().sides[side]));
   }
-  ImGui::TableNextRow();
   ImGui::TableNextColumn();
   for (int side = 0; side < 2; ++side) {
     ImGui::TableNextColumn();
@@ -130,7 +124,7 @@ void draw_times(const EngineState& state) {
              });
 }
 
-constexpr std::size_t least_plotted = 8;  // of fewer times a curve tells nothing
+constexpr std::size_t least_plotted = 8;  // a curve of fewer times is not drawn
 
 /// The last times of resolve as a curve from 0 up, and their median while camera and light rest.
 void draw_resolves(const EngineState& state, const ResolveTimes& times) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "app/viewer/panels.h"
-#include "app/viewer/widgets.h"
 #include "app/viewer/window.h"
 
 namespace gnomon::viewer {
@@ -70,7 +69,7 @@ void draw_pixels(const PanelData& shown, float pixel) {
                   {at.x + high.x, at.y + high.y}, {first.x / static_cast<float>(width), first.y / static_cast<float>(height)},
                   {end.x / static_cast<float>(width), end.y / static_cast<float>(height)});
     const ImVec2 corner(at.x + around * pixel, at.y + around * pixel);
-    const float line = lengths().panel / panel_width;
+    const float line = lengths().scale;
     const auto frame = [&](float beside, ImU32 color) {
       list.AddRect({corner.x - beside, corner.y - beside}, {corner.x + pixel + beside, corner.y + pixel + beside}, color, 0, 0,
                    line);
@@ -93,7 +92,7 @@ void draw_facts(const PanelData& shown, const Session& session) {
       quiet_text);
   Widgets::tooltip("A click in the picture picks its pixel, Escape drops it.");
   const auto draw_name = [](const PixelFact& fact) { Widgets::wrapped(fact.name, quiet_text); };
-  // What a class means is known to those who look at many pixels.
+  // The meaning of a class is a tooltip only: who looks at many pixels has read it.
   const auto draw_value = [](const PixelFact& fact) {
     const std::size_t end = fact.name == "class" ? fact.value.find(". ") : std::string::npos;
     Widgets::wrapped(fact.value.substr(0, end));
@@ -115,7 +114,6 @@ void draw_facts(const PanelData& shown, const Session& session) {
   ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthFixed, std::min(widest, ImGui::GetFontSize() * 5.5f));
   ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthStretch);
   for (const PixelFact& fact : facts) {
-    ImGui::TableNextRow();
     ImGui::TableNextColumn();
     draw_name(fact);
     ImGui::TableNextColumn();
@@ -124,11 +122,11 @@ void draw_facts(const PanelData& shown, const Session& session) {
   ImGui::EndTable();
 }
 
-/// The pixels around one, eight times as large, and what is known of it.
+/// The pixels around one, eight times as large, and its facts.
 void draw_magnifier(const PanelData& shown, const Session& session) {
   // As large as its place lets it be, in whole pixels.
   const ImVec2 room = ImGui::GetContentRegionAvail();
-  const double unit = pixels_per_unit(), scale = lengths().panel / panel_width * unit;
+  const double unit = pixels_per_unit(), scale = lengths().scale * unit;
   const double most = std::min<double>(room.y, room.x * 0.42) * unit / (2 * around + 1);
   const auto pixel = static_cast<float>(std::max(2.0, std::floor(std::min(std::round(enlarged * scale), most))) / unit);
   draw_pixels(shown, pixel);

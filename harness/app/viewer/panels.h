@@ -1,11 +1,4 @@
 #pragma once
-#include <gnomon/scene.h>
-
-#include <span>
-#include <string>
-
-#include "app/viewer/compose.h"
-#include "app/viewer/engine.h"
 #include "app/viewer/resolve_times.h"
 #include "app/viewer/session.h"
 #include "app/viewer/widgets.h"
@@ -40,7 +33,7 @@ struct PanelData {
 /// A fixed panel at a place; `ImGui::End` ends it whatever it returned.
 bool begin_panel(const char* name, const PixelRect& place);
 
-/// Choices and parameters. `scenes` is what `list_scenes` says.
+/// Choices and parameters. `scenes` is from `list_scenes`.
 void draw_controls(const PixelRect& place, Session& session, const PanelData& shown, std::span<const SceneListing> scenes,
                    Widgets& widgets);
 /// Numbers, legend, magnifier and the last message.
@@ -58,6 +51,5 @@ void draw_profile(const PanelData& shown, const ProfileLine& line);
 void draw_sample_curve(const SampleCurve& curve);
 
 std::string title_of(const Session& session, int side);
-inline const char* side_name(int side) { return side == 0 ? "left" : "right"; }
 
 }  // namespace gnomon::viewer

@@ -22,7 +22,7 @@ struct LoadedScene {
   std::shared_ptr<FrameStore> store = nullptr;  ///< of `scene`, for its rays and its file; the engine's
 };
 
-/// What the eye sees of a scene under a light, or several together: what techniques are asked about.
+/// What the eye sees of a scene under a light, or several together: the input of techniques.
 struct Frame {
   std::uint64_t number = 0;  ///< counts up from 1
   std::shared_ptr<const LoadedScene> loaded;
@@ -45,7 +45,7 @@ struct Frame {
   bool is_full() const { return gbuffer.width == picture_width && gbuffer.height == picture_height; }
 };
 
-/// The reference at a frame, as far as it is known. Masks of fewer pixels than the frame's stand for it until it is finished.
+/// The reference at a frame, as far as it is computed. Until it is finished, its mask may have fewer pixels than the frame.
 struct ReferenceState {
   std::shared_ptr<const Frame> frame;
   int width = 0, height = 0;  ///< of `mask`
@@ -53,11 +53,11 @@ struct ReferenceState {
   /// Under a light with area, with the classes: `mask` is the share of its area that is seen, `irradiance` that of the
   /// irradiance, each with its standard error. Else empty.
   std::vector<float> error, irradiance, irradiance_error, half, irradiance_half;
-  std::vector<PixelClass> classes;            ///< empty until they are known; then the mask has the frame's size
-  std::vector<std::uint32_t> nearest_caster;  ///< empty until known; see Reference
-  /// The same view and light on the meshes, where the scene has curved shapes and they count; null until it is known.
+  std::vector<PixelClass> classes;            ///< empty until computed; then the mask has the frame's size
+  std::vector<std::uint32_t> nearest_caster;  ///< empty until computed; see Reference
+  /// The same view and light on the meshes, where the scene has curved shapes and they count; null until computed.
   std::shared_ptr<const ReferenceState> on_mesh;
-  /// Of several lights together, each, without its frame and with classes; empty until they are known. Then `mask`, `error`,
+  /// Of several lights together, each, without its frame and with classes; empty until computed. Then `mask`, `error`,
   /// `irradiance`, `irradiance_error` and `classes` are those of a Together, and the rest is empty.
   std::vector<std::shared_ptr<const ReferenceState>> lights;
   bool is_complete = false;  ///< nothing more will come for this frame
@@ -81,12 +81,12 @@ struct Verdict {
   std::shared_ptr<const SideAnswer> answer;
   std::shared_ptr<const ReferenceState> reference;  ///< with classes
   LightShareKind estimates = LightShareKind::area;  ///< what the answer is compared with under a light with area
-  std::shared_ptr<const Together> together;         ///< of several lights; with their causes when these are known
+  std::shared_ptr<const Together> together;         ///< of several lights; with their causes once these are found
   ErrorCounts errors;
   std::optional<double> error_floor;     ///< under a light with area: what the reference's own noise makes
   std::optional<double> constant_error;  ///< of the best constant mask
   std::optional<double> received_error;  ///< of several lights: rms error of the light received, as a share of that
-  bool has_causes = false;               ///< they are known
+  bool has_causes = false;               ///< they are found
   std::vector<Cause> causes;             ///< empty until then
   std::vector<CauseInfo> own_causes;     ///< of the technique
   std::map<std::string, std::uint64_t> cause_counts;
@@ -112,6 +112,15 @@ inline Evidence evidence_of(int width, int height, std::span<const float> mask, 
           .reference_half = is_irradiance ? reference.irradiance_half : reference.half,
           .kind = reference.frame->kind()};
 }
+
+/// How the mean error of a technique at a frame falls with its parameter `samples`, as far as it is measured.
+struct SampleCurve {
+  std::shared_ptr<const Frame> frame;
+  std::vector<double> samples, error;  ///< mean of |mask - reference| over the tested pixels
+  double error_floor = 0;              ///< the part of it that the reference's own noise makes
+  bool is_complete = false;            ///< nothing more will come
+  std::string why_not = {};            ///< it ended early for this reason; else empty
+};
 
 /// A debug layer as a technique drew it.
 struct LayerPicture {

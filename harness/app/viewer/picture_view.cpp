@@ -1,38 +1,26 @@
-// From what the engine knows to the picture, and the mouse over it. Events are taken one by one, each with the place where it
+// From the engine's state to the picture, and the mouse over it. Events are taken one by one, each with the place where it
 // happened, so that a gesture that begins and ends between two frames counts, too.
 #include "app/viewer/picture_view.h"
 
-#include <gnomon/kit/geometry/camera.h>
-
 #include <algorithm>
-#include <cmath>
 
 #include "app/viewer/light_size.h"
-#include "app/viewer/widgets.h"
 
 namespace gnomon::viewer {
 
 namespace {
 
 ComposeSide compose_side(const SideState& side, const EngineState& state) {
-  ComposeSide result;
-  result.frame = state.frame;  // without an answer it is the scene, dimmed
-  if (side.layer) result.layer = side.layer.get();
-  if (side.is_reference) {
-    if (!state.reference) return result;
-    result.frame = state.reference->frame;
-    result.mask = state.reference->mask;
-    result.mask_width = state.reference->width;
-    result.mask_height = state.reference->height;
-    return result;
+  const LayerPicture* const layer = side.layer.get();
+  if (side.is_reference && state.reference) {
+    const ReferenceState& r = *state.reference;
+    return {.frame = r.frame, .mask = r.mask, .mask_width = r.width, .mask_height = r.height, .layer = layer};
   }
-  if (!side.answer) return result;
-  result.frame = side.answer->frame;
-  result.mask = side.answer->mask;
-  result.mask_width = result.frame->gbuffer.width;
-  result.mask_height = result.frame->gbuffer.height;
-  if (side.verdict && side.verdict->answer == side.answer) result.verdict = side.verdict.get();
-  return result;
+  if (side.is_reference || !side.answer) return {.frame = state.frame, .mask = {}, .layer = layer};  // the scene, dimmed
+  const Verdict* const verdict = side.verdict && side.verdict->answer == side.answer ? side.verdict.get() : nullptr;
+  const std::shared_ptr<const Frame>& frame = side.answer->frame;
+  const int width = frame->gbuffer.width, height = frame->gbuffer.height;
+  return {frame, side.answer->mask, width, height, verdict, layer};
 }
 
 /// What the picture is made from, as far as the state has it.
@@ -146,32 +134,25 @@ void PictureView::use(std::span<const WindowEvent> events, const PixelRect& plac
     const glm::dvec2 p = event.place - glm::dvec2(place.x, place.y);
     const bool is_inside = place.holds(event.place) && !is_covered;
     mouse_ = is_inside ? std::optional(p) : std::nullopt;
-    switch (event.kind) {
-      case WindowEvent::Kind::key:
-        break;
-      case WindowEvent::Kind::focus_lost:
-        gesture_.cancel();
-        break;
-      case WindowEvent::Kind::wheel:
-        if (!is_inside || gesture_.kind() != DragKind::nothing) break;
-        session.set_view(zoom(session.selection().view, event.wheel));
-        session.mark_moving();
-        break;
-      case WindowEvent::Kind::motion:
-        gesture_.move(p, now);
-        drag(shown, session);
-        break;
-      case WindowEvent::Kind::button:
-        if (!event.is_pressed) {
-          if (const auto clicked = gesture_.release(event.code, p, now)) session.pick(glm::ivec2(glm::floor(*clicked)));
-        } else if (is_inside && gesture_.kind() == DragKind::nothing) {
-          view_ = session.selection().view;
-          light_ = session.selection().light;
-          camera_.emplace(shown_view(session, shown), shown.width, shown.height);
-          if (const auto handle = shown_handle(session, shown, scale)) beside_ = handle->at - handle->shown;
-          gesture_.press(event.code, event.modifiers, p, now, targets(shown, session, scale));
-        }
-        break;
+    const bool is_free = is_inside && gesture_.kind() == DragKind::nothing;
+    if (event.kind == WindowEvent::Kind::focus_lost) gesture_.cancel();
+    if (event.kind == WindowEvent::Kind::wheel && is_free) {
+      session.set_view(zoom(session.selection().view, event.wheel));
+      session.mark_moving();
+    }
+    if (event.kind == WindowEvent::Kind::motion) {
+      gesture_.move(p, now);
+      drag(shown, session);
+    }
+    if (event.kind != WindowEvent::Kind::button) continue;
+    if (!event.is_pressed) {
+      if (const auto clicked = gesture_.release(event.code, p, now)) session.pick(glm::ivec2(glm::floor(*clicked)));
+    } else if (is_free) {
+      view_ = session.selection().view;
+      light_ = session.selection().light;
+      camera_.emplace(shown_view(session, shown), shown.width, shown.height);
+      if (const auto handle = shown_handle(session, shown, scale)) beside_ = handle->at - handle->shown;
+      gesture_.press(event.code, event.modifiers, p, now, targets(shown, session, scale));
     }
   }
   handle_ = gesture_.kind();

@@ -11,7 +11,7 @@ namespace gnomon::viewer {
 /// The picture as it was composed last, and what its colors mean. Keeps alive what its composition points at.
 class Canvas {
  public:
-  /// Composes anew when anything that shows has changed; answers whether it did.
+  /// Composes anew when anything visible has changed; returns whether it did.
   bool compose(const Session& session, const EngineState& state, const PixelRect& place);
 
   /// Whether the state has other masks, verdicts or layers than those that the picture was composed of.

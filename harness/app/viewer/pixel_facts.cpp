@@ -47,7 +47,7 @@ std::string light_text(const Light& light, const glm::dvec3& point) {
   return l.w == 0 ? std::string("infinite") : fmt::format("{:.6g} m", glm::length(to_light(l, point)));
 }
 
-/// Which taps made the pixel dark: those whose stored surface stands farthest before the point, by weight until the mask's
+/// Which taps made the pixel dark: those whose stored surface is farthest before the point, by weight until the mask's
 /// value is reached, as when causes are found. So no comparison of depths is repeated.
 std::vector<bool> dark_taps(const std::vector<Tap>& taps, std::span<const double> measured, double visibility) {
   std::vector<std::size_t> order(taps.size());
@@ -153,10 +153,9 @@ std::vector<PixelFact> pixel_facts(const Composition& composition, int side, int
     add_error(*evidence, evidence_of(asked, side, true), i, facts);
   if (g.is_background(i)) return facts;
 
-  constexpr std::string_view side_names[] = {"left", "right"};
   for (int s = 0; s < 2; ++s)
     if (has_mask(composition.sides[s]) && is_same(composition.sides[s].frame, own.frame))
-      facts.push_back({fmt::format("mask {}", side_names[s]), mask_words(composition.sides[s], g, i)});
+      facts.push_back({fmt::format("mask {}", side_name(s)), mask_words(composition.sides[s], g, i)});
   if (const ComposeSide truth = reference_side(asked, side); has_mask(truth))
     facts.push_back({"reference", mask_words(truth, g, i)});
 

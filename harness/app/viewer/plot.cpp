@@ -71,7 +71,7 @@ void draw_axes(const Area& area, std::span<const PlotTick> across, std::span<con
 
 void draw_curve(const Area& area, const PlotCurve& curve) {
   ImDrawList& list = *ImGui::GetWindowDrawList();
-  const float scale = lengths().panel / panel_width;
+  const float scale = lengths().scale;
   const std::size_t count = std::min(curve.x.size(), curve.y.size());
   const auto is_drawn = [&](std::size_t k) {
     return k < count && std::isfinite(curve.y[k]) && (!area.y_axis.is_log || curve.y[k] > 0);

@@ -43,7 +43,7 @@ std::string quoted(const std::string& text) {
   return result;
 }
 
-/// The scene as a description in `file` names it. Of the folders between, links are followed, so that `..` leads where it says;
+/// The scene as a description in `file` names it. Links are followed in the folders between, so that `..` leads to the parent;
 /// the scene's own name stays, for a description finds its meshes beside the name that it is opened by.
 std::string base_reference(const std::string& scene, const fs::path& file) {
   if (!names_file(scene)) return scene;
@@ -96,13 +96,11 @@ std::string path_word(const std::string& path) { return path.starts_with('-') ? 
 
 Json json_of(const PixelRect& rect) { return {{"x", rect.x}, {"y", rect.y}, {"width", rect.width}, {"height", rect.height}}; }
 
-/// What is where in the window and what it says: rectangles in framebuffer pixels, the picked pixel, how far each side is, the
+/// What is where in the window, and its texts: rectangles in framebuffer pixels, the picked pixel, how far each side is, the
 /// last message, why the selected scene could not be loaded, whether text is typed into a field.
 Json window_json(const DrawnWindow& window, const Session& session, const EngineState& state) {
   Json json;
-  json["window"]["width"] = window.pixels.width;
-  json["window"]["height"] = window.pixels.height;
-  json["window"]["scale"] = window.scale;
+  json["window"] = {{"width", window.pixels.width}, {"height", window.pixels.height}, {"scale", window.scale}};
   json["picture"] = json_of(window.picture);
   json["layout"] = layout_rows[static_cast<int>(session.layout)].id;
   json["paint"] = paint_rows[static_cast<int>(session.paint)].id;

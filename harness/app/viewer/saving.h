@@ -35,12 +35,12 @@ class SavedFiles {
       : out_(std::move(out)), plugins_(std::move(plugins)) {}
 
   /// The whole state: scene.toml, command.txt, mask.exr, picture.png, window.png, window.json, with a profile profile.csv.
-  /// Needs a finished state. Answers the folder. Throws Error when it cannot be written.
+  /// Needs a finished state. Returns the folder. Throws Error when it cannot be written.
   std::filesystem::path save(const Session& session, const EngineState& state, const Composition& composition,
                              std::span<const std::uint32_t> rgba, const DrawnWindow& window);
-  /// Only scene.toml and command.txt. Answers the command.
+  /// Only scene.toml and command.txt. Returns the command.
   std::string save_command(const Session& session);
-  /// The window. Answers the file.
+  /// The window. Returns the file.
   std::filesystem::path save_window(const Picture& window);
 
  private:

@@ -1,4 +1,4 @@
-// What the person has chosen, and how each choice changes it.
+// What the person has chosen, and how keys and panels change it.
 #include "app/viewer/session.h"
 
 #include <algorithm>
@@ -221,19 +221,15 @@ void Session::act(const KeyEffect& effect, double count) {
 }
 
 void Session::carry_out(Action action) {
-  constexpr std::pair<Action, bool Session::*> flips[] = {{Action::contours, &Session::shows_contours},
-                                                          {Action::silhouettes, &Session::shows_silhouettes},
-                                                          {Action::magnifier, &Session::shows_magnifier},
-                                                          {Action::panels, &Session::shows_panels},
-                                                          {Action::help, &Session::shows_help}};
-  for (const auto& [flip, shown] : flips)
-    if (action == flip) this->*shown = !(this->*shown);
-  constexpr std::pair<Action, bool Requests::*> requested[] = {{Action::save, &Requests::save},
-                                                               {Action::copy_command, &Requests::copy_command},
-                                                               {Action::screenshot, &Requests::screenshot},
-                                                               {Action::quit, &Requests::quit}};
-  for (const auto& [request, wanted] : requested)
-    if (action == request) requests.*wanted = true;
+  if (action == Action::contours) shows_contours = !shows_contours;
+  if (action == Action::silhouettes) shows_silhouettes = !shows_silhouettes;
+  if (action == Action::magnifier) shows_magnifier = !shows_magnifier;
+  if (action == Action::panels) shows_panels = !shows_panels;
+  if (action == Action::help) shows_help = !shows_help;
+  if (action == Action::save) requests.save = true;
+  if (action == Action::copy_command) requests.copy_command = true;
+  if (action == Action::screenshot) requests.screenshot = true;
+  if (action == Action::quit) requests.quit = true;
   if (action == Action::technique_before) step_technique(-1);
   if (action == Action::technique_after) step_technique(1);
   if (action == Action::swap_sides) swap_sides();

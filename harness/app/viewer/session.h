@@ -13,7 +13,7 @@
 
 namespace gnomon::viewer {
 
-/// What keys and buttons want the window itself to do; it resets each when it is done.
+/// What keys and buttons request of the window itself; it resets each when it is done.
 struct Requests {
   bool save = false, copy_command = false, screenshot = false, quit = false;
 };
@@ -37,7 +37,7 @@ class Session {
 
   // The scene. The engine loads it; then `adopt` takes over its light and view.
   void choose_scene(const std::string& reference);
-  /// Whoever sets its parameters calls `generator_changed` afterward. Null for scenes that are files.
+  /// Call `generator_changed` after setting its parameters. Null for scenes that are files.
   SceneGenerator* generator() { return generator_.get(); }
   void generator_changed();
   void set_truth(Truth truth) { selection_.truth = truth; }
@@ -73,7 +73,7 @@ class Session {
   /// Whether they do so whenever all is computed.
   bool repeats = false;
 
-  // The sides. Whoever sets a technique's parameters calls `technique_changed` afterward.
+  // The sides. Call `technique_changed` after setting a technique's parameters.
   Technique& technique(int side) { return *technique_[side]; }
   void choose_technique(int side, const std::string& id);
   void technique_changed(int side);

@@ -19,22 +19,16 @@ enum Situation { at_rest, light_moves, camera_moves, full_frames };
 void SpeedTrial::step(Session& session) {
   ++steps_;
   const double swing = std::sin(0.05 * steps_);
-  switch (situation_) {
-    case at_rest:
-      session.do_again();
-      break;
-    case light_moves: {
-      const Scene& scene = *session.scene();
-      const glm::dvec3 place = light_place(scene, light_);
-      session.set_light(light_moved_to(scene, light_, place + glm::dvec3(10 * key_step(scene) * swing, 0, 0)));
-      session.mark_moving();
-      break;
-    }
-    default:
-      session.set_view(orbit(view_, {200 * swing, 0}, session.selection().height));
-      session.set_full_while_moving(situation_ == full_frames);
-      session.mark_moving();
+  if (situation_ == at_rest) return session.do_again();
+  if (situation_ == light_moves) {
+    const Scene& scene = *session.scene();
+    const glm::dvec3 place = light_place(scene, light_);
+    session.set_light(light_moved_to(scene, light_, place + glm::dvec3(10 * key_step(scene) * swing, 0, 0)));
+  } else {
+    session.set_view(orbit(view_, {200 * swing, 0}, session.selection().height));
+    session.set_full_while_moving(situation_ == full_frames);
   }
+  session.mark_moving();
 }
 
 void SpeedTrial::steer(Session& session, const EngineState& state, bool is_finished, double now) {

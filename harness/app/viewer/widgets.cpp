@@ -50,41 +50,28 @@ void set_style(double scale) {
   style.PopupBorderSize = 1;
   style.WindowRounding = 0;
   style.FrameRounding = style.GrabRounding = style.PopupRounding = style.ScrollbarRounding = 3;
-  const ImVec4 accent(0.33f, 0.58f, 0.80f, 1);
   const auto gray = [](float value, float alpha = 1) { return ImVec4(value * 0.96f, value, value * 1.06f, alpha); };
-  const auto set = [&](ImGuiCol what, const ImVec4& color) { style.Colors[what] = color; };
-  const auto faded = [](ImVec4 color, float alpha) {
-    color.w = alpha;
-    return color;
-  };
-  set(ImGuiCol_Text, gray(0.86f));
-  set(ImGuiCol_TextDisabled, ImGui::ColorConvertU32ToFloat4(quiet_text));
-  set(ImGuiCol_WindowBg, gray(0.125f));
-  set(ImGuiCol_PopupBg, gray(0.145f, 0.98f));
-  set(ImGuiCol_Border, gray(0.28f));
-  set(ImGuiCol_FrameBg, gray(0.19f));
-  set(ImGuiCol_FrameBgHovered, gray(0.24f));
-  set(ImGuiCol_FrameBgActive, gray(0.27f));
-  set(ImGuiCol_Button, gray(0.23f));
-  set(ImGuiCol_ButtonHovered, gray(0.3f));
-  set(ImGuiCol_ButtonActive, faded(accent, 0.7f));
-  set(ImGuiCol_Header, gray(0.18f));
-  set(ImGuiCol_HeaderHovered, gray(0.24f));
-  set(ImGuiCol_HeaderActive, gray(0.27f));
-  set(ImGuiCol_CheckMark, accent);
-  set(ImGuiCol_SliderGrab, faded(accent, 0.85f));
-  set(ImGuiCol_SliderGrabActive, accent);
-  set(ImGuiCol_Separator, gray(0.22f));
-  set(ImGuiCol_ScrollbarBg, gray(0.11f));
-  set(ImGuiCol_ScrollbarGrab, gray(0.28f));
-  set(ImGuiCol_TextSelectedBg, faded(accent, 0.4f));
+  using Level = std::pair<ImGuiCol, float>;
+  for (const auto& [what, value] :
+       {Level(ImGuiCol_Text, 0.86f), Level(ImGuiCol_WindowBg, 0.125f), Level(ImGuiCol_Border, 0.28f),
+        Level(ImGuiCol_FrameBg, 0.19f), Level(ImGuiCol_FrameBgHovered, 0.24f), Level(ImGuiCol_FrameBgActive, 0.27f),
+        Level(ImGuiCol_Button, 0.23f), Level(ImGuiCol_ButtonHovered, 0.3f), Level(ImGuiCol_Header, 0.18f),
+        Level(ImGuiCol_HeaderHovered, 0.24f), Level(ImGuiCol_HeaderActive, 0.27f), Level(ImGuiCol_Separator, 0.22f),
+        Level(ImGuiCol_ScrollbarBg, 0.11f), Level(ImGuiCol_ScrollbarGrab, 0.28f)})
+    style.Colors[what] = gray(value);
+  style.Colors[ImGuiCol_PopupBg] = gray(0.145f, 0.98f);
+  style.Colors[ImGuiCol_TextDisabled] = ImGui::ColorConvertU32ToFloat4(quiet_text);
+  for (const auto& [what, alpha] :
+       {Level(ImGuiCol_CheckMark, 1.0f), Level(ImGuiCol_SliderGrabActive, 1.0f), Level(ImGuiCol_SliderGrab, 0.85f),
+        Level(ImGuiCol_ButtonActive, 0.7f), Level(ImGuiCol_TextSelectedBg, 0.4f)})
+    style.Colors[what] = ImVec4(0.33f, 0.58f, 0.80f, alpha);  // the accent
   style.ScaleAllSizes(unit_scale);
   ImGui::GetStyle() = style;
 }
 
 Lengths lengths() {
   const auto scaled = [](float value) { return value * unit_scale; };
-  return {.panel = scaled(panel_width), .strip = scaled(strip_height), .label = scaled(112), .gap = scaled(8)};
+  return {.scale = scaled(panel_width) / panel_width, .label = scaled(112), .gap = scaled(8)};
 }
 
 void Widgets::note(const std::string& name) {
@@ -213,7 +200,8 @@ bool Widgets::attempt(const std::function<void()>& work) {
   }
 }
 
-void Widgets::note_dragging() {
+void Widgets::note_slider(const std::string& name) {
+  note(name);
   if (ImGui::IsItemActive() && ImGui::IsMouseDown(ImGuiMouseButton_Left)) is_dragging_ = true;
 }
 
@@ -252,8 +240,7 @@ bool Widgets::parameter(const std::string& name, Parameter& row) {
     is_set = chosen.has_value();
     if (chosen) text = texts[*chosen];
   }
-  note(name);
-  note_dragging();
+  note_slider(name);
   tooltip(sentence);
   ImGui::PopID();
   return is_set && attempt([&] { row.set(text); });

@@ -8,6 +8,8 @@
 #include <span>
 #include <string>
 
+#include "measure/picture/shading.h"
+
 namespace gnomon::viewer {
 
 /// Dear ImGui's colors and distances, `scale` times as large.
@@ -15,6 +17,7 @@ void set_style(double scale);
 
 // Colors that mean something, as Dear ImGui packs them (IM_COL32).
 constexpr unsigned packed(unsigned r, unsigned g, unsigned b) { return 0xff000000 | b << 16 | g << 8 | r; }
+constexpr unsigned packed(const Color& c) { return packed(c[0], c[1], c[2]); }
 inline constexpr unsigned quiet_text = packed(146, 152, 161);
 inline constexpr unsigned warning_text = packed(240, 160, 90);
 inline constexpr unsigned light_color = packed(255, 214, 102);
@@ -30,9 +33,9 @@ inline constexpr int panel_width = 320, strip_height = 220;
 /// Of the light's handle, pixels at scale 1: how large it is, and how far inside the border it is shown at least.
 inline constexpr float handle_radius = 6, handle_margin = 36;  // below the titles
 
-/// Lengths that the panels share, in units of Dear ImGui.
+/// Lengths that the panels share, in units of Dear ImGui; `scale` is that of one pixel at scale 1.
 struct Lengths {
-  float panel, strip, label, gap;
+  float scale, label, gap;
 };
 Lengths lengths();
 
@@ -73,7 +76,7 @@ class Widgets {
     std::string name, words, sentence = {};
     bool is_chosen = false, is_enabled = true;
   };
-  /// Buttons that share a row, each as wide as its words want. The one that was pressed, or nothing.
+  /// Buttons that share a row, each as wide as its words need. The one that was pressed, or nothing.
   std::optional<std::size_t> buttons(std::span<const Choice> choices, float gap);
   /// A list that opens at a click on `shown`. The row that was chosen, or nothing.
   std::optional<std::size_t> list(const std::string& name, const std::string& shown, std::span<const Choice> choices,
@@ -85,9 +88,10 @@ class Widgets {
 
   /// A row for each parameter: slider, list or box. Whether one was set.
   bool parameters(const std::string& prefix, Parametrized& object);
+  /// Notes the item that was drawn last, and whether the mouse drags it.
+  void note_slider(const std::string& name);
   /// Whether the mouse drags a slider of this frame.
   bool is_dragging() const { return is_dragging_; }
-  void note_dragging();
 
  private:
   bool parameter(const std::string& name, Parameter& row);

@@ -1,4 +1,4 @@
-// The window: GLFW for display and events, OpenGL for its picture, Dear ImGui for what stands around it.
+// The window: GLFW for display and events, OpenGL for its picture, Dear ImGui for what is around it.
 #include "app/viewer/window.h"
 
 #include <epoxy/gl.h>
@@ -40,23 +40,19 @@ glm::dvec2 mouse_place{0};
 
 void on_error(int, const char* words) { last_error = words; }
 
+void add_press(WindowEvent::Kind kind, int code, int modifiers, bool is_pressed) {
+  events.push_back({.kind = kind, .code = code, .modifiers = modifiers, .is_pressed = is_pressed, .place = mouse_place});
+}
+
 void on_key(GLFWwindow*, int key, int scancode, int action, int modifiers) {
   if (action == GLFW_REPEAT) return;
   if (action == GLFW_PRESS && key >= 0) struck_keys.push_back(key);
   const char* const cap = glfwGetKeyName(key, scancode);
-  events.push_back({.kind = WindowEvent::Kind::key,
-                    .code = cap ? key_of_cap(key, cap) : key,
-                    .modifiers = modifiers,
-                    .is_pressed = action == GLFW_PRESS,
-                    .place = mouse_place});
+  add_press(WindowEvent::Kind::key, cap ? key_of_cap(key, cap) : key, modifiers, action == GLFW_PRESS);
 }
 
 void on_button(GLFWwindow*, int button, int action, int modifiers) {
-  events.push_back({.kind = WindowEvent::Kind::button,
-                    .code = button,
-                    .modifiers = modifiers,
-                    .is_pressed = action == GLFW_PRESS,
-                    .place = mouse_place});
+  add_press(WindowEvent::Kind::button, button, modifiers, action == GLFW_PRESS);
   button_events.push_back(events.back());
 }
 
@@ -106,13 +102,10 @@ Window::Window(const std::string& title) {
   events.clear();
   button_events.clear();
   if (!glfwInit()) throw Error("there is no display to open a window on ({}): {}; {}", display_words(), last_error, advice);
-  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
-  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+  for (const int version : {GLFW_CONTEXT_VERSION_MAJOR, GLFW_CONTEXT_VERSION_MINOR}) glfwWindowHint(version, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
-  glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
-  glfwWindowHint(GLFW_DEPTH_BITS, 0);
-  glfwWindowHint(GLFW_STENCIL_BITS, 0);
+  for (const int unused : {GLFW_VISIBLE, GLFW_DEPTH_BITS, GLFW_STENCIL_BITS}) glfwWindowHint(unused, 0);
   window_ = glfwCreateWindow(640, 480, title.c_str(), nullptr, nullptr);
   if (!window_) {
     glfwTerminate();
@@ -257,7 +250,7 @@ void Window::begin_drawing() {
   // It drops text while Control is down, and none is typed so: Control was pressed after it, such as for Ctrl+S in the same
   // picture.
   if (!ImGui::GetIO().InputQueueCharacters.empty()) ImGui::GetIO().KeyCtrl = false;
-  // Dear ImGui asks which keys are down: one that was pressed and released between two frames is down for this one.
+  // Dear ImGui reads which keys are down: one that was pressed and released between two frames is down for this one.
   auto& down = ImGui::GetIO().KeysDown;
   std::erase_if(struck_keys, [&](int key) { return key >= static_cast<int>(std::size(down)) || down[key]; });
   for (const int key : struck_keys) down[key] = true;
@@ -295,7 +288,7 @@ StopSignals::StopSignals(std::function<void()> asked) {
   if (pipe2(ends, O_CLOEXEC) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
   thread_ = std::thread([this, asked = std::move(asked)] {
     char ignored = 0;
-    while (const ssize_t count = read(ends[0], &ignored, 1)) {  // 0: the other end is closed
+    while (const ssize_t count = ::read(ends[0], &ignored, 1)) {  // 0: the other end is closed
       if (count < 0) continue;                                  // interrupted
       is_asked_ = true;
       asked();

@@ -56,7 +56,7 @@ class Window {
   void set_picture(std::span<const std::uint32_t> rgba, int width, int height);
   unsigned picture_texture() const { return texture_; }
 
-  /// Calls of Dear ImGui stand between these two; the second draws them. `present` shows what was drawn.
+  /// Calls of Dear ImGui are made between these two; the second draws them. `present` shows what was drawn.
   void begin_drawing();
   void end_drawing();
   void present();
@@ -80,8 +80,8 @@ class Window {
 /// Framebuffer pixels of a unit of Dear ImGui, which counts as the window system does.
 double pixels_per_unit();
 
-/// While it lives, SIGTERM, SIGINT and SIGHUP ask the program to end instead of ending it, so that workers and scratch files go
-/// with it. The second of a kind ends it. Those that were ignored stay ignored. One at a time.
+/// While it lives, SIGTERM, SIGINT and SIGHUP request an end of the program instead of killing it, so that workers and scratch
+/// files end with it. The second of a kind kills it. Those that were ignored stay ignored. One at a time.
 class StopSignals {
  public:
   /// `asked` is called from a thread of its own, after `is_asked` has become true.

@@ -1,7 +1,7 @@
 // How small frames are while something moves.
 #include <gtest/gtest.h>
 
-#include "app/viewer/engine_body.h"
+#include "app/viewer/frame_lane.h"
 
 namespace divisor_test {
 

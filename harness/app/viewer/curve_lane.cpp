@@ -1,9 +1,9 @@
-// Error against samples at the frame at rest, measured by a worker of its own, so that the side's has nothing to take back.
+#include "app/viewer/curve_lane.h"
+
 #include <gnomon/registry.h>
 
 #include <algorithm>
 
-#include "app/viewer/engine_body.h"
 #include "app/viewer/several_lights.h"
 #include "measure/notice.h"
 
@@ -42,64 +42,55 @@ std::vector<int> curve_samples(const Parametrized& technique) {
   return all;
 }
 
-/// Under the lock, before the selection changes: a curve is of what was selected when it was asked for.
-void Engine::Body::drop_curve_before(const Selection& next) {
-  Selection same = selection;
+void CurveLane::drop_curve_before(const Selection& next) {
+  Selection same = board_.selection;
   same.picked = next.picked;
   if (are_same(same, next)) return;
-  ++curve_ticket;
-  state.curve = nullptr;
-  if (curve_worker) curve_worker->interrupt();
+  ++ticket_;
+  board_.state.curve = nullptr;
+  interrupt();
 }
 
 /// When the left side has been judged at a frame at rest.
-Engine::Body::Work Engine::Body::next_curve() {
-  if (selection.curve == 0 || selection.curve == begun_curve || selection.is_moving) return {};
-  const SideState& left = state.sides[0];
+Work CurveLane::next() {
+  const Selection& selection = board_.selection;
+  if (selection.curve == 0 || selection.curve == begun_ || selection.is_moving) return {};
+  const std::shared_ptr<const Frame>& frame = board_.state.frame;
+  const SideState& left = board_.state.sides[0];
   const std::shared_ptr<const Verdict>& verdict = left.verdict;
-  const bool is_judged = verdict && verdict->answer == left.answer && left.answer->frame == state.frame &&
-                         verdict->has_causes && state.frame->loaded == selection.loaded && is_lit_by(*state.frame, selection);
+  const bool is_judged = verdict && verdict->answer == left.answer && left.answer->frame == frame && verdict->has_causes &&
+                         frame->loaded == selection.loaded && is_lit_by(*frame, selection);
   if (!is_judged) return {};
-  begun_curve = selection.curve;
-  return [this, verdict, side = selection.sides[0], ticket = curve_ticket] { measure_curve(verdict, side, ticket); };
+  begun_ = selection.curve;
+  return [this, verdict, side = selection.sides[0], ticket = ticket_] { measure(verdict, side, ticket); };
 }
 
-void Engine::Body::measure_curve(const std::shared_ptr<const Verdict>& verdict, const SideSelection& side,
-                                 std::uint64_t ticket) {
+void CurveLane::measure(const std::shared_ptr<const Verdict>& verdict, const SideSelection& side, std::uint64_t ticket) {
+  const Frame& frame = *verdict->answer->frame;
   SampleCurve curve{.frame = verdict->answer->frame, .samples = {}, .error = {}};
   curve.error_floor = verdict->error_floor.value_or(0);
   const auto show = [&] {
-    change([&](EngineState& s) {
-      if (ticket == curve_ticket) s.curve = std::make_shared<const SampleCurve>(curve);
+    board_.change([&](EngineState& s) {
+      if (ticket == ticket_) s.curve = std::make_shared<const SampleCurve>(curve);
     });
   };
   show();
   try {
     const auto technique = registry().technique(side.technique).make();
     technique->apply(side.settings);
-    auto worker = std::make_unique<WorkerClient>(workers, scratch.path() / "curve", timeout_seconds);
+    auto worker = board_.start_worker("curve");
     {
-      const std::lock_guard lock(mutex);
-      if (ticket != curve_ticket || stop) return;
-      curve_worker = std::move(worker);
+      const std::lock_guard lock(board_.mutex);
+      if (ticket != ticket_ || board_.stop) return;
+      worker_ = std::move(worker);
     }
-    curve_worker->load(
-        {.scene_file = curve.frame->loaded->store->scene_file(), .technique = side.technique, .settings = side.settings});
+    worker_->load({.scene_file = frame.loaded->store->scene_file(), .technique = side.technique, .settings = side.settings});
     for (const int n : curve_samples(*technique)) {
       technique->parameter("samples").set(fmt::format("{}", n));
-      curve_worker->set(technique->settings());
-      const Frame& frame = *curve.frame;
-      const GBuffer& g = frame.gbuffer;
-      const Support support =
-          curve_worker
-              ->frame({.gbuffer_file = *frame.file,
-                       .width = g.width,
-                       .height = g.height,
-                       .truth = g.truth,
-                       .seen = FreeLightAndView{{frame.all_lights().begin(), frame.all_lights().end()}, g.view}})
-              .support;
+      worker_->set(technique->settings());
+      const Support support = worker_->frame(request_at(frame)).support;
       if (!support) throw Error("{}", support.why());
-      curve.error.push_back(mean_error(*verdict, curve_worker->mask()));
+      curve.error.push_back(mean_error(*verdict, worker_->mask()));
       curve.samples.push_back(n);
       show();
       if (curve.error.back() < worth_going_on * curve.error_floor) break;
@@ -108,12 +99,7 @@ void Engine::Body::measure_curve(const std::shared_ptr<const Verdict>& verdict, 
     curve.why_not = message_of(error);  // seen where nothing else was selected meanwhile
   }
   curve.is_complete = true;
-  std::unique_ptr<WorkerClient> gone;
-  {
-    const std::lock_guard lock(mutex);
-    gone = std::move(curve_worker);
-  }
-  gone.reset();
+  board_.end(worker_);
   show();
 }
 

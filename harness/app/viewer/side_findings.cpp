@@ -3,24 +3,24 @@
 
 #include <algorithm>
 
-#include "app/viewer/engine_side.h"
 #include "app/viewer/several_lights.h"
+#include "app/viewer/side_lane.h"
 #include "measure/cause/own_causes.h"
 #include "measure/score/score.h"
 
 namespace gnomon::viewer {
 
-/// What the technique counts may take it as long as its answer: only asked at rest.
-void Engine::Body::Side::count(const std::shared_ptr<const SideAnswer>& answer) {
+/// Counting may take a technique as long as its answer, so that it is done at rest only.
+void SideLane::count(const std::shared_ptr<const SideAnswer>& answer) {
   const auto counts = std::make_shared<const Counts>(Call(*this, "counts")->answer().counts);
-  body_.change([&](EngineState&) {
-    state().counts = counts;
-    state().counted_answer = answer;
-    state().words = support_.why();
+  change([&](SideState& s) {
+    s.counts = counts;
+    s.counted_answer = answer;
+    s.words = support_.why();
   });
 }
 
-void Engine::Body::Side::draw_layer(const std::shared_ptr<const SideAnswer>& answer, const std::string& name) {
+void SideLane::draw_layer(const std::shared_ptr<const SideAnswer>& answer, const std::string& name) {
   const auto technique = registry().technique(loaded_->technique).make();
   technique->apply(settings_);
   const std::vector<DebugLayer> layers = technique->debug_layers();
@@ -31,38 +31,35 @@ void Engine::Body::Side::draw_layer(const std::shared_ptr<const SideAnswer>& ans
   picture->answer = answer;
   picture->layer = *found;
   const std::size_t light = answer->frame->chosen();
-  // One that casts no shadows, of several, has nothing to show.
-  if (!casts_shadows(light))
-    picture->rgb.assign(3 * answer->frame->gbuffer.size(), 0);
-  else
+  // Of several lights, one that the technique does not support casts no shadows: its layer is black.
+  if (light_supports_.empty() || light_supports_[light])
     picture->rgb = Call(*this, "layer " + name)->debug_layer(name, light);
-  body_.change([&](EngineState&) {
-    state().layer = picture;
-    state().words = support_.why();
+  else
+    picture->rgb.assign(3 * answer->frame->gbuffer.size(), 0);
+  change([&](SideState& s) {
+    s.layer = picture;
+    s.words = support_.why();
   });
 }
 
-std::vector<std::optional<Explanation>> Engine::Body::Side::explain(std::span<const std::uint32_t> pixels, std::size_t light) {
-  return Call(*this, "explain")->explain(pixels, light);
-}
-
-void Engine::Body::Side::explain_picked(const std::shared_ptr<const SideAnswer>& answer, std::optional<std::uint32_t> pixel) {
+void SideLane::explain_picked(const std::shared_ptr<const SideAnswer>& answer, std::optional<std::uint32_t> pixel) {
   std::shared_ptr<const Explanation> explanation;
   if (pixel && *pixel < answer->mask.size()) {
     const std::uint32_t index[] = {*pixel};
-    if (const auto why = explain(index, answer->frame->chosen())[0]) explanation = std::make_shared<Explanation>(*why);
+    const auto why = Call(*this, "explain")->explain(index, answer->frame->chosen())[0];
+    if (why) explanation = std::make_shared<Explanation>(*why);
   }
-  body_.change([&](EngineState&) {
-    state().explanation = explanation;
-    state().explained = pixel;
-    state().explained_answer = answer;
-    state().words = support_.why();
+  change([&](SideState& s) {
+    s.explanation = explanation;
+    s.explained = pixel;
+    s.explained_answer = answer;
+    s.words = support_.why();
   });
 }
 
 /// Counts the wrong pixels; their causes come later.
-void Engine::Body::Side::count_wrong(const std::shared_ptr<const SideAnswer>& answer,
-                                     const std::shared_ptr<const ReferenceState>& reference) {
+void SideLane::count_wrong(const std::shared_ptr<const SideAnswer>& answer,
+                           const std::shared_ptr<const ReferenceState>& reference) {
   auto verdict = std::make_shared<Verdict>();
   verdict->answer = answer;
   verdict->reference = reference;
@@ -78,18 +75,18 @@ void Engine::Body::Side::count_wrong(const std::shared_ptr<const SideAnswer>& an
   verdict->error_floor = measure_metric(scoring, "error_floor");
   verdict->constant_error = measure_metric(scoring, "constant_error");
   if (verdict->together) verdict->received_error = scoring.light_error().rms;
-  body_.change([&](EngineState&) { state().verdict = verdict; });
+  change([&](SideState& s) { s.verdict = verdict; });
 }
 
-/// Under each light pixels where the same technique is right on the meshes against the reference there; empty where it does not
-/// take them. The worker is back at `frame` afterwards.
-std::vector<std::vector<std::uint8_t>> Engine::Body::Side::right_on_mesh(
-    const Frame& frame, std::span<const std::shared_ptr<const ReferenceState>> lights) {
+/// Under each light the pixels where the same technique on the meshes agrees with the reference there; empty where it does not
+/// support them. The worker is back at `frame` afterwards.
+std::vector<std::vector<std::uint8_t>> SideLane::right_on_mesh(const Frame& frame,
+                                                               std::span<const std::shared_ptr<const ReferenceState>> lights) {
   std::vector<std::vector<std::uint8_t>> right(lights.size());
   Frame mesh_frame = *lights[0]->on_mesh->frame;
   mesh_frame.light = frame.light;
   mesh_frame.lights = frame.lights;
-  if (ask_support(mesh_frame, "causes")) {
+  if (set_frame(mesh_frame, "causes")) {
     const std::vector<std::vector<float>> masks = split_masks(resolve_mask(false), lights.size());
     for (std::size_t k = 0; k < lights.size(); ++k) {
       const bool is_fraction = answer_kind(frame.all_lights()[k]) == AnswerKind::fraction;
@@ -99,18 +96,18 @@ std::vector<std::vector<std::uint8_t>> Engine::Body::Side::right_on_mesh(
                                        : !is_wrong(masks[k][i], truth[i]));
     }
   }
-  ask_support(frame, "causes");
+  set_frame(frame, "causes");
   resolve_mask(false);
   return right;
 }
 
 /// Names the cause of every wrong pixel, as `gnomon render` does.
-void Engine::Body::Side::find_causes_of(const std::shared_ptr<const Verdict>& verdict,
-                                        const std::shared_ptr<const ReferenceState>& truth) {
+void SideLane::find_causes_of(const std::shared_ptr<const Verdict>& verdict,
+                              const std::shared_ptr<const ReferenceState>& truth) {
   std::uint64_t ticket = 0;
   {
-    const std::lock_guard lock(body_.mutex);
-    if (body_.state.frame != verdict->answer->frame || body_.stop) return;
+    const std::lock_guard lock(board_.mutex);
+    if (board_.state.frame != verdict->answer->frame || board_.stop) return;
     ticket = causes_.ticket();
   }
   const Frame& frame = *verdict->answer->frame;
@@ -119,7 +116,6 @@ void Engine::Body::Side::find_causes_of(const std::shared_ptr<const Verdict>& ve
   const About& about = registry().technique(loaded_->technique).about;
   if (lights[0]->on_mesh && about.sees == Truth::mesh) right = right_on_mesh(frame, lights);
   std::vector<std::vector<Cause>> causes(lights.size());
-  auto complete = std::make_shared<Verdict>(*verdict);
   const bool is_done = causes_.run(ticket, [&] {
     for (std::size_t k = 0; k < lights.size(); ++k) {
       Reference reference{lights[k]->mask, lights[k]->classes, lights[k]->nearest_caster, lights[k]};
@@ -127,13 +123,14 @@ void Engine::Body::Side::find_causes_of(const std::shared_ptr<const Verdict>& ve
       reference.error = lights[k]->error;
       reference.irradiance = lights[k]->irradiance;
       reference.irradiance_error = lights[k]->irradiance_error;
+      const auto explain = [&](std::span<const std::uint32_t> pixels) { return Call(*this, "explain")->explain(pixels, k); };
       causes[k] = find_causes({frame.scene(), frame.loaded->store->casters(frame.gbuffer.truth), frame.gbuffer,
-                               frame.all_lights()[k], reference, verdict->answer->mask_under(k), right[k],
-                               [&](std::span<const std::uint32_t> pixels) { return explain(pixels, k); }, verdict->estimates,
-                               verdict->own_causes, about.rasterizes});
+                               frame.all_lights()[k], reference, verdict->answer->mask_under(k), right[k], explain,
+                               verdict->estimates, verdict->own_causes, about.rasterizes});
     }
   });
   if (!is_done) return;
+  auto complete = std::make_shared<Verdict>(*verdict);
   if (frame.is_together())
     complete->together = put_together(*verdict->answer, *truth, verdict->estimates, causes, verdict->own_causes);
   else
@@ -142,8 +139,7 @@ void Engine::Body::Side::find_causes_of(const std::shared_ptr<const Verdict>& ve
       count_causes(frame.is_together() ? complete->together->causes : complete->causes, verdict->own_causes);
   complete->has_causes = true;
   complete->reference = truth;
-  body_.change([&](EngineState&) {
-    SideState& s = state();
+  change([&](SideState& s) {
     if (s.verdict == verdict) s.verdict = complete;
     s.words = support_.why();
   });

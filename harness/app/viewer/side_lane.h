@@ -1,24 +1,22 @@
 #pragma once
-#include "app/viewer/engine_body.h"
+#include "app/viewer/board.h"
 
 namespace gnomon::viewer {
 
-/// One side of the picture: its worker, and which of its work is up to date. Everything belongs to the side's own thread, but
-/// for `interrupt` and what the lock guards.
-class Engine::Body::Side {
+/// One side of the picture: its worker, and which of its work is up to date.
+class SideLane : public Lane {
  public:
-  Side(Body& body, int index) : body_(body), index_(index) {}
+  SideLane(Board& board, int index) : Lane(board), index_(index) {}
 
-  /// Under the lock: the most urgent thing to do, empty when there is nothing.
-  Work next();
-  /// Under the lock, before the selection changes: gives up the work, and the worker, that the new selection has no use for.
+  /// Before the selection changes: gives up the work, and the worker, that the new selection has no use for.
   void drop_work_before(const Selection& selection);
-  /// Under the lock: causes of an older frame are given up.
-  void new_frame() { causes_.give_up(); }
-  /// Under the lock: whether it has answered, or will not answer, about the frame.
+  /// Gives up the causes of an older frame.
+  void give_up_causes() { causes_.give_up(); }
+  /// Whether it has answered, or will not answer, about the frame.
   bool has_finished(std::uint64_t frame) const;
-  /// Under the lock.
-  bool is_reference() const { return body_.state.sides[index_].is_reference; }
+  bool is_reference() const { return state().is_reference; }
+  /// Fills in how long the present call of the worker has taken, and how much of it is done.
+  void report_progress(SideState& report) const;
   void interrupt();
 
  private:
@@ -32,14 +30,22 @@ class Engine::Body::Side {
   /// A call of the worker: while it lives, the state says what for, without waking anybody.
   class Call {
    public:
-    Call(Side& side, const std::string& words);
-    ~Call();
+    Call(SideLane& side, const std::string& words) : side_(side) {
+      const std::lock_guard lock(side_.board_.mutex);
+      side_.state().words = words;
+      side_.since_ = Clock::now();
+    }
+    ~Call() {
+      const std::lock_guard lock(side_.board_.mutex);
+      side_.since_.reset();
+      side_.fresh_ = side_.worker_->fresh_count();
+    }
     WorkerClient* operator->() { return side_.worker_.get(); }
 
    private:
-    Side& side_;
+    SideLane& side_;
   };
-  bool is_answered(const Frame& frame) const;
+  Work next() override;
   LoadedTechnique selected_technique(const Selection& selection) const;
   Work next_answer(const SideSelection& selection, const std::shared_ptr<const Frame>& frame);
   Work next_finding(const SideSelection& selection, const std::shared_ptr<const Frame>& frame);
@@ -54,27 +60,29 @@ class Engine::Body::Side {
   void count_wrong(const std::shared_ptr<const SideAnswer>& answer, const std::shared_ptr<const ReferenceState>& reference);
   void find_causes_of(const std::shared_ptr<const Verdict>& verdict, const std::shared_ptr<const ReferenceState>& truth);
 
-  Support ask_support(const Frame& frame, const std::string& words);
+  Support set_frame(const Frame& frame, const std::string& words);
   std::vector<float> resolve_mask(bool is_timed);
   std::vector<std::vector<std::uint8_t>> right_on_mesh(const Frame& frame,
                                                        std::span<const std::shared_ptr<const ReferenceState>> lights);
-  std::vector<std::optional<Explanation>> explain(std::span<const std::uint32_t> pixels, std::size_t light);
-  /// Whether the technique supports that light of the frame.
-  bool casts_shadows(std::size_t light) const { return light_supports_.empty() || light_supports_[light]; }
-  Work guarded(std::function<void()> work);
+  Work guarded(Work work);
   void fail(const std::string& why);
   void show_nothing(Phase phase, const std::string& why);
-  SideState& state() { return body_.state.sides[index_]; }
+  SideState& state() { return board_.state.sides[index_]; }
+  const SideState& state() const { return board_.state.sides[index_]; }
+  /// Changes the state of the side as Board::change does.
+  template <class Change>
+  void change(const Change& change) {
+    board_.change([&](EngineState&) { change(state()); });
+  }
 
-  Body& body_;
   const int index_;
-  std::unique_ptr<WorkerClient> worker_;   ///< put here and taken away under the lock; ended without it, which takes a while
+  std::unique_ptr<WorkerClient> worker_;   ///< set and taken under the lock; destroyed without it, which takes a while
   std::optional<LoadedTechnique> loaded_;  ///< what the worker was started for; stays when it failed
   std::string settings_;
   bool has_failed_ = false;
   bool is_given_up_ = false;  ///< something else was selected since the worker was started, perhaps only for a moment
   int fresh_ = 0;             ///< stages up to date
-  std::uint64_t frame_ = 0;   ///< number of the frame that the worker was asked about last
+  std::uint64_t frame_ = 0;   ///< number of the frame that the worker was set to last
   bool is_supported_ = false;
   Support support_ = Support::full();
   std::vector<Support> light_supports_;  ///< of several lights, each
@@ -82,7 +90,6 @@ class Engine::Body::Side {
   std::uint64_t repeat_ = 0;
   std::optional<Clock::time_point> since_;  ///< when the present call of the worker began
   Interruptible causes_;
-  friend class Engine;
 };
 
 }  // namespace gnomon::viewer
